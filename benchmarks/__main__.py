@@ -1,6 +1,8 @@
-"""``python -m benchmarks``: this package and the peers that are installed, side by side, as one table, printed and saved.
+"""``python -m benchmarks``: this package and the peers that are installed, side by side, as one
+table, printed and saved.
 
-Peers are no dependency: name an interpreter that holds them with ``--peers PYTHON`` or the variable VALVETRAIN_PEERS.
+Peers are no dependency: name an interpreter that holds them with ``--peers PYTHON`` or the variable
+VALVETRAIN_PEERS.
 """
 
 from __future__ import annotations
@@ -16,10 +18,23 @@ from benchmarks.rows import HEAD, Row, cells, machine, save
 
 def main() -> None:
     """Measure the wanted parts."""
-    parser = argparse.ArgumentParser(prog="python -m benchmarks", description=__doc__.splitlines()[0])
-    parser.add_argument("parts", nargs="*", help="start, main, springs, trains; all of them by default")
-    parser.add_argument("--peers", default=os.environ.get("VALVETRAIN_PEERS", ""), help="Python interpreter that holds the peers")
-    parser.add_argument("--output", type=Path, default=Path("build/benchmarks"), help="folder for speed.json and speed.md")
+    parser = argparse.ArgumentParser(
+        prog="python -m benchmarks", description=__doc__.splitlines()[0]
+    )
+    parser.add_argument(
+        "parts", nargs="*", help="start, main, springs, trains; all of them by default"
+    )
+    parser.add_argument(
+        "--peers",
+        default=os.environ.get("VALVETRAIN_PEERS", ""),
+        help="Python interpreter that holds the peers",
+    )
+    parser.add_argument(
+        "--output",
+        type=Path,
+        default=Path("build/benchmarks"),
+        help="folder for speed.json and speed.md",
+    )
     wanted = parser.parse_args()
     parts: dict[str, Callable[[], list[Row]]] = {
         "start": start_up.measure, "main": main_job.measure, "springs": lambda: spring_jobs.measure(wanted.peers),

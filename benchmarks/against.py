@@ -1,7 +1,10 @@
-"""``python -m benchmarks.against CHECKOUT``: this checkout and another one of the package, turn by turn in one call, as one table.
+"""``python -m benchmarks.against CHECKOUT``: this checkout and another one of the package, turn by
+turn in one call, as one table.
 
-Both run under this interpreter with their own sources; kernels of single jobs are warm, commands are whole processes after a first one
-that may compile. The ratio is that of the least CPU times, which other work on the machine disturbs least.
+Both run under this interpreter with their own sources; kernels of single jobs are warm, commands
+are whole processes after a first one
+that may compile. The ratio is that of the least CPU times, which other work on the machine disturbs
+least.
 """
 
 from __future__ import annotations
@@ -43,10 +46,18 @@ NEWER = ("--no-critical-speeds",)
 
 def cpu_of(checkout: Path, arguments: list[str]) -> tuple[float, str]:
     """CPU time (s) of one process with that checkout's sources, and what it printed."""
-    inherited = {name: value for name, value in os.environ.items() if name != "PYTHONDONTWRITEBYTECODE"}  # users' installations keep it
-    environment = {**inherited, "PYTHONPATH": str(checkout / "src"), **dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"), "1")}
+    inherited = {
+        name: value for name, value in os.environ.items() if name != "PYTHONDONTWRITEBYTECODE"
+    }  # users' installations keep it
+    environment = {
+        **inherited,
+        "PYTHONPATH": str(checkout / "src"),
+        **dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"), "1"),
+    }
     before = resource.getrusage(resource.RUSAGE_CHILDREN)
-    done = subprocess.run([sys.executable, *arguments], cwd=checkout, env=environment, capture_output=True, text=True)
+    done = subprocess.run(
+        [sys.executable, *arguments], cwd=checkout, env=environment, capture_output=True, text=True
+    )
     after = resource.getrusage(resource.RUSAGE_CHILDREN)
     if done.returncode:
         raise SystemExit(f"{checkout}: {' '.join(arguments)} failed: {done.stderr.strip()[-400:]}")
@@ -61,19 +72,37 @@ def once(checkout: Path, name: str) -> float:
         return float(json.loads(line.removeprefix("RESULT"))["cpu"])
     with tempfile.TemporaryDirectory() as folder:
         start = "from valvetrain.cli.main import main; main()"
-        return cpu_of(checkout, ["-c", start, *known_words(checkout, COMMANDS[name]), "--output", str(Path(folder) / "result")])[0]
+        return cpu_of(
+            checkout,
+            [
+                "-c",
+                start,
+                *known_words(checkout, COMMANDS[name]),
+                "--output",
+                str(Path(folder) / "result"),
+            ],
+        )[0]
 
 
 def known_words(checkout: Path, words: tuple[str, ...]) -> list[str]:
     """The words of a command that a checkout knows."""
-    source = "".join(path.read_text(encoding="utf-8") for path in (checkout / "src" / "valvetrain" / "cli").glob("*.py"))
-    return [word for word in words if word not in NEWER or f"/{word}" in source or f'"{word}"' in source]
+    source = "".join(
+        path.read_text(encoding="utf-8")
+        for path in (checkout / "src" / "valvetrain" / "cli").glob("*.py")
+    )
+    return [
+        word for word in words if word not in NEWER or f"/{word}" in source or f'"{word}"' in source
+    ]
 
 
 def main() -> None:
     """Print the table as Markdown, row by row."""
-    parser = argparse.ArgumentParser(prog="python -m benchmarks.against", description=__doc__.splitlines()[0])
-    parser.add_argument("checkout", type=Path, help="folder of the other version, with src and benchmarks")
+    parser = argparse.ArgumentParser(
+        prog="python -m benchmarks.against", description=__doc__.splitlines()[0]
+    )
+    parser.add_argument(
+        "checkout", type=Path, help="folder of the other version, with src and benchmarks"
+    )
     parser.add_argument("--rounds", type=int, default=3, help="measurements of each side")
     wanted = parser.parse_args()
     other = wanted.checkout.resolve()
@@ -83,7 +112,9 @@ def main() -> None:
         for turn in range(wanted.rounds + 1):
             for side in (other, HERE) if turn % 2 else (HERE, other):
                 sides[side].append(once(side, name))
-        before, after = (min(times[1:]) for times in (sides[other], sides[HERE]))  # the first may compile
+        before, after = (
+            min(times[1:]) for times in (sides[other], sides[HERE])
+        )  # the first may compile
         print(f"| {name} | {before:.4g} | {after:.4g} | {after / before - 1:+.1%} |", flush=True)
 
 

@@ -1,4 +1,6 @@
-"""Row of the main job: the published study, three speeds, both models, report written, as a whole process on two cores."""
+"""Row of the main job: the published study, three speeds, both models, report written, as a whole
+process on two cores.
+"""
 
 from __future__ import annotations
 
@@ -9,9 +11,11 @@ import tempfile
 from benchmarks import start_up
 from benchmarks.rows import Row
 
-CODE = "import sys; sys.argv = ['valvetrain', 'run', 'gu2021-beehive', '--workers', '2', '--json', '--output', {folder!r}]; " \
-    "import valvetrain.cli.main as m, contextlib, io\n" \
-    "with contextlib.redirect_stdout(io.StringIO()), contextlib.suppress(SystemExit): m.main()"  # fmt: skip
+CODE = (
+    "import sys; sys.argv = ['valvetrain', 'run', 'gu2021-beehive', '--workers', '2', '--json', '--output', {folder!r}]; "
+    "import valvetrain.cli.main as m, contextlib, io\n"
+    "with contextlib.redirect_stdout(io.StringIO()), contextlib.suppress(SystemExit): m.main()"
+)
 
 
 def measure() -> list[Row]:
@@ -26,4 +30,14 @@ def measure() -> list[Row]:
             if cores:
                 os.sched_setaffinity(0, cores)
     wall, cpu, memory = (statistics.median(values) for values in zip(*runs, strict=True))
-    return [Row("main job", "valvetrain", "whole process, 2 workers on 2 cores", wall, cpu, memory, note="targets 5 s and 400 MB")]
+    return [
+        Row(
+            "main job",
+            "valvetrain",
+            "whole process, 2 workers on 2 cores",
+            wall,
+            cpu,
+            memory,
+            note="targets 5 s and 400 MB",
+        )
+    ]

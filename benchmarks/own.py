@@ -1,4 +1,6 @@
-"""One job of this package in its own process: ``python -m benchmarks.own '{"job": "T", ...}'`` prints a RESULT line like the peers."""
+"""One job of this package in its own process: ``python -m benchmarks.own '{"job": "T", ...}'``
+prints a RESULT line like the peers.
+"""
 
 from __future__ import annotations
 
@@ -43,10 +45,18 @@ def job_transient(job: str, per_coil: int, damping: str, repeats: int) -> dict:
     """T or C: mesh, installed state and time integration."""
 
     def whole():
-        return transient(*rod(spring_t() if job == "T" else spring_c(), per_coil, damping, job == "C"))
+        return transient(
+            *rod(spring_t() if job == "T" else spring_c(), per_coil, damping, job == "C")
+        )
 
     wall, cpu, run = timed(whole, repeats)
-    return {"wall": wall, "cpu": cpu, "trace": run.seat_force.tolist(), "steps": run.steps, "elements": 6 * per_coil}
+    return {
+        "wall": wall,
+        "cpu": cpu,
+        "trace": run.seat_force.tolist(),
+        "steps": run.steps,
+        "elements": 6 * per_coil,
+    }
 
 
 def job_static(per_coil: int, repeats: int) -> dict:
@@ -54,7 +64,9 @@ def job_static(per_coil: int, repeats: int) -> dict:
     from valvetrain.cosserat.static import RodStatics, compress
 
     mesh, _, _ = rod(spring_t(), per_coil, "mass", False)
-    wall, cpu, path = timed(lambda: compress(RodStatics(mesh), np.linspace(0.5e-3, 12e-3, 24).tolist()), repeats)
+    wall, cpu, path = timed(
+        lambda: compress(RodStatics(mesh), np.linspace(0.5e-3, 12e-3, 24).tolist()), repeats
+    )
     return {"wall": wall, "cpu": cpu, "trace": [point.retainer_force for point in path]}
 
 
@@ -67,30 +79,43 @@ def job_modes(per_coil: int, repeats: int) -> dict:
     mesh, _, installed = rod(spring_t(), per_coil, "mass", False)
 
     def both():
-        return [natural_modes(RodStatics(mesh), state, 6).natural_frequency for state in (free_state(mesh), installed)]
+        return [
+            natural_modes(RodStatics(mesh), state, 6).natural_frequency
+            for state in (free_state(mesh), installed)
+        ]
 
     wall, cpu, found = timed(both, repeats)
     return {"wall": wall, "cpu": cpu, "trace": np.concatenate(found).tolist()}
 
 
 def job_batch(per_coil: int, variants: int, workers: int) -> dict:
-    """B: CPU seconds per variant, side by side and one by one, and the wall time over ``workers`` threads."""
+    """B: CPU seconds per variant, side by side and one by one, and the wall time over ``workers``
+    threads.
+    """
     from valvetrain.cosserat.batch import simulate_batch
     from valvetrain.cosserat.buffer import stable_time_step
 
-    built = [rod(spring_c(factor), per_coil, "stiffness", True) for factor in 1 + 0.02 * np.linspace(-1, 1, variants)]
+    built = [
+        rod(spring_c(factor), per_coil, "stiffness", True)
+        for factor in 1 + 0.02 * np.linspace(-1, 1, variants)
+    ]
     meshes, starts, dynamics = [item[0] for item in built], [item[2] for item in built], built[0][1]
     step = min(stable_time_step(mesh, dynamics) for mesh in meshes)
     samples = REVOLUTIONS * PER_TURN
 
     def batch(count: int, threads: int):
-        return simulate_batch(meshes[:count], starts[:count], motion, INTERVAL, samples, dynamics, step, threads)
+        return simulate_batch(
+            meshes[:count], starts[:count], motion, INTERVAL, samples, dynamics, step, threads
+        )
 
     batch(1, 1)
     few = min(variants, 16)
 
     def one_by_one():
-        return [transient(mesh, dynamics, start, step).seat_force for mesh, start in zip(meshes[:few], starts[:few], strict=True)]
+        return [
+            transient(mesh, dynamics, start, step).seat_force
+            for mesh, start in zip(meshes[:few], starts[:few], strict=True)
+        ]
 
     _, alone_cpu, runs = timed(one_by_one, 3)
     _, side_cpu, _ = timed(lambda: batch(few, 1), 3)
@@ -102,9 +127,15 @@ def job_batch(per_coil: int, variants: int, workers: int) -> dict:
     spread = time.perf_counter() - started
     difference = max(float(np.abs(result.seat_force[k] - runs[k]).max()) for k in range(few))
     return {
-        "wall": spread, "cpu": side_cpu / few, "trace": [], "per_variant_alone": alone_cpu / few, "gain": alone_cpu / side_cpu,
-        "efficiency": one / (workers * spread), "difference": difference, "completed": bool(result.completed.all()),
-    }  # fmt: skip
+        "wall": spread,
+        "cpu": side_cpu / few,
+        "trace": [],
+        "per_variant_alone": alone_cpu / few,
+        "gain": alone_cpu / side_cpu,
+        "efficiency": one / (workers * spread),
+        "difference": difference,
+        "completed": bool(result.completed.all()),
+    }
 
 
 def job_chain(repeats: int) -> dict:
@@ -114,7 +145,11 @@ def job_chain(repeats: int) -> dict:
     from valvetrain.springs.multi_mass import MultiMassSpring
 
     model = MultiMassSpring.from_definition(
-        spring_c(), PRECOMPRESSION, masses_per_coil=8, contact_stiffness=2e10, stiffness_damping=DAMPING["stiffness"][1]
+        spring_c(),
+        PRECOMPRESSION,
+        masses_per_coil=8,
+        contact_stiffness=2e10,
+        stiffness_damping=DAMPING["stiffness"][1],
     )
     duration = REVOLUTIONS * 2 * np.pi / CAM_SPEED
     steps = int(np.ceil(duration / (0.9 * model.stable_time_step())))
@@ -132,7 +167,15 @@ def job_chain(repeats: int) -> dict:
     parameters, integers, forces = model.parameters(), model.integers(), np.zeros(steps + 1)
 
     def whole():
-        integrate_in_time(parameters, integers, model.initial_state(0.0), place, velocity, duration / steps, forces)
+        integrate_in_time(
+            parameters,
+            integers,
+            model.initial_state(0.0),
+            place,
+            velocity,
+            duration / steps,
+            forces,
+        )
         return forces
 
     wall, cpu, trace = timed(whole, repeats)
@@ -148,7 +191,11 @@ def main(options: dict) -> None:
     elif job == "B":
         result = job_batch(options["per_coil"], options["variants"], options["workers"])
     else:
-        result = {"S": lambda: job_static(24, repeats), "M": lambda: job_modes(24, repeats), "chain": lambda: job_chain(repeats)}[job]()
+        result = {
+            "S": lambda: job_static(24, repeats),
+            "M": lambda: job_modes(24, repeats),
+            "chain": lambda: job_chain(repeats),
+        }[job]()
     result["memory_mb"] = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
     print("RESULT " + json.dumps(result))
 

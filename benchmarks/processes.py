@@ -22,7 +22,10 @@ def own(options: dict) -> dict:
 def peer(name: str, interpreter: str, options: dict, limit: float = 300.0) -> dict | str:
     """Result of a peer's job, or the reason why there is none."""
     try:
-        return _result([interpreter, "-W", "ignore", str(PEERS / f"{name}_peer.py"), json.dumps(options)], limit)
+        return _result(
+            [interpreter, "-W", "ignore", str(PEERS / f"{name}_peer.py"), json.dumps(options)],
+            limit,
+        )
     except subprocess.TimeoutExpired:
         return f"not done within {limit:.0f} s"
     except RuntimeError as error:
@@ -34,13 +37,25 @@ def present(name: str, interpreter: str) -> bool:
     if not interpreter:
         return False
     try:
-        return subprocess.run([interpreter, "-c", f"import {MODULES[name]}"], capture_output=True, check=False).returncode == 0
+        return (
+            subprocess.run(
+                [interpreter, "-c", f"import {MODULES[name]}"], capture_output=True, check=False
+            ).returncode
+            == 0
+        )
     except OSError:
         return False
 
 
 def _result(command: list[str], limit: float | None = None) -> dict:
-    run = subprocess.run(command, env={**os.environ, **ONE_THREAD}, capture_output=True, text=True, check=False, timeout=limit)
+    run = subprocess.run(
+        command,
+        env={**os.environ, **ONE_THREAD},
+        capture_output=True,
+        text=True,
+        check=False,
+        timeout=limit,
+    )
     lines = [line for line in run.stdout.splitlines() if line.startswith("RESULT ")]
     if not lines:
         raise RuntimeError((run.stderr.strip().splitlines() or ["no result"])[-1][:160])

@@ -15,7 +15,9 @@ NAN = float("nan")
 
 @dataclass(frozen=True)
 class Row:
-    """A measurement: ``wall`` and ``cpu`` in s (medians), peak ``memory`` in MB, relative rms ``error``, ``ratio`` to this package."""
+    """A measurement: ``wall`` and ``cpu`` in s (medians), peak ``memory`` in MB, relative rms
+    ``error``, ``ratio`` to this package.
+    """
 
     job: str
     program: str
@@ -38,9 +40,16 @@ def cells(row: Row) -> tuple[str, ...]:
         return "" if value != value else format(value, form)
 
     return (
-        row.job, row.program, row.setting, number(row.wall, ".3g"), number(row.cpu, ".3g"), number(row.memory, ".0f"),
-        number(100 * row.error, ".2f") + (" %" if row.error == row.error else ""), number(row.ratio, ".3g"), row.note,
-    )  # fmt: skip
+        row.job,
+        row.program,
+        row.setting,
+        number(row.wall, ".3g"),
+        number(row.cpu, ".3g"),
+        number(row.memory, ".0f"),
+        number(100 * row.error, ".2f") + (" %" if row.error == row.error else ""),
+        number(row.ratio, ".3g"),
+        row.note,
+    )
 
 
 def markdown(rows: Sequence[Row]) -> str:
@@ -54,7 +63,9 @@ def machine() -> str:
     name = platform.processor() or platform.machine()
     try:
         lines = Path("/proc/cpuinfo").read_text().splitlines()
-        name = next(line.split(":", 1)[1].strip() for line in lines if line.startswith("model name"))
+        name = next(
+            line.split(":", 1)[1].strip() for line in lines if line.startswith("model name")
+        )
     except (OSError, StopIteration):
         pass
     return f"{name}, {os.cpu_count()} cores, Python {platform.python_version()}"
@@ -64,9 +75,16 @@ def save(rows: Sequence[Row], folder: Path) -> None:
     """Write ``speed.json`` and ``speed.md``."""
     folder.mkdir(parents=True, exist_ok=True)
     stamp = {"machine": machine(), "date": time.strftime("%Y-%m-%d")}
-    content = [{key: (None if value != value else value) for key, value in asdict(row).items()} for row in rows]
-    (folder / "speed.json").write_text(json.dumps({**stamp, "rows": content}, indent=1) + "\n", encoding="utf-8")
-    (folder / "speed.md").write_text(f"{stamp['machine']}, {stamp['date']}\n\n{markdown(rows)}", encoding="utf-8")
+    content = [
+        {key: (None if value != value else value) for key, value in asdict(row).items()}
+        for row in rows
+    ]
+    (folder / "speed.json").write_text(
+        json.dumps({**stamp, "rows": content}, indent=1) + "\n", encoding="utf-8"
+    )
+    (folder / "speed.md").write_text(
+        f"{stamp['machine']}, {stamp['date']}\n\n{markdown(rows)}", encoding="utf-8"
+    )
 
 
 def rusage_of(code: str) -> str:

@@ -1,4 +1,6 @@
-"""Writes docs/solid-reference.md from the kept results of solid_reference.py; the rod's numbers are computed anew."""
+"""Writes docs/solid-reference.md from the kept results of solid_reference.py; the rod's numbers are
+computed anew.
+"""
 
 from __future__ import annotations
 
@@ -8,7 +10,18 @@ from pathlib import Path
 
 import numpy as np
 from scipy.interpolate import CubicSpline
-from solid_reference import BEEHIVE_LEVELS, LARGE, LEVELS, SMALL, SPRINGS, STORE, STRESS_LEVELS, beehive, richardson, summary
+from solid_reference import (
+    BEEHIVE_LEVELS,
+    LARGE,
+    LEVELS,
+    SMALL,
+    SPRINGS,
+    STORE,
+    STRESS_LEVELS,
+    beehive,
+    richardson,
+    summary,
+)
 
 from valvetrain.cosserat.buffer import RodDynamics
 from valvetrain.cosserat.mesh import mesh_spring
@@ -89,7 +102,9 @@ def rod_of(name: str) -> tuple[np.ndarray, dict[str, np.ndarray]]:
     statics = RodStatics(replace(mesh, lower_seat_limit=-nowhere, upper_seat_limit=nowhere))
     results = compress(statics, [SMALL, LARGE])
     states = {"free": free_state(mesh), "loaded": results[-1].state}
-    return np.array([r.retainer_force for r in results]), {k: natural_modes(statics, v, 14).natural_frequency for k, v in states.items()}
+    return np.array([r.retainer_force for r in results]), {
+        k: natural_modes(statics, v, 14).natural_frequency for k, v in states.items()
+    }
 
 
 def uniform_section(name: str) -> str:
@@ -98,17 +113,46 @@ def uniform_section(name: str) -> str:
     found = data["found"]
     text = f"\n### {spring.name}, D/d = {float(spring.index(0.0)):.2f}\n\n"
     rows = [
-        [item["level"], f"{LEVELS[item['level']][0]}", str(item["elements"]), str(item["unknowns"]), f"{item['force_small']:.5f}",
-         f"{item['force_large']:.4f}", f"{item['frequencies_free'][0]:.3f}", f"{item['wall_time']:.0f} s"]
+        [
+            item["level"],
+            f"{LEVELS[item['level']][0]}",
+            str(item["elements"]),
+            str(item["unknowns"]),
+            f"{item['force_small']:.5f}",
+            f"{item['force_large']:.4f}",
+            f"{item['frequencies_free'][0]:.3f}",
+            f"{item['wall_time']:.0f} s",
+        ]
         for item in found
-    ]  # fmt: skip
+    ]
     small, large, first = data["force_small"], data["force_large"], data["free"][0]
     if len(found) == 3:
-        rows.append(["limit", "", "", "", f"{small[0]:.5f}", f"{large[0]:.4f}", f"{first[0]:.3f}", ""])
-        rows.append(["p", "", "", "", *(f"{v[2]:.2f}" if v[2] == v[2] else "-" for v in (small, large, first)), ""])
+        rows.append(
+            ["limit", "", "", "", f"{small[0]:.5f}", f"{large[0]:.4f}", f"{first[0]:.3f}", ""]
+        )
+        rows.append(
+            [
+                "p",
+                "",
+                "",
+                "",
+                *(f"{v[2]:.2f}" if v[2] == v[2] else "-" for v in (small, large, first)),
+                "",
+            ]
+        )
     difference = 100 * (rod_force / [small[0], large[0]] - 1)
     first_difference = 100 * (rod_frequency["free"][0] / first[0] - 1)
-    rows.append(["rod", "36", "", "", *(f"{v:+.3f} %" for v in difference), f"{first_difference:+.2f} %", ""])
+    rows.append(
+        [
+            "rod",
+            "36",
+            "",
+            "",
+            *(f"{v:+.3f} %" for v in difference),
+            f"{first_difference:+.2f} %",
+            "",
+        ]
+    )
     head = ["mesh", "per coil", "elements", "unknowns", f"force at {SMALL * 1e3:g} mm (N)"]
     head += [f"at {LARGE * 1e3:g} mm (N)", "mode 1, free (Hz)", "wall time"]
     text += table(head, rows) + "\n"
@@ -118,18 +162,32 @@ def uniform_section(name: str) -> str:
         for state in ("free", "loaded"):
             value = data[state][mode][0]
             mark = " *" if mode + 1 in data[f"axial_{state}"] else ""
-            cells += [f"{value:.2f}{mark}", f"{100 * (rod_frequency[state][mode] / value - 1):+.2f} %"]
+            cells += [
+                f"{value:.2f}{mark}",
+                f"{100 * (rod_frequency[state][mode] / value - 1):+.2f} %",
+            ]
         rows.append(cells)
     return text + table(["mode", "free (Hz)", "rod", f"at {LARGE * 1e3:g} mm (Hz)", "rod"], rows)
 
 
 def stress_section() -> str:
-    found = [json.loads((STORE / f"stress-index-6-{level}.json").read_text()) for level in STRESS_LEVELS]
+    found = [
+        json.loads((STORE / f"stress-index-6-{level}.json").read_text()) for level in STRESS_LEVELS
+    ]
     rows = [
-        [item["level"], str(item["unknowns"]), f"{item['inner_factor']:.4f}", f"{item['outer_factor']:.4f}", f"{item['wall_time']:.0f} s"]
+        [
+            item["level"],
+            str(item["unknowns"]),
+            f"{item['inner_factor']:.4f}",
+            f"{item['outer_factor']:.4f}",
+            f"{item['wall_time']:.0f} s",
+        ]
         for item in found
-    ]  # fmt: skip
-    limits = [richardson([item[key] for item in found], (1 / 2, 1 / 4, 1 / 6)) for key in ("inner_factor", "outer_factor")]
+    ]
+    limits = [
+        richardson([item[key] for item in found], (1 / 2, 1 / 4, 1 / 6))
+        for key in ("inner_factor", "outer_factor")
+    ]
     rows.append(["limit", "", *(f"{v[0]:.3f} +- {v[1]:.3f}" for v in limits), ""])
     w = 6.0
     closed = [
@@ -140,9 +198,11 @@ def stress_section() -> str:
         "\n## Stress at the inner fibre\n\nThree turns at D/d = 6 under 0.1 mm (5.94 N): shear on the inner and outer fibre over\n"
         "16 T / (pi d^3), T the torsional moment left in the wire by the printed reactions, mean over the middle turn; nodal stress\n"
         "extrapolated by the solver, which converges slowly (order 1.8) and from above.\n\n"
-        + table(["mesh", "unknowns", "inner", "outer", "wall time"], rows) + "\n" + table(["closed form at index 6", "factor"], closed)
+        + table(["mesh", "unknowns", "inner", "outer", "wall time"], rows)
+        + "\n"
+        + table(["closed form at index 6", "factor"], closed)
         + "\nGoehner and Bergstraesser lie within the mesh uncertainty of the limit; Wahl is 1.8 % above it.\n"
-    )  # fmt: skip
+    )
 
 
 def beehive_section() -> str:
@@ -158,13 +218,37 @@ def beehive_section() -> str:
         "kind of `gu2021-beehive`, not the case itself.\n\n"
     )
     rows = [
-        [item["level"], "{} x {}, {}".format(*BEEHIVE_LEVELS[item["level"]]), str(item["unknowns"]), f"{item['force'][-1]:.2f}",
-         *(f"{item['frequencies'][i]:.1f}" for i in item["axial"][:3]), f"{item['wall_time']:.0f} s"]
+        [
+            item["level"],
+            "{} x {}, {}".format(*BEEHIVE_LEVELS[item["level"]]),
+            str(item["unknowns"]),
+            f"{item['force'][-1]:.2f}",
+            *(f"{item['frequencies'][i]:.1f}" for i in item["axial"][:3]),
+            f"{item['wall_time']:.0f} s",
+        ]
         for item in found
-    ]  # fmt: skip
+    ]
     axial = rod.axial_modes(3)
-    rows.append(["rod", "24", "", f"{results[-1].retainer_force:.2f}", *(f"{rod.natural_frequency[i]:.1f}" for i in axial), ""])
-    head = ["mesh", "per coil x core, rings", "unknowns", "force at 7 mm (N)", "axial 1 (Hz)", "axial 2", "axial 3", "wall time"]
+    rows.append(
+        [
+            "rod",
+            "24",
+            "",
+            f"{results[-1].retainer_force:.2f}",
+            *(f"{rod.natural_frequency[i]:.1f}" for i in axial),
+            "",
+        ]
+    )
+    head = [
+        "mesh",
+        "per coil x core, rings",
+        "unknowns",
+        "force at 7 mm (N)",
+        "axial 1 (Hz)",
+        "axial 2",
+        "axial 3",
+        "wall time",
+    ]
     text += table(head, rows) + "\n"
     contact = np.sum(best["coil_contact_force"], axis=1)
     finer = STORE / "partial-beehive-3.json"
@@ -175,15 +259,31 @@ def beehive_section() -> str:
             f"A finer mesh ({item['unknowns']} unknowns), stopped for its time at {at * 1e3:.2f} mm, has {force:.2f} N there; mesh "
             f"{best['level']} {np.interp(at, best['compression'], best['force']):.2f} N.\n\n"
         )
-    gap = [100 * (result.retainer_force / force - 1) for result, force in zip(results, best["force"][1:], strict=True)]
+    gap = [
+        100 * (result.retainer_force / force - 1)
+        for result, force in zip(results, best["force"][1:], strict=True)
+    ]
     rows = [
-        [f"{best['compression'][i] * 1e3:.2f}", f"{best['force'][i]:.2f}", f"{gap[i - 1]:+.2f} %", f"{best['stiffness'][i] / 1e3:.2f}",
-         f"{contact[i]:.1f}"]
+        [
+            f"{best['compression'][i] * 1e3:.2f}",
+            f"{best['force'][i]:.2f}",
+            f"{gap[i - 1]:+.2f} %",
+            f"{best['stiffness'][i] / 1e3:.2f}",
+            f"{contact[i]:.1f}",
+        ]
         for i in range(2, len(best["force"]), 2)
-    ]  # fmt: skip
-    text += table(["compression (mm)", "force (N)", "rod", "stiffness (N/mm)", "coil contact (N)"], rows)
-    pairs = [f"{100 * (rod.natural_frequency[i] / best['frequencies'][i] - 1):+.2f}" for i in range(min(14, len(best["frequencies"])))]
-    return text + f"\nRod against solid, modes 1 to {len(pairs)} at 7 mm, per cent: {', '.join(pairs)}.\n"
+    ]
+    text += table(
+        ["compression (mm)", "force (N)", "rod", "stiffness (N/mm)", "coil contact (N)"], rows
+    )
+    pairs = [
+        f"{100 * (rod.natural_frequency[i] / best['frequencies'][i] - 1):+.2f}"
+        for i in range(min(14, len(best["frequencies"])))
+    ]
+    return (
+        text
+        + f"\nRod against solid, modes 1 to {len(pairs)} at 7 mm, per cent: {', '.join(pairs)}.\n"
+    )
 
 
 def ends_section() -> str:
@@ -212,30 +312,61 @@ def ride_section() -> str:
         f"{1e3 * solid.time[-1]:.2f} ms in {data['wall_time']:.0f} s on one core.\nEnd of the run: {solid.status.sentence()}.\n\n"
     )
     rod_retainer, rod_seat = rod_motion(solid)
-    retainer, seat, degrees = solid.channel("retainer_force"), solid.channel("seat_force"), np.degrees(solid.cam_angle)
+    retainer, seat, degrees = (
+        solid.channel("retainer_force"),
+        solid.channel("seat_force"),
+        np.degrees(solid.cam_angle),
+    )
     rows = [
-        [f"{degrees[i]:.1f}", f"{retainer[i]:.0f}", f"{rod_retainer[i]:.0f}", f"{seat[i]:.0f}", f"{rod_seat[i]:.0f}"]
+        [
+            f"{degrees[i]:.1f}",
+            f"{retainer[i]:.0f}",
+            f"{rod_retainer[i]:.0f}",
+            f"{seat[i]:.0f}",
+            f"{rod_seat[i]:.0f}",
+        ]
         for i in range(0, len(degrees), 10)
-    ]  # fmt: skip
-    text += table(["cam angle (deg)", "retainer force, solid (N)", "rod", "seat force, solid (N)", "rod"], rows)
-    rms = [np.sqrt(np.mean((one - two)[2:-2] ** 2)) for one, two in ((retainer, rod_retainer), (seat, rod_seat))]
-    return text + f"\nRoot mean square of the difference: {rms[0]:.1f} N at the retainer, {rms[1]:.1f} N at the seat.\n"
+    ]
+    text += table(
+        ["cam angle (deg)", "retainer force, solid (N)", "rod", "seat force, solid (N)", "rod"],
+        rows,
+    )
+    rms = [
+        np.sqrt(np.mean((one - two)[2:-2] ** 2))
+        for one, two in ((retainer, rod_retainer), (seat, rod_seat))
+    ]
+    return (
+        text
+        + f"\nRoot mean square of the difference: {rms[0]:.1f} N at the retainer, {rms[1]:.1f} N at the seat.\n"
+    )
 
 
 def rod_motion(solid: Solution) -> tuple[np.ndarray, np.ndarray]:
-    """Retainer and seat force of the rod on the lift that ``solid`` followed, means over its increments."""
+    """Retainer and seat force of the rod on the lift that ``solid`` followed, means over its
+    increments.
+    """
     time = solid.time
     lift = CubicSpline(time, solid.channel("valve_lift"))
     damping = load_case("gu2021-beehive").springs[0].damping.mass_damping
     mesh = mesh_spring(beehive(), 24)
     start = compress(RodStatics(mesh), [LARGE])[-1].state
     run = simulate(
-        mesh, start, lambda t: LARGE + lift(np.minimum(t, time[-1])), 4e-5, round(time[-1] / 4e-5) + 2,
+        mesh,
+        start,
+        lambda t: LARGE + lift(np.minimum(t, time[-1])),
+        4e-5,
+        round(time[-1] / 4e-5) + 2,
         RodDynamics(mass_damping=damping, stiffness_damping=0.0),
-    )  # fmt: skip
+    )
     width = max(1, round(4e-5 / (run.dense_time[1] - run.dense_time[0])))
-    window, count = np.ones(width), np.convolve(np.ones(len(run.dense_time)), np.ones(width), mode="same")
-    mean = [np.convolve(force, window, mode="same") / count for force in (run.dense_retainer_force, run.dense_seat_force)]
+    window, count = (
+        np.ones(width),
+        np.convolve(np.ones(len(run.dense_time)), np.ones(width), mode="same"),
+    )
+    mean = [
+        np.convolve(force, window, mode="same") / count
+        for force in (run.dense_retainer_force, run.dense_seat_force)
+    ]
     return np.interp(time, run.dense_time, mean[0]), np.interp(time, run.dense_time, mean[1])
 
 

@@ -27,8 +27,13 @@ def measure(interpreter: str, quick: bool = False) -> list[Row]:
     """All rows; ``interpreter`` is the Python that holds the peers (empty: none)."""
     rows: list[Row] = []
     for job, damping in (("T", "stiffness"), ("T", "mass"), ("C", "stiffness")):
-        reference = np.array(own({"job": job, "per_coil": REFERENCE, "damping": damping, "repeats": 1})["trace"])
-        mine = [_transient_row(job, per_coil, damping, reference) for per_coil in ((12, 26) if job == "T" else (12, 24, 48))]
+        reference = np.array(
+            own({"job": job, "per_coil": REFERENCE, "damping": damping, "repeats": 1})["trace"]
+        )
+        mine = [
+            _transient_row(job, per_coil, damping, reference)
+            for per_coil in ((12, 26) if job == "T" else (12, 24, 48))
+        ]
         rows += mine
         if not quick:
             rows += _peer_rows(interpreter, job, damping, reference, mine)
@@ -38,9 +43,15 @@ def measure(interpreter: str, quick: bool = False) -> list[Row]:
 def _transient_row(job: str, per_coil: int, damping: str, reference: np.ndarray) -> Row:
     found = own({"job": job, "per_coil": per_coil, "damping": damping, "repeats": 5})
     return Row(
-        f"{job}, {damping} damping", "valvetrain", f"{per_coil} elements per coil, {found['steps']} steps", found["wall"], found["cpu"],
-        found["memory_mb"], relative_rms(np.array(found["trace"]), reference), note=_filtered(job, found["trace"], reference),
-    )  # fmt: skip
+        f"{job}, {damping} damping",
+        "valvetrain",
+        f"{per_coil} elements per coil, {found['steps']} steps",
+        found["wall"],
+        found["cpu"],
+        found["memory_mb"],
+        relative_rms(np.array(found["trace"]), reference),
+        note=_filtered(job, found["trace"], reference),
+    )
 
 
 def _filtered(job: str, trace: list[float], reference: np.ndarray) -> str:
@@ -57,17 +68,32 @@ def _low_pass(values: np.ndarray) -> np.ndarray:
     return low_pass(INTERVAL * np.arange(len(values)), values, BANDWIDTH)
 
 
-def _peer_rows(interpreter: str, job: str, damping: str, reference: np.ndarray, mine: list[Row]) -> list[Row]:
+def _peer_rows(
+    interpreter: str, job: str, damping: str, reference: np.ndarray, mine: list[Row]
+) -> list[Row]:
     rows = []
     for (name, its_job, its_damping), settings in PEER_RUNS.items():
         if (its_job, its_damping) != (job, damping):
             continue
         title = f"{job}, {damping} damping"
         if not present(name, interpreter):
-            rows.append(Row(title, name, "", note="absent: not importable by the interpreter given for peers"))
+            rows.append(
+                Row(
+                    title,
+                    name,
+                    "",
+                    note="absent: not importable by the interpreter given for peers",
+                )
+            )
             continue
-        results = [peer(name, interpreter, {"job": job, "damping": damping, "per_coil": n, "step": step}) for n, step in settings]
-        finest = next((np.array(item["trace"]) for item in reversed(results) if not isinstance(item, str)), None)
+        results = [
+            peer(name, interpreter, {"job": job, "damping": damping, "per_coil": n, "step": step})
+            for n, step in settings
+        ]
+        finest = next(
+            (np.array(item["trace"]) for item in reversed(results) if not isinstance(item, str)),
+            None,
+        )
         for (per_coil, step), result in zip(settings, results, strict=True):
             setting = f"{per_coil} pieces per coil, step {step:.2g} s"
             if isinstance(result, str):
@@ -77,7 +103,9 @@ def _peer_rows(interpreter: str, job: str, damping: str, reference: np.ndarray, 
     return rows
 
 
-def _peer_row(blank: Row, result: dict, reference: np.ndarray, mine: list[Row], finest: np.ndarray) -> Row:
+def _peer_row(
+    blank: Row, result: dict, reference: np.ndarray, mine: list[Row], finest: np.ndarray
+) -> Row:
     """Ratio: CPU time over that of this package's cheapest run that is no worse."""
     trace = np.array(result["trace"])
     error = relative_rms(trace, reference)
@@ -86,7 +114,13 @@ def _peer_row(blank: Row, result: dict, reference: np.ndarray, mine: list[Row], 
     if blank.job.startswith("C"):
         note = _filtered("C", result["trace"], reference) + "; contact at equal angle"
     return replace(
-        blank, wall=result["wall"], cpu=result["cpu"], memory=result["memory_mb"], error=error, ratio=result["cpu"] / min(equal), note=note
+        blank,
+        wall=result["wall"],
+        cpu=result["cpu"],
+        memory=result["memory_mb"],
+        error=error,
+        ratio=result["cpu"] / min(equal),
+        note=note,
     )
 
 
@@ -100,7 +134,17 @@ def small_jobs() -> list[Row]:
     rows = []
     for job, (title, setting, note) in texts.items():
         found = own({"job": job, "repeats": 9})
-        rows.append(Row(title, "valvetrain", setting, found["wall"], found["cpu"], found["memory_mb"], note=note))
+        rows.append(
+            Row(
+                title,
+                "valvetrain",
+                setting,
+                found["wall"],
+                found["cpu"],
+                found["memory_mb"],
+                note=note,
+            )
+        )
     return rows
 
 
@@ -109,17 +153,25 @@ def batch(variants: int = 256, workers: int = 2) -> list[Row]:
     rows = []
     for per_coil in (12, 24):
         found = own({"job": "B", "per_coil": per_coil, "variants": variants, "workers": workers})
-        rows.append(Row(
-            "B, batch of C", "valvetrain", f"{variants} variants, {per_coil} elements per coil, {workers} threads", found["wall"],
-            found["cpu"] * variants, found["memory_mb"],
-            note=f"{found['gain']:.2f} times the throughput per core of single runs (target 1.5), "
-            f"efficiency over cores {found['efficiency']:.2f} (target 0.9), largest difference {found['difference']:.1g} N",
-        ))  # fmt: skip
+        rows.append(
+            Row(
+                "B, batch of C",
+                "valvetrain",
+                f"{variants} variants, {per_coil} elements per coil, {workers} threads",
+                found["wall"],
+                found["cpu"] * variants,
+                found["memory_mb"],
+                note=f"{found['gain']:.2f} times the throughput per core of single runs (target 1.5), "
+                f"efficiency over cores {found['efficiency']:.2f} (target 0.9), largest difference {found['difference']:.1g} N",
+            )
+        )
     return rows
 
 
 def growth() -> list[Row]:
-    """Exponents of CPU time over a decade of elements (steps fixed) and over a decade of steps (elements fixed)."""
+    """Exponents of CPU time over a decade of elements (steps fixed) and over a decade of steps
+    (elements fixed).
+    """
     import time
 
     def cpu(mesh, dynamics, start, step: float, samples: int) -> float:
@@ -139,7 +191,12 @@ def growth() -> list[Row]:
     by_elements = [cpu(*item, 4e-8, 60) for item in rods]
     by_steps = [cpu(*rods[1], 3.7e-7, count) for count in samples]
     return [
-        _fit("elements", [6 * n for n in densities], by_elements, "72 to 720 elements, equal number of steps"),
+        _fit(
+            "elements",
+            [6 * n for n in densities],
+            by_elements,
+            "72 to 720 elements, equal number of steps",
+        ),
         _fit("steps", list(samples), by_steps, "a decade of steps, 144 elements"),
     ]
 
@@ -148,4 +205,9 @@ def _fit(what: str, sizes: list[int], seconds: list[float], setting: str) -> Row
     line = np.polynomial.Polynomial.fit(sizes, seconds, 1).convert()
     left = float(np.max(np.abs(line(np.array(sizes)) / np.array(seconds) - 1)))
     exponent = float(np.polyfit(np.log(sizes), np.log(seconds), 1)[0])
-    return Row(f"growth with {what}", "valvetrain", setting, note=f"exponent {exponent:.2f}; straight line within {100 * left:.0f} %")
+    return Row(
+        f"growth with {what}",
+        "valvetrain",
+        setting,
+        note=f"exponent {exponent:.2f}; straight line within {100 * left:.0f} %",
+    )

@@ -1,4 +1,6 @@
-"""The standard springs and motions of the speed measurements, in this package's own words (SI units)."""
+"""The standard springs and motions of the speed measurements, in this package's own words (SI
+units).
+"""
 
 from __future__ import annotations
 
@@ -41,29 +43,55 @@ def motion(time: Array | float) -> Array:
 
 def spring_t() -> SpringDefinition:
     """The uniform open spring of jobs T, S and M."""
-    return cylindrical(4e-3, 24e-3, 7.5e-3, 6.0, material=STEEL, closed_coils=0.0, lower_end=OPEN_END, upper_end=OPEN_END, name="T")
+    return cylindrical(
+        4e-3,
+        24e-3,
+        7.5e-3,
+        6.0,
+        material=STEEL,
+        closed_coils=0.0,
+        lower_end=OPEN_END,
+        upper_end=OPEN_END,
+        name="T",
+    )
 
 
 def spring_c(pitch_factor: float = 1.0) -> SpringDefinition:
-    """The spring of jobs C and B: close lower coils, free height 45 mm; ``pitch_factor`` scales the open pitch."""
-    pitch = PiecewiseLinear((0.0, 1.25, 1.75, 6.0), (4.4e-3, 4.4e-3, 8.533e-3 * pitch_factor, 8.533e-3 * pitch_factor))
-    return variable_pitch(4e-3, 24e-3, pitch, 6.0, material=STEEL, lower_end=OPEN_END, upper_end=OPEN_END, name="C")
+    """The spring of jobs C and B: close lower coils, free height 45 mm; ``pitch_factor`` scales the
+    open pitch.
+    """
+    pitch = PiecewiseLinear(
+        (0.0, 1.25, 1.75, 6.0), (4.4e-3, 4.4e-3, 8.533e-3 * pitch_factor, 8.533e-3 * pitch_factor)
+    )
+    return variable_pitch(
+        4e-3, 24e-3, pitch, 6.0, material=STEEL, lower_end=OPEN_END, upper_end=OPEN_END, name="C"
+    )
 
 
-def rod(spring: SpringDefinition, per_coil: int, damping: str, contact: bool) -> tuple[RodMesh, RodDynamics, RodState]:
-    """Mesh, dynamics and installed state; section without curvature correction, so that peers solve the same equations."""
+def rod(
+    spring: SpringDefinition, per_coil: int, damping: str, contact: bool
+) -> tuple[RodMesh, RodDynamics, RodState]:
+    """Mesh, dynamics and installed state; section without curvature correction, so that peers solve
+    the same equations.
+    """
     mesh = mesh_spring(spring, per_coil, curvature_correction=False, contact=contact)
     mass_damping, stiffness_damping = DAMPING[damping]
     start = compress(RodStatics(mesh), [PRECOMPRESSION])[-1]
     return mesh, RodDynamics(mass_damping, stiffness_damping), start.state
 
 
-def transient(mesh: RodMesh, dynamics: RodDynamics, start: RodState, time_step: float | None = None) -> RodTransient:
+def transient(
+    mesh: RodMesh, dynamics: RodDynamics, start: RodState, time_step: float | None = None
+) -> RodTransient:
     """Both revolutions, sampled every half cam degree."""
     return simulate(mesh, start, motion, INTERVAL, REVOLUTIONS * PER_TURN, dynamics, time_step)
 
 
 def relative_rms(trace: Array, reference: Array) -> float:
-    """Root mean square of the difference over the second revolution, over the root mean square of the reference there."""
+    """Root mean square of the difference over the second revolution, over the root mean square of
+    the reference there.
+    """
     second = slice(-PER_TURN - 1, None)
-    return float(np.sqrt(np.mean((trace[second] - reference[second]) ** 2) / np.mean(reference[second] ** 2)))
+    return float(
+        np.sqrt(np.mean((trace[second] - reference[second]) ** 2) / np.mean(reference[second] ** 2))
+    )

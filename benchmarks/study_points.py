@@ -1,4 +1,5 @@
-"""``python -m benchmarks.study_points``: wall time of 1 000 chains and of 64 finite-element rods of the beehive at 8000 rpm, two workers.
+"""``python -m benchmarks.study_points``: wall time of 1 000 chains and of 64 finite-element rods of
+the beehive at 8000 rpm, two workers.
 
 Targets on two quiet cores: 20 s and 15 s. The kernels are compiled before.
 """
@@ -29,7 +30,9 @@ def wall_time(model: str, count: int, workers: int = 2) -> float:
     """Seconds of a study with a store of its own; every point must be completed."""
     with tempfile.TemporaryDirectory() as folder:
         begun = time.perf_counter()
-        found = vt.study(STUDY.format(model=model, count=count), workers=workers, output=folder, limit="1 h")
+        found = vt.study(
+            STUDY.format(model=model, count=count), workers=workers, output=folder, limit="1 h"
+        )
         taken = time.perf_counter() - begun
     assert {status.code for status in found.statuses} == {"completed"}
     return taken
@@ -39,7 +42,10 @@ def main() -> None:
     """Print a line per study."""
     for model, (count, target) in STUDIES.items():
         wall_time(model, 2, 1)
-        print(f"{count} points, {model}: {wall_time(model, count):.1f} s (target {target:g} s)", flush=True)
+        print(
+            f"{count} points, {model}: {wall_time(model, count):.1f} s (target {target:g} s)",
+            flush=True,
+        )
 
 
 if __name__ == "__main__":

@@ -1,6 +1,8 @@
-"""Rows for whole trains: R, one run of 20 cycles against ``solve_ivp``, and W, a sweep of 200 speeds to steady state.
+"""Rows for whole trains: R, one run of 20 cycles against ``solve_ivp``, and W, a sweep of 200
+speeds to steady state.
 
-The right-hand side for ``solve_ivp`` is compiled from the same contact and gap kernels, so that integrators are compared, not
+The right-hand side for ``solve_ivp`` is compiled from the same contact and gap kernels, so that
+integrators are compared, not
 languages; the same right-hand side as plain Python is timed beside it.
 """
 
@@ -27,8 +29,16 @@ CASE, CYCLES = "tdi-pushrod", 20
 
 @njit(error_model="numpy", _nrt=False)
 def _slope(time_now, y, cam_speed, train, memory, chain, scratch, extremes, out):
-    """Accelerations of train and spring chain; ``y`` = positions, then velocities, the chain's inner masses last."""
-    index, body, retainer, room, gradients = train.coordinate_of, train.body, train.retainer, scratch.gaps, scratch.gradients
+    """Accelerations of train and spring chain; ``y`` = positions, then velocities, the chain's
+    inner masses last.
+    """
+    index, body, retainer, room, gradients = (
+        train.coordinate_of,
+        train.body,
+        train.retainer,
+        scratch.gaps,
+        scratch.gradients,
+    )
     count, inner = body.shape[0], (chain.shape[0] - 1)
     total = count + inner
     q, v = y[:total], y[total:]
@@ -50,7 +60,9 @@ def _slope(time_now, y, cam_speed, train, memory, chain, scratch, extremes, out)
     below, below_v = 0.0, 0.0
     for n in range(inner + 1):
         last = n == inner
-        place, speed = (chain[0, 2] + q[retainer], v[retainer]) if last else (q[count + n], v[count + n])
+        place, speed = (
+            (chain[0, 2] + q[retainer], v[retainer]) if last else (q[count + n], v[count + n])
+        )
         force = chain[n, 0] * (place - below + chain[0, 4] * (speed - below_v))
         if n > 0:
             out[total + count + n - 1] += force / chain[n - 1, 1]
@@ -94,7 +106,9 @@ def measure() -> list[Row]:
 
 
 def one_run() -> list[Row]:
-    """R: cam contact force of the last of 20 cycles, errors against a run with a step 30 times smaller."""
+    """R: cam contact force of the last of 20 cycles, errors against a run with a step 30 times
+    smaller.
+    """
     case = load_case(CASE)
     system, cam_speed = build(case).members[0].system(), case.operation.cam_speeds[0]
     rest = rest_of(system)
@@ -113,24 +127,55 @@ def one_run() -> list[Row]:
         exact = reference.q[:, retainer]
         return float(np.sqrt(np.mean((acceleration - exact) ** 2) / np.mean(exact**2)))
 
-    title, masses = "R, whole train, 20 cycles", len(system.masses) + sum(len(spring.layout.masses) for spring in system.springs)
+    title, masses = (
+        "R, whole train, 20 cycles",
+        len(system.masses) + sum(len(spring.layout.masses) for spring in system.springs),
+    )
     rows, mine = [], []
     for fraction in (0.35, 0.05):
-        wall, cpu, (machine, record) = timed(lambda fraction=fraction: run(TrainOptions(step_fraction=fraction)), 3)
+        wall, cpu, (machine, record) = timed(
+            lambda fraction=fraction: run(TrainOptions(step_fraction=fraction)), 3
+        )
         mine.append((error(record.q[:, retainer]), cpu))
-        rows.append(Row(title, "valvetrain", f"{masses} moving masses, {machine.steps} steps per cycle", wall, cpu, error=mine[-1][0]))
+        rows.append(
+            Row(
+                title,
+                "valvetrain",
+                f"{masses} moving masses, {machine.steps} steps per cycle",
+                wall,
+                cpu,
+                error=mine[-1][0],
+            )
+        )
     function, rest = right_hand_side(system, cam_speed)
     period = 2 * np.pi / cam_speed
     at = period * (CYCLES - 1) + reference.cam_angle / cam_speed % period
     for method, tolerance in (("RK45", 1e-5), ("DOP853", 1e-7), ("LSODA", 1e-6)):
         function(0.0, rest)
         begun = time.perf_counter(), time.process_time()
-        found = solve_ivp(function, (0.0, CYCLES * period), rest, method=method, rtol=tolerance, atol=1e-10, t_eval=np.sort(at))
+        found = solve_ivp(
+            function,
+            (0.0, CYCLES * period),
+            rest,
+            method=method,
+            rtol=tolerance,
+            atol=1e-10,
+            t_eval=np.sort(at),
+        )
         wall, cpu = time.perf_counter() - begun[0], time.process_time() - begun[1]
         miss = error(found.y[retainer]) if found.success else float("nan")
         equal = [own for worse, own in mine if worse <= miss] or [mine[-1][1]]
-        rows.append(Row(title, f"solve_ivp {method}", f"rtol {tolerance:g}, compiled right-hand side, {found.nfev} calls", wall, cpu,
-                        error=miss, ratio=cpu / min(equal)))  # fmt: skip
+        rows.append(
+            Row(
+                title,
+                f"solve_ivp {method}",
+                f"rtol {tolerance:g}, compiled right-hand side, {found.nfev} calls",
+                wall,
+                cpu,
+                error=miss,
+                ratio=cpu / min(equal),
+            )
+        )
     rows.append(_plain_python(system, cam_speed, title, mine))
     return rows
 
@@ -143,8 +188,14 @@ def _plain_python(system, cam_speed: float, title: str, mine: list[tuple[float, 
     found = solve_ivp(function, (0.0, share * period), rest, method="RK45", rtol=1e-5, atol=1e-10)
     wall, cpu = time.perf_counter() - begun[0], time.process_time() - begun[1]
     scale = CYCLES / share
-    return Row(title, "solve_ivp RK45", f"plain Python right-hand side, {found.nfev} calls, scaled up", wall * scale, cpu * scale,
-               ratio=cpu * scale / mine[0][1])  # fmt: skip
+    return Row(
+        title,
+        "solve_ivp RK45",
+        f"plain Python right-hand side, {found.nfev} calls, scaled up",
+        wall * scale,
+        cpu * scale,
+        ratio=cpu * scale / mine[0][1],
+    )
 
 
 def sweep(speeds: int = 200, workers: int = 2) -> Row:
@@ -157,4 +208,10 @@ def sweep(speeds: int = 200, workers: int = 2) -> Row:
     wall = time.perf_counter() - begun
     settled = sum(solution.status.completed for solution in found.solutions)
     note = f"target 2 s; {settled} settled"
-    return Row("W, sweep to steady state", "valvetrain", f"{speeds} speeds, {workers} processes", wall, note=note)
+    return Row(
+        "W, sweep to steady state",
+        "valvetrain",
+        f"{speeds} speeds, {workers} processes",
+        wall,
+        note=note,
+    )

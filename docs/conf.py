@@ -35,8 +35,16 @@ extensions = [
     "gallery_figures",
 ]
 root_doc = "index"
-exclude_patterns = ["_site/**", "gallery/*.py", "gallery/*.ipynb", "gallery/sg_execution_times.rst", "sg_execution_times.rst"]
-suppress_warnings = ["config.cache"]  # settings below hold functions and classes, which no cache keeps
+exclude_patterns = [
+    "_site/**",
+    "gallery/*.py",
+    "gallery/*.ipynb",
+    "gallery/sg_execution_times.rst",
+    "sg_execution_times.rst",
+]
+suppress_warnings = [
+    "config.cache"
+]  # settings below hold functions and classes, which no cache keeps
 
 # Markdown as code hosts show it: same anchors of headings, relative links to files.
 myst_enable_extensions = ["amsmath", "colon_fence", "deflist", "dollarmath", "fieldlist"]
@@ -50,7 +58,9 @@ autodoc_preserve_defaults = True
 numpydoc_show_class_members = False
 numpydoc_xref_param_type = True  # names of our classes among what an argument is
 numpydoc_xref_ignore = "all"
-numpydoc_xref_aliases = {name: f"valvetrain.{name}" for name in valvetrain.__all__ if name[0].isupper()}
+numpydoc_xref_aliases = {
+    name: f"valvetrain.{name}" for name in valvetrain.__all__ if name[0].isupper()
+}
 nitpicky = True
 
 html_theme = "pydata_sphinx_theme"
@@ -61,7 +71,9 @@ html_js_files = ["figures.js"]
 html_copy_source = False
 html_show_sourcelink = False
 html_show_sphinx = False
-html_show_search_summary = False  # would fetch each page, which a browser refuses to pages opened as files
+html_show_search_summary = (
+    False  # would fetch each page, which a browser refuses to pages opened as files
+)
 html_context = {"default_mode": "auto"}
 html_theme_options = {
     "logo": {"text": "valvetrain"},

@@ -1,7 +1,9 @@
 """A valvetrain in one file: one mass, a cam, a seat and a spring, in plain NumPy and SciPy.
 
-The teaching twin of the assembled trains: the same equation, m a = F_cam - F_spring + F_seat + m g, written out.
-Run it to see lift, contact force and seating of two cam turns: python examples/single_mass_valvetrain.py
+The teaching twin of the assembled trains: the same equation, m a = F_cam - F_spring + F_seat + m g,
+written out.
+Run it to see lift, contact force and seating of two cam turns: python
+examples/single_mass_valvetrain.py
 """
 
 from __future__ import annotations
@@ -34,7 +36,9 @@ def contact(penetration: float, penetration_rate: float) -> float:
     return max(0.0, CONTACT_STIFFNESS * penetration + CONTACT_DAMPING * penetration_rate)
 
 
-def forces(cam_angle: float, valve_lift: float, valve_velocity: float) -> tuple[float, float, float]:
+def forces(
+    cam_angle: float, valve_lift: float, valve_velocity: float
+) -> tuple[float, float, float]:
     """Force (N) of cam, seat and spring on the valve, each positive in its own sense."""
     lift, slope = cam_lift(cam_angle)
     cam = contact(lift - LASH - valve_lift, slope * CAM_SPEED - valve_velocity)
@@ -49,11 +53,22 @@ def motion(time: float, state: np.ndarray) -> list[float]:
 
 
 def simulate(cycles: int = 2, samples: int = 1440) -> dict[str, np.ndarray]:
-    """Last of ``cycles`` cam turns: cam_angle (rad), valve_lift (m), valve_velocity (m/s), cam_force and seat_force (N)."""
+    """Last of ``cycles`` cam turns: cam_angle (rad), valve_lift (m), valve_velocity (m/s),
+    cam_force and seat_force (N).
+    """
     period = 2 * np.pi / CAM_SPEED
     rest = -(PRELOAD - MASS * GRAVITY) / (CONTACT_STIFFNESS + SPRING_RATE)
     times = (cycles - 1 + np.arange(samples) / samples) * period
-    found = solve_ivp(motion, (0, cycles * period), [rest, 0.0], "RK45", times, rtol=1e-8, atol=1e-12, max_step=period / 4000)
+    found = solve_ivp(
+        motion,
+        (0, cycles * period),
+        [rest, 0.0],
+        "RK45",
+        times,
+        rtol=1e-8,
+        atol=1e-12,
+        max_step=period / 4000,
+    )
     pushed = np.array([forces(CAM_SPEED * t, *y) for t, y in zip(found.t, found.y.T, strict=True)])
     angle = np.arange(samples) * 2 * np.pi / samples
     return {

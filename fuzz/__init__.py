@@ -1,1 +1,3 @@
-"""Feeds damaged and hostile input to the package and tells what ends in anything but an answer or one sentence: ``make fuzz``."""
+"""Feeds damaged and hostile input to the package and tells what ends in anything but an answer or
+one sentence: ``make fuzz``.
+"""

@@ -1,6 +1,8 @@
-"""Asks the package about mutants of case files, runs of mutants and damaged result files; prints what ends in anything but an answer.
+"""Asks the package about mutants of case files, runs of mutants and damaged result files; prints
+what ends in anything but an answer.
 
-Use: python -m fuzz 1000                       1000 mutants of cases, 20 that run, 100 damaged result files
+Use: python -m fuzz 1000                       1000 mutants of cases, 20 that run, 100 damaged
+result files
      python -m fuzz --cases 100000 --runs 2000 --files 10000 --workers 2
      python -m fuzz --only cases-1-4711        one input again, with its traceback
 """
@@ -26,7 +28,8 @@ from fuzz.worker import SECONDS, ask, generator, write
 PLACE = Path(__file__).resolve().parents[1] / "build" / "fuzz"
 #: Inputs that one process is asked in a row.
 CHUNK = {"cases": 500, "runs": 10, "files": 250}
-#: A process that used this much processor time (s), or waited this long (s), at one input, its start included, is stopped from outside.
+#: A process that used this much processor time (s), or waited this long (s), at one input, its
+#: start included, is stopped from outside.
 STUCK, ASLEEP = SECONDS + 40, 900.0
 
 
@@ -55,7 +58,9 @@ class Told:
             if "answer" in said:
                 self.finding(f"{kind}-{seed}-{said['number']}", said["answer"])
             else:
-                self.answers.update({f"{kind} {word}": count for word, count in said["answers"].items()})
+                self.answers.update(
+                    {f"{kind} {word}": count for word, count in said["answers"].items()}
+                )
                 seconds, number = said["slowest"]
                 self.slowest = max(self.slowest, (seconds, f"{kind}-{seed}-{number}"))
                 self.memory = max(self.memory, said["memory"])
@@ -67,14 +72,30 @@ class Told:
 
 
 def ask_range(kind: str, seed: int, first: int, last: int, told: Told) -> None:
-    """Ask a range of inputs in processes of their own; one that dies or is stuck is a finding, and the rest of the range goes on."""
+    """Ask a range of inputs in processes of their own; one that dies or is stuck is a finding, and
+    the rest of the range goes on.
+    """
     while first < last:
         with tempfile.NamedTemporaryFile() as mark:
-            command = [sys.executable, "-m", "fuzz.worker", kind, str(seed), str(first), str(last), str(PLACE), mark.name]
-            process = subprocess.Popen(command, stdout=subprocess.PIPE, text=True, cwd=PLACE.parents[1], env=os.environ)
+            command = [
+                sys.executable,
+                "-m",
+                "fuzz.worker",
+                kind,
+                str(seed),
+                str(first),
+                str(last),
+                str(PLACE),
+                mark.name,
+            ]
+            process = subprocess.Popen(
+                command, stdout=subprocess.PIPE, text=True, cwd=PLACE.parents[1], env=os.environ
+            )
             assert process.stdout
             lines = process.stdout
-            reader = threading.Thread(target=lambda: [told.line(kind, seed, line) for line in lines])  # noqa: B023 (joined below)
+            reader = threading.Thread(
+                target=lambda: [told.line(kind, seed, line) for line in lines]
+            )
             reader.start()
             seen, since, used = b"", time.monotonic(), 0.0
             while process.poll() is None:
@@ -82,26 +103,54 @@ def ask_range(kind: str, seed: int, first: int, last: int, told: Told) -> None:
                 now = Path(mark.name).read_bytes()
                 if now != seen:
                     seen, since, used = now, time.monotonic(), processor_time(process.pid)
-                elif processor_time(process.pid) - used > STUCK or time.monotonic() - since > ASLEEP:
+                elif (
+                    processor_time(process.pid) - used > STUCK or time.monotonic() - since > ASLEEP
+                ):
                     process.kill()
             reader.join()
             if process.returncode == 0:
                 return
             if not seen:
-                told.finding(f"{kind}-{seed}-{first}", "finding: no process could be started for it; see python -m fuzz --only")
+                told.finding(
+                    f"{kind}-{seed}-{first}",
+                    "finding: no process could be started for it; see python -m fuzz --only",
+                )
                 return
             at = int(seen)
-            told.finding(f"{kind}-{seed}-{at}", f"finding: the process ended with {process.returncode}")
-            write(PLACE, kind, seed, at, KINDS[kind][0](generator(kind, seed, at)), f"the process ended with {process.returncode}")
+            told.finding(
+                f"{kind}-{seed}-{at}", f"finding: the process ended with {process.returncode}"
+            )
+            write(
+                PLACE,
+                kind,
+                seed,
+                at,
+                KINDS[kind][0](generator(kind, seed, at)),
+                f"the process ended with {process.returncode}",
+            )
             told.answers.update({f"{kind} asked before a process ended": at - first + 1})
             first = at + 1
 
 
 def main() -> int:
     """The run as the command line asks for it; 1 where something was found."""
-    parser = argparse.ArgumentParser(prog="python -m fuzz", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("amount", type=int, nargs="?", default=1000, help="mutants of cases; a 50th of them run, a tenth damaged files")
-    for kind, words in (("cases", "mutants of cases"), ("runs", "mutants that run"), ("files", "damaged result files")):
+    parser = argparse.ArgumentParser(
+        prog="python -m fuzz",
+        description=__doc__,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    parser.add_argument(
+        "amount",
+        type=int,
+        nargs="?",
+        default=1000,
+        help="mutants of cases; a 50th of them run, a tenth damaged files",
+    )
+    for kind, words in (
+        ("cases", "mutants of cases"),
+        ("runs", "mutants that run"),
+        ("files", "damaged result files"),
+    ):
         parser.add_argument(f"--{kind}", type=int, default=None, help=f"number of {words}")
     parser.add_argument("--seed", type=int, default=1, help="seed of all inputs")
     parser.add_argument("--first", type=int, default=0, help="number of the first input")
@@ -117,8 +166,15 @@ def main() -> int:
         print(written.read_text("utf-8") if written.exists() else "nothing was found")
         return 0
     named = (given.cases, given.runs, given.files)
-    usual = (given.amount, given.amount // 50, given.amount // 10) if named == (None, None, None) else (0, 0, 0)
-    amounts = {kind: one if one is not None else own for kind, one, own in zip(CHUNK, named, usual, strict=True)}
+    usual = (
+        (given.amount, given.amount // 50, given.amount // 10)
+        if named == (None, None, None)
+        else (0, 0, 0)
+    )
+    amounts = {
+        kind: one if one is not None else own
+        for kind, one, own in zip(CHUNK, named, usual, strict=True)
+    }
     tasks, told, begun = Queue[tuple[str, int, int]](), Told(), time.monotonic()
     for kind, amount in amounts.items():
         for first in range(given.first, given.first + amount, CHUNK[kind]):
@@ -140,12 +196,16 @@ def main() -> int:
     seconds = time.monotonic() - begun
     for word, count in sorted(told.answers.items()):
         print(f"{count:8d}  {word}")
-    for words, count in Counter(words.split("'")[0][9:].strip() for _, words in told.findings).most_common():
+    for words, count in Counter(
+        words.split("'")[0][9:].strip() for _, words in told.findings
+    ).most_common():
         print(f"{count:8d}  found: {words}")
     total = sum(told.answers.values())
     used = resource.getrusage(resource.RUSAGE_CHILDREN)
-    print(f"{total} inputs in {seconds:.0f} s, {used.ru_utime + used.ru_stime:.0f} s of processor time; slowest {told.slowest[0]:.1f} s "
-          f"({told.slowest[1]}), largest process {told.memory / 1e6:.0f} MB; reproducing files in {PLACE}")  # fmt: skip
+    print(
+        f"{total} inputs in {seconds:.0f} s, {used.ru_utime + used.ru_stime:.0f} s of processor time; slowest {told.slowest[0]:.1f} s "
+        f"({told.slowest[1]}), largest process {told.memory / 1e6:.0f} MB; reproducing files in {PLACE}"
+    )
     return 1 if told.findings else 0
 
 

@@ -12,7 +12,7 @@ from typing import Any
 from unittest import mock
 
 from fuzz import values
-from valvetrain.solution.checksum import close_file, digest
+from valvetrain.solution.atomic import close_file, digest
 
 #: What is damaged, by kind.
 KINDS = ("solution.nc", "solution.csv", "static.nc", "modes.nc", "run.json", "case.toml")
@@ -23,7 +23,7 @@ def whole() -> dict[str, bytes]:
     """One whole file of each kind, of a run made here; and the folder it was made in."""
     from valvetrain.parameters.loading import load_case
     from valvetrain.report.json import study_json
-    from valvetrain.report.write import write_study
+    from valvetrain.report.study import write_study
     from valvetrain.studies.run import run_study
     from valvetrain.studies.run_store import collect_inputs, keep
 
@@ -31,10 +31,21 @@ def whole() -> dict[str, bytes]:
     with tempfile.TemporaryDirectory() as folder:
         target = Path(folder, "kept")
         case = load_case("job-t", {"spring.options.finite-element.elements_per_coil": 8})
-        study = run_study(case, spring_models=("massless", "multi-mass"), workers=1, created_at=when)
+        study = run_study(
+            case, spring_models=("massless", "multi-mass"), workers=1, created_at=when
+        )
         written = write_study(study, target, page=False).data
-        answer = study_json(study) | {"created_at": when, "files": [path.relative_to(target).as_posix() for path in written]}
-        keep(target, collect_inputs(case.name, case.text, target, {"command": "run", "engine_speeds": [8000.0]}), answer)
+        answer = study_json(study) | {
+            "created_at": when,
+            "files": [path.relative_to(target).as_posix() for path in written],
+        }
+        keep(
+            target,
+            collect_inputs(
+                case.name, case.text, target, {"command": "run", "engine_speeds": [8000.0]}
+            ),
+            answer,
+        )
         named = {
             "solution.nc": next(target.glob("multi-mass-*.nc")), "solution.csv": next(target.glob("multi-mass-*.csv")),
             "static.nc": next(target.glob("static-*.nc")), "modes.nc": next(target.glob("modes-*.nc")), "run.json": target / "run.json",
@@ -53,7 +64,9 @@ def make(rng: random.Random) -> bytes:
         # as it was before there were checksums
         earlier = content[:-43].replace(b'"checksum": "blake2b"', b'"checksum": ""       ')
         return f"{kind} unmarked\n".encode() + damaged(rng, earlier)
-    lie = {"nc": lying_netcdf, "csv": lying_csv, "json": lying_json, "toml": damaged}[kind.rpartition(".")[2]]
+    lie = {"nc": lying_netcdf, "csv": lying_csv, "json": lying_json, "toml": damaged}[
+        kind.rpartition(".")[2]
+    ]
     return f"{kind} lying\n".encode() + lie(rng, content)
 
 
@@ -94,15 +107,46 @@ def lie(rng: random.Random, item: Any, depth: int = 0) -> Any:
     if isinstance(item, list) and item and rng.random() < 0.7:
         place = rng.randrange(min(len(item), 30))
         return [*item[:place], lie(rng, item[place], depth + 1), *item[place + 1 :]]
-    return rng.choice((None, True, [], {}, "x", "", 0, -1, 10**30, 1e308, float("nan"), [[]], {"value": []}, {"value": "7", "unit": 3},
-                       "\x1b[2J", "a\nb", values.leaf(rng), values.near(rng, item) if not isinstance(item,
-                       dict) else {"a": item}))  # fmt: skip
+    return rng.choice(
+        (
+            None,
+            True,
+            [],
+            {},
+            "x",
+            "",
+            0,
+            -1,
+            10**30,
+            1e308,
+            float("nan"),
+            [[]],
+            {"value": []},
+            {"value": "7", "unit": 3},
+            "\x1b[2J",
+            "a\nb",
+            values.leaf(rng),
+            values.near(rng, item) if not isinstance(item, dict) else {"a": item},
+        )
+    )
 
 
 def _text_of(rng: random.Random, text: str) -> str:
     """A JSON text that lies."""
     if rng.random() < 0.1:
-        return rng.choice(("[" * 100_000, '{"a":' * 50_000, "null", "[]", "7", '"x"', "{}", text + text, text[: len(text) // 2]))
+        return rng.choice(
+            (
+                "[" * 100_000,
+                '{"a":' * 50_000,
+                "null",
+                "[]",
+                "7",
+                '"x"',
+                "{}",
+                text + text,
+                text[: len(text) // 2],
+            )
+        )
     try:
         return json.dumps(lie(rng, json.loads(text)))
     except (ValueError, RecursionError):
@@ -131,7 +175,18 @@ def lying_csv(rng: random.Random, content: bytes) -> bytes:
         lines[1] = "# " + _text_of(rng, lines[1][2:])
     else:
         place = rng.randrange(len(lines))
-        lines[place] = rng.choice(("", "1,2", "nan", "x,y", lines[place] + ",1", lines[place][5:], "# end of 3 rows", "1" * 5000))
+        lines[place] = rng.choice(
+            (
+                "",
+                "1,2",
+                "nan",
+                "x,y",
+                lines[place] + ",1",
+                lines[place][5:],
+                "# end of 3 rows",
+                "1" * 5000,
+            )
+        )
     body = "\n".join(lines).encode("utf-8", "surrogatepass")
     return _closed(rng, body)
 
@@ -158,26 +213,57 @@ def lying_netcdf(rng: random.Random, content: bytes) -> bytes:
             name, action = rng.choice(names), rng.randrange(12)
             if action <= 3:
                 text = file["valvetrain_metadata"][()]
-                file["valvetrain_metadata"][()] = _text_of(rng, text.decode() if isinstance(text, bytes) else str(text)).replace("\0", "")
+                file["valvetrain_metadata"][()] = _text_of(
+                    rng, text.decode() if isinstance(text, bytes) else str(text)
+                ).replace("\0", "")
             elif action == 4:
                 del file[rng.choice((name, "valvetrain_metadata"))]
             elif action == 5:
                 file.move(name, name + "x")
             elif action == 6:
                 del file[name]
-                file.create_dataset(name, shape=rng.choice(((10**12,), (10**6, 10**6), (2**62,))), chunks=True, dtype="f8")
+                file.create_dataset(
+                    name,
+                    shape=rng.choice(((10**12,), (10**6, 10**6), (2**62,))),
+                    chunks=True,
+                    dtype="f8",
+                )
             elif action == 7:
                 del file[name]
-                file[name] = rng.choice((np.array(["a", "b"], dtype="S3"), np.zeros(3), np.float64(1), np.zeros((2, 2, 2)), np.zeros(0)))
+                file[name] = rng.choice(
+                    (
+                        np.array(["a", "b"], dtype="S3"),
+                        np.zeros(3),
+                        np.float64(1),
+                        np.zeros((2, 2, 2)),
+                        np.zeros(0),
+                    )
+                )
             elif action == 8:
                 del file[name]
-                file[name] = rng.choice((h5py.SoftLink("/" + name), h5py.ExternalLink("/etc/passwd", "/x"), h5py.SoftLink("/nothing")))
+                file[name] = rng.choice(
+                    (
+                        h5py.SoftLink("/" + name),
+                        h5py.ExternalLink("/etc/passwd", "/x"),
+                        h5py.SoftLink("/nothing"),
+                    )
+                )
             elif action == 9:
                 file.create_group(f"group{rng.randrange(9)}/a/b")
             elif action == 10:
-                file[name].attrs[rng.choice(("units", "long_name", "coordinates", "_FillValue", "DIMENSION_LIST", "NAME", "CLASS"))] = (
-                    rng.choice((1.0, "x", "\x1b[1m", "a" * 5000, np.zeros(3), b"\xff"))
-                )
+                file[name].attrs[
+                    rng.choice(
+                        (
+                            "units",
+                            "long_name",
+                            "coordinates",
+                            "_FillValue",
+                            "DIMENSION_LIST",
+                            "NAME",
+                            "CLASS",
+                        )
+                    )
+                ] = rng.choice((1.0, "x", "\x1b[1m", "a" * 5000, np.zeros(3), b"\xff"))
             else:
                 for key in rng.sample(sorted(file[name].attrs), min(1, len(file[name].attrs))):
                     del file[name].attrs[key]
@@ -185,7 +271,9 @@ def lying_netcdf(rng: random.Random, content: bytes) -> bytes:
 
 
 def ask(content: bytes) -> str:
-    """Read a damaged file by the reader of its kind: it refuses in a sentence, or gives what a whole one gives, or what the file says."""
+    """Read a damaged file by the reader of its kind: it refuses in a sentence, or gives what a
+    whole one gives, or what the file says.
+    """
     from fuzz.questions import Finding, sentence
     from valvetrain.errors import InputError
 
@@ -213,8 +301,12 @@ def ask(content: bytes) -> str:
 def _load(kind: str, path: Path) -> Any:
     from valvetrain.solution import netcdf, read_apart, textfile
 
-    load = {"solution.nc": netcdf.load_netcdf, "solution.csv": textfile.load_csv, "static.nc": netcdf.load_static_curve,
-            "modes.nc": netcdf.load_modal_result}  # fmt: skip
+    load = {
+        "solution.nc": netcdf.load_netcdf,
+        "solution.csv": textfile.load_csv,
+        "static.nc": netcdf.load_static_curve,
+        "modes.nc": netcdf.load_modal_result,
+    }
     # A fork of this process has the libraries already: a hundredth of the time of a new one.
     with mock.patch.object(read_apart, "in_a_new_process", lambda *_: "not asked"):
         return load[kind](path)
@@ -226,7 +318,10 @@ def _same(one: Any, other: Any) -> bool:
     if hasattr(one, "identical"):
         return bool(one.identical(other))
     pairs = [(getattr(one, name), getattr(other, name)) for name in one.__dataclass_fields__]
-    return all(np.array_equal(a, b, equal_nan=True) if isinstance(a, np.ndarray) else a == b for a, b in pairs)
+    return all(
+        np.array_equal(a, b, equal_nan=True) if isinstance(a, np.ndarray) else a == b
+        for a, b in pairs
+    )
 
 
 def _ask_folder(folder: Path, kind: str, manner: str, body: bytes) -> str:
@@ -236,7 +331,9 @@ def _ask_folder(folder: Path, kind: str, manner: str, body: bytes) -> str:
     for name in ("whole", "damaged"):
         (folder / "runs" / "job-t" / name / "inputs").mkdir(parents=True)
         (folder / "runs" / "job-t" / name / "run.json").write_bytes(whole()["run.json"])
-        (folder / "runs" / "job-t" / name / "inputs" / "case.toml").write_bytes(whole()["case.toml"])
+        (folder / "runs" / "job-t" / name / "inputs" / "case.toml").write_bytes(
+            whole()["case.toml"]
+        )
     place = folder / "runs" / "job-t" / "damaged"
     (place / "run.json" if kind == "run.json" else place / "inputs" / "case.toml").write_bytes(body)
     before = os.getcwd()
@@ -248,6 +345,10 @@ def _ask_folder(folder: Path, kind: str, manner: str, body: bytes) -> str:
         os.chdir(before)
     if any(one not in (0, 2) for one in (*codes, code)):
         raise Finding(f"exit codes {codes} {code}: {said[-200:]}")
-    if manner == "damaged" and code == 0 and not ("the inputs are the same" in said and "the results are the same" in said):
+    if (
+        manner == "damaged"
+        and code == 0
+        and not ("the inputs are the same" in said and "the results are the same" in said)
+    ):
         raise Finding(f"damage was taken for a difference: {said[:300]}")
     return "read" if code == 0 else "refused"

@@ -1,4 +1,6 @@
-"""What is asked of the package with one input of each kind. An answer is a word; anything raised is a finding."""
+"""What is asked of the package with one input of each kind. An answer is a word; anything raised is
+a finding.
+"""
 
 from __future__ import annotations
 
@@ -22,7 +24,9 @@ class Finding(Exception):
 
 
 def sentence(error: InputError) -> str:
-    """``refused``; raises :class:`Finding` where the refusal is no single printable line of reasonable length."""
+    """``refused``; raises :class:`Finding` where the refusal is no single printable line of
+    reasonable length.
+    """
     words = str(error)
     if not words or len(words) > LONGEST_SENTENCE:
         raise Finding(f"a sentence of {len(words)} characters: {words[:200]!r}")
@@ -34,7 +38,7 @@ def sentence(error: InputError) -> str:
 def case(content: bytes) -> str:
     """Read and build everything that ``run`` builds, as ``valvetrain check`` does."""
     from valvetrain.cli.case_facts import case_facts, case_quantities
-    from valvetrain.cli.check import put_together
+    from valvetrain.cli.cases import put_together
     from valvetrain.parameters.loading import parse_case, read_case
 
     try:
@@ -59,7 +63,9 @@ def case(content: bytes) -> str:
 
 
 def command(*words: str) -> tuple[int, str]:
-    """Exit code of a command, in this process, and what it said on both streams; an error that is no sentence is raised."""
+    """Exit code of a command, in this process, and what it said on both streams; an error that is
+    no sentence is raised.
+    """
     from valvetrain.cli.guard import TRACEBACK_VARIABLE
     from valvetrain.cli.main import app
 
@@ -69,7 +75,9 @@ def command(*words: str) -> tuple[int, str]:
         with contextlib.redirect_stdout(said), contextlib.redirect_stderr(said):
             code = app(list(words), standalone_mode=False)
     finally:  # what runs after this in the same process must not inherit it
-        os.environ.pop(TRACEBACK_VARIABLE) if before is None else os.environ.update({TRACEBACK_VARIABLE: before})
+        os.environ.pop(TRACEBACK_VARIABLE) if before is None else os.environ.update(
+            {TRACEBACK_VARIABLE: before}
+        )
     if "\x1b" in said.getvalue():
         raise Finding(f"a control sequence reaches the terminal: {said.getvalue()[:300]!r}")
     return (code if isinstance(code, int) else 0), said.getvalue()

@@ -14,7 +14,8 @@ from typing import Any
 from fuzz import trees
 from valvetrain.errors import InputError
 
-#: Estimated time beyond which a mutant is refused (the machine may be several times slower than the estimate's).
+#: Estimated time beyond which a mutant is refused (the machine may be several times slower than the
+#: estimate's).
 MOST_TIME = "4 s"
 #: Mutants tried until one can be built.
 TRIES = 12
@@ -25,14 +26,22 @@ def short_cases() -> dict[str, dict[str, Any]]:
     """The shipped cases at one speed, with a coarse mesh, few turns and nothing published."""
     found = {}
     for name, whole in trees.trees().items():
-        tree = {key: value for key, value in copy.deepcopy(whole).items() if key not in ("published", "study", "sources", "remarks")}
+        tree = {
+            key: value
+            for key, value in copy.deepcopy(whole).items()
+            if key not in ("published", "study", "sources", "remarks")
+        }
         operation = tree.setdefault("operation", {})
         operation.pop("cam_speeds", None)
-        operation |= {"output_step": "2 deg"} | ({"engine_speeds": "4000 rpm"} if "lift_law" in tree else {})
+        operation |= {"output_step": "2 deg"} | (
+            {"engine_speeds": "4000 rpm"} if "lift_law" in tree else {}
+        )
         if "train" in tree:
             tree["train"].pop("variants", None)
             used = tree["train"].get("spring_set") or next(iter(tree["train"]["springs"]))
-            tree["train"]["springs"] = {used: tree["train"]["springs"][used]}  # check builds every set, run the one in use
+            tree["train"]["springs"] = {
+                used: tree["train"]["springs"][used]
+            }  # check builds every set, run the one in use
             tree["train"] |= {"cycles": 2, "spring_model": "massless"}
         elif "spring" in tree:
             operation["cycles"] = 1
@@ -71,7 +80,18 @@ def ask(content: bytes) -> str:
         try:
             checked, reason = command("check", "case.toml", "--quiet")
             report = "--report" if len(content) % 2 else "--no-report"
-            ran, said = command("run", "case.toml", "--quiet", "--workers", "1", "--limit", MOST_TIME, "--output", "out", report)
+            ran, said = command(
+                "run",
+                "case.toml",
+                "--quiet",
+                "--workers",
+                "1",
+                "--limit",
+                MOST_TIME,
+                "--output",
+                "out",
+                report,
+            )
             answer = Path("out", "run.json")
             runs = json.loads(answer.read_text("utf-8"))["runs"] if answer.exists() else []
         finally:
@@ -83,7 +103,8 @@ def ask(content: bytes) -> str:
     if checked not in (0, 2) or ran not in (0, 1, 2):
         raise Finding(f"exit codes {checked} {ran}: {reason[-200:]} {said[-200:]}")
     integrated = ran != 2 and not (runs and all(run["status"]["code"] == "refused" for run in runs))
-    # a spring that cannot be compressed to its installed height: `run` shows its curve as far as it goes, with its status
+    # a spring that cannot be compressed to its installed height: `run` shows its curve as far as it
+    # goes, with its status
     stuck = checked == 2 and ran == 1 and not runs
     if (checked == 0) != integrated and not stuck:
         raise Finding(f"check gives {checked} ({reason[-250:]}), run gives {ran} ({said[-250:]})")

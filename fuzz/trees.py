@@ -59,8 +59,12 @@ def places(item: Any, path: tuple[Any, ...] = ()) -> list[tuple[Any, ...]]:
     return found
 
 
-def mutated(rng: random.Random, tree: dict[str, Any], mild: float = 0.55, most: int = 3) -> dict[str, Any]:
-    """A copy with one to ``most`` changes; ``mild`` is the share of those that stay near what was there."""
+def mutated(
+    rng: random.Random, tree: dict[str, Any], mild: float = 0.55, most: int = 3
+) -> dict[str, Any]:
+    """A copy with one to ``most`` changes; ``mild`` is the share of those that stay near what was
+    there.
+    """
     tree = copy.deepcopy(tree)
     for _ in range(min(most, rng.choice((1, 1, 1, 2, 3)))):
         path = rng.choice(places(tree) or [("spring",)])
@@ -77,9 +81,14 @@ def mutated(rng: random.Random, tree: dict[str, Any], mild: float = 0.55, most: 
         elif action < 0.88:
             del table[last]
         elif isinstance(table, dict):
-            table[rng.choice((rng.choice(key_words()), rng.choice(values.TEXTS)))] = values.value(rng)
+            table[rng.choice((rng.choice(key_words()), rng.choice(values.TEXTS)))] = values.value(
+                rng
+            )
         else:
-            table.insert(rng.randrange(len(table) + 1), copy.deepcopy(rng.choice(table)) if rng.random() < 0.7 else values.value(rng))
+            table.insert(
+                rng.randrange(len(table) + 1),
+                copy.deepcopy(rng.choice(table)) if rng.random() < 0.7 else values.value(rng),
+            )
     return tree
 
 
@@ -125,7 +134,17 @@ def scrambled(rng: random.Random, text: str) -> bytes:
             content[first:last] = other[start : start + rng.choice((10, 100, 1000))]
         elif action == 6:
             content[first:first] = rng.choice(
-                (b"[" * 2000, b"{a=" * 500, b" " * 20000, b"'" * 3, b'"""', b"a." * 800, b"\n" * 5000, b"=", b"#")
+                (
+                    b"[" * 2000,
+                    b"{a=" * 500,
+                    b" " * 20000,
+                    b"'" * 3,
+                    b'"""',
+                    b"a." * 800,
+                    b"\n" * 5000,
+                    b"=",
+                    b"#",
+                )
             )
         else:
             lines = bytes(content).split(b"\n")

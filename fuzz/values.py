@@ -43,9 +43,44 @@ def number(rng: random.Random) -> Any:
     """A number, bare."""
     kind = rng.randrange(8)
     if kind == 0:
-        return rng.choice((0, 1, -1, 2, 3, 4, 7, 60, 400, 10_000, 10_001, 2**31, 2**63, -(2**63), 10**18, 10**400, 10**5000))
+        return rng.choice(
+            (
+                0,
+                1,
+                -1,
+                2,
+                3,
+                4,
+                7,
+                60,
+                400,
+                10_000,
+                10_001,
+                2**31,
+                2**63,
+                -(2**63),
+                10**18,
+                10**400,
+                10**5000,
+            )
+        )
     if kind == 1:
-        return rng.choice((0.0, -0.0, 1.0, 1e-300, 1e300, float("nan"), float("inf"), -float("inf"), 5e-324, 1e-9, 0.3, 1e9))
+        return rng.choice(
+            (
+                0.0,
+                -0.0,
+                1.0,
+                1e-300,
+                1e300,
+                float("nan"),
+                float("inf"),
+                -float("inf"),
+                5e-324,
+                1e-9,
+                0.3,
+                1e9,
+            )
+        )
     if kind == 2:
         return rng.uniform(-10, 10) * 10.0 ** rng.randint(-12, 12)
     return rng.randint(-5, 50)
@@ -70,7 +105,9 @@ def leaf(rng: random.Random) -> Any:
     if kind == 7:
         return rng.choice(WORDS)
     if kind == 8:
-        return f"{', '.join(text_number(rng) for _ in range(rng.randint(1, 6)))} {rng.choice(UNITS)}"
+        return (
+            f"{', '.join(text_number(rng) for _ in range(rng.randint(1, 6)))} {rng.choice(UNITS)}"
+        )
     return rng.choice(TEXTS)
 
 
@@ -82,7 +119,17 @@ def value(rng: random.Random, depth: int = 0) -> Any:
     if kind < 0.9:
         return [value(rng, depth + 1) for _ in range(rng.choice((0, 1, 2, 3, 3, 60)))]
     if kind < 0.97:
-        keys = ("value", "status", "source", "kind", "name", "law", "file", rng.choice(TEXTS), rng.choice(WORDS))
+        keys = (
+            "value",
+            "status",
+            "source",
+            "kind",
+            "name",
+            "law",
+            "file",
+            rng.choice(TEXTS),
+            rng.choice(WORDS),
+        )
         return {rng.choice(keys): value(rng, depth + 1) for _ in range(rng.randint(0, 4))}
     nested: Any = leaf(rng)
     for _ in range(rng.choice((5, 50, 400))):
@@ -119,7 +166,14 @@ def near(rng: random.Random, old: Any) -> Any:
         try:
             size = float(head)
         except ValueError:
-            return rng.choice((rng.choice(WORDS), rng.choice(TEXTS), old + rng.choice(TEXTS), old[: rng.randint(0, len(old))]))
+            return rng.choice(
+                (
+                    rng.choice(WORDS),
+                    rng.choice(TEXTS),
+                    old + rng.choice(TEXTS),
+                    old[: rng.randint(0, len(old))],
+                )
+            )
         action = rng.randrange(4)
         if action == 0:
             return f"{head} {rng.choice(UNITS)}"

@@ -1,7 +1,9 @@
-"""One process of the fuzzer: makes and asks a range of inputs, each under a limit of time and of memory.
+"""One process of the fuzzer: makes and asks a range of inputs, each under a limit of time and of
+memory.
 
 Use: python -m fuzz.worker KIND SEED FIRST LAST PLACE
-Before each input its number is written to PLACE/KIND.at, so that a process that dies or hangs names the input; findings go to PLACE.
+Before each input its number is written to PLACE/KIND.at, so that a process that dies or hangs names
+the input; findings go to PLACE.
 """
 
 from __future__ import annotations
@@ -41,7 +43,9 @@ def size_of_process() -> int:
 
 
 def ask(kind: str, seed: int, number: int, place: Path) -> tuple[str, float]:
-    """Make and ask one input; its answer (``finding: ...`` for what is none) and the seconds it took."""
+    """Make and ask one input; its answer (``finding: ...`` for what is none) and the seconds it
+    took.
+    """
     from fuzz.questions import KINDS
 
     make, question = KINDS[kind]
@@ -53,7 +57,11 @@ def ask(kind: str, seed: int, number: int, place: Path) -> tuple[str, float]:
     except (Exception, TooLongError) as error:
         signal.setitimer(signal.ITIMER_PROF, 0)
         told = "".join(traceback.format_exception(error))
-        frames = [frame for frame in traceback.extract_tb(error.__traceback__) if "valvetrain" in frame.filename]
+        frames = [
+            frame
+            for frame in traceback.extract_tb(error.__traceback__)
+            if "valvetrain" in frame.filename
+        ]
         where = f"{Path(frames[-1].filename).name}:{frames[-1].lineno}" if frames else ""
         answer = f"finding: {type(error).__name__} {where} {str(error)[:100]!r}"
         write(place, kind, seed, number, content, told)
@@ -72,7 +80,13 @@ def write(place: Path, kind: str, seed: int, number: int, content: bytes, told: 
 
 def main() -> None:
     """A range of inputs; one line of JSON at the end, one for each finding before."""
-    kind, seed, first, last, place = sys.argv[1], int(sys.argv[2]), int(sys.argv[3]), int(sys.argv[4]), Path(sys.argv[5])
+    kind, seed, first, last, place = (
+        sys.argv[1],
+        int(sys.argv[2]),
+        int(sys.argv[3]),
+        int(sys.argv[4]),
+        Path(sys.argv[5]),
+    )
     out = os.fdopen(os.dup(1), "w", buffering=1)
     os.dup2(os.open(os.devnull, os.O_WRONLY), 1)  # nothing that is asked may speak between
     if not os.environ.get("FUZZ_LOUD"):

@@ -16,21 +16,33 @@ PLACE = ROOT / "build" / "mutants"
 
 def files() -> list[str]:
     """Files of the working tree that git knows or would add."""
-    listed = subprocess.run(["git", "ls-files", "-co", "--exclude-standard"], cwd=ROOT, check=True, capture_output=True, text=True)
+    listed = subprocess.run(
+        ["git", "ls-files", "-co", "--exclude-standard"],
+        cwd=ROOT,
+        check=True,
+        capture_output=True,
+        text=True,
+    )
     return [name for name in listed.stdout.splitlines() if (ROOT / name).is_file()]
 
 
 def renew(name: str) -> Path:
-    """The copy of that name, equal to the working tree; compiled kernels in it are kept where their sources are the same."""
+    """The copy of that name, equal to the working tree; compiled kernels in it are kept where their
+    sources are the same.
+    """
     copy = PLACE / name
     wanted = set(files())
     copy.mkdir(parents=True, exist_ok=True)
-    for path in [path for path in copy.rglob("*") if path.is_file() and "__pycache__" not in path.parts]:
+    for path in [
+        path for path in copy.rglob("*") if path.is_file() and "__pycache__" not in path.parts
+    ]:
         if str(path.relative_to(copy)) not in wanted and "runs" not in path.parts:
             path.unlink()
     for file in wanted:
         source, target = ROOT / file, copy / file
-        if not target.exists() or source.read_bytes() != target.read_bytes():  # same text keeps its time, which kernels are stamped by
+        if (
+            not target.exists() or source.read_bytes() != target.read_bytes()
+        ):  # same text keeps its time, which kernels are stamped by
             target.parent.mkdir(parents=True, exist_ok=True)
             if target.exists() and target.suffix == ".py":
                 drop_kernels(copy, file.removeprefix("src/"))
@@ -47,7 +59,9 @@ def twin_of(base: Path, name: str) -> Path:
 
 
 def restore_kernels(base: Path, twin: Path, dropped: Iterable[Path]) -> None:
-    """Puts back the compiled kernels of ``base`` for the files in ``dropped``; those made by a seeded fault go."""
+    """Puts back the compiled kernels of ``base`` for the files in ``dropped``; those made by a
+    seeded fault go.
+    """
     for folder in {path.parent for path in dropped}:
         for old in folder.glob("*.nb[ic]"):
             old.unlink()
@@ -56,7 +70,9 @@ def restore_kernels(base: Path, twin: Path, dropped: Iterable[Path]) -> None:
 
 
 def drop_kernels(copy: Path, module: str) -> list[Path]:
-    """Deletes the compiled kernels that may hold code of ``module`` (path below src): its own and those built upon it."""
+    """Deletes the compiled kernels that may hold code of ``module`` (path below src): its own and
+    those built upon it.
+    """
     gone: list[Path] = []
     for file in built_upon(module):
         path = copy / "src" / file
@@ -78,7 +94,9 @@ def imports() -> dict[str, set[str]]:
                 names |= {node.module, *(f"{node.module}.{alias.name}" for alias in node.names)}
             elif isinstance(node, ast.Import):
                 names |= {alias.name for alias in node.names}
-        paths = {name.replace(".", os.sep) + ".py" for name in names if name.startswith("valvetrain")}
+        paths = {
+            name.replace(".", os.sep) + ".py" for name in names if name.startswith("valvetrain")
+        }
         found[str(path.relative_to(source))] = {name for name in paths if (source / name).exists()}
     return found
 
@@ -87,11 +105,15 @@ def imports() -> dict[str, set[str]]:
 def compiles(file: str) -> bool:
     """Whether a file of the package holds compiled kernels."""
     path = ROOT / "src" / file
-    return path.exists() and any(word in path.read_text(encoding="utf-8") for word in ("njit", "compiled("))
+    return path.exists() and any(
+        word in path.read_text(encoding="utf-8") for word in ("njit", "compiled(")
+    )
 
 
 def built_upon(file: str) -> set[str]:
-    """Kernel files that import ``file`` straight or through other kernel files, and the file itself."""
+    """Kernel files that import ``file`` straight or through other kernel files, and the file
+    itself.
+    """
     found, rest = {file}, [file]
     while rest:
         one = rest.pop()

@@ -1,7 +1,9 @@
 """The faults: small changes of a source file that a person could make and that change what it does.
 
-Each is found on the syntax tree and made in the text, so that all other lines stay as they are. What cannot be seen in a result is no
-site: docstrings, annotations, names of types, decorators, imports, words of errors, help texts, and arguments that only steer Python
+Each is found on the syntax tree and made in the text, so that all other lines stay as they are.
+What cannot be seen in a result is no
+site: docstrings, annotations, names of types, decorators, imports, words of errors, help texts, and
+arguments that only steer Python
 (`SILENT`).
 """
 
@@ -24,7 +26,8 @@ COMPARISONS: dict[type, tuple[str, str]] = {
     ast.In: ("in", "not in"), ast.NotIn: ("not in", "in"), ast.Is: ("is", "is not"), ast.IsNot: ("is not", "is"),
 }  # fmt: skip
 SCALES = (1e3, 1e-3, 1e6, 1e-6, 1e9, 1000, 1e2, 100)
-#: Whole numbers from here on are counts of samples and bounds: one more or less of them is met by nothing.
+#: Whole numbers from here on are counts of samples and bounds: one more or less of them is met by
+#: nothing.
 LARGE_COUNT = 1000
 
 
@@ -56,7 +59,9 @@ class Source:
         return self.starts[line - 1] + len(self.lines[line - 1].encode()[:column].decode())
 
     def span(self, node: ast.AST) -> tuple[int, int]:
-        return self.place(node.lineno, node.col_offset), self.place(node.end_lineno, node.end_col_offset)  # type: ignore[attr-defined]
+        return self.place(node.lineno, node.col_offset), self.place(
+            node.end_lineno, node.end_col_offset
+        )  # type: ignore[attr-defined]
 
     def of(self, node: ast.AST) -> str:
         first, last = self.span(node)
@@ -66,12 +71,16 @@ class Source:
         first, last = self.span(node)
         return Fault(self.file, self.text.count("\n", 0, first) + 1, first, last, text, kind)
 
-    def between(self, left: ast.AST, right: ast.AST, old: str, new: str, kind: str) -> Iterator[Fault]:
+    def between(
+        self, left: ast.AST, right: ast.AST, old: str, new: str, kind: str
+    ) -> Iterator[Fault]:
         """Swap of the operator that stands between two operands."""
         first, last = self.span(left)[1], self.span(right)[0]
         if (at := self.text[first:last].find(old)) >= 0:
             place = first + at
-            yield Fault(self.file, self.text.count("\n", 0, place) + 1, place, place + len(old), new, kind)
+            yield Fault(
+                self.file, self.text.count("\n", 0, place) + 1, place, place + len(old), new, kind
+            )
 
 
 def seen(node: ast.AST) -> Iterator[ast.AST]:
@@ -86,7 +95,11 @@ def seen(node: ast.AST) -> Iterator[ast.AST]:
         return
     if isinstance(node, (ast.Assign, ast.AnnAssign)) and "__all__" in ast.dump(node):
         return
-    if isinstance(node, ast.Assign) and isinstance(node.targets[0], ast.Name) and _names_types(node):
+    if (
+        isinstance(node, ast.Assign)
+        and isinstance(node.targets[0], ast.Name)
+        and _names_types(node)
+    ):
         return
     yield node
     if isinstance(node, ast.Dict):
@@ -99,7 +112,12 @@ def seen(node: ast.AST) -> Iterator[ast.AST]:
     for field, value in ast.iter_fields(node):
         for child in value if isinstance(value, list) else [value]:
             silent = isinstance(child, ast.keyword) and child.arg in SILENT
-            if isinstance(child, ast.AST) and field not in hidden and not silent and not _speaks_only(child):
+            if (
+                isinstance(child, ast.AST)
+                and field not in hidden
+                and not silent
+                and not _speaks_only(child)
+            ):
                 yield from seen(child)
 
 
@@ -115,14 +133,24 @@ def _speaks_only(node: ast.AST) -> bool:
     if not isinstance(node, ast.Call):
         return False
     name = ast.unparse(node.func)
-    return name.endswith(("Error", "warn", "TypeVar", "NewType", "getLogger")) or name in ("print", "typer.Option", "typer.Argument")
+    return name.endswith(("Error", "warn", "TypeVar", "NewType", "getLogger")) or name in (
+        "print",
+        "typer.Option",
+        "typer.Argument",
+    )
 
 
 def faults(root: Path, file: str) -> list[Fault]:
-    """Every fault of a file (path below ``root``); a few are no Python and are left out where one is chosen."""
+    """Every fault of a file (path below ``root``); a few are no Python and are left out where one
+    is chosen.
+    """
     source, known = Source(root, file), vocabulary(root)
     found = [fault for node in seen(source.tree) for fault in _of_node(source, node, known)]
-    return [fault for fault in dict.fromkeys(found) if source.text[fault.start : fault.end] != fault.text]
+    return [
+        fault
+        for fault in dict.fromkeys(found)
+        if source.text[fault.start : fault.end] != fault.text
+    ]
 
 
 def seeded(text: str, fault: Fault) -> str:
@@ -139,7 +167,12 @@ def _of_node(source: Source, node: ast.AST, known: dict[str, list[str]]) -> Iter
 
 
 def _arithmetic(source: Source, node: ast.AST) -> Iterator[Fault]:
-    if isinstance(node, ast.BinOp) and type(node.op) in OPERATORS and not _is_text(node.left) and not _is_text(node.right):
+    if (
+        isinstance(node, ast.BinOp)
+        and type(node.op) in OPERATORS
+        and not _is_text(node.left)
+        and not _is_text(node.right)
+    ):
         yield from source.between(node.left, node.right, *OPERATORS[type(node.op)], "operator")
         yield source.fault(node, source.of(node.left), "dropped term or factor")
         if not isinstance(node.op, (ast.Div, ast.Pow, ast.BitOr)):
@@ -149,12 +182,18 @@ def _arithmetic(source: Source, node: ast.AST) -> Iterator[Fault]:
         yield from source.between(node.target, node.value, f"{old}=", f"{new}=", "operator")
     if isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.USub):
         yield source.fault(node, source.of(node.operand), "sign")
-    if isinstance(node, (ast.Return, ast.keyword)) and isinstance(node.value, ast.BinOp) and isinstance(node.value.op, (ast.Mult, ast.Div)):
+    if (
+        isinstance(node, (ast.Return, ast.keyword))
+        and isinstance(node.value, ast.BinOp)
+        and isinstance(node.value.op, (ast.Mult, ast.Div))
+    ):
         yield source.fault(node.value, f"-({source.of(node.value)})", "sign")
 
 
 def _is_text(node: ast.AST) -> bool:
-    return isinstance(node, (ast.JoinedStr, ast.List, ast.Tuple)) or (isinstance(node, ast.Constant) and isinstance(node.value, str))
+    return isinstance(node, (ast.JoinedStr, ast.List, ast.Tuple)) or (
+        isinstance(node, ast.Constant) and isinstance(node.value, str)
+    )
 
 
 def _logic(source: Source, node: ast.AST) -> Iterator[Fault]:
@@ -179,7 +218,11 @@ def _leaves_by_error(node: ast.AST) -> bool:
 
 
 def _constants(source: Source, node: ast.AST) -> Iterator[Fault]:
-    if not isinstance(node, ast.Constant) or isinstance(node.value, (str, bytes, complex)) or node.value in (None, Ellipsis):
+    if (
+        not isinstance(node, ast.Constant)
+        or isinstance(node.value, (str, bytes, complex))
+        or node.value in (None, Ellipsis)
+    ):
         return
     if isinstance(node.value, bool):
         yield source.fault(node, str(not node.value), "constant")
@@ -204,11 +247,21 @@ def _calls(source: Source, node: ast.AST) -> Iterator[Fault]:
     last = name.rsplit(".", 1)[-1]
     for other in SWAPPED_CALLS.get(last, ()):
         yield source.fault(node.func, name.removesuffix(last) + other, "another function")
-    if last in ("abs", "sqrt", "square", "cumsum", "sorted", "reversed", "unique", "degrees", "radians") and len(node.args) == 1:
+    if (
+        last
+        in ("abs", "sqrt", "square", "cumsum", "sorted", "reversed", "unique", "degrees", "radians")
+        and len(node.args) == 1
+    ):
         yield source.fault(node, f"({source.of(node.args[0])})", "dropped function")
     for spot, given in enumerate(node.keywords):
         if given.arg and given.arg not in SILENT:
-            before = node.args[-1] if not spot and node.args else node.keywords[spot - 1].value if spot else None
+            before = (
+                node.args[-1]
+                if not spot and node.args
+                else node.keywords[spot - 1].value
+                if spot
+                else None
+            )
             if before is not None:
                 first, last_place = source.span(before)[1], source.span(given)[1]
                 line = source.text.count("\n", 0, first) + 1
@@ -216,22 +269,48 @@ def _calls(source: Source, node: ast.AST) -> Iterator[Fault]:
 
 
 def _order(source: Source, node: ast.AST) -> Iterator[Fault]:
-    items = node.args if isinstance(node, ast.Call) else node.elts if isinstance(node, ast.Tuple) and isinstance(node.ctx, ast.Load) else []
-    if isinstance(node, ast.Call) and source.of(node.func) in ("isinstance", "getattr", "field", "TypeVar", "replace", "cast"):
+    items = (
+        node.args
+        if isinstance(node, ast.Call)
+        else node.elts
+        if isinstance(node, ast.Tuple) and isinstance(node.ctx, ast.Load)
+        else []
+    )
+    if isinstance(node, ast.Call) and source.of(node.func) in (
+        "isinstance",
+        "getattr",
+        "field",
+        "TypeVar",
+        "replace",
+        "cast",
+    ):
         return
     for left, right in pairwise(items):
-        like = {ast.Name, ast.Attribute, ast.Subscript} >= {type(left), type(right)} or type(left) is type(right) is ast.Constant
+        like = {ast.Name, ast.Attribute, ast.Subscript} >= {type(left), type(right)} or type(
+            left
+        ) is type(right) is ast.Constant
         if like and source.of(left) != source.of(right):
             first, last = source.span(left)[0], source.span(right)[1]
             middle = source.text[source.span(left)[1] : source.span(right)[0]]
             line = source.text.count("\n", 0, first) + 1
-            yield Fault(source.file, line, first, last, source.of(right) + middle + source.of(left), "swapped items")
+            yield Fault(
+                source.file,
+                line,
+                first,
+                last,
+                source.of(right) + middle + source.of(left),
+                "swapped items",
+            )
 
 
 def _statements(source: Source, node: ast.AST) -> Iterator[Fault]:
     if isinstance(node, (ast.AugAssign, ast.Continue, ast.Break)):
         yield source.fault(node, "pass", "dropped statement")
-    if isinstance(node, ast.Expr) and isinstance(node.value, ast.Call) and not _speaks_only(node.value):
+    if (
+        isinstance(node, ast.Expr)
+        and isinstance(node.value, ast.Call)
+        and not _speaks_only(node.value)
+    ):
         yield source.fault(node, "pass", "dropped statement")
     if isinstance(node, ast.Assign) and isinstance(node.targets[0], (ast.Subscript, ast.Attribute)):
         yield source.fault(node, "pass", "dropped statement")

@@ -1,7 +1,9 @@
 """Stamp of compiled kernels while faults are judged: that of the source without a fault.
 
-The package stamps every kept kernel by the text of all sources of kernels, so that one seeded fault would compile them all anew. The tool
-deletes what a fault can reach (`mutants.copies.drop_kernels`) and puts it back afterwards; all others are served as they are. The package
+The package stamps every kept kernel by the text of all sources of kernels, so that one seeded fault
+would compile them all anew. The tool
+deletes what a fault can reach (`mutants.copies.drop_kernels`) and puts it back afterwards; all
+others are served as they are. The package
 knows nothing of it: its module is changed as it is imported, in the tool's processes only.
 """
 
@@ -19,9 +21,13 @@ _MODULE = "valvetrain.compiled"
 
 
 class HeldStamp:
-    """Finder of the module of kernels, once: gives it the stamp that the environment names, for its own package."""
+    """Finder of the module of kernels, once: gives it the stamp that the environment names, for its
+    own package.
+    """
 
-    def find_spec(self, name: str, path: Any = None, target: ModuleType | None = None) -> ModuleSpec | None:
+    def find_spec(
+        self, name: str, path: Any = None, target: ModuleType | None = None
+    ) -> ModuleSpec | None:
         """The usual module whose ``sources_digest`` answers with the held stamp."""
         if name != _MODULE:
             return None
@@ -39,7 +45,9 @@ class HeldStamp:
 
 
 def hold(module: Any) -> None:
-    """Gives the held stamp to the module; packages elsewhere (copies that tests make) keep their own."""
+    """Gives the held stamp to the module; packages elsewhere (copies that tests make) keep their
+    own.
+    """
     usual, stamp = module.sources_digest, os.environ[STAMP]
 
     def sources_digest(package: Any) -> str:

@@ -1,7 +1,10 @@
-"""A pytest plugin: which test enters which functions of the package, in this process and in those it starts.
+"""A pytest plugin: which test enters which functions of the package, in this process and in those
+it starts.
 
-Active where VALVETRAIN_TRAIL names a file: one JSON object {"import": [places], "tests": {node: {"seconds", "places"}}, "failed"}; a place
-is ``path below src:name of the function``, which outlives changes of other lines. What a fixture of a module enters counts for each test
+Active where VALVETRAIN_TRAIL names a file: one JSON object {"import": [places], "tests": {node:
+{"seconds", "places"}}, "failed"}; a place
+is ``path below src:name of the function``, which outlives changes of other lines. What a fixture of
+a module enters counts for each test
 that uses the fixture, since the others of the module find its result ready.
 """
 
@@ -40,7 +43,11 @@ class Steps:
         sys.settrace(None)
         threading.settrace(None)  # type: ignore[arg-type]
         cut = len(self.source)
-        return {f"{code.co_filename[cut:]}:{code.co_qualname}" for code in self.codes if code.co_filename.startswith(self.source)}
+        return {
+            f"{code.co_filename[cut:]}:{code.co_qualname}"
+            for code in self.codes
+            if code.co_filename.startswith(self.source)
+        }
 
 
 class Trail:
@@ -83,24 +90,39 @@ class Trail:
             for known in item._fixtureinfo.name2fixturedefs.values():
                 for one in known:
                     places |= self.fixtures.get(id(one), set())
-            self.tests[item.nodeid] = {"seconds": round(time.perf_counter() - begun, 3), "places": sorted(places)}
+            self.tests[item.nodeid] = {
+                "seconds": round(time.perf_counter() - begun, 3),
+                "places": sorted(places),
+            }
 
     def pytest_runtest_logreport(self, report: Any) -> None:
         self.failed |= {report.nodeid} if report.failed else set()
 
     def pytest_sessionfinish(self) -> None:
         self.children.unlink(missing_ok=True)
-        self.file.write_text(json.dumps({"import": sorted(self.imported), "tests": self.tests, "failed": sorted(self.failed)}))
+        self.file.write_text(
+            json.dumps(
+                {
+                    "import": sorted(self.imported),
+                    "tests": self.tests,
+                    "failed": sorted(self.failed),
+                }
+            )
+        )
 
 
 def pytest_configure(config: pytest.Config) -> None:
     """Begins before the test file is imported."""
     if file := os.environ.get("VALVETRAIN_TRAIL"):
-        config.pluginmanager.register(Trail(Path(file), Path(config.rootpath) / "src" / "valvetrain"))
+        config.pluginmanager.register(
+            Trail(Path(file), Path(config.rootpath) / "src" / "valvetrain")
+        )
 
 
 def follow_child() -> None:
-    """For a process that a test starts (called by the ``sitecustomize`` beside): its steps join those of the test."""
+    """For a process that a test starts (called by the ``sitecustomize`` beside): its steps join
+    those of the test.
+    """
     import atexit
 
     steps = Steps(str(Path(os.environ["VALVETRAIN_TRAIL_SOURCE"])))

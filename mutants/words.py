@@ -36,11 +36,17 @@ ENDS = (
 
 @cache
 def vocabulary(root: Path) -> dict[str, list[str]]:
-    """Name of a quantity or channel -> up to two others of its kind (next in the alphabet, so the same for all runs)."""
+    """Name of a quantity or channel -> up to two others of its kind (next in the alphabet, so the
+    same for all runs).
+    """
     names: dict[str, set[str]] = defaultdict(set)
     for path in sorted(root.rglob("*.py")):
         for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
-            if isinstance(node, ast.Constant) and isinstance(node.value, str) and re.fullmatch(r"[a-z][a-z0-9]*(_[a-z0-9]+)+", node.value):
+            if (
+                isinstance(node, ast.Constant)
+                and isinstance(node.value, str)
+                and re.fullmatch(r"[a-z][a-z0-9]*(_[a-z0-9]+)+", node.value)
+            ):
                 names[node.value.rsplit("_", 1)[-1]].add(node.value)
     found: dict[str, list[str]] = {}
     for end in ENDS:

@@ -1,4 +1,5 @@
-"""Count the functions of the package that one command enters: each `def` once, by package; lambdas and class bodies do not count.
+"""Count the functions of the package that one command enters: each `def` once, by package; lambdas
+and class bodies do not count.
 
 Use: python scripts/count_functions.py run gu2021-beehive --engine-speed '4200 rpm'
      python scripts/count_functions.py --list run gu2021-beehive     names every function too
@@ -23,14 +24,22 @@ PACKAGE = Path(SPEC.origin).parent
 
 
 def entered(arguments: list[str]) -> set[CodeType]:
-    """Code of every function of the package that ``valvetrain ARGUMENTS`` enters, imports included, in any thread of this process."""
+    """Code of every function of the package that ``valvetrain ARGUMENTS`` enters, imports included,
+    in any thread of this process.
+    """
     found: set[CodeType] = set()
     folder = f"{PACKAGE}{os.sep}"
 
     def note(frame: FrameType, event: str, _: object) -> None:
         code = frame.f_code
-        # modules and class bodies are not optimised code; comprehensions and lambdas have names in angle brackets
-        if event == "call" and code.co_flags & CO_OPTIMIZED and code.co_name[0] != "<" and code.co_filename.startswith(folder):
+        # modules and class bodies are not optimised code; comprehensions and lambdas have names in
+        # angle brackets
+        if (
+            event == "call"
+            and code.co_flags & CO_OPTIMIZED
+            and code.co_name[0] != "<"
+            and code.co_filename.startswith(folder)
+        ):
             found.add(code)
 
     sys.argv = ["valvetrain", *arguments]
@@ -58,8 +67,13 @@ def package_of(code: CodeType) -> str:
 if __name__ == "__main__":
     named = sys.argv[1:2] == ["--list"]
     codes = entered(sys.argv[2:] if named else sys.argv[1:])
-    for package, count in sorted(Counter(map(package_of, codes)).items(), key=lambda item: -item[1]):
+    for package, count in sorted(
+        Counter(map(package_of, codes)).items(), key=lambda item: -item[1]
+    ):
         print(f"{count:5d}  {package}")
-        for code in sorted((code for code in codes if named and package_of(code) == package), key=lambda code: code.co_filename):
+        for code in sorted(
+            (code for code in codes if named and package_of(code) == package),
+            key=lambda code: code.co_filename,
+        ):
             print(f"         {Path(code.co_filename).stem}.{code.co_name}")
     print(f"{len(codes):5d}  in all")

@@ -1,10 +1,14 @@
-"""Kill workers, parents and the solid solver at random moments, fill the disk, damage the cache, take the home away; tell what was lost.
+"""Kill workers, parents and the solid solver at random moments, fill the disk, damage the cache,
+take the home away; tell what was lost.
 
 Use: python scripts/faults.py [TRIALS] [--seed SEED]
 
-Every trial starts a command as a process and disturbs it once. An observer inside notes each run when the command holds it for finished;
-afterwards each noted run must be on disk with the numbers of an undisturbed command, no process and no work folder may be left, the exit
-code must be the one that is promised, and the next command in the same folder must leave nothing half-written there.
+Every trial starts a command as a process and disturbs it once. An observer inside notes each run
+when the command holds it for finished;
+afterwards each noted run must be on disk with the numbers of an undisturbed command, no process and
+no work folder may be left, the exit
+code must be the one that is promised, and the next command in the same folder must leave nothing
+half-written there.
 """
 
 from __future__ import annotations
@@ -67,8 +71,16 @@ def numbers_in(folder: Path) -> dict[tuple[str, str], dict[str, object]]:
             text = (folder / name).read_text("utf-8")
         except OSError:
             continue
-        rows += json.loads(text)["runs"] if name == "run.json" else [json.loads(line) for line in text.splitlines() if line.endswith("}")]
-    return {(row["label"], f"{row['engine_speed']['value']:.6f}"): row["quantities"] for row in rows if row["quantities"]}
+        rows += (
+            json.loads(text)["runs"]
+            if name == "run.json"
+            else [json.loads(line) for line in text.splitlines() if line.endswith("}")]
+        )
+    return {
+        (row["label"], f"{row['engine_speed']['value']:.6f}"): row["quantities"]
+        for row in rows
+        if row["quantities"]
+    }
 
 
 def noted(folder: Path) -> list[tuple[str, str]]:
@@ -84,18 +96,24 @@ def undisturbed(kind: str, folder: Path, **environment: str) -> Reference:
     """Run a command to its end."""
     begun = time.monotonic()
     command = [sys.executable, "-c", OBSERVED, *COMMANDS[kind]]
-    done = subprocess.run(command, cwd=folder, env=process_environment(**environment), capture_output=True, text=True)
+    done = subprocess.run(
+        command, cwd=folder, env=process_environment(**environment), capture_output=True, text=True
+    )
     assert done.returncode == 0, done.stderr
     return Reference(numbers_in(folder / "out"), time.monotonic() - begun)
 
 
-def disturbed(kind: str, folder: Path, reference: Reference, chance: random.Random) -> tuple[str, list[str]]:
+def disturbed(
+    kind: str, folder: Path, reference: Reference, chance: random.Random
+) -> tuple[str, list[str]]:
     """One trial: what was done, and what of the promises was broken."""
     (folder / "finished.log").unlink(missing_ok=True)
     work = folder / "work"
     work.mkdir(exist_ok=True)
     environment = {"TMPDIR": str(work)} | ({"CCX": str(folder / "ccx")} if kind == "solid" else {})
-    victim = chance.choice({"solid": ("parent", "solver")}.get(kind, ("parent", "parent", "worker")))
+    victim = chance.choice(
+        {"solid": ("parent", "solver")}.get(kind, ("parent", "parent", "worker"))
+    )
     number = chance.choice(SIGNALS) if victim == "parent" else signal.SIGKILL
     with started(*COMMANDS[kind], folder=folder, code=OBSERVED, **environment) as (run, mark):
         end = time.monotonic() + chance.uniform(0.3, 1.1) * reference.seconds
@@ -131,8 +149,12 @@ def _other(victim: str, parent: int, mark: str, folder: Path, chance: random.Ran
     return chance.choice(workers) if workers else None
 
 
-def _broken(kind: str, folder: Path, reference: Reference, code: int, victim: str, number: int, errors: str) -> list[str]:
-    broken = [f"'{word}' is said" for word in ("Traceback", "HDF5", "Segmentation") if word in errors]
+def _broken(
+    kind: str, folder: Path, reference: Reference, code: int, victim: str, number: int, errors: str
+) -> list[str]:
+    broken = [
+        f"'{word}' is said" for word in ("Traceback", "HDF5", "Segmentation") if word in errors
+    ]
     there = numbers_in(folder / "out")
     for key in noted(folder):
         if key not in there:
@@ -143,7 +165,9 @@ def _broken(kind: str, folder: Path, reference: Reference, code: int, victim: st
         broken.append("a work folder of the solver stays")
     shutil.rmtree(folder / "work", ignore_errors=True)
     early = -number in (code,)  # before the command listened, or SIGKILL
-    allowed = {0, 128 + number} if victim == "parent" else {0, 1} if number else {0, 1, 143}  # 143: what waits for ever is ended
+    allowed = (
+        {0, 128 + number} if victim == "parent" else {0, 1} if number else {0, 1, 143}
+    )  # 143: what waits for ever is ended
     if code not in allowed and not (victim == "parent" and number and early):
         broken.append(f"exit code {code}: {errors[-300:]}")
     if victim == "worker" and code == 0 and there.keys() < reference.numbers.keys():
@@ -159,10 +183,35 @@ def full_disk(folder: Path, chance: random.Random) -> tuple[str, list[str]]:
     made = f"mount -t tmpfs -o size={size} none '{disk}' && cd '{disk}'"
     script = f"{made} && \"$@\"; code=$?; cp -r out '{folder}/left'; exit $code"
     shutil.rmtree(folder / "left", ignore_errors=True)
-    words = ("run", "job-t", "--engine-speed", "2000, 2500 rpm", "--spring", "massless,multi-mass", "--no-report", "--output", "out")
-    command = ["unshare", "-rm", "sh", "-c", script, "sh", sys.executable, "-m", "valvetrain", *words]
-    done = subprocess.run(command, cwd=folder, env=process_environment(), capture_output=True, text=True)
-    broken = [f"'{word}' is said" for word in ("Traceback", "HDF5", "Segmentation") if word in done.stderr]
+    words = (
+        "run",
+        "job-t",
+        "--engine-speed",
+        "2000, 2500 rpm",
+        "--spring",
+        "massless,multi-mass",
+        "--no-report",
+        "--output",
+        "out",
+    )
+    command = [
+        "unshare",
+        "-rm",
+        "sh",
+        "-c",
+        script,
+        "sh",
+        sys.executable,
+        "-m",
+        "valvetrain",
+        *words,
+    ]
+    done = subprocess.run(
+        command, cwd=folder, env=process_environment(), capture_output=True, text=True
+    )
+    broken = [
+        f"'{word}' is said" for word in ("Traceback", "HDF5", "Segmentation") if word in done.stderr
+    ]
     broken += [f"exit code {done.returncode}"] if done.returncode not in (0, 1) else []
     broken += ["no numbers in the terminal"] if "Peak spring force" not in done.stdout else []
     left = folder / "left"
@@ -174,13 +223,17 @@ def full_disk(folder: Path, chance: random.Random) -> tuple[str, list[str]]:
     return "full disk", broken
 
 
-def damaged_cache(folder: Path, cache: Path, reference: Reference, chance: random.Random) -> tuple[str, list[str]]:
+def damaged_cache(
+    folder: Path, cache: Path, reference: Reference, chance: random.Random
+) -> tuple[str, list[str]]:
     """Files of the cache of compiled kernels cut short or emptied, and no home."""
     files = sorted(path for path in cache.rglob("*.nb*") if path.is_file())
     for path in chance.sample(files, min(3, len(files))):
         content = path.read_bytes()
         path.write_bytes(content[: chance.randrange(0, max(len(content) // 2, 1))])
-    again = undisturbed("sweep", folder, NUMBA_CACHE_DIR=str(cache), HOME=str(folder / "no-such-home"))
+    again = undisturbed(
+        "sweep", folder, NUMBA_CACHE_DIR=str(cache), HOME=str(folder / "no-such-home")
+    )
     return "damaged cache, no home", [] if again.numbers == reference.numbers else ["other numbers"]
 
 
@@ -197,9 +250,14 @@ def main() -> int:
             folder.mkdir()
             (folder / "small.toml").write_text(SMALL)
         stand_in_solver(folders["solid"])
-        references = {kind: undisturbed(kind, folders[kind]) for kind in COMMANDS if kind != "solid"}
+        references = {
+            kind: undisturbed(kind, folders[kind]) for kind in COMMANDS if kind != "solid"
+        }
         references["solid"] = Reference({}, 6.0)
-        cache, mounts = Path(name) / "kernels", not subprocess.run(["unshare", "-rm", "true"], capture_output=True).returncode
+        cache, mounts = (
+            Path(name) / "kernels",
+            not subprocess.run(["unshare", "-rm", "true"], capture_output=True).returncode,
+        )
         kinds = [*COMMANDS, "sweep", "run", *(["disk"] if mounts else [])]
         try:
             for count in range(1, asked.trials + 1):
@@ -209,7 +267,9 @@ def main() -> int:
                     what, broken = damaged_cache(folders[kind], cache, references["sweep"], chance)
                 else:
                     what, broken = (
-                        full_disk(folders[kind], chance) if kind == "disk" else disturbed(kind, folders[kind], references[kind], chance)
+                        full_disk(folders[kind], chance)
+                        if kind == "disk"
+                        else disturbed(kind, folders[kind], references[kind], chance)
                     )
                 counts[what] += 1
                 failures += bool(broken)
@@ -219,7 +279,11 @@ def main() -> int:
             print(f"stopped after {counts.total()} faults", flush=True)
         for kind in references.keys() - {"solid"}:
             undisturbed(kind, folders[kind])
-            left = [str(path) for path in folders[kind].rglob("*") if path.suffix == ".part" or path.name == "unfinished-runs.jsonl"]
+            left = [
+                str(path)
+                for path in folders[kind].rglob("*")
+                if path.suffix == ".part" or path.name == "unfinished-runs.jsonl"
+            ]
             if left:
                 failures += 1
                 print(f"after the last run of {kind} there is still {left}")

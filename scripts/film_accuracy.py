@@ -1,4 +1,5 @@
-"""Measures how well films are read: draws films of known motions, reads them, and prints the tables of docs/film.md (some minutes).
+"""Measures how well films are read: draws films of known motions, reads them, and prints the tables
+of docs/film.md (some minutes).
 
 Use: python scripts/film_accuracy.py
 """
@@ -13,10 +14,9 @@ import numpy as np
 import sample_film as drawn
 
 import valvetrain as vt
-from valvetrain.measurements.film.frames import open_film
-from valvetrain.measurements.film.sight_line import SightLine
-from valvetrain.measurements.film.space_time import read_space_time
-from valvetrain.measurements.film.tracks import track
+from valvetrain.film.frames import open_film
+from valvetrain.film.space_time import SightLine, read_space_time
+from valvetrain.film.tracks import track
 
 USUAL = drawn.Scene(columns=10)
 COARSE = replace(USUAL, pixels_per_mm=1.5, rows=60, seat_row=55.5)
@@ -33,8 +33,12 @@ SCENES = (
 
 
 def places() -> None:
-    """Errors of places: six coils that close until all touch, twenty times a second, with a surge of 0.3 mm at 420 Hz."""
-    print("| film | error, rms px | largest | told | merged frames | processor time a frame |\n|---|---|---|---|---|---|")
+    """Errors of places: six coils that close until all touch, twenty times a second, with a surge
+    of 0.3 mm at 420 Hz.
+    """
+    print(
+        "| film | error, rms px | largest | told | merged frames | processor time a frame |\n|---|---|---|---|---|---|"
+    )
     for words, scene, frames in SCENES:
         film, truth = drawn.draw(scene, drawn.closing(6, 3.66, 6.5, 0.3), frames)
         middle = 0.5 * (scene.columns - 1)
@@ -46,43 +50,74 @@ def places() -> None:
         off -= np.nanmedian(off, axis=0)
         told, merged = np.nanmedian(found.spread), found.merged.any(axis=1).mean()
         error, largest = np.sqrt(np.nanmean(off**2)), np.nanmax(np.abs(off))
-        print(f"| {words} | {error:.3f} | {largest:.2f} | {told:.3f} | {100 * merged:.0f} % | {1e3 * spent:.1f} ms |")
+        print(
+            f"| {words} | {error:.3f} | {largest:.2f} | {told:.3f} | {100 * merged:.0f} % | {1e3 * spent:.1f} ms |"
+        )
 
 
 def damping(films: int = 12) -> None:
-    """Surge line and damping of a turning cam over films that differ in their noise; how often the truth lies in the 95 % interval."""
+    """Surge line and damping of a turning cam over films that differ in their noise; how often the
+    truth lies in the 95 % interval.
+    """
     rows = []
     setup = vt.FilmSetup(
-        frame_rate=2000, scale_points=((4, 0), (4, 120)), scale_length=0.02, marker=(4, 4), marker_radius=2, line=((6, 10), (6, 239)),
+        frame_rate=2000,
+        scale_points=((4, 0), (4, 120)),
+        scale_length=0.02,
+        marker=(4, 4),
+        marker_radius=2,
+        line=((6, 10), (6, 239)),
         marker_angle=drawn.MARK_ANGLE,
-    )  # fmt: skip
+    )
     for seed in range(1, films + 1):
         marks = drawn.mark_of(300, 2000.0, drawn.CAM_SPEED, drawn.FIRST_ANGLE, drawn.MARK_ANGLE)
         film, _ = drawn.draw(replace(USUAL, seed=seed, camera_drift=1.2), drawn.turning, 300, marks)
         line = max(vt.coil_motion(film, setup).surge.lines, key=lambda one: one.amplitude)
         off = line.natural_frequency - drawn.SURGE, line.damping_ratio / drawn.DAMPING - 1
-        rows.append((*off, abs(off[0]) < 1.96 * line.frequency_spread, abs(off[1] * drawn.DAMPING) < 1.96 * line.damping_spread))
+        rows.append(
+            (
+                *off,
+                abs(off[0]) < 1.96 * line.frequency_spread,
+                abs(off[1] * drawn.DAMPING) < 1.96 * line.damping_spread,
+            )
+        )
     found = np.array(rows, dtype=float)
     print(
         f"frequency: rms {np.sqrt(np.mean(found[:, 0] ** 2)):.3f} Hz of {drawn.SURGE:g}, in its interval {found[:, 2].sum():.0f} of {films}"
     )
-    print(f"damping: rms {100 * np.sqrt(np.mean(found[:, 1] ** 2)):.2f} %, largest {100 * np.abs(found[:, 1]).max():.2f} %, "
-          f"in its interval {found[:, 3].sum():.0f} of {films}")  # fmt: skip
+    print(
+        f"damping: rms {100 * np.sqrt(np.mean(found[:, 1] ** 2)):.2f} %, largest {100 * np.abs(found[:, 1]).max():.2f} %, "
+        f"in its interval {found[:, 3].sum():.0f} of {films}"
+    )
 
 
 def pictures(folder: Path) -> None:
     """The two pictures of docs/film.md: the film of vaz-ohc, fewer dots than on the page."""
-    from valvetrain.report import film_charts
+    from valvetrain.film import page as film_charts
     from valvetrain.report.svg_chart import svg
     from valvetrain.solution.atomic import write_text
 
     film_charts.DOTS = 90
     _, rest, angle, moved, cam_speed = drawn.coils_of_case()
     scene = drawn.Scene(camera_drift=1.5)
-    film, _ = drawn.draw(scene, drawn.driven(rest, angle, moved, cam_speed, 0.4), 700, drawn.mark_of(700, 2000.0, cam_speed, 0.4, 1.0))
-    setup = vt.FilmSetup(frame_rate=2000, scale_points=((11, 0), (11, 120)), scale_length=0.02, marker=(4, 4), marker_angle=1.0)
+    film, _ = drawn.draw(
+        scene,
+        drawn.driven(rest, angle, moved, cam_speed, 0.4),
+        700,
+        drawn.mark_of(700, 2000.0, cam_speed, 0.4, 1.0),
+    )
+    setup = vt.FilmSetup(
+        frame_rate=2000,
+        scale_points=((11, 0), (11, 120)),
+        scale_length=0.02,
+        marker=(4, 4),
+        marker_angle=1.0,
+    )
     motion = vt.coil_motion(film, setup, synthetic=True)
-    for name, chart in (("space-time", film_charts.space_time_chart(motion)), ("displacement", film_charts.displacement_chart(motion))):
+    for name, chart in (
+        ("space-time", film_charts.space_time_chart(motion)),
+        ("displacement", film_charts.displacement_chart(motion)),
+    ):
         assert chart is not None
         write_text(folder / f"film-{name}.svg", svg(chart))
 

@@ -1,10 +1,13 @@
-"""Rewrite the identified values of the beehive case and their spread from its identification (examples/identify-beehive.toml).
+"""Rewrite the identified values of the beehive case and their spread from its identification
+(examples/identify-beehive.toml).
 
-Hours of work; ``valvetrain identify examples/identify-beehive.toml`` shows the same search without touching the library.
+Hours of work; ``valvetrain identify examples/identify-beehive.toml`` shows the same search without
+touching the library.
 
     python scripts/identify_beehive.py FOLDER [--workers 2] [--draws 48]
 
-FOLDER keeps every point as it is computed: started again with the same folder, the search goes on where it was cut.
+FOLDER keeps every point as it is computed: started again with the same folder, the search goes on
+where it was cut.
 """
 
 from __future__ import annotations
@@ -26,8 +29,7 @@ from valvetrain.identification.result import Identified
 from valvetrain.parameters.lift_law import LiftLawParameters
 from valvetrain.parameters.loading import load_case
 from valvetrain.parameters.writing import write_case_values
-from valvetrain.solution.atomic import write_text
-from valvetrain.solution.checksum import digest
+from valvetrain.solution.atomic import digest, write_text
 from valvetrain.sources.gu2021_identification import case_values, law_of, spring_of
 from valvetrain.studies.cost import Limits
 from valvetrain.studies.run import run_study
@@ -37,7 +39,10 @@ FILE = Path(__file__).resolve().parents[1] / "examples" / "identify-beehive.toml
 
 def method_digest(request: Request) -> str:
     """Fingerprint of priors and data: what a spread depends on beside the case."""
-    priors = [(one.name, one.prior.low, one.prior.high, one.prior.centre, one.prior.spread) for one in request.unknowns]
+    priors = [
+        (one.name, one.prior.low, one.prior.high, one.prior.centre, one.prior.spread)
+        for one in request.unknowns
+    ]
     data = [(one.key, one.value, one.scatter) for one in request.data]
     return digest(repr((priors, data)).encode())[:16]
 
@@ -50,27 +55,53 @@ SPREADS = (
 )  # fmt: skip
 
 
-def predict(elements_per_coil: int, names: Sequence[str], values: Sequence[float]) -> dict[str, float]:
-    """All three speeds of one draw of the unknowns: named quantities, keyed ``rpm quantity``; empty for an impossible spring."""
+def predict(
+    elements_per_coil: int, names: Sequence[str], values: Sequence[float]
+) -> dict[str, float]:
+    """All three speeds of one draw of the unknowns: named quantities, keyed ``rpm quantity``; empty
+    for an impossible spring.
+    """
     p = dict(zip(names, map(float, values), strict=True))
     case = load_case("gu2021-beehive")
     try:
         law = law_of(p)
-        values = {name: getattr(law, name) for name in ("maximum_lift", "ramp_lift", "ramp_start", "event_start", "nose", "flank_shape")}
+        values = {
+            name: getattr(law, name)
+            for name in (
+                "maximum_lift",
+                "ramp_lift",
+                "ramp_start",
+                "event_start",
+                "nose",
+                "flank_shape",
+            )
+        }
         own = case.springs[0].with_options("finite-element", elements_per_coil=elements_per_coil)
-        spring = replace(own, wire=spring_of(p), damping=replace(own.damping, stiffness_share=p["stiffness_share"]))
-        case = case.replace(springs=(spring,), lift_law=LiftLawParameters("shaped", values), published=())
+        spring = replace(
+            own,
+            wire=spring_of(p),
+            damping=replace(own.damping, stiffness_share=p["stiffness_share"]),
+        )
+        case = case.replace(
+            springs=(spring,), lift_law=LiftLawParameters("shaped", values), published=()
+        )
         study = run_study(case, spring_models=("finite-element",), workers=1)
     except (InputError, ValueError, np.linalg.LinAlgError, RuntimeError):
         return {}
-    told = {q: value for q, value in study.quantities.items() if q.engine_speed and q.name in SPREADS}
+    told = {
+        q: value for q, value in study.quantities.items() if q.engine_speed and q.name in SPREADS
+    }
     return {f"{round(q.engine_speed * 30 / np.pi)} {q.name}": value for q, value in told.items()}
 
 
-def tell_spread(found: Identified, request: Request, elements: int, workers: int, count: int) -> str:
+def tell_spread(
+    found: Identified, request: Request, elements: int, workers: int, count: int
+) -> str:
     """TOML text: 5, 50 and 95 % of each quantity over ``count`` draws of the posterior (SI)."""
     with ProcessPoolExecutor(workers) as pool:
-        outcomes = [o for o in pool.map(partial(predict, elements, found.names), found.values[:count]) if o]
+        outcomes = [
+            o for o in pool.map(partial(predict, elements, found.names), found.values[:count]) if o
+        ]
     lines = [
         "# Spread of the beehive's results over what its calibration data leave open; written by scripts/identify_beehive.py.",
         f"# Percentiles 5, 50, 95 over {len(outcomes)} draws of the linearised posterior, {elements} elements per coil, SI units.",
@@ -79,9 +110,13 @@ def tell_spread(found: Identified, request: Request, elements: int, workers: int
     for rpm in (4200, 5600, 8000):
         lines += ["", f'["{rpm} rpm"]']
         for name in SPREADS:
-            values = [o[f"{rpm} {name}"] for o in outcomes if np.isfinite(o.get(f"{rpm} {name}", np.nan))]
+            values = [
+                o[f"{rpm} {name}"] for o in outcomes if np.isfinite(o.get(f"{rpm} {name}", np.nan))
+            ]
             if len(values) >= 0.5 * len(outcomes):
-                lines.append(f"{name} = [{', '.join(f'{v:.6g}' for v in np.percentile(values, (5, 50, 95)))}]")
+                lines.append(
+                    f"{name} = [{', '.join(f'{v:.6g}' for v in np.percentile(values, (5, 50, 95)))}]"
+                )
     return "\n".join(lines) + "\n"
 
 
@@ -94,7 +129,9 @@ def main() -> None:
     options = parser.parse_args()
     request = read_request(FILE)
     request = replace(request, search=replace(request.search, draws=options.draws))
-    found = identify_request(request, folder=options.folder, workers=options.workers, limits=Limits(1e9, 1e12))
+    found = identify_request(
+        request, folder=options.folder, workers=options.workers, limits=Limits(1e9, 1e12)
+    )
     print(found)
     path = resources.files("valvetrain") / "parameters" / "library" / "gu2021-beehive.toml"
     write_case_values(str(path), case_values(found.best))

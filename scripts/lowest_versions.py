@@ -1,4 +1,6 @@
-"""Prints the lowest version of each dependency that pyproject.toml allows, as pins: ``make test LOWEST=1`` tests with these."""
+"""Prints the lowest version of each dependency that pyproject.toml allows, as pins: ``make test
+LOWEST=1`` tests with these.
+"""
 
 from __future__ import annotations
 
@@ -9,7 +11,9 @@ from pathlib import Path
 
 
 def lowest_versions(project_file: Path) -> list[str]:
-    """``name==version`` of everything needed to build, run and test; raises ValueError for a dependency without a lower bound."""
+    """``name==version`` of everything needed to build, run and test; raises ValueError for a
+    dependency without a lower bound.
+    """
     tree = tomllib.loads(project_file.read_text(encoding="utf-8"))
     project, extras = tree["project"], tree["project"]["optional-dependencies"]
     pins = []
@@ -32,4 +36,6 @@ def lowest_versions(project_file: Path) -> list[str]:
 
 
 if __name__ == "__main__":
-    sys.stdout.write("\n".join(lowest_versions(Path(__file__).parents[1] / "pyproject.toml")) + "\n")
+    sys.stdout.write(
+        "\n".join(lowest_versions(Path(__file__).parents[1] / "pyproject.toml")) + "\n"
+    )

@@ -1,6 +1,8 @@
-"""Measure the moving picture of the beehive (168 elements) in headless Chromium with software rendering (SwiftShader, no GPU).
+"""Measure the moving picture of the beehive (168 elements) in headless Chromium with software
+rendering (SwiftShader, no GPU).
 
-Prints sizes of data, script and page, the time from opening the page to the first picture, the median time between pictures while it
+Prints sizes of data, script and page, the time from opening the page to the first picture, the
+median time between pictures while it
 plays, and the processor time of one. Run on Linux: python scripts/measure_motion.py [SECONDS]
 """
 
@@ -14,11 +16,11 @@ import time
 from pathlib import Path
 
 import valvetrain as vt
-from valvetrain.report.motion.pack import motion_json
+from valvetrain.report.motion.project import motion_json
 from valvetrain.report.motion.scene import moving_picture
 from valvetrain.report.motion.script import motion_script
 from valvetrain.report.page import Page, Section, render
-from valvetrain.report.sections.in_motion import blocks
+from valvetrain.report.sections.curves import in_motion_blocks as blocks
 
 #: The page is put together on the processor, WebGL is drawn there too.
 OPTIONS = ["--no-sandbox", "--enable-unsafe-swiftshader"]
@@ -51,28 +53,43 @@ def measure(study: vt.Study, seconds: float) -> dict[str, float]:
         file, profile = Path(folder) / "page.html", f"{folder}/profile"
         file.write_text(html, encoding="utf-8")
         browser = driver.chromium.launch_persistent_context(
-            profile, executable_path=shutil.which("chromium"), args=OPTIONS, viewport={"width": 1400, "height": 900}
+            profile,
+            executable_path=shutil.which("chromium"),
+            args=OPTIONS,
+            viewport={"width": 1400, "height": 900},
         )
         page = browser.new_page()
         page.goto(file.as_uri())
         page.wait_for_function(f"{HANDLE} && {HANDLE}.statistics().frames > 0")
-        first, loaded = page.evaluate("[performance.now(), performance.getEntriesByType('navigation')[0].loadEventEnd]")
+        first, loaded = page.evaluate(
+            "[performance.now(), performance.getEntriesByType('navigation')[0].loadEventEnd]"
+        )
         page.evaluate(f"{HANDLE}.play()")
         page.wait_for_timeout(1000)
         before, frames = processor_time(profile), page.evaluate(f"{HANDLE}.statistics().frames")
         page.wait_for_timeout(1000 * seconds)
         found = page.evaluate(f"{HANDLE}.statistics()")
         used = (processor_time(profile) - before) / max(found["frames"] - frames, 1)
-        pixels = page.evaluate("document.querySelector('.vtm canvas').width * document.querySelector('.vtm canvas').height")
+        pixels = page.evaluate(
+            "document.querySelector('.vtm canvas').width * document.querySelector('.vtm canvas').height"
+        )
         rings = page.evaluate(f"{HANDLE}.shown().tubes.map((tube) => tube.rings)")
         browser.close()
     return {
-        "data (kB)": len(data) / 1e3, "script with three.js (kB)": len(motion_script()) / 1e3, "page of this alone (kB)": len(html) / 1e3,
-        "building the data (ms)": 1e3 * built, "page loaded (ms)": loaded, "first picture (ms)": first,
-        "median between pictures (ms)": found["interval"], "pictures a second": 1000 / found["interval"],
-        "processor time of a picture (ms)": used, "of that, motion.js (ms)": found["drawing"], "pixels of the picture": pixels,
-        "rings of the wire": sum(rings), "load of the machine": os.getloadavg()[0],
-    }  # fmt: skip
+        "data (kB)": len(data) / 1e3,
+        "script with three.js (kB)": len(motion_script()) / 1e3,
+        "page of this alone (kB)": len(html) / 1e3,
+        "building the data (ms)": 1e3 * built,
+        "page loaded (ms)": loaded,
+        "first picture (ms)": first,
+        "median between pictures (ms)": found["interval"],
+        "pictures a second": 1000 / found["interval"],
+        "processor time of a picture (ms)": used,
+        "of that, motion.js (ms)": found["drawing"],
+        "pixels of the picture": pixels,
+        "rings of the wire": sum(rings),
+        "load of the machine": os.getloadavg()[0],
+    }
 
 
 def main() -> None:

@@ -1,4 +1,5 @@
-"""Measures how well springs are found in scans of known springs, and what a large cloud takes; prints the tables of the docs.
+"""Measures how well springs are found in scans of known springs, and what a large cloud takes;
+prints the tables of the docs.
 
 Use: python scripts/measure_scans.py [picture FILE | FOLDER POINTS]
 """
@@ -17,8 +18,8 @@ from numpy.typing import NDArray
 sys.path.insert(0, str(Path(__file__).parent))
 from sample_scan import Scanner, Truth, blocks, cloud, ply, springs
 
-from valvetrain.measurements.spring_scan.api import spring_from_scan
-from valvetrain.measurements.spring_scan.result import ScannedSpring
+from valvetrain.scan.reconstruct import spring_from_scan
+from valvetrain.scan.result import ScannedSpring
 
 Array = NDArray[np.float64]
 #: What a scanner sees, in words, and how it is drawn.
@@ -41,7 +42,9 @@ def distances(points: Array, line: Array) -> Array:
 
 
 def fitted_line(scan: ScannedSpring, between: int = 4) -> Array:
-    """The wire axis of a scan (n, 3) in the frame of the file, with points ``between`` its stations on the coil, in m."""
+    """The wire axis of a scan (n, 3) in the frame of the file, with points ``between`` its stations
+    on the coil, in m.
+    """
     curves, axis = scan.curves, scan.axis_direction
     away = curves.centre_line - scan.axis_point
     along = away @ axis
@@ -50,13 +53,17 @@ def fitted_line(scan: ScannedSpring, between: int = 4) -> Array:
     second = np.cross(axis, first)
     turned = np.unwrap(np.arctan2(radial @ second, radial @ first))
     fine = np.linspace(0.0, curves.coil[-1], between * (len(curves.coil) - 1) + 1)
-    angle, height, radius = (np.interp(fine, curves.coil, one) for one in (turned, along, curves.mean_diameter / 2))
+    angle, height, radius = (
+        np.interp(fine, curves.coil, one) for one in (turned, along, curves.mean_diameter / 2)
+    )
     radial = radius[:, None] * (np.cos(angle)[:, None] * first + np.sin(angle)[:, None] * second)
     return np.asarray(scan.axis_point + radial + height[:, None] * axis)
 
 
 def rms(scan: ScannedSpring, truth: Truth, off: float = 0.0) -> float:
-    """Root mean square distance (m) of the fitted wire axis from the true one, tip to tip but for ``off`` turns at either end."""
+    """Root mean square distance (m) of the fitted wire axis from the true one, tip to tip but for
+    ``off`` turns at either end.
+    """
     line = fitted_line(scan)
     skip = round(off / scan.total_coils[0] * len(line))
     return float(np.sqrt(np.mean(distances(line[skip : len(line) - skip], truth.wire_axis) ** 2)))
@@ -64,7 +71,9 @@ def rms(scan: ScannedSpring, truth: Truth, off: float = 0.0) -> float:
 
 def accuracy(folder: Path, count: int = 30_000) -> None:
     """One row a spring and scanner: what was found beside what is true."""
-    print("spring           seen            axis um  inner um  wire um  free um  turns    hand   noise um   s")
+    print(
+        "spring           seen            axis um  inner um  wire um  free um  turns    hand   noise um   s"
+    )
     for name, spring in springs().items():
         for words, scanner in SEEN.items():
             point, truth = cloud(spring, count, scanner)
@@ -88,23 +97,28 @@ def large(folder: Path, count: int) -> None:
     file = folder / "large.ply"
     head = f"ply\nformat binary_little_endian 1.0\ncomment units mm\nelement vertex {count}\n"
     with file.open("wb") as stream:
-        stream.write((head + "".join(f"property float {axis}\n" for axis in "xyz") + "end_header\n").encode())
+        stream.write(
+            (head + "".join(f"property float {axis}\n" for axis in "xyz") + "end_header\n").encode()
+        )
         for block in blocks(spring, count, Scanner(outliers=0.0)):
             stream.write((1e3 * block).astype("<f4").tobytes())
     before, begun = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss, time.process_time()
     scan = spring_from_scan(file)
     after = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
-    print(f"{count} points, {file.stat().st_size / 1e6:.0f} MB: {time.process_time() - begun:.1f} s of processor time, ", end="")
+    print(
+        f"{count} points, {file.stat().st_size / 1e6:.0f} MB: {time.process_time() - begun:.1f} s of processor time, ",
+        end="",
+    )
     print(f"largest memory {before / 1024:.0f} MB before and {after / 1024:.0f} MB after; {scan!r}")
     file.unlink()
 
 
 def picture(folder: Path, file: Path) -> None:
     """The curves of the beehive as made beside those of its design."""
-    from valvetrain.report.scan_charts import curves_chart
     from valvetrain.report.svg_chart import svg
+    from valvetrain.scan.compare import stands_as
+    from valvetrain.scan.page import curves_chart
     from valvetrain.solution.atomic import write_text
-    from valvetrain.studies.scan_against_design import stands_as
 
     known = springs()
     point, _ = cloud(known["beehive-as-made"], 30_000, Scanner(outside=True, seed=3))

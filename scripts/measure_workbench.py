@@ -1,4 +1,5 @@
-"""Measure the workbench in a browser: first page, figures after the end of a run, a new curve while the slider moves.
+"""Measure the workbench in a browser: first page, figures after the end of a run, a new curve while
+the slider moves.
 
 Use: python scripts/measure_workbench.py [--visits 5]      needs Chromium, playwright and NiceGUI
 Prints medians and largest values beside the bounds; 1 where a median is beyond its bound.
@@ -21,7 +22,12 @@ from typing import Any
 
 ROOT = Path(__file__).resolve().parents[1]
 #: Bounds (s): first page, figures after the end of a run, slider to curve.
-BOUNDS = {"first page": 1.0, "page of a case": 1.0, "figures after the end of a run": 0.3, "slider to new curve": 0.15}
+BOUNDS = {
+    "first page": 1.0,
+    "page of a case": 1.0,
+    "figures after the end of a run": 0.3,
+    "slider to new curve": 0.15,
+}
 
 
 def main() -> int:
@@ -36,13 +42,30 @@ def main() -> int:
         port = free.getsockname()[1]
     environment = os.environ | {"PYTHONPATH": str(ROOT / "src")}
     with tempfile.TemporaryDirectory() as folder:
-        command = [sys.executable, "-m", "valvetrain", "serve", "--folder", folder, "--port", str(port), "--no-open", "--quiet"]
+        command = [
+            sys.executable,
+            "-m",
+            "valvetrain",
+            "serve",
+            "--folder",
+            folder,
+            "--port",
+            str(port),
+            "--no-open",
+            "--quiet",
+        ]
         server = subprocess.Popen(command, env=environment, start_new_session=True)
         try:
             wait_for(port)
             with sync_playwright() as driver:
-                path = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
-                browser = driver.chromium.launch(executable_path=path, args=["--no-sandbox", "--disable-gpu"])
+                path = (
+                    shutil.which("chromium")
+                    or shutil.which("chromium-browser")
+                    or shutil.which("google-chrome")
+                )
+                browser = driver.chromium.launch(
+                    executable_path=path, args=["--no-sandbox", "--disable-gpu"]
+                )
                 found = measured(browser, f"http://127.0.0.1:{port}", visits)
                 browser.close()
         finally:
@@ -91,9 +114,14 @@ def measured(browser: Any, url: str, visits: int) -> dict[str, list[float]]:
     for _ in range(visits):
         shown = page.get_attribute(".results", "data-shown") or ""
         page.click("#run-button")
-        page.wait_for_function(f"(document.querySelector('.results').dataset.shown || '') !== '{shown}'", timeout=600_000)
+        page.wait_for_function(
+            f"(document.querySelector('.results').dataset.shown || '') !== '{shown}'",
+            timeout=600_000,
+        )
         drawn = page.evaluate("window.valvetrainResults.at")
-        ended = page.evaluate("fetch('/job/gu2021-beehive').then((answer) => answer.json())")["ended_at"]
+        ended = page.evaluate("fetch('/job/gu2021-beehive').then((answer) => answer.json())")[
+            "ended_at"
+        ]
         found["figures after the end of a run"].append(drawn - ended)
     page.select_option("#live-quantity", "spring.precompression")
     page.wait_for_selector(".live .numbers", timeout=600_000)
@@ -101,7 +129,9 @@ def measured(browser: Any, url: str, visits: int) -> dict[str, list[float]]:
     for _ in range(4 * visits):
         page.keyboard.press("ArrowRight")
         page.wait_for_timeout(250)
-    found["slider to new curve"] = [one / 1e3 for one in page.evaluate("window.valvetrainSlider")[1:]]
+    found["slider to new curve"] = [
+        one / 1e3 for one in page.evaluate("window.valvetrainSlider")[1:]
+    ]
     return found
 
 

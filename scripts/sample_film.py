@@ -1,6 +1,8 @@
-"""Draws films of a valve spring as a high-speed camera sees it, from known motions of its coils: folders of PNG frames.
+"""Draws films of a valve spring as a high-speed camera sees it, from known motions of its coils:
+folders of PNG frames.
 
-The wire is a lit cylinder with a glare line; exposure, optics, noise, drift of light and camera, and 8 bits are those of a camera. Nothing
+The wire is a lit cylinder with a glare line; exposure, optics, noise, drift of light and camera,
+and 8 bits are those of a camera. Nothing
 of it knows how films are read.
 
 Use: python scripts/sample_film.py FOLDER          the films of docs/film.md: decay/, train/
@@ -22,7 +24,8 @@ Array = NDArray[np.float64]
 Heights = Callable[[Array], Array]
 #: Steps of the table of a wire's brightness within a pixel.
 FINE = 32
-#: Natural frequency (Hz) and damping ratio of the closed forms, speed of the cam (rad/s), angles of first frame and mark (rad).
+#: Natural frequency (Hz) and damping ratio of the closed forms, speed of the cam (rad/s), angles of
+#: first frame and mark (rad).
 SURGE, DAMPING, CAM_SPEED, FIRST_ANGLE, MARK_ANGLE = 412.0, 0.015, 170.0, 0.7, 1.1
 SHARE = np.array([0.0, 0.2, 0.4, 0.6, 0.8, 1.0])
 REST = 2.0 + 32.0 * SHARE
@@ -31,7 +34,9 @@ LIFT, OPEN = 9.0, 2.2  # mm, rad
 
 @dataclass(frozen=True)
 class Scene:
-    """What the camera sees, and how: lengths in px where nothing else is said, grey levels of 8 bits."""
+    """What the camera sees, and how: lengths in px where nothing else is said, grey levels of 8
+    bits.
+    """
 
     frame_rate: float = 2000.0
     rows: int = 240
@@ -55,7 +60,9 @@ class Scene:
 
 
 def wire_table(scene: Scene) -> tuple[Array, Array, Array]:
-    """Places (px from the wire's centre), brightness of the lit wire and share that it covers, both as a pixel sees them."""
+    """Places (px from the wire's centre), brightness of the lit wire and share that it covers, both
+    as a pixel sees them.
+    """
     radius = 0.5 * scene.wire_diameter * scene.pixels_per_mm
     reach = radius + 6 * scene.blur + 2
     place = np.arange(-np.ceil(reach * FINE), np.ceil(reach * FINE) + 1) / FINE
@@ -64,25 +71,37 @@ def wire_table(scene: Scene) -> tuple[Array, Array, Array]:
     light = (
         0.06
         + 0.30 * np.clip(np.cos(tilt), 0, None)
-        + 0.64 * np.clip(np.cos(2 * np.arcsin(share) - np.radians(scene.lamp)), 0, None) ** scene.shine
+        + 0.64
+        * np.clip(np.cos(2 * np.arcsin(share) - np.radians(scene.lamp)), 0, None) ** scene.shine
     )
     covers = (np.abs(place) <= radius).astype(float)
     steps = np.arange(-int(5 * scene.blur * FINE) - FINE, int(5 * scene.blur * FINE) + FINE + 1)
     lens = np.exp(-0.5 * (steps / (scene.blur * FINE)) ** 2)
     pixel = (np.abs(steps) <= FINE / 2).astype(float)
     seen = np.convolve(lens / lens.sum(), pixel / pixel.sum(), mode="same")
-    return place, np.convolve(light * covers, seen, mode="same"), np.convolve(covers, seen, mode="same")
+    return (
+        place,
+        np.convolve(light * covers, seen, mode="same"),
+        np.convolve(covers, seen, mode="same"),
+    )
 
 
-def draw(scene: Scene, heights: Heights, frames: int, marker: Array | None = None) -> tuple[NDArray[np.uint8], Array]:
-    """Film (frames, rows, columns) and the true rows (px) of the wire centres at mid exposure in its middle column (frames, coils).
+def draw(
+    scene: Scene, heights: Heights, frames: int, marker: Array | None = None
+) -> tuple[NDArray[np.uint8], Array]:
+    """Film (frames, rows, columns) and the true rows (px) of the wire centres at mid exposure in
+    its middle column (frames, coils).
 
     ``marker`` (frames,): brightness, 0 to 1, of a spot of 5 x 5 px in the upper left corner.
     """
     chance = np.random.default_rng(scene.seed)
     table, middle = wire_table(scene), 0.5 * (scene.columns - 1)
     row = np.arange(scene.rows, dtype=float)
-    offsets = ((np.arange(scene.exposures) + 0.5) / scene.exposures - 0.5) * scene.exposure / scene.frame_rate
+    offsets = (
+        ((np.arange(scene.exposures) + 0.5) / scene.exposures - 0.5)
+        * scene.exposure
+        / scene.frame_rate
+    )
     film = np.zeros((frames, scene.rows, scene.columns), dtype=np.uint8)
     truth = []
     for frame in range(frames):
@@ -96,11 +115,15 @@ def draw(scene: Scene, heights: Heights, frames: int, marker: Array | None = Non
         seen *= (1 - scene.light_drift * share) / scene.exposures
         if marker is not None:
             seen[2:7, 2:7] = 12.0 + 200.0 * marker[frame]
-        film[frame] = np.clip(np.round(seen + scene.noise * chance.standard_normal(seen.shape)), 0, 255).astype(np.uint8)
+        film[frame] = np.clip(
+            np.round(seen + scene.noise * chance.standard_normal(seen.shape)), 0, 255
+        ).astype(np.uint8)
     return film, np.array(truth)
 
 
-def _instant(scene: Scene, table: tuple[Array, Array, Array], row: Array, middle: float, front: Array) -> Array:
+def _instant(
+    scene: Scene, table: tuple[Array, Array, Array], row: Array, middle: float, front: Array
+) -> Array:
     """The picture at one instant: rear half-turns, in part hidden by the front ones."""
     place, light, covers = table
     across = np.arange(scene.columns) - middle
@@ -120,22 +143,36 @@ def _instant(scene: Scene, table: tuple[Array, Array, Array], row: Array, middle
     return picture
 
 
-def decaying(rest: Array, share: Array, amplitudes: tuple[float, ...], natural_frequency: float, damping_ratio: float) -> Heights:
-    """Closed form: surge modes 1, 2... of a spring between fixed ends that decay freely; ``share`` of the length at each coil."""
+def decaying(
+    rest: Array,
+    share: Array,
+    amplitudes: tuple[float, ...],
+    natural_frequency: float,
+    damping_ratio: float,
+) -> Heights:
+    """Closed form: surge modes 1, 2... of a spring between fixed ends that decay freely; ``share``
+    of the length at each coil.
+    """
 
     def heights(time: Array) -> Array:
         moved = np.zeros((len(time), len(rest)))
         for order, amplitude in enumerate(amplitudes, start=1):
             rate = 2 * np.pi * order * natural_frequency
-            swing = np.exp(-damping_ratio * rate * time) * np.cos(rate * np.sqrt(1 - damping_ratio**2) * time + 0.7 * order)
+            swing = np.exp(-damping_ratio * rate * time) * np.cos(
+                rate * np.sqrt(1 - damping_ratio**2) * time + 0.7 * order
+            )
             moved += amplitude * swing[:, None] * np.sin(order * np.pi * share)
         return rest + moved
 
     return heights
 
 
-def driven(rest: Array, cam_angle: Array, displacement: Array, cam_speed: float, first_angle: float = 0.0) -> Heights:
-    """A periodic motion: ``displacement`` (angles, coils) mm at equally spaced ``cam_angle`` (rad) of one turn, repeated."""
+def driven(
+    rest: Array, cam_angle: Array, displacement: Array, cam_speed: float, first_angle: float = 0.0
+) -> Heights:
+    """A periodic motion: ``displacement`` (angles, coils) mm at equally spaced ``cam_angle`` (rad)
+    of one turn, repeated.
+    """
     from scipy.interpolate import CubicSpline
 
     whole = np.vstack([displacement, displacement[:1]])
@@ -143,8 +180,17 @@ def driven(rest: Array, cam_angle: Array, displacement: Array, cam_speed: float,
     return lambda time: rest + curve(np.mod(cam_speed * time + first_angle, 2 * np.pi))
 
 
-def mark_of(frames: int, frame_rate: float, cam_speed: float, first_angle: float, mark_angle: float, width: float = 0.5) -> Array:
-    """Brightness of a white mark of ``width`` rad on the cam pulley that passes the spot once a turn, at ``mark_angle``."""
+def mark_of(
+    frames: int,
+    frame_rate: float,
+    cam_speed: float,
+    first_angle: float,
+    mark_angle: float,
+    width: float = 0.5,
+) -> Array:
+    """Brightness of a white mark of ``width`` rad on the cam pulley that passes the spot once a
+    turn, at ``mark_angle``.
+    """
     angle = cam_speed * np.arange(frames) / frame_rate + first_angle - mark_angle
     apart = np.abs((angle + np.pi) % (2 * np.pi) - np.pi)
     return np.clip((0.5 * width - apart) / (0.25 * width) + 0.5, 0.0, 1.0)
@@ -153,11 +199,17 @@ def mark_of(frames: int, frame_rate: float, cam_speed: float, first_angle: float
 def lift(cam_angle: Array) -> Array:
     """Lift (m) of a closed form: fourth power of a sine over the open part, none before and after."""
     angle = np.mod(cam_angle, 2 * np.pi)
-    return 1e-3 * LIFT * np.where(angle < OPEN, np.sin(np.pi * np.minimum(angle, OPEN) / OPEN) ** 4, 0.0)
+    return (
+        1e-3
+        * LIFT
+        * np.where(angle < OPEN, np.sin(np.pi * np.minimum(angle, OPEN) / OPEN) ** 4, 0.0)
+    )
 
 
 def turning(time: Array) -> Array:
-    """Heights (mm): each section follows its share of the lift; as the valve closes a surge begins that decays freely."""
+    """Heights (mm): each section follows its share of the lift; as the valve closes a surge begins
+    that decays freely.
+    """
     angle = CAM_SPEED * time + FIRST_ANGLE
     since = np.mod(angle - OPEN, 2 * np.pi) / CAM_SPEED
     rate = 2 * np.pi * SURGE
@@ -166,12 +218,16 @@ def turning(time: Array) -> Array:
 
 
 def closing(coils: int, wire: float, pitch: float, surge: float) -> Heights:
-    """Heights (mm) of coils that close one after the other until all touch, twenty turns a second, and surge at 420 Hz."""
+    """Heights (mm) of coils that close one after the other until all touch, twenty turns a second,
+    and surge at 420 Hz.
+    """
     share, room = np.arange(coils) / (coils - 1), (pitch - wire) * (coils - 1)
 
     def heights(time: Array) -> Array:
         angle = np.mod(2 * np.pi * 20 * time + 2.0, 2 * np.pi)
-        opened = np.where(np.abs(angle - np.pi) < 0.8, np.cos((angle - np.pi) / 1.6 * np.pi) ** 2, 0.0)
+        opened = np.where(
+            np.abs(angle - np.pi) < 0.8, np.cos((angle - np.pi) / 1.6 * np.pi) ** 2, 0.0
+        )
         found = 2.0 + pitch * np.arange(coils) - room * opened[:, None] * share
         found = found + surge * np.sin(2 * np.pi * 420 * time)[:, None] * np.sin(np.pi * share)
         for one in range(1, coils):
@@ -181,8 +237,12 @@ def closing(coils: int, wire: float, pitch: float, surge: float) -> Heights:
     return heights
 
 
-def coils_of_case(case: str = "vaz-ohc", first_turn: float = 0.6, model: str = "multi-mass") -> tuple[Array, Array, Array, Array, float]:
-    """Turns, rest heights (mm), cam angles, displacements (angles, coils; mm) and cam speed of the front of the outer spring of a case."""
+def coils_of_case(
+    case: str = "vaz-ohc", first_turn: float = 0.6, model: str = "multi-mass"
+) -> tuple[Array, Array, Array, Array, float]:
+    """Turns, rest heights (mm), cam angles, displacements (angles, coils; mm) and cam speed of the
+    front of the outer spring of a case.
+    """
     import valvetrain as vt
 
     loaded = vt.load_case(case)
@@ -200,11 +260,22 @@ def coils_of_case(case: str = "vaz-ohc", first_turn: float = 0.6, model: str = "
         coil = np.interp(coil, gaps.flow, gaps.turns)
     turns = np.arange(first_turn, wire.total_coils - 0.1, 1.0)
     fine = np.linspace(0.0, wire.total_coils, 2001)
-    free = np.concatenate([[0.0], np.cumsum(0.5 * (wire.pitch.value(fine[1:]) + wire.pitch.value(fine[:-1])) * np.diff(fine))])
+    free = np.concatenate(
+        [
+            [0.0],
+            np.cumsum(
+                0.5 * (wire.pitch.value(fine[1:]) + wire.pitch.value(fine[:-1])) * np.diff(fine)
+            ),
+        ]
+    )
     active = np.clip((fine - first) / (last - first), 0, 1)
-    height = free - active * (free[-1] - (spring.installed_height - float(wire.wire_diameter.value(0.0))))
+    height = free - active * (
+        free[-1] - (spring.installed_height - float(wire.wire_diameter.value(0.0)))
+    )
     rest = np.interp(turns, fine, height) * 1e3 + 0.5e3 * float(wire.wire_diameter.value(0.0))
-    displaced = np.stack([1e3 * np.array([np.interp(one, coil, row) for row in moved]) for one in turns], axis=1)
+    displaced = np.stack(
+        [1e3 * np.array([np.interp(one, coil, row) for row in moved]) for one in turns], axis=1
+    )
     return turns, rest, run.cam_angle, displaced, run.engine_speed / 2
 
 
@@ -223,13 +294,19 @@ def main(folder: Path) -> None:
     heights = decaying(2.0 + 34.0 * share, share, (1.2, 0.4), 420.0, 0.012)
     film, truth = draw(Scene(), heights, 400)
     write_frames(folder / "decay", film)
-    (folder / "decay.json").write_text(json.dumps({"natural_frequency": 420.0, "damping_ratio": 0.012, "rows": truth.tolist()}))
+    (folder / "decay.json").write_text(
+        json.dumps({"natural_frequency": 420.0, "damping_ratio": 0.012, "rows": truth.tolist()})
+    )
     _, rest, angle, displaced, cam_speed = coils_of_case()
     scene = Scene(camera_drift=1.5)
     mark = mark_of(700, scene.frame_rate, cam_speed, 0.4, 1.0)
     film, truth = draw(scene, driven(rest, angle, displaced, cam_speed, 0.4), 700, mark)
     write_frames(folder / "train", film)
-    (folder / "train.json").write_text(json.dumps({"cam_speed": cam_speed, "first_angle": 0.4, "mark_angle": 1.0, "rows": truth.tolist()}))
+    (folder / "train.json").write_text(
+        json.dumps(
+            {"cam_speed": cam_speed, "first_angle": 0.4, "mark_angle": 1.0, "rows": truth.tolist()}
+        )
+    )
 
 
 if __name__ == "__main__":

@@ -1,9 +1,12 @@
-"""Writes small recordings as a test rig makes them, from a known motion: one file in each format, all marked synthetic.
+"""Writes small recordings as a test rig makes them, from a known motion: one file in each format,
+all marked synthetic.
 
 Use: python scripts/sample_rig.py FOLDER
 
-Truth is a simulation (valve lift and spring force of a shipped case over the cam angle). Added to it: speed that varies from turn to turn
-and within a turn, jitter and a missing tooth of the encoder, noise, a drift of the force, one cycle that slipped.
+Truth is a simulation (valve lift and spring force of a shipped case over the cam angle). Added to
+it: speed that varies from turn to turn
+and within a turn, jitter and a missing tooth of the encoder, noise, a drift of the force, one cycle
+that slipped.
 """
 
 from __future__ import annotations
@@ -43,7 +46,9 @@ class Rig:
 
 @dataclass(frozen=True)
 class Records:
-    """What was recorded: times (s), force (N), lift (m), pulses of the crank wheel (V), pulse once a cam turn (V), cam angle (rad)."""
+    """What was recorded: times (s), force (N), lift (m), pulses of the crank wheel (V), pulse once
+    a cam turn (V), cam angle (rad).
+    """
 
     rig: Rig
     times: Array
@@ -74,7 +79,9 @@ def record(rig: Rig, lift: Callable[[Array], Array], force: Callable[[Array], Ar
     angle = cam_angle_at(rig, times)
     cycle = np.floor(angle / TURN).astype(int)
     forces = force(angle % TURN) + rig.force_offset + rig.force_drift * times / length
-    forces = np.where(cycle == rig.slipped, 1.08 * forces, forces) + random.normal(0, rig.force_noise, len(times))
+    forces = np.where(cycle == rig.slipped, 1.08 * forces, forces) + random.normal(
+        0, rig.force_noise, len(times)
+    )
     lifts = lift(angle % TURN) + random.normal(0, rig.lift_noise, len(times))
     jittered = cam_angle_at(rig, times + random.normal(0, rig.jitter, len(times)))
     tooth = 2 * jittered / TURN * rig.teeth
@@ -87,16 +94,25 @@ def record(rig: Rig, lift: Callable[[Array], Array], force: Callable[[Array], Ar
 def columns(records: Records) -> list[tuple[str, str, Array]]:
     """Name, unit and values of each channel, in the units of a rig."""
     return [
-        ("Spring force", "kN", 1e-3 * records.force), ("Valve lift", "mm", 1e3 * records.lift),
-        ("Crank wheel", "V", records.pulses), ("Cam pulse", "V", records.once), ("Crank angle", "deg", records.encoder),
-    ]  # fmt: skip
+        ("Spring force", "kN", 1e-3 * records.force),
+        ("Valve lift", "mm", 1e3 * records.lift),
+        ("Crank wheel", "V", records.pulses),
+        ("Cam pulse", "V", records.once),
+        ("Crank angle", "deg", records.encoder),
+    ]
 
 
 def write_csv(path: Path, records: Records) -> None:
     """Text with semicolons."""
-    head = ["# synthetic: computed, not measured", ";".join(["Time [s]", *(f"{name} [{unit}]" for name, unit, _ in columns(records))])]
+    head = [
+        "# synthetic: computed, not measured",
+        ";".join(["Time [s]", *(f"{name} [{unit}]" for name, unit, _ in columns(records))]),
+    ]
     rows = np.column_stack([records.times, *(values for _, _, values in columns(records))])
-    path.write_text("\n".join([*head, *(";".join(f"{value:.7g}" for value in row) for row in rows)]) + "\n", encoding="utf-8")
+    path.write_text(
+        "\n".join([*head, *(";".join(f"{value:.7g}" for value in row) for row in rows)]) + "\n",
+        encoding="utf-8",
+    )
 
 
 def write_mdf(path: Path, records: Records) -> None:
@@ -108,7 +124,9 @@ def write_mdf(path: Path, records: Records) -> None:
         if name == "Spring force":
             scale = 4.0 / 32767
             counts = np.round(values / scale).astype(np.int16)
-            signals.append(Signal(counts, records.times, unit, name, conversion={"a": scale, "b": 0.0}))
+            signals.append(
+                Signal(counts, records.times, unit, name, conversion={"a": scale, "b": 0.0})
+            )
         else:
             signals.append(Signal(values, records.times, unit, name))
     with MDF(version="4.10") as file:
@@ -126,16 +144,24 @@ def write_tdms(path: Path, records: Records, segments: int = 3) -> None:
         for part in np.array_split(np.arange(len(records.times)), segments):
             told = {"wf_increment": step, "wf_start_offset": 0.0}
             file.write_segment(
-                [RootObject({"description": "synthetic: computed, not measured"}),
-                 *(ChannelObject("rig", name, values[part], told | {"unit_string": unit}) for name, unit, values in columns(records))]
-            )  # fmt: skip
+                [
+                    RootObject({"description": "synthetic: computed, not measured"}),
+                    *(
+                        ChannelObject("rig", name, values[part], told | {"unit_string": unit})
+                        for name, unit, values in columns(records)
+                    ),
+                ]
+            )
 
 
 def write_mat(path: Path, records: Records) -> None:
     """MAT 7 (compressed), units as texts beside."""
     from scipy import io
 
-    held: dict[str, object] = {"description": "synthetic: computed, not measured", "time": records.times}
+    held: dict[str, object] = {
+        "description": "synthetic: computed, not measured",
+        "time": records.times,
+    }
     for name, unit, values in columns(records):
         held |= {name.replace(" ", "_"): values, f"{name.replace(' ', '_')}_unit": unit}
     io.savemat(path, held, do_compression=True)
@@ -151,10 +177,16 @@ def write_hdf5(path: Path, records: Records) -> None:
     with h5py.File(path, "w", userblock_size=512) as file:
         for name, unit, values in [("time", "s", records.times), *columns(records)]:
             word = name.replace(" ", "_")
-            file.create_dataset(word, data=values[np.newaxis, :], compression="gzip").attrs["MATLAB_class"] = np.bytes_("double")
+            file.create_dataset(word, data=values[np.newaxis, :], compression="gzip").attrs[
+                "MATLAB_class"
+            ] = np.bytes_("double")
             if word != "time":
-                file.create_dataset(f"{word}_unit", data=coded(unit)).attrs["MATLAB_class"] = np.bytes_("char")
-        file.create_dataset("description", data=coded("synthetic: computed")).attrs["MATLAB_class"] = np.bytes_("char")
+                file.create_dataset(f"{word}_unit", data=coded(unit)).attrs["MATLAB_class"] = (
+                    np.bytes_("char")
+                )
+        file.create_dataset("description", data=coded("synthetic: computed")).attrs[
+            "MATLAB_class"
+        ] = np.bytes_("char")
 
 
 def write_netcdf(path: Path, records: Records) -> None:
@@ -191,12 +223,31 @@ def write_uff(path: Path, records: Records, binary: bool = False) -> None:
     file = pyuff.UFF(str(path))
     for name, unit, values in columns(records):
         held = pyuff.prepare_58(
-            binary=int(binary), func_type=1, rsp_node=1, rsp_dir=1, ref_node=1, ref_dir=1, data=values, x=records.times, id1=name,
-            id2="synthetic: computed", id3="NONE", id4="NONE", id5="NONE", abscissa_spacing=1, abscissa_inc=1 / records.rig.sampling_rate,
-            abscissa_min=0.0, num_pts=len(values), ord_data_type=4, ordinate_axis_units_lab=unit,
-            abscissa_axis_units_lab="s", abscissa_spec_data_type=17, ordinate_spec_data_type=13, orddenom_spec_data_type=0,
+            binary=int(binary),
+            func_type=1,
+            rsp_node=1,
+            rsp_dir=1,
+            ref_node=1,
+            ref_dir=1,
+            data=values,
+            x=records.times,
+            id1=name,
+            id2="synthetic: computed",
+            id3="NONE",
+            id4="NONE",
+            id5="NONE",
+            abscissa_spacing=1,
+            abscissa_inc=1 / records.rig.sampling_rate,
+            abscissa_min=0.0,
+            num_pts=len(values),
+            ord_data_type=4,
+            ordinate_axis_units_lab=unit,
+            abscissa_axis_units_lab="s",
+            abscissa_spec_data_type=17,
+            ordinate_spec_data_type=13,
+            orddenom_spec_data_type=0,
             z_axis_spec_data_type=0,
-        )  # fmt: skip
+        )
         file.write_sets(held | {"ordinate_axis_lab": name}, "add")
 
 
@@ -208,8 +259,12 @@ WRITERS: dict[str, Callable[[Path, Records], None]] = {
 }  # fmt: skip
 
 
-def simulated(engine_speed: str = "3000 rpm") -> tuple[Callable[[Array], Array], Callable[[Array], Array]]:
-    """Valve lift (m) and spring force (N) over the cam angle (rad) of the shipped case job-t, last cycle of its run."""
+def simulated(
+    engine_speed: str = "3000 rpm",
+) -> tuple[Callable[[Array], Array], Callable[[Array], Array]]:
+    """Valve lift (m) and spring force (N) over the cam angle (rad) of the shipped case job-t, last
+    cycle of its run.
+    """
     import valvetrain as vt
 
     (run,) = vt.simulate("job-t", engine_speed, spring_models=["multi-mass"]).solutions

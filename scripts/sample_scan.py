@@ -1,9 +1,11 @@
-"""Writes point clouds as a scanner makes them, from known springs: ``beehive.ply``, the same as made, ``progressive.xyz``;
+"""Writes point clouds as a scanner makes them, from known springs: ``beehive.ply``, the same as
+made, ``progressive.xyz``;
 and what is true of them.
 
 Use: python scripts/sample_scan.py FOLDER [POINTS]
 
-The surface is swept from the law of the wire alone: a tube about the wire axis, cut by the planes of the ground ends. Nothing here
+The surface is swept from the law of the wire alone: a tube about the wire axis, cut by the planes
+of the ground ends. Nothing here
 knows how a scan is fitted.
 """
 
@@ -19,7 +21,7 @@ from numpy.typing import NDArray
 
 from valvetrain.parameters.curves import PiecewiseLinear
 from valvetrain.parameters.loading import load_case
-from valvetrain.parameters.materials import material_by_name
+from valvetrain.parameters.material import material_by_name
 from valvetrain.parameters.spring import EndCoil, SpringDefinition
 from valvetrain.solution.atomic import write_bytes, write_text
 
@@ -30,9 +32,11 @@ FINE = 4096
 
 @dataclass(frozen=True)
 class Scanner:
-    """How a spring is seen: ``noise`` (m) per coordinate, share of ``outliers``, ``holes`` of ``hole_radius`` (m), the ``outside`` only.
+    """How a spring is seen: ``noise`` (m) per coordinate, share of ``outliers``, ``holes`` of
+    ``hole_radius`` (m), the ``outside`` only.
 
-    ``facing``: least cosine between the normal of the surface and the outward radius that such a scanner sees.
+    ``facing``: least cosine between the normal of the surface and the outward radius that such a
+    scanner sees.
     """
 
     noise: float = 0.05e-3
@@ -46,7 +50,9 @@ class Scanner:
 
 @dataclass(frozen=True)
 class Truth:
-    """What is known of a cloud: the spring, its ``wire_axis`` (n, 3) as far as it still stands, and its axis, as they lie there (m)."""
+    """What is known of a cloud: the spring, its ``wire_axis`` (n, 3) as far as it still stands, and
+    its axis, as they lie there (m).
+    """
 
     spring: SpringDefinition
     wire_axis: Array
@@ -55,18 +61,30 @@ class Truth:
 
 
 def wire_axis(spring: SpringDefinition) -> tuple[Array, Array, Array]:
-    """Turns (n,), points (n, 3) and unit tangents (n, 3) of the wire axis: the rise is summed up step by step, tangents are differences."""
+    """Turns (n,), points (n, 3) and unit tangents (n, 3) of the wire axis: the rise is summed up
+    step by step, tangents are differences.
+    """
     turns = np.linspace(0.0, spring.total_coils, int(FINE * spring.total_coils) + 1)
     middle = (turns[1:] + turns[:-1]) / 2
     rise = np.concatenate([[0.0], np.cumsum(spring.pitch.value(middle) * np.diff(turns))])
-    radius, turned = spring.mean_diameter.value(turns) / 2, 2 * np.pi * turns * (1 if spring.hand == "right" else -1)
+    radius, turned = (
+        spring.mean_diameter.value(turns) / 2,
+        2 * np.pi * turns * (1 if spring.hand == "right" else -1),
+    )
     points = np.column_stack([radius * np.cos(turned), radius * np.sin(turned), rise])
     tangents = np.gradient(points, turns, axis=0)
     return turns, points, tangents / np.linalg.norm(tangents, axis=1, keepdims=True)
 
 
-def surface(spring: SpringDefinition, count: int, scanner: Scanner, draw: np.random.Generator, ovality: float = 0.0) -> Array:
-    """Points (about ``count``, 3) spread evenly over the surface of the spring that the scanner sees, in the spring's own frame.
+def surface(
+    spring: SpringDefinition,
+    count: int,
+    scanner: Scanner,
+    draw: np.random.Generator,
+    ovality: float = 0.0,
+) -> Array:
+    """Points (about ``count``, 3) spread evenly over the surface of the spring that the scanner
+    sees, in the spring's own frame.
 
     ``ovality``: (width - height) / (width + height) of the section, width along the radius.
     """
@@ -88,10 +106,14 @@ def surface(spring: SpringDefinition, count: int, scanner: Scanner, draw: np.ran
         across = np.cross(tangent, outward)
         half = spring.wire_diameter.value(coil) / 2
         around = draw.uniform(0, 2 * np.pi, some)
-        offset = (half * (1 + ovality) * np.cos(around))[:, None] * outward + (half * (1 - ovality) * np.sin(around))[:, None] * across
+        offset = (half * (1 + ovality) * np.cos(around))[:, None] * outward + (
+            half * (1 - ovality) * np.sin(around)
+        )[:, None] * across
         point = centre + offset
         # more of the surface lies on the outside of the coil than on its inside
-        wide = np.hypot(point[:, 0], point[:, 1]) / (np.hypot(centre[:, 0], centre[:, 1]) + half * (1 + ovality))
+        wide = np.hypot(point[:, 0], point[:, 1]) / (
+            np.hypot(centre[:, 0], centre[:, 1]) + half * (1 + ovality)
+        )
         keep = draw.uniform(0, 1, some) < wide
         if scanner.outside:
             keep &= np.sum(offset * outward, axis=1) > scanner.facing * half
@@ -102,10 +124,17 @@ def surface(spring: SpringDefinition, count: int, scanner: Scanner, draw: np.ran
     return np.concatenate(found)
 
 
-def _ground(spring: SpringDefinition, point: Array, centre: Array, half: Array) -> NDArray[np.bool_]:
-    """Grind the ends: what stands beyond a seat plane falls onto it, straight along the axis. Which points still lie on or in the wire."""
+def _ground(
+    spring: SpringDefinition, point: Array, centre: Array, half: Array
+) -> NDArray[np.bool_]:
+    """Grind the ends: what stands beyond a seat plane falls onto it, straight along the axis. Which
+    points still lie on or in the wire.
+    """
     left = np.ones(len(point), dtype=bool)
-    for end, level, side in ((spring.lower_end, spring.lower_seat_height, -1), (spring.upper_end, spring.upper_seat_height, 1)):
+    for end, level, side in (
+        (spring.lower_end, spring.lower_seat_height, -1),
+        (spring.upper_end, spring.upper_seat_height, 1),
+    ):
         if "ground" in end.kind:
             beyond = side * (point[:, 2] - level) > 0
             point[beyond, 2] = level
@@ -124,7 +153,12 @@ def _standing(spring: SpringDefinition, axis: Array) -> Array:
     return axis[keep]
 
 
-def cloud(spring: SpringDefinition, count: int = 30_000, scanner: Scanner | None = None, ovality: float = 0.0) -> tuple[Array, Truth]:
+def cloud(
+    spring: SpringDefinition,
+    count: int = 30_000,
+    scanner: Scanner | None = None,
+    ovality: float = 0.0,
+) -> tuple[Array, Truth]:
     """Points (n, 3) of a scanned spring in m, in any position, and the truth about them."""
     scanner = scanner or Scanner()
     draw = np.random.default_rng(scanner.seed)
@@ -134,7 +168,9 @@ def cloud(spring: SpringDefinition, count: int = 30_000, scanner: Scanner | None
         point = point[np.linalg.norm(point - centre, axis=1) > scanner.hole_radius]
     point = point + draw.normal(0.0, scanner.noise, point.shape)
     low, high = point.min(axis=0), point.max(axis=0)
-    stray = draw.uniform(low - 0.1 * (high - low), high + 0.1 * (high - low), (int(scanner.outliers * len(point)), 3))
+    stray = draw.uniform(
+        low - 0.1 * (high - low), high + 0.1 * (high - low), (int(scanner.outliers * len(point)), 3)
+    )
     point = np.concatenate([point, stray])
     turned, _ = np.linalg.qr(draw.normal(size=(3, 3)))
     turned *= np.sign(np.linalg.det(turned))
@@ -143,7 +179,9 @@ def cloud(spring: SpringDefinition, count: int = 30_000, scanner: Scanner | None
     return draw.permutation(point @ turned.T + moved), truth
 
 
-def blocks(spring: SpringDefinition, count: int, scanner: Scanner, size: int = 200_000) -> Iterator[Array]:
+def blocks(
+    spring: SpringDefinition, count: int, scanner: Scanner, size: int = 200_000
+) -> Iterator[Array]:
     """A large cloud in blocks, each seen anew (no holes), unmoved."""
     draw = np.random.default_rng(scanner.seed)
     for first in range(0, count, size):
@@ -158,7 +196,9 @@ def springs() -> dict[str, SpringDefinition]:
     assert beehive is not None
 
     def law(knots: str, values: str) -> PiecewiseLinear:
-        return PiecewiseLinear(tuple(map(float, knots.split())), tuple(1e-3 * float(one) for one in values.split()))
+        return PiecewiseLinear(
+            tuple(map(float, knots.split())), tuple(1e-3 * float(one) for one in values.split())
+        )
 
     even = law("0 0.8 1.3 5.7 6.2 7", "3.6 3.6 7.4 7.4 3.6 3.6")
     rising = law("0 0.75 1.25 2.5 4.5 6.75 7.25 8", "4 4 5.2 6.2 9 9 4 4")
@@ -166,19 +206,31 @@ def springs() -> dict[str, SpringDefinition]:
     return {
         "beehive": beehive,
         "beehive-as-made": as_made(beehive),
-        "cylindrical": SpringDefinition(3.6e-3, 24e-3, even, 7.0, steel, ends, ends, "left", "cylindrical"),  # type: ignore[arg-type]
-        "progressive": SpringDefinition(4e-3, 24e-3, rising, 8.0, steel, ends, ends, "right", "progressive"),  # type: ignore[arg-type]
-        "conical": SpringDefinition(3e-3, law("0 6", "26 18"), tapered, 6.0, steel, ends, ends, "left", "conical"),  # type: ignore[arg-type]
+        "cylindrical": SpringDefinition(
+            3.6e-3, 24e-3, even, 7.0, steel, ends, ends, "left", "cylindrical"
+        ),  # type: ignore[arg-type]
+        "progressive": SpringDefinition(
+            4e-3, 24e-3, rising, 8.0, steel, ends, ends, "right", "progressive"
+        ),  # type: ignore[arg-type]
+        "conical": SpringDefinition(
+            3e-3, law("0 6", "26 18"), tapered, 6.0, steel, ends, ends, "left", "conical"
+        ),  # type: ignore[arg-type]
     }
 
 
 def as_made(design: SpringDefinition) -> SpringDefinition:
-    """A beehive as springs are made: above coil 4 its diameter falls in steps, and its pitch comes and goes by 0.25 mm."""
+    """A beehive as springs are made: above coil 4 its diameter falls in steps, and its pitch comes
+    and goes by 0.25 mm.
+    """
     coil = np.linspace(0.0, design.total_coils, 32 * int(design.total_coils) + 1)
     away = np.where((coil > 4.0) & (coil < 6.9), 0.25e-3 * np.sin(4 * np.pi * coil), 0.0)
-    pitch = np.where((coil > 2.0) & (coil < 6.25), 0.25e-3 * np.sin(2.6 * np.pi * (coil - 2.0)), 0.0)
-    laws = [PiecewiseLinear(tuple(coil.tolist()), tuple((law.value(coil) + more).tolist()))
-            for law, more in ((design.mean_diameter, away), (design.pitch, pitch))]  # fmt: skip
+    pitch = np.where(
+        (coil > 2.0) & (coil < 6.25), 0.25e-3 * np.sin(2.6 * np.pi * (coil - 2.0)), 0.0
+    )
+    laws = [
+        PiecewiseLinear(tuple(coil.tolist()), tuple((law.value(coil) + more).tolist()))
+        for law, more in ((design.mean_diameter, away), (design.pitch, pitch))
+    ]
     return design.replace(mean_diameter=laws[0], pitch=laws[1])
 
 
@@ -211,4 +263,7 @@ def _write_truth(path: Path, truth: Truth) -> None:
 
 
 if __name__ == "__main__":
-    main(Path(sys.argv[1] if len(sys.argv) > 1 else "."), int(sys.argv[2]) if len(sys.argv) > 2 else 30_000)
+    main(
+        Path(sys.argv[1] if len(sys.argv) > 1 else "."),
+        int(sys.argv[2]) if len(sys.argv) > 2 else 30_000,
+    )

@@ -1,9 +1,14 @@
-"""Writes small tests to compare models with, all but one SYNTHETIC and marked so: computed, with scatter drawn, never measured.
+"""Writes small tests to compare models with, all but one SYNTHETIC and marked so: computed, with
+scatter drawn, never measured.
 
-``spring-force.csv``: cycles of the spring force of the case job-t at 3000 rpm, by the finite-element rod with scatter that follows its
-neighbours along the angle. ``coils-lash-0.csv``, ``coils-lash-0.1.csv``: repeats of the largest displacement of four sections of the outer
-spring of the case vaz-ohc, as an adequacy study by film would have them, by the finite-element rod with reading errors.
-``engine-head.csv``: the values that Gu, Hou, Keating and Ye (2021) print of their engine head test, with scatters that are assumed, for
+``spring-force.csv``: cycles of the spring force of the case job-t at 3000 rpm, by the
+finite-element rod with scatter that follows its
+neighbours along the angle. ``coils-lash-0.csv``, ``coils-lash-0.1.csv``: repeats of the largest
+displacement of four sections of the outer
+spring of the case vaz-ohc, as an adequacy study by film would have them, by the finite-element rod
+with reading errors.
+``engine-head.csv``: the values that Gu, Hou, Keating and Ye (2021) print of their engine head test,
+with scatters that are assumed, for
 the paper states none.
 
 Use: python scripts/sample_test_cycles.py FOLDER
@@ -17,14 +22,13 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from valvetrain.measurements.cycles_file import write_cycles
-from valvetrain.measurements.measured_cycles import MeasuredCycles
-from valvetrain.measurements.sensor import Sensor
+from valvetrain.compare_test.compare import active_wire
+from valvetrain.measured.cycles import MeasuredCycles, write_cycles
+from valvetrain.measured.sensor import Sensor
 from valvetrain.parameters.loading import load_case
 from valvetrain.quantities.traces import trace_of
 from valvetrain.solution.atomic import write_text
 from valvetrain.studies.api import simulate
-from valvetrain.studies.compare_test import active_wire
 from valvetrain.system.build import build
 
 Array = NDArray[np.float64]
@@ -32,9 +36,11 @@ Array = NDArray[np.float64]
 FORCE_SCATTER, HARMONICS = 6.0, 40
 #: Bandwidth (Hz) of the force sensor that is made up.
 BANDWIDTH = 8e3
-#: Sections of the active wire, repeats, reading error of one (mm), and the share by which all sections of a repeat move together.
+#: Sections of the active wire, repeats, reading error of one (mm), and the share by which all
+#: sections of a repeat move together.
 SECTIONS, REPEATS, READING, SHARED = (0.2, 0.4, 0.6, 0.8), 10, 0.06, 0.004
-#: What is assumed of the engine head's values: share of a force, and cam degrees of an angle, those "about" a value apart.
+#: What is assumed of the engine head's values: share of a force, and cam degrees of an angle, those
+#: "about" a value apart.
 FORCE_SHARE, ANGLE, ABOUT = "1 %", 0.5, 2.0
 
 
@@ -53,11 +59,22 @@ def force_cycles(cycles: int = 12, angles: int = 720, seed: int = 3) -> Measured
     mean = trace_of(run, "spring_force").through(Sensor(bandwidth=BANDWIDTH)).at(cam_angle)
     values = np.round(mean + FORCE_SCATTER * scatter(cycles, cam_angle, seed), 2)
     note = "finite-element rod through a gauge of 8 kHz with scatter drawn; a synthetic test, no engine was run"
-    return MeasuredCycles("spring_force", "N", cam_angle, values, run.engine_speed / 2, "sample_test_cycles.py", True, (note,))
+    return MeasuredCycles(
+        "spring_force",
+        "N",
+        cam_angle,
+        values,
+        run.engine_speed / 2,
+        "sample_test_cycles.py",
+        True,
+        (note,),
+    )
 
 
 def coil_table(lash: str, seed: int) -> str:
-    """Repeats of the largest displacements (mm) of sections of the outer spring at a lash, as a table of values."""
+    """Repeats of the largest displacements (mm) of sections of the outer spring at a lash, as a
+    table of values.
+    """
     case = load_case("vaz-ohc", {"train.lash": lash})
     asked = {"spring_models": ("finite-element",), "spring_sets": ("nested",)}
     run = simulate(case, workers=1, **asked).solutions[0]
@@ -65,13 +82,18 @@ def coil_table(lash: str, seed: int) -> str:
     names = [f"outer_section_{place:g}_displacement" for place in SECTIONS]
     peaks = 1e3 * np.array([trace_of(run, name, active).values.max() for name in names])
     drawn = np.random.default_rng(seed)
-    repeats = peaks * (1 + SHARED * drawn.standard_normal((REPEATS, 1))) + READING * drawn.standard_normal((REPEATS, len(peaks)))
+    repeats = peaks * (
+        1 + SHARED * drawn.standard_normal((REPEATS, 1))
+    ) + READING * drawn.standard_normal((REPEATS, len(peaks)))
     lines = [
         "# synthetic: yes", "# source: sample_test_cycles.py", f"# cam speed: {run.engine_speed / 2 * 30 / np.pi:.10g} rpm",
         f"# note: finite-element rod at lash {lash} with reading errors drawn; synthetic repeats, no film was taken",
         ",".join(["quantity", "unit", *(f"repeat {place}" for place in range(1, REPEATS + 1))]),
     ]  # fmt: skip
-    lines += [",".join([f"peak_{name}", "mm", *(f"{value:.3f}" for value in row)]) for name, row in zip(names, repeats.T, strict=True)]
+    lines += [
+        ",".join([f"peak_{name}", "mm", *(f"{value:.3f}" for value in row)])
+        for name, row in zip(names, repeats.T, strict=True)
+    ]
     return "\n".join(lines) + "\n"
 
 
@@ -88,7 +110,9 @@ def engine_head_table() -> str:
         angle = one.quantity.endswith("_angle")
         value = np.degrees(one.value) if angle else one.value
         spread = f"{ABOUT if one.relation == 'about' else ANGLE:g}" if angle else FORCE_SHARE
-        lines.append(f"{one.quantity},{'deg' if angle else 'N'},{value:.6g},{spread},{one.engine_speed * 30 / np.pi:.6g}")
+        lines.append(
+            f"{one.quantity},{'deg' if angle else 'N'},{value:.6g},{spread},{one.engine_speed * 30 / np.pi:.6g}"
+        )
     return "\n".join(lines) + "\n"
 
 

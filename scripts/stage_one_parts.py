@@ -31,7 +31,8 @@ CASE = load_case("gu2021-beehive")
 SPRING, LAW = CASE.springs[0], build_lift_law(CASE.lift_law)
 WIRE = SPRING.wire
 assert WIRE is not None
-#: Engine speeds (rpm) of the study, its Stage II, what every changed spring is tuned to: preload (N) and centre of the first cluster (Hz).
+#: Engine speeds (rpm) of the study, its Stage II, what every changed spring is tuned to: preload
+#: (N) and centre of the first cluster (Hz).
 SPEEDS, EVENT = (4200, 5600, 8000), LiftEvent(np.radians(127.0), np.radians(233.0))
 MODES, SAMPLES = 24, 720
 #: Share by which a tuned spring may miss preload and frequency.
@@ -39,20 +40,32 @@ AIM = 2e-4
 
 
 def damped(**changes: Any) -> RodDynamics:
-    """Damping and contact of the case with changes: ``ratio``, ``stiffness_share``, or fields of the dynamics."""
+    """Damping and contact of the case with changes: ``ratio``, ``stiffness_share``, or fields of
+    the dynamics.
+    """
     own = {key: changes.pop(key) for key in ("ratio", "stiffness_share") if key in changes}
     damping = SPRING.damping.replace(**own) if own else SPRING.damping
-    return replace(RodDynamics(
-        mass_damping=damping.mass_damping, stiffness_damping=damping.stiffness_damping,
-        contact_stiffness=SPRING.contact.stiffness, contact_damping_time=SPRING.contact.damping_time,
-    ), **changes)  # fmt: skip
+    return replace(
+        RodDynamics(
+            mass_damping=damping.mass_damping,
+            stiffness_damping=damping.stiffness_damping,
+            contact_stiffness=SPRING.contact.stiffness,
+            contact_damping_time=SPRING.contact.damping_time,
+        ),
+        **changes,
+    )
 
 
 def rod_of(
-    wire: SpringDefinition = WIRE, elements: int = 24, dynamics: RodDynamics | None = None, seats: str = "planes"
+    wire: SpringDefinition = WIRE,
+    elements: int = 24,
+    dynamics: RodDynamics | None = None,
+    seats: str = "planes",
 ) -> FiniteElementRod:
     """The rod of a wire, installed as the case has it."""
-    return FiniteElementRod(wire, SPRING.precompression, elements, dynamics or damped(), seats=seats)
+    return FiniteElementRod(
+        wire, SPRING.precompression, elements, dynamics or damped(), seats=seats
+    )
 
 
 def _clearances(wire: SpringDefinition) -> tuple[float, Array]:
@@ -69,7 +82,9 @@ def with_clearance(wire: SpringDefinition, more: float) -> SpringDefinition:
 
 
 def with_kink(wire: SpringDefinition, coil: float, more: float) -> SpringDefinition:
-    """Pitch (m per turn) raised by ``more`` at one ``coil``, straight to the corners of the law on either side."""
+    """Pitch (m per turn) raised by ``more`` at one ``coil``, straight to the corners of the law on
+    either side.
+    """
     assert isinstance(wire.pitch, PiecewiseLinear)
     coils = np.sort(np.append(wire.pitch.coils, coil))
     pitch = np.interp(coils, wire.pitch.coils, wire.pitch.values) + more * (coils == coil)
@@ -77,46 +92,72 @@ def with_kink(wire: SpringDefinition, coil: float, more: float) -> SpringDefinit
 
 
 def with_coils(wire: SpringDefinition, total: float) -> SpringDefinition:
-    """Other ``total`` coils: the level stretch of the pitch and the straight one of the diameter are longer or shorter."""
+    """Other ``total`` coils: the level stretch of the pitch and the straight one of the diameter
+    are longer or shorter.
+    """
     more = total - wire.total_coils
     pitch = PiecewiseLinear(tuple(c + more * (c >= 6) for c in wire.pitch.coils), wire.pitch.values)
-    mean = PiecewiseLinear(tuple(c + more * (c >= 4) for c in wire.mean_diameter.coils), wire.mean_diameter.values)
+    mean = PiecewiseLinear(
+        tuple(c + more * (c >= 4) for c in wire.mean_diameter.coils), wire.mean_diameter.values
+    )
     return wire.replace(pitch=pitch, mean_diameter=mean, total_coils=total)
 
 
 def _rescaled(wire: SpringDefinition, wire_share: float, mean_share: float) -> SpringDefinition:
     """Wire and coil diameter times a share each, clearances as they are."""
     diameter, clearance = _clearances(wire)
-    mean = PiecewiseLinear(wire.mean_diameter.coils, tuple(mean_share * np.array(wire.mean_diameter.values)))
+    mean = PiecewiseLinear(
+        wire.mean_diameter.coils, tuple(mean_share * np.array(wire.mean_diameter.values))
+    )
     pitch = PiecewiseLinear(wire.pitch.coils, tuple(clearance + wire_share * diameter))
-    return wire.replace(wire_diameter=Constant(wire_share * diameter), pitch=pitch, mean_diameter=mean)
+    return wire.replace(
+        wire_diameter=Constant(wire_share * diameter), pitch=pitch, mean_diameter=mean
+    )
 
 
 def _preload_and_centre(wire: SpringDefinition) -> Array:
-    """Preload (N), and mean frequency (Hz) of the first cluster by transmission: the cluster's split leaves it alone."""
+    """Preload (N), and mean frequency (Hz) of the first cluster by transmission: the cluster's
+    split leaves it alone.
+    """
     spring = rod_of(wire, 12)
     modes = natural_modes(spring.statics, spring.installed.state, 12)
-    near = (modes.natural_frequency > 450) & (modes.natural_frequency < 900) & (modes.axial_transmission > 0.02)
+    near = (
+        (modes.natural_frequency > 450)
+        & (modes.natural_frequency < 900)
+        & (modes.axial_transmission > 0.02)
+    )
     share = modes.axial_transmission[near]
-    return np.array([spring.installed.retainer_force, share @ modes.natural_frequency[near] / share.sum()])
+    return np.array(
+        [spring.installed.retainer_force, share @ modes.natural_frequency[near] / share.sum()]
+    )
 
 
 def tuned(wire: SpringDefinition, rounds: int = 15) -> FiniteElementRod:
-    """The rod of ``wire`` with wire and coil diameter rescaled to the preload and the first cluster of the case (Broyden's method).
+    """The rod of ``wire`` with wire and coil diameter rescaled to the preload and the first cluster
+    of the case (Broyden's method).
 
     Warns where one of the two is missed by more than :data:`AIM` of itself after all ``rounds``.
     """
     aim, place = _preload_and_centre(WIRE), np.ones(2)
-    jacobian, miss = np.array([[4.0, -3.0], [1.0, -2.0]]), _preload_and_centre(wire) / aim - 1  # F ~ d4 / D3, f ~ d / D2
+    jacobian, miss = (
+        np.array([[4.0, -3.0], [1.0, -2.0]]),
+        _preload_and_centre(wire) / aim - 1,
+    )  # F ~ d4 / D3, f ~ d / D2
     for _ in range(rounds):
         if np.max(np.abs(miss)) < AIM:
             break
         step = np.clip(-np.linalg.solve(jacobian, miss), -0.05, 0.05)
         place = place + step
         now = _preload_and_centre(_rescaled(wire, *place)) / aim - 1
-        jacobian, miss = jacobian + np.outer(now - miss - jacobian @ step, step) / (step @ step), now
+        jacobian, miss = (
+            jacobian + np.outer(now - miss - jacobian @ step, step) / (step @ step),
+            now,
+        )
     if not np.max(np.abs(miss)) < AIM:
-        warnings.warn(f"not tuned: the preload is missed by {miss[0]:.1%}, the centre of the first cluster by {miss[1]:.1%}", stacklevel=2)
+        warnings.warn(
+            f"not tuned: the preload is missed by {miss[0]:.1%}, the centre of the first cluster by {miss[1]:.1%}",
+            stacklevel=2,
+        )
     return rod_of(_rescaled(wire, *place))
 
 
@@ -164,18 +205,28 @@ class LinearPieces:
 
 def polydyne() -> LiftLaw:
     """An ordinary law with more of the 13th to 14th harmonic, of the case's largest lift."""
-    return build_lift_law(parse_case(
-        f'title = "polydyne"\n[lift_law]\nkind = "polydyne"\nlift_of = "valve"\nmaximum_lift = "{1e3 * LAW.lift(np.pi).item():.4f} mm"\n'
-        'exponents = "2-10-18-26-34"\nopening_start = "115 deg"\nclosing_end = "245 deg"'
-    ).lift_law)  # fmt: skip
+    return build_lift_law(
+        parse_case(
+            f'title = "polydyne"\n[lift_law]\nkind = "polydyne"\nlift_of = "valve"\nmaximum_lift = "{1e3 * LAW.lift(np.pi).item():.4f} mm"\n'
+            'exponents = "2-10-18-26-34"\nopening_start = "115 deg"\nclosing_end = "245 deg"'
+        ).lift_law
+    )
 
 
 def linear_force(
-    frequency: Array, share: Array, rate: float, law: LiftLaw, rpm: float, cycles: int = 2, steps: int = 7200
+    frequency: Array,
+    share: Array,
+    rate: float,
+    law: LiftLaw,
+    rpm: float,
+    cycles: int = 2,
+    steps: int = 7200,
 ) -> tuple[Array, Array]:
-    """Cam angle (deg) and dynamic seat force (N) of the last of ``cycles`` turns from rest, by linear modes of these transmissions.
+    """Cam angle (deg) and dynamic seat force (N) of the last of ``cycles`` turns from rest, by
+    linear modes of these transmissions.
 
-    F = k y + 2 k sum t p with p'' + 2 z w p' + w2 p = -y'', each stepped exactly for an acceleration straight between the steps.
+    F = k y + 2 k sum t p with p'' + 2 z w p' + w2 p = -y'', each stepped exactly for an
+    acceleration straight between the steps.
     """
     speed = rpm * np.pi / 60
     at = 2 * np.pi / speed / steps * np.arange(cycles * steps + 1)
@@ -196,14 +247,21 @@ def linear_force(
 def _moved(spring: FiniteElementRod, rpm: float, law: LiftLaw, discard: int) -> RodTransient:
     speed = rpm * np.pi / 60
     return simulate(
-        spring.mesh, spring.installed.state, lambda time: spring.precompression + law.lift(speed * np.asarray(time)),
-        2 * np.pi / speed / SAMPLES, 2 * SAMPLES, spring.dynamics, spring.stable_time_step(), discard=discard,
-    )  # fmt: skip
+        spring.mesh,
+        spring.installed.state,
+        lambda time: spring.precompression + law.lift(speed * np.asarray(time)),
+        2 * np.pi / speed / SAMPLES,
+        2 * SAMPLES,
+        spring.dynamics,
+        spring.stable_time_step(),
+        discard=discard,
+    )
 
 
 @dataclass(frozen=True)
 class Vibration:
-    """Energies (J) over the cam ``angle`` (deg) of two turns from rest, of each mode (samples, modes; ``frequency`` in Hz), and the losses
+    """Energies (J) over the cam ``angle`` (deg) of two turns from rest, of each mode (samples,
+    modes; ``frequency`` in Hz), and the losses
     since the start; all referred to the full lift."""
 
     angle: Array
@@ -224,22 +282,32 @@ class Vibration:
 
 
 def vibration(spring: FiniteElementRod, rpm: float, law: LiftLaw) -> Vibration:
-    """The motion of the rod taken apart by its modes about the installed state; the retainer stands still from 270 degrees on."""
+    """The motion of the rod taken apart by its modes about the installed state; the retainer stands
+    still from 270 degrees on.
+    """
     modes, mesh = natural_modes(spring.statics, spring.installed.state, MODES), spring.mesh
     made, share = _moved(spring, rpm, law, 0), law.lift(np.pi).item() / LAW.lift(np.pi).item()
     index = np.arange(mesh.vertices)
     mass = np.where((index > mesh.first) & (index < mesh.last), mesh.node_mass, 0.0)
-    place = np.einsum("ivc,v,nvc->ni", modes.shape, mass, made.position - spring.installed.state.position)
+    place = np.einsum(
+        "ivc,v,nvc->ni", modes.shape, mass, made.position - spring.installed.state.position
+    )
     rate = np.einsum("ivc,v,nvc->ni", modes.shape, mass, made.velocity)
     modal = (rate**2 + (2 * np.pi * modes.natural_frequency * place) ** 2) / 2 / share**2
     losses = (series / share**2 for series in (made.energy_dissipated, made.contact_loss))
-    return Vibration(np.degrees(rpm * np.pi / 60 * made.time), modes.natural_frequency, modal, *losses)
+    return Vibration(
+        np.degrees(rpm * np.pi / 60 * made.time), modes.natural_frequency, modal, *losses
+    )
 
 
-def slide_work(spring: FiniteElementRod, rpm: float, coefficient: float) -> Callable[[float, float], float]:
-    """Work (J) between two cam angles (deg) of the second turn that friction would do on the touching coils of a run without any.
+def slide_work(
+    spring: FiniteElementRod, rpm: float, coefficient: float
+) -> Callable[[float, float], float]:
+    """Work (J) between two cam angles (deg) of the second turn that friction would do on the
+    touching coils of a run without any.
 
-    Normal force times sliding speed of the two surfaces, the turning of the sections about the wire included; the motion is left as it is,
+    Normal force times sliding speed of the two surfaces, the turning of the sections about the wire
+    included; the motion is left as it is,
     so this bounds what friction can take: where it would take all, the coils stick.
     """
     made, mesh = _moved(spring, rpm, LAW, SAMPLES), spring.mesh
@@ -255,34 +323,54 @@ def slide_work(spring: FiniteElementRod, rpm: float, coefficient: float) -> Call
     slide = np.linalg.norm(speed - np.sum(speed * normal, axis=2)[..., None] * normal, axis=2)
     pressed = made.contact_force.sum(axis=1)[1:, upper]
     power = coefficient * np.sum(pressed * (slide[1:] + slide[:-1]) / 2, axis=1)
-    angle, interval = np.degrees(rpm * np.pi / 60 * made.time[1:]) - 360, made.time[1] - made.time[0]
+    angle, interval = (
+        np.degrees(rpm * np.pi / 60 * made.time[1:]) - 360,
+        made.time[1] - made.time[0],
+    )
     return lambda first, last: float(interval * np.sum(power[(angle > first) & (angle <= last)]))
 
 
 def tilted_modes(spring: FiniteElementRod, stiffness: float) -> tuple[Array, Array]:
-    """Frequencies (Hz) and axial transmissions with the retainer free to tilt about both horizontal axes against ``stiffness`` (N m/rad).
+    """Frequencies (Hz) and axial transmissions with the retainer free to tilt about both horizontal
+    axes against ``stiffness`` (N m/rad).
 
-    The retainer has no inertia in tilt: its two angles follow at rest. It tilts about the point of the axis at the height where the wire
+    The retainer has no inertia in tilt: its two angles follow at rest. It tilts about the point of
+    the axis at the height where the wire
     ends. Linear, about the installed state; the moving rod has no such retainer.
     """
     statics, state = spring.statics, spring.installed.state
     last, x = statics.mesh.last, state.position
-    frames, arm = quat.to_matrix(state.frame[last + 1 :]), x[last:] - np.array([0.0, 0.0, x[last, 2]])
+    frames, arm = (
+        quat.to_matrix(state.frame[last + 1 :]),
+        x[last:] - np.array([0.0, 0.0, x[last, 2]]),
+    )
     fields = np.zeros((2, statics.mesh.vertices, 6))
     for axis in range(2):
-        fields[axis, last:, :3], fields[axis, last:, 3:] = np.cross(np.eye(3)[axis], arm), frames[:, axis, :]
-    unit, tangent, inertia = fields.reshape(2, -1).T, statics.tangent(state), inertia_of(statics.mesh)
+        fields[axis, last:, :3], fields[axis, last:, 3:] = (
+            np.cross(np.eye(3)[axis], arm),
+            frames[:, axis, :],
+        )
+    unit, tangent, inertia = (
+        fields.reshape(2, -1).T,
+        statics.tangent(state),
+        inertia_of(statics.mesh),
+    )
     free = statics.free & (inertia > 0)
     pulled, scale = tangent @ unit, 1 / np.sqrt(inertia[free])
     own = unit.T @ pulled + stiffness * np.eye(2)
-    scaled, column = (diags(scale) @ tangent[free][:, free] @ diags(scale)).tocsc(), scale[:, None] * pulled[free]
+    scaled, column = (
+        (diags(scale) @ tangent[free][:, free] @ diags(scale)).tocsc(),
+        scale[:, None] * pulled[free],
+    )
     shift = 1e3
     solver = splu((scaled + shift * diags(np.ones(len(scale)))).tocsc())
     reached = solver.solve(column)
     small = np.linalg.inv(own - column.T @ reached)
 
     def apply(vector: Array) -> Array:
-        found: Array = scaled @ vector.ravel() - column @ np.linalg.solve(own, column.T @ vector.ravel())
+        found: Array = scaled @ vector.ravel() - column @ np.linalg.solve(
+            own, column.T @ vector.ravel()
+        )
         return found
 
     def invert(vector: Array) -> Array:
@@ -292,9 +380,14 @@ def tilted_modes(spring: FiniteElementRod, stiffness: float) -> tuple[Array, Arr
 
     shape = scaled.shape
     values, vectors = eigsh(
-        LinearOperator(shape, matvec=apply), k=MODES, sigma=-shift, OPinv=LinearOperator(shape, matvec=invert), which="LM",
-        v0=np.sin(1.0 + np.arange(shape[0])), tol=1e-10,
-    )  # fmt: skip
+        LinearOperator(shape, matvec=apply),
+        k=MODES,
+        sigma=-shift,
+        OPinv=LinearOperator(shape, matvec=invert),
+        which="LM",
+        v0=np.sin(1.0 + np.arange(shape[0])),
+        tol=1e-10,
+    )
     order = np.argsort(values)
     values, vectors = values[order], scale[:, None] * vectors[:, order]
     whole = np.zeros((len(free), MODES))
@@ -302,4 +395,6 @@ def tilted_modes(spring: FiniteElementRod, stiffness: float) -> tuple[Array, Arr
     whole -= unit @ np.linalg.solve(own, pulled[free].T @ vectors)
     reaction = tangent[2::6] @ whole
     seat, retainer = reaction[: statics.mesh.first + 1].sum(axis=0), reaction[last:].sum(axis=0)
-    return np.sqrt(np.abs(values)) / (2 * np.pi), seat * retainer / (2 * axial_rate(statics, state) * values)
+    return np.sqrt(np.abs(values)) / (2 * np.pi), seat * retainer / (
+        2 * axial_rate(statics, state) * values
+    )

@@ -1,4 +1,5 @@
-"""Writes the tables of docs/fidelity.md anew: three cases by all spring models over engine speed, ten minutes of one core.
+"""Writes the tables of docs/fidelity.md anew: three cases by all spring models over engine speed,
+ten minutes of one core.
 
 Use: python scripts/write_fidelity.py [DOCS]
 """
@@ -14,16 +15,28 @@ from valvetrain.solution.fidelity import FidelityMap
 
 PAGE = "fidelity.md"
 #: Case -> engine speeds.
-CASES = {"gu2021-beehive": "3000:9000:500 rpm", "vaz-ohc": "1000:6000:500 rpm", "tdi-pushrod": "1000:8000:500 rpm"}
+CASES = {
+    "gu2021-beehive": "3000:9000:500 rpm",
+    "vaz-ohc": "1000:6000:500 rpm",
+    "tdi-pushrod": "1000:8000:500 rpm",
+}
 
 
 def markdown(found: FidelityMap) -> str:
-    """A row per quantity: up to where each model is good enough, and its largest difference in brackets."""
-    lines = ["| within 5 %, rpm | " + " | ".join(f"`{model}`" for model in found.models) + " | cheapest at all speeds |"]
+    """A row per quantity: up to where each model is good enough, and its largest difference in
+    brackets.
+    """
+    lines = [
+        "| within 5 %, rpm | "
+        + " | ".join(f"`{model}`" for model in found.models)
+        + " | cheapest at all speeds |"
+    ]
     lines.append("|---" * (len(found.models) + 2) + "|")
     for row in reach_rows(found):
         reaches = [found.reach(row.quantity, model) for model in found.models]
-        cells = [one.words if one.missing else f"{one.words} ({share(one.largest)})" for one in reaches]
+        cells = [
+            one.words if one.missing else f"{one.words} ({share(one.largest)})" for one in reaches
+        ]
         lines.append(f"| {row.words} | " + " | ".join(cells) + f" | `{row.cheapest}` |")
     return "\n".join(lines)
 

@@ -36,7 +36,9 @@ def template(kind: str) -> vt.Case:
     return vt.load_case(TEMPLATES / f"{kind}.toml")
 
 
-def line(x: Array, y: Array, name: str, colour: str, dash: str = "solid", width: float = 1.6) -> Line:
+def line(
+    x: Array, y: Array, name: str, colour: str, dash: str = "solid", width: float = 1.6
+) -> Line:
     """A curve thinned to the width of a picture."""
     return Line(*thin(x, y, POINTS), name, colour, width, dash)
 
@@ -52,7 +54,13 @@ def over_angle(run: Solution, channel: str, factor: float = 1.0) -> tuple[Array,
     return np.degrees(cycle.cam_angle), cycle.channel(channel) * factor
 
 
-def turn(y_label: str, *layers: Layer, title: str = "", rules: tuple[Rule, ...] = (), x_range: tuple[float, float] = (0, 360)) -> Panel:
+def turn(
+    y_label: str,
+    *layers: Layer,
+    title: str = "",
+    rules: tuple[Rule, ...] = (),
+    x_range: tuple[float, float] = (0, 360),
+) -> Panel:
     """A panel over the cam angle."""
     return Panel(ANGLE, y_label, layers, title, (), rules, x_range, x_step=30)
 
@@ -63,22 +71,46 @@ def bars(x: Array, y: Array, name: str, colour: str, width: float = 7.0) -> Line
 
 
 def margin_over_speed() -> tuple[str, tuple[Panel, ...]]:
-    best = {"train.springs.stock.0.preload": "174.62 N", "train.springs.stock.0.open_load": "350.11 N"}
+    best = {
+        "train.springs.stock.0.preload": "174.62 N",
+        "train.springs.stock.0.open_load": "350.11 N",
+    }
     layers = []
     for case, words, colour in (
         (vt.load_case("tdi-pushrod"), "196 N closed, 378 N open (the case)", BLUE),
         (vt.load_case("tdi-pushrod", best), "175 N closed, 350 N open (the search)", ORANGE),
     ):
-        swept = vt.sweep(case, "4000:8000:250 rpm", spring_models=["multi-mass"], spring_sets=["stock"], critical_speeds=False)
+        swept = vt.sweep(
+            case,
+            "4000:8000:250 rpm",
+            spring_models=["multi-mass"],
+            spring_sets=["stock"],
+            critical_speeds=False,
+        )
         speeds, ratio = swept.series(swept.labels[0], "minimum_spring_margin_ratio")
         layers.append(Line(speeds * RPM, ratio, words, colour, 2.0))
-    rules = (Rule("y", 1.2, "asked for: 1.2"), Rule("y", 1.0, "1: contact is lost"), Rule("x", 6500.0, "6500 rpm"))
-    panel = Panel("engine speed (rpm)", "least spring force over what slows the valve (1)", tuple(layers), rules=rules)
+    rules = (
+        Rule("y", 1.2, "asked for: 1.2"),
+        Rule("y", 1.0, "1: contact is lost"),
+        Rule("x", 6500.0, "6500 rpm"),
+    )
+    panel = Panel(
+        "engine speed (rpm)",
+        "least spring force over what slows the valve (1)",
+        tuple(layers),
+        rules=rules,
+    )
     return "Spring margin over engine speed, rigid parts", (panel,)
 
 
 def loss_and_float() -> tuple[str, tuple[Panel, ...]]:
-    swept = vt.sweep("tdi-pushrod", "6000:8000:50 rpm", spring_models=["multi-mass"], spring_sets=["stock"], critical_speeds=False)
+    swept = vt.sweep(
+        "tdi-pushrod",
+        "6000:8000:50 rpm",
+        spring_models=["multi-mass"],
+        spring_sets=["stock"],
+        critical_speeds=False,
+    )
     label, panels = swept.labels[0], []
     shown = (
         ("minimum_cam_contact_force", "least cam contact force (N)", 1.0), ("float_excess_lift", "lift above the rigid one (µm)", 1e6),
@@ -86,8 +118,16 @@ def loss_and_float() -> tuple[str, tuple[Panel, ...]]:
     )  # fmt: skip
     for name, words, factor in shown:
         speeds, values = swept.series(label, name)
-        rules = (Rule("x", 6866.0, "contact lost"), Rule("x", 7078.0, "float")) if name == shown[0][0] else ()
-        panels.append(Panel("engine speed (rpm)", words, (single(speeds * RPM, values * factor),), rules=rules))
+        rules = (
+            (Rule("x", 6866.0, "contact lost"), Rule("x", 7078.0, "float"))
+            if name == shown[0][0]
+            else ()
+        )
+        panels.append(
+            Panel(
+                "engine speed (rpm)", words, (single(speeds * RPM, values * factor),), rules=rules
+            )
+        )
     return "tdi-pushrod, stock springs: what happens beyond 6866 rpm", tuple(panels)
 
 
@@ -97,10 +137,29 @@ def surge_over_speed() -> tuple[str, tuple[Panel, ...]]:
     frequency = swept.solutions[0].quantities["surge_frequency"]
     met = np.arange(10, 22)
     rules = tuple(Rule("x", 120 * frequency / order) for order in met)
-    named = Marks(120 * frequency / met, np.full(len(met), 27.5), "", theme.MUTED, labels=tuple(map(str, met)), in_legend=False, size=0.1)
+    named = Marks(
+        120 * frequency / met,
+        np.full(len(met), 27.5),
+        "",
+        theme.MUTED,
+        labels=tuple(map(str, met)),
+        in_legend=False,
+        size=0.1,
+    )
     layers = (single(speeds * RPM, surge), named)
-    panel = Panel("engine speed (rpm)", "surge amplitude (N, 0 to peak)", layers, "", (), rules, (2900.0, 7000.0), (0.0, 30.0))
-    return f"Surge of the template spring ({frequency:.0f} Hz); dotted: cam orders that meet it", (panel,)
+    panel = Panel(
+        "engine speed (rpm)",
+        "surge amplitude (N, 0 to peak)",
+        layers,
+        "",
+        (),
+        rules,
+        (2900.0, 7000.0),
+        (0.0, 30.0),
+    )
+    return f"Surge of the template spring ({frequency:.0f} Hz); dotted: cam orders that meet it", (
+        panel,
+    )
 
 
 def two_springs() -> tuple[str, tuple[Panel, ...]]:
@@ -120,16 +179,27 @@ def two_springs() -> tuple[str, tuple[Panel, ...]]:
         inside = np.flatnonzero(np.ptp(shear, axis=0) > 0)
         amplitude.append(line(coil[inside], np.ptp(shear[:, inside], axis=0) / 2, words, colour))
         worst = inside[int(np.argmax(np.max(shear[:, inside], axis=0)))]
-        stress.append(line(np.degrees(reported_cycle(run).cam_angle), shear[:, worst], words, colour))
+        stress.append(
+            line(np.degrees(reported_cycle(run).cam_angle), shear[:, worst], words, colour)
+        )
     panels = (
-        Panel("coil number from the seat", "stress amplitude (MPa)", tuple(amplitude), "Along the wire"),
+        Panel(
+            "coil number from the seat",
+            "stress amplitude (MPa)",
+            tuple(amplitude),
+            "Along the wire",
+        ),
         turn("shear stress (MPa)", *stress, title="At the worst place"),
     )
     return "Two springs of one rate, preload and outer diameter at 6500 rpm", panels
 
 
 def over_clearance() -> tuple[str, tuple[Panel, ...]]:
-    text = (EXAMPLES / "coil-bind-clearance.toml").read_text(encoding="utf-8").replace("levels = 6", "levels = 16")
+    text = (
+        (EXAMPLES / "coil-bind-clearance.toml")
+        .read_text(encoding="utf-8")
+        .replace("levels = 6", "levels = 16")
+    )
     table = vt.study(text)
     clearance = 1e3 * table.column("coil_bind_clearance")
     shown = (
@@ -137,7 +207,10 @@ def over_clearance() -> tuple[str, tuple[Panel, ...]]:
         ("peak_spring_force", "peak spring force (N)", 1.0), ("largest_clash_impulse", "largest impulse of a clash (mN s)", 1e3),
     )  # fmt: skip
     panels = (
-        Panel("clearance to coil bind (mm)", words, (single(clearance, factor * table.column(name)),)) for name, words, factor in shown
+        Panel(
+            "clearance to coil bind (mm)", words, (single(clearance, factor * table.column(name)),)
+        )
+        for name, words, factor in shown
     )
     return "Beehive spring at 8000 rpm, shimmed towards coil bind", tuple(panels)
 
@@ -145,8 +218,14 @@ def over_clearance() -> tuple[str, tuple[Panel, ...]]:
 def over_rubbing() -> tuple[str, tuple[Panel, ...]]:
     table = vt.study(EXAMPLES / "rubbing.toml")
     press = table.column("train.rubbing.normal_force")
-    shown = (("surge_amplitude_force", "surge amplitude (N)"), ("minimum_spring_force", "least spring force (N)"))
-    panels = (Panel("normal force between the springs (N)", words, (single(press, table.column(name)),)) for name, words in shown)
+    shown = (
+        ("surge_amplitude_force", "surge amplitude (N)"),
+        ("minimum_spring_force", "least spring force (N)"),
+    )
+    panels = (
+        Panel("normal force between the springs (N)", words, (single(press, table.column(name)),))
+        for name, words in shown
+    )
     return "Nested springs of vaz-ohc at 5100 rpm, friction coefficient 0.12", tuple(panels)
 
 
@@ -158,12 +237,22 @@ def speed_bought() -> tuple[str, tuple[Panel, ...]]:
         "rocker 20 % less inertia", "beehive spring, 30 g lighter",
     )  # fmt: skip
     gain, place = speed[1:] - speed[0], np.arange(len(words), 0, -1.0)
-    layers = [single(np.array([0.0, one]), np.array([where, where]), 12.0) for one, where in zip(gain, place, strict=True)]
+    layers = [
+        single(np.array([0.0, one]), np.array([where, where]), 12.0)
+        for one, where in zip(gain, place, strict=True)
+    ]
     labels = tuple(f"{one:+.0f}" for one in gain)
     marks = Marks(gain, place, "", BLUE, "diamond", labels, in_legend=False, size=0.1)
     named = tuple((float(where), text) for where, text in zip(place, words, strict=True))
     ends = (min(0.0, float(gain.min()) - 20), float(gain.max()) * 1.15)
-    panel = Panel("engine speed gained (rpm)", "", (*layers, marks), y_words=named, y_range=(0.4, len(words) + 0.6), x_range=ends)
+    panel = Panel(
+        "engine speed gained (rpm)",
+        "",
+        (*layers, marks),
+        y_words=named,
+        y_range=(0.4, len(words) + 0.6),
+        x_range=ends,
+    )
     return f"Speed at which rigid parts lose contact: {speed[0]:.0f} rpm as built", (panel,)
 
 
@@ -180,30 +269,49 @@ def lift_lost() -> tuple[str, tuple[Panel, ...]]:
         less.append(line(angle, moved - over_angle(run, "rigid_valve_lift", 1e3)[1], words, colour))
     span = (135.0, 330.0)
     return "Template pushrod train: lift lost to flex", (
-        turn("valve lift (mm)", *lift, x_range=span), turn("valve lift less rigid lift (mm)", *less, x_range=span, rules=(Rule("y", 0.0),)),
-    )  # fmt: skip
+        turn("valve lift (mm)", *lift, x_range=span),
+        turn("valve lift less rigid lift (mm)", *less, x_range=span, rules=(Rule("y", 0.0),)),
+    )
 
 
 def flight() -> tuple[str, tuple[Panel, ...]]:
     run = vt.simulate(template("pushrod"), "9000 rpm").solutions[0]
     angle, moved = over_angle(run, "valve_lift", 1e3)
     rigid = line(angle, over_angle(run, "rigid_valve_lift", 1e3)[1], "rigid parts", GREY, "dash")
-    gaps = [line(*over_angle(run, f"{place}_gap", 1e3), words, colour)
-            for place, words, colour in (("cam", "cam", ORANGE), ("valve_tip", "valve tip", GREEN))]  # fmt: skip
+    gaps = [
+        line(*over_angle(run, f"{place}_gap", 1e3), words, colour)
+        for place, words, colour in (("cam", "cam", ORANGE), ("valve_tip", "valve tip", GREEN))
+    ]
     return "Template pushrod train at 9000 rpm", (
         turn("valve lift (mm)", rigid, line(angle, moved, "valve", BLUE)),
-        Panel(ANGLE, "gap while open (mm)", tuple(gaps), x_range=(0, 360), x_step=30, y_range=(0.0, 1.9)),
-    )  # fmt: skip
+        Panel(
+            ANGLE,
+            "gap while open (mm)",
+            tuple(gaps),
+            x_range=(0, 360),
+            x_step=30,
+            y_range=(0.0, 1.9),
+        ),
+    )
 
 
 def over_lash() -> tuple[str, tuple[Panel, ...]]:
     table = vt.study(EXAMPLES / "lash-and-seating.toml")
-    lash, speed, velocity = 1e3 * table.column("train.lash"), table.column("engine_speed") * RPM, table.column("seating_velocity")
+    lash, speed, velocity = (
+        1e3 * table.column("train.lash"),
+        table.column("engine_speed") * RPM,
+        table.column("seating_velocity"),
+    )
     layers = []
     for wanted, colour in zip((2000, 3000, 4000), (GREY, BLUE, ORANGE), strict=True):
         rows = np.abs(speed - wanted) < 1
         layers.append(Line(lash[rows], velocity[rows], f"{wanted} rpm", colour, 2.0))
-    panel = Panel("lash (mm)", "seating velocity (m/s)", tuple(layers), rules=(Rule("x", 0.2, "height of the ramp"),))
+    panel = Panel(
+        "lash (mm)",
+        "seating velocity (m/s)",
+        tuple(layers),
+        rules=(Rule("x", 0.2, "height of the ramp"),),
+    )
     return "vaz-ohc: seating velocity over lash", (panel,)
 
 
@@ -233,7 +341,9 @@ def smoothed_lobe() -> tuple[str, tuple[Panel, ...]]:
         line(np.degrees(angle), mean - spread, "95 % band", ORANGE, "dash", 1.2),
         line(np.degrees(angle), mean + spread, "95 % band", ORANGE, "dash", 1.2),
     )  # fmt: skip
-    return "Acceleration of a measured lobe", (turn("acceleration (µm/deg²)", *layers, x_range=(115.0, 245.0)),)
+    return "Acceleration of a measured lobe", (
+        turn("acceleration (µm/deg²)", *layers, x_range=(115.0, 245.0)),
+    )
 
 
 def reference_heights() -> tuple[str, tuple[Panel, ...]]:
@@ -243,12 +353,19 @@ def reference_heights() -> tuple[str, tuple[Panel, ...]]:
     cam = np.degrees(angle)
     lobe = line(cam, 1e3 * law.lift(angle), "lobe", BLUE)
     valve = line(*over_angle(run, "rigid_valve_lift", 1e3), "valve, rigid parts", ORANGE)
-    ends = [np.degrees(run_quantity(run, f"lobe_50_thou_{side}_cam_angle")) for side in ("opening", "closing")]
-    band = Band(ends[0], ends[1], f"{ends[1] - ends[0]:.0f} cam deg = {2 * (ends[1] - ends[0]):.0f} crank deg")
+    ends = [
+        np.degrees(run_quantity(run, f"lobe_50_thou_{side}_cam_angle"))
+        for side in ("opening", "closing")
+    ]
+    band = Band(
+        ends[0],
+        ends[1],
+        f"{ends[1] - ends[0]:.0f} cam deg = {2 * (ends[1] - ends[0]):.0f} crank deg",
+    )
     rules = (Rule("y", 1.27, "0.050 in"),)
     return "Lobe and valve lift of one cam, and the height at which duration counts", (
         Panel(ANGLE, "lift (mm)", (lobe, valve), "", (band,), rules, (130.0, 340.0), x_step=30),
-    )  # fmt: skip
+    )
 
 
 def run_quantity(run: Solution, name: str) -> float:
@@ -260,10 +377,24 @@ def run_quantity(run: Solution, name: str) -> float:
 
 
 def four_trains() -> tuple[str, tuple[Panel, ...]]:
-    kinds, panels = {"direct": "bucket tappet", "finger": "finger follower", "rocker": "rocker over the cam", "pushrod": "pushrod"}, []
+    kinds, panels = (
+        {
+            "direct": "bucket tappet",
+            "finger": "finger follower",
+            "rocker": "rocker over the cam",
+            "pushrod": "pushrod",
+        },
+        [],
+    )
     for kind, words in kinds.items():
         run = vt.simulate(template(kind), "3000 rpm").solutions[0]
-        panels.append(turn("cam contact force (kN)", line(*over_angle(run, "cam_contact_force", 1e-3), "", BLUE), title=words))
+        panels.append(
+            turn(
+                "cam contact force (kN)",
+                line(*over_angle(run, "cam_contact_force", 1e-3), "", BLUE),
+                title=words,
+            )
+        )
     return "The four templates at 3000 rpm", tuple(panels)
 
 
@@ -274,22 +405,53 @@ def damping_found() -> tuple[str, tuple[Panel, ...]]:
         runs = vt.simulate(case, "6000, 8000 rpm", spring_models=["multi-mass"]).solutions
         rows.append([run.quantities["surge_amplitude_force"] for run in runs])
     panels = []
-    for place, (speed, measured, span) in enumerate(((6000, 147.0, (105.0, 207.0)), (8000, 522.0, (410.0, 720.0)))):
-        layers = (Line(damping, np.array(rows)[:, place], "model", BLUE, 2.0, in_legend=place == 0),)
-        rules = (Rule("y", measured * 0.98), Rule("y", measured * 1.02, "measured ± 2 %"), Rule("x", 12.0, "found: 12.0 µs"))
-        panels.append(Panel("stiffness damping (µs)", "surge amplitude (N)", layers, f"{speed} rpm", (), rules, y_range=span))
+    for place, (speed, measured, span) in enumerate(
+        ((6000, 147.0, (105.0, 207.0)), (8000, 522.0, (410.0, 720.0)))
+    ):
+        layers = (
+            Line(damping, np.array(rows)[:, place], "model", BLUE, 2.0, in_legend=place == 0),
+        )
+        rules = (
+            Rule("y", measured * 0.98),
+            Rule("y", measured * 1.02, "measured ± 2 %"),
+            Rule("x", 12.0, "found: 12.0 µs"),
+        )
+        panels.append(
+            Panel(
+                "stiffness damping (µs)",
+                "surge amplitude (N)",
+                layers,
+                f"{speed} rpm",
+                (),
+                rules,
+                y_range=span,
+            )
+        )
     return "Which damping makes the surge that was recorded?", tuple(panels)
 
 
 def spikes() -> tuple[str, tuple[Panel, ...]]:
-    study = vt.simulate("gu2021-beehive", "8000 rpm", spring_models=["multi-mass", "finite-element"])
+    study = vt.simulate(
+        "gu2021-beehive", "8000 rpm", spring_models=["multi-mass", "finite-element"]
+    )
     panels = []
     for run in study.solutions:
         angle, force = over_angle(run, "seat_force")
-        hardest = sorted((event for event in run.events if event.kind == "clash"), key=lambda event: -event.size)[:6]
-        at = np.array([np.degrees(float(event.details["peak_cam_angle"])) % 360 for event in hardest])
+        hardest = sorted(
+            (event for event in run.events if event.kind == "clash"), key=lambda event: -event.size
+        )[:6]
+        at = np.array(
+            [np.degrees(float(event.details["peak_cam_angle"])) % 360 for event in hardest]
+        )
         tops = np.array([np.max(force[np.abs(angle - one) < 2.5]) for one in at])
-        marks = Marks(at, tops, "six clashes of largest force", theme.ALERT, "circle", in_legend=run is study.solutions[0])
+        marks = Marks(
+            at,
+            tops,
+            "six clashes of largest force",
+            theme.ALERT,
+            "circle",
+            in_legend=run is study.solutions[0],
+        )
         layers = (line(angle, force, "", theme.model_colour(run.model), width=1.2), marks)
         panels.append(turn("seat force (N)", *layers, title=theme.model_words(run.model)))
     return "Beehive spring at 8000 rpm: spikes of force and the clashes behind them", tuple(panels)
@@ -306,33 +468,51 @@ def stress_range() -> tuple[str, tuple[Panel, ...]]:
         Line(coil[inside], most, "largest", theme.ALERT, 1.8), Line(coil[inside], (most + least) / 2, "mean", GREY, 1.4, "dash"),
         Line(coil[inside], least, "least", BLUE, 1.8),
     ]  # fmt: skip
-    panel = Panel("coil number from the seat", "shear stress at the inner fibre (MPa)", tuple(layers))
+    panel = Panel(
+        "coil number from the seat", "shear stress at the inner fibre (MPa)", tuple(layers)
+    )
     return "Template spring at 6000 rpm: stress range along the wire", (panel,)
 
 
 def cam_torque() -> tuple[str, tuple[Panel, ...]]:
     case = vt.load_case("tdi-pushrod", {"train.contacts.cam.friction_coefficient": "0.06"})
-    study = vt.simulate(case, "4000 rpm", spring_models=["multi-mass"], spring_sets=["stock", "performance"])
+    study = vt.simulate(
+        case, "4000 rpm", spring_models=["multi-mass"], spring_sets=["stock", "performance"]
+    )
     pairs = zip(study.solutions, (BLUE, ORANGE), strict=True)
     layers = [line(*over_angle(run, "cam_torque"), run.spring_set, colour) for run, colour in pairs]
-    return "tdi-pushrod at 4000 rpm: torque on the cam", (turn("cam torque (N m)", *layers, rules=(Rule("y", 0.0),)),)
+    return "tdi-pushrod at 4000 rpm: torque on the cam", (
+        turn("cam torque (N m)", *layers, rules=(Rule("y", 0.0),)),
+    )
 
 
 def energy() -> tuple[str, tuple[Panel, ...]]:
     run = vt.simulate("job-c", spring_models=["finite-element"]).solutions[0]
     angle = np.degrees(run.cam_angle)
-    parts = {name: run.channel(name) for name in ("kinetic_energy", "elastic_energy", "contact_energy", "work_done", "energy_dissipated")}
+    parts = {
+        name: run.channel(name)
+        for name in (
+            "kinetic_energy",
+            "elastic_energy",
+            "contact_energy",
+            "work_done",
+            "energy_dissipated",
+        )
+    }
     parts = {name: values - values[0] for name, values in parts.items()}
     stored = parts["kinetic_energy"] + parts["elastic_energy"] + parts["contact_energy"]
     layers = (
         line(angle, 1e3 * parts["work_done"], "work of the retainer", GREY, "dash"), line(angle, 1e3 * stored, "stored", BLUE),
         line(angle, 1e3 * parts["energy_dissipated"], "dissipated", ORANGE),
     )  # fmt: skip
-    missing = line(angle, 1e6 * (stored + parts["energy_dissipated"] - parts["work_done"]), "", theme.ALERT)
+    missing = line(
+        angle, 1e6 * (stored + parts["energy_dissipated"] - parts["work_done"]), "", theme.ALERT
+    )
     words = "cam angle from the start (cam degrees)"
     return "job-c at 8000 rpm: where the energy goes", (
-        Panel(words, "energy (mJ)", layers), Panel(words, "stored + dissipated − work (µJ)", (missing,)),
-    )  # fmt: skip
+        Panel(words, "energy (mJ)", layers),
+        Panel(words, "stored + dissipated − work (µJ)", (missing,)),
+    )
 
 
 def orders() -> tuple[str, tuple[Panel, ...]]:
@@ -343,7 +523,17 @@ def orders() -> tuple[str, tuple[Panel, ...]]:
         rules = (Rule("x", place, f"surge {place * hertz:.0f} Hz"),)
         title = f"{run.engine_speed * RPM:.0f} rpm: order 1 is {hertz:.0f} Hz"
         layer = bars(np.arange(1.0, 31.0), sizes, "", BLUE)
-        panels.append(Panel("cam order", "dynamic spring force (N, 0 to peak)", (layer,), title, (), rules, (0.0, 31.0)))
+        panels.append(
+            Panel(
+                "cam order",
+                "dynamic spring force (N, 0 to peak)",
+                (layer,),
+                title,
+                (),
+                rules,
+                (0.0, 31.0),
+            )
+        )
     return "One frequency, two cam orders", tuple(panels)
 
 
@@ -364,7 +554,10 @@ def main(wanted: list[str]) -> None:
         title, panels = draw()
         columns = 1 if len(panels) == 1 else 2
         height = 300 * -(-len(panels) // columns) + 60
-        write_text(FOLDER / f"{number}-{name}.svg", svg(Chart(f"how-to-{number}", title, "", panels, columns, height)))
+        write_text(
+            FOLDER / f"{number}-{name}.svg",
+            svg(Chart(f"how-to-{number}", title, "", panels, columns, height)),
+        )
 
 
 if __name__ == "__main__":

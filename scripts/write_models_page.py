@@ -1,4 +1,5 @@
-"""Write docs/models.md: which spring model runs which shipped case, found by running all of them cheaply.
+"""Write docs/models.md: which spring model runs which shipped case, found by running all of them
+cheaply.
 
 Use: python scripts/write_models_page.py
 """
@@ -39,15 +40,23 @@ where it cannot. What each model knows and leaves out:
 
 
 def coarse(case: Case) -> Case:
-    """The case with few elements per coil and one cam turn of prescribed motion, which changes numbers and not what can run."""
+    """The case with few elements per coil and one cam turn of prescribed motion, which changes
+    numbers and not what can run.
+    """
 
     def few(springs: tuple[InstalledSpring, ...]) -> tuple[InstalledSpring, ...]:
-        return tuple(spring.with_options("finite-element", elements_per_coil=6) for spring in springs)
+        return tuple(
+            spring.with_options("finite-element", elements_per_coil=6) for spring in springs
+        )
 
     train = case.train
     if train is not None:
-        train = train.replace(springs={name: few(springs) for name, springs in train.springs.items()}, variants=())
-    return replace(case, springs=few(case.springs), train=train, operation=replace(case.operation, cycles=1))
+        train = train.replace(
+            springs={name: few(springs) for name, springs in train.springs.items()}, variants=()
+        )
+    return replace(
+        case, springs=few(case.springs), train=train, operation=replace(case.operation, cycles=1)
+    )
 
 
 def outcomes(case: Case) -> dict[tuple[str, str], str]:
@@ -63,11 +72,15 @@ def outcomes(case: Case) -> dict[tuple[str, str], str]:
 
 
 def _without_motion(case: Case, command: str, word: str, moving: list[str]) -> str:
-    """Reason of a model of statics and modes. Solids take minutes: those of a spring alone under compare are run by tests of their own."""
+    """Reason of a model of statics and modes. Solids take minutes: those of a spring alone under
+    compare are run by tests of their own.
+    """
     if command == "compare" and case.train is None:
         return ""
     try:
-        _study(case, command, [ENGINE_SPEED], [*moving[:1], word] if command == "compare" else [word])
+        _study(
+            case, command, [ENGINE_SPEED], [*moving[:1], word] if command == "compare" else [word]
+        )
     except InputError as error:
         return str(error)
     return ""
@@ -95,7 +108,9 @@ def _study(case: Case, command: str, speeds: list[float], words: list[str]) -> S
         return run_study(case, engine_speeds=speeds, spring_models=words, workers=1)
     if command == "compare":
         return compare_study(case, engine_speeds=speeds, spring_models=words, workers=1)
-    return sweep_study(case, speeds or [ENGINE_SPEED], spring_models=words, workers=1, critical=None)
+    return sweep_study(
+        case, speeds or [ENGINE_SPEED], spring_models=words, workers=1, critical=None
+    )
 
 
 def page(found: dict[str, dict[tuple[str, str], str]]) -> str:
@@ -113,11 +128,19 @@ def page(found: dict[str, dict[tuple[str, str], str]]) -> str:
             ran = [command for command in COMMANDS if not said[command]]
             reasons = dict.fromkeys(_plain(reason) for reason in said.values() if reason)
             text = "all" if len(ran) == len(COMMANDS) else ", ".join(ran)
-            cells.append(" ".join(part for part in (text, *(letter(reason) for reason in reasons)) if part))
+            cells.append(
+                " ".join(part for part in (text, *(letter(reason) for reason in reasons)) if part)
+            )
         rows.append(f"| `{name}` | {' | '.join(cells)} |")
     head = f"| case | {' | '.join(f'`{word}`' for word in words)} |\n|---|{'---|' * len(words)}\n"
-    below = "".join(f"\n- ({mark}) {reason[0].upper()}{reason[1:]}." for reason, mark in notes.items())
-    return f"{INTRODUCTION}\n`all`: all three commands.\n\n{head}" + "\n".join(rows) + f"\n{below}\n{AFTER}\n{_knowledge()}"
+    below = "".join(
+        f"\n- ({mark}) {reason[0].upper()}{reason[1:]}." for reason, mark in notes.items()
+    )
+    return (
+        f"{INTRODUCTION}\n`all`: all three commands.\n\n{head}"
+        + "\n".join(rows)
+        + f"\n{below}\n{AFTER}\n{_knowledge()}"
+    )
 
 
 def _plain(reason: str) -> str:
@@ -139,7 +162,12 @@ def _knowledge() -> str:
 
 def models_page() -> str:
     """docs/models.md from real runs."""
-    return page({summary.name: outcomes(coarse(load_case(summary.name))) for summary in valvetrain.list_cases()})
+    return page(
+        {
+            summary.name: outcomes(coarse(load_case(summary.name)))
+            for summary in valvetrain.list_cases()
+        }
+    )
 
 
 if __name__ == "__main__":

@@ -1,4 +1,6 @@
-"""Writes the pictures of docs/model-against-test.md from the sample tests: ``python scripts/write_test_pictures.py``."""
+"""Writes the pictures of docs/model-against-test.md from the sample tests: ``python
+scripts/write_test_pictures.py``.
+"""
 
 from __future__ import annotations
 
@@ -6,13 +8,13 @@ import runpy
 import tempfile
 from pathlib import Path
 
-from valvetrain.measurements.sensor import Sensor
-from valvetrain.report.compare_test_page import difference_chart, values_chart
-from valvetrain.report.compare_test_words import unit_of_test
-from valvetrain.report.figures.common import looks
+from valvetrain.compare_test.compare import compare_with_test
+from valvetrain.compare_test.page import difference_chart, values_chart
+from valvetrain.compare_test.summary import unit_of_test
+from valvetrain.measured.sensor import Sensor
+from valvetrain.report.run_charts import looks
 from valvetrain.report.svg_chart import svg
 from valvetrain.solution.atomic import write_text
-from valvetrain.studies.compare_test import compare_with_test
 
 ROOT = Path(__file__).resolve().parents[1]
 PICTURES = ROOT / "docs" / "pictures"
@@ -24,9 +26,17 @@ def main() -> None:
         samples = Path(folder)
         runpy.run_path(str(ROOT / "scripts" / "sample_test_cycles.py"))["main"](samples)
         models = ["finite-element", "multi-mass"]
-        force = compare_with_test("job-t", samples / "spring-force.csv", spring_models=models, sensor=Sensor(bandwidth="8 kHz"))
+        force = compare_with_test(
+            "job-t",
+            samples / "spring-force.csv",
+            spring_models=models,
+            sensor=Sensor(bandwidth="8 kHz"),
+        )
         unit, factor = unit_of_test(force)
-        write_text(PICTURES / "model-less-test.svg", svg(difference_chart(force, force.runs, unit, factor, looks(force.study))))
+        write_text(
+            PICTURES / "model-less-test.svg",
+            svg(difference_chart(force, force.runs, unit, factor, looks(force.study))),
+        )
         head = compare_with_test("gu2021-beehive", samples / "engine-head.csv")
         write_text(PICTURES / "engine-head.svg", svg(values_chart(head, looks(head.study))))
 

@@ -1,6 +1,8 @@
-"""Writes what the program prints into docs/tutorial.md, and draws its pictures: ``python scripts/write_tutorial.py``.
+"""Writes what the program prints into docs/tutorial.md, and draws its pictures: ``python
+scripts/write_tutorial.py``.
 
-Every block of bash is run as it stands, in one folder and in order; the block of text after it becomes what it prints. A block of TOML is
+Every block of bash is run as it stands, in one folder and in order; the block of text after it
+becomes what it prints. A block of TOML is
 put at the end of the case file, as the page asks for.
 """
 
@@ -22,7 +24,8 @@ PAGE = ROOT / "docs" / "tutorial.md"
 PICTURES = ROOT / "docs" / "pictures"
 #: A command with what it prints, or an addition to the case file.
 STEP = re.compile(
-    r"^```bash\n(?P<command>.*?)^```\n\n```text\n(?P<printed>.*?)^```$|^```toml\n(?P<added>.*?)^```$", re.MULTILINE | re.DOTALL
+    r"^```bash\n(?P<command>.*?)^```\n\n```text\n(?P<printed>.*?)^```$|^```toml\n(?P<added>.*?)^```$",
+    re.MULTILINE | re.DOTALL,
 )
 BLUE, RED = "#1f5aa6", "#a33b53"
 
@@ -33,18 +36,24 @@ def printed_by(command: str) -> str:
 
     from valvetrain.cli.main import app
 
-    done = CliRunner(env={"COLUMNS": "88"}).invoke(app, shlex.split(command)[1:], prog_name="valvetrain")
+    done = CliRunner(env={"COLUMNS": "88"}).invoke(
+        app, shlex.split(command)[1:], prog_name="valvetrain"
+    )
     if done.exit_code:
         raise RuntimeError(f"{command}\n{done.output}")
     return "\n".join(line.rstrip() for line in done.stdout.strip("\n").splitlines()) + "\n"
 
 
-def run_page(text: str, wanted: Callable[[str], bool] = lambda command: True) -> Iterator[tuple[re.Match[str], str]]:
+def run_page(
+    text: str, wanted: Callable[[str], bool] = lambda command: True
+) -> Iterator[tuple[re.Match[str], str]]:
     """Each command of the page that is ``wanted``, with what it prints, in this folder."""
     for step in STEP.finditer(text):
         if step["added"]:
             file = Path("my-train.toml")
-            file.write_text(f"{file.read_text(encoding='utf-8')}\n{step['added']}", encoding="utf-8")
+            file.write_text(
+                f"{file.read_text(encoding='utf-8')}\n{step['added']}", encoding="utf-8"
+            )
         elif wanted(step["command"]):
             yield step, printed_by(step["command"])
 
@@ -64,27 +73,63 @@ def pictures(folder: Path) -> dict[str, str]:
     run = vt.load_netcdf(next((folder / "run").glob("*.nc")))
     angle = np.degrees(run.cam_angle - run.cam_angle[0])
     lift = Panel(
-        "cam angle (deg)", "valve lift (mm)", (Line(angle, 1e3 * run.channel("valve_lift"), "", BLUE),), x_range=(0, 360), x_step=45
+        "cam angle (deg)",
+        "valve lift (mm)",
+        (Line(angle, 1e3 * run.channel("valve_lift"), "", BLUE),),
+        x_range=(0, 360),
+        x_step=45,
     )
     cam = Panel(
-        "cam angle (deg)", "force on the cam (N)", (Line(angle, run.channel("cam_contact_force"), "", RED),), x_range=(0, 360), x_step=45
+        "cam angle (deg)",
+        "force on the cam (N)",
+        (Line(angle, run.channel("cam_contact_force"), "", RED),),
+        x_range=(0, 360),
+        x_step=45,
     )
 
     speeds, least, above_rigid = swept(folder / "sweep" / "sweep-mine.csv")
-    below = Panel("engine speed (rpm)", "least force on the cam, valve open (N)", (Line(speeds, least, "", RED),))
-    above = Panel("engine speed (rpm)", "lift above the rigid one (mm)", (Line(speeds, above_rigid, "", BLUE),))
+    below = Panel(
+        "engine speed (rpm)",
+        "least force on the cam, valve open (N)",
+        (Line(speeds, least, "", RED),),
+    )
+    above = Panel(
+        "engine speed (rpm)",
+        "lift above the rigid one (mm)",
+        (Line(speeds, above_rigid, "", BLUE),),
+    )
     return {
-        "tutorial-spring.svg": svg(Chart("spring", "The spring of the card", "", (force,), height=300)),
-        "tutorial-run.svg": svg(Chart("run", "The train at 6500 rpm", "", (lift, cam), height=460, legend=False)),
-        "tutorial-sweep.svg": svg(Chart("sweep", "The train over engine speed", "", (below, above), columns=2, height=320, legend=False)),
+        "tutorial-spring.svg": svg(
+            Chart("spring", "The spring of the card", "", (force,), height=300)
+        ),
+        "tutorial-run.svg": svg(
+            Chart("run", "The train at 6500 rpm", "", (lift, cam), height=460, legend=False)
+        ),
+        "tutorial-sweep.svg": svg(
+            Chart(
+                "sweep",
+                "The train over engine speed",
+                "",
+                (below, above),
+                columns=2,
+                height=320,
+                legend=False,
+            )
+        ),
     }
 
 
 def swept(file: Path) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Engine speeds (rpm), least force on the cam with the valve open (N) and lift above the rigid one (mm) from the table of a sweep."""
+    """Engine speeds (rpm), least force on the cam with the valve open (N) and lift above the rigid
+    one (mm) from the table of a sweep.
+    """
     with file.open(encoding="utf-8", newline="") as lines:
         rows = list(csv.DictReader(lines))
-    names = ("engine speed [rpm]", "least cam contact force while open [N]", "lift above the rigid one [mm]")
+    names = (
+        "engine speed [rpm]",
+        "least cam contact force while open [N]",
+        "lift above the rigid one [mm]",
+    )
     first, second, third = (np.array([float(row[name]) for row in rows]) for name in names)
     return first, second, third
 

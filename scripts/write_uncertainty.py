@@ -1,10 +1,13 @@
 """Refine a library case and write what came out beside it, for every report of that case.
 
     python scripts/write_uncertainty.py [CASE] [--workers 4]     all meshes and steps, minutes
-    python scripts/write_uncertainty.py [CASE] --restamp         after a change of words in the case file: one run, seconds
+    python scripts/write_uncertainty.py [CASE] --restamp         after a change of words in the case
+    file: one run, seconds
 
-Side files count only for the case file they name by its digest. ``--restamp`` runs the case once and, where every stored value comes out
-again (to 1e-3 or its own uncertainty), writes the new digest into the side files; otherwise it says what differs and writes nothing.
+Side files count only for the case file they name by its digest. ``--restamp`` runs the case once
+and, where every stored value comes out
+again (to 1e-3 or its own uncertainty), writes the new digest into the side files; otherwise it says
+what differs and writes nothing.
 """
 
 from __future__ import annotations
@@ -30,24 +33,38 @@ SAME = 1e-3
 
 
 def restamp(case: Case, workers: int) -> None:
-    """Write the case's digest into its side files, after one run has shown that the stored values still hold."""
-    rows = rows_of(tomllib.loads((LIBRARY / f"{case.name}.uncertainty").read_text(encoding="utf-8")))
-    study = run_study(case, spring_models=() if case.train is not None else ("finite-element",), workers=workers)
+    """Write the case's digest into its side files, after one run has shown that the stored values
+    still hold.
+    """
+    rows = rows_of(
+        tomllib.loads((LIBRARY / f"{case.name}.uncertainty").read_text(encoding="utf-8"))
+    )
+    study = run_study(
+        case, spring_models=() if case.train is not None else ("finite-element",), workers=workers
+    )
     if differing := [words for row in rows if (words := _difference(row, dict(study.quantities)))]:
         raise SystemExit("the values have changed, refine the case anew:\n" + "\n".join(differing))
     for ending in ("uncertainty", "spread"):
         path = LIBRARY / f"{case.name}.{ending}"
         if path.is_file():
-            write_text(str(path), DIGEST.sub(f'digest = "{case.record().digest}"', path.read_text(encoding="utf-8"), count=1))
+            write_text(
+                str(path),
+                DIGEST.sub(
+                    f'digest = "{case.record().digest}"', path.read_text(encoding="utf-8"), count=1
+                ),
+            )
             print(f"{path.name} belongs to the case as it is now; {len(rows)} values compared")
 
 
 def _difference(row: Uncertainty, quantities: dict) -> str:
     """What the run says where it is not the stored value; empty where it is."""
     found = [
-        value for key, value in quantities.items()
-        if key.name == row.quantity and same_speed(key.engine_speed, row.engine_speed) and row.label in ("", key.label)
-    ]  # fmt: skip
+        value
+        for key, value in quantities.items()
+        if key.name == row.quantity
+        and same_speed(key.engine_speed, row.engine_speed)
+        and row.label in ("", key.label)
+    ]
     if found and abs(found[0] - row.value) <= max(SAME * abs(row.value), row.numerical):
         return ""
     variant = f" of {row.label}" if row.label else ""
@@ -56,7 +73,9 @@ def _difference(row: Uncertainty, quantities: dict) -> str:
 
 def main() -> None:
     """Command line."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("case", nargs="?", default="gu2021-beehive")
     parser.add_argument("--workers", type=int, default=4)
     parser.add_argument("--restamp", action="store_true")
@@ -65,7 +84,11 @@ def main() -> None:
     if options.restamp:
         restamp(case, options.workers)
         return
-    study = refined(case, workers=options.workers, progress=lambda share, words: print(f"{100 * share:3.0f} %  {words}"))
+    study = refined(
+        case,
+        workers=options.workers,
+        progress=lambda share, words: print(f"{100 * share:3.0f} %  {words}"),
+    )
     if study.failures:
         raise SystemExit("; ".join(study.failures))
     path = LIBRARY / f"{options.case}.uncertainty"

@@ -7,7 +7,8 @@ from typing import Any
 
 from valvetrain.report.chart import Chart
 
-#: Pixels of a row of panels: least of a figure of one row (less where words stand along y), least of several rows, most.
+#: Pixels of a row of panels: least of a figure of one row (less where words stand along y), least
+#: of several rows, most.
 ONE_ROW, WORDS, SEVERAL, MOST = 230, 150, 205, 620
 usual = Chart.__init__
 
@@ -21,7 +22,9 @@ def watched(self: Chart, *given: Any, **more: Any) -> None:
     named = max(len(panel.y_words) for panel in self.panels)
     least = max(WORDS, 20 * named) if named else ONE_ROW if self.rows == 1 else SEVERAL
     most = max(MOST, 60 * named + 200)
-    assert least <= self.height / self.rows <= most, f"figure '{self.key}' gives {self.height / self.rows:.0f} pixels to a row of panels"
+    assert least <= self.height / self.rows <= most, (
+        f"figure '{self.key}' gives {self.height / self.rows:.0f} pixels to a row of panels"
+    )
 
 
 Chart.__init__ = watched  # type: ignore[method-assign]

@@ -1,4 +1,6 @@
-"""What tests of faults share: processes found by a mark in their environment, functions that kill their worker, a stand-in solver."""
+"""What tests of faults share: processes found by a mark in their environment, functions that kill
+their worker, a stand-in solver.
+"""
 
 from __future__ import annotations
 
@@ -17,8 +19,23 @@ from unit.cli_parts import MODULE, hear_interrupts, process_environment, wait_un
 
 MARK = "VALVETRAIN_FAULT_TEST"
 #: A sweep of trains over two workers, many speeds of some 50 ms each.
-SWEEP = ("sweep", "tdi-pushrod", "--engine-speed", "1000:5000:25 rpm", "--spring", "massless", "--spring-set", "stock",
-         "--no-critical-speeds", "--no-report", "--quiet", "--workers", "2", "--output", "out")  # fmt: skip
+SWEEP = (
+    "sweep",
+    "tdi-pushrod",
+    "--engine-speed",
+    "1000:5000:25 rpm",
+    "--spring",
+    "massless",
+    "--spring-set",
+    "stock",
+    "--no-critical-speeds",
+    "--no-report",
+    "--quiet",
+    "--workers",
+    "2",
+    "--output",
+    "out",
+)
 
 
 def marked(mark: str) -> list[int]:
@@ -37,13 +54,26 @@ def marked(mark: str) -> list[int]:
 
 
 @contextmanager
-def started(*arguments: str, folder: Path, code: str = "", **environment: str) -> Iterator[tuple[subprocess.Popen[str], str]]:
-    """The command (or ``code``) as a process of its own group, and the mark of all that it starts; nothing of it is left afterwards."""
+def started(
+    *arguments: str, folder: Path, code: str = "", **environment: str
+) -> Iterator[tuple[subprocess.Popen[str], str]]:
+    """The command (or ``code``) as a process of its own group, and the mark of all that it starts;
+    nothing of it is left afterwards.
+    """
     mark = uuid.uuid4().hex
     command = [sys.executable, *(["-c", code] if code else MODULE), *arguments]
-    pipes: dict[str, Any] = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True, "preexec_fn": hear_interrupts}
+    pipes: dict[str, Any] = {
+        "stdout": subprocess.PIPE,
+        "stderr": subprocess.PIPE,
+        "text": True,
+        "preexec_fn": hear_interrupts,
+    }
     with subprocess.Popen(
-        command, cwd=folder, env=process_environment(**{MARK: mark, **environment}), start_new_session=True, **pipes
+        command,
+        cwd=folder,
+        env=process_environment(**{MARK: mark, **environment}),
+        start_new_session=True,
+        **pipes,
     ) as run:
         try:
             yield run, mark
@@ -58,7 +88,9 @@ def gone(mark: str, limit: float = 30.0) -> None:
 
 
 def stand_in_solver(folder: Path) -> tuple[Path, Path]:
-    """A program that stands for the solid solver and never ends, and the file where it leaves its process id."""
+    """A program that stands for the solid solver and never ends, and the file where it leaves its
+    process id.
+    """
     program, note = folder / "ccx", folder / "solver.pid"
     program.write_text(f"#!/bin/sh\necho $$ > '{note}'\nsleep 600 &\nwait\n")
     program.chmod(0o755)

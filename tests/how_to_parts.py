@@ -1,4 +1,6 @@
-"""The guides of docs/how-to as the tests read them: one command, one picture, and a table of numbers that the command gives."""
+"""The guides of docs/how-to as the tests read them: one command, one picture, and a table of
+numbers that the command gives.
+"""
 
 from __future__ import annotations
 
@@ -13,8 +15,8 @@ from typing import Any
 
 from typer.testing import CliRunner
 
+from valvetrain.cli.cases import write_template
 from valvetrain.cli.main import app
-from valvetrain.cli.new import write_template
 from valvetrain.studies.points.evaluate import evaluate
 from valvetrain.studies.points.plan import read_plan
 from valvetrain.studies.points.study_file import read_study_file
@@ -31,7 +33,9 @@ _COMMANDS_WITHOUT_PAGE = ("run", "sweep")
 
 @dataclass(frozen=True)
 class Row:
-    """One number of a guide: ``quantity``, where it is taken, its printed ``value`` and its ``unit``."""
+    """One number of a guide: ``quantity``, where it is taken, its printed ``value`` and its
+    ``unit``.
+    """
 
     quantity: str
     place: tuple[str, ...]
@@ -75,7 +79,10 @@ class Guide:
     @property
     def pictures(self) -> list[Path]:
         """The pictures of the page."""
-        return [(self.path.parent / name).resolve() for name in re.findall(r"!\[[^\]]+\]\(([^)]+)\)", self.text)]
+        return [
+            (self.path.parent / name).resolve()
+            for name in re.findall(r"!\[[^\]]+\]\(([^)]+)\)", self.text)
+        ]
 
     @property
     def rows(self) -> list[Row]:
@@ -84,7 +91,9 @@ class Guide:
         for line in self.text.splitlines():
             cells = [cell.strip() for cell in line.strip().strip("|").split("|")]
             if len(cells) == 4 and cells[0].startswith("`") and (given := _NUMBER.match(cells[1])):
-                place = tuple(part.strip() for part in cells[2].split(",") if part.strip() not in ("", "–"))
+                place = tuple(
+                    part.strip() for part in cells[2].split(",") if part.strip() not in ("", "–")
+                )
                 found.append(Row(cells[0].strip("`"), place, given[1], given[3]))
         return found
 
@@ -97,7 +106,10 @@ class Guide:
     def answer(self, folder: Path) -> dict[str, Any]:
         """What the command prints with ``--json``."""
         words = [str(ROOT / word) if word.startswith("examples/") else word for word in self.words]
-        words += ["--json", *(("--no-report", "--workers", "1") if words[0] in _COMMANDS_WITHOUT_PAGE else ())]
+        words += [
+            "--json",
+            *(("--no-report", "--workers", "1") if words[0] in _COMMANDS_WITHOUT_PAGE else ()),
+        ]
         words += [] if words[0] in ("modes", "check") else ["--output", str(folder / "results")]
         result = CliRunner().invoke(app, words)
         assert result.exit_code == 0, result.output
@@ -141,9 +153,15 @@ def _of_runs(answer: Mapping[str, Any], row: Row) -> float:
         happened = [one for run in runs for one in run["events"] if one["kind"] == event]
         largest = max(happened, key=lambda one: one["size"]["value"])
         chosen = largest[detail] if detail in largest else largest["details"][detail]
-        turned = chosen["value"] % (2 * math.pi) if detail.endswith("cam_angle") else chosen["value"]
+        turned = (
+            chosen["value"] % (2 * math.pi) if detail.endswith("cam_angle") else chosen["value"]
+        )
         return in_unit(turned, row.unit)
-    tables = [*(run["quantities"] for run in runs), answer["quantities"], *answer["quantities_by_label"].values()]
+    tables = [
+        *(run["quantities"] for run in runs),
+        answer["quantities"],
+        *answer["quantities_by_label"].values(),
+    ]
     found = [table[row.quantity] for table in tables if row.quantity in table]
     assert found, f"{row.quantity} at {row.place}"
     return in_unit(found[0]["value"], row.unit)
@@ -169,8 +187,15 @@ def _inputs(row: Row) -> dict[str, tuple[float, str]]:
 def _of_study(answer: Mapping[str, Any], row: Row) -> float:
     keys, wanted = [one["key"] for one in answer["varied"]], _inputs(row)
     for one in answer["rows"]:
-        given = {key: in_unit(value, wanted[key][1]) for key, value in zip(keys, one["inputs"], strict=True) if key in wanted}
-        if all(abs(given[key] - value) <= 1e-6 * max(abs(value), 1e-9) for key, (value, _) in wanted.items()):
+        given = {
+            key: in_unit(value, wanted[key][1])
+            for key, value in zip(keys, one["inputs"], strict=True)
+            if key in wanted
+        }
+        if all(
+            abs(given[key] - value) <= 1e-6 * max(abs(value), 1e-9)
+            for key, (value, _) in wanted.items()
+        ):
             place = list(answer["outputs"]).index(row.quantity)
             return in_unit(one["outputs"][place], row.unit)
     raise AssertionError(f"no row of the study at {row.place}")
@@ -187,7 +212,9 @@ def rows_of_study(guide: Guide) -> dict[str, Any]:
         if any(_stands({**answer, "rows": [nothing]}, row) for row in guide.rows):
             outcome = evaluate(plan.point(draw, plan.runs[0]))
             assert outcome.status.completed, outcome.status.sentence()
-            answer["rows"].append({"inputs": list(draw), "outputs": [outcome.values[name] for name in outputs]})
+            answer["rows"].append(
+                {"inputs": list(draw), "outputs": [outcome.values[name] for name in outputs]}
+            )
     return answer
 
 
@@ -202,8 +229,12 @@ def _stands(answer: Mapping[str, Any], row: Row) -> bool:
 def _of_search(answer: Mapping[str, Any], row: Row) -> float:
     trial = answer["of_case"] if row.place == ("case",) else answer["designs"][0]
     named = dict(zip((one["label"] for one in answer["varied"]), trial["values"], strict=True))
-    named |= dict(zip((one["quantity"] for one in answer["objectives"]), trial["objectives"], strict=True))
-    named |= dict(zip((one["quantity"] for one in answer["constraints"]), trial["constraints"], strict=True))
+    named |= dict(
+        zip((one["quantity"] for one in answer["objectives"]), trial["objectives"], strict=True)
+    )
+    named |= dict(
+        zip((one["quantity"] for one in answer["constraints"]), trial["constraints"], strict=True)
+    )
     return in_unit(named[row.quantity], row.unit)
 
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from synthetic_train import ANGLE, CAM_SPEED, COUNT, degrees, lift_of, rigid, train
 from train_parts import direct
-from valvetrain.cam.harmonic import Harmonic
+from valvetrain.cam.closed_form import Harmonic
 from valvetrain.mechanism.build import build_mechanism
 from valvetrain.parameters.train import CamParameters
 from valvetrain.quantities.evaluate import evaluate
@@ -20,16 +20,21 @@ from valvetrain.solution.event import Event
 DEG, THOU = np.pi / 180, 1.27e-3
 
 
-def events(subject: str, word: str, opens: float, closes: float, within: float) -> dict[str, tuple[float, float]]:
+def events(
+    subject: str, word: str, opens: float, closes: float, within: float
+) -> dict[str, tuple[float, float]]:
     """The three numbers of a pair of crossings."""
     return {
-        f"{subject}_{word}_opening_cam_angle": (opens, within), f"{subject}_{word}_closing_cam_angle": (closes, within),
+        f"{subject}_{word}_opening_cam_angle": (opens, within),
+        f"{subject}_{word}_closing_cam_angle": (closes, within),
         f"{subject}_{word}_open_crank_angle_range": (2 * (closes - opens), 4 * within),
-    }  # fmt: skip
+    }
 
 
 def valve_events():
-    """A valve of 8 mm sin^2, off its seat from 91.5 to 268 degrees; torque of 3.4 J per turn; a margin least at 150 degrees."""
+    """A valve of 8 mm sin^2, off its seat from 91.5 to 268 degrees; torque of 3.4 J per turn; a
+    margin least at 150 degrees.
+    """
     velocity = np.where(degrees(90, 270), 8e-3 * np.sin(2 * ANGLE - np.pi) * CAM_SPEED, 0.0)
     told = {"largest_gap": 8e-3, "release_cam_angle": 91.5 * DEG}
     touch = Event("touch", 268 * DEG, 268 * DEG / CAM_SPEED, 0.0, 0.3, "m/s", "seat", told)
@@ -42,7 +47,11 @@ def valve_events():
         away = math.asin(math.sqrt(height / 8e-3))
         known |= events("valve", word, np.pi / 2 + away, 1.5 * np.pi - away, 1e-7)
     assert len(ANGLE) == COUNT and lift_of(np.array(np.pi)) == 8e-3
-    known |= {"minimum_spring_margin_force": 77.0, "minimum_spring_margin_ratio": 77 / 300 + 1, "mean_cam_torque": 3.4 / (2 * np.pi)}
+    known |= {
+        "minimum_spring_margin_force": 77.0,
+        "minimum_spring_margin_ratio": 77 / 300 + 1,
+        "mean_cam_torque": 3.4 / (2 * np.pi),
+    }
     return found, known
 
 
@@ -50,14 +59,26 @@ def surge_speeds():
     """427.1 Hz met by cam orders 8 to 10 between 5000 and 6500 rpm: 120 f / n rpm."""
     found = surge_engine_speeds(427.1, 5000 * np.pi / 30, 6500 * np.pi / 30)
     assert len(found) == 3
-    return found, {f"surge_order_{n}_engine_speed": 120 * 427.1 / n * np.pi / 30 for n in (8, 9, 10)}
+    return found, {
+        f"surge_order_{n}_engine_speed": 120 * 427.1 / n * np.pi / 30 for n in (8, 9, 10)
+    }
 
 
 def rigid_valve_events():
-    """A bucket under a harmonic lift h / 2 (1 - cos(pi x)), 0.2 mm of lash: every height is one of the lobe that much higher."""
+    """A bucket under a harmonic lift h / 2 (1 - cos(pi x)), 0.2 mm of lash: every height is one of
+    the lobe that much higher.
+    """
     top, flank, nose, lash = 8e-3, 62 * DEG, 3.0, 0.2e-3
-    law = Harmonic(maximum_lift=top, opening_start=nose - flank, opening_end=nose, closing_start=nose, closing_end=nose + flank)
-    found = rigid_events(build_mechanism(direct(lash=lash, cam=CamParameters(0.030)), law).kinematics)
+    law = Harmonic(
+        maximum_lift=top,
+        opening_start=nose - flank,
+        opening_end=nose,
+        closing_start=nose,
+        closing_end=nose + flank,
+    )
+    found = rigid_events(
+        build_mechanism(direct(lash=lash, cam=CamParameters(0.030)), law).kinematics
+    )
     known = {}
     for subject, more in (("lobe", 0.0), ("rigid_valve", lash)):
         for word, height in {"lash": 0.0, "1_mm": 1e-3, "50_thou": THOU}.items():

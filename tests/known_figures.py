@@ -1,6 +1,8 @@
-"""What each figure of a page has to carry, written down from the channels themselves: (title, x axis, y axis, lines) per panel.
+"""What each figure of a page has to carry, written down from the channels themselves: (title, x
+axis, y axis, lines) per panel.
 
-Runs of :func:`numbered` studies differ in every channel and number, so that no series can stand for another.
+Runs of :func:`numbered` studies differ in every channel and number, so that no series can stand for
+another.
 """
 
 from __future__ import annotations
@@ -17,24 +19,36 @@ from valvetrain.solution.study import Study
 
 ANGLE = "cam angle (cam degrees)"
 #: Words of a run's lines by its label.
-NAMES = {"finite-element": "finite-element rod", "modal-varied": "modal model with varied stiffness"}
+NAMES = {
+    "finite-element": "finite-element rod",
+    "modal-varied": "modal model with varied stiffness",
+}
 Panels = list[tuple[str, str, str, dict[str, tuple[np.ndarray, np.ndarray]]]]
 
 
 def numbered(study: Study) -> Study:
-    """The study with every run's channels and numbers raised by a share of its own, and with energies that tell from each other."""
+    """The study with every run's channels and numbers raised by a share of its own, and with
+    energies that tell from each other.
+    """
     runs = []
     for place, run in enumerate(study.solutions, start=1):
         share = 1 + place / 50
-        raised = {name: (values.dims, share * values.values, values.attrs) for name, values in run.channels.data_vars.items()}
+        raised = {
+            name: (values.dims, share * values.values, values.attrs)
+            for name, values in run.channels.data_vars.items()
+        }
         channels = run.channels.assign(raised)
         if "kinetic_energy" in channels:
             work = channels["work_done"]
             channels = channels.assign(
-                kinetic_energy=work.copy(data=0.11 * np.abs(work.values)), contact_energy=work.copy(data=0.03 * np.abs(work.values)),
+                kinetic_energy=work.copy(data=0.11 * np.abs(work.values)),
+                contact_energy=work.copy(data=0.03 * np.abs(work.values)),
                 energy_dissipated=work.copy(data=np.linspace(0.2, 0.5, work.size) * share),
-            )  # fmt: skip
-        found = {name: value if name.endswith(("order", "count", "frequency")) else value * share for name, value in run.quantities.items()}
+            )
+        found = {
+            name: value if name.endswith(("order", "count", "frequency")) else value * share
+            for name, value in run.quantities.items()
+        }
         runs.append(replace(run, channels=channels, quantities=found))
     return replace(study, solutions=tuple(runs))
 
@@ -70,8 +84,14 @@ def rpm(run: Solution) -> str:
     return f"{run.engine_speed * 30 / np.pi:.0f} rpm"
 
 
-def lines(runs: list[Solution], channel: str, factor: float = 1.0) -> dict[str, tuple[np.ndarray, np.ndarray]]:
-    return {words(run): (turn(run), factor * last_turn(run, channel)) for run in runs if run.has(channel)}
+def lines(
+    runs: list[Solution], channel: str, factor: float = 1.0
+) -> dict[str, tuple[np.ndarray, np.ndarray]]:
+    return {
+        words(run): (turn(run), factor * last_turn(run, channel))
+        for run in runs
+        if run.has(channel)
+    }
 
 
 def force(study: Study, channel: str, axis: str) -> Panels:
@@ -87,16 +107,33 @@ def force(study: Study, channel: str, axis: str) -> Panels:
 def coils(study: Study, place: str, number: str, spring: str) -> Panels:
     run = at_speed(study, int(place))[int(number) - 1]
     nested = run.provenance.system == "train"
-    channel, axis = ("axial_position", "height of the wire above its seat (mm)") if not nested else (
-        f"{spring}_axial_displacement", "displacement from installed (mm)")  # fmt: skip
+    channel, axis = (
+        ("axial_position", "height of the wire above its seat (mm)")
+        if not nested
+        else (f"{spring}_axial_displacement", "displacement from installed (mm)")
+    )
     coil = np.arange(4.0) if nested else np.arange(0.0, 7.25, 0.5)
     values = 1e3 * last_turn(run, channel)
-    return [("", ANGLE, axis, {f"coil number {one:.3g}": (turn(run), values[:, n]) for n, one in enumerate(coil)})]
+    return [
+        (
+            "",
+            ANGLE,
+            axis,
+            {f"coil number {one:.3g}": (turn(run), values[:, n]) for n, one in enumerate(coil)},
+        )
+    ]
 
 
 def clash(study: Study, place: str, number: str, spring: str) -> Panels:
     run = at_speed(study, int(place))[int(number) - 1]
-    return [("", ANGLE, "coil number of the upper coil", {"contact force": (turn(run), last_turn(run, "coil_contact_force").T)})]
+    return [
+        (
+            "",
+            ANGLE,
+            "coil number of the upper coil",
+            {"contact force": (turn(run), last_turn(run, "coil_contact_force").T)},
+        )
+    ]
 
 
 def motion(study: Study, place: str) -> Panels:
@@ -114,28 +151,63 @@ def static(study: Study) -> Panels:
     rod, chain = (one.curve for one in study.rest)
     x, axis = 1e3 * rod.compression, "compression from the free length (mm)"
     return [
-        ("Force", axis, "force (N)", {"finite-element rod": (x, rod.force), "multi-mass chain": (x, chain.force)}),
-        ("Stiffness", axis, "tangent stiffness (N/mm)",
-         {"finite-element rod": (x, rod.stiffness / 1e3), "multi-mass chain": (x, chain.stiffness / 1e3)}),
-        ("Difference in force", axis, "from the finite-element rod (%)", {"multi-mass chain": (x, np.where(x > 0, -2.0, np.nan))}),
-    ]  # fmt: skip
+        (
+            "Force",
+            axis,
+            "force (N)",
+            {"finite-element rod": (x, rod.force), "multi-mass chain": (x, chain.force)},
+        ),
+        (
+            "Stiffness",
+            axis,
+            "tangent stiffness (N/mm)",
+            {
+                "finite-element rod": (x, rod.stiffness / 1e3),
+                "multi-mass chain": (x, chain.stiffness / 1e3),
+            },
+        ),
+        (
+            "Difference in force",
+            axis,
+            "from the finite-element rod (%)",
+            {"multi-mass chain": (x, np.where(x > 0, -2.0, np.nan))},
+        ),
+    ]
 
 
 def modes(study: Study) -> Panels:
     coil = np.arange(0.0, 7.25, 0.5)
     shapes = {}
-    for number, waves in enumerate((1, 2, 3), start=1):  # the drawn half waves, turned so that the largest is +1
+    for number, waves in enumerate(
+        (1, 2, 3), start=1
+    ):  # the drawn half waves, turned so that the largest is +1
         wave = np.sin(np.pi * waves * coil / 7)
         top = wave[np.argmax(np.abs(wave))]
         shapes[f"mode {number}"] = (coil, wave / top)
     force = "force carried, largest 1"
     return [
-        ("Shapes, finite-element rod", "coil number (turns from the lower end)", "axial part, largest 1", shapes),
-        ("Modes, finite-element rod", "natural frequency (Hz)", force,
-         {"other mode": (np.array([400, 1300.0]), np.array([0.01, 0.1])),
-          "axial mode": (np.array([631, 1120, 1639.0]), np.array([1, 0.7, 0.5]))}),
-        ("Modes, multi-mass chain", "natural frequency (Hz)", force, {"axial mode": (np.array([620, 1210.0]), np.array([1, 0.8]))}),
-    ]  # fmt: skip
+        (
+            "Shapes, finite-element rod",
+            "coil number (turns from the lower end)",
+            "axial part, largest 1",
+            shapes,
+        ),
+        (
+            "Modes, finite-element rod",
+            "natural frequency (Hz)",
+            force,
+            {
+                "other mode": (np.array([400, 1300.0]), np.array([0.01, 0.1])),
+                "axial mode": (np.array([631, 1120, 1639.0]), np.array([1, 0.7, 0.5])),
+            },
+        ),
+        (
+            "Modes, multi-mass chain",
+            "natural frequency (Hz)",
+            force,
+            {"axial mode": (np.array([620, 1210.0]), np.array([1, 0.8]))},
+        ),
+    ]
 
 
 def orders(study: Study) -> Panels:
@@ -144,42 +216,95 @@ def orders(study: Study) -> Panels:
         drawn = {}
         runs = [run for run in at_speed(study, place) if run.has("static_retainer_force")]
         for number, run in enumerate(runs):
-            named = [value for name, value in run.quantities.items() if name.startswith("surge_order_") and name.endswith("_force")]
+            named = [
+                value
+                for name, value in run.quantities.items()
+                if name.startswith("surge_order_") and name.endswith("_force")
+            ]
             if named:
                 sizes = np.array(named)
             else:  # amplitudes by projection on sine and cosine, order by order
-                angle, dynamic = np.radians(turn(run)), last_turn(run, "retainer_force") - last_turn(run, "static_retainer_force")
-                sizes = np.array([2 * abs(np.mean(dynamic * np.exp(-1j * n * angle))) for n in range(1, 41)])
+                angle, dynamic = (
+                    np.radians(turn(run)),
+                    last_turn(run, "retainer_force") - last_turn(run, "static_retainer_force"),
+                )
+                sizes = np.array(
+                    [2 * abs(np.mean(dynamic * np.exp(-1j * n * angle))) for n in range(1, 41)]
+                )
             order = np.arange(1.0, len(sizes) + 1) + 0.7 * ((number + 0.5) / len(runs) - 0.5)
             gap, base = np.full(len(sizes), np.nan), np.zeros(len(sizes))
-            drawn[words(run)] = (np.stack([order, order, gap], axis=1).ravel(), np.stack([base, sizes, gap], axis=1).ravel())
-        panels.append((rpm(runs[0]), "cam order (oscillations per cam turn)", "dynamic spring force (N, 0 to peak)", drawn))
+            drawn[words(run)] = (
+                np.stack([order, order, gap], axis=1).ravel(),
+                np.stack([base, sizes, gap], axis=1).ravel(),
+            )
+        panels.append(
+            (
+                rpm(runs[0]),
+                "cam order (oscillations per cam turn)",
+                "dynamic spring force (N, 0 to peak)",
+                drawn,
+            )
+        )
     return panels
 
 
 def stress(study: Study, place: str, number: str, spring: str) -> Panels:
     run = at_speed(study, int(place))[int(number) - 1]
     coil, shear = np.arange(0.0, 7.25, 0.5), 1e-6 * last_turn(run, "inner_fibre_shear_stress")
-    still = 41e3 * (7e-3 + last_turn(run, "valve_lift"))  # MPa, the same at every coil, the curve ends at 18 mm
+    still = 41e3 * (
+        7e-3 + last_turn(run, "valve_lift")
+    )  # MPa, the same at every coil, the curve ends at 18 mm
     still = np.minimum(still, 41e3 * 18e-3)
     rest = "static curve at the same lift"
     return [
-        ("Along the wire", "coil number from the seat", "shear stress (MPa)",
-         {rest: (coil, np.full(15, still.max())), "largest": (coil, shear.max(axis=0)), "least": (coil, shear.min(axis=0))}),
-        ("At coil number 3.5", ANGLE, "shear stress (MPa)", {rest: (turn(run), still), "largest": (turn(run), shear[:, 7])}),
-    ]  # fmt: skip
+        (
+            "Along the wire",
+            "coil number from the seat",
+            "shear stress (MPa)",
+            {
+                rest: (coil, np.full(15, still.max())),
+                "largest": (coil, shear.max(axis=0)),
+                "least": (coil, shear.min(axis=0)),
+            },
+        ),
+        (
+            "At coil number 3.5",
+            ANGLE,
+            "shear stress (MPa)",
+            {rest: (turn(run), still), "largest": (turn(run), shear[:, 7])},
+        ),
+    ]
 
 
 def energy(study: Study, place: str, number: str) -> Panels:
     run = at_speed(study, int(place))[int(number) - 1]
     x, axis = np.degrees(run.cam_angle), "cam angle from the start (cam degrees)"
     kinetic, elastic, contact, work, heat = (
-        1e3 * run.channel(name) for name in ("kinetic_energy", "elastic_energy", "contact_energy", "work_done", "energy_dissipated")
+        1e3 * run.channel(name)
+        for name in (
+            "kinetic_energy",
+            "elastic_energy",
+            "contact_energy",
+            "work_done",
+            "energy_dissipated",
+        )
     )
-    stored, work, heat = kinetic + elastic + contact - (kinetic + elastic + contact)[0], work - work[0], heat - heat[0]
-    parts = {"work done": (x, work), "stored": (x, stored), "kinetic": (x, kinetic), "dissipated": (x, heat)}
+    stored, work, heat = (
+        kinetic + elastic + contact - (kinetic + elastic + contact)[0],
+        work - work[0],
+        heat - heat[0],
+    )
+    parts = {
+        "work done": (x, work),
+        "stored": (x, stored),
+        "kinetic": (x, kinetic),
+        "dissipated": (x, heat),
+    }
     missing = "stored + dissipated − work"
-    return [("Energies", axis, "energy (mJ)", parts), ("Imbalance", axis, f"{missing} (mJ)", {missing: (x, stored + heat - work)})]
+    return [
+        ("Energies", axis, "energy (mJ)", parts),
+        ("Imbalance", axis, f"{missing} (mJ)", {missing: (x, stored + heat - work)}),
+    ]
 
 
 def contacts(study: Study, place: str) -> Panels:
@@ -204,9 +329,15 @@ def torque(study: Study, place: str) -> Panels:
 
 def rigid(study: Study, place: str) -> Panels:
     run = at_speed(study, int(place))[0]
-    rows = (("valve lift", "mm", "rigid_valve_lift", 1e3), ("contact force", "N", "rigid_contact_force", 1.0),
-            ("hertz pressure", "MPa", "rigid_hertz_pressure", 1e-6))  # fmt: skip
-    return [("", ANGLE, f"{name} ({unit})", {name: (turn(run), factor * last_turn(run, channel))}) for name, unit, channel, factor in rows]
+    rows = (
+        ("valve lift", "mm", "rigid_valve_lift", 1e3),
+        ("contact force", "N", "rigid_contact_force", 1.0),
+        ("hertz pressure", "MPa", "rigid_hertz_pressure", 1e-6),
+    )
+    return [
+        ("", ANGLE, f"{name} ({unit})", {name: (turn(run), factor * last_turn(run, channel))})
+        for name, unit, channel, factor in rows
+    ]
 
 
 def sweep(study: Study) -> Panels:
@@ -217,7 +348,10 @@ def sweep(study: Study) -> Panels:
     for name, label, factor in shown:
         drawn = {}
         for whose in study.labels:
-            runs = sorted((run for run in study.solutions if run.label == whose), key=lambda run: run.engine_speed)
+            runs = sorted(
+                (run for run in study.solutions if run.label == whose),
+                key=lambda run: run.engine_speed,
+            )
             x = np.array([run.engine_speed * 30 / np.pi for run in runs])
             y = factor * np.array([run.quantities[name] for run in runs])
             drawn |= {whose: (x, y), f"{whose}, not settled": (x[-1:], y[-1:])}
@@ -227,9 +361,13 @@ def sweep(study: Study) -> Panels:
 
 def order_map(study: Study, place: str) -> Panels:
     label = study.labels[int(place) - 1]
-    runs = sorted((run for run in study.solutions if run.label == label), key=lambda run: run.engine_speed)
+    runs = sorted(
+        (run for run in study.solutions if run.label == label), key=lambda run: run.engine_speed
+    )
     x = np.array([run.engine_speed * 30 / np.pi for run in runs])
-    sizes = np.array([[run.quantities[f"surge_order_{n}_force"] for run in runs] for n in range(1, 25)])
+    sizes = np.array(
+        [[run.quantities[f"surge_order_{n}_force"] for run in runs] for n in range(1, 25)]
+    )
     fine = np.linspace(x[0], x[-1], 200)
 
     def ridge(frequency: float) -> tuple[np.ndarray, np.ndarray]:
@@ -238,27 +376,56 @@ def order_map(study: Study, place: str) -> Panels:
 
     surge = runs[-1].quantities["surge_frequency"]
     drawn = {f"{value} Hz": ridge(value) for value in range(200, 1600, 200)}
-    return [("", "engine speed (rpm)", "cam order", {"surge amplitude": (x, sizes)} | drawn | {"surge": ridge(surge)})]
+    return [
+        (
+            "",
+            "engine speed (rpm)",
+            "cam order",
+            {"surge amplitude": (x, sizes)} | drawn | {"surge": ridge(surge)},
+        )
+    ]
 
 
 def ratios(study: Study) -> Panels:
-    marks = {"EX, published": ([0.93], [0]), "FE, published": ([1.02], [1]), "AN, published, beyond": ([1.5], [2])}
+    marks = {
+        "EX, published": ([0.93], [0]),
+        "FE, published": ([1.02], [1]),
+        "AN, published, beyond": ([1.5], [2]),
+    }
     rows = sorted(range(3), key=lambda row: {0: 1, 1: 0, 2: 2}[row])
-    spans = np.array([[1 - 20 / 790, 1 + 20 / 790, np.nan]] * 3).ravel(), np.repeat(np.arange(3.0), 3)
+    spans = (
+        np.array([[1 - 20 / 790, 1 + 20 / 790, np.nan]] * 3).ravel(),
+        np.repeat(np.arange(3.0), 3),
+    )
     assert rows == [1, 0, 2]
     points = {name: (np.array(x), np.array(y, dtype=float)) for name, (x, y) in marks.items()}
-    return [("", "computed / given value (ratio)", "one row per value", {"stated tolerance": spans} | points)]
+    return [
+        (
+            "",
+            "computed / given value (ratio)",
+            "one row per value",
+            {"stated tolerance": spans} | points,
+        )
+    ]
 
 
 def stages(study: Study, place: str) -> Panels:
     runs = at_speed(study, int(place))
-    marks = {"FE, published": (np.array([np.degrees(3.1)]), np.array([790.0]))} if place == "2" else {}
+    marks = (
+        {"FE, published": (np.array([np.degrees(3.1)]), np.array([790.0]))} if place == "2" else {}
+    )
     return [("", ANGLE, "force on the lower seat (N)", lines(runs, "seat_force") | marks)]
 
 
 def fine(run: Solution) -> tuple[np.ndarray, np.ndarray, float]:
-    """Cam angle (deg of the last turn), all force samples and their time step; four substeps a sample where a run has them."""
-    force = run.channel("seat_force_fine")[:-1].ravel() if run.has("seat_force_fine") else run.channel("seat_force")
+    """Cam angle (deg of the last turn), all force samples and their time step; four substeps a
+    sample where a run has them.
+    """
+    force = (
+        run.channel("seat_force_fine")[:-1].ravel()
+        if run.has("seat_force_fine")
+        else run.channel("seat_force")
+    )
     parts = 4 if run.has("seat_force_fine") else 1
     degrees = np.arange(len(force)) * 0.5 / parts - (360 if parts == 4 else 0)
     return degrees, force, np.radians(0.5 / parts) / (run.engine_speed / 2)
@@ -268,25 +435,42 @@ def spikes(study: Study, place: str) -> Panels:
     drawn = {}
     for run in at_speed(study, int(place)):
         degrees, force, step = fine(run)
-        near = (degrees >= np.degrees(EVENT.end) - 8 - 1e-9) & (degrees <= np.degrees(EVENT.end) + 87 + 1e-9)
+        near = (degrees >= np.degrees(EVENT.end) - 8 - 1e-9) & (
+            degrees <= np.degrees(EVENT.end) + 87 + 1e-9
+        )
         drawn[words(run)] = (degrees[near], force[near])
         if run.has("coil_contact_force"):
             smooth = signal.sosfiltfilt(signal.butter(4, 2 * 10e3 * step, output="sos"), force)
             drawn[f"{words(run)}, below 10 kHz"] = (degrees[near], smooth[near])
-    marks = {"FE, published": (np.array([np.degrees(3.1)]), np.array([790.0]))} if place == "2" else {}
+    marks = (
+        {"FE, published": (np.array([np.degrees(3.1)]), np.array([790.0]))} if place == "2" else {}
+    )
     return [("", ANGLE, "force on the lower seat (N)", drawn | marks)]
 
 
 def nodes(study: Study, place: str, number: str) -> Panels:
     run = at_speed(study, int(place))[int(number) - 1]
-    rows = (("displacement (mm)", "axial_displacement", 1e3), ("velocity (m/s)", "axial_velocity", 1.0),
-            ("acceleration (km/s²)", "axial_acceleration", 1e-3))  # fmt: skip
+    rows = (
+        ("displacement (mm)", "axial_displacement", 1e3),
+        ("velocity (m/s)", "axial_velocity", 1.0),
+        ("acceleration (km/s²)", "axial_acceleration", 1e-3),
+    )
     panels = []
     for label, channel, factor in rows:
         one, two = (factor * last_turn(run, channel)[:, coil] for coil in (2, 4))
         if channel == "axial_displacement":  # coil 2 counts from where it touches coil 1
             two = factor * last_turn(run, "coil_gap")[:, 2]
-        panels.append(("", ANGLE, label, {"node 1 (end of coil 1)": (turn(run), one), "node 2 (end of coil 2)": (turn(run), two)}))
+        panels.append(
+            (
+                "",
+                ANGLE,
+                label,
+                {
+                    "node 1 (end of coil 1)": (turn(run), one),
+                    "node 2 (end of coil 2)": (turn(run), two),
+                },
+            )
+        )
     return panels
 
 

@@ -1,8 +1,12 @@
-"""Everything that tests let the package make is what it was: solutions, springs at rest, figures, tables, sentences, files, answers.
+"""Everything that tests let the package make is what it was: solutions, springs at rest, figures,
+tables, sentences, files, answers.
 
-Kept in ``golden/made``, a file per file of tests: of each thing a digest of its words and two sums of its numbers. What a test makes has to
-be among the things that are kept, so tests run in any order and choice. ``python tests/golden/keep_made.py FILE...`` writes the files anew,
-from several runs; what differs between these (times, places of files) is left out. Nothing here shows that a number is right; it says that
+Kept in ``golden/made``, a file per file of tests: of each thing a digest of its words and two sums
+of its numbers. What a test makes has to
+be among the things that are kept, so tests run in any order and choice. ``python
+tests/golden/keep_made.py FILE...`` writes the files anew,
+from several runs; what differs between these (times, places of files) is left out. Nothing here
+shows that a number is right; it says that
 one moved.
 """
 
@@ -32,7 +36,8 @@ from valvetrain.solution import atomic
 KEPT = Path(__file__).parent / "golden" / "made"
 #: Where the environment names a folder, what is made is written there and not compared.
 FOLDER = "VALVETRAIN_MADE"
-#: Classes whose objects are looked at as they are made: what the pipeline hands on, and what pages are built of.
+#: Classes whose objects are looked at as they are made: what the pipeline hands on, and what pages
+#: are built of.
 WATCHED = """
     solution.result.Solution solution.static.StaticCurve solution.static.SpringAtRest solution.static.StaticStress
     solution.static.Buckling solution.static.Leaning solution.modal.ModalResult solution.rest_point.RestPoint
@@ -73,7 +78,9 @@ FLEETING_KEYS = re.compile(
 #: Fields of objects that are looked at by themselves, or are packed to the last bit.
 OWN_FIELDS = re.compile(r"^(record|modes|curve|points|sections|data|chart)$")
 #: Words that do: times, versions, digests; those with a stroke name folders.
-FLEETING = re.compile(r"\b[0-9a-f]{8,}\b|\d{4}-\d\d-\d\d\S*|\b\d+\.\d+\.\d+\S*|\b[\d.]+ ?(?:s|ms|min|MB|GB|MiB|GiB|kB)\b|\d{8}-\d{6}-?\S*")
+FLEETING = re.compile(
+    r"\b[0-9a-f]{8,}\b|\d{4}-\d\d-\d\d\S*|\b\d+\.\d+\.\d+\S*|\b[\d.]+ ?(?:s|ms|min|MB|GB|MiB|GiB|kB)\b|\d{8}-\d{6}-?\S*"
+)
 NUMBER = re.compile(r"[-+−]?\d+\.?\d*(?:e[-+]?\d+)?", re.IGNORECASE)
 #: Numbers below this are noise; most things kept of one file of tests and one name.
 NOISE, MOST = 1e-9, 400
@@ -89,7 +96,17 @@ unknown: list[str] = []
 def versions() -> list[str]:
     """What moves numbers and words beside the package itself."""
     found = [f"Python {'.'.join(python_version_tuple()[:2])} {machine()}"]
-    for name in ("numpy", "scipy", "numba", "rich", "typer", "plotly", "xarray", "pydantic", "nicegui"):
+    for name in (
+        "numpy",
+        "scipy",
+        "numba",
+        "rich",
+        "typer",
+        "plotly",
+        "xarray",
+        "pydantic",
+        "nicegui",
+    ):
         with contextlib.suppress(metadata.PackageNotFoundError):
             found.append(f"{name} {metadata.version(name)}")
     return found
@@ -98,13 +115,19 @@ def versions() -> list[str]:
 @cache
 def are_same() -> bool:
     """Whether what is installed is what the things were kept with."""
-    return (KEPT / "versions.json").exists() and json.loads((KEPT / "versions.json").read_text()) == versions()
+    return (KEPT / "versions.json").exists() and json.loads(
+        (KEPT / "versions.json").read_text()
+    ) == versions()
 
 
 @lru_cache(50_000)
 def of_text(text: str) -> tuple[str, tuple[float, ...]]:
-    """Words of a text without spaces, ``#`` for each number, and its numbers; what differs from run to run is left out."""
-    cleaned = FLEETING.sub("", "".join(part for part in re.split(r"(\s+)", text) if "/" not in part))
+    """Words of a text without spaces, ``#`` for each number, and its numbers; what differs from run
+    to run is left out.
+    """
+    cleaned = FLEETING.sub(
+        "", "".join(part for part in re.split(r"(\s+)", text) if "/" not in part)
+    )
     found = tuple(float(one.replace("−", "-")) for one in NUMBER.findall(cleaned))
     return "".join(NUMBER.sub("#", cleaned).split()), found
 
@@ -118,11 +141,15 @@ def stays(key: str) -> bool:
 @cache
 def parts_of(kind: type) -> tuple[str, ...]:
     """Fields of a dataclass that are looked at."""
-    return tuple(one.name for one in fields(kind) if stays(one.name) and not OWN_FIELDS.match(one.name))
+    return tuple(
+        one.name for one in fields(kind) if stays(one.name) and not OWN_FIELDS.match(one.name)
+    )
 
 
 def flat(one: Any, words: list[str], numbers: list[Any], depth: int = 0) -> None:
-    """Adds the words and numbers of ``one`` in their order; each number leaves a ``#`` among the words."""
+    """Adds the words and numbers of ``one`` in their order; each number leaves a ``#`` among the
+    words.
+    """
     if one is None or isinstance(one, bool | np.bool_):
         words.append(str(one))
     elif isinstance(one, int | float | np.number):
@@ -147,7 +174,11 @@ def flat(one: Any, words: list[str], numbers: list[Any], depth: int = 0) -> None
                 words.append(str(key))
                 flat(value, words, numbers, depth + 1)
     elif isinstance(one, list | tuple | set | frozenset):
-        if isinstance(one, list | tuple) and len(one) > 3 and {type(value) for value in one} == {float}:
+        if (
+            isinstance(one, list | tuple)
+            and len(one) > 3
+            and {type(value) for value in one} == {float}
+        ):
             words.extend("#" * len(one))
             numbers.append(tuple(one))
             return
@@ -163,7 +194,9 @@ def flat(one: Any, words: list[str], numbers: list[Any], depth: int = 0) -> None
 
 
 def told(one: Any) -> tuple[str, list[float]]:
-    """Digest of the words of a thing; count and two sums of its numbers, each by its sign and the decades of its size."""
+    """Digest of the words of a thing; count and two sums of its numbers, each by its sign and the
+    decades of its size.
+    """
     words: list[str] = []
     numbers: list[Any] = [[]]
     flat(one, words, numbers)
@@ -172,27 +205,42 @@ def told(one: Any) -> tuple[str, list[float]]:
     with np.errstate(over="ignore", invalid="ignore"):
         sizes = np.arcsinh(np.where(known, found, 0.0) / NOISE)
     words.append(str(np.flatnonzero(~known).tolist()))
-    sizes = np.minimum(np.abs(sizes), 1e3) * np.sign(sizes)  # of numbers near the largest there are, infinite
-    sums = [float(len(found)), round(float(sizes.sum()), 6), round(float(sizes @ np.cos(1.0 + 0.7 * np.arange(len(found)))), 6)]
+    sizes = np.minimum(np.abs(sizes), 1e3) * np.sign(
+        sizes
+    )  # of numbers near the largest there are, infinite
+    sums = [
+        float(len(found)),
+        round(float(sizes.sum()), 6),
+        round(float(sizes @ np.cos(1.0 + 0.7 * np.arange(len(found)))), 6),
+    ]
     return hashlib.sha256("|".join(words).encode()).hexdigest()[:8], sums
 
 
 def alike(first: list[float], second: list[float]) -> bool:
     """Whether two triples of sums differ by rounding alone."""
     room = 2e-6 + 1e-7 * first[0]
-    return first[0] == second[0] and abs(first[1] - second[1]) < room and abs(first[2] - second[2]) < room
+    return (
+        first[0] == second[0]
+        and abs(first[1] - second[1]) < room
+        and abs(first[2] - second[2]) < room
+    )
 
 
 @cache
 def kept() -> tuple[dict[str, dict[str, list[list[float]]]], dict[str, dict[str, Any]]]:
-    """All things that are kept, by name and digest, and what each file of tests leaves out; nothing where other versions are installed."""
+    """All things that are kept, by name and digest, and what each file of tests leaves out; nothing
+    where other versions are installed.
+    """
     pool: dict[str, dict[str, list[list[float]]]] = {}
     left: dict[str, dict[str, Any]] = {}
     if not are_same():
         return pool, left
     for path in sorted(KEPT.glob("*/*.json")):
         one = json.loads(path.read_text(encoding="utf-8"))
-        left[f"tests/{path.parent.name}/{path.stem}.py"] = {"unsure": set(one["unsure"]), "words_alone": set(one["words_alone"])}
+        left[f"tests/{path.parent.name}/{path.stem}.py"] = {
+            "unsure": set(one["unsure"]),
+            "words_alone": set(one["words_alone"]),
+        }
         for name, things in one["made"].items():
             for digest, sums in things.items():
                 pool.setdefault(name, {}).setdefault(digest, []).extend(sums)
@@ -217,7 +265,9 @@ def note(name: str, one: Any) -> None:
     if file not in left or name in left[file]["unsure"]:
         return
     among = pool.get(name, {}).get(digest)
-    sure = among is not None and (f"{name}|{digest}" in left[file]["words_alone"] or any(alike(sums, old) for old in among))
+    sure = among is not None and (
+        f"{name}|{digest}" in left[file]["words_alone"] or any(alike(sums, old) for old in among)
+    )
     if not sure and len(unknown) < 20:
         unknown.append(f"{name}: {'other numbers' if among else 'other words'}")
 
@@ -231,7 +281,9 @@ def _watch_class(module: str, name: str) -> None:
         usual(self, *given, **more)
         if now["file"]:
             note(_named(name, self), self)
-            if name == "Solution" and TOLD not in self.arrays.__dict__:  # copies with other quantities share the channels
+            if (
+                name == "Solution" and TOLD not in self.arrays.__dict__
+            ):  # copies with other quantities share the channels
                 self.arrays.__dict__[TOLD] = True
                 note(_named("channels", self), {**self.arrays.coords, **self.arrays.variables})
 
@@ -242,7 +294,12 @@ def _named(name: str, one: Any) -> str:
     """What a thing is called: words of it that stay where its numbers move."""
     if name in ("Solution", "channels"):
         return f"{name} {one.provenance.case_name} {one.provenance.label}"[:60]
-    words = getattr(one, "key", "") or getattr(one, "title", "") or getattr(one, "html", "") or " ".join(getattr(one, "headers", ()))
+    words = (
+        getattr(one, "key", "")
+        or getattr(one, "title", "")
+        or getattr(one, "html", "")
+        or " ".join(getattr(one, "headers", ()))
+    )
     return f"{name} {' '.join(re.findall(r'[A-Za-z]+', str(words)[:60]))}"[:40].strip()
 
 
@@ -267,7 +324,8 @@ def _seen(film: bytes) -> list[Any]:
 
     with Image.open(BytesIO(film)) as pictures:
         return [
-            np.asarray(one.convert("RGB").resize((48, 27), Image.Resampling.BOX), dtype=float) for one in ImageSequence.Iterator(pictures)
+            np.asarray(one.convert("RGB").resize((48, 27), Image.Resampling.BOX), dtype=float)
+            for one in ImageSequence.Iterator(pictures)
         ]
 
 
@@ -276,7 +334,11 @@ def invoke(self: CliRunner, app: Any, args: Any = None, **more: Any) -> Any:
     found = usual_invoke(self, app, args, **more)
     if now["file"]:
         name = f"answer {args[0] if isinstance(args, list | tuple) and args else ''}"
-        complaint = "\n".join(one for one in found.stderr.splitlines() if not one.startswith("compiling kernels, once"))
+        complaint = "\n".join(
+            one
+            for one in found.stderr.splitlines()
+            if not one.startswith("compiling kernels, once")
+        )
         note(f"{name} end", (found.exit_code, complaint if found.exit_code else ""))
         _note_text(name, found.stdout, found.stdout.lstrip().startswith("{"))
     return found
@@ -307,7 +369,9 @@ class Watch:
     def pytest_runtest_protocol(self, item: pytest.Item) -> None:
         file = item.nodeid.partition("::")[0]
         chance = getattr(getattr(item, "obj", None), "is_hypothesis_test", False)
-        now["file"] = "" if chance or LEFT.search(item.nodeid) or item.get_closest_marker("long") else file
+        now["file"] = (
+            "" if chance or LEFT.search(item.nodeid) or item.get_closest_marker("long") else file
+        )
         unknown.clear()
 
     @pytest.hookimpl(wrapper=True)
@@ -316,7 +380,10 @@ class Watch:
         found, _ = list(dict.fromkeys(unknown)), unknown.clear()
         now["file"] = ""
         if found:
-            pytest.fail(f"made something that is not kept in tests/golden/made: {'; '.join(found[:5])}", pytrace=False)
+            pytest.fail(
+                f"made something that is not kept in tests/golden/made: {'; '.join(found[:5])}",
+                pytrace=False,
+            )
 
     def pytest_sessionfinish(self) -> None:
         if FOLDER in os.environ and made:

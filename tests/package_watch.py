@@ -1,4 +1,6 @@
-"""Functions and classes of the package that tests replace are put back: one left behind fails tests of other files, by their order."""
+"""Functions and classes of the package that tests replace are put back: one left behind fails tests
+of other files, by their order.
+"""
 
 from __future__ import annotations
 
@@ -13,7 +15,9 @@ HERE = Path(__file__).resolve().parent
 
 
 def callables() -> dict[tuple[str, str], object]:
-    """Functions, classes and their methods, of the modules of the package that are imported by now, by module and name."""
+    """Functions, classes and their methods, of the modules of the package that are imported by now,
+    by module and name.
+    """
     found: dict[tuple[str, str], object] = {}
     for name, module in list(sys.modules.items()):
         if name.partition(".")[0] == "valvetrain" and module is not None:
@@ -21,12 +25,18 @@ def callables() -> dict[tuple[str, str], object]:
                 if callable(value):
                     found[name, attribute] = value
                 if isinstance(value, type) and value.__module__ == name:
-                    found |= {(name, f"{attribute}.{method}"): one for method, one in list(vars(value).items()) if isfunction(one)}
+                    found |= {
+                        (name, f"{attribute}.{method}"): one
+                        for method, one in list(vars(value).items())
+                        if isfunction(one)
+                    }
     return found
 
 
 def replaced(before: dict[tuple[str, str], object]) -> list[str]:
-    """What now is another, told as ``module.name``; of modules imported since, what a test put there."""
+    """What now is another, told as ``module.name``; of modules imported since, what a test put
+    there.
+    """
     now = callables()
     changed = {key for key, value in before.items() if now.get(key) is not value}
     placed = {key for key in now.keys() - before.keys() if from_tests(now[key])}
@@ -34,7 +44,9 @@ def replaced(before: dict[tuple[str, str], object]) -> list[str]:
 
 
 def from_tests(value: object) -> bool:
-    """Whether a function is written in the tests or the fuzzer; watches that stay for the whole session are not meant."""
+    """Whether a function is written in the tests or the fuzzer; watches that stay for the whole
+    session are not meant.
+    """
     value = getattr(value, "func", value)  # of a partial
     if type(value).__module__ == "unittest.mock":
         return True
@@ -44,7 +56,9 @@ def from_tests(value: object) -> bool:
 
 @pytest.fixture(autouse=True, scope="module")
 def package_stays_whole() -> Iterator[None]:
-    """An error after the last test of a file that leaves a function, class or method of the package replaced."""
+    """An error after the last test of a file that leaves a function, class or method of the package
+    replaced.
+    """
     before = callables()
     yield
     assert not replaced(before), "left replaced by the tests of this file"

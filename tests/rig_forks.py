@@ -1,6 +1,8 @@
-"""Reads many damaged recordings, each in a process of its own forked from this one: ``python rig_forks.py FOLDER COUNT SEED``.
+"""Reads many damaged recordings, each in a process of its own forked from this one: ``python
+rig_forks.py FOLDER COUNT SEED``.
 
-FOLDER holds whole recordings. Prints one JSON object: name -> list of [what was done, outcome], outcome being "read", a sentence, or
+FOLDER holds whole recordings. Prints one JSON object: name -> list of [what was done, outcome],
+outcome being "read", a sentence, or
 "ended SIGNAL" where the process died, which the caller of the package is told as a sentence.
 """
 
@@ -15,12 +17,14 @@ from pathlib import Path
 import numpy as np
 
 from valvetrain.errors import InputError
-from valvetrain.measurements.reader_process import MOST_MEMORY, MOST_SECONDS, answered, form_of
+from valvetrain.rig.recording import MOST_MEMORY, MOST_SECONDS, answered, form_of
 from valvetrain.solution.read_apart import bound_process
 
 
 def damaged(whole: bytes, random: np.random.Generator) -> tuple[str, bytes]:
-    """The content cut short, with bits flipped, with bytes exchanged, or with a claim of great size in its head."""
+    """The content cut short, with bits flipped, with bytes exchanged, or with a claim of great size
+    in its head.
+    """
     kind = int(random.integers(4))
     if kind == 0:
         place = int(random.integers(1, len(whole)))
@@ -58,14 +62,21 @@ def outcome(content: bytes, name: str) -> str:
                 os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
                 os.dup2(os.open(os.devnull, os.O_WRONLY), 2)
                 answer = answered(path, name, form, (), Path(folder))
-                sizes = [len(np.load(Path(folder, f"{place}.npy"), allow_pickle=False)) for place in range(answer.get("arrays", 0))]
+                sizes = [
+                    len(np.load(Path(folder, f"{place}.npy"), allow_pickle=False))
+                    for place in range(answer.get("arrays", 0))
+                ]
                 told.write_text(answer.get("error") or f"read {sum(sizes)}", encoding="utf-8")
             except BaseException as error:
                 told.write_text(f"raised {type(error).__name__}: {error}", encoding="utf-8")
             finally:
                 os._exit(0)
         _, status = os.waitpid(child, 0)
-        return told.read_text(encoding="utf-8") if told.is_file() else f"ended {os.waitstatus_to_exitcode(status)}"
+        return (
+            told.read_text(encoding="utf-8")
+            if told.is_file()
+            else f"ended {os.waitstatus_to_exitcode(status)}"
+        )
 
 
 def main(folder: Path, count: int, seed: int) -> None:

@@ -20,17 +20,35 @@ def bump(angle_deg, centre, width):
     return np.where(inside, np.cos(np.pi * (angle_deg - centre) / width) ** 2, 0.0)
 
 
-def run(values, *, per_turn=720, turns=2, engine_speed=ENGINE_SPEED, model="finite-element", system="", extra=None, **places) -> Solution:
-    """A run whose channels are functions of the wrapped cam angle in degrees (or arrays), over ``turns`` cam turns."""
+def run(
+    values,
+    *,
+    per_turn=720,
+    turns=2,
+    engine_speed=ENGINE_SPEED,
+    model="finite-element",
+    system="",
+    extra=None,
+    **places,
+) -> Solution:
+    """A run whose channels are functions of the wrapped cam angle in degrees (or arrays), over
+    ``turns`` cam turns.
+    """
     angle = np.arange(per_turn * turns) * 2 * np.pi / per_turn
     degrees = np.round(np.degrees(angle), 9) % 360  # a step at 46.5 must start at the sample there
-    computed = {name: value(degrees) if callable(value) else value for name, value in values.items()}
+    computed = {
+        name: value(degrees) if callable(value) else value for name, value in values.items()
+    }
     channels = spring_channels(angle / (engine_speed / 2), angle, computed, extra=extra, **places)
-    return Solution(channels, provenance=Provenance("synthetic", model, engine_speed, system=system))
+    return Solution(
+        channels, provenance=Provenance("synthetic", model, engine_speed, system=system)
+    )
 
 
 def clashing_run(samples: int = 720, engine_speed: float = ENGINE_SPEED) -> Solution:
-    """Two turns of a spring with a bump of 400 N over 3 degrees at 250, four substeps a sample in its force."""
+    """Two turns of a spring with a bump of 400 N over 3 degrees at 250, four substeps a sample in
+    its force.
+    """
     angle = np.arange(2 * samples) * 2 * np.pi / samples
     degrees, pairs = np.degrees(angle) % 360, np.arange(1.0, 7.25, 0.5)
     fine = np.degrees(angle[:, None] + np.arange(4) * np.pi / 2 / samples) % 360

@@ -25,7 +25,9 @@ def degrees(first: float, last: float) -> np.ndarray:
 def lift_of(angle: np.ndarray) -> np.ndarray:
     """Open from 90 to 270 degrees, 8 mm at 180."""
     turned = np.mod(angle, 2 * np.pi)
-    return np.where((turned >= np.pi / 2) & (turned < 1.5 * np.pi), 8e-3 * np.sin(turned - np.pi / 2) ** 2, 0.0)
+    return np.where(
+        (turned >= np.pi / 2) & (turned < 1.5 * np.pi), 8e-3 * np.sin(turned - np.pi / 2) ** 2, 0.0
+    )
 
 
 def rigid(**changes) -> RigidTable:
@@ -38,8 +40,17 @@ def rigid(**changes) -> RigidTable:
     return RigidTable(ANGLE, CAM_SPEED, columns | changes)
 
 
-def train(events: tuple[Event, ...] = (), springs=("spring",), statistics=None, label="", pairs=None, **changes) -> Solution:
-    """A valve that follows its rigid lift, no gap anywhere; ``changes``: channels; ``pairs``: spring -> (upper_coil, force, gap)."""
+def train(
+    events: tuple[Event, ...] = (),
+    springs=("spring",),
+    statistics=None,
+    label="",
+    pairs=None,
+    **changes,
+) -> Solution:
+    """A valve that follows its rigid lift, no gap anywhere; ``changes``: channels; ``pairs``:
+    spring -> (upper_coil, force, gap).
+    """
     import xarray
 
     lift = np.where(degrees(90, 270), lift_of(ANGLE), -1e-6)
@@ -57,8 +68,15 @@ def train(events: tuple[Event, ...] = (), springs=("spring",), statistics=None, 
         coords[f"{first}upper_coil"] = ((f"{first}coil_pair",), np.asarray(upper, dtype=float))
         variables[f"{first}coil_contact_force"] = (("sample", f"{first}coil_pair"), force, words)
         variables[f"{first}coil_gap"] = (("sample", f"{first}coil_pair"), gap, words)
-    where = Provenance("synthetic", "multi-mass", 2 * CAM_SPEED, label=label, system="train", springs=springs)
-    return Solution(xarray.Dataset(variables, coords=coords), events, provenance=where, statistics=statistics or {})
+    where = Provenance(
+        "synthetic", "multi-mass", 2 * CAM_SPEED, label=label, system="train", springs=springs
+    )
+    return Solution(
+        xarray.Dataset(variables, coords=coords),
+        events,
+        provenance=where,
+        statistics=statistics or {},
+    )
 
 
 def found(solution: Solution | None = None, table: RigidTable | None = None, **changes) -> Solution:

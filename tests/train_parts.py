@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from valvetrain.cam.sine_power import SinePower
+from valvetrain.cam.closed_form import SinePower
 from valvetrain.mechanism.build import build_mechanism
 from valvetrain.parameters.train import (
     CamParameters,
@@ -19,7 +19,9 @@ from valvetrain.springs.massless import MasslessSpring
 from valvetrain.system.train_system import TrainSystem
 
 STIFF = ContactParameters("linear", {"contact_stiffness": 3e7, "damping": 300.0})
-LAW = SinePower(maximum_lift=5e-3, opening_start=math.radians(40), closing_end=math.radians(240), power=4)
+LAW = SinePower(
+    maximum_lift=5e-3, opening_start=math.radians(40), closing_end=math.radians(240), power=4
+)
 PLACES = ("cam", "tappet", "rocker", "valve_tip", "seat")
 
 
@@ -28,20 +30,35 @@ def contacts(law: ContactParameters = STIFF) -> dict[str, ContactParameters]:
 
 
 def direct(**changes) -> TrainParameters:
-    base = TrainParameters("direct", CamParameters(0.018), FollowerParameters("flat", mass=0.05), ValveParameters(0.09), contacts())
+    base = TrainParameters(
+        "direct",
+        CamParameters(0.018),
+        FollowerParameters("flat", mass=0.05),
+        ValveParameters(0.09),
+        contacts(),
+    )
     return base.replace(**changes)
 
 
 def finger(**changes) -> TrainParameters:
-    lever = LeverParameters((-0.03, -0.028), 0.03354, 0.047, 7.5e-5, math.radians(5.9), holding_torque=0.3)
+    lever = LeverParameters(
+        (-0.03, -0.028), 0.03354, 0.047, 7.5e-5, math.radians(5.9), holding_torque=0.3
+    )
     follower = FollowerParameters("domed", radius=0.025)
-    return TrainParameters("finger", CamParameters(0.018), follower, ValveParameters(0.12), contacts(), lever=lever).replace(**changes)
+    return TrainParameters(
+        "finger", CamParameters(0.018), follower, ValveParameters(0.12), contacts(), lever=lever
+    ).replace(**changes)
 
 
 def rocker(**changes) -> TrainParameters:
     lever = LeverParameters((0.03, 0.022), 0.032, 0.04, 5e-5, 0.0, drive_side=1, holding_torque=0.3)
     return TrainParameters(
-        "rocker", CamParameters(0.018), FollowerParameters("roller", radius=0.01), ValveParameters(0.1), contacts(), lever=lever
+        "rocker",
+        CamParameters(0.018),
+        FollowerParameters("roller", radius=0.01),
+        ValveParameters(0.1),
+        contacts(),
+        lever=lever,
     ).replace(**changes)
 
 
@@ -49,7 +66,13 @@ def pushrod(**changes) -> TrainParameters:
     lever = LeverParameters((0.025, 0.2), 0.025, 0.04, 3e-5, 0.0, math.pi, holding_torque=0.3)
     rod = PushrodParameters(0.17, (0.0, 0.02), stiffness=3e7, damping=50.0)
     return TrainParameters(
-        "pushrod", CamParameters(0.016), FollowerParameters("flat", mass=0.05), ValveParameters(0.03), contacts(), lever=lever, pushrod=rod
+        "pushrod",
+        CamParameters(0.016),
+        FollowerParameters("flat", mass=0.05),
+        ValveParameters(0.03),
+        contacts(),
+        lever=lever,
+        pushrod=rod,
     ).replace(**changes)
 
 

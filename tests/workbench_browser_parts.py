@@ -1,4 +1,6 @@
-"""A workbench in a real browser: a server with a folder of its own, a Chromium, pages of which nothing may go wrong."""
+"""A workbench in a real browser: a server with a folder of its own, a Chromium, pages of which
+nothing may go wrong.
+"""
 
 from __future__ import annotations
 
@@ -47,11 +49,25 @@ class Bench:
 
     def page(self, width: int = 1400, seen: list[str] | None = None) -> Any:
         """A page of that width in a context of its own; what goes wrong is told to ``seen``."""
-        page = self.browser.new_context(viewport={"width": width, "height": 900}, accept_downloads=True).new_page()
+        page = self.browser.new_context(
+            viewport={"width": width, "height": 900}, accept_downloads=True
+        ).new_page()
         told = [] if seen is None else seen
-        page.on("console", lambda message: told.append(f"console: {message.text}") if message.type in ("error", "warning") else None)
+        page.on(
+            "console",
+            lambda message: (
+                told.append(f"console: {message.text}")
+                if message.type in ("error", "warning")
+                else None
+            ),
+        )
         page.on("pageerror", lambda error: told.append(f"error: {error}"))
-        page.on("request", lambda request: None if self.own(request.url) else told.append(f"request: {request.url}"))
+        page.on(
+            "request",
+            lambda request: (
+                None if self.own(request.url) else told.append(f"request: {request.url}")
+            ),
+        )
         return page
 
     def own(self, url: str) -> bool:
@@ -69,18 +85,37 @@ class Bench:
 
 @contextmanager
 def opened(folder: Path) -> Iterator[Bench]:
-    """A server on a port of its own that works in ``folder``, and a browser; both end with the block."""
+    """A server on a port of its own that works in ``folder``, and a browser; both end with the
+    block.
+    """
     with socket.socket() as free:
         free.bind(("127.0.0.1", 0))
         port = free.getsockname()[1]
-    plain = {name: value for name, value in os.environ.items() if not name.startswith(("PYTEST_", "NICEGUI_"))}
+    plain = {
+        name: value
+        for name, value in os.environ.items()
+        if not name.startswith(("PYTEST_", "NICEGUI_"))
+    }
     environment = plain | {"PYTHONPATH": os.pathsep.join(path for path in sys.path if path)}
-    command = [sys.executable, "-m", "valvetrain", "serve", "--folder", str(folder), "--port", str(port), "--no-open", "--quiet"]
+    command = [
+        sys.executable,
+        "-m",
+        "valvetrain",
+        "serve",
+        "--folder",
+        str(folder),
+        "--port",
+        str(port),
+        "--no-open",
+        "--quiet",
+    ]
     server = subprocess.Popen(command, env=environment, start_new_session=True)
     try:
         _wait_for(port, server)
         with sync_api.sync_playwright() as driver:
-            browser = driver.chromium.launch(executable_path=program("chromium"), args=["--no-sandbox", "--disable-gpu"])
+            browser = driver.chromium.launch(
+                executable_path=program("chromium"), args=["--no-sandbox", "--disable-gpu"]
+            )
             yield Bench(f"http://127.0.0.1:{port}", folder, browser)
             browser.close()
     finally:
@@ -117,7 +152,11 @@ def nothing_serious(page: Any) -> None:
     """Nothing is cut off, and axe-core finds nothing serious."""
     assert page.evaluate(CUT) == {"found": [], "wider": 0}
     results = axe.Axe().run(page).response["violations"]
-    assert not [(one["id"], one["nodes"][0]["html"][:200]) for one in results if one["impact"] in ("serious", "critical")]
+    assert not [
+        (one["id"], one["nodes"][0]["html"][:200])
+        for one in results
+        if one["impact"] in ("serious", "critical")
+    ]
 
 
 def _wait_for(port: int, server: subprocess.Popen[bytes]) -> None:

@@ -1,4 +1,6 @@
-"""A workspace with a small case, and a stand-in for the command line whose jobs sleep, eat memory or refuse as they are told."""
+"""A workspace with a small case, and a stand-in for the command line whose jobs sleep, eat memory
+or refuse as they are told.
+"""
 
 from __future__ import annotations
 
@@ -13,7 +15,22 @@ from valvetrain.studies.run_store import Inputs, keep, link_latest, new_folder
 from valvetrain.workbench.workspace import Workspace
 
 #: Names that nothing of a workspace may bear.
-BAD_NAMES = ("../x", "..", "a/b", "a\\b", "/etc/passwd", "", ".hidden", "a\0b", "CON", "x" * 300, "a..b", "-x", "a:b", "a\nb")
+BAD_NAMES = (
+    "../x",
+    "..",
+    "a/b",
+    "a\\b",
+    "/etc/passwd",
+    "",
+    ".hidden",
+    "a\0b",
+    "CON",
+    "x" * 300,
+    "a..b",
+    "-x",
+    "a:b",
+    "a\nb",
+)
 
 #: A spring known by its card under a short lift: reads and runs at once.
 SMALL = """
@@ -64,7 +81,9 @@ while True:
 
 
 def stand_in(folder: Path, grace: float = 1.0) -> list[str]:
-    """Words that start the supervisor with the stand-in in place of the command line, and a short grace."""
+    """Words that start the supervisor with the stand-in in place of the command line, and a short
+    grace.
+    """
     path = folder / "stand_in.py"
     path.write_text(PROGRAM)
     code = (
@@ -93,13 +112,27 @@ def lives(number: int) -> bool:
     return state != "Z"
 
 
-def kept(workspace: Workspace, case: str = "small", created: str = "2026-01-01T00:00:00+00:00", **files: str) -> str:
+def kept(
+    workspace: Workspace,
+    case: str = "small",
+    created: str = "2026-01-01T00:00:00+00:00",
+    **files: str,
+) -> str:
     """A run as the run store keeps it, with text files (an underscore stands for the dot); its id."""
-    inputs, at = Inputs(case, SMALL, {}, {"spring_models": ["massless"], "engine_speeds": [4000.0]}), datetime.fromisoformat(created)
+    inputs, at = (
+        Inputs(case, SMALL, {}, {"spring_models": ["massless"], "engine_speeds": [4000.0]}),
+        datetime.fromisoformat(created),
+    )
     folder = new_folder(inputs, at, workspace.runs_folder)
     for name, text in files.items():
         (folder / name.replace("_", ".")).write_text(text)
-    answer = {"case": case, "command": "run", "created_at": created, "completed": True, "files": [*(n.replace("_", ".") for n in files)]}
+    answer = {
+        "case": case,
+        "command": "run",
+        "created_at": created,
+        "completed": True,
+        "files": [*(n.replace("_", ".") for n in files)],
+    }
     link_latest(keep(folder, inputs, answer).folder)
     return folder.relative_to(workspace.runs_folder).as_posix()
 
@@ -111,4 +144,6 @@ TABLE = "[lift_law]\nkind = 'table'\nfile = 'lift.txt'\nangle_of = 'cam'\nangle_
 
 def lifts(peak: float = 9.0) -> bytes:
     """A table of 36 lifts."""
-    return "\n".join(f"{place * 10} {max(0.0, peak - abs(place - 18)) ** 2 / peak:.4f}" for place in range(36)).encode()
+    return "\n".join(
+        f"{place * 10} {max(0.0, peak - abs(place - 18)) ** 2 / peak:.4f}" for place in range(36)
+    ).encode()

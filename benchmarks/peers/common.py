@@ -28,7 +28,9 @@ CONTACT_STIFFNESS = 2e10
 def displacement(time_now: float) -> float:
     """Retainer displacement (m) at a time (s)."""
     degrees = np.degrees(CAM_SPEED * time_now) % 360.0
-    lift = LIFT * np.sin(np.pi * (degrees - 127.0) / 106.0) ** 4 if 127.0 <= degrees <= 233.0 else 0.0
+    lift = (
+        LIFT * np.sin(np.pi * (degrees - 127.0) / 106.0) ** 4 if 127.0 <= degrees <= 233.0 else 0.0
+    )
     return PRECOMPRESSION + float(lift)
 
 
@@ -38,7 +40,9 @@ def velocity(time_now: float) -> float:
     if not 127.0 <= degrees <= 233.0:
         return 0.0
     phase = np.pi * (degrees - 127.0) / 106.0
-    return float(4 * LIFT * np.sin(phase) ** 3 * np.cos(phase) * np.pi / np.radians(106.0) * CAM_SPEED)
+    return float(
+        4 * LIFT * np.sin(phase) ** 3 * np.cos(phase) * np.pi / np.radians(106.0) * CAM_SPEED
+    )
 
 
 def height(turn, job: str):
@@ -49,17 +53,25 @@ def height(turn, job: str):
     low, high, start, end = 4.4e-3, 8.533e-3, 1.25, 1.75
     inside = np.clip(turn - start, 0.0, end - start)
     slope = low + (high - low) * inside / (end - start)
-    rise = low * turn + (high - low) * inside**2 / (2 * (end - start)) + (high - low) * np.maximum(turn - end, 0.0)
+    rise = (
+        low * turn
+        + (high - low) * inside**2 / (2 * (end - start))
+        + (high - low) * np.maximum(turn - end, 0.0)
+    )
     return rise, slope
 
 
 def wire(turn, job: str):
-    """Position (n, 3), directors (n, 3, 3; columns: outward, binormal, tangent) and arc length per turn (n,) at coil numbers."""
+    """Position (n, 3), directors (n, 3, 3; columns: outward, binormal, tangent) and arc length per
+    turn (n,) at coil numbers.
+    """
     turn = np.atleast_1d(np.asarray(turn, dtype=float))
     z, slope = height(turn, job)
     angle = 2 * np.pi * turn
     position = np.stack([RADIUS * np.cos(angle), RADIUS * np.sin(angle), z], axis=1)
-    tangent = np.stack([-2 * np.pi * RADIUS * np.sin(angle), 2 * np.pi * RADIUS * np.cos(angle), slope], axis=1)
+    tangent = np.stack(
+        [-2 * np.pi * RADIUS * np.sin(angle), 2 * np.pi * RADIUS * np.cos(angle), slope], axis=1
+    )
     speed = np.linalg.norm(tangent, axis=1)
     tangent /= speed[:, None]
     outward = np.stack([np.cos(angle), np.sin(angle), np.zeros_like(angle)], axis=1)
@@ -67,12 +79,22 @@ def wire(turn, job: str):
 
 
 def answer(started: tuple[float, float], trace, **more) -> None:
-    """Print the result as one JSON line: times of the job, peak memory of the process, trace at every half cam degree."""
+    """Print the result as one JSON line: times of the job, peak memory of the process, trace at
+    every half cam degree.
+    """
     wall, cpu = time.perf_counter() - started[0], time.process_time() - started[1]
-    print("RESULT " + json.dumps({
-        "wall": wall, "cpu": cpu, "memory_mb": resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024,
-        "trace": [float(value) for value in trace], **more,
-    }))  # fmt: skip
+    print(
+        "RESULT "
+        + json.dumps(
+            {
+                "wall": wall,
+                "cpu": cpu,
+                "memory_mb": resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024,
+                "trace": [float(value) for value in trace],
+                **more,
+            }
+        )
+    )
 
 
 def start() -> tuple[float, float]:

@@ -1,6 +1,8 @@
-"""Jobs T and C in Exudyn: rigid pieces of wire joined by six-component bushings, implicit generalised-alpha.
+"""Jobs T and C in Exudyn: rigid pieces of wire joined by six-component bushings, implicit
+generalised-alpha.
 
-Its own geometrically exact beam takes straight references only. Piece i is centred on vertex i; the bushing between two
+Its own geometrically exact beam takes straight references only. Piece i is centred on vertex i; the
+bushing between two
 vertices carries the stiffness of the wire between them and is free of stress on the helix.
 """
 
@@ -48,56 +50,102 @@ def build(job: str, per_coil: int, damping: str, damped: str = "all"):
         mass, spin = share * MASS_PER_LENGTH * arc[i], share * SPIN_INERTIA * arc[i]
         # Body axes are the space axes at the start, so that rotation vectors begin at zero.
         tensor = frame[i] @ np.diag(spin) @ frame[i].T
-        node = system.AddNode(item.NodeRigidBodyRotVecLG(referenceCoordinates=[*position[i], 0.0, 0.0, 0.0], initialVelocities=[0.0] * 6))
-        inertia = [tensor[0, 0], tensor[1, 1], tensor[2, 2], tensor[1, 2], tensor[0, 2], tensor[0, 1]]
-        bodies.append(system.AddObject(item.ObjectRigidBody(physicsMass=mass, physicsInertia=inertia, nodeNumber=node)))
+        node = system.AddNode(
+            item.NodeRigidBodyRotVecLG(
+                referenceCoordinates=[*position[i], 0.0, 0.0, 0.0], initialVelocities=[0.0] * 6
+            )
+        )
+        inertia = [
+            tensor[0, 0],
+            tensor[1, 1],
+            tensor[2, 2],
+            tensor[1, 2],
+            tensor[0, 2],
+            tensor[0, 1],
+        ]
+        bodies.append(
+            system.AddObject(
+                item.ObjectRigidBody(physicsMass=mass, physicsInertia=inertia, nodeNumber=node)
+            )
+        )
         if alpha:
             damp = np.zeros((6, 6))
             damp[:3, :3] = alpha * mass * np.eye(3)
             damp[3:, 3:] = alpha * tensor
-            fixed = system.AddMarker(item.MarkerBodyRigid(bodyNumber=ground, localPosition=(position[i] - position[0]).tolist()))
+            fixed = system.AddMarker(
+                item.MarkerBodyRigid(
+                    bodyNumber=ground, localPosition=(position[i] - position[0]).tolist()
+                )
+            )
             moving = system.AddMarker(item.MarkerBodyRigid(bodyNumber=bodies[i]))
-            system.AddObject(item.ObjectConnectorRigidBodySpringDamper(
-                markerNumbers=[fixed, moving], stiffness=np.zeros((6, 6)), damping=damp,
-            ))  # fmt: skip
+            system.AddObject(
+                item.ObjectConnectorRigidBodySpringDamper(
+                    markerNumbers=[fixed, moving],
+                    stiffness=np.zeros((6, 6)),
+                    damping=damp,
+                )
+            )
     bushings = []
     for i in range(count):
         markers = [
-            system.AddMarker(item.MarkerBodyRigid(bodyNumber=bodies[k], localPosition=(middle[i] - position[k]).tolist()))
+            system.AddMarker(
+                item.MarkerBodyRigid(
+                    bodyNumber=bodies[k], localPosition=(middle[i] - position[k]).tolist()
+                )
+            )
             for k in (i, i + 1)
         ]
         stiffness = np.diag(np.concatenate([STRETCH, BEND]) / length[i])
         mask = np.diag([0.0 if damped == "bending" else 1.0] * 3 + [1.0] * 3)
-        bushings.append(system.AddObject(item.ObjectConnectorRigidBodySpringDamper(
-            markerNumbers=markers, stiffness=stiffness, damping=beta * stiffness @ mask,
-            rotationMarker0=middle_frame[i], rotationMarker1=middle_frame[i],
-        )))  # fmt: skip
+        bushings.append(
+            system.AddObject(
+                item.ObjectConnectorRigidBodySpringDamper(
+                    markerNumbers=markers,
+                    stiffness=stiffness,
+                    damping=beta * stiffness @ mask,
+                    rotationMarker0=middle_frame[i],
+                    rotationMarker1=middle_frame[i],
+                )
+            )
+        )
     hold_top(system, ground, count)
     touching = contacts(system, bodies, arc, per_coil) if job == "C" else []
-    sensors = [system.AddSensor(item.SensorObject(objectNumber=number, outputVariableType=kind, storeInternal=True)) for number, kind in (
-        (bushings[0], exu.OutputVariableType.ForceLocal), *((number, exu.OutputVariableType.Force) for number in touching[:1]),
-    )]  # fmt: skip
+    sensors = [
+        system.AddSensor(
+            item.SensorObject(objectNumber=number, outputVariableType=kind, storeInternal=True)
+        )
+        for number, kind in (
+            (bushings[0], exu.OutputVariableType.ForceLocal),
+            *((number, exu.OutputVariableType.Force) for number in touching[:1]),
+        )
+    ]
     system.Assemble()
     return container, system, sensors, middle_frame[0]
 
 
 def hold_top(system, ground: int, count: int) -> None:
     """Clamp the last piece to the retainer: five coordinates fixed, the height prescribed."""
-    base = system.AddMarker(item.MarkerNodeCoordinate(nodeNumber=system.AddNode(item.NodePointGround()), coordinate=0))
+    base = system.AddMarker(
+        item.MarkerNodeCoordinate(nodeNumber=system.AddNode(item.NodePointGround()), coordinate=0)
+    )
 
     def height_of(sys, time_now, number, offset):
         return -PRECOMPRESSION * time_now if sys.variables["static"] else -displacement(time_now)
 
     for coordinate in range(6):
-        marker = system.AddMarker(item.MarkerNodeCoordinate(nodeNumber=count - 1, coordinate=coordinate))
+        marker = system.AddMarker(
+            item.MarkerNodeCoordinate(nodeNumber=count - 1, coordinate=coordinate)
+        )
         extra = {"offsetUserFunction": height_of} if coordinate == 2 else {}
         system.AddObject(item.ObjectConnectorCoordinate(markerNumbers=[base, marker], **extra))
 
 
 def contacts(system, bodies, arc, per_coil: int) -> list[int]:
-    """Line contact between neighbouring coils: one point pair per piece, a one-sided spring of the wire's line stiffness.
+    """Line contact between neighbouring coils: one point pair per piece, a one-sided spring of the
+    wire's line stiffness.
 
-    The pair stands at equal angle, not at the closest point. Returns the springs; the first one rests on the clamped tip.
+    The pair stands at equal angle, not at the closest point. Returns the springs; the first one
+    rests on the clamped tip.
     """
     symbolic = exu.symbolic
 
@@ -107,10 +155,18 @@ def contacts(system, bodies, arc, per_coil: int) -> list[int]:
     springs, last = [], len(bodies) - 1
     for i in range(per_coil, len(bodies)):
         length = arc[i] * (0.5 if i in (per_coil, last) else 1.0)
-        markers = [system.AddMarker(item.MarkerBodyPosition(bodyNumber=bodies[k])) for k in (i - per_coil, i)]
-        spring = system.AddObject(item.ObjectConnectorSpringDamper(
-            markerNumbers=markers, referenceLength=WIRE, stiffness=CONTACT_STIFFNESS * length, damping=0.0,
-        ))  # fmt: skip
+        markers = [
+            system.AddMarker(item.MarkerBodyPosition(bodyNumber=bodies[k]))
+            for k in (i - per_coil, i)
+        ]
+        spring = system.AddObject(
+            item.ObjectConnectorSpringDamper(
+                markerNumbers=markers,
+                referenceLength=WIRE,
+                stiffness=CONTACT_STIFFNESS * length,
+                damping=0.0,
+            )
+        )
         law = CreateSymbolicUserFunction(system, one_sided, "springForceUserFunction", spring)
         system.SetObjectParameter(spring, "springForceUserFunction", law)
         springs.append(spring)
@@ -121,7 +177,9 @@ def run() -> None:
     """One job with the options of the command line."""
     wanted = options()
     started = start()
-    _container, system, sensors, frame = build(wanted["job"], wanted["per_coil"], wanted["damping"], wanted.get("damped", "all"))
+    _container, system, sensors, frame = build(
+        wanted["job"], wanted["per_coil"], wanted["damping"], wanted.get("damped", "all")
+    )
     settings = exu.SimulationSettings()
     settings.linearSolverType = exu.LinearSolverType.EigenSparse
     settings.solutionSettings.writeSolutionToFile = False

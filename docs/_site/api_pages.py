@@ -42,7 +42,10 @@ def names_by_folder() -> dict[str, list[str]]:
     for name in valvetrain.__all__[1:]:
         folder, dot, _ = valvetrain._HOMES[name].partition(".")
         found.setdefault(folder if dot else "", []).append(name)
-    return {folder: sorted(names, key=lambda name: valvetrain._HOMES[name] != f"{folder}.api") for folder, names in found.items()}
+    return {
+        folder: sorted(names, key=lambda name: valvetrain._HOMES[name] != f"{folder}.api")
+        for folder, names in found.items()
+    }
 
 
 def first_line(name: str) -> str:
@@ -53,33 +56,61 @@ def first_line(name: str) -> str:
 def in_the_gallery(name: str, used: Path) -> str:
     """Pictures of the programs that use a name, where there are some and not most of them."""
     file = used / f"valvetrain.{name}.examples"
-    count = file.read_text(encoding="utf-8").count("sphx-glr-thumbcontainer") if file.is_file() else 0
-    return f".. rubric:: In the gallery\n\n.. minigallery:: valvetrain.{name}\n\n" if 0 < count <= MOST_SHOWN else ""
+    count = (
+        file.read_text(encoding="utf-8").count("sphx-glr-thumbcontainer") if file.is_file() else 0
+    )
+    return (
+        f".. rubric:: In the gallery\n\n.. minigallery:: valvetrain.{name}\n\n"
+        if 0 < count <= MOST_SHOWN
+        else ""
+    )
 
 
 def entry(name: str, used: Path) -> str:
     """The full text of one name."""
     thing = getattr(valvetrain, name)
-    kind = "autofunction" if inspect.isroutine(thing) else "autoexception" if issubclass(thing, Exception) else "autoclass"
+    kind = (
+        "autofunction"
+        if inspect.isroutine(thing)
+        else "autoexception"
+        if issubclass(thing, Exception)
+        else "autoclass"
+    )
     members = "" if kind == "autofunction" else "   :members:\n"
-    return heading(name, "-") + f".. {kind}:: valvetrain.{name}\n{members}\n" + in_the_gallery(name, used)
+    return (
+        heading(name, "-")
+        + f".. {kind}:: valvetrain.{name}\n{members}\n"
+        + in_the_gallery(name, used)
+    )
 
 
 def page(folder: str, names: list[str], used: Path) -> str:
     """One page: what the folder is, its names with a line each, then each in full."""
     module = importlib.import_module(f"valvetrain.{folder}" if folder else "valvetrain")
-    told = f"{inspect.getdoc(module) or ''}\n\nFolder ``src/valvetrain/{folder}``.\n\n" if folder else ""
-    rows = "".join(f"   * - :obj:`~valvetrain.{name}`\n     - {first_line(name)}\n" for name in names)
+    told = (
+        f"{inspect.getdoc(module) or ''}\n\nFolder ``src/valvetrain/{folder}``.\n\n"
+        if folder
+        else ""
+    )
+    rows = "".join(
+        f"   * - :obj:`~valvetrain.{name}`\n     - {first_line(name)}\n" for name in names
+    )
     listed = f".. list-table::\n   :widths: 25 75\n   :class: api-names\n\n{rows}\n"
-    return heading(FOLDERS[folder], "=") + told + listed + "".join(entry(name, used) for name in names)
+    return (
+        heading(FOLDERS[folder], "=") + told + listed + "".join(entry(name, used) for name in names)
+    )
 
 
 def pages(used: Path) -> dict[str, str]:
     """File name -> text of all pages; ``used``: folder in which the gallery says who uses what."""
     found = names_by_folder()
-    assert set(found) == set(FOLDERS), f"folders with public names and headings of pages differ: {set(found) ^ set(FOLDERS)}"
+    assert set(found) == set(FOLDERS), (
+        f"folders with public names and headings of pages differ: {set(found) ^ set(FOLDERS)}"
+    )
     written = {f"{folder or 'errors'}.rst": page(folder, found[folder], used) for folder in FOLDERS}
-    tree = ".. toctree::\n   :maxdepth: 1\n\n" + "".join(f"   {name.removesuffix('.rst')}\n" for name in written)
+    tree = ".. toctree::\n   :maxdepth: 1\n\n" + "".join(
+        f"   {name.removesuffix('.rst')}\n" for name in written
+    )
     return {"index.rst": heading("API", "=") + INTRODUCTION + tree, **written}
 
 
@@ -103,7 +134,9 @@ def resolve(app, env, node, contnode):
         if place:
             link = app.builder.get_relative_uri(node["refdoc"], place.docname) + f"#{place.node_id}"
             return nodes.reference("", "", contnode, refuri=link, internal=True)
-    elsewhere = ":" in target or ("." in target and target.partition(".")[0] not in ("valvetrain", "vt"))
+    elsewhere = ":" in target or (
+        "." in target and target.partition(".")[0] not in ("valvetrain", "vt")
+    )
     if elsewhere or exists(target):
         return contnode
     return None
@@ -121,7 +154,9 @@ def public_name(target: str) -> str | None:
 def held(module: str, name: str) -> bool:
     """Whether a module of the package has the object of a public name under that name."""
     try:
-        return getattr(importlib.import_module(f"valvetrain.{module}"), name, None) is getattr(valvetrain, name)
+        return getattr(importlib.import_module(f"valvetrain.{module}"), name, None) is getattr(
+            valvetrain, name
+        )
     except ImportError:
         return False
 
@@ -129,7 +164,10 @@ def held(module: str, name: str) -> bool:
 def exists(target: str) -> bool:
     """Whether a dotted name of the package, public or not, is there."""
     if "." not in target:
-        return any(hasattr(importlib.import_module(f"valvetrain.{home}"), target) for home in set(valvetrain._HOMES.values()))
+        return any(
+            hasattr(importlib.import_module(f"valvetrain.{home}"), target)
+            for home in set(valvetrain._HOMES.values())
+        )
     parts = target.split(".")
     for split in range(len(parts), 0, -1):
         try:

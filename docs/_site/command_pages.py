@@ -29,9 +29,17 @@ def rows(command) -> str:
         if one.param_type_name == "argument":
             word = one.metavar or one.name.upper()
         else:
-            word = ", ".join(one.opts) + ("" if one.is_flag else f" {one.metavar or one.type.name.upper()}")
-        found.append(f"   * - ``{word}``\n     - {literal(' '.join((getattr(one, 'help', '') or '').split()))}\n")
-    return ".. list-table::\n   :widths: 30 70\n   :class: options\n\n" + "".join(found) + "\n" if found else ""
+            word = ", ".join(one.opts) + (
+                "" if one.is_flag else f" {one.metavar or one.type.name.upper()}"
+            )
+        found.append(
+            f"   * - ``{word}``\n     - {literal(' '.join((getattr(one, 'help', '') or '').split()))}\n"
+        )
+    return (
+        ".. list-table::\n   :widths: 30 70\n   :class: options\n\n" + "".join(found) + "\n"
+        if found
+        else ""
+    )
 
 
 def page() -> str:
@@ -39,7 +47,12 @@ def page() -> str:
     group = typer.main.get_command(program)
     text = heading("Command line", "=") + INTRODUCTION
     for name, command in group.commands.items():
-        text += heading(f"valvetrain {name}", "-") + literal(" ".join((command.help or "").split())) + "\n\n" + rows(command)
+        text += (
+            heading(f"valvetrain {name}", "-")
+            + literal(" ".join((command.help or "").split()))
+            + "\n\n"
+            + rows(command)
+        )
     return text
 
 

@@ -18,11 +18,28 @@ def svg_of(figure) -> str:
     unknown = {trace.type for trace in figure.data} - DRAWN
     if unknown:
         raise ValueError(f"traces of kind {', '.join(sorted(unknown))} are not drawn")
-    for suffix in sorted({(trace.yaxis or "y")[1:] for trace in figure.data}, key=lambda text: int(text or 1)):
-        traces = [(place, trace) for place, trace in enumerate(figure.data) if (trace.yaxis or "y")[1:] == suffix]
-        panels.append(_panel(traces, _axis(layout, "xaxis", suffix, figure), layout[f"yaxis{suffix}"], layout))
+    for suffix in sorted(
+        {(trace.yaxis or "y")[1:] for trace in figure.data}, key=lambda text: int(text or 1)
+    ):
+        traces = [
+            (place, trace)
+            for place, trace in enumerate(figure.data)
+            if (trace.yaxis or "y")[1:] == suffix
+        ]
+        panels.append(
+            _panel(traces, _axis(layout, "xaxis", suffix, figure), layout[f"yaxis{suffix}"], layout)
+        )
     title = layout.title.text or ""
-    return svg(Chart("figure", title, "", tuple(panels), height=layout.height or 430, legend=layout.showlegend is not False))
+    return svg(
+        Chart(
+            "figure",
+            title,
+            "",
+            tuple(panels),
+            height=layout.height or 430,
+            legend=layout.showlegend is not False,
+        )
+    )
 
 
 def _axis(layout, kind: str, suffix: str, figure):
@@ -51,9 +68,17 @@ def _panel(traces, x_axis, y_axis, layout) -> Panel:
     y_range = tuple(y_axis.range) if y_axis.range and not y_log else None
     x_label = x_axis.title.text or ""
     if words:
-        x_label = (x_label + ": " if x_label else "") + ", ".join(f"{place} {word}" for place, word in enumerate(words, 1))
+        x_label = (x_label + ": " if x_label else "") + ", ".join(
+            f"{place} {word}" for place, word in enumerate(words, 1)
+        )
     return Panel(
-        x_label, y_axis.title.text or "", tuple(layers), x_range=x_range, x_step=1.0 if words else None, y_range=y_range, y_log=y_log
+        x_label,
+        y_axis.title.text or "",
+        tuple(layers),
+        x_range=x_range,
+        x_step=1.0 if words else None,
+        y_range=y_range,
+        y_log=y_log,
     )
 
 
@@ -62,7 +87,15 @@ def _layers(trace, colour: str) -> list[Layer]:
     if trace.type == "heatmap":
         bar = trace.colorbar.title.text or ""
         words, _, unit = bar.rstrip(")").partition(" (")
-        return [HeatMap(_numbers(trace.x), _numbers(trace.y), np.asarray(trace.z, dtype=float), words, unit or "1")]
+        return [
+            HeatMap(
+                _numbers(trace.x),
+                _numbers(trace.y),
+                np.asarray(trace.z, dtype=float),
+                words,
+                unit or "1",
+            )
+        ]
     if trace.type == "bar":
         x = np.arange(1.0, len(trace.x) + 1) if isinstance(trace.x[0], str) else _numbers(trace.x)
         along, up = stems(x, _numbers(trace.y))
@@ -71,9 +104,25 @@ def _layers(trace, colour: str) -> list[Layer]:
     x, y = _numbers(trace.x), _numbers(trace.y)
     shown = trace.showlegend is not False
     dash = trace.line.dash if trace.line.dash in ("dash", "dot", "dashdot") else "solid"
-    line = Line(*thin(x, y), name, trace.line.color or colour, width=trace.line.width or 1.7, dash=dash, in_legend=shown)
-    texts = tuple(str(one) for one in trace.text) if trace.text is not None and "text" in mode else ()
-    marks = Marks(x, y, name, trace.marker.color or trace.line.color or colour, labels=texts, in_legend=shown and "lines" not in mode)
+    line = Line(
+        *thin(x, y),
+        name,
+        trace.line.color or colour,
+        width=trace.line.width or 1.7,
+        dash=dash,
+        in_legend=shown,
+    )
+    texts = (
+        tuple(str(one) for one in trace.text) if trace.text is not None and "text" in mode else ()
+    )
+    marks = Marks(
+        x,
+        y,
+        name,
+        trace.marker.color or trace.line.color or colour,
+        labels=texts,
+        in_legend=shown and "lines" not in mode,
+    )
     return [one for word, one in (("lines", line), ("markers", marks)) if word in mode]
 
 

@@ -27,7 +27,14 @@ def mathml(latex: str, node: nodes.Node, block: bool) -> str:
         latex = pattern.sub(instead, latex)
     try:
         return latex2mathml.tex2mathml(latex, as_block=block)
-    except (MathError, IndexError, AttributeError, KeyError, TypeError, ValueError) as error:  # its ways to say that it cannot
+    except (
+        MathError,
+        IndexError,
+        AttributeError,
+        KeyError,
+        TypeError,
+        ValueError,
+    ) as error:  # its ways to say that it cannot
         LOG.warning("equation cannot be set: %s in %s", error, latex.strip(), location=node)
         return f"<code>{escape(latex)}</code>"
 
@@ -42,12 +49,16 @@ def block(self, node: nodes.math_block) -> None:
     """An equation of its own, with its number where it has one."""
     name = f' id="{node["ids"][0]}"' if node.get("ids") else ""
     number = f'<span class="eqno">({node["number"]})</span>' if node.get("number") else ""
-    self.body.append(f'<div class="math notranslate"{name}>{number}{mathml(node.astext(), node, True)}</div>\n')
+    self.body.append(
+        f'<div class="math notranslate"{name}>{number}{mathml(node.astext(), node, True)}</div>\n'
+    )
     raise nodes.SkipNode
 
 
 def setup(app):
     """Register the way of setting equations."""
-    app.add_html_math_renderer("mathml", inline_renderers=(inline, None), block_renderers=(block, None))
+    app.add_html_math_renderer(
+        "mathml", inline_renderers=(inline, None), block_renderers=(block, None)
+    )
     app.config.html_math_renderer = "mathml"
     return {"parallel_read_safe": True, "parallel_write_safe": True}

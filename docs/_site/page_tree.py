@@ -11,7 +11,15 @@ from pathlib import Path, PurePosixPath
 from sphinx import addnodes
 
 #: Page -> pages whose place in the tree is below it: those it links to, in the order of the links.
-PARENTS = ("user-guide", "reference", "evidence", "development", "decisions/README", "how-to/README", "theory/README")
+PARENTS = (
+    "user-guide",
+    "reference",
+    "evidence",
+    "development",
+    "decisions/README",
+    "how-to/README",
+    "theory/README",
+)
 #: File of the repository -> its page of the site.
 ELSEWHERE = {"CHANGELOG": "changes", "CONTRIBUTING": "contributing"}
 #: Page -> pages below it that its list leaves out: written by the build.
@@ -26,7 +34,12 @@ def children(page: str, text: str, docs: Path) -> list[str]:
     found, reach = [], docs / PurePosixPath(page).parent
     for target in dict.fromkeys(LINK.findall(text)):
         path = (reach / target).resolve()
-        if path.is_relative_to(reach) and path.is_file() and path != docs / f"{page}.md" and target not in FIRST:
+        if (
+            path.is_relative_to(reach)
+            and path.is_file()
+            and path != docs / f"{page}.md"
+            and target not in FIRST
+        ):
             found.append(target.removesuffix(".md"))
     more = (name for name in ALSO.get(page, ()) if name.endswith(".rst") or (docs / name).is_file())
     return list(dict.fromkeys([*found, *(name.partition(".")[0] for name in more)]))
@@ -52,8 +65,14 @@ def lead(app, doctree) -> None:
         name = PurePosixPath(target).name
         page = ELSEWHERE.get(name.removesuffix(".md"))
         here = (docs / app.env.docname).parent
-        places = [place / (target.lstrip("/") + ending) for place in (here, docs, docs.parent) for ending in ("", ".md")]
-        if page is not None and not (node.get("refdomain") == "doc" and target in app.env.found_docs):
+        places = [
+            place / (target.lstrip("/") + ending)
+            for place in (here, docs, docs.parent)
+            for ending in ("", ".md")
+        ]
+        if page is not None and not (
+            node.get("refdomain") == "doc" and target in app.env.found_docs
+        ):
             node["refdomain"], node["reftarget"], node["reftargetid"] = "doc", page, None
         elif node.get("refdomain") != "doc" and any(place.exists() for place in places):
             node.replace_self(node.children)

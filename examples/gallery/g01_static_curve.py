@@ -2,8 +2,10 @@
 How stiff is a spring, and where do its coils close?
 ====================================================
 
-A spring of uneven pitch grows stiffer as it is compressed: its narrow coils close first, and a closed coil no longer gives. The curve is
-that of the beehive spring that ships with the package, by the chain of masses, from the free length to a little beyond the largest lift.
+A spring of uneven pitch grows stiffer as it is compressed: its narrow coils close first, and a
+closed coil no longer gives. The curve is
+that of the beehive spring that ships with the package, by the chain of masses, from the free length
+to a little beyond the largest lift.
 """
 
 import valvetrain as vt

@@ -2,8 +2,10 @@
 At which engine speeds does the spring resonate?
 ================================================
 
-The lift holds harmonics of the cam speed. Where one of them meets the surge frequency the spring swings up. The map shows the amplitude
-of the seat force by frequency over engine speed: rays are harmonics of the lift, and they light up where they cross the level line of the
+The lift holds harmonics of the cam speed. Where one of them meets the surge frequency the spring
+swings up. The map shows the amplitude
+of the seat force by frequency over engine speed: rays are harmonics of the lift, and they light up
+where they cross the level line of the
 surge frequency.
 """
 
@@ -32,14 +34,20 @@ surge = study.quantities["mode_1_frequency"]
 near = np.abs(frequency - surge) < 30
 worst = int(np.argmax(amplitudes[:, near].max(axis=1)))
 order = round(frequency[near][np.argmax(amplitudes[worst, near])] / (speeds[worst] / 120))
-print(f"most surge at {speeds[worst]:.0f} rpm: harmonic {order} of the cam is {order * speeds[worst] / 120:.0f} Hz there")
+print(
+    f"most surge at {speeds[worst]:.0f} rpm: harmonic {order} of the cam is {order * speeds[worst] / 120:.0f} Hz there"
+)
 print(f"first surge frequency of the installed spring by the rod: {surge:.0f} Hz")
 
 # %%
 # Low frequencies hold the large first harmonics of the lift itself; the map leaves them out.
 
 shown = frequency >= 250
-figure = go.Figure(go.Heatmap(x=speeds, y=frequency[shown], z=amplitudes[:, shown].T, colorbar={"title": "amplitude (N)"}))
+figure = go.Figure(
+    go.Heatmap(
+        x=speeds, y=frequency[shown], z=amplitudes[:, shown].T, colorbar={"title": "amplitude (N)"}
+    )
+)
 figure.update_layout(title="Seat force by frequency over engine speed")
 figure.update_xaxes(title="engine speed (rpm)")
 figure.update_yaxes(title="frequency (Hz)")

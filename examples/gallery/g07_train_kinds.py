@@ -2,7 +2,8 @@
 How do direct, finger, rocker and pushrod trains differ?
 ========================================================
 
-The four templates of ``valvetrain new``, each run as it stands at 5000 rpm. The more parts stand between cam and valve, the more they
+The four templates of ``valvetrain new``, each run as it stands at 5000 rpm. The more parts stand
+between cam and valve, the more they
 bend: the valve lags behind the lift that rigid parts would give it.
 """
 
@@ -20,7 +21,9 @@ for kind in ("direct", "finger", "rocker", "pushrod"):
     difference = run.channel("valve_lift") - run.channel("rigid_valve_lift")
     angle = np.degrees(run.cam_angle - run.cam_angle[0])
     figure.add_scatter(x=angle, y=1e3 * difference, name=kind)
-    print(f"{kind:8s} valve lags by up to {-1e3 * difference.min():.3f} mm, lands at {run.quantities['seating_velocity']:.2f} m/s")
+    print(
+        f"{kind:8s} valve lags by up to {-1e3 * difference.min():.3f} mm, lands at {run.quantities['seating_velocity']:.2f} m/s"
+    )
 
 # %%
 # The difference from the lift of rigid parts.

@@ -2,7 +2,8 @@
 How much does a contact give back?
 ==================================
 
-A valve of 100 g meets its seat at 0.5 m/s. Force over penetration is a loop, and the area inside it is what the contact takes out of the
+A valve of 100 g meets its seat at 0.5 m/s. Force over penetration is a loop, and the area inside it
+is what the contact takes out of the
 motion. Three laws of equal stiffness, all asked for a coefficient of restitution of 0.7.
 """
 
@@ -24,7 +25,9 @@ def bounce(law):
         return state[0] if time > 1e-7 else 1.0
 
     leaves.terminal, leaves.direction = True, -1
-    found = solve_ivp(motion, (0, 2e-3), [0.0, APPROACH], rtol=1e-8, atol=1e-12, max_step=2e-6, events=leaves)
+    found = solve_ivp(
+        motion, (0, 2e-3), [0.0, APPROACH], rtol=1e-8, atol=1e-12, max_step=2e-6, events=leaves
+    )
     return found.y[0], law.force(found.y[0], found.y[1], APPROACH), -found.y[1][-1] / APPROACH
 
 
@@ -37,7 +40,8 @@ for name in ("hertz-point", "lankarani-nikravesh", "flores"):
     print(f"{name:20s} keeps {kept:.2f} of the approach velocity")
 
 # %%
-# Lankarani and Nikravesh derived their law for values near 1; at 0.7 it keeps more than it was asked for.
+# Lankarani and Nikravesh derived their law for values near 1; at 0.7 it keeps more than it was
+# asked for.
 
 figure.update_layout(title="A mass of 100 g on its seat")
 figure.update_xaxes(title="penetration (um)")

@@ -2,19 +2,25 @@
 Which spring stands behind a catalogue card?
 ============================================
 
-A card tells two loads at two heights, the wire and the outer diameter. The spring that meets them has turns and a free length; what the
+A card tells two loads at two heights, the wire and the outer diameter. The spring that meets them
+has turns and a free length; what the
 card leaves open is said.
 """
 
 import valvetrain as vt
 
 card = vt.CatalogueCard(
-    wire_diameter="4.4 mm", outer_diameter="32 mm",
-    installed_load=vt.SpringLoad("46 mm", "350 N"), open_load=vt.SpringLoad("34 mm", "830 N"), solid_height="29 mm",
-)  # fmt: skip
+    wire_diameter="4.4 mm",
+    outer_diameter="32 mm",
+    installed_load=vt.SpringLoad("46 mm", "350 N"),
+    open_load=vt.SpringLoad("34 mm", "830 N"),
+    solid_height="29 mm",
+)
 found = vt.spring_from_card(card)
 
-print(f"{found.definition.total_coils:.2f} turns, free length {1e3 * found.definition.free_length:.1f} mm")
+print(
+    f"{found.definition.total_coils:.2f} turns, free length {1e3 * found.definition.free_length:.1f} mm"
+)
 print(f"left open: {len(found.free)} things, the first: {found.free[0]}")
 
 # %%

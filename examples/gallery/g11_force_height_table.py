@@ -2,7 +2,8 @@
 How firm are rate and preload from a spring tester?
 ===================================================
 
-A spring tester gives forces at heights, each with some noise. The fit finds the spring behind the table and the intervals that the noise
+A spring tester gives forces at heights, each with some noise. The fit finds the spring behind the
+table and the intervals that the noise
 leaves. The table here is made up, so that the truth is known: 40 N/mm from 55 mm on.
 """
 
@@ -12,13 +13,17 @@ import plotly.graph_objects as go
 import valvetrain as vt
 
 heights = np.linspace(50e-3, 40e-3, 9)
-forces = 40e3 * (55e-3 - heights) * (1 + 2e-3 * np.random.default_rng(1).standard_normal(len(heights)))
+forces = (
+    40e3 * (55e-3 - heights) * (1 + 2e-3 * np.random.default_rng(1).standard_normal(len(heights)))
+)
 table = vt.ForceHeight(heights, forces)
 card = vt.card_of_table(table, wire_diameter="4.2 mm", outer_diameter="30.2 mm")
 
 found = vt.spring_from_tester(table, card, installed_height=46e-3)
 (rate, rate_deviation), (preload, preload_deviation) = found.rate, found.preload
-print(f"rate {1e-3 * rate:.1f} N/mm, standard deviation {1e-3 * rate_deviation:.1f} N/mm (true: 40)")
+print(
+    f"rate {1e-3 * rate:.1f} N/mm, standard deviation {1e-3 * rate_deviation:.1f} N/mm (true: 40)"
+)
 print(f"preload at 46 mm {preload:.0f} N, standard deviation {preload_deviation:.1f} N (true: 360)")
 
 # %%

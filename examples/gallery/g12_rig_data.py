@@ -2,8 +2,10 @@
 What did the rig measure, cycle by cycle?
 =========================================
 
-A logger writes force over time. Cut into turns of the cam and laid over the cam angle, the cycles can be compared with each other: their
-mean is what a model may be held against, their scatter is how well it can be known. The recording is made up.
+A logger writes force over time. Cut into turns of the cam and laid over the cam angle, the cycles
+can be compared with each other: their
+mean is what a model may be held against, their scatter is how well it can be known. The recording
+is made up.
 """
 
 import tempfile
@@ -21,13 +23,18 @@ force += np.random.default_rng(2).normal(0, 6, len(time))
 
 with tempfile.TemporaryDirectory() as folder:
     file = Path(folder, "recording.txt")
-    rows = [f"{one:.4f}; {360 * (place % 1):.3f}; {load:.2f}" for one, place, load in zip(time, turn, force, strict=True)]
+    rows = [
+        f"{one:.4f}; {360 * (place % 1):.3f}; {load:.2f}"
+        for one, place, load in zip(time, turn, force, strict=True)
+    ]
     file.write_text("\n".join(["time [s]; cam angle [deg]; spring force [N]", *rows]))
     found = vt.rig_cycles(file, vt.RigAnswers(angle_of="cam", band="2 kHz"))
 
 cycles = found.cycles[0]
 scatter = cycles.values.std(axis=0, ddof=1)
-print(f"{len(cycles.values)} cycles, mean peak {cycles.mean.max():.0f} N, scatter of a cycle {scatter.mean():.1f} N")
+print(
+    f"{len(cycles.values)} cycles, mean peak {cycles.mean.max():.0f} N, scatter of a cycle {scatter.mean():.1f} N"
+)
 
 # %%
 # All cycles lie over each other; the dark line is their mean.
@@ -35,7 +42,13 @@ print(f"{len(cycles.values)} cycles, mean peak {cycles.mean.max():.0f} N, scatte
 angle = np.degrees(cycles.cam_angle)
 figure = go.Figure()
 for number, values in enumerate(cycles.values):
-    figure.add_scatter(x=angle, y=values, line={"color": "#a9cbe6", "width": 0.8}, name="cycles", showlegend=number == 0)
+    figure.add_scatter(
+        x=angle,
+        y=values,
+        line={"color": "#a9cbe6", "width": 0.8},
+        name="cycles",
+        showlegend=number == 0,
+    )
 figure.add_scatter(x=angle, y=cycles.mean, line={"color": "#12294f"}, name="mean")
 figure.update_layout(title="Spring force of a rig over the cam angle")
 figure.update_xaxes(title="cam angle (deg)")

@@ -2,7 +2,8 @@
 How much of a force spike does a gauge see?
 ===========================================
 
-Clashing coils make spikes shorter than a millisecond. A gauge with a low-pass of 1 kHz records them late and too small. A model must be
+Clashing coils make spikes shorter than a millisecond. A gauge with a low-pass of 1 kHz records them
+late and too small. A model must be
 looked at through the same gauge before the two are compared.
 """
 
@@ -11,21 +12,27 @@ import plotly.graph_objects as go
 
 import valvetrain as vt
 
-run = vt.simulate("gu2021-beehive", "8000 rpm", spring_models=["multi-mass"], workers=1).solution("multi-mass")
+run = vt.simulate("gu2021-beehive", "8000 rpm", spring_models=["multi-mass"], workers=1).solution(
+    "multi-mass"
+)
 (seen,) = vt.seen_by_sensor(run, vt.Sensor(bandwidth="1 kHz"), ["seat_force"])
 
 turn = (seen.time - seen.time[0]) / (seen.time[-1] - seen.time[0]) * 360
 recorded = (seen.seen.time - seen.time[0]) / (seen.time[-1] - seen.time[0]) * 360
 spikes = slice(*np.searchsorted(turn, [230, 360]))
 seen_spikes = slice(*np.searchsorted(recorded, [230, 360]))
-print(f"largest spike after closing {seen.values[spikes].max():.0f} N, recorded {seen.seen.values[seen_spikes].max():.0f} N")
+print(
+    f"largest spike after closing {seen.values[spikes].max():.0f} N, recorded {seen.seen.values[seen_spikes].max():.0f} N"
+)
 
 # %%
 # The true force and the recorded one over the turn.
 
 figure = go.Figure()
 figure.add_scatter(x=turn, y=seen.values, name="true", line={"color": "#a9cbe6"})
-figure.add_scatter(x=recorded, y=seen.seen.values, name="by a gauge of 1 kHz", line={"color": "#a33b53"})
+figure.add_scatter(
+    x=recorded, y=seen.seen.values, name="by a gauge of 1 kHz", line={"color": "#a33b53"}
+)
 figure.update_layout(title="Seat force of the beehive spring at 8000 rpm")
 figure.update_xaxes(title="cam angle from the begin of the cycle (deg)")
 figure.update_yaxes(title="seat force (N)")

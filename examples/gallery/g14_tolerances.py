@@ -2,7 +2,8 @@
 Which tolerance makes the force scatter?
 ========================================
 
-The wire and the installed height of a spring scatter. Sobol indices tell which of them makes the largest force scatter: the total share of
+The wire and the installed height of a spring scatter. Sobol indices tell which of them makes the
+largest force scatter: the total share of
 a tolerance is the part of the variance that would go with it.
 """
 
@@ -39,7 +40,11 @@ print(indices.sentence)
 # Total shares with their 95 % intervals.
 
 names = [one.words for one in table.plan.varied]
-figure = go.Figure(go.Bar(x=names, y=indices.total, error_y={"array": indices.total_interval[:, 1] - indices.total}))
+figure = go.Figure(
+    go.Bar(
+        x=names, y=indices.total, error_y={"array": indices.total_interval[:, 1] - indices.total}
+    )
+)
 figure.update_layout(title="What makes the peak force scatter", showlegend=False)
 figure.update_xaxes(title="tolerance of")
 figure.update_yaxes(title="share of the variance (1)")

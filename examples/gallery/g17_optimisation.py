@@ -2,7 +2,8 @@
 What is the least spring load that keeps the cam in contact?
 ============================================================
 
-A stronger spring keeps the train together and wears the cam. The search lowers the load of the open spring as long as the spring force
+A stronger spring keeps the train together and wears the cam. The search lowers the load of the open
+spring as long as the spring force
 stays 1.2 times what the slowed train needs.
 """
 
@@ -34,14 +35,18 @@ high = "600 N"
     workers=1,
 )
 best = found.best.trial
-print(f"least open load {best.objectives[0]:.0f} N with {best.values[0]:.0f} N of preload; the case has {found.case.objectives[0]:.0f} N")
+print(
+    f"least open load {best.objectives[0]:.0f} N with {best.values[0]:.0f} N of preload; the case has {found.case.objectives[0]:.0f} N"
+)
 
 # %%
 # All trials: open load over preload.
 
 inputs = np.array([trial.values for trial in found.trials])
 figure = go.Figure(go.Scatter(x=inputs[:, 0], y=inputs[:, 1], mode="markers", name="trials"))
-figure.add_scatter(x=[best.values[0]], y=[best.values[1]], mode="markers", name="best", marker={"color": "#a33b53"})
+figure.add_scatter(
+    x=[best.values[0]], y=[best.values[1]], mode="markers", name="best", marker={"color": "#a33b53"}
+)
 figure.update_layout(title="Trials of the search")
 figure.update_xaxes(title="preload (N)")
 figure.update_yaxes(title="open load (N)")

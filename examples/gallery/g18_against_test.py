@@ -2,7 +2,8 @@
 Is the model as good as the test can tell?
 ==========================================
 
-Fisher's test asks whether the difference between model and test is larger than the scatter of the test explains. The measured cycles
+Fisher's test asks whether the difference between model and test is larger than the scatter of the
+test explains. The measured cycles
 here are a model with a little more damping and drawn scatter: the answer is known.
 """
 
@@ -16,7 +17,9 @@ case = vt.load_case("job-t", {"spring.damping.stiffness_damping": "1.2e-5 s"})
 truth = vt.simulate(case, "3000 rpm", spring_models=["multi-mass"], workers=1).solutions[0]
 force = np.interp(angle + 2 * np.pi, truth.cam_angle, truth.channel("seat_force"))
 drawn = force + np.random.default_rng(1).normal(0.0, 5.0, (8, 360))
-test = vt.MeasuredCycles("spring_force", "N", angle, drawn, cam_speed=truth.engine_speed / 2, synthetic=True)
+test = vt.MeasuredCycles(
+    "spring_force", "N", angle, drawn, cam_speed=truth.engine_speed / 2, synthetic=True
+)
 
 found = vt.compare_with_test("job-t", test, spring_models=["multi-mass", "massless"], workers=1)
 for run in found.runs:

@@ -2,8 +2,10 @@
 May I bring a spring model of my own?
 =====================================
 
-A spring model is one class that fulfils a contract: forces at both ends, energy, and a compiled step. Here an air spring as racing engines
-have it: gas in a cylinder, pressed together by the lift, F = p A (h / (h - x))^n. It has no coils, so nothing surges.
+A spring model is one class that fulfils a contract: forces at both ends, energy, and a compiled
+step. Here an air spring as racing engines
+have it: gas in a cylinder, pressed together by the lift, F = p A (h / (h - x))^n. It has no coils,
+so nothing surges.
 """
 
 from dataclasses import dataclass
@@ -19,14 +21,20 @@ from valvetrain.system.prescribed import PrescribedSpring
 
 @njit
 def advance(parameters, integers, state, retainer_displacement, retainer_velocity, time_step):
-    """Both end forces (N); there is nothing inside that could move. ``parameters``: preload (N), height (m), exponent."""
-    force = parameters[0] * (parameters[1] / (parameters[1] - retainer_displacement)) ** parameters[2]
+    """Both end forces (N); there is nothing inside that could move. ``parameters``: preload (N),
+    height (m), exponent.
+    """
+    force = (
+        parameters[0] * (parameters[1] / (parameters[1] - retainer_displacement)) ** parameters[2]
+    )
     return force, force
 
 
 @dataclass(frozen=True)
 class AirSpring:
-    """Gas of ``preload`` (N) in a cylinder of ``height`` (m) with the valve closed; ``exponent`` of its change of state."""
+    """Gas of ``preload`` (N) in a cylinder of ``height`` (m) with the valve closed; ``exponent`` of
+    its change of state.
+    """
 
     preload: float
     height: float
@@ -54,10 +62,23 @@ class AirSpring:
         return float("inf")
 
     def force(self, state, retainer_displacement, retainer_velocity=0.0):
-        return EndForces(*advance(self.parameters(), self.integers(), state, retainer_displacement, retainer_velocity, 0.0))
+        return EndForces(
+            *advance(
+                self.parameters(),
+                self.integers(),
+                state,
+                retainer_displacement,
+                retainer_velocity,
+                0.0,
+            )
+        )
 
     def tangent(self, state, retainer_displacement):
-        return self.exponent * self.force(state, retainer_displacement).seat / (self.height - retainer_displacement)
+        return (
+            self.exponent
+            * self.force(state, retainer_displacement).seat
+            / (self.height - retainer_displacement)
+        )
 
     def energy(self, state, retainer_displacement, retainer_velocity=0.0, time_step=0.0):
         share = (self.height / (self.height - retainer_displacement)) ** (self.exponent - 1) - 1
@@ -71,7 +92,8 @@ class AirSpring:
 
 
 # %%
-# It moves with the lift of a case of the library, at 16 000 rpm. To run it by a word in every command, add a line in a package of your own
+# It moves with the lift of a case of the library, at 16 000 rpm. To run it by a word in every
+# command, add a line in a package of your own
 # (see "Add a spring model").
 
 lift = vt.build_lift_law(vt.load_case("job-t").lift_law)

@@ -2,7 +2,8 @@
 How do I get at the numbers behind a figure?
 ============================================
 
-The channels of a run are an xarray dataset with names, units and coordinates. They can be selected by coil and by time, saved as NetCDF
+The channels of a run are an xarray dataset with names, units and coordinates. They can be selected
+by coil and by time, saved as NetCDF
 and read back bit for bit.
 """
 
@@ -30,7 +31,11 @@ places = np.linspace(0, motion.shape[1] - 1, 5).astype(int)[1:]
 figure = go.Figure()
 for place in places:
     number = float(motion.coords["coil_number"][place])
-    figure.add_scatter(x=np.degrees(run.cam_angle - run.cam_angle[0]), y=1e3 * motion.values[:, place], name=f"turn {number:.1f}")
+    figure.add_scatter(
+        x=np.degrees(run.cam_angle - run.cam_angle[0]),
+        y=1e3 * motion.values[:, place],
+        name=f"turn {number:.1f}",
+    )
 figure.update_layout(title="Motion along the wire at 3000 rpm")
 figure.update_xaxes(title="cam angle (deg)")
 figure.update_yaxes(title="displacement (mm)")

@@ -2,7 +2,8 @@
 How far is the wire stressed when the coils close?
 ==================================================
 
-Shear at the inside of the coil by EN 13906-1: with the valve closed, at the largest force in motion, and with all coils closed. A spring
+Shear at the inside of the coil by EN 13906-1: with the valve closed, at the largest force in
+motion, and with all coils closed. A spring
 that may be closed solid must bear the last of the three.
 """
 
@@ -21,7 +22,8 @@ for state, value in stress.items():
     print(f"{state}: {1e-6 * value:.0f} MPa")
 
 # %%
-# The stress goes from the first to the second and back in every turn of the cam: that range is what fatigues the wire.
+# The stress goes from the first to the second and back in every turn of the cam: that range is what
+# fatigues the wire.
 
 figure = go.Figure(go.Bar(x=list(stress), y=[1e-6 * value for value in stress.values()]))
 figure.update_layout(title="Largest shear stress of the beehive spring", showlegend=False)

@@ -2,7 +2,8 @@
 How much speed do a lighter valve and a stronger spring buy?
 ============================================================
 
-The speed at which the cam of a pushrod train first loses its follower: as it is, with a valve a fifth lighter, and with the stronger spring
+The speed at which the cam of a pushrod train first loses its follower: as it is, with a valve a
+fifth lighter, and with the stronger spring
 set. The answer is a bracket: at its lower end a run kept contact, at its upper end one did not.
 """
 
@@ -12,13 +13,21 @@ import plotly.graph_objects as go
 import valvetrain as vt
 
 RPM = np.pi / 30
-variants = {"as it is": ({}, "stock"), "lighter valve": ({"train.valve.mass": "24 g"}, "stock"), "stronger spring": ({}, "performance")}
+variants = {
+    "as it is": ({}, "stock"),
+    "lighter valve": ({"train.valve.mass": "24 g"}, "stock"),
+    "stronger spring": ({}, "performance"),
+}
 speeds = {}
 for words, (changes, springs) in variants.items():
     found = vt.critical_speeds(
-        vt.load_case("tdi-pushrod", changes), "6000:12000:1000 rpm", spring_models=["massless"], spring_sets=[springs],
-        resolution="50 rpm", workers=1,
-    )  # fmt: skip
+        vt.load_case("tdi-pushrod", changes),
+        "6000:12000:1000 rpm",
+        spring_models=["massless"],
+        spring_sets=[springs],
+        resolution="50 rpm",
+        workers=1,
+    )
     row = found.of("contact-loss")
     speeds[words] = row.engine_speed / RPM
     print(f"{words}: {row.words} rpm")

@@ -1,4 +1,5 @@
-"""case file -> parameters -> Problem (parts, built once) -> System -> integrate -> Solution -> quantities -> report
+"""case file -> parameters -> Problem (parts, built once) -> System -> integrate -> Solution ->
+quantities -> report
 
 Dynamics of valve springs and valvetrains. The names below load their packages on first use, so that
 ``import valvetrain`` itself costs next to nothing.
@@ -11,12 +12,13 @@ from typing import TYPE_CHECKING
 
 __version__ = "0.1.0"
 
-#: Public name -> module that holds it. A new name is a line here and one in the block for type checkers below; a test compares them.
+#: Public name -> module that holds it. A new name is a line here and one in the block for type
+#: checkers below; a test compares them.
 _HOMES = {
     # the spring and its case
     "SpringDefinition": "parameters.spring",
     "EndCoil": "parameters.spring",
-    "Guide": "parameters.guide",
+    "Guide": "parameters.installed_spring",
     "Material": "parameters.material",
     "Constant": "parameters.curves",
     "PiecewiseLinear": "parameters.curves",
@@ -49,19 +51,19 @@ _HOMES = {
     "FiniteElementRod": "springs.finite_element",
     "SolidSpring": "springs.solid.jobs",
     # measured lifts
-    "read_lift": "measurements.lift_reading",
-    "LiftAnswers": "measurements.lift_answers",
-    "MeasuredLift": "measurements.measured_lift",
-    "smooth_lift": "measurements.lift_smoothing",
-    "SmoothedLift": "measurements.lift_smoothing",
-    "lift_figures": "measurements.lift_figures",
-    "lift_band_study": "studies.lift_band",
+    "read_lift": "measured.lift_file",
+    "LiftAnswers": "measured.lift_file",
+    "MeasuredLift": "measured.lift_file",
+    "smooth_lift": "measured.lift_smoothing",
+    "SmoothedLift": "measured.lift_smoothing",
+    "lift_figures": "lift.figures",
+    "lift_band_study": "lift.band",
     # films of a spring
-    "coil_motion": "measurements.film.motion",
-    "CoilMotion": "measurements.film.result",
-    "FilmSetup": "measurements.film.setup",
-    "film_over_model": "studies.film_model",
-    "FilmedModel": "studies.film_model",
+    "coil_motion": "film.motion",
+    "CoilMotion": "film.result",
+    "FilmSetup": "film.setup",
+    "film_over_model": "film.model",
+    "FilmedModel": "film.model",
     # identification
     "identify": "identification.api",
     "Identified": "identification.result",
@@ -69,36 +71,36 @@ _HOMES = {
     "Datum": "identification.datum",
     "Search": "identification.search",
     # springs from cards and from a spring tester
-    "SpringLoad": "measurements.catalogue_card",
-    "CatalogueCard": "measurements.catalogue_card",
-    "spring_from_card": "studies.spring_card",
-    "SpringFit": "studies.spring_card",
-    "read_force_height": "measurements.force_height",
-    "ForceHeight": "measurements.force_height",
-    "card_of_table": "studies.spring_tester",
-    "spring_from_tester": "studies.spring_tester",
-    "TesterFit": "studies.spring_tester",
+    "SpringLoad": "spring_card.card",
+    "CatalogueCard": "spring_card.card",
+    "spring_from_card": "spring_card.fit",
+    "SpringFit": "spring_card.fit",
+    "read_force_height": "measured.force_height",
+    "ForceHeight": "measured.force_height",
+    "card_of_table": "spring_card.tester",
+    "spring_from_tester": "spring_card.tester",
+    "TesterFit": "spring_card.tester",
     # recordings of a test rig
-    "rig_cycles": "studies.rig",
-    "RigAnswers": "measurements.rig_answers",
-    "RigResult": "measurements.rig_result",
-    "MeasuredCycles": "measurements.measured_cycles",
-    "read_cycles": "measurements.cycles_file",
-    "write_cycles": "measurements.cycles_file",
-    "Sensor": "measurements.sensor",
-    "seen_by_sensor": "studies.seen",
+    "rig_cycles": "rig.cycles",
+    "RigAnswers": "rig.channels",
+    "RigResult": "rig.result",
+    "MeasuredCycles": "measured.cycles",
+    "read_cycles": "measured.cycles",
+    "write_cycles": "measured.cycles",
+    "Sensor": "measured.sensor",
+    "seen_by_sensor": "rig.gauge",
     # springs from scans
-    "spring_from_scan": "measurements.spring_scan.api",
-    "ScannedSpring": "measurements.spring_scan.result",
-    "compare_scan": "studies.scan_against_design",
-    "ScanComparison": "studies.scan_against_design",
+    "spring_from_scan": "scan.reconstruct",
+    "ScannedSpring": "scan.result",
+    "compare_scan": "scan.compare",
+    "ScanComparison": "scan.compare",
     # model against test
-    "compare_with_test": "studies.compare_test",
-    "ModelAgainstTest": "studies.compare_test",
-    "AdequacyTest": "quantities.adequacy",
-    "adequacy_test": "quantities.adequacy",
-    "read_value_table": "measurements.value_table",
-    "ValueTable": "measurements.value_table",
+    "compare_with_test": "compare_test.compare",
+    "ModelAgainstTest": "compare_test.compare",
+    "AdequacyTest": "compare_test.adequacy",
+    "adequacy_test": "compare_test.adequacy",
+    "read_value_table": "measured.value_table",
+    "ValueTable": "measured.value_table",
     # studies
     "build": "system.build",
     "Problem": "system.problem",
@@ -127,8 +129,8 @@ _HOMES = {
     "Event": "solution.event",
     "Status": "solution.status",
     "StaticCurve": "solution.static",
-    "ModalResult": "solution.modal",
-    "TrainModes": "solution.train_modes",
+    "ModalResult": "solution.modes",
+    "TrainModes": "solution.modes",
     "Comparison": "solution.comparison",
     "Quantity": "solution.quantity",
     "Quantities": "solution.quantity",
@@ -136,8 +138,8 @@ _HOMES = {
     "load_netcdf": "solution.netcdf",
     "save_csv": "solution.textfile",
     "load_csv": "solution.textfile",
-    "write_study": "report.write",
-    "study_page": "report.build",
+    "write_study": "report.study",
+    "study_page": "report.study",
     "study_json": "report.json",
     "cite": "citations",
     "bibtex": "citations",
@@ -152,40 +154,41 @@ if TYPE_CHECKING:
     from valvetrain.cam.contract import LiftLaw as LiftLaw
     from valvetrain.citations import bibtex as bibtex
     from valvetrain.citations import cite as cite
+    from valvetrain.compare_test.adequacy import AdequacyTest as AdequacyTest
+    from valvetrain.compare_test.adequacy import adequacy_test as adequacy_test
+    from valvetrain.compare_test.compare import ModelAgainstTest as ModelAgainstTest
+    from valvetrain.compare_test.compare import compare_with_test as compare_with_test
     from valvetrain.contact.law import ContactLaw as ContactLaw
     from valvetrain.contact.library import build_contact_law as build_contact_law
     from valvetrain.cosserat.batch import RodBatch as RodBatch
     from valvetrain.cosserat.batch import simulate_batch as simulate_batch
     from valvetrain.errors import InputError as InputError
     from valvetrain.errors import ValvetrainError as ValvetrainError
+    from valvetrain.film.model import FilmedModel as FilmedModel
+    from valvetrain.film.model import film_over_model as film_over_model
+    from valvetrain.film.motion import coil_motion as coil_motion
+    from valvetrain.film.result import CoilMotion as CoilMotion
+    from valvetrain.film.setup import FilmSetup as FilmSetup
     from valvetrain.identification.api import identify as identify
     from valvetrain.identification.datum import Datum as Datum
     from valvetrain.identification.prior import Prior as Prior
     from valvetrain.identification.result import Identified as Identified
     from valvetrain.identification.search import Search as Search
-    from valvetrain.measurements.catalogue_card import CatalogueCard as CatalogueCard
-    from valvetrain.measurements.catalogue_card import SpringLoad as SpringLoad
-    from valvetrain.measurements.cycles_file import read_cycles as read_cycles
-    from valvetrain.measurements.cycles_file import write_cycles as write_cycles
-    from valvetrain.measurements.film.motion import coil_motion as coil_motion
-    from valvetrain.measurements.film.result import CoilMotion as CoilMotion
-    from valvetrain.measurements.film.setup import FilmSetup as FilmSetup
-    from valvetrain.measurements.force_height import ForceHeight as ForceHeight
-    from valvetrain.measurements.force_height import read_force_height as read_force_height
-    from valvetrain.measurements.lift_answers import LiftAnswers as LiftAnswers
-    from valvetrain.measurements.lift_figures import lift_figures as lift_figures
-    from valvetrain.measurements.lift_reading import read_lift as read_lift
-    from valvetrain.measurements.lift_smoothing import SmoothedLift as SmoothedLift
-    from valvetrain.measurements.lift_smoothing import smooth_lift as smooth_lift
-    from valvetrain.measurements.measured_cycles import MeasuredCycles as MeasuredCycles
-    from valvetrain.measurements.measured_lift import MeasuredLift as MeasuredLift
-    from valvetrain.measurements.rig_answers import RigAnswers as RigAnswers
-    from valvetrain.measurements.rig_result import RigResult as RigResult
-    from valvetrain.measurements.sensor import Sensor as Sensor
-    from valvetrain.measurements.spring_scan.api import spring_from_scan as spring_from_scan
-    from valvetrain.measurements.spring_scan.result import ScannedSpring as ScannedSpring
-    from valvetrain.measurements.value_table import ValueTable as ValueTable
-    from valvetrain.measurements.value_table import read_value_table as read_value_table
+    from valvetrain.lift.band import lift_band_study as lift_band_study
+    from valvetrain.lift.figures import lift_figures as lift_figures
+    from valvetrain.measured.cycles import MeasuredCycles as MeasuredCycles
+    from valvetrain.measured.cycles import read_cycles as read_cycles
+    from valvetrain.measured.cycles import write_cycles as write_cycles
+    from valvetrain.measured.force_height import ForceHeight as ForceHeight
+    from valvetrain.measured.force_height import read_force_height as read_force_height
+    from valvetrain.measured.lift_file import LiftAnswers as LiftAnswers
+    from valvetrain.measured.lift_file import MeasuredLift as MeasuredLift
+    from valvetrain.measured.lift_file import read_lift as read_lift
+    from valvetrain.measured.lift_smoothing import SmoothedLift as SmoothedLift
+    from valvetrain.measured.lift_smoothing import smooth_lift as smooth_lift
+    from valvetrain.measured.sensor import Sensor as Sensor
+    from valvetrain.measured.value_table import ValueTable as ValueTable
+    from valvetrain.measured.value_table import read_value_table as read_value_table
     from valvetrain.parameters.case import Case as Case
     from valvetrain.parameters.constructors import barrel as barrel
     from valvetrain.parameters.constructors import beehive as beehive
@@ -197,23 +200,30 @@ if TYPE_CHECKING:
     from valvetrain.parameters.curves import FunctionCurve as FunctionCurve
     from valvetrain.parameters.curves import PiecewiseLinear as PiecewiseLinear
     from valvetrain.parameters.curves import Table as Table
-    from valvetrain.parameters.guide import Guide as Guide
+    from valvetrain.parameters.installed_spring import Guide as Guide
     from valvetrain.parameters.loading import list_cases as list_cases
     from valvetrain.parameters.loading import load_case as load_case
     from valvetrain.parameters.material import Material as Material
     from valvetrain.parameters.spring import EndCoil as EndCoil
     from valvetrain.parameters.spring import SpringDefinition as SpringDefinition
-    from valvetrain.quantities.adequacy import AdequacyTest as AdequacyTest
-    from valvetrain.quantities.adequacy import adequacy_test as adequacy_test
     from valvetrain.quantities.buckling import buckling_compression as buckling_compression
-    from valvetrain.report.build import study_page as study_page
     from valvetrain.report.json import study_json as study_json
-    from valvetrain.report.write import write_study as write_study
+    from valvetrain.report.study import study_page as study_page
+    from valvetrain.report.study import write_study as write_study
+    from valvetrain.rig.channels import RigAnswers as RigAnswers
+    from valvetrain.rig.cycles import rig_cycles as rig_cycles
+    from valvetrain.rig.gauge import seen_by_sensor as seen_by_sensor
+    from valvetrain.rig.result import RigResult as RigResult
+    from valvetrain.scan.compare import ScanComparison as ScanComparison
+    from valvetrain.scan.compare import compare_scan as compare_scan
+    from valvetrain.scan.reconstruct import spring_from_scan as spring_from_scan
+    from valvetrain.scan.result import ScannedSpring as ScannedSpring
     from valvetrain.solution.comparison import Comparison as Comparison
     from valvetrain.solution.critical import CriticalSpeeds as CriticalSpeeds
     from valvetrain.solution.event import Event as Event
     from valvetrain.solution.fidelity import FidelityMap as FidelityMap
-    from valvetrain.solution.modal import ModalResult as ModalResult
+    from valvetrain.solution.modes import ModalResult as ModalResult
+    from valvetrain.solution.modes import TrainModes as TrainModes
     from valvetrain.solution.netcdf import load_netcdf as load_netcdf
     from valvetrain.solution.netcdf import save_netcdf as save_netcdf
     from valvetrain.solution.quantity import Quantities as Quantities
@@ -224,7 +234,13 @@ if TYPE_CHECKING:
     from valvetrain.solution.study import Study as Study
     from valvetrain.solution.textfile import load_csv as load_csv
     from valvetrain.solution.textfile import save_csv as save_csv
-    from valvetrain.solution.train_modes import TrainModes as TrainModes
+    from valvetrain.spring_card.card import CatalogueCard as CatalogueCard
+    from valvetrain.spring_card.card import SpringLoad as SpringLoad
+    from valvetrain.spring_card.fit import SpringFit as SpringFit
+    from valvetrain.spring_card.fit import spring_from_card as spring_from_card
+    from valvetrain.spring_card.tester import TesterFit as TesterFit
+    from valvetrain.spring_card.tester import card_of_table as card_of_table
+    from valvetrain.spring_card.tester import spring_from_tester as spring_from_tester
     from valvetrain.springs.contract import SpringModel as SpringModel
     from valvetrain.springs.equivalent import EquivalentSpring as EquivalentSpring
     from valvetrain.springs.finite_element import FiniteElementRod as FiniteElementRod
@@ -243,27 +259,13 @@ if TYPE_CHECKING:
     from valvetrain.studies.api import static_curve as static_curve
     from valvetrain.studies.api import sweep as sweep
     from valvetrain.studies.batch import map_cases as map_cases
-    from valvetrain.studies.compare_test import ModelAgainstTest as ModelAgainstTest
-    from valvetrain.studies.compare_test import compare_with_test as compare_with_test
     from valvetrain.studies.fidelity import fidelity as fidelity
-    from valvetrain.studies.film_model import FilmedModel as FilmedModel
-    from valvetrain.studies.film_model import film_over_model as film_over_model
-    from valvetrain.studies.lift_band import lift_band_study as lift_band_study
     from valvetrain.studies.optimum.api import optimise as optimise
     from valvetrain.studies.optimum.result import Optimum as Optimum
     from valvetrain.studies.points.study import study as study
     from valvetrain.studies.points.table import StudyTable as StudyTable
     from valvetrain.studies.refined import refine as refine
-    from valvetrain.studies.rig import rig_cycles as rig_cycles
     from valvetrain.studies.run_up import run_up as run_up
-    from valvetrain.studies.scan_against_design import ScanComparison as ScanComparison
-    from valvetrain.studies.scan_against_design import compare_scan as compare_scan
-    from valvetrain.studies.seen import seen_by_sensor as seen_by_sensor
-    from valvetrain.studies.spring_card import SpringFit as SpringFit
-    from valvetrain.studies.spring_card import spring_from_card as spring_from_card
-    from valvetrain.studies.spring_tester import TesterFit as TesterFit
-    from valvetrain.studies.spring_tester import card_of_table as card_of_table
-    from valvetrain.studies.spring_tester import spring_from_tester as spring_from_tester
     from valvetrain.studies.train_modes import train_modes as train_modes
     from valvetrain.system.build import build as build
     from valvetrain.system.problem import Problem as Problem
@@ -272,7 +274,9 @@ else:  # a type checker that saw this would take any name for granted
     def __getattr__(name: str) -> object:
         home = _HOMES.get(name)
         if home is None:
-            raise AttributeError(f"module 'valvetrain' has no name '{name}'; see valvetrain.__all__")
+            raise AttributeError(
+                f"module 'valvetrain' has no name '{name}'; see valvetrain.__all__"
+            )
         value = getattr(import_module(f"valvetrain.{home}"), name)
         globals()[name] = value
         return value

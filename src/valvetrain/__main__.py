@@ -1,11 +1,15 @@
-"""The way in of ``valvetrain`` and ``python -m valvetrain``: the command line, ended without a word by Ctrl-C while it loads."""
+"""The way in of ``valvetrain`` and ``python -m valvetrain``: the command line, ended without a word
+by Ctrl-C while it loads.
+"""
 
 import signal
 
 
 def main() -> None:
     """The console script."""
-    if signal.getsignal(signal.SIGINT) is signal.default_int_handler:  # left alone where the parent chose otherwise
+    if (
+        signal.getsignal(signal.SIGINT) is signal.default_int_handler
+    ):  # left alone where the parent chose otherwise
         signal.signal(signal.SIGINT, signal.SIG_DFL)
     from valvetrain.cli.main import main as command
 

@@ -11,7 +11,9 @@ from importlib import resources
 
 from valvetrain.errors import InputError
 
-_ENTRY = re.compile(r"^@(?P<kind>\w+)\{(?P<key>[\w-]+),\n(?P<body>.*?)^\}$", re.MULTILINE | re.DOTALL)
+_ENTRY = re.compile(
+    r"^@(?P<kind>\w+)\{(?P<key>[\w-]+),\n(?P<body>.*?)^\}$", re.MULTILINE | re.DOTALL
+)
 _FIELD = re.compile(r"^  (?P<name>\w+) = \{(?P<value>.*)\},$", re.MULTILINE)
 
 
@@ -29,7 +31,11 @@ class Reference:
 
     def text(self) -> str:
         """The reference in one line: authors, title, where, year."""
-        place = [self.field(name) for name in ("journal", "howpublished", "publisher", "institution") if self.field(name)]
+        place = [
+            self.field(name)
+            for name in ("journal", "howpublished", "publisher", "institution")
+            if self.field(name)
+        ]
         place += [self.field(name) for name in ("volume", "number", "pages") if self.field(name)]
         edition = f" ({self.field('edition')} edition)" if self.field("edition") else ""
         doi = f". doi:{self.field('doi')}" if self.field("doi") else ""
@@ -49,13 +55,21 @@ def references() -> dict[str, Reference]:
 
 
 def parse_references(text: str) -> dict[str, Reference]:
-    """References by key from text in the layout of references.bib; :class:`InputError` for an entry that is read twice."""
+    """References by key from text in the layout of references.bib; :class:`InputError` for an entry
+    that is read twice.
+    """
     found: dict[str, Reference] = {}
     for match in _ENTRY.finditer(text):
         key = match["key"]
         if key in found:
-            raise InputError(f"reference '{key}' stands twice; rename or remove one", "references.bib")
-        found[key] = Reference(match["kind"], key, tuple((field["name"], field["value"]) for field in _FIELD.finditer(match["body"])))
+            raise InputError(
+                f"reference '{key}' stands twice; rename or remove one", "references.bib"
+            )
+        found[key] = Reference(
+            match["kind"],
+            key,
+            tuple((field["name"], field["value"]) for field in _FIELD.finditer(match["body"])),
+        )
     return found
 
 

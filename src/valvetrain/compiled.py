@@ -1,4 +1,6 @@
-"""Compiled kernels: numba's ``njit`` with a cache on disk that never serves old code, mends itself and finds a place of its own."""
+"""Compiled kernels: numba's ``njit`` with a cache on disk that never serves old code, mends itself
+and finds a place of its own.
+"""
 
 from __future__ import annotations
 
@@ -19,11 +21,15 @@ from numba import njit as compile_kernel
 from numba.core.caching import FunctionCache, IndexDataCacheFile
 
 PACKAGE = Path(__file__).parent
-_IMPORT = re.compile(rb"^\s*from valvetrain\.([\w.]+) import|^\s*import valvetrain\.([\w.]+)", re.MULTILINE)
+_IMPORT = re.compile(
+    rb"^\s*from valvetrain\.([\w.]+) import|^\s*import valvetrain\.([\w.]+)", re.MULTILINE
+)
 
 
 def njit(*given: Any, **options: Any) -> Any:
-    """``numba.njit`` whose option ``cache`` keeps the machine code by :class:`KernelCache`; to be used as a decorator, as numba's is."""
+    """``numba.njit`` whose option ``cache`` keeps the machine code by :class:`KernelCache`; to be
+    used as a decorator, as numba's is.
+    """
     kept = options.pop("cache", False)
     if given:
         return compile_kernel(*given, **options)
@@ -34,14 +40,18 @@ def njit(*given: Any, **options: Any) -> Any:
             try:
                 kernel._cache = _cache_of(kernel.py_func)
             except (AttributeError, OSError, RuntimeError, TypeError) as reason:
-                _tell_once(f"compiled kernels cannot be kept ({reason}); each run compiles them anew")
+                _tell_once(
+                    f"compiled kernels cannot be kept ({reason}); each run compiles them anew"
+                )
         return kernel
 
     return decorate
 
 
 class CheckedFile(IndexDataCacheFile):
-    """Numba's files of one kernel with a digest at their end: machine code with one wrong bit would be run, and might even go on."""
+    """Numba's files of one kernel with a digest at their end: machine code with one wrong bit would
+    be run, and might even go on.
+    """
 
     def _dump(self, obj: Any) -> bytes:
         content: bytes = super()._dump(obj)  # type: ignore[no-untyped-call]
@@ -69,16 +79,20 @@ def _checked(content: bytes) -> bytes:
 
 
 class KernelCache(FunctionCache):
-    """Numba's cache of one kernel, valid for all sources that kernels are made of, not for the kernel's own file alone.
+    """Numba's cache of one kernel, valid for all sources that kernels are made of, not for the
+    kernel's own file alone.
 
-    A kernel holds the code of those it calls and the constants of other files, which numba does not look at. An entry that cannot be
+    A kernel holds the code of those it calls and the constants of other files, which numba does not
+    look at. An entry that cannot be
     read is dropped and made anew; one that cannot be written is left out.
     """
 
     def __init__(self, function: Callable[..., Any]) -> None:
         super().__init__(function)  # type: ignore[no-untyped-call]
         stamp = (self._impl.locator.get_source_stamp(), sources_digest(PACKAGE))
-        self._cache_file = CheckedFile(self._cache_path, f"{self._impl.filename_base}.checked", stamp)  # type: ignore[no-untyped-call]
+        self._cache_file = CheckedFile(
+            self._cache_path, f"{self._impl.filename_base}.checked", stamp
+        )  # type: ignore[no-untyped-call]
 
     @property
     def _place(self) -> Path:
@@ -91,7 +105,9 @@ class KernelCache(FunctionCache):
         try:
             return super().load_overload(sig, target_context)  # type: ignore[no-untyped-call]
         except Exception as reason:  # damaged bytes raise whatever they happen to spell
-            _tell_once(f"compiled kernels in {self._place} are damaged ({type(reason).__name__}); they are compiled anew")
+            _tell_once(
+                f"compiled kernels in {self._place} are damaged ({type(reason).__name__}); they are compiled anew"
+            )
             try:
                 self.flush()  # type: ignore[no-untyped-call]
             except OSError:
@@ -104,11 +120,15 @@ class KernelCache(FunctionCache):
             super().save_overload(sig, data)  # type: ignore[no-untyped-call]
         except OSError as reason:
             self.disable()  # type: ignore[no-untyped-call]
-            _tell_once(f"compiled kernels cannot be kept in {self._place} ({reason.strerror or reason}); runs compile them anew")
+            _tell_once(
+                f"compiled kernels cannot be kept in {self._place} ({reason.strerror or reason}); runs compile them anew"
+            )
 
 
 def _cache_of(function: Callable[..., Any]) -> KernelCache:
-    """Cache beside the source or in the user's own folder; where neither can be written, in a private one for temporary files."""
+    """Cache beside the source or in the user's own folder; where neither can be written, in a
+    private one for temporary files.
+    """
     try:
         return KernelCache(function)
     except RuntimeError:
@@ -123,12 +143,16 @@ def _cache_of(function: Callable[..., Any]) -> KernelCache:
 
 
 def _private_folder() -> Path:
-    """Folder for temporary files that nobody else can write: kept code is run, so it must be this user's own."""
+    """Folder for temporary files that nobody else can write: kept code is run, so it must be this
+    user's own.
+    """
     owner = os.getuid() if hasattr(os, "getuid") else 0
     folder = Path(tempfile.gettempdir()) / f"valvetrain-kernels-{owner}"
     folder.mkdir(mode=0o700, exist_ok=True)
     facts = folder.lstat()
-    if hasattr(os, "getuid") and (folder.is_symlink() or facts.st_uid != owner or facts.st_mode & 0o077):
+    if hasattr(os, "getuid") and (
+        folder.is_symlink() or facts.st_uid != owner or facts.st_mode & 0o077
+    ):
         raise OSError(f"{folder} belongs to others")
     return folder
 
@@ -143,10 +167,18 @@ def sources_digest(package: Path) -> str:
 
 
 def kernel_sources(package: Path) -> dict[str, bytes]:
-    """File -> text of the files with kernels and of those that they import, by name from the folder ``package`` on."""
-    texts = {path.relative_to(package).as_posix(): path.read_bytes() for path in package.rglob("*.py")}
+    """File -> text of the files with kernels and of those that they import, by name from the folder
+    ``package`` on.
+    """
+    texts = {
+        path.relative_to(package).as_posix(): path.read_bytes() for path in package.rglob("*.py")
+    }
     made_here = [name for name, text in texts.items() if b"@njit(" in text]
-    modules = {(found[1] or found[2]).decode().replace(".", "/") for name in made_here for found in _IMPORT.finditer(texts[name])}
+    modules = {
+        (found[1] or found[2]).decode().replace(".", "/")
+        for name in made_here
+        for found in _IMPORT.finditer(texts[name])
+    }
     named = {file for module in modules for file in (f"{module}.py", f"{module}/__init__.py")}
     return {name: texts[name] for name in texts.keys() & {*made_here, *named}}
 

@@ -39,7 +39,11 @@ class RunFailedError(ValvetrainError):
 
 
 def _readable(text: str, most: int) -> str:
-    """``text`` as one printable line of at most ``most`` characters, its middle left out where it is longer."""
+    """``text`` as one printable line of at most ``most`` characters, its middle left out where it
+    is longer.
+    """
     if not text.isprintable():
-        text = "".join(char if char.isprintable() else " " if char in "\n\r\t\xa0" else "?" for char in text)
+        text = "".join(
+            char if char.isprintable() else " " if char in "\n\r\t\xa0" else "?" for char in text
+        )
     return text if len(text) <= most else f"{text[: most // 2]} ... {text[-most // 2 + 5 :]}"

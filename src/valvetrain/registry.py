@@ -1,7 +1,9 @@
 """One registry for everything that can be added: a word, and where the object behind it stands.
 
-What ships and what a user's package brings are listed alike, as ``"module:attribute"``; nothing is imported before it is asked for.
-A package adds, say, a spring model by the entry point ``[project.entry-points."valvetrain.springs"]`` of its own pyproject.toml.
+What ships and what a user's package brings are listed alike, as ``"module:attribute"``; nothing is
+imported before it is asked for.
+A package adds, say, a spring model by the entry point
+``[project.entry-points."valvetrain.springs"]`` of its own pyproject.toml.
 """
 
 from __future__ import annotations
@@ -44,18 +46,18 @@ BUILT_IN["commands"] = {
     "refine": "valvetrain.cli.refine:register",
     "runs": "valvetrain.cli.runs:register",
     "compare-runs": "valvetrain.cli.compare_runs:register",
-    "compare-test": "valvetrain.cli.compare_test:register",
-    "lift": "valvetrain.cli.lift:register",
+    "compare-test": "valvetrain.compare_test.command:register",
+    "lift": "valvetrain.lift.command:register",
     "identify": "valvetrain.cli.identify:register",
     "animate": "valvetrain.cli.animate:register",
-    "spring-card": "valvetrain.cli.spring_card:register",
-    "scan": "valvetrain.cli.scan:register",
-    "film": "valvetrain.cli.film:register",
-    "rig": "valvetrain.cli.rig:register",
-    "new": "valvetrain.cli.new:register",
-    "cases": "valvetrain.cli.cases:register",
-    "check": "valvetrain.cli.check:register",
-    "serve": "valvetrain.cli.serve:register",
+    "spring-card": "valvetrain.spring_card.command:register",
+    "scan": "valvetrain.scan.command:register",
+    "film": "valvetrain.film.command:register",
+    "rig": "valvetrain.rig.command:register",
+    "new": "valvetrain.cli.cases:register_new",
+    "cases": "valvetrain.cli.cases:register_cases",
+    "check": "valvetrain.cli.cases:register_check",
+    "serve": "valvetrain.workbench.command:register",
 }
 BUILT_IN["springs"] = {
     "massless": "valvetrain.springs.massless:SPEC",
@@ -76,45 +78,45 @@ BUILT_IN["integrators"] = {
 }
 BUILT_IN["quantities"] = {
     "general": "valvetrain.quantities.table:ROWS",
-    "gu2021": "valvetrain.sources.gu2021_rows:QUANTITIES",
-    "multibody4b17": "valvetrain.sources.multibody4b17_rows:QUANTITIES",
-    "vasilyev2016": "valvetrain.sources.vasilyev2016_rows:QUANTITIES",
+    "gu2021": "valvetrain.sources.rows:GU2021_QUANTITIES",
+    "multibody4b17": "valvetrain.sources.rows:MULTIBODY4B17_QUANTITIES",
+    "vasilyev2016": "valvetrain.sources.rows:VASILYEV2016_QUANTITIES",
 }
 BUILT_IN["lifts"] = {
-    "zero": "valvetrain.cam.zero:SPEC",
-    "spline": "valvetrain.cam.spline:SPEC",
-    "table": "valvetrain.cam.spline:SPEC",
+    "zero": "valvetrain.cam.closed_form:ZERO_SPEC",
+    "spline": "valvetrain.cam.spline:SPLINE_SPEC",
+    "table": "valvetrain.cam.spline:SPLINE_SPEC",
     "measured": "valvetrain.cam.measured:SPEC",
-    "stations": "valvetrain.cam.stations:SPEC",
-    "polynomial": "valvetrain.cam.polynomial:SPEC",
+    "stations": "valvetrain.cam.spline:STATIONS_SPEC",
+    "polynomial": "valvetrain.cam.closed_form:POLYNOMIAL_SPEC",
     "polydyne": "valvetrain.cam.polydyne:SPEC",
-    "cycloidal": "valvetrain.cam.cycloidal:SPEC",
-    "modified-sine": "valvetrain.cam.modified_sine:SPEC",
-    "harmonic": "valvetrain.cam.harmonic:SPEC",
-    "sine-power": "valvetrain.cam.sine_power:SPEC",
+    "cycloidal": "valvetrain.cam.closed_form:CYCLOIDAL_SPEC",
+    "modified-sine": "valvetrain.cam.closed_form:MODIFIED_SINE_SPEC",
+    "harmonic": "valvetrain.cam.closed_form:HARMONIC_SPEC",
+    "sine-power": "valvetrain.cam.closed_form:SINE_POWER_SPEC",
     "ramped": "valvetrain.cam.ramped:SPEC",
     "shaped": "valvetrain.cam.shaped:SPEC",
     "cam-card": "valvetrain.cam.cam_card:SPEC",
     "modified-trapezoid": "valvetrain.cam.modified_trapezoid:SPEC",
-    "three-arc": "valvetrain.cam.three_arc:SPEC",
-    "tangent": "valvetrain.cam.tangent:SPEC",
+    "three-arc": "valvetrain.cam.arcs:THREE_ARC_SPEC",
+    "tangent": "valvetrain.cam.arcs:TANGENT_SPEC",
 }
 #: In the order in which a content is asked; the last takes any text.
 BUILT_IN["lift_formats"] = {
-    "workbook": "valvetrain.measurements.lift_formats.workbook:SPEC",
-    "s96": "valvetrain.measurements.lift_formats.s96:SPEC",
-    "fractions": "valvetrain.measurements.lift_formats.fractions:SPEC",
-    "columns": "valvetrain.measurements.lift_formats.columns:SPEC",
+    "workbook": "valvetrain.measured.lift_formats:WORKBOOK_SPEC",
+    "s96": "valvetrain.measured.lift_formats:S96_SPEC",
+    "fractions": "valvetrain.measured.lift_formats:FRACTIONS_SPEC",
+    "columns": "valvetrain.measured.lift_formats:COLUMNS_SPEC",
 }
 #: Likewise, of recordings of test rigs.
 BUILT_IN["rig_formats"] = {
-    "mdf": "valvetrain.measurements.rig_formats.mdf4:SPEC",
-    "tdms": "valvetrain.measurements.rig_formats.tdms:SPEC",
-    "mat": "valvetrain.measurements.rig_formats.mat5:SPEC",
-    "hdf5": "valvetrain.measurements.rig_formats.hdf5:SPEC",
-    "netcdf": "valvetrain.measurements.rig_formats.netcdf3:SPEC",
-    "uff58": "valvetrain.measurements.rig_formats.uff58:SPEC",
-    "text": "valvetrain.measurements.rig_formats.text:SPEC",
+    "mdf": "valvetrain.rig.logger_formats:MDF4_SPEC",
+    "tdms": "valvetrain.rig.logger_formats:TDMS_SPEC",
+    "mat": "valvetrain.rig.array_formats:MAT5_SPEC",
+    "hdf5": "valvetrain.rig.array_formats:HDF5_SPEC",
+    "netcdf": "valvetrain.rig.array_formats:NETCDF3_SPEC",
+    "uff58": "valvetrain.rig.logger_formats:UFF58_SPEC",
+    "text": "valvetrain.rig.array_formats:TEXT_SPEC",
 }
 BUILT_IN["contacts"] = {
     "linear": "valvetrain.contact.linear:SPEC",
@@ -141,44 +143,50 @@ BUILT_IN["samplers"] = {
     "saltelli": "valvetrain.studies.points.samplers.saltelli:SPEC",
     "adaptive": "valvetrain.studies.points.samplers.adaptive:SPEC",
 }
-BUILT_IN["sources"] = {key: f"valvetrain.sources.{key}:SPEC" for key in ("gu2021", "vasilyev2016", "multibody4b17")}
+BUILT_IN["sources"] = {
+    key: f"valvetrain.sources.{key}:SPEC" for key in ("gu2021", "vasilyev2016", "multibody4b17")
+}
 #: In the order of the page: what answers first, what a paper says only after it.
 BUILT_IN["sections"] = {
     "answers": "valvetrain.report.sections.answers:SPEC",
     "fidelity": "valvetrain.report.sections.fidelity:SPEC",
-    "critical-speeds": "valvetrain.report.sections.critical:SPEC",
-    "sweep": "valvetrain.report.sections.sweep:SPEC",
-    "published": "valvetrain.report.sections.published:SPEC",
+    "critical-speeds": "valvetrain.report.sections.sweep:CRITICAL_SPEC",
+    "sweep": "valvetrain.report.sections.sweep:SWEEP_SPEC",
+    "published": "valvetrain.report.sections.published:PUBLISHED_SPEC",
     "gu2021": "valvetrain.report.sections.gu2021:SPEC",
-    "uncertainty": "valvetrain.report.sections.uncertainty:SPEC",
-    "force": "valvetrain.report.sections.force:SPEC",
-    "in-motion": "valvetrain.report.sections.in_motion:SPEC",
-    "coils": "valvetrain.report.sections.coils:SPEC",
-    "motion": "valvetrain.report.sections.motion:SPEC",
-    "train": "valvetrain.report.sections.train:SPEC",
+    "uncertainty": "valvetrain.report.sections.published:UNCERTAINTY_SPEC",
+    "force": "valvetrain.report.sections.curves:FORCE_SPEC",
+    "in-motion": "valvetrain.report.sections.curves:IN_MOTION_SPEC",
+    "coils": "valvetrain.report.sections.coils:COILS_SPEC",
+    "motion": "valvetrain.report.sections.curves:MOTION_SPEC",
+    "train": "valvetrain.report.sections.curves:TRAIN_SPEC",
     "at-rest": "valvetrain.report.sections.at_rest:SPEC",
-    "orders": "valvetrain.report.sections.orders:SPEC",
-    "stress": "valvetrain.report.sections.stress:SPEC",
-    "energy": "valvetrain.report.sections.energy:SPEC",
-    "events": "valvetrain.report.sections.events:SPEC",
-    "kinematics": "valvetrain.report.sections.kinematics:SPEC",
-    "case": "valvetrain.report.sections.case:SPEC",
-    "runs": "valvetrain.report.sections.runs:SPEC",
-    "references": "valvetrain.report.sections.references:SPEC",
+    "orders": "valvetrain.report.sections.sweep:ORDERS_SPEC",
+    "stress": "valvetrain.report.sections.coils:STRESS_SPEC",
+    "energy": "valvetrain.report.sections.curves:ENERGY_SPEC",
+    "events": "valvetrain.report.sections.coils:EVENTS_SPEC",
+    "kinematics": "valvetrain.report.sections.curves:KINEMATICS_SPEC",
+    "case": "valvetrain.report.sections.inputs:CASE_SPEC",
+    "runs": "valvetrain.report.sections.inputs:RUNS_SPEC",
+    "references": "valvetrain.report.sections.inputs:REFERENCES_SPEC",
 }
 
 
 @cache
 def places(kind: str) -> dict[str, str]:
-    """Word -> ``"module:attribute"`` of every member of ``kind``: those that ship, then those of installed packages by name.
+    """Word -> ``"module:attribute"`` of every member of ``kind``: those that ship, then those of
+    installed packages by name.
 
-    Raises :class:`InputError` when a package gives a word that is taken, for a silent replacement would change numbers.
+    Raises :class:`InputError` when a package gives a word that is taken, for a silent replacement
+    would change numbers.
     """
     found = dict(BUILT_IN[kind])
     group, noun = KINDS[kind]
     for point in sorted(metadata.entry_points(group=group), key=lambda point: point.name):
         if found.setdefault(point.name, point.value) != point.value:
-            raise InputError(f"an installed package brings a {noun} '{point.name}' ({point.value}), a name that is taken; rename it there")
+            raise InputError(
+                f"an installed package brings a {noun} '{point.name}' ({point.value}), a name that is taken; rename it there"
+            )
     return found
 
 
@@ -188,10 +196,14 @@ def words(kind: str) -> tuple[str, ...]:
 
 
 def find(kind: str, word: str, where: str = "") -> Any:
-    """The object behind ``word``. Raises :class:`InputError` for an unknown word (with the nearest ones) or one that cannot be loaded."""
+    """The object behind ``word``. Raises :class:`InputError` for an unknown word (with the nearest
+    ones) or one that cannot be loaded.
+    """
     known, noun = places(kind), KINDS[kind][1]
     if not isinstance(word, str):
-        raise InputError(f"{noun} '{str(word)[:40]}' is no word; use one of {', '.join(known)}", where)
+        raise InputError(
+            f"{noun} '{str(word)[:40]}' is no word; use one of {', '.join(known)}", where
+        )
     if word not in known:
         near = difflib.get_close_matches(word[:60], known, n=2, cutoff=0.5)
         hint = f"did you mean {' or '.join(near)}?" if near else f"use one of {', '.join(known)}"
@@ -205,4 +217,6 @@ def _load(kind: str, word: str, place: str) -> Any:
     try:
         return getattr(import_module(module), attribute)
     except (ImportError, AttributeError) as error:
-        raise InputError(f"{KINDS[kind][1]} '{word}' cannot be loaded from {place} ({error}); repair or remove the package") from error
+        raise InputError(
+            f"{KINDS[kind][1]} '{word}' cannot be loaded from {place} ({error}); repair or remove the package"
+        ) from error

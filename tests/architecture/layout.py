@@ -1,4 +1,6 @@
-"""What the architecture tests share: the files of the package, read as syntax trees, never imported."""
+"""What the architecture tests share: the files of the package, read as syntax trees, never
+imported.
+"""
 
 from __future__ import annotations
 
@@ -35,15 +37,19 @@ def tree_of(path: Path) -> ast.Module:
 
 
 def package_of(module: str) -> str:
-    """Package of a dotted module: ``valvetrain.cam.zero`` -> ``cam``; empty for the package itself and for ``python -m valvetrain``."""
+    """Package of a dotted module: ``valvetrain.cam.closed_form`` -> ``cam``; empty for the package
+    itself and for ``python -m valvetrain``.
+    """
     parts = module.split(".")
     return parts[1] if len(parts) > 1 and parts[1] != "__main__" else ""
 
 
 def imports_of(module: str, tree: ast.Module, is_package: bool) -> Iterator[Import]:
-    """Every import of a module, inside functions and under TYPE_CHECKING too; relative ones made absolute.
+    """Every import of a module, inside functions and under TYPE_CHECKING too; relative ones made
+    absolute.
 
-    ``from valvetrain import cam`` counts as ``valvetrain.cam``, ``from valvetrain.cam import zero`` as ``valvetrain.cam.zero``.
+    ``from valvetrain import cam`` counts as ``valvetrain.cam``, ``from valvetrain.cam import zero``
+    as ``valvetrain.cam.closed_form``.
     """
     for node in ast.walk(tree):
         if isinstance(node, ast.Import):
@@ -51,13 +57,17 @@ def imports_of(module: str, tree: ast.Module, is_package: bool) -> Iterator[Impo
         elif isinstance(node, ast.ImportFrom):
             base = _absolute(module, node, is_package)
             names = [f"{base}.{alias.name}" for alias in node.names]
-            targets = dict.fromkeys(name if base == "valvetrain" or name in modules() else base for name in names)
+            targets = dict.fromkeys(
+                name if base == "valvetrain" or name in modules() else base for name in names
+            )
             yield from (Import(target, node.lineno) for target in targets)
 
 
 @cache
 def levels() -> dict[str, int]:
-    """Package -> level, read from the drawing in docs/architecture.md; a package may import lower levels only."""
+    """Package -> level, read from the drawing in docs/architecture.md; a package may import lower
+    levels only.
+    """
     text = (ROOT / "docs" / "architecture.md").read_text(encoding="utf-8")
     drawing = re.search(r"^    errors\n(?:      <- .*\n)+", text, re.MULTILINE)
     assert drawing, "docs/architecture.md lost its drawing of the packages"

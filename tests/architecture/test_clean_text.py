@@ -1,4 +1,5 @@
-"""Tracked files hold no address of a package index, no path of one machine, no word on how the text was made.
+"""Tracked files hold no address of a package index, no path of one machine, no word on how the text
+was made.
 
 The forbidden words are put together from parts, so that this file does not hold them.
 """
@@ -12,15 +13,39 @@ import pytest
 
 from architecture.layout import ROOT
 
-START = r"(?<![\w.:/$}~-])"  # a path begins here, it is not the tail of an address or of a longer path
-HOSTS = ["pypi" + r"\.", "python" + "hosted", "anaconda" + r"\.(?:org|com)", "dev" + "pi", "arti" + "factory"]
-CHOICES = ["--" + "(?:extra-)?" + "index-url", "--" + "find-links", "--" + "trusted-host", "(?:PIP|UV)_" + r"\w+="]
-MAKERS = ["cla" + "ude", "anth" + "ropic", "chat" + "gpt", "open" + "ai", "co" + "pilot", r"language " + "model"]
+START = (
+    r"(?<![\w.:/$}~-])"  # a path begins here, it is not the tail of an address or of a longer path
+)
+HOSTS = [
+    "pypi" + r"\.",
+    "python" + "hosted",
+    "anaconda" + r"\.(?:org|com)",
+    "dev" + "pi",
+    "arti" + "factory",
+]
+CHOICES = [
+    "--" + "(?:extra-)?" + "index-url",
+    "--" + "find-links",
+    "--" + "trusted-host",
+    "(?:PIP|UV)_" + r"\w+=",
+]
+MAKERS = [
+    "cla" + "ude",
+    "anth" + "ropic",
+    "chat" + "gpt",
+    "open" + "ai",
+    "co" + "pilot",
+    r"language " + "model",
+]
 FORBIDDEN = {
     "address of a package index": re.compile("|".join(HOSTS), re.I),
     "choice of a package index": re.compile("|".join(CHOICES)),
-    "path of one machine": re.compile(START + "/" + "(?:work|home|root|Users|mnt|workspace)" + r"/[\w.]"),
-    "path outside the repository": re.compile(r"(?:\.\./|\b)" + "shared" + "/(?:spec|seeds|design|hooks)"),
+    "path of one machine": re.compile(
+        START + "/" + "(?:work|home|root|Users|mnt|workspace)" + r"/[\w.]"
+    ),
+    "path outside the repository": re.compile(
+        r"(?:\.\./|\b)" + "shared" + "/(?:spec|seeds|design|hooks)"
+    ),
     "word on how the text was made": re.compile("|".join(MAKERS), re.I),
 }
 #: scripts/pins.sh must tell its resolver to leave addresses out, and names the options that do so.
@@ -49,15 +74,29 @@ def findings(path: str, text: str) -> list[str]:
 @pytest.mark.parametrize(
     "line",
     [
-        "see https://py" + "pi.org/x", "pip install --index" + "-url x", "PIP" + "_CERT=x", "open('/wo" + "rk/main/a')",
-        "/ho" + "me/me/x", "from ../sha" + "red/spec/a", "by Cl" + "aude",
+        "see https://py" + "pi.org/x",
+        "pip install --index" + "-url x",
+        "PIP" + "_CERT=x",
+        "open('/wo" + "rk/main/a')",
+        "/ho" + "me/me/x",
+        "from ../sha" + "red/spec/a",
+        "by Cl" + "aude",
     ],
-)  # fmt: skip
+)
 def test_the_rule_catches_what_it_should(line):
     assert len(findings("a.py", line)) == 1
 
 
-@pytest.mark.parametrize("line", ["https://example.org/work/x", "N m / work / done", "shared/own", "src/work/x", "the modal model"])
+@pytest.mark.parametrize(
+    "line",
+    [
+        "https://example.org/work/x",
+        "N m / work / done",
+        "shared/own",
+        "src/work/x",
+        "the modal model",
+    ],
+)
 def test_the_rule_spares_what_is_fine(line):
     assert not findings("a.py", line)
 

@@ -1,4 +1,6 @@
-"""The pages of the documentation hold together: each is reached from the first, links and anchors lead somewhere, commands exist."""
+"""The pages of the documentation hold together: each is reached from the first, links and anchors
+lead somewhere, commands exist.
+"""
 
 from __future__ import annotations
 
@@ -22,7 +24,9 @@ BUILT = {"commands", "api/index", "gallery/index"}
 FENCE = re.compile(r"^(?P<fence>```+|:::+)[^\n]*\n.*?^(?P=fence)[ ]*$", re.MULTILINE | re.DOTALL)
 CODE = re.compile(r"^```(?P<language>\w+)\n(?P<code>.*?)^```$", re.MULTILINE | re.DOTALL)
 LINK = re.compile(r"(?<!\\)\]\(([^()\s]+)\)")
-TREE = re.compile(r"^```\{toctree\}\n(?P<options>(?::.*\n)*)\n(?P<pages>.*?)^```$", re.MULTILINE | re.DOTALL)
+TREE = re.compile(
+    r"^```\{toctree\}\n(?P<options>(?::.*\n)*)\n(?P<pages>.*?)^```$", re.MULTILINE | re.DOTALL
+)
 identity = pytest.mark.parametrize("path", ALL, ids=lambda path: str(path.relative_to(ROOT)))
 
 
@@ -42,7 +46,9 @@ def parts():
 
 
 def anchors(path: Path) -> set[str]:
-    """Anchors of the headings of a page, as code hosts and the site make them; and targets that are named."""
+    """Anchors of the headings of a page, as code hosts and the site make them; and targets that are
+    named.
+    """
     found: dict[str, int] = {}
     plain = CODE.sub("", text_of(path))
     for heading in re.findall(r"^#{1,4} (.*)$", plain, re.MULTILINE):
@@ -60,7 +66,12 @@ def below(page: str) -> set[str]:
     text = text_of(DOCS / f"{page}.md")
     tree = parts()
     folder = (DOCS / page).parent
-    named = {line.strip() for match in TREE.finditer(text) for line in match["pages"].splitlines() if line.strip()}
+    named = {
+        line.strip()
+        for match in TREE.finditer(text)
+        for line in match["pages"].splitlines()
+        if line.strip()
+    }
     named |= set(tree.children(page, text, DOCS)) if page in tree.PARENTS else set()
     named = {re.sub(r".*<(.*)>", r"\1", name) for name in named}
     return {str((folder / name).resolve().relative_to(DOCS)) for name in named}
@@ -75,7 +86,9 @@ def test_every_page_is_reached_from_the_first():
             reached |= new
             open_pages += sorted(new)
     pages = {str(path.relative_to(DOCS).with_suffix("")) for path in PAGES}
-    assert not pages - reached, "add a link to the page that lists such pages (docs/user-guide.md, docs/reference.md, ...)"
+    assert not pages - reached, (
+        "add a link to the page that lists such pages (docs/user-guide.md, docs/reference.md, ...)"
+    )
     assert not reached - pages - BUILT
 
 
@@ -123,35 +136,52 @@ def refused(line: str) -> str:
     command = commands().get(words[1])
     if command is None:
         return f"no command {words[1]}: {line}"
-    known = {flag for one in command.params for flag in (*one.opts, *one.secondary_opts)} | {"--help"}
+    known = {flag for one in command.params for flag in (*one.opts, *one.secondary_opts)} | {
+        "--help"
+    }
     given = [word.partition("=")[0] for word in words[2:] if re.match(r"--[a-z]", word)]
-    return "; ".join(f"{words[1]} has no option {flag}: {line}" for flag in given if flag not in known)
+    return "; ".join(
+        f"{words[1]} has no option {flag}: {line}" for flag in given if flag not in known
+    )
 
 
 def lines_of_commands(text: str) -> list[str]:
     """Command lines in blocks of a shell, in indented lines and within sentences."""
-    blocks = [code for language, code in CODE.findall(text) if language in ("bash", "sh", "shell", "console")]
+    blocks = [
+        code
+        for language, code in CODE.findall(text)
+        if language in ("bash", "sh", "shell", "console")
+    ]
     lines = [line for code in blocks for line in code.replace("\\\n", " ").splitlines()]
     lines += re.findall(r"^    (valvetrain .*)$", text, re.MULTILINE)
     lines += re.findall(r"`(valvetrain [a-z][^`\n]*)`", CODE.sub("", text))
-    return [line.strip().removeprefix("$ ") for line in lines if line.strip().removeprefix("$ ").startswith("valvetrain ")]
+    return [
+        line.strip().removeprefix("$ ")
+        for line in lines
+        if line.strip().removeprefix("$ ").startswith("valvetrain ")
+    ]
 
 
 @identity
 def test_commands_of_a_page_exist_with_their_options(path):
     text = text_of(path)
-    added = {f"valvetrain {word}" for word in re.findall(r'^([\w-]+) = "\w+:register"$', text, re.MULTILINE)}
+    added = {
+        f"valvetrain {word}"
+        for word in re.findall(r'^([\w-]+) = "\w+:register"$', text, re.MULTILINE)
+    }
     lines = [line for line in lines_of_commands(text) if " ".join(line.split()[:2]) not in added]
     assert not [words for words in map(refused, lines) if words]
 
 
 def test_a_slip_in_a_command_is_found():
     assert (
-        refused("valvetrain rum gu2021-beehive") and refused("valvetrain run x --engine-sped 1") and not refused("valvetrain run x --json")
+        refused("valvetrain rum gu2021-beehive")
+        and refused("valvetrain run x --engine-sped 1")
+        and not refused("valvetrain run x --json")
     )
-    assert lines_of_commands("```bash\nvalvetrain run x \\\n  --json\n```\nand `valvetrain new y`\n\n    valvetrain cases\n")[0].endswith(
-        "--json"
-    )
+    assert lines_of_commands(
+        "```bash\nvalvetrain run x \\\n  --json\n```\nand `valvetrain new y`\n\n    valvetrain cases\n"
+    )[0].endswith("--json")
     assert len(lines_of_commands("`valvetrain new y`\n\n    valvetrain cases\n")) == 2
 
 

@@ -13,9 +13,29 @@ import pytest
 from architecture.layout import PACKAGE, imports_of, levels, modules, package_of, tree_of
 
 #: Library -> packages that may import it.
-KEPT_IN = {"plotly": {"report"}, "matplotlib": {"report"}, "typer": {"cli"}, "rich": {"cli"}, "nicegui": {"workbench"}}
+KEPT_IN = {
+    "plotly": {"report"},
+    "matplotlib": {"report"},
+    "typer": {"cli"},
+    "rich": {"cli"},
+    "nicegui": {"workbench"},
+}
 FRAMEWORKS = ("nicegui", "fastapi", "starlette", "uvicorn", "socketio", "httpx")
-HEAVY = ("numba", "scipy", "xarray", "pint", "plotly", "matplotlib", "pydantic", "pandas", "h5py", "typer", "rich", "jinja2", "numpy")
+HEAVY = (
+    "numba",
+    "scipy",
+    "xarray",
+    "pint",
+    "plotly",
+    "matplotlib",
+    "pydantic",
+    "pandas",
+    "h5py",
+    "typer",
+    "rich",
+    "jinja2",
+    "numpy",
+)
 
 
 def violations(module: str, tree: ast.Module, is_package: bool = False) -> list[str]:
@@ -25,20 +45,43 @@ def violations(module: str, tree: ast.Module, is_package: bool = False) -> list[
         top = imported.module.split(".")[0]
         target = package_of(imported.module)
         if top in KEPT_IN and package not in KEPT_IN[top]:
-            found.append(f"{module}:{imported.line} imports {top}, which belongs to {', '.join(sorted(KEPT_IN[top]))}")
-        if top != "valvetrain" or not package or imported.module == "valvetrain.__version__" or target == package:
+            found.append(
+                f"{module}:{imported.line} imports {top}, which belongs to {', '.join(sorted(KEPT_IN[top]))}"
+            )
+        if (
+            top != "valvetrain"
+            or not package
+            or imported.module == "valvetrain.__version__"
+            or target == package
+        ):
             continue
         if target not in levels():
-            found.append(f"{module}:{imported.line} imports {imported.module}, which is no package of docs/architecture.md")
+            found.append(
+                f"{module}:{imported.line} imports {imported.module}, which is no package of docs/architecture.md"
+            )
         elif package != "__main__" and levels()[target] >= levels()[package]:
-            found.append(f"{module}:{imported.line} imports {imported.module}: {package} may not know {target}")
+            found.append(
+                f"{module}:{imported.line} imports {imported.module}: {package} may not know {target}"
+            )
     return found
 
 
 def test_the_drawing_is_read_as_it_is_meant():
     assert levels()["errors"] == 0
-    assert levels()["units"] == levels()["registry"] == 1 < levels()["solution"] < levels()["parameters"]
-    assert levels()["cosserat"] == levels()["cam"] < levels()["springs"] < levels()["system"] < levels()["integrate"]
+    assert (
+        levels()["units"]
+        == levels()["registry"]
+        == 1
+        < levels()["solution"]
+        < levels()["parameters"]
+    )
+    assert (
+        levels()["cosserat"]
+        == levels()["cam"]
+        < levels()["springs"]
+        < levels()["system"]
+        < levels()["integrate"]
+    )
     assert levels()["report"] < levels()["workbench"] < levels()["cli"] == max(levels().values())
 
 
@@ -52,7 +95,11 @@ def test_the_drawing_is_read_as_it_is_meant():
         ("valvetrain.cosserat.mesh", "from valvetrain import load_case", True),
         ("valvetrain.cosserat.mesh", "import matplotlib.pyplot as plt", True),
         ("valvetrain.cosserat.mesh", "if TYPE_CHECKING:\n    import valvetrain.cli.main", True),
-        ("valvetrain.cosserat.mesh", "from valvetrain.errors import InputError\nfrom . import section\nimport numba", False),
+        (
+            "valvetrain.cosserat.mesh",
+            "from valvetrain.errors import InputError\nfrom . import section\nimport numba",
+            False,
+        ),
         ("valvetrain.report.page", "import plotly\nfrom valvetrain import __version__", False),
     ],
 )
@@ -66,17 +113,31 @@ def test_every_module_stands_in_a_package_of_the_drawing():
 
 
 def test_imports_run_one_way():
-    found = [sentence for module, path in modules().items() for sentence in violations(module, tree_of(path), path.name == "__init__.py")]
+    found = [
+        sentence
+        for module, path in modules().items()
+        for sentence in violations(module, tree_of(path), path.name == "__init__.py")
+    ]
     assert not found, "\n".join(found)
 
 
 def test_the_workbench_knows_neither_its_pages_nor_their_framework():
-    """Pages stand on the workbench, not it on them: it could be shown by another framework, and is tested without one."""
+    """Pages stand on the workbench, not it on them: it could be shown by another framework, and is
+    tested without one.
+    """
     found = []
     for module, path in modules().items():
-        if module.startswith("valvetrain.workbench") and not module.startswith("valvetrain.workbench.pages"):
-            names = [one.module for one in imports_of(module, tree_of(path), path.name == "__init__.py")]
-            found += [f"{module} imports {name}" for name in names if name.split(".")[0] in FRAMEWORKS or ".pages" in name]
+        if module.startswith("valvetrain.workbench") and not module.startswith(
+            "valvetrain.workbench.pages"
+        ):
+            names = [
+                one.module for one in imports_of(module, tree_of(path), path.name == "__init__.py")
+            ]
+            found += [
+                f"{module} imports {name}"
+                for name in names
+                if name.split(".")[0] in FRAMEWORKS or ".pages" in name
+            ]
     assert not found
 
 
@@ -105,7 +166,10 @@ def test_a_loop_of_imports_is_found():
 def test_no_modules_import_each_other_not_even_on_first_use():
     files = modules()
     graph = {
-        name: {found.module for found in imports_of(name, tree_of(path), path.name == "__init__.py")} & set(files) - {name}
+        name: {
+            found.module for found in imports_of(name, tree_of(path), path.name == "__init__.py")
+        }
+        & set(files) - {name}
         for name, path in files.items()
     }
     assert "valvetrain.springs.modal_kernels" in graph["valvetrain.springs.modal_uniform"]
@@ -114,11 +178,15 @@ def test_no_modules_import_each_other_not_even_on_first_use():
 
 def _run(code: str) -> str:
     environment = {**os.environ, "PYTHONPATH": str(PACKAGE.parent)}
-    return subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, env=environment).stdout.strip()
+    return subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, check=True, env=environment
+    ).stdout.strip()
 
 
 def test_the_bare_import_loads_nothing_heavy():
-    loaded = _run("import sys, valvetrain; print(' '.join(sorted({name.split('.')[0] for name in sys.modules})))").split()
+    loaded = _run(
+        "import sys, valvetrain; print(' '.join(sorted({name.split('.')[0] for name in sys.modules})))"
+    ).split()
     assert "valvetrain" in loaded
     assert not set(HEAVY) & set(loaded)
 
@@ -129,4 +197,6 @@ def test_the_bare_import_takes_under_0_7_s():
         start = time.perf_counter()
         _run("import valvetrain")
         seconds.append(time.perf_counter() - start)
-    assert min(seconds) < 0.7, f"import valvetrain took {min(seconds):.2f} s, the interpreter's own start included"
+    assert min(seconds) < 0.7, (
+        f"import valvetrain took {min(seconds):.2f} s, the interpreter's own start included"
+    )

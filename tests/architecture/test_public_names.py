@@ -1,4 +1,6 @@
-"""The names of ``import valvetrain`` all resolve on first use, a type checker sees them, and each has an example."""
+"""The names of ``import valvetrain`` all resolve on first use, a type checker sees them, and each
+has an example.
+"""
 
 from __future__ import annotations
 
@@ -41,22 +43,49 @@ def test_the_block_for_type_checkers_lists_the_same_names():
     """Every line of the lazy table stands under TYPE_CHECKING too, and nothing else does."""
     blocks = [node for node in tree_of(PACKAGE / "__init__.py").body if isinstance(node, ast.If)]
     imports = [node for block in blocks for node in block.body if isinstance(node, ast.ImportFrom)]
-    seen = {alias.name: (node.module or "").removeprefix("valvetrain.") for node in imports for alias in node.names}
+    seen = {
+        alias.name: (node.module or "").removeprefix("valvetrain.")
+        for node in imports
+        for alias in node.names
+    }
     assert seen == valvetrain._HOMES
-    assert all(alias.asname == alias.name for node in imports for alias in node.names), "only 'import x as x' is a public name"
+    assert all(alias.asname == alias.name for node in imports for alias in node.names), (
+        "only 'import x as x' is a public name"
+    )
 
 
 def test_a_type_checker_sees_every_public_name(tmp_path):
     """mypy knows the type of each name, and that a misspelt one does not exist."""
     names = [name for name in valvetrain.__all__ if name != "__version__"]
-    lines = ["import valvetrain as vt", *(f"reveal_type(vt.{name})" for name in names), "vt.load_cse"]
+    lines = [
+        "import valvetrain as vt",
+        *(f"reveal_type(vt.{name})" for name in names),
+        "vt.load_cse",
+    ]
     (tmp_path / "snippet.py").write_text("\n".join(lines), encoding="utf-8")
     # from the root, as `make lint` runs it, whose cache then serves here
-    command = [sys.executable, "-m", "mypy", "--config-file", "pyproject.toml", str(tmp_path / "snippet.py")]
-    found = subprocess.run(command, capture_output=True, text=True, cwd=ROOT, env={**os.environ, "MYPYPATH": str(PACKAGE.parent)})
+    command = [
+        sys.executable,
+        "-m",
+        "mypy",
+        "--config-file",
+        "pyproject.toml",
+        str(tmp_path / "snippet.py"),
+    ]
+    found = subprocess.run(
+        command,
+        capture_output=True,
+        text=True,
+        cwd=ROOT,
+        env={**os.environ, "MYPYPATH": str(PACKAGE.parent)},
+    )
     types = re.findall(r'note: Revealed type is "(.*)"', found.stdout)
     assert len(types) == len(names), found.stdout + found.stderr
-    assert not [name for name, seen in zip(names, types, strict=True) if seen in ("Any", "object", "builtins.object")]
+    assert not [
+        name
+        for name, seen in zip(names, types, strict=True)
+        if seen in ("Any", "object", "builtins.object")
+    ]
     assert 'Module has no attribute "load_cse"' in found.stdout
     assert found.stdout.count(" error: ") == 1, found.stdout
 
@@ -67,7 +96,11 @@ def examples() -> list[doctest.DocTest]:
     found = []
     for name in valvetrain.__all__[1:]:
         home = importlib.import_module(f"valvetrain.{valvetrain._HOMES[name]}")
-        found += [test for test in finder.find(getattr(valvetrain, name), name, module=home) if test.examples]
+        found += [
+            test
+            for test in finder.find(getattr(valvetrain, name), name, module=home)
+            if test.examples
+        ]
     return found
 
 
@@ -83,7 +116,14 @@ def test_a_public_function_tells_its_arguments_its_errors_and_an_example(name):
     function = getattr(valvetrain, name)
     text = inspect.getdoc(function) or ""
     arguments, _, _ = text.partition("Parameters\n----------\n")[2].partition("\n\n")
-    told = {word.strip() for line in arguments.splitlines() if not line.startswith(" ") for word in line.partition(" : ")[0].split(",")}
-    assert told == set(inspect.signature(function).parameters), "every argument stands on a line 'name : what it is, its unit and shape'"
+    told = {
+        word.strip()
+        for line in arguments.splitlines()
+        if not line.startswith(" ")
+        for word in line.partition(" : ")[0].split(",")
+    }
+    assert told == set(inspect.signature(function).parameters), (
+        "every argument stands on a line 'name : what it is, its unit and shape'"
+    )
     assert "Raises\n------\n" in text or "Raises nothing" in text
     assert name in {example.name for example in examples()}, "an example is missing"

@@ -10,7 +10,10 @@ from architecture.layout import ROOT
 from system_parts import PROGRAMS, program, under_ci
 
 
-@pytest.mark.skipif(not under_ci(), reason="only continuous integration must have every program; run with CI=true to check")
+@pytest.mark.skipif(
+    not under_ci(),
+    reason="only continuous integration must have every program; run with CI=true to check",
+)
 @pytest.mark.parametrize("marker", PROGRAMS)
 def test_every_program_is_there(marker):
     assert program(marker), f"install {PROGRAMS[marker][1]}; without it tests are left out"

@@ -18,7 +18,11 @@ MAKEFILE = (ROOT / "Makefile").read_text(encoding="utf-8")
 
 def pinned(path: str) -> dict[str, str]:
     """Package -> version of a requirements file."""
-    return dict(re.findall(r"^([\w.-]+)==(\S+) \\$", (ROOT / path).read_text(encoding="utf-8"), re.MULTILINE))
+    return dict(
+        re.findall(
+            r"^([\w.-]+)==(\S+) \\$", (ROOT / path).read_text(encoding="utf-8"), re.MULTILINE
+        )
+    )
 
 
 def test_the_readme_begins_with_the_data_flow_and_the_two_commands():
@@ -29,14 +33,24 @@ def test_the_readme_begins_with_the_data_flow_and_the_two_commands():
 
 
 def test_every_make_command_of_the_documents_exists():
-    texts = [README, *((ROOT / name).read_text(encoding="utf-8") for name in ("CONTRIBUTING.md",)), MAKEFILE.split("help:")[1]]
-    promised = {target for text in texts for target in re.findall(r"(?:^|[`\"])make ([a-z]+)", text, re.MULTILINE)}
+    texts = [
+        README,
+        *((ROOT / name).read_text(encoding="utf-8") for name in ("CONTRIBUTING.md",)),
+        MAKEFILE.split("help:")[1],
+    ]
+    promised = {
+        target
+        for text in texts
+        for target in re.findall(r"(?:^|[`\"])make ([a-z]+)", text, re.MULTILINE)
+    }
     targets = set(re.findall(r"^([a-z-]+):", MAKEFILE, re.MULTILINE))
     assert {"run", "test"} <= promised <= targets
 
 
 def test_every_link_of_the_readme_leads_to_a_file():
-    links = [link.split("#")[0] for link in re.findall(r"\]\(([^)\s]+)\)", README) if "://" not in link]
+    links = [
+        link.split("#")[0] for link in re.findall(r"\]\(([^)\s]+)\)", README) if "://" not in link
+    ]
     assert links
     assert not [link for link in links if not (ROOT / link).exists()]
 
@@ -58,28 +72,50 @@ def test_both_files_of_pins_agree_and_hold_every_dependency():
     run, development = pinned("requirements.txt"), pinned("requirements-dev.txt")
     assert run.items() <= development.items()
     project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
-    for declared, pins in ((project["dependencies"], run), (project["optional-dependencies"]["dev"], development)):
+    for declared, pins in (
+        (project["dependencies"], run),
+        (project["optional-dependencies"]["dev"], development),
+    ):
         names = {re.split(r"[<>=!~\[; ]", requirement)[0] for requirement in declared}
         assert names <= set(pins)
 
 
 def test_the_lowest_versions_are_those_of_the_project():
-    """``make test LOWEST=1`` installs exactly the bounds that pyproject.toml promises, one of each dependency."""
+    """``make test LOWEST=1`` installs exactly the bounds that pyproject.toml promises, one of each
+    dependency.
+    """
     command = [sys.executable, str(ROOT / "scripts" / "lowest_versions.py")]
     pins = subprocess.run(command, capture_output=True, text=True, check=True).stdout.split()
     text = (ROOT / "pyproject.toml").read_text(encoding="utf-8")
     assert len(pins) == len(set(pins)) > 15
     assert not [pin for pin in pins if f'"{pin.replace("==", ">=")}"' not in text]
     project = tomllib.loads(text)["project"]
-    assert {re.split("[<>=]", one)[0] for one in project["dependencies"]} <= {pin.partition("==")[0] for pin in pins}
+    assert {re.split("[<>=]", one)[0] for one in project["dependencies"]} <= {
+        pin.partition("==")[0] for pin in pins
+    }
 
 
 @pytest.mark.parametrize(
     ("variables", "folder"),
-    [((), ".venv"), (("PYTHON=python3.12",), ".venv-python3.12"), (("PYTHON=/opt/bin/python3.13",), ".venv-python3.13"),
-     (("LOWEST=1",), ".venv-lowest")],
-)  # fmt: skip
+    [
+        ((), ".venv"),
+        (("PYTHON=python3.12",), ".venv-python3.12"),
+        (("PYTHON=/opt/bin/python3.13",), ".venv-python3.13"),
+        (("LOWEST=1",), ".venv-lowest"),
+    ],
+)
 def test_each_interpreter_and_the_lowest_versions_have_their_own_environment(variables, folder):
-    clean = {name: value for name, value in os.environ.items() if name not in ("PYTHON", "VENV", "LOWEST", "MAKEFLAGS", "MAKELEVEL")}
-    told = subprocess.run(["make", "-n", "run", *variables], cwd=ROOT, capture_output=True, text=True, check=True, env=clean)
+    clean = {
+        name: value
+        for name, value in os.environ.items()
+        if name not in ("PYTHON", "VENV", "LOWEST", "MAKEFLAGS", "MAKELEVEL")
+    }
+    told = subprocess.run(
+        ["make", "-n", "run", *variables],
+        cwd=ROOT,
+        capture_output=True,
+        text=True,
+        check=True,
+        env=clean,
+    )
     assert f"\n{folder}/bin/valvetrain run" in f"\n{told.stdout}"

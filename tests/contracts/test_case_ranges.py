@@ -1,4 +1,6 @@
-"""Which numbers each key of a case file takes: every key stands once below, tried at its bounds and just beyond."""
+"""Which numbers each key of a case file takes: every key stands once below, tried at its bounds and
+just beyond.
+"""
 
 from __future__ import annotations
 
@@ -10,9 +12,16 @@ import pytest
 from pydantic import PydanticUserError, TypeAdapter, ValidationError
 
 from valvetrain import registry
-from valvetrain.parameters import schema_case, schema_contact, schema_installed, schema_lift, schema_spring, train_schema
+from valvetrain.parameters import (
+    schema_case,
+    schema_contact,
+    schema_installed,
+    schema_lift,
+    schema_spring,
+    train_schema,
+)
+from valvetrain.parameters.installed_spring import options_table
 from valvetrain.parameters.schema_types import Quantity
-from valvetrain.parameters.spring_options import options_table
 from valvetrain.units import DIMENSIONS
 
 TABLES = {
@@ -35,13 +44,18 @@ def parts(annotation: Any) -> Iterator[Any]:
 
 
 def adapter(field: Any) -> tuple[TypeAdapter | None, str]:
-    """What reads a key, and the unit in which a number is written for it; None where the key holds a table."""
+    """What reads a key, and the unit in which a number is written for it; None where the key holds
+    a table.
+    """
     kind = Annotated[(field.annotation, *field.metadata)] if field.metadata else field.annotation
-    dimension = next((item.dimension for item in parts(kind) if isinstance(item, Quantity) and item.dimension), None)
+    dimension = next(
+        (item.dimension for item in parts(kind) if isinstance(item, Quantity) and item.dimension),
+        None,
+    )
     try:
-        return TypeAdapter(kind, config={"arbitrary_types_allowed": True, "strict": True}), DIMENSIONS[
-            dimension
-        ].usual_unit or "" if dimension else ""
+        return TypeAdapter(
+            kind, config={"arbitrary_types_allowed": True, "strict": True}
+        ), DIMENSIONS[dimension].usual_unit or "" if dimension else ""
     except PydanticUserError:
         return None, ""
 
@@ -115,7 +129,13 @@ def numbers_of_keys() -> dict[str, Any]:
     takers = {}
     for key, field in every.items():
         read, unit = adapter(field)
-        kinds = set(parts(Annotated[(field.annotation, *field.metadata)] if field.metadata else field.annotation))
+        kinds = set(
+            parts(
+                Annotated[(field.annotation, *field.metadata)]
+                if field.metadata
+                else field.annotation
+            )
+        )
         if read is not None and bool not in kinds and (unit or kinds & {int, float}):
             takers[key] = field
     return takers
@@ -126,8 +146,12 @@ LISTS = {"polynomial.exponents", "polydyne.exponents"}
 
 
 def test_every_named_key_exists():
-    assert (named(ABOVE_ZERO) | named(ZERO_OR_MORE) | set(BETWEEN) | WHOLE | LISTS) - {"train.cam.rotation", "train.lever.drive_side",
-            "spline.degree", "table.degree"} <= set(KEYS)  # fmt: skip
+    assert (named(ABOVE_ZERO) | named(ZERO_OR_MORE) | set(BETWEEN) | WHOLE | LISTS) - {
+        "train.cam.rotation",
+        "train.lever.drive_side",
+        "spline.degree",
+        "table.degree",
+    } <= set(KEYS)
     assert len(KEYS) > 190
 
 
@@ -139,12 +163,20 @@ def test_a_key_takes_the_numbers_that_mean_something(key):
     for number in TRIED:
         wanted = number > 0 if above else number >= 0 if from_zero else True
         wanted = wanted and (low is None or number >= low) and (high is None or number <= high)
-        if isinstance(low, int) and number != int(number) and int in set(parts(KEYS[key].annotation)):
+        if (
+            isinstance(low, int)
+            and number != int(number)
+            and int in set(parts(KEYS[key].annotation))
+        ):
             wanted = False
-        assert takes(read, unit, number) == (wanted and not (key in WHOLE and number != int(number))), number
+        assert takes(read, unit, number) == (
+            wanted and not (key in WHOLE and number != int(number))
+        ), number
     for bound, beyond in ((low, -1), (high, 1)):
         if bound is not None:
             whole = int in set(parts(KEYS[key].annotation))
             step = 1 if whole else max(1e-9, 1e-6 * abs(bound))
-            assert takes(read, unit, bound - beyond * step) and not takes(read, unit, bound + beyond * step)
+            assert takes(read, unit, bound - beyond * step) and not takes(
+                read, unit, bound + beyond * step
+            )
             assert takes(read, unit, bound) or not whole

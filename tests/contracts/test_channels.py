@@ -1,4 +1,6 @@
-"""The channels of docs/architecture.md are those of the runs: each where the table says, and none beside them."""
+"""The channels of docs/architecture.md are those of the runs: each where the table says, and none
+beside them.
+"""
 
 from __future__ import annotations
 
@@ -17,14 +19,20 @@ from valvetrain.studies.run import run_study
 
 PAGE = Path(__file__).parents[2] / "docs" / "architecture.md"
 SPEED = 2000 * np.pi / 30
-ALONE = {"finite elements under prescribed motion": "finite-element", "modal-varied under prescribed motion": "modal-varied"}
+ALONE = {
+    "finite elements under prescribed motion": "finite-element",
+    "modal-varied under prescribed motion": "modal-varied",
+}
 SYSTEMS = {"both", "trains", "prescribed motion", *ALONE}
 
 
 def promised() -> dict[str, str]:
     """Channel -> systems, from the table of the page; patterns left out."""
-    rows = [line.strip("|").split(" | ") for line in PAGE.read_text(encoding="utf-8").split("## Channels")[1].splitlines()
-            if line.startswith("| `")]  # fmt: skip
+    rows = [
+        line.strip("|").split(" | ")
+        for line in PAGE.read_text(encoding="utf-8").split("## Channels")[1].splitlines()
+        if line.startswith("| `")
+    ]
     found = {name: row[-1].strip(" |") for row in rows for name in re.findall(r"`(\w+)`", row[0])}
     assert set(found.values()) <= SYSTEMS
     return found
@@ -35,8 +43,13 @@ def runs(case: str) -> tuple[Solution, ...]:
     """One coarse run by every model that moves."""
     words = [word for word in registry.words("springs") if not spring_model(word).no_motion]
     key = "spring" if case == "job-c" else "train.springs.nested.{}"
-    coarse = {f"{key.format(place)}.options.finite-element.elements_per_coil": 6 for place in (0, 1)[: 1 if case == "job-c" else 2]}
-    loaded = load_case(case, coarse | ({"spring.guide.bore": "40 mm"} if case == "job-c" else {"train.cycles": 1}))
+    coarse = {
+        f"{key.format(place)}.options.finite-element.elements_per_coil": 6
+        for place in (0, 1)[: 1 if case == "job-c" else 2]
+    }
+    loaded = load_case(
+        case, coarse | ({"spring.guide.bore": "40 mm"} if case == "job-c" else {"train.cycles": 1})
+    )
     return run_study(loaded, engine_speeds=[SPEED], spring_models=words, workers=1).solutions
 
 
@@ -65,9 +78,15 @@ def test_every_channel_of_a_run_stands_in_the_table_with_its_unit(case):
     known = set(promised())
     for run in runs(case):
         for name in shown(run):
-            assert name in known or re.fullmatch(r"\w+_(contact_force|gap|force|displacement|angle)", name), (run.label, name)
+            assert name in known or re.fullmatch(
+                r"\w+_(contact_force|gap|force|displacement|angle)", name
+            ), (run.label, name)
         for channel in run.channels.data_vars.values():
-            assert channel.dims[0] == "sample" and channel.attrs["units"] and channel.attrs["long_name"]
+            assert (
+                channel.dims[0] == "sample"
+                and channel.attrs["units"]
+                and channel.attrs["long_name"]
+            )
 
 
 def test_motion_of_the_retainer_is_in_every_run_and_its_derivatives_agree():
@@ -78,6 +97,8 @@ def test_motion_of_the_retainer_is_in_every_run_and_its_derivatives_agree():
         if run in runs("job-c"):
             bend = np.gradient(velocity, time)[2:-2]
             acceleration = run.channel("retainer_acceleration")
-            assert bend == pytest.approx(acceleration[2:-2], abs=0.03 * np.max(np.abs(acceleration))), run.label
+            assert bend == pytest.approx(
+                acceleration[2:-2], abs=0.03 * np.max(np.abs(acceleration))
+            ), run.label
         else:
             assert run.has("retainer_acceleration")

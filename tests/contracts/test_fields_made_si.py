@@ -1,4 +1,6 @@
-"""Every field and argument that the package makes SI takes text with a unit; those of the source are found, so none is forgotten."""
+"""Every field and argument that the package makes SI takes text with a unit; those of the source
+are found, so none is forgotten.
+"""
 
 from __future__ import annotations
 
@@ -14,12 +16,12 @@ import pytest
 
 import valvetrain as vt
 from valvetrain.cosserat.batch import simulate_batch
-from valvetrain.measurements.catalogue_card import CatalogueCard, SpringLoad
 from valvetrain.parameters.case import Operation
 from valvetrain.parameters.installed_spring import CoilContact, InstalledSpring
 from valvetrain.quantities.buckling import buckling_compression
 from valvetrain.solution.static import StaticCurve
 from valvetrain.solution.status import Status
+from valvetrain.spring_card.card import CatalogueCard, SpringLoad
 from valvetrain.springs.solid.jobs import SolidSpring
 from valvetrain.studies.critical_speeds import read_options
 
@@ -27,11 +29,32 @@ SOURCE = Path(vt.__file__).parent
 SPRING = vt.cylindrical("3.8 mm", "22 mm", "7 mm", total_coils=7)
 UNIFORM = vt.EquivalentSpring(40e3, 300.0, 0.05)
 RATE, MASS, FORCE, LENGTH, SECOND, PER_SECOND = "40 N/mm", "50 g", "300 N", "5 mm", "2 us", "25 1/s"
-IN_SI = {RATE: 40e3, MASS: 0.05, FORCE: 300.0, LENGTH: 0.005, SECOND: 2e-6, PER_SECOND: 25.0, "30 N/mm^2": 30e6, "2 deg": np.pi / 90,
-         "2000 rpm": 2000 * np.pi / 30, "8 mm": 0.008, "12 mm": 0.012}  # fmt: skip
+IN_SI = {
+    RATE: 40e3,
+    MASS: 0.05,
+    FORCE: 300.0,
+    LENGTH: 0.005,
+    SECOND: 2e-6,
+    PER_SECOND: 25.0,
+    "30 N/mm^2": 30e6,
+    "2 deg": np.pi / 90,
+    "2000 rpm": 2000 * np.pi / 30,
+    "8 mm": 0.008,
+    "12 mm": 0.012,
+}
 LOADS = SpringLoad("46 mm", "350 N"), SpringLoad("34 mm", "830 N")
-CATALOGUE = CatalogueCard(wire_diameter=4.2e-3, outer_diameter=0.032, installed_load=LOADS[0], open_load=LOADS[1])
-IN_SI |= {"2000 1/s": 2000.0, "4.2 mm": 4.2e-3, "32 mm": 0.032, "30 mm": 0.030, "29 mm": 0.029, "54.75 mm": 0.05475, "46 mm": 0.046}
+CATALOGUE = CatalogueCard(
+    wire_diameter=4.2e-3, outer_diameter=0.032, installed_load=LOADS[0], open_load=LOADS[1]
+)
+IN_SI |= {
+    "2000 1/s": 2000.0,
+    "4.2 mm": 4.2e-3,
+    "32 mm": 0.032,
+    "30 mm": 0.030,
+    "29 mm": 0.029,
+    "54.75 mm": 0.05475,
+    "46 mm": 0.046,
+}
 #: Class -> one of it, and the fields that are given in text.
 PARTS: dict[str, tuple[Callable[[], Any], dict[str, str]]] = {
     "CoilContact": (CoilContact, {"stiffness": "30 N/mm^2", "damping_time": SECOND}),
@@ -68,7 +91,11 @@ def calls(name: str) -> list[tuple[str, str, ast.Call]]:
         tree = ast.parse(path.read_text(encoding="utf-8"))
         for owner in ast.walk(tree):
             if isinstance(owner, ast.ClassDef if name == "keep_si" else ast.FunctionDef):
-                inside = [one for one in ast.walk(owner) if isinstance(one, ast.Call) and getattr(one.func, "id", "") == name]
+                inside = [
+                    one
+                    for one in ast.walk(owner)
+                    if isinstance(one, ast.Call) and getattr(one.func, "id", "") == name
+                ]
                 found += [(str(path.relative_to(SOURCE)), owner.name, one) for one in inside]
     return found
 
@@ -78,7 +105,9 @@ def test_every_field_that_is_made_si_stands_in_the_table():
     assert {name: set(fields) for name, (_, fields) in PARTS.items()} == found
 
 
-@pytest.mark.parametrize(("name", "field"), [(name, field) for name, (_, fields) in PARTS.items() for field in fields])
+@pytest.mark.parametrize(
+    ("name", "field"), [(name, field) for name, (_, fields) in PARTS.items() for field in fields]
+)
 def test_a_field_takes_text_and_keeps_si(name, field):
     make, fields = PARTS[name]
     found = getattr(dataclasses.replace(make(), **{field: fields[field]}), field)
@@ -88,9 +117,16 @@ def test_a_field_takes_text_and_keeps_si(name, field):
 
 
 CURVE = StaticCurve(
-    np.array([0.0, 0.008, 0.016]), np.array([0.0, 320.0, 640.0]), np.full(3, 4e4), np.zeros((3, 0)), np.zeros((3, 0)), np.zeros(0),
-    np.zeros((3, 2)), np.array([0.0, 7.0]), Status("completed", ""),
-)  # fmt: skip
+    np.array([0.0, 0.008, 0.016]),
+    np.array([0.0, 320.0, 640.0]),
+    np.full(3, 4e4),
+    np.zeros((3, 0)),
+    np.zeros((3, 0)),
+    np.zeros(0),
+    np.zeros((3, 2)),
+    np.array([0.0, 7.0]),
+    Status("completed", ""),
+)
 
 
 def rod() -> vt.FiniteElementRod:
@@ -99,10 +135,19 @@ def rod() -> vt.FiniteElementRod:
 
 def batch(interval: Any = 2e-6, step: Any = 2e-7) -> Any:
     one = rod()
-    return simulate_batch([one.mesh], [one.installed.state], lambda t: 5e-3 + 0.1 * np.asarray(t), interval, 2, one.dynamics, step)
+    return simulate_batch(
+        [one.mesh],
+        [one.installed.state],
+        lambda t: 5e-3 + 0.1 * np.asarray(t),
+        interval,
+        2,
+        one.dynamics,
+        step,
+    )
 
 
-#: A number given in SI and as text: what is read of both is the same, and of twice the number something else.
+#: A number given in SI and as text: what is read of both is the same, and of twice the number
+#: something else.
 ARGUMENTS: dict[str, tuple[Callable[[Any], Any], float, str]] = {
     "force_at": (CURVE.force_at, 0.008, "8 mm"),
     "compression_at": (CURVE.compression_at, 300.0, FORCE),

@@ -14,7 +14,9 @@ from unit.cli_parts import process_environment
 from valvetrain.solution import atomic
 from valvetrain.studies.run_store import LIST, unfinished_folder
 
-pytestmark = pytest.mark.skipif(atomic.fcntl is None, reason="needs locks that end with their process")
+pytestmark = pytest.mark.skipif(
+    atomic.fcntl is None, reason="needs locks that end with their process"
+)
 WRITES = (
     "import sys, time; from valvetrain.solution.atomic import atomic_path\n"
     "with atomic_path(sys.argv[1]): print('begun', flush=True); time.sleep(60)"
@@ -25,7 +27,9 @@ WRITES = (
 def half_written(tmp_path):
     """A process in the middle of writing ``a.csv``, and its temporary file."""
     command = [sys.executable, "-c", WRITES, str(tmp_path / "a.csv")]
-    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True, env=process_environment()) as running:
+    with subprocess.Popen(
+        command, stdout=subprocess.PIPE, text=True, env=process_environment()
+    ) as running:
         assert running.stdout is not None and running.stdout.readline() == "begun\n"
         (part,) = tmp_path.iterdir()
         yield running, part
@@ -34,13 +38,18 @@ def half_written(tmp_path):
 
 def test_what_a_living_process_writes_stays_and_what_a_killed_one_left_goes(half_written, tmp_path):
     running, part = half_written
-    mine = [tmp_path / name for name in (".a.csv.abcdefgh.part", "a.part", ".valvetrain.part", "a.csv.valvetrain.part")]
+    mine = [
+        tmp_path / name
+        for name in (".a.csv.abcdefgh.part", "a.part", ".valvetrain.part", "a.csv.valvetrain.part")
+    ]
     for path in mine:
         path.touch()
     assert atomic.remove_abandoned(tmp_path) == () and part.exists()
     running.kill()
     running.wait()
-    assert atomic.remove_abandoned(tmp_path) == (part,) and sorted(tmp_path.iterdir()) == sorted(mine)
+    assert atomic.remove_abandoned(tmp_path) == (part,) and sorted(tmp_path.iterdir()) == sorted(
+        mine
+    )
 
 
 def test_the_first_file_written_to_a_folder_sweeps_it(half_written, tmp_path):

@@ -1,4 +1,6 @@
-"""An identification is the same for any number of workers, and goes on to the same end after it was killed."""
+"""An identification is the same for any number of workers, and goes on to the same end after it was
+killed.
+"""
 
 from __future__ import annotations
 
@@ -65,8 +67,15 @@ def folder(tmp_path: Path) -> Path:
 
 
 def bits(found: vt.Identified) -> tuple[object, ...]:
-    return (found.values.tobytes(), found.weights.tobytes(), found.branch_of.tobytes(), repr(found.best), repr(found.log_evidence),
-            repr(found.predicted), repr(found.warnings))  # fmt: skip
+    return (
+        found.values.tobytes(),
+        found.weights.tobytes(),
+        found.branch_of.tobytes(),
+        repr(found.best),
+        repr(found.log_evidence),
+        repr(found.predicted),
+        repr(found.warnings),
+    )
 
 
 @pytest.mark.parametrize("method", ["least-squares", "cma-es", "nested", "ensemble"])
@@ -82,10 +91,14 @@ def test_the_quick_numbers_at_rest_are_those_of_a_run(folder: Path) -> None:
     seat = '[measurements.seat]\nquantity = "preload"\nvalue = "250 N"\nscatter = "1 N"\nspring_model = "wave-rod"\n'
     request = parse_request(FILE.format(method="nested") + seat, "card", folder)
     case = Observed(request.case, request.varied, request.sought).case_at((31e3, 0.044))
-    whole = evaluate_case(case, Point(case, wanted=Wanted(("preload", "mode_1_frequency"), "wave-rod"))).values
+    whole = evaluate_case(
+        case, Point(case, wanted=Wanted(("preload", "mode_1_frequency"), "wave-rod"))
+    ).values
     for station in dict.fromkeys(one.station for one in request.sought if one.kind == "quantity"):
         quick = numbers_at(case, station, request.sought)
-        assert quick == pytest.approx({f"wave-rod: {name}": value for name, value in whole.items()}, rel=1e-12)
+        assert quick == pytest.approx(
+            {f"wave-rod: {name}": value for name, value in whole.items()}, rel=1e-12
+        )
 
 
 SLOW = """
@@ -106,20 +119,30 @@ print(found.values.tobytes().hex(), found.weights.tobytes().hex(), found.log_evi
 
 @pytest.mark.long
 def test_killed_and_started_again_it_ends_as_if_it_had_not_been(tmp_path: Path) -> None:
-    """SIGKILL while it samples; the second start computes only what the first had not, and gives the same bits."""
+    """SIGKILL while it samples; the second start computes only what the first had not, and gives
+    the same bits.
+    """
     environment = {**os.environ, "PYTHONPATH": str(PACKAGE.parent)}
     slow, fast = (SLOW.format(pause=pause) for pause in (0.005, 0))
     killed = subprocess.Popen([sys.executable, "-c", slow, str(tmp_path / "one")], env=environment)
     points = tmp_path / "one" / NAME
     deadline = time.monotonic() + 60
-    while (not points.exists() or points.read_bytes().count(b"\n") < 100) and time.monotonic() < deadline:
+    while (
+        not points.exists() or points.read_bytes().count(b"\n") < 100
+    ) and time.monotonic() < deadline:
         time.sleep(0.02)
     killed.send_signal(signal.SIGKILL)
     assert killed.wait() == -signal.SIGKILL
     kept = points.read_bytes().count(b"\n") - 1
     assert kept >= 99
     again, whole = (
-        subprocess.run([sys.executable, "-c", fast, str(tmp_path / name)], env=environment, capture_output=True, text=True, check=True)
+        subprocess.run(
+            [sys.executable, "-c", fast, str(tmp_path / name)],
+            env=environment,
+            capture_output=True,
+            text=True,
+            check=True,
+        )
         for name in ("one", "two")
     )
     *first, computed, _ = again.stdout.split()
@@ -145,12 +168,20 @@ def test_a_record_that_was_cut_is_computed_again_and_the_rest_is_kept(tmp_path: 
 
 
 @pytest.mark.parametrize(("line", "kept"), [(0, 0), (1, 0), (3, 2), (5, 4)])
-@pytest.mark.parametrize("damage", [lambda text: text[:-7], lambda text: b"?" + text[1:], lambda text: b""], ids=["cut", "changed", "lost"])
-def test_a_damaged_record_and_all_behind_it_leave_the_file(tmp_path: Path, line: int, kept: int, damage) -> None:
+@pytest.mark.parametrize(
+    "damage",
+    [lambda text: text[:-7], lambda text: b"?" + text[1:], lambda text: b""],
+    ids=["cut", "changed", "lost"],
+)
+def test_a_damaged_record_and_all_behind_it_leave_the_file(
+    tmp_path: Path, line: int, kept: int, damage
+) -> None:
     """What is behind it is computed again, so it must not lie under or after what is written then."""
     path, points = tmp_path / NAME, np.arange(5.0)[:, None]
     with Journal(tmp_path, "a") as journal:
-        journal.through(lambda asked: [{"double": 2.0 * float(value)} for (value,) in asked])(points)
+        journal.through(lambda asked: [{"double": 2.0 * float(value)} for (value,) in asked])(
+            points
+        )
     whole = path.read_bytes().splitlines(keepends=True)
     path.write_bytes(b"".join(whole[:line]) + damage(whole[line]) + b"end of a damaged disk\n" * 9)
     with Journal(tmp_path, "a") as journal:
@@ -158,7 +189,9 @@ def test_a_damaged_record_and_all_behind_it_leave_the_file(tmp_path: Path, line:
     assert path.read_bytes() == b"".join(whole[: max(line, 1)])
 
 
-def test_points_of_another_identification_and_of_another_process_are_not_taken(tmp_path: Path) -> None:
+def test_points_of_another_identification_and_of_another_process_are_not_taken(
+    tmp_path: Path,
+) -> None:
     with Journal(tmp_path, "a"):
         if os.name == "posix":
             with pytest.raises(InputError, match="another process"):
@@ -167,37 +200,56 @@ def test_points_of_another_identification_and_of_another_process_are_not_taken(t
         Journal(tmp_path, "b")
     with Journal(tmp_path / "old", "asked 1.0"):
         pass
-    with pytest.raises(InputError, match=r"another version of valvetrain .* remove the file to begin anew"):
+    with pytest.raises(
+        InputError, match=r"another version of valvetrain .* remove the file to begin anew"
+    ):
         Journal(tmp_path / "old", "asked 1.1")
     with pytest.raises(InputError, match="another identification"):
         Journal(tmp_path / "old", "else 1.0")
 
 
 def test_what_is_not_asked_for_changes_nothing(folder: Path) -> None:
-    """The best point does not move with the number of draws, nor with a measurement that is only compared."""
+    """The best point does not move with the number of draws, nor with a measurement that is only
+    compared.
+    """
     plain = FILE.format(method="least-squares")
     extra = '[measurements.seat]\nquantity = "preload"\nvalue = "260 N"\nscatter = "1 N"\nfit = false\nspring_model = "massless"\n'
     one = identify_request(parse_request(plain, "card", folder), workers=1)
-    two = identify_request(parse_request(plain.replace("keep = 2", "keep = 2\ndraws = 7") + extra, "card", folder), workers=1)
+    two = identify_request(
+        parse_request(plain.replace("keep = 2", "keep = 2\ndraws = 7") + extra, "card", folder),
+        workers=1,
+    )
     assert one.best == two.best and one.branches[0].quantities == two.branches[0].quantities
     assert [one.datum.name for one in two.predicted if not one.datum.used] == ["seat"]
 
 
 def test_points_of_one_fit_are_not_those_of_another_that_asks_more(folder: Path) -> None:
-    """A measurement that was only compared is fitted: the points that are kept lack it, so they lie elsewhere."""
+    """A measurement that was only compared is fitted: the points that are kept lack it, so they lie
+    elsewhere.
+    """
     seat = '[measurements.seat]\nquantity = "preload"\nvalue = "250 N"\nscatter = "1 N"\nspring_model = "multi-mass"\n'
     plain = FILE.format(method="least-squares")
-    compared, fitted = (parse_request(plain + seat + words, "card", folder) for words in ("fit = false\n", ""))
+    compared, fitted = (
+        parse_request(plain + seat + words, "card", folder) for words in ("fit = false\n", "")
+    )
     assert compared.identity != fitted.identity
-    again = parse_request(plain.replace("6 g", "5 g").replace("least-squares", "nested") + seat, "card", folder)
-    assert again.identity == fitted.identity, "priors and the method leave the outcome of a point as it is"
+    again = parse_request(
+        plain.replace("6 g", "5 g").replace("least-squares", "nested") + seat, "card", folder
+    )
+    assert again.identity == fitted.identity, (
+        "priors and the method leave the outcome of a point as it is"
+    )
     with pytest.raises(InputError, match="another identification"):
         for request in (compared, fitted):
             identify_request(request, folder=folder / "points", workers=1)
 
 
-def test_a_cut_search_with_a_folder_of_its_own_goes_on_there(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """The message of the cut says to start the same command again: with ``--output`` too. Another command refuses that folder."""
+def test_a_cut_search_with_a_folder_of_its_own_goes_on_there(
+    folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The message of the cut says to start the same command again: with ``--output`` too. Another
+    command refuses that folder.
+    """
     (folder / "card-rate.toml").write_text(FILE.format(method="least-squares"))
     monkeypatch.chdir(folder)
     request = parse_request((folder / "card-rate.toml").read_text(), "card-rate.toml", folder)
@@ -218,28 +270,58 @@ def test_a_cut_search_with_a_folder_of_its_own_goes_on_there(folder: Path, monke
 
 @pytest.mark.slow
 def test_the_command_keeps_what_it_found_and_goes_on_after_an_interrupt(folder: Path) -> None:
-    """Ctrl-C, then the same command again: it goes on, and its folder holds answer, draws, page and points."""
-    (folder / "card-rate.toml").write_text(FILE.format(method="nested").replace("live_points = 25", "live_points = 300"))
-    command = [sys.executable, "-m", "valvetrain", "identify", "card-rate.toml", "--json", "--workers", "1"]
+    """Ctrl-C, then the same command again: it goes on, and its folder holds answer, draws, page and
+    points.
+    """
+    (folder / "card-rate.toml").write_text(
+        FILE.format(method="nested").replace("live_points = 25", "live_points = 300")
+    )
+    command = [
+        sys.executable,
+        "-m",
+        "valvetrain",
+        "identify",
+        "card-rate.toml",
+        "--json",
+        "--workers",
+        "1",
+    ]
     environment = {**os.environ, "PYTHONPATH": str(PACKAGE.parent)}
     started = subprocess.Popen(
-        command, cwd=folder, env=environment, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+        command,
+        cwd=folder,
+        env=environment,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
         preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),
-    )  # fmt: skip
+    )
     deadline, points = time.monotonic() + 60, folder / "runs" / "card"
-    while sum(path.read_bytes().count(b"\n") for path in points.glob(f"*/{NAME}")) < 800 and time.monotonic() < deadline:
+    while (
+        sum(path.read_bytes().count(b"\n") for path in points.glob(f"*/{NAME}")) < 800
+        and time.monotonic() < deadline
+    ):
         time.sleep(0.02)
     started.send_signal(signal.SIGINT)
     out, said = started.communicate(timeout=60)
     assert started.returncode == 130 and "start the command again to go on" in said
     partial = json.loads(out)
-    assert partial["whole"] is False and partial["branches"][0]["quantities"]["rate"]["best"]["value"] > 0
-    (folder / "card-rate.toml").write_text(FILE.format(method="least-squares"))  # the points serve another method as well
-    done = subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True, check=True)
+    assert (
+        partial["whole"] is False
+        and partial["branches"][0]["quantities"]["rate"]["best"]["value"] > 0
+    )
+    (folder / "card-rate.toml").write_text(
+        FILE.format(method="least-squares")
+    )  # the points serve another method as well
+    done = subprocess.run(
+        command, cwd=folder, env=environment, capture_output=True, text=True, check=True
+    )
     answer = json.loads(done.stdout)
     assert answer["completed"] and answer["method"] == "least-squares"
     kept = Path(folder / answer["folder"])
-    assert {"report.html", "draws.nc", NAME, "identification.toml", "run.json"} <= {path.name for path in kept.iterdir()}
+    assert {"report.html", "draws.nc", NAME, "identification.toml", "run.json"} <= {
+        path.name for path in kept.iterdir()
+    }
     assert not list(points.glob("points-*")), "the folder of the points has become that of the run"
 
 

@@ -1,6 +1,8 @@
-"""What a caller leaves out adds nothing, and one word left out means one thing wherever it may be left out.
+"""What a caller leaves out adds nothing, and one word left out means one thing wherever it may be
+left out.
 
-The first two tables are the rule in words: they stand here, not in the package. The third holds what physics or a reference gives.
+The first two tables are the rule in words: they stand here, not in the package. The third holds
+what physics or a reference gives.
 """
 
 from __future__ import annotations
@@ -40,7 +42,8 @@ spare
 ONE = """
 weight closed_lower closed_upper drive_scale depth factor refinement end_refinement rotation drive_side records scale seeds
 """.split()
-#: One value everywhere: Hertz (1882) for points, steel (EN 13906-1), ends of a column held in parallel planes, what docs state of flanks,
+#: One value everywhere: Hertz (1882) for points, steel (EN 13906-1), ends of a column held in
+#: parallel planes, what docs state of flanks,
 #: friction and steps.
 EVERYWHERE: dict[str, float] = {
     "youngs_modulus": 206e9, "poisson_ratio": 0.3, "seating_coefficient": 0.5, "ramp_blend": 0.3, "ramp": 0.5, "friction_velocity": 0.01,
@@ -52,22 +55,36 @@ EVERYWHERE: dict[str, float] = {
 }  # fmt: skip
 #: Place and word that means something else there.
 APART = {
-    ("contact/law.py", "exponent"): 1.0, ("contact/law.py", "restitution"): 1.0, ("contact/flores.py", "states"): 2,
-    ("contact/lankarani_nikravesh.py", "states"): 2, ("mechanism/parts.py", "states"): {0, 1}, ("report/chart.py", "width"): 1.7,
+    ("contact/law.py", "exponent"): 1.0,
+    ("contact/law.py", "restitution"): 1.0,
+    ("contact/flores.py", "states"): 2,
+    ("contact/lankarani_nikravesh.py", "states"): 2,
+    ("mechanism/parts.py", "states"): {0, 1},
+    ("report/chart.py", "width"): 1.7,
     ("report/svg_chart.py", "weight"): 400,
-    ("solution/fidelity.py", "tolerance"): 0.05, ("cosserat/static.py", "tolerance"): 1e-5, ("cosserat/static.py", "turns"): False,
+    ("solution/fidelity.py", "tolerance"): 0.05,
+    ("cosserat/static.py", "tolerance"): 1e-5,
+    ("cosserat/static.py", "turns"): False,
 } | {  # draws of studies and searches
     (f"{file}.py", "seed"): 1
     for file in (
-        "studies/points/samplers/contract", "studies/points/sensitivity", "studies/points/surrogate", "identification/ensemble",
+        "studies/points/samplers/contract",
+        "studies/points/sensitivity",
+        "studies/points/surrogate",
+        "identification/ensemble",
         "studies/optimum/optimum_file",
-        "identification/search", "identification/evolution", "identification/branches", "identification/nested",
+        "identification/search",
+        "identification/evolution",
+        "identification/branches",
+        "identification/nested",
     )
-}  # fmt: skip
+}
 
 
 def left_out() -> Iterator[tuple[str, str, Any]]:
-    """File, word and value of every parameter and field of the package that has a number or a truth value where it is left out."""
+    """File, word and value of every parameter and field of the package that has a number or a truth
+    value where it is left out.
+    """
     for path in sorted(SOURCE.rglob("*.py")):
         file = str(path.relative_to(SOURCE))
         if file.startswith(("cli/", "validation/", "sources/")):
@@ -75,12 +92,29 @@ def left_out() -> Iterator[tuple[str, str, Any]]:
         for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
             pairs: list[tuple[str, ast.expr | None]] = []
             if isinstance(node, ast.FunctionDef):
-                behind = [*node.args.posonlyargs, *node.args.args][-len(node.args.defaults) :] if node.args.defaults else []
-                pairs += [(one.arg, given) for one, given in zip(behind, node.args.defaults, strict=True)]
-                pairs += [(one.arg, given) for one, given in zip(node.args.kwonlyargs, node.args.kw_defaults, strict=True)]
+                behind = (
+                    [*node.args.posonlyargs, *node.args.args][-len(node.args.defaults) :]
+                    if node.args.defaults
+                    else []
+                )
+                pairs += [
+                    (one.arg, given) for one, given in zip(behind, node.args.defaults, strict=True)
+                ]
+                pairs += [
+                    (one.arg, given)
+                    for one, given in zip(node.args.kwonlyargs, node.args.kw_defaults, strict=True)
+                ]
             elif isinstance(node, ast.ClassDef):
-                fields = [one for one in node.body if isinstance(one, ast.AnnAssign) and isinstance(one.target, ast.Name)]
-                pairs += [(one.target.id, _given(one.value)) for one in fields if isinstance(one.target, ast.Name)]
+                fields = [
+                    one
+                    for one in node.body
+                    if isinstance(one, ast.AnnAssign) and isinstance(one.target, ast.Name)
+                ]
+                pairs += [
+                    (one.target.id, _given(one.value))
+                    for one in fields
+                    if isinstance(one.target, ast.Name)
+                ]
             for word, given in pairs:
                 try:
                     value = ast.literal_eval(given) if given is not None else None

@@ -1,4 +1,6 @@
-"""Every part of an answer is made to fail in turn: the others are there, the gap is named, and no result is lost."""
+"""Every part of an answer is made to fail in turn: the others are there, the gap is named, and no
+result is lost.
+"""
 
 from __future__ import annotations
 
@@ -20,10 +22,12 @@ from valvetrain.parameters.loading import load_case
 from valvetrain.parameters.material import OTEVA_90_SC
 from valvetrain.parameters.spring import OPEN_END
 from valvetrain.registry import words
-from valvetrain.report import build, page, plotly_chart, write
-from valvetrain.report.file_names import FreeNames
+from valvetrain.report import page, plotly_chart
+from valvetrain.report import study as build
+from valvetrain.report import study as write
+from valvetrain.report.files import FreeNames
 from valvetrain.report.page import charts, gaps_of, render
-from valvetrain.report.write import write_parts
+from valvetrain.report.study import write_parts
 from valvetrain.solution.atomic import write_text
 from valvetrain.solution.gaps import Gaps
 from valvetrain.solution.netcdf import load_netcdf
@@ -41,19 +45,38 @@ def broken(*_, **__):
 
 def parts() -> list[str]:
     """Every function that finds numbers or events of a run."""
-    made = {name for name, item in vars(evaluate).items() if inspect.isfunction(item) and ".quantities." in item.__module__}
-    return sorted(name for name in made if not name.startswith("_") and name != "evaluate" and name not in ASKS)
+    made = {
+        name
+        for name, item in vars(evaluate).items()
+        if inspect.isfunction(item) and ".quantities." in item.__module__
+    }
+    return sorted(
+        name
+        for name in made
+        if not name.startswith("_") and name != "evaluate" and name not in ASKS
+    )
 
 
 @pytest.fixture(scope="module")
 def raw():
-    """What is evaluated of a spring with the names of a source, of one with clashes, and of a train."""
+    """What is evaluated of a spring with the names of a source, of one with clashes, and of a
+    train.
+    """
     seen = []
     usual = evaluate.evaluate
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("valvetrain.studies.ready.evaluate", lambda run, frame: seen.append((run, frame)) or usual(run, frame))
+        patch.setattr(
+            "valvetrain.studies.ready.evaluate",
+            lambda run, frame: seen.append((run, frame)) or usual(run, frame),
+        )
         run_study(load_case("job-t"), engine_speeds=(400.0,), spring_models=("multi-mass",))
-        run_study(load_case("tdi-pushrod"), engine_speeds=(300.0,), spring_models=("multi-mass",), spring_sets=("stock",), workers=1)
+        run_study(
+            load_case("tdi-pushrod"),
+            engine_speeds=(300.0,),
+            spring_models=("multi-mass",),
+            spring_sets=("stock",),
+            workers=1,
+        )
     _, frame = seen[0]
     seen.append((rod_run(), replace(frame, surge_frequencies=(500.0,), source="gu2021")))
     return seen
@@ -64,7 +87,9 @@ def test_a_quantity_that_fails_is_a_named_gap(raw, monkeypatch, name):
     before = [evaluate.evaluate(*one) for one in raw]
     monkeypatch.setattr(evaluate, name, broken)
     after = [evaluate.evaluate(*one) for one in raw]
-    assert any(BROKEN in gap for run in after for gap in run.gaps), f"nothing that is evaluated here calls {name}"
+    assert any(BROKEN in gap for run in after for gap in run.gaps), (
+        f"nothing that is evaluated here calls {name}"
+    )
     for (given, _), old, new in zip(raw, before, after, strict=True):
         assert not old.gaps and set(new.quantities) <= set(old.quantities)
         assert new.gaps or new.quantities == old.quantities, "a gap that nobody names"
@@ -85,7 +110,13 @@ def test_most_numbers_outlive_a_quantity_that_fails(raw, monkeypatch):
 @pytest.mark.parametrize("word", words("sections"))
 def test_a_section_that_fails_is_named_in_its_place(monkeypatch, word):
     study, usual = own_study(), build.find
-    monkeypatch.setattr(build, "find", lambda kind, one: replace(usual(kind, one), blocks=broken) if one == word else usual(kind, one))
+    monkeypatch.setattr(
+        build,
+        "find",
+        lambda kind, one: (
+            replace(usual(kind, one), blocks=broken) if one == word else usual(kind, one)
+        ),
+    )
     drawn = build.study_page(study)
     assert [BROKEN in gap for gap in gaps_of(drawn)] == [True]
     assert word in [section.key for section in drawn.sections] and len(drawn.sections) > 5
@@ -98,17 +129,37 @@ def test_a_figure_that_fails_is_named_and_the_others_are_drawn(tmp_path, monkeyp
     monkeypatch.setattr(page, "plotly_script", lambda: "")
     usual_page, usual_svg = plotly_chart.to_json, write.svg
     for key in keys:
-        monkeypatch.setattr(plotly_chart, "to_json", lambda chart, bad=key: broken() if chart.key == bad else usual_page(chart))
-        monkeypatch.setattr(write, "svg", lambda chart, bad=key: broken() if chart.key == bad else usual_svg(chart))
+        monkeypatch.setattr(
+            plotly_chart,
+            "to_json",
+            lambda chart, bad=key: broken() if chart.key == bad else usual_page(chart),
+        )
+        monkeypatch.setattr(
+            write, "svg", lambda chart, bad=key: broken() if chart.key == bad else usual_svg(chart)
+        )
         gaps = Gaps()
         html = render(whole, gaps)
         assert len(gaps.sentences) == 1 and key in gaps.sentences[0] and html.count(BROKEN) == 1
     _, pictures = write.write_page(whole, tmp_path, gaps=gaps)
-    assert {path.stem for path in pictures} == set(keys[:-1]) and any(f"{keys[-1]}.svg" in gap for gap in gaps.sentences)
+    assert {path.stem for path in pictures} == set(keys[:-1]) and any(
+        f"{keys[-1]}.svg" in gap for gap in gaps.sentences
+    )
 
 
-WRITERS = ("quantity_table", "event_table", "save_csv", "save_static_curve", "save_modal_result", "study_page", "render", "static_table",
-           "frequency_table", "remove_earlier", "write_page", "at_wire_points")  # fmt: skip
+WRITERS = (
+    "quantity_table",
+    "event_table",
+    "save_csv",
+    "save_static_curve",
+    "save_modal_result",
+    "study_page",
+    "render",
+    "static_table",
+    "frequency_table",
+    "remove_earlier",
+    "write_page",
+    "at_wire_points",
+)
 
 
 @pytest.mark.parametrize("name", WRITERS)
@@ -124,7 +175,9 @@ def test_a_file_that_fails_is_named_and_the_others_are_written(tmp_path, monkeyp
 
 
 def test_a_command_of_which_everything_fails_keeps_its_run(tmp_path, monkeypatch):
-    """Numbers, sections, tables, page, JSON and terminal at once: the solution and the reasons are there."""
+    """Numbers, sections, tables, page, JSON and terminal at once: the solution and the reasons are
+    there.
+    """
     for name in parts():
         monkeypatch.setattr(evaluate, name, broken)
     places = (
@@ -134,24 +187,52 @@ def test_a_command_of_which_everything_fails_keeps_its_run(tmp_path, monkeypatch
     for place in places:
         monkeypatch.setattr(f"valvetrain.{place}", broken)
     out = tmp_path / "out"
-    result = call("run", "job-t", "--engine-speed", "2000 rpm", "--spring", "massless", "--output", str(out))
+    result = call(
+        "run", "job-t", "--engine-speed", "2000 rpm", "--spring", "massless", "--output", str(out)
+    )
     assert result.exit_code == 1 and "Traceback" not in result.stderr
     run = load_netcdf(out / "massless-2000rpm.nc")
-    assert run.status.completed and run.has("seat_force", "valve_lift") and all(BROKEN in gap for gap in run.gaps) and len(run.gaps) > 3
+    assert (
+        run.status.completed
+        and run.has("seat_force", "valve_lift")
+        and all(BROKEN in gap for gap in run.gaps)
+        and len(run.gaps) > 3
+    )
     answer = json.loads((out / "run.json").read_text())
     assert not answer["completed"] and len(answer["failures"]) > 8
     told = [line for line in result.stderr.splitlines() if line.startswith("failed: ")]
-    assert len(told) > 8 and all(BROKEN in line for line in told) and f"results  {out}" in result.stdout
+    assert (
+        len(told) > 8
+        and all(BROKEN in line for line in told)
+        and f"results  {out}" in result.stdout
+    )
 
 
 def test_json_and_page_name_the_gaps(tmp_path, monkeypatch):
     monkeypatch.setattr(evaluate, "force_quantities", broken)
     out = tmp_path / "out"
-    result = call("run", "job-t", "--engine-speed", "2000 rpm", "--spring", "massless", "--output", str(out), "--json")
+    result = call(
+        "run",
+        "job-t",
+        "--engine-speed",
+        "2000 rpm",
+        "--spring",
+        "massless",
+        "--output",
+        str(out),
+        "--json",
+    )
     answer = json.loads(result.stdout)
     gap = f"forces: IndexError: {BROKEN}"
-    assert result.exit_code == 1 and answer["runs"][0]["gaps"] == [gap] and answer["failures"] == [f"massless at 2000 rpm, {gap}"]
-    assert gap in (out / "report.html").read_text() and "peak_shear_stress" not in answer["runs"][0]["quantities"]
+    assert (
+        result.exit_code == 1
+        and answer["runs"][0]["gaps"] == [gap]
+        and answer["failures"] == [f"massless at 2000 rpm, {gap}"]
+    )
+    assert (
+        gap in (out / "report.html").read_text()
+        and "peak_shear_stress" not in answer["runs"][0]["quantities"]
+    )
 
 
 LABELS = [
@@ -162,19 +243,31 @@ LABELS = [
 
 def test_no_two_results_share_a_file_name():
     names = FreeNames()
-    found = [names.free(f"{label}-{speed:.10g}rpm") for label in LABELS for speed in (3000.001, 3000.002, 3000.0, 3000.00000001)]
+    found = [
+        names.free(f"{label}-{speed:.10g}rpm")
+        for label in LABELS
+        for speed in (3000.001, 3000.002, 3000.0, 3000.00000001)
+    ]
     assert len({name.casefold() for name in found}) == len(found)
-    assert all(len(name.encode()) <= 120 and not set(name) & set('/\\\0\n:*?"<>|') and name[0] not in ".-" for name in found)
+    assert all(
+        len(name.encode()) <= 120 and not set(name) & set('/\\\0\n:*?"<>|') and name[0] not in ".-"
+        for name in found
+    )
 
 
 def test_every_labelled_run_has_a_file_of_its_own(tmp_path, monkeypatch):
     monkeypatch.setattr(write, "save_csv", lambda run, path: write_text(path, ""))
     runs = [rod_run(samples=24, label=label or "-") for label in LABELS]
-    runs += [rod_run(samples=24, label="speed", engine_speed=speed * 3.141592653589793 / 30) for speed in (3000.001, 3000.002)]
+    runs += [
+        rod_run(samples=24, label="speed", engine_speed=speed * 3.141592653589793 / 30)
+        for speed in (3000.001, 3000.002)
+    ]
     files = write_parts(replace(own_study(), solutions=tuple(runs), rest=()), tmp_path, page=False)
     assert not files.gaps
     kept = [load_netcdf(path) for path in files.data if path.suffix == ".nc"]
-    assert sorted((run.label, run.engine_speed) for run in kept) == sorted((run.label, run.engine_speed) for run in runs)
+    assert sorted((run.label, run.engine_speed) for run in kept) == sorted(
+        (run.label, run.engine_speed) for run in runs
+    )
 
 
 TWO = """
@@ -192,7 +285,9 @@ spring_set = "stock"
 
 def two_variants(folder, first: str, second: str) -> str:
     """A train of the library with two variants of one's own, as a case file."""
-    source = (resources.files("valvetrain") / "parameters" / "library" / "tdi-pushrod.toml").read_text("utf-8")
+    source = (
+        resources.files("valvetrain") / "parameters" / "library" / "tdi-pushrod.toml"
+    ).read_text("utf-8")
     head, *tables = re.split(r"(?m)^(?=\[)", source)
     kept = [table for table in tables if not table.startswith("[[train.variants]]")]
     path = folder / "two.toml"
@@ -200,7 +295,9 @@ def two_variants(folder, first: str, second: str) -> str:
     return str(path)
 
 
-@pytest.mark.parametrize("labels", [("x 1", "x/1"), ("x 1", "x 1"), ("x", "X"), ("caf\u00e9", "cafe\u0301")])
+@pytest.mark.parametrize(
+    "labels", [("x 1", "x/1"), ("x 1", "x 1"), ("x", "X"), ("caf\u00e9", "cafe\u0301")]
+)
 def test_variants_of_like_labels_each_keep_their_numbers(tmp_path, labels):
     out = tmp_path / "out"
     speeds = ("--engine-speed", "3000.001, 3000.002 rpm", "--workers", "1", "--no-report")
@@ -208,23 +305,61 @@ def test_variants_of_like_labels_each_keep_their_numbers(tmp_path, labels):
     assert result.exit_code == 0, result.stderr
     answer = json.loads(result.stdout)
     assert len({run["label"] for run in answer["runs"]}) == 2
-    kept = [load_netcdf(path) for path in out.glob("*.nc") if not path.name.startswith(("static", "modes"))]
-    told = {(run["label"], run["model"], round(run["engine_speed"]["value"], 3)) for run in answer["runs"]}
-    assert {(run.label, run.model, round(run.engine_speed * 30 / np.pi, 3)) for run in kept} == told and len(told) == 4
+    kept = [
+        load_netcdf(path)
+        for path in out.glob("*.nc")
+        if not path.name.startswith(("static", "modes"))
+    ]
+    told = {
+        (run["label"], run["model"], round(run["engine_speed"]["value"], 3))
+        for run in answer["runs"]
+    }
+    assert {
+        (run.label, run.model, round(run.engine_speed * 30 / np.pi, 3)) for run in kept
+    } == told and len(told) == 4
     rows = (out / "quantities.csv").read_text().splitlines()[1:]
     assert len({tuple(row.split(",")[:-2]) for row in rows}) == len(rows)
 
 
 @pytest.mark.parametrize("damping", ["1e6 1/s", "1e9 1/s"])
 def test_a_damping_that_one_model_refuses_costs_that_model_alone(tmp_path, damping):
-    words = ("--engine-speed", "2000 rpm", "--spring", "modal-varied,massless", "--set", f"spring.damping.mass_damping={damping}")
+    words = (
+        "--engine-speed",
+        "2000 rpm",
+        "--spring",
+        "modal-varied,massless",
+        "--set",
+        f"spring.damping.mass_damping={damping}",
+    )
     result = call("run", "job-t", *words, "--no-report", "--output", str(tmp_path / "out"))
-    states = {run["label"]: run["status"]["code"] for run in json.loads((tmp_path / "out" / "run.json").read_text())["runs"]}
+    states = {
+        run["label"]: run["status"]["code"]
+        for run in json.loads((tmp_path / "out" / "run.json").read_text())["runs"]
+    }
     assert result.exit_code == 1 and states == {"modal-varied": "refused", "massless": "completed"}
 
 
 def test_a_spring_that_no_uniform_spring_stands_for_is_told_without_a_surge_frequency():
-    """A wire of 4 micrometres passes ``check``, so the rate that no spring has must not end its run."""
-    whole = vt.SpringDefinition(vt.Constant("4 mm"), vt.Constant("24 mm"), vt.Constant("8 mm"), 6.0, OTEVA_90_SC, OPEN_END, OPEN_END)
-    assert surge_frequency(InstalledSpring(wire=whole, precompression=7e-3)) == pytest.approx(500, rel=0.5)
-    assert surge_frequency(InstalledSpring(wire=whole.replace(wire_diameter=vt.Constant("4 um")), precompression=7e-3)) is None
+    """A wire of 4 micrometres passes ``check``, so the rate that no spring has must not end its
+    run.
+    """
+    whole = vt.SpringDefinition(
+        vt.Constant("4 mm"),
+        vt.Constant("24 mm"),
+        vt.Constant("8 mm"),
+        6.0,
+        OTEVA_90_SC,
+        OPEN_END,
+        OPEN_END,
+    )
+    assert surge_frequency(InstalledSpring(wire=whole, precompression=7e-3)) == pytest.approx(
+        500, rel=0.5
+    )
+    assert (
+        surge_frequency(
+            InstalledSpring(
+                wire=whole.replace(wire_diameter=vt.Constant("4 um")), precompression=7e-3
+            )
+        )
+        is None
+    )

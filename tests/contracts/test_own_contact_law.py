@@ -1,4 +1,6 @@
-"""A contact law with a compiled kernel of its own stands in the loop like the built-in ones, memory included."""
+"""A contact law with a compiled kernel of its own stands in the loop like the built-in ones, memory
+included.
+"""
 
 from __future__ import annotations
 
@@ -19,14 +21,18 @@ from valvetrain.system.train_forces import law_force
 
 
 @njit
-def linear_kernel(parameters, memory, penetration, previous_penetration, penetration_rate, time_step):
+def linear_kernel(
+    parameters, memory, penetration, previous_penetration, penetration_rate, time_step
+):
     if penetration <= 0.0:
         return 0.0, 0.0
     return parameters[0] * penetration, parameters[2]
 
 
 @njit
-def flores_kernel(parameters, memory, penetration, previous_penetration, penetration_rate, time_step):
+def flores_kernel(
+    parameters, memory, penetration, previous_penetration, penetration_rate, time_step
+):
     if penetration <= 0.0:
         if time_step > 0.0:
             memory[0] = 0.0
@@ -34,7 +40,9 @@ def flores_kernel(parameters, memory, penetration, previous_penetration, penetra
     if time_step > 0.0:
         memory[0] = max(memory[0], abs(penetration_rate), parameters[5])
     restitution, elastic = parameters[3], parameters[0] * penetration * np.sqrt(penetration)
-    return elastic, elastic * 1.6 * (1.0 - restitution) / (restitution * max(memory[0], parameters[5]))
+    return elastic, elastic * 1.6 * (1.0 - restitution) / (
+        restitution * max(memory[0], parameters[5])
+    )
 
 
 @dataclass(frozen=True)
@@ -46,7 +54,8 @@ class Own:
     states: ClassVar[int] = 1
     code: ClassVar[int] = OWN_LAW
 
-    # A protocol is met by what stands in the class; from Python 3.12 on __getattr__ no longer counts.
+    # A protocol is met by what stands in the class; from Python 3.12 on __getattr__ no longer
+    # counts.
     name = property(lambda self: self.told.name)
     parameters, force, tangent, dissipated_power, stiffness = (
         (lambda self, *given, _word=word: getattr(self.told, _word)(*given))
@@ -54,13 +63,18 @@ class Own:
     )
 
 
-LAWS = {"linear": (LinearContact(3e7, 300.0), linear_kernel), "flores": (Flores(3.16e9, 0.6), flores_kernel)}
+LAWS = {
+    "linear": (LinearContact(3e7, 300.0), linear_kernel),
+    "flores": (Flores(3.16e9, 0.6), flores_kernel),
+}
 
 
 def with_law(built, law, own=None):
     """The train with one law in all its contacts; ``own`` in the seat."""
     parts = [
-        replace(part, law=(own or law) if part.name == "seat" else law) if part.law.code >= 0 else part
+        replace(part, law=(own or law) if part.name == "seat" else law)
+        if part.law.code >= 0
+        else part
         for part in built.mechanism.interactions
     ]
     return replace(built, mechanism=replace(built.mechanism, interactions=tuple(parts)))

@@ -1,4 +1,6 @@
-"""A refinement that is stopped keeps the bars whose runs are all there and all numbers; a level that fails is a sentence."""
+"""A refinement that is stopped keeps the bars whose runs are all there and all numbers; a level
+that fails is a sentence.
+"""
 
 from __future__ import annotations
 
@@ -40,7 +42,9 @@ def lines_of(path) -> list[dict[str, str]]:
     return list(csv.DictReader(path.read_text(encoding="utf-8").splitlines()))
 
 
-@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="finds processes by their environment in /proc")
+@pytest.mark.skipif(
+    not sys.platform.startswith("linux"), reason="finds processes by their environment in /proc"
+)
 @pytest.mark.parametrize(("number", "train"), [(signal.SIGINT, False), (signal.SIGTERM, True)])
 def test_a_signal_keeps_what_was_finished(number, train, tmp_path):
     """A progress bar that leaves a file once some runs of the variants are finished."""
@@ -55,14 +59,21 @@ def test_a_signal_keeps_what_was_finished(number, train, tmp_path):
         gone(mark)
     assert run.returncode == 128 + number and "Traceback" not in errors, errors
     last = errors.splitlines()[-1]
-    assert last.startswith("interrupted: ") and "were finished, and their numbers are kept in 'out'" in last
+    assert (
+        last.startswith("interrupted: ")
+        and "were finished, and their numbers are kept in 'out'" in last
+    )
     answer = json.loads((tmp_path / "out" / "run.json").read_text())
-    assert not answer["completed"] and any(words.startswith("interrupted: ") for words in answer["failures"])
+    assert not answer["completed"] and any(
+        words.startswith("interrupted: ") for words in answer["failures"]
+    )
     levels = lines_of(tmp_path / "out" / "levels.csv")
     assert {"mesh 1" in row["level"] for row in levels} == ({True, False}) and all(
         float(row["value"]) == float(row["value"]) for row in levels
     )
-    assert (tmp_path / "out" / "report.html").exists() and not list((tmp_path / "out").glob(".*.part"))
+    assert (tmp_path / "out" / "report.html").exists() and not list(
+        (tmp_path / "out").glob(".*.part")
+    )
     assert "results  out" in output
 
 
@@ -79,9 +90,14 @@ def stopping_at(monkeypatch, module, name: str, count: int) -> None:
     monkeypatch.setattr(module, name, stopped)
 
 
-@pytest.mark.parametrize(("count", "bars", "finished"), [(2, set(), 0), (10, {None}, 1), (14, {None}, 1), (19, {None, 400.0}, 8)])
+@pytest.mark.parametrize(
+    ("count", "bars", "finished"),
+    [(2, set(), 0), (10, {None}, 1), (14, {None}, 1), (19, {None, 400.0}, 8)],
+)
 def test_only_speeds_with_all_their_runs_have_bars(monkeypatch, count, bars, finished):
-    """Eight variants are prepared, then three runs of the own mesh, then the seven others of each speed."""
+    """Eight variants are prepared, then three runs of the own mesh, then the seven others of each
+    speed.
+    """
     case = parse_case(OWN_MESH, name="small")
     if count <= 8:
         stopping_at(monkeypatch, springs, "_prepare", count)
@@ -95,7 +111,9 @@ def test_only_speeds_with_all_their_runs_have_bars(monkeypatch, count, bars, fin
     assert study.finished >= finished and study.values["mesh 1"][None]["preload"] > 0
     if bars:
         whole = refined(case, SPEEDS[:1], workers=1)
-        assert [row for row in study.rows] == [row for row in whole.rows if row.engine_speed in bars]
+        assert [row for row in study.rows] == [
+            row for row in whole.rows if row.engine_speed in bars
+        ]
 
 
 def test_a_train_that_is_stopped_has_the_bars_of_its_finished_variants(monkeypatch):
@@ -112,7 +130,9 @@ def test_a_train_that_is_stopped_has_the_bars_of_its_finished_variants(monkeypat
 
 
 def test_a_mesh_that_cannot_be_is_told_and_two_meshes_give_the_bars(tmp_path, monkeypatch):
-    """250 elements a coil are 563 on the finest mesh, more than the rod holds: the whole refinement was refused for it."""
+    """250 elements a coil are 563 on the finest mesh, more than the rod holds: the whole refinement
+    was refused for it.
+    """
     usual = springs._prepare
     whole = refined(parse_case(OWN_MESH, name="small"), SPEEDS[:1], workers=1)
 
@@ -124,36 +144,70 @@ def test_a_mesh_that_cannot_be_is_told_and_two_meshes_give_the_bars(tmp_path, mo
     monkeypatch.setattr(springs, "_prepare", without_the_finest)
     monkeypatch.chdir(tmp_path)
     (tmp_path / "small.toml").write_text(OWN_MESH)
-    result = call("refine", "small.toml", "--engine-speed", "400 rad/s", "--workers", "1", "--output", "out", "--json")
+    result = call(
+        "refine",
+        "small.toml",
+        "--engine-speed",
+        "400 rad/s",
+        "--workers",
+        "1",
+        "--output",
+        "out",
+        "--json",
+    )
     assert result.exit_code == 1, result.stderr
     data = json.loads(result.stdout)
-    assert data["failures"] == ["mesh 3: 3375 vertices exceed the 1536 that the rod holds"] and not data["completed"]
+    assert (
+        data["failures"] == ["mesh 3: 3375 vertices exceed the 1536 that the rod holds"]
+        and not data["completed"]
+    )
     rows = {row["quantity"]: row for row in data["uncertainties"]}
     for row in whole.rows:
         middle = whole.values["mesh 2"][row.engine_speed][row.quantity]
-        expected = DOUBTFUL * abs(row.value - middle) * 1.5**2 / (1.5**2 - 1) + row.step_part  # Roache's factor for two grids
-        assert rows[row.quantity]["numerical_uncertainty"]["value"] == pytest.approx(expected, rel=1e-9)
+        expected = (
+            DOUBTFUL * abs(row.value - middle) * 1.5**2 / (1.5**2 - 1) + row.step_part
+        )  # Roache's factor for two grids
+        assert rows[row.quantity]["numerical_uncertainty"]["value"] == pytest.approx(
+            expected, rel=1e-9
+        )
     assert not any(row["level"] == "mesh 3" for row in lines_of(tmp_path / "out" / "levels.csv"))
 
 
 def test_a_run_that_fails_is_told_and_costs_no_other(monkeypatch):
-    """A halved step that diverges leaves its speed without bars; a contact that does, its range without an end."""
+    """A halved step that diverges leaves its speed without bars; a contact that does, its range
+    without an end.
+    """
     usual, case = springs._moving, parse_case(OWN_MESH, name="small")
     whole = refined(case, SPEEDS[:2], workers=1)
     calls: list[int] = []
 
     def failing(solution, window, study):
         calls.append(0)
-        if len(calls) in (4, 16):  # the halved step of the first speed, the last contact of the second
+        if len(calls) in (
+            4,
+            16,
+        ):  # the halved step of the first speed, the last contact of the second
             raise ZeroDivisionError("float division by zero")
         return usual(solution, window, study)
 
     monkeypatch.setattr(springs, "_moving", failing)
     study = refined(case, SPEEDS[:2], workers=1)
-    assert [words.partition(":")[0] for words in study.failures] == ["half step at 3820 rpm", "contact damping 2 at 4775 rpm"]
-    assert {row.engine_speed for row in study.rows} == {None, SPEEDS[1]} and study.finished == study.runs == 16
-    for row, other in zip(study.rows, (row for row in whole.rows if row.engine_speed != SPEEDS[0]), strict=True):
-        assert (row.quantity, row.value, row.numerical) == (other.quantity, other.value, other.numerical)
+    assert [words.partition(":")[0] for words in study.failures] == [
+        "half step at 3820 rpm",
+        "contact damping 2 at 4775 rpm",
+    ]
+    assert {row.engine_speed for row in study.rows} == {
+        None,
+        SPEEDS[1],
+    } and study.finished == study.runs == 16
+    for row, other in zip(
+        study.rows, (row for row in whole.rows if row.engine_speed != SPEEDS[0]), strict=True
+    ):
+        assert (row.quantity, row.value, row.numerical) == (
+            other.quantity,
+            other.value,
+            other.numerical,
+        )
 
 
 def test_variants_of_a_train_that_cannot_be_built_are_told(monkeypatch):
@@ -164,13 +218,21 @@ def test_variants_of_a_train_that_cannot_be_built_are_told(monkeypatch):
     def building(given):
         if (
             given is not case
-            and given.train.contacts["cam"].values["contact_stiffness"] > case.train.contacts["cam"].values["contact_stiffness"]
+            and given.train.contacts["cam"].values["contact_stiffness"]
+            > case.train.contacts["cam"].values["contact_stiffness"]
         ):
             raise trains.FAILURES[0]("too stiff")
         return usual(given)
 
     monkeypatch.setattr(trains, "build", building)
     study = trains.train_uncertainty(case, [200.0], workers=1)
-    assert len(study.failures) == 1 and study.failures[0].startswith("contact stiffness 2: ") and "too stiff" in study.failures[0]
+    assert (
+        len(study.failures) == 1
+        and study.failures[0].startswith("contact stiffness 2: ")
+        and "too stiff" in study.failures[0]
+    )
     rows = {row.quantity: row for row in study.rows}
-    assert rows["peak_spring_force"].numerical > 0 and rows["peak_spring_force"].label == case.train.variants[0].label
+    assert (
+        rows["peak_spring_force"].numerical > 0
+        and rows["peak_spring_force"].label == case.train.variants[0].label
+    )

@@ -1,4 +1,6 @@
-"""What a spring model takes for granted where a caller leaves it out, and that no two numbers of a rod's state share a place."""
+"""What a spring model takes for granted where a caller leaves it out, and that no two numbers of a
+rod's state share a place.
+"""
 
 from __future__ import annotations
 

@@ -6,11 +6,18 @@ import numpy as np
 import pytest
 from numba import njit, types
 
-from spring_parts import CLOSED_ENDS, LINEAR_RATE, MODELS, PRECOMPRESSION, build_models, drive, raised_cosine
+from spring_parts import (
+    CLOSED_ENDS,
+    LINEAR_RATE,
+    MODELS,
+    PRECOMPRESSION,
+    build_models,
+    drive,
+    raised_cosine,
+)
 from valvetrain.cosserat.layout import row
 from valvetrain.integrate.clash import steps_between
-from valvetrain.parameters.card import SpringCard
-from valvetrain.parameters.installed_spring import InstalledSpring
+from valvetrain.parameters.installed_spring import InstalledSpring, SpringCard
 from valvetrain.registry import places
 from valvetrain.springs.contract import SpringModel, contact_watch_of
 from valvetrain.springs.finite_element import FiniteElementRod
@@ -18,16 +25,24 @@ from valvetrain.springs.spec import spring_model
 from valvetrain.studies.rest import at_rest
 
 NAMES = list(MODELS)
-#: The published modal form scales its modes' force with k(x) and keeps their frequencies: where k(x) is no constant its forces at the
-#: retainer are no gradient of any energy, and work is not stored exactly. Its straight line, where they are, is tested for both.
+#: The published modal form scales its modes' force with k(x) and keeps their frequencies: where
+#: k(x) is no constant its forces at the
+#: retainer are no gradient of any energy, and work is not stored exactly. Its straight line, where
+#: they are, is tested for both.
 EXACT_ENERGY = [name for name in NAMES if name != "modal-varied-curved"]
 #: Words of the spring models that ship and run in time.
-MOVING = [word for word, place in places("springs").items() if place.startswith("valvetrain.") and not spring_model(word).no_motion]
+MOVING = [
+    word
+    for word, place in places("springs").items()
+    if place.startswith("valvetrain.") and not spring_model(word).no_motion
+]
 
 
 @pytest.mark.parametrize("word", MOVING)
 def test_every_word_of_the_registry_is_in_this_battery(word):
-    wire = InstalledSpring(wire=CLOSED_ENDS, precompression=PRECOMPRESSION).with_options("finite-element", elements_per_coil=8)
+    wire = InstalledSpring(wire=CLOSED_ENDS, precompression=PRECOMPRESSION).with_options(
+        "finite-element", elements_per_coil=8
+    )
     card = InstalledSpring(card=SpringCard(rate=30e3, preload=250.0, mass=0.04))
     rod = spring_model("finite-element").build(wire)
     for spring in (wire, card):
@@ -53,8 +68,20 @@ def swinging(model: FiniteElementRod, displacement: float, seed: int) -> np.ndar
     motion, velocity = raised_cosine(2 * displacement, 4e-3, time_step)
     count = int(np.argmin(np.abs(motion[: len(motion) // 2] - displacement))) + 1
     state = model.with_time_step(time_step).initial_state(0.0)
-    drive(model.with_time_step(time_step), state, motion[:count], (1 + 0.1 * seed) * velocity[:count], time_step)
-    drive(model.with_time_step(time_step), state, np.full(40 * seed, displacement), np.zeros(40 * seed), time_step)
+    drive(
+        model.with_time_step(time_step),
+        state,
+        motion[:count],
+        (1 + 0.1 * seed) * velocity[:count],
+        time_step,
+    )
+    drive(
+        model.with_time_step(time_step),
+        state,
+        np.full(40 * seed, displacement),
+        np.zeros(40 * seed),
+        time_step,
+    )
     for name in ("VX", "VY", "VZ", "W1", "W2", "W3"):
         row(state, name, model.mesh.vertices)[:] = 0.0
     return state
@@ -79,14 +106,19 @@ def test_kernel_gives_the_forces_of_the_class_and_zero_step_keeps_the_state(name
     model = MODELS[name]
     state = disturbed(model, 1e-3)
     if not isinstance(model, FiniteElementRod):
-        state[model.unknowns : 2 * model.unknowns] = 0.3 * np.random.default_rng(2).standard_normal(model.unknowns)
+        state[model.unknowns : 2 * model.unknowns] = 0.3 * np.random.default_rng(2).standard_normal(
+            model.unknowns
+        )
     before = state.copy()
     forces = model.kernel(model.parameters(), model.integers(), state, 1e-3, 0.4, 0.0)
     expected = model.force(before, 1e-3, 0.4)
     assert forces == pytest.approx(tuple(expected), rel=1e-10, abs=1e-9)
     if isinstance(model, FiniteElementRod):
-        # Its positions hold the retainer's own vertices, which a call places; asked again it answers the same.
-        assert model.kernel(model.parameters(), model.integers(), state, 1e-3, 0.4, 0.0) == pytest.approx(forces, rel=1e-9)
+        # Its positions hold the retainer's own vertices, which a call places; asked again it
+        # answers the same.
+        assert model.kernel(
+            model.parameters(), model.integers(), state, 1e-3, 0.4, 0.0
+        ) == pytest.approx(forces, rel=1e-9)
     else:
         assert np.array_equal(state[: 2 * model.unknowns], before[: 2 * model.unknowns])
     shown = model.outputs(before, 1e-3, 0.4)
@@ -100,7 +132,9 @@ def test_a_spring_at_rest_presses_seat_and_retainer_alike(name, displacement):
     model = MODELS[name]
     forces = model.force(model.initial_state(displacement), displacement)
     assert forces.seat == pytest.approx(forces.retainer, rel=1e-4) and forces.seat > 100.0
-    assert displacement == 0.0 or forces.seat > model.force(model.initial_state(0.0), 0.0).seat + 20.0
+    assert (
+        displacement == 0.0 or forces.seat > model.force(model.initial_state(0.0), 0.0).seat + 20.0
+    )
 
 
 @pytest.mark.parametrize("name", NAMES)
@@ -123,20 +157,29 @@ def test_force_is_the_energy_gradient(name):
 
 
 def test_the_curved_modal_spring_gains_little_energy_from_its_changing_stiffness():
-    """What the published form costs: work and energy gained and lost part by some per cent of the turnover, not more."""
+    """What the published form costs: work and energy gained and lost part by some per cent of the
+    turnover, not more.
+    """
     model, time_step = MODELS["modal-varied-curved"], 5e-6
     displacement, velocity = raised_cosine(9e-3, 5e-3, time_step, rest=3e-3)
     state = model.initial_state(0.0)
     forces = drive(model, state, displacement, velocity, time_step)
     pieces = (forces[1:, 0] + forces[:-1, 0]) / 2 * np.diff(displacement)
-    end, start = model.energy(state, 0.0, 0.0, time_step), model.energy(model.initial_state(0.0), 0.0)
-    gap = abs(end.total - start.total + end.dissipated - float(pieces.sum())) / float(np.abs(pieces).sum())
+    end, start = (
+        model.energy(state, 0.0, 0.0, time_step),
+        model.energy(model.initial_state(0.0), 0.0),
+    )
+    gap = abs(end.total - start.total + end.dissipated - float(pieces.sum())) / float(
+        np.abs(pieces).sum()
+    )
     assert 1e-3 < gap < 0.05
 
 
 @pytest.mark.parametrize("name", NAMES)
 def test_inner_forces_are_the_energy_gradient(name):
-    """One kick of the kernel from rest must point down the potential: m dv = -dE/dq dt, checked by the work it does."""
+    """One kick of the kernel from rest must point down the potential: m dv = -dE/dq dt, checked by
+    the work it does.
+    """
     model = MODELS[name]
     if model.unknowns == 0 or isinstance(model, FiniteElementRod):
         pytest.skip("no unknowns, or frames that cannot be shifted freely")
@@ -166,13 +209,24 @@ def test_static_state_stays_and_its_force_is_the_slope_of_its_energy(name):
         tolerance = 3e-6 if isinstance(model, FiniteElementRod) else 1e-8
         assert force.seat == pytest.approx(force.retainer, rel=tolerance)
         step = 2e-6
-        energies = [model.energy(model.initial_state(displacement + s), displacement + s).potential for s in (step, -step)]
+        energies = [
+            model.energy(model.initial_state(displacement + s), displacement + s).potential
+            for s in (step, -step)
+        ]
         assert force.retainer == pytest.approx((energies[0] - energies[1]) / (2 * step), rel=2e-4)
         if name in LINEAR_RATE:
-            assert force.retainer == pytest.approx(250.0 + LINEAR_RATE[name] * displacement, rel=1e-9)
+            assert force.retainer == pytest.approx(
+                250.0 + LINEAR_RATE[name] * displacement, rel=1e-9
+            )
         rest = np.full(200, displacement)
         step = usable_step(model)
-        forces = drive(model.with_time_step(step) if isinstance(model, FiniteElementRod) else model, state, rest, np.zeros(200), step)
+        forces = drive(
+            model.with_time_step(step) if isinstance(model, FiniteElementRod) else model,
+            state,
+            rest,
+            np.zeros(200),
+            step,
+        )
         assert np.allclose(forces, force.retainer, rtol=10 * tolerance)
 
 
@@ -184,7 +238,9 @@ def test_slow_motion_follows_the_static_curve(name):
     displacement, velocity = raised_cosine(lift, 0.2, time_step)
     half = len(displacement) // 2
     forces = drive(model, model.initial_state(0.0), displacement[:half], velocity[:half], time_step)
-    static = model.force(model.initial_state(displacement[half - 1]), displacement[half - 1]).retainer
+    static = model.force(
+        model.initial_state(displacement[half - 1]), displacement[half - 1]
+    ).retainer
     if name == "nested-rubbing":
         # What is left is friction: at most mu N at either end.
         assert np.all(np.abs(forces[-1] - static) < 0.12 * 60.0)
@@ -193,11 +249,14 @@ def test_slow_motion_follows_the_static_curve(name):
 
 
 @pytest.mark.parametrize("name", EXACT_ENERGY)
-@pytest.mark.parametrize(("lift", "duration"), [(4e-3, 8e-3), (9e-3, 5e-3)], ids=["gentle", "clashing"])
+@pytest.mark.parametrize(
+    ("lift", "duration"), [(4e-3, 8e-3), (9e-3, 5e-3)], ids=["gentle", "clashing"]
+)
 def test_energy_balance(name, lift, duration):
     """Work of the retainer = energy gained + dissipated, over an event and the surge after it."""
     model = MODELS[name]
-    # A fine step of the motion, and a quarter of the model's own limit; a wave rod keeps its grid, or its limit would follow.
+    # A fine step of the motion, and a quarter of the model's own limit; a wave rod keeps its grid,
+    # or its limit would follow.
     time_step = min(1e-5, 0.25 * model.stable_time_step())
     if isinstance(model, FiniteElementRod):
         model = model.with_time_step(time_step)
@@ -210,7 +269,13 @@ def test_energy_balance(name, lift, duration):
     turnover = float(np.sum(np.abs((forces[1:, 0] + forces[:-1, 0]) / 2 * np.diff(displacement))))
     assert end.total - start.total + end.dissipated == pytest.approx(work, abs=1e-3 * turnover)
     assert end.dissipated >= -1e-12
-    if name in ("chain-damped", "rod-damped", "modal-damped", "modal-varied-damped", "nested-rubbing"):
+    if name in (
+        "chain-damped",
+        "rod-damped",
+        "modal-damped",
+        "modal-varied-damped",
+        "nested-rubbing",
+    ):
         assert end.dissipated > 1e-4 * turnover
     if name in ("wave-rod", "modal-uniform", "modal-varied", "chain-card", "chain-no-clash"):
         assert end.dissipated == 0.0
@@ -227,7 +292,8 @@ def test_clash_happens_in_the_clashing_event_and_costs_energy():
         assert model.energy(state, 0.0).dissipated > 1e-6
 
 
-#: Spacing (s) of the record of a model's coil contacts: 2 us of a chain, twice that of a rod with its many points; None without coils.
+#: Spacing (s) of the record of a model's coil contacts: 2 us of a chain, twice that of a rod with
+#: its many points; None without coils.
 RECORDED = {
     **dict.fromkeys(("chain", "chain-damped", "chain-7-per-coil", "wave-rod-clash", "nested", "nested-rubbing"), 2e-6),
     "finite-element": 4e-6,
@@ -236,7 +302,9 @@ RECORDED = {
 
 @pytest.mark.parametrize("name", NAMES)
 def test_a_record_of_coil_contacts_is_as_fine_as_its_model_says(name):
-    """Blows last some 10 us, so two rows at least fall into each; the steps between rows follow from the time step."""
+    """Blows last some 10 us, so two rows at least fall into each; the steps between rows follow
+    from the time step.
+    """
     watch = contact_watch_of(MODELS[name])
     assert (None if watch is None else watch.interval) == RECORDED.get(name)
     if watch is not None:
@@ -260,7 +328,9 @@ def test_is_deterministic(name):
 
 @pytest.mark.parametrize("name", NAMES)
 def test_with_time_step_is_stable_at_that_step(name):
-    time_step = 4e-6 if MODELS[name].stable_time_step() > 4e-6 else 0.9 * MODELS[name].stable_time_step()
+    time_step = (
+        4e-6 if MODELS[name].stable_time_step() > 4e-6 else 0.9 * MODELS[name].stable_time_step()
+    )
     model = MODELS[name].with_time_step(time_step)
     assert model.stable_time_step() >= time_step * (1 - 1e-9)
     displacement, velocity = raised_cosine(9e-3, 6e-3, time_step, rest=30e-3)
@@ -272,21 +342,37 @@ def test_with_time_step_is_stable_at_that_step(name):
 
 _FIRST_CLASS = types.FunctionType(
     types.UniTuple(types.float64, 2)(
-        types.Array(types.float64, 1, "C"), types.Array(types.int64, 1, "C"), types.Array(types.float64, 1, "C"),
-        types.float64, types.float64, types.float64,
+        types.Array(types.float64, 1, "C"),
+        types.Array(types.int64, 1, "C"),
+        types.Array(types.float64, 1, "C"),
+        types.float64,
+        types.float64,
+        types.float64,
     )
-)  # fmt: skip
+)
 
 
 @pytest.mark.parametrize(
-    "name", ["massless", "massless-table", "chain", "wave-rod", "modal-uniform", "modal-varied-curved", "nested-rubbing"]
+    "name",
+    [
+        "massless",
+        "massless-table",
+        "chain",
+        "wave-rod",
+        "modal-uniform",
+        "modal-varied-curved",
+        "nested-rubbing",
+    ],
 )
 def test_kernel_fits_a_loop_compiled_once_for_all_models(name):
     model = MODELS[name]
 
     @njit(
         types.UniTuple(types.float64, 2)(
-            _FIRST_CLASS, types.Array(types.float64, 1, "C"), types.Array(types.int64, 1, "C"), types.Array(types.float64, 1, "C")
+            _FIRST_CLASS,
+            types.Array(types.float64, 1, "C"),
+            types.Array(types.int64, 1, "C"),
+            types.Array(types.float64, 1, "C"),
         )
     )
     def call(kernel, parameters, integers, state):

@@ -1,4 +1,6 @@
-"""Every channel of a train's run keeps the relation that its name and unit ask for: rates, sums, gaps against forces, work."""
+"""Every channel of a train's run keeps the relation that its name and unit ask for: rates, sums,
+gaps against forces, work.
+"""
 
 from __future__ import annotations
 
@@ -7,11 +9,12 @@ import math
 import numpy as np
 import pytest
 
-from valvetrain.mechanism.crank import piston_clearance
+from valvetrain.mechanism.planar import piston_clearance
 from valvetrain.parameters.loading import load_case
 from valvetrain.studies.run import run_study
 
-#: Forces inside elastic parts, whose sizes other tests hold to closed forms (tests/limits/test_train_dynamics.py).
+#: Forces inside elastic parts, whose sizes other tests hold to closed forms
+#: (tests/limits/test_train_dynamics.py).
 INSIDE = {"lever_bending_force", "support_force", "stem_force"}
 
 
@@ -29,24 +32,34 @@ def rate(run, channel: str) -> np.ndarray:
 
 
 def alike(one: np.ndarray, other: np.ndarray, share: float = 0.02) -> bool:
-    """The same curve: median difference within a share of the largest value; impacts are sharper than the samples."""
+    """The same curve: median difference within a share of the largest value; impacts are sharper
+    than the samples.
+    """
     return bool(np.median(np.abs(one - other)) <= share * np.max(np.abs(other)))
 
 
 def test_rates_are_those_of_what_they_name(ran):
     _, run = ran
-    known = {"valve_velocity": "valve_lift", "valve_acceleration": "valve_velocity", "retainer_acceleration": "retainer_velocity"}
+    known = {
+        "valve_velocity": "valve_lift",
+        "valve_acceleration": "valve_velocity",
+        "retainer_acceleration": "retainer_velocity",
+    }
     for channel, before in known.items():
         assert alike(rate(run, before), run.channel(channel)), channel
     assert alike(run.channel("retainer_velocity"), run.channel("valve_velocity"), 0.05)
     np.testing.assert_allclose(run.time, run.cam_angle / (run.engine_speed / 2))
-    assert np.max(run.channel("valve_lift")) > 8e-3 and np.argmax(run.channel("valve_velocity")) < np.argmax(run.channel("valve_lift"))
+    assert np.max(run.channel("valve_lift")) > 8e-3 and np.argmax(
+        run.channel("valve_velocity")
+    ) < np.argmax(run.channel("valve_lift"))
 
 
 def test_forces_of_a_nest_add_up_and_rest_on_their_static_curve(ran):
     _, run = ran
     for end in ("seat_force", "retainer_force"):
-        np.testing.assert_allclose(run.channel(f"outer_{end}") + run.channel(f"inner_{end}"), run.channel(end), rtol=1e-9)
+        np.testing.assert_allclose(
+            run.channel(f"outer_{end}") + run.channel(f"inner_{end}"), run.channel(end), rtol=1e-9
+        )
     lift, still = np.clip(run.channel("valve_lift"), 0, None), run.channel("static_retainer_force")
     closed = lift < 1e-6
     assert np.ptp(still[closed]) < 5.0 and still[np.argmax(lift)] > 1.3 * still[closed].mean()
@@ -66,7 +79,9 @@ def test_the_torque_of_the_cam_does_the_work_of_the_cycle(ran):
     torque, force = run.channel("cam_torque"), run.channel("cam_contact_force")
     work = float(np.mean(torque)) * 2 * math.pi
     assert work == pytest.approx(float(run.statistics["cycle_work_energy"]), rel=0.03)
-    assert 0.002 < np.max(torque) / np.max(force) < 0.05  # an arm of some millimetres, less than the cam is wide
+    assert (
+        0.002 < np.max(torque) / np.max(force) < 0.05
+    )  # an arm of some millimetres, less than the cam is wide
     rising = (run.channel("rigid_valve_lift") > 1e-3) & (rate(run, "rigid_valve_lift") > 0)
     assert np.mean(run.channel("cam_torque")[rising]) > 0
 
@@ -75,9 +90,13 @@ def test_the_lever_turns_with_the_valve_and_the_piston_keeps_its_distance(ran):
     case, run = ran
     train = case.train
     arm = train.lever.valve_arm * math.cos(train.lever.valve_angle)
-    assert alike(np.abs(run.channel("lever_speed")) * arm, np.abs(run.channel("valve_velocity")), 0.05)
+    assert alike(
+        np.abs(run.channel("lever_speed")) * arm, np.abs(run.channel("valve_velocity")), 0.05
+    )
     lift = np.clip(run.channel("valve_lift"), 0, None)
-    assert alike(run.channel("piston_clearance"), piston_clearance(train.crank, run.cam_angle, lift), 1e-3)
+    assert alike(
+        run.channel("piston_clearance"), piston_clearance(train.crank, run.cam_angle, lift), 1e-3
+    )
     assert np.max(run.channel("piston_clearance")) > np.min(run.channel("piston_clearance")) > 0
 
 
@@ -86,11 +105,15 @@ def test_the_rigid_channels_are_the_law_and_near_the_run(ran):
     assert np.max(run.channel("rigid_valve_lift")) == pytest.approx(9.7e-3, rel=1e-3)
     opened = run.channel("rigid_valve_lift") > 1e-3
     assert alike(run.channel("valve_lift")[opened], run.channel("rigid_valve_lift")[opened], 0.03)
-    assert alike(run.channel("cam_contact_force")[opened], run.channel("rigid_contact_force")[opened], 0.25)
+    assert alike(
+        run.channel("cam_contact_force")[opened], run.channel("rigid_contact_force")[opened], 0.25
+    )
 
 
 def test_places_of_bodies_have_the_rates_and_strain_the_links_between_them(ran):
-    """Rates of the places are velocities that are told besides; k x + c x' of the case is the force of every elastic link."""
+    """Rates of the places are velocities that are told besides; k x + c x' of the case is the force
+    of every elastic link.
+    """
     case, run = ran
     train = case.train
     assert alike(rate(run, "lever_angle"), run.channel("lever_speed")) and alike(

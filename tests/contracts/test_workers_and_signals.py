@@ -1,4 +1,6 @@
-"""Killed workers, killed parents, Ctrl-C and SIGTERM: what was finished is there, and nothing goes on or stays behind."""
+"""Killed workers, killed parents, Ctrl-C and SIGTERM: what was finished is there, and nothing goes
+on or stays behind.
+"""
 
 from __future__ import annotations
 
@@ -13,7 +15,18 @@ import uuid
 import pytest
 import typer
 
-from fault_parts import MARK, SWEEP, gone, killed_always, killed_once, lives, marked, square, stand_in_solver, started
+from fault_parts import (
+    MARK,
+    SWEEP,
+    gone,
+    killed_always,
+    killed_once,
+    lives,
+    marked,
+    square,
+    stand_in_solver,
+    started,
+)
 from unit.cli_parts import SMALL, process, process_environment, wait_until
 from valvetrain.cli.guard import GuardedGroup, interrupted
 from valvetrain.errors import RunFailedError
@@ -23,21 +36,33 @@ from valvetrain.studies.engine import map_points, threads
 from valvetrain.studies.stopping import PointsStopped, Stopped, listening
 from valvetrain.studies.workers import result_of
 
-pytestmark = pytest.mark.skipif(not sys.platform.startswith("linux"), reason="finds processes by their environment in /proc")
+pytestmark = pytest.mark.skipif(
+    not sys.platform.startswith("linux"), reason="finds processes by their environment in /proc"
+)
 ROWS = "unfinished-runs.jsonl"
 
 
 def test_a_killed_worker_costs_no_result(tmp_path):
     points = range(12)
     expected = map_points(square, tmp_path, points, 1)
-    assert map_points(killed_once, tmp_path, points, 2, processes=True) == expected == tuple(n * n for n in points)
+    assert (
+        map_points(killed_once, tmp_path, points, 2, processes=True)
+        == expected
+        == tuple(n * n for n in points)
+    )
     assert (tmp_path / "killed").exists()
 
 
 def test_a_run_that_always_kills_its_worker_costs_itself_alone(tmp_path):
     came: list[int] = []
     found = map_points(
-        killed_always, tmp_path, range(6), 2, processes=True, lost=lambda point: -point, finished=lambda place, _: came.append(place)
+        killed_always,
+        tmp_path,
+        range(6),
+        2,
+        processes=True,
+        lost=lambda point: -point,
+        finished=lambda place, _: came.append(place),
     )
     assert found == (0, 1, 4, -3, 16, 25) and sorted(came) == list(range(6))
     with pytest.raises(RunFailedError, match="killed"):
@@ -59,10 +84,20 @@ def test_a_speed_whose_worker_is_killed_is_a_status_and_the_others_are_there(mon
     deadly.__module__, deadly.__qualname__ = run.__name__, "train_point"
     monkeypatch.setattr(run, "train_point", deadly)
     monkeypatch.setattr("valvetrain.studies.workers.start_method", lambda: "fork")
-    study = run.run_study(load_case("tdi-pushrod"), engine_speeds=(150.0, 200.0, 310.0), spring_models=("massless",),
-                          spring_sets=("stock",), workers=2, whole=False)  # fmt: skip
+    study = run.run_study(
+        load_case("tdi-pushrod"),
+        engine_speeds=(150.0, 200.0, 310.0),
+        spring_models=("massless",),
+        spring_sets=("stock",),
+        workers=2,
+        whole=False,
+    )
     assert [one.status.code for one in study.solutions] == ["completed", "completed", "worker-lost"]
-    assert len(study.failures) == 1 and "was killed" in study.failures[0] and "fewer workers" in study.failures[0]
+    assert (
+        len(study.failures) == 1
+        and "was killed" in study.failures[0]
+        and "fewer workers" in study.failures[0]
+    )
 
 
 def test_workers_end_with_a_parent_that_is_killed(tmp_path):
@@ -87,30 +122,46 @@ def test_a_sweep_that_is_stopped_keeps_what_was_finished(tmp_path, number):
         run.send_signal(number)
         _, errors = run.communicate(timeout=60)
         gone(mark)
-    assert run.returncode == 128 + number and errors.splitlines()[-1].startswith("interrupted: ") and "Traceback" not in errors
+    assert (
+        run.returncode == 128 + number
+        and errors.splitlines()[-1].startswith("interrupted: ")
+        and "Traceback" not in errors
+    )
     answer = json.loads((tmp_path / "out" / "run.json").read_text())
     states = [one["status"]["code"] for one in answer["runs"]]
-    assert len(states) == 161 and states.count("interrupted") == 161 - sum(code != "interrupted" for code in states) > 0
+    assert (
+        len(states) == 161
+        and states.count("interrupted") == 161 - sum(code != "interrupted" for code in states) > 0
+    )
     assert sum(bool(one["quantities"]) for one in answer["runs"]) >= 3 and not answer["completed"]
     assert f"interrupted: {161 - states.count('interrupted')} of 161 runs were finished" in errors
     assert not (tmp_path / "out" / ROWS).exists() and not list(tmp_path.rglob("*.part"))
 
 
-def test_a_sweep_that_is_killed_leaves_its_finished_runs_and_the_next_run_mends_the_folder(tmp_path):
+def test_a_sweep_that_is_killed_leaves_its_finished_runs_and_the_next_run_mends_the_folder(
+    tmp_path,
+):
     with started(*SWEEP, folder=tmp_path) as (run, mark):
         wait_until(lambda: rows_of(tmp_path / "out") >= 3, "three runs are finished")
         run.kill()
         run.wait()
         gone(mark)
-    rows = [json.loads(line) for line in (tmp_path / "out" / ROWS).read_text().split("\n")[:-1]]  # the last may be cut
-    assert len(rows) >= 3 and all(row["quantities"]["peak_spring_force"]["value"] > 0 for row in rows)
+    rows = [
+        json.loads(line) for line in (tmp_path / "out" / ROWS).read_text().split("\n")[:-1]
+    ]  # the last may be cut
+    assert len(rows) >= 3 and all(
+        row["quantities"]["peak_spring_force"]["value"] > 0 for row in rows
+    )
     (tmp_path / "out" / ".quantities.csv.abcdefgh.valvetrain.part").write_text("half of")
     again = [word if word != SWEEP[3] else "1000:1100:25 rpm" for word in SWEEP]
     done = process(*again, folder=tmp_path)
     assert done.returncode == 0, done.stderr
     whole = json.loads((tmp_path / "out" / "run.json").read_text())["runs"]
     same = {row["engine_speed"]["value"]: row["quantities"] for row in rows}
-    assert all(same.get(one["engine_speed"]["value"], one["quantities"]) == one["quantities"] for one in whole)
+    assert all(
+        same.get(one["engine_speed"]["value"], one["quantities"]) == one["quantities"]
+        for one in whole
+    )
     assert not (tmp_path / "out" / ROWS).exists() and not list((tmp_path / "out").glob(".*.part"))
 
 
@@ -120,7 +171,16 @@ def test_the_solid_solver_and_its_folder_go_with_their_parent(tmp_path, number):
     work = tmp_path / "work"
     work.mkdir()
     (tmp_path / "small.toml").write_text(SMALL)
-    words = ("compare", "small.toml", "--spring", "solid", "--solid-elements-per-coil", "6", "--output", "out")
+    words = (
+        "compare",
+        "small.toml",
+        "--spring",
+        "solid",
+        "--solid-elements-per-coil",
+        "6",
+        "--output",
+        "out",
+    )
     with started(*words, folder=tmp_path, CCX=str(program), TMPDIR=str(work)) as (run, mark):
         wait_until(lambda: note.exists() and bool(note.read_text().strip()), "the solver starts")
         run.send_signal(number)
@@ -131,26 +191,37 @@ def test_the_solid_solver_and_its_folder_go_with_their_parent(tmp_path, number):
 
 
 def test_a_solver_that_is_killed_alone_leaves_nothing_that_it_started(tmp_path):
-    """The stand-in is a shell that waits for a child; killed by somebody else, its child must go too."""
+    """The stand-in is a shell that waits for a child; killed by somebody else, its child must go
+    too.
+    """
     program, note = stand_in_solver(tmp_path)
     command = [sys.executable, guardian.__file__, str(tmp_path / "work"), str(program)]
     mark = uuid.uuid4().hex
-    with subprocess.Popen(command, stdin=subprocess.PIPE, env=process_environment(**{MARK: mark})) as guard:
-        wait_until(lambda: note.exists() and bool(note.read_text().strip()) and len(marked(mark)) == 3, "solver and child start")
+    with subprocess.Popen(
+        command, stdin=subprocess.PIPE, env=process_environment(**{MARK: mark})
+    ) as guard:
+        wait_until(
+            lambda: note.exists() and bool(note.read_text().strip()) and len(marked(mark)) == 3,
+            "solver and child start",
+        )
         os.kill(int(note.read_text()), signal.SIGKILL)
         assert guard.wait(60) == 128 + signal.SIGKILL
         gone(mark)
 
 
 def test_a_request_to_stop_that_the_interpreter_drops_is_still_heard(monkeypatch):
-    """A KeyboardInterrupt within a destructor is printed and forgotten; who waits looks at the note."""
+    """A KeyboardInterrupt within a destructor is printed and forgotten; who waits looks at the
+    note.
+    """
 
     class Dropped:
         def __del__(self) -> None:
             os.kill(os.getpid(), signal.SIGINT)
             time.sleep(0.01)  # the handler runs here, where what it raises is lost
 
-    hears = signal.signal(signal.SIGINT, signal.default_int_handler)  # tests in the background of a script have it ignored
+    hears = signal.signal(
+        signal.SIGINT, signal.default_int_handler
+    )  # tests in the background of a script have it ignored
     with threads(1) as pool, listening():
         job = pool.submit(time.sleep, 3.0)
         begun = time.monotonic()
@@ -164,13 +235,19 @@ def test_a_request_to_stop_that_the_interpreter_drops_is_still_heard(monkeypatch
 
 
 def test_a_background_job_leaves_ctrl_c_to_others_and_hears_sigterm():
-    """A shell ignores SIGINT for the background jobs of a script, and nohup SIGHUP: both stay ignored, for that was asked."""
-    before = {number: signal.signal(number, signal.SIG_IGN) for number in (signal.SIGINT, signal.SIGHUP)}
+    """A shell ignores SIGINT for the background jobs of a script, and nohup SIGHUP: both stay
+    ignored, for that was asked.
+    """
+    before = {
+        number: signal.signal(number, signal.SIG_IGN) for number in (signal.SIGINT, signal.SIGHUP)
+    }
     try:
         with pytest.raises(Stopped), listening():
             os.kill(os.getpid(), signal.SIGINT)
             os.kill(os.getpid(), signal.SIGHUP)
-            assert signal.getsignal(signal.SIGINT) is signal.getsignal(signal.SIGHUP) is signal.SIG_IGN
+            assert (
+                signal.getsignal(signal.SIGINT) is signal.getsignal(signal.SIGHUP) is signal.SIG_IGN
+            )
             os.kill(os.getpid(), signal.SIGTERM)
             time.sleep(1)
         assert signal.getsignal(signal.SIGTERM) is signal.SIG_DFL
@@ -205,7 +282,9 @@ def rows_of(folder) -> int:
 
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
-def test_a_command_that_is_stopped_again_while_it_tells_what_it_kept_has_the_code_of_its_signal(number):
+def test_a_command_that_is_stopped_again_while_it_tells_what_it_kept_has_the_code_of_its_signal(
+    number,
+):
     """The parser makes 130 of every interruption, of one that comes after the first was told too."""
     app = typer.Typer(cls=GuardedGroup)
 
@@ -243,5 +322,11 @@ main()
 
 
 def test_ctrl_c_while_the_command_loads_ends_it_without_a_traceback(tmp_path):
-    done = subprocess.run([sys.executable, "-c", LOADING], cwd=tmp_path, env=process_environment(), capture_output=True, text=True)
+    done = subprocess.run(
+        [sys.executable, "-c", LOADING],
+        cwd=tmp_path,
+        env=process_environment(),
+        capture_output=True,
+        text=True,
+    )
     assert (done.returncode, done.stdout, done.stderr) == (-signal.SIGINT, "", "")

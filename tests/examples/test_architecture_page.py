@@ -1,4 +1,6 @@
-"""The architecture page's table of channels names every channel that a run has, and no channel twice."""
+"""The architecture page's table of channels names every channel that a run has, and no channel
+twice.
+"""
 
 from __future__ import annotations
 
@@ -21,9 +23,13 @@ KNOWN = [re.compile(re.sub(r"<(\w+)>", lambda match: PLACES[match[1]], name)) fo
 
 @pytest.mark.parametrize(
     ("case", "engine_speed", "models"),
-    [("job-c", "3000 rpm", ("finite-element", "modal-varied")), ("job-t", "3000 rpm", ("multi-mass",)), ("vaz-ohc", None, ("multi-mass",)),
-     ("tdi-pushrod", None, ("wave-rod",))],
-)  # fmt: skip
+    [
+        ("job-c", "3000 rpm", ("finite-element", "modal-varied")),
+        ("job-t", "3000 rpm", ("multi-mass",)),
+        ("vaz-ohc", None, ("multi-mass",)),
+        ("tdi-pushrod", None, ("wave-rod",)),
+    ],
+)
 def test_every_channel_stands_in_the_table(case, engine_speed, models):
     for run in vt.simulate(case, engine_speed, spring_models=models, workers=1).solutions:
         plain = {re.sub(r"^(outer|inner)_(?!fibre)", "", str(name)) for name in run.channels}

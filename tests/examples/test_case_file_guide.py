@@ -1,4 +1,6 @@
-"""The case files printed in the guide are cases, and the guide names every kind of lift law and every key."""
+"""The case files printed in the guide are cases, and the guide names every kind of lift law and
+every key.
+"""
 
 from __future__ import annotations
 
@@ -9,11 +11,17 @@ import pytest
 
 from valvetrain import registry
 from valvetrain.cam import build_lift_law
+from valvetrain.parameters.installed_spring import options_table
 from valvetrain.parameters.loading import parse_case
 from valvetrain.parameters.schema_case import OperationModel
-from valvetrain.parameters.schema_installed import CardBlock, CoilContactModel, DampingModel, RubbingModel, WireBlock
+from valvetrain.parameters.schema_installed import (
+    CardBlock,
+    CoilContactModel,
+    DampingModel,
+    RubbingModel,
+    WireBlock,
+)
 from valvetrain.parameters.schema_lift import LiftModel
-from valvetrain.parameters.spring_options import options_table
 
 GUIDE = (Path(__file__).parents[2] / "docs" / "case-files.md").read_text(encoding="utf-8")
 EXAMPLES = re.findall(r"```toml\n(.*?)```", GUIDE, re.DOTALL)
@@ -31,6 +39,13 @@ def test_every_kind_and_key_is_named():
     options = {word: options_table(word) for word in registry.BUILT_IN["springs"]}
     tables = [(laws, set(LiftModel.model_fields)), (options, set())]
     blocks = (WireBlock, CardBlock, DampingModel, CoilContactModel, RubbingModel, OperationModel)
-    names = {name for table, common in tables for word, model in table.items() for name in (word, *set(model.model_fields) - common)}
-    for key in sorted((names | {name for model in blocks for name in model.model_fields} | {"study"}) - {"name"}):
+    names = {
+        name
+        for table, common in tables
+        for word, model in table.items()
+        for name in (word, *set(model.model_fields) - common)
+    }
+    for key in sorted(
+        (names | {name for model in blocks for name in model.model_fields} | {"study"}) - {"name"}
+    ):
         assert f"`{key}`" in GUIDE or f"{key} = " in GUIDE, key

@@ -1,4 +1,5 @@
-"""Examples: every command and every program that a page of the documentation shows is run by a test, here or by the page's own.
+"""Examples: every command and every program that a page of the documentation shows is run by a
+test, here or by the page's own.
 
 What takes long runs with less to do in every run, and as it stands with ``make test-long``.
 """
@@ -17,7 +18,7 @@ import pytest
 import valvetrain as vt
 from unit.cli_parts import call
 from valvetrain.cam import build_lift_law
-from valvetrain.cli import serve
+from valvetrain.workbench import command as serve
 from valvetrain.workbench import pages
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -60,7 +61,8 @@ SLOW = (
     "valvetrain study examples/studies/beehive-tolerances.toml", "valvetrain study examples/studies/two-quantities.toml",
     "valvetrain study examples/studies/train-seating.toml", "valvetrain optimise examples/optimise-spring-loads.toml",
 )  # fmt: skip
-#: Commands of an hour or more. What they print stands on their pages, which scripts write; their parts are computed by other tests.
+#: Commands of an hour or more. What they print stands on their pages, which scripts write; their
+#: parts are computed by other tests.
 HOURS = {
     "valvetrain optimise examples/optimise-beehive.toml", "valvetrain refine gu2021-beehive [--json]",
     "valvetrain refine tdi-pushrod [--json]", "valvetrain compare gu2021-beehive --spring finite-element,modal-varied,solid",
@@ -75,26 +77,45 @@ def page_texts() -> dict[str, str]:
 
 
 def runs_itself(name: str) -> bool:
-    return any(name == one or (one.endswith("/") and name.startswith(one)) for one in RUN_BY_ITS_OWN_TEST)
+    return any(
+        name == one or (one.endswith("/") and name.startswith(one)) for one in RUN_BY_ITS_OWN_TEST
+    )
 
 
 def commands_of(text: str) -> list[str]:
     """Commands in blocks and in indented lines, without their comments."""
-    lines = [line for language, code in FENCED.findall(text) if language in ("sh", "bash") for line in code.splitlines()]
+    lines = [
+        line
+        for language, code in FENCED.findall(text)
+        if language in ("sh", "bash")
+        for line in code.splitlines()
+    ]
     lines += re.findall(r"^    (valvetrain .*)$", text, re.MULTILINE)
     return [re.sub(r"\s+#.*", "", line).strip() for line in lines if line.startswith("valvetrain ")]
 
 
 def test_every_command_of_the_documentation_is_run_by_a_test():
-    shown = {line for name, text in page_texts().items() if not runs_itself(name) for line in commands_of(text)}
+    shown = {
+        line
+        for name, text in page_texts().items()
+        if not runs_itself(name)
+        for line in commands_of(text)
+    }
     assert shown == {*QUICK, *SLOW, *HOURS}
     for name, module in (RUN_BY_ITS_OWN_TEST | RUN_BUT_FOR_COMMANDS).items():
-        assert name.rstrip("/").rpartition("/")[2] in (Path(__file__).parent / f"{module}.py").read_text(encoding="utf-8"), name
+        assert name.rstrip("/").rpartition("/")[2] in (
+            Path(__file__).parent / f"{module}.py"
+        ).read_text(encoding="utf-8"), name
 
 
 def test_every_program_and_every_case_of_the_documentation_is_run_by_a_test():
-    left = {name: kind for name, text in page_texts().items() if not runs_itself(name) and name not in RUN_BUT_FOR_COMMANDS
-            for kind, _ in FENCED.findall(text) if kind in ("python", "toml")}  # fmt: skip
+    left = {
+        name: kind
+        for name, text in page_texts().items()
+        if not runs_itself(name) and name not in RUN_BUT_FOR_COMMANDS
+        for kind, _ in FENCED.findall(text)
+        if kind in ("python", "toml")
+    }
     assert left == {"docs/index.md": "python", "docs/measured-lifts.md": "toml"}  # the tests below
 
 
@@ -108,13 +129,19 @@ def folder(tmp_path_factory) -> Path:
 
 
 def write_lobes(place: Path) -> None:
-    """A tappet's lift in mm over the cam angle, two in inches at whole degrees, and a train of one's own to put it into."""
+    """A tappet's lift in mm over the cam angle, two in inches at whole degrees, and a train of
+    one's own to put it into.
+    """
     angle = np.arange(360.0)
     lift = 1.6e3 * build_lift_law(vt.load_case("tdi-pushrod").lift_law).lift(np.deg2rad(angle))
-    (place / "lobe.dat").write_text("\n".join(f"{one:g} {value:.5f}" for one, value in zip(angle, lift, strict=True)) + "\n")
+    (place / "lobe.dat").write_text(
+        "\n".join(f"{one:g} {value:.5f}" for one, value in zip(angle, lift, strict=True)) + "\n"
+    )
     for name in ("intake", "exhaust"):
         around = [*lift, *lift[:36]]
-        (place / f"{name}.s96").write_text("\n".join(f"{value / 25.4:.6f}" for value in around) + "\n")
+        (place / f"{name}.s96").write_text(
+            "\n".join(f"{value / 25.4:.6f}" for value in around) + "\n"
+        )
     run(place, "valvetrain new own --kind direct")
 
 
@@ -142,7 +169,8 @@ def test_a_quick_command_of_a_page_runs(folder, quiet_rim, line):
     assert bool(quiet_rim) == (" serve" in line or "--open" in line)
 
 
-#: What makes a long command short: fewer speeds and points, a smaller film. Everything else of it stays.
+#: What makes a long command short: fewer speeds and points, a smaller film. Everything else of it
+#: stays.
 SHORTER = (
     ("3000:8000:250", "3000:3500:250"), ("gu2021-beehive --engine-speed 3000:9000:500", "job-t --engine-speed 3000:9000:6000"),
     ("2000:9000:500", "2000:9000:7000"), (' --search "4000:9000:500 rpm"', ""), ("--duration \"6 s\" --width 1280", "--width 320"),
@@ -151,7 +179,11 @@ SHORTER = (
     (" --design gu2021-beehive --engine-speed \"5600 rpm\"", ""),
 )  # fmt: skip
 #: The same in the files of studies and searches.
-FEWER = ((r"^count = \d+", "count = 8"), (r"^levels = \d+", "levels = 2"), (r"^trials = \d+", "trials = 3"))
+FEWER = (
+    (r"^count = \d+", "count = 8"),
+    (r"^levels = \d+", "levels = 2"),
+    (r"^trials = \d+", "trials = 3"),
+)
 
 
 def shorter(folder: Path, line: str) -> str:
@@ -192,15 +224,26 @@ def test_a_long_command_of_a_page_runs_as_it_stands(folder, line):
 
 
 def test_the_program_of_the_first_page_runs():
-    (code,) = (code for kind, code in FENCED.findall(page_texts()["docs/index.md"]) if kind == "python")
+    (code,) = (
+        code for kind, code in FENCED.findall(page_texts()["docs/index.md"]) if kind == "python"
+    )
     names: dict[str, object] = {}
     exec(compile(code, "index.md", "exec"), names)
     assert names["study"].solutions[0].status.completed
 
 
 def test_a_measured_lift_of_the_page_is_a_case_s(folder):
-    (block,) = (code for kind, code in FENCED.findall(page_texts()["docs/measured-lifts.md"]) if kind == "toml")
-    text = re.sub(r"^\[lift_law\]\n.*?(?=^\[)", block + "\n", (folder / "own.toml").read_text(), flags=re.MULTILINE | re.DOTALL)
+    (block,) = (
+        code
+        for kind, code in FENCED.findall(page_texts()["docs/measured-lifts.md"])
+        if kind == "toml"
+    )
+    text = re.sub(
+        r"^\[lift_law\]\n.*?(?=^\[)",
+        block + "\n",
+        (folder / "own.toml").read_text(),
+        flags=re.MULTILINE | re.DOTALL,
+    )
     assert block.splitlines()[1] in text
     (folder / "measured.toml").write_text(text)
     run(folder, "valvetrain check measured.toml")

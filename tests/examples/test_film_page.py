@@ -1,4 +1,6 @@
-"""Examples: the commands and the code of docs/film.md run as they stand, the commands on short films of the same scenes."""
+"""Examples: the commands and the code of docs/film.md run as they stand, the commands on short
+films of the same scenes.
+"""
 
 from __future__ import annotations
 
@@ -20,13 +22,17 @@ def test_every_command_of_the_page_runs(tmp_path, monkeypatch):
     """On short films of other scenes; the case of the first is run and laid beside."""
     monkeypatch.chdir(tmp_path)
     scene, share = made.drawn.Scene(), np.linspace(0.0, 0.9, 7)
-    decay, _ = made.drawn.draw(scene, made.drawn.decaying(2.0 + 34.0 * share, share, (1.2,), 420.0, 0.012), 70)
+    decay, _ = made.drawn.draw(
+        scene, made.drawn.decaying(2.0 + 34.0 * share, share, (1.2,), 420.0, 0.012), 70
+    )
     train, _ = made.drawn.draw(scene, made.turning, 170, made.cam_marks(170))
     made.drawn.write_frames(tmp_path / "decay", decay)
     made.drawn.write_frames(tmp_path / "train", train)
     commands = [line.strip() for line in PAGE.splitlines() if line.startswith("    valvetrain ")]
     assert len(commands) == 3
-    for command, words in zip(commands, ("the lift the zero", "by the marker", "cam: does not turn"), strict=True):
+    for command, words in zip(
+        commands, ("the lift the zero", "by the marker", "cam: does not turn"), strict=True
+    ):
         shown = call(*shlex.split(command)[1:])
         assert shown.exit_code == 0, shown.output
         assert words in shown.output

@@ -1,6 +1,8 @@
-"""The small programs of the gallery run, print what is kept beside this file, and end in a figure whose axes carry units.
+"""The small programs of the gallery run, print what is kept beside this file, and end in a figure
+whose axes carry units.
 
-The quick half runs with all tests, 6 s together; the others with ``make test-long``, and in every build of the documentation.
+The quick half runs with all tests, 6 s together; the others with ``make test-long``, and in every
+build of the documentation.
 Answers that changed for a reason are written anew by ``python tests/examples/test_gallery.py``.
 """
 
@@ -34,11 +36,19 @@ def answer(path: Path) -> tuple[list[str], object]:
 def axis_titles(figure) -> list[str]:
     """Titles of the axes, of panels over one x axis the one of the lowest."""
     layout = figure.layout
-    return [layout[name].title.text for name in layout if name[1:5] == "axis" and layout[name].title.text]
+    return [
+        layout[name].title.text
+        for name in layout
+        if name[1:5] == "axis" and layout[name].title.text
+    ]
 
 
 @pytest.mark.parametrize(
-    "path", [pytest.param(path, marks=[] if path.stem[:3] in QUICK else [pytest.mark.long], id=path.stem) for path in PROGRAMS]
+    "path",
+    [
+        pytest.param(path, marks=[] if path.stem[:3] in QUICK else [pytest.mark.long], id=path.stem)
+        for path in PROGRAMS
+    ],
 )
 def test_a_program_answers_and_draws(path):
     import plotly.graph_objects as go
@@ -48,7 +58,10 @@ def test_a_program_answers_and_draws(path):
     assert isinstance(figure, go.Figure) and figure.layout.title.text
     titles = axis_titles(figure)
     assert len(titles) >= 2
-    assert all(title.endswith(")") or title in ("coil number", "tolerance of", "state", "train") for title in titles), titles
+    assert all(
+        title.endswith(")") or title in ("coil number", "tolerance of", "state", "train")
+        for title in titles
+    ), titles
     sys.path.insert(0, str(ROOT / "docs" / "_site"))
     try:
         from figure_svg import svg_of
@@ -63,8 +76,16 @@ def test_a_program_asks_a_question_and_uses_one_process(path):
     title, line = (ast.get_docstring(tree) or "").splitlines()[:2]
     assert title.endswith("?") and line == "=" * len(title)
     long_ones = {"simulate", "sweep", "study", "optimise", "critical_speeds", "compare_with_test"}
-    calls = [node for node in ast.walk(tree) if isinstance(node, ast.Call) and isinstance(node.func, ast.Attribute)]
-    assert all("workers" in {word.arg for word in call.keywords} for call in calls if call.func.attr in long_ones)
+    calls = [
+        node
+        for node in ast.walk(tree)
+        if isinstance(node, ast.Call) and isinstance(node.func, ast.Attribute)
+    ]
+    assert all(
+        "workers" in {word.arg for word in call.keywords}
+        for call in calls
+        if call.func.attr in long_ones
+    )
 
 
 def test_there_are_twenty_and_half_of_them_run_always():

@@ -1,4 +1,6 @@
-"""The guides of docs/how-to: each has one command that runs, one picture of the package's own, and numbers that the command gives."""
+"""The guides of docs/how-to: each has one command that runs, one picture of the package's own, and
+numbers that the command gives.
+"""
 
 from __future__ import annotations
 
@@ -15,7 +17,10 @@ LARGEST_PICTURE = 60_000
 QUESTIONS = 20
 
 
-CASES = [pytest.param(path, id=path.stem, marks=[pytest.mark.long] if path.name[:2] in LONG else []) for path in PAGES]
+CASES = [
+    pytest.param(path, id=path.stem, marks=[pytest.mark.long] if path.name[:2] in LONG else [])
+    for path in PAGES
+]
 
 
 @pytest.mark.parametrize("path", CASES)
@@ -24,10 +29,16 @@ def test_a_guide_prints_what_its_command_gives(path, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     guide.write_templates()
     whole = os.environ.get("VALVETRAIN_LONG") == "1"
-    # Of a study the points that the page prints are enough; the whole command runs with the long ones.
-    answer = rows_of_study(guide) if guide.words[0] == "study" and not whole else guide.answer(tmp_path)
-    missed = [f"{row.quantity} {row.place}: {row.value} {row.unit}, computed {number_of(answer, row):.6g}" for row in guide.rows
-              if not row.agrees(number_of(answer, row))]  # fmt: skip
+    # Of a study the points that the page prints are enough; the whole command runs with the long
+    # ones.
+    answer = (
+        rows_of_study(guide) if guide.words[0] == "study" and not whole else guide.answer(tmp_path)
+    )
+    missed = [
+        f"{row.quantity} {row.place}: {row.value} {row.unit}, computed {number_of(answer, row):.6g}"
+        for row in guide.rows
+        if not row.agrees(number_of(answer, row))
+    ]
     assert not missed and len(guide.rows) >= 3
 
 
@@ -36,7 +47,10 @@ def test_a_guide_has_one_command_one_picture_and_its_parts(path):
     guide = Guide(path)
     assert len(guide.commands) == 1 and guide.commands[0].startswith("valvetrain ")
     (picture,) = guide.pictures
-    assert picture.read_text(encoding="utf-8").startswith("<svg") and picture.stat().st_size < LARGEST_PICTURE
+    assert (
+        picture.read_text(encoding="utf-8").startswith("<svg")
+        and picture.stat().st_size < LARGEST_PICTURE
+    )
     heads = re.findall(r"^## (.*)$", guide.text, re.MULTILINE)
     assert heads == ["How to read it", "What to try next", "Limits"]
 
@@ -46,15 +60,25 @@ def test_links_and_files_of_a_guide_are_there(path):
     text = path.read_text(encoding="utf-8")
     links = [link for link in re.findall(r"\]\(([^)#]+)\)", text) if "://" not in link]
     assert not [link for link in links if not (path.parent / link).exists()]
-    assert not [name for name in re.findall(r"examples/[\w./-]+", text) if not (ROOT / name).exists()]
+    assert not [
+        name for name in re.findall(r"examples/[\w./-]+", text) if not (ROOT / name).exists()
+    ]
 
 
 def test_there_is_a_guide_for_every_question_and_the_index_names_it():
     index = (FOLDER / "README.md").read_text(encoding="utf-8")
-    assert [path.name[:2] for path in PAGES] == [f"{number:02d}" for number in range(1, QUESTIONS + 1)]
-    assert not [path.name for path in PAGES if f"]({path.name})" not in index or Guide(path).text.splitlines()[0][2:] not in index]
+    assert [path.name[:2] for path in PAGES] == [
+        f"{number:02d}" for number in range(1, QUESTIONS + 1)
+    ]
+    assert not [
+        path.name
+        for path in PAGES
+        if f"]({path.name})" not in index or Guide(path).text.splitlines()[0][2:] not in index
+    ]
 
 
 def test_every_example_of_the_guides_is_used():
     used = "".join(Guide(path).text for path in PAGES)
-    assert not [path.name for path in (ROOT / "examples" / "how-to").iterdir() if path.name not in used]
+    assert not [
+        path.name for path in (ROOT / "examples" / "how-to").iterdir() if path.name not in used
+    ]

@@ -1,4 +1,6 @@
-"""docs/identification.md: its command runs, its program prints what it says, its file is the example's, its options are all there are."""
+"""docs/identification.md: its command runs, its program prints what it says, its file is the
+example's, its options are all there are.
+"""
 
 from __future__ import annotations
 
@@ -31,9 +33,18 @@ def test_the_command_runs_and_writes_its_page(tmp_path, monkeypatch) -> None:
     (tmp_path / "examples").symlink_to(ROOT / "examples")
     result = CliRunner().invoke(app, [*command.split()[1:], "--workers", "1"])
     assert result.exit_code == 0, result.output
-    assert "Wire diameter" in result.output and "Closed coils" in result.output and "percentile" in result.output
+    assert (
+        "Wire diameter" in result.output
+        and "Closed coils" in result.output
+        and "percentile" in result.output
+    )
     (page,) = tmp_path.glob("runs/catalogue-spring/2*/report.html")
-    for words in ("What was found", "Measured against predicted", "What each measurement contributes", "What was known before"):
+    for words in (
+        "What was found",
+        "Measured against predicted",
+        "What each measurement contributes",
+        "What was known before",
+    ):
         assert words in page.read_text(encoding="utf-8")
 
 
@@ -46,12 +57,16 @@ def test_the_program_prints_what_the_page_says() -> None:
 
 def test_the_file_shown_is_that_of_the_example() -> None:
     shown = tomllib.loads(block("toml"))
-    example = tomllib.loads((ROOT / "examples" / "identify-spring.toml").read_text(encoding="utf-8"))
+    example = tomllib.loads(
+        (ROOT / "examples" / "identify-spring.toml").read_text(encoding="utf-8")
+    )
     for table in ("quantities", "measurements"):
         for name, values in shown[table].items():
             assert values.items() <= example[table][name].items()
 
 
-@pytest.mark.parametrize("word", [*METHODS, *FORMS, *(one.name for one in fields(Search) if one.name != "seed")])
+@pytest.mark.parametrize(
+    "word", [*METHODS, *FORMS, *(one.name for one in fields(Search) if one.name != "seed")]
+)
 def test_the_page_names_every_word_of_a_file(word: str) -> None:
     assert f"`{word}`" in PAGE

@@ -1,4 +1,6 @@
-"""Examples: the commands of docs/model-against-test.md run as they stand on the sample tests, and say what the page says."""
+"""Examples: the commands of docs/model-against-test.md run as they stand on the sample tests, and
+say what the page says.
+"""
 
 from __future__ import annotations
 
@@ -11,7 +13,7 @@ from pathlib import Path
 import pytest
 
 from unit.cli_parts import call
-from valvetrain.measurements.cycles_file import write_cycles
+from valvetrain.measured.cycles import write_cycles
 
 ROOT = Path(__file__).parents[2]
 PAGE = (ROOT / "docs" / "model-against-test.md").read_text(encoding="utf-8")
@@ -20,7 +22,9 @@ COMMANDS = [line.strip() for line in PAGE.splitlines() if line.startswith("    v
 
 @cache
 def samples(folder: Path) -> Path:
-    """What the script writes, but for the second table of coils, whose commands differ from those of the first in a number."""
+    """What the script writes, but for the second table of coils, whose commands differ from those
+    of the first in a number.
+    """
     script = runpy.run_path(str(ROOT / "scripts" / "sample_test_cycles.py"))
     folder.mkdir()
     write_cycles(folder / "spring-force.csv", [script["force_cycles"]()])
@@ -33,7 +37,10 @@ def samples(folder: Path) -> Path:
     ("number", "words"),
     [
         (0, ("does not refute finite-element: F = 1.21", "refutes multi-mass: F = 8.64")),
-        (1, ("refutes finite-element: F = 408", "refutes modal-varied: F = 681", "12 of 16 values")),
+        (
+            1,
+            ("refutes finite-element: F = 408", "refutes modal-varied: F = 681", "12 of 16 values"),
+        ),
         (2, ("refutes wave-rod: F = 32", "refutes multi-mass: F = 33.7", "The test is synthetic")),
     ],
 )

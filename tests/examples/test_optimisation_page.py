@@ -1,4 +1,6 @@
-"""The searches of the guide and of the folder of examples are read, and their first designs computed; the guide's tables are whole."""
+"""The searches of the guide and of the folder of examples are read, and their first designs
+computed; the guide's tables are whole.
+"""
 
 from __future__ import annotations
 
@@ -25,7 +27,11 @@ from valvetrain.studies.optimum.run_search import case_plans, estimate_search
 ROOT = Path(__file__).parents[2]
 PAGE = (ROOT / "docs" / "optimisation.md").read_text(encoding="utf-8")
 FILES = sorted((ROOT / "examples").glob("optimise-*.toml"))
-BLOCKS = [text for text in re.findall(r"^```toml\n(.*?)^```", PAGE, re.MULTILINE | re.DOTALL) if "[search]" in text or "search =" in text]
+BLOCKS = [
+    text
+    for text in re.findall(r"^```toml\n(.*?)^```", PAGE, re.MULTILINE | re.DOTALL)
+    if "[search]" in text or "search =" in text
+]
 
 
 def case_is_measured(text: OptimumText) -> None:
@@ -33,10 +39,17 @@ def case_is_measured(text: OptimumText) -> None:
     plan = read_optimum(text)
     assert estimate_search(plan, 2).cost.seconds < 600  # within the usual bound
     with Points(list(case_plans(plan).items()), 1, "", None) as points:
-        begins = points.measure([Design(case_plans_of(points), ())], [one for several in plan.begins.values() for one in several])
+        begins = points.measure(
+            [Design(case_plans_of(points), ())],
+            [one for several in plan.begins.values() for one in several],
+        )
         plan = plan.with_limits(begins[0].values)
         (measured,) = points.measure([Design(case_plans_of(points), ())], plan.measures)
-    assert not measured.failure and set(measured.values) == set(plan.measures) and all(map(np.isfinite, measured.values.values()))
+    assert (
+        not measured.failure
+        and set(measured.values) == set(plan.measures)
+        and all(map(np.isfinite, measured.values.values()))
+    )
 
 
 def case_plans_of(points: Points) -> dict:
@@ -46,7 +59,10 @@ def case_plans_of(points: Points) -> dict:
 @pytest.mark.parametrize("path", FILES, ids=lambda path: path.stem)
 def test_the_case_of_an_example_is_computed(path):
     case_is_measured(read_optimum_file(path))
-    assert f"valvetrain optimise {path.relative_to(ROOT).as_posix()}" in path.read_text() and path.name in PAGE
+    assert (
+        f"valvetrain optimise {path.relative_to(ROOT).as_posix()}" in path.read_text()
+        and path.name in PAGE
+    )
 
 
 @pytest.mark.parametrize("text", BLOCKS, ids=range(len(BLOCKS)))
@@ -57,6 +73,13 @@ def test_the_case_of_the_guide_is_computed(text):
 
 def test_the_guide_names_every_key():
     named = set(re.findall(r"`([\w-]+)`", PAGE)) | set(re.findall(r"`?(\w+) = ", PAGE))
-    models = (OptimumModel, ObjectiveModel, ConstraintModel, LimitSpeedModel, SearchModel, ConfirmModel)
+    models = (
+        OptimumModel,
+        ObjectiveModel,
+        ConstraintModel,
+        LimitSpeedModel,
+        SearchModel,
+        ConfirmModel,
+    )
     assert not {name for model in models for name in model.model_fields} - named
     assert {"tpe", "nsga2", "cma-es"} <= named

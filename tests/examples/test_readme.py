@@ -1,4 +1,6 @@
-"""The Python of the README runs as printed, and prints what the README says; what the program writes of it is up to date."""
+"""The Python of the README runs as printed, and prints what the README says; what the program
+writes of it is up to date.
+"""
 
 from __future__ import annotations
 
@@ -15,7 +17,9 @@ import valvetrain
 ROOT = Path(__file__).resolve().parents[2]
 README = (ROOT / "README.md").read_text(encoding="utf-8")
 #: A block of Python, and the block of plain text that may follow it at once: what it prints.
-BLOCK = re.compile(r"^```python\n(?P<code>.*?)^```\n(?:\n```text\n(?P<printed>.*?)^```)?", re.MULTILINE | re.DOTALL)
+BLOCK = re.compile(
+    r"^```python\n(?P<code>.*?)^```\n(?:\n```text\n(?P<printed>.*?)^```)?", re.MULTILINE | re.DOTALL
+)
 EXAMPLES = [(match["code"], match["printed"]) for match in BLOCK.finditer(README)]
 WRITER = runpy.run_path(str(ROOT / "scripts" / "write_readme.py"))
 

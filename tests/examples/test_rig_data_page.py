@@ -17,7 +17,9 @@ import sample_rig  # noqa: E402
 
 def test_every_command_of_the_page_runs(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    records = sample_rig.record(sample_rig.Rig(slipped=7, sampling_rate=20e3), *sample_rig.simulated())
+    records = sample_rig.record(
+        sample_rig.Rig(slipped=7, sampling_rate=20e3), *sample_rig.simulated()
+    )
     for name in ("rig.csv", "rig.tdms"):
         sample_rig.WRITERS[name](tmp_path / name, records)
     commands = [line.strip() for line in PAGE.splitlines() if line.startswith("    valvetrain ")]
@@ -26,7 +28,12 @@ def test_every_command_of_the_page_runs(tmp_path, monkeypatch):
         shown = call(*shlex.split(command)[1:])
         assert shown.exit_code == 0, shown.output
     (tmp_path / "own.csv").write_text(
-        "\n".join(line.strip() for line in PAGE.splitlines() if line.startswith(("    #", "    angle,", "    0,")))
-        + "".join(f"\n{angle},1,2" for angle in range(30, 360, 30)), encoding="utf-8",
-    )  # fmt: skip
+        "\n".join(
+            line.strip()
+            for line in PAGE.splitlines()
+            if line.startswith(("    #", "    angle,", "    0,"))
+        )
+        + "".join(f"\n{angle},1,2" for angle in range(30, 360, 30)),
+        encoding="utf-8",
+    )
     assert vt.read_cycles(tmp_path / "own.csv")[0].values.shape == (2, 12)

@@ -9,9 +9,14 @@ import numpy as np
 import pytest
 
 from train_parts import TrainSystem, build_mechanism, direct
-from valvetrain.cam.sine_power import SinePower
+from valvetrain.cam.closed_form import SinePower
 from valvetrain.integrate.train_run import TrainOptions, runner
-from valvetrain.parameters.train import CamParameters, ContactParameters, FollowerParameters, ValveParameters
+from valvetrain.parameters.train import (
+    CamParameters,
+    ContactParameters,
+    FollowerParameters,
+    ValveParameters,
+)
 from valvetrain.springs.massless import MasslessSpring
 
 PATH = Path(__file__).resolve().parents[2] / "examples" / "single_mass_valvetrain.py"
@@ -27,13 +32,23 @@ def twin():
 
 @pytest.fixture(scope="module")
 def assembled(twin):
-    law = ContactParameters("linear", {"contact_stiffness": twin.CONTACT_STIFFNESS, "damping": twin.CONTACT_DAMPING})
+    law = ContactParameters(
+        "linear", {"contact_stiffness": twin.CONTACT_STIFFNESS, "damping": twin.CONTACT_DAMPING}
+    )
     train = direct(
-        model="single-mass", lash=twin.LASH, follower=FollowerParameters("flat", mass=0.05), valve=ValveParameters(twin.MASS - 0.05),
-        contacts={"cam": law, "valve_tip": law, "seat": law}, cam=CamParameters(0.022),
-    )  # fmt: skip
-    lift = SinePower(maximum_lift=twin.LIFT, opening_start=twin.START, closing_end=twin.END, power=4)
-    system = TrainSystem(build_mechanism(train, lift), (MasslessSpring(twin.SPRING_RATE, twin.PRELOAD),))
+        model="single-mass",
+        lash=twin.LASH,
+        follower=FollowerParameters("flat", mass=0.05),
+        valve=ValveParameters(twin.MASS - 0.05),
+        contacts={"cam": law, "valve_tip": law, "seat": law},
+        cam=CamParameters(0.022),
+    )
+    lift = SinePower(
+        maximum_lift=twin.LIFT, opening_start=twin.START, closing_end=twin.END, power=4
+    )
+    system = TrainSystem(
+        build_mechanism(train, lift), (MasslessSpring(twin.SPRING_RATE, twin.PRELOAD),)
+    )
     ready = runner(system, twin.CAM_SPEED, TrainOptions(step_fraction=0.02))
     state = ready.initial_state()
     for _ in range(2):

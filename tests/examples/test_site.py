@@ -1,4 +1,6 @@
-"""The documentation site builds without a warning, opens from files alone and fits a narrow page; a minute, so with ``make test-long``."""
+"""The documentation site builds without a warning, opens from files alone and fits a narrow page; a
+minute, so with ``make test-long``.
+"""
 
 from __future__ import annotations
 
@@ -36,9 +38,28 @@ pytestmark = [pytest.mark.long]
 @pytest.fixture(scope="module")
 def site() -> Path:
     """The site as ``make docs`` builds it."""
-    command = ["-m", "sphinx", "-b", "html", "-n", "-W", "--keep-going", "-q", "-d", "build/doctrees", "docs", "build/docs"]
+    command = [
+        "-m",
+        "sphinx",
+        "-b",
+        "html",
+        "-n",
+        "-W",
+        "--keep-going",
+        "-q",
+        "-d",
+        "build/doctrees",
+        "docs",
+        "build/docs",
+    ]
     paths = {"PYTHONPATH": str(ROOT / "src")}
-    done = subprocess.run([sys.executable, *command], cwd=ROOT, capture_output=True, text=True, env={**os.environ, **paths})
+    done = subprocess.run(
+        [sys.executable, *command],
+        cwd=ROOT,
+        capture_output=True,
+        text=True,
+        env={**os.environ, **paths},
+    )
     assert done.returncode == 0, done.stderr[-4000:]
     return ROOT / "build" / "docs"
 
@@ -46,16 +67,29 @@ def site() -> Path:
 def test_no_page_fetches_anything_from_elsewhere(site):
     pages = sorted(site.rglob("*.html"))
     assert len(pages) > 100
-    assert not [(page.name, found) for page in pages for found in FETCHED.findall(page.read_text(encoding="utf-8"))]
-    styles = [path for path in site.rglob("*.css") if STYLED.search(path.read_text(encoding="utf-8"))]
+    assert not [
+        (page.name, found)
+        for page in pages
+        for found in FETCHED.findall(page.read_text(encoding="utf-8"))
+    ]
+    styles = [
+        path for path in site.rglob("*.css") if STYLED.search(path.read_text(encoding="utf-8"))
+    ]
     assert not styles
 
 
 def watch(page, found: list[str]) -> None:
     """Keep what goes wrong on a page, and what it asks of the network."""
-    page.on("console", lambda message: found.append(message.text) if message.type == "error" else None)
+    page.on(
+        "console", lambda message: found.append(message.text) if message.type == "error" else None
+    )
     page.on("pageerror", lambda error: found.append(str(error)))
-    page.on("request", lambda request: found.append(request.url) if not re.match("file:|data:|blob:", request.url) else None)
+    page.on(
+        "request",
+        lambda request: (
+            found.append(request.url) if not re.match("file:|data:|blob:", request.url) else None
+        ),
+    )
 
 
 @pytest.mark.chromium
@@ -67,11 +101,17 @@ def test_pages_have_no_serious_finding_of_axe(site, scheme):
     found = []
     with sync_playwright() as driver:
         browser = driver.chromium.launch(executable_path=program("chromium"), args=["--no-sandbox"])
-        page = browser.new_context(viewport={"width": 1400, "height": 1000}, color_scheme=scheme).new_page()
+        page = browser.new_context(
+            viewport={"width": 1400, "height": 1000}, color_scheme=scheme
+        ).new_page()
         for name in LOOKED_AT:
             page.goto(f"file://{site / name}.html")
             told = Axe().run(page).response["violations"]
-            found += [(name, one["id"], one["nodes"][0]["html"][:200]) for one in told if one["impact"] in ("serious", "critical")]
+            found += [
+                (name, one["id"], one["nodes"][0]["html"][:200])
+                for one in told
+                if one["impact"] in ("serious", "critical")
+            ]
         browser.close()
     assert not found
 

@@ -1,4 +1,6 @@
-"""The studies of the guide and of the folder of examples are read, and their first points run; the guide's tables are whole."""
+"""The studies of the guide and of the folder of examples are read, and their first points run; the
+guide's tables are whole.
+"""
 
 from __future__ import annotations
 
@@ -28,7 +30,10 @@ def first_point_runs(plan) -> None:
 @pytest.mark.parametrize("path", FILES, ids=lambda path: path.stem)
 def test_the_first_point_of_an_example_runs(path):
     first_point_runs(read_plan(read_study_file(path)))
-    assert f"valvetrain study {path.relative_to(ROOT).as_posix()}" in path.read_text() and path.name in PAGE
+    assert (
+        f"valvetrain study {path.relative_to(ROOT).as_posix()}" in path.read_text()
+        and path.name in PAGE
+    )
 
 
 @pytest.mark.parametrize("text", BLOCKS, ids=range(len(BLOCKS)))
@@ -38,7 +43,15 @@ def test_the_first_point_of_a_study_of_the_guide_runs(text):
 
 def test_the_guide_names_every_key_and_every_sampler():
     named = set(re.findall(r"`([\w-]+)`", PAGE)) | set(re.findall(r"`(\w+) = ", PAGE))
-    keys = {field.alias or name for model in (StudyModel, VaryModel) for name, field in model.model_fields.items()}
+    keys = {
+        field.alias or name
+        for model in (StudyModel, VaryModel)
+        for name, field in model.model_fields.items()
+    }
     assert not keys - named - {"points", "vary", "as"} and set(registry.words("samplers")) <= named
-    options = {key for word in registry.words("samplers") for key in registry.find("samplers", word).options.model_fields}
+    options = {
+        key
+        for word in registry.words("samplers")
+        for key in registry.find("samplers", word).options.model_fields
+    }
     assert options <= named

@@ -1,4 +1,6 @@
-"""The pages of docs/theory and the glossary point at what is there: modules, tests, sources, chapters of the validation book, pages."""
+"""The pages of docs/theory and the glossary point at what is there: modules, tests, sources,
+chapters of the validation book, pages.
+"""
 
 from __future__ import annotations
 
@@ -28,8 +30,16 @@ def test_links_lead_somewhere(path):
 
 @pytest.mark.parametrize("path", THEORY, ids=lambda path: path.stem)
 def test_modules_and_tests_that_a_page_names_are_there(path):
-    named = [name for name in re.findall(r"`([\w/.-]+/[\w/.-]*)`", text_of(path)) if not name.startswith(("src/", "valvetrain/"))]
-    assert not [name for name in named if not ((ROOT / "src" / "valvetrain" / name).exists() or (ROOT / name).exists())]
+    named = [
+        name
+        for name in re.findall(r"`([\w/.-]+/[\w/.-]*)`", text_of(path))
+        if not name.startswith(("src/", "valvetrain/"))
+    ]
+    assert not [
+        name
+        for name in named
+        if not ((ROOT / "src" / "valvetrain" / name).exists() or (ROOT / name).exists())
+    ]
 
 
 @pytest.mark.parametrize("path", THEORY, ids=lambda path: path.stem)
@@ -46,4 +56,6 @@ def test_chapters_of_the_validation_book_are_there(path):
 
 def test_the_index_names_every_page():
     index = text_of(ROOT / "docs" / "theory" / "README.md")
-    assert not [path.name for path in THEORY if path.name != "README.md" and f"]({path.name})" not in index]
+    assert not [
+        path.name for path in THEORY if path.name != "README.md" and f"]({path.name})" not in index
+    ]

@@ -28,13 +28,23 @@ def test_the_printed_case_runs():
 
 def test_the_printed_case_holds_one_spring_with_its_options():
     (spring,) = parse_case(EXAMPLE).train.spring_parts()
-    assert (spring.card.preload, spring.damping.mass_damping, spring.options_of("multi-mass")) == (250.0, 50.0, {"elements": 8})
+    assert (spring.card.preload, spring.damping.mass_damping, spring.options_of("multi-mass")) == (
+        250.0,
+        50.0,
+        {"elements": 8},
+    )
 
 
 def test_every_key_is_named():
-    models = [item for item in vars(train_schema).values() if isinstance(item, type) and issubclass(item, BaseModel)]
+    models = [
+        item
+        for item in vars(train_schema).values()
+        if isinstance(item, type) and issubclass(item, BaseModel)
+    ]
     own = [model for model in models if model.__module__ == train_schema.__name__]
     assert len(own) >= 9
     for model in own:
         for key in model.model_fields:
-            assert f"`{key}`" in GUIDE or f"[train.{key}" in GUIDE or f"[[train.{key}" in GUIDE, f"{model.__name__}.{key}"
+            assert f"`{key}`" in GUIDE or f"[train.{key}" in GUIDE or f"[[train.{key}" in GUIDE, (
+                f"{model.__name__}.{key}"
+            )

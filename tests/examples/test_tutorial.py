@@ -1,6 +1,8 @@
-"""Examples: the commands of docs/tutorial.md run as they stand, in order, and print what the page shows.
+"""Examples: the commands of docs/tutorial.md run as they stand, in order, and print what the page
+shows.
 
-The two sweeps, 20 s together, run with ``make test-long``. ``python scripts/write_tutorial.py`` writes the page anew.
+The two sweeps, 20 s together, run with ``make test-long``. ``python scripts/write_tutorial.py``
+writes the page anew.
 """
 
 from __future__ import annotations
@@ -20,7 +22,10 @@ PAGE = (ROOT / "docs" / "tutorial.md").read_text(encoding="utf-8")
 def found(folder: Path, wanted=lambda command: True) -> list[tuple[str, str, str]]:
     """Command, what the page shows of it and what it prints."""
     with contextlib.chdir(folder):
-        return [(step["command"], step["printed"], printed) for step, printed in SCRIPT["run_page"](PAGE, wanted)]
+        return [
+            (step["command"], step["printed"], printed)
+            for step, printed in SCRIPT["run_page"](PAGE, wanted)
+        ]
 
 
 def test_the_quick_commands_print_what_the_page_shows(tmp_path):
@@ -37,19 +42,33 @@ def test_all_commands_print_what_the_page_shows_and_its_pictures_are_drawn_from_
 
 
 def test_every_command_of_the_page_is_a_step():
-    assert len(re.findall(r"^```bash$", PAGE, re.MULTILINE)) == 6 == sum(bool(one["command"]) for one in SCRIPT["STEP"].finditer(PAGE))
+    assert (
+        len(re.findall(r"^```bash$", PAGE, re.MULTILINE))
+        == 6
+        == sum(bool(one["command"]) for one in SCRIPT["STEP"].finditer(PAGE))
+    )
 
 
 def test_the_gain_that_the_page_tells_is_that_of_its_tables():
-    """20 lbf more: the speeds of float and of the first loss of contact, by the lower ends of the brackets."""
+    """20 lbf more: the speeds of float and of the first loss of contact, by the lower ends of the
+    brackets.
+    """
     gain = {}
     for row in ("Float from", "Loss of contact from"):
-        before, after = (float(value) for value in re.findall(rf"^{row} +rpm +(\d+)–", PAGE, re.MULTILINE))
+        before, after = (
+            float(value) for value in re.findall(rf"^{row} +rpm +(\d+)–", PAGE, re.MULTILINE)
+        )
         gain[row] = round((after - before) / 10) * 10
-    told = re.search(r"The float moves up by some (\d+) rpm, the first loss of contact by (\d+)", PAGE)
-    assert [gain["Float from"], gain["Loss of contact from"]] == [float(value) for value in told.groups()]
+    told = re.search(
+        r"The float moves up by some (\d+) rpm, the first loss of contact by (\d+)", PAGE
+    )
+    assert [gain["Float from"], gain["Loss of contact from"]] == [
+        float(value) for value in told.groups()
+    ]
 
 
 def test_the_pictures_of_the_page_are_there():
     pictures = re.findall(r"\]\((pictures/[^)]+)\)", PAGE)
-    assert len(pictures) == 3 and all((ROOT / "docs" / one).read_text(encoding="utf-8").startswith("<svg") for one in pictures)
+    assert len(pictures) == 3 and all(
+        (ROOT / "docs" / one).read_text(encoding="utf-8").startswith("<svg") for one in pictures
+    )

@@ -1,6 +1,8 @@
-"""Golden: every value that is read from the cases that ship, the templates and the examples of the guides; run this file to write anew.
+"""Golden: every value that is read from the cases that ship, the templates and the examples of the
+guides; run this file to write anew.
 
-That each key means what its guide says is shown elsewhere; here no value of a case that people have may move unsaid.
+That each key means what its guide says is shown elsewhere; here no value of a case that people have
+may move unsaid.
 """
 
 from __future__ import annotations
@@ -37,7 +39,9 @@ def texts() -> Iterator[tuple[str, str]]:
     for kind in KINDS:
         yield f"template-{kind}", (TEMPLATES / f"{kind}.toml").read_text(encoding="utf-8")
     for page in sorted(DOCS.glob("case-files*.md")):
-        for place, block in enumerate(re.findall(r"```toml\n(.*?)```", page.read_text(encoding="utf-8"), flags=re.S)):
+        for place, block in enumerate(
+            re.findall(r"```toml\n(.*?)```", page.read_text(encoding="utf-8"), flags=re.S)
+        ):
             yield f"{page.stem}-{place}", block
 
 
@@ -45,12 +49,20 @@ def leaves(found: Any, where: str) -> Iterator[str]:
     """One line a value, with its place; long rows of numbers by their sums."""
     if dataclasses.is_dataclass(found) and not isinstance(found, type):
         for one in dataclasses.fields(found):
-            if not one.name.startswith("_") and one.name not in ("text", "notes", "citations", "folder", "path"):
+            if not one.name.startswith("_") and one.name not in (
+                "text",
+                "notes",
+                "citations",
+                "folder",
+                "path",
+            ):
                 yield from leaves(getattr(found, one.name), f"{where}.{one.name}")
     elif isinstance(found, Mapping):
         for key in sorted(found, key=str):
             yield from leaves(found[key], f"{where}.{key}")
-    elif isinstance(found, np.ndarray) or (isinstance(found, tuple) and len(found) > 8 and all(isinstance(one, float) for one in found)):
+    elif isinstance(found, np.ndarray) or (
+        isinstance(found, tuple) and len(found) > 8 and all(isinstance(one, float) for one in found)
+    ):
         row = np.asarray(found, dtype=float).ravel()
         yield f"{where} = {len(row)} numbers, {row.sum():.9g}, {row @ np.cos(np.arange(len(row))):.9g}"
     elif isinstance(found, (tuple, list)):
@@ -65,7 +77,9 @@ def leaves(found: Any, where: str) -> Iterator[str]:
 
 
 def told(name: str, text: str) -> str:
-    """Every value of a case, what is said of it and how far its lift law lifts; the reason where a block is no whole case."""
+    """Every value of a case, what is said of it and how far its lift law lifts; the reason where a
+    block is no whole case.
+    """
     try:
         case = parse_case(text, name)
     except InputError as error:
@@ -76,8 +90,12 @@ def told(name: str, text: str) -> str:
         law = build_lift_law(case.lift_law)
         for order in range(4):
             row = np.asarray(law.lift(ANGLES, order))
-            told = row.sum() if abs(row.sum()) > 1e-12 * np.abs(row).sum() else 0.0  # what rounding leaves differs between processors
-            lines.append(f"lift, derivative {order}: {told:.8g}, {row @ np.cos(np.arange(len(row))):.8g}, {np.abs(row).max():.8g}")
+            told = (
+                row.sum() if abs(row.sum()) > 1e-12 * np.abs(row).sum() else 0.0
+            )  # what rounding leaves differs between processors
+            lines.append(
+                f"lift, derivative {order}: {told:.8g}, {row @ np.cos(np.arange(len(row))):.8g}, {np.abs(row).max():.8g}"
+            )
     return "\n".join(lines) + "\n"
 
 

@@ -1,6 +1,8 @@
-"""Golden: every constant of every module, every value of an argument and of a field where it is left out; ``constants/`` holds them.
+"""Golden: every constant of every module, every value of an argument and of a field where it is
+left out; ``constants/`` holds them.
 
-``python tests/golden/test_constants_table.py`` writes the files anew; read the difference before it is kept. Limits, tolerances, steps and
+``python tests/golden/test_constants_table.py`` writes the files anew; read the difference before it
+is kept. Limits, tolerances, steps and
 tables steer what nobody asks for by name: none of them may move unsaid.
 """
 
@@ -29,7 +31,8 @@ SOURCE = Path(valvetrain.__file__).parent
 CONSTANTS = Path(__file__).parent / "constants"
 #: Longest line; what is longer ends in a digest of the whole.
 MOST = 220
-#: Names of modules whose values are those of the machine or of this process, or hang together by the order of imports.
+#: Names of modules whose values are those of the machine or of this process, or hang together by
+#: the order of imports.
 LEFT = re.compile(r"\.(_KEPT|_AHEAD|CASES|app|_turn|_count|_lock)$")
 
 
@@ -40,7 +43,11 @@ def said(value: Any, depth: int = 0) -> str:
     if get_origin(value) not in (None, Literal):
         return "a type"
     if isinstance(value, Mapping):
-        return "{" + ", ".join(f"{said(key)}: {said(one, depth + 1)}" for key, one in value.items()) + "}"
+        return (
+            "{"
+            + ", ".join(f"{said(key)}: {said(one, depth + 1)}" for key, one in value.items())
+            + "}"
+        )
     if isinstance(value, set | frozenset):
         return "{" + ", ".join(sorted(map(said, value))) + "}"
     if isinstance(value, list | tuple) and depth < 8:
@@ -54,7 +61,10 @@ def said(value: Any, depth: int = 0) -> str:
     if hasattr(value, "tolist"):
         return said(value.tolist(), depth + 1)
     if hasattr(value, "__dataclass_fields__") and depth < 8:
-        parts = (f"{name}={said(getattr(value, name, None), depth + 1)}" for name in value.__dataclass_fields__)
+        parts = (
+            f"{name}={said(getattr(value, name, None), depth + 1)}"
+            for name in value.__dataclass_fields__
+        )
         return f"{type(value).__name__}({', '.join(parts)})"
     text = repr(value).replace(str(SOURCE), "PACKAGE").replace(sys.executable, "PYTHON")
     return re.sub(r"0x[0-9a-f]{6,}", "0x", text)
@@ -64,20 +74,37 @@ def given(option: Any) -> Any:
     """What an option of the command line is told of itself."""
     if type(option).__module__ != "typer.models":
         return option
-    return {key: value for key, value in vars(option).items() if not (value is None or value is False or value == () or value is True)}
+    return {
+        key: value
+        for key, value in vars(option).items()
+        if not (value is None or value is False or value == () or value is True)
+    }
 
 
 def line(name: str, value: Any) -> str:
     text = " ".join(f"{name} = {said(value)}".split())
-    return text if len(text) <= MOST else f"{text[: MOST - 12]}... {hashlib.sha256(text.encode()).hexdigest()[:8]}"
+    return (
+        text
+        if len(text) <= MOST
+        else f"{text[: MOST - 12]}... {hashlib.sha256(text.encode()).hexdigest()[:8]}"
+    )
 
 
 def begins_empty(value: ast.expr | None) -> bool:
     """Whether a value is filled while the package is used: an empty list or table."""
     if isinstance(value, ast.Call):
         made = value.func.value if isinstance(value.func, ast.Subscript) else value.func
-        return isinstance(made, ast.Name) and made.id in ("list", "dict", "set", "OrderedDict", "deque", "WeakKeyDictionary")
-    return isinstance(value, ast.Dict | ast.List) and not (value.keys if isinstance(value, ast.Dict) else value.elts)
+        return isinstance(made, ast.Name) and made.id in (
+            "list",
+            "dict",
+            "set",
+            "OrderedDict",
+            "deque",
+            "WeakKeyDictionary",
+        )
+    return isinstance(value, ast.Dict | ast.List) and not (
+        value.keys if isinstance(value, ast.Dict) else value.elts
+    )
 
 
 def assigned(tree: ast.Module) -> Iterator[str]:
@@ -86,7 +113,13 @@ def assigned(tree: ast.Module) -> Iterator[str]:
     for node in tree.body:
         if isinstance(node, ast.Assign | ast.AnnAssign) and begins_empty(node.value):
             continue
-        targets = node.targets if isinstance(node, ast.Assign) else [node.target] if isinstance(node, ast.AnnAssign) and node.value else []
+        targets = (
+            node.targets
+            if isinstance(node, ast.Assign)
+            else [node.target]
+            if isinstance(node, ast.AnnAssign) and node.value
+            else []
+        )
         for target in targets:
             found |= dict.fromkeys(one.id for one in ast.walk(target) if isinstance(one, ast.Name))
     return iter(found)
@@ -98,7 +131,9 @@ def left_out(name: str, function: Any) -> Iterator[str]:
         arguments = inspect.signature(getattr(function, "py_func", function)).parameters.values()
     except (TypeError, ValueError):
         return
-    given = [(one.name, one.default) for one in arguments if one.default is not inspect.Parameter.empty]
+    given = [
+        (one.name, one.default) for one in arguments if one.default is not inspect.Parameter.empty
+    ]
     yield from (line(f"{name}({argument})", value) for argument, value in given)
 
 
@@ -107,7 +142,11 @@ def constants(path: Path) -> list[str]:
     place = ".".join(path.relative_to(SOURCE).with_suffix("").parts).removesuffix(".__init__")
     module = import_module(f"valvetrain.{place}" if place != "__init__" else "valvetrain")
     tree = ast.parse(path.read_text(encoding="utf-8"))
-    found = [line(name, getattr(module, name)) for name in assigned(tree) if hasattr(module, name) and not LEFT.search(f".{name}")]
+    found = [
+        line(name, getattr(module, name))
+        for name in assigned(tree)
+        if hasattr(module, name) and not LEFT.search(f".{name}")
+    ]
     for node in tree.body:
         one = getattr(module, getattr(node, "name", ""), None)
         if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef):
@@ -115,17 +154,32 @@ def constants(path: Path) -> list[str]:
         elif isinstance(node, ast.ClassDef):
             fields = getattr(one, "model_fields", None)
             if fields is not None:
-                told = ((name, (field.default, field.default_factory, field.metadata)) for name, field in fields.items())
+                told = (
+                    (name, (field.default, field.default_factory, field.metadata))
+                    for name, field in fields.items()
+                )
                 found += [line(f"{node.name}.{name}", value) for name, value in told]
             else:
                 found += left_out(node.name, one)
-            bare = [name for name in assigned(ast.Module(node.body, [])) if not name.startswith("__")]
+            bare = [
+                name for name in assigned(ast.Module(node.body, [])) if not name.startswith("__")
+            ]
             known = getattr(one, "__dataclass_fields__", {})
-            found += [line(f"{node.name}.{name}", vars(one)[name]) for name in bare if fields is None and name in vars(one).keys() - known]
+            found += [
+                line(f"{node.name}.{name}", vars(one)[name])
+                for name in bare
+                if fields is None and name in vars(one).keys() - known
+            ]
             for inside in node.body:
                 if isinstance(inside, ast.FunctionDef | ast.AsyncFunctionDef):
-                    method = inspect.unwrap(getattr(vars(one).get(inside.name), "__func__", vars(one).get(inside.name)))
-                    found += left_out(f"{node.name}.{inside.name}", method) if inspect.isfunction(method) else ()
+                    method = inspect.unwrap(
+                        getattr(vars(one).get(inside.name), "__func__", vars(one).get(inside.name))
+                    )
+                    found += (
+                        left_out(f"{node.name}.{inside.name}", method)
+                        if inspect.isfunction(method)
+                        else ()
+                    )
     return [f"  {one}" for one in found if " at 0x" not in one and not one.endswith("= a type")]
 
 
@@ -135,7 +189,9 @@ def told(folder: str) -> str:
     place = SOURCE / folder
     paths = sorted(place.glob("*.py") if folder == "." else place.rglob("*.py"))
     blocks = [(path, constants(path)) for path in paths if path.name != "__main__.py"]
-    return "".join("\n".join([str(path.relative_to(SOURCE)), *lines]) + "\n" for path, lines in blocks if lines)
+    return "".join(
+        "\n".join([str(path.relative_to(SOURCE)), *lines]) + "\n" for path, lines in blocks if lines
+    )
 
 
 FOLDERS = [".", *sorted(one.name for one in SOURCE.iterdir() if any(one.glob("*.py")))]
@@ -144,9 +200,13 @@ FOLDERS = [".", *sorted(one.name for one in SOURCE.iterdir() if any(one.glob("*.
 @pytest.mark.skipif(not are_same(), reason="kept with other versions of Python or of libraries")
 @pytest.mark.parametrize("folder", FOLDERS)
 def test_no_constant_moved(folder):
-    assert told(folder) == (CONSTANTS / f"{folder.replace('.', 'package')}.txt").read_text(encoding="utf-8")
+    assert told(folder) == (CONSTANTS / f"{folder.replace('.', 'package')}.txt").read_text(
+        encoding="utf-8"
+    )
 
 
 if __name__ == "__main__":
     for folder in FOLDERS:
-        (CONSTANTS / f"{folder.replace('.', 'package')}.txt").write_text(told(folder), encoding="utf-8")
+        (CONSTANTS / f"{folder.replace('.', 'package')}.txt").write_text(
+            told(folder), encoding="utf-8"
+        )

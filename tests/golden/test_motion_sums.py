@@ -1,7 +1,10 @@
-"""Golden: small motions of every spring model and every kind of train, all they tell in sums; run this file to write them anew.
+"""Golden: small motions of every spring model and every kind of train, all they tell in sums; run
+this file to write them anew.
 
-Forces, energies and limits of the models are held to formulas elsewhere (``tests/contracts``, ``tests/limits``); here nothing that a
-model or a train tells may move unsaid. Motions are short and smooth, so that rounding stays far below the room that is left.
+Forces, energies and limits of the models are held to formulas elsewhere (``tests/contracts``,
+``tests/limits``); here nothing that a
+model or a train tells may move unsaid. Motions are short and smooth, so that rounding stays far
+below the room that is left.
 """
 
 from __future__ import annotations
@@ -34,11 +37,20 @@ LAWS = {
     "hunt-crossley": ContactParameters("hunt-crossley", POINT),
     "lankarani-nikravesh": ContactParameters("lankarani-nikravesh", POINT),
     "flores": ContactParameters("flores", POINT),
-    "impact": ContactParameters("impact", {"contact_stiffness": 3e9, "exponent": 1.5, "damping": 4992.0, "full_damping_depth": 2e-5}),
+    "impact": ContactParameters(
+        "impact",
+        {"contact_stiffness": 3e9, "exponent": 1.5, "damping": 4992.0, "full_damping_depth": 2e-5},
+    ),
 }
-#: Laws whose train goes through its lash: the others rattle there, which leaves of rounding what differs from processor to processor.
+#: Laws whose train goes through its lash: the others rattle there, which leaves of rounding what
+#: differs from processor to processor.
 LASHED = ("linear", "hunt-crossley", "lankarani-nikravesh")
-RUBS = {"direct": ("cam",), "finger": ("cam", "valve_tip"), "rocker": ("valve_tip",), "pushrod": ("cam", "valve_tip")}
+RUBS = {
+    "direct": ("cam",),
+    "finger": ("cam", "valve_tip"),
+    "rocker": ("valve_tip",),
+    "pushrod": ("cam", "valve_tip"),
+}
 
 
 def tree(found: Any) -> Any:
@@ -65,8 +77,13 @@ def spring(name: str) -> dict[str, Any]:
     time_step = min(1e-5, 0.8 * model.stable_time_step())
     displacement, velocity = raised_cosine(6e-3, 4e-3, time_step)
     half = len(displacement) // 2 + 20
-    told: dict[str, Any] = {"parameters": sums(model.parameters()), "integers": sums(model.integers()), "unknowns": float(model.unknowns),
-                            "stable step": model.stable_time_step(), "retainer mass": model.retainer_mass()}  # fmt: skip
+    told: dict[str, Any] = {
+        "parameters": sums(model.parameters()),
+        "integers": sums(model.integers()),
+        "unknowns": float(model.unknowns),
+        "stable step": model.stable_time_step(),
+        "retainer mass": model.retainer_mass(),
+    }
     state = model.initial_state(0.0)
     told["at rest"] = tree(model.energy(state, 0.0))
     told["static"] = sums([model.force(model.initial_state(x), x) for x in (0.0, 1e-3, 4e-3)])
@@ -78,7 +95,13 @@ def spring(name: str) -> dict[str, Any]:
     told["force"] = sums(model.force(state, displacement[half], velocity[half]))
     watch = model.contact_watch() if hasattr(model, "contact_watch") else None
     if watch is not None:
-        told["watched"] = sums(watch.places if hasattr(watch, "places") else watch[0] if isinstance(watch, tuple) else [])
+        told["watched"] = sums(
+            watch.places
+            if hasattr(watch, "places")
+            else watch[0]
+            if isinstance(watch, tuple)
+            else []
+        )
     return told
 
 
@@ -86,9 +109,15 @@ def train(kind: str, law: str) -> dict[str, Any]:
     """A cycle of every model of one kind of train, its law at every place, and its rigid table."""
     told: dict[str, Any] = {}
     for model in ("planar", "lumped", "single-mass"):
-        changes: dict[str, Any] = {"model": model, "contacts": contacts(LAWS[law]), "lash": 5e-5 if law in LASHED else 0.0}
+        changes: dict[str, Any] = {
+            "model": model,
+            "contacts": contacts(LAWS[law]),
+            "lash": 5e-5 if law in LASHED else 0.0,
+        }
         if model == "planar":
-            changes["valve"] = ValveParameters(0.1, stem_stiffness=1e8, stem_damping=100.0, damping=3.0, friction=2.0)
+            changes["valve"] = ValveParameters(
+                0.1, stem_stiffness=1e8, stem_damping=100.0, damping=3.0, friction=2.0
+            )
             changes["support"] = None if kind == "direct" else SupportParameters(5e7, 0.1, 200.0)
         if law == "linear" and model == "planar":
             rough = dataclasses.replace(LAWS[law], friction_coefficient=0.1, friction_velocity=0.02)
@@ -107,7 +136,15 @@ def train(kind: str, law: str) -> dict[str, Any]:
     return told
 
 
-NAMES = [*MODELS, *(f"{kind}, {law}" for kind in KINDS for law in LAWS if law == "linear" or kind in ("direct", "finger"))]
+NAMES = [
+    *MODELS,
+    *(
+        f"{kind}, {law}"
+        for kind in KINDS
+        for law in LAWS
+        if law == "linear" or kind in ("direct", "finger")
+    ),
+]
 
 
 @cache

@@ -1,6 +1,8 @@
-"""Golden: page, pictures and tables of four made-up studies, block by block in words and sums; run this file to write them anew.
+"""Golden: page, pictures and tables of four made-up studies, block by block in words and sums; run
+this file to write them anew.
 
-That each table, figure and sentence carries what it names is shown by ``tests/unit/test_every_*.py``; here nothing may move unsaid.
+That each table, figure and sentence carries what it names is shown by
+``tests/unit/test_every_*.py``; here nothing may move unsaid.
 """
 
 from __future__ import annotations
@@ -20,14 +22,15 @@ if __name__ == "__main__":
 
 from known_figures import STUDIES
 from known_sums import NUMBER, read, same, sums, write
-from valvetrain.report.write import write_study
+from valvetrain.report.study import write_study
 
 KEPT = Path(__file__).parent / "page_sums.json"
 #: Sizes in bytes of scripts that are not ours: the plotting library and the style of the page.
 FOREIGN = 100_000
 #: Characters of a file that are looked at: long tables of channels go on as they begin.
 MOST = 60_000
-#: What differs from one machine and version to the next: packed numbers to their last bit, digests, versions, times.
+#: What differs from one machine and version to the next: packed numbers to their last bit, digests,
+#: versions, times.
 FLEETING = re.compile(
     r'"bdata":"[^"]*"|\b[0-9a-f]{16,}\b|'
     r"\d+\.\d+\.\d+\S*|\d{4}-\d\d-\d\dT[\d:.+Z]+|(?<=>)[^<]*(?:Python|numpy|Linux)[^<]*"
@@ -37,7 +40,10 @@ FLEETING = re.compile(
 def block(text: str) -> list[Any]:
     """Sums of the numbers of a block; its words by their digest."""
     words = " ".join(NUMBER.sub("#", text).split())
-    return [*sums([float(one) for one in NUMBER.findall(text)]), hashlib.sha256(words.encode()).hexdigest()[:12]]
+    return [
+        *sums([float(one) for one in NUMBER.findall(text)]),
+        hashlib.sha256(words.encode()).hexdigest()[:12],
+    ]
 
 
 def blocks(text: str, cut: str) -> dict[str, Any]:
@@ -62,10 +68,19 @@ def told(name: str) -> dict[str, Any]:
             if path.suffix in (".csv", ".svg")
         }
         page = written.page.read_text(encoding="utf-8")
-    # pictures without scripts are those of the files above; what moves is packed to its last bit (tests/unit/test_motion_data.py)
-    page = re.sub(r'<noscript>.*?</noscript>|<script type="application/json" id="motion-.*?</script>', "", page, flags=re.S)
+    # pictures without scripts are those of the files above; what moves is packed to its last bit
+    # (tests/unit/test_motion_data.py)
     page = re.sub(
-        r"<(script|style)\b.*?</\1>", lambda part: "" if len(part[0]) > FOREIGN or part[1] == "style" else part[0], page, flags=re.S
+        r'<noscript>.*?</noscript>|<script type="application/json" id="motion-.*?</script>',
+        "",
+        page,
+        flags=re.S,
+    )
+    page = re.sub(
+        r"<(script|style)\b.*?</\1>",
+        lambda part: "" if len(part[0]) > FOREIGN or part[1] == "style" else part[0],
+        page,
+        flags=re.S,
     )
     return found | blocks(FLEETING.sub("", page), r"<h[1-4]\b|<table\b|<figure\b|<script\b")
 

@@ -1,6 +1,8 @@
-"""Golden: commands with options that no other test of theirs gives, on parts of our own; their answers and files are what they were.
+"""Golden: commands with options that no other test of theirs gives, on parts of our own; their
+answers and files are what they were.
 
-Asked here is how a command ends. That nothing it says, draws or writes moves unsaid is held by ``tests/made_watch.py``, as of every test.
+Asked here is how a command ends. That nothing it says, draws or writes moves unsaid is held by
+``tests/made_watch.py``, as of every test.
 """
 
 from __future__ import annotations
@@ -41,7 +43,9 @@ closing_end = "245 deg"
 engine_speeds = "4000, 5000 rpm"
 """
 #: One unknown of two loads, followed, with a second solution and a prediction at a speed.
-TWO = FILE.replace("draws = 6", "draws = 4\nmethod = 'ensemble'\nwalkers = 6\nsteps = 8").replace('profile = ["rate"]', "")
+TWO = FILE.replace("draws = 6", "draws = 4\nmethod = 'ensemble'\nwalkers = 6\nsteps = 8").replace(
+    'profile = ["rate"]', ""
+)
 SAMPLER = """
 case = "card.toml"
 spring_models = ["massless"]
@@ -75,25 +79,38 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Cases, tables and a recording that all commands find beside them."""
     place = tmp_path_factory.mktemp("scenarios")
     heights = np.linspace(50.0, 33.5, 91)
-    forces = 40.0 * (55.0 - heights) + np.where(heights < 34.0, 400.0 * (34.0 - heights), 0.0) + 0.8 * np.sin(7 * heights)
+    forces = (
+        40.0 * (55.0 - heights)
+        + np.where(heights < 34.0, 400.0 * (34.0 - heights), 0.0)
+        + 0.8 * np.sin(7 * heights)
+    )
     few = np.column_stack([heights[::15], forces[::15]])
     for name, rows in (("tester.csv", np.column_stack([heights, forces])), ("few.csv", few)):
-        (place / name).write_text("height [mm]; force [N]\n" + "\n".join(f"{a:.4f};{b:.3f}" for a, b in rows) + "\n")
+        (place / name).write_text(
+            "height [mm]; force [N]\n" + "\n".join(f"{a:.4f};{b:.3f}" for a, b in rows) + "\n"
+        )
     lead = LIFTED + CARD.partition("[spring]")[0]
     texts = {
         "small.toml": SMALL, "told.toml": SMALL + PUBLISHED, "card.toml": CARD, "lifted.toml": lead.replace('title = "card"\n', ""),
         "pair.toml": PAIR, "rate.toml": FILE, "two.toml": TWO,
     }  # fmt: skip
     texts |= {
-        f"{sampler}.toml": SAMPLER % (sampler, VARIED["normal"]) for sampler in ("monte-carlo", "latin-hypercube", "sobol", "saltelli")
+        f"{sampler}.toml": SAMPLER % (sampler, VARIED["normal"])
+        for sampler in ("monte-carlo", "latin-hypercube", "sobol", "saltelli")
     }
     texts |= {f"{kind}.toml": SAMPLER % ("sobol", words) for kind, words in VARIED.items()}
     for name, text in texts.items():
         (place / name).write_text(text)
-    records = record(Rig(cycles=8, sampling_rate=20e3, missing=2), lift, lambda angle: 215 + 26e3 * lift(angle))
+    records = record(
+        Rig(cycles=8, sampling_rate=20e3, missing=2), lift, lambda angle: 215 + 26e3 * lift(angle)
+    )
     WRITERS["rig.csv"](place / "rig.csv", records)
-    table = np.column_stack([np.arange(0.0, 360.0, 3.0), 1e3 * lift(np.radians(np.arange(0.0, 360.0, 3.0)))])
-    (place / "lobe.csv").write_text("cam angle [deg];valve lift [mm]\n" + "\n".join(f"{a:g};{b:.4f}" for a, b in table) + "\n")
+    table = np.column_stack(
+        [np.arange(0.0, 360.0, 3.0), 1e3 * lift(np.radians(np.arange(0.0, 360.0, 3.0)))]
+    )
+    (place / "lobe.csv").write_text(
+        "cam angle [deg];valve lift [mm]\n" + "\n".join(f"{a:g};{b:.4f}" for a, b in table) + "\n"
+    )
     return place
 
 
@@ -146,5 +163,8 @@ COMMANDS: dict[str, tuple[int, tuple[str, ...]]] = {
 def test_a_command_ends_as_it_should(folder, tmp_path, monkeypatch, name):
     code, words = COMMANDS[name]
     monkeypatch.chdir(folder)
-    found = call(*words, *(() if words[0] in ("check", "static", "modes") else ("--output", str(tmp_path / "out"))))
+    found = call(
+        *words,
+        *(() if words[0] in ("check", "static", "modes") else ("--output", str(tmp_path / "out"))),
+    )
     assert found.exit_code == code, found.output

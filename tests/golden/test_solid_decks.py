@@ -1,6 +1,8 @@
-"""Golden: every block of the input decks of small solid springs, in sums; ``python tests/golden/test_solid_decks.py`` writes them anew.
+"""Golden: every block of the input decks of small solid springs, in sums; ``python
+tests/golden/test_solid_decks.py`` writes them anew.
 
-That a mesh is the wire it is made of, and that the solver's answers are right, is shown elsewhere (``tests/unit/test_solid_mesh.py``,
+That a mesh is the wire it is made of, and that the solver's answers are right, is shown elsewhere
+(``tests/unit/test_solid_mesh.py``,
 ``tests/published``); here no node, face, set or step may move unsaid.
 """
 
@@ -33,17 +35,26 @@ from valvetrain.springs.solid.transient import TransientJob, transient_deck
 KEPT = Path(__file__).parent / "solid_decks.json"
 ALL = Printout(axis=True, pairs=2, fields=True, energy=True, nodal_reactions=True)
 STRAIGHT = SpringDefinition(
-    wire_diameter=Constant(3.8e-3), mean_diameter=Constant(22e-3), pitch=Constant(7e-3), total_coils=2.0, material=OTEVA_90_SC,
-    lower_end=OPEN_END, upper_end=OPEN_END,
-)  # fmt: skip
+    wire_diameter=Constant(3.8e-3),
+    mean_diameter=Constant(22e-3),
+    pitch=Constant(7e-3),
+    total_coils=2.0,
+    material=OTEVA_90_SC,
+    lower_end=OPEN_END,
+    upper_end=OPEN_END,
+)
 CONE = conical(3.6e-3, 26e-3, 20e-3, 6.5e-3, 3.5)
 HIVE = beehive(3.2e-3, 22e-3, 16e-3, 2.0, 6e-3, 4.0)
 GROUND = replace(cylindrical(3.8e-3, 22e-3, 7e-3, 4.0), hand="left")
 MODELS = {
     "clamped": SolidSpring(STRAIGHT, MeshOptions(5, 2, 1)),
-    "linear bricks": SolidSpring(STRAIGHT, MeshOptions(6, 1, 2, "C3D8I", 3.0), SolidContact(wire_per_pair=0.3)),
+    "linear bricks": SolidSpring(
+        STRAIGHT, MeshOptions(6, 1, 2, "C3D8I", 3.0), SolidContact(wire_per_pair=0.3)
+    ),
     "bonded cone": SolidSpring(CONE, MeshOptions(5, 1, 1, ends="bonded"), SolidContact(2e13, 0.4)),
-    "bonded hive": SolidSpring(HIVE, MeshOptions(4, 1, 1, "C3D20", ends="bonded"), SolidContact(seats=False)),
+    "bonded hive": SolidSpring(
+        HIVE, MeshOptions(4, 1, 1, "C3D20", ends="bonded"), SolidContact(seats=False)
+    ),
     "ground": SolidSpring(GROUND, MeshOptions(12, 4, 1, ends="ground"), SolidContact()),
 }
 
@@ -65,16 +76,30 @@ def decks() -> dict[str, dict]:
         modes = frequency_step(7, Printout(axis=True), preloaded=name != "clamped")
         coil, index, free = axis_points(model.mesh)
         shifted = np.stack([free, free * np.array([1.0, 1.0, 0.9])])
-        found[name] = deck_sums(model.deck(load, fixed, modes, mass_damping=12.0 if name == "ground" else 0.0)) | {
-            "axis": sums(coil) + sums(free)[2:], "index": sums(index), "pairs": sums(model.pairs), "rate": estimated_rate(model.spring),
+        found[name] = deck_sums(
+            model.deck(load, fixed, modes, mass_damping=12.0 if name == "ground" else 0.0)
+        ) | {
+            "axis": sums(coil) + sums(free)[2:],
+            "index": sums(index),
+            "pairs": sums(model.pairs),
+            "rate": estimated_rate(model.spring),
             "gaps": sums(coil_gaps(model.spring, coil, shifted, model.pairs, model.contact)),
-            "quality": float(model.mesh.jacobian_quality()), "lower faces": sums(model.mesh.lower.elements),
-            "upper coils": sums(model.mesh.upper.coil), "fibre": sums(model.mesh.fibre(-1.0, 0.0)),
-        }  # fmt: skip
+            "quality": float(model.mesh.jacobian_quality()),
+            "lower faces": sums(model.mesh.lower.elements),
+            "upper coils": sums(model.mesh.upper.coil),
+            "fibre": sums(model.mesh.fibre(-1.0, 0.0)),
+        }
     job = TransientJob(Wave(), 300.0, 2e-3, 0.5, 2.0, time_step=2e-3, mass_damping=9.0, alpha=-0.1)
-    found["transient"] = deck_sums(transient_deck(MODELS["bonded cone"], job)) | {"duration": job.duration}
-    found["usual options"] = deck_sums(SolidSpring(STRAIGHT).deck(static_step(1e-3, Printout(), first=0.1, largest=0.1)))
-    found["cost"] = {str(n): [n, 0, statics_seconds(n), motion_seconds(n, 100), motion_seconds(n, 100)] for n in (1000, 40000, 300000)}
+    found["transient"] = deck_sums(transient_deck(MODELS["bonded cone"], job)) | {
+        "duration": job.duration
+    }
+    found["usual options"] = deck_sums(
+        SolidSpring(STRAIGHT).deck(static_step(1e-3, Printout(), first=0.1, largest=0.1))
+    )
+    found["cost"] = {
+        str(n): [n, 0, statics_seconds(n), motion_seconds(n, 100), motion_seconds(n, 100)]
+        for n in (1000, 40000, 300000)
+    }
     return found
 
 

@@ -1,6 +1,8 @@
-"""Golden: everything that small studies answer as JSON, entry by entry; run this file to write it anew.
+"""Golden: everything that small studies answer as JSON, entry by entry; run this file to write it
+anew.
 
-Quantities are held to formulas by ``tests/unit/test_every_quantity.py``; here no entry of an answer may move, appear or go unsaid.
+Quantities are held to formulas by ``tests/unit/test_every_quantity.py``; here no entry of an answer
+may move, appear or go unsaid.
 """
 
 from __future__ import annotations
@@ -27,7 +29,19 @@ from valvetrain.studies.sweep import sweep_study
 
 KEPT = Path(__file__).parent / "study_numbers.json"
 #: What differs from one machine, version or run to the next.
-FLEETING = ("version", "time_taken", "seconds", "created", "digest", "platform", "python", "wall", "duration_of", "processor", "residual")
+FLEETING = (
+    "version",
+    "time_taken",
+    "seconds",
+    "created",
+    "digest",
+    "platform",
+    "python",
+    "wall",
+    "duration_of",
+    "processor",
+    "residual",
+)
 RPM = 3.141592653589793 / 30
 LOOK = {"models": ("massless", "multi-mass", "finite-element"), "speeds": (3000 * RPM, 9000 * RPM)}
 
@@ -35,9 +49,15 @@ LOOK = {"models": ("massless", "multi-mass", "finite-element"), "speeds": (3000 
 def entries(found: Any) -> Any:
     """An answer with its rows of numbers in sums, without what is of the day."""
     if isinstance(found, dict):
-        return {key: entries(value) for key, value in found.items() if not any(word in key for word in FLEETING)}
+        return {
+            key: entries(value)
+            for key, value in found.items()
+            if not any(word in key for word in FLEETING)
+        }
     if isinstance(found, (list, tuple)):
-        if found and all(isinstance(one, (int, float)) and not isinstance(one, bool) for one in found):
+        if found and all(
+            isinstance(one, (int, float)) and not isinstance(one, bool) for one in found
+        ):
             return sums(found)
         return {str(place): entries(one) for place, one in enumerate(found)}
     return float(found) if isinstance(found, int) and not isinstance(found, bool) else found
@@ -52,17 +72,27 @@ def told(name: str) -> dict[str, Any]:
     """One study of each command."""
     small = parse_case(SMALL + PUBLISHED, "small")
     if name == "run":
-        study = run_study(small, engine_speeds=(9000 * RPM,), spring_models=LOOK["models"], workers=1)
+        study = run_study(
+            small, engine_speeds=(9000 * RPM,), spring_models=LOOK["models"], workers=1
+        )
     elif name == "compare":
-        study = compare_study(small, engine_speeds=LOOK["speeds"], spring_models=("massless", "multi-mass"), workers=1)
+        study = compare_study(
+            small, engine_speeds=LOOK["speeds"], spring_models=("massless", "multi-mass"), workers=1
+        )
     elif name == "static":
-        study = rest_study(small, LOOK["models"], command="static", steps=6, heights=(20e-3,), loads=(100.0,))
+        study = rest_study(
+            small, LOOK["models"], command="static", steps=6, heights=(20e-3,), loads=(100.0,)
+        )
     elif name == "modes":
         study = rest_study(small, ("finite-element",), command="modes", modes=5, attached_mass=0.05)
     elif name == "sweep":
-        study = sweep_study(small, engine_speeds=LOOK["speeds"], spring_models=("multi-mass",), workers=1)
+        study = sweep_study(
+            small, engine_speeds=LOOK["speeds"], spring_models=("multi-mass",), workers=1
+        )
     else:
-        study = run_study(template(name), engine_speeds=(3000 * RPM,), spring_models=("massless",), workers=1)
+        study = run_study(
+            template(name), engine_speeds=(3000 * RPM,), spring_models=("massless",), workers=1
+        )
     return entries(study_json(study))
 
 

@@ -1,6 +1,8 @@
-"""Limits: how often a true model is refuted and its band left, how often a false one is found, on synthesised repeats of known truth.
+"""Limits: how often a true model is refuted and its band left, how often a false one is found, on
+synthesised repeats of known truth.
 
-The scatter follows its neighbours along the angle; its harmonics are the same numbers whatever the grid.
+The scatter follows its neighbours along the angle; its harmonics are the same numbers whatever the
+grid.
 """
 
 from __future__ import annotations
@@ -8,89 +10,150 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from valvetrain.compare_test.adequacy import (
+    adequacy_test,
+    difference_band,
+    independent_places,
+    ring_weights,
+)
+from valvetrain.compare_test.comparison import SharedErrors
+from valvetrain.compare_test.events import (
+    agreement,
+    best_shift,
+    extreme_rows,
+    interval_row,
+    scatter_of_mean,
+    shifted,
+    spike_rows,
+)
 from valvetrain.errors import InputError
-from valvetrain.quantities.adequacy import adequacy_test, independent_places, ring_weights
-from valvetrain.quantities.agreement import agreement, best_shift, shifted
-from valvetrain.quantities.difference_band import difference_band
-from valvetrain.quantities.trace_events import extreme_rows, interval_row, scatter_of_mean, spike_rows
-from valvetrain.studies.shared_errors import SharedErrors
 
 ANGLES = 144
 TRIALS = 400
 
 
 def repeats(draw, cycles, angles=ANGLES, reach=10.0, uneven=False):
-    """Scatter (cycles, angles) of harmonics that fade out at ``reach``; ``uneven``: ten times as much about one angle."""
+    """Scatter (cycles, angles) of harmonics that fade out at ``reach``; ``uneven``: ten times as
+    much about one angle.
+    """
     turned = np.outer(np.arange(41), np.arange(angles) * 2 * np.pi / angles)
     drawn = draw.standard_normal((cycles, 2, 41)) * np.exp(-0.5 * (np.arange(41) / reach) ** 2)
     found = drawn[:, 0] @ np.cos(turned) + drawn[:, 1] @ np.sin(turned)
     return found * (0.3 + 3 * np.exp(-(((turned[1] - 3) / 0.4) ** 2))) if uneven else found
 
 
-@pytest.mark.parametrize(("cycles", "reach", "uneven"), [(2, 10.0, False), (5, 10.0, False), (12, 3.0, False), (8, 10.0, True)])
+@pytest.mark.parametrize(
+    ("cycles", "reach", "uneven"),
+    [(2, 10.0, False), (5, 10.0, False), (12, 3.0, False), (8, 10.0, True)],
+)
 def test_a_true_model_is_refuted_one_time_in_twenty(cycles, reach, uneven):
     """And several times as often where every angle counts: these angles are no separate trials."""
     draw = np.random.default_rng(1)
-    tests = [adequacy_test(repeats(draw, cycles, reach=reach, uneven=uneven), np.zeros(ANGLES), ring=True) for _ in range(TRIALS)]
+    tests = [
+        adequacy_test(
+            repeats(draw, cycles, reach=reach, uneven=uneven), np.zeros(ANGLES), ring=True
+        )
+        for _ in range(TRIALS)
+    ]
     refuted = np.mean([not test.adequate for test in tests])
     counted = np.mean([test.counted_p_value < 0.05 for test in tests])
     assert 0.02 <= refuted <= 0.095 and counted > 0.2
 
 
 def test_two_repeats_of_uneven_scatter_keep_no_level():
-    """What the page says of fewer than four repeats: where the scatter is uneven, a true model is refuted far too often."""
+    """What the page says of fewer than four repeats: where the scatter is uneven, a true model is
+    refuted far too often.
+    """
     draw = np.random.default_rng(1)
-    refuted = np.mean([not adequacy_test(repeats(draw, 2, uneven=True), np.zeros(ANGLES), ring=True).adequate for _ in range(TRIALS)])
+    refuted = np.mean(
+        [
+            not adequacy_test(repeats(draw, 2, uneven=True), np.zeros(ANGLES), ring=True).adequate
+            for _ in range(TRIALS)
+        ]
+    )
     assert refuted > 0.15
 
 
 def test_a_known_bias_is_found_as_often_as_theory_says():
-    """A bias in the mean of harmonic 0 alone, whose scatter has one degree of freedom: Student's power by its noncentral law."""
+    """A bias in the mean of harmonic 0 alone, whose scatter has one degree of freedom: Student's
+    power by its noncentral law.
+    """
     from scipy import stats
 
     draw, cycles, bias = np.random.default_rng(2), 6, 1.2
     level = draw.standard_normal((TRIALS, cycles, 1)) + bias
-    found = np.mean([not adequacy_test(np.repeat(one, ANGLES, axis=1), np.zeros(ANGLES), ring=True).adequate for one in level])
+    found = np.mean(
+        [
+            not adequacy_test(np.repeat(one, ANGLES, axis=1), np.zeros(ANGLES), ring=True).adequate
+            for one in level
+        ]
+    )
     due = stats.ncf.sf(stats.f.isf(0.05, 1, cycles - 1), 1, cycles - 1, cycles * bias**2)
     assert found == pytest.approx(due, abs=0.06)
 
 
-@pytest.mark.parametrize(("cycles", "reach", "uneven"), [(4, 10.0, False), (8, 10.0, True), (15, 3.0, False), (15, 30.0, False)])
+@pytest.mark.parametrize(
+    ("cycles", "reach", "uneven"),
+    [(4, 10.0, False), (8, 10.0, True), (15, 3.0, False), (15, 30.0, False)],
+)
 def test_the_band_holds_the_truth_at_all_angles_at_once(cycles, reach, uneven):
     draw = np.random.default_rng(3)
-    bands = [difference_band(repeats(draw, cycles, reach=reach, uneven=uneven), np.zeros(ANGLES)) for _ in range(TRIALS)]
+    bands = [
+        difference_band(repeats(draw, cycles, reach=reach, uneven=uneven), np.zeros(ANGLES))
+        for _ in range(TRIALS)
+    ]
     held = np.mean([not band.outside.any() for band in bands])
     assert 0.92 <= held <= 0.99
     # Student's interval of each angle alone would leave the truth out somewhere on most turns
-    single = np.mean([np.all(np.abs(band.difference) <= band.half_width / band.factor * 2.2) for band in bands])
+    single = np.mean(
+        [np.all(np.abs(band.difference) <= band.half_width / band.factor * 2.2) for band in bands]
+    )
     assert single < 0.7
 
 
 @pytest.mark.parametrize("scale", [1.0, 3.0])
 def test_the_verdict_does_not_depend_on_the_number_of_angles(scale):
-    """The same repeats sampled 180, 720 and 2880 times: ratio, degrees of freedom, chance and band stay; counted chances do not."""
+    """The same repeats sampled 180, 720 and 2880 times: ratio, degrees of freedom, chance and band
+    stay; counted chances do not.
+    """
     found = []
     for angles in (180, 720, 2880):
         values = repeats(np.random.default_rng(5), 7, angles)
         model = scale * 0.3 * np.sin(2 * np.arange(angles) * 2 * np.pi / angles)
         test = adequacy_test(values, model, ring=True)
-        found.append((test.ratio, *test.degrees, test.p_value, difference_band(values, model).factor))
-    assert found[0] == pytest.approx(found[2], rel=5e-3) and found[1] == pytest.approx(found[2], rel=5e-4)
+        found.append(
+            (test.ratio, *test.degrees, test.p_value, difference_band(values, model).factor)
+        )
+    assert found[0] == pytest.approx(found[2], rel=5e-3) and found[1] == pytest.approx(
+        found[2], rel=5e-4
+    )
 
 
 def test_independent_places_of_known_covariances():
-    """Equal power in the harmonics up to K makes 2 K + 1 independent angles, white scatter makes all, one common level one."""
+    """Equal power in the harmonics up to K makes 2 K + 1 independent angles, white scatter makes
+    all, one common level one.
+    """
     draw = np.random.default_rng(6)
     turned = np.outer(np.arange(1, 13), np.arange(360) * 2 * np.pi / 360)
-    flat = draw.standard_normal((200, 12)) @ np.cos(turned) + draw.standard_normal((200, 12)) @ np.sin(turned)
-    for values, due in ((flat, 24.0), (draw.standard_normal((200, 360)), 360.0), (np.repeat(draw.standard_normal((200, 1)), 360, 1), 1.0)):
+    flat = draw.standard_normal((200, 12)) @ np.cos(turned) + draw.standard_normal(
+        (200, 12)
+    ) @ np.sin(turned)
+    for values, due in (
+        (flat, 24.0),
+        (draw.standard_normal((200, 360)), 360.0),
+        (np.repeat(draw.standard_normal((200, 1)), 360, 1), 1.0),
+    ):
         for some in (values, values[:12]):
-            assert independent_places(some - some.mean(axis=0), ring=True) == pytest.approx(due, rel=0.12)
+            assert independent_places(some - some.mean(axis=0), ring=True) == pytest.approx(
+                due, rel=0.12
+            )
 
 
 @pytest.mark.parametrize("degrees", [0.0, 0.13, -1.77, 12.4])
 def test_a_known_shift_is_recovered_between_the_steps(degrees):
-    """A closed form at 2 degree steps, turned by a known angle; with repeats, the interval holds it."""
+    """A closed form at 2 degree steps, turned by a known angle; with repeats, the interval holds
+    it.
+    """
     angle = np.arange(180) * 2 * np.pi / 180
 
     def curve(at):
@@ -102,12 +165,16 @@ def test_a_known_shift_is_recovered_between_the_steps(degrees):
     weights, even = ring_weights(angle)
     values = curve(angle) + 0.2 * repeats(np.random.default_rng(7), 9, 180)
     near = agreement(angle, values, curve(angle - late) + 0.4, weights, even)
-    assert near.shift == pytest.approx(late, abs=2 * near.shift_reach) and near.shift_reach < np.radians(1.0)
+    assert near.shift == pytest.approx(
+        late, abs=2 * near.shift_reach
+    ) and near.shift_reach < np.radians(1.0)
     assert near.bias == pytest.approx(0.4, abs=0.15) and near.rest < 0.35
 
 
 def test_an_uneven_grid_counts_its_steps():
-    """Angles twice as dense over half of the turn weigh half as much: bias of a step is the mean over the turn, not over the rows."""
+    """Angles twice as dense over half of the turn weigh half as much: bias of a step is the mean
+    over the turn, not over the rows.
+    """
     angle = np.concatenate([np.arange(0, 180, 1.0), np.arange(180, 360, 2.0)]) * np.pi / 180
     weights, even = ring_weights(angle)
     assert not even and weights.sum() == pytest.approx(1.0)
@@ -115,7 +182,10 @@ def test_an_uneven_grid_counts_its_steps():
 
 
 def test_what_cannot_be_judged_is_refused():
-    for values, words in ((np.ones((1, 20)), "no F-test"), (np.ones((3, 20)), "same number by number")):
+    for values, words in (
+        (np.ones((1, 20)), "no F-test"),
+        (np.ones((3, 20)), "same number by number"),
+    ):
         with pytest.raises(InputError, match=words):
             adequacy_test(values, np.zeros(20))
     with pytest.raises(InputError, match="leave nothing"):
@@ -125,10 +195,14 @@ def test_what_cannot_be_judged_is_refused():
 
 
 def test_events_of_a_true_model_lie_outside_one_time_in_twenty():
-    """Extremes of a mean are moved by its scatter; without that being counted the least value of a level part would be off."""
+    """Extremes of a mean are moved by its scatter; without that being counted the least value of a
+    level part would be off.
+    """
     draw, angle = np.random.default_rng(9), np.arange(ANGLES) * 2 * np.pi / ANGLES
     truth = 40 * np.exp(8 * np.cos(angle - 3.0) - 8)
-    inside = {sign: (angle > 4.0) if sign < 0 else np.ones(ANGLES, dtype=bool) for sign in (1.0, -1.0)}
+    inside = {
+        sign: (angle > 4.0) if sign < 0 else np.ones(ANGLES, dtype=bool) for sign in (1.0, -1.0)
+    }
     judged, naive = [], []
     for _ in range(60):
         values = truth + 0.8 * repeats(draw, 8)
@@ -141,7 +215,8 @@ def test_events_of_a_true_model_lie_outside_one_time_in_twenty():
 
 
 def test_errors_that_all_repeats_share_are_counted():
-    """An offset, a gain and an angle drawn once a test, standard deviations stated: a true model keeps its level and its band; without
+    """An offset, a gain and an angle drawn once a test, standard deviations stated: a true model
+    keeps its level and its band; without
     them it is refuted nearly always."""
     draw, angle = np.random.default_rng(10), np.arange(ANGLES) * 2 * np.pi / ANGLES
     shared = SharedErrors(offset=3.0, gain=0.02, cam_angle=0.03)
@@ -152,7 +227,11 @@ def test_errors_that_all_repeats_share_are_counted():
     refuted, held, alone = [], [], []
     weights = np.full(ANGLES, 1 / ANGLES)
     for _ in range(TRIALS):
-        offset, gain, late = draw.standard_normal(3) * (shared.offset, shared.gain, shared.cam_angle)
+        offset, gain, late = draw.standard_normal(3) * (
+            shared.offset,
+            shared.gain,
+            shared.cam_angle,
+        )
         values = (1 + gain) * truth(angle - late) + offset + repeats(draw, 8)
         common = shared.shapes(angle, truth(angle))
         test = adequacy_test(values, truth(angle), ring=True, shared=tuple(common**2 @ weights))
@@ -163,22 +242,37 @@ def test_errors_that_all_repeats_share_are_counted():
 
 
 def test_spikes_and_their_distance_are_those_that_were_drawn():
-    """Spikes of known places and heights: three at 27 degrees in the test, the model's 26.5 apart and 30 N lower, one more."""
+    """Spikes of known places and heights: three at 27 degrees in the test, the model's 26.5 apart
+    and 30 N lower, one more.
+    """
     angle = np.arange(1440) * 2 * np.pi / 1440
 
     def curve(places, height):
         base = 300 + 500 * np.exp(-(((angle - np.pi) / 0.5) ** 2))
-        return base + sum(height * np.exp(-(((np.degrees(angle) - place) / 1.5) ** 2)) for place in places)
+        return base + sum(
+            height * np.exp(-(((np.degrees(angle) - place) / 1.5) ** 2)) for place in places
+        )
 
-    values = curve([250.0, 277.0, 304.0, 40.0], 200.0) + 0.5 * repeats(np.random.default_rng(11), 8, 1440)
+    values = curve([250.0, 277.0, 304.0, 40.0], 200.0) + 0.5 * repeats(
+        np.random.default_rng(11), 8, 1440
+    )
     model = curve([251.0, 277.5, 304.0], 170.0)
     rows = spike_rows(angle, values, model, scatter_of_mean(values)[:50])
     told = {(row.name, row.dimension): row for row in rows}
-    assert [round(np.degrees(row.test)) for row in rows if row.dimension == "angle"] == [40, 180, 250, 277, 304]
+    assert [round(np.degrees(row.test)) for row in rows if row.dimension == "angle"] == [
+        40,
+        180,
+        250,
+        277,
+        304,
+    ]
     assert np.isnan(told["spike 1", "value"].model) and told["spike 1", "value"].outside is None
     for place, due in ((3, 251.0), (4, 277.5), (5, 304.0)):
         assert np.degrees(told[f"spike {place}", "angle"].model) == pytest.approx(due, abs=0.02)
-        assert told[f"spike {place}", "value"].difference == pytest.approx(-30.0, abs=3.0) and told[f"spike {place}", "value"].outside
+        assert (
+            told[f"spike {place}", "value"].difference == pytest.approx(-30.0, abs=3.0)
+            and told[f"spike {place}", "value"].outside
+        )
     interval = interval_row(rows, np.radians(233.0), 2 * np.pi)
     assert np.degrees([interval.model, interval.test]) == pytest.approx([26.5, 27.0], abs=0.05)
     assert interval.name == "interval of 3 spikes" and interval_row(rows[:2], 0.0, 7.0) is None
@@ -186,20 +280,31 @@ def test_spikes_and_their_distance_are_those_that_were_drawn():
 
 @pytest.mark.parametrize("count", [3, 8, 9, 12])
 def test_of_many_spikes_the_eight_that_stand_out_most_are_told_in_order(count):
-    """Spikes of unlike heights, evenly apart: the lowest are left out, and each meets its own in a model of 3 N less."""
+    """Spikes of unlike heights, evenly apart: the lowest are left out, and each meets its own in a
+    model of 3 N less.
+    """
     angle = np.arange(1440) * 2 * np.pi / 1440
     places = 20.0 + 330.0 / count * np.arange(count)
     heights = 100.0 + 40.0 * ((5 * np.arange(count)) % 13)
-    curve = sum(size * np.exp(-(((np.degrees(angle) - at) / 2.0) ** 2)) for at, size in zip(places, heights, strict=True))
+    curve = sum(
+        size * np.exp(-(((np.degrees(angle) - at) / 2.0) ** 2))
+        for at, size in zip(places, heights, strict=True)
+    )
     values = curve + 0.01 * repeats(np.random.default_rng(3), 6, 1440)
-    rows = [row for row in spike_rows(angle, values, curve - 3.0, scatter_of_mean(values)[:20]) if row.dimension == "value"]
+    rows = [
+        row
+        for row in spike_rows(angle, values, curve - 3.0, scatter_of_mean(values)[:20])
+        if row.dimension == "value"
+    ]
     due = np.sort(np.argsort(-heights)[:8])
     assert [row.test for row in rows] == pytest.approx(heights[due], abs=0.5)
     assert [row.difference for row in rows] == pytest.approx([-3.0] * len(due), abs=0.2)
 
 
 def in_a_circle(cycles, angles, harmonic):
-    """Residuals a cos + b sin of a harmonic with a and b even, of length one and square to each other: their direction goes in a circle."""
+    """Residuals a cos + b sin of a harmonic with a and b even, of length one and square to each
+    other: their direction goes in a circle.
+    """
     turned = harmonic * np.arange(angles) * 2 * np.pi / angles
     a, b = np.linalg.qr(np.column_stack([np.ones(cycles), np.eye(cycles)[:, :2]]))[0][:, 1:].T
     return np.outer(a, np.cos(turned)) + np.outer(b, np.sin(turned))
@@ -207,15 +312,24 @@ def in_a_circle(cycles, angles, harmonic):
 
 @pytest.mark.parametrize(("cycles", "harmonic"), [(4, 1), (6, 3), (12, 2)])
 def test_the_width_of_a_band_is_that_of_the_path_of_its_directions(cycles, harmonic):
-    """A circle a harmonic, 2 pi long: 2 k (1 + f^2 / n)^(-(n - 1) / 2) + P(|t| > f) is the level. The size of the scatter, also an uneven
+    """A circle a harmonic, 2 pi long: 2 k (1 + f^2 / n)^(-(n - 1) / 2) + P(|t| > f) is the level.
+    The size of the scatter, also an uneven
     one, changes the standard errors alone."""
     from scipy import optimize, stats
 
     angles = 2880
     values, free = in_a_circle(cycles, angles, harmonic), cycles - 1
-    due = optimize.brentq(lambda f: 2 * harmonic * (1 + f * f / free) ** (-(free - 1) / 2) + 2 * stats.t.sf(f, free) - 0.05, 1.0, 200.0)
+    due = optimize.brentq(
+        lambda f: (
+            2 * harmonic * (1 + f * f / free) ** (-(free - 1) / 2) + 2 * stats.t.sf(f, free) - 0.05
+        ),
+        1.0,
+        200.0,
+    )
     uneven = 1 + 0.9 * np.cos(np.arange(angles) * 2 * np.pi / angles)
     for size in (1.0, 1e-3, 700.0, uneven):
         band = difference_band(5.0 + size * values, np.zeros(angles))
         assert band.factor == pytest.approx(due, rel=1e-3)
-        assert band.half_width == pytest.approx(due * size * np.ones(angles) / np.sqrt(cycles * free), rel=1e-3)
+        assert band.half_width == pytest.approx(
+            due * size * np.ones(angles) / np.sqrt(cycles * free), rel=1e-3
+        )

@@ -1,4 +1,6 @@
-"""Limits: where a rod buckles against Euler's column and Haringx's spring, and what the modes beyond it are called."""
+"""Limits: where a rod buckles against Euler's column and Haringx's spring, and what the modes
+beyond it are called.
+"""
 
 from __future__ import annotations
 
@@ -16,7 +18,11 @@ from valvetrain.cosserat.state import free_state
 from valvetrain.cosserat.static import RodStatics, compress
 from valvetrain.parameters.constructors import OTEVA_90_SC, cylindrical
 from valvetrain.parameters.installed_spring import InstalledSpring
-from valvetrain.quantities.buckling import buckling_compression, buckling_quantities, formula_compression
+from valvetrain.quantities.buckling import (
+    buckling_compression,
+    buckling_quantities,
+    formula_compression,
+)
 from valvetrain.quantities.statics import rest_quantities
 from valvetrain.solution.status import Status
 from valvetrain.springs.finite_element import FiniteElementRod
@@ -45,38 +51,63 @@ class StraightWire:
 
 def slender(total_coils: float = 20, **ends):
     """L0/D = 8 and index 10: buckles at 15.84 mm by the formula, before any coils touch."""
-    return cylindrical("1 mm", "10 mm", "4 mm", total_coils, name="slender", **({"closed_coils": 0} | ends))
+    return cylindrical(
+        "1 mm", "10 mm", "4 mm", total_coils, name="slender", **({"closed_coils": 0} | ends)
+    )
 
 
 def test_a_straight_column_loses_the_sign_of_its_tangent_at_the_load_of_euler():
-    """4 pi^2 E I / L^2 with both ends held: a perfect column, whose straight path goes on beyond; two modes lose their sign together."""
+    """4 pi^2 E I / L^2 with both ends held: a perfect column, whose straight path goes on beyond;
+    two modes lose their sign together.
+    """
     statics = RodStatics(mesh_curve(StraightWire(), np.linspace(0, 1, 65), 0, 64), 0.0)
-    second_moment, area, modulus = np.pi / 64 * WIRE**4, np.pi / 4 * WIRE**2, OTEVA_90_SC.youngs_modulus
+    second_moment, area, modulus = (
+        np.pi / 64 * WIRE**4,
+        np.pi / 4 * WIRE**2,
+        OTEVA_90_SC.youngs_modulus,
+    )
     critical = 4 * np.pi**2 * modulus * second_moment / LENGTH**2
     shortening = critical * LENGTH / (modulus * area)
     beyond = compress(statics, [1.2 * shortening])[-1]
     assert negative_modes(statics, compress(statics, [0.9 * shortening])[-1].state) == 0
     assert negative_modes(statics, beyond.state) == 2
-    found = last_before(statics, free_state(statics.mesh), 1.2 * shortening, lambda state: negative_modes(statics, state) == 0)
+    found = last_before(
+        statics,
+        free_state(statics.mesh),
+        1.2 * shortening,
+        lambda state: negative_modes(statics, state) == 0,
+    )
     # Engesser: the column is 0.4 % softer for shear and shorter by the strain.
     assert found.compression == pytest.approx(shortening, rel=0.01)
 
 
-@pytest.mark.parametrize(("wire", "pitch", "coils", "reach"), [("1 mm", "4 mm", 20, 0.020), ("1.2 mm", "6 mm", 12, 0.022)])
+@pytest.mark.parametrize(
+    ("wire", "pitch", "coils", "reach"),
+    [("1 mm", "4 mm", 20, 0.020), ("1.2 mm", "6 mm", 12, 0.022)],
+)
 def test_a_slender_spring_buckles_where_haringx_says(wire, pitch, coils, reach):
-    """Two springs of L0/D = 8 and 7.2, the rod within 0.7 % of the formula on either mesh, and nearer on the finer one."""
+    """Two springs of L0/D = 8 and 7.2, the rod within 0.7 % of the formula on either mesh, and
+    nearer on the finer one.
+    """
     spring = cylindrical(wire, "10 mm", pitch, coils, closed_coils=0)
     theory = formula_compression(spring)
-    found = [static_curve(FiniteElementRod(spring, 0.0, mesh), reach, 6)[0].buckling.compression for mesh in (12, 18)]
+    found = [
+        static_curve(FiniteElementRod(spring, 0.0, mesh), reach, 6)[0].buckling.compression
+        for mesh in (12, 18)
+    ]
     assert found == pytest.approx([theory, theory], rel=0.007)
     assert abs(found[1] - theory) < max(abs(found[0] - theory), 1e-3 * theory)
 
 
 def test_the_place_of_buckling_moves_with_no_step_of_the_curve_and_no_end_of_it():
     rod = FiniteElementRod(slender(), 0.0, 12)
-    found = [static_curve(rod, reach, steps)[0].buckling for reach, steps in ((0.020, 3), (0.020, 24), (0.0165, 9))]
+    found = [
+        static_curve(rod, reach, steps)[0].buckling
+        for reach, steps in ((0.020, 3), (0.020, 24), (0.0165, 9))
+    ]
     assert found[0] == found[1]
-    # Beyond another end the path has other points; Newton's tolerance over the rate is 0.02 um per point of force.
+    # Beyond another end the path has other points; Newton's tolerance over the rate is 0.02 um per
+    # point of force.
     assert found[2].compression == pytest.approx(found[0].compression, abs=2e-6)
     assert found[0].height == pytest.approx(0.081 - found[0].compression, abs=1e-12)
 
@@ -99,7 +130,9 @@ def test_closed_ends_and_a_part_of_a_turn_buckle_near_the_formula_too():
 
 
 def closed():
-    """A spring whose end coils part point by point on the way, so that its tangent jumps by a quarter near buckling."""
+    """A spring whose end coils part point by point on the way, so that its tangent jumps by a
+    quarter near buckling.
+    """
     return cylindrical("1 mm", "10 mm", "4.2 mm", 22, name="closed")
 
 
@@ -125,15 +158,25 @@ def test_the_quantities_carry_what_is_left_at_the_largest_lift():
     spring = InstalledSpring(slender(), precompression=5e-3)
     rest = at_rest(FiniteElementRod(spring.wire, spring.precompression, 12), 0.018, 6, 0)
     found = buckling_quantities(spring, rest, 12e-3)
-    assert found["buckling_clearance"] == pytest.approx(found["buckling_compression"] - 17e-3, abs=1e-12)
-    assert found["formula_buckling_compression"] == pytest.approx(found["buckling_compression"], rel=0.01)
+    assert found["buckling_clearance"] == pytest.approx(
+        found["buckling_compression"] - 17e-3, abs=1e-12
+    )
+    assert found["formula_buckling_compression"] == pytest.approx(
+        found["buckling_compression"], rel=0.01
+    )
 
 
 def test_the_sway_of_a_buckled_spring_is_no_axial_mode():
-    """At 19 mm the second mode sways, yet its transmission is -4.6; standing, the spring has its surge at 1/2 sqrt(k/m)."""
+    """At 19 mm the second mode sways, yet its transmission is -4.6; standing, the spring has its
+    surge at 1/2 sqrt(k/m).
+    """
     rod = FiniteElementRod(slender(), 0.0, 12)
-    buckled, standing = (natural_modes(rod.statics, compress(rod.statics, [x])[-1].state, 10) for x in (0.019, 0.010))
-    sways = np.flatnonzero((np.abs(buckled.axial_transmission) > 2) & (buckled.axial_energy_share < 1 / 3))
+    buckled, standing = (
+        natural_modes(rod.statics, compress(rod.statics, [x])[-1].state, 10) for x in (0.019, 0.010)
+    )
+    sways = np.flatnonzero(
+        (np.abs(buckled.axial_transmission) > 2) & (buckled.axial_energy_share < 1 / 3)
+    )
     assert len(sways) and not set(sways) & set(buckled.axial_modes())
     assert standing.axial_energy_share[standing.axial_modes(1)[0]] > 0.9
     mass = float(rod.mesh.node_mass[rod.mesh.first : rod.mesh.last + 1].sum())
@@ -148,10 +191,15 @@ def test_the_modes_about_a_buckled_state_say_so():
 
 
 def test_a_spring_that_has_lost_its_rate_within_the_first_window_buckles_there(monkeypatch):
-    """Beyond L0/D of some 25 the critical point lies below half of the window over which a rate is a mean; no sign changes beyond it."""
+    """Beyond L0/D of some 25 the critical point lies below half of the window over which a rate is
+    a mean; no sign changes beyond it.
+    """
     free, lost, rate = 0.3, 1e-3, 2e3
     force = lambda place: rate * min(place, lost) + 0.05 * rate * max(place - lost, 0.0)  # noqa: E731
-    path = [SimpleNamespace(state=SimpleNamespace(compression=place), retainer_force=force(place)) for place in np.linspace(0, 0.02, 41)]
+    path = [
+        SimpleNamespace(state=SimpleNamespace(compression=place), retainer_force=force(place))
+        for place in np.linspace(0, 0.02, 41)
+    ]
     monkeypatch.setattr(buckling, "axial_rate", lambda statics, state: rate)
     monkeypatch.setattr(buckling, "_force", lambda rod, states, place: force(place))
     monkeypatch.setattr(buckling, "_lost_sign", lambda rod, states: None)
@@ -171,5 +219,9 @@ def test_a_curve_that_stops_before_the_installed_state_is_shown_without_it(monke
     monkeypatch.setattr(rest, "curve_over", stopped)
     for modes in (0, 3):
         found = at_rest(rod, 16e-3, modes=modes)
-        assert found.installed is None and found.modes is None and found.curve.status.code == "not-converged"
+        assert (
+            found.installed is None
+            and found.modes is None
+            and found.curve.status.code == "not-converged"
+        )
     assert rest_quantities(found, []) == {}

@@ -1,4 +1,6 @@
-"""Parts written from card values: a spring by two loads at heights, its mass by its wire, contacts of steel parts by Hertz."""
+"""Parts written from card values: a spring by two loads at heights, its mass by its wire, contacts
+of steel parts by Hertz.
+"""
 
 from __future__ import annotations
 
@@ -13,12 +15,20 @@ from valvetrain.parameters.steel_contacts import steel_contact
 from valvetrain.parameters.train import CamParameters
 
 POUND, INCH = 4.4482216152605, 25.4e-3
-LOADS = {"preload": "130 lbf", "installed_height": "1.80 in", "open_load": "350 lbf", "open_height": "1.25 in"}
+LOADS = {
+    "preload": "130 lbf",
+    "installed_height": "1.80 in",
+    "open_load": "350 lbf",
+    "open_height": "1.25 in",
+}
 WIRE = {"wire_diameter": "0.177 in", "outer_diameter": "1.30 in"}
 
 
 def spring(**values: object):
-    lines = "\n".join(f"{key} = {value if isinstance(value, int | float) else repr(value)}" for key, value in values.items())
+    lines = "\n".join(
+        f"{key} = {value if isinstance(value, int | float) else repr(value)}"
+        for key, value in values.items()
+    )
     (found,) = parse_case(f"[spring]\n{lines}\n").springs
     return found.card
 
@@ -27,12 +37,18 @@ def test_two_loads_at_heights_make_rate_preload_and_lift():
     card = spring(**LOADS, solid_height="1.15 in", mass="96 g")
     assert card.rate == pytest.approx(220 * POUND / (0.55 * INCH), rel=1e-12)
     assert (card.preload, card.open_load) == pytest.approx((130 * POUND, 350 * POUND))
-    assert card.open_lift == pytest.approx(0.55 * INCH) and card.solid_height == pytest.approx(1.15 * INCH)
+    assert card.open_lift == pytest.approx(0.55 * INCH) and card.solid_height == pytest.approx(
+        1.15 * INCH
+    )
     assert card.surge_frequency == pytest.approx(0.5 * math.sqrt(card.rate / 0.096))
 
 
-@pytest.mark.parametrize(("apart", "refused"), [(-0.021, True), (-0.019, False), (0.019, False), (0.021, True)])
-def test_a_told_rate_may_lie_two_per_cent_from_that_of_the_loads_and_is_the_one_that_counts(apart, refused):
+@pytest.mark.parametrize(
+    ("apart", "refused"), [(-0.021, True), (-0.019, False), (0.019, False), (0.021, True)]
+)
+def test_a_told_rate_may_lie_two_per_cent_from_that_of_the_loads_and_is_the_one_that_counts(
+    apart, refused
+):
     told = 220 * POUND / (0.55 * INCH) / (1 + apart)
     if refused:
         with pytest.raises(InputError, match="contradicts the loads"):
@@ -43,17 +59,25 @@ def test_a_told_rate_may_lie_two_per_cent_from_that_of_the_loads_and_is_the_one_
 
 def test_a_spring_shimmed_to_another_height_keeps_the_line_of_its_card():
     card = spring(**LOADS | {"installed_height": "1.75 in", "preload_height": "1.80 in"})
-    assert card.preload == pytest.approx((130 + 400 * 0.05) * POUND) and card.open_load == pytest.approx(350 * POUND)
-    assert card.open_lift == pytest.approx(0.50 * INCH) and card.installed_height == pytest.approx(1.75 * INCH)
+    assert card.preload == pytest.approx(
+        (130 + 400 * 0.05) * POUND
+    ) and card.open_load == pytest.approx(350 * POUND)
+    assert card.open_lift == pytest.approx(0.50 * INCH) and card.installed_height == pytest.approx(
+        1.75 * INCH
+    )
 
 
 def test_the_mass_of_the_active_turns_gives_the_surge_frequency_of_the_wire():
-    """f = d / (2 pi n D^2) sqrt(G / (2 rho)) of a cylindrical spring fixed at both ends (Wahl 1963), free of the loads."""
+    """f = d / (2 pi n D^2) sqrt(G / (2 rho)) of a cylindrical spring fixed at both ends (Wahl
+    1963), free of the loads.
+    """
     wire, mean, shear, density = 0.177 * INCH, 1.123 * INCH, 79.5e9, 7850.0
     card = spring(**LOADS, **WIRE)
     turns = shear * wire**4 / (8 * mean**3 * card.rate)
     assert card.mass == pytest.approx(density * math.pi**2 * wire**2 * mean * turns / 4, rel=1e-9)
-    assert card.surge_frequency == pytest.approx(wire / (2 * math.pi * turns * mean**2) * math.sqrt(shear / (2 * density)), rel=1e-9)
+    assert card.surge_frequency == pytest.approx(
+        wire / (2 * math.pi * turns * mean**2) * math.sqrt(shear / (2 * density)), rel=1e-9
+    )
     assert spring(**LOADS, **WIRE, active_coils=1.1 * turns).mass == pytest.approx(1.1 * card.mass)
 
 
@@ -80,9 +104,11 @@ def law_at(place: str):
 
 
 def test_the_line_of_the_cam_is_as_stiff_as_two_cylinders_in_contact():
-    """Approach of two cylinders under q = F / L by plane theory (Johnson 1985, section 5.6), a formula of another kind: within 10 %.
+    """Approach of two cylinders under q = F / L by plane theory (Johnson 1985, section 5.6), a
+    formula of another kind: within 10 %.
 
-    q / (pi E) (1 - nu^2) (2 ln(4 R1 / a) - 1) for either body, half-width a = sqrt(4 q R / (pi E*)); radii of a lobe and a roller.
+    q / (pi E) (1 - nu^2) (2 ln(4 R1 / a) - 1) for either body, half-width a = sqrt(4 q R / (pi
+    E*)); radii of a lobe and a roller.
     """
     force, width, one, other, young, poisson = 2000.0, 0.0152, 0.020, 0.0095, 206e9, 0.3
     per_length, reduced = force / width, young / (2 * (1 - poisson**2))
@@ -95,7 +121,9 @@ def test_the_line_of_the_cam_is_as_stiff_as_two_cylinders_in_contact():
 def test_a_ball_in_its_cup_and_the_head_on_its_seat():
     """Hertz: F = 4/3 E* sqrt(R) d^1.5 with R = 83.3 mm; a plate of 40 by 5 mm, by hand 117 N/um."""
     reduced = 206e9 / (2 * 0.91)
-    assert float(law_at("rocker").force(1e-5, 0.0)) == pytest.approx(4 / 3 * reduced * math.sqrt(21 * 3.96875e-3) * 1e-5**1.5, rel=1e-9)
+    assert float(law_at("rocker").force(1e-5, 0.0)) == pytest.approx(
+        4 / 3 * reduced * math.sqrt(21 * 3.96875e-3) * 1e-5**1.5, rel=1e-9
+    )
     assert float(law_at("seat").force(1e-6, 0.0)) == pytest.approx(116.8, rel=2e-3)
 
 
@@ -124,7 +152,10 @@ rate = "40 N/mm"
 
 def test_one_word_stands_for_every_place_or_for_those_not_named():
     whole = parse_case(TRAIN.replace("CONTACTS", 'contacts = "steel"')).train
-    assert set(whole.contacts) == {"cam", "valve_tip", "seat"} and whole.contact("cam").law == "hunt-crossley"
+    assert (
+        set(whole.contacts) == {"cam", "valve_tip", "seat"}
+        and whole.contact("cam").law == "hunt-crossley"
+    )
     table = 'contacts.others = "steel"\ncontacts.seat = { law = "linear", contact_stiffness = "100 kN/mm" }'
     mixed = parse_case(TRAIN.replace("CONTACTS", table)).train
     assert mixed.contact("seat").law == "linear" and mixed.contact("cam") == whole.contact("cam")

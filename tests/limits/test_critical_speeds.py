@@ -1,4 +1,6 @@
-"""Critical speeds against closed forms: rigid loss of contact, and the two jumps of an oscillator that its contact softens."""
+"""Critical speeds against closed forms: rigid loss of contact, and the two jumps of an oscillator
+that its contact softens.
+"""
 
 from __future__ import annotations
 
@@ -13,8 +15,8 @@ import pytest
 
 import valvetrain as vt
 from train_parts import direct
-from valvetrain.cam.sine_power import SinePower
-from valvetrain.integrate.train_orbit import Orbit
+from valvetrain.cam.closed_form import SinePower
+from valvetrain.integrate.contract import Orbit
 from valvetrain.integrate.train_run import TrainOptions, runner
 from valvetrain.integrate.train_steady import steady_train
 from valvetrain.mechanism.build import build_mechanism
@@ -40,20 +42,35 @@ closing_end = "270 deg"
 
 
 def single_mass_case(folder: Path) -> vt.Case:
-    """The template of a bucket tappet as one mass on a massless spring known by its card, under a smooth lift without lash."""
-    text = re.sub(r"\[lift_law\].*?(?=# Speeds)", LAW, Path(TEMPLATE).read_text(encoding="utf-8"), flags=re.DOTALL)
+    """The template of a bucket tappet as one mass on a massless spring known by its card, under a
+    smooth lift without lash.
+    """
+    text = re.sub(
+        r"\[lift_law\].*?(?=# Speeds)",
+        LAW,
+        Path(TEMPLATE).read_text(encoding="utf-8"),
+        flags=re.DOTALL,
+    )
     (folder / "own.toml").write_text(text, encoding="utf-8")
     return load_case(
-        str(folder / "own.toml"), {
-            "train.model": "single-mass", "train.spring_set": "stiff", "train.spring_model": "massless", "train.valve.damping": "0 N s/m",
-            "train.lash": "0 mm", "train.contacts.cam.contact_stiffness": "100 kN/mm", "train.contacts.cam.damping": "1000 N s/m",
+        str(folder / "own.toml"),
+        {
+            "train.model": "single-mass",
+            "train.spring_set": "stiff",
+            "train.spring_model": "massless",
+            "train.valve.damping": "0 N s/m",
+            "train.lash": "0 mm",
+            "train.contacts.cam.contact_stiffness": "100 kN/mm",
+            "train.contacts.cam.damping": "1000 N s/m",
         },
-    )  # fmt: skip
+    )
 
 
 def least_force(cam_speed: float, mass: float, weight: float, contact_stiffness: float) -> float:
-    """Least contact force (N) over the nose: Newton's for a rigid contact, F = preload + rate y - weight + m y'', less what the contact
-    gives way, to first order in its compliance: (m F'' + rate F) / contact stiffness. y is the power of a half sine, written out."""
+    """Least contact force (N) over the nose: Newton's for a rigid contact, F = preload + rate y -
+    weight + m y'', less what the contact
+    gives way, to first order in its compliance: (m F'' + rate F) / contact stiffness. y is the
+    power of a half sine, written out."""
     angle = np.linspace(math.radians(120), math.radians(240), 24_001)
     sine, cosine = np.sin(angle - math.pi / 2), np.cos(angle - math.pi / 2)
     bend = 5e-3 * (12 * sine**2 * cosine**2 - 4 * sine**4)
@@ -70,9 +87,15 @@ def test_a_nearly_rigid_train_loses_contact_at_the_speed_of_newton(tmp_path: Pat
     assert mass == pytest.approx(0.045 + 0.095 + 0.048 / 3)
     low, high = 300.0, 600.0
     for _ in range(60):
-        low, high = (middle, high) if least_force(middle := (low + high) / 2, mass, weight, 1e8) > 0 else (low, middle)
+        low, high = (
+            (middle, high)
+            if least_force(middle := (low + high) / 2, mass, weight, 1e8) > 0
+            else (low, middle)
+        )
     exact = 2 * high
-    one = vt.critical_speeds(case, [0.9 * exact, exact * 0.97, 1.1 * exact], spring_sets=["stiff"], workers=1).of("contact-loss")
+    one = vt.critical_speeds(
+        case, [0.9 * exact, exact * 0.97, 1.1 * exact], spring_sets=["stiff"], workers=1
+    ).of("contact-loss")
     assert one is not None and one.begins is not None and one.place == "cam"
     for bracket in (one.begins.from_rest, one.begins.rising, one.begins.falling):
         assert bracket is not None
@@ -80,14 +103,19 @@ def test_a_nearly_rigid_train_loses_contact_at_the_speed_of_newton(tmp_path: Pat
         assert bracket.lower_engine_speed - 2 * RPM <= exact <= bracket.upper_engine_speed + 2 * RPM
 
 
-#: Mass on a contact that cannot pull, pressed by a spring, its foot moved as h/2 (1 - cos): the oscillator of the second oracle.
+#: Mass on a contact that cannot pull, pressed by a spring, its foot moved as h/2 (1 - cos): the
+#: oscillator of the second oracle.
 MASS, CONTACT, DAMPING, LIFT = 0.1, 1e6, 18.0, 1e-4
 
 
 def oscillator() -> TrainSystem:
-    """The mass alone, without a seat: its whole motion is one harmonic of the cam while it keeps contact."""
+    """The mass alone, without a seat: its whole motion is one harmonic of the cam while it keeps
+    contact.
+    """
     law = SinePower(maximum_lift=LIFT, opening_start=0.0, closing_end=2 * math.pi, power=2)
-    mechanism = build_mechanism(direct(model="single-mass", lash=0.0, gravity=(0.0, 0.0)), law, "valve")
+    mechanism = build_mechanism(
+        direct(model="single-mass", lash=0.0, gravity=(0.0, 0.0)), law, "valve"
+    )
     cam = mechanism.interactions[mechanism.interaction_index("cam")]
     contact = vt.build_contact_law("linear", contact_stiffness=CONTACT, damping=DAMPING)
     body = replace(mechanism.coordinates[0], mass=MASS, force=0.0, damping=0.0, friction=0.0)
@@ -96,26 +124,38 @@ def oscillator() -> TrainSystem:
 
 
 def look_at(cam_speed: float, orbit: Orbit | None) -> Look:
-    """The periodic motion at ``cam_speed`` (rad/s), from rest or from a motion, and the least contact force over all its steps."""
+    """The periodic motion at ``cam_speed`` (rad/s), from rest or from a motion, and the least
+    contact force over all its steps.
+    """
     ready = runner(OSCILLATOR, cam_speed, TrainOptions(360))
     settled = steady_train(ready, cycles=200, start=None if orbit is None else orbit.at(ready))
     assert settled.status.completed, settled.status.sentence()
     least = float(settled.record.least_forces[0])
-    return Look({"contact-loss": least}, {"contact-loss": "cam"}, Orbit(settled.start, settled.runner.springs, cam_speed))
+    return Look(
+        {"contact-loss": least},
+        {"contact-loss": "cam"},
+        Orbit(settled.start, settled.runner.springs, cam_speed),
+    )
 
 
 OSCILLATOR = oscillator()
 
 
 def linear_loss() -> float:
-    """Lowest cam speed (rad/s) at which the linear forced oscillation takes the whole contact force: bisection of its closed form.
+    """Lowest cam speed (rad/s) at which the linear forced oscillation takes the whole contact
+    force: bisection of its closed form.
 
     With r = foot - mass: m r'' + c r' + (k + kc) r = m y'' + k y + F0, contact force kc r + c r'.
     """
 
     def least(w: float) -> float:
         mean = CONTACT * (PRELOAD + RATE * LIFT / 2) / (CONTACT + RATE)
-        forced = LIFT / 2 * (MASS * w**2 - RATE) / abs(complex(RATE + CONTACT - MASS * w**2, DAMPING * w))
+        forced = (
+            LIFT
+            / 2
+            * (MASS * w**2 - RATE)
+            / abs(complex(RATE + CONTACT - MASS * w**2, DAMPING * w))
+        )
         return mean - forced * abs(complex(CONTACT, DAMPING * w))
 
     low, high = 1000.0, math.sqrt((CONTACT + RATE) / MASS)
@@ -124,8 +164,12 @@ def linear_loss() -> float:
     return high
 
 
-def open_share(cam_speed: float, state: tuple[float, float], turns: int = 80, steps: int = 160) -> tuple[bool, tuple[float, float]]:
-    """Whether the mass leaves its foot in the last of ``turns``, by the classical Runge-Kutta method on the equation itself."""
+def open_share(
+    cam_speed: float, state: tuple[float, float], turns: int = 80, steps: int = 160
+) -> tuple[bool, tuple[float, float]]:
+    """Whether the mass leaves its foot in the last of ``turns``, by the classical Runge-Kutta
+    method on the equation itself.
+    """
 
     def rates(angle: float, x: float, v: float) -> tuple[float, float, float]:
         y, u = LIFT / 2 * (1 - math.cos(angle)), LIFT / 2 * cam_speed * math.sin(angle)
@@ -147,37 +191,60 @@ def open_share(cam_speed: float, state: tuple[float, float], turns: int = 80, st
 
 
 def test_a_contact_that_opens_softens_so_that_rising_and_falling_speed_differ() -> None:
-    """Rising, contact is lost where the linear oscillation says; falling, it comes back only below, where an integration of the equation
+    """Rising, contact is lost where the linear oscillation says; falling, it comes back only below,
+    where an integration of the equation
     that shares nothing with the package says so too."""
     jump, resolution = linear_loss(), 10.0
     speeds = np.linspace(0.6 * jump, 1.02 * jump, 9).tolist()
-    found = Search(look_at, {one: look_at(one, None) for one in speeds}, (Limit("contact-loss", None, 100.0),), resolution)
+    found = Search(
+        look_at,
+        {one: look_at(one, None) for one in speeds},
+        (Limit("contact-loss", None, 100.0),),
+        resolution,
+    )
     onset = found.onset("contact-loss")
     assert isinstance(onset, SpeedBracket)
     crossing: Crossing = found.crossing("contact-loss", onset)
     rising, falling = crossing.rising, crossing.falling
     assert rising is not None and falling is not None
     assert rising.lower_engine_speed * 0.999 <= jump <= rising.upper_engine_speed * 1.001
-    assert falling.upper_engine_speed < rising.lower_engine_speed - 10 * resolution and crossing.hysteresis > 100
+    assert (
+        falling.upper_engine_speed < rising.lower_engine_speed - 10 * resolution
+        and crossing.hysteresis > 100
+    )
     cam_speed, state, lost = 1.02 * jump, (LIFT, 0.0), True
     while lost and cam_speed > 0.6 * jump:
         lost, state = open_share(cam_speed, state)
         cam_speed -= resolution
     assert not lost
     back = cam_speed + resolution
-    assert falling.lower_engine_speed - 2 * resolution <= back <= falling.upper_engine_speed + 2 * resolution
+    assert (
+        falling.lower_engine_speed - 2 * resolution
+        <= back
+        <= falling.upper_engine_speed + 2 * resolution
+    )
 
 
 def test_the_verdict_on_the_performance_spring_does_not_follow_the_grid() -> None:
-    """A resonance of its surge loses contact at 7810 rpm and regains it at 8095: grids of 200 and 100 rpm say so alike."""
+    """A resonance of its surge loses contact at 7810 rpm and regains it at 8095: grids of 200 and
+    100 rpm say so alike.
+    """
     found = []
     for step in (300, 100):
-        one = vt.critical_speeds("tdi-pushrod", f"7500:8400:{step} rpm", spring_sets=["performance"], resolution="40 rpm", workers=1)
+        one = vt.critical_speeds(
+            "tdi-pushrod",
+            f"7500:8400:{step} rpm",
+            spring_sets=["performance"],
+            resolution="40 rpm",
+            workers=1,
+        )
         found.append([[way for way in (row.begins, row.ends)] for row in one if row.found])
     for coarse, fine in zip(*found, strict=True):
         for one, two in zip(coarse, fine, strict=True):
             assert one is not None and two is not None
-            assert one.from_rest.apart(two.from_rest) <= 0  # both brackets hold the change, so they meet
+            assert (
+                one.from_rest.apart(two.from_rest) <= 0
+            )  # both brackets hold the change, so they meet
     assert len(found[0]) == 2
 
 
@@ -185,7 +252,14 @@ def test_the_verdict_on_the_performance_spring_does_not_follow_the_grid() -> Non
 def test_critical_speeds_do_not_depend_on_workers_or_on_what_is_kept() -> None:
     def ask(workers: int, whole: bool) -> vt.Study:
         sets = ["stock", "performance"]
-        return vt.sweep("tdi-pushrod", "6900:7500:200 rpm", spring_models=["massless"], spring_sets=sets, workers=workers, whole=whole)
+        return vt.sweep(
+            "tdi-pushrod",
+            "6900:7500:200 rpm",
+            spring_models=["massless"],
+            spring_sets=sets,
+            workers=workers,
+            whole=whole,
+        )
 
     one, other = ask(1, False), ask(2, True)
     assert one.critical_speeds == other.critical_speeds and len(one.critical_speeds) == 6

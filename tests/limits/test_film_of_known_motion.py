@@ -1,4 +1,6 @@
-"""Limits: films drawn from known motions give these motions back: places, damping, frequencies, peaks, phase, drift, order of the coils."""
+"""Limits: films drawn from known motions give these motions back: places, damping, frequencies,
+peaks, phase, drift, order of the coils.
+"""
 
 from __future__ import annotations
 
@@ -9,11 +11,10 @@ import pytest
 
 import film_parts as made
 import valvetrain as vt
-from valvetrain.measurements.film.frames import open_film
-from valvetrain.measurements.film.sight_line import SightLine
-from valvetrain.measurements.film.space_time import read_space_time
-from valvetrain.measurements.film.surge import spectrum
-from valvetrain.measurements.film.tracks import track
+from valvetrain.film.frames import open_film
+from valvetrain.film.space_time import SightLine, read_space_time
+from valvetrain.film.surge import spectrum
+from valvetrain.film.tracks import track
 
 LINE = SightLine((4.0, 0.0), (4.0, 239.0))
 
@@ -26,7 +27,9 @@ def tracked(film, line=LINE, coils=None):
 def decay():
     heights = made.drawn.decaying(made.REST, 0.9 * made.SHARE, (1.1, 0.4), made.SURGE, made.DAMPING)
     film, truth = made.drawn.draw(made.SCENE, heights, 160)
-    return vt.coil_motion(film, vt.FilmSetup(free_decay=True, seat="end", line=((4, 0), (4, 239)), **made.SCALE)), truth
+    return vt.coil_motion(
+        film, vt.FilmSetup(free_decay=True, seat="end", line=((4, 0), (4, 239)), **made.SCALE)
+    ), truth
 
 
 def test_places_are_true_to_a_tenth_of_a_pixel_and_their_deviations_tell_it(decay):
@@ -49,13 +52,22 @@ def test_a_free_decay_gives_frequencies_within_their_intervals_and_the_damping(d
 def test_a_turning_cam_gives_displacements_peaks_and_speed():
     """Lift, surge, mark and the drift of the camera are closed forms."""
     motion = made.turning_motion()
-    assert motion.phase.cam_speed == pytest.approx(made.CAM_SPEED, abs=1.96 * motion.phase.spread + 1e-9)
-    assert np.degrees(np.abs(motion.phase.cam_angle - made.CAM_SPEED * motion.time - made.FIRST_ANGLE)).max() < 0.6
+    assert motion.phase.cam_speed == pytest.approx(
+        made.CAM_SPEED, abs=1.96 * motion.phase.spread + 1e-9
+    )
+    assert (
+        np.degrees(
+            np.abs(motion.phase.cam_angle - made.CAM_SPEED * motion.time - made.FIRST_ANGLE)
+        ).max()
+        < 0.6
+    )
     time = np.arange(0.0, 0.2, 2e-5)
     least = made.REST - made.turning(time).min(axis=0)
     for peak, true in zip(motion.peaks, least, strict=True):
         assert 1e3 * peak.mean == pytest.approx(true, abs=0.03) and peak.cycles == 3
-    assert np.ptp(motion.drift) == pytest.approx(1.2 * np.ptp(np.sin(2.2 * np.linspace(0, 1, 300))), abs=0.1)
+    assert np.ptp(motion.drift) == pytest.approx(
+        1.2 * np.ptp(np.sin(2.2 * np.linspace(0, 1, 300))), abs=0.1
+    )
     assert any("camera drifted by 1." in note for note in motion.notes)
 
 
@@ -79,11 +91,22 @@ def test_the_lift_tells_the_phase_and_the_scale_without_a_marker():
 
 
 @pytest.mark.parametrize(
-    ("blur", "per_mm", "merged"), [(0.8, 6.0, 0.0), (2.2, 1.5, 0.1)], ids=("glare lines apart", "glare lines run into each other")
+    ("blur", "per_mm", "merged"),
+    [(0.8, 6.0, 0.0), (2.2, 1.5, 0.1)],
+    ids=("glare lines apart", "glare lines run into each other"),
 )
 def test_coils_that_close_keep_their_identity(blur, per_mm, merged):
-    """All coils touch five times; at 1.5 px a mm the glare lines, 5.2 px wide, then lie 5.5 px apart and show no dip between them."""
-    scene = replace(made.SCENE, blur=blur, pixels_per_mm=per_mm, rows=round(40 * per_mm), seat_row=37 * per_mm, columns=7)
+    """All coils touch five times; at 1.5 px a mm the glare lines, 5.2 px wide, then lie 5.5 px
+    apart and show no dip between them.
+    """
+    scene = replace(
+        made.SCENE,
+        blur=blur,
+        pixels_per_mm=per_mm,
+        rows=round(40 * per_mm),
+        seat_row=37 * per_mm,
+        columns=7,
+    )
     film, truth = made.drawn.draw(scene, made.closing(6, 3.66, 6.5, 0.3), 220)
     found = tracked(film, SightLine((3.0, 0.0), (3.0, scene.rows - 1.0)))
     off = made.errors(found.places, truth)
@@ -96,30 +119,51 @@ def test_coils_that_close_keep_their_identity(blur, per_mm, merged):
 
 @pytest.mark.long
 def test_the_vaz_spring_filmed_at_2000_frames_a_second():
-    """A run of vaz-ohc by the modal model, filmed; the decay rate of its surge is half its mass damping of 50 1/s, as published."""
+    """A run of vaz-ohc by the modal model, filmed; the decay rate of its surge is half its mass
+    damping of 50 1/s, as published.
+    """
     _, rest, angle, moved, cam_speed = made.drawn.coils_of_case("vaz-ohc", model="modal-uniform")
     film, truth = made.drawn.draw(made.SCENE, made.drawn.driven(rest, angle, moved, cam_speed), 260)
-    setup = vt.FilmSetup(cam_speed=cam_speed, first_angle=0.0, line=((4, 0), (4, 239)), dwell=np.radians((165.0, 355.0)), **made.SCALE)
+    setup = vt.FilmSetup(
+        cam_speed=cam_speed,
+        first_angle=0.0,
+        line=((4, 0), (4, 239)),
+        dwell=np.radians((165.0, 355.0)),
+        **made.SCALE,
+    )
     motion = vt.coil_motion(film, setup)
     off = made.errors(motion.places[:, ::-1], truth)
     assert np.sqrt(np.mean(off**2)) < 0.1
     first = motion.surge.lines[0]
-    assert abs(first.decay_rate - 25.0) < 1.96 * 2 * np.pi * first.natural_frequency * first.damping_spread + 0.05 * 25.0
-    by_default = vt.film_over_model(motion, "vaz-ohc")  # the first variant of the case is a spring without coils
+    assert (
+        abs(first.decay_rate - 25.0)
+        < 1.96 * 2 * np.pi * first.natural_frequency * first.damping_spread + 0.05 * 25.0
+    )
+    by_default = vt.film_over_model(
+        motion, "vaz-ohc"
+    )  # the first variant of the case is a spring without coils
     assert by_default.model == "finite-element" and by_default.apart.max() < 0.5e-3
     model = vt.film_over_model(motion, "vaz-ohc", "modal-uniform")
-    assert model.turns[0] == pytest.approx(0.6, abs=0.31) and model.turns[2] == pytest.approx(2.6, abs=0.05)
+    assert model.turns[0] == pytest.approx(0.6, abs=0.31) and model.turns[2] == pytest.approx(
+        2.6, abs=0.05
+    )
     assert model.apart.max() < 0.05e-3 and model.shift == 0.0
     assert model.quantities[2] == f"outer_coil_{model.turns[2]:.2f}_displacement".replace(".", "_")
-    assert any("mirrored" in note and "above half the frame rate (1000 Hz)" in note for note in model.notes)
+    assert any(
+        "mirrored" in note and "above half the frame rate (1000 Hz)" in note for note in model.notes
+    )
 
 
 @pytest.mark.parametrize("seen", [0, 3, 4])
 def test_the_spectrum_shows_amplitudes_of_coils_that_are_seen(seen):
-    """Root mean square of 3 and 4 mm at 125 Hz, a coil seen in fewer than four frames left out; a drift is no line."""
+    """Root mean square of 3 and 4 mm at 125 Hz, a coil seen in fewer than four frames left out; a
+    drift is no line.
+    """
     number = np.delete(np.arange(400), [17, 18, 201])  # lost frames
     time = number / 1000
-    moved = np.column_stack([size * np.sin(2 * np.pi * 125 * time + size) + 0.2 * time for size in (3e-3, 4e-3, 0.0)])
+    moved = np.column_stack(
+        [size * np.sin(2 * np.pi * 125 * time + size) + 0.2 * time for size in (3e-3, 4e-3, 0.0)]
+    )
     moved[5, 0] = np.nan
     moved[seen:, 2] = np.nan
     frequency, amplitude = spectrum(moved, number, 1000.0)

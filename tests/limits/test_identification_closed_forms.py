@@ -1,6 +1,8 @@
-"""Limits: linear data under normal errors have a posterior, an evidence and percentiles in closed form; methods must meet them.
+"""Limits: linear data under normal errors have a posterior, an evidence and percentiles in closed
+form; methods must meet them.
 
-Further: stated intervals hold the truth as often as they say, both branches of a case with two are found, and what the data cannot tell
+Further: stated intervals hold the truth as often as they say, both branches of a case with two are
+found, and what the data cannot tell
 is said.
 """
 
@@ -25,13 +27,20 @@ MEAN = COVARIANCE @ (SLOPES.T @ (VALUES / SCATTER**2) + CENTRE / SPREAD**2)
 #: Distribution of the data before they are seen.
 OPEN = SLOPES @ np.diag(SPREAD**2) @ SLOPES.T + np.diag(SCATTER**2)
 MISS = VALUES - SLOPES @ CENTRE
-LOG_EVIDENCE = -0.5 * MISS @ np.linalg.solve(OPEN, MISS) - 0.5 * np.linalg.slogdet(2 * np.pi * OPEN)[1]
-PRIORS = {name: vt.Prior("normal", centre=CENTRE[k], spread=SPREAD[k]) for k, name in enumerate(("one", "two"))}
+LOG_EVIDENCE = (
+    -0.5 * MISS @ np.linalg.solve(OPEN, MISS) - 0.5 * np.linalg.slogdet(2 * np.pi * OPEN)[1]
+)
+PRIORS = {
+    name: vt.Prior("normal", centre=CENTRE[k], spread=SPREAD[k])
+    for k, name in enumerate(("one", "two"))
+}
 DATA = [vt.Datum(f"number {k}", VALUES[k], SCATTER[k]) for k in range(3)]
 
 
 def linear(points: np.ndarray) -> list[dict[str, float]]:
-    return [{f"number {k}": float(value) for k, value in enumerate(SLOPES @ point)} for point in points]
+    return [
+        {f"number {k}": float(value) for k, value in enumerate(SLOPES @ point)} for point in points
+    ]
 
 
 @pytest.fixture(scope="module")
@@ -42,44 +51,70 @@ def found() -> vt.Identified:
 def test_least_squares_meet_posterior_and_evidence(found: vt.Identified) -> None:
     got = found.branches[0].quantities
     np.testing.assert_allclose([one.best for one in got.values()], MEAN, rtol=1e-6)
-    np.testing.assert_allclose([one.deviation for one in got.values()], np.sqrt(np.diag(COVARIANCE)), rtol=1e-6)
-    np.testing.assert_allclose([one.low for one in got.values()], norm.ppf(0.025, MEAN, np.sqrt(np.diag(COVARIANCE))), rtol=1e-5)
+    np.testing.assert_allclose(
+        [one.deviation for one in got.values()], np.sqrt(np.diag(COVARIANCE)), rtol=1e-6
+    )
+    np.testing.assert_allclose(
+        [one.low for one in got.values()],
+        norm.ppf(0.025, MEAN, np.sqrt(np.diag(COVARIANCE))),
+        rtol=1e-5,
+    )
     correlation = COVARIANCE[0, 1] / math.sqrt(COVARIANCE[0, 0] * COVARIANCE[1, 1])
     assert found.branches[0].correlation[0, 1] == pytest.approx(correlation, rel=1e-6)
-    assert found.log_evidence == pytest.approx(LOG_EVIDENCE, rel=1e-9), "a normal posterior is its own Laplace approximation"
+    assert found.log_evidence == pytest.approx(LOG_EVIDENCE, rel=1e-9), (
+        "a normal posterior is its own Laplace approximation"
+    )
     assert found.notes == (), "its linearised posterior holds"
 
 
 def test_percentiles_of_measurements_are_those_of_their_prediction(found: vt.Identified) -> None:
-    """What would be measured is normal about the computed mean, with the variance of computation and error together."""
+    """What would be measured is normal about the computed mean, with the variance of computation
+    and error together.
+    """
     variance = np.diag(SLOPES @ COVARIANCE @ SLOPES.T) + SCATTER**2
     due = 100 * norm.cdf((VALUES - SLOPES @ MEAN) / np.sqrt(variance))
     np.testing.assert_allclose([one.percentile for one in found.predicted], due, atol=0.4)
     spread = np.sqrt(np.diag(SLOPES @ COVARIANCE @ SLOPES.T))
-    np.testing.assert_allclose([one.middle for one in found.predicted], SLOPES @ MEAN, atol=0.03 * spread.max())
-    np.testing.assert_allclose([one.high - one.low for one in found.predicted], 2 * norm.ppf(0.975) * spread, rtol=0.06)
+    np.testing.assert_allclose(
+        [one.middle for one in found.predicted], SLOPES @ MEAN, atol=0.03 * spread.max()
+    )
+    np.testing.assert_allclose(
+        [one.high - one.low for one in found.predicted], 2 * norm.ppf(0.975) * spread, rtol=0.06
+    )
 
 
 def test_information_is_that_of_the_linear_model(found: vt.Identified) -> None:
-    """Variance without each datum, by the same closed form with two data; shares of the information without any prior."""
+    """Variance without each datum, by the same closed form with two data; shares of the information
+    without any prior.
+    """
     told = found.branches[0].information
     np.testing.assert_allclose(told.told, 1 - np.diag(COVARIANCE) / SPREAD**2, rtol=1e-6)
     for k in range(3):
         others = np.arange(3) != k
-        without = np.linalg.inv(SLOPES[others].T @ np.diag(SCATTER[others] ** -2) @ SLOPES[others] + np.diag(SPREAD**-2))
-        np.testing.assert_allclose(told.lost[k], 1 - np.diag(COVARIANCE) / np.diag(without), rtol=1e-5)
+        without = np.linalg.inv(
+            SLOPES[others].T @ np.diag(SCATTER[others] ** -2) @ SLOPES[others] + np.diag(SPREAD**-2)
+        )
+        np.testing.assert_allclose(
+            told.lost[k], 1 - np.diag(COVARIANCE) / np.diag(without), rtol=1e-5
+        )
     weight = (SLOPES / SCATTER[:, None]) ** 2
     np.testing.assert_allclose(told.brought, weight / weight.sum(axis=0), rtol=1e-5)
 
 
 @pytest.mark.parametrize(
-    "search", [vt.Search("nested", live_points=200, lanes=8), vt.Search("ensemble", steps=600, walkers=20)], ids=["nested", "ensemble"]
+    "search",
+    [vt.Search("nested", live_points=200, lanes=8), vt.Search("ensemble", steps=600, walkers=20)],
+    ids=["nested", "ensemble"],
 )
 def test_samplers_meet_posterior_and_evidence(search: vt.Search) -> None:
     got = vt.identify(PRIORS, DATA, linear, search=search)
     deviation = np.sqrt(np.diag(COVARIANCE))
-    np.testing.assert_allclose([one.mean for one in got.branches[0].quantities.values()], MEAN, atol=0.15 * deviation.max())
-    np.testing.assert_allclose([one.deviation for one in got.branches[0].quantities.values()], deviation, rtol=0.12)
+    np.testing.assert_allclose(
+        [one.mean for one in got.branches[0].quantities.values()], MEAN, atol=0.15 * deviation.max()
+    )
+    np.testing.assert_allclose(
+        [one.deviation for one in got.branches[0].quantities.values()], deviation, rtol=0.12
+    )
     assert len(got.branches) == 1
     if search.method == "nested":
         assert 0.02 < got.evidence_error < 0.3
@@ -88,19 +123,36 @@ def test_samplers_meet_posterior_and_evidence(search: vt.Search) -> None:
 
 def surge(points: np.ndarray) -> list[dict[str, float]]:
     """A spring's force at 7 mm, its first surge frequency, and its energy there."""
-    return [{"force": 7e-3 * rate, "surge": 0.5 * math.sqrt(rate / mass), "energy": 0.5 * rate * 7e-3**2} for rate, mass in points]
+    return [
+        {
+            "force": 7e-3 * rate,
+            "surge": 0.5 * math.sqrt(rate / mass),
+            "energy": 0.5 * rate * 7e-3**2,
+        }
+        for rate, mass in points
+    ]
 
 
 def test_stated_intervals_hold_the_truth_as_often_as_they_say() -> None:
-    """400 springs drawn from the prior, measured with noise: intervals of 95 % hold the true rate and mass in 90 to 98 of 100."""
-    priors = {"rate": vt.Prior("normal", centre=40e3, spread=6e3), "mass": vt.Prior("lognormal", centre=0.05, spread=0.2)}
+    """400 springs drawn from the prior, measured with noise: intervals of 95 % hold the true rate
+    and mass in 90 to 98 of 100.
+    """
+    priors = {
+        "rate": vt.Prior("normal", centre=40e3, spread=6e3),
+        "mass": vt.Prior("lognormal", centre=0.05, spread=0.2),
+    }
     scatter = {"force": 3.0, "surge": 6.0, "energy": 0.02}
     random = np.random.default_rng(11)
     inside = {"rate": 0, "mass": 0}
     for _ in range(400):
-        true = {"rate": random.normal(40e3, 6e3), "mass": 0.05 * math.exp(0.2 * random.standard_normal())}
+        true = {
+            "rate": random.normal(40e3, 6e3),
+            "mass": 0.05 * math.exp(0.2 * random.standard_normal()),
+        }
         (computed,) = surge(np.array([[true["rate"], true["mass"]]]))
-        data = [vt.Datum(key, random.normal(computed[key], one), one) for key, one in scatter.items()]
+        data = [
+            vt.Datum(key, random.normal(computed[key], one), one) for key, one in scatter.items()
+        ]
         got = vt.identify(priors, data, surge, search=vt.Search(draws=1)).branches[0].quantities
         for name in inside:
             inside[name] += got[name].low <= true[name] <= got[name].high
@@ -112,15 +164,27 @@ def square(points: np.ndarray) -> list[dict[str, float]]:
     return [{"square": offset**2, "sum": offset + other} for offset, other in points]
 
 
-@pytest.mark.parametrize("search", [vt.Search("nested", live_points=150, lanes=8), vt.Search(starts=20, keep=6)], ids=["nested", "starts"])
+@pytest.mark.parametrize(
+    "search",
+    [vt.Search("nested", live_points=150, lanes=8), vt.Search(starts=20, keep=6)],
+    ids=["nested", "starts"],
+)
 def test_both_branches_are_found_and_weighed(search: vt.Search) -> None:
     """Shares by the densities of ``sum`` at either sign: normal of variance 1 + 0.3^2 about zero."""
-    priors = {"offset": vt.Prior("uniform", -2.0, 3.0), "other": vt.Prior("normal", centre=0.0, spread=1.0)}
-    got = vt.identify(priors, [vt.Datum("square", 1.0, 0.1), vt.Datum("sum", 0.5, 0.3)], square, search=search)
+    priors = {
+        "offset": vt.Prior("uniform", -2.0, 3.0),
+        "other": vt.Prior("normal", centre=0.0, spread=1.0),
+    }
+    got = vt.identify(
+        priors, [vt.Datum("square", 1.0, 0.1), vt.Datum("sum", 0.5, 0.3)], square, search=search
+    )
     page = render(identification_page("two", got))
     assert [f"Branch {place}:" in page for place in range(4)] == [False, True, True, False]
     due = norm.pdf([0.5, 1.5], 0.0, math.sqrt(1.09))
-    assert [math.copysign(1, branch.quantities["offset"].best) for branch in got.branches] == [1.0, -1.0]
+    assert [math.copysign(1, branch.quantities["offset"].best) for branch in got.branches] == [
+        1.0,
+        -1.0,
+    ]
     assert got.branches[0].share == pytest.approx(due[0] / due.sum(), abs=0.12)
     for branch in got.branches:
         assert abs(branch.quantities["offset"].best) == pytest.approx(1.0, abs=0.02)
@@ -128,25 +192,47 @@ def test_both_branches_are_found_and_weighed(search: vt.Search) -> None:
 
 
 def test_springs_in_parallel_cannot_be_told_apart_and_it_is_said() -> None:
-    """Of two rates in parallel a load tells the sum; a second load at another compression changes nothing, a frequency of one does."""
-    priors = {name: vt.Prior("normal", centre=centre, spread=5e3) for name, centre in (("outer rate", 30e3), ("inner rate", 15e3))}
+    """Of two rates in parallel a load tells the sum; a second load at another compression changes
+    nothing, a frequency of one does.
+    """
+    priors = {
+        name: vt.Prior("normal", centre=centre, spread=5e3)
+        for name, centre in (("outer rate", 30e3), ("inner rate", 15e3))
+    }
 
     def parallel(points: np.ndarray) -> list[dict[str, float]]:
-        return [{"seat": 7e-3 * (one + two), "open": 17e-3 * (one + two), "surge": 0.5 * math.sqrt(two / 0.02)} for one, two in points]
+        return [
+            {
+                "seat": 7e-3 * (one + two),
+                "open": 17e-3 * (one + two),
+                "surge": 0.5 * math.sqrt(two / 0.02),
+            }
+            for one, two in points
+        ]
 
     loads = [vt.Datum("seat", 320.0, 2.0), vt.Datum("open", 777.0, 4.0)]
     (sentence,) = vt.identify(priors, loads, parallel).warnings
-    assert "cannot tell 'outer rate' and 'inner rate' apart" in sentence and "a kind of sum" in sentence
+    assert (
+        "cannot tell 'outer rate' and 'inner rate' apart" in sentence
+        and "a kind of sum" in sentence
+    )
     assert vt.identify(priors, [*loads, vt.Datum("surge", 430.0, 2.0)], parallel).warnings == ()
 
 
 def test_a_quantity_that_no_datum_depends_on_is_named() -> None:
-    priors = {"rate": vt.Prior("uniform", 20e3, 60e3), "mass": vt.Prior("normal", centre=0.05, spread=0.01)}
+    priors = {
+        "rate": vt.Prior("uniform", 20e3, 60e3),
+        "mass": vt.Prior("normal", centre=0.05, spread=0.01),
+    }
     (sentence,) = vt.identify(priors, [vt.Datum("force", 280.0, 2.0)], surge).warnings
     assert "hardly tell 'mass'" in sentence and "0 %" in sentence
 
 
 def test_three_quantities_that_show_as_one_sum_are_named_together() -> None:
     priors = {name: vt.Prior("normal", centre=1.0, spread=1.0) for name in "abc"}
-    (sentence,) = vt.identify(priors, [vt.Datum("sum", 3.0, 0.1)], lambda points: [{"sum": float(p.sum())} for p in points]).warnings
+    (sentence,) = vt.identify(
+        priors,
+        [vt.Datum("sum", 3.0, 0.1)],
+        lambda points: [{"sum": float(p.sum())} for p in points],
+    ).warnings
     assert "'a', 'b' and 'c'" in sentence

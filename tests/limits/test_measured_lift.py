@@ -1,12 +1,14 @@
-"""Limits: the law behind noisy stations against closed forms: figures, coverage of the bands, the nose, and what less noise does."""
+"""Limits: the law behind noisy stations against closed forms: figures, coverage of the bands, the
+nose, and what less noise does.
+"""
 
 import numpy as np
 import pytest
 
 from valvetrain.cam.measured import Measured
 from valvetrain.errors import InputError
-from valvetrain.measurements.lift_figures import lift_figures, pair_figures
-from valvetrain.measurements.lift_smoothing import smooth_lift
+from valvetrain.lift.figures import lift_figures, pair_figures
+from valvetrain.measured.lift_smoothing import smooth_lift
 
 #: l = h (1 - (t / b)^2)^3 about the nose: lift, velocity and acceleration vanish at both ends.
 HEIGHT, HALF, NOSE = 9e-3, np.radians(60.0), np.radians(180.0)
@@ -16,7 +18,9 @@ STATIONS = np.radians(np.arange(90.0, 271.0))
 def law(cam_angle, derivative=0, nose=NOSE):
     x = (np.asarray(cam_angle) - nose) / HALF
     u = np.clip(1 - x * x, 0, None)
-    found = (u**3, -6 * x * u**2, u * (30 * x * x - 6), 120 * x - 168 * x**3 - 24 * x + 48 * x**3)[derivative]
+    found = (u**3, -6 * x * u**2, u * (30 * x * x - 6), 120 * x - 168 * x**3 - 24 * x + 48 * x**3)[
+        derivative
+    ]
     if derivative == 3:
         found = 72 * x * u - 48 * x**3  # d/dx of 24 x^2 u - 6 u^2
     return HEIGHT / HALF**derivative * np.where(np.abs(x) < 1, found, 0.0)
@@ -34,7 +38,11 @@ def test_the_closed_form_is_its_own_derivative():
     grid = np.linspace(NOSE - 0.99 * HALF, NOSE + 0.99 * HALF, 4001)
     for derivative in (1, 2, 3):
         slope = np.gradient(law(grid, derivative - 1), grid)[2:-2]
-        np.testing.assert_allclose(slope, law(grid, derivative)[2:-2], atol=2e-5 * np.abs(law(grid, derivative)).max() + 1e-9)
+        np.testing.assert_allclose(
+            slope,
+            law(grid, derivative)[2:-2],
+            atol=2e-5 * np.abs(law(grid, derivative)).max() + 1e-9,
+        )
 
 
 def test_figures_of_clean_stations_are_those_of_the_closed_form():
@@ -58,23 +66,37 @@ def test_figures_of_clean_stations_are_those_of_the_closed_form():
 
 
 def flat_start(cam_angle, derivative=0):
-    """Rise of 65 degrees by 35 s^4 - 84 s^5 + 70 s^6 - 20 s^7, and back: the first micrometre takes three degrees."""
+    """Rise of 65 degrees by 35 s^4 - 84 s^5 + 70 s^6 - 20 s^7, and back: the first micrometre takes
+    three degrees.
+    """
     x = (NOSE - np.abs(np.asarray(cam_angle) - NOSE) - NOSE) / np.radians(65) + 1
     s = np.clip(x, 0.0, 1.0)
-    found = (35 * s**4 - 84 * s**5 + 70 * s**6 - 20 * s**7, None, 420 * s**2 - 1680 * s**3 + 2100 * s**4 - 840 * s**5)[derivative]
+    found = (
+        35 * s**4 - 84 * s**5 + 70 * s**6 - 20 * s**7,
+        None,
+        420 * s**2 - 1680 * s**3 + 2100 * s**4 - 840 * s**5,
+    )[derivative]
     return HEIGHT / np.radians(65) ** derivative * found
 
 
-@pytest.mark.parametrize("count", [180, 360, 720, 3600, pytest.param(20_000, marks=pytest.mark.long)])
+@pytest.mark.parametrize(
+    "count", [180, 360, 720, 3600, pytest.param(20_000, marks=pytest.mark.long)]
+)
 def test_the_acceleration_depends_little_on_how_many_stations_a_turn_has(count):
-    """The fit began three stations before the noise was left, a fifth of a degree where they stand close, and cut off the ramp."""
+    """The fit began three stations before the noise was left, a fifth of a degree where they stand
+    close, and cut off the ramp.
+    """
     angles = 2 * np.pi * np.arange(count) / count
     lobe = smooth_lift(angles, flat_start(angles) + np.random.default_rng(1).normal(0, 2e-6, count))
     assert np.degrees(lobe.event) == pytest.approx([115.5, 244.5], abs=4)
     assert lobe.noise == pytest.approx(2e-6, rel=0.2) and len(lobe.knots) < 420
     grid = np.linspace(*lobe.event, 1501)[1:-1]
     off, spread = lobe.lift(grid, 2) - flat_start(grid, 2), lobe.spread(grid, 2)
-    assert np.sqrt(np.mean(off**2)) < np.sqrt(np.mean(spread**2)) < 0.07 * np.abs(flat_start(grid, 2)).max()
+    assert (
+        np.sqrt(np.mean(off**2))
+        < np.sqrt(np.mean(spread**2))
+        < 0.07 * np.abs(flat_start(grid, 2)).max()
+    )
     assert np.abs(off).max() < 0.12 * np.abs(flat_start(grid, 2)).max()
 
 
@@ -91,11 +113,16 @@ def test_bands_hold_the_true_law(noise):
     assert np.all(covered.mean(axis=0) > 0.88), covered.mean(axis=0)
     assert np.mean(found) == pytest.approx(noise, rel=0.15)
     # and they tell something: the acceleration is known to a few percent of its peak
-    assert np.median(lift.spread(grid, 2)) < {1e-6: 0.05, 3e-6: 0.08, 10e-6: 0.15}[noise] * np.abs(law(grid, 2)).max()
+    assert (
+        np.median(lift.spread(grid, 2))
+        < {1e-6: 0.05, 3e-6: 0.08, 10e-6: 0.15}[noise] * np.abs(law(grid, 2)).max()
+    )
 
 
 def test_the_nose_moves_no_further_than_said():
-    """Noise of 3 micrometres moved the largest of the raw stations by degrees; here it moves by what its spread says."""
+    """Noise of 3 micrometres moved the largest of the raw stations by degrees; here it moves by
+    what its spread says.
+    """
     apart, said = [], []
     for seed in range(12):
         found = figures(smooth_lift(STATIONS, noisy(3e-6, seed)))["nose_angle"]
@@ -107,7 +134,10 @@ def test_the_nose_moves_no_further_than_said():
 
 
 def test_less_noise_means_narrower_bands_and_no_noise_the_law():
-    spreads = [np.median(smooth_lift(STATIONS, noisy(noise, 1)).spread(STATIONS[35:-35], 2)) for noise in (1e-5, 1e-6, 1e-7)]
+    spreads = [
+        np.median(smooth_lift(STATIONS, noisy(noise, 1)).spread(STATIONS[35:-35], 2))
+        for noise in (1e-5, 1e-6, 1e-7)
+    ]
     assert spreads[0] > 1.5 * spreads[1] > 2.2 * spreads[2]
     exact = smooth_lift(STATIONS, law(STATIONS))
     np.testing.assert_allclose(exact.lift(STATIONS), law(STATIONS), atol=5e-8)
@@ -138,7 +168,10 @@ def test_separation_and_overlap():
     exhaust_nose = NOSE - np.radians(110.0)
     stations = np.radians(np.arange(0.0, 160.0))
     exhaust = smooth_lift(stations, law(stations, nose=exhaust_nose), noise=2e-9)
-    found = {one.name: one.value for one in pair_figures(smooth_lift(STATIONS, law(STATIONS), noise=2e-9), exhaust)}
+    found = {
+        one.name: one.value
+        for one in pair_figures(smooth_lift(STATIONS, law(STATIONS), noise=2e-9), exhaust)
+    }
     assert np.degrees(found["lobe_separation"]) == pytest.approx(110.0, abs=1e-3)
     half = HALF * np.sqrt(1 - (1e-3 / HEIGHT) ** (1 / 3))
     assert found["overlap_at_1_mm"] == pytest.approx(2 * (2 * half - np.radians(110.0)), abs=1e-5)
@@ -147,11 +180,17 @@ def test_separation_and_overlap():
 def test_as_a_law_it_rests_exactly_and_is_smooth():
     measured = Measured(cam_angles=tuple(STATIONS), lifts=tuple(noisy(3e-6, 6)))
     first, last = measured.smoothed.event
-    outside = np.concatenate([np.linspace(0, first - 1e-6, 50), np.linspace(last + 1e-6, 2 * np.pi - 1e-6, 50)])
+    outside = np.concatenate(
+        [np.linspace(0, first - 1e-6, 50), np.linspace(last + 1e-6, 2 * np.pi - 1e-6, 50)]
+    )
     assert np.all(measured.lift(outside) == 0.0) and np.all(measured.lift(outside, 2) == 0.0)
     for edge in (first, last):
-        assert np.abs(np.diff(measured.lift(np.array([edge - 1e-9, edge + 1e-9]), 2)))[0] < 1e-3 * np.abs(law(NOSE, 2))
-    np.testing.assert_allclose(measured.lift(STATIONS), measured.smoothed.lift(STATIONS), atol=1e-15)
+        assert np.abs(np.diff(measured.lift(np.array([edge - 1e-9, edge + 1e-9]), 2)))[
+            0
+        ] < 1e-3 * np.abs(law(NOSE, 2))
+    np.testing.assert_allclose(
+        measured.lift(STATIONS), measured.smoothed.lift(STATIONS), atol=1e-15
+    )
     other = Measured(cam_angles=tuple(STATIONS), lifts=tuple(noisy(3e-6, 6)), draw=2)
     apart = np.abs(other.lift(STATIONS, 2) - measured.lift(STATIONS, 2))
     assert 0 < np.median(apart) < 4 * np.median(measured.smoothed.spread(STATIONS[35:-35], 2))

@@ -1,4 +1,6 @@
-"""A mass dropped on each law at the integrator's own step, against the law in exact time (scipy's Dormand-Prince with events)."""
+"""A mass dropped on each law at the integrator's own step, against the law in exact time (scipy's
+Dormand-Prince with events).
+"""
 
 from __future__ import annotations
 
@@ -44,19 +46,34 @@ def exact(law, speed):
 
     leaves.terminal, leaves.direction = True, -1
     motion = solve_ivp(
-        lambda _, y: [y[1], -float(law.force(y[0], y[1], speed)) / MASS], (0, 1e-2), [0.0, speed], rtol=1e-10, atol=1e-15, events=leaves,
+        lambda _, y: [y[1], -float(law.force(y[0], y[1], speed)) / MASS],
+        (0, 1e-2),
+        [0.0, speed],
+        rtol=1e-10,
+        atol=1e-15,
+        events=leaves,
         max_step=5e-6,
-    )  # fmt: skip
-    return -motion.y[1, -1] / speed, max(float(law.force(depth, rate, speed)) for depth, rate in motion.y.T)
+    )
+    return -motion.y[1, -1] / speed, max(
+        float(law.force(depth, rate, speed)) for depth, rate in motion.y.T
+    )
 
 
 def dropped(law, speed, early):
     """The same at the usual step, met ``early`` of a step before an instant of the integrator."""
     floor = Interaction("seat", LINEAR, ("valve",), (0.0, -1.0), law)
-    built = TrainSystem(AssembledMechanism("drop", (Coordinate("valve", MASS),), (floor,), {}, "valve", "valve"))
+    built = TrainSystem(
+        AssembledMechanism("drop", (Coordinate("valve", MASS),), (floor,), {}, "valve", "valve")
+    )
     ready = runner(built, 2 * np.pi / DURATION, TrainOptions(samples=40))
     height = speed * ready.time_step * (10 - early)
-    start = TrainState(np.array([height]), np.array([-speed]), (), np.zeros(built.arrays.memory_of[-1]), np.zeros(5))
+    start = TrainState(
+        np.array([height]),
+        np.array([-speed]),
+        (),
+        np.zeros(built.arrays.memory_of[-1]),
+        np.zeros(5),
+    )
     end, record = ready.cycle(start)
     assert record.status.completed and end.q[0] > 0
     return float(end.v[0]) / speed, float(record.peak_forces[0])
@@ -70,4 +87,6 @@ def test_rebound_and_force_are_those_of_the_law_in_exact_time(word, restitution,
     ratio, force = exact(law, speed)
     found = [dropped(law, speed, early) for early in (0.0, 0.3, 0.7)]
     assert [one for one, _ in found] == pytest.approx([ratio] * 3, rel=2e-3)
-    assert [one for _, one in found] == pytest.approx([force] * 3, rel=5e-3 if word != "impact" else 0.02)
+    assert [one for _, one in found] == pytest.approx(
+        [force] * 3, rel=5e-3 if word != "impact" else 0.02
+    )

@@ -1,4 +1,6 @@
-"""Limits: recordings made from a known motion; what comes out is that motion, within the band that is stated."""
+"""Limits: recordings made from a known motion; what comes out is that motion, within the band that
+is stated.
+"""
 
 from __future__ import annotations
 
@@ -11,13 +13,12 @@ import numpy as np
 import pytest
 
 from valvetrain.errors import InputError
-from valvetrain.measurements.angle_grid import LowPass
-from valvetrain.measurements.lift_alignment import align_lift
-from valvetrain.measurements.pulses import numbered
-from valvetrain.measurements.recording import Recording, RigChannel
-from valvetrain.measurements.rig_answers import RigAnswers
-from valvetrain.measurements.rig_cycles import cycles_in
-from valvetrain.measurements.shaft_angle import told_by_counts
+from valvetrain.rig.channels import RigAnswers
+from valvetrain.rig.cutting import LowPass
+from valvetrain.rig.cycles import cycles_in
+from valvetrain.rig.recording import Recording, RigChannel
+from valvetrain.rig.result import align_lift
+from valvetrain.rig.shaft import numbered, told_by_counts
 
 sys.path.insert(0, str(Path(__file__).parents[2] / "scripts"))
 from sample_rig import Rig, columns, record
@@ -39,11 +40,21 @@ def force(angle):
 def recording(rig, step=None):
     """The recording without a file between."""
     records = record(rig, lift, force)
-    channels = tuple(RigChannel(name, unit, values, step=step or 1 / rig.sampling_rate) for name, unit, values in columns(records))
+    channels = tuple(
+        RigChannel(name, unit, values, step=step or 1 / rig.sampling_rate)
+        for name, unit, values in columns(records)
+    )
     return Recording("samples", channels, synthetic=True)
 
 
-WHEEL = RigAnswers(angle_of="crank", pulses="Crank wheel", index="Cam pulse", teeth=60, missing=1, zero={"spring_force": "250 N"})
+WHEEL = RigAnswers(
+    angle_of="crank",
+    pulses="Crank wheel",
+    index="Cam pulse",
+    teeth=60,
+    missing=1,
+    zero={"spring_force": "250 N"},
+)
 ENCODER = RigAnswers(angle_of="crank", encoder="Crank angle", zero={"spring_force": "250 N"})
 
 
@@ -60,7 +71,9 @@ def short():
 @pytest.mark.parametrize("answers", [WHEEL, ENCODER], ids=["wheel", "encoder"])
 def test_the_known_mean_lies_within_the_stated_band(recorded, answers):
     found = cycles_in(recorded, "known", answers, lift)
-    assert found.synthetic and [place for place, _ in found.outliers] == [3] and len(found.kept) == 11
+    assert (
+        found.synthetic and [place for place, _ in found.outliers] == [3] and len(found.kept) == 11
+    )
     for channel, true in zip(found.channels, (force, lift), strict=True):
         away = np.abs(channel.cycles.mean - true(channel.cycles.cam_angle))
         assert 0.93 < np.mean(away <= channel.spread) <= 1.0
@@ -72,9 +85,13 @@ def test_without_noise_what_is_left_is_a_ten_thousandth():
     clean = recording(Rig(force_noise=0.0, lift_noise=0.0, jitter=0.0, force_drift=0.0))
     found = cycles_in(clean, "clean", replace(WHEEL, offset=0.0))
     for channel, true, swing in zip(found.channels, (force, lift), (390.0, 9e-3), strict=True):
-        assert np.max(np.abs(channel.cycles.mean - true(channel.cycles.cam_angle))) < 1.5e-3 * swing  # half a sample of a tooth's edge
+        assert (
+            np.max(np.abs(channel.cycles.mean - true(channel.cycles.cam_angle))) < 1.5e-3 * swing
+        )  # half a sample of a tooth's edge
     smooth = cycles_in(clean, "clean", replace(ENCODER, offset=0.0))
-    assert np.max(np.abs(smooth.channels[1].cycles.mean - lift(smooth.grid.cam_angle))) < 2e-4 * 9e-3
+    assert (
+        np.max(np.abs(smooth.channels[1].cycles.mean - lift(smooth.grid.cam_angle))) < 2e-4 * 9e-3
+    )
 
 
 def test_one_pulse_a_turn_says_that_speed_within_a_turn_is_unseen(recorded):
@@ -102,9 +119,13 @@ def test_speed_follows_the_shaft(recorded):
 
 @pytest.mark.parametrize("angles", [360, 720, 2880])
 def test_the_grid_of_angles_moves_nothing_that_it_can_hold(short, angles):
-    """Below the band the cycles are the same numbers on any grid: halved, doubled, as the band needs."""
+    """Below the band the cycles are the same numbers on any grid: halved, doubled, as the band
+    needs.
+    """
     asked = replace(WHEEL, band="3 kHz", offset=0.0)
-    usual, other = (cycles_in(short, "grid", replace(asked, angle_count=points)) for points in (1440, angles))
+    usual, other = (
+        cycles_in(short, "grid", replace(asked, angle_count=points)) for points in (1440, angles)
+    )
     shared = np.gcd(1440, angles)
     for one, two in zip(usual.channels, other.channels, strict=True):
         np.testing.assert_allclose(
@@ -116,12 +137,17 @@ def test_the_grid_of_angles_moves_nothing_that_it_can_hold(short, angles):
 
 
 def test_a_tone_above_the_grid_does_not_fold_back():
-    """A tone at 12 kHz, grid of 360 angles at 25 Hz (Nyquist 4.5 kHz): it is gone by 80 dB, where plain picking folds it to 3 kHz."""
+    """A tone at 12 kHz, grid of 360 angles at 25 Hz (Nyquist 4.5 kHz): it is gone by 80 dB, where
+    plain picking folds it to 3 kHz.
+    """
     rig = Rig(force_noise=0.0, force_drift=0.0, turn_variation=0.0, drift_of_speed=0.0, jitter=0.0)
     plain = recording(rig)
     times = np.arange(len(plain.channels[0].values)) / rig.sampling_rate
     tone = 0.1 * np.sin(TURN * 12e3 * times)
-    with_tone = Recording("tone", (replace(plain.channels[0], values=plain.channels[0].values + tone), *plain.channels[1:]))
+    with_tone = Recording(
+        "tone",
+        (replace(plain.channels[0], values=plain.channels[0].values + tone), *plain.channels[1:]),
+    )
     asked = replace(ENCODER, angle_count=360, offset=0.0, zero={})
     one, two = (cycles_in(given, "tone", asked) for given in (plain, with_tone))
     folded = np.max(np.abs(two.channels[0].cycles.values - one.channels[0].cycles.values))
@@ -133,11 +159,21 @@ def test_a_tone_above_the_grid_does_not_fold_back():
 
 def test_a_cut_recording_gives_the_same_cycles(recorded):
     """Cycles do not know what was recorded before and after them, but for the ends of the spline."""
-    half = Recording("half", tuple(replace(one, values=one.values[: len(one.values) // 2]) for one in recorded.channels))
-    whole, part = (cycles_in(given, "cut", replace(ENCODER, offset=0.0, zero={}, keep_outliers=True)) for given in (recorded, half))
+    half = Recording(
+        "half",
+        tuple(replace(one, values=one.values[: len(one.values) // 2]) for one in recorded.channels),
+    )
+    whole, part = (
+        cycles_in(given, "cut", replace(ENCODER, offset=0.0, zero={}, keep_outliers=True))
+        for given in (recorded, half)
+    )
     count = len(part.kept) - 1
     for one, two in zip(whole.channels, part.channels, strict=True):
-        np.testing.assert_allclose(two.cycles.values[:count], one.cycles.values[:count], atol=2e-3 * np.ptp(one.cycles.values))
+        np.testing.assert_allclose(
+            two.cycles.values[:count],
+            one.cycles.values[:count],
+            atol=2e-3 * np.ptp(one.cycles.values),
+        )
 
 
 def test_the_low_pass_has_the_gain_that_it_states():
@@ -155,7 +191,9 @@ def test_the_low_pass_has_the_gain_that_it_states():
         wave = by.at(np.sin(2 * np.pi * frequency * times), 0.0, at)
         assert least - 1e-3 <= max(gain, np.max(np.abs(wave))) <= most
     slow = np.sin(2 * np.pi * 500 * times + 0.3)
-    np.testing.assert_allclose(by.at(slow, 0.0, at), np.sin(2 * np.pi * 500 * at + 0.3), atol=2e-4)  # no phase
+    np.testing.assert_allclose(
+        by.at(slow, 0.0, at), np.sin(2 * np.pi * 500 * at + 0.3), atol=2e-4
+    )  # no phase
     assert np.isnan(by.at(slow, 0.0, np.array([0.0, times[-1]]))).all()
 
 
@@ -167,7 +205,9 @@ def test_lift_alignment_is_right_within_its_uncertainty():
         noise = np.random.default_rng(seed).normal(0, 20e-6, 720)
         found = align_lift(grid, 1.02 * lift(grid + 1.3) + 15e-6 + noise, lift)
         away.append((found.offset - 1.3) / found.uncertainty)
-        assert found.gain == pytest.approx(1.02, abs=0.003) and found.base == pytest.approx(15e-6, abs=8e-6)
+        assert found.gain == pytest.approx(1.02, abs=0.003) and found.base == pytest.approx(
+            15e-6, abs=8e-6
+        )
     assert 0.5 < np.std(away) < 1.3
 
 
@@ -181,14 +221,21 @@ def test_flanks_that_disagree_widen_the_uncertainty():
 
 def test_strain_by_shunt_is_the_force():
     plain = recording(Rig())
-    bridge = replace(plain.channels[0], name="Bridge", unit="um/m", values=plain.channels[0].values * 1e3 / 2.5)
+    bridge = replace(
+        plain.channels[0], name="Bridge", unit="um/m", values=plain.channels[0].values * 1e3 / 2.5
+    )
     made = Recording("bridge", (bridge, *plain.channels[1:]))
     asked = replace(WHEEL, channels={"spring_force": "Bridge", "valve_lift": "Valve lift"})
-    with pytest.raises(InputError, match=r"does not say the calibration of spring_force \('Bridge' is in um/m\)"):
+    with pytest.raises(
+        InputError, match=r"does not say the calibration of spring_force \('Bridge' is in um/m\)"
+    ):
         cycles_in(made, "bridge", asked, lift)
     by_shunt, by_factor = (
         cycles_in(made, "bridge", replace(asked, **more), lift)
-        for more in ({"shunt": {"spring_force": "400, 1000 N"}}, {"calibration": {"spring_force": "2.5 N"}})
+        for more in (
+            {"shunt": {"spring_force": "400, 1000 N"}},
+            {"calibration": {"spring_force": "2.5 N"}},
+        )
     )
     for found in (by_shunt, by_factor):
         mean = found.channels[0].cycles.mean
@@ -207,13 +254,20 @@ def test_drift_is_taken_off_in_the_dwell(recorded):
 
 @pytest.mark.parametrize("zero", [{}, {"spring_force": "250 N"}])
 def test_each_channel_tells_how_it_was_filtered_and_what_was_taken_off(short, zero):
-    """50 kHz hold up to 25 kHz, four fifths of it unchanged. The zero of the force drifts from 55 N by 30 N; a lift is zero unasked."""
+    """50 kHz hold up to 25 kHz, four fifths of it unchanged. The zero of the force drifts from 55 N
+    by 30 N; a lift is zero unasked.
+    """
     found = cycles_in(short, "known", replace(WHEEL, zero=zero), lift)
     assert [one.cycles.quantity for one in found.channels] == ["spring_force", "valve_lift"]
     for one in found.channels:
         first, *rest = one.cycles.notes
-        assert first == "low-passed without phase, flat to 20000 Hz and down by 80 dB from 25000 Hz on"
-        ends = [re.fullmatch(r"zero taken off in the dwell: (\S+) to (\S+) (N|m)", words).groups() for words in rest]
+        assert (
+            first == "low-passed without phase, flat to 20000 Hz and down by 80 dB from 25000 Hz on"
+        )
+        ends = [
+            re.fullmatch(r"zero taken off in the dwell: (\S+) to (\S+) (N|m)", words).groups()
+            for words in rest
+        ]
         if one.cycles.quantity == "valve_lift":
             ((low, high, unit),) = ends
             assert unit == "m" and -5e-6 < float(low) <= float(high) < 5e-6
@@ -236,7 +290,9 @@ def wheel(teeth, missing, seed=1, speed=25.0, turns=30.3):
 def test_wheels_are_counted(teeth, missing):
     found = numbered(wheel(teeth, missing), teeth, missing, "wheel")
     assert not found.notes
-    assert found.numbers[-1] == next(place for place in range(int(30.3 * teeth) - 1, 0, -1) if place % teeth < teeth - missing)
+    assert found.numbers[-1] == next(
+        place for place in range(int(30.3 * teeth) - 1, 0, -1) if place % teeth < teeth - missing
+    )
     if missing:
         assert set(np.diff(found.marks)) == {teeth} and found.marks[0] == teeth
 
@@ -244,14 +300,26 @@ def test_wheels_are_counted(teeth, missing):
 def test_lost_and_false_pulses_are_told():
     times = wheel(60, 2)
     lost = numbered(np.delete(times, [400, 777]), 60, 2, "wheel")
-    assert "2 pulses of 'wheel' were lost" in lost.notes[0] and lost.numbers[-1] == numbered(times, 60, 2, "wheel").numbers[-1]
-    false = numbered(np.sort(np.append(times, [times[500] + 5e-5, times[900] + 7e-5])), 60, 2, "wheel")
-    assert "2 pulses of 'wheel' follow too soon" in false.notes[0] and false.numbers[-1] == lost.numbers[-1]
+    assert (
+        "2 pulses of 'wheel' were lost" in lost.notes[0]
+        and lost.numbers[-1] == numbered(times, 60, 2, "wheel").numbers[-1]
+    )
+    false = numbered(
+        np.sort(np.append(times, [times[500] + 5e-5, times[900] + 7e-5])), 60, 2, "wheel"
+    )
+    assert (
+        "2 pulses of 'wheel' follow too soon" in false.notes[0]
+        and false.numbers[-1] == lost.numbers[-1]
+    )
 
 
 @pytest.mark.parametrize(
     ("teeth", "missing", "words"),
-    [(58, 2, "does not come back after 58 teeth"), (60, 0, "say teeth 60 and missing 2"), (60, 5, "no gap of 5 missing teeth")],
+    [
+        (58, 2, "does not come back after 58 teeth"),
+        (60, 0, "say teeth 60 and missing 2"),
+        (60, 5, "no gap of 5 missing teeth"),
+    ],
 )
 def test_a_wheel_that_is_not_as_told_is_refused(teeth, missing, words):
     with pytest.raises(InputError, match=words):
@@ -262,20 +330,37 @@ def test_gaps_and_uneven_times_leave_out_what_was_not_measured(recorded):
     rig = Rig()
     times = np.arange(len(recorded.channels[0].values)) / rig.sampling_rate
     keep = (times < 0.20) | (times > 0.21)
-    gapped = tuple(replace(one, values=one.values[keep], times=times[keep], step=0.0) for one in recorded.channels[:2])
-    found = cycles_in(Recording("gaps", (*gapped, *recorded.channels[2:])), "gaps", replace(ENCODER, offset=0.0), lift)
+    gapped = tuple(
+        replace(one, values=one.values[keep], times=times[keep], step=0.0)
+        for one in recorded.channels[:2]
+    )
+    found = cycles_in(
+        Recording("gaps", (*gapped, *recorded.channels[2:])),
+        "gaps",
+        replace(ENCODER, offset=0.0),
+        lift,
+    )
     assert any("with 1 gaps that are left open" in note for note in found.notes)
     named = {place: why for place, why in found.outliers}
-    hit = [place for place in range(found.grid.cycles) if found.grid.cut_times[place] < 0.21 and found.grid.cut_times[place + 1] > 0.20]
+    hit = [
+        place
+        for place in range(found.grid.cycles)
+        if found.grid.cut_times[place] < 0.21 and found.grid.cut_times[place + 1] > 0.20
+    ]
     assert hit and all("was not measured as a whole" in named[place] for place in hit)
     assert np.isfinite(found.channels[0].cycles.values).all()
 
 
 def test_a_falling_encoder_is_turned_round(recorded):
     angle = recorded.channels[4]
-    falling = Recording("falling", (*recorded.channels[:4], replace(angle, values=720.0 - angle.values)))
+    falling = Recording(
+        "falling", (*recorded.channels[:4], replace(angle, values=720.0 - angle.values))
+    )
     found = cycles_in(falling, "falling", ENCODER, lift)
-    assert any("its sign is changed" in note for note in found.notes) and np.degrees(abs(found.offset)) < 0.03
+    assert (
+        any("its sign is changed" in note for note in found.notes)
+        and np.degrees(abs(found.offset)) < 0.03
+    )
 
 
 def test_a_run_up_is_told():
@@ -285,22 +370,41 @@ def test_a_run_up_is_told():
 
 @pytest.mark.parametrize(("per_sample", "step"), [(0.9, 0.0), (0.05, 1.0), (0.37, 0.1), (0.2, 0.5)])
 def test_counts_are_told_from_a_smooth_angle(per_sample, step):
-    """Even speed: a smooth angle (step 0) is left as it is; counts of 1, 0.1 and 0.5 degrees are put back to the angle they stand for."""
+    """Even speed: a smooth angle (step 0) is left as it is; counts of 1, 0.1 and 0.5 degrees are
+    put back to the angle they stand for.
+    """
     true = np.radians(per_sample) * np.arange(4000) + 0.001
     shown = np.floor(true / np.radians(step) + 1e-9) * np.radians(step) if step else true
     times, angles, found = told_by_counts(shown, np.arange(4000.0))
     assert np.degrees(found) == pytest.approx(step, abs=1e-4)
     away = np.degrees(angles - (np.radians(per_sample) * times + 0.001))
-    assert abs(np.mean(away)) < 0.03 * max(step, 1e-9) + 0.5 * per_sample * (step > per_sample) * 0.1 + 1e-9
+    assert (
+        abs(np.mean(away))
+        < 0.03 * max(step, 1e-9) + 0.5 * per_sample * (step > per_sample) * 0.1 + 1e-9
+    )
 
 
 def test_rounding_makes_no_outliers():
-    clean = recording(Rig(force_noise=0.0, lift_noise=0.0, jitter=0.0, force_drift=0.0, turn_variation=0.0, drift_of_speed=0.0))
+    clean = recording(
+        Rig(
+            force_noise=0.0,
+            lift_noise=0.0,
+            jitter=0.0,
+            force_drift=0.0,
+            turn_variation=0.0,
+            drift_of_speed=0.0,
+        )
+    )
     assert not cycles_in(clean, "clean", replace(WHEEL, offset=0.0)).outliers
 
 
 def test_a_span_of_the_recording_is_that_part(recorded):
-    whole, part = (cycles_in(recorded, "span", replace(ENCODER, offset=0.0, span=span)) for span in (None, ("0.1 s", "0.3 s")))
+    whole, part = (
+        cycles_in(recorded, "span", replace(ENCODER, offset=0.0, span=span))
+        for span in (None, ("0.1 s", "0.3 s"))
+    )
     first = int(np.argmin(np.abs(whole.grid.cut_times - part.grid.cut_times[0])))
     assert 0.1 < part.grid.cut_times[0] and part.grid.cut_times[-1] < 0.3 and part.grid.cycles == 4
-    np.testing.assert_allclose(part.grid.cut_times, whole.grid.cut_times[first : first + 5], atol=2e-6)
+    np.testing.assert_allclose(
+        part.grid.cut_times, whole.grid.cut_times[first : first + 5], atol=2e-6
+    )

@@ -1,4 +1,6 @@
-"""Kinetic energy of the rod against that of its wire: closed forms of a round bar in translation and in turning about each own axis."""
+"""Kinetic energy of the rod against that of its wire: closed forms of a round bar in translation
+and in turning about each own axis.
+"""
 
 from __future__ import annotations
 
@@ -44,7 +46,9 @@ def test_turning_about_each_axis_carries_its_energy(axis):
 
 @pytest.mark.parametrize("axis", [0, 1, 2])
 def test_moving_along_each_axis_carries_the_mass_between_the_ends(axis):
-    """The vertices at the ends are held by seat and retainer: half an element each is not the wire's own motion."""
+    """The vertices at the ends are held by seat and retainer: half an element each is not the
+    wire's own motion.
+    """
     model, speed = RodModel(SPRING, 5e-3, seats="clamps"), 3.0
     mesh, moving = model.mesh, MASS * (1 - 1 / (24 * COILS))
     state = model.initial_state(0.0)

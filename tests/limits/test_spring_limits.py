@@ -30,7 +30,12 @@ def order(errors, refinement=2.0):
 
 def test_chain_frequencies_converge_to_the_bar_at_order_two():
     exact = np.arange(1, 4) * SPEED / 2
-    errors = [np.abs(MultiMassSpring.from_card(RATE, 250.0, MASS, elements=n).frequencies(0.0) / exact - 1) for n in (20, 40, 80, 160)]
+    errors = [
+        np.abs(
+            MultiMassSpring.from_card(RATE, 250.0, MASS, elements=n).frequencies(0.0) / exact - 1
+        )
+        for n in (20, 40, 80, 160)
+    ]
     assert np.all(np.abs(order(errors) - 2) < 0.02)
     # Closed form of the lumped chain: 2 N sin(n pi / 2 N) / (n pi).
     n = np.arange(1, 4)
@@ -64,27 +69,39 @@ def test_rod_standing_wave_is_exact_inside_and_order_two_at_the_end():
         state[rod.unknowns : 2 * rod.unknowns] = shape * np.sin(omega * time_step) / time_step
         time = np.arange(20 * cells) * time_step
         motion = amplitude * np.sin(omega * time)
-        forces = drive(rod, state, motion, omega * amplitude * np.cos(omega * time), time_step) - 250.0
+        forces = (
+            drive(rod, state, motion, omega * amplitude * np.cos(omega * time), time_step) - 250.0
+        )
         next_time = len(time) * time_step
-        assert np.allclose(state[: rod.unknowns], shape * np.sin(omega * next_time), atol=1e-9 * amplitude)
+        assert np.allclose(
+            state[: rod.unknowns], shape * np.sin(omega * next_time), atol=1e-9 * amplitude
+        )
         sine = np.sin(omega * time)
         retainer = forces[:, 0] @ sine / (sine @ sine) / amplitude - rod.cell_mass / 2 * omega**2
         seat = forces[:, 1] @ sine / (sine @ sine) / amplitude
         drive_errors.append(abs(retainer - RATE * beta / np.tan(beta)) / RATE)
         transfer_errors.append(abs(seat - RATE * beta / np.sin(beta)) / RATE)
-    assert np.all(np.abs(order(drive_errors) - 2) < 0.05) and np.all(np.abs(order(transfer_errors) - 2) < 0.05)
+    assert np.all(np.abs(order(drive_errors) - 2) < 0.05) and np.all(
+        np.abs(order(transfer_errors) - 2) < 0.05
+    )
     assert drive_errors[-1] < 1e-3 and transfer_errors[-1] < 1e-3
 
 
 def impact(rod: WaveRod, time_step: float, travels: float, speed: float = 1.0) -> np.ndarray:
-    """End forces above preload, over v sqrt(k m), after the retainer starts at ``speed`` (m/s) at once."""
+    """End forces above preload, over v sqrt(k m), after the retainer starts at ``speed`` (m/s) at
+    once.
+    """
     steps = int(travels / (SPEED * time_step))
     time = np.arange(steps) * time_step
-    return (drive(rod, rod.initial_state(0.0), speed * time, np.full(steps, speed), time_step) - 250.0) / (speed * IMPEDANCE)
+    return (
+        drive(rod, rod.initial_state(0.0), speed * time, np.full(steps, speed), time_step) - 250.0
+    ) / (speed * IMPEDANCE)
 
 
 def test_step_change_travels_undistorted():
-    """End impact force v sqrt(k m), doubled at the fixed end after one travel, tripled at the retainer after two."""
+    """End impact force v sqrt(k m), doubled at the fixed end after one travel, tripled at the
+    retainer after two.
+    """
     cells = 250
     rod = WaveRod(UNIFORM, cells)
     force = impact(rod, rod.stable_time_step(), 2.9)
@@ -96,7 +113,9 @@ def test_step_change_travels_undistorted():
 
 @pytest.mark.parametrize(("cells", "overshoot", "front"), [(250, 0.11, 2), (60, 0.11, 2)])
 def test_dispersion_at_a_step_that_whole_cells_do_not_fit(cells, overshoot, front):
-    """The worst train step for the grid (half a cell off): how far the front overshoots and smears at the seat is stated here."""
+    """The worst train step for the grid (half a cell off): how far the front overshoots and smears
+    at the seat is stated here.
+    """
     time_step = 1 / (SPEED * (cells + 0.5))
     rod = WaveRod(UNIFORM).with_time_step(time_step)
     assert rod.cells == cells
@@ -116,7 +135,9 @@ def test_a_chain_or_a_low_courant_number_does_distort_a_step():
 
 
 def test_front_decays_by_the_friction_alone():
-    """Telegraph equation: the jump of a front falls as exp(-mu t), mu = 60 1/s; the grid shows half the jump at the instant of arrival."""
+    """Telegraph equation: the jump of a front falls as exp(-mu t), mu = 60 1/s; the grid shows half
+    the jump at the instant of arrival.
+    """
     friction, errors = 60.0, []
     for cells in (100, 200, 400):
         rod = WaveRod(UNIFORM, cells, friction=friction)
@@ -129,13 +150,20 @@ def test_front_decays_by_the_friction_alone():
 def dynamic_stiffness(model: ModalUniform, omega: float) -> float:
     kappa, share, own = model.modal_stiffness, model.shares, model.circular_frequencies
     moving = kappa * share**2
-    return model.spring.rate + np.sum(moving - moving * own**2 / (own**2 - omega**2)) - model.retainer_mass() * omega**2
+    return (
+        model.spring.rate
+        + np.sum(moving - moving * own**2 / (own**2 - omega**2))
+        - model.retainer_mass() * omega**2
+    )
 
 
 def test_modes_converge_to_the_exact_wave_solution_at_order_three():
     beta, bare = 2.2, EquivalentSpring(RATE, 250.0, MASS)
     exact = RATE * beta / np.tan(beta)
-    errors = [abs(dynamic_stiffness(ModalUniform(bare, n), beta * SPEED) - exact) for n in (10, 20, 40, 80)]
+    errors = [
+        abs(dynamic_stiffness(ModalUniform(bare, n), beta * SPEED) - exact)
+        for n in (10, 20, 40, 80)
+    ]
     assert np.all(np.abs(order(errors) - 3) < 0.2)
 
 
@@ -153,13 +181,17 @@ def test_modal_oscillator_rings_exactly_at_any_step():
 
 def test_static_chain_gives_the_rate_integral_of_a_cone():
     """k = G d**4 / [2 n (D1 + D2)(D1**2 + D2**2)], any number of masses, no coil closed."""
-    cone = conical(4e-3, 30e-3, 20e-3, 9e-3, 6.0, closed_coils=0, lower_end=OPEN_END, upper_end=OPEN_END)
+    cone = conical(
+        4e-3, 30e-3, 20e-3, 9e-3, 6.0, closed_coils=0, lower_end=OPEN_END, upper_end=OPEN_END
+    )
     exact = cone.material.shear_modulus * 4e-3**4 / (2 * 6.0 * 50e-3 * (30e-3**2 + 20e-3**2))
     for elements in (3, 20, 101):
         layout = chain_from_definition(cone, elements, 0.0)
         assert layout.rate == pytest.approx(exact, rel=1e-9)
         assert static_curve(layout, np.array([5e-3]))[0][0] == pytest.approx(5e-3 * exact, rel=1e-9)
-        assert layout.seat_mass + layout.masses.sum() + layout.retainer_mass == pytest.approx(cone.mass, rel=1e-6)
+        assert layout.seat_mass + layout.masses.sum() + layout.retainer_mass == pytest.approx(
+            cone.mass, rel=1e-6
+        )
 
 
 OPEN_ENDS = {"lower_end": OPEN_END, "upper_end": OPEN_END}
@@ -169,15 +201,29 @@ OPEN_ENDS = {"lower_end": OPEN_END, "upper_end": OPEN_END}
     ("spring", "on_seat", "under_retainer"),
     [
         (OPEN_SPRING, lambda u: u < 1, lambda u: u >= 5),
-        (conical(2e-3, 50e-3, 18e-3, 7e-3, 6.0, closed_coils=0, **OPEN_ENDS), lambda u: u > 0, lambda u: u > 0),
-        (conical(2e-3, 18e-3, 50e-3, 7e-3, 6.0, closed_coils=0, **OPEN_ENDS), lambda u: u > 0, lambda u: u > 0),
-        (beehive(2e-3, 40e-3, 25e-3, 3.0, Constant(7e-3), 6.0, **OPEN_ENDS),
-         lambda u: (u < 1) | (u > 3.79), lambda u: u > 2.79),
+        (
+            conical(2e-3, 50e-3, 18e-3, 7e-3, 6.0, closed_coils=0, **OPEN_ENDS),
+            lambda u: u > 0,
+            lambda u: u > 0,
+        ),
+        (
+            conical(2e-3, 18e-3, 50e-3, 7e-3, 6.0, closed_coils=0, **OPEN_ENDS),
+            lambda u: u > 0,
+            lambda u: u > 0,
+        ),
+        (
+            beehive(2e-3, 40e-3, 25e-3, 3.0, Constant(7e-3), 6.0, **OPEN_ENDS),
+            lambda u: (u < 1) | (u > 3.79),
+            lambda u: u > 2.79,
+        ),
     ],
     ids=["cylinder", "narrow above", "narrow below", "beehive"],
-)  # fmt: skip
-def test_the_first_turn_and_coils_that_telescope_can_meet_the_planes(spring, on_seat, under_retainer):
-    """The wire rises 7 mm a turn from either plane; a turn that is a wire's thickness narrower than its neighbour passes it. The end of a
+)
+def test_the_first_turn_and_coils_that_telescope_can_meet_the_planes(
+    spring, on_seat, under_retainer
+):
+    """The wire rises 7 mm a turn from either plane; a turn that is a wire's thickness narrower than
+    its neighbour passes it. The end of a
     cylinder's wire meets the retainer's last node from one turn below, 7 mm less the wire."""
     coil = np.linspace(0.0, 6.0, 61)
     found = coil_contacts(spring, coil, 2e9)
@@ -196,17 +242,25 @@ def test_the_first_turn_and_coils_that_telescope_can_meet_the_planes(spring, on_
 
 @pytest.mark.parametrize("share", [0.75, 0.9])
 def test_coils_of_a_telescoping_cone_land_on_the_seat(share):
-    """Each turn sinks by 64 F R**3 / (G d**4) until it lies on the seat, after its own pitch: the closing law of cones.
+    """Each turn sinks by 64 F R**3 / (G d**4) until it lies on the seat, after its own pitch: the
+    closing law of cones.
 
-    The largest turns land first and the spring hardens; through the seat it would take less than half the force.
+    The largest turns land first and the spring hardens; through the seat it would take less than
+    half the force.
     """
     cone = conical(2e-3, 50e-3, 18e-3, 6e-3, 5.0, closed_coils=0)
     assert np.all(cone.telescopes([1.0, 2.5, 5.0])) and not cone.telescopes(0.9)
     assert not np.any(OPEN_SPRING.telescopes(np.linspace(0.0, 6.0, 25)))
     coil = np.linspace(0.0, 5.0, 5001)
-    per_force = 64 * (cone.mean_diameter.value(coil) / 2) ** 3 / (cone.material.shear_modulus * 2e-3**4)
+    per_force = (
+        64 * (cone.mean_diameter.value(coil) / 2) ** 3 / (cone.material.shear_modulus * 2e-3**4)
+    )
     compression = share * cone.solid_compression
-    exact = brentq(lambda force: np.trapezoid(np.minimum(6e-3, force * per_force), coil) - compression, 0.0, 500.0)
+    exact = brentq(
+        lambda force: np.trapezoid(np.minimum(6e-3, force * per_force), coil) - compression,
+        0.0,
+        500.0,
+    )
     through = compression / np.trapezoid(per_force, coil)
     assert exact > 1.5 * through
     chain = static_curve(chain_from_definition(cone, 120, 2e10), np.array([compression]))[0].item()
@@ -239,7 +293,9 @@ def varied(modes: int, damping_ratio: float = 0.0) -> ModalVaried:
 
 @pytest.mark.parametrize("harmonic", [3, 9, 21])
 def test_modal_varied_reaches_the_exact_wave_solution_for_harmonics(harmonic):
-    """Constant k: transfer k b / sin b at the fixed end, k b cot b at the moving one, as modes are added."""
+    """Constant k: transfer k b / sin b at the fixed end, k b cot b at the moving one, as modes are
+    added.
+    """
     cam_speed = 0.11 * SPEED
     beta = harmonic * 0.11
     angle = 2 * np.pi * np.arange(512) / 512
@@ -248,11 +304,14 @@ def test_modal_varied_reaches_the_exact_wave_solution_for_harmonics(harmonic):
     for modes in (40, 80, 160):
         solution = varied(modes).solve(lift, cam_speed)
         shape = np.cos(harmonic * angle) / 256 / 1e-3
-        seat, retainer = ((f - 8e-3 * RATE) @ shape for f in (solution.seat_force, solution.retainer_force))
+        seat, retainer = (
+            (f - 8e-3 * RATE) @ shape for f in (solution.seat_force, solution.retainer_force)
+        )
         seat_errors.append(abs(seat - RATE * beta / np.sin(beta)) / RATE)
         retainer_errors.append(abs(retainer - RATE * beta / np.tan(beta)) / RATE)
     assert seat_errors[-1] < 2e-4 * beta**2 and np.all(np.abs(order(seat_errors) - 2) < 0.1)
-    # The moving end lacks the inertia the modes do not carry, m / 3 less its partial sum: order one.
+    # The moving end lacks the inertia the modes do not carry, m / 3 less its partial sum: order
+    # one.
     assert retainer_errors[-1] < 2e-3 * beta**2 and np.all(np.abs(order(retainer_errors) - 1) < 0.1)
 
 
@@ -264,25 +323,41 @@ def test_modal_varied_agrees_with_time_integration_of_equation_two():
 
     def lift(angle, derivative=0):
         shift = derivative * np.pi / 2
-        return sum(c * j**derivative * np.cos(j * angle + shift) for j, c in enumerate(coefficients))
+        return sum(
+            c * j**derivative * np.cos(j * angle + shift) for j, c in enumerate(coefficients)
+        )
 
     solution = model.solve(lambda angle: lift(angle), cam_speed, samples=256)
     for n in (1, 2, 3):
         ratio = n * np.pi * SPEED / cam_speed
 
         def rate(angle, g, n=n, ratio=ratio):
-            return [g[1], -2 / (n * np.pi) * lift(angle, 2) - 2 * 0.05 * ratio * g[1] - ratio**2 * g[0]]
+            return [
+                g[1],
+                -2 / (n * np.pi) * lift(angle, 2) - 2 * 0.05 * ratio * g[1] - ratio**2 * g[0],
+            ]
 
         end = 6 * 2 * np.pi
         angles = end + solution.cam_angle[::32]
-        run = solve_ivp(rate, (0, end + 2 * np.pi), [0.0, 0.0], rtol=1e-10, atol=1e-14, t_eval=angles)
-        assert np.allclose(run.y[0], solution.modal_coordinates[n - 1, ::32], rtol=0, atol=1e-7 * np.ptp(run.y[0]) + 1e-12)
+        run = solve_ivp(
+            rate, (0, end + 2 * np.pi), [0.0, 0.0], rtol=1e-10, atol=1e-14, t_eval=angles
+        )
+        assert np.allclose(
+            run.y[0],
+            solution.modal_coordinates[n - 1, ::32],
+            rtol=0,
+            atol=1e-7 * np.ptp(run.y[0]) + 1e-12,
+        )
 
 
 def test_equation_five_as_printed_differs_in_the_even_modes_alone():
-    """The wave equation alternates the sign; the print does not: the gap is 2 pi k sum of the even modes."""
+    """The wave equation alternates the sign; the print does not: the gap is 2 pi k sum of the even
+    modes.
+    """
     lift = 4e-3 * (1 - np.cos(2 * np.pi * np.arange(512) / 512)) ** 3 / 8
     solution = varied(4, 0.02).solve(lift, 0.4 * SPEED)
-    even = 2 * np.pi * RATE * (2 * solution.modal_coordinates[1] + 4 * solution.modal_coordinates[3])
+    even = (
+        2 * np.pi * RATE * (2 * solution.modal_coordinates[1] + 4 * solution.modal_coordinates[3])
+    )
     assert np.allclose(solution.seat_force_as_printed - solution.seat_force, even, atol=1e-9 * RATE)
     assert np.max(np.abs(even)) > 1.0

@@ -1,4 +1,6 @@
-"""Limits between models and outside cases: springs that meet catalogue cards and tables of a spring tester."""
+"""Limits between models and outside cases: springs that meet catalogue cards and tables of a spring
+tester.
+"""
 
 from __future__ import annotations
 
@@ -10,21 +12,28 @@ import pytest
 
 import valvetrain as vt
 from valvetrain.errors import InputError
-from valvetrain.measurements.catalogue_card import ground_off, weight
 from valvetrain.parameters.constructors import beehive
+from valvetrain.spring_card import tester as closing_coils
+from valvetrain.spring_card.card import ground_off, weight
+from valvetrain.spring_card.fit import forces_at
 from valvetrain.springs.spec import spring_model
-from valvetrain.studies import closing_coils
-from valvetrain.studies.spring_card import forces_at
 
 sys.path.insert(0, str(Path(__file__).parents[2] / "scripts"))
 from sample_measurements import progressive_spring, stations_of_tester
 
 LOW, HIGH = vt.SpringLoad("46 mm", "350 N"), vt.SpringLoad("34 mm", "830 N")
-SIZES = {"wire_diameter": "4.4 mm", "outer_diameter": "32 mm", "installed_load": LOW, "open_load": HIGH}
+SIZES = {
+    "wire_diameter": "4.4 mm",
+    "outer_diameter": "32 mm",
+    "installed_load": LOW,
+    "open_load": HIGH,
+}
 
 
 def force_at(spring, height):
-    return vt.static_curve(spring, spring.free_length - height + 1e-3, steps=8).force_at(spring.free_length - height)
+    return vt.static_curve(spring, spring.free_length - height + 1e-3, steps=8).force_at(
+        spring.free_length - height
+    )
 
 
 @pytest.fixture(scope="module")
@@ -39,22 +48,30 @@ def test_both_loads_are_met_by_the_rod_of_the_static_command(plain):
 
 
 def test_active_turns_are_those_of_the_formula_within_what_the_rod_adds(plain):
-    """EN 13906-1: n = G d^4 / (8 D^3 R); pitch angle and curvature of the rod are worth about a per cent."""
+    """EN 13906-1: n = G d^4 / (8 D^3 R); pitch angle and curvature of the rod are worth about a per
+    cent.
+    """
     wire = plain.definition
     active = wire.total_coils - 2 * wire.lower_end.inactive_coils
     assert active == pytest.approx(79.5e9 * 4.4e-3**4 / (8 * 27.6e-3**3 * 40e3), rel=0.012)
 
 
 def test_the_spring_of_shigley_comes_back_from_two_loads_of_its_rate():
-    """Example 10-1 (music wire 0.037 in, 7/16 in outer diameter, 12.5 turns, 10.5 active, 4.13 lbf/in, G = 11.85 Mpsi).
+    """Example 10-1 (music wire 0.037 in, 7/16 in outer diameter, 12.5 turns, 10.5 active, 4.13
+    lbf/in, G = 11.85 Mpsi).
 
-    The loads are told low on the curve: further down this slender spring leans, and the rod, which the formula is not, gives way.
+    The loads are told low on the curve: further down this slender spring leans, and the rod, which
+    the formula is not, gives way.
     """
     steel = vt.Material("music wire", "28.5 Mpsi", "11.85 Mpsi", "7850 kg/m^3")
     card = vt.CatalogueCard(
-        wire_diameter="0.037 in", outer_diameter="0.4375 in", installed_load=vt.SpringLoad("1.55 in", f"{4.13 * 0.1} lbf"),
-        open_load=vt.SpringLoad("1.35 in", f"{4.13 * 0.3} lbf"), total_coils=12.5, material=steel,
-    )  # fmt: skip
+        wire_diameter="0.037 in",
+        outer_diameter="0.4375 in",
+        installed_load=vt.SpringLoad("1.55 in", f"{4.13 * 0.1} lbf"),
+        open_load=vt.SpringLoad("1.35 in", f"{4.13 * 0.3} lbf"),
+        total_coils=12.5,
+        material=steel,
+    )
     fit = vt.spring_from_card(card)
     assert 12.5 - 2 * fit.definition.lower_end.inactive_coils == pytest.approx(10.5, rel=0.015)
     assert fit.definition.free_length == pytest.approx(1.65 * 25.4e-3, rel=2e-3)
@@ -64,7 +81,11 @@ def test_the_spring_of_shigley_comes_back_from_two_loads_of_its_rate():
 def test_turns_come_from_what_the_card_tells(plain, told):
     """A card made from a known spring gives its turns back, whichever of its numbers tells them."""
     wire = plain.definition
-    value = {"mass": weight(wire), "total_coils": wire.total_coils, "solid_height": wire.solid_height}[told]
+    value = {
+        "mass": weight(wire),
+        "total_coils": wire.total_coils,
+        "solid_height": wire.solid_height,
+    }[told]
     fit = vt.spring_from_card(vt.CatalogueCard(**SIZES, **{told: value}))
     assert fit.definition.total_coils == pytest.approx(wire.total_coils, rel=2e-3)
     assert fit.definition.free_length == pytest.approx(wire.free_length, abs=2e-5)
@@ -72,29 +93,46 @@ def test_turns_come_from_what_the_card_tells(plain, told):
 
 
 def test_what_was_not_told_is_said_and_what_was_told_is_not(plain):
-    told = vt.spring_from_card(vt.CatalogueCard(**SIZES, mass=weight(plain.definition), solid_height=plain.definition.solid_height))
+    told = vt.spring_from_card(
+        vt.CatalogueCard(
+            **SIZES, mass=weight(plain.definition), solid_height=plain.definition.solid_height
+        )
+    )
     assert any("inactive turn at either end is assumed" in one for one in plain.free)
-    assert not any("inactive turn at either end is assumed" in one or "solid height is given" in one for one in told.free)
+    assert not any(
+        "inactive turn at either end is assumed" in one or "solid height is given" in one
+        for one in told.free
+    )
 
 
 def test_a_beehive_meets_its_card():
     known = beehive("4 mm", "26 mm", "21 mm", 4.0, total_coils=7.0, free_length="50 mm")
     loads = [vt.SpringLoad(height, force_at(known, height)) for height in (42e-3, 33e-3)]
     card = vt.CatalogueCard(
-        wire_diameter="4 mm", outer_diameter="30 mm", top_outer_diameter="25 mm", taper_from_coil=4.0, installed_load=loads[0],
-        open_load=loads[1], total_coils=7.0, material=known.material,
-    )  # fmt: skip
+        wire_diameter="4 mm",
+        outer_diameter="30 mm",
+        top_outer_diameter="25 mm",
+        taper_from_coil=4.0,
+        installed_load=loads[0],
+        open_load=loads[1],
+        total_coils=7.0,
+        material=known.material,
+    )
     fit = vt.spring_from_card(card)
     assert fit.definition.lower_end.inactive_coils == pytest.approx(1.0, abs=0.02)
     assert fit.definition.free_length == pytest.approx(50e-3, abs=5e-5)
 
 
 def test_ground_off_wire_is_the_segment_of_the_circle():
-    """Half a ground turn takes the mean of the segments from nothing to a half, by quadrature of the closed form."""
+    """Half a ground turn takes the mean of the segments from nothing to a half, by quadrature of
+    the closed form.
+    """
     from scipy.integrate import quad
 
     def segment(depth):
-        return (np.arccos(1 - 2 * depth) - (1 - 2 * depth) * np.sqrt(1 - (1 - 2 * depth) ** 2)) / np.pi
+        return (
+            np.arccos(1 - 2 * depth) - (1 - 2 * depth) * np.sqrt(1 - (1 - 2 * depth) ** 2)
+        ) / np.pi
 
     assert segment(0.5) == pytest.approx(0.5) and segment(1.0) == pytest.approx(1.0)
     assert ground_off(0.5) == pytest.approx(quad(segment, 0, 0.5)[0], rel=1e-3)
@@ -111,7 +149,10 @@ def test_ground_off_wire_is_the_segment_of_the_circle():
         ({"outer_diameter": "10 mm"}, "less than three wires"),
         ({"outer_diameter": 32.0}, "mm"),
         ({"total_coils": -3.0}, "positive number"),
-        ({"top_outer_diameter": "27 mm", "taper_from_coil": 40.0}, "the taper begins below the top"),
+        (
+            {"top_outer_diameter": "27 mm", "taper_from_coil": 40.0},
+            "the taper begins below the top",
+        ),
     ],
 )
 def test_cards_that_no_spring_has_are_refused_with_the_place(changes, words):
@@ -133,7 +174,9 @@ def tested(table):
 
 @pytest.mark.long
 def test_the_pitch_law_behind_a_noisy_table_is_found_within_its_bands(tested):
-    """The table comes from the finite-element rod with noise of 0.2 %; coils that never close within it are known to their band only."""
+    """The table comes from the finite-element rod with noise of 0.2 %; coils that never close
+    within it are known to their band only.
+    """
     true = progressive_spring().pitch.value(tested.stations.coil)
     off = np.abs(tested.stations.pitch - true)
     assert np.all(off <= 3 * tested.stations.spread + 0.03e-3)
@@ -152,8 +195,12 @@ def test_rate_preload_and_length_of_the_table_are_those_of_the_spring(tested):
 
 
 @pytest.mark.long
-def test_the_answer_depends_neither_on_the_stations_of_the_table_nor_on_the_points_of_the_fit(table, tested, monkeypatch):
-    """Every second station, and half the places along the wire and half the forces at which the fit looks."""
+def test_the_answer_depends_neither_on_the_stations_of_the_table_nor_on_the_points_of_the_fit(
+    table, tested, monkeypatch
+):
+    """Every second station, and half the places along the wire and half the forces at which the fit
+    looks.
+    """
     monkeypatch.setattr(closing_coils, "PLACES", closing_coils.PLACES // 2 + 1)
     monkeypatch.setattr(closing_coils, "FORCES", closing_coils.FORCES // 2)
     half = vt.ForceHeight(table.heights[::2], table.forces[::2])
@@ -162,12 +209,16 @@ def test_the_answer_depends_neither_on_the_stations_of_the_table_nor_on_the_poin
     for name in ("active_coils", "free_length", "rate", "preload"):
         (one, band), (other, wider) = getattr(tested, name), getattr(fit, name)
         assert abs(one - other) < 2 * np.hypot(band, wider), name
-    assert fit.rate[0] == pytest.approx(tested.rate[0], rel=5e-3) and fit.preload[0] == pytest.approx(tested.preload[0], rel=5e-3)
+    assert fit.rate[0] == pytest.approx(tested.rate[0], rel=5e-3) and fit.preload[
+        0
+    ] == pytest.approx(tested.preload[0], rel=5e-3)
 
 
 def test_loads_of_a_card_are_met_on_any_mesh(plain):
     for elements in (12, 48):
-        rod = spring_model("finite-element").build(plain.spring.with_options("finite-element", elements_per_coil=elements))
+        rod = spring_model("finite-element").build(
+            plain.spring.with_options("finite-element", elements_per_coil=elements)
+        )
         assert rod.static_forces(np.array([0.0, 12e-3])) == pytest.approx([350, 830], rel=1e-3)
 
 
@@ -175,10 +226,17 @@ def test_a_table_of_an_even_pitch_far_from_bind_tells_no_progression_and_little_
     true = plain.definition
     heights = np.linspace(true.free_length - 2e-3, true.free_length - 10e-3, 12)
     table = vt.ForceHeight(heights, np.array(forces_at(true, heights.tolist())))
-    fit = vt.spring_from_tester(table, vt.card_of_table(table, wire_diameter=4.4e-3, outer_diameter=32e-3))
-    assert fit.rate[0] == pytest.approx(40.4e3, rel=0.01) and fit.free_length[0] == pytest.approx(true.free_length, abs=0.1e-3)
+    fit = vt.spring_from_tester(
+        table, vt.card_of_table(table, wire_diameter=4.4e-3, outer_diameter=32e-3)
+    )
+    assert fit.rate[0] == pytest.approx(40.4e3, rel=0.01) and fit.free_length[0] == pytest.approx(
+        true.free_length, abs=0.1e-3
+    )
     assert fit.coil_bind is None and any("does not reach coil bind" in one for one in fit.free)
-    assert np.all(np.abs(fit.stations.pitch - true.pitch.value(fit.stations.coil)) < 3 * fit.stations.spread + 0.05e-3)
+    assert np.all(
+        np.abs(fit.stations.pitch - true.pitch.value(fit.stations.coil))
+        < 3 * fit.stations.spread + 0.05e-3
+    )
     assert float(np.max(fit.stations.spread)) > 0.3e-3
 
 
@@ -192,9 +250,16 @@ def test_the_end_that_closes_first_is_a_choice_that_turns_the_spring_round(table
 
 @pytest.mark.parametrize("told", [(), ("free_length",), ("total_coils",), ("solid_height", "mass")])
 def test_each_number_of_a_card_stands_beside_the_same_number_of_the_spring(plain, told):
-    """What the card asks, or that it is silent, and what the spring that was found has by its own wire."""
+    """What the card asks, or that it is silent, and what the spring that was found has by its own
+    wire.
+    """
     wire = plain.definition
-    own = {"free_length": wire.free_length, "total_coils": wire.total_coils, "solid_height": wire.solid_height, "mass": weight(wire)}
+    own = {
+        "free_length": wire.free_length,
+        "total_coils": wire.total_coils,
+        "solid_height": wire.solid_height,
+        "mass": weight(wire),
+    }
     fit = vt.spring_from_card(vt.CatalogueCard(**SIZES, **{name: own[name] for name in told}))
     rows = {one.quantity: one for one in fit.held}
     asked = {
@@ -205,6 +270,13 @@ def test_each_number_of_a_card_stands_beside_the_same_number_of_the_spring(plain
     }
     assert {name: one.asked for name, one in rows.items()} == asked
     made = fit.definition
-    found = {"installed_load": 350.0, "open_load": 830.0, "rate": 480 / 12e-3, "free_length": made.free_length,
-             "total_coils": made.total_coils, "solid_height": made.solid_height, "mass": weight(made)}  # fmt: skip
+    found = {
+        "installed_load": 350.0,
+        "open_load": 830.0,
+        "rate": 480 / 12e-3,
+        "free_length": made.free_length,
+        "total_coils": made.total_coils,
+        "solid_height": made.solid_height,
+        "mass": weight(made),
+    }
     assert {name: one.found for name, one in rows.items()} == pytest.approx(found, rel=1e-3)

@@ -1,4 +1,6 @@
-"""Limits against a known truth: springs found in clouds of points that were drawn from springs we know (scripts/sample_scan.py)."""
+"""Limits against a known truth: springs found in clouds of points that were drawn from springs we
+know (scripts/sample_scan.py).
+"""
 
 from __future__ import annotations
 
@@ -16,13 +18,17 @@ from measure_scans import rms
 from sample_scan import Scanner, cloud, ply, springs
 
 KNOWN = springs()
-#: Spring -> how it is seen: each hand, closed and open ground ends, all and outside only, holes, strays.
+#: Spring -> how it is seen: each hand, closed and open ground ends, all and outside only, holes,
+#: strays.
 SEEN = {
     "beehive": Scanner(holes=5, seed=25), "cylindrical": Scanner(outside=True, seed=22), "conical": Scanner(outside=True, holes=5, seed=23),
     "progressive": Scanner(seed=24),
 }  # fmt: skip
 POINTS = 8_000
-NAMES = [pytest.param(name, marks=[pytest.mark.long] if name in ("conical", "progressive") else []) for name in SEEN]
+NAMES = [
+    pytest.param(name, marks=[pytest.mark.long] if name in ("conical", "progressive") else [])
+    for name in SEEN
+]
 
 
 def written(folder, points, name="scan.ply"):
@@ -56,10 +62,14 @@ def test_the_wire_axis_is_found_to_a_fiftieth_of_a_millimetre(found, name):
 def test_sizes_hand_and_ends_are_those_of_the_spring(found, name):
     scan, spring = found[name][0], KNOWN[name]
     assert scan.hand == spring.hand
-    assert scan.section.diameter[0] == pytest.approx(float(spring.wire_diameter.value(0.0)), abs=8e-6)
+    assert scan.section.diameter[0] == pytest.approx(
+        float(spring.wire_diameter.value(0.0)), abs=8e-6
+    )
     assert scan.free_length[0] == pytest.approx(spring.free_length, abs=0.06e-3)
     assert scan.definition.free_length == pytest.approx(scan.free_length[0], abs=2e-6)
-    assert scan.definition.lower_end.ground_coils == pytest.approx(spring.lower_end.ground_coils, abs=0.02)
+    assert scan.definition.lower_end.ground_coils == pytest.approx(
+        spring.lower_end.ground_coils, abs=0.02
+    )
     assert not scan.section.ovate
 
 
@@ -69,17 +79,26 @@ def test_turns_are_counted_from_tip_to_tip(found, name):
 
 
 def test_a_wire_that_is_ground_away_ends_where_the_last_of_it_stands(found):
-    """The shipped beehive is ground over 0.757 turns at a pitch of more than its wire: its last quarter turn is gone."""
+    """The shipped beehive is ground over 0.757 turns at a pitch of more than its wire: its last
+    quarter turn is gone.
+    """
     scan, spring = found["beehive"][0], KNOWN["beehive"]
     coil = np.linspace(6.0, 7.0, 20001)
-    gone = coil[np.argmax(spring.axial_position(coil) > spring.upper_seat_height + float(spring.wire_diameter.value(7.0)) / 2)]
+    gone = coil[
+        np.argmax(
+            spring.axial_position(coil)
+            > spring.upper_seat_height + float(spring.wire_diameter.value(7.0)) / 2
+        )
+    ]
     assert scan.total_coils[0] == pytest.approx(gone, abs=0.03)
     assert scan.upper_end.kind == "open-ground"
 
 
 @pytest.mark.parametrize("name", NAMES)
 def test_diameter_and_pitch_lie_within_their_bands(found, name):
-    """Three standard deviations and what the laws of straight lines with kinks leave beside a smooth curve."""
+    """Three standard deviations and what the laws of straight lines with kinks leave beside a
+    smooth curve.
+    """
     scan, spring = found[name][0], KNOWN[name]
     curves, inner = scan.curves, slice(8, -8)
     coil = curves.coil[inner]
@@ -98,12 +117,16 @@ def test_the_axis_is_that_of_the_spring(found):
 
 
 def test_ovate_wire_is_an_ellipse_and_the_round_wire_for_it_twists_alike(tmp_path):
-    """Half axes 1.8 mm (1 +- 0.05); torsion of the ellipse pi a^3 b^3 / (a^2 + b^2) by quadrature of its stress function."""
+    """Half axes 1.8 mm (1 +- 0.05); torsion of the ellipse pi a^3 b^3 / (a^2 + b^2) by quadrature
+    of its stress function.
+    """
     points, truth = cloud(KNOWN["cylindrical"], 5000, Scanner(seed=5), ovality=0.05)
     scan = vt.spring_from_scan(written(tmp_path, points))
     a, b = 1.89e-3, 1.71e-3
     assert scan.section.ovate
-    assert scan.section.long_axis[0] == pytest.approx(2 * a, abs=8e-6) and scan.section.short_axis[0] == pytest.approx(2 * b, abs=8e-6)
+    assert scan.section.long_axis[0] == pytest.approx(2 * a, abs=8e-6) and scan.section.short_axis[
+        0
+    ] == pytest.approx(2 * b, abs=8e-6)
     assert abs(scan.section.inclination) < 0.06
     x, y = np.meshgrid(np.linspace(-a, a, 801), np.linspace(-b, b, 801))
     stress = 2 * a**2 * b**2 / (a**2 + b**2) * np.maximum(1 - (x / a) ** 2 - (y / b) ** 2, 0.0)
@@ -124,7 +147,9 @@ def test_order_position_and_unit_of_the_points_and_slices_a_turn_do_not_matter(t
     np.savetxt(inches, points / 25.4e-3, fmt="%.7f")
     for slices, stations, file in ((32, 12, written(tmp_path, points)), (128, 24, inches)):
         unit = "" if file.suffix == ".ply" else "inch"
-        other = vt.spring_from_scan(file, unit=unit, slices_per_turn=slices, stations_per_turn=stations)
+        other = vt.spring_from_scan(
+            file, unit=unit, slices_per_turn=slices, stations_per_turn=stations
+        )
         assert abs(other.free_length[0] - scan.free_length[0]) < 0.2 * scan.free_length[1]
         assert other.section.diameter[0] == pytest.approx(scan.section.diameter[0], abs=2e-6)
         assert other.total_coils[0] == pytest.approx(scan.total_coils[0], abs=5e-3)
@@ -139,15 +164,25 @@ def test_the_wider_end_or_the_closer_coils_stand_below_unless_turned(found):
 
 
 def test_the_design_and_its_scan_have_the_same_force_and_frequencies(found):
-    """The scan is of the design itself, so all differences are errors of the scan and of what they do."""
+    """The scan is of the design itself, so all differences are errors of the scan and of what they
+    do.
+    """
     scan = found["beehive"][0]
-    design = vt.load_case("gu2021-beehive").replace({"springs.0.options": {"finite-element": {"elements_per_coil": 8}}})
+    design = vt.load_case("gu2021-beehive").replace(
+        {"springs.0.options": {"finite-element": {"elements_per_coil": 8}}}
+    )
     compared = vt.compare_scan(scan, design)
     assert compared.failures == ()
-    assert compared.number("preload").scanned == pytest.approx(compared.number("preload").design, rel=0.02)
-    assert compared.number("installed_height").scanned == pytest.approx(compared.number("installed_height").design, abs=0.06e-3)
+    assert compared.number("preload").scanned == pytest.approx(
+        compared.number("preload").design, rel=0.02
+    )
+    assert compared.number("installed_height").scanned == pytest.approx(
+        compared.number("installed_height").design, abs=0.06e-3
+    )
     for mode in ("mode_1_frequency", "mode_2_frequency"):
-        assert compared.number(mode).scanned == pytest.approx(compared.number(mode).design, rel=0.03)
+        assert compared.number(mode).scanned == pytest.approx(
+            compared.number(mode).design, rel=0.03
+        )
     wire = compared.cases[1].springs[0].wire
     assert wire.material == compared.cases[0].springs[0].wire.material
     with pytest.raises(InputError, match="name its label"):

@@ -1,4 +1,6 @@
-"""Dynamics of trains in their limits: slow and stiff, undamped, dropped on a seat, partitioned, run up."""
+"""Dynamics of trains in their limits: slow and stiff, undamped, dropped on a seat, partitioned, run
+up.
+"""
 
 from __future__ import annotations
 
@@ -29,8 +31,16 @@ def mass_on(law, mass=0.1, force=0.0) -> TrainSystem:
 
 def integrate_in_time(built, position, velocity, duration, steps):
     """State after ``duration`` from rest-frame values, the half-step velocity taken as given."""
-    ready = runner(built, 2 * np.pi / duration, TrainOptions(samples=steps, time_step=duration / steps))
-    start = TrainState(np.array([position]), np.array([velocity]), (), np.zeros(built.arrays.memory_of[-1]), np.zeros(5))
+    ready = runner(
+        built, 2 * np.pi / duration, TrainOptions(samples=steps, time_step=duration / steps)
+    )
+    start = TrainState(
+        np.array([position]),
+        np.array([velocity]),
+        (),
+        np.zeros(built.arrays.memory_of[-1]),
+        np.zeros(5),
+    )
     return ready, *ready.cycle(start)
 
 
@@ -38,7 +48,9 @@ def integrate_in_time(built, position, velocity, duration, steps):
 def test_a_slow_stiff_train_follows_rigid_theory(kind):
     errors = []
     for stiffness in (3e7, 3e8):
-        law = ContactParameters("linear", {"contact_stiffness": stiffness, "damping": 0.15 * math.sqrt(stiffness)})
+        law = ContactParameters(
+            "linear", {"contact_stiffness": stiffness, "damping": 0.15 * math.sqrt(stiffness)}
+        )
         train = KINDS[kind](contacts=contacts(law))
         if train.pushrod is not None:
             train = train.replace(pushrod=type(train.pushrod)(0.17, (0.0, 0.02)))
@@ -80,10 +92,14 @@ def test_damping_is_second_order_and_never_limits_the_step():
     for steps in (200, 400):
         damping = 0.3 * 2 * mass * omega
         beat = omega * math.sqrt(1 - 0.3**2)
-        exact = lambda t, decay=0.3 * omega, w=beat: np.exp(-decay * t) * (np.cos(w * t) + decay / w * np.sin(w * t))  # noqa: E731
+        exact = lambda t, decay=0.3 * omega, w=beat: (
+            np.exp(-decay * t) * (np.cos(w * t) + decay / w * np.sin(w * t))
+        )
         h = duration / steps
         slope = (exact(1e-7 - h / 2) - exact(-1e-7 - h / 2)) / 2e-7
-        _, _, record = integrate_in_time(mass_on(ElasticLink(stiffness, damping), mass), 1.0e-3, 1e-3 * slope, duration, steps)
+        _, _, record = integrate_in_time(
+            mass_on(ElasticLink(stiffness, damping), mass), 1.0e-3, 1e-3 * slope, duration, steps
+        )
         errors.append(np.max(np.abs(record.q[:, 0] - 1e-3 * exact(np.arange(steps) * h))))
     assert errors[0] / errors[1] == pytest.approx(4.0, rel=0.15)
     # thirty times critical at a step near the elastic limit: creeps back without ringing or growth
@@ -109,8 +125,14 @@ def test_a_contact_never_pulls():
         state = ready.initial_state()
         for _ in range(2):
             state, record = ready.cycle(state)
-        places = [k for k, name in enumerate(ready.system.interaction_names) if name.replace(" ", "_") in PLACES]
-        assert np.min(record.forces[:, places]) == 0.0  # an open contact carries nothing, not a rounding
+        places = [
+            k
+            for k, name in enumerate(ready.system.interaction_names)
+            if name.replace(" ", "_") in PLACES
+        ]
+        assert (
+            np.min(record.forces[:, places]) == 0.0
+        )  # an open contact carries nothing, not a rounding
 
 
 def test_work_of_the_cam_is_what_damping_takes():
@@ -124,7 +146,8 @@ def test_work_of_the_cam_is_what_damping_takes():
 
 
 def test_partitioned_exchange_errs_with_the_exchange_step():
-    """Velocity out, force back, held: the force lags by half the exchange and the displacement by half a step, so the error goes as
+    """Velocity out, force back, held: the force lags by half the exchange and the displacement by
+    half a step, so the error goes as
     (exchange + 1) h."""
     built = system(direct(), spring=MultiMassSpring.from_card(30e3, 300.0, 0.04, mass_damping=50.0))
     errors = {}
@@ -133,10 +156,16 @@ def test_partitioned_exchange_errs_with_the_exchange_step():
         whole = runner(built, 250.0, TrainOptions(samples=360, time_step=step))
         _, truth = whole.cycle(whole.initial_state())
         for exchange in (16, 8, 4, 1):
-            split = runner(built, 250.0, TrainOptions(samples=360, time_step=step, exchange=exchange))
+            split = runner(
+                built, 250.0, TrainOptions(samples=360, time_step=step, exchange=exchange)
+            )
             assert split.steps == whole.steps == steps
             _, record = split.cycle(split.initial_state())
-            errors[steps, exchange] = np.sqrt(np.mean((record.spring_forces - truth.spring_forces) ** 2)) * steps / (exchange + 1)
+            errors[steps, exchange] = (
+                np.sqrt(np.mean((record.spring_forces - truth.spring_forces) ** 2))
+                * steps
+                / (exchange + 1)
+            )
     assert np.ptp(list(errors.values())) < 0.05 * np.mean(list(errors.values()))
 
 
@@ -156,7 +185,9 @@ def test_run_up_goes_from_speed_to_speed_and_passes_through_the_steady_states():
     built = system(direct())
     records = run_up(built, 100.0, 300.0, 1000.0, TrainOptions(samples=720))
     angle = np.concatenate([record.cam_angle for record in records])
-    time = np.arange(len(angle)) * (records[0].time_step * (runner(built, 100.0, TrainOptions(samples=720)).steps // 720))
+    time = np.arange(len(angle)) * (
+        records[0].time_step * (runner(built, 100.0, TrainOptions(samples=720)).steps // 720)
+    )
     assert angle == pytest.approx(100.0 * time + 500.0 * time**2, rel=1e-9, abs=1e-9)
     assert records[-1].cam_speed < 300.0 <= records[-1].cam_speed + 1000.0 * 2 * np.pi / 100.0
     lift = np.concatenate([record.q[:, 1] for record in records])
@@ -173,7 +204,11 @@ def test_nested_springs_that_rub_take_more_energy():
     for rubbing in ({}, {"train.rubbing": {"coefficient": 0.15, "normal_force": "60 N"}}):
         case = load_case("vaz-ohc", rubbing)
         study = run_study(
-            case, engine_speeds=case.operation.engine_speeds[:1], spring_models=["multi-mass"], spring_sets=["nested-cards"], workers=1
+            case,
+            engine_speeds=case.operation.engine_speeds[:1],
+            spring_models=["multi-mass"],
+            spring_sets=["nested-cards"],
+            workers=1,
         )
         assert not study.failures
         taken.append(study.solutions[0].quantities["spring_dissipated_energy"])
@@ -196,12 +231,16 @@ def test_gas_force_pushes_the_valve_open():
 
     angle = np.arange(24) * 2 * np.pi / 24
     gas = table_from_samples(angle, np.full(24, 250.0), NODES)
-    built = TrainSystem(system(direct(lash=1e-4)).mechanism, (MasslessSpring(30e3, 300.0, 0.04),), gas)
+    built = TrainSystem(
+        system(direct(lash=1e-4)).mechanism, (MasslessSpring(30e3, 300.0, 0.04),), gas
+    )
     plain = system(direct(lash=1e-4))
     forces = []
     for item in (plain, built):
         ready = runner(item, 100.0, TrainOptions(samples=720))
-        forces.append(ready.cycle(ready.initial_state())[1].forces[0, item.interaction_names.index("seat")])
+        forces.append(
+            ready.cycle(ready.initial_state())[1].forces[0, item.interaction_names.index("seat")]
+        )
     assert forces[0] - forces[1] == pytest.approx(250.0, rel=1e-3)
 
 

@@ -1,4 +1,6 @@
-"""Friction in the contacts of trains against closed forms: torque on a flat tappet's cam, moment of a rubbing tip, energy."""
+"""Friction in the contacts of trains against closed forms: torque on a flat tappet's cam, moment of
+a rubbing tip, energy.
+"""
 
 from __future__ import annotations
 
@@ -23,7 +25,10 @@ MU = 0.12
 
 
 def rough(*places: str, coefficient: float = MU, width: float = 0.01):
-    return contacts() | {place: replace(STIFF, friction_coefficient=coefficient, friction_velocity=width) for place in places}
+    return contacts() | {
+        place: replace(STIFF, friction_coefficient=coefficient, friction_velocity=width)
+        for place in places
+    }
 
 
 def steady_cycle(train, cam_speed=150.0, cycles=3, **options):
@@ -36,14 +41,18 @@ def steady_cycle(train, cam_speed=150.0, cycles=3, **options):
 
 @pytest.mark.parametrize("rotation", [1, -1])
 def test_a_flat_tappet_adds_mu_n_times_the_height_of_its_face_to_the_cam_torque(rotation):
-    """Face across the guide: the tangent stands across the motion, so only the torque changes, by mu N (base radius + lift)."""
+    """Face across the guide: the tangent stands across the motion, so only the torque changes, by
+    mu N (base radius + lift).
+    """
     plain = direct(cam=replace(direct().cam, rotation=rotation))
     _, smooth = steady_cycle(plain)
     built, rubbed = steady_cycle(plain.replace(contacts=rough("cam")))
     assert rubbed.q == pytest.approx(smooth.q, abs=1e-15)
     cam = built.mechanism.interaction_index("cam")
     # the face stands one penetration nearer to the centre than the contour does
-    height = plain.cam.base_radius + rubbed.q[:, built.mechanism.index("tappet")] - rubbed.gaps[:, cam]
+    height = (
+        plain.cam.base_radius + rubbed.q[:, built.mechanism.index("tappet")] - rubbed.gaps[:, cam]
+    )
     torque = (rubbed.cam_power - smooth.cam_power) / rubbed.cam_speed
     assert torque == pytest.approx(MU * rubbed.forces[:, cam] * height, rel=1e-9, abs=1e-9)
     assert np.max(torque) > 0.5
@@ -53,10 +62,18 @@ def test_a_flat_tappet_adds_mu_n_times_the_height_of_its_face_to_the_cam_torque(
 
 @pytest.mark.parametrize(
     "train",
-    [direct(), direct(follower=FollowerParameters("flat", mass=0.05, tilt=0.05, offset=3e-3)), finger(), pushrod(),
-     direct(follower=FollowerParameters("domed", radius=0.04, mass=0.05, offset=2e-3)),
-     finger(follower=FollowerParameters("flat"), lever=replace(finger().lever, pivot=(-0.03, -0.018)))],
-)  # fmt: skip
+    [
+        direct(),
+        direct(follower=FollowerParameters("flat", mass=0.05, tilt=0.05, offset=3e-3)),
+        finger(),
+        pushrod(),
+        direct(follower=FollowerParameters("domed", radius=0.04, mass=0.05, offset=2e-3)),
+        finger(
+            follower=FollowerParameters("flat"),
+            lever=replace(finger().lever, pivot=(-0.03, -0.018)),
+        ),
+    ],
+)
 @pytest.mark.parametrize("rotation", [1, -1])
 def test_cam_sliding_in_the_loop_is_that_of_rigid_kinematics(train, rotation):
     train = train.replace(cam=replace(train.cam, rotation=rotation))
@@ -72,7 +89,9 @@ def test_cam_sliding_in_the_loop_is_that_of_rigid_kinematics(train, rotation):
 
 
 def test_a_rubbing_tip_turns_its_lever_with_mu_n_times_the_arm():
-    """Newton's law of the lever, moments taken of force vectors at the points where they act; the roller on the cam does not rub."""
+    """Newton's law of the lever, moments taken of force vectors at the points where they act; the
+    roller on the cam does not rub.
+    """
     train = rocker(contacts=rough("valve_tip"), lever=replace(rocker().lever, tip_radius=8e-3))
     built, record = steady_cycle(train, 120.0)
     lever, sign = train.lever, built.mechanism.interactions[1].geometry[5]
@@ -81,10 +100,15 @@ def test_a_rubbing_tip_turns_its_lever_with_mu_n_times_the_arm():
     angle = lever.valve_angle + sign * turn
     # the valve opens downwards: its face looks up, the arc touches at its lowest point
     x, y = lever.valve_arm * np.cos(angle), lever.valve_arm * np.sin(angle) - lever.tip_radius
-    slip = -sign * record.v[:, built.mechanism.index("lever")] * y  # of the lever's material along +x
+    slip = (
+        -sign * record.v[:, built.mechanism.index("lever")] * y
+    )  # of the lever's material along +x
     friction = -MU * force * np.tanh(slip / 0.01)
     moment = x * force - y * friction
-    rest = sign * lever.inertia * record.a[:, built.mechanism.index("lever")] + sign * lever.holding_torque
+    rest = (
+        sign * lever.inertia * record.a[:, built.mechanism.index("lever")]
+        + sign * lever.holding_torque
+    )
     _, smooth = steady_cycle(rocker(lever=train.lever), 120.0)
     drive = rest - moment  # what the cam must turn the lever with, friction counted
     sliding = (np.abs(slip) > 0.1) & (force > 50.0)
@@ -92,7 +116,8 @@ def test_a_rubbing_tip_turns_its_lever_with_mu_n_times_the_arm():
     cam = built.mechanism.interaction_index("cam")
     arm = drive[sliding] / record.forces[sliding, cam]
     bare = (rest - x * force)[sliding] / record.forces[sliding, cam]
-    # without friction the same geometry gives the arm; its two flanks carry the same arm only when friction is counted
+    # without friction the same geometry gives the arm; its two flanks carry the same arm only when
+    # friction is counted
     reference = _arm(built, record)[sliding] * sign
     assert arm == pytest.approx(reference, rel=2e-3)
     assert np.max(np.abs(bare / reference - 1)) > 0.01
@@ -104,10 +129,18 @@ def _arm(built, record):
     from valvetrain.system.train_forces import gap_state
 
     cam, lever = built.mechanism.interaction_index("cam"), built.mechanism.index("lever")
-    return np.array([-gap_state(built, q, a)[1][cam, lever] for q, a in zip(record.q, record.cam_angle, strict=True)])
+    return np.array(
+        [
+            -gap_state(built, q, a)[1][cam, lever]
+            for q, a in zip(record.q, record.cam_angle, strict=True)
+        ]
+    )
 
 
-@pytest.mark.parametrize(("train", "places"), [(finger, ("cam", "valve_tip")), (pushrod, ("cam", "valve_tip")), (direct, ("cam",))])
+@pytest.mark.parametrize(
+    ("train", "places"),
+    [(finger, ("cam", "valve_tip")), (pushrod, ("cam", "valve_tip")), (direct, ("cam",))],
+)
 def test_energy_balances_with_friction_and_friction_takes_it(train, places):
     _, record = steady_cycle(train(contacts=rough(*places)), 220.0, step_fraction=0.05)
     cam, constant, lost, spring = record.work
@@ -119,7 +152,9 @@ def test_energy_balances_with_friction_and_friction_takes_it(train, places):
 
 
 def test_friction_never_limits_the_step():
-    """Thirty times more friction than the mass bears in one step of an explicit method, on a tip that turns back twice a cycle."""
+    """Thirty times more friction than the mass bears in one step of an explicit method, on a tip
+    that turns back twice a cycle.
+    """
     train = rocker(contacts=rough("valve_tip", coefficient=0.5, width=1e-5))
     energies = []
     for fraction in (0.5, 0.25):
@@ -133,9 +168,16 @@ def test_friction_never_limits_the_step():
 @pytest.mark.parametrize("most", [1e-6, 1e-2, 4.0])
 def test_the_implicit_friction_step_solves_its_equation(free, most):
     found = slowed(free, most, 0.01)
-    exact = brentq(lambda s: s + most * math.tanh(s / 0.01) - free, -abs(free) - 1e-12, abs(free) + 1e-12, xtol=1e-18)
+    exact = brentq(
+        lambda s: s + most * math.tanh(s / 0.01) - free,
+        -abs(free) - 1e-12,
+        abs(free) + 1e-12,
+        xtol=1e-18,
+    )
     assert found == pytest.approx(exact, rel=1e-10, abs=1e-14)
-    assert CoulombFriction(most).force(1.0, found) == pytest.approx(found - free, abs=1e-12 + 1e-10 * abs(free))
+    assert CoulombFriction(most).force(1.0, found) == pytest.approx(
+        found - free, abs=1e-12 + 1e-10 * abs(free)
+    )
 
 
 def test_one_key_in_the_case_file_brings_friction():
@@ -148,4 +190,6 @@ def test_one_key_in_the_case_file_brings_friction():
     case = parse_case(text.replace("[train.contacts.cam]\n", keys), "guide")
     assert case.train.contact("cam").friction_coefficient == 0.1
     assert case.train.contact("cam").friction_velocity == pytest.approx(5e-3)
-    assert system(case.train.replace(spring_set="", springs={}), LAW).arrays.friction[0] == pytest.approx([0.1, 5e-3])
+    assert system(case.train.replace(spring_set="", springs={}), LAW).arrays.friction[
+        0
+    ] == pytest.approx([0.1, 5e-3])

@@ -10,14 +10,18 @@ import pytest
 from train_parts import KINDS, LAW, direct, finger, pushrod, system
 from valvetrain.mechanism.build import build_mechanism
 from valvetrain.mechanism.contour import curvature_radius_flat, curvature_radius_round
-from valvetrain.mechanism.crank import piston_clearance, piston_travel
 from valvetrain.mechanism.lumped import equivalent_mass
+from valvetrain.mechanism.planar import piston_clearance, piston_travel
 from valvetrain.mechanism.rigid import RatioCurve
 from valvetrain.parameters.train import CamParameters, CrankParameters, FollowerParameters
 from valvetrain.quantities.kinematics import rigid_motion, rigid_table
 from valvetrain.system.train_forces import gap_state
 
-RADIUS, OFFSET, ROLLER = 0.02, 0.004, 0.01  # an eccentric circle as a cam: everything is known of it
+RADIUS, OFFSET, ROLLER = (
+    0.02,
+    0.004,
+    0.01,
+)  # an eccentric circle as a cam: everything is known of it
 
 
 class EccentricFlat:
@@ -38,11 +42,15 @@ class EccentricRoller:
 
     def lift(self, cam_angle, derivative=0):
         angle = np.asarray(cam_angle, dtype=float)
-        reach = lambda x: -OFFSET * np.cos(x) + np.sqrt((RADIUS + ROLLER) ** 2 - (OFFSET * np.sin(x)) ** 2)  # noqa: E731
+        reach = lambda x: (
+            -OFFSET * np.cos(x) + np.sqrt((RADIUS + ROLLER) ** 2 - (OFFSET * np.sin(x)) ** 2)
+        )
         if derivative == 0:
             return reach(angle) - reach(np.zeros(1))[0]
         step = 1e-4
-        return (self.lift(angle + step, derivative - 1) - self.lift(angle - step, derivative - 1)) / (2 * step)
+        return (
+            self.lift(angle + step, derivative - 1) - self.lift(angle - step, derivative - 1)
+        ) / (2 * step)
 
 
 def test_an_eccentric_circle_has_its_own_radius_under_a_flat_follower():
@@ -53,11 +61,15 @@ def test_an_eccentric_circle_has_its_own_radius_under_a_flat_follower():
 
 @pytest.mark.parametrize("rotation", [1, -1])
 def test_an_eccentric_circle_has_its_own_radius_under_a_roller(rotation):
-    train = direct(cam=CamParameters(RADIUS - OFFSET, rotation=rotation), follower=FollowerParameters("roller", ROLLER, 0.05))
+    train = direct(
+        cam=CamParameters(RADIUS - OFFSET, rotation=rotation),
+        follower=FollowerParameters("roller", ROLLER, 0.05),
+    )
     built = system(train, EccentricRoller())
     table = built.mechanism.tables["cam contour"]
     assert curvature_radius_round(table, ROLLER) == pytest.approx(RADIUS, rel=1e-5)
-    # gap to the exact circle: the cam's centre stands at OFFSET from the origin, opposite to the follower at angle zero
+    # gap to the exact circle: the cam's centre stands at OFFSET from the origin, opposite to the
+    # follower at angle zero
     for angle in (0.4, 1.9, 3.3, 5.5):
         lift = EccentricRoller().lift(angle) - 20e-6
         centre = np.array([0.0, -(RADIUS - OFFSET + ROLLER) - lift])
@@ -68,11 +80,15 @@ def test_an_eccentric_circle_has_its_own_radius_under_a_roller(rotation):
 
 
 def test_pressure_on_the_cam_is_that_of_the_handbooks_for_steel():
-    """p0 = 0.418 sqrt(F E / (L R)) of a line contact, the cam's radius known everywhere and the follower flat."""
+    """p0 = 0.418 sqrt(F E / (L R)) of a line contact, the cam's radius known everywhere and the
+    follower flat.
+    """
     train = direct(cam=CamParameters(RADIUS - OFFSET))
     table = rigid_table(system(train, EccentricFlat()), train, 100.0)
     force, lifted = table["contact_force"], table["valve_lift"] > 1e-5
-    expected = 0.418 * np.sqrt(np.maximum(force, 0.0) * train.cam.youngs_modulus / (train.cam.width * RADIUS))
+    expected = 0.418 * np.sqrt(
+        np.maximum(force, 0.0) * train.cam.youngs_modulus / (train.cam.width * RADIUS)
+    )
     assert np.max(force[lifted]) > 100
     assert table["hertz_pressure"][lifted] == pytest.approx(expected[lifted], rel=2e-3)
 
@@ -81,7 +97,9 @@ def test_flat_follower_slides_with_the_speed_of_the_face_and_touches_beside_the_
     train, omega = direct(), 200.0
     table = rigid_table(system(train), train, omega)
     lift, slope = LAW.lift(table.cam_angle), LAW.lift(table.cam_angle, 1)
-    assert np.abs(table["sliding_velocity"]) == pytest.approx(omega * (train.cam.base_radius + lift), rel=1e-6)
+    assert np.abs(table["sliding_velocity"]) == pytest.approx(
+        omega * (train.cam.base_radius + lift), rel=1e-6
+    )
     assert np.abs(table["contact_offset"]) == pytest.approx(np.abs(slope), abs=1e-8)
 
 
@@ -109,13 +127,19 @@ def test_finger_lift_is_the_arc_of_its_tip():
     motion = build_mechanism(train, LAW, "tappet").kinematics
     angle = np.linspace(0, 2 * np.pi, 721)
     turn = LAW.lift(angle) / train.lever.drive_arm
-    closed = train.lever.valve_arm * (np.sin(train.lever.valve_angle) - np.sin(train.lever.valve_angle - turn))
+    closed = train.lever.valve_arm * (
+        np.sin(train.lever.valve_angle) - np.sin(train.lever.valve_angle - turn)
+    )
     assert motion.valve_lift(angle) == pytest.approx(closed, abs=1e-12)
     step = 1e-4
     for order in (1, 2, 3):  # derivatives against differences of the one below
-        around = (motion.valve_lift(angle + step, order - 1) - motion.valve_lift(angle - step, order - 1)) / (2 * step)
+        around = (
+            motion.valve_lift(angle + step, order - 1) - motion.valve_lift(angle - step, order - 1)
+        ) / (2 * step)
         inside = np.abs(np.mod(angle, 2 * np.pi) - math.radians(140)) < math.radians(95)
-        assert motion.valve_lift(angle, order)[inside] == pytest.approx(around[inside], abs=2e-6 * 100 ** (order - 1))
+        assert motion.valve_lift(angle, order)[inside] == pytest.approx(
+            around[inside], abs=2e-6 * 100 ** (order - 1)
+        )
 
 
 def test_a_valve_lift_law_is_met_through_the_lever():
@@ -130,8 +154,12 @@ def test_pushrod_keeps_its_length():
     angle = np.linspace(0, 2 * np.pi, 361)
     lift = motion.valve_lift(angle)
     turn = np.arcsin(lift / train.lever.valve_arm)  # the valve arm is level at zero lift
-    ball = np.array(train.lever.pivot)[:, None] + train.lever.drive_arm * np.array([-np.cos(turn), np.sin(turn)])
-    foot = np.array(train.pushrod.lower_end)[:, None] + np.array([np.zeros_like(angle), LAW.lift(angle)])
+    ball = np.array(train.lever.pivot)[:, None] + train.lever.drive_arm * np.array(
+        [-np.cos(turn), np.sin(turn)]
+    )
+    foot = np.array(train.pushrod.lower_end)[:, None] + np.array(
+        [np.zeros_like(angle), LAW.lift(angle)]
+    )
     length = np.hypot(*(ball - foot))
     assert length == pytest.approx(length[0], abs=1e-9)
 
@@ -151,7 +179,10 @@ def test_slow_cam_does_the_work_of_the_springs_and_weights_only(kind):
 
 def test_reduced_mass_of_a_lever_train_is_that_of_the_textbook():
     train = finger(model="planar")
-    expected = train.valve.mass + train.lever.inertia / (train.lever.valve_arm * math.cos(train.lever.valve_angle)) ** 2
+    expected = (
+        train.valve.mass
+        + train.lever.inertia / (train.lever.valve_arm * math.cos(train.lever.valve_angle)) ** 2
+    )
     assert equivalent_mass(build_mechanism(train, LAW)) == pytest.approx(expected, rel=1e-9)
 
 
@@ -164,7 +195,9 @@ def test_lumped_train_has_the_rigid_lift_of_the_planar_one():
 def test_ratio_curve_inverts_itself():
     drive = np.linspace(-0.05, 0.3, 80)
     curve = RatioCurve(drive, np.sin(drive))
-    assert curve.inverse(np.array([0.0, 0.1, 0.25])) == pytest.approx(np.arcsin([0.0, 0.1, 0.25]), abs=1e-9)
+    assert curve.inverse(np.array([0.0, 0.1, 0.25])) == pytest.approx(
+        np.arcsin([0.0, 0.1, 0.25]), abs=1e-9
+    )
 
 
 def test_crank_slider_is_the_exact_one():

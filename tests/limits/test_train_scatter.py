@@ -1,4 +1,6 @@
-"""Trains whose loose parts rattle: judged by the valve, with their scatter told; what is not settled or floats stays named."""
+"""Trains whose loose parts rattle: judged by the valve, with their scatter told; what is not
+settled or floats stays named.
+"""
 
 from __future__ import annotations
 
@@ -7,8 +9,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from valvetrain.integrate.train_channels import COMPARED, STEADY_VALVE, cycle_numbers
 from valvetrain.integrate.train_run import TrainOptions, runner
-from valvetrain.integrate.train_scatter import COMPARED, STEADY_VALVE, cycle_numbers
 from valvetrain.integrate.train_steady import steady_train
 from valvetrain.parameters.loading import parse_case
 from valvetrain.studies.run import run_study
@@ -18,11 +20,19 @@ RPM = np.pi / 30
 
 
 def pushrod(lash: str, torque: str = "0.3 N m", model: str = "multi-mass"):
-    """The pushrod train that `valvetrain new` writes, with other lash, hold of its rocker while the lash is open, and spring model."""
+    """The pushrod train that `valvetrain new` writes, with other lash, hold of its rocker while the
+    lash is open, and spring model.
+    """
     from importlib import resources
 
-    text = resources.files("valvetrain").joinpath("templates/pushrod.toml").read_text(encoding="utf-8")
-    changes = {"0.3 N m": torque, 'lash = "0 in"': f'lash = "{lash}"', 'spring_model = "multi-mass"': f'spring_model = "{model}"'}
+    text = (
+        resources.files("valvetrain").joinpath("templates/pushrod.toml").read_text(encoding="utf-8")
+    )
+    changes = {
+        "0.3 N m": torque,
+        'lash = "0 in"': f'lash = "{lash}"',
+        'spring_model = "multi-mass"': f'spring_model = "{model}"',
+    }
     for old, new in changes.items():
         assert old in text
         text = text.replace(old, new)
@@ -37,12 +47,30 @@ def rattling():
 def test_rattle_between_events_is_no_failure_and_its_scatter_is_told(rattling):
     (found,) = rattling.solutions
     assert found.status.completed and "the valve repeats to" in found.status.sentence()
-    assert found.quantities["motion_period_count"] != 1 and found.quantities["steady_residual_ratio"] > 1e-4
-    assert found.quantities["bounce_height"] == pytest.approx(11e-6, abs=3e-6)  # some ten micrometres are no failure
-    scatter = {name: value for name, value in found.quantities.items() if name.startswith("cycle_scatter_")}
-    assert {"cycle_scatter_seating_velocity", "cycle_scatter_peak_cam_contact_force", "cycle_scatter_bounce_height"} <= scatter.keys()
-    assert 0 < scatter["cycle_scatter_valve_lift"] < STEADY_VALVE * found.quantities["peak_valve_lift"]
-    assert scatter["cycle_scatter_valve_lift"] < 2e-6 < 1e-3 < scatter["cycle_scatter_peak_rocker_contact_force"]
+    assert (
+        found.quantities["motion_period_count"] != 1
+        and found.quantities["steady_residual_ratio"] > 1e-4
+    )
+    assert found.quantities["bounce_height"] == pytest.approx(
+        11e-6, abs=3e-6
+    )  # some ten micrometres are no failure
+    scatter = {
+        name: value for name, value in found.quantities.items() if name.startswith("cycle_scatter_")
+    }
+    assert {
+        "cycle_scatter_seating_velocity",
+        "cycle_scatter_peak_cam_contact_force",
+        "cycle_scatter_bounce_height",
+    } <= scatter.keys()
+    assert (
+        0 < scatter["cycle_scatter_valve_lift"] < STEADY_VALVE * found.quantities["peak_valve_lift"]
+    )
+    assert (
+        scatter["cycle_scatter_valve_lift"]
+        < 2e-6
+        < 1e-3
+        < scatter["cycle_scatter_peak_rocker_contact_force"]
+    )
     assert not rattling.failures
 
 
@@ -52,9 +80,14 @@ def test_scatter_stands_in_table_page_and_json(rattling):
 
     rows = {row.name: row for row in headline_rows(rattling)}
     (value,) = rows["cycle_scatter_seating_velocity"].values
-    assert value == pytest.approx(rattling.solutions[0].quantities["cycle_scatter_seating_velocity"])
+    assert value == pytest.approx(
+        rattling.solutions[0].quantities["cycle_scatter_seating_velocity"]
+    )
     (told,) = vt.study_json(rattling)["runs"]
-    assert told["quantities"]["cycle_scatter_bounce_height"]["unit"] == "m" and "the valve repeats" in told["status"]["message"]
+    assert (
+        told["quantities"]["cycle_scatter_bounce_height"]["unit"] == "m"
+        and "the valve repeats" in told["status"]["message"]
+    )
 
 
 def test_a_train_that_repeats_has_no_scatter():
@@ -64,9 +97,14 @@ def test_a_train_that_repeats_has_no_scatter():
 
 
 def test_a_valve_that_floats_does_not_settle():
-    (found,) = run_study(pushrod("0.56 mm", "0 N m", "massless"), engine_speeds=[8000 * RPM], workers=1).solutions
+    (found,) = run_study(
+        pushrod("0.56 mm", "0 N m", "massless"), engine_speeds=[8000 * RPM], workers=1
+    ).solutions
     assert found.status.code == "not-converged" and "the valve lift by" in found.status.message
-    assert found.quantities["cycle_scatter_valve_lift"] > STEADY_VALVE * found.quantities["peak_valve_lift"]
+    assert (
+        found.quantities["cycle_scatter_valve_lift"]
+        > STEADY_VALVE * found.quantities["peak_valve_lift"]
+    )
 
 
 def test_scatter_is_the_range_over_plain_cycles():

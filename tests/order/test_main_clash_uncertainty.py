@@ -1,4 +1,6 @@
-"""The main clash converges, and the uncertainty that ships with the beehive covers what a far finer mesh gives."""
+"""The main clash converges, and the uncertainty that ships with the beehive covers what a far finer
+mesh gives.
+"""
 
 from __future__ import annotations
 
@@ -32,7 +34,14 @@ def clash(name: str, rpm: float, per_coil: int) -> dict[str, float]:
         problem = build(case.replace(springs=(spring,)), spring_models=("finite-element",))
         events.append(problem.lift_event)
         samples = round(2 * np.pi / problem.output_step)
-        return reported_cycle(run(problem.members[0].system(), rpm * RPM / 2, Cycles(problem.cycles), RunOptions(samples)))
+        return reported_cycle(
+            run(
+                problem.members[0].system(),
+                rpm * RPM / 2,
+                Cycles(problem.cycles),
+                RunOptions(samples),
+            )
+        )
 
     reference = cycle(24)
     event = events[0]
@@ -45,12 +54,15 @@ def clash(name: str, rpm: float, per_coil: int) -> dict[str, float]:
 @pytest.mark.slow
 @pytest.mark.parametrize("rpm", [5600, 8000])
 def test_clash_of_the_beehive_changes_little_from_24_to_48_elements_per_coil(rpm):
-    """Asked for: heights 1 %, angle 0.1 deg. The impulse above the base circle's force changes by 1.3 and 0.8 %, not the 0.5 % asked for;
+    """Asked for: heights 1 %, angle 0.1 deg. The impulse above the base circle's force changes by
+    1.3 and 0.8 %, not the 0.5 % asked for;
     that of the whole force over the same time does hold it."""
     coarse, fine = clash("gu2021-beehive", rpm, 24), clash("gu2021-beehive", rpm, 48)
     for name in HEIGHTS:
         assert coarse[name] == pytest.approx(fine[name], rel=0.01)
-    assert np.degrees(coarse["main_clash_cam_angle"] - fine["main_clash_cam_angle"]) == pytest.approx(0.0, abs=0.1)
+    assert np.degrees(
+        coarse["main_clash_cam_angle"] - fine["main_clash_cam_angle"]
+    ) == pytest.approx(0.0, abs=0.1)
     change = abs(coarse["main_clash_impulse"] - fine["main_clash_impulse"])
     preload = 288.8
     assert change < 0.015 * fine["main_clash_impulse"]
@@ -67,7 +79,9 @@ def test_clash_of_job_c_changes_by_less_than_4_percent(name):
 @pytest.mark.parametrize("rpm", [5600, 8000])
 def test_stated_uncertainty_covers_a_mesh_three_times_as_fine(rpm):
     rows = {
-        row.quantity: row for row in load_uncertainty(load_case("gu2021-beehive").record()) if row.engine_speed == pytest.approx(rpm * RPM)
+        row.quantity: row
+        for row in load_uncertainty(load_case("gu2021-beehive").record())
+        if row.engine_speed == pytest.approx(rpm * RPM)
     }
     fine = clash("gu2021-beehive", rpm, 72)
     assert len(fine) == 5
@@ -80,9 +94,13 @@ def test_stated_uncertainty_covers_a_mesh_three_times_as_fine(rpm):
 @pytest.mark.slow
 @pytest.mark.parametrize("rpm", [5600, 8000])
 def test_shipped_values_are_those_of_this_version(rpm):
-    """Fails when rod or contact have changed since scripts/write_uncertainty.py was run; run it again then."""
+    """Fails when rod or contact have changed since scripts/write_uncertainty.py was run; run it
+    again then.
+    """
     rows = {
-        row.quantity: row for row in load_uncertainty(load_case("gu2021-beehive").record()) if row.engine_speed == pytest.approx(rpm * RPM)
+        row.quantity: row
+        for row in load_uncertainty(load_case("gu2021-beehive").record())
+        if row.engine_speed == pytest.approx(rpm * RPM)
     }
     for name in HEIGHTS:
         assert clash("gu2021-beehive", rpm, 24)[name] == pytest.approx(rows[name].value, rel=1e-4)

@@ -1,4 +1,6 @@
-"""A clash converges: seat force of the standard clash job and height, impulse and angle of the beehive's spike over the mesh."""
+"""A clash converges: seat force of the standard clash job and height, impulse and angle of the
+beehive's spike over the mesh.
+"""
 
 from __future__ import annotations
 
@@ -18,13 +20,19 @@ from valvetrain.system.prescribed import PrescribedSpring
 
 
 def second_cycle(case: Case, per_coil: int, cam_speed: float) -> RodTransient:
-    """Second cam turn of a case's spring by the rod, sampled every half degree, end forces 250 thousand times a second."""
-    model = spring_model("finite-element").build(case.springs[0].with_options("finite-element", elements_per_coil=per_coil))
+    """Second cam turn of a case's spring by the rod, sampled every half degree, end forces 250
+    thousand times a second.
+    """
+    model = spring_model("finite-element").build(
+        case.springs[0].with_options("finite-element", elements_per_coil=per_coil)
+    )
     assert isinstance(model, FiniteElementRod)
     system = PrescribedSpring((model,), build_lift_law(case.lift_law))
     motion = lambda time: model.precompression + system.displacement(time, cam_speed)  # noqa: E731
     interval = np.radians(0.5) / cam_speed
-    return simulate(model.mesh, model.installed.state, motion, interval, 1440, model.dynamics, discard=720)
+    return simulate(
+        model.mesh, model.installed.state, motion, interval, 1440, model.dynamics, discard=720
+    )
 
 
 @cache
@@ -36,7 +44,9 @@ def job_c(per_coil: int) -> RodTransient:
 
 def difference(coarse: RodTransient, fine: RodTransient) -> float:
     """Rms difference of the seat force over its standard deviation."""
-    return float(np.sqrt(np.mean((coarse.seat_force - fine.seat_force) ** 2)) / np.std(fine.seat_force))
+    return float(
+        np.sqrt(np.mean((coarse.seat_force - fine.seat_force) ** 2)) / np.std(fine.seat_force)
+    )
 
 
 def smoothed(run: RodTransient, cutoff: float) -> np.ndarray:
@@ -50,7 +60,8 @@ def test_whole_cycle_with_clash_converges_at_second_order():
     errors = [difference(job_c(n), job_c(72)) for n in (24, 36, 48)]
     assert errors[0] < 0.1
     assert errors[2] < 0.035
-    # Richardson of a second-order method with the reference at 72: (1/24^2 - 1/72^2) / (1/48^2 - 1/72^2) = 6.4.
+    # Richardson of a second-order method with the reference at 72: (1/24^2 - 1/72^2) / (1/48^2 -
+    # 1/72^2) = 6.4.
     assert errors[0] / errors[2] > 2.5
 
 
@@ -70,15 +81,24 @@ def beehive(per_coil: int) -> tuple[RodTransient, float]:
 
 
 def spike(per_coil: int, cutoff: float) -> tuple[float, float, float]:
-    """Height (N), cam angle (deg) and impulse above the half height (N s) of the clash of stage III."""
+    """Height (N), cam angle (deg) and impulse above the half height (N s) of the clash of stage
+    III.
+    """
     run, cam_speed = beehive(per_coil)
-    force, angle = smoothed(run, cutoff), np.degrees((run.dense_time - run.dense_time[0]) * cam_speed)
+    force, angle = (
+        smoothed(run, cutoff),
+        np.degrees((run.dense_time - run.dense_time[0]) * cam_speed),
+    )
     closing = (angle > 236) & (angle < 268)
     force, angle = force[closing], angle[closing]
     top = int(np.argmax(force))
     over = np.maximum(force - 0.5 * force[top], 0)
     inside = slice(max(0, top - 200), top + 200)
-    return float(force[top]), float(angle[top]), float(over[inside].sum() * (run.dense_time[1] - run.dense_time[0]))
+    return (
+        float(force[top]),
+        float(angle[top]),
+        float(over[inside].sum() * (run.dense_time[1] - run.dense_time[0])),
+    )
 
 
 @pytest.mark.parametrize("cutoff", [10e3, 20e3])

@@ -25,7 +25,10 @@ def observed(values, refinement: float = 2.0) -> np.ndarray:
 
 
 def test_static_force_is_second_order_in_the_elements():
-    forces = [compress(RodStatics(mesh_spring(SPRING, n, contact=False)), [4e-3])[-1].retainer_force for n in (20, 40, 80, 160)]
+    forces = [
+        compress(RodStatics(mesh_spring(SPRING, n, contact=False)), [4e-3])[-1].retainer_force
+        for n in (20, 40, 80, 160)
+    ]
     assert observed(forces)[-1] == pytest.approx(2.0, abs=0.2)
 
 
@@ -53,9 +56,13 @@ def test_transient_is_second_order_in_the_elements():
 
 
 @pytest.mark.parametrize(
-    "damping", [RodDynamics(), RodDynamics(mass_damping=500.0), RodDynamics(stiffness_damping=8e-6)], ids=["none", "mass", "stiffness"]
+    "damping",
+    [RodDynamics(), RodDynamics(mass_damping=500.0), RodDynamics(stiffness_damping=8e-6)],
+    ids=["none", "mass", "stiffness"],
 )
 def test_transient_is_second_order_in_the_time_step(damping):
-    """Differences of halved steps on one mesh; 10 per coil so that the largest step is far from the limit."""
+    """Differences of halved steps on one mesh; 10 per coil so that the largest step is far from the
+    limit.
+    """
     traces = [trace(10, step, damping) for step in (2e-7, 1e-7, 5e-8)]
     assert observed(traces)[0] == pytest.approx(2.0, abs=0.2)

@@ -14,7 +14,9 @@ from valvetrain.springs.wave_rod import WaveRod
 
 
 def chain(**damping) -> MultiMassSpring:
-    return MultiMassSpring.from_card(UNIFORM.rate, 250.0, UNIFORM.active_mass, elements=24, **damping)
+    return MultiMassSpring.from_card(
+        UNIFORM.rate, 250.0, UNIFORM.active_mass, elements=24, **damping
+    )
 
 
 #: The shared leapfrog is of second order, damping included.

@@ -1,4 +1,6 @@
-"""Whatever a case file holds, reading it gives a Case or an InputError of one line, never another exception."""
+"""Whatever a case file holds, reading it gives a Case or an InputError of one line, never another
+exception.
+"""
 
 from __future__ import annotations
 
@@ -21,7 +23,14 @@ TEXTS = {path.stem: path.read_text() for path in sorted(LIBRARY.glob("*.toml"))}
 # The published tables make up most of the beehive file; the rest is what mutations should hit.
 BEEHIVE = TEXTS["gu2021-beehive"]
 SHORT = {name: text.split("# ----")[0] for name, text in TEXTS.items()}
-KEYS = sorted({word for text in SHORT.values() for word in re.split(r"[\s=\[\]]", text) if word.isidentifier()})
+KEYS = sorted(
+    {
+        word
+        for text in SHORT.values()
+        for word in re.split(r"[\s=\[\]]", text)
+        if word.isidentifier()
+    }
+)
 QUIET = settings(deadline=None, max_examples=120, suppress_health_check=[HealthCheck.too_slow])
 
 
@@ -64,14 +73,37 @@ def test_shuffled_lines(name, data):
     read("\n".join(lines[index] for index in picked))
 
 
-numbers = st.one_of(st.integers(-(10**30), 10**30), st.floats(), st.sampled_from([0, -1, 1, 7, 1e-300, 1e300]))
-units = st.sampled_from(["mm", "m", "N", "deg", "rpm", "Hz", "1/s", "s", "%", "", "GPa", "kg/m^3", "mm^2", "furlong", "-", "mm mm"])
+numbers = st.one_of(
+    st.integers(-(10**30), 10**30), st.floats(), st.sampled_from([0, -1, 1, 7, 1e-300, 1e300])
+)
+units = st.sampled_from(
+    [
+        "mm",
+        "m",
+        "N",
+        "deg",
+        "rpm",
+        "Hz",
+        "1/s",
+        "s",
+        "%",
+        "",
+        "GPa",
+        "kg/m^3",
+        "mm^2",
+        "furlong",
+        "-",
+        "mm mm",
+    ]
+)
 quantity_texts = st.builds(lambda number, unit: f"{number} {unit}", numbers, units)
 words = st.sampled_from(["open", "closed", "spline", "zero", "OTEVA 90 SC"])
 leaves = st.one_of(numbers, quantity_texts, st.text(max_size=12), st.booleans(), words)
 names = st.one_of(st.sampled_from(KEYS), st.text(string.ascii_lowercase + "_- .é", max_size=12))
 values = st.recursive(
-    leaves, lambda inner: st.one_of(st.lists(inner, max_size=5), st.dictionaries(names, inner, max_size=5)), max_leaves=12
+    leaves,
+    lambda inner: st.one_of(st.lists(inner, max_size=5), st.dictionaries(names, inner, max_size=5)),
+    max_leaves=12,
 )
 
 
@@ -83,12 +115,20 @@ def as_toml(value: object) -> str:
     if isinstance(value, list):
         return "[" + ", ".join(map(as_toml, value)) + "]"
     if isinstance(value, dict):
-        return "{" + ", ".join(f"{json.dumps(key)} = {as_toml(item)}" for key, item in value.items()) + "}"
+        return (
+            "{"
+            + ", ".join(f"{json.dumps(key)} = {as_toml(item)}" for key, item in value.items())
+            + "}"
+        )
     return repr(value)
 
 
 @QUIET
-@given(st.dictionaries(st.sampled_from([*KEYS, "spring", "lift_law", "rubbing", "published"]), values, max_size=6))
+@given(
+    st.dictionaries(
+        st.sampled_from([*KEYS, "spring", "lift_law", "rubbing", "published"]), values, max_size=6
+    )
+)
 def test_random_tables(tree):
     read("\n".join(f"{json.dumps(key)} = {as_toml(value)}" for key, value in tree.items()))
 
@@ -97,7 +137,15 @@ def test_random_tables(tree):
 @given(st.sampled_from([name for name in SHORT if name != "clamped-helix"]), st.data())
 def test_one_value_replaced(name, data):
     lines = SHORT[name].splitlines()
-    index = data.draw(st.sampled_from([number for number, line in enumerate(lines) if "=" in line and not line.startswith("#")]))
+    index = data.draw(
+        st.sampled_from(
+            [
+                number
+                for number, line in enumerate(lines)
+                if "=" in line and not line.startswith("#")
+            ]
+        )
+    )
     lines[index] = lines[index].split("=")[0] + "= " + as_toml(data.draw(values))
     read("\n".join(lines))
 
@@ -128,14 +176,20 @@ def test_the_unmutated_files_are_cases(name):
 
 
 @settings(QUIET, max_examples=300)
-@given(st.sampled_from(sorted(DIMENSIONS)), st.floats(-1e12, 1e12).filter(lambda value: value == 0 or abs(value) > 1e-12))
+@given(
+    st.sampled_from(sorted(DIMENSIONS)),
+    st.floats(-1e12, 1e12).filter(lambda value: value == 0 or abs(value) > 1e-12),
+)
 def test_units_survive_the_round_trip(name, value):
     text = format_quantity(value, DIMENSIONS[name].usual_unit, digits=None)
     assert parse_quantity(text, name) == pytest.approx(value, rel=1e-15, abs=1e-300)
 
 
 @settings(QUIET, max_examples=300)
-@given(st.one_of(st.text(max_size=30), quantity_texts), st.sampled_from([*sorted(DIMENSIONS), None, "N/m^1.5"]))
+@given(
+    st.one_of(st.text(max_size=30), quantity_texts),
+    st.sampled_from([*sorted(DIMENSIONS), None, "N/m^1.5"]),
+)
 def test_any_text_is_a_quantity_or_an_input_error(text, dimension):
     for reader in (parse_quantity, parse_quantities):
         try:

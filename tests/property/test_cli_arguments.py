@@ -1,4 +1,6 @@
-"""Whatever is typed, and however a case file is broken: an exit code that is documented, one sentence, never a traceback."""
+"""Whatever is typed, and however a case file is broken: an exit code that is documented, one
+sentence, never a traceback.
+"""
 
 from __future__ import annotations
 
@@ -21,17 +23,68 @@ FEW = settings(
 )
 WORDS = st.one_of(
     st.text(max_size=30),
-    st.sampled_from([
-        "run", "compare", "sweep", "static", "modes", "runs", "compare-runs", "new", "cases", "check", "--json", "--quiet", "--limit",
-        "--kind", "--set", "--engine-speed", "--to", "--steps", "--count", "--csv", "--compression", "--elements-per-coil", "--spring",
-        "--workers", "--output", "--no-report", "job-c", "uniform-spring", "4200 rpm", "7 mm", "8", "--", "-", "", "spring.pitch=7 mm",
-        "spring.total_coils=1e400", "spring.options.finite-element.elements_per_coil=true", "lift_law.power={a=1}", "published.0.role=x",
-        "title=\ud800", "spring=[[[", "spring.precompression=nan mm", "operation.cycles=1979-05-27", "1e308:1e309:1 rpm", "/dev/null",
-        "..",
-    ]),
-)  # fmt: skip
-TEXTS = (SMALL, *((LIBRARY / f"{name}.toml").read_text() for name in ("gu2021-beehive", "tdi-pushrod", "job-c")))
-COMMANDS, CASES = st.sampled_from(["run", "compare", "sweep", "static", "modes", "check"]), st.sampled_from(["job-c", "gu2021-beehive"])
+    st.sampled_from(
+        [
+            "run",
+            "compare",
+            "sweep",
+            "static",
+            "modes",
+            "runs",
+            "compare-runs",
+            "new",
+            "cases",
+            "check",
+            "--json",
+            "--quiet",
+            "--limit",
+            "--kind",
+            "--set",
+            "--engine-speed",
+            "--to",
+            "--steps",
+            "--count",
+            "--csv",
+            "--compression",
+            "--elements-per-coil",
+            "--spring",
+            "--workers",
+            "--output",
+            "--no-report",
+            "job-c",
+            "uniform-spring",
+            "4200 rpm",
+            "7 mm",
+            "8",
+            "--",
+            "-",
+            "",
+            "spring.pitch=7 mm",
+            "spring.total_coils=1e400",
+            "spring.options.finite-element.elements_per_coil=true",
+            "lift_law.power={a=1}",
+            "published.0.role=x",
+            "title=\ud800",
+            "spring=[[[",
+            "spring.precompression=nan mm",
+            "operation.cycles=1979-05-27",
+            "1e308:1e309:1 rpm",
+            "/dev/null",
+            "..",
+        ]
+    ),
+)
+TEXTS = (
+    SMALL,
+    *(
+        (LIBRARY / f"{name}.toml").read_text()
+        for name in ("gu2021-beehive", "tdi-pushrod", "job-c")
+    ),
+)
+COMMANDS, CASES = (
+    st.sampled_from(["run", "compare", "sweep", "static", "modes", "check"]),
+    st.sampled_from(["job-c", "gu2021-beehive"]),
+)
 
 
 def assert_civil(result) -> None:
@@ -40,7 +93,11 @@ def assert_civil(result) -> None:
     assert "Traceback" not in result.output and "fault in valvetrain" not in result.stderr
     if result.exit_code == 2:
         assert len(result.stderr.splitlines()) == 1 and result.stderr.startswith("error: ")
-        assert result.stdout == "" or set(json.loads(result.stdout)["error"]) == {"message", "where", "code"}
+        assert result.stdout == "" or set(json.loads(result.stdout)["error"]) == {
+            "message",
+            "where",
+            "code",
+        }
 
 
 @pytest.fixture(autouse=True)
@@ -50,8 +107,14 @@ def nothing_is_computed(tmp_path, monkeypatch):
 
     monkeypatch.chdir(tmp_path)
     done = Outcome({"command": "none"}, lambda console: None)
-    patches = [patch(f"valvetrain.cli.{target}", lambda *_, **__: done) for target in ("static.compute_static", "modes.compute_modes")]
-    patches += [patch(f"valvetrain.cli.{name}.answer_study", lambda *_, **__: None) for name in ("run", "compare", "sweep")]
+    patches = [
+        patch(f"valvetrain.cli.{target}", lambda *_, **__: done)
+        for target in ("static.compute_static", "modes.compute_modes")
+    ]
+    patches += [
+        patch(f"valvetrain.cli.{name}.answer_study", lambda *_, **__: None)
+        for name in ("run", "compare", "sweep")
+    ]
     for one in patches:
         one.start()
     yield
@@ -78,7 +141,17 @@ def test_any_setting(command, case, path, value):
 @FEW
 @given(
     st.sampled_from(["run", "compare", "sweep"]),
-    st.sampled_from(["--engine-speed", "--workers", "--elements-per-coil", "--spring", "--spring-set", "--output", "--limit"]),
+    st.sampled_from(
+        [
+            "--engine-speed",
+            "--workers",
+            "--elements-per-coil",
+            "--spring",
+            "--spring-set",
+            "--output",
+            "--limit",
+        ]
+    ),
     st.text(max_size=30),
 )
 def test_any_option_of_a_study(command, option, value):
@@ -86,7 +159,11 @@ def test_any_option_of_a_study(command, option, value):
 
 
 @FEW
-@given(st.sampled_from(TEXTS), st.integers(0, 2**32 - 1), st.sampled_from(["cut", "drop", "double", "swap", "noise"]))
+@given(
+    st.sampled_from(TEXTS),
+    st.integers(0, 2**32 - 1),
+    st.sampled_from(["cut", "drop", "double", "swap", "noise"]),
+)
 def test_any_damaged_case_file(tmp_path, text, seed, damage):
     path = tmp_path / "damaged.toml"
     path.write_bytes(damaged(text, random.Random(seed), damage))
@@ -94,7 +171,9 @@ def test_any_damaged_case_file(tmp_path, text, seed, damage):
 
 
 def damaged(text: str, chance: random.Random, damage: str) -> bytes:
-    """The file cut short, without a line, with a line twice, with two values exchanged, or with stray bytes."""
+    """The file cut short, without a line, with a line twice, with two values exchanged, or with
+    stray bytes.
+    """
     lines = text.splitlines(keepends=True)
     place, other = chance.randrange(len(lines)), chance.randrange(len(lines))
     if damage == "cut":
@@ -104,7 +183,10 @@ def damaged(text: str, chance: random.Random, damage: str) -> bytes:
     elif damage == "double":
         lines.insert(other, lines[place])
     elif damage == "swap" and "=" in lines[place] and "=" in lines[other]:
-        (key, _, value), (key_2, _, value_2) = lines[place].partition("="), lines[other].partition("=")
+        (key, _, value), (key_2, _, value_2) = (
+            lines[place].partition("="),
+            lines[other].partition("="),
+        )
         lines[place], lines[other] = f"{key}={value_2}", f"{key_2}={value}"
     elif damage == "noise":
         raw = bytearray("".join(lines).encode())

@@ -1,4 +1,6 @@
-"""Property-based: whatever bytes a film or a frame holds, it is read or refused with one sentence, within bounded memory."""
+"""Property-based: whatever bytes a film or a frame holds, it is read or refused with one sentence,
+within bounded memory.
+"""
 
 from __future__ import annotations
 
@@ -13,23 +15,38 @@ from hypothesis import strategies as st
 
 from unit.cli_parts import call
 from valvetrain.errors import InputError
-from valvetrain.measurements.film.frames import MOST_PIXELS, open_film
-from valvetrain.measurements.film.motion import coil_motion
-from valvetrain.measurements.film.picture_size import picture_size
-from valvetrain.measurements.film.setup import FilmSetup
-from valvetrain.measurements.film.sight_line import SightLine
-from valvetrain.measurements.film.space_time import read_space_time
-from valvetrain.report.film_page import film_page
+from valvetrain.film.frames import MOST_PIXELS, open_film, picture_size
+from valvetrain.film.motion import coil_motion
+from valvetrain.film.page import film_page
+from valvetrain.film.setup import FilmSetup
+from valvetrain.film.space_time import SightLine, read_space_time
 from valvetrain.report.page import gaps_of
 
 cv2 = pytest.importorskip("cv2")
 FRAMES = np.random.default_rng(1).integers(0, 255, (20, 24, 32)).astype(np.uint8)
-FEW = settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+FEW = settings(
+    max_examples=60, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]
+)
 MARKS = st.sampled_from(
-    [b"RIFF\0\1\0\0AVI LIST", b"\0\0\0\x20ftypisom", b"\x1aE\xdf\xa3", b"OggS", b"YUV4MPEG2 W9999 H9999\n", b"#EXTM3U\n", b""]
+    [
+        b"RIFF\0\1\0\0AVI LIST",
+        b"\0\0\0\x20ftypisom",
+        b"\x1aE\xdf\xa3",
+        b"OggS",
+        b"YUV4MPEG2 W9999 H9999\n",
+        b"#EXTM3U\n",
+        b"",
+    ]
 )
 HEADS = st.sampled_from(
-    [b"\x89PNG\r\n\x1a\n\0\0\0\rIHDR", b"\xff\xd8\xff\xc0\0\x11\x08", b"II*\0\x08\0\0\0\2\0", b"MM\0*\0\0\0\x08", b"BM", b""]
+    [
+        b"\x89PNG\r\n\x1a\n\0\0\0\rIHDR",
+        b"\xff\xd8\xff\xc0\0\x11\x08",
+        b"II*\0\x08\0\0\0\2\0",
+        b"MM\0*\0\0\0\x08",
+        b"BM",
+        b"",
+    ]
 )
 
 
@@ -38,7 +55,9 @@ def civil(path):
     try:
         film = open_film(path)
         assert film.rows * film.columns <= MOST_PIXELS
-        found = read_space_time(film, SightLine((2.0, 2.0), (2.0, 21.0)), 2000.0, (3.0, 3.0), 1.0, 0, None)
+        found = read_space_time(
+            film, SightLine((2.0, 2.0), (2.0, 21.0)), 2000.0, (3.0, 3.0), 1.0, 0, None
+        )
     except InputError as error:
         assert "\n" not in str(error) and 20 < len(str(error)) < 400
         return
@@ -48,7 +67,9 @@ def civil(path):
 @pytest.fixture(scope="module")
 def sample(tmp_path_factory):
     path = tmp_path_factory.mktemp("film") / "film.avi"
-    out = cv2.VideoWriter(str(path), cv2.CAP_FFMPEG, cv2.VideoWriter_fourcc(*"FFV1"), 25.0, (32, 24), isColor=False)
+    out = cv2.VideoWriter(
+        str(path), cv2.CAP_FFMPEG, cv2.VideoWriter_fourcc(*"FFV1"), 25.0, (32, 24), isColor=False
+    )
     for frame in FRAMES:
         out.write(frame)
     out.release()
@@ -64,7 +85,10 @@ def test_any_bytes_as_a_video(tmp_path, mark, content):
 
 
 @FEW
-@given(st.integers(0, 10**9), st.lists(st.tuples(st.integers(0, 10**9), st.integers(0, 255)), max_size=12))
+@given(
+    st.integers(0, 10**9),
+    st.lists(st.tuples(st.integers(0, 10**9), st.integers(0, 255)), max_size=12),
+)
 def test_a_damaged_video(tmp_path, sample, end, changes):
     content = bytearray(sample[: end % len(sample) + 1] if end % 3 == 0 else sample)
     for place, value in changes:
@@ -116,7 +140,9 @@ def test_a_header_that_claims_a_huge_picture_costs_no_memory(tmp_path, sample):
         ("zero.avi", bytes(5000), "no video that can be read"),
     ],
 )
-def test_what_is_no_film_is_refused_by_the_command_in_one_sentence(tmp_path, monkeypatch, name, content, words):
+def test_what_is_no_film_is_refused_by_the_command_in_one_sentence(
+    tmp_path, monkeypatch, name, content, words
+):
     monkeypatch.chdir(tmp_path)
     Path(name).write_bytes(content)
     shown = call("film", name, "--free-decay", "--frame-rate", "2000 1/s")
@@ -144,12 +170,26 @@ def test_any_grey_levels_are_followed_or_refused(seed):
     rows, time = np.arange(40.0)[None, :, None], np.arange(40)[:, None, None]
     film = chance.normal(0, chance.uniform(0, 40), (40, 40, 5))
     for _ in range(chance.integers(0, 5)):
-        place = chance.uniform(0, 40) + chance.uniform(0, 9) * np.sin(chance.uniform(0.01, 2) * time)
-        film = film + chance.uniform(0, 250) * np.exp(-(((rows - place) / chance.uniform(0.3, 4)) ** 2)) * (
-            time % chance.integers(1, 4) == 0
+        place = chance.uniform(0, 40) + chance.uniform(0, 9) * np.sin(
+            chance.uniform(0.01, 2) * time
         )
-    how = ({"free_decay": True}, {"marker": (2, 5)}, {"cam_speed": 200.0}, {"cam_speed": 300.0, "dwell": (1.0, 4.0)})[seed % 4]
-    setup = FilmSetup(frame_rate=2000, scale_points=((0, 0), (0, 9)), scale_length=9e-3, line=((2, 0), (2, 39)), line_width=3, **how)
+        film = film + chance.uniform(0, 250) * np.exp(
+            -(((rows - place) / chance.uniform(0.3, 4)) ** 2)
+        ) * (time % chance.integers(1, 4) == 0)
+    how = (
+        {"free_decay": True},
+        {"marker": (2, 5)},
+        {"cam_speed": 200.0},
+        {"cam_speed": 300.0, "dwell": (1.0, 4.0)},
+    )[seed % 4]
+    setup = FilmSetup(
+        frame_rate=2000,
+        scale_points=((0, 0), (0, 9)),
+        scale_length=9e-3,
+        line=((2, 0), (2, 39)),
+        line_width=3,
+        **how,
+    )
     try:
         motion = coil_motion(np.clip(film, 0, 255).astype(np.uint8), setup)
     except InputError as error:

@@ -1,4 +1,6 @@
-"""A slice of the fuzzer (``make fuzz``): seeded mutants of cases, runs of mutants and damaged files end in an answer or one sentence."""
+"""A slice of the fuzzer (``make fuzz``): seeded mutants of cases, runs of mutants and damaged files
+end in an answer or one sentence.
+"""
 
 from __future__ import annotations
 
@@ -20,7 +22,14 @@ SEED = 20
 def test_every_input_ends_in_an_answer(kind):
     make, ask = KINDS[kind]
     answers = [ask(make(generator(kind, SEED, number))) for number in range(SLICE[kind])]
-    assert set(answers) <= {"accepted", "refused", "read", "completed", "failed in time", "too long"}
+    assert set(answers) <= {
+        "accepted",
+        "refused",
+        "read",
+        "completed",
+        "failed in time",
+        "too long",
+    }
     assert len(set(answers)) > 1 or kind == "runs"
 
 
@@ -36,10 +45,13 @@ def test_most_mutants_differ_from_every_shipped_case():
 
 
 def test_the_questions_notice_what_they_should(monkeypatch):
-    """A reader that fails with another error, one that takes damage for data, and a refusal of many lines are findings."""
+    """A reader that fails with another error, one that takes damage for data, and a refusal of many
+    lines are findings.
+    """
     from valvetrain.errors import InputError
     from valvetrain.parameters import loading
-    from valvetrain.solution import checksum, netcdf
+    from valvetrain.solution import atomic as checksum
+    from valvetrain.solution import netcdf
 
     def fails(*given, **named):
         raise KeyError("x")
@@ -49,13 +61,23 @@ def test_the_questions_notice_what_they_should(monkeypatch):
         KINDS["cases"][1](b"x = 1")
     monkeypatch.undo()
     whole = files.whole()["solution.nc"]
-    assert KINDS["files"][1](b"solution.nc damaged\n" + whole[:5000] + bytes([whole[5000] ^ 1]) + whole[5001:]) == "refused"
+    assert (
+        KINDS["files"][1](
+            b"solution.nc damaged\n" + whole[:5000] + bytes([whole[5000] ^ 1]) + whole[5001:]
+        )
+        == "refused"
+    )
     monkeypatch.setattr(netcdf, "checked_content", lambda path: (path.read_bytes(), True))
     monkeypatch.setattr(checksum, "checked_content", lambda path: (path.read_bytes(), True))
     taken = []
     for place in range(len(whole) - 44, 0, -97):
         try:
-            KINDS["files"][1](b"solution.nc damaged\n" + whole[:place] + bytes([whole[place] ^ 1]) + whole[place + 1 :])
+            KINDS["files"][1](
+                b"solution.nc damaged\n"
+                + whole[:place]
+                + bytes([whole[place] ^ 1])
+                + whole[place + 1 :]
+            )
         except Finding:
             taken.append(place)
             break
@@ -69,7 +91,9 @@ def test_the_questions_notice_what_they_should(monkeypatch):
 
 
 def test_the_fuzzer_leaves_the_package_as_it_was():
-    """Where it replaced the process of a trial for good, tests of such processes that ran after it in one worker failed."""
+    """Where it replaced the process of a trial for good, tests of such processes that ran after it
+    in one worker failed.
+    """
     before = callables()
     assert files.ask(b"modes.nc damaged\n" + files.whole()["modes.nc"][:3000]) == "refused"
     assert not replaced(before) and not replaced({})
@@ -83,4 +107,6 @@ def test_a_finding_is_kept_with_what_reproduces_it(tmp_path):
 
 
 def test_runs_are_made_of_short_cases():
-    assert {tree.get("operation", {}).get("cycles", 1) for tree in runs.short_cases().values()} == {1}
+    assert {tree.get("operation", {}).get("cycles", 1) for tree in runs.short_cases().values()} == {
+        1
+    }

@@ -1,4 +1,6 @@
-"""Property: whatever an identification file says, reading it gives an identification or one sentence with its place, nothing else."""
+"""Property: whatever an identification file says, reading it gives an identification or one
+sentence with its place, nothing else.
+"""
 
 from __future__ import annotations
 
@@ -46,11 +48,21 @@ def read(tree: dict[str, Any]) -> Any:
 def test_the_plain_file_reads_as_it_is_meant() -> None:
     request = read(PLAIN)
     wire, damping, pitch = (one.prior for one in request.unknowns)
-    assert (wire.kind, wire.centre, wire.spread, wire.low, wire.high) == ("normal", 4e-3, pytest.approx(1e-4), 3.5e-3, math.inf)
+    assert (wire.kind, wire.centre, wire.spread, wire.low, wire.high) == (
+        "normal",
+        4e-3,
+        pytest.approx(1e-4),
+        3.5e-3,
+        math.inf,
+    )
     assert damping.spread == pytest.approx(math.log(1.5)) and (pitch.low, pitch.high) == (0.9, 1.1)
     assert request.varied[2][0].operation == "factor" and request.profiles == ("wire",)
     data = {datum.key: datum for datum in request.data}
-    assert data["preload"].scatter == pytest.approx(2.12) and data["preload"].law == "student" and data["preload"].freedom == 3
+    assert (
+        data["preload"].scatter == pytest.approx(2.12)
+        and data["preload"].law == "student"
+        and data["preload"].freedom == 3
+    )
     assert data["force at 8 mm"].value == 240.0 and data["mode_2_frequency"].value == 800.0
     assert data["3000 rpm, multi-mass: peak_spring_force"].value == 548.0
     assert data["3000 rpm, multi-mass: peak_spring_force_cam_angle"].value == pytest.approx(math.pi)
@@ -63,7 +75,9 @@ def test_tables_beside_the_file_are_read_with_their_units(tmp_path: Path) -> Non
     tree = copy.deepcopy(PLAIN)
     tree["measurements"] = {"curve": {"file": "curve.csv", "scatter": "1 lbf"}}
     request = parse_request(toml_text(tree), "test", tmp_path)
-    assert [one.at for one in request.sought if one.kind == "force"] == pytest.approx([2.54e-3, 5.08e-3])
+    assert [one.at for one in request.sought if one.kind == "force"] == pytest.approx(
+        [2.54e-3, 5.08e-3]
+    )
     assert [datum.value for datum in request.data] == pytest.approx([88.96443, 177.92886])
     (tmp_path / "curve.csv").write_text("compression,load\n1,20\n2,40\n")
     with pytest.raises(InputError, match="has no units"):
@@ -111,8 +125,14 @@ REFUSED = [
 ]
 
 
-@pytest.mark.parametrize(("path", "value", "words"), REFUSED, ids=lambda one: ".".join(one) if isinstance(one, tuple) else None)
-def test_what_is_wrong_is_said_in_one_sentence_with_its_place(path: tuple[str, ...], value: Any, words: str) -> None:
+@pytest.mark.parametrize(
+    ("path", "value", "words"),
+    REFUSED,
+    ids=lambda one: ".".join(one) if isinstance(one, tuple) else None,
+)
+def test_what_is_wrong_is_said_in_one_sentence_with_its_place(
+    path: tuple[str, ...], value: Any, words: str
+) -> None:
     tree = copy.deepcopy(PLAIN)
     holder = tree
     for key in path[:-1]:
@@ -129,21 +149,39 @@ def test_what_is_wrong_is_said_in_one_sentence_with_its_place(path: tuple[str, .
 
 
 _LEAVES = st.one_of(
-    st.none(), st.booleans(), st.integers(-(2**40), 2**40), st.floats(), st.text(max_size=12),
-    st.sampled_from(["1 mm", "-3 N", "2 %", "1e400 N", "nan", "4, 8 mm", "4200 rpm", "uniform", "../x", ""]),
-    st.lists(st.integers(0, 3), max_size=3), st.dictionaries(st.sampled_from(["a", "key", "prior", "file"]), st.integers(), max_size=2),
-)  # fmt: skip
+    st.none(),
+    st.booleans(),
+    st.integers(-(2**40), 2**40),
+    st.floats(),
+    st.text(max_size=12),
+    st.sampled_from(
+        ["1 mm", "-3 N", "2 %", "1e400 N", "nan", "4, 8 mm", "4200 rpm", "uniform", "../x", ""]
+    ),
+    st.lists(st.integers(0, 3), max_size=3),
+    st.dictionaries(st.sampled_from(["a", "key", "prior", "file"]), st.integers(), max_size=2),
+)
 
 
 def places(tree: dict[str, Any], path: tuple[str, ...] = ()) -> list[tuple[str, ...]]:
     return [
-        found for key, value in tree.items() for found in [(*path, key), *(places(value, (*path, key)) if isinstance(value, dict) else [])]
+        found
+        for key, value in tree.items()
+        for found in [
+            (*path, key),
+            *(places(value, (*path, key)) if isinstance(value, dict) else []),
+        ]
     ]
 
 
 @settings(max_examples=150, deadline=None, suppress_health_check=[HealthCheck.too_slow])
-@given(path=st.sampled_from(places(PLAIN)), value=_LEAVES, name=st.sampled_from(["", "low", "extra", "file", "engine_speed"]))
-def test_any_value_at_any_place_is_read_or_refused_in_one_sentence(path: tuple[str, ...], value: Any, name: str) -> None:
+@given(
+    path=st.sampled_from(places(PLAIN)),
+    value=_LEAVES,
+    name=st.sampled_from(["", "low", "extra", "file", "engine_speed"]),
+)
+def test_any_value_at_any_place_is_read_or_refused_in_one_sentence(
+    path: tuple[str, ...], value: Any, name: str
+) -> None:
     tree = copy.deepcopy(PLAIN)
     holder = tree
     for key in path[:-1]:
@@ -161,13 +199,20 @@ def test_any_value_at_any_place_is_read_or_refused_in_one_sentence(path: tuple[s
 
 
 @settings(max_examples=60, deadline=None)
-@given(text=st.one_of(st.text(max_size=200), st.binary(max_size=200).map(lambda content: content.decode("latin-1"))))
+@given(
+    text=st.one_of(
+        st.text(max_size=200),
+        st.binary(max_size=200).map(lambda content: content.decode("latin-1")),
+    )
+)
 def test_any_text_is_read_or_refused(text: str) -> None:
     with pytest.raises(InputError):
         parse_request(text, "test", Path())
 
 
-@pytest.mark.parametrize("name", sorted(path.name for path in (ROOT / "examples").glob("identify-*.toml")))
+@pytest.mark.parametrize(
+    "name", sorted(path.name for path in (ROOT / "examples").glob("identify-*.toml"))
+)
 def test_the_examples_read(name: str) -> None:
     request = read_request(ROOT / "examples" / name)
     assert request.unknowns and all(one.prior.source or one.prior.flat for one in request.unknowns)
@@ -175,7 +220,11 @@ def test_the_examples_read(name: str) -> None:
 
 
 def test_files_that_are_none_are_refused(tmp_path: Path) -> None:
-    for path, words in ((tmp_path, "is a folder"), (tmp_path / "no.toml", "there is no file"), (tmp_path / "a\0b", "bad path")):
+    for path, words in (
+        (tmp_path, "is a folder"),
+        (tmp_path / "no.toml", "there is no file"),
+        (tmp_path / "a\0b", "bad path"),
+    ):
         with pytest.raises(InputError, match=words):
             read_request(path)
     (tmp_path / "bytes.toml").write_bytes(b"\xff\xfe\x00")

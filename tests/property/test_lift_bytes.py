@@ -5,15 +5,18 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from valvetrain.errors import InputError
-from valvetrain.measurements.lift_answers import LiftAnswers
-from valvetrain.measurements.lift_reading import lifts_in
-from valvetrain.measurements.lift_smoothing import smooth_lift
+from valvetrain.measured.lift_file import LiftAnswers, lifts_in
+from valvetrain.measured.lift_smoothing import smooth_lift
 
 ANSWERS = LiftAnswers(angle_of="cam", lift_of="tappet", lift_unit="mm")
 NUMBERS = st.one_of(
-    st.floats(width=32).map(repr), st.integers(-400, 400).map(str), st.sampled_from(["1,5", "1.5e3", ".", "-", "nan", "0x1f", "1e999"])
+    st.floats(width=32).map(repr),
+    st.integers(-400, 400).map(str),
+    st.sampled_from(["1,5", "1.5e3", ".", "-", "nan", "0x1f", "1e999"]),
 )
-LINES = st.lists(st.lists(NUMBERS, min_size=1, max_size=4).map(" ".join) | st.text(max_size=12), max_size=30).map("\n".join)
+LINES = st.lists(
+    st.lists(NUMBERS, min_size=1, max_size=4).map(" ".join) | st.text(max_size=12), max_size=30
+).map("\n".join)
 
 
 def read(content):

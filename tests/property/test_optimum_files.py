@@ -41,24 +41,66 @@ def test_a_file_with_a_piece_replaced_is_taken_or_refused_in_one_sentence(text, 
 
 
 VALUES = st.one_of(
-    st.text(max_size=12), st.integers(-(10**20), 10**20), st.floats(), st.booleans(), st.lists(st.integers(-3, 3), max_size=3),
-    st.sampled_from(["1 mm", "1.0 x case", "0 x case", "case", "nan N", "1e999 N", "peak_spring_force", "preload", "minimise", "mean",
-                     "4000:9000:1 rpm", "rpm"]),
-    st.dictionaries(st.sampled_from(["quantity", "at_most", "engine_speeds"]), st.sampled_from(["clash_count", "3", "9000 rpm"])),
-)  # fmt: skip
-KEYS = ["quantity", "limit_speed", "engine_speeds", "over", "label", "direction", "at_most", "at_least"]
+    st.text(max_size=12),
+    st.integers(-(10**20), 10**20),
+    st.floats(),
+    st.booleans(),
+    st.lists(st.integers(-3, 3), max_size=3),
+    st.sampled_from(
+        [
+            "1 mm",
+            "1.0 x case",
+            "0 x case",
+            "case",
+            "nan N",
+            "1e999 N",
+            "peak_spring_force",
+            "preload",
+            "minimise",
+            "mean",
+            "4000:9000:1 rpm",
+            "rpm",
+        ]
+    ),
+    st.dictionaries(
+        st.sampled_from(["quantity", "at_most", "engine_speeds"]),
+        st.sampled_from(["clash_count", "3", "9000 rpm"]),
+    ),
+)
+KEYS = [
+    "quantity",
+    "limit_speed",
+    "engine_speeds",
+    "over",
+    "label",
+    "direction",
+    "at_most",
+    "at_least",
+]
 
 
 @FEW
 @given(
-    st.dictionaries(st.sampled_from(KEYS), VALUES, max_size=5), st.dictionaries(st.sampled_from(KEYS), VALUES, max_size=4),
-    st.dictionaries(st.sampled_from(["method", "trials", "per_round", "seed", "seeds", "local"]), VALUES, max_size=3),
-)  # fmt: skip
-def test_any_values_of_the_known_keys_are_taken_or_refused_in_one_sentence(objective, constraint, search):
+    st.dictionaries(st.sampled_from(KEYS), VALUES, max_size=5),
+    st.dictionaries(st.sampled_from(KEYS), VALUES, max_size=4),
+    st.dictionaries(
+        st.sampled_from(["method", "trials", "per_round", "seed", "seeds", "local"]),
+        VALUES,
+        max_size=3,
+    ),
+)
+def test_any_values_of_the_known_keys_are_taken_or_refused_in_one_sentence(
+    objective, constraint, search
+):
     import tomlkit
 
-    tree = {"case": "job-c", "objective": [objective], "constraint": [constraint], "search": search,
-            "vary": [{"key": "spring.precompression", "low": "6 mm", "high": "8 mm"}]}  # fmt: skip
+    tree = {
+        "case": "job-c",
+        "objective": [objective],
+        "constraint": [constraint],
+        "search": search,
+        "vary": [{"key": "spring.precompression", "low": "6 mm", "high": "8 mm"}],
+    }
     try:
         text = tomlkit.dumps(tree)
     except (ValueError, UnicodeError):  # what no TOML can hold

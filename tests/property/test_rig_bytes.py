@@ -1,4 +1,6 @@
-"""Property-based: whatever bytes a recording holds, it is read or refused with one sentence; nothing in it is run or followed."""
+"""Property-based: whatever bytes a recording holds, it is read or refused with one sentence;
+nothing in it is run or followed.
+"""
 
 from __future__ import annotations
 
@@ -14,12 +16,10 @@ from hypothesis import strategies as st
 
 from valvetrain import registry
 from valvetrain.errors import InputError
-from valvetrain.measurements import reader_process
-from valvetrain.measurements.reader_process import form_of, read_recording
-from valvetrain.measurements.recording import Recording
-from valvetrain.measurements.rig_answers import RigAnswers
-from valvetrain.measurements.rig_cycles import cycles_in
-from valvetrain.measurements.rig_formats.contract import RigFormat
+from valvetrain.rig import recording as reader_process
+from valvetrain.rig.channels import RigAnswers
+from valvetrain.rig.cycles import cycles_in
+from valvetrain.rig.recording import Recording, RigFormat, form_of, read_recording
 
 ROOT = Path(__file__).parents[2]
 sys.path.insert(0, str(ROOT / "scripts"))
@@ -33,7 +33,9 @@ def small():
     def lift(angle):
         return 9e-3 * np.clip(np.cos(angle), 0, None) ** 2
 
-    return record(Rig(cycles=2, sampling_rate=5e3, seed=2), lift, lambda angle: 200 + 30e3 * lift(angle))
+    return record(
+        Rig(cycles=2, sampling_rate=5e3, seed=2), lift, lambda angle: 200 + 30e3 * lift(angle)
+    )
 
 
 @pytest.fixture(scope="module")
@@ -46,7 +48,12 @@ def files(tmp_path_factory):
 
 
 def one_sentence(text):
-    return "\n" not in text and 10 < len(text) < 710 and "Traceback" not in text and not text.startswith("raised")
+    return (
+        "\n" not in text
+        and 10 < len(text) < 710
+        and "Traceback" not in text
+        and not text.startswith("raised")
+    )
 
 
 def test_damaged_recordings_of_every_form_are_read_or_refused(files):
@@ -57,30 +64,50 @@ def test_damaged_recordings_of_every_form_are_read_or_refused(files):
     for name, outcomes in found.items():
         assert outcomes[0][1].startswith("read"), (name, outcomes[0])
         for what, outcome in outcomes:
-            assert outcome.startswith(("read", "ended")) or one_sentence(outcome), (name, what, outcome)
+            assert outcome.startswith(("read", "ended")) or one_sentence(outcome), (
+                name,
+                what,
+                outcome,
+            )
         cut = [outcome for what, outcome in outcomes if what.startswith("cut")]
-        assert not cut or name.endswith(("csv", "mf4", "tdms")) or all(not one.startswith("read") for one in cut), (name, outcomes)
+        assert (
+            not cut
+            or name.endswith(("csv", "mf4", "tdms"))
+            or all(not one.startswith("read") for one in cut)
+        ), (name, outcomes)
 
 
 @pytest.mark.parametrize("interpreter", ["", "/gone/bin/python", None])
-def test_without_an_interpreter_the_sentence_is_on_it_and_not_on_the_recording(files, monkeypatch, interpreter):
+def test_without_an_interpreter_the_sentence_is_on_it_and_not_on_the_recording(
+    files, monkeypatch, interpreter
+):
     monkeypatch.setattr(sys, "executable", interpreter)
     (path,) = files.glob("*.mf4")
     with pytest.raises(InputError, match=r"is not read, .* does not start as a Python"):
         read_recording(path)
 
 
-@settings(max_examples=40, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(
+    max_examples=40, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]
+)
 @given(st.binary(max_size=400))
 def test_any_bytes_as_text(tmp_path, content):
     read_any(tmp_path, content)
 
 
-NUMBERS = st.one_of(st.floats(width=32).map(repr), st.integers(-400, 400).map(str), st.sampled_from(["1,5", ".", "-", "nan", "1e999"]))
-LINES = st.lists(st.lists(NUMBERS, min_size=1, max_size=4).map(";".join) | st.text(max_size=12), max_size=90).map("\n".join)
+NUMBERS = st.one_of(
+    st.floats(width=32).map(repr),
+    st.integers(-400, 400).map(str),
+    st.sampled_from(["1,5", ".", "-", "nan", "1e999"]),
+)
+LINES = st.lists(
+    st.lists(NUMBERS, min_size=1, max_size=4).map(";".join) | st.text(max_size=12), max_size=90
+).map("\n".join)
 
 
-@settings(max_examples=40, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(
+    max_examples=40, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]
+)
 @given(LINES)
 def test_any_lines(tmp_path, text):
     read_any(tmp_path, text.encode("utf-8", "surrogatepass"))
@@ -89,13 +116,23 @@ def test_any_lines(tmp_path, text):
 def read_any(folder, content):
     path = folder / "any"
     path.write_bytes(content)
-    if any(registry.find("rig_formats", word).apart and registry.find("rig_formats", word).recognise(content, "any") for word in
-           registry.words("rig_formats")):  # fmt: skip
+    if any(
+        registry.find("rig_formats", word).apart
+        and registry.find("rig_formats", word).recognise(content, "any")
+        for word in registry.words("rig_formats")
+    ):
         return
     try:
         found = read_recording(path)
         cycles_in(
-            found, "any", RigAnswers(angle_of="cam", sampling_rate="1 kHz", channels={"strain": found.names[0]}, encoder=found.names[-1])
+            found,
+            "any",
+            RigAnswers(
+                angle_of="cam",
+                sampling_rate="1 kHz",
+                channels={"strain": found.names[0]},
+                encoder=found.names[-1],
+            ),
         )
     except InputError as error:
         assert one_sentence(str(error))
@@ -104,22 +141,29 @@ def read_any(folder, content):
 def test_a_reader_that_dies_is_a_sentence(tmp_path, monkeypatch, files):
     """What upsets a library beyond an exception ends its own process only."""
     (tmp_path / "fatal.py").write_text(
-        "import os\nfrom valvetrain.measurements.rig_formats.contract import RigFormat\n"
+        "import os\nfrom valvetrain.rig.recording import RigFormat\n"
         "SPEC = RigFormat('fatal', lambda head, name: head.startswith(b'fatal'), lambda *given: os.abort())\n"
     )
     monkeypatch.syspath_prepend(str(tmp_path))
     monkeypatch.setitem(registry.BUILT_IN["rig_formats"], "mdf", "fatal:SPEC")
     registry.places.cache_clear()
     registry._load.cache_clear()
-    changed = "from valvetrain import registry; registry.BUILT_IN['rig_formats']['mdf'] = 'fatal:SPEC'"
+    changed = (
+        "from valvetrain import registry; registry.BUILT_IN['rig_formats']['mdf'] = 'fatal:SPEC'"
+    )
     apart = f"{changed}; from {reader_process.__name__} import serve; serve()"
     real = subprocess.run
     monkeypatch.setattr(
-        reader_process.subprocess, "run", lambda command, **more: real([command[0], "-P", "-c", apart, command[-1]], **more)
+        reader_process.subprocess,
+        "run",
+        lambda command, **more: real([command[0], "-P", "-c", apart, command[-1]], **more),
     )
     (tmp_path / "it").write_bytes(b"fatal")
     try:
-        with pytest.raises(InputError, match="cannot be read as fatal: it is damaged, was cut short, or is too large"):
+        with pytest.raises(
+            InputError,
+            match="cannot be read as fatal: it is damaged, was cut short, or is too large",
+        ):
             read_recording(tmp_path / "it")
     finally:
         monkeypatch.undo()
@@ -130,7 +174,9 @@ def test_a_reader_that_dies_is_a_sentence(tmp_path, monkeypatch, files):
 def test_a_module_beside_the_recording_is_not_run(tmp_path, monkeypatch, files):
     """Whoever reads a recording in a stranger's folder runs nothing that lies there."""
     for name in ("h5py", "json", "nptdms", "numpy"):
-        (tmp_path / f"{name}.py").write_text(f"open(r'{tmp_path / 'ran'}', 'w').close()\nraise SystemExit('ran')\n")
+        (tmp_path / f"{name}.py").write_text(
+            f"open(r'{tmp_path / 'ran'}', 'w').close()\nraise SystemExit('ran')\n"
+        )
     (tmp_path / "rig.tdms").write_bytes((files / "rig.tdms").read_bytes())
     monkeypatch.chdir(tmp_path)
     assert len(read_recording(Path("rig.tdms")).channels) == 5
@@ -200,7 +246,11 @@ def test_a_compressed_mat_whose_numbers_are_not_those_of_its_checksum_is_refused
 def test_mat_objects_and_structures_are_left_alone(tmp_path):
     from scipy import io
 
-    held = {"data": np.arange(80.0), "struct": {"a": np.arange(9.0)}, "cell": np.array([1, "x"], dtype=object)}
+    held = {
+        "data": np.arange(80.0),
+        "struct": {"a": np.arange(9.0)},
+        "cell": np.array([1, "x"], dtype=object),
+    }
     io.savemat(tmp_path / "it.mat", held)
     found = read_recording(tmp_path / "it.mat")
     assert found.names == ("data",)
@@ -236,12 +286,16 @@ def test_a_formula_of_mdf_is_not_evaluated(tmp_path, version):
     assert set(values) == {"linear", "table"} and not list(tmp_path.glob("**/ran"))
 
 
-@pytest.mark.parametrize(("form", "library"), [("mdf", "asammdf"), ("tdms", "nptdms"), ("uff58", "pyuff")])
+@pytest.mark.parametrize(
+    ("form", "library"), [("mdf", "asammdf"), ("tdms", "nptdms"), ("uff58", "pyuff")]
+)
 def test_a_library_that_is_not_installed_is_named(form, library, monkeypatch, files, tmp_path):
     monkeypatch.setitem(sys.modules, library, None)
     name = {"mdf": "rig.mf4", "tdms": "rig.tdms", "uff58": "rig.uff"}[form]
     reader: RigFormat = registry.find("rig_formats", form)
-    with pytest.raises(InputError, match=r"install the extra 'measure' \(pip install 'valvetrain\[measure\]'\)"):
+    with pytest.raises(
+        InputError, match=r"install the extra 'measure' \(pip install 'valvetrain\[measure\]'\)"
+    ):
         reader.read(files / name, name, ())
 
 
@@ -249,7 +303,7 @@ def test_pieces_of_a_file_and_of_the_work_move_no_bit(tmp_path, monkeypatch):
     """Segments of TDMS, and how many angles are filtered at once."""
     from sample_rig import write_tdms
 
-    from valvetrain.measurements import angle_grid
+    from valvetrain.rig import cutting as angle_grid
 
     records = small()
     reader: RigFormat = registry.find("rig_formats", "tdms")
@@ -273,24 +327,40 @@ def test_every_form_says_the_same(files):
         found = read_recording(path) if name == "rig.tdms" else reader.read(path, name, ())
         assert isinstance(found, Recording) and found.synthetic
         channels = {one.name.replace("_", " "): one for one in found.channels}
-        assert set(channels) == {"Spring force", "Valve lift", "Crank wheel", "Cam pulse", "Crank angle"}
+        assert set(channels) == {
+            "Spring force",
+            "Valve lift",
+            "Crank wheel",
+            "Cam pulse",
+            "Crank angle",
+        }
         assert channels["Spring force"].unit == "kN" and channels["Valve lift"].unit == "mm"
-        np.testing.assert_allclose(channels["Spring force"].values, 1e-3 * true.force, atol=7e-5)  # 16 bit of MDF
+        np.testing.assert_allclose(
+            channels["Spring force"].values, 1e-3 * true.force, atol=7e-5
+        )  # 16 bit of MDF
         np.testing.assert_allclose(channels["Valve lift"].values, 1e3 * true.lift, atol=1e-6)
         one = channels["Valve lift"]
-        times = one.times if one.times is not None else one.start + one.step * np.arange(len(one.values))
+        times = (
+            one.times
+            if one.times is not None
+            else one.start + one.step * np.arange(len(one.values))
+        )
         np.testing.assert_allclose(times, true.times, atol=1e-7)
 
 
 @pytest.mark.parametrize("version", ["3.30", "4.10"])
 def test_times_of_mdf_by_formula_are_not_evaluated(tmp_path, monkeypatch, version):
-    """asammdf converts the times of a group whenever they are asked for, by numexpr where the file holds a formula."""
+    """asammdf converts the times of a group whenever they are asked for, by numexpr where the file
+    holds a formula.
+    """
     from asammdf import MDF, Signal
     from asammdf.blocks import v2_v3_blocks, v4_blocks
 
     with MDF(version=version) as file:
         file.append([Signal(np.arange(100.0), np.arange(100) * 1e-3, "N", "force")])
-        source = Signal(np.arange(3.0), np.arange(3.0), "N", "other", conversion={"formula": "X + 1"})
+        source = Signal(
+            np.arange(3.0), np.arange(3.0), "N", "other", conversion={"formula": "X + 1"}
+        )
         file.append([source])
         file.groups[0].channels[0].conversion = file.groups[1].channels[1].conversion
         path = file.save(tmp_path / "it.mf4")

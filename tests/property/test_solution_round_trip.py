@@ -26,7 +26,11 @@ SCALARS = st.one_of(st.integers(-(2**53), 2**53), FLOATS, WORDS, st.booleans())
 
 @st.composite
 def solutions(draw) -> Solution:
-    samples, points, pairs = draw(st.integers(1, 4)), draw(st.integers(1, 3)), draw(st.integers(1, 3))
+    samples, points, pairs = (
+        draw(st.integers(1, 4)),
+        draw(st.integers(1, 3)),
+        draw(st.integers(1, 3)),
+    )
 
     def block(*shape):
         return draw(arrays(float, shape, elements=st.floats()))
@@ -35,16 +39,29 @@ def solutions(draw) -> Solution:
         "seat_force": block(samples), "axial_position": block(samples, points), "coil_gap": block(samples, pairs),
         "contact_status": draw(arrays(np.int64, (samples, pairs), elements=st.integers(0, 3))),
     }  # fmt: skip
-    channels = spring_channels(block(samples), block(samples), values, coil_number=block(points), upper_coil=block(pairs))
+    channels = spring_channels(
+        block(samples), block(samples), values, coil_number=block(points), upper_coil=block(pairs)
+    )
     details = st.dictionaries(WORDS, SCALARS, max_size=2)
-    events = st.lists(st.builds(Event, WORDS, FLOATS, FLOATS, FLOATS, FLOATS, WORDS, WORDS, details), max_size=2)
+    events = st.lists(
+        st.builds(Event, WORDS, FLOATS, FLOATS, FLOATS, FLOATS, WORDS, WORDS, details), max_size=2
+    )
     status = draw(st.builds(Status, st.sampled_from(STATUS_CODES), WORDS, FLOATS, WORDS, WORDS))
     provenance = draw(
         st.builds(
-            Provenance, WORDS, WORDS, FLOATS, WORDS, WORDS, WORDS, st.dictionaries(WORDS, WORDS, max_size=2),
-            details, WORDS, st.lists(WORDS, max_size=2).map(tuple),
+            Provenance,
+            WORDS,
+            WORDS,
+            FLOATS,
+            WORDS,
+            WORDS,
+            WORDS,
+            st.dictionaries(WORDS, WORDS, max_size=2),
+            details,
+            WORDS,
+            st.lists(WORDS, max_size=2).map(tuple),
         )
-    )  # fmt: skip
+    )
     return Solution(channels, tuple(draw(events)), status, draw(details), provenance)
 
 

@@ -23,18 +23,29 @@ def springs(draw):
     try:
         if draw(st.booleans()):
             return cylindrical(wire, index * wire, pitch, turns)
-        law = PiecewiseLinear((0.0, 1.0, 2.0, turns - 1.0, turns), (wire, wire, pitch, pitch, 1.05 * wire))
-        return beehive(wire, index * wire, draw(st.floats(0.6, 1.0)) * index * wire, turns / 2, law, turns)
+        law = PiecewiseLinear(
+            (0.0, 1.0, 2.0, turns - 1.0, turns), (wire, wire, pitch, pitch, 1.05 * wire)
+        )
+        return beehive(
+            wire, index * wire, draw(st.floats(0.6, 1.0)) * index * wire, turns / 2, law, turns
+        )
     except InputError:
         assume(False)
 
 
 @settings(max_examples=60, deadline=None)
-@given(spring=springs(), share=st.floats(0.05, 0.9), mesh=st.integers(1, 14), damping=st.floats(0, 5e-6))
+@given(
+    spring=springs(),
+    share=st.floats(0.05, 0.9),
+    mesh=st.integers(1, 14),
+    damping=st.floats(0, 5e-6),
+)
 def test_chain_of_any_spring(spring, share, mesh, damping):
     travel = spring.free_length - spring.solid_height
     assume(travel > 1e-3)
-    model = MultiMassSpring.from_definition(spring, share * travel, masses_per_coil=mesh, stiffness_damping=damping)
+    model = MultiMassSpring.from_definition(
+        spring, share * travel, masses_per_coil=mesh, stiffness_damping=damping
+    )
     forces, rates = static_curve(model.layout, np.linspace(0.0, share * travel, 7))
     assert np.all(np.diff(forces) > 0) and np.all(rates > 0.999 * rates[0])
     state = model.initial_state(0.0)
@@ -48,7 +59,10 @@ def test_chain_of_any_spring(spring, share, mesh, damping):
         model.kernel(model.parameters(), model.integers(), state, 0.0, 0.0, step)
     assert np.all(np.isfinite(state))
     # Near the limit the leapfrog's own energy swings, but it must not grow.
-    assert model.energy(state, 0.0).potential < start + 50 * (1e-5 * travel) ** 2 * np.max(model.layout.stiffness) * model.unknowns
+    assert (
+        model.energy(state, 0.0).potential
+        < start + 50 * (1e-5 * travel) ** 2 * np.max(model.layout.stiffness) * model.unknowns
+    )
 
 
 @settings(max_examples=40, deadline=None)

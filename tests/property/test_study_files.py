@@ -47,10 +47,41 @@ def test_any_text_is_refused(text):
 
 
 VALUES = st.one_of(
-    st.text(max_size=12), st.integers(-(10**20), 10**20), st.floats(), st.booleans(), st.lists(st.integers(-3, 3), max_size=3),
-    st.sampled_from(["1 mm", "-1 mm", "nan mm", "0 mm", "3 furlong", "6000 rpm", "spring.pitch", "engine_speed", "factor", "grid"]),
-)  # fmt: skip
-KEYS = ["key", "as", "unit", "label", "values", "low", "high", "mean", "standard_deviation", "median", "factor", "tolerance", "shape"]
+    st.text(max_size=12),
+    st.integers(-(10**20), 10**20),
+    st.floats(),
+    st.booleans(),
+    st.lists(st.integers(-3, 3), max_size=3),
+    st.sampled_from(
+        [
+            "1 mm",
+            "-1 mm",
+            "nan mm",
+            "0 mm",
+            "3 furlong",
+            "6000 rpm",
+            "spring.pitch",
+            "engine_speed",
+            "factor",
+            "grid",
+        ]
+    ),
+)
+KEYS = [
+    "key",
+    "as",
+    "unit",
+    "label",
+    "values",
+    "low",
+    "high",
+    "mean",
+    "standard_deviation",
+    "median",
+    "factor",
+    "tolerance",
+    "shape",
+]
 
 
 @FEW
@@ -61,7 +92,12 @@ KEYS = ["key", "as", "unit", "label", "values", "low", "high", "mean", "standard
 def test_any_values_of_the_known_keys_are_taken_or_refused_in_one_sentence(vary, points):
     import tomlkit
 
-    tree = {"case": "job-c", "outputs": ["peak_spring_force"], "points": points, "vary": [{"key": "spring.precompression", **vary}]}
+    tree = {
+        "case": "job-c",
+        "outputs": ["peak_spring_force"],
+        "points": points,
+        "vary": [{"key": "spring.precompression", **vary}],
+    }
     try:
         text = tomlkit.dumps(tree)
     except (ValueError, UnicodeError):  # what no TOML can hold
@@ -77,7 +113,11 @@ def test_any_values_of_the_known_keys_are_taken_or_refused_in_one_sentence(vary,
         ('outputs = ["peak_spring_force"', 'outputs = ["peak_spring_forc"', "docs/quantities.md"),
         ('case = "gu2021-beehive"', 'case = "gu2021-beehiv"', "did you mean gu2021-beehive"),
         ('tolerance = "0.02 mm"', 'tolerance = "0.02 N"', "spring.wire_diameter"),
-        ('tolerance = "0.02 mm"', 'tolerance = "0.02 mm"\nlow = "1 mm"\nvalues = "1 mm"', "several ways"),
+        (
+            'tolerance = "0.02 mm"',
+            'tolerance = "0.02 mm"\nlow = "1 mm"\nvalues = "1 mm"',
+            "several ways",
+        ),
         ('tolerance = "0.02 mm"', "", "no way"),
         ('tolerance = "0.02 mm"', 'tolerence = "0.02 mm"', "did you mean tolerance"),
         ('key = "spring.wire_diameter"', 'key = "spring.wire_diametre"', "spring.wire_diametre"),
@@ -85,7 +125,11 @@ def test_any_values_of_the_known_keys_are_taken_or_refused_in_one_sentence(vary,
         ("count = 640", "cuont = 640", "did you mean count"),
         ('as = "factor"', 'as = "times"', "value, factor or offset"),
         ('engine_speeds = "8000 rpm"', 'engine_speeds = "8000 mm"', "engine_speeds"),
-        ('spring_models = ["multi-mass"]', 'spring_models = ["multimass"]', "did you mean multi-mass"),
+        (
+            'spring_models = ["multi-mass"]',
+            'spring_models = ["multimass"]',
+            "did you mean multi-mass",
+        ),
     ],
 )
 def test_a_slip_is_named_with_its_place_and_remedy(old, new, words):

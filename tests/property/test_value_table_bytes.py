@@ -4,15 +4,18 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from valvetrain.compare_test.reader import read_test
 from valvetrain.errors import InputError
-from valvetrain.measurements.content import text_of
-from valvetrain.measurements.value_table import is_value_table, values_in
-from valvetrain.studies.tested import read_test
+from valvetrain.measured.tables import text_of
+from valvetrain.measured.value_table import is_value_table, values_in
 
 CELLS = st.one_of(
-    st.floats(width=32).map(repr), st.sampled_from(["N", "mm", "1 %", "-5 %", "", "nan", "1e999", "deg", "peak_lift", '"', "9 rpm"]),
+    st.floats(width=32).map(repr),
+    st.sampled_from(
+        ["N", "mm", "1 %", "-5 %", "", "nan", "1e999", "deg", "peak_lift", '"', "9 rpm"]
+    ),
     st.text(max_size=8),
-)  # fmt: skip
+)
 ROWS = st.lists(st.lists(CELLS, min_size=1, max_size=6).map(",".join), max_size=8).map("\n".join)
 HEADS = st.sampled_from([
     "quantity,unit,value,scatter", "quantity,unit,repeat 1,repeat 2", "quantity,unit,value,scatter,cam angle [deg],angle scatter [deg]",
@@ -27,7 +30,11 @@ def read(content):
         assert "\n" not in str(error) and len(str(error)) < 400
         return
     for one in found.values:
-        assert np.all(np.isfinite(one.repeats)) and (one.scatter > 0 or len(one.repeats) > 1) and one.engine_speed >= 0
+        assert (
+            np.all(np.isfinite(one.repeats))
+            and (one.scatter > 0 or len(one.repeats) > 1)
+            and one.engine_speed >= 0
+        )
 
 
 @settings(max_examples=80, deadline=None)
@@ -50,7 +57,9 @@ def test_a_value_comes_back_as_it_was_written(value, scatter, unit):
     assert is_value_table(text)
     one = values_in(text, "own").values[0]
     factor = {"N": 1.0, "mm": 1e-3, "m/s": 1.0, "deg": np.pi / 180}[unit]
-    assert np.allclose((one.value, one.scatter), (value * factor, scatter * factor), rtol=1e-12, atol=0.0)
+    assert np.allclose(
+        (one.value, one.scatter), (value * factor, scatter * factor), rtol=1e-12, atol=0.0
+    )
 
 
 @settings(max_examples=80, deadline=None)

@@ -1,4 +1,5 @@
-"""Whatever bytes, names and words reach the workbench, the answer is a case or one sentence, and nothing leaves its folder.
+"""Whatever bytes, names and words reach the workbench, the answer is a case or one sentence, and
+nothing leaves its folder.
 
 Evidence: property; drawn bytes, names and values, and what lies on disk afterwards.
 """
@@ -16,9 +17,9 @@ from valvetrain.errors import InputError
 from valvetrain.report.read_page import sections_of
 from valvetrain.workbench.edits import with_change
 from valvetrain.workbench.form import check, fields, read_change
-from valvetrain.workbench.names import case_name, inside
 from valvetrain.workbench.safety import Guard
 from valvetrain.workbench.settings import ServeSettings
+from valvetrain.workbench.store import case_name, inside
 from valvetrain.workbench.supervisor import read_progress
 from valvetrain.workbench.workspace import Workspace
 from workbench_parts import SMALL
@@ -28,9 +29,13 @@ HEADS = ["host", "origin", "cookie", "content-length", "sec-fetch-site", "accept
 #: Bytes of any kind, and a case with some of its bytes cut out or changed.
 CONTENT = st.one_of(
     st.binary(max_size=300),
-    st.builds(lambda start, length, put: SMALL.encode()[:start] + put + SMALL.encode()[start + length :],
-              st.integers(0, len(SMALL)), st.integers(0, 30), st.binary(max_size=5)),
-)  # fmt: skip
+    st.builds(
+        lambda start, length, put: SMALL.encode()[:start] + put + SMALL.encode()[start + length :],
+        st.integers(0, len(SMALL)),
+        st.integers(0, 30),
+        st.binary(max_size=5),
+    ),
+)
 KEYS = st.sampled_from(
     [
         "spring.mass",
@@ -52,7 +57,11 @@ KEYS = st.sampled_from(
 def test_no_name_leads_out(name):
     with tempfile.TemporaryDirectory() as folder:
         root = Path(folder).resolve()
-        for make in (lambda: inside(root, name), lambda: inside(root, "a", name), lambda: inside(root, case_name(name), "case.toml")):
+        for make in (
+            lambda: inside(root, name),
+            lambda: inside(root, "a", name),
+            lambda: inside(root, case_name(name), "case.toml"),
+        ):
             try:
                 found = make()
             except InputError as error:
@@ -77,13 +86,23 @@ def test_what_is_uploaded_is_a_case_or_refused(content, name):
             return
         assert workspace.read(made) and [card.name for card in workspace.cases()] == [made]
         assert {path.name for path in workspace.folder.iterdir()} <= {
-            "cases", "runs", "jobs", "workbench.sqlite", "workbench.sqlite-wal", "workbench.sqlite-shm"
-        }  # fmt: skip
+            "cases",
+            "runs",
+            "jobs",
+            "workbench.sqlite",
+            "workbench.sqlite-wal",
+            "workbench.sqlite-shm",
+        }
         fields(workspace.text(made))
 
 
 @settings(max_examples=50, deadline=None)
-@given(key=st.one_of(KEYS, WORDS), value=st.one_of(WORDS, st.sampled_from(["42 g", "4", "[1, 2]", "{ a = 1 }", "", "1e400 g", "nan", "'"])))
+@given(
+    key=st.one_of(KEYS, WORDS),
+    value=st.one_of(
+        WORDS, st.sampled_from(["42 g", "4", "[1, 2]", "{ a = 1 }", "", "1e400 g", "nan", "'"])
+    ),
+)
 @example(key="spring.mass", value="\ud800")
 @example(key="title", value='"""')
 @example(key="title", value="0")
@@ -94,7 +113,9 @@ def test_a_value_is_taken_or_refused_in_words_and_taken_alike_by_the_text(key, v
     if refused is None:
         path, given_value, _ = read_change(SMALL, key, value)
         text = with_change(SMALL, path, given_value)
-        assert check(text, "operation.cycles", "2") is None or not value.strip(), "what is accepted in the form reads in the file"
+        assert check(text, "operation.cycles", "2") is None or not value.strip(), (
+            "what is accepted in the form reads in the file"
+        )
 
 
 @given(text=st.text(max_size=200), line=st.binary(max_size=80))
@@ -109,8 +130,10 @@ def test_pages_and_progress_of_any_text(text, line):
 
 @given(
     heads=st.lists(st.tuples(st.sampled_from(HEADS), WORDS), max_size=5),
-    path=WORDS, query=st.binary(max_size=40), kind=st.sampled_from(["http", "websocket"]),
-)  # fmt: skip
+    path=WORDS,
+    query=st.binary(max_size=40),
+    kind=st.sampled_from(["http", "websocket"]),
+)
 def test_any_request_gets_one_answer(heads, path, query, kind):
     sent = []
 
@@ -123,7 +146,20 @@ def test_any_request_gets_one_answer(heads, path, query, kind):
     async def send(message):
         sent.append(message)
 
-    listed = [(name.encode(), value.encode("utf-8", "replace")) for name, value in heads if "127.0.0.1" not in value]
-    scope = {"type": kind, "method": "GET", "path": path, "query_string": query, "headers": listed, "scheme": "http"}
+    listed = [
+        (name.encode(), value.encode("utf-8", "replace"))
+        for name, value in heads
+        if "127.0.0.1" not in value
+    ]
+    scope = {
+        "type": kind,
+        "method": "GET",
+        "path": path,
+        "query_string": query,
+        "headers": listed,
+        "scheme": "http",
+    }
     asyncio.run(Guard(inner, ServeSettings(token="x" * 20))(scope, receive, send))
-    assert (sent and sent[0].get("status", 403) in (401, 403, 413)) or sent[0]["type"] == "websocket.close"
+    assert (sent and sent[0].get("status", 403) in (401, 403, 413)) or sent[0][
+        "type"
+    ] == "websocket.close"

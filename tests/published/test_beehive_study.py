@@ -1,4 +1,6 @@
-"""Published: what the beehive study must show, by the source's own findings; numbers as stated in the source or the case file."""
+"""Published: what the beehive study must show, by the source's own findings; numbers as stated in
+the source or the case file.
+"""
 
 from __future__ import annotations
 
@@ -31,7 +33,9 @@ def study() -> Study:
 
 
 def quantity(study: Study, name: str, rpm: float | None, label: str = "finite-element") -> float:
-    return study.quantities[name] if rpm is None else study.solution(label, rpm * RPM).quantities[name]
+    return (
+        study.quantities[name] if rpm is None else study.solution(label, rpm * RPM).quantities[name]
+    )
 
 
 def sharp_force(study: Study, rpm: float, label: str) -> tuple[np.ndarray, np.ndarray]:
@@ -51,7 +55,9 @@ def test_every_run_completes(study: Study) -> None:
 
 def test_peak_at_4200_rpm_is_the_published_one(study: Study) -> None:
     assert quantity(study, "stage_2_peak_force", 4200) == pytest.approx(818.0, rel=0.03)
-    assert np.degrees(quantity(study, "stage_2_peak_cam_angle", 4200)) == pytest.approx(183.0, abs=4.0)
+    assert np.degrees(quantity(study, "stage_2_peak_cam_angle", 4200)) == pytest.approx(
+        183.0, abs=4.0
+    )
 
 
 def test_statics_and_first_mode_are_the_published_ones(study: Study) -> None:
@@ -61,14 +67,22 @@ def test_statics_and_first_mode_are_the_published_ones(study: Study) -> None:
 
 
 @pytest.mark.parametrize("rpm", [5600, 8000])
-def test_spike_after_the_event_comes_from_coils_1_and_2_and_is_absent_from_the_modal_model(study: Study, rpm: float) -> None:
+def test_spike_after_the_event_comes_from_coils_1_and_2_and_is_absent_from_the_modal_model(
+    study: Study, rpm: float
+) -> None:
     angle, sharp = sharp_force(study, rpm, "finite-element")
     _, modal = sharp_force(study, rpm, "modal-varied")
     assert np.max(np.abs(modal)) < 0.2 * np.max(sharp), "the modal model knows no collisions"
     solution = study.solution("finite-element", rpm * RPM)
-    pair = [event for event in solution.events if event.kind == "clash" and event.details["upper_coil"] == 2]
+    pair = [
+        event
+        for event in solution.events
+        if event.kind == "clash" and event.details["upper_coil"] == 2
+    ]
     peaks = np.degrees([float(event.details["peak_cam_angle"]) for event in pair]) % 360
-    assert np.min(np.abs(peaks - angle[np.argmax(sharp)])) < 3.0, "the sharpest spike is no collision of coils 1 and 2"
+    assert np.min(np.abs(peaks - angle[np.argmax(sharp)])) < 3.0, (
+        "the sharpest spike is no collision of coils 1 and 2"
+    )
 
 
 def test_collisions_at_5600_rpm_repeat_with_the_first_mode(study: Study) -> None:
@@ -85,17 +99,24 @@ def test_energy_is_balanced_through_the_clashes(study: Study, rpm: float, usual:
 
 
 def test_predictions_are_told_as_predictions(study: Study) -> None:
-    roles = {(row.engine_speed is None or row.engine_speed < 4300 * RPM, row.role) for row in study.comparisons}
+    roles = {
+        (row.engine_speed is None or row.engine_speed < 4300 * RPM, row.role)
+        for row in study.comparisons
+    }
     assert roles == {(True, "calibration"), (True, "check"), (False, "prediction")}
 
 
-def test_every_published_number_is_met_or_its_miss_is_explained_and_the_book_says_so(study: Study) -> None:
+def test_every_published_number_is_met_or_its_miss_is_explained_and_the_book_says_so(
+    study: Study,
+) -> None:
     rows = rows_of("beehive spring", "gu2021", study.comparisons)
     assert len(rows) == 120 and not [row.name for row in rows if row.status == "FAILS"]
     assert_page_holds(rows)
     # An explanation of a miss that is none would let the value wander.
     assert not [row.name for row in rows if row.within and row.band is not None]
-    assert {name for band in BANDS.values() for name in band if "(as printed)" not in name} <= {row.name for row in rows}
+    assert {name for band in BANDS.values() for name in band if "(as printed)" not in name} <= {
+        row.name for row in rows
+    }
 
 
 def test_stage_1_has_one_range(study: Study) -> None:
@@ -105,7 +126,9 @@ def test_stage_1_has_one_range(study: Study) -> None:
 
 
 def test_vibration_at_the_lowest_speed_comes_from_contact_alone(study: Study) -> None:
-    """Section 4.1 in words: high-frequency vibration about 235 degrees in the test and by finite elements, none by the modal model."""
+    """Section 4.1 in words: high-frequency vibration about 235 degrees in the test and by finite
+    elements, none by the modal model.
+    """
     (finding,) = [item for item in study.findings if "high-frequency vibration" in item.statement]
     assert finding.statement.startswith("4200 rpm: high-frequency vibration about 235 degrees")
     assert finding.verdict.startswith("agrees that contact alone brings it, but")
@@ -113,11 +136,21 @@ def test_vibration_at_the_lowest_speed_comes_from_contact_alone(study: Study) ->
 
 def test_the_page_on_the_beehive_prints_what_comes_out(study: Study) -> None:
     """Every number of ours in docs/beehive.md that stands beside a published one."""
-    text = " ".join((Path(__file__).resolve().parents[2] / "docs" / "beehive.md").read_text(encoding="utf-8").split())
+    text = " ".join(
+        (Path(__file__).resolve().parents[2] / "docs" / "beehive.md")
+        .read_text(encoding="utf-8")
+        .split()
+    )
 
     def at(name: str, rpm: float | None, label: str = "finite-element") -> float:
         value = quantity(study, name, rpm, label)
-        return float(np.degrees(value)) if name.endswith("_angle") else 1e3 * value if name.endswith("_displacement") else value
+        return (
+            float(np.degrees(value))
+            if name.endswith("_angle")
+            else 1e3 * value
+            if name.endswith("_displacement")
+            else value
+        )
 
     modes = [at(f"mode_{n}_frequency", None) for n in (1, 2, 3)]
     low, middle, high = 4200, 5600, 8000
@@ -146,12 +179,16 @@ def test_the_page_on_the_beehive_prints_what_comes_out(study: Study) -> None:
     ]
     spread = {(one.engine_rpm, one.quantity): one for one in load_spread(study.record)}
     spike = spread[high, "stage_3_peak_force"]
-    told += [f"The 8000 rpm spike lies between {spike.low:.0f} and {spike.high:.0f} N, so the published 1430 N is outside"]
+    told += [
+        f"The 8000 rpm spike lies between {spike.low:.0f} and {spike.high:.0f} N, so the published 1430 N is outside"
+    ]
     assert not [words for words in told if words not in text] and spike.high < 1430
 
 
 def residual(law: LiftLaw, order: float) -> float:
-    """What a lift leaves in a mode of so many cycles per cam turn: size of the Fourier transform of its acceleration over the order (m)."""
+    """What a lift leaves in a mode of so many cycles per cam turn: size of the Fourier transform of
+    its acceleration over the order (m).
+    """
     angle = np.linspace(0, 2 * np.pi, 36001)
     return float(abs(np.trapezoid(law.lift(angle, 2) * np.exp(-1j * order * angle), angle)) / order)
 
@@ -172,16 +209,37 @@ def test_the_page_tells_the_computed_excitation_of_the_first_mode(study: Study) 
         for one in case.published
         if one.model == "solid finite elements" and one.engine_speed is not None
     }
-    stage_1 = [published[rpm, "stage_1_maximum_force"] - published[rpm, "stage_1_minimum_force"] for rpm in speeds]
-    modal, rod = ([quantity(study, "stage_1_force_range", rpm, label) for rpm in speeds] for label in ("modal-varied", "finite-element"))
-    own, other = ([1e3 * residual(build_lift_law(one.lift_law), order) for order in orders] for one in (case, polydyne))
-    for row, computed, digits in zip(told, (stage_1, modal, rod, own, other), (0, 1, 1, 2, 2), strict=True):
+    stage_1 = [
+        published[rpm, "stage_1_maximum_force"] - published[rpm, "stage_1_minimum_force"]
+        for rpm in speeds
+    ]
+    modal, rod = (
+        [quantity(study, "stage_1_force_range", rpm, label) for rpm in speeds]
+        for label in ("modal-varied", "finite-element")
+    )
+    own, other = (
+        [1e3 * residual(build_lift_law(one.lift_law), order) for order in orders]
+        for one in (case, polydyne)
+    )
+    for row, computed, digits in zip(
+        told, (stage_1, modal, rod, own, other), (0, 1, 1, 2, 2), strict=True
+    ):
         assert row == pytest.approx(computed, abs=0.6 * 10.0**-digits)
     mode = study.quantities["mode_1_frequency"]
     assert [mode * 120 / rpm for rpm in speeds] == pytest.approx(orders, abs=0.05)
-    assert modal[2] / stage_1[2] == pytest.approx(0.93, abs=0.005) and modal[1] / stage_1[1] == pytest.approx(0.55, abs=0.01)
+    assert modal[2] / stage_1[2] == pytest.approx(0.93, abs=0.005) and modal[1] / stage_1[
+        1
+    ] == pytest.approx(0.55, abs=0.01)
     assert rod[2] / modal[2] == pytest.approx(0.24, abs=0.01)
-    assert quantity(study, "stage_3_peak_force", 8000, "modal-varied") == pytest.approx(406.0, abs=0.5)
-    (by_source,) = [one.value for one in case.published if one.model == "analytical modal" and one.quantity == "stage_3_peak_force"
-                    and one.engine_speed is not None and round(one.engine_speed / RPM) == 8000]  # fmt: skip
+    assert quantity(study, "stage_3_peak_force", 8000, "modal-varied") == pytest.approx(
+        406.0, abs=0.5
+    )
+    (by_source,) = [
+        one.value
+        for one in case.published
+        if one.model == "analytical modal"
+        and one.quantity == "stage_3_peak_force"
+        and one.engine_speed is not None
+        and round(one.engine_speed / RPM) == 8000
+    ]
     assert by_source == 360.0

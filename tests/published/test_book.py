@@ -1,4 +1,6 @@
-"""The validation book: every row within its tolerance, and a fault anywhere in the package turns a row red."""
+"""The validation book: every row within its tolerance, and a fault anywhere in the package turns a
+row red.
+"""
 
 from __future__ import annotations
 
@@ -14,13 +16,25 @@ from valvetrain.citations import references
 from valvetrain.cosserat import quaternion
 from valvetrain.cosserat.static import RodStatics
 from valvetrain.solution.comparison import Comparison
-from valvetrain.validation import beams, conical, followers, free_ends, laws, models, ring, springs, stresses, waves
+from valvetrain.validation import (
+    beams,
+    conical,
+    followers,
+    free_ends,
+    laws,
+    models,
+    ring,
+    springs,
+    stresses,
+    waves,
+)
 from valvetrain.validation.__main__ import book, main, page, run_book
 from valvetrain.validation.row import Row
 from valvetrain.validation.sources import rows_of
 
 QUICK = [case for case in book() if not case.slow]
-#: What the rows of each case expect, and how near they must come: no change of the package moves them, and none is left out. Anew:
+#: What the rows of each case expect, and how near they must come: no change of the package moves
+#: them, and none is left out. Anew:
 #: ``python tests/published/test_book.py`` with src and tests on the path.
 EXPECTED = Path(__file__).parents[1] / "golden" / "book_expected.json"
 
@@ -35,16 +49,35 @@ def test_rows_stay_within_their_tolerance(case):
     assert rows
     assert not red(rows)
     assert all(0 < row.tolerance < np.inf and row.reason for row in rows)
-    # A limit stands near what is reached: within fifty times of it, or half a per cent of what is expected.
-    assert not [row.name for row in rows if row.tolerance > max(50 * abs(row.difference), 0.005 * abs(row.expected))]
+    # A limit stands near what is reached: within fifty times of it, or half a per cent of what is
+    # expected.
+    assert not [
+        row.name
+        for row in rows
+        if row.tolerance > max(50 * abs(row.difference), 0.005 * abs(row.expected))
+    ]
     known, kept = references(), json.loads(EXPECTED.read_text(encoding="utf-8"))[case.name]
-    assert {row.name: [row.expected, row.tolerance] for row in rows} == {name: pytest.approx(due, rel=1e-7) for name, due in kept.items()}
+    assert {row.name: [row.expected, row.tolerance] for row in rows} == {
+        name: pytest.approx(due, rel=1e-7) for name, due in kept.items()
+    }
     assert all(row.source in known for row in rows if row.source)
     assert_page_holds(rows)
 
 
 def row(expected: float, computed: float, tolerance: float, **more) -> Row:
-    return Row("springs", "a force", "", "", expected, computed, "N", tolerance, "seeded", "published", **more)
+    return Row(
+        "springs",
+        "a force",
+        "",
+        "",
+        expected,
+        computed,
+        "N",
+        tolerance,
+        "seeded",
+        "published",
+        **more,
+    )
 
 
 @pytest.mark.parametrize(
@@ -70,10 +103,16 @@ def test_a_row_is_met_explained_or_red(computed, tolerance, band, why, status):
 def test_no_role_excuses_a_published_value(role, computed):
     """A prediction as well as a calibrated value is red where nobody has said why it is missed."""
     difference = None if computed is None else computed - 500.0
-    item = Comparison("new_peak_force", None, "", "test", "N", 500.0, computed, difference, role, 100.0, "misses")
+    item = Comparison(
+        "new_peak_force", None, "", "test", "N", 500.0, computed, difference, role, 100.0, "misses"
+    )
     (found,) = rows_of("springs", "gu2021", (item,))
     assert found.status == "FAILS" and found.tolerance == 100.0
-    (free,) = rows_of("springs", "gu2021", (Comparison("new_peak_force", None, "", "test", "N", 500.0, 490.0, -10.0, role, None, ""),))
+    (free,) = rows_of(
+        "springs",
+        "gu2021",
+        (Comparison("new_peak_force", None, "", "test", "N", 500.0, 490.0, -10.0, role, None, ""),),
+    )
     assert free.tolerance == pytest.approx(15.0) and free.status == "met"
 
 
@@ -93,7 +132,10 @@ def test_the_command_fails_when_a_row_fails(monkeypatch, capsys):
 
 
 def test_quick_run_leaves_out_the_studies_of_whole_sources(monkeypatch):
-    monkeypatch.setattr("valvetrain.validation.__main__.book", lambda: tuple(c for c in book() if c.slow or c.name == "stress_factors"))
+    monkeypatch.setattr(
+        "valvetrain.validation.__main__.book",
+        lambda: tuple(c for c in book() if c.slow or c.name == "stress_factors"),
+    )
     assert {row.topic for row in run_book(quick=True)} == {"stress"}
 
 
@@ -102,7 +144,12 @@ def test_a_fault_in_the_sections_torsion_turns_rows_red(monkeypatch):
 
     def soft(*arguments):
         found = section.round_section(*arguments)
-        return section.Section(**{name: getattr(found, name) * (0.98 if name == "torsion" else 1.0) for name in found.__slots__})
+        return section.Section(
+            **{
+                name: getattr(found, name) * (0.98 if name == "torsion" else 1.0)
+                for name in found.__slots__
+            }
+        )
 
     monkeypatch.setattr(mesh, "round_section", soft)
     assert "rate of a cylinder" in red(springs.rates_of_shaped_springs())
@@ -113,7 +160,11 @@ def test_a_fault_in_the_sections_torsion_turns_rows_red(monkeypatch):
 def test_the_chord_in_place_of_the_arc_length_turns_rows_red(monkeypatch):
     from valvetrain.cosserat import mesh
 
-    monkeypatch.setattr(mesh, "_arc_length", lambda curve, start, end: 0.99 * np.abs(end - start) * curve.line_speed((start + end) / 2))
+    monkeypatch.setattr(
+        mesh,
+        "_arc_length",
+        lambda curve, start, end: 0.99 * np.abs(end - start) * curve.line_speed((start + end) / 2),
+    )
     assert red(springs.trial_spring())
 
 
@@ -121,7 +172,11 @@ def test_a_fault_in_the_rods_bending_turns_rows_red(monkeypatch):
     from valvetrain.cosserat import energy_kernels
 
     whole = energy_kernels.bend_terms
-    monkeypatch.setattr(energy_kernels, "bend_terms", lambda f, n, q, k, rest, *more: whole(f, n, q, k, 0.99 * rest, *more))
+    monkeypatch.setattr(
+        energy_kernels,
+        "bend_terms",
+        lambda f, n, q, k, rest, *more: whole(f, n, q, k, 0.99 * rest, *more),
+    )
     assert red(beams.helix_under_large_compression())
 
 
@@ -131,14 +186,20 @@ def test_the_torque_at_the_end_of_a_bent_helix_is_the_slope_of_its_energy(lead, 
     """Castigliano: the last end turned a little about the axis, forward and back, all else held."""
     length = turns * 2 * np.pi / np.cos(0.2)
     wire = beams.tube(1.0, 0.77, length)
-    mesh, result, torque = beams._bent(beams.Helix(1.0, 0.2, wire), beams.Helix(1.0, lead, wire), length, 48 * turns)
+    mesh, result, torque = beams._bent(
+        beams.Helix(1.0, 0.2, wire), beams.Helix(1.0, lead, wire), length, 48 * turns
+    )
     statics, last, energy = RodStatics(mesh, options=beams.TIGHT), mesh.last, []
     for turn in (1e-4, -1e-4):
         position, frame = result.state.position.copy(), result.state.frame.copy()
         (x, y), cosine, sine = position[last, :2].copy(), np.cos(turn), np.sin(turn)
         position[last, :2] = cosine * x - sine * y, sine * x + cosine * y
-        frame[last + 1] = quaternion.multiply(np.array([np.cos(turn / 2), 0.0, 0.0, np.sin(turn / 2)]), frame[last + 1])
-        energy.append(statics.assemble(replace(result.state, position=position, frame=frame), False)[0])
+        frame[last + 1] = quaternion.multiply(
+            np.array([np.cos(turn / 2), 0.0, 0.0, np.sin(turn / 2)]), frame[last + 1]
+        )
+        energy.append(
+            statics.assemble(replace(result.state, position=position, frame=frame), False)[0]
+        )
     assert torque == pytest.approx((energy[0] - energy[1]) / 2e-4, abs=2e-7)
 
 
@@ -182,11 +243,15 @@ def test_a_fault_in_the_wave_rod_turns_rows_red(monkeypatch):
 
 
 def test_a_fault_in_a_lift_law_turns_rows_red(monkeypatch):
-    from valvetrain.cam.cycloidal import Cycloidal
+    from valvetrain.cam.closed_form import Cycloidal
 
     whole = Cycloidal.lift
     monkeypatch.setattr(
-        Cycloidal, "lift", lambda self, angle, derivative=0: whole(self, angle, derivative) * (1.001 if derivative == 2 else 1)
+        Cycloidal,
+        "lift",
+        lambda self, angle, derivative=0: (
+            whole(self, angle, derivative) * (1.001 if derivative == 2 else 1)
+        ),
     )
     assert red(laws.cam_flanks()) == ["cycloidal, peak acceleration factor"]
 
@@ -195,7 +260,9 @@ def test_a_fault_in_a_contact_law_turns_rows_red(monkeypatch):
     from valvetrain.contact.hunt_crossley import HuntCrossley
 
     whole = HuntCrossley.force
-    monkeypatch.setattr(HuntCrossley, "force", lambda self, depth, rate: whole(self, depth, 0.9 * rate))
+    monkeypatch.setattr(
+        HuntCrossley, "force", lambda self, depth, rate: whole(self, depth, 0.9 * rate)
+    )
     assert len(red(laws.restitution_by_drop())) == 3
 
 
@@ -203,7 +270,9 @@ def test_a_fault_in_the_coil_contact_turns_rows_red(monkeypatch):
     from valvetrain.cosserat import mesh
 
     monkeypatch.setattr(mesh, "pair_coils", lambda coil, *more: mesh.no_contact(len(coil)))
-    assert "beehive with coil contact, force at 7 mm" in red(models.rod_against_solid_with_contact())
+    assert "beehive with coil contact, force at 7 mm" in red(
+        models.rod_against_solid_with_contact()
+    )
 
 
 def test_without_contact_of_its_coils_a_cone_does_not_close(monkeypatch):
@@ -211,12 +280,17 @@ def test_without_contact_of_its_coils_a_cone_does_not_close(monkeypatch):
 
     monkeypatch.setattr(mesh, "pair_coils", lambda coil, *more: mesh.no_contact(len(coil)))
     found = red(conical.conical_closing())
-    assert "conical spring, force at 8.5 mm" in found and "conical spring, rate while it closes, 8 to 8.5 mm" in found
+    assert (
+        "conical spring, force at 8.5 mm" in found
+        and "conical spring, rate while it closes, 8 to 8.5 mm" in found
+    )
     assert "conical spring, force at 5 mm" not in found
 
 
 def test_ring_section_runs_into_the_straight_bar_and_stands_by_goehners_series():
-    """Limits: w to infinity gives the factor one and 1 +- 5 / (4 w); Goehner's terms for rate and stress stand by it to 0.4 %."""
+    """Limits: w to infinity gives the factor one and 1 +- 5 / (4 w); Goehner's terms for rate and
+    stress stand by it to 0.4 %.
+    """
     assert ring.ring_section(1e4) == pytest.approx((1.0, 1 + 1.25e-4, 1 - 1.25e-4), abs=1e-7)
     for index in (5.0, 8.0, 12.0):
         rate, inner, outer = ring.ring_section(index)
@@ -236,7 +310,7 @@ def test_a_fault_in_the_correction_for_curvature_turns_rows_red(monkeypatch):
 
 
 def test_a_fault_in_a_lobe_turns_rows_red(monkeypatch):
-    from valvetrain.cam.three_arc import ThreeArc
+    from valvetrain.cam.arcs import ThreeArc
 
     whole = ThreeArc.flank_radius.fget
     monkeypatch.setattr(ThreeArc, "flank_radius", property(lambda self: 1.001 * whole(self)))
@@ -257,14 +331,20 @@ def test_a_fault_in_the_follower_turns_rows_red(monkeypatch):
     monkeypatch.setattr(followers, "lift_table", whole)
     monkeypatch.setattr(followers, "MASS", 0.1)
     lively = followers.HuntCrossley
-    monkeypatch.setattr(followers, "HuntCrossley", lambda stiffness, damping: lively(stiffness, 0.8 * damping))
+    monkeypatch.setattr(
+        followers, "HuntCrossley", lambda stiffness, damping: lively(stiffness, 0.8 * damping)
+    )
     assert "bouncing follower, phase of the impact" in red(followers.bouncing_follower())
 
 
 def test_friction_of_the_wave_rod_turns_its_row_red(monkeypatch):
     from valvetrain.springs.wave_rod import WaveRod
 
-    monkeypatch.setattr(models, "WaveRod", lambda spring, cells, friction, pulls: WaveRod(spring, cells, 1.02 * friction, pulls=pulls))
+    monkeypatch.setattr(
+        models,
+        "WaveRod",
+        lambda spring, cells, friction, pulls: WaveRod(spring, cells, 1.02 * friction, pulls=pulls),
+    )
     assert red(models.wave_rod_friction())
 
 
@@ -280,7 +360,12 @@ def test_a_fault_in_the_bending_of_the_wire_moves_buckling(monkeypatch):
 
     def stiff(*arguments):
         found = section.round_section(*arguments)
-        return section.Section(**{name: getattr(found, name) * (1.1 if name == "bending" else 1.0) for name in found.__slots__})
+        return section.Section(
+            **{
+                name: getattr(found, name) * (1.1 if name == "bending" else 1.0)
+                for name in found.__slots__
+            }
+        )
 
     monkeypatch.setattr(mesh, "round_section", stiff)
     assert len(red(free_ends.buckling_limit())) == 2
@@ -289,6 +374,9 @@ def test_a_fault_in_the_bending_of_the_wire_moves_buckling(monkeypatch):
 if __name__ == "__main__":
     parts = []
     for case in QUICK:
-        lines = ",\n".join(f"  {json.dumps(row.name)}: {json.dumps([row.expected, row.tolerance])}" for row in case.rows())
+        lines = ",\n".join(
+            f"  {json.dumps(row.name)}: {json.dumps([row.expected, row.tolerance])}"
+            for row in case.rows()
+        )
         parts.append(f" {json.dumps(case.name)}: {{\n{lines}\n }}")
     EXPECTED.write_text("{\n" + ",\n".join(parts) + "\n}\n", encoding="utf-8")

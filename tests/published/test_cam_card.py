@@ -1,10 +1,15 @@
-"""A cam card in, the same card out: durations, valve events and lift of a published hydraulic flat-tappet cam, and bounds on its shape.
+"""A cam card in, the same card out: durations, valve events and lift of a published hydraulic
+flat-tappet cam, and bounds on its shape.
 
-The card is that of the Comp Cams XE268H-10 for the small-block Chevrolet (catalogue values): duration 268 (intake) and 280 (exhaust) crank
-degrees at 0.006 in, 224 and 230 at 0.050 in, lobe lift 0.318 and 0.320 in, intake lobe centre 106 degrees, lobe separation 110. Valve
-timing at 0.006 in: intake opens 28 before top dead centre, closes 60 after bottom; exhaust opens 74 before bottom, closes 26 after top.
+The card is that of the Comp Cams XE268H-10 for the small-block Chevrolet (catalogue values):
+duration 268 (intake) and 280 (exhaust) crank
+degrees at 0.006 in, 224 and 230 at 0.050 in, lobe lift 0.318 and 0.320 in, intake lobe centre 106
+degrees, lobe separation 110. Valve
+timing at 0.006 in: intake opens 28 before top dead centre, closes 60 after bottom; exhaust opens 74
+before bottom, closes 26 after top.
 
-The card was not compared with its print. Two public parts lists give 224 and 230 degrees, 110 degrees, valve lifts of 0.477 and 0.480 in,
+The card was not compared with its print. Two public parts lists give 224 and 230 degrees, 110
+degrees, valve lifts of 0.477 and 0.480 in,
 and the first test holds the rest to each other: a number that was copied wrong would not fit.
 """
 
@@ -17,7 +22,7 @@ import pytest
 
 from valvetrain.cam.build import build_lift_law
 from valvetrain.cam.cam_card import CamCard, angle_before_nose
-from valvetrain.cam.flank_pulse import HalfLobe
+from valvetrain.cam.flanks import HalfLobe
 from valvetrain.errors import InputError
 from valvetrain.parameters.loading import parse_case
 from valvetrain.quantities.valve_events import lift_crossings
@@ -25,7 +30,13 @@ from valvetrain.quantities.valve_events import lift_crossings
 INCH = 25.4e-3
 CARDS = {
     "intake": ("0.318 in", 224, 268, 106, {0.006: (-28, 180 + 60), 0.050: (106 - 112, 106 + 112)}),
-    "exhaust": ("0.320 in", 230, 280, 114, {0.006: (-180 - 74, 26), 0.050: (-114 - 115, -114 + 115)}),
+    "exhaust": (
+        "0.320 in",
+        230,
+        280,
+        114,
+        {0.006: (-180 - 74, 26), 0.050: (-114 - 115, -114 + 115)},
+    ),
 }
 
 
@@ -46,22 +57,30 @@ def card(valve: str, more: str = "") -> CamCard:
 
 
 def test_the_card_fits_itself():
-    """Durations are the angles between the events, centres their middles, the separation half the way between the centres (in crank
-    degrees, of the cam), and lobe lifts the valve lifts of the lists over the engine's ratio of 1.5."""
+    """Durations are the angles between the events, centres their middles, the separation half the
+    way between the centres (in crank
+    degrees, of the cam), and lobe lifts the valve lifts of the lists over the engine's ratio of
+    1.5."""
     centres = {}
     for valve, (lift, duration, advertised, centre, events) in CARDS.items():
         for height, angle in ((0.006, advertised), (0.050, duration)):
             assert events[height][1] - events[height][0] == angle
         centres[valve] = sum(events[0.006]) / 2
-        assert centres[valve] == sum(events[0.050]) / 2 == (centre if valve == "intake" else -centre)
-        assert float(lift.split()[0]) * 1.5 == pytest.approx({"intake": 0.477, "exhaust": 0.480}[valve], abs=1e-12)
+        assert (
+            centres[valve] == sum(events[0.050]) / 2 == (centre if valve == "intake" else -centre)
+        )
+        assert float(lift.split()[0]) * 1.5 == pytest.approx(
+            {"intake": 0.477, "exhaust": 0.480}[valve], abs=1e-12
+        )
     assert (centres["intake"] - centres["exhaust"]) / 2 == 110
 
 
 @pytest.mark.parametrize("valve", CARDS)
 @pytest.mark.parametrize("height", [0.006, 0.050])
 def test_the_valve_events_of_the_card_come_out(valve, height):
-    """Crank degrees from top dead centre of gas exchange, which stands at 180 cam degrees; a card rounds to whole degrees."""
+    """Crank degrees from top dead centre of gas exchange, which stands at 180 cam degrees; a card
+    rounds to whole degrees.
+    """
     opens, closes = lift_crossings(card(valve).lift, height * INCH)
     found = [2 * (math.degrees(angle) - 180) for angle in (opens, closes)]
     assert found == pytest.approx(CARDS[valve][4][height], abs=1e-6)
@@ -69,14 +88,19 @@ def test_the_valve_events_of_the_card_come_out(valve, height):
 
 @pytest.mark.parametrize("valve", CARDS)
 def test_the_lobe_is_what_a_flat_tappet_of_that_engine_takes(valve):
-    """Velocity (the distance of the contact from the axis) below the radius of a tappet of 0.842 in; acceleration of two signs, and
-    of a plausible size (a band of our own): 0.0004 to 0.0009 in/deg^2 up, 0.0002 to 0.0004 in/deg^2 down."""
+    """Velocity (the distance of the contact from the axis) below the radius of a tappet of 0.842
+    in; acceleration of two signs, and
+    of a plausible size (a band of our own): 0.0004 to 0.0009 in/deg^2 up, 0.0002 to 0.0004 in/deg^2
+    down."""
     law = card(valve)
     angle = np.linspace(0, math.tau, 200_001)
     lift, velocity, acceleration = (law.lift(angle, order) for order in range(3))
     assert np.max(lift) == pytest.approx(float(CARDS[valve][0].split()[0]) * INCH, rel=1e-9)
     assert np.max(velocity) < 0.421 * INCH
-    up, down = (value / INCH * math.radians(1) ** 2 for value in (np.max(acceleration), -np.min(acceleration)))
+    up, down = (
+        value / INCH * math.radians(1) ** 2
+        for value in (np.max(acceleration), -np.min(acceleration))
+    )
     assert 0.0004 < up < 0.0009 and 0.0002 < down < 0.0004
     turns = np.sign(acceleration[np.abs(acceleration) > 1e-9 * np.max(acceleration)])
     assert np.count_nonzero(np.diff(turns)) == 2
@@ -107,7 +131,9 @@ def test_cam_degrees_and_a_valve_lift_tell_the_same_lobe():
 
 
 def test_a_solid_card_with_its_lash_gets_a_ramp_above_it():
-    """282 degrees at 0.020 in, which stands at the end of the ramp over 0.022 in of lash at a ratio of 1.5."""
+    """282 degrees at 0.020 in, which stands at the end of the ramp over 0.022 in of lash at a ratio
+    of 1.5.
+    """
     text = """
         [lift_law]
         kind = "cam-card"
@@ -122,7 +148,9 @@ def test_a_solid_card_with_its_lash_gets_a_ramp_above_it():
     law = build_lift_law(parse_case(text).lift_law)
     opens, _ = lift_crossings(law.lift, 0.022 / 1.5 * INCH)
     velocity = float(law.lift(opens, 1))
-    assert float(law.lift(opens, 2)) == pytest.approx(0.0, abs=1e-9), "the lash is taken up at constant velocity"
+    assert float(law.lift(opens, 2)) == pytest.approx(0.0, abs=1e-9), (
+        "the lash is taken up at constant velocity"
+    )
     assert velocity / INCH * math.radians(1) == pytest.approx(0.0005, rel=1e-6)
     opens, closes = lift_crossings(law.lift, 0.020 * INCH)
     assert 2 * math.degrees(closes - opens) == pytest.approx(282, abs=1e-6)
@@ -140,7 +168,10 @@ HALF = {"maximum_lift": 0.318 * INCH, "nose": math.pi, "duration": math.radians(
         ({"maximum_lift": 1e-3}, "below the lobe lift"),
         ({"duration": math.radians(358)}, "does not go with the other values"),
         ({"ramp_lift": 9e-3}, "ramp_lift must lie"),
-        ({"ramp_lift": 1.2e-3, "ramp_blend": 1.0, "advertised_duration": math.radians(134)}, "gathers velocity"),
+        (
+            {"ramp_lift": 1.2e-3, "ramp_blend": 1.0, "advertised_duration": math.radians(134)},
+            "gathers velocity",
+        ),
     ],
 )
 def test_a_card_that_contradicts_itself_is_refused_with_what_is_possible(more, words):
@@ -153,11 +184,15 @@ def test_lash_and_ratio_are_told_once_or_alike():
 
     text = (TEMPLATES / "pushrod.toml").read_text(encoding="utf-8")
     train = parse_case(text.replace('lash = "0 in"', 'lash = "0.010 in"')).train
-    assert train.lash == pytest.approx(0.010 * INCH) and train.lever.valve_arm == pytest.approx(1.6 * train.lever.drive_arm)
+    assert train.lash == pytest.approx(0.010 * INCH) and train.lever.valve_arm == pytest.approx(
+        1.6 * train.lever.drive_arm
+    )
     with pytest.raises(InputError, match=r"lift_law\.lash"):
         parse_case(text.replace("spring_set =", 'lash = "0.2 mm"\nspring_set ='))
     with pytest.raises(InputError, match=r"lever's arms make 1\.667"):
-        parse_case(text.replace('drive_arm = "0.90 in"', 'drive_arm = "0.90 in"\nvalve_arm = "1.5 in"'))
+        parse_case(
+            text.replace('drive_arm = "0.90 in"', 'drive_arm = "0.90 in"\nvalve_arm = "1.5 in"')
+        )
 
 
 @pytest.mark.parametrize("fullness", [-0.6, 0.0, 0.6])

@@ -1,4 +1,5 @@
-"""Published: a catalogue spring known by two loads and a frequency, against the spring formulas solved by hand.
+"""Published: a catalogue spring known by two loads and a frequency, against the spring formulas
+solved by hand.
 
 Rate ``k = G d^4 / (8 D^3 n)`` (EN 13906-1) and first frequency ``f = sqrt(k / m) / 2`` of a wire clamped at both ends with the mass ``m =
 rho pi^2 D d^2 n / 4`` of its active coils leave ``d^6 = 32 D^2 k m / (rho pi^2 G)``; neither formula knows the pitch of the helix (0.6 % of
@@ -25,7 +26,9 @@ def test_wire_and_closed_coils_are_those_of_the_formulas() -> None:
     request = read_request(ROOT / "examples" / "identify-spring.toml")
     wire, closed, pitch = request.unknowns
     free = (wire, replace(closed, prior=Prior("uniform", 0.85, 1.5)), pitch)
-    found = identify_request(replace(request, unknowns=free, search=replace(request.search, draws=1)), workers=1)
+    found = identify_request(
+        replace(request, unknowns=free, search=replace(request.search, draws=1)), workers=1
+    )
     (seat, high), frequency = (345.0, 735.0), 472.0
     rate = (high - seat) / 10e-3
     mass = rate / (2 * frequency) ** 2

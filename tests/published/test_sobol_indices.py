@@ -1,4 +1,6 @@
-"""Sobol indices beside the closed form of Ishigami and Homma (1990) and beside scipy's; both verdicts on what makes a spread."""
+"""Sobol indices beside the closed form of Ishigami and Homma (1990) and beside scipy's; both
+verdicts on what makes a spread.
+"""
 
 from __future__ import annotations
 
@@ -22,7 +24,11 @@ def design(count, seed=1, varied=ANGLES):
 
 
 def ishigami(points):
-    return np.sin(points[:, 0]) + A * np.sin(points[:, 1]) ** 2 + B * points[:, 2] ** 4 * np.sin(points[:, 0])
+    return (
+        np.sin(points[:, 0])
+        + A * np.sin(points[:, 1]) ** 2
+        + B * points[:, 2] ** 4 * np.sin(points[:, 0])
+    )
 
 
 def closed_form():
@@ -36,12 +42,16 @@ def closed_form():
 def test_indices_of_the_ishigami_function_are_those_of_its_closed_form():
     found = sensitivity_of("peak_spring_force", RUN, NAMES, ishigami(design(20480)))
     first, total = closed_form()
-    assert found.first == pytest.approx(first, abs=0.02) and found.total == pytest.approx(total, abs=0.02)
+    assert found.first == pytest.approx(first, abs=0.02) and found.total == pytest.approx(
+        total, abs=0.02
+    )
     assert found.rows == 4096 and found.dropped == 0
 
 
 def test_intervals_hold_the_closed_form_about_as_often_as_they_say():
-    """Six true values in each of 30 designs; 95 % is 171 of 180, and fewer than 155 would be a chance of one in ten thousand."""
+    """Six true values in each of 30 designs; 95 % is 171 of 180, and fewer than 155 would be a
+    chance of one in ten thousand.
+    """
     first, total = closed_form()
     inside = 0
     for seed in range(30):
@@ -55,9 +65,13 @@ def test_indices_agree_with_those_of_scipy():
     from scipy.stats import sobol_indices
 
     values = ishigami(design(1280)).reshape(5, -1)
-    other = sobol_indices(func={"f_A": values[:1], "f_B": values[1:2], "f_AB": values[2:, None, :]}, n=values.shape[1])
+    other = sobol_indices(
+        func={"f_A": values[:1], "f_B": values[1:2], "f_AB": values[2:, None, :]}, n=values.shape[1]
+    )
     first, total = indices(values)
-    assert first == pytest.approx(other.first_order, rel=1e-9, abs=1e-12) and total == pytest.approx(other.total_order, rel=1e-9)
+    assert first == pytest.approx(
+        other.first_order, rel=1e-9, abs=1e-12
+    ) and total == pytest.approx(other.total_order, rel=1e-9)
 
 
 def test_the_quantity_that_makes_the_spread_is_named():
@@ -71,13 +85,22 @@ def test_quantities_that_cannot_be_told_apart_are_said_to_be_so():
     points = design(640)
     told = sensitivity_of("peak_spring_force", RUN, NAMES, points[:, 1] + points[:, 0])
     assert told.sentence.startswith("No single quantity makes the spread of the peak spring force")
-    assert "first (" in told.sentence and "second (" in told.sentence and "third (" not in told.sentence
+    assert (
+        "first (" in told.sentence
+        and "second (" in told.sentence
+        and "third (" not in told.sentence
+    )
     assert told.rows == 128 and told.sentence.endswith("cannot be told apart.")
 
 
 def test_few_base_rows_are_named_with_the_count_that_gives_more():
-    """Three quantities: 64 rows of A, B and one mixed sample each are 320 points, of which none is the next smaller design."""
-    for count, rows, end in ((319, 32, " by 32 base rows; count = 320 gives 64."), (320, 64, "told apart.")):
+    """Three quantities: 64 rows of A, B and one mixed sample each are 320 points, of which none is
+    the next smaller design.
+    """
+    for count, rows, end in (
+        (319, 32, " by 32 base rows; count = 320 gives 64."),
+        (320, 64, "told apart."),
+    ):
         points = design(count)
         told = sensitivity_of("peak_spring_force", RUN, NAMES, points[:, 1] + points[:, 0])
         assert told.rows == rows and told.sentence.endswith(end)

@@ -1,7 +1,10 @@
-"""Published: tables of docs/decisions/0077-why-stage-one-is-small.md are what scripts/stage_one.py computes.
+"""Published: tables of docs/decisions/0077-why-stage-one-is-small.md are what scripts/stage_one.py
+computes.
 
-Compared are, of the levers, the shipped row and (long) a tuned one of a and b, one of e and f, the mesh and the six turns; and (long) a row
-of the installed heights, a column of the lift's share, a row of the integrators, and where corner and ramp are.
+Compared are, of the levers, the shipped row and (long) a tuned one of a and b, one of e and f, the
+mesh and the six turns; and (long) a row
+of the installed heights, a column of the lift's share, a row of the integrators, and where corner
+and ramp are.
 """
 
 from __future__ import annotations
@@ -31,7 +34,15 @@ def printed(first: str) -> list[str]:
 
 def numbers(cells: list[str]) -> list[float]:
     """All numbers of some cells."""
-    return [float(one) for cell in cells for one in cell.replace("(", " ").replace(")", " ").replace("at", " ").replace(",", "").split()]
+    return [
+        float(one)
+        for cell in cells
+        for one in cell.replace("(", " ")
+        .replace(")", " ")
+        .replace("at", " ")
+        .replace(",", "")
+        .split()
+    ]
 
 
 def test_the_row_of_the_shipped_spring_is_what_comes_out():
@@ -54,10 +65,17 @@ LEVERS = {
 @pytest.mark.parametrize("first", LEVERS)
 def test_a_row_of_the_levers_is_what_comes_out(first):
     """As the shipped row, spikes to a hundredth."""
-    (change,) = [one for _, changes in stage_one.experiments() for one in changes if one.words == LEVERS[first]]
+    (change,) = [
+        one
+        for _, changes in stage_one.experiments()
+        for one in changes
+        if one.words == LEVERS[first]
+    ]
     _, _, near, *computed = stage_one.row_of(change)
     row = printed(first)
-    assert row[1] in (near, "as shipped") and numbers(row[2:]) == pytest.approx(numbers(computed), rel=0.02, abs=0.6)
+    assert row[1] in (near, "as shipped") and numbers(row[2:]) == pytest.approx(
+        numbers(computed), rel=0.02, abs=0.6
+    )
 
 
 @pytest.mark.long
@@ -65,16 +83,24 @@ def test_a_row_of_the_installed_heights_is_what_comes_out(monkeypatch):
     monkeypatch.setattr(stage_one, "INSTALLED", (8.0,))
     row, (*_, line) = printed("8.0 mm"), stage_one.installed().splitlines()
     _, _, near, *computed = [cell.strip() for cell in line.strip("| ").split("|")]
-    assert row[1] == near and numbers(row[2:5]) == pytest.approx(numbers(computed[:3]), rel=0.02, abs=0.6)
+    assert row[1] == near and numbers(row[2:5]) == pytest.approx(
+        numbers(computed[:3]), rel=0.02, abs=0.6
+    )
     assert row[5] == computed[-1]
 
 
 @pytest.mark.long
 def test_a_column_of_the_lifts_share_is_what_comes_out():
     """A twentieth of the lift, at the speeds of which the page says what is gone."""
-    rows = [line for line in PAGE.split("| lift times |")[1].splitlines() if " rpm |" in line][: len(parts.SPEEDS)]
+    rows = [line for line in PAGE.split("| lift times |")[1].splitlines() if " rpm |" in line][
+        : len(parts.SPEEDS)
+    ]
     told = [float(row.strip("| ").split("|")[3]) for row in rows]
-    found = [stage_one.read(stage_one.moved(parts.rod_of(), rpm, parts.Scaled(parts.LAW, 0.05))).stage_1 / 0.05 for rpm in parts.SPEEDS]
+    found = [
+        stage_one.read(stage_one.moved(parts.rod_of(), rpm, parts.Scaled(parts.LAW, 0.05))).stage_1
+        / 0.05
+        for rpm in parts.SPEEDS
+    ]
     assert told == pytest.approx(found, rel=0.02, abs=0.1)
 
 
@@ -87,12 +113,26 @@ def test_the_row_of_the_implicit_rule_is_what_comes_out():
 
 @pytest.mark.long
 def test_corner_and_ramp_are_where_the_page_says():
-    corners = {cells[0].strip(): cells[1].strip() for cells in (line.strip("| ").split("|") for line in stage_one.kinks().splitlines()[2:])}
-    assert corners["shipped"] == corners["pitch -0.2 mm at coil 2.3"] == corners["pitch +0.2 mm at coil 2.3"] == "7.10"
-    assert f"the corner to {corners['pitch -0.2 mm at coil 1.5']} or {corners['pitch +0.2 mm at coil 1.5']} mm" in " ".join(PAGE.split())
+    corners = {
+        cells[0].strip(): cells[1].strip()
+        for cells in (line.strip("| ").split("|") for line in stage_one.kinks().splitlines()[2:])
+    }
+    assert (
+        corners["shipped"]
+        == corners["pitch -0.2 mm at coil 2.3"]
+        == corners["pitch +0.2 mm at coil 2.3"]
+        == "7.10"
+    )
+    assert (
+        f"the corner to {corners['pitch -0.2 mm at coil 1.5']} or {corners['pitch +0.2 mm at coil 1.5']} mm"
+        in " ".join(PAGE.split())
+    )
     *_, line = stage_one.ramp().splitlines()
     at_120, at_127 = numbers(line.strip("| ").split("|")[1:])
-    assert f"({at_120} N at rest)" in " ".join(PAGE.split()) and f"{at_127:.0f} N are the ramp of the lift up to 127 degrees" in PAGE
+    assert (
+        f"({at_120} N at rest)" in " ".join(PAGE.split())
+        and f"{at_127:.0f} N are the ramp of the lift up to 127 degrees" in PAGE
+    )
 
 
 def test_a_spring_that_is_not_tuned_says_so():
@@ -103,7 +143,9 @@ def test_a_spring_that_is_not_tuned_says_so():
 def test_linear_theory_is_the_rod_at_a_thousandth_of_the_lift():
     spring, rpm, share = parts.rod_of(elements=12), 8000.0, 1e-3
     modes = natural_modes(spring.statics, spring.installed.state, 24)
-    angle, force = parts.linear_force(modes.natural_frequency, modes.axial_transmission, modes.axial_stiffness, parts.LAW, rpm)
+    angle, force = parts.linear_force(
+        modes.natural_frequency, modes.axial_transmission, modes.axial_stiffness, parts.LAW, rpm
+    )
     rod = stage_one.read(stage_one.moved(spring, rpm, parts.Scaled(parts.LAW, share)))
     assert rod.stage_1 / share == pytest.approx(float(np.ptp(force[angle <= 127])), rel=0.01)
 
@@ -126,8 +168,13 @@ def test_the_sine_in_a_force_is_found_among_a_ramp_of_noise():
 
 def test_a_lift_straight_over_pieces_meets_the_law_at_its_stations():
     law = parts.LinearPieces(parts.LAW, 5.0)
-    stations, between = np.radians(np.arange(0.0, 360.0, 5.0)), np.radians(np.arange(2.5, 360.0, 5.0))
+    stations, between = (
+        np.radians(np.arange(0.0, 360.0, 5.0)),
+        np.radians(np.arange(2.5, 360.0, 5.0)),
+    )
     assert law.lift(stations) == pytest.approx(parts.LAW.lift(stations), abs=1e-12)
     ends = law.lift(between - np.radians(2.5)), law.lift(between + np.radians(2.49999))
     assert law.lift(between) == pytest.approx((ends[0] + ends[1]) / 2, abs=1e-8)
-    assert law.lift(between, 1) == pytest.approx((ends[1] - ends[0]) / np.radians(4.99999), abs=1e-6)
+    assert law.lift(between, 1) == pytest.approx(
+        (ends[1] - ends[0]) / np.radians(4.99999), abs=1e-6
+    )

@@ -1,4 +1,6 @@
-"""Plain NumPy twins of rod/energy_kernels.py: energies written down from the definitions, gradients by NumPy algebra."""
+"""Plain NumPy twins of rod/energy_kernels.py: energies written down from the definitions, gradients
+by NumPy algebra.
+"""
 
 from __future__ import annotations
 
@@ -54,7 +56,9 @@ def bend(first, last, q, stiffness, rest):
 
 
 def spline(x, place):
-    """Points of the quadratic B-spline of vertices (nv, 3) at global place (nv units, vertex i at i), with the place's weights."""
+    """Points of the quadratic B-spline of vertices (nv, 3) at global place (nv units, vertex i at
+    i), with the place's weights.
+    """
     base = np.clip(np.round(place).astype(int), 1, len(x) - 2)
     t = (place - base)[:, None]
     weights = np.concatenate([0.5 * (0.5 - t) ** 2, 0.75 - t**2, 0.5 * (0.5 + t) ** 2], axis=1)
@@ -70,7 +74,9 @@ def span(x, i, t):
 
 
 def contact(x, offset, upper_place, lower_place, distance, length, stiffness):
-    """Energy, gradient (nv, 6) and gaps (groups, nv): one Newton step for the foot, penalty along the separation."""
+    """Energy, gradient (nv, 6) and gaps (groups, nv): one Newton step for the foot, penalty along
+    the separation.
+    """
     out, gaps, energy = np.zeros((len(x), 6)), np.full(length.shape, np.inf), 0.0
     for g, i in zip(*np.nonzero(length > 0), strict=True):
         upper, _, _, above = span(x, i, upper_place[g])

@@ -1,4 +1,6 @@
-"""Plain NumPy twins of rod/step_kernels.py on the same flat buffer: whole-array algebra, square roots and divisions as written in books."""
+"""Plain NumPy twins of rod/step_kernels.py on the same flat buffer: whole-array algebra, square
+roots and divisions as written in books.
+"""
 
 from __future__ import annotations
 
@@ -31,7 +33,9 @@ def section_forces(b, first, last):
 
 
 def bending_torques(b, first, last, decay, gain_old, gain_new, viscous):
-    """Torques on the two edges of each vertex, and the low pass of the strain (standard linear solid)."""
+    """Torques on the two edges of each vertex, and the low pass of the strain (standard linear
+    solid).
+    """
     i, count = np.arange(first, last), last + 1
     q = rows(b, "Q0 Q1 Q2 Q3", count + 1)
     relative = product(conjugate(q[i]), q[i + 1])
@@ -46,9 +50,14 @@ def bending_torques(b, first, last, decay, gain_old, gain_new, viscous):
 
 
 def turn_edges(b, first, last, dt, keep, kick):
-    """Euler's equations of a disc-like section (J, J, 2 J), then q <- q (1, dt w / 2), normalised by one Newton step."""
+    """Euler's equations of a disc-like section (J, J, 2 J), then q <- q (1, dt w / 2), normalised
+    by one Newton step.
+    """
     e, count = np.arange(first, last), last + 1
-    w, torque = rows(b, "W1 W2 W3", count)[e], rows(b, "T1 T2 T3", count)[e] / row(b, "INVH", count)[e, None]
+    w, torque = (
+        rows(b, "W1 W2 W3", count)[e],
+        rows(b, "T1 T2 T3", count)[e] / row(b, "INVH", count)[e, None],
+    )
     torque = torque + rows(b, "B1 B2 B3", count)[e - 1] + rows(b, "A1 A2 A3", count)[e]
     turning = rows(b, "IJ1 IJ1 IJ3", count)[e] * torque
     inertia = np.array([1.0, 1.0, 2.0])
@@ -64,7 +73,9 @@ def move_vertices(b, first, last, dt, keep, kick):
     """Newton's law of the vertices; returns sum of mass times (old + new velocity) squared."""
     i, count = np.arange(first, last), last + 1
     old, force = rows(b, "VX VY VZ", count)[i], rows(b, "FX FY FZ", count + 1)
-    new = keep * old + kick * row(b, "IM", count)[i, None] * (force[i + 1] - force[i] + rows(b, "CX CY CZ", count)[i])
+    new = keep * old + kick * row(b, "IM", count)[i, None] * (
+        force[i + 1] - force[i] + rows(b, "CX CY CZ", count)[i]
+    )
     put(b, "VX VY VZ", i, new)
     put(b, "X Y Z", i, rows(b, "X Y Z", count)[i] + dt * new)
     return float(row(b, "MASS", count)[i] @ np.sum((new + old) ** 2, axis=1))
@@ -83,13 +94,19 @@ def weights(place):
 
 
 def contact_forces(b, first, last, t, s, damping_time, dt, suffix=""):
-    """Kelvin-Voigt force along the separation at the foot, never adhesive; one Newton step with the stored 1/slope^2."""
+    """Kelvin-Voigt force along the separation at the foot, never adhesive; one Newton step with the
+    stored 1/slope^2.
+    """
     j, count = np.arange(first, last), last + 1
     around = j[:, None] + np.arange(-1, 2)
     names = "D0 DH KC IS LOSS IMPULSE PEAK".split()
-    inverse, half, stiffness, slope_inverse, loss, impulse, peak = (row(b, n + suffix, count)[j] for n in names)
+    inverse, half, stiffness, slope_inverse, loss, impulse, peak = (
+        row(b, n + suffix, count)[j] for n in names
+    )
     low = rows(b, "XL YL ZL", count)[around]
-    gap = np.einsum("k,nkc->nc", weights(t)[0], rows(b, "X Y Z", count)[around]) - np.einsum("k,nkc->nc", weights(s)[0], low)
+    gap = np.einsum("k,nkc->nc", weights(t)[0], rows(b, "X Y Z", count)[around]) - np.einsum(
+        "k,nkc->nc", weights(s)[0], low
+    )
     curve = low[:, 0] - 2 * low[:, 1] + low[:, 2]
     slope = (low[:, 2] - low[:, 0]) / 2 + s * curve
     foot = np.sum(gap * slope, axis=1) * slope_inverse
@@ -103,7 +120,12 @@ def contact_forces(b, first, last, t, s, damping_time, dt, suffix=""):
     touching = dist < 1 / np.sqrt(inverse)
     force = np.where(touching, np.maximum(stiffness * (overlap + damping_time * closing), 0.0), 0.0)
     pressed = np.maximum(stiffness * (overlap + damping_time * closing), 0.0)
-    put(b, f"LOSS{suffix}", j, (loss + dt * np.where(touching, (pressed - stiffness * overlap) * closing, 0.0))[:, None])
+    put(
+        b,
+        f"LOSS{suffix}",
+        j,
+        (loss + dt * np.where(touching, (pressed - stiffness * overlap) * closing, 0.0))[:, None],
+    )
     put(b, " ".join(n + suffix for n in ("PX", "PY", "PZ")), j, force[:, None] * normal)
     put(b, " ".join(n + suffix for n in ("S0", "S1", "S2")), j, below)
     put(b, f"IMPULSE{suffix}", j, (impulse + dt * force)[:, None])
@@ -112,7 +134,9 @@ def contact_forces(b, first, last, t, s, damping_time, dt, suffix=""):
 
 
 def spread_contact(b, first, last, t, suffix=""):
-    """Point forces to the vertices of the upper wire (rows C) and of the lower wire (rows G, upper index)."""
+    """Point forces to the vertices of the upper wire (rows C) and of the lower wire (rows G, upper
+    index).
+    """
     i, count = np.arange(first, last), last + 1
     up, down = np.zeros((count + 1, 3)), np.zeros((count + 1, 3))
     force = rows(b, " ".join(n + suffix for n in ("PX", "PY", "PZ")), count)
@@ -128,7 +152,12 @@ def spread_contact(b, first, last, t, suffix=""):
 def return_contact(b, first, last, offset):
     """Reaction on the lower wire."""
     i = np.arange(first, last)
-    put(b, "CX CY CZ", i - offset, rows(b, "CX CY CZ", last)[i - offset] - rows(b, "GX GY GZ", last)[i])
+    put(
+        b,
+        "CX CY CZ",
+        i - offset,
+        rows(b, "CX CY CZ", last)[i - offset] - rows(b, "GX GY GZ", last)[i],
+    )
 
 
 def seat_contact(b, first, last, displacement):

@@ -1,4 +1,6 @@
-"""What the tests of the command line share: a spring small enough to run in a second, and two ways to call the commands."""
+"""What the tests of the command line share: a spring small enough to run in a second, and two ways
+to call the commands.
+"""
 
 from __future__ import annotations
 
@@ -80,7 +82,14 @@ def call(*arguments: str) -> Result:
 def process(*arguments: str, folder: Path, **environment: str) -> subprocess.CompletedProcess[str]:
     """The command as a process of its own in ``folder``."""
     command = [sys.executable, *MODULE, *arguments]
-    return subprocess.run(command, capture_output=True, text=True, cwd=folder, timeout=120, env=process_environment(**environment))
+    return subprocess.run(
+        command,
+        capture_output=True,
+        text=True,
+        cwd=folder,
+        timeout=120,
+        env=process_environment(**environment),
+    )
 
 
 def process_environment(**changes: str) -> dict[str, str]:
@@ -89,18 +98,26 @@ def process_environment(**changes: str) -> dict[str, str]:
 
 
 def hear_interrupts() -> None:
-    """Before a new process becomes the command: let SIGINT and SIGHUP reach it. Tests that a script runs in the background, or under
-    nohup, have them ignored, and so would what they start, for good: that is how a shell keeps Ctrl-C from background jobs."""
+    """Before a new process becomes the command: let SIGINT and SIGHUP reach it. Tests that a script
+    runs in the background, or under
+    nohup, have them ignored, and so would what they start, for good: that is how a shell keeps
+    Ctrl-C from background jobs."""
     for number in (signal.SIGINT, signal.SIGHUP):
         signal.signal(number, signal.SIG_DFL)
 
 
 def sentence(result: Result | subprocess.CompletedProcess[str]) -> str:
-    """The one error sentence; fails when there is more, or a traceback, or anything on standard output.
+    """The one error sentence; fails when there is more, or a traceback, or anything on standard
+    output.
 
-    That kernels are compiled, once on a fresh machine, is told before anything is known to be wrong.
+    That kernels are compiled, once on a fresh machine, is told before anything is known to be
+    wrong.
     """
-    lines = [line for line in result.stderr.splitlines() if not line.startswith("compiling kernels, once")]
+    lines = [
+        line
+        for line in result.stderr.splitlines()
+        if not line.startswith("compiling kernels, once")
+    ]
     assert len(lines) == 1 and lines[0].startswith("error: "), result.stderr
     assert result.stdout == ""
     return lines[0]
@@ -115,11 +132,15 @@ def wait_until(happened: Callable[[], bool], what: str, limit: float = 120.0) ->
 
 
 def processor_time(process_id: int) -> float:
-    """Processor time (s) that a process has used: it grows while the process works and stands while it waits."""
+    """Processor time (s) that a process has used: it grows while the process works and stands while
+    it waits.
+    """
     stat = Path(f"/proc/{process_id}/stat")
     if stat.exists():
         fields = stat.read_text().rpartition(")")[2].split()
         return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
-    told = subprocess.run(["ps", "-o", "cputime=", "-p", str(process_id)], capture_output=True, text=True, check=True).stdout
+    told = subprocess.run(
+        ["ps", "-o", "cputime=", "-p", str(process_id)], capture_output=True, text=True, check=True
+    ).stdout
     parts = [float(part) for part in told.strip().replace("-", ":").split(":")]
     return sum(part * 60**place for place, part in enumerate(reversed(parts)))

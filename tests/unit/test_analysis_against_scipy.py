@@ -22,7 +22,9 @@ def test_peaks_and_prominences_are_those_of_scipy(size, flat):
         found += len(expected)
         assert np.array_equal(prominent_peaks(values, 1.0), expected)
         peaks = signal.find_peaks(values)[0]
-        np.testing.assert_allclose(prominences(values, peaks), signal.peak_prominences(values, peaks)[0])
+        np.testing.assert_allclose(
+            prominences(values, peaks), signal.peak_prominences(values, peaks)[0]
+        )
     assert found > 0 or size < 5
 
 
@@ -30,7 +32,12 @@ def test_peaks_and_prominences_are_those_of_scipy(size, flat):
 def test_low_pass_is_the_butterworth_filter_run_forward_and_backward(cutoff):
     time = 4e-6 * np.arange(3600)
     noise = np.random.default_rng(2).standard_normal(len(time))
-    values = 300 + 200 * np.sin(2 * np.pi * 400 * time) + 900 * np.exp(-(((time - 7e-3) / 3e-5) ** 2)) + noise
+    values = (
+        300
+        + 200 * np.sin(2 * np.pi * 400 * time)
+        + 900 * np.exp(-(((time - 7e-3) / 3e-5) ** 2))
+        + noise
+    )
     nyquist = 0.5 / 4e-6
     stages = signal.butter(FILTER_ORDER, cutoff / nyquist, output="sos")
     expected = signal.sosfiltfilt(stages, values, padlen=int(np.ceil(20 * nyquist / cutoff)))

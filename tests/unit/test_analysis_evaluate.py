@@ -10,8 +10,7 @@ import pytest
 from synthetic_spring import ENGINE_SPEED, EVENT, bump, clashing_run, run
 from synthetic_train import ANGLE, CAM_SPEED, found, train
 from valvetrain.errors import InputError
-from valvetrain.parameters.card import SpringCard
-from valvetrain.parameters.installed_spring import CoilContact, InstalledSpring
+from valvetrain.parameters.installed_spring import CoilContact, InstalledSpring, SpringCard
 from valvetrain.parameters.loading import load_case
 from valvetrain.quantities.design import design_quantities
 from valvetrain.quantities.evaluate import evaluate
@@ -42,7 +41,9 @@ def test_extremes_are_those_of_every_instant():
 
 
 def test_filtered_peak_loses_what_the_filter_takes():
-    """200 waves of 10 kHz in a closed turn: half of them left at 10 kHz (6 dB down), all but 1 in 2**8 at 20 kHz."""
+    """200 waves of 10 kHz in a closed turn: half of them left at 10 kHz (6 dB down), all but 1 in
+    2**8 at 20 kHz.
+    """
     made = run(
         {"seat_force": lambda degrees: 300 + 100 * np.cos(200 * degrees * DEG)}, per_turn=4000, turns=1,
         engine_speed=2 * 2 * np.pi * 10e3 / 200, system="train",
@@ -50,16 +51,25 @@ def test_filtered_peak_loses_what_the_filter_takes():
     found = evaluate(made).quantities
     assert found["peak_spring_force"] == pytest.approx(400.0)
     assert found["below_10_khz_peak_spring_force"] == pytest.approx(350.0)
-    assert found["below_20_khz_peak_spring_force"] == pytest.approx(300 + 100 / (1 + (np.tan(np.pi / 20) / np.tan(np.pi / 10)) ** 8))
+    assert found["below_20_khz_peak_spring_force"] == pytest.approx(
+        300 + 100 / (1 + (np.tan(np.pi / 20) / np.tan(np.pi / 10)) ** 8)
+    )
 
 
 def test_clearance_to_coil_bind_is_the_least_of_the_springs():
-    lift = {"valve_lift": lambda degrees: 9e-3 * bump(degrees, 180, 106), "seat_force": lambda degrees: 300 + 0 * degrees}
+    lift = {
+        "valve_lift": lambda degrees: 9e-3 * bump(degrees, 180, 106),
+        "seat_force": lambda degrees: 300 + 0 * degrees,
+    }
     card = InstalledSpring(card=SpringCard(20e3, 100.0, None, 35e-3, solid_height=24e-3))
     unknown = InstalledSpring(card=SpringCard(20e3, 100.0))
-    assert evaluate(run(lift), Frame((card, unknown))).quantities["coil_bind_clearance"] == pytest.approx(2e-3)
+    assert evaluate(run(lift), Frame((card, unknown))).quantities[
+        "coil_bind_clearance"
+    ] == pytest.approx(2e-3)
     tighter = replace(card, card=replace(card.card, solid_height=25e-3))
-    assert evaluate(run(lift), Frame((card, tighter))).quantities["coil_bind_clearance"] == pytest.approx(1e-3)
+    assert evaluate(run(lift), Frame((card, tighter))).quantities[
+        "coil_bind_clearance"
+    ] == pytest.approx(1e-3)
     assert "coil_bind_clearance" not in evaluate(run(lift), Frame((unknown,))).quantities
 
 
@@ -76,15 +86,27 @@ def test_surge_stands_where_it_was_put():
     frequency = 13.2 * CAM_RATE / (2 * np.pi)
     rest = SpringAtRest(SPRING.name, "multi-mass", 5e-3, _curve(30e3))
     frame = Frame((SPRING,), (rest,), (frequency,), EVENT, lift)
-    found = evaluate(run({"seat_force": force, "valve_lift": lambda degrees: lift(degrees * DEG)}), frame).quantities
+    found = evaluate(
+        run({"seat_force": force, "valve_lift": lambda degrees: lift(degrees * DEG)}), frame
+    ).quantities
     assert found["surge_cam_order"] == pytest.approx(13.2) and found["surge_frequency"] == frequency
     assert found["surge_amplitude_force"] == pytest.approx(9.0, abs=1e-6)
-    assert (found["surge_order_3_force"], found["surge_order_13_force"]) == pytest.approx((40.0, 9.0), abs=1e-6)
-    assert found["surge_order_40_force"] == pytest.approx(0.0, abs=1e-6) and "surge_order_41_force" not in found
+    assert (found["surge_order_3_force"], found["surge_order_13_force"]) == pytest.approx(
+        (40.0, 9.0), abs=1e-6
+    )
+    assert (
+        found["surge_order_40_force"] == pytest.approx(0.0, abs=1e-6)
+        and "surge_order_41_force" not in found
+    )
     assert found["nearest_lift_harmonic_order"] == 13.0
     assert found["nearest_lift_harmonic_lift"] == pytest.approx(2e-5) == lift_harmonic(lift, 13)
-    bare = evaluate(run({"seat_force": force, "valve_lift": lambda degrees: lift(degrees * DEG)}), replace(frame, rest=())).quantities
-    assert "surge_amplitude_force" not in bare and bare["surge_cam_order"] == found["surge_cam_order"]
+    bare = evaluate(
+        run({"seat_force": force, "valve_lift": lambda degrees: lift(degrees * DEG)}),
+        replace(frame, rest=()),
+    ).quantities
+    assert (
+        "surge_amplitude_force" not in bare and bare["surge_cam_order"] == found["surge_cam_order"]
+    )
 
 
 def test_surge_of_a_train_is_taken_from_its_own_static_force():
@@ -99,7 +121,9 @@ def test_nominal_stress_is_that_of_the_standard():
     index = mean / diameter
     per_force = (index + 0.5) / (index - 0.75) * 8 * mean / (np.pi * diameter**3)
     assert nominal_stress_per_force(WIRE) == pytest.approx(per_force)
-    found = evaluate(run({"seat_force": lambda degrees: 300 + 200 * bump(degrees, 180, 100)}), Frame((SPRING,))).quantities
+    found = evaluate(
+        run({"seat_force": lambda degrees: 300 + 200 * bump(degrees, 180, 100)}), Frame((SPRING,))
+    ).quantities
     assert found["nominal_peak_shear_stress"] == pytest.approx(500 * per_force)
     assert found["nominal_minimum_shear_stress"] == pytest.approx(300 * per_force)
 
@@ -108,33 +132,64 @@ def test_nominal_stress_looks_for_the_worst_place_of_the_wire():
     beehive = load_case("gu2021-beehive").spring
     coil = np.linspace(*beehive.free_coils, 50)
     index = beehive.mean_diameter.value(coil) / beehive.wire_diameter.value(coil)
-    places = (index + 0.5) / (index - 0.75) * 8 * beehive.mean_diameter.value(coil) / (np.pi * beehive.wire_diameter.value(coil) ** 3)
+    places = (
+        (index + 0.5)
+        / (index - 0.75)
+        * 8
+        * beehive.mean_diameter.value(coil)
+        / (np.pi * beehive.wire_diameter.value(coil) ** 3)
+    )
     assert nominal_stress_per_force(beehive) >= np.max(places) * (1 - 1e-9)
 
 
 def test_nested_springs_carry_their_own_forces_and_stresses():
     channels = {"outer_seat_force": 300 + 0 * ANGLE, "inner_seat_force": 100 + 50 * np.cos(ANGLE)}
-    run = evaluate(train(springs=("outer", "inner"), **channels), Frame((SPRING, SPRING))).quantities
+    run = evaluate(
+        train(springs=("outer", "inner"), **channels), Frame((SPRING, SPRING))
+    ).quantities
     per_force = nominal_stress_per_force(WIRE)
     assert run["inner_nominal_peak_shear_stress"] == pytest.approx(150 * per_force)
-    assert run["nominal_peak_shear_stress"] == run["outer_nominal_peak_shear_stress"] == pytest.approx(300 * per_force)
+    assert (
+        run["nominal_peak_shear_stress"]
+        == run["outer_nominal_peak_shear_stress"]
+        == pytest.approx(300 * per_force)
+    )
 
 
 def test_stress_of_the_wire_over_a_cycle():
-    """Two wire points with 200 +- 100 and 350 +- 20 MPa: the peak stands at the first, the largest amplitude too."""
+    """Two wire points with 200 +- 100 and 350 +- 20 MPa: the peak stands at the first, the largest
+    amplitude too.
+    """
 
     def shear(degrees):
         wave = np.cos(degrees * DEG)
         return 1e6 * np.stack([300 + 100 * wave, 350 + 20 * wave], axis=1)
 
-    extra = {name: (("wire_point",), "Pa", "made up") for name in ("inner_fibre_shear_stress", "inner_fibre_equivalent_stress")}
-    values = {"inner_fibre_shear_stress": shear, "inner_fibre_equivalent_stress": lambda degrees: 2 * shear(degrees)}
+    extra = {
+        name: (("wire_point",), "Pa", "made up")
+        for name in ("inner_fibre_shear_stress", "inner_fibre_equivalent_stress")
+    }
+    values = {
+        "inner_fibre_shear_stress": shear,
+        "inner_fibre_equivalent_stress": lambda degrees: 2 * shear(degrees),
+    }
     values |= {"valve_lift": lambda degrees: 9e-3 * bump(degrees, 180, 106)}
-    static = StaticStress(np.array([0.0, 20e-3]), np.array([1.0, 2.0]), 1e6 * np.array([[0.0, 0], [200, 320]]), np.zeros((2, 2)))
+    static = StaticStress(
+        np.array([0.0, 20e-3]),
+        np.array([1.0, 2.0]),
+        1e6 * np.array([[0.0, 0], [200, 320]]),
+        np.zeros((2, 2)),
+    )
     made = run(values, extra=extra, coil_number=[1.0, 2.0])
-    found = evaluate(made, Frame((SPRING,), (SpringAtRest(SPRING.name, "finite-element", 5e-3, stress=static),))).quantities
-    assert found["peak_shear_stress"] == pytest.approx(400e6) and found["minimum_shear_stress"] == pytest.approx(200e6)
-    assert found["peak_shear_stress_coil_number"] == 1.0 and found["peak_equivalent_stress"] == pytest.approx(800e6)
+    found = evaluate(
+        made, Frame((SPRING,), (SpringAtRest(SPRING.name, "finite-element", 5e-3, stress=static),))
+    ).quantities
+    assert found["peak_shear_stress"] == pytest.approx(400e6) and found[
+        "minimum_shear_stress"
+    ] == pytest.approx(200e6)
+    assert found["peak_shear_stress_coil_number"] == 1.0 and found[
+        "peak_equivalent_stress"
+    ] == pytest.approx(800e6)
     assert found["largest_amplitude_shear_stress"] == pytest.approx(100e6)
     assert found["quasi_static_peak_shear_stress"] == pytest.approx(320e6 * 14 / 20)
     assert found["dynamic_to_static_stress_ratio"] == pytest.approx(400 / 224)
@@ -151,8 +206,16 @@ def test_clash_numbers_are_those_of_the_last_turn_and_absent_without_contact():
 
 
 def test_main_clash_needs_an_event_and_a_surge_frequency():
-    assert "main_clash_peak_force" in evaluate(clashing_run(2880), Frame(surge_frequencies=(600.0,), lift_event=EVENT)).quantities
-    assert "main_clash_peak_force" not in evaluate(clashing_run(2880), Frame(surge_frequencies=(600.0,))).quantities
+    assert (
+        "main_clash_peak_force"
+        in evaluate(
+            clashing_run(2880), Frame(surge_frequencies=(600.0,), lift_event=EVENT)
+        ).quantities
+    )
+    assert (
+        "main_clash_peak_force"
+        not in evaluate(clashing_run(2880), Frame(surge_frequencies=(600.0,))).quantities
+    )
 
 
 def test_a_diverged_run_gives_nothing_and_a_short_one_no_peak():
@@ -177,7 +240,9 @@ def test_an_unknown_source_is_refused():
 
 def test_room_to_coil_bind_is_a_number_of_the_spring():
     found = design_quantities(SPRING)
-    assert found["coil_bind_lift"] == pytest.approx(found["solid_compression"] - found["installed_compression"])
-    assert design_quantities(InstalledSpring(card=SpringCard(20e3, 100.0, None, 35e-3, solid_height=24e-3)))[
-        "coil_bind_lift"
-    ] == pytest.approx(11e-3)
+    assert found["coil_bind_lift"] == pytest.approx(
+        found["solid_compression"] - found["installed_compression"]
+    )
+    assert design_quantities(
+        InstalledSpring(card=SpringCard(20e3, 100.0, None, 35e-3, solid_height=24e-3))
+    )["coil_bind_lift"] == pytest.approx(11e-3)

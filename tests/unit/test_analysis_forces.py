@@ -10,7 +10,12 @@ from valvetrain.errors import InputError
 from valvetrain.quantities.cycle import reported_cycle
 from valvetrain.quantities.energy import energy_balance
 from valvetrain.quantities.filters import filtered_force, low_pass
-from valvetrain.quantities.main_clash import IMPULSE_TIME, _vertex, find_clash_window, main_clash_quantities
+from valvetrain.quantities.main_clash import (
+    IMPULSE_TIME,
+    _vertex,
+    find_clash_window,
+    main_clash_quantities,
+)
 from valvetrain.quantities.spectrum import order_spectrum, surge_order
 from valvetrain.sources.gu2021_stages import stage_quantities
 
@@ -38,7 +43,9 @@ def test_stage_quantities_of_a_drawn_curve():
     between = (fine > 160) & (fine < 190)
     assert found["stage_2_valley_force"] == pytest.approx(curve[between].min(), rel=0.01)
     assert found["stage_2_end_force"] == pytest.approx(280.0)
-    assert (found["stage_3_peak_force"], found["stage_3_peak_cam_angle"] / DEG) == pytest.approx((780.0, 254.5))
+    assert (found["stage_3_peak_force"], found["stage_3_peak_cam_angle"] / DEG) == pytest.approx(
+        (780.0, 254.5)
+    )
     assert found["stage_3_second_peak_cam_angle"] / DEG == pytest.approx(297)
 
 
@@ -48,7 +55,9 @@ def test_falling_flank_is_no_spike_and_one_hump_has_no_valley():
 
     found = stage_quantities(reported_cycle(run({"seat_force": force})), 10 * DEG, EVENT)
     assert found["stage_2_end_force"] > 315
-    assert (found["stage_3_peak_force"], found["stage_3_peak_cam_angle"] / DEG) == pytest.approx((300.0, 300.0))
+    assert (found["stage_3_peak_force"], found["stage_3_peak_cam_angle"] / DEG) == pytest.approx(
+        (300.0, 300.0)
+    )
     assert "stage_2_valley_force" not in found
 
 
@@ -57,7 +66,9 @@ def test_a_peak_at_the_seam_of_the_cycle_counts_once():
         return 300 + 10 * np.cos(3 * degrees * DEG)
 
     found = stage_quantities(reported_cycle(run({"seat_force": force})), 10 * DEG, EVENT)
-    assert [value / DEG for name, value in found.items() if name.startswith("stage_1_peak")] == pytest.approx([0, 120])
+    assert [
+        value / DEG for name, value in found.items() if name.startswith("stage_1_peak")
+    ] == pytest.approx([0, 120])
 
 
 def test_an_aborted_run_gives_only_what_it_covers():
@@ -66,14 +77,18 @@ def test_an_aborted_run_gives_only_what_it_covers():
     cycle = reported_cycle(cut)
     assert not cycle.whole
     found = stage_quantities(cycle, 10 * DEG, EVENT)
-    assert "stage_1_maximum_force" in found and not any(name.startswith("stage_2") for name in found)
+    assert "stage_1_maximum_force" in found and not any(
+        name.startswith("stage_2") for name in found
+    )
 
 
 def test_last_whole_turn_is_reported():
     turn = np.repeat([1.0, 2.0, 3.0], 720)
     solution = run({"seat_force": turn}, turns=3)
     assert np.all(reported_cycle(solution).channel("seat_force") == 3.0)
-    ended = type(solution)(solution.channels.isel(sample=slice(0, 2000)), provenance=solution.provenance)
+    ended = type(solution)(
+        solution.channels.isel(sample=slice(0, 2000)), provenance=solution.provenance
+    )
     cycle = reported_cycle(ended)
     assert cycle.whole and np.all(cycle.channel("seat_force") == 2.0)
     assert cycle.cam_angle[0] == 0 and len(cycle.cam_angle) == 720
@@ -130,9 +145,12 @@ def test_energy_balance_finds_the_energy_that_was_lost():
         stored = 10 * (1 - np.cos(angle))
         heat = 0.1 * angle
         return {
-            "kinetic_energy": 0.25 * stored, "elastic_energy": 0.70 * stored + 3.0, "contact_energy": 0.05 * stored,
-            "energy_dissipated": heat * factor, "work_done": stored + heat,
-        }  # fmt: skip
+            "kinetic_energy": 0.25 * stored,
+            "elastic_energy": 0.70 * stored + 3.0,
+            "contact_energy": 0.05 * stored,
+            "energy_dissipated": heat * factor,
+            "work_done": stored + heat,
+        }
 
     exact = energy_balance(run(missing(1.0)))
     assert exact is not None and exact.relative_imbalance < 1e-12
@@ -145,7 +163,9 @@ def test_energy_balance_finds_the_energy_that_was_lost():
 
 
 def test_main_clash_of_a_made_up_force():
-    """A bump of 400 N over 3 degrees at 250: angle, height and the impulse within 0.1 ms are those of the formula."""
+    """A bump of 400 N over 3 degrees at 250: angle, height and the impulse within 0.1 ms are those
+    of the formula.
+    """
     made = clashing_run(samples=2880)
     cycle = reported_cycle(made)
     window = find_clash_window(cycle, 600.0, EVENT)
@@ -153,10 +173,15 @@ def test_main_clash_of_a_made_up_force():
     found = main_clash_quantities(cycle, window)
     assert np.degrees(found["main_clash_cam_angle"]) == pytest.approx(250.0, abs=0.02)
     assert found["main_clash_peak_force"] == pytest.approx(700.0, abs=0.5)
-    fine, angle = made.channel("seat_force_fine"), made.cam_angle[:, None] + np.arange(4) * np.pi / 2 / 2880
+    fine, angle = (
+        made.channel("seat_force_fine"),
+        made.cam_angle[:, None] + np.arange(4) * np.pi / 2 / 2880,
+    )
     time = angle.ravel() / (made.engine_speed / 2)
     here = np.abs(time - (2 * np.pi + np.radians(250.0)) / (made.engine_speed / 2)) <= IMPULSE_TIME
-    assert found["main_clash_impulse"] == pytest.approx(np.trapezoid(fine.ravel()[here] - 300.0, time[here]), rel=0.02)
+    assert found["main_clash_impulse"] == pytest.approx(
+        np.trapezoid(fine.ravel()[here] - 300.0, time[here]), rel=0.02
+    )
 
 
 @pytest.mark.parametrize("size", [1e-6, 1e-3, 1.0, 1e6])
@@ -166,7 +191,10 @@ def test_main_clash_of_a_made_up_force():
         (lambda x: -((x - 10.25) ** 2), 10.25),  # a parabola: its vertex, between the samples
         (lambda x: -((x - 10.0) ** 2), 10.0),
         (lambda x: -np.abs(x - 10.0), 10.0),  # a kink alike on both sides
-        (lambda x: np.exp(-x), 0.0),  # falls ever slower from the first sample on: no vertex near, the sample itself
+        (
+            lambda x: np.exp(-x),
+            0.0,
+        ),  # falls ever slower from the first sample on: no vertex near, the sample itself
         (lambda x: np.exp(x - 20.0), 20.0),
         (lambda x: -x, 0.0),
     ],

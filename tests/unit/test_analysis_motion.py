@@ -15,13 +15,23 @@ from valvetrain.quantities.compare import compare, pair_angles
 from valvetrain.quantities.cycle import reported_cycle
 from valvetrain.quantities.frame import Frame
 from valvetrain.quantities.peaks import separate_spikes
-from valvetrain.quantities.statics import natural_quantities, rest_quantities, slope_change, static_quantities
+from valvetrain.quantities.statics import (
+    natural_quantities,
+    rest_quantities,
+    slope_change,
+    static_quantities,
+)
 from valvetrain.solution.event import Event
-from valvetrain.solution.modal import ModalResult
+from valvetrain.solution.modes import ModalResult
 from valvetrain.solution.quantity import Quantity, unit_of
 from valvetrain.solution.static import SpringAtRest, StaticCurve
 from valvetrain.sources.gu2021 import COUNTERPARTS, SPEC, quantities
-from valvetrain.sources.gu2021_collisions import bounce_quantities, collision_angles, mean_interval, separation_angle
+from valvetrain.sources.gu2021_collisions import (
+    bounce_quantities,
+    collision_angles,
+    mean_interval,
+    separation_angle,
+)
 
 DEG = np.pi / 180
 SPIKES = (20.0, 46.5, 73.0, 100.0, 245.5, 300.0, 327.0, 354.5)
@@ -29,8 +39,12 @@ PLACES = {"coil_number": [0.5, 1.0, 1.9, 2.1, 3.0], "upper_coil": [1.75, 1.9, 2.
 
 
 def _at_node_2(curve):
-    """Channel along the wire with ``curve`` at coil number 2, between the two wire points beside it, and zero elsewhere."""
-    return lambda degrees: np.stack([0 * degrees, 0 * degrees, 0.8 * curve(degrees), 1.2 * curve(degrees), 0 * degrees], axis=1)
+    """Channel along the wire with ``curve`` at coil number 2, between the two wire points beside
+    it, and zero elsewhere.
+    """
+    return lambda degrees: np.stack(
+        [0 * degrees, 0 * degrees, 0.8 * curve(degrees), 1.2 * curve(degrees), 0 * degrees], axis=1
+    )
 
 
 def _contact(degrees):
@@ -40,7 +54,9 @@ def _contact(degrees):
 
 
 def _touching_gap(degrees):
-    """Coil 2 meets coil 1 at each of SPIKES: the gap near node 2 falls to nothing there and opens 2 degrees later."""
+    """Coil 2 meets coil 1 at each of SPIKES: the gap near node 2 falls to nothing there and opens 2
+    degrees later.
+    """
     touching = np.any([(degrees >= spike) & (degrees < spike + 2) for spike in SPIKES], axis=0)
     return np.where(touching, -1e-7, 1e-5)
 
@@ -50,8 +66,15 @@ def _motion(**changes):
         return sum((1e4 if spike == 245.5 else 3e3) * bump(degrees, spike, 2) for spike in SPIKES)
 
     def velocity(degrees):
-        slow = 0.5 * bump(degrees, 60, 30) - 0.7 * bump(degrees, 90, 30) - 0.9 * bump(degrees, 280, 4)
-        return slow + 1.0 * bump(degrees, 236, 4) - 1.35 * bump(degrees, 241.5, 4) + 0.6 * bump(degrees, 245, 3)
+        slow = (
+            0.5 * bump(degrees, 60, 30) - 0.7 * bump(degrees, 90, 30) - 0.9 * bump(degrees, 280, 4)
+        )
+        return (
+            slow
+            + 1.0 * bump(degrees, 236, 4)
+            - 1.35 * bump(degrees, 241.5, 4)
+            + 0.6 * bump(degrees, 245, 3)
+        )
 
     def gap(degrees):
         lift_off = 2e-4 * bump(degrees, 50, 40) + 7e-4 * bump(degrees, 243, 10) + 2e-6
@@ -62,7 +85,9 @@ def _motion(**changes):
         "axial_acceleration": _at_node_2(acceleration), "axial_velocity": _at_node_2(velocity),
         "coil_gap": gap, "coil_contact_force": _contact,
     }  # fmt: skip
-    return run({name: value for name, value in (channels | changes).items() if value is not None}, **PLACES)
+    return run(
+        {name: value for name, value in (channels | changes).items() if value is not None}, **PLACES
+    )
 
 
 def _values(**options):
@@ -74,9 +99,14 @@ def test_collisions_repeat_with_the_period_of_the_first_mode():
     angles = [found[f"clash_{number}_cam_angle"] / DEG for number in range(1, 9)]
     assert angles == pytest.approx(SPIKES)
     assert "clash_9_cam_angle" not in found
-    # 54.5 degrees between 245.5 and 300 hold one collision that did not show; it is left out of the mean.
-    assert found["clash_interval_cam_angle"] / DEG == pytest.approx(np.mean([26.5, 26.5, 27, 27, 27.5]))
-    assert found["clash_interval_to_mode_1_period_ratio"] == pytest.approx(np.mean([26.5, 26.5, 27, 27, 27.5]) / (16800 / 630))
+    # 54.5 degrees between 245.5 and 300 hold one collision that did not show; it is left out of the
+    # mean.
+    assert found["clash_interval_cam_angle"] / DEG == pytest.approx(
+        np.mean([26.5, 26.5, 27, 27, 27.5])
+    )
+    assert found["clash_interval_to_mode_1_period_ratio"] == pytest.approx(
+        np.mean([26.5, 26.5, 27, 27, 27.5]) / (16800 / 630)
+    )
 
 
 def test_node_2_motion():
@@ -92,16 +122,30 @@ def test_node_2_motion():
     assert found["node_2_late_stage_3_minimum_velocity"] == pytest.approx(-0.9)
     assert found["node_2_peak_acceleration"] == pytest.approx(1e4)
     assert found["node_2_peak_acceleration_cam_angle"] / DEG == pytest.approx(245.5)
-    ends = [f"node_2_stage_{stage}_{word}_velocity" for stage in (1, 2, 3) for word in ("minimum", "maximum")]
-    assert [name for name in found if name in ends] == ends  # told stage by stage, as lists show them
+    ends = [
+        f"node_2_stage_{stage}_{word}_velocity"
+        for stage in (1, 2, 3)
+        for word in ("minimum", "maximum")
+    ]
+    assert [
+        name for name in found if name in ends
+    ] == ends  # told stage by stage, as lists show them
 
 
 @pytest.mark.parametrize("named", ["", "outer_"])
 @pytest.mark.parametrize("clashes", [0, 1, 3])
 def test_clashes_that_the_integrator_found_are_those_of_the_run_and_nothing_else(clashes, named):
-    """Six would be read from the samples; seatings, bounces and losses of contact stand among the events too."""
-    others = [Event(kind, 0.1 * place, 1e-4 * place, 1e-5, 1.0, "N") for place, kind in enumerate(("seating", "bounce", "contact-loss"))]
-    own = [Event("clash", 1.0 + place, 1e-3 * (1 + place), 2e-5, 100.0 + place, "N", "coils 1-2") for place in range(clashes)]
+    """Six would be read from the samples; seatings, bounces and losses of contact stand among the
+    events too.
+    """
+    others = [
+        Event(kind, 0.1 * place, 1e-4 * place, 1e-5, 1.0, "N")
+        for place, kind in enumerate(("seating", "bounce", "contact-loss"))
+    ]
+    own = [
+        Event("clash", 1.0 + place, 1e-3 * (1 + place), 2e-5, 100.0 + place, "N", "coils 1-2")
+        for place in range(clashes)
+    ]
     made = replace(_motion(), events=(*others, *own), statistics={f"{named}{RECORDED}": 2e-6})
     assert clash_events(made) == tuple(own)
     assert len(clash_events(replace(made, statistics={}))) == 6
@@ -118,16 +162,22 @@ def test_a_model_without_coil_pairs_has_no_clash_whatever_its_accelerations(chan
 def test_touches_close_together_are_one_collision():
     cycle = reported_cycle(_motion())
     # 20, 46.5 and 73 follow each other within 26.6 degrees: one collision, at its first touch.
-    assert collision_angles(cycle, 26.6 * DEG) / DEG == pytest.approx([20, 100, 245.5, 300, 327, 354.5])
+    assert collision_angles(cycle, 26.6 * DEG) / DEG == pytest.approx(
+        [20, 100, 245.5, 300, 327, 354.5]
+    )
 
 
 def test_mean_interval_skips_stage_2_and_missed_collisions():
-    assert mean_interval(np.array([20, 46, 72, 240, 266, 292, 345]) * DEG, EVENT) == pytest.approx(26 * DEG)
+    assert mean_interval(np.array([20, 46, 72, 240, 266, 292, 345]) * DEG, EVENT) == pytest.approx(
+        26 * DEG
+    )
     assert mean_interval(np.array([20, 240]) * DEG, EVENT) is None
 
 
 def test_separation_follows_speed_and_frequency():
-    assert separation_angle(reported_cycle(_motion()), 630.0) == pytest.approx(0.35 * 26.667 * DEG, rel=1e-4)
+    assert separation_angle(reported_cycle(_motion()), 630.0) == pytest.approx(
+        0.35 * 26.667 * DEG, rel=1e-4
+    )
 
 
 def test_clashes_merge_neighbours_and_leave_resting_coils_out():
@@ -140,9 +190,13 @@ def test_clashes_merge_neighbours_and_leave_resting_coils_out():
     assert (second.details["first_pair"], second.details["last_pair"]) == (1.9, 2.0)
     assert third.details["peak_cam_angle"] / DEG == pytest.approx(252)
     # Area of A cos^2 over its full width w is A w / 2.
-    assert second.details["impulse"] == pytest.approx(120 * 4 * DEG / (ENGINE_SPEED / 2) / 2, rel=0.01)
+    assert second.details["impulse"] == pytest.approx(
+        120 * 4 * DEG / (ENGINE_SPEED / 2) / 2, rel=0.01
+    )
     # The second lasts 0.36 ms, 0.06 more than a blow: its feet, 1 % of it, count as load.
-    assert third.details["impulse"] == pytest.approx(0.99 * 270 * 6 * DEG / (ENGINE_SPEED / 2) / 2, rel=0.01)
+    assert third.details["impulse"] == pytest.approx(
+        0.99 * 270 * 6 * DEG / (ENGINE_SPEED / 2) / 2, rel=0.01
+    )
     assert events[4].cam_angle - second.cam_angle == pytest.approx(2 * np.pi)
 
 
@@ -153,9 +207,15 @@ def test_clash_rule_parts_late_neighbours_and_drops_faint_ones():
 
     solution = _motion(coil_contact_force=contact)
     together = [event for event in clash_events(solution) if event.cam_angle < 2 * np.pi]
-    apart = [event for event in clash_events(solution, ClashRule(merge_time=0.05e-3)) if event.cam_angle < 2 * np.pi]
+    apart = [
+        event
+        for event in clash_events(solution, ClashRule(merge_time=0.05e-3))
+        if event.cam_angle < 2 * np.pi
+    ]
     assert [len(together), len(apart)] == [1, 2]
-    assert sum(event.details["impulse"] for event in apart) == pytest.approx(together[0].details["impulse"], rel=1e-3)
+    assert sum(event.details["impulse"] for event in apart) == pytest.approx(
+        together[0].details["impulse"], rel=1e-3
+    )
 
 
 def test_hysteresis_keeps_a_chattering_contact_whole():
@@ -163,7 +223,9 @@ def test_hysteresis_keeps_a_chattering_contact_whole():
         chatter = np.where(np.abs(degrees - 250) < 4, 5 + 4.5 * np.cos(40 * degrees * DEG), 0)
         return np.stack([0 * degrees, 0 * degrees, chatter, 0 * degrees], axis=1)
 
-    assert len(clash_events(_motion(coil_contact_force=contact))) == 2  # one a turn, though the force dips to 0.5 N
+    assert (
+        len(clash_events(_motion(coil_contact_force=contact))) == 2
+    )  # one a turn, though the force dips to 0.5 N
     assert len(clash_events(_motion(coil_contact_force=contact), ClashRule(off_force=0.8))) > 2
 
 
@@ -174,7 +236,9 @@ def test_runs_of_true():
 
 def test_bounce_is_the_longest_separation_after_the_collision():
     def gap(degrees):
-        low = np.where((degrees >= 240) & (degrees < 241) | (degrees >= 244) & (degrees < 260), -1e-7, 1e-5)
+        low = np.where(
+            (degrees >= 240) & (degrees < 241) | (degrees >= 244) & (degrees < 260), -1e-7, 1e-5
+        )
         return np.stack([0 * degrees, low, 1e-3 + 0 * degrees, 1e-3 + 0 * degrees], axis=1)
 
     found = bounce_quantities(reported_cycle(_motion(coil_gap=gap)), 240 * DEG, 9 * DEG)
@@ -195,7 +259,14 @@ def test_statics_of_a_bilinear_spring():
     force = 40e3 * compression + 4e3 * np.maximum(compression - 5e-3, 0)
     gap = np.maximum(6.5e-3 - compression, 0)[:, None] * np.array([1.0, 2.0])
     curve = StaticCurve(
-        compression, force, np.gradient(force, compression), gap, 0 * gap, np.array([1.9, 2.5]), np.zeros((101, 0)), np.zeros(0)
+        compression,
+        force,
+        np.gradient(force, compression),
+        gap,
+        0 * gap,
+        np.array([1.9, 2.5]),
+        np.zeros((101, 0)),
+        np.zeros(0),
     )
     found = static_quantities(curve, 7e-3)
     assert found["preload"] == pytest.approx(288.0)
@@ -206,19 +277,48 @@ def test_statics_of_a_bilinear_spring():
 
 
 def test_quantities_at_rest_join_curve_and_modes():
-    modes = ModalResult(7e-3, np.array([500.0, 630.0, 1120.0]), np.zeros((3, 2, 3)), np.arange(2.0), np.ones(3), (1, 2))
-    found = rest_quantities(SpringAtRest("spring", "finite-element", 7e-3, modes=modes), ["natural_1_frequency"])
-    assert found == {"mode_1_frequency": 630.0, "mode_2_frequency": 1120.0, "natural_1_frequency": 500.0}
+    modes = ModalResult(
+        7e-3,
+        np.array([500.0, 630.0, 1120.0]),
+        np.zeros((3, 2, 3)),
+        np.arange(2.0),
+        np.ones(3),
+        (1, 2),
+    )
+    found = rest_quantities(
+        SpringAtRest("spring", "finite-element", 7e-3, modes=modes), ["natural_1_frequency"]
+    )
+    assert found == {
+        "mode_1_frequency": 630.0,
+        "mode_2_frequency": 1120.0,
+        "natural_1_frequency": 500.0,
+    }
 
 
 def test_units_follow_the_last_word():
-    assert [unit_of(name) for name in ("stage_2_peak_force", "clash_1_cam_angle", "node_2_stage_1_velocity_range", "preload")] == [
-        "N", "rad", "m/s", "N",
-    ]  # fmt: skip
+    assert [
+        unit_of(name)
+        for name in (
+            "stage_2_peak_force",
+            "clash_1_cam_angle",
+            "node_2_stage_1_velocity_range",
+            "preload",
+        )
+    ] == [
+        "N",
+        "rad",
+        "m/s",
+        "N",
+    ]
 
 
 def _published(quantity, value, **more):
-    defaults = {"unit": "N", "model": "solid finite elements", "role": "prediction", "engine_speed": 100.0}
+    defaults = {
+        "unit": "N",
+        "model": "solid finite elements",
+        "role": "prediction",
+        "engine_speed": 100.0,
+    }
     defaults |= {"source": "s", "tolerance": None, "relation": "equal", "used_for": "", "doubt": ""}
     return SimpleNamespace(quantity=quantity, value=value, **{**defaults, **more})
 
@@ -227,10 +327,22 @@ def _published(quantity, value, **more):
     ("published", "computed", "verdict"),
     [
         (_published("stage_2_peak_force", 818.0, tolerance=24.5), 840.0, "within tolerance"),
-        (_published("stage_2_peak_force", 818.0, tolerance=24.5), 777.1, "misses by -5.0 %, tolerance 3.0 %"),
+        (
+            _published("stage_2_peak_force", 818.0, tolerance=24.5),
+            777.1,
+            "misses by -5.0 %, tolerance 3.0 %",
+        ),
         (_published("stage_2_peak_force", 800.0), 880.0, "differs by +10.0 %"),
-        (_published("stage_2_peak_force", 620.0, relation="at-most"), 589.0, "stated as at most: -5.0 %"),
-        (_published("stage_2_peak_force", 620.0, relation="at-most"), 651.0, "stated as at most: beyond by 5.0 %"),
+        (
+            _published("stage_2_peak_force", 620.0, relation="at-most"),
+            589.0,
+            "stated as at most: -5.0 %",
+        ),
+        (
+            _published("stage_2_peak_force", 620.0, relation="at-most"),
+            651.0,
+            "stated as at most: beyond by 5.0 %",
+        ),
         (_published("stage_1_peak_1_cam_angle", 1 * DEG), 359 * DEG, "differs by -2.0 deg"),
         (_published("coil_1_2_installed_gap", 0.0, unit="mm"), -2e-6, "differs by -0.002 mm"),
         (_published("other_force", 1.0), 2.0, "not computed"),
@@ -243,33 +355,56 @@ def test_verdicts_say_how_far(published, computed, verdict):
 
 
 def test_published_collision_meets_the_nearest_computed_one():
-    computed = {Quantity(f"clash_{n}_cam_angle", 100.0, "finite-element"): angle * DEG for n, angle in enumerate((5, 20, 48), start=1)}
+    computed = {
+        Quantity(f"clash_{n}_cam_angle", 100.0, "finite-element"): angle * DEG
+        for n, angle in enumerate((5, 20, 48), start=1)
+    }
     rows = compare(
-        [_published("clash_1_cam_angle", 20 * DEG), _published("clash_2_cam_angle", 46.5 * DEG)], computed, COUNTERPARTS, SPEC.counted
+        [_published("clash_1_cam_angle", 20 * DEG), _published("clash_2_cam_angle", 46.5 * DEG)],
+        computed,
+        COUNTERPARTS,
+        SPEC.counted,
     )
     assert [row.difference / DEG for row in rows] == pytest.approx([0, 1.5])
 
 
 def test_models_meet_their_counterparts_only():
-    values = {Quantity("stage_2_peak_force", 100.0, "modal-varied"): 1.0, Quantity("preload"): 289.0}
+    values = {
+        Quantity("stage_2_peak_force", 100.0, "modal-varied"): 1.0,
+        Quantity("preload"): 289.0,
+    }
     peak = "stage_2_peak_force"
-    published = [_published(peak, 2.0), _published(peak, 2.0, model="analytical modal"), _published("preload", 289.0, engine_speed=None)]
+    published = [
+        _published(peak, 2.0),
+        _published(peak, 2.0, model="analytical modal"),
+        _published("preload", 289.0, engine_speed=None),
+    ]
     rows = compare(published, values, COUNTERPARTS)
     assert [row.computed for row in rows] == [None, 1.0, 289.0]
 
 
 def test_large_deflection_of_an_even_spring_is_no_stiffness_change():
     compression = np.linspace(0, 7e-3, 30)
-    stiffness = 39.42e3 * (1 - 0.0105 * compression / 7e-3)  # the uniform spring's own curve: 1 % softer at 7 mm, no coil closes
-    force = np.concatenate(([0.0], np.cumsum(0.5 * (stiffness[1:] + stiffness[:-1]) * np.diff(compression))))
+    stiffness = 39.42e3 * (
+        1 - 0.0105 * compression / 7e-3
+    )  # the uniform spring's own curve: 1 % softer at 7 mm, no coil closes
+    force = np.concatenate(
+        ([0.0], np.cumsum(0.5 * (stiffness[1:] + stiffness[:-1]) * np.diff(compression)))
+    )
     assert slope_change(compression, force) is None
-    assert slope_change(compression, force + 2e3 * np.maximum(compression - 4e-3, 0)) == pytest.approx(4e-3, abs=0.2e-3)
+    assert slope_change(
+        compression, force + 2e3 * np.maximum(compression - 4e-3, 0)
+    ) == pytest.approx(4e-3, abs=0.2e-3)
 
 
 def test_numbered_frequencies_are_named_only_where_asked_for():
-    modes = ModalResult(0.0, np.array([393.0, 396.0, 463.0]), np.zeros((3, 2, 3)), np.arange(2.0), np.ones(3), (2,))
+    modes = ModalResult(
+        0.0, np.array([393.0, 396.0, 463.0]), np.zeros((3, 2, 3)), np.arange(2.0), np.ones(3), (2,)
+    )
     assert natural_quantities(modes, []) == {}
-    assert natural_quantities(modes, ["natural_3_frequency", "natural_9_frequency", "preload"]) == {"natural_3_frequency": 463.0}
+    assert natural_quantities(modes, ["natural_3_frequency", "natural_9_frequency", "preload"]) == {
+        "natural_3_frequency": 463.0
+    }
 
 
 @pytest.mark.parametrize(

@@ -1,4 +1,6 @@
-"""The main lift event of a law, the windows about it, and the stages of the beehive study over them."""
+"""The main lift event of a law, the windows about it, and the stages of the beehive study over
+them.
+"""
 
 from __future__ import annotations
 
@@ -25,7 +27,10 @@ def event_of(parameters: LiftLawParameters) -> LiftEvent | None:
 
 
 def _sine(first: float, last: float) -> LiftLawParameters:
-    return LiftLawParameters("sine-power", {"maximum_lift": 9e-3, "opening_start": first * DEG, "closing_end": last * DEG, "power": 2})
+    return LiftLawParameters(
+        "sine-power",
+        {"maximum_lift": 9e-3, "opening_start": first * DEG, "closing_end": last * DEG, "power": 2},
+    )
 
 
 def test_beehive_keeps_the_stages_of_its_source():
@@ -34,18 +39,33 @@ def test_beehive_keeps_the_stages_of_its_source():
 
 def test_shaped_law_gives_its_own_event():
     law = load_case("gu2021-beehive").lift_law
-    assert event_of(law.replace(ramp_start=80 * DEG, event_start=110 * DEG)) == LiftEvent(np.radians(110.0), np.radians(250.0))
+    assert event_of(law.replace(ramp_start=80 * DEG, event_start=110 * DEG)) == LiftEvent(
+        np.radians(110.0), np.radians(250.0)
+    )
 
 
 def test_ramped_law_gives_its_own_event():
     angles = {"ramp_start": 90, "event_start": 100, "event_end": 230, "ramp_end": 250}
-    law = LiftLawParameters("ramped", {"maximum_lift": 9e-3, "ramp_lift": 3e-4} | {key: angle * DEG for key, angle in angles.items()})
+    law = LiftLawParameters(
+        "ramped",
+        {"maximum_lift": 9e-3, "ramp_lift": 3e-4}
+        | {key: angle * DEG for key, angle in angles.items()},
+    )
     assert event_of(law) == LiftEvent(np.radians(100.0), np.radians(230.0))
 
 
-@pytest.mark.parametrize(("end", "expected"), [({}, 240.0), ({"event_end": None}, 240.0), ({"event_end": 233 * DEG}, 233.0)])
+@pytest.mark.parametrize(
+    ("end", "expected"),
+    [({}, 240.0), ({"event_end": None}, 240.0), ({"event_end": 233 * DEG}, 233.0)],
+)
 def test_a_shaped_law_gives_its_own_event_mirrored_or_not(end, expected):
-    values = {"maximum_lift": 9e-3, "ramp_lift": 3e-4, "ramp_start": 80 * DEG, "event_start": 120 * DEG, "nose": 180 * DEG}
+    values = {
+        "maximum_lift": 9e-3,
+        "ramp_lift": 3e-4,
+        "ramp_start": 80 * DEG,
+        "event_start": 120 * DEG,
+        "nose": 180 * DEG,
+    }
     law = LiftLawParameters("shaped", values | {"flank_shape": (1.0, 1.0, -1.0, -1.0, -1.0)} | end)
     assert event_of(law) == LiftEvent(np.radians(120.0), np.radians(expected))
 
@@ -57,7 +77,9 @@ def test_other_laws_give_where_the_lift_passes_4_percent():
     assert np.degrees([event.start, event.end]) == pytest.approx([100 + edge, 260 - edge], abs=0.06)
 
 
-@pytest.mark.parametrize("law", [LiftLawParameters("zero"), _sine(-70.0, 70.0), _sine(290.0, 430.0)])
+@pytest.mark.parametrize(
+    "law", [LiftLawParameters("zero"), _sine(-70.0, 70.0), _sine(290.0, 430.0)]
+)
 def test_no_event_without_lift_or_across_the_zero(law):
     assert event_of(law) is None
     assert find_lift_event(None) is None
@@ -73,27 +95,47 @@ def test_windows_share_the_cycle_between_them():
 def test_no_source_no_stages_and_no_event_no_stages():
     made = run({"seat_force": lambda degrees: 300 + 50 * bump(degrees, 180, 100)})
     own, other = evaluate(made, Frame(lift_event=EVENT)), evaluate(made, Frame(source="gu2021"))
-    assert not [name for name in {**own.quantities, **other.quantities} if "stage" in name or "node" in name]
-    assert "stage_2_peak_force" in evaluate(made, Frame(lift_event=EVENT, source="gu2021")).quantities
+    assert not [
+        name for name in {**own.quantities, **other.quantities} if "stage" in name or "node" in name
+    ]
+    assert (
+        "stage_2_peak_force" in evaluate(made, Frame(lift_event=EVENT, source="gu2021")).quantities
+    )
 
 
 def test_an_empty_stage_is_left_out():
     made = run({"seat_force": 300 + np.arange(1440.0) % 720})
     found = stage_quantities(reported_cycle(made), 10 * DEG, LiftEvent(0.0, np.radians(140.0)))
-    assert "stage_2_peak_force" in found and not [name for name in found if name.startswith("stage_1")]
+    assert "stage_2_peak_force" in found and not [
+        name for name in found if name.startswith("stage_1")
+    ]
 
 
 @pytest.mark.parametrize("ripple", [60, 120])
 def test_a_ripple_on_the_rising_flank_is_no_maximum_of_stage_2(ripple):
-    """Below the middle of the forces, however far it stands out: the two maxima and the valley stay those of the lifted valve."""
+    """Below the middle of the forces, however far it stands out: the two maxima and the valley stay
+    those of the lifted valve.
+    """
 
     def two_maxima(degrees):
-        return 300 + 400 * bump(degrees, 180, 90) + 100 * bump(degrees, 163, 25) + 120 * bump(degrees, 197, 25)
+        return (
+            300
+            + 400 * bump(degrees, 180, 90)
+            + 100 * bump(degrees, 163, 25)
+            + 120 * bump(degrees, 197, 25)
+        )
 
-    names = [f"stage_2_{word}_{what}" for word in ("first_peak", "valley", "second_peak") for what in ("force", "cam_angle")]
+    names = [
+        f"stage_2_{word}_{what}"
+        for word in ("first_peak", "valley", "second_peak")
+        for what in ("force", "cam_angle")
+    ]
     smooth, rippled = (
         stage_quantities(reported_cycle(run({"seat_force": force})), 10 * DEG, EVENT)
-        for force in (two_maxima, lambda degrees: two_maxima(degrees) + ripple * bump(degrees, 143, 6))
+        for force in (
+            two_maxima,
+            lambda degrees: two_maxima(degrees) + ripple * bump(degrees, 143, 6),
+        )
     )
     assert {name: rippled[name] for name in names} == {name: smooth[name] for name in names}
     assert np.degrees(smooth["stage_2_first_peak_cam_angle"]) == pytest.approx(165, abs=5)
@@ -104,5 +146,7 @@ def test_highest_instant_stands_beside_the_sampled_spike():
     cycle = reported_cycle(made)
     found = stage_quantities(cycle, 10 * DEG, EVENT)
     late = cycle.cam_angle >= np.radians(240.0)
-    assert found["stage_3_every_instant_peak_force"] == np.max(made.channel("seat_force_fine")[cycle.samples][late])
+    assert found["stage_3_every_instant_peak_force"] == np.max(
+        made.channel("seat_force_fine")[cycle.samples][late]
+    )
     assert found["stage_3_every_instant_peak_force"] >= found["stage_3_peak_force"]

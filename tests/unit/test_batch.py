@@ -30,10 +30,19 @@ def scaled(factor: float, value: float) -> float:
 def test_results_keep_their_order_and_progress_counts_up():
     seen = []
     for workers in (1, 2, None):
-        assert map_cases(square, range(7), workers, lambda done, total: seen.append((done, total))) == tuple(n * n for n in range(7))
+        assert map_cases(
+            square, range(7), workers, lambda done, total: seen.append((done, total))
+        ) == tuple(n * n for n in range(7))
     for processes in (False, True):
         for workers in (1, 2, None):
-            found = map_points(scaled, 3.0, range(7), workers, processes, lambda done, total: seen.append((done, total)))
+            found = map_points(
+                scaled,
+                3.0,
+                range(7),
+                workers,
+                processes,
+                lambda done, total: seen.append((done, total)),
+            )
             assert found == tuple(3.0 * n * n for n in range(7))
     assert seen == [(n, 7) for n in range(1, 8)] * 9
     assert map_cases(square, (), 4) == map_points(scaled, 3.0, (), 4) == ()
@@ -66,7 +75,9 @@ def same_bits(one, two) -> None:
 def test_a_sweep_is_the_same_to_the_bit_for_any_number_of_workers():
     case = load_case("tdi-pushrod", {"train.cycles": 2})
     speeds = [speed * RPM for speed in (3000, 5000, 7600)]
-    one, three = (sweep_study(case, speeds, spring_sets=["stock"], workers=workers) for workers in (1, 3))
+    one, three = (
+        sweep_study(case, speeds, spring_sets=["stock"], workers=workers) for workers in (1, 3)
+    )
     same_bits(one, three)
     assert len({run.quantities["peak_retainer_force"] for run in one.solutions}) == 3
 
@@ -77,7 +88,10 @@ def test_runs_of_a_spring_and_of_a_train_are_the_same_to_the_bit_for_any_number_
         (spring, [2000 * RPM, 5000 * RPM], ["multi-mass", "modal-varied", "wave-rod-clash"]),
         (train, [3000 * RPM], ["multi-mass", "massless"]),
     ):
-        one, two, three = (run_study(case, engine_speeds=speeds, spring_models=models, workers=workers) for workers in (1, 2, 3))
+        one, two, three = (
+            run_study(case, engine_speeds=speeds, spring_models=models, workers=workers)
+            for workers in (1, 2, 3)
+        )
         same_bits(one, two)
         same_bits(one, three)
 
@@ -99,7 +113,9 @@ def test_a_sweep_survives_one_bad_speed_and_names_it(monkeypatch):
 
     monkeypatch.setattr(TrainLeapfrog, "run_to_orbit", picky)
     case = load_case("tdi-pushrod")
-    found = sweep_study(case, [300.0, 500.0], spring_sets=("stock",), spring_models=("massless",), workers=1)
+    found = sweep_study(
+        case, [300.0, 500.0], spring_sets=("stock",), spring_models=("massless",), workers=1
+    )
     (sentence,) = found.failures
     assert "massless at 4774.65 rpm" in sentence and "no equilibrium" in sentence
     _, velocity = found.series(found.labels[0], "seating_velocity")
@@ -113,4 +129,9 @@ def test_variants_of_one_train_share_its_mechanism_and_equal_springs_share_nothi
     assert isinstance(train, TrainParameters)
     members = build(load_case("vaz-ohc")).members
     gears = {id(member.gear) for member in members}
-    assert len(gears) == len({replace(variant, label="", spring_set="", spring_model="", note="") for variant in train.variants})
+    assert len(gears) == len(
+        {
+            replace(variant, label="", spring_set="", spring_model="", note="")
+            for variant in train.variants
+        }
+    )

@@ -1,4 +1,6 @@
-"""Unit: linear algebra has one thread while runs are computed, in this process and in workers, and its own number again after."""
+"""Unit: linear algebra has one thread while runs are computed, in this process and in workers, and
+its own number again after.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,6 @@
-"""The validation book's command and page on rows that are made up: every cell, count and sentence, and what makes it fail."""
+"""The validation book's command and page on rows that are made up: every cell, count and sentence,
+and what makes it fail.
+"""
 
 from __future__ import annotations
 
@@ -11,9 +13,19 @@ from valvetrain.validation import __main__ as book
 from valvetrain.validation import explained
 from valvetrain.validation.row import BookCase, Row
 
-MET = Row("rates", "rate of a wire", "en13906-1", "4 mm wire", 41000.0, 41010.0, "N/m", 20.0, "rounding")
-MISSED = replace(MET, topic="sources", name="a|b", unit="1", computed=41100.0, kind="prediction",
-                 band=(41050.0, 41200.0), explanation="another pitch")  # fmt: skip
+MET = Row(
+    "rates", "rate of a wire", "en13906-1", "4 mm wire", 41000.0, 41010.0, "N/m", 20.0, "rounding"
+)
+MISSED = replace(
+    MET,
+    topic="sources",
+    name="a|b",
+    unit="1",
+    computed=41100.0,
+    kind="prediction",
+    band=(41050.0, 41200.0),
+    explanation="another pitch",
+)
 FAILS = replace(MISSED, name="worse", source="", computed=41300.0)
 BARE = replace(MET, name="lost", computed=math.nan)
 ROWS = [MET, MISSED, FAILS, BARE]
@@ -21,13 +33,26 @@ ROWS = [MET, MISSED, FAILS, BARE]
 
 @pytest.mark.parametrize(
     ("row", "status"),
-    [(MET, "met"), (replace(MET, computed=40980.0), "met"), (replace(MET, computed=40979.0), "FAILS"), (MISSED, "miss (explained)"),
-     (replace(MISSED, computed=41050.0), "miss (explained)"), (replace(MISSED, computed=41200.0), "miss (explained)"),
-     (replace(MISSED, computed=41049.0), "FAILS"), (FAILS, "FAILS"), (BARE, "FAILS"), (replace(MISSED, explanation=""), "FAILS"),
-     (replace(MISSED, band=None), "FAILS"), (replace(MET, tolerance=math.inf), "FAILS"), (replace(MISSED, computed=41020.0), "met")],
-)  # fmt: skip
+    [
+        (MET, "met"),
+        (replace(MET, computed=40980.0), "met"),
+        (replace(MET, computed=40979.0), "FAILS"),
+        (MISSED, "miss (explained)"),
+        (replace(MISSED, computed=41050.0), "miss (explained)"),
+        (replace(MISSED, computed=41200.0), "miss (explained)"),
+        (replace(MISSED, computed=41049.0), "FAILS"),
+        (FAILS, "FAILS"),
+        (BARE, "FAILS"),
+        (replace(MISSED, explanation=""), "FAILS"),
+        (replace(MISSED, band=None), "FAILS"),
+        (replace(MET, tolerance=math.inf), "FAILS"),
+        (replace(MISSED, computed=41020.0), "met"),
+    ],
+)
 def test_a_row_is_met_missed_or_fails(row, status):
-    assert row.status == status and (math.isnan(row.computed) or row.difference == row.computed - row.expected)
+    assert row.status == status and (
+        math.isnan(row.computed) or row.difference == row.computed - row.expected
+    )
 
 
 def test_the_page_holds_every_cell():
@@ -35,19 +60,28 @@ def test_the_page_holds_every_cell():
     assert text.startswith(book.HEAD)
     tables = [line for line in text[len(book.HEAD) :].splitlines() if line]
     assert tables == [
-        "| chapter | rows | met | explained misses | fail |", "|---|---|---|---|---|", "| rates | 2 | 1 | 0 | 1 |",
+        "| chapter | rows | met | explained misses | fail |",
+        "|---|---|---|---|---|",
+        "| rates | 2 | 1 | 0 | 1 |",
         "| sources | 2 | 0 | 1 | 1 |",
-        "## Rates", "| what | input | source | expected | computed | difference | tolerance | why | band | status |", "|---" * 10 + "|",
+        "## Rates",
+        "| what | input | source | expected | computed | difference | tolerance | why | band | status |",
+        "|---" * 10 + "|",
         "| rate of a wire | 4 mm wire | en13906-1 (closed form) | 41000 N/m | 41010 N/m | 10 | 20 | rounding |  | met |",
         "| lost | 4 mm wire | en13906-1 (closed form) | 41000 N/m | not computed N/m | not computed | 20 | rounding |  | FAILS |",
-        "## Sources", "| what | input | source | expected | computed | difference | tolerance | why | band | status |", "|---" * 10 + "|",
+        "## Sources",
+        "| what | input | source | expected | computed | difference | tolerance | why | band | status |",
+        "|---" * 10 + "|",
         "| a/b | 4 mm wire | en13906-1 (prediction) | 41000 | 41100 | 100 | 20 | another pitch | 41050 to 41200 | miss (explained) |",
         "| worse | 4 mm wire | prediction | 41000 | 41300 | 300 | 20 | rounding |  | FAILS |",
-    ]  # fmt: skip
+    ]
 
 
 def test_the_command_tells_each_case_and_each_row_that_fails(monkeypatch, capsys, tmp_path):
-    cases = (BookCase("rates_of_wires", lambda: [MET, BARE]), BookCase("long", lambda: [MISSED, FAILS], slow=True))
+    cases = (
+        BookCase("rates_of_wires", lambda: [MET, BARE]),
+        BookCase("long", lambda: [MISSED, FAILS], slow=True),
+    )
     monkeypatch.setattr(book, "book", lambda: cases)
     assert book.main(["--page", str(tmp_path / "page.md")]) == 1
     told = capsys.readouterr().out.splitlines()
@@ -59,26 +93,41 @@ def test_the_command_tells_each_case_and_each_row_that_fails(monkeypatch, capsys
         "FAILS: sources, worse: expected 41000, computed 41300 1, tolerance 20, band of the explained miss 41050 to 41200",
         "4 rows, 2 fail",
     ]
-    assert (tmp_path / "page.md").read_text(encoding="utf-8") == book.page([MET, BARE, MISSED, FAILS])
+    assert (tmp_path / "page.md").read_text(encoding="utf-8") == book.page(
+        [MET, BARE, MISSED, FAILS]
+    )
     monkeypatch.setattr(book, "book", lambda: (BookCase("good", lambda: [MET]), cases[1]))
     assert book.main(["--quick"]) == 0
     assert capsys.readouterr().out.splitlines()[1:] == ["1 rows, 0 fail"]
     assert [row.name for row in book.run_book()] == ["rate of a wire", "a|b", "worse"]
 
 
-#: Bands that are wider than the rule, about numbers that follow the sampling or a difference of two forces: half the width over the middle.
+#: Bands that are wider than the rule, about numbers that follow the sampling or a difference of two
+#: forces: half the width over the middle.
 WIDER = {
     "stage 1 force range, 4200 rpm (solid finite elements)": 0.056, "node 2 contact displacement, 4200 rpm (solid finite elements)": 0.153,
     "coil 1 2 bounce duration, 5600 rpm (solid finite elements)": 0.345,
     "coil 1 2 bounce duration, 8000 rpm (solid finite elements)": 0.095,
     "performance lift difference displacement, 4000 rpm (as printed)": 0.154,
 }  # fmt: skip
-SHARES = (("acceleration", 0.08), ("velocity", 0.04), ("displacement", 0.05), ("printed", 0.03), ("force", 0.02), ("", 0.02))
+SHARES = (
+    ("acceleration", 0.08),
+    ("velocity", 0.04),
+    ("displacement", 0.05),
+    ("printed", 0.03),
+    ("force", 0.02),
+    ("", 0.02),
+)
 
 
-@pytest.mark.parametrize(("name", "band"), [(name, band) for rows in explained.BANDS.values() for name, band in rows.items()])
+@pytest.mark.parametrize(
+    ("name", "band"),
+    [(name, band) for rows in explained.BANDS.values() for name, band in rows.items()],
+)
 def test_the_band_of_an_explained_miss_is_as_narrow_as_its_file_says(name, band):
-    """2 % of a force, 4 % of a velocity, 5 % of a displacement, 8 % of an acceleration, 1.5 degrees of an angle, 3 % of the trains."""
+    """2 % of a force, 4 % of a velocity, 5 % of a displacement, 8 % of an acceleration, 1.5 degrees
+    of an angle, 3 % of the trains.
+    """
     half, middle = (band[1] - band[0]) / 2, abs(band[0] + band[1]) / 2
     if "cam angle" in name:
         assert half == pytest.approx(1.5, abs=0.02)

@@ -9,7 +9,14 @@ import pickle
 import pytest
 
 from valvetrain.errors import InputError
-from valvetrain.parameters.case import Case, CoilContact, DampingParameters, InstalledSpring, Note, PublishedValue
+from valvetrain.parameters.case import (
+    Case,
+    CoilContact,
+    DampingParameters,
+    InstalledSpring,
+    Note,
+    PublishedValue,
+)
 from valvetrain.parameters.constructors import barrel
 from valvetrain.parameters.loading import library_names, load_case, parse_case
 
@@ -21,8 +28,14 @@ def beehive() -> Case:
 
 def test_replace_takes_dotted_paths_and_leaves_the_original(beehive):
     path = "springs.0.options.finite-element.elements_per_coil"
-    coarse = beehive.replace({path: 12, "springs.0.precompression": 0.006, "lift_law.maximum_lift": 0.0091}, name="coarse")
-    assert (coarse.springs[0].options_of("finite-element"), coarse.name) == ({"elements_per_coil": 12}, "coarse")
+    coarse = beehive.replace(
+        {path: 12, "springs.0.precompression": 0.006, "lift_law.maximum_lift": 0.0091},
+        name="coarse",
+    )
+    assert (coarse.springs[0].options_of("finite-element"), coarse.name) == (
+        {"elements_per_coil": 12},
+        "coarse",
+    )
     assert beehive.springs[0].options == {}
     assert beehive.diff(coarse) == {
         "name": ("gu2021-beehive", "coarse"),
@@ -44,7 +57,9 @@ def test_replace_names_the_nearest_path(beehive):
         beehive.replace(rubbin=None)
     with pytest.raises(InputError, match="did you mean elements_per_coil"):
         beehive.replace({"springs.0.options.finite-element.element_per_coil": 12})
-    with pytest.raises(InputError, match="spring model 'finite-elements' is unknown; did you mean finite-element"):
+    with pytest.raises(
+        InputError, match="spring model 'finite-elements' is unknown; did you mean finite-element"
+    ):
         beehive.replace({"springs.0.options.finite-elements.elements_per_coil": 12})
     with pytest.raises(InputError, match="has no parts to set"):
         beehive.replace({"name.first": 1})
@@ -67,7 +82,10 @@ def test_cite_collects_keys_once():
     case = Case(
         "x",
         sources=("first2020",),
-        notes={"spring": Note("published", "second2021, figure 3"), "operation": Note("assumed", "a guess of ours")},
+        notes={
+            "spring": Note("published", "second2021, figure 3"),
+            "operation": Note("assumed", "a guess of ours"),
+        },
         published=(PublishedValue("preload", 1.0, "N", source="first2020, table 1"),),
     )
     assert case.cite() == ("first2020", "second2021")
@@ -76,12 +94,20 @@ def test_cite_collects_keys_once():
 def test_a_record_tells_values_sources_and_what_was_changed():
     record = load_case("gu2021-beehive", {"spring.damping.ratio": 0.02}).record()
     values = {value.path: value for value in record.values}
-    assert (values["spring.precompression"].words, values["spring.precompression"].status) == ("7 mm", "published")
-    assert values["spring.damping.ratio"].words == "0.02" and "outside" in values["spring.damping.ratio"].source
+    assert (values["spring.precompression"].words, values["spring.precompression"].status) == (
+        "7 mm",
+        "published",
+    )
+    assert (
+        values["spring.damping.ratio"].words == "0.02"
+        and "outside" in values["spring.damping.ratio"].source
+    )
     assert values["spring.lower_end.inactive_coils"].words == "0.851 turns"
     assert record.changed == ("spring.damping.ratio",) and record.study == "gu2021"
     assert "coil collisions" in record.citations[0] and "nose" in record.zero_of_angle
-    assert parse_case(record.text, name=record.name) == load_case("gu2021-beehive", {"spring.damping.ratio": 0.02})
+    assert parse_case(record.text, name=record.name) == load_case(
+        "gu2021-beehive", {"spring.damping.ratio": 0.02}
+    )
 
 
 @pytest.mark.parametrize("name", library_names())
@@ -121,7 +147,9 @@ def test_damping_from_a_ratio_is_split_by_share():
 
 def test_standard_job_coefficients_are_the_stated_ratio():
     # Both variants of the benchmark jobs are stated as 1.6 % at 600 Hz.
-    assert DampingParameters(stiffness_damping=8.48826e-6).ratio_at(600) == pytest.approx(0.016, rel=1e-5)
+    assert DampingParameters(stiffness_damping=8.48826e-6).ratio_at(600) == pytest.approx(
+        0.016, rel=1e-5
+    )
     assert DampingParameters(mass_damping=120.637).ratio_at(600) == pytest.approx(0.016, rel=1e-5)
 
 
@@ -137,7 +165,15 @@ def test_one_coefficient_leaves_the_rest_of_the_ratio_to_the_other():
     [
         ({"ratio": 0.016}, "together"),
         ({"stiffness_share": 0.5}, "stiffness_share splits"),
-        ({"ratio": 0.016, "ratio_frequency": 630, "mass_damping": 50.0, "stiffness_damping": 8e-6}, "give the damping one way"),
+        (
+            {
+                "ratio": 0.016,
+                "ratio_frequency": 630,
+                "mass_damping": 50.0,
+                "stiffness_damping": 8e-6,
+            },
+            "give the damping one way",
+        ),
         ({"ratio": 0.016, "ratio_frequency": 630, "mass_damping": 500.0}, "more than the ratio"),
         ({"ratio": 0.016, "ratio_frequency": 630, "stiffness_share": 1.5}, "between 0"),
         ({"ratio": 3.0, "ratio_frequency": 630}, "below 1"),

@@ -49,8 +49,17 @@ def test_standard_jobs_are_as_stated():
 
 def test_published_values_carry_speed_role_unit_and_tolerance():
     case = load_case("gu2021-beehive")
-    peak = next(value for value in case.published if value.quantity == "stage_2_peak_force" and value.tolerance)
-    assert (peak.value, peak.unit, peak.role, peak.model) == (818.0, "N", "calibration", "solid finite elements")
+    peak = next(
+        value
+        for value in case.published
+        if value.quantity == "stage_2_peak_force" and value.tolerance
+    )
+    assert (peak.value, peak.unit, peak.role, peak.model) == (
+        818.0,
+        "N",
+        "calibration",
+        "solid finite elements",
+    )
     assert peak.tolerance == pytest.approx(0.03 * 818)
     assert peak.engine_speed == pytest.approx(4200 * np.pi / 30)
     # Nothing at 5600 and 8000 rpm may be used to identify the spring.
@@ -69,22 +78,54 @@ def test_a_published_value_says_its_own_role_use_and_doubt():
     )
     preload, mode = parse_case(SPRING + published).published
     assert (preload.role, preload.used_for, preload.doubt) == ("check", "", "")
-    assert (mode.role, mode.used_for, mode.doubt) == ("calibration", "the wire diameter", "two digits")
+    assert (mode.role, mode.used_for, mode.doubt) == (
+        "calibration",
+        "the wire diameter",
+        "two digits",
+    )
 
 
 def test_curve_forms():
     extra = {
         'pitch = "7.5 mm"': [
-            ('pitch = { coils = [0, 3, 6], values = "5, 7, 5 mm" }', lambda s: float(s.pitch.value(1.5)), 6e-3),
-            ('pitch = { coils = [0, 3, 6], clearances = "1, 3, 1 mm" }', lambda s: float(s.pitch.value(1.5)), 6e-3),
-            ('pitch = { kind = "table", coils = [0, 3, 6], values = "5, 7, 5 mm" }', lambda s: float(s.pitch.value(3.0)), 7e-3),
-            ('height = { coils = [0, 2, 4, 6], values = "0, 14, 28, 42 mm" }', lambda s: float(s.axial_position(5.0)), 35e-3),
-            ('pitch = { formula = "closed-ends", pitch = "7 mm" }', lambda s: float(s.pitch.value(3.0)), 7e-3),
+            (
+                'pitch = { coils = [0, 3, 6], values = "5, 7, 5 mm" }',
+                lambda s: float(s.pitch.value(1.5)),
+                6e-3,
+            ),
+            (
+                'pitch = { coils = [0, 3, 6], clearances = "1, 3, 1 mm" }',
+                lambda s: float(s.pitch.value(1.5)),
+                6e-3,
+            ),
+            (
+                'pitch = { kind = "table", coils = [0, 3, 6], values = "5, 7, 5 mm" }',
+                lambda s: float(s.pitch.value(3.0)),
+                7e-3,
+            ),
+            (
+                'height = { coils = [0, 2, 4, 6], values = "0, 14, 28, 42 mm" }',
+                lambda s: float(s.axial_position(5.0)),
+                35e-3,
+            ),
+            (
+                'pitch = { formula = "closed-ends", pitch = "7 mm" }',
+                lambda s: float(s.pitch.value(3.0)),
+                7e-3,
+            ),
         ],
         'mean_diameter = "24 mm"': [
             ('outer_diameter = "28 mm"', lambda s: float(s.mean_diameter.value(1.0)), 24e-3),
-            ('mean_diameter = { formula = "conical", lower = "24 mm", upper = "18 mm" }', lambda s: float(s.mean_diameter.value(3)), 21e-3),
-            ('mean_diameter = { formula = "barrel", ends = "20 mm", middle = "26 mm" }', lambda s: float(s.mean_diameter.value(3)), 26e-3),
+            (
+                'mean_diameter = { formula = "conical", lower = "24 mm", upper = "18 mm" }',
+                lambda s: float(s.mean_diameter.value(3)),
+                21e-3,
+            ),
+            (
+                'mean_diameter = { formula = "barrel", ends = "20 mm", middle = "26 mm" }',
+                lambda s: float(s.mean_diameter.value(3)),
+                26e-3,
+            ),
             (
                 'outer_diameter = { formula = "beehive", lower = "28 mm", upper = "22 mm", taper_from_coil = 3 }',
                 lambda s: float(s.mean_diameter.value(4.5)),
@@ -94,27 +135,62 @@ def test_curve_forms():
     }
     for line, forms in extra.items():
         for text, read, expected in forms:
-            assert read(parse_case(SPRING.replace(line, text)).spring) == pytest.approx(expected, rel=1e-9), text
+            assert read(parse_case(SPRING.replace(line, text)).spring) == pytest.approx(
+                expected, rel=1e-9
+            ), text
 
 
 @pytest.mark.parametrize(
     ("line", "form", "field", "expected"),
     [
-        *(("mean_diameter", f'formula = "{word}", lower = "24 mm", upper = "18 mm"', "mean_diameter", {0: 24, 1: 23, 4.5: 19.5, 6: 18})
-          for word in ("linear", "conical")),
-        ("mean_diameter", 'formula = "barrel", ends = "20 mm", middle = "26 mm"', "mean_diameter", {0: 20, 1.5: 24.5, 3: 26, 6: 20}),
-        ("mean_diameter", 'formula = "hourglass", ends = "26 mm", middle = "20 mm"', "mean_diameter", {0: 26, 1.5: 21.5, 3: 20, 6: 26}),
-        ("outer_diameter", 'formula = "beehive", lower = "28 mm", upper = "22 mm", taper_from_coil = 2', "mean_diameter",
-         {0: 24, 2: 24, 3: 22.5, 5: 19.5, 6: 18}),
-        ("pitch", 'formula = "closed-ends", pitch = "7 mm", closed_lower = 1.5, closed_upper = 1, ramp = 0.5', "pitch",
-         {0: 4, 1.5: 4, 1.75: 5.5, 2: 7, 4.5: 7, 4.75: 5.5, 5: 4, 6: 4}),
+        *(
+            (
+                "mean_diameter",
+                f'formula = "{word}", lower = "24 mm", upper = "18 mm"',
+                "mean_diameter",
+                {0: 24, 1: 23, 4.5: 19.5, 6: 18},
+            )
+            for word in ("linear", "conical")
+        ),
+        (
+            "mean_diameter",
+            'formula = "barrel", ends = "20 mm", middle = "26 mm"',
+            "mean_diameter",
+            {0: 20, 1.5: 24.5, 3: 26, 6: 20},
+        ),
+        (
+            "mean_diameter",
+            'formula = "hourglass", ends = "26 mm", middle = "20 mm"',
+            "mean_diameter",
+            {0: 26, 1.5: 21.5, 3: 20, 6: 26},
+        ),
+        (
+            "outer_diameter",
+            'formula = "beehive", lower = "28 mm", upper = "22 mm", taper_from_coil = 2',
+            "mean_diameter",
+            {0: 24, 2: 24, 3: 22.5, 5: 19.5, 6: 18},
+        ),
+        (
+            "pitch",
+            'formula = "closed-ends", pitch = "7 mm", closed_lower = 1.5, closed_upper = 1, ramp = 0.5',
+            "pitch",
+            {0: 4, 1.5: 4, 1.75: 5.5, 2: 7, 4.5: 7, 4.75: 5.5, 5: 4, 6: 4},
+        ),
     ],
-)  # fmt: skip
+)
 def test_every_formula_runs_from_its_lower_to_its_upper_end(line, form, field, expected):
-    """Straight lines and parabolas by hand, mm at coil numbers; none of the coils is one where both ways round agree."""
-    replaced = {"mean_diameter": 'mean_diameter = "24 mm"', "outer_diameter": 'mean_diameter = "24 mm"', "pitch": 'pitch = "7.5 mm"'}[line]
+    """Straight lines and parabolas by hand, mm at coil numbers; none of the coils is one where both
+    ways round agree.
+    """
+    replaced = {
+        "mean_diameter": 'mean_diameter = "24 mm"',
+        "outer_diameter": 'mean_diameter = "24 mm"',
+        "pitch": 'pitch = "7.5 mm"',
+    }[line]
     spring = parse_case(SPRING.replace(replaced, f"{line} = {{ {form} }}")).spring
-    assert [1e3 * float(getattr(spring, field).value(coil)) for coil in expected] == pytest.approx(list(expected.values()), rel=1e-9)
+    assert [1e3 * float(getattr(spring, field).value(coil)) for coil in expected] == pytest.approx(
+        list(expected.values()), rel=1e-9
+    )
 
 
 def test_installed_height_becomes_precompression():
@@ -135,7 +211,14 @@ def test_spring_card_from_two_loads():
 def test_a_block_is_the_same_in_a_spring_case_and_in_a_train():
     block = load_case("vaz-ohc").train.springs["nested"]
     tree = tomllib.loads((LIBRARY / "vaz-ohc.toml").read_text())
-    case = parse_case(toml_text({"spring": tree["train"]["springs"]["nested"], "rubbing": {"coefficient": 0.1, "normal_force": "20 N"}}))
+    case = parse_case(
+        toml_text(
+            {
+                "spring": tree["train"]["springs"]["nested"],
+                "rubbing": {"coefficient": 0.1, "normal_force": "20 N"},
+            }
+        )
+    )
     assert case.springs == block and [spring.name for spring in block] == ["outer", "inner"]
     assert case.rubbing == Rubbing(0.1, 20.0)
 
@@ -159,16 +242,25 @@ time_step = "1e-7 s"
     assert spring.damping.mass_damping == 50.0
     assert spring.contact == CoilContact(2e10, 2e-6)
     # Only what the file gives is kept: defaults stand in one place.
-    assert spring.options == {"multi-mass": {"masses_per_coil": 20}, "finite-element": {"time_step": 1e-7}}
+    assert spring.options == {
+        "multi-mass": {"masses_per_coil": 20},
+        "finite-element": {"time_step": 1e-7},
+    }
 
 
 def test_values_are_set_from_outside():
-    changes = {"spring.options.finite-element.elements_per_coil": 12, "spring.damping.ratio": 0.02, "spring.wire_diameter": "3.8 mm"}
+    changes = {
+        "spring.options.finite-element.elements_per_coil": 12,
+        "spring.damping.ratio": 0.02,
+        "spring.wire_diameter": "3.8 mm",
+    }
     case = load_case("gu2021-beehive", changes)
     assert case.springs[0].options_of("finite-element") == {"elements_per_coil": 12}
     assert case.springs[0].damping.ratio == 0.02 and case.changed == tuple(changes)
     assert float(case.spring.wire_diameter.value(1.0)) == pytest.approx(3.8e-3)
-    pair = load_case("vaz-ohc", {"train.springs.nested.1.installed_height": "29 mm"}).train.springs["nested"]
+    pair = load_case("vaz-ohc", {"train.springs.nested.1.installed_height": "29 mm"}).train.springs[
+        "nested"
+    ]
     assert pair[1].installed_height == pytest.approx(29e-3)
 
 
@@ -183,7 +275,10 @@ def test_the_resolved_text_gives_the_case_again(name):
 
 def test_lift_table_from_a_file_in_crank_degrees(tmp_path):
     lifts = [0, 0, 0.1, 1, 3, 5, 6, 5, 3, 1, 0.1, 0, 0]
-    rows = [f"{angle};{lift:.4f}".replace(".", ",") for angle, lift in zip(range(0, 241, 20), lifts, strict=True)]
+    rows = [
+        f"{angle};{lift:.4f}".replace(".", ",")
+        for angle, lift in zip(range(0, 241, 20), lifts, strict=True)
+    ]
     (tmp_path / "lift.csv").write_text("angle;lift\n" + "\n".join(rows))
     path = tmp_path / "case.toml"
     table = '[lift_law]\nkind = "table"\nfile = "lift.csv"\nangle_unit = "deg"\nlift_unit = "mm"\nlift_of = "tappet"\n'
@@ -202,7 +297,11 @@ def test_lift_table_from_a_file_in_crank_degrees(tmp_path):
 
 
 def test_notes_on_values_and_tables():
-    case = parse_case(SPRING.replace('"4.0 mm"', '{ value = "4.0 mm", status = "measured", source = "me2020, page 3" }'))
+    case = parse_case(
+        SPRING.replace(
+            '"4.0 mm"', '{ value = "4.0 mm", status = "measured", source = "me2020, page 3" }'
+        )
+    )
     assert case.notes["spring.wire_diameter"].status == "measured"
     assert case.cite() == ("me2020",)
 
@@ -216,41 +315,75 @@ REFUSED = [
         SPRING.replace("mean_diameter", "mean_diametre"),
         "line 4, spring.mean_diametre: key 'mean_diametre' is unknown; did you mean mean_diameter",
     ),
-    (SPRING.replace('"4.0 mm"', "4.0"), "line 3, spring.wire_diameter: 4.0 has no unit; a length is needed here: write '4.0 mm'"),
+    (
+        SPRING.replace('"4.0 mm"', "4.0"),
+        "line 3, spring.wire_diameter: 4.0 has no unit; a length is needed here: write '4.0 mm'",
+    ),
     (SPRING.replace('"4.0 mm"', '"4.0 N"'), "is a force, but a length is needed"),
     (SPRING.replace('"4.0 mm"', '"40 mm"'), "line 2, spring: at coil 0.00"),
     (SPRING.replace("[spring]", "[sprung]"), "did you mean spring"),
-    (SPRING + 'height = { coils = [0, 6], values = "0, 45 mm" }', "pitch and height are both given"),
+    (
+        SPRING + 'height = { coils = [0, 6], values = "0, 45 mm" }',
+        "pitch and height are both given",
+    ),
     (SPRING + 'outer_diameter = "28 mm"', "mean_diameter and outer_diameter are both given"),
     (SPRING.replace('pitch = "7.5 mm"\n', ""), "neither pitch nor height nor free_length is given"),
     (SPRING.replace("total_coils = 6\n", ""), "'total_coils' is missing; add it"),
-    (SPRING.replace('material = "OTEVA 90 SC"\n', ""), "spring.material: 'material' is missing; add it, such as material ="),
+    (
+        SPRING.replace('material = "OTEVA 90 SC"\n', ""),
+        "spring.material: 'material' is missing; add it, such as material =",
+    ),
     (SPRING.replace("= 6", "= 0"), "too small"),
     (SPRING.replace("= 6", "= 1e9"), "too large"),
     (SPRING.replace("OTEVA 90 SC", "OTEVA 90"), "did you mean OTEVA 90 SC"),
     (SPRING + 'lower_end = "closed"', "contradict"),
-    (SPRING.replace('"OTEVA 90 SC"', '{ name = "OTEVA 90 SC", poisson_ratio = 0.9 }'), "spring.material.poisson_ratio: '0.9' is too large"),
     (
-        SPRING.replace('"OTEVA 90 SC"', '{ youngs_modulus = "206 GPa", shear_modulus = "90 GPa", poisson_ratio = 0.3 }'),
+        SPRING.replace('"OTEVA 90 SC"', '{ name = "OTEVA 90 SC", poisson_ratio = 0.9 }'),
+        "spring.material.poisson_ratio: '0.9' is too large",
+    ),
+    (
+        SPRING.replace(
+            '"OTEVA 90 SC"',
+            '{ youngs_modulus = "206 GPa", shear_modulus = "90 GPa", poisson_ratio = 0.3 }',
+        ),
         "contradicts youngs_modulus and poisson_ratio",
     ),
-    (SPRING.replace('"OTEVA 90 SC"', '{ youngs_modulus = "206 GPa", density = "7850 kg/m^3" }'), "or a name from the library"),
     (
-        SPRING + '[spring.damping]\nratio = 0.016\nratio_frequency = "630 Hz"\nmass_damping = "50 1/s"\nstiffness_damping = "9e-6 s"',
+        SPRING.replace('"OTEVA 90 SC"', '{ youngs_modulus = "206 GPa", density = "7850 kg/m^3" }'),
+        "or a name from the library",
+    ),
+    (
+        SPRING
+        + '[spring.damping]\nratio = 0.016\nratio_frequency = "630 Hz"\nmass_damping = "50 1/s"\nstiffness_damping = "9e-6 s"',
         "give the damping one way",
     ),
-    (SPRING + 'precompression = "25 mm"', "line 9, spring.precompression: the spring is solid before"),
+    (
+        SPRING + 'precompression = "25 mm"',
+        "line 9, spring.precompression: the spring is solid before",
+    ),
     (SPRING + 'installed_height = "50 mm"', "would be stretched"),
     (SPRING + 'precompression = "5 mm"\ninstalled_height = "40 mm"', "both given"),
     (SPRING + 'preload = "200 N"', "key 'preload' is unknown"),
-    (SPRING + f"{FINITE}\nelements_per_coil = 24.5", "line 10, spring.options.finite-element.elements_per_coil"),
+    (
+        SPRING + f"{FINITE}\nelements_per_coil = 24.5",
+        "line 10, spring.options.finite-element.elements_per_coil",
+    ),
     (SPRING + f'{FINITE}\nelements_per_coil = "24"', "does not fit"),
     (SPRING + f"{FINITE}\nelements_per_coil = 3", "greater than or equal to 4"),
     (SPRING + f"{FINITE}\nelement_per_coil = 12", "did you mean elements_per_coil"),
     (SPRING + f"{FINITE}\ntime_step = 1e-7", "has no unit; a time is needed"),
-    (SPRING + "[spring.options.multi-mas]\nmasses_per_coil = 6", "line 9, spring.options.multi-mas: spring model 'multi-mas' is unknown"),
-    (SPRING + "[spring.options.multi-mass]\nelements = 6", "line 10, spring.options.multi-mass.elements: elements has no effect"),
-    (CARD + "[spring.options.multi-mass]\nmasses_per_coil = 6", "no effect on a spring known by its card"),
+    (
+        SPRING + "[spring.options.multi-mas]\nmasses_per_coil = 6",
+        "line 9, spring.options.multi-mas: spring model 'multi-mas' is unknown",
+    ),
+    (
+        SPRING + "[spring.options.multi-mass]\nelements = 6",
+        "line 10, spring.options.multi-mass.elements: elements has no effect",
+    ),
+    (
+        CARD + "[spring.options.multi-mass]\nmasses_per_coil = 6",
+        "no effect on a spring known by its card",
+    ),
     (CARD + 'precompression = "7 mm"', "key 'precompression' is unknown"),
     (SPRING + '[spring.contact]\nstifness = "2e4 N/mm/mm"', "did you mean stiffness"),
     (SPRING + '[spring.contact]\nstiffness = "2e4 N/mm"', "a stiffness per length is needed"),
@@ -261,25 +394,50 @@ REFUSED = [
         SPRING + '[rod]\ncontact_stiffness = "2e4 N/mm/mm"',
         "[rod] contact_stiffness is now [spring.contact] stiffness",
     ),
-    (SPRING + "[rod]\nelements_per_coil = 24", "now [spring.options.finite-element] elements_per_coil"),
+    (
+        SPRING + "[rod]\nelements_per_coil = 24",
+        "now [spring.options.finite-element] elements_per_coil",
+    ),
     ('[spring_card]\npreload = "195.81 N"', "[spring_card] is now [spring]"),
-    (SPRING + '[train.spring_options]\nmass_damping = "50 1/s"', "is now damping.mass_damping in each [[train.springs.SET]] block"),
+    (
+        SPRING + '[train.spring_options]\nmass_damping = "50 1/s"',
+        "is now damping.mass_damping in each [[train.springs.SET]] block",
+    ),
     (SPRING + '[operation]\noutput_step = "90 deg"', "too large"),
-    (SPRING + "[rubbing]\ncoefficient = 0.1", "line 9, rubbing: rubbing acts between two nested springs"),
+    (
+        SPRING + "[rubbing]\ncoefficient = 0.1",
+        "line 9, rubbing: rubbing acts between two nested springs",
+    ),
     (SPRING + '[operation]\nengine_speeds = "4200 Hz"', "a rotational speed is needed"),
-    (SPRING + '[operation]\nengine_speeds = "4200 rpm"\ncam_speeds = "2100 rpm"', "twice the cam speed"),
-    (SPRING.replace('"4.0 mm"', '{ value = "4.0 mm", status = "guessed" }'), "status 'guessed' is unknown"),
+    (
+        SPRING + '[operation]\nengine_speeds = "4200 rpm"\ncam_speeds = "2100 rpm"',
+        "twice the cam speed",
+    ),
+    (
+        SPRING.replace('"4.0 mm"', '{ value = "4.0 mm", status = "guessed" }'),
+        "status 'guessed' is unknown",
+    ),
     (SPRING + '[lift_law]\nkind = "cycloid"', "did you mean cycloidal"),
     (
         '[lift_law]\nkind = "cycloidal"\nmaximum_lift = "9 mm"\nopening_start = "100 deg"\nopening_end = "180 deg"\n'
         'closing_start = "170 deg"\nclosing_end = "260 deg"',
         "line 6, lift_law.closing_start: closing_start (170 deg) must come after opening_end (180 deg)",
     ),
-    ('[lift_law]\nkind = "spline"\ncam_angles = "0, 10, 5, 20 deg"\nlifts = "0, 1, 1, 0 mm"', "the angles must increase"),
-    ('[lift_law]\nkind = "spline"\ncam_angles = "0, 10, 20, 30 deg"\nlifts = "0, 1, 0 mm"', "give one lift per angle"),
-    ('[lift_law]\nkind = "spline"\ncam_angles = "0, 10, 20, 30 deg"\nlifts = "0, 1, 2, 3 mm"', "base circle"),
     (
-        SPRING + '[[published]]\nmodel = "m"\nrole = "prediction"\nsource = "s"\n[published.quantities]\npreload = "5 mm"',
+        '[lift_law]\nkind = "spline"\ncam_angles = "0, 10, 5, 20 deg"\nlifts = "0, 1, 1, 0 mm"',
+        "the angles must increase",
+    ),
+    (
+        '[lift_law]\nkind = "spline"\ncam_angles = "0, 10, 20, 30 deg"\nlifts = "0, 1, 0 mm"',
+        "give one lift per angle",
+    ),
+    (
+        '[lift_law]\nkind = "spline"\ncam_angles = "0, 10, 20, 30 deg"\nlifts = "0, 1, 2, 3 mm"',
+        "base circle",
+    ),
+    (
+        SPRING
+        + '[[published]]\nmodel = "m"\nrole = "prediction"\nsource = "s"\n[published.quantities]\npreload = "5 mm"',
         "line 14, published.0.quantities.preload",
     ),
     (SPRING.replace('"4.0 mm"', '"4.0 mm'), "not valid TOML"),
@@ -318,17 +476,30 @@ def test_values_are_written_in_place_and_comments_stay(tmp_path):
     before = (LIBRARY / "gu2021-beehive.toml").read_text()
     path.write_text(before)
     clearances = "0, 0, 1, 2, 5.6, 5.6, 1.3 mm"
-    changes = {"spring.wire_diameter": "3.9 mm", "spring.pitch.clearances": clearances, "lift_law.flank_shape": np.array([1, 0.9, -1, -1])}
+    changes = {
+        "spring.wire_diameter": "3.9 mm",
+        "spring.pitch.clearances": clearances,
+        "lift_law.flank_shape": np.array([1, 0.9, -1, -1]),
+    }
     write_case_values(path, changes)
     case, after = load_case(path), path.read_text()
     assert float(case.spring.wire_diameter.value(1.0)) == pytest.approx(3.9e-3)
     assert case.lift_law.values["flank_shape"] == (1.0, 0.9, -1.0, -1.0)
     assert case.notes["spring.wire_diameter"].status == "identified"
-    assert [line for line in before.splitlines() if line.startswith("#")] == [line for line in after.splitlines() if line.startswith("#")]
+    assert [line for line in before.splitlines() if line.startswith("#")] == [
+        line for line in after.splitlines() if line.startswith("#")
+    ]
     assert sum(a != b for a, b in zip(before.splitlines(), after.splitlines(), strict=True)) == 3
 
 
-@pytest.mark.parametrize("changes", [{"spring.wire_diametre": "4 mm"}, {"spring.wire_diameter": "4 N"}, {"spring.wire_diameter": 4.0}])
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {"spring.wire_diametre": "4 mm"},
+        {"spring.wire_diameter": "4 N"},
+        {"spring.wire_diameter": 4.0},
+    ],
+)
 def test_a_refused_write_leaves_the_file_untouched(tmp_path, changes):
     path = tmp_path / "case.toml"
     path.write_text(SPRING)
@@ -343,7 +514,12 @@ def test_loading_is_quick_and_light():
         "heavy = ('numba', 'scipy.interpolate', 'xarray', 'plotly', 'matplotlib');"
         "print(time.process_time() - start, any(name in sys.modules for name in heavy))"
     )
-    results = [subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout.split() for _ in range(3)]
+    results = [
+        subprocess.run(
+            [sys.executable, "-c", code], capture_output=True, text=True, check=True
+        ).stdout.split()
+        for _ in range(3)
+    ]
     assert all(heavy == "False" for _, heavy in results)
     # Half a second is the aim on an idle machine; the bound leaves room for a loaded one.
     assert min(float(seconds) for seconds, _ in results) < 1.0

@@ -1,4 +1,6 @@
-"""Unit: what a change in the form of a case's page asks of the workspace, and what the form is answered."""
+"""Unit: what a change in the form of a case's page asks of the workspace, and what the form is
+answered.
+"""
 
 from __future__ import annotations
 
@@ -13,7 +15,11 @@ pytest.importorskip("nicegui")
 
 #: Handler, what its event tells, and the call that follows from it for the case "c1".
 ASKED = [
-    ("change", {"key": "spring.wire_diameter", "value": "4 mm"}, ("put", "c1", "spring.wire_diameter", "4 mm")),
+    (
+        "change",
+        {"key": "spring.wire_diameter", "value": "4 mm"},
+        ("put", "c1", "spring.wire_diameter", "4 mm"),
+    ),
     ("change", {"key": "lift_law.kind", "value": "polynomial"}, ("change_law", "c1", "polynomial")),
     ("change", {"key": "lift_law.kind", "value": ""}, ("put", "c1", "lift_law.kind", "")),
     ("add", {"key": "train"}, ("add_table", "c1", "train")),
@@ -22,7 +28,9 @@ ASKED = [
 
 
 def page(refused: bool):
-    """A page of the case over a workspace that writes down what it is asked; and what was written down."""
+    """A page of the case over a workspace that writes down what it is asked; and what was written
+    down.
+    """
     from valvetrain.workbench.pages.case_page import CasePage
 
     asked, answered = [], []
@@ -38,7 +46,9 @@ def page(refused: bool):
     async def refreshed():
         asked.append(("refreshed",))
 
-    workspace = SimpleNamespace(**{name: noting(name) for name in ("change_law", "add_table", "set_value")})
+    workspace = SimpleNamespace(
+        **{name: noting(name) for name in ("change_law", "add_table", "set_value")}
+    )
     made = CasePage(SimpleNamespace(workspace=workspace, put=noting("put")), "c1", "", None)
     made.form = SimpleNamespace(answer=lambda key, words: answered.append((key, words)))
     made.refreshed = refreshed

@@ -1,10 +1,12 @@
-"""``check`` builds all that ``run`` builds: it passes where, and only where, a run gets as far as time integration or statics."""
+"""``check`` builds all that ``run`` builds: it passes where, and only where, a run gets as far as
+time integration or statics.
+"""
 
 from __future__ import annotations
 
 import pytest
 
-from valvetrain.cli.check import put_together
+from valvetrain.cli.cases import put_together
 from valvetrain.errors import InputError
 from valvetrain.parameters.loading import library_names, load_case
 from valvetrain.studies.run import run_study
@@ -58,7 +60,11 @@ def outcome(function, *given, **named) -> str:
     return ""
 
 
-@pytest.mark.parametrize(("name", "changes", "words"), MUTANTS, ids=lambda part: part if isinstance(part, str) else "-".join(part))
+@pytest.mark.parametrize(
+    ("name", "changes", "words"),
+    MUTANTS,
+    ids=lambda part: part if isinstance(part, str) else "-".join(part),
+)
 def test_check_refuses_what_run_refuses(name, changes, words, monkeypatch):
     checked = outcome(lambda: put_together(load_case(name, changes), ()))
     monkeypatch.setattr("valvetrain.studies.ready.run_to_orbit", reached)
@@ -91,17 +97,29 @@ def test_whole_numbers_of_more_than_64_bits_are_refused_in_a_sentence(digits, tm
 @pytest.mark.parametrize(
     "changes",
     [
-        {"spring.wire_diameter": "1e1000 mm"}, {"spring.wire_diameter": 10**5000}, {"spring.total_coils": "1e-300"},
-        {"spring.mean_diameter": "1e-300 mm"}, {"lift_law.power": 10**400}, {"spring.contact.stiffness": "1e308 N/mm/mm"},
+        {"spring.wire_diameter": "1e1000 mm"},
+        {"spring.wire_diameter": 10**5000},
+        {"spring.total_coils": "1e-300"},
+        {"spring.mean_diameter": "1e-300 mm"},
+        {"lift_law.power": 10**400},
+        {"spring.contact.stiffness": "1e308 N/mm/mm"},
     ],
     ids=lambda changes: next(iter(changes)),
-)  # fmt: skip
+)
 def test_numbers_beyond_all_measure_end_in_a_sentence_or_are_used(changes):
     said = outcome(lambda: put_together(load_case("job-t", changes), ()))
     assert said.isprintable() and len(said) < 800
 
 
-@pytest.mark.parametrize("changes", [{"study": "s" * 5000}, {"spring.ends": "e" * 5000}, {"k" * 5000: 1}, {"lift_law.kind": "l" * 5000}])
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {"study": "s" * 5000},
+        {"spring.ends": "e" * 5000},
+        {"k" * 5000: 1},
+        {"lift_law.kind": "l" * 5000},
+    ],
+)
 def test_unknown_words_are_echoed_cut(changes):
     with pytest.raises(InputError) as refusal:
         load_case("job-t", changes)
@@ -118,7 +136,11 @@ def test_check_and_run_up_refuse_the_nonsense_that_run_refuses(tmp_path):
     """A follower whose guide rubs with 1e9 N: refused by each of them, and passed where asked."""
     changes = {"train.valve.friction": "1e9 N"}
     case = load_case("tdi-pushrod", changes)
-    for ask in (lambda: put_together(case, ()), lambda: run_up_study(case, (200.0, 260.0, 0.2)), lambda: run_study(case, workers=1)):
+    for ask in (
+        lambda: put_together(case, ()),
+        lambda: run_up_study(case, (200.0, 260.0, 0.2)),
+        lambda: run_study(case, workers=1),
+    ):
         with pytest.raises(InputError, match=r"train\.valve\.friction"):
             ask()
     assert put_together(case, (), implausible=True) is not None
@@ -129,6 +151,8 @@ def test_what_a_spring_model_that_is_asked_for_refuses_is_told(model):
     """Solids run no cam cycle, and what is no model is none, whatever the case's own models are."""
     case = load_case("job-t")
     assert put_together(case, ()) is not None and put_together(case, ("massless",)) is not None
-    with pytest.raises(InputError, match="would take them days" if model == "solid" else "'nosuch' is unknown") as refused:
+    with pytest.raises(
+        InputError, match="would take them days" if model == "solid" else "'nosuch' is unknown"
+    ) as refused:
         put_together(case, (model,))
     assert refused.value.where == "--spring"

@@ -15,8 +15,14 @@ def test_every_entry_of_the_file_is_read_with_what_a_reader_needs():
     text = resources.files("valvetrain").joinpath("references.bib").read_text(encoding="utf-8")
     assert list(references()) == re.findall(r"^@\w+\{([\w-]+),$", text, re.MULTILINE)
     for reference in references().values():
-        assert all(reference.field(name) for name in ("author", "title", "year", "topic")), reference.key
-        assert len(reference.fields) == len(re.findall(r"^  \w+ =", text.split(f"{{{reference.key},")[1].split("\n}")[0], re.MULTILINE))
+        assert all(reference.field(name) for name in ("author", "title", "year", "topic")), (
+            reference.key
+        )
+        assert len(reference.fields) == len(
+            re.findall(
+                r"^  \w+ =", text.split(f"{{{reference.key},")[1].split("\n}")[0], re.MULTILINE
+            )
+        )
 
 
 def test_plain_text_of_an_article():
@@ -33,7 +39,10 @@ def test_plain_text_of_four_authors_of_a_book_and_of_a_group():
 
 
 def test_a_work_cited_twice_is_printed_once_and_order_is_kept():
-    assert cite(["wahl1963", "gu2021", "wahl1963"]).splitlines() == [cite("wahl1963"), cite("gu2021")]
+    assert cite(["wahl1963", "gu2021", "wahl1963"]).splitlines() == [
+        cite("wahl1963"),
+        cite("gu2021"),
+    ]
     assert cite([]) == ""
 
 
@@ -42,7 +51,9 @@ def test_bibtex_is_read_back_without_loss():
     assert list(again) == list(references())
     for key, reference in references().items():
         assert again[key].kind == reference.kind
-        assert again[key].fields == tuple(field for field in reference.fields if field[0] != "topic")
+        assert again[key].fields == tuple(
+            field for field in reference.fields if field[0] != "topic"
+        )
 
 
 def test_an_unknown_key_is_refused_with_the_nearest():

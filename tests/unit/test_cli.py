@@ -21,7 +21,19 @@ from valvetrain.parameters.loading import LIBRARY, library_names
 UNIFORM = ("uniform-spring", "--elements-per-coil", "8")
 
 
-COMMANDS = ("run", "compare", "sweep", "static", "modes", "refine", "runs", "compare-runs", "new", "cases", "check")
+COMMANDS = (
+    "run",
+    "compare",
+    "sweep",
+    "static",
+    "modes",
+    "refine",
+    "runs",
+    "compare-runs",
+    "new",
+    "cases",
+    "check",
+)
 
 
 @pytest.fixture
@@ -43,25 +55,57 @@ def test_version_and_help():
 
 
 def test_run_compare_and_sweep_share_their_options():
-    shared = ("--engine-speed", "--spring", "--spring-set", "--set", "--elements-per-coil", "--output", "--workers", "--limit",
-              "--implausible", "--report", "--figures", "--published", "--open", "--json", "--quiet")  # fmt: skip
+    shared = (
+        "--engine-speed",
+        "--spring",
+        "--spring-set",
+        "--set",
+        "--elements-per-coil",
+        "--output",
+        "--workers",
+        "--limit",
+        "--implausible",
+        "--report",
+        "--figures",
+        "--published",
+        "--open",
+        "--json",
+        "--quiet",
+    )
     for command in ("run", "compare", "sweep"):
         shown = call(command, "--help").output
         assert not [option for option in shared if option not in shown], command
 
 
 def test_the_shell_completes_the_names_of_cases(tmp_path):
-    asked = {"_VALVETRAIN_COMPLETE": "complete_bash", "COMP_WORDS": "valvetrain run gu2021-b", "COMP_CWORD": "2"}
+    asked = {
+        "_VALVETRAIN_COMPLETE": "complete_bash",
+        "COMP_WORDS": "valvetrain run gu2021-b",
+        "COMP_CWORD": "2",
+    }
     answer = process("run", folder=tmp_path, **asked)
     assert answer.stdout.split() == ["gu2021-beehive"], answer.stderr
 
 
 @pytest.mark.parametrize("shell", ["bash", "zsh", "fish"])
 def test_completion_prints_a_script_that_knows_the_commands(tmp_path, shell):
-    script = process("--show-completion", shell, folder=tmp_path, _TYPER_COMPLETE_TEST_DISABLE_SHELL_DETECTION="1")
+    script = process(
+        "--show-completion",
+        shell,
+        folder=tmp_path,
+        _TYPER_COMPLETE_TEST_DISABLE_SHELL_DETECTION="1",
+    )
     assert script.returncode == 0 and "_VALVETRAIN_COMPLETE" in script.stdout
-    asked = {"_VALVETRAIN_COMPLETE": "complete_bash", "COMP_WORDS": "valvetrain comp", "COMP_CWORD": "1"}
-    assert process(folder=tmp_path, **asked).stdout.split() == ["compare", "compare-runs", "compare-test"]
+    asked = {
+        "_VALVETRAIN_COMPLETE": "complete_bash",
+        "COMP_WORDS": "valvetrain comp",
+        "COMP_CWORD": "1",
+    }
+    assert process(folder=tmp_path, **asked).stdout.split() == [
+        "compare",
+        "compare-runs",
+        "compare-test",
+    ]
 
 
 def test_an_own_command_of_a_package_that_cannot_be_loaded_is_left_out_with_a_sentence(tmp_path):
@@ -70,14 +114,19 @@ def test_an_own_command_of_a_package_that_cannot_be_loaded_is_left_out_with_a_se
     (found / "METADATA").write_text("Metadata-Version: 2.1\nName: broken\nVersion: 1.0\n")
     (found / "entry_points.txt").write_text("[valvetrain.commands]\nmend = nowhere:register\n")
     result = process("--help", folder=tmp_path, PYTHONPATH=f"{SOURCE}{os.pathsep}{tmp_path}")
-    assert result.returncode == 0 and "note: command 'mend' cannot be loaded from nowhere:register" in result.stderr
+    assert (
+        result.returncode == 0
+        and "note: command 'mend' cannot be loaded from nowhere:register" in result.stderr
+    )
 
 
 @pytest.mark.parametrize("command", ["run", "static", "modes", "compare", "sweep"])
 def test_help_shows_every_default(command):
     shown = " ".join(re.sub("[│╭╮╰╯─]", " ", call(command, "--help").output).split())
     assert "(default: " in shown
-    assert not re.search(r" \.(?= |$)", shown)  # what the markup of the help would take for a style leaves an empty place
+    assert not re.search(
+        r" \.(?= |$)", shown
+    )  # what the markup of the help would take for a style leaves an empty place
 
 
 def test_cases_lists_every_case_and_prints_the_file_of_one():
@@ -87,7 +136,10 @@ def test_cases_lists_every_case_and_prints_the_file_of_one():
     assert call("cases", "uniform-spring").stdout == (LIBRARY / "uniform-spring.toml").read_text()
     listed = json.loads(call("cases", "--json").stdout)["cases"]
     assert [one["name"] for one in listed] == list(library_names())
-    assert json.loads(call("cases", "job-c", "--json").stdout)["text"] == (LIBRARY / "job-c.toml").read_text()
+    assert (
+        json.loads(call("cases", "job-c", "--json").stdout)["text"]
+        == (LIBRARY / "job-c.toml").read_text()
+    )
 
 
 @pytest.mark.parametrize("name", library_names())
@@ -121,7 +173,9 @@ def test_the_estimated_rate_of_a_conical_spring_is_the_closed_form():
     ends = {"lower_end": OPEN_END, "upper_end": OPEN_END}
     spring = conical(3e-3, 30e-3, 18e-3, 8e-3, 6, closed_coils=0.0, **ends)
     lower, upper = 15e-3, 9e-3
-    rate = spring.material.shear_modulus * 3e-3**4 / (16 * 6 * (lower + upper) * (lower**2 + upper**2))
+    rate = (
+        spring.material.shear_modulus * 3e-3**4 / (16 * 6 * (lower + upper) * (lower**2 + upper**2))
+    )
     assert definition_quantities(spring)["estimated_rate"] == pytest.approx(rate, rel=1e-5)
 
 
@@ -142,27 +196,59 @@ def test_static_agrees_with_the_library_and_writes_csv(tmp_path):
     from valvetrain.springs.spec import spring_model
     from valvetrain.studies.rest import static_curve
 
-    result = call("static", *UNIFORM, "--to", "8 mm", "--steps", "4", "--csv", str(tmp_path / "curve.csv"), "--json")
+    result = call(
+        "static",
+        *UNIFORM,
+        "--to",
+        "8 mm",
+        "--steps",
+        "4",
+        "--csv",
+        str(tmp_path / "curve.csv"),
+        "--json",
+    )
     assert result.exit_code == 0
     found = json.loads(result.stdout)
     (spring,) = load_case("uniform-spring").springs
-    curve, _ = static_curve(spring_model("finite-element").build(spring.with_options("finite-element", elements_per_coil=8)), 8e-3, 4)
+    curve, _ = static_curve(
+        spring_model("finite-element").build(
+            spring.with_options("finite-element", elements_per_coil=8)
+        ),
+        8e-3,
+        4,
+    )
     (rest,) = found["springs_at_rest"]
     assert rest["static_curve"]["force"] == {"values": curve.force.tolist(), "unit": "N"}
-    assert rest["static_curve"]["compression"]["values"] == pytest.approx([0, 2e-3, 4e-3, 6e-3, 8e-3])
+    assert rest["static_curve"]["compression"]["values"] == pytest.approx(
+        [0, 2e-3, 4e-3, 6e-3, 8e-3]
+    )
     assert found["quantities"]["preload"]["value"] == pytest.approx(curve.force_at(7e-3))
     rows = (tmp_path / "curve.csv").read_text().splitlines()
-    assert rows[0] == "compression [mm],force [N],stiffness [N/mm],height [mm],nominal shear [MPa],wire shear [MPa]" and len(rows) == 6
+    assert (
+        rows[0]
+        == "compression [mm],force [N],stiffness [N/mm],height [mm],nominal shear [MPa],wire shear [MPa]"
+        and len(rows) == 6
+    )
     assert float(rows[-1].split(",")[1]) == curve.force[-1]
 
 
 def test_static_shows_every_spring_of_a_train_by_the_models_asked_for():
-    result = call("static", "tdi-pushrod", "--spring", "massless,wave-rod", "--spring-set", "stock,performance", "--steps", "4", "--json")
+    result = call(
+        "static",
+        "tdi-pushrod",
+        "--spring",
+        "massless,wave-rod",
+        "--spring-set",
+        "stock,performance",
+        "--steps",
+        "4",
+        "--json",
+    )
     assert result.exit_code == 0, result.stderr
     found = json.loads(result.stdout)["springs_at_rest"]
     assert [(one["spring"], one["model"]) for one in found] == [
         (spring, model) for spring in ("stock", "performance") for model in ("massless", "wave-rod")
-    ]  # fmt: skip
+    ]
 
 
 def test_modes_agree_with_the_library():
@@ -170,14 +256,22 @@ def test_modes_agree_with_the_library():
     from valvetrain.springs.spec import spring_model
     from valvetrain.studies.rest import modal_result
 
-    found = json.loads(call("modes", *UNIFORM, "--count", "6", "--compression", "3 mm", "--json").stdout)
+    found = json.loads(
+        call("modes", *UNIFORM, "--count", "6", "--compression", "3 mm", "--json").stdout
+    )
     (spring,) = load_case("uniform-spring").springs
-    spring = replace(spring.with_options("finite-element", elements_per_coil=8), precompression=3e-3)
+    spring = replace(
+        spring.with_options("finite-element", elements_per_coil=8), precompression=3e-3
+    )
     expected = modal_result(spring_model("finite-element").build(spring), 6)
     modes = found["springs_at_rest"][0]["modes"]
-    assert [mode["natural_frequency"]["value"] for mode in modes["modes"]] == pytest.approx(expected.natural_frequency.tolist())
+    assert [mode["natural_frequency"]["value"] for mode in modes["modes"]] == pytest.approx(
+        expected.natural_frequency.tolist()
+    )
     assert modes["compression"] == {"value": 3e-3, "unit": "m"}
-    assert found["quantities"]["mode_1_frequency"]["value"] == pytest.approx(expected.axial_frequencies[0])
+    assert found["quantities"]["mode_1_frequency"]["value"] == pytest.approx(
+        expected.axial_frequencies[0]
+    )
     assert "axial mode 1" in call("modes", *UNIFORM, "--count", "6").stdout
 
 
@@ -190,14 +284,23 @@ def test_modes_agree_with_the_library():
         (("run",), "missing argument 'CASE'"),
         (("run", "job-c", "--engin-speed", "1 rpm"), "--engine-speed"),
         (("run", "job-c", "--engine-speed", "4200"), "write '4200 rpm'"),
-        (("run", "job-c", "--engine-speed", "4200 mm"), "is a length, but a rotational speed is needed"),
+        (
+            ("run", "job-c", "--engine-speed", "4200 mm"),
+            "is a length, but a rotational speed is needed",
+        ),
         (("run", "job-c", "--engine-speed", "-5 rpm"), "is not positive"),
         (("run", "job-c", "--engine-speed", "300000 rpm"), "lies outside 10 rpm to 30000 rpm"),
-        (("run", "job-c", "--set", "operation.cam_speeds=30000 rpm"), "60000 rpm of engine speed lies outside"),
+        (
+            ("run", "job-c", "--set", "operation.cam_speeds=30000 rpm"),
+            "60000 rpm of engine speed lies outside",
+        ),
         (("run", "job-c", "--engine-speed", "9:1:1 rpm"), "rising"),
         (("run", "job-c", "--engine-speed", "1:2:1e-9 rpm"), "larger step"),
         (("run", "job-c", "--spring", "modal"), "did you mean modal-varied or modal-uniform?"),
-        (("sweep", "job-c", "--spring", "massless,xyz"), "spring model 'xyz' is unknown; use one of massless"),
+        (
+            ("sweep", "job-c", "--spring", "massless,xyz"),
+            "spring model 'xyz' is unknown; use one of massless",
+        ),
         (("compare", "job-c", "--limit", "much"), "write a time such as '2 h'"),
         (("run", "job-c", "--spring-set", "stock"), "has no spring sets"),
         (("compare", "vaz-ohc", "--spring", "solid"), "for a spring alone"),
@@ -209,14 +312,26 @@ def test_modes_agree_with_the_library():
         (("run", "uniform-spring", "--engine-speed", "1000 rpm"), "has no lift law"),
         (("run", "job-c", "--workers", "0"), "--workers: 0 lies outside"),
         (("run", "job-c", "--set", "spring"), "sets nothing; write a key path"),
-        (("run", "job-c", "--set", "spring.wire_diametre=4 mm"), "spring.wire_diametre: key 'wire_diametre' is unknown; did you mean"),
-        (("run", "job-c", "--set", "spring.wire_diameter=4 N"), "--set spring.wire_diameter: '4 N' is a force, but a length is needed"),
+        (
+            ("run", "job-c", "--set", "spring.wire_diametre=4 mm"),
+            "spring.wire_diametre: key 'wire_diametre' is unknown; did you mean",
+        ),
+        (
+            ("run", "job-c", "--set", "spring.wire_diameter=4 N"),
+            "--set spring.wire_diameter: '4 N' is a force, but a length is needed",
+        ),
         (("run", "job-c", "--set", "spring.wire_diameter=4"), "4 has no unit"),
         (("run", "job-c", "--set", "spring.wire_diameter=40 mm"), "widen the coil"),
-        (("run", "job-c", "--set", "spring.total_coils.x=4"), "is the plain value '6', which has no 'x'"),
+        (
+            ("run", "job-c", "--set", "spring.total_coils.x=4"),
+            "is the plain value '6', which has no 'x'",
+        ),
         (("run", "job-c", "--set", "sprung.x=4"), "did you mean spring"),
         (("run", "job-c", "--set", "spring.pitch.coils.9=4"), "no place in a list of 4"),
-        (("run", "job-c", "--set", "spring.options.finite-element.time_step="), "is not in the case"),
+        (
+            ("run", "job-c", "--set", "spring.options.finite-element.time_step="),
+            "is not in the case",
+        ),
         (("run", "job-c", "--elements-per-coil", "2"), "--elements-per-coil"),
         (("run", "job-c", "--elements-per-coil", "many"), "'--elements-per-coil'"),
         (("static", "uniform-spring", "--to", "40 mm"), "which is solid at"),
@@ -236,7 +351,7 @@ def test_modes_agree_with_the_library():
         (("run", "job-c", "--output", "binary.toml"), "is a file, not a folder"),
         (("run", "job-c", "--output", "binary.toml/deeper"), "is a file, not a folder"),
     ],
-)  # fmt: skip
+)
 def test_wrong_input_is_one_sentence_with_the_remedy(tmp_path, monkeypatch, arguments, words):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "binary.toml").write_bytes(bytes(range(256)))
@@ -254,27 +369,44 @@ def test_what_may_not_be_read_or_written_is_refused(small, monkeypatch):
     with monkeypatch.context() as one:
         one.setattr("tempfile.mkdtemp", closed)
         result = call("run", "small.toml", "--output", "out")
-        assert result.exit_code == 2 and "may not be written to (Permission denied); choose another" in sentence(result)
+        assert (
+            result.exit_code == 2
+            and "may not be written to (Permission denied); choose another" in sentence(result)
+        )
     with monkeypatch.context() as one:
         one.setattr(Path, "mkdir", closed)
-        for arguments, words in ((("--output", "out"), "folder 'out' cannot be written"), ((), "cannot be made (Permission denied)")):
+        for arguments, words in (
+            (("--output", "out"), "folder 'out' cannot be written"),
+            ((), "cannot be made (Permission denied)"),
+        ):
             result = call("run", "small.toml", "--spring", "massless", "--no-report", *arguments)
             assert result.exit_code == 2 and words in sentence(result)
     monkeypatch.setattr(Path, "open", closed)
     result = call("check", "small.toml")
-    assert result.exit_code == 2 and "cannot be read (Permission denied); check the path and its permissions" in sentence(result)
+    assert (
+        result.exit_code == 2
+        and "cannot be read (Permission denied); check the path and its permissions"
+        in sentence(result)
+    )
 
 
 def test_a_set_value_loses_the_note_of_the_value_it_replaces():
     from valvetrain.cli.case_choice import choose_case
 
     assert choose_case("gu2021-beehive").notes["spring.wire_diameter"].status == "identified"
-    changed = choose_case("gu2021-beehive", ["spring.wire_diameter=4.1 mm", "spring.pitch=7 mm", "spring.damping.stiffness_share="], 10)
+    changed = choose_case(
+        "gu2021-beehive",
+        ["spring.wire_diameter=4.1 mm", "spring.pitch=7 mm", "spring.damping.stiffness_share="],
+        10,
+    )
     assert changed.notes["spring.wire_diameter"].status is None
     assert float(changed.spring.wire_diameter.value(1.0)) == pytest.approx(4.1e-3)
     assert float(changed.spring.pitch.value(3.3)) == pytest.approx(7e-3)
     (spring,) = changed.springs
-    assert spring.damping.stiffness_share is None and spring.options_of("finite-element")["elements_per_coil"] == 10
+    assert (
+        spring.damping.stiffness_share is None
+        and spring.options_of("finite-element")["elements_per_coil"] == 10
+    )
     assert changed.cite() == choose_case("gu2021-beehive").cite()
 
 
@@ -282,7 +414,9 @@ def test_engine_speeds_are_read_in_rpm_and_ranges_hold_both_ends():
     rpm = np.pi / 30
     assert read_engine_speeds("4200, 5600 rpm") == pytest.approx((4200 * rpm, 5600 * rpm))
     assert read_engine_speeds("70 rev/s") == pytest.approx((4200 * rpm,))
-    assert read_engine_speeds("1000:9000:100 rpm") == pytest.approx([speed * rpm for speed in range(1000, 9001, 100)])
+    assert read_engine_speeds("1000:9000:100 rpm") == pytest.approx(
+        [speed * rpm for speed in range(1000, 9001, 100)]
+    )
     assert read_engine_speeds("1000:1950:100 rpm")[-1] == pytest.approx(1900 * rpm)
     with pytest.raises(InputError, match="has no unit"):
         read_engine_speeds("1000:9000:100")
@@ -317,11 +451,16 @@ precompression = "7 mm"
 
 @pytest.mark.parametrize("command", ["check", "run"])
 def test_a_lift_that_presses_the_spring_solid_is_refused(tmp_path, command):
-    """Six open coils of 4 mm wire are solid at (7.5 - 4) 6 = 21 mm; 7 mm and 30 mm of lift ask for 37 mm."""
+    """Six open coils of 4 mm wire are solid at (7.5 - 4) 6 = 21 mm; 7 mm and 30 mm of lift ask for
+    37 mm.
+    """
     (tmp_path / "bind.toml").write_text(BINDS)
     result = call(command, str(tmp_path / "bind.toml"))
     assert result.exit_code == 2
-    assert "reaches coil bind: 42 mm installed less 30 mm of lift leave 12 mm, but it is solid at 28 mm" in result.stderr
+    assert (
+        "reaches coil bind: 42 mm installed less 30 mm of lift leave 12 mm, but it is solid at 28 mm"
+        in result.stderr
+    )
 
 
 def test_check_puts_a_train_together():
@@ -335,7 +474,16 @@ def test_check_puts_a_train_together():
 def test_check_refuses_the_card_without_mass_that_run_refuses(tmp_path, command):
     lines = (LIBRARY / "tdi-pushrod.toml").read_text().split("[[train.variants]]")[0].splitlines()
     path = tmp_path / "light.toml"
-    path.write_text("\n".join(line for line in lines if not line.startswith(('mass = { value = "40 g"', 'mass = { value = "48 g"'))))
+    path.write_text(
+        "\n".join(
+            line
+            for line in lines
+            if not line.startswith(('mass = { value = "40 g"', 'mass = { value = "48 g"'))
+        )
+    )
     result = call(command, str(path))
     assert result.exit_code == 2
-    assert "'stock' has no mass on its card, which a multi-mass spring needs; add its mass or use massless" in sentence(result)
+    assert (
+        "'stock' has no mass on its card, which a multi-mass spring needs; add its mass or use massless"
+        in sentence(result)
+    )

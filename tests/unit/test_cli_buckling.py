@@ -8,8 +8,8 @@ import pytest
 
 from unit.cli_parts import call
 from valvetrain.parameters.loading import load_case
-from valvetrain.report.build import study_page
 from valvetrain.report.page import render
+from valvetrain.report.study import study_page
 from valvetrain.studies.rest_study import rest_study
 
 SLENDER = """
@@ -43,17 +43,28 @@ def slender(tmp_path, monkeypatch):
 def test_a_curve_beyond_buckling_fails_with_the_place_and_what_to_do(slender):
     result = call("static", "slender.toml", "--to", "18 mm", "--steps", "6", "--json")
     found = json.loads(result.stdout)
-    assert result.exit_code == 1 and "buckles at 15.7" in result.stderr and "guide it in a bore" in result.stderr
+    assert (
+        result.exit_code == 1
+        and "buckles at 15.7" in result.stderr
+        and "guide it in a bore" in result.stderr
+    )
     assert found["springs_at_rest"][0]["static_curve"]["status"]["code"] == "buckled"
     place, height, formula = (
-        found["quantities"][name]["value"] for name in ("buckling_compression", "buckling_height", "formula_buckling_compression")
+        found["quantities"][name]["value"]
+        for name in ("buckling_compression", "buckling_height", "formula_buckling_compression")
     )
-    assert place == pytest.approx(formula, rel=0.01) and height == pytest.approx(81e-3 - place, abs=1e-9)
+    assert place == pytest.approx(formula, rel=0.01) and height == pytest.approx(
+        81e-3 - place, abs=1e-9
+    )
 
 
 def test_one_below_buckling_does_not(slender):
     result = call("static", "slender.toml", "--to", "14 mm", "--steps", "6")
-    assert result.exit_code == 0 and "by formula" in result.stdout and "Height at which" not in result.stdout
+    assert (
+        result.exit_code == 0
+        and "by formula" in result.stdout
+        and "Height at which" not in result.stdout
+    )
 
 
 def test_modes_about_a_buckled_state_fail_too(slender):
@@ -63,15 +74,25 @@ def test_modes_about_a_buckled_state_fail_too(slender):
 
 def test_in_its_guide_it_says_that_it_leans(slender):
     result = call("static", "guided.toml", "--to", "18 mm", "--steps", "6")
-    assert result.exit_code == 0 and "leans on its guide from" in result.stdout and "Force on its guide" in result.stdout
+    assert (
+        result.exit_code == 0
+        and "leans on its guide from" in result.stdout
+        and "Force on its guide" in result.stdout
+    )
     assert "bore of 12 mm, without friction" in call("check", "guided.toml").stdout
 
 
 def test_a_bore_too_narrow_is_refused_with_its_place(slender):
     result = call("check", "guided.toml", "--set", "spring.guide.bore=10.5 mm")
-    assert result.exit_code == 2 and "spring.guide" in result.stderr and "outer diameter is 11 mm; widen the bore" in result.stderr
+    assert (
+        result.exit_code == 2
+        and "spring.guide" in result.stderr
+        and "outer diameter is 11 mm; widen the bore" in result.stderr
+    )
 
 
 def test_the_page_shows_where_it_buckles(slender):
-    page = render(study_page(rest_study(load_case("slender.toml"), largest_compression=0.018, steps=6)))
+    page = render(
+        study_page(rest_study(load_case("slender.toml"), largest_compression=0.018, steps=6))
+    )
     assert "what lies beyond is a spring bent sideways" in page and "buckles" in page

@@ -1,4 +1,6 @@
-"""What --json prints: one object, every number with its unit, every name documented; and what a failed run leaves behind."""
+"""What --json prints: one object, every number with its unit, every name documented; and what a
+failed run leaves behind.
+"""
 
 from __future__ import annotations
 
@@ -11,7 +13,9 @@ from unit.cli_parts import PUBLISHED, SMALL, call
 from valvetrain.solution.definition import is_defined
 from valvetrain.solution.quantity import unit_of
 
-DOCUMENT = (Path(__file__).resolve().parents[2] / "docs" / "quantities.md").read_text(encoding="utf-8")
+DOCUMENT = (Path(__file__).resolve().parents[2] / "docs" / "quantities.md").read_text(
+    encoding="utf-8"
+)
 
 
 def numbers(item, path=""):
@@ -65,7 +69,10 @@ def test_standard_output_is_one_object_whose_numbers_have_units(outputs, command
     text = outputs[command]
     found = json.loads(text, parse_constant=pytest.fail)
     assert isinstance(found, dict) and found["command"] == command
-    assert set(numbers(found)) <= {".springs_at_rest.modes.modes.mode", ".springs_at_rest.modes.modes.axial"}  # plain counts
+    assert set(numbers(found)) <= {
+        ".springs_at_rest.modes.modes.mode",
+        ".springs_at_rest.modes.modes.axial",
+    }  # plain counts
 
 
 @pytest.mark.parametrize("command", ["run", "static", "modes", "check"])
@@ -74,7 +81,11 @@ def test_every_name_and_key_is_documented(outputs, command):
     names = dict(quantities(found))
     assert names and not [name for name in names if not is_defined(name)]
     assert all(value["unit"] == unit_of(name) for name, value in names.items())
-    assert not [key for key in (*found, *(key for run in found.get("runs", ()) for key in run)) if f"`{key}`" not in DOCUMENT]
+    assert not [
+        key
+        for key in (*found, *(key for run in found.get("runs", ()) for key in run))
+        if f"`{key}`" not in DOCUMENT
+    ]
 
 
 def test_comparisons_hold_both_values_and_their_difference(outputs):

@@ -10,9 +10,29 @@ import sys
 
 import pytest
 
-from unit.cli_parts import MODULE, SMALL, hear_interrupts, process, process_environment, processor_time, sentence, wait_until
+from unit.cli_parts import (
+    MODULE,
+    SMALL,
+    hear_interrupts,
+    process,
+    process_environment,
+    processor_time,
+    sentence,
+    wait_until,
+)
 
-HEAVY = ("numba", "scipy", "xarray", "pint", "plotly", "matplotlib", "pydantic", "numpy", "h5py", "jinja2")
+HEAVY = (
+    "numba",
+    "scipy",
+    "xarray",
+    "pint",
+    "plotly",
+    "matplotlib",
+    "pydantic",
+    "numpy",
+    "h5py",
+    "jinja2",
+)
 
 
 def test_help_starts_quickly_and_loads_nothing_heavy(tmp_path):
@@ -21,16 +41,26 @@ def test_help_starts_quickly_and_loads_nothing_heavy(tmp_path):
         start = os.times()
         assert process("--help", folder=tmp_path).returncode == 0
         end = os.times()
-        seconds.append(end.children_user + end.children_system - start.children_user - start.children_system)
+        seconds.append(
+            end.children_user + end.children_system - start.children_user - start.children_system
+        )
     assert 0 < min(seconds) < 0.5
     code = "import sys, valvetrain.cli.main; print(' '.join({name.split('.')[0] for name in sys.modules}))"
-    result = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, env=process_environment())
+    result = subprocess.run(
+        [sys.executable, "-c", code],
+        capture_output=True,
+        text=True,
+        check=True,
+        env=process_environment(),
+    )
     loaded = result.stdout.split()
     assert "typer" in loaded and not set(HEAVY) & set(loaded)
 
 
 def test_a_sweep_of_a_train_loads_no_units_library_no_tables_and_no_rod(tmp_path):
-    """What a sweep never needs cost it half a second of every start: labelled datasets, pint, the finite-element spring."""
+    """What a sweep never needs cost it half a second of every start: labelled datasets, pint, the
+    finite-element spring.
+    """
     code = (
         "import sys; from valvetrain.cli.main import main\n"
         "sys.argv = ['valvetrain', 'sweep', 'tdi-pushrod', '--engine-speed', '3000 rpm', '--spring', 'massless', '--spring-set', 'stock',"
@@ -39,15 +69,33 @@ def test_a_sweep_of_a_train_loads_no_units_library_no_tables_and_no_rod(tmp_path
         "except SystemExit as end: assert not end.code, end.code\n"
         "print(' '.join(sys.modules))"
     )
-    result = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, cwd=tmp_path, env=process_environment())
+    result = subprocess.run(
+        [sys.executable, "-c", code],
+        capture_output=True,
+        text=True,
+        cwd=tmp_path,
+        env=process_environment(),
+    )
     assert result.returncode == 0, result.stderr
     loaded = set(result.stdout.splitlines()[-1].split())
     assert "numba" in loaded and (tmp_path / "out" / "run.json").is_file()
-    assert not {"pint", "xarray", "pandas", "tomlkit", "valvetrain.springs.finite_element", "valvetrain.cosserat.buffer"} & loaded
+    assert (
+        not {
+            "pint",
+            "xarray",
+            "pandas",
+            "tomlkit",
+            "valvetrain.springs.finite_element",
+            "valvetrain.cosserat.buffer",
+        }
+        & loaded
+    )
 
 
 def test_files_of_a_run_are_written_without_labelled_datasets(tmp_path):
-    """Loading xarray and pandas cost a third of a second of each run that only had its files to write."""
+    """Loading xarray and pandas cost a third of a second of each run that only had its files to
+    write.
+    """
     code = (
         "import sys; from valvetrain.cli.main import main\n"
         "sys.argv = ['valvetrain', 'run', 'job-t', '--engine-speed', '2000 rpm', '--spring', 'massless', '--quiet', '--output', 'out']\n"
@@ -55,9 +103,17 @@ def test_files_of_a_run_are_written_without_labelled_datasets(tmp_path):
         "except SystemExit as end: assert not end.code, end.code\n"
         "print(' '.join(sys.modules))"
     )
-    result = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, cwd=tmp_path, env=process_environment())
+    result = subprocess.run(
+        [sys.executable, "-c", code],
+        capture_output=True,
+        text=True,
+        cwd=tmp_path,
+        env=process_environment(),
+    )
     assert result.returncode == 0, result.stderr
-    assert {"massless-2000rpm.nc", "massless-2000rpm.csv", "report.html"} <= {path.name for path in (tmp_path / "out").iterdir()}
+    assert {"massless-2000rpm.nc", "massless-2000rpm.csv", "report.html"} <= {
+        path.name for path in (tmp_path / "out").iterdir()
+    }
     assert not {"pint", "xarray", "pandas", "tomlkit"} & set(result.stdout.splitlines()[-1].split())
 
 
@@ -97,44 +153,73 @@ def test_ctrl_c_ends_at_once_with_one_sentence_and_130(tmp_path):
     ]
     before = sum(os.times()[2:4])
     with subprocess.Popen(
-        command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, cwd=tmp_path, env=process_environment(),
+        command,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        cwd=tmp_path,
+        env=process_environment(),
         preexec_fn=hear_interrupts,
-    ) as running:  # fmt: skip
+    ) as running:
         assert running.stderr is not None
         assert running.stderr.readline().startswith("this will take about ")
         # One model is done in a moment, the other has minutes before it.
         listed = "runs/small/*-unfinished/unfinished-runs.jsonl"
-        wait_until(lambda: any(path.stat().st_size for path in tmp_path.glob(listed)), "the first run is finished and listed")
+        wait_until(
+            lambda: any(path.stat().st_size for path in tmp_path.glob(listed)),
+            "the first run is finished and listed",
+        )
         asked = processor_time(running.pid)
         running.send_signal(signal.SIGINT)
         output, errors = running.communicate(timeout=120)
     used = sum(os.times()[2:4]) - before - asked
-    assert running.returncode == 130 and used < 3, f"{used:.1f} s of processor time after the interrupt"
+    assert running.returncode == 130 and used < 3, (
+        f"{used:.1f} s of processor time after the interrupt"
+    )
     assert (
-        errors.splitlines()[-1].startswith("interrupted: 1 of 2 runs were finished and are kept in 'runs/small/")
+        errors.splitlines()[-1].startswith(
+            "interrupted: 1 of 2 runs were finished and are kept in 'runs/small/"
+        )
         and "Traceback" not in errors
     )
-    (answer,) = (json.loads(path.read_text()) for path in (tmp_path / "runs").glob("small/2*/run.json"))
+    (answer,) = (
+        json.loads(path.read_text()) for path in (tmp_path / "runs").glob("small/2*/run.json")
+    )
     states = {run["label"]: run["status"]["code"] for run in answer["runs"]}
-    assert states == {"finite-element": "interrupted", "modal-varied": "completed"} and not answer["completed"]
+    assert (
+        states == {"finite-element": "interrupted", "modal-varied": "completed"}
+        and not answer["completed"]
+    )
     assert "results  runs/small/" in output
 
 
 @pytest.mark.skipif(os.name != "posix", reason="sends a signal as the keyboard does")
 def test_ctrl_c_ends_worker_processes_too(tmp_path):
     mark, job = tmp_path / "begun", tmp_path / "job.py"
-    job.write_text(f"import time\nwith open({str(mark)!r}, 'a') as file:\n    file.write('x')\ntime.sleep(60)\n")
+    job.write_text(
+        f"import time\nwith open({str(mark)!r}, 'a') as file:\n    file.write('x')\ntime.sleep(60)\n"
+    )
     code = (
         "import runpy; from valvetrain.cli import main; from valvetrain.studies.batch import map_cases\n"
         f"main.app.command('x')(lambda: map_cases(runpy.run_path, [{str(job)!r}] * 4, 2))\n"
         "import sys; sys.argv = ['valvetrain', 'x']; main.main()"
     )
     pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "preexec_fn": hear_interrupts}
-    with subprocess.Popen([sys.executable, "-c", code], text=True, env=process_environment(), start_new_session=True, **pipes) as running:
+    with subprocess.Popen(
+        [sys.executable, "-c", code],
+        text=True,
+        env=process_environment(),
+        start_new_session=True,
+        **pipes,
+    ) as running:
         wait_until(lambda: mark.exists() and mark.stat().st_size == 2, "both workers begin")
         os.killpg(running.pid, signal.SIGINT)
         _, errors = running.communicate(timeout=60)
-    assert running.returncode == 130 and errors.startswith("interrupted: ") and len(errors.splitlines()) == 1
+    assert (
+        running.returncode == 130
+        and errors.startswith("interrupted: ")
+        and len(errors.splitlines()) == 1
+    )
     wait_until(lambda: not group_lives(running.pid), "the worker processes end")
 
 
@@ -150,7 +235,9 @@ def group_lives(group: int) -> bool:
 @pytest.mark.skipif(os.name != "posix", reason="closes a pipe early")
 def test_a_reader_that_leaves_early_is_no_error_message(tmp_path):
     command = [sys.executable, *MODULE, "cases", "gu2021-beehive", "--json"]
-    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, env=process_environment()) as running:
+    with subprocess.Popen(
+        command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, env=process_environment()
+    ) as running:
         assert running.stdout is not None and running.stderr is not None
         running.stdout.close()
         assert running.stderr.read() == b""
@@ -165,24 +252,35 @@ def test_an_unexpected_error_is_a_sentence_unless_its_origin_is_asked_for(tmp_pa
     )
     command = [sys.executable, "-c", code, "check", "job-c"]
     result = subprocess.run(command, capture_output=True, text=True, env=process_environment())
-    assert result.returncode == 1 and "fault in valvetrain (ZeroDivisionError: nought)" in sentence(result)
-    shown = subprocess.run(command, capture_output=True, text=True, env=process_environment(VALVETRAIN_TRACEBACK="1"))
+    assert result.returncode == 1 and "fault in valvetrain (ZeroDivisionError: nought)" in sentence(
+        result
+    )
+    shown = subprocess.run(
+        command, capture_output=True, text=True, env=process_environment(VALVETRAIN_TRACEBACK="1")
+    )
     assert shown.returncode == 1 and "Traceback" in shown.stderr
 
 
 def test_compilation_is_announced_once(tmp_path):
-    from valvetrain.cli import compilation
+    from valvetrain.cli import progress as compilation
 
     code = (
-        "from valvetrain.cli.compilation import seconds_to_compile as s; print(s('statics'), s('statics', 'transient'));"
+        "from valvetrain.cli.progress import seconds_to_compile as s; print(s('statics'), s('statics', 'transient'));"
         "from valvetrain.cli.progress import announce_compilation as a; a('statics', 'transient')"
     )
     command = [sys.executable, "-c", code]
     empty = process_environment(NUMBA_CACHE_DIR=str(tmp_path / "empty"))
     fresh = subprocess.run(command, capture_output=True, text=True, check=True, env=empty)
     total = sum(compilation.KERNELS[kind][2] for kind in ("statics", "transient"))
-    assert [float(text) for text in fresh.stdout.split()] == [compilation.KERNELS["statics"][2], total]
+    assert [float(text) for text in fresh.stdout.split()] == [
+        compilation.KERNELS["statics"][2],
+        total,
+    ]
     assert fresh.stderr == f"compiling kernels, once, about {total:.0f} s\n"
-    process("modes", "uniform-spring", "--elements-per-coil", "8", "--count", "2", folder=tmp_path)  # leaves its kernels in the usual cache
-    later = subprocess.run(command, capture_output=True, text=True, check=True, env=process_environment())
+    process(
+        "modes", "uniform-spring", "--elements-per-coil", "8", "--count", "2", folder=tmp_path
+    )  # leaves its kernels in the usual cache
+    later = subprocess.run(
+        command, capture_output=True, text=True, check=True, env=process_environment()
+    )
     assert float(later.stdout.split()[0]) == 0.0

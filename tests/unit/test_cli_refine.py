@@ -1,4 +1,6 @@
-"""``refine`` of a spring: numbers with error bars, as JSON, as a table and as a page, and what it refuses."""
+"""``refine`` of a spring: numbers with error bars, as JSON, as a table and as a page, and what it
+refuses.
+"""
 
 from __future__ import annotations
 
@@ -16,7 +18,9 @@ from valvetrain.studies.run import run_study
 def small(tmp_path, monkeypatch):
     """The small case in the working folder, on meshes of 8, 12 and 18 elements per coil."""
     monkeypatch.chdir(tmp_path)
-    (tmp_path / "small.toml").write_text(SMALL.replace("elements_per_coil = 6", "elements_per_coil = 8"))
+    (tmp_path / "small.toml").write_text(
+        SMALL.replace("elements_per_coil = 6", "elements_per_coil = 8")
+    )
     return tmp_path
 
 
@@ -24,26 +28,47 @@ def test_error_bars_of_the_headline_numbers(small):
     result = call("refine", "small.toml", "--output", "out", "--json", "--workers", "1")
     assert result.exit_code == 0, result.stderr
     data = json.loads(result.stdout)
-    assert data["command"] == "refine" and data["completed"] and data["elements_per_coil"] == [8, 12, 18]
-    rows = {(row["quantity"], row["engine_speed"] and row["engine_speed"]["value"]): row for row in data["uncertainties"]}
-    assert {("preload", None), ("mode_1_frequency", None), ("peak_spring_force", 9000.0)} <= set(rows)
+    assert (
+        data["command"] == "refine"
+        and data["completed"]
+        and data["elements_per_coil"] == [8, 12, 18]
+    )
+    rows = {
+        (row["quantity"], row["engine_speed"] and row["engine_speed"]["value"]): row
+        for row in data["uncertainties"]
+    }
+    assert {("preload", None), ("mode_1_frequency", None), ("peak_spring_force", 9000.0)} <= set(
+        rows
+    )
     own, fine = (numbers(mesh) for mesh in (8, 36))
     for (name, speed), row in rows.items():
         if name not in ("preload", "peak_spring_force"):
             continue
-        # the number is that of the case's own mesh, and what a far finer mesh changes stays within its error bar
+        # the number is that of the case's own mesh, and what a far finer mesh changes stays within
+        # its error bar
         assert row["value"]["value"] == pytest.approx(own[name], rel=1e-9), speed
         assert 0 < abs(fine[name] - own[name]) <= row["numerical_uncertainty"]["value"]
         assert abs(row["extrapolated"]["value"] - fine[name]) < 0.5 * abs(own[name] - fine[name])
-        assert row["contact_stiffness"]["least"]["value"] <= row["value"]["value"] <= row["contact_stiffness"]["largest"]["value"]
-    told = list(csv.reader((small / "out" / "uncertainty.csv").read_text(encoding="utf-8").splitlines()))
-    assert {line[0] for line in told[1:]} >= {name for name, _ in rows} and "engine speed [rpm]" in " ".join(told[0])
+        assert (
+            row["contact_stiffness"]["least"]["value"]
+            <= row["value"]["value"]
+            <= row["contact_stiffness"]["largest"]["value"]
+        )
+    told = list(
+        csv.reader((small / "out" / "uncertainty.csv").read_text(encoding="utf-8").splitlines())
+    )
+    assert {line[0] for line in told[1:]} >= {
+        name for name, _ in rows
+    } and "engine speed [rpm]" in " ".join(told[0])
     assert "Numbers with error bars" in (small / "out" / "report.html").read_text(encoding="utf-8")
 
 
 def numbers(elements_per_coil: int) -> dict[str, float]:
     """Quantities of a run of the small case on another mesh."""
-    case = parse_case(SMALL.replace("elements_per_coil = 6", f"elements_per_coil = {elements_per_coil}"), name="small")
+    case = parse_case(
+        SMALL.replace("elements_per_coil = 6", f"elements_per_coil = {elements_per_coil}"),
+        name="small",
+    )
     study = run_study(case, spring_models=("finite-element",), workers=1)
     return {key.name: value for key, value in study.quantities.items()}
 

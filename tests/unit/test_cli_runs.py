@@ -1,4 +1,6 @@
-"""``run``, ``compare`` and ``sweep`` of a spring alone: the answer, the folder that is kept, and what a list of runs tells."""
+"""``run``, ``compare`` and ``sweep`` of a spring alone: the answer, the folder that is kept, and
+what a list of runs tells.
+"""
 
 from __future__ import annotations
 
@@ -40,28 +42,52 @@ def test_every_template_runs_as_it_stands_and_answers_within_40_lines(tmp_path, 
     lines = result.stdout.splitlines()
     assert len(lines) < 40 and max(map(len, lines)) <= 100
     assert not [word for word in PAPERS if word in result.stdout]
-    order = ["Peak spring force", "Clearance to coil bind", "Surge frequency", "Coil clashes", "Seating velocity", "Peak shear stress"]
-    shown = [next((place for place, line in enumerate(lines) if line.startswith(words)), None) for words in order]
+    order = [
+        "Peak spring force",
+        "Clearance to coil bind",
+        "Surge frequency",
+        "Coil clashes",
+        "Seating velocity",
+        "Peak shear stress",
+    ]
+    shown = [
+        next((place for place, line in enumerate(lines) if line.startswith(words)), None)
+        for words in order
+    ]
     known = [place for place in shown if place is not None]
-    assert known == sorted(known) and len(known) == {"spring": 5, "pushrod": 4}.get(kind, 6)  # a card knows no coils
+    assert known == sorted(known) and len(known) == {"spring": 5, "pushrod": 4}.get(
+        kind, 6
+    )  # a card knows no coils
     assert re.match(r"results  runs.mine.\d{8}-\d{6}-[0-9a-f]{8}$", lines[-1])
 
 
 def test_a_run_is_kept_whole_and_repeated_from_its_folder(small):
-    result = call("run", "small.toml", "--set", "spring.damping.ratio=0.03", "--workers", "1", "--json")
+    result = call(
+        "run", "small.toml", "--set", "spring.damping.ratio=0.03", "--workers", "1", "--json"
+    )
     assert result.exit_code == 0, result.stderr
     found = json.loads(result.stdout)
     folder = Path(found["folder"])
     assert (small / "runs" / "small" / "latest").resolve() == (small / folder).resolve()
     names = {path.relative_to(folder).as_posix() for path in map(Path, found["files"])}
-    assert {"inputs/case.toml", "run.json", "report.html"} <= names and all((folder / name).is_file() for name in names)
+    assert {"inputs/case.toml", "run.json", "report.html"} <= names and all(
+        (folder / name).is_file() for name in names
+    )
     kept = json.loads((folder / "run.json").read_text())
-    assert kept["versions"]["valvetrain"] and kept["command_line"][0] == "valvetrain" and kept["completed"] is True
+    assert (
+        kept["versions"]["valvetrain"]
+        and kept["command_line"][0] == "valvetrain"
+        and kept["completed"] is True
+    )
     assert "0.03" in (folder / "inputs" / "case.toml").read_text()
     again = json.loads(call("run", str(folder), *QUICK, "--json").stdout)
     assert Path(again["folder"]).parent == folder.parent and again["folder"] != found["folder"]
-    assert [run["quantities"] for run in again["runs"]] == [run["quantities"] for run in found["runs"]]
-    assert Path(again["folder"]).name.split("-")[2] == folder.name.split("-")[2]  # the same inputs, the same digest
+    assert [run["quantities"] for run in again["runs"]] == [
+        run["quantities"] for run in found["runs"]
+    ]
+    assert (
+        Path(again["folder"]).name.split("-")[2] == folder.name.split("-")[2]
+    )  # the same inputs, the same digest
 
 
 def test_runs_are_listed_and_compared(small):
@@ -71,16 +97,28 @@ def test_runs_are_listed_and_compared(small):
         assert call("run", "small.toml", *words).exit_code == 0
     call("sweep", "told.toml", "--engine-speed", "7000:8000:500", "--spring", "massless", *QUICK)
     listed = call("runs").stdout
-    assert len(re.findall(r"^\d\d-\d\d \d\d:\d\d ", listed, re.MULTILINE)) == 3 and "7000–8000 (3)" in listed and "failed" not in listed
+    assert (
+        len(re.findall(r"^\d\d-\d\d \d\d:\d\d ", listed, re.MULTILINE)) == 3
+        and "7000–8000 (3)" in listed
+        and "failed" not in listed
+    )
     data = json.loads(call("runs", "small", "--json").stdout)["runs"]
-    assert [run["spring_models"] for run in data] == [["massless"]] * 2 and data[0]["headline"]["quantity"] == "peak_spring_force"
+    assert [run["spring_models"] for run in data] == [["massless"]] * 2 and data[0]["headline"][
+        "quantity"
+    ] == "peak_spring_force"
     compared = call("compare-runs", data[1]["digest"], "small/latest")
     assert compared.exit_code == 0, compared.stderr
-    assert re.search(r"lift_law.maximum_lift +4 mm +3.9 mm", compared.stdout) and "peak spring force" in compared.stdout
+    assert (
+        re.search(r"lift_law.maximum_lift +4 mm +3.9 mm", compared.stdout)
+        and "peak spring force" in compared.stdout
+    )
     found = json.loads(call("compare-runs", data[1]["folder"], data[0]["folder"], "--json").stdout)
     assert [row["key"] for row in found["inputs"]] == ["lift_law.maximum_lift"]
     peak = next(row for row in found["results"] if row["quantity"] == "peak_spring_force")
-    assert peak["difference"]["value"] == pytest.approx(peak["b"]["value"] - peak["a"]["value"]) and peak["difference"]["value"] < 0
+    assert (
+        peak["difference"]["value"] == pytest.approx(peak["b"]["value"] - peak["a"]["value"])
+        and peak["difference"]["value"] < 0
+    )
     assert "the inputs are the same" in call("compare-runs", "small", "small").stdout
 
 
@@ -94,33 +132,64 @@ def test_a_folder_of_ones_own_is_written_directly_and_a_foreign_one_refused(smal
     first = {path.name for path in (small / "here").iterdir()}
     assert call("run", "small.toml", *words, "--engine-speed", "9000 rpm").exit_code == 0
     second = {path.name for path in (small / "here").iterdir()}
-    assert "massless-7000rpm.nc" in first - second and "massless-9000rpm.nc" in second - first and not (small / "runs").exists()
+    assert (
+        "massless-7000rpm.nc" in first - second
+        and "massless-9000rpm.nc" in second - first
+        and not (small / "runs").exists()
+    )
 
 
 def test_published_values_stand_behind_one_line(small):
     brief = call("run", "told.toml", *QUICK)
     assert brief.exit_code == 0, brief.stderr
-    assert "published values: median difference" in brief.stdout and "--published prints" in brief.stdout
+    assert (
+        "published values: median difference" in brief.stdout
+        and "--published prints" in brief.stdout
+    )
     whole = call("run", "told.toml", "--published", *QUICK).stdout
-    lines = r"preload +FE +130 N .*within tolerance", r"peak spring force +\S+ +1 N .*misses", r"seating velocity.*not computed"
+    lines = (
+        r"preload +FE +130 N .*within tolerance",
+        r"peak spring force +\S+ +1 N .*misses",
+        r"seating velocity.*not computed",
+    )
     for line in lines:
         assert re.search(line, whole, re.IGNORECASE), line
     assert max(map(len, whole.splitlines())) <= 100
-    assert "published" not in call("run", "told.toml", "--set", "spring.damping.ratio=0.03", *QUICK).stdout
+    assert (
+        "published"
+        not in call("run", "told.toml", "--set", "spring.damping.ratio=0.03", *QUICK).stdout
+    )
 
 
 def test_run_options_change_speeds_models_folder_and_values(small):
     result = call(
-        "run", "small.toml", "--engine-speed", "7000, 9000 rpm", "--spring", "modal-varied", "--output", "here", *QUICK,
-        "--set", "spring.total_coils=4", "--set", "lift_law.maximum_lift=3 mm", "--json",
-    )  # fmt: skip
+        "run",
+        "small.toml",
+        "--engine-speed",
+        "7000, 9000 rpm",
+        "--spring",
+        "modal-varied",
+        "--output",
+        "here",
+        *QUICK,
+        "--set",
+        "spring.total_coils=4",
+        "--set",
+        "lift_law.maximum_lift=3 mm",
+        "--json",
+    )
     assert result.exit_code == 0, result.stderr
     found = json.loads(result.stdout)
-    assert [(run["model"], run["engine_speed"]["value"]) for run in found["runs"]] == [("modal-varied", 7000.0), ("modal-varied", 9000.0)]
+    assert [(run["model"], run["engine_speed"]["value"]) for run in found["runs"]] == [
+        ("modal-varied", 7000.0),
+        ("modal-varied", 9000.0),
+    ]
     assert found["page"] is None and not (small / "here" / "report.html").exists()
     from valvetrain.solution.netcdf import load_netcdf
 
-    assert float(load_netcdf(small / "here" / "modal-varied-7000rpm.nc").channel("valve_lift").max()) == pytest.approx(3e-3, rel=1e-6)
+    assert float(
+        load_netcdf(small / "here" / "modal-varied-7000rpm.nc").channel("valve_lift").max()
+    ) == pytest.approx(3e-3, rel=1e-6)
 
 
 def test_a_run_without_speeds_gives_statics_and_modes(small):
@@ -132,13 +201,28 @@ def test_a_run_without_speeds_gives_statics_and_modes(small):
 def test_compare_shows_every_model_at_rest_and_in_motion(small):
     result = call("compare", "small.toml", *QUICK)
     assert result.exit_code == 0, result.stderr
-    for model in ("massless", "multi-mass", "modal-varied", "wave-rod", "wave-rod-clash", "finite-element"):
+    for model in (
+        "massless",
+        "multi-mass",
+        "modal-varied",
+        "wave-rod",
+        "wave-rod-clash",
+        "finite-element",
+    ):
         assert len(re.findall(rf"^{model} ", result.stdout, re.MULTILINE)) == 2, model
     assert len(result.stdout.splitlines()) < 40
 
 
 def test_a_sweep_tells_the_worst_and_its_speed(small):
-    result = call("sweep", "small.toml", "--engine-speed", "6000:9000:1000", "--spring", "massless,multi-mass", *QUICK)
+    result = call(
+        "sweep",
+        "small.toml",
+        "--engine-speed",
+        "6000:9000:1000",
+        "--spring",
+        "massless,multi-mass",
+        *QUICK,
+    )
     assert result.exit_code == 0, result.stderr
     assert re.search(r"Surge amplitude +N +\S+ at \d000 +\S+ at \d000", result.stdout)
     assert re.search(r"Engine speeds run +4 +4", result.stdout)
@@ -153,13 +237,22 @@ def test_quiet_prints_nothing_but_errors(small):
 
 def test_errors_are_an_object_under_json_with_the_same_exit_codes(small):
     for arguments, where, words in (
-        (("run", "small.toml", "--set", "spring.pitch=1 N"), "--set spring.pitch", "but a length is needed"),
+        (
+            ("run", "small.toml", "--set", "spring.pitch=1 N"),
+            "--set spring.pitch",
+            "but a length is needed",
+        ),
         (("run", "small.toml", "--steps", "3"), "", "no such option"),
         (("rum",), "", "did you mean 'run'?"),
     ):
         result = call(*arguments, "--json")
         found = json.loads(result.stdout)["error"]
-        assert result.exit_code == 2 and found["code"] == 2 and found["where"] == where and words in found["message"]
+        assert (
+            result.exit_code == 2
+            and found["code"] == 2
+            and found["where"] == where
+            and words in found["message"]
+        )
         assert len(result.stderr.splitlines()) == 1
 
 
@@ -169,11 +262,35 @@ def test_errors_are_an_object_under_json_with_the_same_exit_codes(small):
         (("run", "--engine-speed", "10:9000:1 rpm"), "min and "),
         (("sweep", "--engine-speed", "10:9000:1"), "beyond the bound of 10 min"),
         (("run", "--elements-per-coil", "24", "--set", "operation.cycles=10000"), "--limit"),
-        (("run", "--spring", "multi-mass", "--set", "spring.options.multi-mass.masses_per_coil=2000", *RANGE), "beyond the bound"),
-        (("run", "--spring", "finite-element", "--elements-per-coil", "1000", "--limit", "1 h", *RANGE), "GB"),
+        (
+            (
+                "run",
+                "--spring",
+                "multi-mass",
+                "--set",
+                "spring.options.multi-mass.masses_per_coil=2000",
+                *RANGE,
+            ),
+            "beyond the bound",
+        ),
+        (
+            (
+                "run",
+                "--spring",
+                "finite-element",
+                "--elements-per-coil",
+                "1000",
+                "--limit",
+                "1 h",
+                *RANGE,
+            ),
+            "GB",
+        ),
     ],
 )
-def test_a_request_beyond_the_bound_is_refused_with_its_numbers_and_the_option(small, arguments, words):
+def test_a_request_beyond_the_bound_is_refused_with_its_numbers_and_the_option(
+    small, arguments, words
+):
     command, *rest = arguments
     result = call(command, "small.toml", *rest)
     assert result.exit_code == 2
@@ -182,7 +299,10 @@ def test_a_request_beyond_the_bound_is_refused_with_its_numbers_and_the_option(s
 
 
 def test_options_that_no_computer_holds_are_refused_by_the_case(small):
-    for value in ("spring.options.multi-mass.masses_per_coil=1000000", "spring.options.modal-uniform.modes=3000"):
+    for value in (
+        "spring.options.multi-mass.masses_per_coil=1000000",
+        "spring.options.modal-uniform.modes=3000",
+    ):
         assert call("run", "small.toml", "--set", value).exit_code == 2
 
 
@@ -204,20 +324,43 @@ def test_open_shows_the_page_in_a_browser(small, monkeypatch):
 
 
 def test_a_run_that_diverges_writes_what_it_has_and_ends_with_1(small):
-    words = ("run", "small.toml", "--set", "spring.options.finite-element.time_step=2e-5 s", "--output", "out")
+    words = (
+        "run",
+        "small.toml",
+        "--set",
+        "spring.options.finite-element.time_step=2e-5 s",
+        "--output",
+        "out",
+    )
     result = call(*words, "--json")
     assert result.exit_code == 1, result.stderr
     (line,) = [line for line in result.stderr.splitlines() if line.startswith("failed: ")]
     assert "finite-element at 9000 rpm: diverged" in line and "give a smaller time_step" in line
     found = json.loads(result.stdout)
-    assert found["completed"] is False and [run["status"]["code"] for run in found["runs"]] == ["diverged", "completed"]
-    assert (small / "out" / "finite-element-9000rpm.nc").exists() and (small / "out" / "report.html").exists()
+    assert found["completed"] is False and [run["status"]["code"] for run in found["runs"]] == [
+        "diverged",
+        "completed",
+    ]
+    assert (small / "out" / "finite-element-9000rpm.nc").exists() and (
+        small / "out" / "report.html"
+    ).exists()
     listed = call("runs", "--folder", ".").stdout
     assert "failed" in listed or "no runs" in listed
 
 
 def test_the_cost_of_a_usual_sweep_is_told_within_a_few_times_of_what_it_takes():
-    """31 speeds of two sets and the search take 5 s of one core where they were measured: no usual request is refused for its time."""
-    result = call("sweep", "tdi-pushrod", "--engine-speed", "1000:4000:100 rpm", "--workers", "1", "--limit", "1 s")
+    """31 speeds of two sets and the search take 5 s of one core where they were measured: no usual
+    request is refused for its time.
+    """
+    result = call(
+        "sweep",
+        "tdi-pushrod",
+        "--engine-speed",
+        "1000:4000:100 rpm",
+        "--workers",
+        "1",
+        "--limit",
+        "1 s",
+    )
     (seconds,) = re.findall(r"will take about (\d+) s", sentence(result))
     assert 5 <= float(seconds) <= 20

@@ -1,4 +1,6 @@
-"""Streams that are closed, readers that leave, and names that are no text: the work is done, kept, and told of by the exit code."""
+"""Streams that are closed, readers that leave, and names that are no text: the work is done, kept,
+and told of by the exit code.
+"""
 
 from __future__ import annotations
 
@@ -12,13 +14,15 @@ from pathlib import Path
 import pytest
 
 from unit.cli_parts import MODULE, call, process_environment, sentence
-from valvetrain.cli.streams import mend_streams
+from valvetrain.cli.outcome import mend_streams
 from valvetrain.errors import InputError
 from valvetrain.parameters.loading import LIBRARY
 from valvetrain.solution.atomic import check_target, write_text
 from valvetrain.studies.run_store import check_folder
 
-pytestmark = pytest.mark.skipif(os.name != "posix", reason="streams are closed as a POSIX shell closes them")
+pytestmark = pytest.mark.skipif(
+    os.name != "posix", reason="streams are closed as a POSIX shell closes them"
+)
 RUN = "run job-t --spring massless --no-report --engine-speed '3000 rpm' --output out"
 
 
@@ -26,18 +30,26 @@ def shell(command: str, folder: Path, **environment: str) -> subprocess.Complete
     """``command`` in a shell, where ``vt`` is the command line of the package."""
     whole = f'vt() {{ "{sys.executable}" {" ".join(MODULE)} "$@"; }}\n{command}'
     return subprocess.run(
-        ["bash", "-c", os.fsencode(whole)], cwd=folder, capture_output=True, timeout=120, env=process_environment(**environment)
+        ["bash", "-c", os.fsencode(whole)],
+        cwd=folder,
+        capture_output=True,
+        timeout=120,
+        env=process_environment(**environment),
     )
 
 
 def kept(folder: Path) -> float:
     """The peak force that the kept run in ``folder`` tells."""
-    return json.loads((folder / "run.json").read_text())["runs"][0]["quantities"]["peak_spring_force"]["value"]
+    return json.loads((folder / "run.json").read_text())["runs"][0]["quantities"][
+        "peak_spring_force"
+    ]["value"]
 
 
 @pytest.mark.parametrize("closed", ["<&- >&- 2>&-", "--json >&-"])
 def test_a_run_with_closed_streams_is_kept_and_ends_well(closed, tmp_path):
-    """A closed stream frees its number for the next file that is opened, and what prints would write into that file."""
+    """A closed stream frees its number for the next file that is opened, and what prints would
+    write into that file.
+    """
     result = shell(f"vt {RUN} {closed}", tmp_path)
     assert result.returncode == 0
     assert b"fault" not in result.stderr and b"Traceback" not in result.stderr
@@ -49,7 +61,9 @@ def test_a_run_with_closed_streams_is_kept_and_ends_well(closed, tmp_path):
 def test_the_exit_code_tells_of_the_work_not_of_a_reader_that_left(command, tmp_path):
     result = shell(f"vt {command} | true; exit ${{PIPESTATUS[0]}}", tmp_path)
     assert result.returncode == 0
-    assert not [line for line in result.stderr.decode().splitlines() if not line.startswith("compiling")]
+    assert not [
+        line for line in result.stderr.decode().splitlines() if not line.startswith("compiling")
+    ]
 
 
 HELP_OF_ALL = """
@@ -72,9 +86,16 @@ print(json.dumps(found))
 
 @pytest.mark.long
 def test_the_help_of_every_command_ends_well_where_nobody_reads_it(tmp_path):
-    """rich and the parser ended the process with code 1 where a reader left before them (``valvetrain --help | true``)."""
+    """rich and the parser ended the process with code 1 where a reader left before them
+    (``valvetrain --help | true``).
+    """
     result = subprocess.run(
-        [sys.executable, "-c", HELP_OF_ALL], capture_output=True, text=True, cwd=tmp_path, timeout=120, env=process_environment()
+        [sys.executable, "-c", HELP_OF_ALL],
+        capture_output=True,
+        text=True,
+        cwd=tmp_path,
+        timeout=120,
+        env=process_environment(),
     )
     found = json.loads(result.stdout)
     assert len(found) > 12 and set(found.values()) == {0}, found
@@ -104,7 +125,9 @@ def test_a_run_that_failed_says_so_to_a_reader_that_left(tmp_path):
     assert result.returncode == 2 and b"check the path" in result.stderr
 
 
-@pytest.mark.skipif(not Path("/dev/full").exists(), reason="this system has no device that is always full")
+@pytest.mark.skipif(
+    not Path("/dev/full").exists(), reason="this system has no device that is always full"
+)
 def test_an_output_that_takes_nothing_is_named_and_the_run_is_kept(tmp_path):
     result = shell(f"vt {RUN} > /dev/full", tmp_path)
     assert result.returncode == 1 and b"No space left on device (standard output)" in result.stderr
@@ -117,7 +140,10 @@ def test_names_that_are_no_text_are_read_written_and_shown(locale, tmp_path):
     name = b"caf\xe9"
     home = os.fsencode(tmp_path) + b"/" + name
     os.mkdir(home)
-    table = "\n".join(f"{angle}, {lift}" for angle, lift in zip(range(0, 110, 10), [0, 0, 1, 3, 5, 6, 5, 3, 1, 0, 0], strict=True))
+    table = "\n".join(
+        f"{angle}, {lift}"
+        for angle, lift in zip(range(0, 110, 10), [0, 0, 1, 3, 5, 6, 5, 3, 1, 0, 0], strict=True)
+    )
     Path(os.fsdecode(home), "lift.csv").write_text(table)
     law = "kind = 'spline'\nfile = 'lift.csv'\nangle_of = 'cam'\nangle_unit = 'deg'\nlift_unit = 'mm'\nlift_of = 'valve'\n"
     spring = (LIBRARY / "job-t.toml").read_text(encoding="utf-8").partition("[lift_law]")[0]
@@ -130,7 +156,10 @@ def test_names_that_are_no_text_are_read_written_and_shown(locale, tmp_path):
     told = json.loads((out / "run.json").read_bytes())
     assert told["case"] == "f\ufffd" and told["command_line"][2] == "caf\udce9/f\udce9.toml"
     missing = shell("vt run m\udce9.toml --json", tmp_path, LC_ALL=locale)
-    assert missing.returncode == 2 and "there is no file" in json.loads(missing.stdout)["error"]["message"]
+    assert (
+        missing.returncode == 2
+        and "there is no file" in json.loads(missing.stdout)["error"]["message"]
+    )
 
 
 def test_a_value_that_is_no_text_is_refused():
@@ -149,16 +178,24 @@ def test_a_folder_that_cannot_be_is_refused_before_the_work(tmp_path):
     (tmp_path / "dangling").symlink_to("nowhere")
     (tmp_path / "file").write_text("1")
     for name, words in {
-        "loop": "a link that leads nowhere", "loop/under": "a link that leads nowhere", "dangling": "a link that leads nowhere",
-        "file": "a file, not a folder", "file/under": "a file, not a folder", "a" * 300: "no usable folder name", "a/" * 3000: "no usable",
-    }.items():  # fmt: skip
+        "loop": "a link that leads nowhere",
+        "loop/under": "a link that leads nowhere",
+        "dangling": "a link that leads nowhere",
+        "file": "a file, not a folder",
+        "file/under": "a file, not a folder",
+        "a" * 300: "no usable folder name",
+        "a/" * 3000: "no usable",
+    }.items():
         with pytest.raises(InputError, match=words) as found:
             check_folder(tmp_path / name)
         assert len(str(found.value)) < 300
     assert sorted(path.name for path in tmp_path.iterdir()) == ["dangling", "file", "loop"]
 
 
-@pytest.mark.skipif(not Path("/proc/self").exists(), reason="needs a folder that takes no files whatever its permissions say")
+@pytest.mark.skipif(
+    not Path("/proc/self").exists(),
+    reason="needs a folder that takes no files whatever its permissions say",
+)
 def test_a_folder_that_takes_no_files_is_refused_before_the_work():
     with pytest.raises(InputError, match="may not be written to"):
         check_folder(Path("/proc/out"))
@@ -167,7 +204,9 @@ def test_a_folder_that_takes_no_files_is_refused_before_the_work():
 
 
 def test_a_file_never_takes_the_place_of_a_pipe_or_a_folder(tmp_path):
-    """Written by a new file that is renamed, a curve for the null device took its place on the whole machine."""
+    """Written by a new file that is renamed, a curve for the null device took its place on the
+    whole machine.
+    """
     os.mkfifo(tmp_path / "pipe")
     (tmp_path / "folder").mkdir()
     for name, words in {"pipe": "a device or a pipe", "folder": "a folder"}.items():
@@ -182,7 +221,9 @@ def test_a_file_never_takes_the_place_of_a_pipe_or_a_folder(tmp_path):
 @pytest.mark.parametrize("encoding", ["ascii", "cp1252", "utf-8"])
 @pytest.mark.parametrize("name", ["stdout", "stderr"])
 def test_what_a_stream_cannot_show_is_written_with_backslashes(name, encoding, monkeypatch):
-    """A spring called after the Greek letter and an ohm sign: as it is where the stream knows them, else as Python escapes them."""
+    """A spring called after the Greek letter and an ohm sign: as it is where the stream knows them,
+    else as Python escapes them.
+    """
     raw, words = io.BytesIO(), "Feder \u03b1 \u2126 \udcff"
     monkeypatch.setattr(sys, name, io.TextIOWrapper(raw, encoding=encoding))
     mend_streams()

@@ -1,6 +1,8 @@
-"""Unit: a model against measured cycles and values: what is said, by every way in, and what is refused.
+"""Unit: a model against measured cycles and values: what is said, by every way in, and what is
+refused.
 
-The tests are synthesised from a run whose motion is known, so that every shift, bias and verdict has a known answer.
+The tests are synthesised from a run whose motion is known, so that every shift, bias and verdict
+has a known answer.
 """
 
 from __future__ import annotations
@@ -15,18 +17,17 @@ from scipy import stats
 
 import valvetrain as vt
 from unit.cli_parts import call as invoke
+from valvetrain.compare_test import compare as compare_test
+from valvetrain.compare_test.page import compare_test_page
 from valvetrain.errors import InputError
-from valvetrain.measurements.cycles_file import write_cycles
-from valvetrain.measurements.measured_cycles import MeasuredCycles
-from valvetrain.measurements.sensor import Sensor
-from valvetrain.measurements.value_table import MeasuredValue, ValueTable, read_value_table
+from valvetrain.measured.cycles import MeasuredCycles, write_cycles
+from valvetrain.measured.sensor import Sensor
+from valvetrain.measured.value_table import MeasuredValue, ValueTable, read_value_table
 from valvetrain.quantities.traces import Trace, trace_names, trace_of
-from valvetrain.report.compare_test_page import compare_test_page
 from valvetrain.report.page import render
 from valvetrain.solution.provenance import Provenance
 from valvetrain.solution.result import Solution
 from valvetrain.solution.status import Status
-from valvetrain.studies import compare_test
 
 SPEED = "3000 rpm"
 CHAIN = ("multi-mass",)
@@ -52,11 +53,18 @@ def chain() -> Trace:
 
 
 def cycles(count=8, angles=360, bias=0.0, late=0.0, seed=1, size=4.0):
-    """Cycles of the chain's own force, later by ``late`` degrees and higher by ``bias`` (N), with scatter of 20 harmonics."""
+    """Cycles of the chain's own force, later by ``late`` degrees and higher by ``bias`` (N), with
+    scatter of 20 harmonics.
+    """
     angle = np.arange(angles) * 2 * np.pi / angles
     turned = np.outer(np.arange(1, 21), angle)
     drawn = np.random.default_rng(seed).standard_normal((count, 2, 20)) * size / np.sqrt(20)
-    values = chain().at(angle - np.radians(late)) + bias + drawn[:, 0] @ np.cos(turned) + drawn[:, 1] @ np.sin(turned)
+    values = (
+        chain().at(angle - np.radians(late))
+        + bias
+        + drawn[:, 0] @ np.cos(turned)
+        + drawn[:, 1] @ np.sin(turned)
+    )
     return MeasuredCycles("spring_force", "N", angle, values, 50 * np.pi, "made up", synthetic=True)
 
 
@@ -67,7 +75,9 @@ def compared(test, **more):
 def test_the_truth_is_not_refuted_and_a_bias_is():
     true, off = compared(cycles()), compared(cycles(bias=12.0))
     assert true.best.adequacy.adequate and "does not refute multi-mass" in true.verdict
-    assert not off.best.adequacy.adequate and off.verdict.startswith("The test refutes multi-mass: F = ")
+    assert not off.best.adequacy.adequate and off.verdict.startswith(
+        "The test refutes multi-mass: F = "
+    )
     assert off.best.agreement.bias == pytest.approx(-12.0, abs=1.0)
     assert not true.best.band.outside.any() and off.best.band.outside.mean() > 0.3
 
@@ -88,8 +98,14 @@ def test_the_numbers_do_not_depend_on_the_grid_of_the_test():
 
 def test_the_numbers_do_not_depend_on_the_samples_of_the_model():
     found = [compared(cycles(bias=1.0), **more).best for more in ({}, {"spring_models": CHAIN})]
-    steps = [vt.compare_with_test(vt.load_case("job-t", {"operation.output_step": step}), cycles(bias=1.0), spring_models=CHAIN).best
-             for step in ("0.5 deg", "2 deg")]  # fmt: skip
+    steps = [
+        vt.compare_with_test(
+            vt.load_case("job-t", {"operation.output_step": step}),
+            cycles(bias=1.0),
+            spring_models=CHAIN,
+        ).best
+        for step in ("0.5 deg", "2 deg")
+    ]
     for one in (found[1], *steps):
         assert one.adequacy.ratio == pytest.approx(found[0].adequacy.ratio, rel=0.01)
         assert one.agreement.rms == pytest.approx(found[0].agreement.rms, rel=0.01)
@@ -99,9 +115,15 @@ def test_the_order_of_cycles_and_their_unit_do_not_matter(tmp_path):
     own = cycles()
     turned = replace(own, values=own.values[::-1])
     text = write_cycles(tmp_path / "own.csv", [own]).read_text().replace("# unit: N", "# unit: lbf")
-    rows = [line if line[:1] in "#c" else _scaled(line, 1 / 4.4482216152605) for line in text.splitlines()]
+    rows = [
+        line if line[:1] in "#c" else _scaled(line, 1 / 4.4482216152605)
+        for line in text.splitlines()
+    ]
     (tmp_path / "pounds.csv").write_text("\n".join(rows))
-    ratios = [compared(test).best.adequacy.ratio for test in (own, turned, tmp_path / "own.csv", tmp_path / "pounds.csv")]
+    ratios = [
+        compared(test).best.adequacy.ratio
+        for test in (own, turned, tmp_path / "own.csv", tmp_path / "pounds.csv")
+    ]
     assert ratios == pytest.approx([ratios[0]] * 4, rel=1e-9)
 
 
@@ -114,24 +136,47 @@ def test_python_command_line_and_page_say_the_same(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     write_cycles("own.csv", [cycles(bias=5.0)])
     found = compared("own.csv", spring_models=("multi-mass", "massless"))
-    command = ("compare-test", "job-t", "--test", "own.csv", "--spring", "multi-mass,massless", "--output", "out")
+    command = (
+        "compare-test",
+        "job-t",
+        "--test",
+        "own.csv",
+        "--spring",
+        "multi-mass,massless",
+        "--output",
+        "out",
+    )
     data = json.loads(invoke(*command, "--json").stdout)
     for told, one in zip(data["runs"], found.runs, strict=True):
-        assert told["f_test"]["ratio"] == one.adequacy.ratio and told["f_test"]["p_value"] == one.adequacy.p_value
+        assert (
+            told["f_test"]["ratio"] == one.adequacy.ratio
+            and told["f_test"]["p_value"] == one.adequacy.p_value
+        )
         assert told["agreement"]["shift"] == one.agreement.shift
         assert told["band"]["share_outside"] == one.band.outside.mean()
     shown, page = invoke(*command).stdout, (tmp_path / "out" / "report.html").read_text()
     for sentence in data["verdict"]:
-        assert sentence in shown and sentence.replace("'", "&#39;") in page.replace("&#x27;", "&#39;")
+        assert sentence in shown and sentence.replace("'", "&#39;") in page.replace(
+            "&#x27;", "&#39;"
+        )
     assert "synthetic" in shown and "The test is synthetic" in page
-    assert {path.rsplit("/")[-1] for path in data["files"]} >= {"curves.csv", "events.csv", "report.html", "run.json"}
+    assert {path.rsplit("/")[-1] for path in data["files"]} >= {
+        "curves.csv",
+        "events.csv",
+        "report.html",
+        "run.json",
+    }
     rows = np.genfromtxt(tmp_path / "out" / "curves.csv", delimiter=",", skip_header=1)
     assert rows[:, 2] - rows[:, 1] == pytest.approx(rows[:, 3], abs=1e-5)
 
 
 def test_the_same_input_gives_the_same_bits():
     one, other = (compared(cycles(), workers=workers) for workers in (1, 2))
-    assert one.best.adequacy == other.best.adequacy and one.best.agreement == other.best.agreement and one.best.events == other.best.events
+    assert (
+        one.best.adequacy == other.best.adequacy
+        and one.best.agreement == other.best.agreement
+        and one.best.events == other.best.events
+    )
     assert np.array_equal(one.best.band.half_width, other.best.band.half_width)
     assert render(compare_test_page(one)) == render(compare_test_page(other))
 
@@ -144,7 +189,10 @@ def test_which_model_is_closer_is_students_test_of_the_squares():
     due = stats.ttest_rel(*squares)
     (row,) = found.closer
     assert (row.student, row.p_value) == pytest.approx((due.statistic, due.pvalue), rel=1e-6)
-    assert row.sentence.startswith("multi-mass is closer to the test than massless") and row.p_value < 0.05
+    assert (
+        row.sentence.startswith("multi-mass is closer to the test than massless")
+        and row.p_value < 0.05
+    )
     (same,) = compared(cycles(count=4, size=60.0), spring_models=("massless", "multi-mass")).closer
     assert "does not separate" in same.sentence and same.p_value > 0.05
 
@@ -152,9 +200,15 @@ def test_which_model_is_closer_is_students_test_of_the_squares():
 def test_one_cycle_two_cycles_and_alike_cycles_say_what_they_cannot():
     one = compared(cycles(1))
     assert one.best.adequacy is None and "no F-test" in one.verdict and one.best.band is None
-    assert all(event.outside is None for event in one.best.events) and "no event is judged" in render(compare_test_page(one))
+    assert all(
+        event.outside is None for event in one.best.events
+    ) and "no event is judged" in render(compare_test_page(one))
     two = compared(cycles(2))
-    assert two.best.adequacy is not None and two.best.band is None and any("2 repeats hardly show" in note for note in two.notes)
+    assert (
+        two.best.adequacy is not None
+        and two.best.band is None
+        and any("2 repeats hardly show" in note for note in two.notes)
+    )
     own = cycles(12)
     drifting = replace(own, values=own.values + 8 * np.linspace(-1, 1, 12)[:, None])
     assert any("successive cycles are alike" in note for note in compared(drifting).notes)
@@ -162,27 +216,56 @@ def test_one_cycle_two_cycles_and_alike_cycles_say_what_they_cannot():
 
 
 def test_errors_that_all_cycles_share_are_stated_apart():
-    """A bias within what is stated refutes nothing; the sums of variances and degrees of freedom are those of Satterthwaite."""
-    alone, shared = compared(cycles(bias=5.0)).best, compared(cycles(bias=5.0), shared="4 N, 0.1 deg")
+    """A bias within what is stated refutes nothing; the sums of variances and degrees of freedom
+    are those of Satterthwaite.
+    """
+    alone, shared = (
+        compared(cycles(bias=5.0)).best,
+        compared(cycles(bias=5.0), shared="4 N, 0.1 deg"),
+    )
     test = shared.best.adequacy
-    assert not alone.adequacy.adequate and test.adequate and len(test.shared) == 2 and test.shared[0] == pytest.approx(16.0)
+    assert (
+        not alone.adequacy.adequate
+        and test.adequate
+        and len(test.shared) == 2
+        and test.shared[0] == pytest.approx(16.0)
+    )
     own, part, angle = test.reproducibility, 8 * 16.0, 8 * test.shared[1]
     assert test.expected == pytest.approx(own + part + angle)
-    assert test.degrees[0] == pytest.approx(test.expected**2 / (own**2 / test.independent + part**2 + angle**2))
+    assert test.degrees[0] == pytest.approx(
+        test.expected**2 / (own**2 / test.independent + part**2 + angle**2)
+    )
     assert "offset 4 N, angle 0.1 cam deg" in " ".join(shared.notes)
     assert shared.best.band.half_width.min() > alone.band.half_width.min() + 4
     turned = [abs(row.in_errors) for row in shared.best.events if row.dimension == "value"]
-    assert all(new < old for new, old in zip(turned, [abs(row.in_errors) for row in alone.events if row.dimension == "value"], strict=True))
+    assert all(
+        new < old
+        for new, old in zip(
+            turned,
+            [abs(row.in_errors) for row in alone.events if row.dimension == "value"],
+            strict=True,
+        )
+    )
 
 
 def test_angles_are_one_turn_of_the_cam():
-    """A last angle that is the first again is left out; two turns, as crank angles make, are refused; any zero of the angle will do."""
+    """A last angle that is the first again is left out; two turns, as crank angles make, are
+    refused; any zero of the angle will do.
+    """
     own = cycles()
-    closed = replace(own, cam_angle=np.append(own.cam_angle, 2 * np.pi), values=np.hstack([own.values, own.values[:, :1]]))
+    closed = replace(
+        own,
+        cam_angle=np.append(own.cam_angle, 2 * np.pi),
+        values=np.hstack([own.values, own.values[:, :1]]),
+    )
     turned = replace(own, cam_angle=own.cam_angle - np.pi, values=np.roll(own.values, 180, axis=1))
     found = [compared(test).best for test in (own, closed, turned)]
-    assert [one.adequacy.ratio for one in found] == pytest.approx([found[0].adequacy.ratio] * 3, rel=1e-9)
-    assert [one.agreement.shift for one in found] == pytest.approx([found[0].agreement.shift] * 3, abs=1e-9)
+    assert [one.adequacy.ratio for one in found] == pytest.approx(
+        [found[0].adequacy.ratio] * 3, rel=1e-9
+    )
+    assert [one.agreement.shift for one in found] == pytest.approx(
+        [found[0].agreement.shift] * 3, abs=1e-9
+    )
     with pytest.raises(InputError, match="half of the crank's"):
         compared(replace(own, cam_angle=2 * own.cam_angle))
 
@@ -198,8 +281,13 @@ def test_numbers_nobody_measures_are_refused():
 def test_runs_that_fail_are_told_and_no_run_is_no_verdict(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     whole = vt.simulate("job-t", SPEED, spring_models=CHAIN)
-    lost = replace(whole.solutions[0], status=Status("diverged", "the force grew without bound", remedy="take a smaller step"))
-    monkeypatch.setattr(compare_test, "simulate", lambda *_, **__: replace(whole, solutions=(lost,)))
+    lost = replace(
+        whole.solutions[0],
+        status=Status("diverged", "the force grew without bound", remedy="take a smaller step"),
+    )
+    monkeypatch.setattr(
+        compare_test, "simulate", lambda *_, **__: replace(whole, solutions=(lost,))
+    )
     found = compared(cycles())
     assert not found.runs and "multi-mass at 3000 rpm of the crank: " in found.failures[0]
     with pytest.raises(InputError, match="nothing to compare"):
@@ -214,7 +302,9 @@ def test_missing_values_are_left_out_and_said():
     values = own.values.copy()
     values[0, :250], values[3, 10:20] = np.nan, np.nan
     found = compared(replace(own, values=values))
-    assert found.test.values.shape == (7, 350) and any("1 cycles lack" in note for note in found.notes)
+    assert found.test.values.shape == (7, 350) and any(
+        "1 cycles lack" in note for note in found.notes
+    )
     assert any("10 of 360 angles" in note for note in found.notes)
     values[:, ::2] = np.nan
     values[1:4] = np.nan
@@ -237,11 +327,19 @@ def test_the_speed_of_the_test_is_run_and_a_wrong_one_is_said():
 @pytest.mark.parametrize(
     ("changes", "more", "words"),
     [
-        ({"quantity": "shoe_size"}, {}, "has no curve 'shoe_size'; it has spring_force, retainer_force"),
+        (
+            {"quantity": "shoe_size"},
+            {},
+            "has no curve 'shoe_size'; it has spring_force, retainer_force",
+        ),
         ({"quantity": "valve_lift"}, {}, "gives valve_lift in N, the model in m"),
         ({}, {"level": 0.0}, "no chance"),
         ({}, {"fitted": -1}, "no number of fitted parameters"),
-        ({}, {"sensor": Sensor(bandwidth="9 kHz", sampling_rate="50 kHz")}, "compared at its own angles"),
+        (
+            {},
+            {"sensor": Sensor(bandwidth="9 kHz", sampling_rate="50 kHz")},
+            "compared at its own angles",
+        ),
         ({}, {"channel": 3}, "holds 1 channels"),
         ({}, {"shared": "2 mm"}, "no error of a quantity in N"),
         ({}, {"shared": "2 N, 3 N"}, "the second offset"),
@@ -257,7 +355,9 @@ def test_what_does_not_fit_is_refused_in_one_sentence(changes, more, words):
 @pytest.mark.parametrize(
     ("content", "words"),
     [
-        (b"", "empty"), (b"\x00\x01\x02" * 40, "no text"), (b"hello", "holds no row of numbers"),
+        (b"", "empty"),
+        (b"\x00\x01\x02" * 40, "no text"),
+        (b"hello", "holds no row of numbers"),
         (b"# quantity: valve_lift\nangle,1\n0,1\n10,2\n", "does not say its unit"),
         (b"quantity,unit,value,scatter\npeak_spring_force,N,800,\n", "scatter is missing"),
         (b"quantity,unit,value,scatter\npeak_spring_force,N,800,0\n", "is positive"),
@@ -267,24 +367,33 @@ def test_what_does_not_fit_is_refused_in_one_sentence(changes, more, words):
         (b"quantity,unit,value,scatter,colour\na,N,1,1,red\n", "column 'colour'"),
         (b"quantity,unit,value,scatter,cam angle\na,N,1,1,2\n", "has no unit"),
     ],
-)  # fmt: skip
+)
 def test_damaged_files_are_refused_in_one_sentence(tmp_path, monkeypatch, content, words):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "test.csv").write_bytes(content)
     shown = invoke("compare-test", "job-t", "--test", "test.csv")
-    assert shown.exit_code == 2 and words in " ".join(shown.output.split()) and len(list(tmp_path.iterdir())) == 1
+    assert (
+        shown.exit_code == 2
+        and words in " ".join(shown.output.split())
+        and len(list(tmp_path.iterdir())) == 1
+    )
 
 
 def test_channels_of_a_file_are_told_apart(tmp_path):
     own = cycles(4)
-    file = write_cycles(tmp_path / "two.nc", [replace(own, quantity="coil_displacement"), replace(own, quantity="coil_displacement")])
+    file = write_cycles(
+        tmp_path / "two.nc",
+        [replace(own, quantity="coil_displacement"), replace(own, quantity="coil_displacement")],
+    )
     with pytest.raises(InputError, match="1 coil_displacement, 2 coil_displacement"):
         compared(file)
     assert compared(file, channel=2, quantity="spring_force").quantity == "spring_force"
 
 
 def test_values_with_stated_scatter_are_counted_in_it(tmp_path):
-    """Chi square by scipy of the same deviations; an angle counted through the cycle meets its neighbour whatever its number."""
+    """Chi square by scipy of the same deviations; an angle counted through the cycle meets its
+    neighbour whatever its number.
+    """
     force = vt.simulate("job-t", SPEED, spring_models=CHAIN).solutions[0].quantities
     peak, angle = force["peak_spring_force"], np.degrees(force["peak_spring_force_cam_angle"])
     (tmp_path / "values.csv").write_text(
@@ -294,11 +403,20 @@ def test_values_with_stated_scatter_are_counted_in_it(tmp_path):
     )
     found = compared(tmp_path / "values.csv")
     off = [row.in_scatters for row in found.best.values if np.isfinite(row.model)]
-    assert off[0] == pytest.approx(2.0, abs=1e-9) and off[1] == pytest.approx(-0.5, abs=1e-6) and off[3] == pytest.approx(0.0, abs=1e-6)
-    assert found.best.adequacy.p_value == pytest.approx(stats.chi2.sf(np.sum(np.square(off)), 4), rel=1e-6)
+    assert (
+        off[0] == pytest.approx(2.0, abs=1e-9)
+        and off[1] == pytest.approx(-0.5, abs=1e-6)
+        and off[3] == pytest.approx(0.0, abs=1e-6)
+    )
+    assert found.best.adequacy.p_value == pytest.approx(
+        stats.chi2.sf(np.sum(np.square(off)), 4), rel=1e-6
+    )
     assert any("shoe_size" in note for note in found.notes) and "does not refute" in found.verdict
     page = render(compare_test_page(found))
-    assert "All 4 values lie within two scatters" in page or "values lie more than two scatters off" in page
+    assert (
+        "All 4 values lie within two scatters" in page
+        or "values lie more than two scatters off" in page
+    )
 
 
 def test_repeats_of_values_give_fishers_ratio_and_are_compared_in_pairs(tmp_path):
@@ -308,17 +426,29 @@ def test_repeats_of_values_give_fishers_ratio_and_are_compared_in_pairs(tmp_path
     truth = [float(chain().at(np.radians([place]))[0]) for place in (60.0, 150.0, 180.0, 300.0)]
     for bias, adequate in ((0.0, True), (3.0, False)):
         values = tuple(
-            MeasuredValue("spring_force", "N", level + bias + own, cam_angle=np.radians(place), engine_speed=100 * np.pi)
+            MeasuredValue(
+                "spring_force",
+                "N",
+                level + bias + own,
+                cam_angle=np.radians(place),
+                engine_speed=100 * np.pi,
+            )
             for level, own, place in zip(truth, drawn, (60.0, 150.0, 180.0, 300.0), strict=True)
         )
         test = compared(ValueTable(values)).best.adequacy
         mean = drawn.mean(axis=1) + bias
         within = np.sum((drawn - drawn.mean(axis=1, keepdims=True)) ** 2) / 20
-        assert test.ratio == pytest.approx(6 * np.mean(mean**2) / within, rel=1e-6) and test.adequate is adequate
+        assert (
+            test.ratio == pytest.approx(6 * np.mean(mean**2) / within, rel=1e-6)
+            and test.adequate is adequate
+        )
 
 
 def test_tables_that_mix_units_have_no_f_test():
-    values = (MeasuredValue("peak_spring_force", "N", np.array([1.0, 2.0])), MeasuredValue("peak_valve_lift", "mm", np.array([1.0, 2.0])))
+    values = (
+        MeasuredValue("peak_spring_force", "N", np.array([1.0, 2.0])),
+        MeasuredValue("peak_valve_lift", "mm", np.array([1.0, 2.0])),
+    )
     found = compared(ValueTable(values), engine_speed=SPEED)
     assert found.best.adequacy is None and "several units" in found.verdict
 
@@ -330,22 +460,35 @@ def test_curves_of_coils_are_found_by_number_and_by_share():
     angle = np.linspace(0, 2 * np.pi, 73)
     coils = np.linspace(0.0, 7.0, 15)
     channels = spring_channels(
-        time=angle / 100, cam_angle=angle, values={"axial_displacement": -np.outer(1 - np.cos(angle), coils), "seat_force": angle},
+        time=angle / 100,
+        cam_angle=angle,
+        values={"axial_displacement": -np.outer(1 - np.cos(angle), coils), "seat_force": angle},
         coil_number=coils,
-    )  # fmt: skip
-    run = Solution(channels, provenance=Provenance("own", "finite-element", engine_speed=200.0, springs=("outer",), system="spring"))
+    )
+    run = Solution(
+        channels,
+        provenance=Provenance(
+            "own", "finite-element", engine_speed=200.0, springs=("outer",), system="spring"
+        ),
+    )
     assert trace_of(run, "coil_2.25_displacement").values.max() == pytest.approx(4.5)
     assert trace_of(run, "coil_2_25_displacement").values.max() == pytest.approx(4.5)
     assert trace_of(run, "section_0.5_displacement").values.max() == pytest.approx(7.0)
-    assert trace_of(run, "section_0.5_displacement", {"outer": (1.0, 5.0)}).values.max() == pytest.approx(6.0)
-    assert "coil_{0 to 7}_displacement" in trace_names(run) and "section_{0 to 1}_displacement" in trace_names(run)
+    assert trace_of(
+        run, "section_0.5_displacement", {"outer": (1.0, 5.0)}
+    ).values.max() == pytest.approx(6.0)
+    assert "coil_{0 to 7}_displacement" in trace_names(
+        run
+    ) and "section_{0 to 1}_displacement" in trace_names(run)
     for name in ("coil_9_displacement", "section_1.5_displacement", "coil_2_gap", "coil_2_size"):
         with pytest.raises(InputError, match="has no curve"):
             trace_of(run, name)
 
 
 def test_a_model_is_seen_through_the_gauge_of_the_test():
-    """A harmonic at the -3 dB frequency of a first-order gauge comes out lower by the root of two and an eighth of its period later."""
+    """A harmonic at the -3 dB frequency of a first-order gauge comes out lower by the root of two
+    and an eighth of its period later.
+    """
     angle = np.arange(720) * 2 * np.pi / 720
     trace = Trace(angle, np.sin(6 * angle), "N", 0.02, True)
     seen = trace.through(Sensor(bandwidth=300.0, order=1)).at(angle)
@@ -359,9 +502,17 @@ def test_a_model_without_the_curve_is_left_out_and_said():
     run = vt.simulate("job-t", SPEED, spring_models=CHAIN).solutions[0]
     angle = np.arange(180) * 2 * np.pi / 180
     moved = trace_of(run, "coil_3_displacement").at(angle)
-    test = MeasuredCycles("coil_3_displacement", "m", angle, moved + 1e-5 * np.outer([1.0, -1.0, 0.5, -0.5], np.cos(angle)), 50 * np.pi)
+    test = MeasuredCycles(
+        "coil_3_displacement",
+        "m",
+        angle,
+        moved + 1e-5 * np.outer([1.0, -1.0, 0.5, -0.5], np.cos(angle)),
+        50 * np.pi,
+    )
     found = compared(test, spring_models=("massless", "multi-mass"))
-    assert [one.label for one in found.runs] == ["multi-mass"] and "of which massless gives nothing" in " ".join(found.notes)
+    assert [one.label for one in found.runs] == [
+        "multi-mass"
+    ] and "of which massless gives nothing" in " ".join(found.notes)
     assert found.best.adequacy.adequate and "mm²" in render(compare_test_page(found))
     with pytest.raises(InputError, match="the massless run has no curve"):
         compared(test, spring_models=("massless",))
@@ -369,7 +520,10 @@ def test_a_model_without_the_curve_is_left_out_and_said():
 
 def test_a_table_has_no_gauge():
     with pytest.raises(InputError, match="those of a bandwidth"):
-        compared(ValueTable((MeasuredValue("peak_spring_force", "N", np.array([1.0]), 1.0),)), sensor=Sensor(bandwidth="1 kHz"))
+        compared(
+            ValueTable((MeasuredValue("peak_spring_force", "N", np.array([1.0]), 1.0),)),
+            sensor=Sensor(bandwidth="1 kHz"),
+        )
 
 
 def test_a_table_is_read_in_the_units_it_says(tmp_path):
@@ -379,4 +533,6 @@ def test_a_table_is_read_in_the_units_it_says(tmp_path):
     )
     found = read_value_table(file)
     assert found.synthetic and found.source == "own rig" and found.repeats == 2
-    assert found.values[0].value == pytest.approx(9.2e-3) and found.values[0].engine_speed == pytest.approx(100 * np.pi)
+    assert found.values[0].value == pytest.approx(9.2e-3) and found.values[
+        0
+    ].engine_speed == pytest.approx(100 * np.pi)

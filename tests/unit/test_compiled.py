@@ -1,4 +1,6 @@
-"""Kernels kept on disk: never older than what they are made of, mended where damaged, left out where they cannot be kept."""
+"""Kernels kept on disk: never older than what they are made of, mended where damaged, left out
+where they cannot be kept.
+"""
 
 from __future__ import annotations
 
@@ -54,15 +56,26 @@ def test_a_kernel_is_compiled_anew_when_any_source_of_kernels_changes(load, monk
     load()(1.5)
     monkeypatch.setattr(compiled, "sources_digest", lambda package: "another")
     changed = load()
-    assert changed(1.5) == 3.0 and not changed.stats.cache_hits and sum(changed.stats.cache_misses.values()) == 1
+    assert (
+        changed(1.5) == 3.0
+        and not changed.stats.cache_hits
+        and sum(changed.stats.cache_misses.values()) == 1
+    )
 
 
 def test_the_digest_follows_kernels_and_what_they_import(tmp_path):
     package = tmp_path / "valvetrain"
-    shutil.copytree(compiled.PACKAGE, package, ignore=shutil.ignore_patterns("__pycache__", "library", "report"))
+    shutil.copytree(
+        compiled.PACKAGE, package, ignore=shutil.ignore_patterns("__pycache__", "library", "report")
+    )
     first = sources_digest(package)
-    assert {"cosserat/layout.py", "cosserat/step_kernels.py", "compiled.py"} <= set(kernel_sources(package))
-    for name, text in (("cosserat/layout.py", "\n#: One more.\nONE_MORE = 1\n"), ("contact/kernels.py", "\n")):
+    assert {"cosserat/layout.py", "cosserat/step_kernels.py", "compiled.py"} <= set(
+        kernel_sources(package)
+    )
+    for name, text in (
+        ("cosserat/layout.py", "\n#: One more.\nONE_MORE = 1\n"),
+        ("contact/kernels.py", "\n"),
+    ):
         with (package / name).open("a", encoding="utf-8") as file:
             file.write(text)
         sources_digest.cache_clear()
@@ -84,15 +97,23 @@ def test_damaged_kernels_are_told_and_compiled_anew(load, tmp_path, capsys, endi
     middle = len(whole) // 2
     file.write_bytes(
         {
-            "empty": b"", "half": whole[:middle], "words": b"not a kernel at all", "short": whole[:-1], "longer": whole + b"0",
+            "empty": b"",
+            "half": whole[:middle],
+            "words": b"not a kernel at all",
+            "short": whole[:-1],
+            "longer": whole + b"0",
             "bit": whole[:middle] + bytes([whole[middle] ^ 1]) + whole[middle + 1 :],
         }[damage]
-    )  # fmt: skip
+    )
     assert load()(1.5) == 3.0
     said = capsys.readouterr().err
     assert said.count("\n") == 1 and "are damaged" in said and "compiled anew" in said
     mended = load()
-    assert mended(1.5) == 3.0 and sum(mended.stats.cache_hits.values()) == 1 and not capsys.readouterr().err
+    assert (
+        mended(1.5) == 3.0
+        and sum(mended.stats.cache_hits.values()) == 1
+        and not capsys.readouterr().err
+    )
 
 
 def test_a_full_disk_costs_the_cache_and_no_run(load, monkeypatch, capsys):
@@ -134,12 +155,23 @@ def test_a_folder_that_others_can_write_is_not_trusted(load, monkeypatch, tmp_pa
     folder.chmod(0o777)
     assert load()(1.5) == 3.0
     said = capsys.readouterr().err
-    assert "belongs to others" in said and "compiles them anew" in said and not kept(tmp_path, "nbc")
+    assert (
+        "belongs to others" in said and "compiles them anew" in said and not kept(tmp_path, "nbc")
+    )
 
 
 def test_all_kernels_of_the_package_are_kept_this_way():
-    texts = {path.name: path.read_text(encoding="utf-8") for path in compiled.PACKAGE.rglob("*.py") if path.name != "compiled.py"}
-    imports = {name: [line for line in text.splitlines() if "import" in line and "njit" in line] for name, text in texts.items()}
+    texts = {
+        path.name: path.read_text(encoding="utf-8")
+        for path in compiled.PACKAGE.rglob("*.py")
+        if path.name != "compiled.py"
+    }
+    imports = {
+        name: [line for line in text.splitlines() if "import" in line and "njit" in line]
+        for name, text in texts.items()
+    }
     found = {name: lines for name, lines in imports.items() if lines}
     assert len(found) > 20
-    assert {line for lines in found.values() for line in lines} == {"from valvetrain.compiled import njit"}
+    assert {line for lines in found.values() for line in lines} == {
+        "from valvetrain.compiled import njit"
+    }

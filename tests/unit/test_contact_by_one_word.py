@@ -1,4 +1,6 @@
-"""One word changes the contact law of a case: every law gets what it needs from a table written for another."""
+"""One word changes the contact law of a case: every law gets what it needs from a table written for
+another.
+"""
 
 from __future__ import annotations
 
@@ -15,13 +17,24 @@ from valvetrain.parameters.words import value_words
 LAWS = registry.words("contacts")
 TABLES = {
     "linear": ({"contact_stiffness": 1e8, "damping": 300.0}, 1.0, "N s/m"),
-    "impact": ({"contact_stiffness": 1e5 * 1000**1.5, "exponent": 1.5, "damping": 300.0, "full_damping_depth": 2e-5}, 1.5, "N s/m"),
+    "impact": (
+        {
+            "contact_stiffness": 1e5 * 1000**1.5,
+            "exponent": 1.5,
+            "damping": 300.0,
+            "full_damping_depth": 2e-5,
+        },
+        1.5,
+        "N s/m",
+    ),
     "hunt-crossley": ({"contact_stiffness": 2e8, "exponent": 1.0, "damping": 2.0}, 1.0, "s/m"),
 }
 
 
 @pytest.mark.parametrize("written", TABLES)
-@pytest.mark.parametrize("name", [name for name in LAWS if name != "impact-as-printed"])  # its damping is a force of its own
+@pytest.mark.parametrize(
+    "name", [name for name in LAWS if name != "impact-as-printed"]
+)  # its damping is a force of its own
 def test_laws_press_alike_at_the_reference_force(written, name):
     values, exponent, unit = TABLES[written]
     law = build_contact_law(name, stiffness_exponent=exponent, damping_unit=unit, **values)
@@ -37,14 +50,25 @@ def test_damping_is_equal_at_the_reference_force():
 
 
 def test_a_restitution_becomes_a_damping_at_the_reference_velocity():
-    law = build_contact_law("hunt-crossley", contact_stiffness=1e8, stiffness_exponent=1.0, restitution=0.6, reference_velocity=0.5)
+    law = build_contact_law(
+        "hunt-crossley",
+        contact_stiffness=1e8,
+        stiffness_exponent=1.0,
+        restitution=0.6,
+        reference_velocity=0.5,
+    )
     assert rebound(law.damping * 0.5) == pytest.approx(0.6, abs=1e-9)
     assert build_contact_law("flores", contact_stiffness=1e8).restitution == 0.7
 
 
 @pytest.mark.parametrize("name", LAWS)
 def test_values_in_the_units_of_their_own_law_stay_as_they_are(name):
-    values = {"contact_stiffness": 3e9, "damping": 7.0, "restitution": 0.4, "full_damping_depth": 1e-5}
+    values = {
+        "contact_stiffness": 3e9,
+        "damping": 7.0,
+        "restitution": 0.4,
+        "full_damping_depth": 1e-5,
+    }
     law = build_contact_law(name, **values)
     assert law.contact_stiffness == 3e9
     for key in ("damping", "restitution", "full_damping_depth"):
@@ -53,24 +77,32 @@ def test_values_in_the_units_of_their_own_law_stay_as_they_are(name):
 
 @pytest.mark.parametrize(
     ("values", "words"),
-    [({"contact_stiffness": 1e8, "dampin": 3.0}, "did you mean 'damping'"), ({"contact_stiffness": -1.0}, "positive"),
-     ({"contact_stiffness": 1e8, "reference_force": 0.0}, "reference_force")],
-)  # fmt: skip
+    [
+        ({"contact_stiffness": 1e8, "dampin": 3.0}, "did you mean 'damping'"),
+        ({"contact_stiffness": -1.0}, "positive"),
+        ({"contact_stiffness": 1e8, "reference_force": 0.0}, "reference_force"),
+    ],
+)
 def test_what_no_law_has_is_refused(values, words):
     with pytest.raises(InputError, match=words):
         build_contact_law("flores", **values)
 
 
 @pytest.mark.parametrize(
-    ("change", "words"), [({"train.contacts.cam.contact_stiffness": "3 N"}, "contact stiffness"),
-                          ({"train.contacts.cam.damping": "3 N/m"}, "damping of a contact")],
-)  # fmt: skip
+    ("change", "words"),
+    [
+        ({"train.contacts.cam.contact_stiffness": "3 N"}, "contact stiffness"),
+        ({"train.contacts.cam.damping": "3 N/m"}, "damping of a contact"),
+    ],
+)
 def test_units_of_no_law_are_refused(change, words):
     with pytest.raises(InputError, match=words):
         load_case("tdi-pushrod", change)
 
 
-@pytest.mark.parametrize(("name", "springs"), [("vaz-ohc", "nested-cards"), ("tdi-pushrod", "stock")])
+@pytest.mark.parametrize(
+    ("name", "springs"), [("vaz-ohc", "nested-cards"), ("tdi-pushrod", "stock")]
+)
 def test_every_law_runs_in_both_trains_by_one_word(name, springs):
     from valvetrain.integrate.contract import Periodic, RunOptions
     from valvetrain.integrate.run import run
@@ -88,11 +120,20 @@ def test_every_law_runs_in_both_trains_by_one_word(name, springs):
         system, cam_speed = member.system(), problem.engine_speeds[0] / 2
         made = run(system, cam_speed, Periodic(cycles=1), RunOptions(samples=720))
         assert made.status.code in ("completed", "not-converged"), (law, made.status.sentence())
-        frame = Frame(member.springs, rigid=rigid_motion(system, member.gear.parameters).table(cam_speed))
+        frame = Frame(
+            member.springs, rigid=rigid_motion(system, member.gear.parameters).table(cam_speed)
+        )
         peaks[law] = evaluate(made, frame).quantities["peak_open_cam_contact_force"]
         assert law in value_words(case.train.contacts["cam"], "cam")
-    lossy = [peak for law, peak in peaks.items() if not law.startswith("hertz") and law != "impact-as-printed"]
+    lossy = [
+        peak
+        for law, peak in peaks.items()
+        if not law.startswith("hertz") and law != "impact-as-printed"
+    ]
     assert max(lossy) < 1.15 * min(lossy), peaks
-    # without loss the drive rings about the same mean; the misprint adds a force that has no meaning, so it has no upper bound
+    # without loss the drive rings about the same mean; the misprint adds a force that has no
+    # meaning, so it has no upper bound
     assert max(peaks["hertz-point"], peaks["hertz-line"]) < 4 * np.mean(lossy), peaks
-    assert min(peaks.values()) > 0.85 * np.mean(lossy) and np.isfinite(peaks["impact-as-printed"]), peaks
+    assert min(peaks.values()) > 0.85 * np.mean(lossy) and np.isfinite(
+        peaks["impact-as-printed"]
+    ), peaks

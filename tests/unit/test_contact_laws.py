@@ -1,4 +1,6 @@
-"""Contact laws: compiled kernel against the written law, tangents, losses, Hertz closed forms, refused values."""
+"""Contact laws: compiled kernel against the written law, tangents, losses, Hertz closed forms,
+refused values.
+"""
 
 from __future__ import annotations
 
@@ -57,7 +59,9 @@ def test_kernel_equals_the_law(name, depth, rate, impact_rate):
 def test_tangent_equals_finite_difference(name):
     law, step = EXAMPLES[name], 1e-11
     for depth, rate in [(1e-6, 0.3), (1e-5, -0.2), (3e-5, 0.5), (1e-4, -0.1)]:
-        slope = (law.force(depth + step, rate, 0.6) - law.force(depth - step, rate, 0.6)) / (2 * step)
+        slope = (law.force(depth + step, rate, 0.6) - law.force(depth - step, rate, 0.6)) / (
+            2 * step
+        )
         assert float(law.tangent(depth, rate, 0.6)) == pytest.approx(float(slope), rel=2e-4)
     elastic = (law.force(3e-5 + step, 0.0) - law.force(3e-5 - step, 0.0)) / (2 * step)
     assert law.stiffness(3e-5) == pytest.approx(float(elastic), rel=2e-4)
@@ -66,7 +70,14 @@ def test_tangent_equals_finite_difference(name):
 def test_impact_memory_holds_the_greatest_rate_since_touch():
     law, memory = EXAMPLES["flores"], np.zeros(3)
     assert law.states == 2 and EXAMPLES["linear"].states == 0
-    story = [(-1e-6, 0.9, 0.0), (1e-7, 0.5, 0.5), (1e-6, 0.3, 0.5), (1e-6, -0.7, 0.7), (-1e-9, -0.4, 0.0), (1e-9, 0.0, 1e-3)]
+    story = [
+        (-1e-6, 0.9, 0.0),
+        (1e-7, 0.5, 0.5),
+        (1e-6, 0.3, 0.5),
+        (1e-6, -0.7, 0.7),
+        (-1e-9, -0.4, 0.0),
+        (1e-9, 0.0, 1e-3),
+    ]
     for depth, rate, expected in story:
         kernels.update_impact(memory, 1, law.parameters()[kernels.SLOWEST], depth, rate)
         assert memory[1 + kernels.IMPACT_RATE] == expected
@@ -87,7 +98,9 @@ def test_friction_saturates_opposes_and_dissipates():
     velocity = np.linspace(-1, 1, 41)
     force = law.force(500.0, velocity)
     assert np.all(force * velocity <= 0) and np.all(law.dissipated_power(500.0, velocity) >= 0)
-    assert force[0] == pytest.approx(60.0) and abs(law.force(500.0, 0.08)) == pytest.approx(60.0, rel=1e-3)
+    assert force[0] == pytest.approx(60.0) and abs(law.force(500.0, 0.08)) == pytest.approx(
+        60.0, rel=1e-3
+    )
     compiled = [kernels.coulomb_friction(0.12, 0.02, 500.0, v) for v in velocity]
     assert np.allclose(compiled, force, rtol=1e-12)
     slope = -(law.force(500.0, 1e-7) - law.force(500.0, -1e-7)) / 2e-7
@@ -98,11 +111,16 @@ def test_hertz_laws_of_steel_are_those_of_the_handbooks():
     modulus = 206e9 / (2 * (1 - 0.09))
     # Palmgren for steel in mm and N: d = 3.84e-5 F**0.9 / L**0.8.
     line = HertzLine(modulus * 10e-3 ** (8 / 9) / 1.36 ** (10 / 9))
-    assert line.force(1e-3 * 3.84e-5 * 1000.0**0.9 / 10.0**0.8, 0.0) == pytest.approx(1000.0, rel=4e-3)
-    # A sphere touches over a circle of radius sqrt(R d), and its mean pressure there is two thirds of 2 E* a / (pi R).
+    assert line.force(1e-3 * 3.84e-5 * 1000.0**0.9 / 10.0**0.8, 0.0) == pytest.approx(
+        1000.0, rel=4e-3
+    )
+    # A sphere touches over a circle of radius sqrt(R d), and its mean pressure there is two thirds
+    # of 2 E* a / (pi R).
     point, depth = HertzPoint(4 / 3 * modulus * np.sqrt(10e-3)), 5e-6
     radius = np.sqrt(10e-3 * depth)
-    assert point.force(depth, 0.0) == pytest.approx(2 / 3 * (2 * modulus * radius / (np.pi * 10e-3)) * np.pi * radius**2)
+    assert point.force(depth, 0.0) == pytest.approx(
+        2 / 3 * (2 * modulus * radius / (np.pi * 10e-3)) * np.pi * radius**2
+    )
 
 
 BAD = [
@@ -128,4 +146,9 @@ def test_impossible_values_are_refused_with_the_reason(build, word):
 
 
 def test_library_builds_by_name():
-    assert build_contact_law("impact", contact_stiffness=1e9, damping=100.0, full_damping_depth=1e-4).name == "impact"
+    assert (
+        build_contact_law(
+            "impact", contact_stiffness=1e9, damping=100.0, full_damping_depth=1e-4
+        ).name
+        == "impact"
+    )

@@ -60,20 +60,30 @@ def test_second_derivatives_stay_within_both_sides_of_a_jump():
 
 def test_a_circle_beside_the_axis_has_its_own_radius_under_every_follower():
     away, radius, follower = 0.004, 0.02, 0.007
-    flat = np.column_stack([radius + away * np.cos(ANGLES), -away * np.sin(ANGLES), -away * np.cos(ANGLES)])
+    flat = np.column_stack(
+        [radius + away * np.cos(ANGLES), -away * np.sin(ANGLES), -away * np.cos(ANGLES)]
+    )
     assert curvature_radius_flat(flat) == pytest.approx(np.full(720, radius), rel=1e-12)
     whole = radius + follower
     root = np.sqrt(whole**2 - (away * np.sin(ANGLES)) ** 2)
     pitch = away * np.cos(ANGLES) + root
     first = -away * np.sin(ANGLES) - away**2 * np.sin(2 * ANGLES) / (2 * root)
-    second = -away * np.cos(ANGLES) - away**2 * np.cos(2 * ANGLES) / root - (away**2 * np.sin(2 * ANGLES)) ** 2 / (4 * root**3)
-    assert curvature_radius_round(np.column_stack([pitch, first, second]), follower) == pytest.approx(np.full(720, radius), rel=1e-9)
+    second = (
+        -away * np.cos(ANGLES)
+        - away**2 * np.cos(2 * ANGLES) / root
+        - (away**2 * np.sin(2 * ANGLES)) ** 2 / (4 * root**3)
+    )
+    assert curvature_radius_round(
+        np.column_stack([pitch, first, second]), follower
+    ) == pytest.approx(np.full(720, radius), rel=1e-9)
 
 
 def test_a_straight_flank_has_no_curvature_and_a_hollow_one_a_negative():
     angle = np.array([-0.3, 0.0, 0.4])
     secant = 1 / np.cos(angle)
-    straight = 0.03 * np.column_stack([secant, secant * np.tan(angle), secant * (1 + 2 * np.tan(angle) ** 2)])
+    straight = 0.03 * np.column_stack(
+        [secant, secant * np.tan(angle), secant * (1 + 2 * np.tan(angle) ** 2)]
+    )
     assert np.all(np.abs(curvature_radius_round(straight, 0.01)) > 1e10)
     hollow = straight + np.array([0.0, 0.0, 0.01])
     assert np.all(curvature_radius_round(hollow, 0.01) < -0.01)
@@ -86,7 +96,9 @@ def test_a_cusp_is_found_where_it_is(size):
     if size < 0.0025:
         check_flat(found)
         return
-    with pytest.raises(InputError, match=r"near cam angle (7\.5|127\.5|247\.5) deg \(radius -0\.80 mm\)"):
+    with pytest.raises(
+        InputError, match=r"near cam angle (7\.5|127\.5|247\.5) deg \(radius -0\.80 mm\)"
+    ):
         check_flat(found)
 
 
@@ -96,7 +108,9 @@ def test_an_arc_wider_than_the_pitch_curve_is_undercut(follower, passes):
     if passes:
         check_round(circle, follower)
         return
-    with pytest.raises(InputError, match=r"arc of 21 mm needs an undercut cam near cam angle 0\.0 deg"):
+    with pytest.raises(
+        InputError, match=r"arc of 21 mm needs an undercut cam near cam angle 0\.0 deg"
+    ):
         check_round(circle, follower)
 
 
@@ -107,23 +121,39 @@ def test_a_monotone_table_never_leaves_two_neighbours_and_is_the_cubic_where_it_
     values = rng.normal(0, 500, 9).round(-2)
     nodes = 1440
     found = monotone_table(angles, values, nodes)
-    cubic = PchipInterpolator(np.concatenate([angles - TURN, angles, angles + TURN]), np.tile(values, 3))
+    cubic = PchipInterpolator(
+        np.concatenate([angles - TURN, angles, angles + TURN]), np.tile(values, 3)
+    )
     place = np.arange(nodes) * TURN / nodes
     inside = angles[0] + np.mod(place - angles[0], TURN)
     assert found[:, 0] == pytest.approx(cubic(inside), abs=1e-9)
     same = np.isclose(found[:, 1], cubic(inside, 1), rtol=1e-9, atol=1e-6)
     assert same.mean() > 0.8
     assert np.all(np.abs(found[:, 1]) <= np.abs(cubic(inside, 1)) + 1e-6)
-    smooth = same & (np.min(np.abs(np.mod(inside[:, None] - angles + np.pi, TURN) - np.pi), axis=1) > TURN / nodes)
-    assert np.mean(np.isclose(found[smooth, 2], cubic(inside, 2)[smooth], rtol=1e-6, atol=1e-3)) > 0.9
+    smooth = same & (
+        np.min(np.abs(np.mod(inside[:, None] - angles + np.pi, TURN) - np.pi), axis=1)
+        > TURN / nodes
+    )
+    assert (
+        np.mean(np.isclose(found[smooth, 2], cubic(inside, 2)[smooth], rtol=1e-6, atol=1e-3)) > 0.9
+    )
     # what the train reads: quintics through value, slope and bend of both nodes
     ends = np.vstack([found, found[:1]])
     quintic = BPoly.from_derivatives(np.append(place, TURN), ends)
     fine = np.linspace(0, TURN, 20 * nodes, endpoint=False)
     around = angles[0] + np.mod(fine - angles[0], TURN)
     left = np.searchsorted(angles, around, side="right") - 1
-    low, high = np.minimum(values[left], np.roll(values, -1)[left]), np.maximum(values[left], np.roll(values, -1)[left])
-    near = np.minimum(np.abs(around - angles[left]), np.abs(around - np.append(angles, angles[0] + TURN)[left + 1])) < TURN / nodes
+    low, high = (
+        np.minimum(values[left], np.roll(values, -1)[left]),
+        np.maximum(values[left], np.roll(values, -1)[left]),
+    )
+    near = (
+        np.minimum(
+            np.abs(around - angles[left]),
+            np.abs(around - np.append(angles, angles[0] + TURN)[left + 1]),
+        )
+        < TURN / nodes
+    )
     curve = quintic(fine)
     assert np.all((curve >= low - 1e-6) & (curve <= high + 1e-6) | near)
     assert curve.min() >= values.min() - 1e-6 and curve.max() <= values.max() + 1e-6

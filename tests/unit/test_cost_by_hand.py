@@ -1,4 +1,6 @@
-"""What a request is estimated to take, by hand, and the sentence that refuses one beyond its bounds."""
+"""What a request is estimated to take, by hand, and the sentence that refuses one beyond its
+bounds.
+"""
 
 from __future__ import annotations
 
@@ -9,11 +11,20 @@ import pytest
 
 import valvetrain as vt
 from valvetrain.errors import InputError
-from valvetrain.parameters.card import SpringCard
-from valvetrain.parameters.installed_spring import InstalledSpring
+from valvetrain.parameters.installed_spring import InstalledSpring, SpringCard
 from valvetrain.parameters.loading import load_case
 from valvetrain.springs.spec import spring_model
-from valvetrain.studies.cost import COPIES, REDUCED, RUN, Cost, Limits, estimate, memory_words, refuse_cost, time_words
+from valvetrain.studies.cost import (
+    COPIES,
+    REDUCED,
+    RUN,
+    Cost,
+    Limits,
+    estimate,
+    memory_words,
+    refuse_cost,
+    time_words,
+)
 from valvetrain.studies.planned import Asked, unknowns_of
 from valvetrain.studies.request_cost import request_cost
 
@@ -42,14 +53,24 @@ def test_costs_add_and_nothing_costs_nothing():
 
 @pytest.mark.parametrize(
     ("seconds", "told"),
-    [(0.2, "1 s"), (59.0, "59 s"), (89.0, "89 s"), (90.0, "1.5 min"), (5399.0, "90 min"), (5400.0, "1.5 h"), (129600.0, "1.5 d"),
-     (129000.0, "35.8 h")],
-)  # fmt: skip
+    [
+        (0.2, "1 s"),
+        (59.0, "59 s"),
+        (89.0, "89 s"),
+        (90.0, "1.5 min"),
+        (5399.0, "90 min"),
+        (5400.0, "1.5 h"),
+        (129600.0, "1.5 d"),
+        (129000.0, "35.8 h"),
+    ],
+)
 def test_a_time_as_people_say_it(seconds, told):
     assert time_words(seconds) == told
 
 
-@pytest.mark.parametrize(("size", "told"), [(1.0, "1 MB"), (999e6, "999 MB"), (1e9, "1 GB"), (2.34567e9, "2.35 GB")])
+@pytest.mark.parametrize(
+    ("size", "told"), [(1.0, "1 MB"), (999e6, "999 MB"), (1e9, "1 GB"), (2.34567e9, "2.35 GB")]
+)
 def test_a_memory_as_people_say_it(size, told):
     assert memory_words(size) == told
 
@@ -57,7 +78,11 @@ def test_a_memory_as_people_say_it(size, told):
 @pytest.mark.parametrize(
     ("cost", "limits", "words"),
     [
-        (Cost(700.0, 1e6), Limits(), "about 11.7 min and 1 MB, beyond the bound of 10 min; .* with --limit '13 min'$"),
+        (
+            Cost(700.0, 1e6),
+            Limits(),
+            "about 11.7 min and 1 MB, beyond the bound of 10 min; .* with --limit '13 min'$",
+        ),
         (Cost(7000.0, 3e9), Limits(), "beyond the bound of 10 min and 2 GB; .* '3 h, 4 GB'$"),
         (Cost(1.0, 2.5e12), Limits(), "beyond the bound of 2 GB; .* '3 TB'$"),
         (Cost(0.5, 0.0), Limits(0.1, 1.0), "beyond the bound of 1 s; .* '1 s'$"),
@@ -67,7 +92,10 @@ def test_a_memory_as_people_say_it(size, told):
 def test_a_request_beyond_its_bounds_names_those_that_would_do(cost, limits, words):
     with pytest.raises(InputError, match=words):
         refuse_cost(cost, limits)
-    assert refuse_cost(cost, Limits(1e9, 1e15)) == f"about {time_words(cost.seconds)} and {memory_words(cost.bytes)}"
+    assert (
+        refuse_cost(cost, Limits(1e9, 1e15))
+        == f"about {time_words(cost.seconds)} and {memory_words(cost.bytes)}"
+    )
 
 
 def test_a_request_at_its_bounds_passes():
@@ -83,33 +111,58 @@ WIRE = InstalledSpring(wire=vt.cylindrical("4 mm", "24 mm", "7 mm", 8), precompr
 @pytest.mark.parametrize(
     ("spring", "word", "options", "ratio", "unknowns"),
     [
-        (WIRE, "finite-element", {}, 1.0, 24 * 8.0), (WIRE, "finite-element", {"elements_per_coil": 72}, 3.0, 72 * 8.0),
+        (WIRE, "finite-element", {}, 1.0, 24 * 8.0),
+        (WIRE, "finite-element", {"elements_per_coil": 72}, 3.0, 72 * 8.0),
         (WIRE, "finite-element", {"elements_per_coil": 12}, 0.5, 12 * 8.0),
-        (WIRE, "multi-mass", {}, 1.0, 12 * 8.0), (WIRE, "multi-mass", {"masses_per_coil": 30}, 2.5, 30 * 8.0),
-        (CARD, "multi-mass", {}, 5 / 96, 5.0), (CARD, "multi-mass", {"elements": 2}, 5 / 96, 5.0),
-        (CARD, "multi-mass", {"elements": 48}, 0.5, 48.0), (CARD, "multi-mass", {"elements": 192}, 2.0, 192.0),
-        (WIRE, "modal-uniform", {}, 1.0, 5.0), (WIRE, "modal-uniform", {"modes": 20}, 4.0, 20.0), (WIRE, "massless", {}, 1.0, 1.0),
+        (WIRE, "multi-mass", {}, 1.0, 12 * 8.0),
+        (WIRE, "multi-mass", {"masses_per_coil": 30}, 2.5, 30 * 8.0),
+        (CARD, "multi-mass", {}, 5 / 96, 5.0),
+        (CARD, "multi-mass", {"elements": 2}, 5 / 96, 5.0),
+        (CARD, "multi-mass", {"elements": 48}, 0.5, 48.0),
+        (CARD, "multi-mass", {"elements": 192}, 2.0, 192.0),
+        (WIRE, "modal-uniform", {}, 1.0, 5.0),
+        (WIRE, "modal-uniform", {"modes": 20}, 4.0, 20.0),
+        (WIRE, "massless", {}, 1.0, 1.0),
     ],
-)  # fmt: skip
-def test_unknowns_are_those_of_the_finest_option_and_a_card_is_a_chain_of_five(spring, word, options, ratio, unknowns):
-    """Over the 24 elements a coil, 12 masses a coil and 5 modes of the defaults; a chain of a card over the 96 masses of eight coils."""
-    found = unknowns_of(spring_model(word), spring.with_options(word, **options) if options else spring)
+)
+def test_unknowns_are_those_of_the_finest_option_and_a_card_is_a_chain_of_five(
+    spring, word, options, ratio, unknowns
+):
+    """Over the 24 elements a coil, 12 masses a coil and 5 modes of the defaults; a chain of a card
+    over the 96 masses of eight coils.
+    """
+    found = unknowns_of(
+        spring_model(word), spring.with_options(word, **options) if options else spring
+    )
     assert found == (pytest.approx(ratio), pytest.approx(unknowns))
 
 
-#: Bytes of one record of 33 channels of 720 numbers, and of a run that is kept without its channels.
+#: Bytes of one record of 33 channels of 720 numbers, and of a run that is kept without its
+#: channels.
 RECORD, WITHOUT = 8 * 720 * 33, 40_000
 
 
-@pytest.mark.parametrize(("workers", "whole", "springs"), [*product((1, 2, 5), (True, False), (1, 2))])
-def test_a_spring_alone_costs_its_rest_its_runs_and_every_step_of_its_forces(workers, whole, springs):
-    """Cam turns of 0.02 and 0.04 s, two cycles of each, in steps of 2 µs: 10 000 and 20 000 a turn, 128 bytes while run and 16 kept."""
+@pytest.mark.parametrize(
+    ("workers", "whole", "springs"), [*product((1, 2, 5), (True, False), (1, 2))]
+)
+def test_a_spring_alone_costs_its_rest_its_runs_and_every_step_of_its_forces(
+    workers, whole, springs
+):
+    """Cam turns of 0.02 and 0.04 s, two cycles of each, in steps of 2 µs: 10 000 and 20 000 a turn,
+    128 bytes while run and 16 kept.
+    """
     case = load_case("job-c")
     case = case.replace(springs=case.springs * springs)
-    found = request_cost(Asked("run", case, (200 * math.pi, 100 * math.pi), ("massless",), (), workers), whole)
+    found = request_cost(
+        Asked("run", case, (200 * math.pi, 100 * math.pi), ("massless",), (), workers), whole
+    )
     side = min(workers, 2)
     refinement, channels = math.sqrt(springs), 30 + 3 * springs
     record = RECORD * channels / 33
-    assert found.seconds == pytest.approx(0.3 * springs + (2 * 0.03 + 0.12 * 0.05 * refinement**2) / side, rel=1e-9)
+    assert found.seconds == pytest.approx(
+        0.3 * springs + (2 * 0.03 + 0.12 * 0.05 * refinement**2) / side, rel=1e-9
+    )
     steps = (128 * 20_000 * side + (16 * 30_000 if whole else 0)) * refinement
-    assert found.bytes == pytest.approx(steps + 2 * (record if whole else WITHOUT) + 2 * record * side, rel=1e-9)
+    assert found.bytes == pytest.approx(
+        steps + 2 * (record if whole else WITHOUT) + 2 * record * side, rel=1e-9
+    )

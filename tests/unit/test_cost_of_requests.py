@@ -1,4 +1,6 @@
-"""What springs at rest, refinements and run-ups will cost: near to what was measured, and refused beyond a bound before any work."""
+"""What springs at rest, refinements and run-ups will cost: near to what was measured, and refused
+beyond a bound before any work.
+"""
 
 from __future__ import annotations
 
@@ -11,16 +13,20 @@ import pytest
 import valvetrain as vt
 from unit.cli_parts import call, sentence
 from valvetrain.errors import InputError
+from valvetrain.lift.band import band_cost
 from valvetrain.parameters.loading import load_case
 from valvetrain.studies.cost import Cost, memory_words
-from valvetrain.studies.lift_band import band_cost
 from valvetrain.studies.planned import Asked
 from valvetrain.studies.request_cost import refine_cost, request_cost, solid_rest_cost
 from valvetrain.studies.rest_cost import MOST_COUNTED, rest_cost, spring_cost
 
 RPM = math.pi / 30
-ELEMENTS, MASSES = "spring.options.finite-element.elements_per_coil", "spring.options.multi-mass.masses_per_coil"
-#: Case, changes, models, steps, modes; processor time (s) and growth of the memory (MB) as measured (decision 0061).
+ELEMENTS, MASSES = (
+    "spring.options.finite-element.elements_per_coil",
+    "spring.options.multi-mass.masses_per_coil",
+)
+#: Case, changes, models, steps, modes; processor time (s) and growth of the memory (MB) as measured
+#: (decision 0061).
 MEASURED = [
     ("job-t", {}, (), 2000, 0, 4.9, 30), ("job-t", {ELEMENTS: 240}, (), 24, 0, 1.8, 26), ("gu2021-beehive", {}, (), 500, 0, 5.1, 15),
     ("gu2021-beehive", {ELEMENTS: 150}, (), 100, 0, 8.7, 28), ("vaz-ohc", {}, (), 1000, 0, 8.6, 15),
@@ -30,15 +36,20 @@ MEASURED = [
 ]  # fmt: skip
 
 
-@pytest.mark.parametrize(("name", "changes", "models", "steps", "modes", "seconds", "megabytes"), MEASURED)
-def test_an_estimate_is_near_to_what_was_measured(name, changes, models, steps, modes, seconds, megabytes):
+@pytest.mark.parametrize(
+    ("name", "changes", "models", "steps", "modes", "seconds", "megabytes"), MEASURED
+)
+def test_an_estimate_is_near_to_what_was_measured(
+    name, changes, models, steps, modes, seconds, megabytes
+):
     cost = rest_cost(load_case(name, changes), models, steps=steps, modes=modes)
     assert seconds / 3 < cost.seconds < 3 * seconds
     assert cost.bytes > megabytes * 1e6 / 3 or megabytes < 100
 
 
 @pytest.mark.parametrize(
-    ("name", "speeds", "seconds"), [("job-t", (3000,), 7.2), ("job-t", (3000, 6000), 10.6), ("gu2021-beehive", (5600,), 7.4)]
+    ("name", "speeds", "seconds"),
+    [("job-t", (3000,), 7.2), ("job-t", (3000, 6000), 10.6), ("gu2021-beehive", (5600,), 7.4)],
 )
 def test_the_estimate_of_a_refinement_is_near_to_what_was_measured(name, speeds, seconds):
     cost = refine_cost(load_case(name), [speed * RPM for speed in speeds])
@@ -50,7 +61,11 @@ def test_the_estimate_of_the_refinement_of_a_train_is_near_to_what_was_measured(
     assert 2.7 < refine_cost(load_case("tdi-pushrod"), [4000 * RPM]).seconds < 25
     case = load_case("vaz-ohc")
     rod = tuple(one for one in case.train.variants if one.spring_model == "finite-element")[:1]
-    assert 6 < refine_cost(case.replace(train=case.train.replace(variants=rod)), [2000 * RPM]).seconds < 120
+    assert (
+        6
+        < refine_cost(case.replace(train=case.train.replace(variants=rod)), [2000 * RPM]).seconds
+        < 120
+    )
 
 
 def test_an_estimate_grows_with_what_is_asked_for():
@@ -63,45 +78,77 @@ def test_an_estimate_grows_with_what_is_asked_for():
     assert spring_cost(spring, "finite-element", 1000, points=1000).seconds > 1.5 * base.seconds
     assert spring_cost(spring, "massless", 1000).seconds < 0.1 * base.seconds
     assert spring_cost(spring, "solid", 1000).seconds < 1  # refused where it is built
-    assert spring_cost(spring, "finite-element", 10**400) == spring_cost(spring, "finite-element", MOST_COUNTED)
+    assert spring_cost(spring, "finite-element", 10**400) == spring_cost(
+        spring, "finite-element", MOST_COUNTED
+    )
     few, many = (refine_cost(load_case("job-t"), [3000 * RPM] * count).seconds for count in (1, 4))
     assert many > 1.5 * few
 
 
 def test_solids_are_part_of_what_a_comparison_costs():
-    """A default spring was told to take 33 s and took 29; a mesh of 6.4 million elements a coil had no bound but the solver's time."""
+    """A default spring was told to take 33 s and took 29; a mesh of 6.4 million elements a coil had
+    no bound but the solver's time.
+    """
     case = load_case("uniform-spring")
     told = solid_rest_cost(case.springs[0])
     assert 29 / 3 < told.seconds < 3 * 29
-    asked = [Asked("compare", case, None, (*models, "finite-element"), (), 1) for models in ((), ("solid",))]
+    asked = [
+        Asked("compare", case, None, (*models, "finite-element"), (), 1)
+        for models in ((), ("solid",))
+    ]
     without, beside = map(request_cost, asked)
     assert beside.seconds == pytest.approx(without.seconds + told.seconds)
-    said = sentence(call("compare", "uniform-spring", "--spring", "finite-element,solid", "--solid-elements-per-coil", "1000",
-                         "--solid-core", "40", "--solid-rings", "40"))  # fmt: skip
+    said = sentence(
+        call(
+            "compare",
+            "uniform-spring",
+            "--spring",
+            "finite-element,solid",
+            "--solid-elements-per-coil",
+            "1000",
+            "--solid-core",
+            "40",
+            "--solid-rings",
+            "40",
+        )
+    )
     assert "TB, beyond the bound of 10 min and 2 GB" in said and "--limit '" in said
 
 
 @pytest.mark.parametrize(
     ("words", "option"),
     [
-        (("static", "job-t", "--steps", "100000000"), "--limit '4 d, 3 TB'"), (("modes", "job-t", "--limit", "1 MB"), "--limit '"),
+        (("static", "job-t", "--steps", "100000000"), "--limit '4 d, 3 TB'"),
+        (("modes", "job-t", "--limit", "1 MB"), "--limit '"),
         (("modes", "job-t", "--spring", "multi-mass", "--set", f"{MASSES}=2000"), "--limit '3 GB'"),
         (("modes", "job-t", "--count", "100000", "--elements-per-coil", "240"), "min'"),
-        (("static", "gu2021-beehive", "--elements-per-coil", "1000", "--steps", "2000"), "--limit '"),
-        (("refine", "job-t", "--engine-speed", "10:9000:1 rpm"), "--limit '"), (("refine", "job-t", "--limit", "1 s"), "--limit '"),
+        (
+            ("static", "gu2021-beehive", "--elements-per-coil", "1000", "--steps", "2000"),
+            "--limit '",
+        ),
+        (("refine", "job-t", "--engine-speed", "10:9000:1 rpm"), "--limit '"),
+        (("refine", "job-t", "--limit", "1 s"), "--limit '"),
         (("run-up", "tdi-pushrod", "--duration", "100000 s"), "--limit '"),
     ],
-)  # fmt: skip
-def test_a_request_beyond_its_bound_is_refused_with_its_numbers_and_the_option(words, option, tmp_path, monkeypatch):
+)
+def test_a_request_beyond_its_bound_is_refused_with_its_numbers_and_the_option(
+    words, option, tmp_path, monkeypatch
+):
     monkeypatch.chdir(tmp_path)
     said = sentence(call(*words))
-    assert "this request will take about" in said and "beyond the bound of" in said and option in said
+    assert (
+        "this request will take about" in said and "beyond the bound of" in said and option in said
+    )
     assert not list(tmp_path.iterdir())
 
 
 def test_numbers_that_no_computer_counts_to_are_refused():
-    assert "lies outside 2 to 1000000000" in sentence(call("static", "job-t", "--steps", "10000000000"))
-    assert "2000" in sentence(call("static", "job-t", "--spring", "multi-mass", "--set", f"{MASSES}=1000000"))
+    assert "lies outside 2 to 1000000000" in sentence(
+        call("static", "job-t", "--steps", "10000000000")
+    )
+    assert "2000" in sentence(
+        call("static", "job-t", "--spring", "multi-mass", "--set", f"{MASSES}=1000000")
+    )
     assert "1000" in sentence(call("static", "job-t", "--elements-per-coil", "100000"))
 
 
@@ -110,14 +157,22 @@ def measured_job():
     angles = np.radians(np.arange(90.0, 271.0))
     lifts = 9e-3 * np.clip(1 - ((angles - np.pi) / np.radians(60)) ** 2, 0, None) ** 3
     case = load_case("job-t")
-    values = {"cam_angles": tuple(angles), "lifts": tuple(lifts), "noise": 3e-6, "band": 0.0, "draw": 0}
+    values = {
+        "cam_angles": tuple(angles),
+        "lifts": tuple(lifts),
+        "noise": 3e-6,
+        "band": 0.0,
+        "draw": 0,
+    }
     return case.replace({"lift_law": type(case.lift_law)("measured", values)})
 
 
 def level_force():
     """Two cycles of a force, for a model to be compared with."""
     angles = np.linspace(0.0, 2 * np.pi, 36, endpoint=False)
-    return vt.MeasuredCycles("spring_force", "N", angles, np.array([np.full(36, 500.0), np.full(36, 501.0)]), 1500 * RPM)
+    return vt.MeasuredCycles(
+        "spring_force", "N", angles, np.array([np.full(36, 500.0), np.full(36, 501.0)]), 1500 * RPM
+    )
 
 
 REQUESTS = {
@@ -125,7 +180,9 @@ REQUESTS = {
     "compare": lambda limit: vt.compare("job-t", ["massless", "wave-rod"], "2000 rpm", limit=limit),
     "sweep": lambda limit: vt.sweep("job-t", "1000:9000:1 rpm", limit=limit),
     "fidelity": lambda limit: vt.fidelity("job-t", "1000:9000:100 rpm", limit=limit),
-    "critical_speeds": lambda limit: vt.critical_speeds("tdi-pushrod", "1000:9000:1 rpm", limit=limit),
+    "critical_speeds": lambda limit: vt.critical_speeds(
+        "tdi-pushrod", "1000:9000:1 rpm", limit=limit
+    ),
     "static_curve": lambda limit: vt.static_curve("job-t", limit=limit),
     "refine": lambda limit: vt.refine("job-t", "2000 rpm", limit=limit),
     "run_up": lambda limit: vt.run_up("tdi-pushrod", "1000 rpm", "6000 rpm", "20 s", limit=limit),
@@ -144,7 +201,9 @@ def test_the_band_of_a_lift_costs_its_laws_and_its_searches():
     train = Asked("run", load_case("tdi-pushrod"), (2000 * RPM,), ("massless",), ("stock",), 2)
     without, searched = band_cost(train, 5, None), band_cost(train, 5, (2000 * RPM, 4000 * RPM))
     alone = replace(train, command="sweep", engine_speeds=(2000 * RPM, 4000 * RPM), workers=1)
-    assert searched.seconds - without.seconds == pytest.approx(3 * request_cost(alone, whole=False, searches=True).seconds)
+    assert searched.seconds - without.seconds == pytest.approx(
+        3 * request_cost(alone, whole=False, searches=True).seconds
+    )
 
 
 #: What a request that is too large can be asked less of; of all others speeds, cycles or unknowns.
@@ -158,12 +217,20 @@ def test_programs_have_the_bounds_of_the_command_line(name, monkeypatch):
     def work(*given, **options):
         raise AssertionError("work was begun")
 
-    studies = ("api.run_study", "api.compare_study", "api.sweep_study", "refined.refined", "run_up.run_up_study", "fidelity.fidelity_study")
+    studies = (
+        "api.run_study",
+        "api.compare_study",
+        "api.sweep_study",
+        "refined.refined",
+        "run_up.run_up_study",
+        "fidelity.fidelity_study",
+    )
     for place in (*studies, "api.curve_by_model", "lift_band.map_points"):
         monkeypatch.setattr(f"valvetrain.studies.{place}", work)
     fewer = f"ask for fewer {FEWER.get(name, 'speeds, cycles or unknowns')}, or"
     with pytest.raises(
-        InputError, match=rf"this request will take about .*, beyond the bound of 1 MB; {fewer} raise the bound with limit='"
+        InputError,
+        match=rf"this request will take about .*, beyond the bound of 1 MB; {fewer} raise the bound with limit='",
     ):
         REQUESTS[name]("1 MB, 99 d")
     with pytest.raises(InputError, match="'soon' is no bound"):
@@ -179,12 +246,20 @@ OF_FILES = {"study", "identify", "optimise"}
 def test_every_public_function_with_a_bound_is_tried_here():
     import inspect
 
-    functions = {name: getattr(vt, name) for name in vt.__all__ if inspect.isfunction(getattr(vt, name))}
-    assert {name for name, one in functions.items() if "limit" in inspect.signature(one).parameters} == set(REQUESTS) | OF_FILES
+    functions = {
+        name: getattr(vt, name) for name in vt.__all__ if inspect.isfunction(getattr(vt, name))
+    }
+    assert {
+        name for name, one in functions.items() if "limit" in inspect.signature(one).parameters
+    } == set(REQUESTS) | OF_FILES
 
 
 def test_static_curves_of_no_step_and_of_countless_steps_are_refused():
-    for steps, words in ((0, "one or more"), (10**400, "this request will take about"), (10**8, "TB")):
+    for steps, words in (
+        (0, "one or more"),
+        (10**400, "this request will take about"),
+        (10**8, "TB"),
+    ):
         with pytest.raises(InputError, match=words):
             vt.static_curve("job-t", steps=steps)
 
@@ -195,20 +270,27 @@ def test_static_curves_of_no_step_and_of_countless_steps_are_refused():
         (lambda: vt.refine("tdi-pushrod", "2000 rpm", limit=5), "'5' is no bound"),
         (lambda: vt.simulate("job-t", limit=["1 h"]), "is no bound"),
         (lambda: vt.simulate("job-t", workers=1.5), "a whole number; it is 1.5"),
-        (lambda: vt.sweep("job-t", workers="2"), "a whole number; it is 2"), (lambda: vt.refine("job-t", workers=0), "workers must be 1"),
+        (lambda: vt.sweep("job-t", workers="2"), "a whole number; it is 2"),
+        (lambda: vt.refine("job-t", workers=0), "workers must be 1"),
         (lambda: vt.map_cases(vt.load_case, ["job-t"], workers=2.0), "a whole number"),
         (lambda: vt.static_curve(None), "'None' is no case"),
-        (lambda: vt.simulate(7), "'7' is no case"), (lambda: vt.static_curve("job-t", steps=2.5), "a whole number of steps"),
+        (lambda: vt.simulate(7), "'7' is no case"),
+        (lambda: vt.static_curve("job-t", steps=2.5), "a whole number of steps"),
         (lambda: vt.static_curve("job-t", steps="5"), "a whole number of steps"),
         (lambda: vt.static_curve("job-t", spring_model=["massless"]), "spring model .* is no word"),
         (lambda: vt.static_curve("job-t", steps=float("nan")), "a whole number of steps"),
     ],
-)  # fmt: skip
+)
 def test_arguments_of_another_kind_are_refused_in_a_sentence(request_of, words):
     with pytest.raises(InputError, match=words):
         request_of()
 
 
 def test_memory_is_told_as_people_say_it():
-    assert [memory_words(size) for size in (1.0, 3e6, 4e9, 2.07e15)] == ["1 MB", "3 MB", "4 GB", "2.07e+03 TB"]
+    assert [memory_words(size) for size in (1.0, 3e6, 4e9, 2.07e15)] == [
+        "1 MB",
+        "3 MB",
+        "4 GB",
+        "2.07e+03 TB",
+    ]
     assert Cost(1.0, 2.0) + Cost(0.5, 1.0) == Cost(1.5, 3.0)

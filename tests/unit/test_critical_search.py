@@ -1,4 +1,6 @@
-"""The search for critical speeds on margins written by hand: islands, grids, hysteresis, runs that fail."""
+"""The search for critical speeds on margins written by hand: islands, grids, hysteresis, runs that
+fail.
+"""
 
 from __future__ import annotations
 
@@ -13,7 +15,12 @@ from valvetrain.solution.critical import SpeedBracket
 from valvetrain.solution.result import Solution, empty_channels
 from valvetrain.studies import critical_search
 from valvetrain.studies.critical_search import Limit, Look, Search
-from valvetrain.studies.critical_speeds import CriticalOptions, critical_speed, look_of, read_options
+from valvetrain.studies.critical_speeds import (
+    CriticalOptions,
+    critical_speed,
+    look_of,
+    read_options,
+)
 
 KIND = "contact-loss"
 LIMITS = (Limit(KIND, None, 100.0),)
@@ -37,15 +44,23 @@ def grid(step: float, first: float = 6000.0, last: float = 9000.0) -> list[float
 
 
 def dip(centre: float, half_width: float, depth: float = 400.0) -> Margin:
-    """300 but for a resonance (a Lorentz curve of a tenth of ``centre`` at most) that passes zero half a width to either side."""
+    """300 but for a resonance (a Lorentz curve of a tenth of ``centre`` at most) that passes zero
+    half a width to either side.
+    """
     width = half_width / math.sqrt(depth / 300 - 1)
     return lambda speed: max(0.0, 300 - depth / (1 + ((speed - centre) / width) ** 2))
 
 
 @pytest.mark.parametrize("step", [200, 100, 50, 20, 10])
-@pytest.mark.parametrize(("centre", "half_width"), [(7451, 150), (7333, 40), (8170, 60), (6411, 100)])
-def test_an_island_is_found_to_the_resolution_on_any_grid(step: float, centre: float, half_width: float) -> None:
-    """Both edges of the stretch, known in closed form; coarse grids step over some of them with both feet."""
+@pytest.mark.parametrize(
+    ("centre", "half_width"), [(7451, 150), (7333, 40), (8170, 60), (6411, 100)]
+)
+def test_an_island_is_found_to_the_resolution_on_any_grid(
+    step: float, centre: float, half_width: float
+) -> None:
+    """Both edges of the stretch, known in closed form; coarse grids step over some of them with
+    both feet.
+    """
     found = search(dip(centre, half_width), grid(step))
     onset = found.onset(KIND)
     assert isinstance(onset, SpeedBracket)
@@ -70,34 +85,66 @@ def test_the_lowest_of_several_stretches_is_the_answer_and_the_others_are_named(
     assert one.begins is not None and one.ends is not None
     assert one.engine_speed == pytest.approx(6940, abs=RESOLUTION) and one.engine_speed >= 6940
     assert one.ends.from_rest.lower_engine_speed == pytest.approx(7060, abs=RESOLUTION)
-    assert [(each.lower_engine_speed, each.upper_engine_speed) for each in one.again] == [(8200, 8600)]
+    assert [(each.lower_engine_speed, each.upper_engine_speed) for each in one.again] == [
+        (8200, 8600)
+    ]
 
 
 def test_what_is_lost_from_the_first_speed_on_has_no_onset() -> None:
-    one = critical_speed(search(lambda speed: speed - 6500, grid(500)), KIND, "own", 6000.0, 9000.0, CriticalOptions())
-    assert one.found and one.begins is None and one.engine_speed == 6000.0 and one.words.startswith("below")
-    assert one.ends is not None and one.ends.from_rest.lower_engine_speed <= 6500 <= one.ends.from_rest.upper_engine_speed
+    one = critical_speed(
+        search(lambda speed: speed - 6500, grid(500)),
+        KIND,
+        "own",
+        6000.0,
+        9000.0,
+        CriticalOptions(),
+    )
+    assert (
+        one.found
+        and one.begins is None
+        and one.engine_speed == 6000.0
+        and one.words.startswith("below")
+    )
+    assert (
+        one.ends is not None
+        and one.ends.from_rest.lower_engine_speed <= 6500 <= one.ends.from_rest.upper_engine_speed
+    )
 
 
 def test_a_run_without_numbers_counts_as_lost() -> None:
     onset = search(lambda speed: math.nan if speed >= 7040 else 100.0, grid(500)).onset(KIND)
-    assert isinstance(onset, SpeedBracket) and onset.lower_engine_speed < 7040 <= onset.upper_engine_speed
+    assert (
+        isinstance(onset, SpeedBracket)
+        and onset.lower_engine_speed < 7040 <= onset.upper_engine_speed
+    )
     failed = look_of(Solution(empty_channels()), CriticalOptions())
     assert all(failed.lost(kind) for kind in failed.margins)
 
 
 def test_rising_and_falling_speed_show_a_hysteresis() -> None:
-    """A motion that jumps up at 7650 and back at 7120; from rest it jumps at 7400. Carried motion goes beyond the grid's brackets."""
+    """A motion that jumps up at 7650 and back at 7120; from rest it jumps at 7400. Carried motion
+    goes beyond the grid's brackets.
+    """
 
     def look_at(engine_speed: float, orbit: object) -> Look:
         edge = {None: 7400.0, "low": 7650.0, "high": 7120.0}[orbit]  # type: ignore[index]
         lost = engine_speed > edge
-        return Look({KIND: 0.0 if lost else (edge - engine_speed) + 1}, {KIND: "cam"}, "high" if lost else "low")
+        return Look(
+            {KIND: 0.0 if lost else (edge - engine_speed) + 1},
+            {KIND: "cam"},
+            "high" if lost else "low",
+        )
 
     found = Search(look_at, {one: look_at(one, None) for one in grid(100)}, LIMITS, RESOLUTION)
     one = critical_speed(found, KIND, "own", 6000.0, 9000.0, CriticalOptions())
-    assert one.begins is not None and one.begins.rising is not None and one.begins.falling is not None
-    for bracket, edge in ((one.begins.from_rest, 7400), (one.begins.rising, 7650), (one.begins.falling, 7120)):
+    assert (
+        one.begins is not None and one.begins.rising is not None and one.begins.falling is not None
+    )
+    for bracket, edge in (
+        (one.begins.from_rest, 7400),
+        (one.begins.rising, 7650),
+        (one.begins.falling, 7120),
+    ):
         assert bracket.lower_engine_speed <= edge <= bracket.upper_engine_speed
         assert bracket.upper_engine_speed - bracket.lower_engine_speed <= RESOLUTION * (1 + 1e-6)
     assert one.begins.hysteresis == pytest.approx(530, abs=2 * RESOLUTION)
@@ -106,7 +153,9 @@ def test_rising_and_falling_speed_show_a_hysteresis() -> None:
 def test_motion_that_never_comes_back_is_said_to_have_no_bracket() -> None:
     def look_at(engine_speed: float, orbit: object) -> Look:
         lost = orbit == "high" or engine_speed > 7400
-        return Look({KIND: 0.0 if lost else 7401 - engine_speed}, {KIND: "cam"}, "high" if lost else "low")
+        return Look(
+            {KIND: 0.0 if lost else 7401 - engine_speed}, {KIND: "cam"}, "high" if lost else "low"
+        )
 
     found = Search(look_at, {one: look_at(one, None) for one in grid(100)}, LIMITS, RESOLUTION)
     one = critical_speed(found, KIND, "own", 6000.0, 9000.0, CriticalOptions())
@@ -117,8 +166,13 @@ def test_motion_that_never_comes_back_is_said_to_have_no_bracket() -> None:
 
 def test_options_are_read_with_their_units_and_refused_where_they_cannot_be_meant() -> None:
     read = read_options("20 rpm", "0.03 mm", 2e-4)
-    assert (read.resolution * 30 / math.pi, read.float_lift, read.bounce_height) == pytest.approx((20, 3e-5, 2e-4))
-    for words, name in ((("0 rpm", "1 mm", "1 mm"), "resolution"), (("10 rpm", "-1 mm", "1 mm"), "float lift")):
+    assert (read.resolution * 30 / math.pi, read.float_lift, read.bounce_height) == pytest.approx(
+        (20, 3e-5, 2e-4)
+    )
+    for words, name in (
+        (("0 rpm", "1 mm", "1 mm"), "resolution"),
+        (("10 rpm", "-1 mm", "1 mm"), "float lift"),
+    ):
         with pytest.raises(InputError, match=name):
             read_options(*words)
     with pytest.raises(InputError, match=r"unit|rpm"):
@@ -133,12 +187,20 @@ def test_a_case_without_a_train_has_no_critical_speeds() -> None:
 
 
 @pytest.mark.parametrize(
-    ("speed", "sign", "found"), [(100.0, -1, 60.0), (110.0, 1, 140.0), (60.0, -1, 60.0), (140.0, 1, 140.0), (150.0, 1, 150.0)]
+    ("speed", "sign", "found"),
+    [(100.0, -1, 60.0), (110.0, 1, 140.0), (60.0, -1, 60.0), (140.0, 1, 140.0), (150.0, 1, 150.0)],
 )
-def test_a_motion_is_carried_over_from_the_nearest_speed_far_enough_from_the_change(speed, sign, found):
-    """Control is lost from 110 on; of speeds on the same side the first that lies away far enough, else the end of the bracket itself."""
+def test_a_motion_is_carried_over_from_the_nearest_speed_far_enough_from_the_change(
+    speed, sign, found
+):
+    """Control is lost from 110 on; of speeds on the same side the first that lies away far enough,
+    else the end of the bracket itself.
+    """
     away = critical_search.AWAY
     search = critical_search.Search.__new__(critical_search.Search)
-    search._speeds, search._resolution = [60.0, 99.0, 100.0, 110.0, 112.0, 140.0, 150.0], 30.0 / away
+    search._speeds, search._resolution = (
+        [60.0, 99.0, 100.0, 110.0, 112.0, 140.0, 150.0],
+        30.0 / away,
+    )
     search._lost = lambda kind, one: one >= 110.0
     assert search._away("float", speed, sign) == found

@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 
 from valvetrain.errors import InputError
-from valvetrain.measurements.cycles_file import read_cycles, write_cycles
-from valvetrain.measurements.measured_cycles import MeasuredCycles
+from valvetrain.measured.cycles import MeasuredCycles, read_cycles, write_cycles
 
 ANGLES = np.linspace(0.0, 2 * np.pi, 24, endpoint=False)
 
@@ -15,7 +14,9 @@ ANGLES = np.linspace(0.0, 2 * np.pi, 24, endpoint=False)
 def channel(quantity="valve_lift", unit="m", **more):
     values = np.outer([1.0, 2.0, 3.0], 1.1 + np.cos(ANGLES))
     values[1, 3] = np.nan
-    return MeasuredCycles(quantity, unit, ANGLES, values, 157.25, "own rig", True, ("one note", "and another"), **more)
+    return MeasuredCycles(
+        quantity, unit, ANGLES, values, 157.25, "own rig", True, ("one note", "and another"), **more
+    )
 
 
 @pytest.mark.parametrize("name", ["cycles.csv", "cycles.nc", "cycles"])
@@ -61,15 +62,19 @@ ROWS = "\n".join(f"{angle},1" for angle in range(0, 360, 30))
 @pytest.mark.parametrize(
     ("text", "words"),
     [
-        ("# unit: mm\n" + ROWS, "does not say its quantity"), ("# quantity: valve_lift\n" + ROWS, "does not say its unit"),
+        ("# unit: mm\n" + ROWS, "does not say its quantity"),
+        ("# quantity: valve_lift\n" + ROWS, "does not say its unit"),
         ("# quantity: a\n# unit: furlong\n" + ROWS, "furlong"),
         ("# quantity: a\n# unit: N\n" + ROWS + "\n1,2,3", "line 15 .* has 3 numbers"),
         ("# quantity: a\n# unit: N\n" + ROWS + "\nx,2", "no row of numbers"),
         ("# quantity: a\n# unit: N\n0,1\n9,inf\n", "beyond all bounds"),
-        ("# quantity: a\n# unit: N\n" + "\n".join(["0,1"] * 9), "must rise"), ("# quantity: a\n# unit: N\n", "no row of numbers"),
-        ("# quantity: a\n# unit: N\n# cam speed: 9\n" + ROWS, "has no unit"), ("", "is empty"), ("a\0b", "no text"),
+        ("# quantity: a\n# unit: N\n" + "\n".join(["0,1"] * 9), "must rise"),
+        ("# quantity: a\n# unit: N\n", "no row of numbers"),
+        ("# quantity: a\n# unit: N\n# cam speed: 9\n" + ROWS, "has no unit"),
+        ("", "is empty"),
+        ("a\0b", "no text"),
     ],
-)  # fmt: skip
+)
 def test_what_cannot_be_read_is_one_sentence(tmp_path, text, words):
     (tmp_path / "own.txt").write_text(text, encoding="utf-8")
     with pytest.raises(InputError, match=words):
@@ -78,7 +83,9 @@ def test_what_cannot_be_read_is_one_sentence(tmp_path, text, words):
 
 @pytest.mark.parametrize("name", ["cycles.nc", "cycles.csv"])
 def test_a_damaged_file_is_a_sentence_or_says_what_it_said(tmp_path, monkeypatch, name):
-    monkeypatch.setattr("valvetrain.measurements.cycles_netcdf.tried_apart", lambda *_: None)  # these end, and sixty trials take long
+    monkeypatch.setattr(
+        "valvetrain.measured.cycles.tried_apart", lambda *_: None
+    )  # these end, and sixty trials take long
     whole = write_cycles(tmp_path / name, [channel()]).read_bytes()
     random = np.random.default_rng(3)
     for _ in range(30):

@@ -1,4 +1,5 @@
-"""Result files that were damaged, or that lie: readers refuse in one sentence, make room for nothing that is only claimed, and tell
+"""Result files that were damaged, or that lie: readers refuse in one sentence, make room for
+nothing that is only claimed, and tell
 damage from a difference."""
 
 from __future__ import annotations
@@ -16,10 +17,17 @@ import xarray
 
 from synthetic_study import at_rest, rod_run
 from valvetrain.errors import InputError
-from valvetrain.measurements.cycles_file import read_cycles, write_cycles
-from valvetrain.measurements.measured_cycles import MeasuredCycles
-from valvetrain.solution import checksum, netcdf, read_apart
-from valvetrain.solution.netcdf import load_modal_result, load_netcdf, load_static_curve, save_modal_result, save_netcdf, save_static_curve
+from valvetrain.measured.cycles import MeasuredCycles, read_cycles, write_cycles
+from valvetrain.solution import atomic as checksum
+from valvetrain.solution import netcdf, read_apart
+from valvetrain.solution.netcdf import (
+    load_modal_result,
+    load_netcdf,
+    load_static_curve,
+    save_modal_result,
+    save_netcdf,
+    save_static_curve,
+)
 from valvetrain.solution.rebuilt import refuse_claims
 from valvetrain.solution.textfile import load_csv, save_csv
 from valvetrain.studies.run_answer import answer_text, read_answer
@@ -41,7 +49,9 @@ def refused(load, path, words=None):
 
 
 def without_checksum(path):
-    """Make a file what it was before there were checksums: no closing line, and nothing that promises one."""
+    """Make a file what it was before there were checksums: no closing line, and nothing that
+    promises one.
+    """
     body, closed = checksum.checked_content(path)
     assert closed and body.count(PROMISE) == 1
     path.write_bytes(body.replace(PROMISE, b'"checksum": ""       '))
@@ -49,7 +59,9 @@ def without_checksum(path):
 
 @pytest.fixture(autouse=True)
 def tried(monkeypatch):
-    """Files of h5py's making are read here only, without a process for each; the tests of such trials call the usual one."""
+    """Files of h5py's making are read here only, without a process for each; the tests of such
+    trials call the usual one.
+    """
     usual = netcdf.tried_apart
     monkeypatch.setattr(netcdf, "tried_apart", lambda *_: None)
     return usual
@@ -123,7 +135,9 @@ def _external(file):
 def _raw_outside(file):
     shape = file["seat_force"].shape
     del file["seat_force"]
-    file.create_dataset("seat_force", shape=shape, dtype="f8", external=[("/etc/hostname", 0, h5py.h5f.UNLIMITED)])
+    file.create_dataset(
+        "seat_force", shape=shape, dtype="f8", external=[("/etc/hostname", 0, h5py.h5f.UNLIMITED)]
+    )
 
 
 def _missing(file):
@@ -147,7 +161,9 @@ def _no_unit(file):
     del file["seat_force"].attrs["units"]
 
 
-@pytest.mark.parametrize("change", [_external, _raw_outside, _missing, _words, _group, _unit, _no_unit])
+@pytest.mark.parametrize(
+    "change", [_external, _raw_outside, _missing, _words, _group, _unit, _no_unit]
+)
 def test_a_netcdf_file_that_lies_is_refused(opened, change):
     with h5py.File(opened, "r+") as file:
         change(file)
@@ -158,20 +174,31 @@ def description(path, **more):
     """Exchange parts of the description in a NetCDF file."""
     with h5py.File(path, "r+") as file:
         held = json.loads(file["valvetrain_metadata"][()]) | more
-        file["valvetrain_metadata"][()] = json.dumps({key: value for key, value in held.items() if value is not ...})
+        file["valvetrain_metadata"][()] = json.dumps(
+            {key: value for key, value in held.items() if value is not ...}
+        )
 
 
 @pytest.mark.parametrize(
     "more",
     [
-        {"version": "one"}, {"version": None}, {"format": 7}, {"statistics": []}, {"quantities": {"a": []}}, {"quantities": {"a": "b"}},
-        {"quantities": {"a": None}}, {"events": [3]},
+        {"version": "one"},
+        {"version": None},
+        {"format": 7},
+        {"statistics": []},
+        {"quantities": {"a": []}},
+        {"quantities": {"a": "b"}},
+        {"quantities": {"a": None}},
+        {"events": [3]},
         {"events": {}},
-        {"status": {"code": 4}}, {"status": {"code": "completed", "time": "soon"}}, {"provenance": {"case_name": 1, "model": "x"}},
-        {"provenance": {"case_name": "a", "model": "x", "citations": "abc"}}, {"events": [{"kind": "clash", "cam_angle": "x"}]},
+        {"status": {"code": 4}},
+        {"status": {"code": "completed", "time": "soon"}},
+        {"provenance": {"case_name": 1, "model": "x"}},
+        {"provenance": {"case_name": "a", "model": "x", "citations": "abc"}},
+        {"events": [{"kind": "clash", "cam_angle": "x"}]},
         {"status": ...},
     ],
-)  # fmt: skip
+)
 def test_a_description_of_other_types_is_refused(opened, more):
     description(opened, **more)
     refused(load_netcdf, opened)
@@ -191,7 +218,11 @@ def test_a_description_without_statistics_is_read_as_none(opened):
 
 @pytest.mark.parametrize(
     ("more", "words"),
-    [({"axial_modes": [99]}, "axial_modes"), ({"axial_modes": "x"}, "axial_modes"), ({"compression": ...}, "compression")],
+    [
+        ({"axial_modes": [99]}, "axial_modes"),
+        ({"axial_modes": "x"}, "axial_modes"),
+        ({"compression": ...}, "compression"),
+    ],
 )
 def test_modes_that_lie_are_refused(tmp_path, more, words):
     path = save_modal_result(at_rest()[0].modes, tmp_path / "modes.nc")
@@ -210,9 +241,13 @@ def test_a_curve_without_one_of_its_rows_is_refused(tmp_path, name):
 
 
 @pytest.mark.parametrize(
-    ("old", "new"), [('"type": "float64"', '"type": "U900000000"'), ('"shape": []', '"shape": [1000000000000]'), ('"columns": [',
-    '"columns": 3, "x": [')]
-)  # fmt: skip
+    ("old", "new"),
+    [
+        ('"type": "float64"', '"type": "U900000000"'),
+        ('"shape": []', '"shape": [1000000000000]'),
+        ('"columns": [', '"columns": 3, "x": ['),
+    ],
+)
 def test_a_csv_description_that_lies_is_refused(tmp_path, old, new):
     path = save_csv(RUN, tmp_path / "run.csv")
     text = checksum.checked_content(path)[0].decode()
@@ -226,7 +261,9 @@ def test_a_csv_description_that_lies_is_refused(tmp_path, old, new):
 
 
 def without_end(path, words):
-    """Empty the store of long words before ``words``: the library looks for the next entry for ever, each of no length."""
+    """Empty the store of long words before ``words``: the library looks for the next entry for
+    ever, each of no length.
+    """
     content = bytearray(path.read_bytes())
     place = content.index(words)
     content[place - 48 : place + 1] = bytes(49)
@@ -242,11 +279,18 @@ def test_a_file_that_the_library_never_ends_to_read_is_refused(tmp_path, monkeyp
     refused(load_static_curve, path, "does not come back")
 
 
-def test_measured_cycles_come_from_others_and_their_checksum_vouches_for_nothing(tmp_path, monkeypatch):
+def test_measured_cycles_come_from_others_and_their_checksum_vouches_for_nothing(
+    tmp_path, monkeypatch
+):
     monkeypatch.setattr(read_apart, "MOST_SECONDS", 3)
     angles = np.linspace(0.0, 6.0, 24)
     path = write_cycles(
-        tmp_path / "cycles.nc", [MeasuredCycles("valve_lift", "m", angles, np.ones((2, 24)), 150.0, "a rig", notes=("x" * 99,))]
+        tmp_path / "cycles.nc",
+        [
+            MeasuredCycles(
+                "valve_lift", "m", angles, np.ones((2, 24)), 150.0, "a rig", notes=("x" * 99,)
+            )
+        ],
     )
     assert read_cycles(path)
     body = checksum.checked_content(path)[0]
@@ -257,18 +301,26 @@ def test_measured_cycles_come_from_others_and_their_checksum_vouches_for_nothing
 
 
 def test_a_variable_whose_one_piece_is_far_larger_than_what_is_stored_is_refused(tmp_path):
-    """Ten values, but 800 MB in the piece that they lie in: reading one makes room for all of it. Nothing stored claims nothing."""
+    """Ten values, but 800 MB in the piece that they lie in: reading one makes room for all of it.
+    Nothing stored claims nothing.
+    """
     with h5py.File(tmp_path / "piece.nc", "w") as file:
-        held = file.create_dataset("force", (10,), "f8", maxshape=(None,), chunks=(100_000_000,), compression="gzip")
+        held = file.create_dataset(
+            "force", (10,), "f8", maxshape=(None,), chunks=(100_000_000,), compression="gzip"
+        )
         held.id.write_direct_chunk((0,), zlib.compress(bytes(4096)))
     with pytest.raises(InputError, match="'force' claims 8e\\+08 bytes and holds"):
         refuse_claims(tmp_path / "piece.nc")
     with h5py.File(tmp_path / "empty.nc", "w") as file:
-        file.create_dataset("force", (10,), "f8", maxshape=(None,), chunks=(100_000_000,), compression="gzip")
+        file.create_dataset(
+            "force", (10,), "f8", maxshape=(None,), chunks=(100_000_000,), compression="gzip"
+        )
     refuse_claims(tmp_path / "empty.nc")
 
 
-def test_a_file_that_the_library_has_no_room_for_is_not_read_a_second_time(tmp_path, monkeypatch, tried):
+def test_a_file_that_the_library_has_no_room_for_is_not_read_a_second_time(
+    tmp_path, monkeypatch, tried
+):
     """The library tells a refused allocation as one of the system's errors, not as want of memory."""
     read, path = tmp_path / "read", save_static_curve(at_rest()[0].curve, tmp_path / "curve.nc")
     without_checksum(path)
@@ -294,7 +346,9 @@ def test_what_its_checksum_vouches_for_is_read_at_once(tmp_path, monkeypatch):
     assert load_netcdf(path).identical(RUN) and not tried
     without_checksum(path)
     assert load_netcdf(path).identical(RUN)
-    assert [given[:3] for given in tried] == [("valvetrain.solution.netcdf:dataset_of", path, str(path))]
+    assert [given[:3] for given in tried] == [
+        ("valvetrain.solution.netcdf:dataset_of", path, str(path))
+    ]
 
 
 # ---- kept runs
@@ -307,7 +361,11 @@ ANSWER = {
 
 def kept(folder, answer=ANSWER):
     """A run on disk."""
-    return keep(folder, Inputs("own", 'name = "own"\n', {}, {"command": "run", "engine_speeds": [4000.0]}), answer)
+    return keep(
+        folder,
+        Inputs("own", 'name = "own"\n', {}, {"command": "run", "engine_speeds": [4000.0]}),
+        answer,
+    )
 
 
 def test_a_kept_run_is_read_back_as_written(tmp_path):
@@ -315,7 +373,9 @@ def test_a_kept_run_is_read_back_as_written(tmp_path):
     assert read_answer(run.folder) == json.loads(json.dumps(dict(run.answer)))
 
 
-@pytest.mark.parametrize(("old", "new"), [(b"300.0", b"301.0"), (b'"preload"', b'"preloax"'), (b"true", b"false")])
+@pytest.mark.parametrize(
+    ("old", "new"), [(b"300.0", b"301.0"), (b'"preload"', b'"preloax"'), (b"true", b"false")]
+)
 def test_a_changed_number_of_a_kept_run_is_damage_and_no_difference(tmp_path, old, new):
     kept(tmp_path / "own" / "a"), kept(tmp_path / "own" / "b")
     path = tmp_path / "own" / "b" / "run.json"
@@ -329,19 +389,33 @@ def test_a_changed_number_of_a_kept_run_is_damage_and_no_difference(tmp_path, ol
 def test_a_run_of_before_the_checksum_is_read(tmp_path):
     run = kept(tmp_path / "own" / "a")
     path = run.folder / "run.json"
-    path.write_text(json.dumps({key: value for key, value in json.loads(path.read_text()).items() if key != "checksum"}), encoding="utf-8")
+    path.write_text(
+        json.dumps(
+            {key: value for key, value in json.loads(path.read_text()).items() if key != "checksum"}
+        ),
+        encoding="utf-8",
+    )
     assert find_run(str(run.folder)).answer["case"] == "own"
 
 
 @pytest.mark.parametrize(
     "more",
     [
-        {"created_at": 3}, {"case": ["own"]}, {"quantities": []}, {"quantities": {"preload": 3}},
+        {"created_at": 3},
+        {"case": ["own"]},
+        {"quantities": []},
+        {"quantities": {"preload": 3}},
         {"quantities": {"preload": {"value": "x"}}},
-        {"runs": {}}, {"runs": [3]}, {"runs": [{"engine_speed": 4}]}, {"runs": [{"quantities": [1]}]}, {"files": "a"}, {"choices": []},
-        {"choices": {"engine_speeds": "4000 rpm"}}, {"quantities_by_label": {"a": 3}},
+        {"runs": {}},
+        {"runs": [3]},
+        {"runs": [{"engine_speed": 4}]},
+        {"runs": [{"quantities": [1]}]},
+        {"files": "a"},
+        {"choices": []},
+        {"choices": {"engine_speeds": "4000 rpm"}},
+        {"quantities_by_label": {"a": 3}},
     ],
-)  # fmt: skip
+)
 def test_an_answer_of_another_shape_is_refused(tmp_path, more):
     folder = tmp_path / "own" / "a"
     folder.mkdir(parents=True)

@@ -20,8 +20,14 @@ def test_the_committed_page_is_the_one_the_tables_write():
 
 def test_the_page_tells_units_and_meanings():
     rows = [line for line in defaults_page().splitlines() if line.startswith("| `")]
-    assert "| `stiffness` | 20000 N/mm^2 | stiffness per length of wire; 0: coils pass through each other |" in rows
-    assert "| `card_lift` | 12 mm | lift up to which the coils of a wire made from a card stay apart |" in rows
+    assert (
+        "| `stiffness` | 20000 N/mm^2 | stiffness per length of wire; 0: coils pass through each other |"
+        in rows
+    )
+    assert (
+        "| `card_lift` | 12 mm | lift up to which the coils of a wire made from a card stay apart |"
+        in rows
+    )
     assert all(all(cell.strip() for cell in row.strip("|").split(" | ")) for row in rows)
 
 
@@ -30,7 +36,12 @@ def test_defaults_of_contact_tables_are_those_of_the_laws(word):
     spec = registry.find("contacts", word)
     for item in fields(spec.law):
         told = spec.table.model_fields.get(item.name)
-        if told is not None and told.default is not None and item.init and item.default is not MISSING:
+        if (
+            told is not None
+            and told.default is not None
+            and item.init
+            and item.default is not MISSING
+        ):
             assert told.default == item.default, item.name
 
 
@@ -38,7 +49,22 @@ def test_what_a_file_leaves_out_is_what_the_page_says():
     text = '[spring]\nwire_diameter = "4 mm"\nmean_diameter = "24 mm"\npitch = "7.5 mm"\ntotal_coils = 6\nmaterial = "OTEVA 90 SC"\n'
     case = parse_case(text)
     (spring,) = case.springs
-    assert (spring.precompression, spring.seats, spring.contact.stiffness, spring.contact.damping_time) == (0.0, "planes", 2e10, 1e-6)
-    assert (spring.damping.mass_damping, spring.damping.stiffness_damping, dict(spring.options)) == (0.0, 0.0, {})
-    assert (spring.wire.lower_end.kind, spring.wire.lower_end.inactive_coils, spring.wire.hand) == ("closed-ground", 0.75, "right")
-    assert case.operation.cycles == 2 and case.operation.output_step == pytest.approx(0.5 * 3.141592653589793 / 180)
+    assert (
+        spring.precompression,
+        spring.seats,
+        spring.contact.stiffness,
+        spring.contact.damping_time,
+    ) == (0.0, "planes", 2e10, 1e-6)
+    assert (
+        spring.damping.mass_damping,
+        spring.damping.stiffness_damping,
+        dict(spring.options),
+    ) == (0.0, 0.0, {})
+    assert (spring.wire.lower_end.kind, spring.wire.lower_end.inactive_coils, spring.wire.hand) == (
+        "closed-ground",
+        0.75,
+        "right",
+    )
+    assert case.operation.cycles == 2 and case.operation.output_step == pytest.approx(
+        0.5 * 3.141592653589793 / 180
+    )

@@ -1,4 +1,6 @@
-"""The example of every docstring of the package gives what it shows: of public names, and of modules that only the package uses."""
+"""The example of every docstring of the package gives what it shows: of public names, and of
+modules that only the package uses.
+"""
 
 from __future__ import annotations
 
@@ -21,7 +23,9 @@ def examples() -> list[doctest.DocTest]:
         if ">>> " in path.read_text(encoding="utf-8"):
             parts = ["valvetrain", *path.relative_to(PACKAGE).with_suffix("").parts]
             name = ".".join(parts).removesuffix(".__init__")
-            found += [one for one in finder.find(importlib.import_module(name), name) if one.examples]
+            found += [
+                one for one in finder.find(importlib.import_module(name), name) if one.examples
+            ]
     return found
 
 
@@ -30,5 +34,7 @@ def test_an_example_gives_what_it_shows(example, tmp_path, monkeypatch):
     """In an empty folder, where examples may write."""
     monkeypatch.chdir(tmp_path)
     said: list[str] = []
-    result = doctest.DocTestRunner(optionflags=doctest.NORMALIZE_WHITESPACE).run(example, out=said.append)
+    result = doctest.DocTestRunner(optionflags=doctest.NORMALIZE_WHITESPACE).run(
+        example, out=said.append
+    )
     assert result.failed == 0, "".join(said)

@@ -14,13 +14,22 @@ def write(folder, *names):
 
 def test_only_untouched_files_of_the_last_run_go(tmp_path):
     write(tmp_path, "mine-5000rpm.csv", "notes.txt")
-    remove_earlier(tmp_path, "report", write(tmp_path, "rod-4000rpm.nc", "rod-4000rpm.csv", "summary.csv", "figures/a.svg"))
+    remove_earlier(
+        tmp_path,
+        "report",
+        write(tmp_path, "rod-4000rpm.nc", "rod-4000rpm.csv", "summary.csv", "figures/a.svg"),
+    )
     (tmp_path / "rod-4000rpm.csv").write_text("the user's own marks")
     removed = remove_earlier(tmp_path, "report", write(tmp_path, "rod-4200rpm.nc", "summary.csv"))
     assert {path.name for path in removed} == {"rod-4000rpm.nc", "a.svg"}
     assert {path.name for path in tmp_path.iterdir() if path.is_file()} == {
-        "mine-5000rpm.csv", "notes.txt", "rod-4000rpm.csv", "rod-4200rpm.nc", "summary.csv", LIST,
-    }  # fmt: skip
+        "mine-5000rpm.csv",
+        "notes.txt",
+        "rod-4000rpm.csv",
+        "rod-4200rpm.nc",
+        "summary.csv",
+        LIST,
+    }
 
 
 def test_another_kind_of_run_keeps_its_files(tmp_path):

@@ -1,4 +1,6 @@
-"""Unit: the elastic pivot of a lever as a mass on a spring and a damper, by Newton's and Hooke's laws, in every kind of train."""
+"""Unit: the elastic pivot of a lever as a mass on a spring and a damper, by Newton's and Hooke's
+laws, in every kind of train.
+"""
 
 from __future__ import annotations
 
@@ -22,20 +24,31 @@ LEVERS = ("finger", "rocker", "pushrod")
 @pytest.mark.parametrize("kind", LEVERS)
 def test_a_pivot_carries_the_lever_and_yields_along_its_direction(kind, direction):
     turned = math.radians(direction)
-    train = KINDS[kind](support=SupportParameters(STIFFNESS, MASS, DAMPING, turned), gravity=(1.5, -9.81))
+    train = KINDS[kind](
+        support=SupportParameters(STIFFNESS, MASS, DAMPING, turned), gravity=(1.5, -9.81)
+    )
     (body,), (link,), along, name = support_parts(train, LEVER)
     assert (name, body.name, link.coordinates) == ("support", "support", ("support",))
     assert along == pytest.approx((math.cos(turned), math.sin(turned)))
     assert body.mass == pytest.approx(MASS + LEVER)
-    assert body.force == pytest.approx((MASS + LEVER) * (1.5 * math.cos(turned) - 9.81 * math.sin(turned)))
-    assert isinstance(link.law, ElasticLink) and (link.law.stiffness, link.law.damping) == (STIFFNESS, DAMPING)
-    assert link.geometry_row()[:2].tolist() == [0.0, 1.0], "it is pressed by the travel of the pivot"
+    assert body.force == pytest.approx(
+        (MASS + LEVER) * (1.5 * math.cos(turned) - 9.81 * math.sin(turned))
+    )
+    assert isinstance(link.law, ElasticLink) and (link.law.stiffness, link.law.damping) == (
+        STIFFNESS,
+        DAMPING,
+    )
+    assert link.geometry_row()[:2].tolist() == [0.0, 1.0], (
+        "it is pressed by the travel of the pivot"
+    )
 
 
 @pytest.mark.parametrize("model", ["planar", "lumped"])
 @pytest.mark.parametrize("kind", LEVERS)
 def test_the_link_of_a_pivot_is_the_same_in_both_models(kind, model):
-    built = build_mechanism(KINDS[kind](model=model, support=SupportParameters(STIFFNESS, MASS, DAMPING)), LAW)
+    built = build_mechanism(
+        KINDS[kind](model=model, support=SupportParameters(STIFFNESS, MASS, DAMPING)), LAW
+    )
     (link,) = [one for one in built.interactions if one.name == "support"]
     np.testing.assert_array_equal(link.law.parameters(), [STIFFNESS, DAMPING])
 
@@ -43,19 +56,27 @@ def test_the_link_of_a_pivot_is_the_same_in_both_models(kind, model):
 @pytest.mark.parametrize("kind", LEVERS)
 def test_a_rigid_pivot_adds_nothing(kind):
     assert support_parts(KINDS[kind](), LEVER) == ([], [], (0.0, 0.0), "")
-    assert not [one.name for one in build_mechanism(KINDS[kind](), LAW).interactions if one.name == "support"]
+    assert not [
+        one.name
+        for one in build_mechanism(KINDS[kind](), LAW).interactions
+        if one.name == "support"
+    ]
 
 
 @pytest.mark.parametrize("kind", LEVERS)
 def test_a_rigid_pose_leaves_the_pivot_where_it_is_and_the_valve_at_its_lift(kind):
-    """The train with the pivot moves as that without it; contacts between valve and pushrod stay as they are at rest."""
+    """The train with the pivot moves as that without it; contacts between valve and pushrod stay as
+    they are at rest.
+    """
     built = system(KINDS[kind](support=SupportParameters(STIFFNESS, MASS, DAMPING)))
     found, rigid = rigid_poses(built, 9), rigid_poses(system(KINDS[kind]()), 9)
     place = built.coordinate_names.index("support")
     valve = built.mechanism.index(built.mechanism.valve)
     assert found.q[:, place] == pytest.approx(np.zeros(9), abs=1e-12)
     assert found.modes[:, place] == pytest.approx(np.zeros(9), abs=1e-12)
-    assert found.q[:, valve] == pytest.approx(found.valve_lifts, abs=1e-12) and found.modes[:, valve] == pytest.approx(np.ones(9))
+    assert found.q[:, valve] == pytest.approx(found.valve_lifts, abs=1e-12) and found.modes[
+        :, valve
+    ] == pytest.approx(np.ones(9))
     others = np.delete(np.arange(len(built.masses)), place)
     assert found.q[:, others] == pytest.approx(rigid.q, abs=1e-9)
     assert found.reduced_masses == pytest.approx(rigid.reduced_masses, rel=1e-6)

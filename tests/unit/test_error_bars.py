@@ -1,4 +1,6 @@
-"""Bars in the cells of the terminal: whose they are, when they are left out, and how they give way to a narrow table."""
+"""Bars in the cells of the terminal: whose they are, when they are left out, and how they give way
+to a narrow table.
+"""
 
 from __future__ import annotations
 
@@ -17,38 +19,77 @@ def row(name: str, *values):
 
 
 def bars(name: str, value: float, numerical: float, label: str = "stock") -> ErrorBars:
-    return ErrorBars({name: [Uncertainty(name, SPEED, value, numerical, None, value, 0.0, (value, value), (value, value), label)]})
+    return ErrorBars(
+        {
+            name: [
+                Uncertainty(
+                    name,
+                    SPEED,
+                    value,
+                    numerical,
+                    None,
+                    value,
+                    0.0,
+                    (value, value),
+                    (value, value),
+                    label,
+                )
+            ]
+        }
+    )
 
 
 def test_a_bar_stands_beside_its_own_number_in_its_own_unit():
     held = bars("seating_velocity", 0.3405, 0.0153)
-    assert held.cells(row("seating_velocity", 0.3405, 0.3405), (STOCK, OTHER)) == ["0.3405 ± 0.015", "0.3405"]
-    assert bars("bounce_height", 1.5e-4, 2.5e-5).cells(row("bounce_height", 0.15), (STOCK,)) == ["0.15 ± 0.025"]
-    assert bars("peak_spring_force", 965.0, 2.0, "").cells(row("peak_spring_force", 965.0, None), (OTHER, STOCK)) == ["965 ± 2", "–"]
+    assert held.cells(row("seating_velocity", 0.3405, 0.3405), (STOCK, OTHER)) == [
+        "0.3405 ± 0.015",
+        "0.3405",
+    ]
+    assert bars("bounce_height", 1.5e-4, 2.5e-5).cells(row("bounce_height", 0.15), (STOCK,)) == [
+        "0.15 ± 0.025"
+    ]
+    assert bars("peak_spring_force", 965.0, 2.0, "").cells(
+        row("peak_spring_force", 965.0, None), (OTHER, STOCK)
+    ) == ["965 ± 2", "–"]
 
 
 @pytest.mark.parametrize(
-    ("value", "numerical", "speed"), [(965.0, 0.04, SPEED), (970.0, 2.0, SPEED), (965.0, 2.0, 300.0), (0.0, 2.0, SPEED)]
+    ("value", "numerical", "speed"),
+    [(965.0, 0.04, SPEED), (970.0, 2.0, SPEED), (965.0, 2.0, 300.0), (0.0, 2.0, SPEED)],
 )
 def test_no_bar_of_another_number_and_none_that_moves_no_digit(value, numerical, speed):
     held = bars("peak_spring_force", 965.0, numerical)
-    assert "±" not in held.cells(row("peak_spring_force", value), (HeadlineColumn("stock", speed),))[0]
+    assert (
+        "±" not in held.cells(row("peak_spring_force", value), (HeadlineColumn("stock", speed),))[0]
+    )
 
 
 @pytest.mark.parametrize(("wide", "between"), [(NARROW, " "), (NARROW + 2, ""), (NARROW + 4, None)])
 def test_bars_give_way_to_a_table_of_eighty_columns(wide, between):
-    chosen = fitting(bars("peak_spring_force", 965.0, 2.0), lambda one: wide - {" ": 0, "": 2, None: 4}[one.between])
+    chosen = fitting(
+        bars("peak_spring_force", 965.0, 2.0),
+        lambda one: wide - {" ": 0, "": 2, None: 4}[one.between],
+    )
     assert chosen.between == between
 
 
 @pytest.mark.parametrize(
     ("value", "numerical", "words"),
     [
-        (965.0, 0.051, "965 ± 0.051"), (965.0, 0.049, "965"), (9.65, 6e-4, "9.65 ± 0.0006"), (9.65, 4e-4, "9.65"),
-        # Half of the last of four digits of 0.5 is 0.00005; bars below 0.0001 are left out all the same.
-        (0.5, 1.1e-4, "0.5 ± 0.00011"), (0.5, 9e-5, "0.5"), (0.5, 6e-5, "0.5"), (-965.0, 0.051, "-965 ± 0.051"),
+        (965.0, 0.051, "965 ± 0.051"),
+        (965.0, 0.049, "965"),
+        (9.65, 6e-4, "9.65 ± 0.0006"),
+        (9.65, 4e-4, "9.65"),
+        # Half of the last of four digits of 0.5 is 0.00005; bars below 0.0001 are left out all the
+        # same.
+        (0.5, 1.1e-4, "0.5 ± 0.00011"),
+        (0.5, 9e-5, "0.5"),
+        (0.5, 6e-5, "0.5"),
+        (-965.0, 0.051, "-965 ± 0.051"),
     ],
-)  # fmt: skip
+)
 def test_a_bar_moves_the_fourth_digit_and_is_a_ten_thousandth_at_least(value, numerical, words):
-    (cell,) = bars("peak_spring_force", value, numerical).cells(row("peak_spring_force", value), (STOCK,))
+    (cell,) = bars("peak_spring_force", value, numerical).cells(
+        row("peak_spring_force", value), (STOCK,)
+    )
     assert cell.replace("−", "-") == words

@@ -20,7 +20,9 @@ from valvetrain.studies.cost import read_limits
 )
 def test_a_count_beyond_its_bounds_is_refused(words, option, low, high):
     for number in (low - 1, high + 1):
-        assert f"{option}: {number} lies outside {low} to {high}" in sentence(call(*words, option, str(number)))
+        assert f"{option}: {number} lies outside {low} to {high}" in sentence(
+            call(*words, option, str(number))
+        )
 
 
 def test_bounds_belong_to_what_they_bound():
@@ -35,21 +37,33 @@ def test_the_machine_decides_how_many_runs_go_at_a_time(monkeypatch):
     import os
 
     for cores, expected in ((1, 1), (3, 3), (64, 4)):
-        monkeypatch.setattr(os, "sched_getaffinity", lambda process, cores=cores: set(range(cores)), raising=False)
+        monkeypatch.setattr(
+            os, "sched_getaffinity", lambda process, cores=cores: set(range(cores)), raising=False
+        )
         assert read_workers(None) == expected
 
 
 @pytest.mark.parametrize(
     ("text", "seconds", "size"),
     [
-        ("7 s", 7, 2e9), ("7 min", 420, 2e9), ("7 h", 25200, 2e9), ("7 d", 604800, 2e9), ("7 MB", 600, 7e6), ("1.5 GB", 600, 1.5e9),
-        ("7TB", 600, 7e12), (" 2 h , 8 GB ", 7200, 8e9),
+        ("7 s", 7, 2e9),
+        ("7 min", 420, 2e9),
+        ("7 h", 25200, 2e9),
+        ("7 d", 604800, 2e9),
+        ("7 MB", 600, 7e6),
+        ("1.5 GB", 600, 1.5e9),
+        ("7TB", 600, 7e12),
+        (" 2 h , 8 GB ", 7200, 8e9),
     ],
-)  # fmt: skip
+)
 def test_a_bound_is_a_time_or_a_memory(text, seconds, size):
     limits = read_limits([text])
     assert (limits.seconds, limits.bytes) == pytest.approx((seconds, size))
-    assert (read_limits([text, "3 s"]).seconds, read_limits(None).seconds, read_limits(None).bytes) == (3, 600, 2e9)
+    assert (
+        read_limits([text, "3 s"]).seconds,
+        read_limits(None).seconds,
+        read_limits(None).bytes,
+    ) == (3, 600, 2e9)
 
 
 @pytest.mark.parametrize("text", ["0 h", "-1 h", "1", "h", "1 m", "1 hours", "1e3 s", "1 h 2", ""])

@@ -7,12 +7,16 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from valvetrain.measurements.film.cycles import CoilPeak
-from valvetrain.measurements.film.surge import SurgeFit, SurgeLine
-from valvetrain.report import film_page as made
+from valvetrain.film import page as made
+from valvetrain.film.cycles import CoilPeak
+from valvetrain.film.surge import SurgeFit, SurgeLine
 from valvetrain.report.page import Figure, Grid, Text
 
-PEAKS = (CoilPeak(1, 2e-3, 4e-5, 1e-5, 7), CoilPeak(2, 5e-3, float("nan"), 2e-5, 7), CoilPeak(3, 1e-4, 5e-6, 1e-5, 6))
+PEAKS = (
+    CoilPeak(1, 2e-3, 4e-5, 1e-5, 7),
+    CoilPeak(2, 5e-3, float("nan"), 2e-5, 7),
+    CoilPeak(3, 1e-4, 5e-6, 1e-5, 6),
+)
 DRAWN = ("displacement", "space_time", "peaks", "overlay", "decay", "spectrum")
 
 
@@ -52,7 +56,14 @@ def sections(monkeypatch):
 
 def shape(section) -> list[str]:
     """Figures by name, tables by their first head, sentences in full."""
-    return [one.chart if isinstance(one, Figure) else one.headers[0] if isinstance(one, Grid) else one.html for one in section.blocks]
+    return [
+        one.chart
+        if isinstance(one, Figure)
+        else one.headers[0]
+        if isinstance(one, Grid)
+        else one.html
+        for one in section.blocks
+    ]
 
 
 @pytest.mark.parametrize("beside", [False, True])
@@ -64,8 +75,13 @@ def test_a_section_stands_where_there_is_something_to_tell(sections, beside, pea
     expected |= {"peaks": ["peaks", "coil"]} if peaks else {}
     apart = "Film less model, root mean square over the turn by coil: 0.01, 0.0346, 0.02 mm; most at coil 2."
     expected |= {"model": ["overlay", "line of the film", apart, "Of the model."]} if beside else {}
-    expected |= {"surge": ["decay", "line", "spectrum"] if surge else ["decay", "spectrum"], "found": ["First note.", "Second note."]}
-    assert {key: shape(one) for key, one in found.items()} == expected and list(found) == list(expected)
+    expected |= {
+        "surge": ["decay", "line", "spectrum"] if surge else ["decay", "spectrum"],
+        "found": ["First note.", "Second note."],
+    }
+    assert {key: shape(one) for key, one in found.items()} == expected and list(found) == list(
+        expected
+    )
     assert not beside or found["model"].title == "Beside the case beehive"
 
 
@@ -79,27 +95,47 @@ def test_peaks_are_millimetres_with_their_interval(sections):
     """1.96 deviations; a share only where the peak is more than twenty of them."""
     assert cells(sections(film())["peaks"], "coil") == [
         ["coil", "mean peak (mm)", "95 %", "scatter of a turn (mm)"],
-        ["1", "2.000", "±0.020", "0.040"], ["2", "5.000", "±0.039", "–"], ["3", "0.100", "±0.020", "0.005"],
-    ]  # fmt: skip
+        ["1", "2.000", "±0.020", "0.040"],
+        ["2", "5.000", "±0.039", "–"],
+        ["3", "0.100", "±0.020", "0.005"],
+    ]
     assert cells(sections(film(), model())["peaks"], "coil") == [
-        ["coil", "mean peak (mm)", "95 %", "scatter of a turn (mm)", "model (mm)", "model less film"],
-        ["1", "2.000", "±0.020", "0.040", "2.100", "+5.0 %"], ["2", "5.000", "±0.039", "–", "4.900", "−2.0 %"],
+        [
+            "coil",
+            "mean peak (mm)",
+            "95 %",
+            "scatter of a turn (mm)",
+            "model (mm)",
+            "model less film",
+        ],
+        ["1", "2.000", "±0.020", "0.040", "2.100", "+5.0 %"],
+        ["2", "5.000", "±0.039", "–", "4.900", "−2.0 %"],
         ["3", "0.100", "±0.020", "0.005", "0.200", "–"],
-    ]  # fmt: skip
+    ]
 
 
 def test_surge_lines_stand_beside_the_nearest_of_the_run_within_a_tenth(sections):
     """Decay rate 2 pi f z, decrement 2 pi z / sqrt(1 - z^2); digits go as far as the interval."""
     found = sections(film(), model())
     assert cells(found["surge"], "line") == [
-        ["line", "frequency", "95 %", "damping ratio", "95 %", "decay rate", "log. decrement", "amplitude"],
+        [
+            "line",
+            "frequency",
+            "95 %",
+            "damping ratio",
+            "95 %",
+            "decay rate",
+            "log. decrement",
+            "amplitude",
+        ],
         ["1", "500.00 Hz", "±0.49", "0.01000", "±0.0002", "31.4 1/s", "0.0628", "35 µm"],
         ["2", "1010.00 Hz", "±0.49", "0.02000", "±0.0002", "127 1/s", "0.126", "35 µm"],
-    ]  # fmt: skip
+    ]
     assert cells(found["model"], "line of the film") == [
         ["line of the film", "its damping ratio", "line of the run", "its damping ratio"],
-        ["500 Hz", "0.01", "470 Hz", "0.011"], ["1010 Hz", "0.02", "–", "–"],
-    ]  # fmt: skip
+        ["500 Hz", "0.01", "470 Hz", "0.011"],
+        ["1010 Hz", "0.02", "–", "–"],
+    ]
     for motion, beside, rows in ((film(surge=None), model(), 0), (film(), model(surge=None), 2)):
         bare = cells(sections(motion, beside)["model"], "line of the film")[1:]
         assert len(bare) == rows and all(row[2:] == ["–", "–"] for row in bare)
@@ -108,15 +144,25 @@ def test_surge_lines_stand_beside_the_nearest_of_the_run_within_a_tenth(sections
 def test_facts_and_lead_say_what_was_filmed(monkeypatch, sections):
     facts = dict(made.film_facts(film()))
     assert facts == {
-        "film": "600 frames of 640 x 480 px, 8000 a second", "coils": "3", "place of a coil within": "0.05 px = 10 µm",
-        "cam speed": "1000 ±1.9 rpm, by the marker", "turns": "7",
-    }  # fmt: skip
+        "film": "600 frames of 640 x 480 px, 8000 a second",
+        "coils": "3",
+        "place of a coil within": "0.05 px = 10 µm",
+        "cam speed": "1000 ±1.9 rpm, by the marker",
+        "turns": "7",
+    }
     exact = SimpleNamespace(cam_speed=1000 * np.pi / 30, spread=0.0, by="lift")
-    assert dict(made.film_facts(film(phase=exact, peaks=())))["cam speed"] == "1000 rpm, by the lift"
+    assert (
+        dict(made.film_facts(film(phase=exact, peaks=())))["cam speed"] == "1000 rpm, by the lift"
+    )
     still = dict(made.film_facts(film(phase=None)))
     assert still["cam"] == "does not turn" and not {"cam speed", "turns"} & set(still)
     assert dict(made.film_facts(film(peaks=())))["turns"] == "0"
     for synthetic in (False, True):
         page = made.film_page(film(), synthetic=synthetic)
-        assert page.lead.endswith("it was computed, not taken.") is synthetic and page.title == "film.avi"
-        assert all(not isinstance(one, Text) or one.tone == "note" for one in page.sections[-1].blocks)
+        assert (
+            page.lead.endswith("it was computed, not taken.") is synthetic
+            and page.title == "film.avi"
+        )
+        assert all(
+            not isinstance(one, Text) or one.tone == "note" for one in page.sections[-1].blocks
+        )

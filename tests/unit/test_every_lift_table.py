@@ -1,4 +1,6 @@
-"""Every kind of lift law as a table of a case file: what the file says in its units is what the law is made of, in SI, by hand."""
+"""Every kind of lift law as a table of a case file: what the file says in its units is what the law
+is made of, in SI, by hand.
+"""
 
 from __future__ import annotations
 
@@ -12,25 +14,49 @@ import pytest
 import tomlkit
 
 from valvetrain import registry
+from valvetrain.cam.arcs import ThreeArc
 from valvetrain.cam.spline import Spline
-from valvetrain.cam.three_arc import ThreeArc
 from valvetrain.errors import InputError
 from valvetrain.parameters.loading import parse_case
 from valvetrain.parameters.schema_lift import read_lift_model
 
 DEG, INCH = math.pi / 180, 0.0254
 FLANKS = 'maximum_lift = "8 mm"\nopening_start = "50 deg"\nopening_end = "100 deg"\nclosing_start = "120 deg"\nclosing_end = "175 deg"\n'
-IN_SI = {"maximum_lift": 8e-3, "opening_start": 50 * DEG, "opening_end": 100 * DEG, "closing_start": 120 * DEG, "closing_end": 175 * DEG}
+IN_SI = {
+    "maximum_lift": 8e-3,
+    "opening_start": 50 * DEG,
+    "opening_end": 100 * DEG,
+    "closing_start": 120 * DEG,
+    "closing_end": 175 * DEG,
+}
 EVENT = 'maximum_lift = "8 mm"\nopening_start = "50 deg"\nclosing_end = "170 deg"\n'
 EVENT_SI = {"maximum_lift": 8e-3, "opening_start": 50 * DEG, "closing_end": 170 * DEG}
-RAMP = 'maximum_lift = "9 mm"\nramp_lift = "0.2 mm"\nramp_start = "30 deg"\nevent_start = "50 deg"\n'
-RAMP_SI = {"maximum_lift": 9e-3, "ramp_lift": 2e-4, "ramp_start": 30 * DEG, "event_start": 50 * DEG, "ramp_blend": 0.3}
+RAMP = (
+    'maximum_lift = "9 mm"\nramp_lift = "0.2 mm"\nramp_start = "30 deg"\nevent_start = "50 deg"\n'
+)
+RAMP_SI = {
+    "maximum_lift": 9e-3,
+    "ramp_lift": 2e-4,
+    "ramp_start": 30 * DEG,
+    "event_start": 50 * DEG,
+    "ramp_blend": 0.3,
+}
 ARCS = 'base_radius = "15 mm"\nnose_radius = "6 mm"\nmaximum_lift = "9 mm"\nnose = "110 deg"\n'
 ARCS_SI = {"base_radius": 0.015, "nose_radius": 0.006, "maximum_lift": 0.009, "nose": 110 * DEG}
 CARD = 'angle_of = "crank"\nlobe_lift = "0.353 in"\nduration = "224 deg"\n'
-CARD_SI = {"maximum_lift": 0.353 * INCH, "nose": math.pi, "duration": 112 * DEG, "duration_lift": 0.05 * INCH, "ramp_lift": 1e-4,
-           "ramp_velocity": None, "ramp_blend": 0.3}  # fmt: skip
-STATIONS = {"cam_angles": tuple(a * DEG for a in (50, 80, 110, 140, 170)), "lifts": (0.0, 3e-3, 8e-3, 3e-3, 0.0)}
+CARD_SI = {
+    "maximum_lift": 0.353 * INCH,
+    "nose": math.pi,
+    "duration": 112 * DEG,
+    "duration_lift": 0.05 * INCH,
+    "ramp_lift": 1e-4,
+    "ramp_velocity": None,
+    "ramp_blend": 0.3,
+}
+STATIONS = {
+    "cam_angles": tuple(a * DEG for a in (50, 80, 110, 140, 170)),
+    "lifts": (0.0, 3e-3, 8e-3, 3e-3, 0.0),
+}
 POINTS = 'cam_angles = "50, 80, 110, 140, 170 deg"\nlifts = "0, 3, 8, 3, 0 mm"\n'
 POLYDYNE_SI = EVENT_SI | {"exponents": (2, 10, 18, 26, 34), "dynamic_deflection": 0.0}
 #: Kind, its table, the law's arguments.
@@ -131,40 +157,66 @@ def test_every_kind_has_a_table_here():
     assert {kind for kind, _, _ in TABLES} | {"measured"} == set(registry.words("lifts"))
 
 
-@pytest.mark.parametrize(("kind", "text", "wanted"), TABLES, ids=[f"{kind} {place}" for place, (kind, _, _) in enumerate(TABLES)])
+@pytest.mark.parametrize(
+    ("kind", "text", "wanted"),
+    TABLES,
+    ids=[f"{kind} {place}" for place, (kind, _, _) in enumerate(TABLES)],
+)
 def test_a_table_is_the_law_that_it_says(kind, text, wanted):
     found = dict(law(kind, text).values)
     assert set(found) == set(wanted)
     for name, value in wanted.items():
-        assert found[name] == (value if isinstance(value, str) or value is None else pytest.approx(value, rel=1e-9, abs=1e-12)), name
+        assert found[name] == (
+            value
+            if isinstance(value, str) or value is None
+            else pytest.approx(value, rel=1e-9, abs=1e-12)
+        ), name
     registry.find("lifts", kind).make(**found)
 
 
-@pytest.mark.parametrize(("kind", "text", "key", "words"), REFUSED, ids=[f"{one[0]} {n}" for n, one in enumerate(REFUSED)])
+@pytest.mark.parametrize(
+    ("kind", "text", "key", "words"),
+    REFUSED,
+    ids=[f"{one[0]} {n}" for n, one in enumerate(REFUSED)],
+)
 def test_a_table_that_contradicts_itself_is_refused_at_its_key(kind, text, key, words):
     with pytest.raises(InputError, match=words) as refusal:
         law(kind, text)
     assert refusal.value.where.endswith(f"lift_law.{key}" if key else "lift_law")
 
 
-@pytest.mark.parametrize(("unit", "of", "length", "factor"), [("deg", "cam", "mm", 1.0), ("rad", "crank", "in", 2.0)])
+@pytest.mark.parametrize(
+    ("unit", "of", "length", "factor"), [("deg", "cam", "mm", 1.0), ("rad", "crank", "in", 2.0)]
+)
 def test_a_table_in_a_file_is_that_of_its_units(tmp_path, unit, of, length, factor):
-    at, heights = (20, 35, 50, 80, 110, 140, 170, 185, 200), (0, 0, 0, 3, 8, 3, 0, 0, 0)  # the event is kept, from rest to rest
+    at, heights = (
+        (20, 35, 50, 80, 110, 140, 170, 185, 200),
+        (0, 0, 0, 3, 8, 3, 0, 0, 0),
+    )  # the event is kept, from rest to rest
     angles = [value * factor * (DEG if unit == "rad" else 1.0) for value in at]
     lifts = [value * (1.0 if length == "mm" else 1e-3 / INCH) for value in heights]
-    (tmp_path / "lift.csv").write_text("# a table\n" + "".join(f"{a!r}, {b!r}\n" for a, b in zip(angles, lifts, strict=True)))
+    (tmp_path / "lift.csv").write_text(
+        "# a table\n" + "".join(f"{a!r}, {b!r}\n" for a, b in zip(angles, lifts, strict=True))
+    )
     text = f'kind = "table"\nfile = "lift.csv"\nangle_unit = "{unit}"\nangle_of = "{of}"\nlift_unit = "{length}"\n'
     found = read_lift_model(tomllib.loads(text)).values(Path(tmp_path))
-    assert found["cam_angles"] == pytest.approx(STATIONS["cam_angles"]) and found["lifts"] == pytest.approx(STATIONS["lifts"])
+    assert found["cam_angles"] == pytest.approx(STATIONS["cam_angles"]) and found[
+        "lifts"
+    ] == pytest.approx(STATIONS["lifts"])
     assert tomlkit.loads(text)["file"] == "lift.csv"
 
 
 def test_a_table_without_room_for_its_jumps_is_a_smooth_spline():
-    """Arcs jump in acceleration; straight acceleration between stations needs one more of them on either side of the event."""
+    """Arcs jump in acceleration; straight acceleration between stations needs one more of them on
+    either side of the event.
+    """
     lobe = ThreeArc(**ARCS_SI, opening_start=45 * DEG)
     lifts = lobe.lift(np.linspace(45 * DEG, 175 * DEG, 66))
     lifts[[0, -1]] = 0.0
-    narrow, whole = (Spline(cam_angles=tuple(np.linspace(0.0, span, 66)), lifts=tuple(lifts)) for span in (4.0, 2 * math.pi))
+    narrow, whole = (
+        Spline(cam_angles=tuple(np.linspace(0.0, span, 66)), lifts=tuple(lifts))
+        for span in (4.0, 2 * math.pi)
+    )
     assert len(narrow.joints) > 66 and narrow.joints[0] < 0 < narrow.joints[-1]
     assert whole.joints == whole.cam_angles
     for made, within in ((narrow, 2e-5), (whole, 1e-12)):
@@ -174,11 +226,14 @@ def test_a_table_without_room_for_its_jumps_is_a_smooth_spline():
 @pytest.mark.parametrize(
     ("row", "words"),
     [
-        ("110, nan", "is no row of numbers"), ("inf, 8", "is no row of numbers"), ("110, eight", "is no row of numbers"),
-        ("110", "has 1 numbers, the first row 2"), ("; 8", "has 1 numbers, the first row 2"),
+        ("110, nan", "is no row of numbers"),
+        ("inf, 8", "is no row of numbers"),
+        ("110, eight", "is no row of numbers"),
+        ("110", "has 1 numbers, the first row 2"),
+        ("; 8", "has 1 numbers, the first row 2"),
         ("110, 8, 1", "has 3 numbers, the first row 2"),
     ],
-)  # fmt: skip
+)
 def test_a_row_of_a_file_that_is_no_pair_of_numbers_is_refused_by_its_number(tmp_path, row, words):
     rest = "\n".join(f"{angle}, 0" for angle in range(170, 260, 10))
     (tmp_path / "lift.csv").write_text(f"angle, lift\n50, 0\n80, 3\n{row}\n140, 3\n{rest}\n")

@@ -1,4 +1,6 @@
-"""Unit: the small table of every kind of result, cell by cell under its heads, as notebooks show it."""
+"""Unit: the small table of every kind of result, cell by cell under its heads, as notebooks show
+it.
+"""
 
 from __future__ import annotations
 
@@ -10,22 +12,33 @@ import numpy as np
 import pytest
 
 from unit.test_result_display import RPM, curve, modes, quantities, solution, study
+from valvetrain.compare_test.compare import ModelAgainstTest
 from valvetrain.identification.result import Branch, Identified, Interval
-from valvetrain.solution.train_modes import TrainModes
-from valvetrain.studies.compare_test import ModelAgainstTest
+from valvetrain.solution.modes import TrainModes
 
 SHARE = np.array([[0.62, 0.2, 0.18], [0.1, 0.7, 0.2]])
 STEPS = ["0", "1", "2", "3", "4", "5", "6", "7", "8"]
 
 
 def train() -> TrainModes:
-    return TrainModes("own", "open", 1.5, 9e-3, np.array([500.0, 912.34]), ("valve",), ("valve", "spring", "rod"), np.ones((2, 1)), SHARE)
+    return TrainModes(
+        "own",
+        "open",
+        1.5,
+        9e-3,
+        np.array([500.0, 912.34]),
+        ("valve",),
+        ("valve", "spring", "rod"),
+        np.ones((2, 1)),
+        SHARE,
+    )
 
 
 def identified() -> Identified:
     found = [{"rate": Interval(32e3 + at, 0.0, 0.0, 31e3 + at, 33e3 + at)} for at in (0.0, 5e3)]
     branches = tuple(
-        Branch(share, 1.0, one, np.eye(1), SimpleNamespace(warnings=())) for share, one in zip((0.75, 0.25), found, strict=True)
+        Branch(share, 1.0, one, np.eye(1), SimpleNamespace(warnings=()))
+        for share, one in zip((0.75, 0.25), found, strict=True)
     )
     none = np.zeros((0, 1))
     return Identified("nested", (), branches, none, none[:, 0], none[:, 0].astype(int), (), (), {})
@@ -37,7 +50,9 @@ def against() -> SimpleNamespace:
         SimpleNamespace(label="rod", adequacy=SimpleNamespace(ratio=12.345, p_value=0.00123)),
         SimpleNamespace(label="chain", adequacy=None),
     )
-    return SimpleNamespace(runs=runs, _repr_html_=lambda: ModelAgainstTest._repr_html_(SimpleNamespace(runs=runs)))
+    return SimpleNamespace(
+        runs=runs, _repr_html_=lambda: ModelAgainstTest._repr_html_(SimpleNamespace(runs=runs))
+    )
 
 
 NUMBERS = ["800 N", "1 mm", "1", "2"]

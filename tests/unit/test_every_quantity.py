@@ -1,4 +1,6 @@
-"""Every quantity of the tables has a value known from a formula, a hand calculation or another program, and is held to it."""
+"""Every quantity of the tables has a value known from a formula, a hand calculation or another
+program, and is held to it.
+"""
 
 from __future__ import annotations
 
@@ -43,11 +45,15 @@ def test_the_known_values_of_a_group_are_all_different():
 
 
 def test_a_study_of_trains_tells_the_rigid_numbers_of_each_spring_set():
-    """The study's own numbers are those of rigid theory: lift of its rigid channel, contact lost where the least contact force is nil."""
+    """The study's own numbers are those of rigid theory: lift of its rigid channel, contact lost
+    where the least contact force is nil.
+    """
     from valvetrain.parameters.loading import load_case
     from valvetrain.studies.run import run_study
 
-    done = run_study(load_case("vaz-ohc"), engine_speeds=(150.0, 300.0), spring_models=("massless",))
+    done = run_study(
+        load_case("vaz-ohc"), engine_speeds=(150.0, 300.0), spring_models=("massless",)
+    )
     (slow, fast), (numbers, *_) = done.solutions, done.still.values()
     lift = slow.channel("rigid_valve_lift")
     assert numbers["rigid_maximum_valve_lift"] == pytest.approx(np.max(lift), rel=1e-4)
@@ -55,6 +61,8 @@ def test_a_study_of_trains_tells_the_rigid_numbers_of_each_spring_set():
     inertia = (at_300 - at_150) / (300.0**2 - 150.0**2)  # per engine speed squared
     falling = np.flatnonzero(inertia < 0)
     squares = (150.0**2 - at_150 / inertia)[falling]
-    assert numbers["rigid_contact_loss_engine_speed"] == pytest.approx(np.sqrt(squares.min()), rel=0.01)
+    assert numbers["rigid_contact_loss_engine_speed"] == pytest.approx(
+        np.sqrt(squares.min()), rel=0.01
+    )
     angle = slow.cam_angle[lift > 1e-5][falling][int(np.argmin(squares))]
     assert abs(angle - numbers["rigid_contact_loss_cam_angle"]) < 2 * DEG

@@ -1,4 +1,6 @@
-"""What functions refuse of the springs, runs and numbers they are given, each alternative alone, with the words that name it."""
+"""What functions refuse of the springs, runs and numbers they are given, each alternative alone,
+with the words that name it.
+"""
 
 from __future__ import annotations
 
@@ -11,14 +13,12 @@ import pytest
 
 import synthetic_study as made
 import valvetrain as vt
-from valvetrain.cam.sine_power import SinePower
-from valvetrain.parameters.card import SpringCard
-from valvetrain.parameters.installed_spring import InstalledSpring
+from valvetrain.cam.closed_form import SinePower
+from valvetrain.parameters.installed_spring import InstalledSpring, SpringCard
 from valvetrain.quantities.cycle import Cycle, reported_cycle
 from valvetrain.report.quick import plot_study
 from valvetrain.report.unfinished import UnfinishedRun
-from valvetrain.solution.arrays import Variable
-from valvetrain.solution.channels import spring_channels
+from valvetrain.solution.channels import Variable, spring_channels
 from valvetrain.solution.netcdf import load_netcdf
 from valvetrain.springs.chain_layout import ChainLayout, chain_from_definition
 from valvetrain.springs.masses import check_masses
@@ -33,27 +33,52 @@ CARD = SpringCard(rate=30e3, preload=250.0)
 VARIED = vt.ModalVaried((450.0,), 0.01, (1e-3, 0.02), (40.0, 800.0), 5e-3)
 LAW = SinePower(maximum_lift=9e-3, opening_start=1.0, closing_end=3.0)
 RUN = made.rod_run()
-CHAIN = {"stiffness": np.ones(3), "masses": np.ones(2), "coil_number": np.zeros(4), "seat_mass": 0.1, "retainer_mass": 0.1}
+CHAIN = {
+    "stiffness": np.ones(3),
+    "masses": np.ones(2),
+    "coil_number": np.zeros(4),
+    "seat_mass": 0.1,
+    "retainer_mass": 0.1,
+}
 
 
 def motion(**change: float) -> SolidMotion:
-    return SolidMotion(**{"engine_speed": 100.0, "first_cam_angle": 0.5, "last_cam_angle": 2.0} | change)
+    return SolidMotion(
+        **{"engine_speed": 100.0, "first_cam_angle": 0.5, "last_cam_angle": 2.0} | change
+    )
 
 
 def channels(**change: Variable | None):
     """The run's channels with others in their place, or without them."""
-    coords = {name: item for name, item in (dict(RUN.arrays.coords) | change).items() if item is not None and name in RUN.arrays.coords}
-    added = {name: item for name, item in change.items() if item is not None and name not in RUN.arrays.coords}
-    return replace(RUN, channels=replace(RUN.arrays, coords=coords, variables=dict(RUN.arrays.variables) | added))
+    coords = {
+        name: item
+        for name, item in (dict(RUN.arrays.coords) | change).items()
+        if item is not None and name in RUN.arrays.coords
+    }
+    added = {
+        name: item
+        for name, item in change.items()
+        if item is not None and name not in RUN.arrays.coords
+    }
+    return replace(
+        RUN,
+        channels=replace(RUN.arrays, coords=coords, variables=dict(RUN.arrays.variables) | added),
+    )
 
 
 def cut(run: vt.Solution, count: int):
     """The first samples of a run."""
     kept = {
-        kind: {name: Variable(one.dims, one.values[:count] if one.dims[:1] == ("sample",) else one.values, one.attrs)
-               for name, one in getattr(run.arrays, kind).items()}
+        kind: {
+            name: Variable(
+                one.dims,
+                one.values[:count] if one.dims[:1] == ("sample",) else one.values,
+                one.attrs,
+            )
+            for name, one in getattr(run.arrays, kind).items()
+        }
         for kind in ("coords", "variables")
-    }  # fmt: skip
+    }
     return replace(run.arrays, **kept)
 
 
@@ -133,20 +158,37 @@ def test_runs_that_are_kept_as_they_come_are_found_and_go_with_the_rest(tmp_path
     kept.add(3, run)
     kept.add(7, run.reduced())
     place = kept.file_of(run)
-    assert place == tmp_path / "run-0004.nc" and place.is_file() and kept.file_of(other) is None and not kept.gaps.sentences
-    rows = [json.loads(line) for line in (tmp_path / "unfinished-runs.jsonl").read_text(encoding="utf-8").splitlines()]
-    assert [row.get("file") for row in rows] == ["run-0004.nc", None] and rows[0]["label"] == run.label
+    assert (
+        place == tmp_path / "run-0004.nc"
+        and place.is_file()
+        and kept.file_of(other) is None
+        and not kept.gaps.sentences
+    )
+    rows = [
+        json.loads(line)
+        for line in (tmp_path / "unfinished-runs.jsonl").read_text(encoding="utf-8").splitlines()
+    ]
+    assert [row.get("file") for row in rows] == ["run-0004.nc", None] and rows[0][
+        "label"
+    ] == run.label
     assert load_netcdf(place).channel("seat_force") == pytest.approx(run.channel("seat_force"))
     kept.moved_to(tmp_path / "elsewhere")
     assert kept.file_of(run) is None
     kept.moved_to(tmp_path)
     kept.close()
-    assert not list(tmp_path.glob("*.nc")) and not (tmp_path / "unfinished-runs.jsonl").exists() and kept.file_of(run) is None
+    assert (
+        not list(tmp_path.glob("*.nc"))
+        and not (tmp_path / "unfinished-runs.jsonl").exists()
+        and kept.file_of(run) is None
+    )
     kept.close()
 
 
 @pytest.mark.parametrize("word", ["massless", "multi-mass"])
 def test_the_path_behind_a_curve_reaches_as_far_as_the_curve(word):
     curve = vt.static_curve(SPRING, spring_model=word, largest_compression=8e-3, steps=4)
-    assert curve.path is not None and curve.path.compression[-1] == pytest.approx(8e-3) == curve.compression[-1]
+    assert (
+        curve.path is not None
+        and curve.path.compression[-1] == pytest.approx(8e-3) == curve.compression[-1]
+    )
     assert len(curve.compression) == 5 < len(curve.path.compression)

@@ -1,4 +1,5 @@
-"""Every alternative of what a part of the package refuses, entered alone: a part that is taken, and one change that is not.
+"""Every alternative of what a part of the package refuses, entered alone: a part that is taken, and
+one change that is not.
 
 `test_each_part_is_taken_as_it_stands` is the other half: without the change nothing is refused.
 """
@@ -14,23 +15,26 @@ import numpy as np
 import pytest
 
 import valvetrain as vt
+from valvetrain.cam.arcs import Tangent, ThreeArc, half_event
 from valvetrain.cam.cam_card import CamCard
+from valvetrain.cam.closed_form import SinePower
 from valvetrain.cam.measured import Measured
 from valvetrain.cam.pieces import PeriodicPieces
 from valvetrain.cam.polydyne import Polydyne
 from valvetrain.cam.ramped import ramped
 from valvetrain.cam.shaped import Shaped
-from valvetrain.cam.sine_power import SinePower
-from valvetrain.cam.spline import Spline
-from valvetrain.cam.stations import Stations
-from valvetrain.cam.tangent import Tangent
-from valvetrain.cam.three_arc import ThreeArc, half_event
+from valvetrain.cam.spline import Spline, Stations
 from valvetrain.contact.restitution import damping_number, rebound
 from valvetrain.integrate.contract import RunUp
 from valvetrain.mechanism.contour import table_from_samples
-from valvetrain.mechanism.parts import AssembledMechanism, Coordinate, ElasticLink, Interaction, MaxwellLink
-from valvetrain.parameters.damping import DampingParameters
-from valvetrain.parameters.installed_spring import CoilContact, InstalledSpring
+from valvetrain.mechanism.parts import (
+    AssembledMechanism,
+    Coordinate,
+    ElasticLink,
+    Interaction,
+    MaxwellLink,
+)
+from valvetrain.parameters.installed_spring import CoilContact, DampingParameters, InstalledSpring
 from valvetrain.parameters.spring import EndCoil
 from valvetrain.parameters.train import FollowerParameters, GasLoad
 from valvetrain.quantities.buckling import buckling_compression
@@ -47,7 +51,10 @@ SPRING = vt.cylindrical("3.8 mm", "22 mm", "7 mm", total_coils=7)
 LOBE = {"base_radius": 0.015, "nose_radius": 0.006, "maximum_lift": 0.009, "nose": 2.0}
 TABLE = {"cam_angles": (0.5, 1.0, 1.5, 2.0, 2.5), "lifts": (0.0, 2e-3, 5e-3, 2e-3, 0.0)}
 MEAN_OF_LIFT = {"maximum_lift": 0.01, "ramp_lift": 2e-4, "ramp_start": 0.3, "event_start": 0.7}
-BODY, SEAT = Coordinate("valve", 0.1), Interaction("seat", 0, ("valve", "", "", ""), (0.0, 1.0), ElasticLink(1e6))
+BODY, SEAT = (
+    Coordinate("valve", 0.1),
+    Interaction("seat", 0, ("valve", "", "", ""), (0.0, 1.0), ElasticLink(1e6)),
+)
 UNIFORM = vt.EquivalentSpring(40e3, 300.0, 0.05)
 GIVEN: dict[str, tuple[Callable[..., Any], dict[str, Any]]] = {
     "three-arc": (ThreeArc, LOBE | {"opening_start": 0.8}),
@@ -281,7 +288,11 @@ def test_each_part_is_taken_as_it_stands(name):
     assert name in {part for part, _, _ in REFUSED}
 
 
-@pytest.mark.parametrize(("name", "change", "words"), REFUSED, ids=[f"{part} {change}"[:60] for part, change, _ in REFUSED])
+@pytest.mark.parametrize(
+    ("name", "change", "words"),
+    REFUSED,
+    ids=[f"{part} {change}"[:60] for part, change, _ in REFUSED],
+)
 def test_one_change_is_refused_with_a_sentence(name, change, words):
     make, values = GIVEN[name]
     with pytest.raises(vt.InputError, match=words) as refusal:
@@ -319,7 +330,9 @@ TAKEN: list[tuple[str, dict[str, Any]]] = [
 ]  # fmt: skip
 
 
-@pytest.mark.parametrize(("name", "change"), TAKEN, ids=[f"{part} {change}"[:60] for part, change in TAKEN])
+@pytest.mark.parametrize(
+    ("name", "change"), TAKEN, ids=[f"{part} {change}"[:60] for part, change in TAKEN]
+)
 def test_what_lies_within_a_bound_is_taken(name, change):
     make, values = GIVEN[name]
     make(**values | change)

@@ -1,4 +1,6 @@
-"""What a case file is refused for, one change of a good file at a time: the sentence, and the key that it names."""
+"""What a case file is refused for, one change of a good file at a time: the sentence, and the key
+that it names.
+"""
 
 from __future__ import annotations
 
@@ -55,7 +57,8 @@ lifts = "0, 3, 8, 3, 0 mm"
 TRAIN = load_case("tdi-pushrod").text
 FILES = {"wire": WIRE, "card": CARD, "table": TABLE, "train": TRAIN}
 GONE = None
-#: File, what is changed (dotted key -> value, None: taken out), key that the refusal names, words of it.
+#: File, what is changed (dotted key -> value, None: taken out), key that the refusal names, words
+#: of it.
 REFUSED: list[tuple[str, dict[str, Any], str, str]] = [
     ("wire", {"spring": GONE, "lift_law": GONE, "operation": GONE, "published": GONE}, "", "at least one of"),
     ("wire", {"study": "nobody-1900"}, "study", "is unknown"),
@@ -167,7 +170,11 @@ def test_each_file_is_taken_as_it_stands(name):
     parse_case(changed(FILES[name], {}))
 
 
-@pytest.mark.parametrize(("name", "changes", "key", "words"), REFUSED, ids=[f"{name} {change}"[:70] for name, change, *_ in REFUSED])
+@pytest.mark.parametrize(
+    ("name", "changes", "key", "words"),
+    REFUSED,
+    ids=[f"{name} {change}"[:70] for name, change, *_ in REFUSED],
+)
 def test_one_change_is_refused_where_it_stands(name, changes, key, words):
     with pytest.raises(InputError, match=words) as refusal:
         parse_case(changed(FILES[name], changes))

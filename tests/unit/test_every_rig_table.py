@@ -1,4 +1,6 @@
-"""Unit: sections, tables, facts, sentences, JSON and curves of the page of a recording, beside made-up cycles."""
+"""Unit: sections, tables, facts, sentences, JSON and curves of the page of a recording, beside
+made-up cycles.
+"""
 
 from __future__ import annotations
 
@@ -7,20 +9,35 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from valvetrain.measurements.lift_alignment import LiftAlignment
-from valvetrain.measurements.measured_cycles import MeasuredCycles
-from valvetrain.measurements.rig_channels import RigQuantity
-from valvetrain.measurements.rig_result import RigChannelCycles
+from valvetrain.measured.cycles import MeasuredCycles
 from valvetrain.report.chart import Line
 from valvetrain.report.page import Figure, Grid, Text
-from valvetrain.report.rig_page import alignment_chart, cycles_chart, rig_page, spectrum_chart, speed_chart
-from valvetrain.report.rig_words import HEAD, channel_rows, data_of, facts_of, sentences_of, shown_unit
+from valvetrain.rig.channels import RigQuantity
+from valvetrain.rig.page import (
+    HEAD,
+    alignment_chart,
+    channel_rows,
+    cycles_chart,
+    data_of,
+    facts_of,
+    rig_page,
+    sentences_of,
+    shown_unit,
+    spectrum_chart,
+    speed_chart,
+)
+from valvetrain.rig.result import LiftAlignment, RigChannelCycles
 
 DEGREES = np.arange(360.0)
 ANGLE, RPM, TURN = np.radians(DEGREES), np.pi / 30, 2 * np.pi
-#: Three cycles of lift, top at 199, 200 and 201 degrees with 8.9, 9.0 and 9.1 mm; of strain, tops of 150, 160 and 170 anywhere.
-LIFT = 1e-3 * np.array([5 + 4 * np.cos(np.radians(DEGREES - 200 - k)) + 0.1 * k for k in (-1, 0, 1)])
-STRAIN = 1e-6 * np.array([100 + (60 + 10 * k) * np.cos(np.radians(DEGREES - 20 - 120 * k)) for k in (-1, 0, 1)])
+#: Three cycles of lift, top at 199, 200 and 201 degrees with 8.9, 9.0 and 9.1 mm; of strain, tops
+#: of 150, 160 and 170 anywhere.
+LIFT = 1e-3 * np.array(
+    [5 + 4 * np.cos(np.radians(DEGREES - 200 - k)) + 0.1 * k for k in (-1, 0, 1)]
+)
+STRAIN = 1e-6 * np.array(
+    [100 + (60 + 10 * k) * np.cos(np.radians(DEGREES - 20 - 120 * k)) for k in (-1, 0, 1)]
+)
 #: Half width of the 95 % interval of the mean of three values with a standard deviation of one.
 OF_THREE = 4.303 / np.sqrt(3)
 
@@ -28,7 +45,9 @@ OF_THREE = 4.303 / np.sqrt(3)
 def channel(quantity: str, unit: str, values, spread, band: float) -> RigChannelCycles:
     cycles = MeasuredCycles(quantity, unit, ANGLE, values, 100.0, notes=(f"note on {quantity}",))
     samples = np.arange(1000)
-    raw = RigQuantity(quantity, unit, 2e-3 * np.sin(TURN * samples * 0.05), 0.5, 1e-4, f"{quantity} of the file")
+    raw = RigQuantity(
+        quantity, unit, 2e-3 * np.sin(TURN * samples * 0.05), 0.5, 1e-4, f"{quantity} of the file"
+    )
     return RigChannelCycles(cycles, raw, band, spread, np.zeros(0))
 
 
@@ -46,24 +65,43 @@ def result(**changes) -> SimpleNamespace:
 
 
 MEASURED, MODEL = 1e-3 * np.array([1.0, 3.0, 6.0, 2.0]), 1e-3 * np.array([0.0, 2.0, 4.0, 1.0])
-LAID = LiftAlignment(0.5, 0.01, np.radians(28.0), np.radians(29.0), 1.25, 1e-4, np.radians(np.arange(0.0, 360.0, 90.0)), MEASURED, MODEL)
+LAID = LiftAlignment(
+    0.5,
+    0.01,
+    np.radians(28.0),
+    np.radians(29.0),
+    1.25,
+    1e-4,
+    np.radians(np.arange(0.0, 360.0, 90.0)),
+    MEASURED,
+    MODEL,
+)
 
 
 @pytest.mark.parametrize(
     ("quantity", "unit", "shown", "factor"),
     [
-        ("strain", "1", "µm/m", 1e6), ("valve_lift", "m", "mm", 1e3), ("spring_force", "N", "N", 1.0),
+        ("strain", "1", "µm/m", 1e6),
+        ("valve_lift", "m", "mm", 1e3),
+        ("spring_force", "N", "N", 1.0),
         ("seating_velocity", "m/s", "m/s", 1.0),
-        ("valve_acceleration", "m/s^2", "m/s²", 1.0), ("cylinder_pressure", "Pa", "MPa", 1e-6), ("cam_torque", "N m", "N m", 1.0),
-        ("oddity", "m/s^2", "m/s²", 1.0), ("oddity", "1", "", 1.0), ("contact_ratio", "1", "", 1.0), ("cam_speed", "rad/s", "rpm", 1 / RPM),
+        ("valve_acceleration", "m/s^2", "m/s²", 1.0),
+        ("cylinder_pressure", "Pa", "MPa", 1e-6),
+        ("cam_torque", "N m", "N m", 1.0),
+        ("oddity", "m/s^2", "m/s²", 1.0),
+        ("oddity", "1", "", 1.0),
+        ("contact_ratio", "1", "", 1.0),
+        ("cam_speed", "rad/s", "rpm", 1 / RPM),
     ],
-)  # fmt: skip
+)
 def test_a_channel_is_shown_in_the_unit_of_its_last_word(quantity, unit, shown, factor):
     assert shown_unit(quantity, unit) == (shown, pytest.approx(factor))
 
 
 def test_rows_tell_the_mean_and_the_extremes_of_the_cycles():
-    """Largest of the mean: 5 + 4 (1 + 2 cos 1 deg) / 3 mm; the angles 199, 200 and 201 scatter by sqrt(2 / 3) degrees."""
+    """Largest of the mean: 5 + 4 (1 + 2 cos 1 deg) / 3 mm; the angles 199, 200 and 201 scatter by
+    sqrt(2 / 3) degrees.
+    """
     lift, strain = channel_rows(result())[:3], channel_rows(result())[3:]
     assert lift == [
         ("valve lift", "largest of the mean", "8.9996", "±0.2", "", "mm", "200.0", ""),
@@ -71,19 +109,30 @@ def test_rows_tell_the_mean_and_the_extremes_of_the_cycles():
         ("valve lift", "smallest of a cycle", "1", "±0.25", "0.1", "mm", "20.0", "0.82"),
     ]
     assert [row[:2] + row[3:6] for row in strain] == [
-        ("strain", "largest of the mean", "", "", "µm/m"), ("strain", "largest of a cycle", "±25", "10", "µm/m"),
+        ("strain", "largest of the mean", "", "", "µm/m"),
+        ("strain", "largest of a cycle", "±25", "10", "µm/m"),
         ("strain", "smallest of a cycle", "±25", "10", "µm/m"),
-    ]  # fmt: skip
-    assert [row[2] for row in strain[1:]] == ["160", "40"] and [row[6:] for row in strain[1:]] == [("", ""), ("", "")]
+    ]
+    assert [row[2] for row in strain[1:]] == ["160", "40"] and [row[6:] for row in strain[1:]] == [
+        ("", ""),
+        ("", ""),
+    ]
     one = channel("valve_lift", "m", LIFT[1:2], np.full(360, np.inf), 2e3)
-    assert [row[2:5] for row in channel_rows(result(channels=(one,)))] == [("9", "", ""), ("9", "", "0"), ("1", "", "0")]
+    assert [row[2:5] for row in channel_rows(result(channels=(one,)))] == [
+        ("9", "", ""),
+        ("9", "", "0"),
+        ("1", "", "0"),
+    ]
 
 
 def test_facts_are_those_of_the_kept_cycles():
     assert facts_of(result()) == (
-        ("cycles", "3 of 4"), ("cam speed", "1010 rpm (1000 to 1020)"), ("kept up to", "2 kHz, 5 kHz"), ("angles a turn", "360"),
+        ("cycles", "3 of 4"),
+        ("cam speed", "1010 rpm (1000 to 1020)"),
+        ("kept up to", "2 kHz, 5 kHz"),
+        ("angles a turn", "360"),
         ("read as", "CSV"),
-    )  # fmt: skip
+    )
     assert facts_of(result(synthetic=True))[-1] == ("data", "synthetic")
 
 
@@ -94,17 +143,28 @@ LAST = (OUT, "first note", "second note")
 @pytest.mark.parametrize(
     ("changes", "sentences"),
     [
-        ({}, LAST), ({"synthetic": True}, ("the recording is synthetic: computed, not measured", *LAST)),
-        ({"offset": np.radians(12.5)}, ("the mark of the rig lies at 12.500 cam deg, as stated", *LAST)),
+        ({}, LAST),
+        ({"synthetic": True}, ("the recording is synthetic: computed, not measured", *LAST)),
+        (
+            {"offset": np.radians(12.5)},
+            ("the mark of the rig lies at 12.500 cam deg, as stated", *LAST),
+        ),
         ({"kept": (0, 1, 2, 3), "notes": ()}, (OUT.replace("left out", "kept as asked"),)),
         ({"outliers": ()}, LAST[1:]),
-        ({"shaft": SimpleNamespace(scatter=np.radians(0.034))},
-         ("the channel of the angle scatters by 0.034 cam deg about its spline", *LAST)),
-        ({"alignment": LAID, "offset": np.radians(28.5), "offset_uncertainty": np.radians(0.06)},
-         ("the mark of the rig lies at 28.500 ± 0.12 cam deg of the case (95 %), by the lift; the flanks alone give 28.000 and 29.000; "
-          "measured lift over that of the case 1.2500", *LAST)),
+        (
+            {"shaft": SimpleNamespace(scatter=np.radians(0.034))},
+            ("the channel of the angle scatters by 0.034 cam deg about its spline", *LAST),
+        ),
+        (
+            {"alignment": LAID, "offset": np.radians(28.5), "offset_uncertainty": np.radians(0.06)},
+            (
+                "the mark of the rig lies at 28.500 ± 0.12 cam deg of the case (95 %), by the lift; the flanks alone give 28.000 and 29.000; "
+                "measured lift over that of the case 1.2500",
+                *LAST,
+            ),
+        ),
     ],
-)  # fmt: skip
+)
 def test_sentences_say_how_it_was_read(changes, sentences):
     assert sentences_of(result(**changes)) == sentences
 
@@ -112,32 +172,78 @@ def test_sentences_say_how_it_was_read(changes, sentences):
 def test_the_answer_in_json_is_in_si():
     found = data_of(result(offset=0.3, offset_uncertainty=0.02, alignment=LAID))
     assert {name: (one["value"], one["unit"]) for name, one in found["quantities"].items()} == {
-        "largest_valve_lift": (pytest.approx(9e-3), "m"), "smallest_valve_lift": (pytest.approx(1e-3), "m"),
-        "largest_strain": (pytest.approx(160e-6), "1"), "smallest_strain": (pytest.approx(40e-6), "1"),
-    }  # fmt: skip
-    plain = {name: found[name] for name in ("command", "case", "completed", "file", "form", "synthetic", "cycles", "kept", "angles")}
+        "largest_valve_lift": (pytest.approx(9e-3), "m"),
+        "smallest_valve_lift": (pytest.approx(1e-3), "m"),
+        "largest_strain": (pytest.approx(160e-6), "1"),
+        "smallest_strain": (pytest.approx(40e-6), "1"),
+    }
+    plain = {
+        name: found[name]
+        for name in (
+            "command",
+            "case",
+            "completed",
+            "file",
+            "form",
+            "synthetic",
+            "cycles",
+            "kept",
+            "angles",
+        )
+    }
     assert plain == {
-        "command": "rig", "case": "", "completed": True, "file": "own.csv", "form": "CSV", "synthetic": False, "cycles": 4,
-        "kept": [1, 2, 4], "angles": 360,
-    }  # fmt: skip
-    assert found["outliers"] == [{"cycle": 3, "why": "is far off"}] and found["angle_scatter"] == 0.0
+        "command": "rig",
+        "case": "",
+        "completed": True,
+        "file": "own.csv",
+        "form": "CSV",
+        "synthetic": False,
+        "cycles": 4,
+        "kept": [1, 2, 4],
+        "angles": 360,
+    }
+    assert (
+        found["outliers"] == [{"cycle": 3, "why": "is far off"}] and found["angle_scatter"] == 0.0
+    )
     assert found["cam_speed"] == {"value": pytest.approx(1010 * RPM), "unit": "rad/s"}
     assert found["offset"] == {"value": 0.3, "standard_uncertainty": 0.02, "unit": "rad"}
-    left = 1e-3 * np.array([0.9, 0.4, 0.9, 0.65])  # measured less 0.1 mm less 1.25 times the lift of the case
+    left = 1e-3 * np.array(
+        [0.9, 0.4, 0.9, 0.65]
+    )  # measured less 0.1 mm less 1.25 times the lift of the case
     assert found["alignment"] == pytest.approx(
-        {"opening": np.radians(28), "closing": np.radians(29), "gain": 1.25, "residual": np.sqrt(np.mean(left**2))}
+        {
+            "opening": np.radians(28),
+            "closing": np.radians(29),
+            "gain": 1.25,
+            "residual": np.sqrt(np.mean(left**2)),
+        }
     )
     assert data_of(result())["alignment"] is None
     lift, strain = found["channels"]
-    assert (lift["quantity"], lift["unit"], lift["channel"], lift["band"]) == ("valve_lift", "m", "valve_lift of the file", 2e3)
-    assert lift["notes"] == ["note on valve_lift"] and lift["spread_of_mean"] == pytest.approx(179.5e-6)
+    assert (lift["quantity"], lift["unit"], lift["channel"], lift["band"]) == (
+        "valve_lift",
+        "m",
+        "valve_lift of the file",
+        2e3,
+    )
+    assert lift["notes"] == ["note on valve_lift"] and lift["spread_of_mean"] == pytest.approx(
+        179.5e-6
+    )
     assert strain["spread_of_mean"] is None
     top, low = lift["figures"]
     assert top == {
-        "figure": "largest", "mean": pytest.approx(9e-3), "interval": pytest.approx(OF_THREE * 1e-4), "scatter": pytest.approx(1e-4),
-        "cam_angle": pytest.approx(np.radians(200)), "scatter_of_angle": pytest.approx(np.radians(np.sqrt(2 / 3))),
-    }  # fmt: skip
-    assert (low["figure"], low["mean"], low["cam_angle"]) == ("smallest", pytest.approx(1e-3), pytest.approx(np.radians(20)))
+        "figure": "largest",
+        "mean": pytest.approx(9e-3),
+        "interval": pytest.approx(OF_THREE * 1e-4),
+        "scatter": pytest.approx(1e-4),
+        "cam_angle": pytest.approx(np.radians(200)),
+        "scatter_of_angle": pytest.approx(np.radians(np.sqrt(2 / 3))),
+    }
+    assert (low["figure"], low["mean"], low["cam_angle"]) == (
+        "smallest",
+        pytest.approx(1e-3),
+        pytest.approx(np.radians(20)),
+    )
 
 
 @pytest.mark.parametrize("laid", [None, LAID])
@@ -151,21 +257,36 @@ def test_the_page_holds_its_sections_in_order(laid, synthetic):
     due = {key: title for key, title in titles.items() if laid is not None or key != "alignment"}
     assert [(one.key, one.title) for one in page.sections] == list(due.items())
     blocks = {one.key: one.blocks for one in page.sections}
-    charts = {key: [one.chart.key for one in held if isinstance(one, Figure)] for key, held in blocks.items()}
+    charts = {
+        key: [one.chart.key for one in held if isinstance(one, Figure)]
+        for key, held in blocks.items()
+    }
     assert charts == {key: [] for key in due} | {
-        "cycles": ["cycles-valve_lift", "cycles-strain"], "speed": ["speed"], "raw": ["raw"],
+        "cycles": ["cycles-valve_lift", "cycles-strain"],
+        "speed": ["speed"],
+        "raw": ["raw"],
         "spectra": ["spectrum-valve_lift", "spectrum-strain"],
-    } | ({"alignment": ["alignment"]} if laid is not None else {})  # fmt: skip
+    } | ({"alignment": ["alignment"]} if laid is not None else {})
     (grid,) = blocks["figures"]
     assert (
         isinstance(grid, Grid)
         and grid.headers == HEAD
         and [tuple(one.words for one in row) for row, _ in grid.rows] == channel_rows(result())
     )
-    assert all([bool(one.tone) for one in row] == [False, False, True, True, True, False, True, True] for row, _ in grid.rows)
+    assert all(
+        [bool(one.tone) for one in row] == [False, False, True, True, True, False, True, True]
+        for row, _ in grid.rows
+    )
     said = [one.html for one in blocks["notes"] if isinstance(one, Text)]
-    assert said[-2:] == ["First note.", "Second note."] and (page.title, page.kicker) == ("own", "Rig data")
-    assert page.lead.startswith("Synthetic recording: computed, not measured. " if synthetic else "Means over the kept cycles.")
+    assert said[-2:] == ["First note.", "Second note."] and (page.title, page.kicker) == (
+        "own",
+        "Rig data",
+    )
+    assert page.lead.startswith(
+        "Synthetic recording: computed, not measured. "
+        if synthetic
+        else "Means over the kept cycles."
+    )
     assert page.facts == facts_of(result(synthetic=synthetic))
 
 
@@ -176,28 +297,47 @@ def lines(panel) -> dict[str, Line]:
 def test_cycles_their_mean_and_their_scatter_are_drawn_in_the_unit_of_the_page():
     """Scatter over pieces of two degrees; the band of the mean where there is one."""
     above, below = cycles_chart(result().channels[0]).panels
-    assert (above.y_label, below.y_label) == ("valve lift (mm)", "scatter (mm)") and above.x_range == below.x_range == (0.0, 360.0)
+    assert (above.y_label, below.y_label) == (
+        "valve lift (mm)",
+        "scatter (mm)",
+    ) and above.x_range == below.x_range == (0.0, 360.0)
     single = [one for one in above.layers if isinstance(one, Line) and one.name == "single cycles"]
     assert len(single) == 3 and [one.in_legend for one in single] == [True, False, False]
-    assert np.interp(DEGREES, lines(above)["mean"].x, lines(above)["mean"].y) == pytest.approx(1e3 * LIFT.mean(axis=0), abs=1e-3)
-    scatter, band = lines(below)["standard deviation over cycles"], lines(below)["95 % of the mean within"]
+    assert np.interp(DEGREES, lines(above)["mean"].x, lines(above)["mean"].y) == pytest.approx(
+        1e3 * LIFT.mean(axis=0), abs=1e-3
+    )
+    scatter, band = (
+        lines(below)["standard deviation over cycles"],
+        lines(below)["95 % of the mean within"],
+    )
     pairs = 1e3 * np.std(LIFT, axis=0, ddof=1).reshape(-1, 2)
-    assert scatter.x == pytest.approx(np.arange(0.5, 360, 2)) and scatter.y == pytest.approx(np.sqrt((pairs**2).mean(axis=1)))
+    assert scatter.x == pytest.approx(np.arange(0.5, 360, 2)) and scatter.y == pytest.approx(
+        np.sqrt((pairs**2).mean(axis=1))
+    )
     even = 1e-3 * np.arange(0.0, 360, 2)
     assert band.y == pytest.approx(np.sqrt((even**2 + (even + 1e-3) ** 2) / 2))
     above, below = cycles_chart(result().channels[1]).panels
-    assert (above.y_label, below.y_label) == ("strain (µm/m)", "scatter (µm/m)") and set(lines(below)) == {"standard deviation over cycles"}
+    assert (above.y_label, below.y_label) == ("strain (µm/m)", "scatter (µm/m)") and set(
+        lines(below)
+    ) == {"standard deviation over cycles"}
     many = channel("oddity", "1", np.tile(LIFT, (5, 1)), np.full(360, np.inf), 2e3)
     chart = cycles_chart(many)
-    assert len(chart.panels[0].layers) == 13 and "Kept up to 2 kHz; the first 12 of 15 cycles are drawn." in chart.caption
+    assert (
+        len(chart.panels[0].layers) == 13
+        and "Kept up to 2 kHz; the first 12 of 15 cycles are drawn." in chart.caption
+    )
     assert [panel.y_label for panel in chart.panels] == ["oddity", "scatter"]
 
 
 def test_the_lift_of_the_case_is_drawn_with_gain_and_base():
-    chart = alignment_chart(result(alignment=LAID, offset=np.radians(28.5), offset_uncertainty=np.radians(0.06)))
+    chart = alignment_chart(
+        result(alignment=LAID, offset=np.radians(28.5), offset_uncertainty=np.radians(0.06))
+    )
     above, below = chart.panels
     assert lines(above)["measured, median of the cycles"].y == pytest.approx([1.0, 3.0, 6.0, 2.0])
-    assert lines(above)["lift of the case, with gain and base"].y == pytest.approx([0.1, 2.6, 5.1, 1.35])
+    assert lines(above)["lift of the case, with gain and base"].y == pytest.approx(
+        [0.1, 2.6, 5.1, 1.35]
+    )
     assert lines(below)["measured minus case"].y == pytest.approx([900.0, 400.0, 900.0, 650.0])
     assert lines(below)["measured minus case"].x == pytest.approx([0.0, 90.0, 180.0, 270.0])
     assert "28.500 ± 0.12 cam degrees (95 %), gain 1.2500, base 100 µm" in chart.caption
@@ -207,14 +347,28 @@ def test_speeds_stand_at_the_middle_of_their_cycles():
     (panel,) = speed_chart(result()).panels
     assert lines(panel)["mean of each cycle"].x == pytest.approx([0.5, 1.5, 3.0, 4.5])
     assert lines(panel)["mean of each cycle"].y == pytest.approx([1000, 1010, 9999, 1020])
-    assert lines(panel)["by the spline"].y == pytest.approx(100.0 * lines(panel)["by the spline"].x) and panel.x_range == (0.0, 5.0)
+    assert lines(panel)["by the spline"].y == pytest.approx(
+        100.0 * lines(panel)["by the spline"].x
+    ) and panel.x_range == (0.0, 5.0)
 
 
 def test_a_tone_stands_in_the_spectrum_with_its_amplitude():
-    """2 mm at 0.05 of 10 kHz before the low-pass; over the cam angle 4 mm once a turn, at 100 rad/s."""
+    """2 mm at 0.05 of 10 kHz before the low-pass; over the cam angle 4 mm once a turn, at 100
+    rad/s.
+    """
     (panel,) = spectrum_chart(result().channels[0], result()).panels
     before, after = lines(panel)["as recorded"], lines(panel)["over the cam angle"]
-    assert before.x[np.argmax(before.y)] == pytest.approx(0.5) and before.y.max() == pytest.approx(2.0, rel=5e-3)
-    assert after.x[np.argmax(after.y)] == pytest.approx(0.1 / TURN, rel=0.02) and after.y.max() == pytest.approx(4.0, rel=5e-3)
-    assert panel.y_log and panel.x_range == (0.0, pytest.approx(5.0)) and [(one.first, one.last) for one in panel.bands] == [(0.0, 2.0)]
-    assert panel.y_label == "amplitude (mm)" and panel.y_range == pytest.approx((2e-5, 4.0), rel=5e-3)
+    assert before.x[np.argmax(before.y)] == pytest.approx(0.5) and before.y.max() == pytest.approx(
+        2.0, rel=5e-3
+    )
+    assert after.x[np.argmax(after.y)] == pytest.approx(
+        0.1 / TURN, rel=0.02
+    ) and after.y.max() == pytest.approx(4.0, rel=5e-3)
+    assert (
+        panel.y_log
+        and panel.x_range == (0.0, pytest.approx(5.0))
+        and [(one.first, one.last) for one in panel.bands] == [(0.0, 2.0)]
+    )
+    assert panel.y_label == "amplitude (mm)" and panel.y_range == pytest.approx(
+        (2e-5, 4.0), rel=5e-3
+    )

@@ -13,8 +13,17 @@ from valvetrain.studies.optimum.measure import Measure, Objective
 
 RPM = np.pi / 30
 MASS = Measure("rest", "wire_mass", (), "wire mass")
-SPEED = Measure("limit", "minimum_spring_force", (), "limit speed", limit=LimitSearch("minimum_spring_force", False, 0.0, (), RPM))
-VARIED = tuple(SimpleNamespace(words=words, unit="mm", shown=lambda value: 1e3 * value) for words in ("wire", "coil", "pitch"))
+SPEED = Measure(
+    "limit",
+    "minimum_spring_force",
+    (),
+    "limit speed",
+    limit=LimitSearch("minimum_spring_force", False, 0.0, (), RPM),
+)
+VARIED = tuple(
+    SimpleNamespace(words=words, unit="mm", shown=lambda value: 1e3 * value)
+    for words in ("wire", "coil", "pitch")
+)
 
 
 def trial(*objectives: float, **changes: object) -> SimpleNamespace:
@@ -29,7 +38,9 @@ def bracket(kind: str, low: float, high: float) -> SimpleNamespace:
     return SimpleNamespace(limits={SPEED: (LimitFound(kind, low * RPM, high * RPM),)})
 
 
-def design(one: SimpleNamespace | None = None, steps: tuple = (), confirmed: tuple = ()) -> SimpleNamespace:
+def design(
+    one: SimpleNamespace | None = None, steps: tuple = (), confirmed: tuple = ()
+) -> SimpleNamespace:
     return SimpleNamespace(trial=one or trial(0.04), steps=steps, confirmed=confirmed)
 
 
@@ -37,8 +48,12 @@ def step(place: int, improves: bool, objective: float = 0.04) -> SimpleNamespace
     return SimpleNamespace(place=place, improves=improves, objectives=(objective,))
 
 
-def search(goals: tuple[Measure, ...] = (MASS,), maximise: bool = False, **changes: object) -> SimpleNamespace:
-    plan = SimpleNamespace(objectives=tuple(Objective(one, maximise) for one in goals), constraints=(), varied=VARIED)
+def search(
+    goals: tuple[Measure, ...] = (MASS,), maximise: bool = False, **changes: object
+) -> SimpleNamespace:
+    plan = SimpleNamespace(
+        objectives=tuple(Objective(one, maximise) for one in goals), constraints=(), varied=VARIED
+    )
     told = {
         "plan": plan, "best": design(), "case": trial(0.05, number=0), "finished": True, "trials": [trial(0.05)] * 41, "feasible": 9,
         "front": (), "best_by_seed": {1: 0.04}, "missed_by_least": None,
@@ -114,7 +129,11 @@ NARROW = "It is narrow: a hundredth of one range away the wire mass is {}, so co
 
 def rise(came: int, last: float = 0.04) -> dict:
     """The best so far by trial, its last value from trial ``came`` on."""
-    return {"history": lambda seed: np.where(np.arange(41) < came, 0.05, last) if seed == 1 else np.full(41, 0.04)}
+    return {
+        "history": lambda seed: (
+            np.where(np.arange(41) < came, 0.05, last) if seed == 1 else np.full(41, 0.04)
+        )
+    }
 
 
 STEPS = {
@@ -147,17 +166,21 @@ def test_how_far_the_best_can_be_trusted_by_its_steps_and_its_place_in_the_searc
 
 def test_counts_bounds_ends_and_limits_are_told():
     assert said.trust(search())[0] == "9 of 41 trials keep every bound."
-    failed = search(trials=[trial(0.05), trial(np.nan, failure="no"), trial(np.nan, failure="no")], best=None)
+    failed = search(
+        trials=[trial(0.05), trial(np.nan, failure="no"), trial(np.nan, failure="no")], best=None
+    )
     assert said.trust(failed) == ("9 of 3 trials keep every bound, 2 could not be computed.",)
     found = search(active=lambda _trial: (0, 2), at_ends=lambda _trial: ((0, "low"), (1, "high")))
     assert said.trust(found)[1:] == (
-        "What limits it: bound 0; bound 2.", "The wire stands at the lower end of its range, 4 mm: widen the range.",
+        "What limits it: bound 0; bound 2.",
+        "The wire stands at the lower end of its range, 4 mm: widen the range.",
         "The coil stands at the upper end of its range, 22 mm: widen the range.",
-    )  # fmt: skip
+    )
     for kind, told in (
-        (FOUND, ("The limit speed lies between 8000 and 8010 rpm.",)), (BELOW, ()),
+        (FOUND, ("The limit speed lies between 8000 and 8010 rpm.",)),
+        (BELOW, ()),
         (BEYOND, ("The bound is kept up to the highest speed searched, 8000 rpm: search higher.",)),
-    ):  # fmt: skip
+    ):
         best = design(trial(8000 * RPM, measured=bracket(kind, 8000, 8010)))
         assert said.trust(search((SPEED,), best=best))[1:] == told
 
@@ -165,7 +188,8 @@ def test_counts_bounds_ends_and_limits_are_told():
 def test_another_model_beside_the_search():
     def confirmed(one: SimpleNamespace, case: SimpleNamespace, *goals: Measure) -> SimpleNamespace:
         plan = SimpleNamespace(
-            objectives=tuple(Objective(goal, False) for goal in goals or (MASS,)), constraints=(SimpleNamespace(measure=MASS),)
+            objectives=tuple(Objective(goal, False) for goal in goals or (MASS,)),
+            constraints=(SimpleNamespace(measure=MASS),),
         )
         return SimpleNamespace(label="rod", design=one, case=case, plan=plan)
 
@@ -181,8 +205,12 @@ def test_another_model_beside_the_search():
     assert [said.confirmed_words(one, found) for one in rows.values()] == list(rows)
     assert said.trust(search(best=design(best, confirmed=tuple(rows.values()))))[1:] == tuple(rows)
     beyond = confirmed(
-        trial(9000 * RPM, measured=bracket(BEYOND, 9000, 9000)), trial(7000 * RPM, measured=bracket(FOUND, 7000, 7010)), SPEED
+        trial(9000 * RPM, measured=bracket(BEYOND, 9000, 9000)),
+        trial(7000 * RPM, measured=bracket(FOUND, 7000, 7010)),
+        SPEED,
     )
     fast = search((SPEED,), best=design(trial(8800 * RPM, measured=bracket(FOUND, 8800, 8810))))
-    told = "limit speed 9000 rpm or more against 7000 rpm of the case, where the search has 8800 rpm"
+    told = (
+        "limit speed 9000 rpm or more against 7000 rpm of the case, where the search has 8800 rpm"
+    )
     assert said.confirmed_words(beyond, fast) == f"By rod: {told}. All bounds are kept."

@@ -1,4 +1,6 @@
-"""Unit: in every table of the file of an identification a key that nobody knows is refused by its place; without it the file is read."""
+"""Unit: in every table of the file of an identification a key that nobody knows is refused by its
+place; without it the file is read.
+"""
 
 from __future__ import annotations
 
@@ -37,7 +39,9 @@ def test_the_file_without_it_is_read(tmp_path):
 @pytest.mark.parametrize("key", ["scater", "x", "wire_diameter"])
 @pytest.mark.parametrize("table", ["", *TABLES])
 def test_a_key_that_nobody_knows_is_refused_where_it_stands(table, key, tmp_path):
-    text = TEXT.replace(f"[{table}]\n", f"[{table}]\n{key} = 3\n") if table else f"{key} = 3\n{TEXT}"
+    text = (
+        TEXT.replace(f"[{table}]\n", f"[{table}]\n{key} = 3\n") if table else f"{key} = 3\n{TEXT}"
+    )
     with pytest.raises(InputError, match=key) as refused:
         parse_request(text, "own", tmp_path)
     assert refused.value.where == table

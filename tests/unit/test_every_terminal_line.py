@@ -1,4 +1,6 @@
-"""What a study says in the terminal: every line beside the made-up numbers that it has to carry, units and signs with it."""
+"""What a study says in the terminal: every line beside the made-up numbers that it has to carry,
+units and signs with it.
+"""
 
 from __future__ import annotations
 
@@ -33,51 +35,112 @@ def lines(study, **more) -> list[list[str]]:
 def test_a_run_says_each_number_once_under_its_run():
     study = STUDIES["own"]()
     told = lines(study)
-    assert told[0] == ["Spring of my own"] and told[-2:] == [["results", "out"], ["report", "out/report.html"]]
-    start = next(place for place, line in enumerate(told) if line[0] == "finite-element" and len(line) == 4)
-    assert told[start : start + 2] == [["finite-element"] * 2 + ["modal-varied"] * 2, ["4200 rpm", "5600 rpm"] * 2]
+    assert told[0] == ["Spring of my own"] and told[-2:] == [
+        ["results", "out"],
+        ["report", "out/report.html"],
+    ]
+    start = next(
+        place for place, line in enumerate(told) if line[0] == "finite-element" and len(line) == 4
+    )
+    assert told[start : start + 2] == [
+        ["finite-element"] * 2 + ["modal-varied"] * 2,
+        ["4200 rpm", "5600 rpm"] * 2,
+    ]
     expected = []
     for words, unit, name, factor in (
-        ("Peak spring force", "N", "peak_spring_force", 1), ("Least spring force", "N", "minimum_spring_force", 1),
-        ("Peak retainer force", "N", "peak_retainer_force", 1), ("Least retainer force", "N", "minimum_retainer_force", 1),
-        ("Clearance to coil bind", "mm", "coil_bind_clearance", 1e3), ("Surge frequency", "Hz", "surge_frequency", 1),
-        ("Surge order", "", "surge_cam_order", 1), ("Nearest lift harmonic", "", "nearest_lift_harmonic_order", 1),
-        ("Surge amplitude", "N", "surge_amplitude_force", 1), ("Coil clashes", "", "clash_count", 1),
-        ("largest: coils", "", "–/1–2/–/–", 0), ("at cam angle", "deg", "–/250/–/–", 0), ("impulse", "mN s", "–/31/–/–", 0),
-        ("energy", "mJ", "–/17/–/–", 0), ("Clash energy", "mJ", "clash_energy", 1e3),
-        ("Peak shear stress", "MPa", "peak_shear_stress", 1e-6), ("Least shear stress", "MPa", "minimum_shear_stress", 1e-6),
+        ("Peak spring force", "N", "peak_spring_force", 1),
+        ("Least spring force", "N", "minimum_spring_force", 1),
+        ("Peak retainer force", "N", "peak_retainer_force", 1),
+        ("Least retainer force", "N", "minimum_retainer_force", 1),
+        ("Clearance to coil bind", "mm", "coil_bind_clearance", 1e3),
+        ("Surge frequency", "Hz", "surge_frequency", 1),
+        ("Surge order", "", "surge_cam_order", 1),
+        ("Nearest lift harmonic", "", "nearest_lift_harmonic_order", 1),
+        ("Surge amplitude", "N", "surge_amplitude_force", 1),
+        ("Coil clashes", "", "clash_count", 1),
+        ("largest: coils", "", "–/1–2/–/–", 0),
+        ("at cam angle", "deg", "–/250/–/–", 0),
+        ("impulse", "mN s", "–/31/–/–", 0),
+        ("energy", "mJ", "–/17/–/–", 0),
+        ("Clash energy", "mJ", "clash_energy", 1e3),
+        ("Peak shear stress", "MPa", "peak_shear_stress", 1e-6),
+        ("Least shear stress", "MPa", "minimum_shear_stress", 1e-6),
         ("Peak shear stress by EN 13906-1", "MPa", "nominal_peak_shear_stress", 1e-6),
         ("Least shear stress by EN 13906-1", "MPa", "nominal_minimum_shear_stress", 1e-6),
-    ):  # fmt: skip
+    ):
         runs = study.solutions
-        cells = name.split("/") if not factor else [four(run.quantities[name] * factor if name in run.quantities else None) for run in runs]
+        cells = (
+            name.split("/")
+            if not factor
+            else [
+                four(run.quantities[name] * factor if name in run.quantities else None)
+                for run in runs
+            ]
+        )
         expected.append([words, *([unit] if unit else []), *cells])
-    assert told[start + 2 : start + 2 + len(expected)] == expected and told[start + 2 + len(expected)] == [""]
+    assert told[start + 2 : start + 2 + len(expected)] == expected and told[
+        start + 2 + len(expected)
+    ] == [""]
 
 
 def test_springs_at_rest_stand_beside_the_first_model():
     told = lines(own_study(()))
-    assert told[2] == ["at rest", "preload (N)", "rate (N/mm)", "mode 1 (Hz)", "mode 2 (Hz)", "mode 3 (Hz)"]
+    assert told[2] == [
+        "at rest",
+        "preload (N)",
+        "rate (N/mm)",
+        "mode 1 (Hz)",
+        "mode 2 (Hz)",
+        "mode 3 (Hz)",
+    ]
     assert told[3] == ["finite-element", "287", "41", "631", "1120", "1639"]
-    assert told[4] == ["multi-mass", "281.3 (−2.0 %)", "40.18 (−2.0 %)", "620 (−1.7 %)", "1210 (+8.0 %)", "–"]
+    assert told[4] == [
+        "multi-mass",
+        "281.3 (−2.0 %)",
+        "40.18 (−2.0 %)",
+        "620 (−1.7 %)",
+        "1210 (+8.0 %)",
+        "–",
+    ]
     rod, chain = at_rest()
     nested = lines(replace(own_study(()), rest=(rod, replace(chain, spring="inner"))))
-    assert nested[3][0] == "spring, finite-element" and nested[4] == ["inner, multi-mass", "281.3", "40.18", "620", "1210", "–"]
+    assert nested[3][0] == "spring, finite-element" and nested[4] == [
+        "inner, multi-mass",
+        "281.3",
+        "40.18",
+        "620",
+        "1210",
+        "–",
+    ]
     outside = lines(replace(own_study(()), rest=(rod, replace(chain, precompression=0.03))))
     assert outside[4][:3] == ["multi-mass", "–", "–"]
 
 
 def test_a_sweep_says_the_worst_of_each_label_and_where():
     told = {line[0]: line[1:] for line in lines(sweep_study())}
-    assert told["Peak spring force"] == ["N", "820 at 8000", "864 at 8000"] and told["Least spring force"] == ["N"] + ["181 at 8000"] * 2
+    assert (
+        told["Peak spring force"] == ["N", "820 at 8000", "864 at 8000"]
+        and told["Least spring force"] == ["N"] + ["181 at 8000"] * 2
+    )
     assert told["Surge frequency"] == ["Hz", "560", "672"]
     assert told["Surge amplitude"] == ["N", "64.99 at 7454.55", "64.8 at 4727.27"]
-    assert told["Clash energy"] == ["mJ", "11 at 8000", "13.2 at 8000"] and told["Lift lost"] == ["mm"] + ["0.11 at 8000"] * 2
+    assert (
+        told["Clash energy"] == ["mJ", "11 at 8000", "13.2 at 8000"]
+        and told["Lift lost"] == ["mm"] + ["0.11 at 8000"] * 2
+    )
     assert told["Engine speeds run"] == ["12", "12"] and told["that did not settle"] == ["1", "1"]
     study = sweep_study()
-    settled = tuple(replace(run, status=study.solutions[0].status, quantities={**run.quantities, "float_excess_lift": 0.0})
-                    for run in study.solutions)  # fmt: skip
-    assert "that did not settle" not in {line[0] for line in lines(replace(study, solutions=settled))}
+    settled = tuple(
+        replace(
+            run,
+            status=study.solutions[0].status,
+            quantities={**run.quantities, "float_excess_lift": 0.0},
+        )
+        for run in study.solutions
+    )
+    assert "that did not settle" not in {
+        line[0] for line in lines(replace(study, solutions=settled))
+    }
 
 
 def test_a_sweep_says_the_brackets_of_critical_speeds_and_what_was_not_searched():
@@ -86,22 +149,49 @@ def test_a_sweep_says_the_brackets_of_critical_speeds_and_what_was_not_searched(
     told = lines(study)
     first = next(place for place, line in enumerate(told) if line[0] == "Loss of contact from")
     assert told[first : first + 7] == [
-        ["Loss of contact from", "rpm", "6207–6217 (cam)", "not computed"], ["until", "rpm", "6494–6503"], ["again", "rpm", "6589–8000"],
-        ["Float from", "rpm", "6685–6694", "not computed"], ["until", "rpm", "8000 or more"],
-        ["rising / falling speed", "rpm", "6875–6885 / 6589–6599"], ["Bounce from", "rpm", "never up to 8000", "not computed"],
-    ]  # fmt: skip
-    bare = {line[0]: line[1:] for line in lines(replace(study, critical_speeds=type(study.critical_speeds)()))}
-    assert all(bare[name] == ["rpm", "not computed", "not computed"] for name in ("Loss of contact from", "Float from", "Bounce from"))
+        ["Loss of contact from", "rpm", "6207–6217 (cam)", "not computed"],
+        ["until", "rpm", "6494–6503"],
+        ["again", "rpm", "6589–8000"],
+        ["Float from", "rpm", "6685–6694", "not computed"],
+        ["until", "rpm", "8000 or more"],
+        ["rising / falling speed", "rpm", "6875–6885 / 6589–6599"],
+        ["Bounce from", "rpm", "never up to 8000", "not computed"],
+    ]
+    bare = {
+        line[0]: line[1:]
+        for line in lines(replace(study, critical_speeds=type(study.critical_speeds)()))
+    }
+    assert all(
+        bare[name] == ["rpm", "not computed", "not computed"]
+        for name in ("Loss of contact from", "Float from", "Bounce from")
+    )
 
 
 def test_many_runs_stand_below_each_other():
-    runs = [replace(rod_run(speed * RPM), quantities={name: value * (1 + place / 100) for name, value in rod_run().quantities.items()})
-            for place, speed in enumerate(range(1000, 1700, 100))]  # fmt: skip
+    runs = [
+        replace(
+            rod_run(speed * RPM),
+            quantities={
+                name: value * (1 + place / 100) for name, value in rod_run().quantities.items()
+            },
+        )
+        for place, speed in enumerate(range(1000, 1700, 100))
+    ]
     told = lines(replace(own_study(tuple(runs)), rest=()))
-    assert ["Clearance to coil bind", "mm", "1.25 to 1.325"] in told and ["Surge frequency", "Hz", "631 to 668.9"] in told
-    assert ["finite-element", "1300", "835.3", "296.6", "48.41", "7.21", "45.32"] in [line[:7] for line in told]
+    assert ["Clearance to coil bind", "mm", "1.25 to 1.325"] in told and [
+        "Surge frequency",
+        "Hz",
+        "631 to 668.9",
+    ] in told
+    assert ["finite-element", "1300", "835.3", "296.6", "48.41", "7.21", "45.32"] in [
+        line[:7] for line in told
+    ]
     assert sum(line[0] == "finite-element" for line in told) >= 7
-    many = [replace(run, provenance=replace(run.provenance, engine_speed=(1000 + n) * RPM)) for n in range(30) for run in runs[:1]]
+    many = [
+        replace(run, provenance=replace(run.provenance, engine_speed=(1000 + n) * RPM))
+        for n in range(30)
+        for run in runs[:1]
+    ]
     assert ["and 6 more"] in lines(replace(own_study(tuple(many)), rest=()))
 
 
@@ -109,7 +199,10 @@ def test_published_values_are_told_in_a_line_and_in_full():
     study = replace(published_study(), comparisons=COMPARED)
     told = [" ".join(line) for line in lines(study)]
     sentence = "5 published values: median difference 1.9 %, largest 25.0 % (installed gap of coils 1 and 2); 1 of 2 stated tolerances met"
-    assert sentence in told and "1 finding and 2 notes in the report; --published prints all of it" in told
+    assert (
+        sentence in told
+        and "1 finding and 2 notes in the report; --published prints all of it" in told
+    )
     whole = lines(study, published=True)
     for line in (
         ["installed gap of coils 1 and 2", "EX", "2 mm", "1.5", "−25.0 %", "misses (3.0 %)"],
@@ -119,12 +212,19 @@ def test_published_values_are_told_in_a_line_and_in_full():
         ["Stage II peak, cam angle", "FE", "170 deg", "171.5", "+1.5 deg", "–"],
         ["prediction: 4 published values, 1 of 1 stated tolerances met, 1 not computed"],
         ["calibration: 1 published values, 0 of 1 stated tolerances met"],
-        ["section 4: Stage II has a valley"], ["computed: valley of 412 N"],
-        ["verdict:", "holds"], ["The first note <for> readers."],
-    ):  # fmt: skip
+        ["section 4: Stage II has a valley"],
+        ["computed: valley of 412 N"],
+        ["verdict:", "holds"],
+        ["The first note <for> readers."],
+    ):
         assert line in whole, line
     heads = [line[0] for line in whole if "identif" in line[0]]
-    assert [head.split(" (")[0] for head in heads] == ["statics and modes", "statics and modes", "4200 rpm", "5600 rpm"]
+    assert [head.split(" (")[0] for head in heads] == [
+        "statics and modes",
+        "statics and modes",
+        "4200 rpm",
+        "5600 rpm",
+    ]
     bare = [" ".join(line) for line in lines(replace(own_study(), notes=("Mind the gap.",)))]
     assert "note: Mind the gap." in bare and not [line for line in bare if "--published" in line]
 
@@ -140,7 +240,10 @@ def test_published_values_are_told_in_a_line_and_in_full():
     ],
 )
 def test_difference_and_verdict_of_a_row(place, difference, verdict):
-    assert (difference_words(COMPARED[place]), short_verdict(COMPARED[place])) == (difference, verdict)
+    assert (difference_words(COMPARED[place]), short_verdict(COMPARED[place])) == (
+        difference,
+        verdict,
+    )
 
 
 def test_a_bound_is_told_without_its_distance_and_a_zero_in_its_unit():
@@ -148,30 +251,51 @@ def test_a_bound_is_told_without_its_distance_and_a_zero_in_its_unit():
     assert short_verdict(bound) == "stated as at most"
     nothing = replace(COMPARED[1], published=0.0, difference=-2e-6)
     assert difference_words(nothing) == "−0.002 mm"
-    assert "no tolerance was stated" in tally(COMPARED[2:3], "prediction") and "not computed" not in tally(COMPARED[:1], "prediction")
+    assert "no tolerance was stated" in tally(
+        COMPARED[2:3], "prediction"
+    ) and "not computed" not in tally(COMPARED[:1], "prediction")
     assert published_words(COMPARED[3:4]) == "1 published value"
-    assert published_words(COMPARED[:1]).endswith("largest 1.9 % (Stage II peak force at 5600 rpm); 1 of 1 stated tolerances met")
+    assert published_words(COMPARED[:1]).endswith(
+        "largest 1.9 % (Stage II peak force at 5600 rpm); 1 of 1 stated tolerances met"
+    )
     console = Console(file=StringIO(), width=140, no_color=True)
     show_comparisons(console, COMPARED[:1])
     assert "EX" in console.file.getvalue() and "FE" not in console.file.getvalue()
 
 
 def test_numbers_in_the_fields_units():
-    assert shown_words("clash_energy", 0.0123) == ("12.3", "mJ") and shown_words("peak_spring_force", None)[0] == "–"
+    assert (
+        shown_words("clash_energy", 0.0123) == ("12.3", "mJ")
+        and shown_words("peak_spring_force", None)[0] == "–"
+    )
     assert quantity_rows({"surge_cam_order": 13.523456, "peak_shear_stress": 551.23456e6}) == [
-        ("Surge order", "13.523", ""), ("Peak shear stress", "551.23", "MPa"),
-    ]  # fmt: skip
+        ("Surge order", "13.523", ""),
+        ("Peak shear stress", "551.23", "MPa"),
+    ]
 
 
 def test_the_number_that_stands_for_a_kept_run():
     def number(value: float, unit: str = "N") -> dict:
         return {"value": value, "unit": unit}
 
-    runs = [{"quantities": {"peak_spring_force": number(700.0), "peak_retainer_force": number(900.0)}},
-            {"quantities": {"peak_spring_force": number(811.0)}}]  # fmt: skip
-    assert headline({"runs": runs}) == {"quantity": "peak_spring_force", "value": 811.0, "unit": "N"}
-    assert headline({"quantities": {"preload": number(287.0)}, "runs": []}) == {"quantity": "preload", "value": 287.0, "unit": "N"}
-    assert headline({"runs": [{"quantities": {"peak_spring_force": {"value": None, "unit": "N"}}}]}) is None
+    runs = [
+        {"quantities": {"peak_spring_force": number(700.0), "peak_retainer_force": number(900.0)}},
+        {"quantities": {"peak_spring_force": number(811.0)}},
+    ]
+    assert headline({"runs": runs}) == {
+        "quantity": "peak_spring_force",
+        "value": 811.0,
+        "unit": "N",
+    }
+    assert headline({"quantities": {"preload": number(287.0)}, "runs": []}) == {
+        "quantity": "preload",
+        "value": 287.0,
+        "unit": "N",
+    }
+    assert (
+        headline({"runs": [{"quantities": {"peak_spring_force": {"value": None, "unit": "N"}}}]})
+        is None
+    )
     labelled = {"quantities_by_label": {"a": {"float_engine_speed": number(701.0, "rad/s")}}}
     assert headline(labelled) == {"quantity": "float_engine_speed", "value": 701.0, "unit": "rad/s"}
 
@@ -179,7 +303,10 @@ def test_the_number_that_stands_for_a_kept_run():
 def test_static_curves_are_printed_thinned_and_written_whole():
     from valvetrain.cli.static import MOST_ROWS, _show, curve_text
 
-    study = replace(own_study(()), still={"spring by finite-element": {"preload": 287.0}, "spring by multi-mass": {}})
+    study = replace(
+        own_study(()),
+        still={"spring by finite-element": {"preload": 287.0}, "spring by multi-mass": {}},
+    )
     console = Console(file=StringIO(), width=140, no_color=True)
     _show(console, study, Path("curve.csv"))
     told = [re.split(r"\s{2,}", line.strip()) for line in console.file.getvalue().splitlines()]
@@ -187,9 +314,15 @@ def test_static_curves_are_printed_thinned_and_written_whole():
     each = next(n for n in range(1, 99) if 40 / n <= MOST_ROWS)
     steps = np.linspace(0, 18, 40)[::each]  # the stress of the made-up wire is 41 MPa per mm
     rows = [[x, 41 * x, 41.0, 41 * x] for x in steps] + [[x, 0.98 * 41 * x, 40.18] for x in steps]
-    assert [[float(cell) for cell in line] for line in printed] == [pytest.approx(row, rel=1e-4) for row in rows]
+    assert [[float(cell) for cell in line] for line in printed] == [
+        pytest.approx(row, rel=1e-4) for row in rows
+    ]
     heads = ["compression (mm)", "force (N)", "stiffness (N/mm)"]
-    assert told.count(heads) == 1 and told.count([*heads, "wire shear (MPa)"]) == 1 and ["Preload", "287", "N"] in told
+    assert (
+        told.count(heads) == 1
+        and told.count([*heads, "wire shear (MPa)"]) == 1
+        and ["Preload", "287", "N"] in told
+    )
     assert ["written to curve.csv"] in told
     text = list(csv.DictReader(curve_text(study).splitlines()))
     assert len(text) == 80 and (text[-1]["spring"], text[-1]["model"]) == ("spring", "multi-mass")
@@ -200,7 +333,11 @@ def test_static_curves_are_printed_thinned_and_written_whole():
     ]
     assert [float(one) for one in last] == pytest.approx([18.0, 738.0, 41.0, 18.0, 723.24, 40.18])
     alone = list(csv.DictReader(curve_text(replace(study, rest=study.rest[:1])).splitlines()))
-    assert len(alone) == 40 and "spring" not in alone[0] and float(alone[-1]["force [N]"]) == pytest.approx(738.0)
+    assert (
+        len(alone) == 40
+        and "spring" not in alone[0]
+        and float(alone[-1]["force [N]"]) == pytest.approx(738.0)
+    )
 
 
 def test_what_a_case_holds_is_said_in_the_fields_units():
@@ -209,43 +346,91 @@ def test_what_a_case_holds_is_said_in_the_fields_units():
     from valvetrain.system.build import build
 
     case = load_case("uniform-spring")
-    told, turning = dict(case_facts(case)), 2 * np.pi * 600  # both dampings take half of the ratio at 600 Hz
+    told, turning = (
+        dict(case_facts(case)),
+        2 * np.pi * 600,
+    )  # both dampings take half of the ratio at 600 Hz
     end = "open, 0 coils inactive, 0 ground"
-    assert told["wire diameter"] == "3.8 mm" and told["mean coil diameter"] == "22 mm" and told["pitch"] == "7 mm"
-    assert told["damping"] == f"ratio 0.016: mass {four(0.016 * turning)} 1/s, stiffness {four(0.016 / turning * 1e6)} µs"
-    assert told["end coils"] == f"lower {end}; upper {end}" and told["seats"] == "inactive ends only"
-    assert told["spring"] == "uniform-spring, right-handed" and told["cam turns"] == "2, the last one reported"
-    assert told["title"] == case.title and "206 GPa" in told["material"] and "7850 kg/m³" in told["material"]
+    assert (
+        told["wire diameter"] == "3.8 mm"
+        and told["mean coil diameter"] == "22 mm"
+        and told["pitch"] == "7 mm"
+    )
+    assert (
+        told["damping"]
+        == f"ratio 0.016: mass {four(0.016 * turning)} 1/s, stiffness {four(0.016 / turning * 1e6)} µs"
+    )
+    assert (
+        told["end coils"] == f"lower {end}; upper {end}" and told["seats"] == "inactive ends only"
+    )
+    assert (
+        told["spring"] == "uniform-spring, right-handed"
+        and told["cam turns"] == "2, the last one reported"
+    )
+    assert (
+        told["title"] == case.title
+        and "206 GPa" in told["material"]
+        and "7850 kg/m³" in told["material"]
+    )
     train = load_case("vaz-ohc")
     told = dict(case_facts(train))
-    assert told["lift law"] == "ramped, lift of the valve" and told["train"] == "finger, planar model, multi-mass springs, lash 0 mm"
     assert (
-        told["contacts"] == "cam hunt-crossley, valve tip hunt-crossley, seat linear" and told["engine speeds"] == "4136 rpm of the crank"
+        told["lift law"] == "ramped, lift of the valve"
+        and told["train"] == "finger, planar model, multi-mass springs, lash 0 mm"
     )
-    assert told["springs 'nested'"] == "outer: wire known, installed 16.3 mm short; inner: wire known, installed 9.5 mm short"
+    assert (
+        told["contacts"] == "cam hunt-crossley, valve tip hunt-crossley, seat linear"
+        and told["engine speeds"] == "4136 rpm of the crank"
+    )
+    assert (
+        told["springs 'nested'"]
+        == "outer: wire known, installed 16.3 mm short; inner: wire known, installed 9.5 mm short"
+    )
     cards = "outer: rate 17.39 N/mm, preload 283.4 N, mass 31.8 g; inner: rate 14.35 N/mm, preload 136.3 N, mass 11.5 g"
     assert told["springs 'nested-cards'"] == cards
     numbers = case_quantities(train, build(train))
-    assert numbers["maximum_lift"] == pytest.approx(9.7e-3, rel=1e-6) and numbers["outer_free_length"] == pytest.approx(0.05, rel=1e-4)
-    assert numbers["maximum_lift_cam_angle"] == pytest.approx(np.radians(78), abs=1e-3) and numbers["inner_free_length"] == pytest.approx(
-        39.2e-3, rel=1e-4
-    )
+    assert numbers["maximum_lift"] == pytest.approx(9.7e-3, rel=1e-6) and numbers[
+        "outer_free_length"
+    ] == pytest.approx(0.05, rel=1e-4)
+    assert numbers["maximum_lift_cam_angle"] == pytest.approx(np.radians(78), abs=1e-3) and numbers[
+        "inner_free_length"
+    ] == pytest.approx(39.2e-3, rel=1e-4)
 
 
 def test_sizes_are_said_as_people_say_them():
     from valvetrain.studies.cost import memory_words, time_words
 
-    assert [memory_words(size) for size in (3e5, 4.4e7, 9.99e8, 2.5e9)] == ["1 MB", "44 MB", "999 MB", "2.5 GB"]
-    assert [time_words(size) for size in (0.2, 42.0, 89.0, 91.0, 5399.0, 7200.0, 129599.0, 259200.0)] == [
-        "1 s", "42 s", "89 s", "1.52 min", "90 min", "2 h", "36 h", "3 d",
-    ]  # fmt: skip
+    assert [memory_words(size) for size in (3e5, 4.4e7, 9.99e8, 2.5e9)] == [
+        "1 MB",
+        "44 MB",
+        "999 MB",
+        "2.5 GB",
+    ]
+    assert [
+        time_words(size) for size in (0.2, 42.0, 89.0, 91.0, 5399.0, 7200.0, 129599.0, 259200.0)
+    ] == [
+        "1 s",
+        "42 s",
+        "89 s",
+        "1.52 min",
+        "90 min",
+        "2 h",
+        "36 h",
+        "3 d",
+    ]
 
 
 def test_springs_at_rest_are_told_where_no_run_has_a_number():
-    """A stretch of motion by solid finite elements has no headline number; the answer said nothing at all."""
+    """A stretch of motion by solid finite elements has no headline number; the answer said nothing
+    at all.
+    """
     silent = replace(
-        own_study(), solutions=tuple(replace(one, quantities={}) for one in own_study().solutions[:1]), rest=own_study().rest[:1]
+        own_study(),
+        solutions=tuple(replace(one, quantities={}) for one in own_study().solutions[:1]),
+        rest=own_study().rest[:1],
     )
     heads = [row for row in lines(silent) if row[0] == "at rest"]
     assert heads and "preload (N)" in heads[0]
-    assert not [row for row in lines(replace(own_study(), rest=own_study().rest[:1])) if row[0] == "at rest"]
+    assert not [
+        row for row in lines(replace(own_study(), rest=own_study().rest[:1])) if row[0] == "at rest"
+    ]

@@ -1,4 +1,6 @@
-"""Unit: what every reader of a file says of a name that is none, of nothing there, of a folder, and of an empty file."""
+"""Unit: what every reader of a file says of a name that is none, of nothing there, of a folder, and
+of an empty file.
+"""
 
 from __future__ import annotations
 
@@ -10,28 +12,62 @@ from types import SimpleNamespace
 import pytest
 
 from valvetrain.errors import InputError
+from valvetrain.film.frames import open_film
 from valvetrain.identification.file import read_request
-from valvetrain.measurements import reader_process
-from valvetrain.measurements.content import read_content
-from valvetrain.measurements.film.frames import open_film
-from valvetrain.measurements.reader_process import read_recording
-from valvetrain.measurements.spring_scan.clouds import open_cloud
+from valvetrain.measured.tables import read_content
 from valvetrain.parameters.loading import load_case
 from valvetrain.parameters.writing import replace_file
-from valvetrain.solution.checksum import checked_content
+from valvetrain.rig import recording as reader_process
+from valvetrain.rig.recording import read_recording
+from valvetrain.scan.clouds import open_cloud
+from valvetrain.solution.atomic import checked_content
 from valvetrain.studies.points.study_file import text_of_file
 
-#: Reader -> words about a name that is none, nothing there, a folder, an empty file (None: read as it is).
-NO_NAME, GONE = "cannot be read: the name is no file name; check the name", "cannot be read: no such file or directory; check the name"
+#: Reader -> words about a name that is none, nothing there, a folder, an empty file (None: read as
+#: it is).
+NO_NAME, GONE = (
+    "cannot be read: the name is no file name; check the name",
+    "cannot be read: no such file or directory; check the name",
+)
 READERS = {
-    "recording": (read_recording, NO_NAME, GONE, "is no regular file", "is empty; export the recording again"),
+    "recording": (
+        read_recording,
+        NO_NAME,
+        GONE,
+        "is no regular file",
+        "is empty; export the recording again",
+    ),
     "scan": (open_cloud, NO_NAME, GONE, "is no regular file", "is empty; export the scan again"),
     "film": (open_film, NO_NAME, GONE, "", "is empty; export the film again"),
-    "table": (lambda path: read_content(path, 100, "table"), NO_NAME, GONE, "is a folder", "is empty; export the table again"),
-    "case": (load_case, "a case is called by the name", "there is no file", "is a folder", "at least one of"),
+    "table": (
+        lambda path: read_content(path, 100, "table"),
+        NO_NAME,
+        GONE,
+        "is a folder",
+        "is empty; export the table again",
+    ),
+    "case": (
+        load_case,
+        "a case is called by the name",
+        "there is no file",
+        "is a folder",
+        "at least one of",
+    ),
     "identification": (read_request, "(bad path)", "there is no file", "is a folder", "case"),
-    "plan": (lambda path: text_of_file(path, "plan"), "(bad path)", "there is no file", "is a folder", None),
-    "result": (checked_content, "", "no such file; check the path", "no such file; check the path", None),
+    "plan": (
+        lambda path: text_of_file(path, "plan"),
+        "(bad path)",
+        "there is no file",
+        "is a folder",
+        None,
+    ),
+    "result": (
+        checked_content,
+        "",
+        "no such file; check the path",
+        "no such file; check the path",
+        None,
+    ),
 }
 
 
@@ -40,7 +76,12 @@ def test_a_file_that_is_none_is_refused_in_one_sentence(reader, tmp_path):
     read, no_name, gone, folder, empty = READERS[reader]
     (tmp_path / "folder").mkdir()
     (tmp_path / "empty.toml").write_bytes(b"")
-    for name, words in (("a\0b", no_name), ("none.toml", gone), ("folder", folder), ("empty.toml", empty)):
+    for name, words in (
+        ("a\0b", no_name),
+        ("none.toml", gone),
+        ("folder", folder),
+        ("empty.toml", empty),
+    ):
         if words is None:
             read(tmp_path / name)
             continue
@@ -54,15 +95,29 @@ def test_a_recording_is_of_a_known_form_and_size(tmp_path, monkeypatch):
     path = tmp_path / "own.csv"
     path.write_bytes(b"x" * 2000)
     forms = {
-        "first": SimpleNamespace(words="firsts", recognise=lambda head, name: head.startswith(b"1")),
-        "second": SimpleNamespace(words="seconds", recognise=lambda head, name: name.endswith(".2")),
+        "first": SimpleNamespace(
+            words="firsts", recognise=lambda head, name: head.startswith(b"1")
+        ),
+        "second": SimpleNamespace(
+            words="seconds", recognise=lambda head, name: name.endswith(".2")
+        ),
     }
-    monkeypatch.setattr(reader_process, "registry", SimpleNamespace(words=lambda kind: tuple(forms), find=lambda kind, word: forms[word]))
-    for content, name, form in ((b"12", "own.csv", "first"), (b"21", "own.2", "second"), (b"12", "own.2", "first")):
+    monkeypatch.setattr(
+        reader_process,
+        "registry",
+        SimpleNamespace(words=lambda kind: tuple(forms), find=lambda kind, word: forms[word]),
+    )
+    for content, name, form in (
+        (b"12", "own.csv", "first"),
+        (b"21", "own.2", "second"),
+        (b"12", "own.2", "first"),
+    ):
         path.write_bytes(content)
         assert reader_process.form_of(path, name) == form
     path.write_bytes(b"x" * 2000)
-    with pytest.raises(InputError, match="'own' is none of firsts, seconds; export the recording in one of them"):
+    with pytest.raises(
+        InputError, match="'own' is none of firsts, seconds; export the recording in one of them"
+    ):
         reader_process.form_of(path, "own")
     monkeypatch.setattr(reader_process, "MOST_BYTES", 1999)
     with pytest.raises(InputError, match=r"'own' is larger than 1\.999e-06 GB; cut the recording"):

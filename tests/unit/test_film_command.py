@@ -14,16 +14,32 @@ import pytest
 import film_parts as made
 import valvetrain as vt
 from unit.cli_parts import call as invoke
-from valvetrain.measurements.film.surge import alias_of, fit_surge
-from valvetrain.report.film_charts import displacement_chart
-from valvetrain.report.film_files import named_cycles
-from valvetrain.report.film_page import film_page, peak_rows
+from valvetrain.film.model import FilmedModel, alias_words
+from valvetrain.film.page import displacement_chart, film_page, named_cycles, peak_rows
+from valvetrain.film.surge import alias_of, fit_surge
 from valvetrain.report.page import charts, gaps_of, render
-from valvetrain.studies.film_model import FilmedModel, alias_words
 
 cv2 = pytest.importorskip("cv2")
-FILM = ("film", "film.avi", "--frame-rate", "2000 1/s", "--line", "6, 10, 6, 239", "--scale", "4, 0, 4, 120, 20 mm")
-CAM = ("--marker", "4, 4", "--marker-radius", "2", "--marker-angle", "63.0253575 deg", "--cam-speed", "1623.4 rpm")
+FILM = (
+    "film",
+    "film.avi",
+    "--frame-rate",
+    "2000 1/s",
+    "--line",
+    "6, 10, 6, 239",
+    "--scale",
+    "4, 0, 4, 120, 20 mm",
+)
+CAM = (
+    "--marker",
+    "4, 4",
+    "--marker-radius",
+    "2",
+    "--marker-angle",
+    "63.0253575 deg",
+    "--cam-speed",
+    "1623.4 rpm",
+)
 
 
 @pytest.fixture(scope="module")
@@ -31,7 +47,14 @@ def answer(tmp_path_factory):
     """The command run once on a video of the turning film."""
     home = tmp_path_factory.mktemp("film")
     film, _ = made.turning_film()
-    out = cv2.VideoWriter(str(home / "film.avi"), cv2.CAP_FFMPEG, cv2.VideoWriter_fourcc(*"FFV1"), 25.0, film.shape[:0:-1], isColor=False)
+    out = cv2.VideoWriter(
+        str(home / "film.avi"),
+        cv2.CAP_FFMPEG,
+        cv2.VideoWriter_fourcc(*"FFV1"),
+        25.0,
+        film.shape[:0:-1],
+        isColor=False,
+    )
     for frame in film:
         out.write(frame)
     out.release()
@@ -44,11 +67,18 @@ def test_the_answer_is_that_of_the_function(answer):
     home, shown = answer
     assert shown.exit_code == 0, shown.output
     data, motion = json.loads(shown.stdout), made.turning_motion()
-    assert [one["mean"] for one in data["peaks"]] == pytest.approx([one.mean for one in motion.peaks], rel=1e-12)
+    assert [one["mean"] for one in data["peaks"]] == pytest.approx(
+        [one.mean for one in motion.peaks], rel=1e-12
+    )
     lines = [one["frequency"]["value"] for one in data["surge_lines"]]
     assert lines == pytest.approx([one.natural_frequency for one in motion.surge.lines], rel=1e-9)
-    assert data["cam_speed"]["value"] == pytest.approx(made.CAM_SPEED, rel=1e-3) and data["cam_speed"]["by"] == "marker"
-    assert any("1623.4 rpm were told" in note for note in data["notes"]) and data["synthetic"] is True
+    assert (
+        data["cam_speed"]["value"] == pytest.approx(made.CAM_SPEED, rel=1e-3)
+        and data["cam_speed"]["by"] == "marker"
+    )
+    assert (
+        any("1623.4 rpm were told" in note for note in data["notes"]) and data["synthetic"] is True
+    )
     kept = json.loads((home / "out" / "run.json").read_text())
     assert kept["peaks"] == data["peaks"] and (home / "out" / "inputs" / "case.toml").is_file()
 
@@ -59,12 +89,26 @@ def test_a_table_of_lifts_tells_the_phase(answer, monkeypatch):
     monkeypatch.chdir(home)
     nose = made.OPEN / 2
     angles = np.radians(np.arange(-75.0, 75.5, 1.0))
-    rows = zip(np.degrees(angles), 1e3 * np.where(np.abs(angles) < nose, made.lift(np.abs(angles + nose)), 0.0), strict=True)
-    Path("lobe.csv").write_text("\n".join(["cam angle [deg],valve lift [mm]", *(f"{angle:.3f},{lift:.5f}" for angle, lift in rows)]) + "\n")
+    rows = zip(
+        np.degrees(angles),
+        1e3 * np.where(np.abs(angles) < nose, made.lift(np.abs(angles + nose)), 0.0),
+        strict=True,
+    )
+    Path("lobe.csv").write_text(
+        "\n".join(
+            [
+                "cam angle [deg],valve lift [mm]",
+                *(f"{angle:.3f},{lift:.5f}" for angle, lift in rows),
+            ]
+        )
+        + "\n"
+    )
     shown = invoke(*FILM, "--lift", "lobe.csv", "--output", "by-lift", "--json")
     assert shown.exit_code == 0, shown.output
     data = json.loads(shown.stdout)
-    assert data["cam_speed"]["by"] == "lift" and data["cam_speed"]["value"] == pytest.approx(made.CAM_SPEED, rel=1e-3)
+    assert data["cam_speed"]["by"] == "lift" and data["cam_speed"]["value"] == pytest.approx(
+        made.CAM_SPEED, rel=1e-3
+    )
     (cycles,) = vt.read_cycles("by-lift/displacement-coil-6.csv")
     top = np.degrees(cycles.cam_angle[np.argsort(cycles.values[0])[-30:]])
     assert abs(np.mean((top + 180) % 360 - 180)) < 2.0
@@ -72,14 +116,29 @@ def test_a_table_of_lifts_tells_the_phase(answer, monkeypatch):
 
 def test_the_files_hold_a_column_a_turn(answer):
     home, _ = answer
-    (found,), cycles = vt.read_cycles(home / "out" / "displacement-coil-6.csv"), made.turning_motion().cycles[5]
-    assert found.values == pytest.approx(cycles.values, abs=1e-9, nan_ok=True) and found.values.shape == (3, 360)
-    assert found.quantity == "coil_6_displacement" and found.cam_speed == pytest.approx(cycles.cam_speed) and found.synthetic
-    rows = [line for line in (home / "out" / "displacement-coil-6.csv").read_text().splitlines() if not line.startswith("#")]
+    (found,), cycles = (
+        vt.read_cycles(home / "out" / "displacement-coil-6.csv"),
+        made.turning_motion().cycles[5],
+    )
+    assert found.values == pytest.approx(
+        cycles.values, abs=1e-9, nan_ok=True
+    ) and found.values.shape == (3, 360)
+    assert (
+        found.quantity == "coil_6_displacement"
+        and found.cam_speed == pytest.approx(cycles.cam_speed)
+        and found.synthetic
+    )
+    rows = [
+        line
+        for line in (home / "out" / "displacement-coil-6.csv").read_text().splitlines()
+        if not line.startswith("#")
+    ]
     assert rows[0] == "cam angle [deg],cycle 1 [m],cycle 2 [m],cycle 3 [m]" and len(rows) == 361
     motion = made.turning_motion()
     peaks = list(csv.reader((home / "out" / "peaks.csv").open()))
-    assert [float(row[1]) for row in peaks[1:]] == pytest.approx([1e3 * one.mean for one in motion.peaks], rel=1e-6)
+    assert [float(row[1]) for row in peaks[1:]] == pytest.approx(
+        [1e3 * one.mean for one in motion.peaks], rel=1e-6
+    )
     tracks = list(csv.reader((home / "out" / "tracks.csv").open()))
     assert len(tracks) == 301 and len(tracks[0]) == 2 + 3 * 6
 
@@ -87,10 +146,22 @@ def test_the_files_hold_a_column_a_turn(answer):
 def test_the_page_shows_every_figure_and_says_that_the_film_is_synthetic(answer):
     home, _ = answer
     page = (home / "out" / "report.html").read_text()
-    for words in ("Displacement of the coil sections", "Space-time picture", "Peak displacement along the spring", "Free decay",
-                  "Spectrum with the surge lines", "synthetic", "camera drifted"):  # fmt: skip
+    for words in (
+        "Displacement of the coil sections",
+        "Space-time picture",
+        "Peak displacement along the spring",
+        "Free decay",
+        "Spectrum with the surge lines",
+        "synthetic",
+        "camera drifted",
+    ):
         assert words in page
-    ours = re.sub(r"<script>.*?</script>", lambda part: "" if len(part[0]) > 1_000_000 else part[0], page, flags=re.DOTALL)  # not Plotly's
+    ours = re.sub(
+        r"<script>.*?</script>",
+        lambda part: "" if len(part[0]) > 1_000_000 else part[0],
+        page,
+        flags=re.DOTALL,
+    )  # not Plotly's
     assert "http://" not in ours.split("</script>")[-1] and 'src="http' not in ours
 
 
@@ -134,18 +205,32 @@ def test_the_page_lays_the_model_over_the_film():
         assert all("(" in panel.x_label or "coil" in panel.x_label for panel in chart.panels)
     assert "model.csv" not in render(page) and "1236 Hz at 764 Hz" in render(page)
     assert [one.quantity for one in named_cycles(motion, beside)] == list(NAMES)
-    assert all(len(row) == 6 for row in peak_rows(motion, beside)) and all(len(row) == 4 for row in peak_rows(motion, None))
+    assert all(len(row) == 6 for row in peak_rows(motion, beside)) and all(
+        len(row) == 4 for row in peak_rows(motion, None)
+    )
 
 
 @pytest.mark.parametrize(
-    ("dwell", "shaded"), [((100, 250), [(100, 250)]), ((165, 360), [(165, 360)]), ((200, 405), [(200, 360), (0, 45)]), ((0, 90), [(0, 90)])]
+    ("dwell", "shaded"),
+    [
+        ((100, 250), [(100, 250)]),
+        ((165, 360), [(165, 360)]),
+        ((200, 405), [(200, 360), (0, 45)]),
+        ((0, 90), [(0, 90)]),
+    ],
 )
 def test_the_closed_valve_is_shaded_where_the_dwell_lies(dwell, shaded):
-    """One stretch of cam degrees, or two where the dwell goes over the end of the turn; the first alone carries the words."""
+    """One stretch of cam degrees, or two where the dwell goes over the end of the turn; the first
+    alone carries the words.
+    """
     motion = replace(made.turning_motion(), dwell=tuple(np.radians(dwell)))
     (panel,) = displacement_chart(motion).panels
-    assert [(band.first, band.last) for band in panel.bands] == [pytest.approx(one) for one in shaded]
-    assert [band.words for band in panel.bands] == ["valve closed", ""][: len(shaded)] and panel.x_range == (0, 360)
+    assert [(band.first, band.last) for band in panel.bands] == [
+        pytest.approx(one) for one in shaded
+    ]
+    assert [band.words for band in panel.bands] == ["valve closed", ""][
+        : len(shaded)
+    ] and panel.x_range == (0, 360)
 
 
 def test_aliases_are_where_sampling_folds_them():

@@ -1,4 +1,6 @@
-"""Unit: frames of videos, folders and arrays; the line, the marker, lost frames, and what does not change the numbers."""
+"""Unit: frames of videos, folders and arrays; the line, the marker, lost frames, and what does not
+change the numbers.
+"""
 
 from __future__ import annotations
 
@@ -11,22 +13,34 @@ import pytest
 
 import film_parts as made
 import valvetrain as vt
-from valvetrain.measurements.film.frames import open_film
-from valvetrain.measurements.film.motion import _line
-from valvetrain.measurements.film.phase import by_marker
-from valvetrain.measurements.film.sight_line import SightLine, find_line
-from valvetrain.measurements.film.space_time import read_space_time
-from valvetrain.report.film_page import film_page, peak_rows
+from valvetrain.film.cycles import by_marker
+from valvetrain.film.frames import open_film
+from valvetrain.film.motion import _line
+from valvetrain.film.page import film_page, peak_rows
+from valvetrain.film.space_time import SightLine, find_line, read_space_time
 from valvetrain.report.page import gaps_of
 
 cv2 = pytest.importorskip("cv2")
-SETUP = vt.FilmSetup(marker=(4, 4), marker_radius=2, marker_angle=made.MARK_ANGLE, line=((6, 10), (6, 239)), **made.SCALE)
+SETUP = vt.FilmSetup(
+    marker=(4, 4),
+    marker_radius=2,
+    marker_angle=made.MARK_ANGLE,
+    line=((6, 10), (6, 239)),
+    **made.SCALE,
+)
 NOISE = np.random.default_rng(3).integers(0, 255, (20, 48, 32)).astype(np.uint8)
 
 
 def video(path, frames, rate=25.0, coding="FFV1"):
     """A lossless video."""
-    out = cv2.VideoWriter(str(path), cv2.CAP_FFMPEG, cv2.VideoWriter_fourcc(*coding), rate, frames.shape[:0:-1], isColor=False)
+    out = cv2.VideoWriter(
+        str(path),
+        cv2.CAP_FFMPEG,
+        cv2.VideoWriter_fourcc(*coding),
+        rate,
+        frames.shape[:0:-1],
+        isColor=False,
+    )
     for frame in frames:
         out.write(frame)
     out.release()
@@ -47,9 +61,17 @@ def read(film, line=((10, 2), (10, 45)), rate=2000.0, first=0, last=None):
 
 def test_a_video_a_folder_and_an_array_are_the_same_film(tmp_path):
     array = read(NOISE)
-    for film in (video(tmp_path / "film.avi", NOISE), folder(tmp_path / "frames", NOISE), folder(tmp_path / "tiff", NOISE, suffix="tiff")):
+    for film in (
+        video(tmp_path / "film.avi", NOISE),
+        folder(tmp_path / "frames", NOISE),
+        folder(tmp_path / "tiff", NOISE, suffix="tiff"),
+    ):
         found = read(film)
-        assert (found.picture == array.picture).all() and (found.time == array.time).all() and not found.notes
+        assert (
+            (found.picture == array.picture).all()
+            and (found.time == array.time).all()
+            and not found.notes
+        )
 
 
 def test_sixteen_bits_are_kept(tmp_path):
@@ -58,7 +80,9 @@ def test_sixteen_bits_are_kept(tmp_path):
 
 
 def test_the_line_averages_what_lies_across_it():
-    """On a picture whose grey level is x + 100 y, cubic interpolation is exact, so a slanted line gives a straight profile."""
+    """On a picture whose grey level is x + 100 y, cubic interpolation is exact, so a slanted line
+    gives a straight profile.
+    """
     picture = np.arange(32.0)[None, :] + 100 * np.arange(48.0)[:, None]
     line = SightLine((8.0, 5.0), (20.0, 41.0), 4.0, 7)
     profile = line.weights(48, 32) @ picture.ravel()
@@ -70,9 +94,16 @@ def test_the_line_averages_what_lies_across_it():
 @pytest.mark.parametrize(("width", "across"), [(4.0, 7), (2.5, 3), (9.0, 1)])
 def test_a_line_that_is_given_is_read_as_wide_and_as_finely_as_asked_for(width, across):
     """Nothing is said of a line that was not chosen."""
-    setup = vt.FilmSetup(frame_rate="1 kHz", line=((8.0, 5.0), (20.0, 41.0)), line_width=width, samples_across=across)
+    setup = vt.FilmSetup(
+        frame_rate="1 kHz", line=((8.0, 5.0), (20.0, 41.0)), line_width=width, samples_across=across
+    )
     line, said = _line(open_film(NOISE), setup)
-    assert (line.start, line.end, line.line_width, line.samples_across) == ((8.0, 5.0), (20.0, 41.0), width, across) and said == ()
+    assert (line.start, line.end, line.line_width, line.samples_across) == (
+        (8.0, 5.0),
+        (20.0, 41.0),
+        width,
+        across,
+    ) and said == ()
 
 
 def test_the_line_is_found_across_the_coils_of_an_upright_or_lying_spring():
@@ -80,7 +111,11 @@ def test_the_line_is_found_across_the_coils_of_an_upright_or_lying_spring():
     wide = np.full((40, 240, 67), 20, dtype=np.uint8)
     wide[:, :, 22:62] = np.tile(film[:40], 4)
     upright, lying = find_line(open_film(wide)), find_line(open_film(wide.transpose(0, 2, 1)))
-    assert 22 <= upright.start[0] <= 61 and upright.start[0] == upright.end[0] and upright.end[1] == 239
+    assert (
+        22 <= upright.start[0] <= 61
+        and upright.start[0] == upright.end[0]
+        and upright.end[1] == 239
+    )
     assert lying.start == upright.start[::-1] and lying.end == upright.end[::-1]
 
 
@@ -122,7 +157,9 @@ def test_the_mark_tells_the_time_of_a_turn_between_frames():
     assert phase.cam_speed == pytest.approx(2 * np.pi / 0.03, rel=1e-4)
     assert np.interp(marks[2], time, phase.cam_angle) == pytest.approx(0.5 + 4 * np.pi, abs=0.02)
     hidden = np.where(np.abs(time - marks[3]) < 3e-3, 0.0, flash)
-    missed = by_marker(time, 180 - 150 * hidden, 0.5, 2 * np.pi / 0.031)  # a dark mark, and a speed that is wrong
+    missed = by_marker(
+        time, 180 - 150 * hidden, 0.5, 2 * np.pi / 0.031
+    )  # a dark mark, and a speed that is wrong
     assert missed.cam_speed == pytest.approx(2 * np.pi / 0.03, rel=1e-3)
     assert "not seen in 1 turns" in missed.notes[0] and "they do not agree" in missed.notes[1]
 
@@ -141,27 +178,49 @@ def test_numbers_depend_neither_on_samples_across_the_line_nor_on_its_width_nor_
     film, _ = made.turning_film()
     first = made.turning_motion()
     surge = first.surge.lines[0]
-    for change in ({"samples_across": 3}, {"samples_across": 10}, {"line_width": 3.0}, {"first_frame": 37}):
+    for change in (
+        {"samples_across": 3},
+        {"samples_across": 10},
+        {"line_width": 3.0},
+        {"first_frame": 37},
+    ):
         motion = vt.coil_motion(film, replace(SETUP, **change))
         line = motion.surge.lines[0]
-        assert abs(line.natural_frequency - surge.natural_frequency) < 1.96 * np.hypot(line.frequency_spread, surge.frequency_spread)
-        assert abs(line.damping_ratio - surge.damping_ratio) < 1.96 * np.hypot(line.damping_spread, surge.damping_spread)
+        assert abs(line.natural_frequency - surge.natural_frequency) < 1.96 * np.hypot(
+            line.frequency_spread, surge.frequency_spread
+        )
+        assert abs(line.damping_ratio - surge.damping_ratio) < 1.96 * np.hypot(
+            line.damping_spread, surge.damping_spread
+        )
         for one, two in zip(motion.peaks, first.peaks, strict=True):
             assert abs(one.mean - two.mean) < 1.96 * np.hypot(one.spread, two.spread) + 2e-6
 
 
 def test_the_written_grid_changes_no_number_and_the_same_film_gives_the_same_bits():
     film, _ = made.turning_film()
-    first, coarse = made.turning_motion(), vt.coil_motion(film, replace(SETUP, dwell=made.turning_motion().dwell), curve_angles=72)
-    assert (coarse.places == first.places).all() and coarse.peaks == first.peaks and coarse.surge.lines == first.surge.lines
+    first, coarse = (
+        made.turning_motion(),
+        vt.coil_motion(film, replace(SETUP, dwell=made.turning_motion().dwell), curve_angles=72),
+    )
+    assert (
+        (coarse.places == first.places).all()
+        and coarse.peaks == first.peaks
+        and coarse.surge.lines == first.surge.lines
+    )
     assert coarse.cycles[3].values == pytest.approx(first.cycles[3].values[:, ::5], abs=1e-12)
 
 
 def test_cycles_are_measured_cycles_in_si_with_their_turns():
     motion = made.turning_motion()
     cycles = motion.cycles[-1]
-    assert cycles.quantity == "coil_6_displacement" and cycles.unit == "m" and cycles.values.shape == (3, 360)
-    assert cycles.cam_speed == motion.phase.cam_speed and np.nanmax(cycles.values) == pytest.approx(9e-3, rel=5e-3)
+    assert (
+        cycles.quantity == "coil_6_displacement"
+        and cycles.unit == "m"
+        and cycles.values.shape == (3, 360)
+    )
+    assert cycles.cam_speed == motion.phase.cam_speed and np.nanmax(cycles.values) == pytest.approx(
+        9e-3, rel=5e-3
+    )
 
 
 def test_frames_that_are_lost_leave_displacements_open():
@@ -172,11 +231,13 @@ def test_frames_that_are_lost_leave_displacements_open():
         """A film whose frames are numbered."""
 
     opened = Counted("film", *film.shape[1:], numbers=kept.tolist(), array=film[kept])
-    import valvetrain.measurements.film.motion as reading
+    import valvetrain.film.motion as reading
 
     seen = read_space_time(opened, SightLine((6, 10), (6, 239)), made.RATE, (4, 4), 2.0, 0, None)
     motion = reading._motion(seen, reading.track(seen), SETUP, None, 360, False, ())
-    assert np.isnan(motion.cycles[-1].values).sum() >= 4 and "7 frames are lost" in " ".join(motion.notes)
+    assert np.isnan(motion.cycles[-1].values).sum() >= 4 and "7 frames are lost" in " ".join(
+        motion.notes
+    )
     whole = made.turning_motion()
     assert motion.displacement[:, 2] == pytest.approx(whole.displacement[kept, 2], abs=0.03e-3)
 
@@ -190,10 +251,16 @@ def test_without_opencv_the_extra_is_named(tmp_path, monkeypatch):
 
 
 def test_a_spring_alone_is_laid_under_the_film_too():
-    """job-t is a spring under prescribed motion, whose one spring has a name of its own in the case."""
+    """job-t is a spring under prescribed motion, whose one spring has a name of its own in the
+    case.
+    """
     motion = made.turning_motion()
     model = vt.film_over_model(motion, "job-t", "multi-mass", first_turn=0.5)
-    assert model.spring == "spring" and (model.turns == np.arange(6) + 0.5).all() and model.displacement.shape == (360, 6)
+    assert (
+        model.spring == "spring"
+        and (model.turns == np.arange(6) + 0.5).all()
+        and model.displacement.shape == (360, 6)
+    )
     with pytest.raises(vt.InputError, match="has no displacement of coils"):
         vt.film_over_model(motion, "job-t", "massless")
     with pytest.raises(vt.InputError, match="spring 'inner' is unknown"):
@@ -205,6 +272,8 @@ def test_a_single_turn_has_no_scatter_and_a_white_glare_is_spoken_of():
     bright = np.clip(film[:90].astype(int) * 4, 0, 255).astype(np.uint8)
     motion = vt.coil_motion(bright, replace(SETUP, cam_speed=made.CAM_SPEED))
     words = " ".join(motion.notes)
-    assert "turns of the cam, so peaks have no scatter" in words and "the glare is as white" in words
+    assert (
+        "turns of the cam, so peaks have no scatter" in words and "the glare is as white" in words
+    )
     assert all(np.isnan(one.scatter) and one.spread > 0 for one in motion.peaks)
     assert not gaps_of(film_page(motion)) and peak_rows(motion, None)[0][3] == "–"

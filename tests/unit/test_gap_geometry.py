@@ -1,4 +1,6 @@
-"""Every kind of gap against its formula: rows of random geometry, points by complex numbers, gradients by differences."""
+"""Every kind of gap against its formula: rows of random geometry, points by complex numbers,
+gradients by differences.
+"""
 
 from __future__ import annotations
 
@@ -8,7 +10,16 @@ import math
 import numpy as np
 import pytest
 
-from valvetrain.mechanism.gap_kinds import ARC_RADIUS, CAM_FLAT, CAM_LIFT, CAM_ROUND, DISTANCE, GEOMETRY_COLUMNS, LINEAR, POINT_PLANE
+from valvetrain.mechanism.gap_kinds import (
+    ARC_RADIUS,
+    CAM_FLAT,
+    CAM_LIFT,
+    CAM_ROUND,
+    DISTANCE,
+    GEOMETRY_COLUMNS,
+    LINEAR,
+    POINT_PLANE,
+)
 from valvetrain.mechanism.gaps import gap_rows
 from valvetrain.mechanism.sliding import SLIDING_KINDS, sliding_gradient
 
@@ -19,7 +30,9 @@ def level(angle: float, derivative: int = 0) -> float:
     """A smooth contour (m) over the cam angle."""
     turned = angle + derivative * math.pi / 2
     return (
-        (0.03 if derivative == 0 else 0.0) + 4e-3 * math.cos(turned) + 1e-3 * 2**derivative * math.sin(2 * angle + derivative * math.pi / 2)
+        (0.03 if derivative == 0 else 0.0)
+        + 4e-3 * math.cos(turned)
+        + 1e-3 * 2**derivative * math.sin(2 * angle + derivative * math.pi / 2)
     )
 
 
@@ -37,7 +50,9 @@ def planar_point(row: np.ndarray, q: np.ndarray) -> tuple[complex, float]:
 
 
 def penetration(kind: int, row: np.ndarray, q: np.ndarray, cam_angle: float) -> float:
-    """The formula of the kind, as the module of the kinds states it; q: the four coordinates, zero where there is none."""
+    """The formula of the kind, as the module of the kinds states it; q: the four coordinates, zero
+    where there is none.
+    """
     if kind == LINEAR:
         return row[0] + row[1:5] @ q
     if kind == CAM_LIFT:
@@ -69,13 +84,29 @@ def row_of(kind: int, turning: bool) -> np.ndarray:
     return row
 
 
-def state(kind: int, row: np.ndarray, index: np.ndarray, position: np.ndarray) -> tuple[float, np.ndarray, float]:
-    """Penetration, gradient by the coordinates and slope by the cam angle, as the kernel has them; the row stands second of two."""
+def state(
+    kind: int, row: np.ndarray, index: np.ndarray, position: np.ndarray
+) -> tuple[float, np.ndarray, float]:
+    """Penetration, gradient by the coordinates and slope by the cam angle, as the kernel has them;
+    the row stands second of two.
+    """
     kinds, geometry = np.array([LINEAR, kind]), np.array([np.full(GEOMETRY_COLUMNS, np.nan), row])
     indices, table_of = np.array([[-1] * 4, index]), np.array([0, 1])
     geometry[0, 0] = 0.0
     pens, gradients, slopes = np.zeros((1, 2)), np.zeros((1, 2, len(position))), np.zeros((1, 2))
-    gap_rows(kinds, indices, geometry, contour(), table_of, position[None], np.array([ANGLE]), np.zeros((2, 4)), pens, gradients, slopes)
+    gap_rows(
+        kinds,
+        indices,
+        geometry,
+        contour(),
+        table_of,
+        position[None],
+        np.array([ANGLE]),
+        np.zeros((2, 4)),
+        pens,
+        gradients,
+        slopes,
+    )
     return float(pens[0, 1]), gradients[0, 1], float(slopes[0, 1])
 
 
@@ -126,7 +157,9 @@ def contact_of(kind: int, row: np.ndarray, q: np.ndarray) -> tuple[complex, comp
 @pytest.mark.parametrize("kind", SLIDING_KINDS)
 @pytest.mark.parametrize("support", [1, -1])
 def test_a_contact_slides_as_its_material_does(kind, turning, support):
-    """Material of the body (and, under a cam, less it from that of the turning cam) at the contact, along the tangent i n."""
+    """Material of the body (and, under a cam, less it from that of the turning cam) at the contact,
+    along the tangent i n.
+    """
     row, q = row_of(kind, turning), np.array([2e-3, -1e-3 if support >= 0 else 0.0])
     row[ARC_RADIUS] = 6e-3
     slides = np.full((1, 2), np.nan)
@@ -142,6 +175,10 @@ def test_a_contact_slides_as_its_material_does(kind, turning, support):
     pivot = complex(*row[1:3]) + complex(*row[6:8]) * q[1]
     of_body = 1j * row[5] * (place - pivot) if turning else complex(*row[3:5])
     side = 1.0 if kind == POINT_PLANE else -1.0
-    assert slides[0] == pytest.approx([side * along(of_body), side * along(complex(*row[6:8]))], abs=1e-9)
-    assert per_angle == pytest.approx(0.0 if kind == POINT_PLANE else along(1j * row[10] * place), abs=1e-9)
+    assert slides[0] == pytest.approx(
+        [side * along(of_body), side * along(complex(*row[6:8]))], abs=1e-9
+    )
+    assert per_angle == pytest.approx(
+        0.0 if kind == POINT_PLANE else along(1j * row[10] * place), abs=1e-9
+    )
     assert np.min(np.abs(slides)) > 1e-4

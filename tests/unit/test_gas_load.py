@@ -31,17 +31,29 @@ def test_between_two_angles_the_force_stays_between_their_values(seed):
     forces = chance.normal(0.0, 1000.0, 12)
     found = force_at(angles, forces)
     # the table's nodes are a quarter degree apart: a value holds for its neighbourhood of one cell
-    sides = [np.searchsorted(angles, np.mod(FINE + side, 2 * np.pi), side="right") - 1 for side in np.radians([-0.25, 0.0, 0.25])]
-    ends = np.array([values for place in sides for values in (forces[place], forces[(place + 1) % 12])])
+    sides = [
+        np.searchsorted(angles, np.mod(FINE + side, 2 * np.pi), side="right") - 1
+        for side in np.radians([-0.25, 0.0, 0.25])
+    ]
+    ends = np.array(
+        [values for place in sides for values in (forces[place], forces[(place + 1) % 12])]
+    )
     assert np.all(found >= ends.min(axis=0) - 1e-6) and np.all(found <= ends.max(axis=0) + 1e-6)
 
 
 def test_the_force_passes_through_what_is_given_and_is_the_monotone_cubic():
-    """Closed form: between two equal steps of the same sign the slope is their harmonic mean; next to a level it is zero."""
+    """Closed form: between two equal steps of the same sign the slope is their harmonic mean; next
+    to a level it is zero.
+    """
     angles = np.radians([0.0, 90.0, 180.0, 270.0])
     found = force_at(angles, [0.0, 100.0, 400.0, 400.0])
-    at = {round(float(degree), 3): value for degree, value in zip(np.degrees(FINE), found, strict=True)}
-    assert [at[degree] for degree in (0.0, 90.0, 180.0, 270.0)] == pytest.approx([0.0, 100.0, 400.0, 400.0], abs=1e-6)
+    at = {
+        round(float(degree), 3): value
+        for degree, value in zip(np.degrees(FINE), found, strict=True)
+    }
+    assert [at[degree] for degree in (0.0, 90.0, 180.0, 270.0)] == pytest.approx(
+        [0.0, 100.0, 400.0, 400.0], abs=1e-6
+    )
     slope = 2 / (1 / 100 + 1 / 300)  # N per quarter turn, at 90 degrees
     assert at[135.0] == pytest.approx((100 + 400) / 2 + slope / 8, abs=1e-3)
     assert at[225.0] == pytest.approx(400.0, abs=1e-6)

@@ -1,4 +1,6 @@
-"""A contact of 1e30: no step of time follows it, so it is refused in a sentence from a file, by --set and from a program."""
+"""A contact of 1e30: no step of time follows it, so it is refused in a sentence from a file, by
+--set and from a program.
+"""
 
 from __future__ import annotations
 
@@ -25,7 +27,11 @@ def ended(result) -> str:
 def test_contact_of_coils_in_a_case_file_or_set(model, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "soft.toml").write_text(SMALL)
-    (tmp_path / "hard.toml").write_text(SMALL.replace("[spring.damping]", f'[spring.contact]\nstiffness = "{HARD}"\n\n[spring.damping]'))
+    (tmp_path / "hard.toml").write_text(
+        SMALL.replace(
+            "[spring.damping]", f'[spring.contact]\nstiffness = "{HARD}"\n\n[spring.damping]'
+        )
+    )
     words = ("--spring", model, "--workers", "1", "--output", "out", "--no-report")
     for asked in (("hard.toml",), ("soft.toml", "--set", f"spring.contact.stiffness={HARD}")):
         told = ended(call("run", *asked, *words))
@@ -41,18 +47,30 @@ def test_contact_of_coils_from_a_program(model):
 
 
 def test_contact_of_parts():
-    """It would be 5e-28 mm deep under the load of a spring, less than a number of that size can tell."""
+    """It would be 5e-28 mm deep under the load of a spring, less than a number of that size can
+    tell.
+    """
     words = "would be 5e-28 mm deep at 500 N; check contact_stiffness and its unit"
     with pytest.raises(InputError, match=words):
         vt.build_contact_law("linear", contact_stiffness="1e30 N/mm")
     key = "train.contacts.cam.contact_stiffness"
     with pytest.raises(InputError, match=words):
-        vt.simulate(vt.load_case("tdi-pushrod", {key: "1e30 N/mm"}), "3000 rpm", spring_models=["massless"], spring_sets=["stock"])
+        vt.simulate(
+            vt.load_case("tdi-pushrod", {key: "1e30 N/mm"}),
+            "3000 rpm",
+            spring_models=["massless"],
+            spring_sets=["stock"],
+        )
     assert words in sentence(call("run", "tdi-pushrod", "--set", f"{key}=1e30 N/mm"))
     assert words in sentence(call("check", "tdi-pushrod", "--set", f"{key}=1e30 N/mm"))
 
 
 def test_a_curve_of_hard_coils_ends_with_a_status():
-    curve = vt.static_curve(vt.load_case("gu2021-beehive", {"spring.contact.stiffness": HARD}), steps=12)
+    curve = vt.static_curve(
+        vt.load_case("gu2021-beehive", {"spring.contact.stiffness": HARD}), steps=12
+    )
     assert curve.status.code == "not-converged" and 0 < len(curve.force) < 13
-    assert "no equilibrium beyond" in curve.status.message and ", at time" not in curve.status.sentence()
+    assert (
+        "no equilibrium beyond" in curve.status.message
+        and ", at time" not in curve.status.sentence()
+    )

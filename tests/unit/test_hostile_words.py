@@ -1,4 +1,6 @@
-"""Words from outside reach names, files, pages, decks and terminals as words: nothing in them is run, read or computed."""
+"""Words from outside reach names, files, pages, decks and terminals as words: nothing in them is
+run, read or computed.
+"""
 
 from __future__ import annotations
 
@@ -16,12 +18,11 @@ from unit.test_report_browser import browse
 from valvetrain.errors import InputError
 from valvetrain.parameters.constructors import cylindrical
 from valvetrain.parameters.loading import load_case, parse_case
-from valvetrain.report.build import study_page
 from valvetrain.report.page import charts, render
 from valvetrain.report.plotly_chart import in_script
+from valvetrain.report.study import study_page, write_study
 from valvetrain.report.svg_chart import svg
 from valvetrain.report.table import quoted
-from valvetrain.report.write import write_study
 from valvetrain.solution.textfile import load_csv, save_csv
 from valvetrain.springs.solid.jobs import SolidSpring
 from valvetrain.springs.solid.layout import MeshOptions
@@ -43,13 +44,22 @@ def with_key(key: str, value: str) -> str:
 @pytest.mark.parametrize("key", ["name", "title", "spring.name"])
 @pytest.mark.parametrize(
     ("value", "said"),
-    [("a\n*INCLUDE, INPUT=x", "U\\+000A"), ("\x1b[2Jgone", "U\\+001B"), ("a\u2028b", "U\\+2028"), ("a\u202eb", "U\\+202E"), ("a" * 1001,
-    "1001")],
-)  # fmt: skip
+    [
+        ("a\n*INCLUDE, INPUT=x", "U\\+000A"),
+        ("\x1b[2Jgone", "U\\+001B"),
+        ("a\u2028b", "U\\+2028"),
+        ("a\u202eb", "U\\+202E"),
+        ("a" * 1001, "1001"),
+    ],
+)
 def test_control_characters_and_endless_words_are_refused_at_reading(key, value, said):
     with pytest.raises(InputError, match=said) as refusal:
         parse_case(with_key(key, value), where="case.toml")
-    assert key in str(refusal.value) and str(refusal.value).isprintable() and len(str(refusal.value)) < 300
+    assert (
+        key in str(refusal.value)
+        and str(refusal.value).isprintable()
+        and len(str(refusal.value)) < 300
+    )
 
 
 @pytest.mark.parametrize("name", ["a/b", "../../outside", "a\\b", "n" * 81])
@@ -76,7 +86,9 @@ def test_a_long_description_of_several_lines_is_kept():
 
 
 def test_the_deck_of_the_solid_solver_holds_no_card_of_a_name():
-    spring = cylindrical("4 mm", "24 mm", total_coils=4, free_length="30 mm").replace(name="Größe\n*INCLUDE, INPUT=/etc/hostname\n*STEP")
+    spring = cylindrical("4 mm", "24 mm", total_coils=4, free_length="30 mm").replace(
+        name="Größe\n*INCLUDE, INPUT=/etc/hostname\n*STEP"
+    )
     deck = SolidSpring(spring, MeshOptions(elements_per_coil=8, core=1, rings=1)).deck()
     assert deck.isascii()
     assert "*INCLUDE" not in [line.split(",")[0] for line in deck.splitlines()]
@@ -99,19 +111,30 @@ def hostile_study(words: str):
 @pytest.mark.chromium
 @pytest.mark.parametrize(
     "words",
-    [pytest.param(HOSTILE[0], marks=pytest.mark.long), pytest.param(HOSTILE[1], marks=pytest.mark.long), HOSTILE[2]],
+    [
+        pytest.param(HOSTILE[0], marks=pytest.mark.long),
+        pytest.param(HOSTILE[1], marks=pytest.mark.long),
+        HOSTILE[2],
+    ],
     ids=["comment", "script", "quotes"],
 )
 def test_every_chart_still_draws_with_hostile_words(words, tmp_path):
     page = study_page(hostile_study(words))
     seen, console = browse(render(page), tmp_path)
     assert {chart.key for chart in charts(page)} == set(seen["charts"]) and len(seen["charts"]) > 5
-    assert not {key: drawn for key, drawn in seen["charts"].items() if not (drawn["traces"] and drawn["ink"])}
+    assert not {
+        key: drawn
+        for key, drawn in seen["charts"].items()
+        if not (drawn["traces"] and drawn["ink"])
+    }
     assert seen["errors"] == [] and console == [] and seen["refused"] == []
 
 
 def test_labels_of_a_train_stay_words_in_every_script_of_its_page():
-    runs = (train_run(label=COMMENT, spring_set=BREAKS_OUT), train_run(label=QUOTES, spring_set=COMMENT))
+    runs = (
+        train_run(label=COMMENT, spring_set=BREAKS_OUT),
+        train_run(label=QUOTES, spring_set=COMMENT),
+    )
     html = render(study_page(replace(train_study(), solutions=runs)))
     assert COMMENT not in html and "<script>lost" not in html and "<img src=x" not in html
 
@@ -120,7 +143,9 @@ def test_pictures_hold_hostile_words_as_words():
     import xml.etree.ElementTree as ElementTree
 
     for chart in charts(study_page(hostile_study(BREAKS_OUT + QUOTES))):
-        names = {element.tag.rpartition("}")[2] for element in ElementTree.fromstring(svg(chart)).iter()}
+        names = {
+            element.tag.rpartition("}")[2] for element in ElementTree.fromstring(svg(chart)).iter()
+        }
         assert "script" not in names and "img" not in names
 
 
@@ -131,7 +156,14 @@ def test_a_cell_of_words_is_no_formula(words):
 
 
 @pytest.mark.parametrize(
-    ("value", "cell"), [(-1.5, "-1.5"), (np.float64(-2.0).item(), "-2.0"), ("-1.5", "-1.5"), ("+3e-4", "+3e-4"), (-7, "-7")]
+    ("value", "cell"),
+    [
+        (-1.5, "-1.5"),
+        (np.float64(-2.0).item(), "-2.0"),
+        ("-1.5", "-1.5"),
+        ("+3e-4", "+3e-4"),
+        (-7, "-7"),
+    ],
 )
 def test_numbers_stay_numbers(value, cell):
     assert quoted(value) == cell
@@ -140,13 +172,21 @@ def test_numbers_stay_numbers(value, cell):
 def test_no_cell_of_any_written_table_is_a_formula(tmp_path):
     words = "=HYPERLINK(1),=2"
     study = hostile_study(words)
-    runs = tuple(replace(run, provenance=replace(run.provenance, label=words, case_name=words)) for run in study.solutions)
+    runs = tuple(
+        replace(run, provenance=replace(run.provenance, label=words, case_name=words))
+        for run in study.solutions
+    )
     written = write_study(replace(study, solutions=runs), tmp_path, page=False)
     tables = [path for path in written.data if path.suffix == ".csv"]
     assert len(tables) > 4
     for path in tables:
         with path.open(encoding="utf-8", newline="") as lines:
-            assert not [cell for row in csv.reader(lines) for cell in row if cell.startswith(("=", "+", "@"))], path.name
+            assert not [
+                cell
+                for row in csv.reader(lines)
+                for cell in row
+                if cell.startswith(("=", "+", "@"))
+            ], path.name
 
 
 def test_a_table_of_channels_reads_back_hostile_words(tmp_path):
@@ -156,5 +196,9 @@ def test_a_table_of_channels_reads_back_hostile_words(tmp_path):
 
 
 def test_names_of_files_fit_any_file_system(tmp_path):
-    written = write_study(own_study((rod_run(label="バ" * 80), rod_run(label="バ" * 80, bounces=1))), tmp_path, page=False)
+    written = write_study(
+        own_study((rod_run(label="バ" * 80), rod_run(label="バ" * 80, bounces=1))),
+        tmp_path,
+        page=False,
+    )
     assert max(len(path.name.encode()) for path in written.data) < 200

@@ -24,26 +24,45 @@ from valvetrain.identification.solve import solve
 from valvetrain.studies.stopping import Stopped
 
 TRUE_RATE, TRUE_MASS = 42e3, 0.05
-LIBRARIES = [("cma-es", "cmaes"), ("nested", "dynesty"), ("ensemble", "emcee"), ("ensemble", "sklearn.cluster")]
-WIDE = (Unknown("rate", Prior("uniform", 30e3, 60e3)), Unknown("mass", Prior("uniform", 0.02, 0.09)))
+LIBRARIES = [
+    ("cma-es", "cmaes"),
+    ("nested", "dynesty"),
+    ("ensemble", "emcee"),
+    ("ensemble", "sklearn.cluster"),
+]
+WIDE = (
+    Unknown("rate", Prior("uniform", 30e3, 60e3)),
+    Unknown("mass", Prior("uniform", 0.02, 0.09)),
+)
 
 
 def spring_numbers(points: np.ndarray) -> list[dict[str, float] | None]:
-    """Closed forms of a uniform spring: force at 7 mm and first surge frequency; none is stiffer than 59 N/mm."""
-    return [None if rate > 59e3 else {"force": rate * 7e-3, "surge": 0.5 * math.sqrt(rate / mass)} for rate, mass in points]
+    """Closed forms of a uniform spring: force at 7 mm and first surge frequency; none is stiffer
+    than 59 N/mm.
+    """
+    return [
+        None if rate > 59e3 else {"force": rate * 7e-3, "surge": 0.5 * math.sqrt(rate / mass)}
+        for rate, mass in points
+    ]
 
 
 def data_of(rate: float, mass: float, scatter: float = 1.0) -> tuple[Datum, ...]:
-    return Datum("force", rate * 7e-3, scatter), Datum("surge", 0.5 * math.sqrt(rate / mass), scatter)
+    return Datum("force", rate * 7e-3, scatter), Datum(
+        "surge", 0.5 * math.sqrt(rate / mass), scatter
+    )
 
 
 def test_points_of_a_finished_search_are_read_up_to_what_a_kill_cut_short(tmp_path) -> None:
     asked = np.array([[1.0, 2.0], [3.0, 4.0], [5.0, 6.0]])
     with Journal(tmp_path, "any") as journal:
-        journal.through(lambda points: [None if x > 4 else {"sum": x + y} for x, y in points])(asked)
+        journal.through(lambda points: [None if x > 4 else {"sum": x + y} for x, y in points])(
+            asked
+        )
         journal.through(lambda points: [{"other": 1.0}] * len(points), b"compared")(asked)
     found = read_points(tmp_path / NAME, 2)
-    assert [values.tolist() for values, _ in found] == asked.tolist() and [told for _, told in found] == [{"sum": 3.0}, {"sum": 7.0}, None]
+    assert [values.tolist() for values, _ in found] == asked.tolist() and [
+        told for _, told in found
+    ] == [{"sum": 3.0}, {"sum": 7.0}, None]
     whole = (tmp_path / NAME).read_bytes().splitlines(keepends=True)
     (tmp_path / NAME).write_bytes(b"".join(whole[:3]) + whole[3][:-5])
     assert len(read_points(tmp_path / NAME, 2)) == 2
@@ -58,12 +77,16 @@ def test_an_evolution_strategy_ends_no_worse_than_where_it_began() -> None:
     begin = posterior.work_of(np.array([[TRUE_RATE, TRUE_MASS]]))[0]
     best, whole = evolution(posterior, begin, evaluations=6)
     assert whole and np.array_equal(best, begin)
-    lost, _ = evolution(posterior, posterior.work_of(np.array([[59.5e3, 0.05]]))[0], evaluations=60)  # begins at an impossible spring
+    lost, _ = evolution(
+        posterior, posterior.work_of(np.array([[59.5e3, 0.05]]))[0], evaluations=60
+    )  # begins at an impossible spring
     assert np.isfinite(posterior.at(lost[None, :]).log_posterior[0])
 
 
 def test_known_parameters_are_recovered_without_a_prior_that_pulls() -> None:
-    found = least_squares(Posterior(WIDE, data_of(TRUE_RATE, TRUE_MASS), spring_numbers), np.array([50e3, 0.04]))
+    found = least_squares(
+        Posterior(WIDE, data_of(TRUE_RATE, TRUE_MASS), spring_numbers), np.array([50e3, 0.04])
+    )
     assert found.work[0] == pytest.approx(TRUE_RATE, rel=1e-6)
     assert found.work[1] == pytest.approx(TRUE_MASS, rel=1e-6)
     assert found.misfit < 1e-9
@@ -74,7 +97,11 @@ def test_each_method_finds_the_closed_form(method: str) -> None:
     """Rate from the force, mass from both; the spread of the rate is that of the force."""
     search = Search(method, live_points=60, steps=150, evaluations=300, starts=4)
     with Journal(None, "") as journal:
-        found = solve(Posterior(WIDE, data_of(TRUE_RATE, TRUE_MASS), journal.through(spring_numbers)), search, journal)
+        found = solve(
+            Posterior(WIDE, data_of(TRUE_RATE, TRUE_MASS), journal.through(spring_numbers)),
+            search,
+            journal,
+        )
     assert found.best["rate"] == pytest.approx(TRUE_RATE, rel=1e-3)
     assert found.best["mass"] == pytest.approx(TRUE_MASS, rel=1e-3)
     interval = found.branches[0].quantities["rate"]
@@ -92,18 +119,29 @@ def test_bounds_hold_even_when_the_data_lie_outside() -> None:
 
 def test_an_impossible_start_is_refused() -> None:
     with pytest.raises(InputError, match="no possible spring"):
-        least_squares(Posterior(WIDE, data_of(TRUE_RATE, TRUE_MASS), spring_numbers), np.array([59.5e3, 0.04]))
+        least_squares(
+            Posterior(WIDE, data_of(TRUE_RATE, TRUE_MASS), spring_numbers), np.array([59.5e3, 0.04])
+        )
 
 
-@pytest.mark.parametrize("method", [pytest.param(one, marks=pytest.mark.long) if one == "nested" else one for one in METHODS])
+@pytest.mark.parametrize(
+    "method",
+    [pytest.param(one, marks=pytest.mark.long) if one == "nested" else one for one in METHODS],
+)
 def test_priors_that_hold_no_possible_point_are_refused(method) -> None:
     stiff = (Unknown("rate", Prior("uniform", 59.1e3, 60e3)), WIDE[1])
     with Journal(None, "") as journal, pytest.raises(InputError, match="computed"):
-        solve(Posterior(stiff, data_of(TRUE_RATE, TRUE_MASS), journal.through(spring_numbers)), Search(method, live_points=20), journal)
+        solve(
+            Posterior(stiff, data_of(TRUE_RATE, TRUE_MASS), journal.through(spring_numbers)),
+            Search(method, live_points=20),
+            journal,
+        )
 
 
 def test_a_quantity_set_to_a_value_stays_there_in_its_profile() -> None:
-    """Profile of the rate under a force known to 1 N, the mass free: the misfit is the squared miss of the force."""
+    """Profile of the rate under a force known to 1 N, the mass free: the misfit is the squared miss
+    of the force.
+    """
     posterior = Posterior(WIDE, data_of(TRUE_RATE, TRUE_MASS), spring_numbers)
     peak = least_squares(posterior, np.array([50e3, 0.04]))
     found = profile(posterior, peak, "rate")
@@ -121,7 +159,9 @@ def test_a_quantity_set_to_a_value_stays_there_in_its_profile() -> None:
         (Prior("lognormal", centre=3.0, spread=math.log(2.0)), 0.8413447460685429, 6.0),
     ],
 )
-def test_priors_have_the_quantiles_of_the_textbook(prior: Prior, share: float, value: float) -> None:
+def test_priors_have_the_quantiles_of_the_textbook(
+    prior: Prior, share: float, value: float
+) -> None:
     work = prior.from_share(share)
     assert float(prior.value(work)) == pytest.approx(value, rel=1e-9)
     assert float(prior.share(work)) == pytest.approx(share, rel=1e-9)
@@ -148,7 +188,9 @@ def test_priors_that_are_none_are_refused(given: dict[str, float], words: str) -
 
 
 def test_outliers_weigh_less_under_student_errors() -> None:
-    """Densities of scipy's own student law, and the half of minus twice its logarithm above the peak."""
+    """Densities of scipy's own student law, and the half of minus twice its logarithm above the
+    peak.
+    """
     from scipy.stats import t
 
     datum = Datum("force", 300.0, 2.0, law="student", freedom=3.0)
@@ -157,22 +199,42 @@ def test_outliers_weigh_less_under_student_errors() -> None:
         assert log_density == pytest.approx(t.logpdf(computed, 3.0, 300.0, 2.0), rel=1e-12)
 
 
-@pytest.mark.parametrize("given", [{"scatter": 0.0}, {"scatter": math.nan}, {"value": math.inf}, {"law": "cauchy"}, {"freedom": 0.0}])
+@pytest.mark.parametrize(
+    "given",
+    [
+        {"scatter": 0.0},
+        {"scatter": math.nan},
+        {"value": math.inf},
+        {"law": "cauchy"},
+        {"freedom": 0.0},
+    ],
+)
 def test_data_that_are_none_are_refused(given: dict[str, float]) -> None:
     with pytest.raises(InputError):
         Datum(**({"key": "force", "value": 1.0, "scatter": 1.0} | given))
 
 
 @pytest.mark.parametrize(("method", "library"), LIBRARIES)
-def test_a_library_that_is_not_installed_is_named_with_its_remedy(method: str, library: str, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_library_that_is_not_installed_is_named_with_its_remedy(
+    method: str, library: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.setitem(sys.modules, library, None)
     search = Search(method, live_points=20, steps=20, evaluations=20)
-    with Journal(None, "") as journal, pytest.raises(MissingExtraError, match=r"pip install 'valvetrain\[studies\]'"):
-        solve(Posterior(WIDE, data_of(TRUE_RATE, TRUE_MASS), journal.through(spring_numbers)), search, journal)
+    with (
+        Journal(None, "") as journal,
+        pytest.raises(MissingExtraError, match=r"pip install 'valvetrain\[studies\]'"),
+    ):
+        solve(
+            Posterior(WIDE, data_of(TRUE_RATE, TRUE_MASS), journal.through(spring_numbers)),
+            search,
+            journal,
+        )
 
 
 def test_what_a_computation_raises_in_a_chain_reaches_the_caller() -> None:
-    """Chains of nested sampling run in threads; their errors must not be lost, nor threads left waiting."""
+    """Chains of nested sampling run in threads; their errors must not be lost, nor threads left
+    waiting.
+    """
     calls = 0
 
     def fails(points: np.ndarray) -> list[dict[str, float] | None]:
@@ -184,13 +246,21 @@ def test_what_a_computation_raises_in_a_chain_reaches_the_caller() -> None:
 
     before = threading.active_count()
     with Journal(None, "") as journal, pytest.raises(ZeroDivisionError, match="here"):
-        solve(Posterior(WIDE, data_of(TRUE_RATE, TRUE_MASS), journal.through(fails)), Search("nested", live_points=30, lanes=4), journal)
+        solve(
+            Posterior(WIDE, data_of(TRUE_RATE, TRUE_MASS), journal.through(fails)),
+            Search("nested", live_points=30, lanes=4),
+            journal,
+        )
     assert threading.active_count() == before
 
 
 @pytest.mark.parametrize(("method", "asked"), [("nested", 20), ("nested", 200), ("ensemble", 40)])
-def test_a_library_that_is_interrupted_says_nothing_on_standard_output(method: str, asked: int, capfd: pytest.CaptureFixture[str]) -> None:
-    """Libraries print the point at which an exception met them: before the answer, which was JSON no more."""
+def test_a_library_that_is_interrupted_says_nothing_on_standard_output(
+    method: str, asked: int, capfd: pytest.CaptureFixture[str]
+) -> None:
+    """Libraries print the point at which an exception met them: before the answer, which was JSON
+    no more.
+    """
     calls: list[int] = []
 
     def interrupted(points: np.ndarray) -> list[dict[str, float] | None]:
@@ -207,14 +277,23 @@ def test_a_library_that_is_interrupted_says_nothing_on_standard_output(method: s
 
 @pytest.mark.parametrize(("bend", "holds"), [(1e6, True), (0.3, False)])
 @pytest.mark.parametrize("count", [3, 10])
-def test_a_linearised_posterior_is_noted_where_it_does_not_hold(count: int, bend: float, holds: bool) -> None:
-    """Data b tanh(x / b): straight lines for a large b, whose posterior is normal; for a small b they flatten off beside the peak."""
+def test_a_linearised_posterior_is_noted_where_it_does_not_hold(
+    count: int, bend: float, holds: bool
+) -> None:
+    """Data b tanh(x / b): straight lines for a large b, whose posterior is normal; for a small b
+    they flatten off beside the peak.
+    """
     unknowns = tuple(Unknown(f"x{place}", Prior("uniform", -50.0, 50.0)) for place in range(count))
 
     def told(points: np.ndarray) -> list[dict[str, float]]:
-        return [{f"y{place}": bend * math.tanh(value / bend) for place, value in enumerate(row)} for row in points.tolist()]
+        return [
+            {f"y{place}": bend * math.tanh(value / bend) for place, value in enumerate(row)}
+            for row in points.tolist()
+        ]
 
-    posterior = Posterior(unknowns, tuple(Datum(f"y{place}", 0.0, 1.0) for place in range(count)), told)
+    posterior = Posterior(
+        unknowns, tuple(Datum(f"y{place}", 0.0, 1.0) for place in range(count)), told
+    )
     ends = ends_of(posterior, [least_squares(posterior, np.full(count, 0.01))])
     draws, numbers = linear_draws(posterior, ends, 400, 1)
     assert draws.work.shape == (400, count) and not np.any(numbers)

@@ -1,4 +1,6 @@
-"""Unit: every number of an identification's answer and of its draws stands beside the unit it is in, SI, whatever unit it was given in."""
+"""Unit: every number of an identification's answer and of its draws stands beside the unit it is
+in, SI, whatever unit it was given in.
+"""
 
 from __future__ import annotations
 
@@ -49,7 +51,15 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope="module")
 def told(folder: Path) -> dict:
-    done = call("identify", str(folder / "rate.toml"), "--json", "--workers", "1", "--output", str(folder / "out"))
+    done = call(
+        "identify",
+        str(folder / "rate.toml"),
+        "--json",
+        "--workers",
+        "1",
+        "--output",
+        str(folder / "out"),
+    )
     assert done.exit_code == 0, done.stderr
     return json.loads(done.stdout)
 
@@ -58,19 +68,36 @@ def test_the_answer_tells_si_values_with_their_units(folder: Path, told: dict) -
     found = identify_request(parse_request(FILE, "card", folder), workers=1)
     rate = found.branches[0].quantities["rate"]
     assert 31e3 < rate.best < 34e3
-    expected = {"best": rate.best, "mean": rate.mean, "standard_deviation": rate.deviation, "low": rate.low, "high": rate.high}
-    assert told["branches"][0]["quantities"]["rate"] == {name: {"value": value, "unit": "N/m"} for name, value in expected.items()}
+    expected = {
+        "best": rate.best,
+        "mean": rate.mean,
+        "standard_deviation": rate.deviation,
+        "low": rate.low,
+        "high": rate.high,
+    }
+    assert told["branches"][0]["quantities"]["rate"] == {
+        name: {"value": value, "unit": "N/m"} for name, value in expected.items()
+    }
     load, ringing = told["measurements"]
-    assert (load["measured"], load["scatter"]) == ({"value": 388.0, "unit": "N"}, {"value": 4.0, "unit": "N"}) and load["fitted"]
-    assert ringing["measured"] == {"value": 430.0, "unit": "Hz"} and ringing["scatter"]["value"] == pytest.approx(4.3)
+    assert (load["measured"], load["scatter"]) == (
+        {"value": 388.0, "unit": "N"},
+        {"value": 4.0, "unit": "N"},
+    ) and load["fitted"]
+    assert ringing["measured"] == {"value": 430.0, "unit": "Hz"} and ringing["scatter"][
+        "value"
+    ] == pytest.approx(4.3)
     assert not ringing["fitted"]
     for row, one in zip((load, ringing), found.predicted, strict=True):
         assert row["computed"]["value"] == one.best
-        assert {row[name]["unit"] for name in ("computed", "low", "middle", "high")} == {row["measured"]["unit"]}
+        assert {row[name]["unit"] for name in ("computed", "low", "middle", "high")} == {
+            row["measured"]["unit"]
+        }
     assert load["computed"]["value"] == pytest.approx(0.012 * rate.best, rel=1e-9)
     (preload,) = told["predictions"].values()
     assert preload["computed"] == {"value": pytest.approx(250.0), "unit": "N"}
-    assert {value["unit"] for value in told["profiles"]["rate"]["values"]} == {"N/m"} and "units" not in told
+    assert {value["unit"] for value in told["profiles"]["rate"]["values"]} == {
+        "N/m"
+    } and "units" not in told
 
 
 def test_draws_carry_the_units_of_their_numbers(folder: Path, told: dict) -> None:

@@ -1,4 +1,6 @@
-"""Unit: columns of a measured curve or trace are what their headings, or the file of the identification, say; never what stands first."""
+"""Unit: columns of a measured curve or trace are what their headings, or the file of the
+identification, say; never what stands first.
+"""
 
 from __future__ import annotations
 
@@ -35,7 +37,11 @@ CURVES = [
     ("load [N]; deflection [mm]\n90; 3\n150; 5\n", "", "force"),
     ("Weg [mm]; Kraft [kN]\n3; 0.09\n5; 0.15\n", "", "force"),
     ("height [mm], force [N]\n3, 90\n5, 150\n", "", "load"),
-    ("force [N], length [cm], time [s]\n90, 0.3, 1\n150, 0.5, 2\n", 'columns = ["force", "height", "ignore"]\n', "load"),
+    (
+        "force [N], length [cm], time [s]\n90, 0.3, 1\n150, 0.5, 2\n",
+        'columns = ["force", "height", "ignore"]\n',
+        "load",
+    ),
     ("3 90\n5 150\n", 'columns = ["height", "force"]\nunits = ["mm", "N"]\n', "load"),
     ("3 90\n5 150\n", 'columns = ["compression", "force"]\nunits = ["mm", "N"]\n', "force"),
     ("90 3\n150 5\n", 'columns = ["force", "compression"]\nunits = ["N", "mm"]\n', "force"),
@@ -61,13 +67,21 @@ def test_a_curve_is_over_height_or_compression_as_its_headings_say(tmp_path, tab
             r"'tester.csv' does not say which of its columns is force and which height, or compression",
         ),
         ("3 90\n5 150\n", 'units = ["mm", "N"]\n', "does not say which of its columns is force"),
-        ("height [mm], compression [mm], force [N]\n3, 1, 90\n5, 2, 150\n", "", "does not say which of its columns"),
+        (
+            "height [mm], compression [mm], force [N]\n3, 1, 90\n5, 2, 150\n",
+            "",
+            "does not say which of its columns",
+        ),
         (
             "height [mm], force [N]\n3, 90\n",
             'columns = ["height", "load"]\n',
             "a column is one of height, compression, force, ignore, not 'load'",
         ),
-        ("height [mm], force [N]\n3, 90\n", 'columns = ["height"]\n', "has 2 columns and columns names 1; say what each is"),
+        (
+            "height [mm], force [N]\n3, 90\n",
+            'columns = ["height"]\n',
+            "has 2 columns and columns names 1; say what each is",
+        ),
         ("height, force\n3, 90\n", "", "has no units; write them in its headings"),
         ("height [N], force [mm]\n3, 90\n", "", "'N' is no unit of length"),
         ("height [mm], force [mm]\n3, 90\n", "", "'mm' is no unit of force"),

@@ -1,4 +1,6 @@
-"""Unit: what a point tells of events, channels, peaks and curves is what a run of that case tells; one spring of several by its name."""
+"""Unit: what a point tells of events, channels, peaks and curves is what a run of that case tells;
+one spring of several by its name.
+"""
 
 from __future__ import annotations
 
@@ -24,7 +26,12 @@ from valvetrain.parameters.toml_text import toml_text
 from valvetrain.studies import run
 
 RPM = math.pi / 30
-WIRE = {"key": "spring.wire_diameter", "prior": "normal", "mean": "4 mm", "standard_deviation": "0.1 mm"}
+WIRE = {
+    "key": "spring.wire_diameter",
+    "prior": "normal",
+    "mean": "4 mm",
+    "standard_deviation": "0.1 mm",
+}
 BASE = {"case": "job-t", "quantities": {"wire": WIRE}}
 
 
@@ -50,37 +57,74 @@ def test_peaks_events_and_traces_are_those_of_the_run(tmp_path) -> None:
     named = {key.partition(": ")[2]: value for key, value in found.items()}
     assert named["peak_spring_force"] == run.quantities["peak_spring_force"]
     assert named["peak_spring_force_cam_angle"] == run.quantities["peak_spring_force_cam_angle"]
-    seating = min(event.cam_angle % (2 * math.pi) for event in run.events if event.kind == "seating")
+    seating = min(
+        event.cam_angle % (2 * math.pi) for event in run.events if event.kind == "seating"
+    )
     assert named["seating 1 cam angle"] == pytest.approx(seating, rel=1e-12)
     angle, lift = np.degrees(np.asarray(run.channels["cam_angle"])) % 360, run.channel("valve_lift")
     for asked in (60, 91, 359.9):
         near = lift[np.argsort(np.abs((angle - asked + 180) % 360 - 180))[:2]]
         assert near.min() - 1e-9 <= named[f"valve_lift at {asked:g} deg"] <= near.max() + 1e-9
-    assert np.isnan(numbers_at(case, request.sought[0].station, [Sought(request.sought[0].station, "event", "seating", 99)]).popitem()[1])
+    assert np.isnan(
+        numbers_at(
+            case,
+            request.sought[0].station,
+            [Sought(request.sought[0].station, "event", "seating", 99)],
+        ).popitem()[1]
+    )
 
 
 def test_curves_and_loads_are_those_of_the_static_curve(tmp_path) -> None:
     request = request_of(
-        {"curve": {"compressions": "4, 8 mm", "forces": "1, 2 N", "scatter": "1 N", "spring_model": "multi-mass"}}, tmp_path
+        {
+            "curve": {
+                "compressions": "4, 8 mm",
+                "forces": "1, 2 N",
+                "scatter": "1 N",
+                "spring_model": "multi-mass",
+            }
+        },
+        tmp_path,
     )
     found = numbers_at(request.case, request.sought[0].station, request.sought)
     curve = vt.static_curve("job-t", "10 mm", spring_model="multi-mass", steps=5)
-    assert list(found.values()) == pytest.approx([curve.force_at("4 mm"), curve.force_at("8 mm")], rel=1e-9)
+    assert list(found.values()) == pytest.approx(
+        [curve.force_at("4 mm"), curve.force_at("8 mm")], rel=1e-9
+    )
     height = request.case.springs[0].wire.free_length - 8e-3
     load = Sought(Station(None, "multi-mass"), "load", "", height)
-    assert numbers_at(request.case, load.station, [load])[load.key] == pytest.approx(curve.force_at("8 mm"), rel=1e-9)
+    assert numbers_at(request.case, load.station, [load])[load.key] == pytest.approx(
+        curve.force_at("8 mm"), rel=1e-9
+    )
 
 
 def test_springs_of_a_pair_are_named(tmp_path) -> None:
-    """Loads of outer and inner spring of the nested pair of a train; without a name it is refused with the names."""
-    outer = {"compressions": "20 mm", "forces": "300 N", "scatter": "1 N", "spring_model": "massless"}
-    quantities = {"lash": {"key": "train.lash", "prior": "uniform", "low": "0 mm", "high": "0.2 mm"}}
+    """Loads of outer and inner spring of the nested pair of a train; without a name it is refused
+    with the names.
+    """
+    outer = {
+        "compressions": "20 mm",
+        "forces": "300 N",
+        "scatter": "1 N",
+        "spring_model": "massless",
+    }
+    quantities = {
+        "lash": {"key": "train.lash", "prior": "uniform", "low": "0 mm", "high": "0.2 mm"}
+    }
     request = request_of({"curve": outer}, tmp_path, case="vaz-ohc", quantities=quantities)
-    with pytest.raises(InputError, match="4 springs of the case could be meant; give spring, one of 'outer', 'inner'"):
+    with pytest.raises(
+        InputError,
+        match="4 springs of the case could be meant; give spring, one of 'outer', 'inner'",
+    ):
         numbers_at(request.case, request.sought[0].station, request.sought)
     forces = []
     for name in ("outer", "inner"):
-        named = request_of({"curve": outer | {"spring": name, "spring_set": "nested"}}, tmp_path, case="vaz-ohc", quantities=quantities)
+        named = request_of(
+            {"curve": outer | {"spring": name, "spring_set": "nested"}},
+            tmp_path,
+            case="vaz-ohc",
+            quantities=quantities,
+        )
         (value,) = numbers_at(named.case, named.sought[0].station, named.sought).values()
         forces.append(value)
     assert forces[0] > forces[1] > 0, "the outer spring is the stronger one"
@@ -91,27 +135,95 @@ def test_springs_of_a_pair_are_named(tmp_path) -> None:
     [
         ({}, {"quantity": "free_swing_force_range", "value": "1 N"}, "no point gives"),
         ({}, {"quantity": "preload", "value": "212 N", "spring_model": "mutli-mass"}, "multi-mass"),
-        ({"quantities": {"wire": {"key": "spring.wire_diametre", "prior": "uniform", "low": "3 mm", "high": "4 mm"}}},
-         {"quantity": "preload", "value": "212 N", "spring_model": "wave-rod"}, "wire_diam"),
-        ({"quantities": {"wire": {"key": "spring.wire_diameter", "prior": "uniform", "low": "3", "high": "4"}}},
-         {"quantity": "preload", "value": "212 N", "spring_model": "wave-rod"}, "unit"),
-        ({"quantities": {"wire": {"key": "spring.wire_diameter", "prior": "uniform", "low": "7.5 mm", "high": "8 mm"}}},
-         {"quantity": "preload", "value": "212 N", "spring_model": "wave-rod"},
-         "none of .* points of the priors can be computed, at their middle because: .*the coil overlaps the one below it"),
-        ({"quantities": {"turns": {"key": "spring.total_coils", "prior": "uniform", "low": "0.1", "high": "0.3"}}},
-         {"quantity": "preload", "value": "212 N", "spring_model": "wave-rod"}, "at their middle because: .* has 0.2 turns"),
-        ({"quantities": {"turns": {"key": "spring.total_coils", "prior": "uniform", "low": "0.1", "high": "0.5"}}},
-         {"quantity": "preload", "value": "212 N", "spring_model": "wave-rod"}, "at their middle because: .* has 0.3 turns"),
+        (
+            {
+                "quantities": {
+                    "wire": {
+                        "key": "spring.wire_diametre",
+                        "prior": "uniform",
+                        "low": "3 mm",
+                        "high": "4 mm",
+                    }
+                }
+            },
+            {"quantity": "preload", "value": "212 N", "spring_model": "wave-rod"},
+            "wire_diam",
+        ),
+        (
+            {
+                "quantities": {
+                    "wire": {
+                        "key": "spring.wire_diameter",
+                        "prior": "uniform",
+                        "low": "3",
+                        "high": "4",
+                    }
+                }
+            },
+            {"quantity": "preload", "value": "212 N", "spring_model": "wave-rod"},
+            "unit",
+        ),
+        (
+            {
+                "quantities": {
+                    "wire": {
+                        "key": "spring.wire_diameter",
+                        "prior": "uniform",
+                        "low": "7.5 mm",
+                        "high": "8 mm",
+                    }
+                }
+            },
+            {"quantity": "preload", "value": "212 N", "spring_model": "wave-rod"},
+            "none of .* points of the priors can be computed, at their middle because: .*the coil overlaps the one below it",
+        ),
+        (
+            {
+                "quantities": {
+                    "turns": {
+                        "key": "spring.total_coils",
+                        "prior": "uniform",
+                        "low": "0.1",
+                        "high": "0.3",
+                    }
+                }
+            },
+            {"quantity": "preload", "value": "212 N", "spring_model": "wave-rod"},
+            "at their middle because: .* has 0.2 turns",
+        ),
+        (
+            {
+                "quantities": {
+                    "turns": {
+                        "key": "spring.total_coils",
+                        "prior": "uniform",
+                        "low": "0.1",
+                        "high": "0.5",
+                    }
+                }
+            },
+            {"quantity": "preload", "value": "212 N", "spring_model": "wave-rod"},
+            "at their middle because: .* has 0.3 turns",
+        ),
     ],
-)  # fmt: skip
-def test_what_no_point_can_tell_is_refused_before_the_search(tmp_path, more, measured, words) -> None:
+)
+def test_what_no_point_can_tell_is_refused_before_the_search(
+    tmp_path, more, measured, words
+) -> None:
     request = request_of({"one": measured | {"scatter": "1 N"}}, tmp_path, **more)
     with pytest.raises(InputError, match=words):
         identify_request(request, workers=1)
 
 
 def test_a_request_that_is_too_large_is_refused_with_its_cost(tmp_path) -> None:
-    measured = {"one": {"quantity": "preload", "value": "212 N", "scatter": "1 N", "spring_model": "wave-rod"}}
+    measured = {
+        "one": {
+            "quantity": "preload",
+            "value": "212 N",
+            "scatter": "1 N",
+            "spring_model": "wave-rod",
+        }
+    }
     request = request_of(measured, tmp_path, search={"method": "cma-es", "evaluations": 9_000_000})
     with pytest.raises(InputError, match=r"beyond the bound of .* raise the bound with --limit"):
         identify_request(request, workers=1)
@@ -119,7 +231,14 @@ def test_a_request_that_is_too_large_is_refused_with_its_cost(tmp_path) -> None:
 
 def test_the_case_s_own_values_are_a_start(tmp_path) -> None:
     """A prior far from the case: with one start from the case the search ends where the case is."""
-    measured = {"one": {"quantity": "preload", "value": "212 N", "scatter": "1 N", "spring_model": "wave-rod"}}
+    measured = {
+        "one": {
+            "quantity": "preload",
+            "value": "212 N",
+            "scatter": "1 N",
+            "spring_model": "wave-rod",
+        }
+    }
     request = request_of(measured, tmp_path, search={"from_case": True, "draws": 1})
     found = identify_request(request, workers=1)
     assert found.best["wire"] == pytest.approx(4e-3, rel=5e-3)
@@ -127,29 +246,72 @@ def test_the_case_s_own_values_are_a_start(tmp_path) -> None:
 
 def test_the_case_alone_is_searched_from_with_keep_0(tmp_path) -> None:
     """No other start is computed, and the estimate counts the case among the starts."""
-    measured = {"one": {"quantity": "preload", "value": "212 N", "scatter": "1 N", "spring_model": "wave-rod"}}
+    measured = {
+        "one": {
+            "quantity": "preload",
+            "value": "212 N",
+            "scatter": "1 N",
+            "spring_model": "wave-rod",
+        }
+    }
     both, alone = (
-        identify_request(request_of(measured, tmp_path, search={"from_case": True, "draws": 1, "starts": 30, "keep": keep}), workers=1)
+        identify_request(
+            request_of(
+                measured,
+                tmp_path,
+                search={"from_case": True, "draws": 1, "starts": 30, "keep": keep},
+            ),
+            workers=1,
+        )
         for keep in (1, 0)
     )
-    assert alone.best["wire"] == pytest.approx(4e-3, rel=5e-3) and both.evaluations - alone.evaluations >= 30
-    with pytest.raises(InputError, match=r"search.keep: is 0, so that nothing is searched from; set from_case = true"):
+    assert (
+        alone.best["wire"] == pytest.approx(4e-3, rel=5e-3)
+        and both.evaluations - alone.evaluations >= 30
+    )
+    with pytest.raises(
+        InputError,
+        match=r"search.keep: is 0, so that nothing is searched from; set from_case = true",
+    ):
         request_of(measured, tmp_path, search={"keep": 0})
     with pytest.raises(InputError, match="keep is 0, so that nothing is searched from; keep 1"):
-        vt.identify({"x": Prior("uniform", 0.0, 1.0)}, [Datum("x", 0.5, 0.1)], lambda points: [], search=Search(keep=0))
+        vt.identify(
+            {"x": Prior("uniform", 0.0, 1.0)},
+            [Datum("x", 0.5, 0.1)],
+            lambda points: [],
+            search=Search(keep=0),
+        )
     search = Search("cma-es", evaluations=1000, starts=24, keep=1)
     assert search.evaluations_of(3, given=1) - search.evaluations_of(3) == 1000 + 4 * (4 + 4)
     assert replace(search, keep=0).evaluations_of(3, given=1) == search.evaluations_of(3) - 24
 
 
 def test_conditions_that_one_study_tells_are_computed_together_with_the_same_bits(tmp_path) -> None:
-    """Two speeds by one model share a run of the case; a light quantity and another model stand alone."""
+    """Two speeds by one model share a run of the case; a light quantity and another model stand
+    alone.
+    """
     speeds = {
-        name: {"channel": "seat_force", "cam_angles": "180 deg", "values": "500 N", "scatter": "1 N", "engine_speed": f"{rpm} rpm",
-               "spring_model": model}
-        for name, rpm, model in (("slow", 2000, "modal-uniform"), ("fast", 3000, "modal-uniform"), ("other", 3000, "wave-rod"))
-    }  # fmt: skip
-    light = {"quantity": "peak_spring_force", "value": "500 N", "scatter": "1 N", "engine_speed": "2500 rpm", "spring_model": "wave-rod"}
+        name: {
+            "channel": "seat_force",
+            "cam_angles": "180 deg",
+            "values": "500 N",
+            "scatter": "1 N",
+            "engine_speed": f"{rpm} rpm",
+            "spring_model": model,
+        }
+        for name, rpm, model in (
+            ("slow", 2000, "modal-uniform"),
+            ("fast", 3000, "modal-uniform"),
+            ("other", 3000, "wave-rod"),
+        )
+    }
+    light = {
+        "quantity": "peak_spring_force",
+        "value": "500 N",
+        "scatter": "1 N",
+        "engine_speed": "2500 rpm",
+        "spring_model": "wave-rod",
+    }
     request = request_of(speeds | {"light": light}, tmp_path)
     observed = Observed(request.case, request.varied, request.sought)
     groups = groups_of(observed)
@@ -158,20 +320,30 @@ def test_conditions_that_one_study_tells_are_computed_together_with_the_same_bit
     for group in groups:
         stations = [observed.stations[place] for place in group]
         alone = [numbers_at(case, station, request.sought) for station in stations]
-        assert numbers_of(case, stations, request.sought) == {key: value for one in alone for key, value in one.items()}
+        assert numbers_of(case, stations, request.sought) == {
+            key: value for one in alone for key, value in one.items()
+        }
 
 
 def test_what_is_only_compared_elsewhere_is_computed_for_the_draws_alone(tmp_path) -> None:
-    """Fitted at rest, compared in motion: the run is asked for a few draws, and the percentile comes from them."""
+    """Fitted at rest, compared in motion: the run is asked for a few draws, and the percentile
+    comes from them.
+    """
     measured = {
         "seat": {"quantity": "preload", "value": "212 N", "scatter": "1 N", "spring_model": "wave-rod"},
         "peak": {"quantity": "peak_spring_force", "value": "530 N", "scatter": "8 N", "engine_speed": "2000 rpm", "fit": False,
                  "spring_model": "wave-rod"},
     }  # fmt: skip
     asked = {"rate": {"quantity": "installed_rate", "spring_model": "wave-rod"}}
-    found = identify_request(request_of(measured, tmp_path, search={"draws": 12}, predictions=asked), workers=1)
+    found = identify_request(
+        request_of(measured, tmp_path, search={"draws": 12}, predictions=asked), workers=1
+    )
     (rate,) = found.predictions
-    assert rate.key == "wave-rod: installed_rate" and rate.unit == "N/mm" and np.isfinite(found.computed[rate.key]).sum() == 12
+    assert (
+        rate.key == "wave-rod: installed_rate"
+        and rate.unit == "N/mm"
+        and np.isfinite(found.computed[rate.key]).sum() == 12
+    )
     assert rate.low < rate.middle < rate.high and rate.best == pytest.approx(rate.middle, rel=0.02)
     seat, peak = found.predicted
     key = "2000 rpm, wave-rod: peak_spring_force"
@@ -180,7 +352,9 @@ def test_what_is_only_compared_elsewhere_is_computed_for_the_draws_alone(tmp_pat
     assert peak.low <= peak.best <= peak.high and seat.best == pytest.approx(212.0, abs=1.0)
 
 
-def test_a_rod_in_motion_tells_its_numbers_at_rest_too_and_is_put_to_rest_once(tmp_path, monkeypatch) -> None:
+def test_a_rod_in_motion_tells_its_numbers_at_rest_too_and_is_put_to_rest_once(
+    tmp_path, monkeypatch
+) -> None:
     """One run tells both; the same numbers, bit for bit, as each condition by itself."""
     moving = {"engine_speed": "4200 rpm", "spring_model": "finite-element", "scatter": "1 %"}
     request = request_of(
@@ -193,16 +367,26 @@ def test_a_rod_in_motion_tells_its_numbers_at_rest_too_and_is_put_to_rest_once(t
     )
     observed = Observed(request.case, request.varied, request.sought)
     assert groups_of(observed) == ((1, 0),)
-    apart = {key: value for one in observed.stations for key, value in (numbers_at(request.case, one, request.sought) or {}).items()}
+    apart = {
+        key: value
+        for one in observed.stations
+        for key, value in (numbers_at(request.case, one, request.sought) or {}).items()
+    }
     rests = []
-    monkeypatch.setattr(run, "rest_of_spring", lambda *given, real=run.rest_of_spring: rests.append(1) or real(*given))
+    monkeypatch.setattr(
+        run,
+        "rest_of_spring",
+        lambda *given, real=run.rest_of_spring: rests.append(1) or real(*given),
+    )
     together = numbers_of(request.case, observed.stations, request.sought)
     assert together == apart and len(together) == 2
     assert len(rests) == 1
 
 
 def test_an_ensemble_that_begins_at_the_case_is_spread_before_it_has_taken_many_steps() -> None:
-    """A linear problem, whose posterior is known: twelve steps from one point hold its spread, since walkers begin all over it."""
+    """A linear problem, whose posterior is known: twelve steps from one point hold its spread,
+    since walkers begin all over it.
+    """
     unknowns = tuple(Unknown(name, Prior("normal", centre=0.0, spread=1.0)) for name in "ab")
     data = (Datum("sum", 1.0, 0.2),)
     posterior = Posterior(unknowns, data, lambda points: [{"sum": float(a + b)} for a, b in points])

@@ -1,4 +1,5 @@
-"""``static`` and ``modes`` with ``--keep``, and the progress that a command tells to a file descriptor.
+"""``static`` and ``modes`` with ``--keep``, and the progress that a command tells to a file
+descriptor.
 
 Evidence: the folder on disk read by the run store, and lines that came over a pipe of the system.
 """
@@ -27,7 +28,8 @@ def small(tmp_path, monkeypatch):
 
 
 @pytest.mark.parametrize(
-    ("command", "more"), [("static", ("--steps", "4")), pytest.param("modes", ("--count", "3"), marks=pytest.mark.long)]
+    ("command", "more"),
+    [("static", ("--steps", "4")), pytest.param("modes", ("--count", "3"), marks=pytest.mark.long)],
 )
 def test_springs_at_rest_are_kept_as_a_run_is(small, command, more):
     plain = json.loads(call(command, "small.toml", *more, "--json").stdout)
@@ -36,7 +38,11 @@ def test_springs_at_rest_are_kept_as_a_run_is(small, command, more):
     assert result.exit_code == 0, result.stderr
     told = json.loads(result.stdout)
     run = find_run("small")
-    assert run.answer["command"] == command and run.answer["completed"] is True and (small / told["folder"]).samefile(run.folder)
+    assert (
+        run.answer["command"] == command
+        and run.answer["completed"] is True
+        and (small / told["folder"]).samefile(run.folder)
+    )
     assert told["springs_at_rest"] == plain["springs_at_rest"], "keeping changes no number"
     assert all((small / name).is_file() for name in told["files"])
     assert "at-rest" in {section.key for section in read_page(small / told["page"])}
@@ -46,32 +52,53 @@ def test_springs_at_rest_are_kept_as_a_run_is(small, command, more):
 
 @pytest.mark.parametrize(
     ("failures", "missing", "told"),
-    [((), (), ()), (("a",), (), ("a",)), ((), ("b",), ("b",)), (("a", "b"), ("b", "c"), ("a", "b", "c"))],
+    [
+        ((), (), ()),
+        (("a",), (), ("a",)),
+        ((), ("b",), ("b",)),
+        (("a", "b"), ("b", "c"), ("a", "b", "c")),
+    ],
 )
 @pytest.mark.parametrize("page", [True, False])
-def test_what_is_kept_is_said_with_the_answer_and_all_that_failed(tmp_path, monkeypatch, failures, missing, told, page):
-    parts = SimpleNamespace(page=tmp_path / "page.html" if page else None, data=(tmp_path / "a.csv",), gaps=missing)
+def test_what_is_kept_is_said_with_the_answer_and_all_that_failed(
+    tmp_path, monkeypatch, failures, missing, told, page
+):
+    parts = SimpleNamespace(
+        page=tmp_path / "page.html" if page else None, data=(tmp_path / "a.csv",), gaps=missing
+    )
     written, said = [], []
 
     def keep_run(request, text, choices, data, write, made_by, gaps):
         written.extend(write(tmp_path))
-        assert data["completed"] is (not told) and data["failures"] == list(told), "run.json says so too"
-        assert choices == {"steps": 4, "spring_models": ["rod", "chain"]} and (request.command, text, made_by) == ("static", "text", "me")
+        assert data["completed"] is (not told) and data["failures"] == list(told), (
+            "run.json says so too"
+        )
+        assert choices == {"steps": 4, "spring_models": ["rod", "chain"]} and (
+            request.command,
+            text,
+            made_by,
+        ) == ("static", "text", "me")
         return tmp_path, ["files"]
 
     monkeypatch.setattr(keep_rest, "keep_run", keep_run)
-    monkeypatch.setattr("valvetrain.report.write.write_parts", lambda study, target: parts)
+    monkeypatch.setattr("valvetrain.report.study.write_parts", lambda study, target: parts)
     rest = tuple(SimpleNamespace(model=word) for word in ("rod", "chain", "rod"))
-    study = SimpleNamespace(command="static", rest=rest, record=SimpleNamespace(text="text"), provenance="me")
+    study = SimpleNamespace(
+        command="static", rest=rest, record=SimpleNamespace(text="text"), provenance="me"
+    )
     outcome = Outcome({"answer": 1}, lambda console: console.print("the answer"), failures)
     found = keep_rest.kept(outcome, study, None, tmp_path, {"steps": 4})
     found.show(SimpleNamespace(print=lambda words, **more: said.append(words)))
     assert said == ["the answer", f"\nkept in {tmp_path}"] and found.failures == told
     assert written == [*parts.data, *([parts.page] if page else [])]
     assert found.data == {
-        "answer": 1, "folder": str(tmp_path), "files": ["files"], "page": str(parts.page) if page else None,
-        "completed": not told, "failures": list(told),
-    }  # fmt: skip
+        "answer": 1,
+        "folder": str(tmp_path),
+        "files": ["files"],
+        "page": str(parts.page) if page else None,
+        "completed": not told,
+        "failures": list(told),
+    }
 
 
 def test_progress_is_told_to_whoever_asked_for_it(monkeypatch):
@@ -90,5 +117,7 @@ def test_progress_is_told_to_whoever_asked_for_it(monkeypatch):
         os.close(reading)
         os.close(writing)
     assert [json.loads(line) for line in lines] == [
-        {"share": 0.0, "text": "small"}, {"share": 0.5, "text": "massless at 4000 rpm"}, {"share": None, "text": "writing files"},
-    ]  # fmt: skip
+        {"share": 0.0, "text": "small"},
+        {"share": 0.5, "text": "massless at 4000 rpm"},
+        {"share": None, "text": "writing files"},
+    ]

@@ -1,4 +1,6 @@
-"""Unit: every way in which a key of an identification file is taken: what is read, what is refused, and the key that is named."""
+"""Unit: every way in which a key of an identification file is taken: what is read, what is refused,
+and the key that is named.
+"""
 
 from __future__ import annotations
 
@@ -51,7 +53,13 @@ def part(holds: Any, where: str = "search") -> Part:
 def test_a_key_is_read_as_what_it_must_be(way, told, holds, due):
     table = part(holds)
     found = getattr(table, way)("key", *told)
-    assert found == (pytest.approx(due) if way in ("plain", "amounts") else (pytest.approx(due[0]), due[1]) if way == "amount" else due)
+    assert found == (
+        pytest.approx(due)
+        if way in ("plain", "amounts")
+        else (pytest.approx(due[0]), due[1])
+        if way == "amount"
+        else due
+    )
     assert isinstance(found, type(due)) and table.has("key") == (holds is not MISSING)
     table.finish()
 
@@ -62,12 +70,17 @@ def test_a_refusal_names_the_key(way, told, holds, words, where):
     with pytest.raises(InputError) as refused:
         getattr(part(holds, where), way)("key", *told)
     assert words in str(refused.value)
-    assert refused.value.where.removesuffix(".a").removesuffix("[0]") == (f"{where}.key" if where else "key")
+    assert refused.value.where.removesuffix(".a").removesuffix("[0]") == (
+        f"{where}.key" if where else "key"
+    )
 
 
 def test_tables_below_a_key_stand_by_their_names():
     found = part({"a": {"x": 1}, "b" * LONGEST: {}}).parts("key")
-    assert [(name, one.where) for name, one in found] == [("a", "search.key.a"), ("b" * LONGEST, "search.key." + "b" * 40)]
+    assert [(name, one.where) for name, one in found] == [
+        ("a", "search.key.a"),
+        ("b" * LONGEST, "search.key." + "b" * 40),
+    ]
     assert found[0][1].plain("x") == 1.0
 
 

@@ -1,4 +1,6 @@
-"""Unit: the command ``lift``, a case with a measured lift, and what its noise does to the forces of a run."""
+"""Unit: the command ``lift``, a case with a measured lift, and what its noise does to the forces of
+a run.
+"""
 
 import json
 import re
@@ -12,7 +14,7 @@ import valvetrain as vt
 from unit.cli_parts import call as invoke
 from valvetrain.cam import build_lift_law
 from valvetrain.errors import InputError
-from valvetrain.studies.lift_band import lift_band_study
+from valvetrain.lift.band import lift_band_study
 
 #: A polydyne-like lobe: 9 mm over 120 cam deg about 180.
 ANGLES = np.arange(90.0, 271.0)
@@ -25,7 +27,9 @@ HEAD = "cam angle [deg]; valve lift [mm]\n"
 def table(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     file = tmp_path / "lobe.dat"
-    file.write_text(HEAD + "\n".join(f"{angle:g};{lift:.5f}" for angle, lift in zip(ANGLES, NOISY, strict=True)))
+    file.write_text(
+        HEAD + "\n".join(f"{angle:g};{lift:.5f}" for angle, lift in zip(ANGLES, NOISY, strict=True))
+    )
     return file
 
 
@@ -36,7 +40,9 @@ def own_case(tmp_path, more=""):
     text = (LIBRARY.parent.parent / "templates" / "spring.toml").read_text()
     begin, end = text.index("[lift_law]"), text.index("# Speeds of the crank")
     case = tmp_path / "own.toml"
-    case.write_text(text[:begin] + f'[lift_law]\nkind = "measured"\nfile = "lobe.dat"\n{more}\n' + text[end:])
+    case.write_text(
+        text[:begin] + f'[lift_law]\nkind = "measured"\nfile = "lobe.dat"\n{more}\n' + text[end:]
+    )
     return case
 
 
@@ -44,51 +50,86 @@ def test_the_terminal_tells_figures_answers_and_noise(table):
     result = invoke("lift", str(table))
     assert result.exit_code == 0, result.output
     text = " ".join(result.stdout.split())
-    for words in ("lift of valve (file)", "angle of cam (file)", "zero file (assumed)", "peak lift 9.00", "duration at 0.050 in"):
+    for words in (
+        "lift of valve (file)",
+        "angle of cam (file)",
+        "zero file (assumed)",
+        "peak lift 9.00",
+        "duration at 0.050 in",
+    ):
         assert words in text
-    assert float(re.search(r"noise of a station is ([\d.]+) µm", text)[1]) == pytest.approx(3, rel=0.25)
+    assert float(re.search(r"noise of a station is ([\d.]+) µm", text)[1]) == pytest.approx(
+        3, rel=0.25
+    )
     assert len(result.stdout.splitlines()) < 40
 
 
 def test_json_holds_figures_with_their_spread_and_the_folder_its_files(table):
-    result = invoke("lift", str(table), "--json", "--at", "5 mm", "--output", "out", "--write", "smooth.s96", "--write-form", "s96")
+    result = invoke(
+        "lift",
+        str(table),
+        "--json",
+        "--at",
+        "5 mm",
+        "--output",
+        "out",
+        "--write",
+        "smooth.s96",
+        "--write-form",
+        "s96",
+    )
     data = json.loads(result.stdout)
     found = data["lobes"][0]["figures"]
     half = np.radians(60) * np.sqrt(1 - (5 / 9) ** (1 / 3))
     assert found["duration_at_5_mm"]["value"] == pytest.approx(2 * half, rel=2e-3)
-    assert abs(found["duration_at_5_mm"]["value"] - 2 * half) < 4 * found["duration_at_5_mm"]["standard_deviation"]
+    assert (
+        abs(found["duration_at_5_mm"]["value"] - 2 * half)
+        < 4 * found["duration_at_5_mm"]["standard_deviation"]
+    )
     assert data["lobes"][0]["noise"] == pytest.approx(3e-6, rel=0.25)
-    assert {"lift.csv", "lift.toml", "report.html", "run.json"} <= {path.rsplit("/")[-1] for path in data["files"]}
+    assert {"lift.csv", "lift.toml", "report.html", "run.json"} <= {
+        path.rsplit("/")[-1] for path in data["files"]
+    }
     written = np.loadtxt("smooth.s96")
     assert len(written) == 396 and written[180] == pytest.approx(9.0, abs=0.01)
     csv = np.genfromtxt("out/lift.csv", delimiter=",", skip_header=1)
     nose = np.argmin(np.abs(csv[:, 0] - 180))
-    assert csv[nose, 1] == pytest.approx(9.0, abs=0.01) and csv[nose, 5] == pytest.approx(-6 * 9 / np.radians(60) ** 2, rel=0.05)
+    assert csv[nose, 1] == pytest.approx(9.0, abs=0.01) and csv[nose, 5] == pytest.approx(
+        -6 * 9 / np.radians(60) ** 2, rel=0.05
+    )
     page = open("out/report.html").read()
     assert "Least acceleration, over the nose" in page and "Plotly" in page
 
 
 def test_two_lobes_tell_overlap(table, tmp_path):
     exhaust = tmp_path / "exhaust.dat"
-    exhaust.write_text(HEAD + "\n".join(f"{angle - 105:g};{lift:.5f}" for angle, lift in zip(ANGLES, TRUE, strict=True)))
+    exhaust.write_text(
+        HEAD
+        + "\n".join(f"{angle - 105:g};{lift:.5f}" for angle, lift in zip(ANGLES, TRUE, strict=True))
+    )
     data = json.loads(invoke("lift", str(table), "--exhaust", str(exhaust), "--json").stdout)
     found = data["both_lobes"]
     assert np.degrees(found["lobe_separation"]["value"]) == pytest.approx(105, abs=0.05)
     half = 60 * np.sqrt(1 - (1 / 9) ** (1 / 3))
-    assert np.degrees(found["overlap_at_1_mm"]["value"]) == pytest.approx(2 * (2 * half - 105), abs=0.2)
+    assert np.degrees(found["overlap_at_1_mm"]["value"]) == pytest.approx(
+        2 * (2 * half - 105), abs=0.2
+    )
 
 
 @pytest.mark.parametrize(
     ("words", "sentence"),
     [
-        (("--angle-of", "crank"), "crank as asked, but the file says cam"), (("--at", "12 mm"), "the lobe rises 9"),
+        (("--angle-of", "crank"), "crank as asked, but the file says cam"),
+        (("--at", "12 mm"), "the lobe rises 9"),
         (("--noise", "3"), "--noise"),
         (("--engine-speed", "4000 rpm"), "name it with --case"),
         (("--columns", "angle, hub"), "a column is one of"),
-        (("--zero", "top"), "zero is file or nose"), (("--write", "a.txt", "--write-form", "odd"), "unknown"),
-        (("--case", "job-t", "--draws", "2"), "draws is a number from 4"), (("--case", "tdi-pushrod"), "driven by the lift of the tappet"),
+        (("--zero", "top"), "zero is file or nose"),
+        (("--write", "a.txt", "--write-form", "odd"), "unknown"),
+        (("--case", "job-t", "--draws", "2"), "draws is a number from 4"),
+        (("--case", "tdi-pushrod"), "driven by the lift of the tappet"),
     ],
-)  # fmt: skip
+)
 def test_wrong_words_get_one_sentence(table, words, sentence):
     result = invoke("lift", str(table), *words)
     assert result.exit_code == 2 and sentence in result.stderr and "Traceback" not in result.output
@@ -110,24 +151,30 @@ def test_a_case_takes_a_measured_lift_and_keeps_it_whole(table, tmp_path):
 @pytest.mark.parametrize(
     ("more", "sentence"),
     [
-        ('lobe = "intake"', "holds lift, no intake"), ('angle_of = "crank"', "the file says cam"),
+        ('lobe = "intake"', "holds lift, no intake"),
+        ('angle_of = "crank"', "the file says cam"),
         ('noise = "5 mm"', "noise is a length above zero"),
-        ('lifts = ["1 mm"]', "not by both"), ("draw = -1", "draw: -1 does not fit"),
+        ('lifts = ["1 mm"]', "not by both"),
+        ("draw = -1", "draw: -1 does not fit"),
         ('lift_of = "tappet"', "the file says valve"),
     ],
-)  # fmt: skip
+)
 def test_a_case_refuses_what_does_not_fit(table, tmp_path, more, sentence):
     with pytest.raises(InputError, match=sentence):
         vt.load_case(str(own_case(tmp_path, more)))
 
 
 def test_the_noise_is_carried_into_forces(table, tmp_path):
-    """Twice the noise, about twice the spread of the peak force; the mean study is that of the case itself, bit for bit."""
+    """Twice the noise, about twice the spread of the peak force; the mean study is that of the case
+    itself, bit for bit.
+    """
     case, law = vt.load_case("job-t"), vt.load_case(str(own_case(tmp_path))).lift_law
     spreads = []
     for noise in (2e-6, 8e-6):
         drawn = case.replace({"lift_law": law.replace(noise=noise)})
-        found = lift_band_study(drawn, "6000 rpm", draws=6, spring_models=["modal-uniform"], workers=1)
+        found = lift_band_study(
+            drawn, "6000 rpm", draws=6, spring_models=["modal-uniform"], workers=1
+        )
         spreads.append(found.spread("peak_spring_force"))
         assert found.failures == () and spreads[-1].draws == 6
     assert 0 < spreads[0].spread < spreads[1].spread < 0.2 * spreads[1].value
@@ -136,9 +183,11 @@ def test_the_noise_is_carried_into_forces(table, tmp_path):
 
 
 def test_the_mean_law_is_told_apart_from_the_draws(table, tmp_path, monkeypatch):
-    """Studies written by hand, the mean law's first: values are its own, spreads those of the draws, each sentence names its draw."""
+    """Studies written by hand, the mean law's first: values are its own, spreads those of the
+    draws, each sentence names its draw.
+    """
+    from valvetrain.lift import band as lift_band
     from valvetrain.solution.quantity import Quantity
-    from valvetrain.studies import lift_band
 
     force, loft = (Quantity(name, 400.0, "massless") for name in ("peak_spring_force", "loft_gap"))
     made = [
@@ -148,27 +197,44 @@ def test_the_mean_law_is_told_apart_from_the_draws(table, tmp_path, monkeypatch)
         SimpleNamespace(quantities={force: 506.0, loft: np.nan}, failures=()),
         SimpleNamespace(quantities={force: 512.0, loft: np.inf}, failures=("too stiff",)),
     ]
-    monkeypatch.setattr(lift_band, "map_points", lambda work, shared, places, *given, **more: [made[place] for place in places])
-    case = vt.load_case("job-t").replace({"lift_law": vt.load_case(str(own_case(tmp_path))).lift_law})
+    monkeypatch.setattr(
+        lift_band,
+        "map_points",
+        lambda work, shared, places, *given, **more: [made[place] for place in places],
+    )
+    case = vt.load_case("job-t").replace(
+        {"lift_law": vt.load_case(str(own_case(tmp_path))).lift_law}
+    )
     study = lift_band_study(case, "2000 rpm", draws=4)
-    assert study.mean is made[0] and study.failures == ("draw 2: not settled", "draw 2: not completed", "draw 4: too stiff")
+    assert study.mean is made[0] and study.failures == (
+        "draw 2: not settled",
+        "draw 2: not completed",
+        "draw 4: too stiff",
+    )
     one, other = study.spread("peak_spring_force"), study.spread("loft_gap")
     assert (one.value, one.draws) == (500.0, 4) and one.spread == pytest.approx(np.sqrt(15.0))
     assert (other.value, other.draws) == (1e-4, 1) and np.isnan(other.spread)
 
 
 def test_the_spread_does_not_depend_on_workers(table, tmp_path):
-    case = vt.load_case("job-t").replace({"lift_law": vt.load_case(str(own_case(tmp_path))).lift_law})
+    case = vt.load_case("job-t").replace(
+        {"lift_law": vt.load_case(str(own_case(tmp_path))).lift_law}
+    )
     found = [
-        lift_band_study(case, "5000 rpm", draws=4, spring_models=["massless"], workers=workers).spreads for workers in (1, 2)
-    ]  # fmt: skip
+        lift_band_study(
+            case, "5000 rpm", draws=4, spring_models=["massless"], workers=workers
+        ).spreads
+        for workers in (1, 2)
+    ]
     assert list(map(repr, found[0])) == list(map(repr, found[1]))
 
 
 @pytest.mark.long
 def test_searched_speeds_are_carried_with_their_spread(table, tmp_path, monkeypatch):
-    """Each law's own critical speeds: here 700 rad/s and the number of the law; a law that never floats is left out of the spread."""
-    from valvetrain.studies import lift_band
+    """Each law's own critical speeds: here 700 rad/s and the number of the law; a law that never
+    floats is left out of the spread.
+    """
+    from valvetrain.lift import band as lift_band
 
     asked = []
 
@@ -176,22 +242,53 @@ def test_searched_speeds_are_carried_with_their_spread(table, tmp_path, monkeypa
         draw = case.lift_law.values["draw"]
         asked.append((draw, speeds, options["spring_models"]))
         found = [SimpleNamespace(label="massless", kind="float", engine_speed=700.0 + draw)]
-        found.append(SimpleNamespace(label="massless", kind="bounce", engine_speed=float("nan") if draw == 2 else 800.0 + 2 * draw))
+        found.append(
+            SimpleNamespace(
+                label="massless",
+                kind="bounce",
+                engine_speed=float("nan") if draw == 2 else 800.0 + 2 * draw,
+            )
+        )
         return SimpleNamespace(still={}, labels=("massless",), critical_speeds=tuple(found))
 
     monkeypatch.setattr(lift_band, "sweep", searched)
-    case = vt.load_case("job-t").replace({"lift_law": vt.load_case(str(own_case(tmp_path))).lift_law})
-    study = lift_band_study(case, "2000 rpm", draws=4, search="4000:9000:500 rpm", spring_models=["massless"], workers=1)
+    case = vt.load_case("job-t").replace(
+        {"lift_law": vt.load_case(str(own_case(tmp_path))).lift_law}
+    )
+    study = lift_band_study(
+        case, "2000 rpm", draws=4, search="4000:9000:500 rpm", spring_models=["massless"], workers=1
+    )
     assert asked == [(draw, "4000:9000:500 rpm", ("massless",)) for draw in range(5)]
     lifted, bounced = (study.spread(f"{kind}_engine_speed") for kind in ("float", "bounce"))
-    assert (lifted.value, lifted.spread, lifted.draws) == (700.0, pytest.approx(np.std([1, 2, 3, 4], ddof=1)), 4)
-    assert (bounced.value, bounced.spread, bounced.draws) == (800.0, pytest.approx(np.std([2, 6, 8], ddof=1)), 3)
+    assert (lifted.value, lifted.spread, lifted.draws) == (
+        700.0,
+        pytest.approx(np.std([1, 2, 3, 4], ddof=1)),
+        4,
+    )
+    assert (bounced.value, bounced.spread, bounced.draws) == (
+        800.0,
+        pytest.approx(np.std([2, 6, 8], ddof=1)),
+        3,
+    )
 
 
 def test_a_request_of_many_laws_is_refused_with_its_numbers(table, tmp_path):
-    asked = ("--case", "job-t", "--engine-speed", "100:9000:10 rpm", "--draws", "64", "--output", str(tmp_path / "out"))
+    asked = (
+        "--case",
+        "job-t",
+        "--engine-speed",
+        "100:9000:10 rpm",
+        "--draws",
+        "64",
+        "--output",
+        str(tmp_path / "out"),
+    )
     said = invoke("lift", str(table), *asked).stderr
-    assert "beyond the bound of" in said and "fewer laws, speeds or unknowns" in said and "--limit '" in said
+    assert (
+        "beyond the bound of" in said
+        and "fewer laws, speeds or unknowns" in said
+        and "--limit '" in said
+    )
     assert not (tmp_path / "out").exists()
 
 
@@ -201,18 +298,33 @@ def test_a_lift_that_was_not_measured_has_no_band():
 
 
 def test_a_lobe_becomes_the_lift_of_a_case(table):
-    result = invoke("lift", str(table), "--case", "job-t", "--spring", "massless", "--engine-speed", "2000 rpm", "--draws", "4", "--json")
+    result = invoke(
+        "lift",
+        str(table),
+        "--case",
+        "job-t",
+        "--spring",
+        "massless",
+        "--engine-speed",
+        "2000 rpm",
+        "--draws",
+        "4",
+        "--json",
+    )
     assert result.exit_code == 0, result.output
     carried = {one["quantity"]: one for one in json.loads(result.stdout)["carried"]}
-    assert carried["peak_spring_force"]["laws"] == 4 and carried["peak_spring_force"]["standard_deviation"] > 0
+    assert (
+        carried["peak_spring_force"]["laws"] == 4
+        and carried["peak_spring_force"]["standard_deviation"] > 0
+    )
     shutil.rmtree("runs")
 
 
 def test_a_law_that_does_not_run_makes_the_answer_incomplete():
-    from valvetrain.cli.lift import _data
+    from valvetrain.lift.band import LiftBandStudy
+    from valvetrain.lift.command import _data
     from valvetrain.solution.record import CaseRecord
     from valvetrain.solution.study import Study
-    from valvetrain.studies.lift_band import LiftBandStudy
 
     whole = LiftBandStudy(Study(CaseRecord("own")), ())
     assert _data([], (), None)["completed"] and _data([], (), whole)["completed"]

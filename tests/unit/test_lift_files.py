@@ -1,4 +1,6 @@
-"""Unit: files of lifts in every form give the same lobe; what a file does not say is asked for; what it cannot hold is refused."""
+"""Unit: files of lifts in every form give the same lobe; what a file does not say is asked for;
+what it cannot hold is refused.
+"""
 
 import io
 
@@ -7,9 +9,8 @@ import pytest
 
 from valvetrain import registry
 from valvetrain.errors import InputError
-from valvetrain.measurements.lift_answers import LiftAnswers
-from valvetrain.measurements.lift_formats.contract import LiftTable
-from valvetrain.measurements.lift_reading import lifts_in, read_lift
+from valvetrain.measured.lift_file import LiftAnswers, lifts_in, read_lift
+from valvetrain.measured.lift_formats import LiftTable
 
 ANGLES = np.arange(-70.0, 71.0)
 LIFTS = np.where(np.abs(ANGLES) < 60, 9.0 * np.clip(1 - (ANGLES / 60) ** 2, 0, None) ** 3, 0.0)
@@ -19,11 +20,16 @@ ALL = {"angle_of": "cam", "lift_of": "tappet", "lift_unit": "mm"}
 
 
 def read(text, **answers):
-    return lifts_in(text if isinstance(text, bytes) else text.encode(), "own.txt", LiftAnswers(**answers))
+    return lifts_in(
+        text if isinstance(text, bytes) else text.encode(), "own.txt", LiftAnswers(**answers)
+    )
 
 
 def rows(form="{:g},{:.5f}", *more, scale=1.0):
-    return "\n".join(form.format(angle, lift * scale, *extra) for angle, lift, *extra in zip(ANGLES, LIFTS, *more, strict=True))
+    return "\n".join(
+        form.format(angle, lift * scale, *extra)
+        for angle, lift, *extra in zip(ANGLES, LIFTS, *more, strict=True)
+    )
 
 
 FORMS = {
@@ -33,7 +39,9 @@ FORMS = {
     "tabs": rows("{:g}\t{:.5f}"),
     "bars": rows("| {:g} | {:.5f} |"),
     "commas and blanks, decimal commas": rows("{:.1f}, {:.5f}").replace(".", ","),
-    "headings, comments, empty lines": "Lobe 3\nmeasured by hand\n\n# cold\n" + rows() + "\n\n# end\n",
+    "headings, comments, empty lines": "Lobe 3\nmeasured by hand\n\n# cold\n"
+    + rows()
+    + "\n\n# end\n",
     "falling angles": "\n".join(reversed(rows().splitlines())),
     "utf-8 with its mark": "\ufeff".encode() + rows().encode(),
     "utf-16": rows().encode("utf-16"),
@@ -54,16 +62,27 @@ def test_the_same_lobe_in_every_form_of_text(form):
 @pytest.mark.parametrize(
     ("heading", "factor", "turn"),
     [
-        ("cam angle [deg]; tappet lift [mm]", 1e-3, 1.0), ("Kurbelwinkel [°KW]; valve lift [mm]", 1e-3, 0.5),
-        ("crank angle (deg); valve lift (inch)", 0.0254, 0.5), ("cam deg; lobe lift in thou", 25.4e-6, 1.0),
-        ("cam angle;valve lift\n[deg];[mm]", 1e-3, 1.0), ("cam angle [rad]; valve lift [mm]", 1e-3, 180 / np.pi),
+        ("cam angle [deg]; tappet lift [mm]", 1e-3, 1.0),
+        ("Kurbelwinkel [°KW]; valve lift [mm]", 1e-3, 0.5),
+        ("crank angle (deg); valve lift (inch)", 0.0254, 0.5),
+        ("cam deg; lobe lift in thou", 25.4e-6, 1.0),
+        ("cam angle;valve lift\n[deg];[mm]", 1e-3, 1.0),
+        ("cam angle [rad]; valve lift [mm]", 1e-3, 180 / np.pi),
     ],
-)  # fmt: skip
+)
 def test_headings_answer_what_they_say(heading, factor, turn):
-    (lobe,) = read(heading + "\n" + rows("{:g};{:.5f}", scale=1.0) if turn < 50 else heading + "\n" + "\n".join(
-        f"{np.radians(angle):.9f};{lift:.5f}" for angle, lift in zip(ANGLES, LIFTS, strict=True)
-    ))  # fmt: skip
-    np.testing.assert_allclose(np.degrees(lobe.cam_angles), ANGLES * (turn if turn < 50 else 1.0), atol=1e-6)
+    (lobe,) = read(
+        heading + "\n" + rows("{:g};{:.5f}", scale=1.0)
+        if turn < 50
+        else heading
+        + "\n"
+        + "\n".join(
+            f"{np.radians(angle):.9f};{lift:.5f}" for angle, lift in zip(ANGLES, LIFTS, strict=True)
+        )
+    )
+    np.testing.assert_allclose(
+        np.degrees(lobe.cam_angles), ANGLES * (turn if turn < 50 else 1.0), atol=1e-6
+    )
     np.testing.assert_allclose(lobe.lifts, LIFTS * factor, atol=6e-6 * factor)
     assert {answer.question: answer.by for answer in lobe.answers}["angle_of"] == "file"
 
@@ -77,9 +96,13 @@ def test_every_open_question_is_named_at_once():
 def test_what_was_assumed_is_said_to_be():
     (lobe,) = read(rows(), **ALL)
     assert {answer.question: (answer.answer, answer.by) for answer in lobe.answers} == {
-        "lift_of": ("tappet", "asked"), "lift_unit": ("mm", "asked"), "angle_of": ("cam", "asked"), "angle_unit": ("deg", "assumed"),
-        "zero": ("file", "assumed"), "direction": ("forward", "assumed"),
-    }  # fmt: skip
+        "lift_of": ("tappet", "asked"),
+        "lift_unit": ("mm", "asked"),
+        "angle_of": ("cam", "asked"),
+        "angle_unit": ("deg", "assumed"),
+        "zero": ("file", "assumed"),
+        "direction": ("forward", "assumed"),
+    }
 
 
 def test_an_answer_against_the_file_is_refused():
@@ -91,10 +114,17 @@ def test_an_answer_against_the_file_is_refused():
 
 def test_crank_angles_are_halved_and_the_nose_can_be_zero():
     (lobe,) = read(
-        "\n".join(f"{220 + 2 * angle:g} {lift:.5f}" for angle, lift in zip(ANGLES, LIFTS, strict=True)), **ALL | {"angle_of": "crank"}
+        "\n".join(
+            f"{220 + 2 * angle:g} {lift:.5f}" for angle, lift in zip(ANGLES, LIFTS, strict=True)
+        ),
+        **ALL | {"angle_of": "crank"},
     )
     np.testing.assert_allclose(np.degrees(lobe.cam_angles), ANGLES + 110, atol=1e-9)
-    (lobe,) = read("\n".join(f"{110 + angle:g} {lift:.5f}" for angle, lift in zip(ANGLES, LIFTS, strict=True)), **ALL, zero="nose")
+    (lobe,) = read(
+        "\n".join(f"{110 + angle:g} {lift:.5f}" for angle, lift in zip(ANGLES, LIFTS, strict=True)),
+        **ALL,
+        zero="nose",
+    )
     np.testing.assert_allclose(np.degrees(lobe.cam_angles), ANGLES, atol=1e-9)
 
 
@@ -113,7 +143,9 @@ def test_a_third_column_is_never_passed_over():
         read(text, **ALL)
     (lobe,) = read(text, **ALL, columns=("angle", "lift", "velocity"))
     assert "velocity column agrees" in lobe.notes[0]
-    (lobe,) = read(rows("{:g} {:.5f} {:.6f}", -velocity), **ALL, columns=("angle", "lift", "velocity"))
+    (lobe,) = read(
+        rows("{:g} {:.5f} {:.6f}", -velocity), **ALL, columns=("angle", "lift", "velocity")
+    )
     assert "velocity column does not fit" in lobe.notes[0]
     (lobe,) = read(text, **ALL, columns=("angle", "lift", "ignore"))
     assert lobe.notes == ("left out as asked: column 3",)
@@ -123,7 +155,10 @@ def test_a_third_column_is_never_passed_over():
 
 def test_two_lobes_of_one_file():
     other = np.roll(LIFTS, 5)
-    both = read("cam angle [deg]\tintake valve lift [mm]\texhaust valve lift [mm]\n" + rows("{:g}\t{:.5f}\t{:.5f}", other))
+    both = read(
+        "cam angle [deg]\tintake valve lift [mm]\texhaust valve lift [mm]\n"
+        + rows("{:g}\t{:.5f}\t{:.5f}", other)
+    )
     assert [lobe.name for lobe in both] == ["intake", "exhaust"]
     np.testing.assert_allclose(1e3 * both[1].lifts, other, atol=6e-6)
 
@@ -151,24 +186,43 @@ def test_fractions_need_lift_duration_and_begin():
     with pytest.raises(InputError) as caught:
         read(text)
     assert all(word in str(caught.value) for word in ("peak_lift", "duration", "opening"))
-    (lobe,) = read(text, angle_of="crank", lift_of="valve", peak_lift=0.01, duration=np.radians(240), opening=0.0)
+    (lobe,) = read(
+        text,
+        angle_of="crank",
+        lift_of="valve",
+        peak_lift=0.01,
+        duration=np.radians(240),
+        opening=0.0,
+    )
     assert lobe.form == "fractions"
     np.testing.assert_allclose(np.degrees(lobe.cam_angles), 120 * place, atol=1e-9)
     np.testing.assert_allclose(lobe.lifts, 0.01 * np.sin(np.pi * place) ** 2, atol=1e-8)
 
 
-TABLE = LiftTable(np.radians(np.arange(360.0)), WHOLE[:, None] * 1e-3, ("lift",), "valve", "base circle at 0")
+TABLE = LiftTable(
+    np.radians(np.arange(360.0)), WHOLE[:, None] * 1e-3, ("lift",), "valve", "base circle at 0"
+)
 
 
 @pytest.mark.parametrize("form", registry.words("lift_formats"))
 def test_what_is_written_is_read_again(form):
     found = registry.find("lift_formats", form)
     content = found.write(TABLE)
-    more = {"s96": {"lift_of": "valve", "lift_unit": "mm"}, "fractions": {
-        "angle_of": "cam", "lift_of": "valve", "peak_lift": 9e-3, "duration": np.radians(120), "opening": np.radians(120)}}  # fmt: skip
+    more = {
+        "s96": {"lift_of": "valve", "lift_unit": "mm"},
+        "fractions": {
+            "angle_of": "cam",
+            "lift_of": "valve",
+            "peak_lift": 9e-3,
+            "duration": np.radians(120),
+            "opening": np.radians(120),
+        },
+    }
     (lobe,) = lifts_in(content, "written", LiftAnswers(**more.get(form, {})))
     assert lobe.form == form
-    np.testing.assert_allclose(np.interp(TABLE.cam_angles, lobe.cam_angles, lobe.lifts), TABLE.lifts[:, 0], atol=2e-8)
+    np.testing.assert_allclose(
+        np.interp(TABLE.cam_angles, lobe.cam_angles, lobe.lifts), TABLE.lifts[:, 0], atol=2e-8
+    )
 
 
 def test_the_name_of_a_file_decides_nothing(tmp_path):
@@ -187,7 +241,10 @@ BAD = {
     "a number beyond bounds": ("1 1e400\n" * 9, "beyond all bounds"),
     "too few stations": ("1 0\n2 1\n3 0\n", "needs eight or more"),
     "angles both ways": ("\n".join(f"{x % 5} 1" for x in range(20)), "do not run one way at row 6"),
-    "more than a revolution": ("\n".join(f"{x} {x % 7}" for x in range(0, 720, 5)), "more than one cam revolution"),
+    "more than a revolution": (
+        "\n".join(f"{x} {x % 7}" for x in range(0, 720, 5)),
+        "more than one cam revolution",
+    ),
     "too many columns": ("\n".join(" ".join(["1"] * 20) for _ in range(9)), "has 20 columns"),
 }
 
@@ -202,7 +259,11 @@ def test_a_faulty_file_gets_one_sentence(fault):
 
 
 def test_files_that_are_no_files(tmp_path):
-    for name, words in ((tmp_path, "is a folder"), (tmp_path / "none", "cannot be read"), ("/dev/zero", "is a device")):
+    for name, words in (
+        (tmp_path, "is a folder"),
+        (tmp_path / "none", "cannot be read"),
+        ("/dev/zero", "is a device"),
+    ):
         with pytest.raises(InputError, match=words):
             read_lift(name)
     (tmp_path / "empty").write_text("  \n")
@@ -220,7 +281,11 @@ def test_a_workbook_without_its_reader_is_said(monkeypatch):
     monkeypatch.setattr(
         builtins,
         "__import__",
-        lambda name, *more: (_ for _ in ()).throw(ImportError(name)) if name == "python_calamine" else real(name, *more),
+        lambda name, *more: (
+            (_ for _ in ()).throw(ImportError(name))
+            if name == "python_calamine"
+            else real(name, *more)
+        ),
     )
     with pytest.raises(InputError, match=r"needs python-calamine; install the extra 'measure'"):
         read(b"PK\x03\x04" + io.BytesIO(b"x").getvalue())

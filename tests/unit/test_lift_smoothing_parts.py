@@ -1,4 +1,6 @@
-"""The smoothing of measured lifts part by part, to plain algebra: least squares, covariance, likelihood, and the mean along the event."""
+"""The smoothing of measured lifts part by part, to plain algebra: least squares, covariance,
+likelihood, and the mean along the event.
+"""
 
 from __future__ import annotations
 
@@ -8,12 +10,14 @@ from scipy.integrate import quad
 from scipy.interpolate import BSpline
 from scipy.stats import multivariate_normal
 
-from valvetrain.cam.sine_power import SinePower
+from valvetrain.cam.closed_form import SinePower
 from valvetrain.errors import InputError
-from valvetrain.measurements import lift_smoothing as smoothing
+from valvetrain.measured import lift_smoothing as smoothing
 from valvetrain.quantities.plausible import lift_extremes, refuse_implausible_motion
 
-ANGLES = np.sort(np.radians(np.arange(60.0, 161.0, 5.0)) + np.random.default_rng(2).uniform(-0.01, 0.01, 21))
+ANGLES = np.sort(
+    np.radians(np.arange(60.0, 161.0, 5.0)) + np.random.default_rng(2).uniform(-0.01, 0.01, 21)
+)
 LIFTS = 9e-3 * np.cos((ANGLES - np.radians(110)) / np.radians(50) * np.pi / 2).clip(0) ** 4
 NOISY = LIFTS + np.random.default_rng(3).normal(0, 20e-6, len(LIFTS))
 
@@ -39,9 +43,15 @@ def averaged(square: np.ndarray) -> np.ndarray:
 
 def test_the_scale_is_the_expected_square_of_the_jerk_over_neighbours(fit):
     scale = fit._local_scale()
-    draws = fit.mean(fit.ratio) + np.random.default_rng(1).standard_normal((20000, fit.design.shape[1])) @ fit.factor(fit.ratio).T
+    draws = (
+        fit.mean(fit.ratio)
+        + np.random.default_rng(1).standard_normal((20000, fit.design.shape[1]))
+        @ fit.factor(fit.ratio).T
+    )
     square = np.mean((draws @ fit.jerk.T) ** 2, axis=0).reshape(-1, 4).mean(axis=1)
-    assert scale.reshape(-1, 4) == pytest.approx(np.repeat(averaged(square)[:, None], 4, axis=1), rel=0.05)
+    assert scale.reshape(-1, 4) == pytest.approx(
+        np.repeat(averaged(square)[:, None], 4, axis=1), rel=0.05
+    )
     per = np.arange(1.0, 21.0) ** 2
     given = np.repeat(per, 4)
     one = smoothing._Fit.__new__(smoothing._Fit)
@@ -61,16 +71,24 @@ def test_the_mean_is_least_squares_with_the_jerk_held_down_and_its_factor_the_co
     for i in range(len(jerks)):
         for j in range(max(i - 5, 0), min(i + 6, len(jerks))):
             penalty[i, j] = sum(
-                quad(lambda x, i=i, j=j: float(jerks[i](x)) * float(jerks[j](x)), low, high, epsrel=1e-10)[0] / one
+                quad(
+                    lambda x, i=i, j=j: float(jerks[i](x)) * float(jerks[j](x)),
+                    low,
+                    high,
+                    epsrel=1e-10,
+                )[0]
+                / one
                 for low, high, one in zip(stretches, stretches[1:], scale, strict=False)
-            )  # fmt: skip
+            )
     plain = smoothing._Fit.__new__(smoothing._Fit)
     plain.design, plain.lifts, plain.noise = design, NOISY, 2e-5
     plain.penalty = (fit.jerk * fit.weights[:, None]).T @ fit.jerk
     assert plain.penalty == pytest.approx(penalty, rel=1e-8, abs=1e-9 * penalty.max())
     whole = design.T @ design + penalty / ratio
     root = np.linalg.cholesky(penalty / ratio)
-    stacked = np.linalg.lstsq(np.vstack([design, root.T]), np.append(NOISY, np.zeros(len(jerks))), rcond=None)[0]
+    stacked = np.linalg.lstsq(
+        np.vstack([design, root.T]), np.append(NOISY, np.zeros(len(jerks))), rcond=None
+    )[0]
     assert plain.mean(ratio) == pytest.approx(stacked, rel=1e-6, abs=1e-12)
     factor = plain.factor(ratio)
     assert factor @ factor.T == pytest.approx(2e-5**2 * np.linalg.inv(whole), rel=1e-6, abs=1e-22)
@@ -78,7 +96,9 @@ def test_the_mean_is_least_squares_with_the_jerk_held_down_and_its_factor_the_co
 
 @pytest.mark.parametrize("stated", [None, 3e-5])
 def test_the_likeliest_noise_and_ratio_are_those_of_the_density(fit, stated):
-    """Lifts are normal with covariance s^2 (1 + r D P^-1 D'): no other ratio, nor another noise where none is stated, is likelier."""
+    """Lifts are normal with covariance s^2 (1 + r D P^-1 D'): no other ratio, nor another noise
+    where none is stated, is likelier.
+    """
     penalty = (fit.jerk * fit.weights[:, None]).T @ fit.jerk
     noise, ratio = smoothing._likeliest(fit.design, penalty, NOISY, stated, stated is not None)
     assert stated is None or noise == stated
@@ -115,10 +135,14 @@ def test_the_range_of_a_law_and_no_speed_at_all():
     least, largest, first, second = lift_extremes(law)
     assert (least, largest) == pytest.approx((0.0, 9e-3), abs=2e-8)
     # sin^4: slope largest at 60 deg, 4 (3/4)^1.5 / 2; bend at the top, 4
-    assert first == pytest.approx(9e-3 * rate * 4 * 0.75**1.5 * 0.5, rel=1e-4) and second == pytest.approx(9e-3 * rate**2 * 4, rel=1e-4)
+    assert first == pytest.approx(
+        9e-3 * rate * 4 * 0.75**1.5 * 0.5, rel=1e-4
+    ) and second == pytest.approx(9e-3 * rate**2 * 4, rel=1e-4)
     refuse_implausible_motion(law, ())
     with pytest.raises(InputError, match="lift"):
-        refuse_implausible_motion(SinePower(maximum_lift=0.9, opening_start=1.0, closing_end=3.0), ())
+        refuse_implausible_motion(
+            SinePower(maximum_lift=0.9, opening_start=1.0, closing_end=3.0), ()
+        )
     with pytest.raises(InputError):
         refuse_implausible_motion(law, (10.0, 1e5))
 

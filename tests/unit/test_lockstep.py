@@ -1,4 +1,6 @@
-"""Chains that run side by side: answers in the order of the chains, and nothing printed where a map is cut."""
+"""Chains that run side by side: answers in the order of the chains, and nothing printed where a map
+is cut.
+"""
 
 from __future__ import annotations
 
@@ -23,7 +25,10 @@ def test_questions_of_a_batch_stand_in_the_order_of_the_chains() -> None:
         return 2.0 * points[:, 0]
 
     pool = Lockstep(twice, 3)
-    found = pool.map(lambda item: pool.ask(np.array([item])) + pool.ask(np.array([10.0 * item])), [1.0, 2.0, 3.0, 4.0])
+    found = pool.map(
+        lambda item: pool.ask(np.array([item])) + pool.ask(np.array([10.0 * item])),
+        [1.0, 2.0, 3.0, 4.0],
+    )
     assert found == [22.0, 44.0, 66.0, 88.0]
     assert batches == [[1.0, 2.0, 3.0], [10.0, 20.0, 30.0], [4.0], [40.0]]
 
@@ -32,7 +37,8 @@ def test_questions_of_a_batch_stand_in_the_order_of_the_chains() -> None:
 def test_a_signal_while_a_chain_starts_leaves_nothing_that_prints_later(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], late: bool
 ) -> None:
-    """The signal comes when the third thread runs already but is not yet known to be alive, as the interpreter allows.
+    """The signal comes when the third thread runs already but is not yet known to be alive, as the
+    interpreter allows.
 
     ``late``: that thread comes to its function only after the map was cut.
     """

@@ -1,4 +1,6 @@
-"""Unit: the folder of the results stands in one line however long it is, so that it can be copied and searched for."""
+"""Unit: the folder of the results stands in one line however long it is, so that it can be copied
+and searched for.
+"""
 
 from __future__ import annotations
 
@@ -24,10 +26,12 @@ search = { trials = 2, per_round = 2 }
 @pytest.mark.parametrize(
     ("words", "said"),
     [
-        (("run", "small.toml", "--spring", "massless"), ""), (("study", "study.toml"), ""), (("optimise", "search.toml"), ""),
+        (("run", "small.toml", "--spring", "massless"), ""),
+        (("study", "study.toml"), ""),
+        (("optimise", "search.toml"), ""),
         (("refine", "small.toml"), "/report.html"),
     ],
-)  # fmt: skip
+)
 def test_the_folder_of_the_results_is_not_broken(words, said, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("COLUMNS", "40")

@@ -19,7 +19,9 @@ PAGE = ROOT / "docs" / "models.md"
 
 def writer():
     """The script that writes the page, as a module."""
-    spec = importlib.util.spec_from_file_location("write_models_page", ROOT / "scripts" / "write_models_page.py")
+    spec = importlib.util.spec_from_file_location(
+        "write_models_page", ROOT / "scripts" / "write_models_page.py"
+    )
     assert spec is not None and spec.loader is not None
     module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)
@@ -48,12 +50,21 @@ def test_a_row_of_the_committed_page_is_what_runs(case):
 def test_the_page_has_every_case_every_model_and_a_reason_for_every_gap():
     lines = PAGE.read_text(encoding="utf-8").splitlines()
     head = next(line for line in lines if line.startswith("| case |"))
-    assert tuple(word.strip().strip("`") for word in head.strip("|").split("|")[1:]) == registry.words("springs")
-    rows = {line.split("`")[1]: [cell.strip() for cell in line.strip("|").split("|")[1:]] for line in lines if line.startswith("| `")}
+    assert tuple(
+        word.strip().strip("`") for word in head.strip("|").split("|")[1:]
+    ) == registry.words("springs")
+    rows = {
+        line.split("`")[1]: [cell.strip() for cell in line.strip("|").split("|")[1:]]
+        for line in lines
+        if line.startswith("| `")
+    }
     reasons = {line[2:5] for line in lines if line.startswith("- (")}
     for summary in valvetrain.list_cases():
         for cell in rows[summary.name]:
-            assert cell == "all" or any(mark in reasons for mark in (cell[-3:],)), (summary.name, cell)
+            assert cell == "all" or any(mark in reasons for mark in (cell[-3:],)), (
+                summary.name,
+                cell,
+            )
 
 
 def test_a_coarse_case_is_the_case():
@@ -63,8 +74,12 @@ def test_a_coarse_case_is_the_case():
         coarse = tool.coarse(case)
         assert coarse.lift_law == case.lift_law
         springs = coarse.springs or coarse.train.spring_parts("nested")
-        assert {spring.options_of("finite-element")["elements_per_coil"] for spring in springs} == {6}
-        assert [spring.wire for spring in springs] == [spring.wire for spring in case.springs or case.train.spring_parts("nested")]
+        assert {spring.options_of("finite-element")["elements_per_coil"] for spring in springs} == {
+            6
+        }
+        assert [spring.wire for spring in springs] == [
+            spring.wire for spring in case.springs or case.train.spring_parts("nested")
+        ]
 
 
 def test_one_cell_is_found_by_running_it():
@@ -83,4 +98,9 @@ def test_solids_stand_in_a_comparison_of_a_spring_alone():
     case = load_case("clamped-helix", {"spring.options.solid.elements_per_coil": 6})
     study = compare_study(case, spring_models=["solid", "massless"])
     solid = study.at_rest("solid")
-    assert solid is not None and solid.curve.status.completed and solid.modes.status.completed and not study.failures
+    assert (
+        solid is not None
+        and solid.curve.status.completed
+        and solid.modes.status.completed
+        and not study.failures
+    )

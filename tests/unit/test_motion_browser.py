@@ -1,4 +1,6 @@
-"""The moving picture in a real browser: it draws, steps and jumps, asks nothing of the network, and stands still where it must."""
+"""The moving picture in a real browser: it draws, steps and jumps, asks nothing of the network, and
+stands still where it must.
+"""
 
 from __future__ import annotations
 
@@ -14,17 +16,20 @@ from synthetic_study import own_study, rod_run
 from system_parts import program
 from valvetrain.parameters.loading import load_case
 from valvetrain.quantities.cycle import reported_cycle
-from valvetrain.report.motion.pack import motion_json
+from valvetrain.report.motion.project import motion_json
 from valvetrain.report.motion.scene import moving_picture
 from valvetrain.report.motion.script import motion_script
 from valvetrain.report.page import Page, Section, render
-from valvetrain.report.sections.in_motion import blocks
+from valvetrain.report.sections.curves import in_motion_blocks as blocks
 
 playwright = pytest.importorskip("playwright.sync_api")
 pytestmark = pytest.mark.chromium
 
-#: No file, no frame, no style element, no attribute of style, no evaluation: only the script that bears the number.
-STRICT = "default-src 'none'; script-src 'nonce-7'; style-src 'none'; connect-src 'none'; img-src 'none'"
+#: No file, no frame, no style element, no attribute of style, no evaluation: only the script that
+#: bears the number.
+STRICT = (
+    "default-src 'none'; script-src 'nonce-7'; style-src 'none'; connect-src 'none'; img-src 'none'"
+)
 MOUNT = """<!DOCTYPE html><html lang="en"><head><meta charset="utf-8"><title>t</title>
 <meta http-equiv="Content-Security-Policy" content="POLICY">
 <script nonce="7">window.refused = [];
@@ -38,7 +43,9 @@ TWO_FRAMES = "() => new Promise((done) => requestAnimationFrame(() => requestAni
 @pytest.fixture(scope="module")
 def study():
     base = own_study((rod_run(),))
-    return replace(base, record=replace(base.record, text=load_case("gu2021-beehive").record().text))
+    return replace(
+        base, record=replace(base.record, text=load_case("gu2021-beehive").record().text)
+    )
 
 
 @pytest.fixture(scope="module")
@@ -59,13 +66,21 @@ class Visit:
         file = folder / "page.html"
         file.write_text(html, encoding="utf-8")
         before = more.pop("before", "")
-        self.context = browser.new_context(viewport={"width": width, "height": 900}, offline=True, **more)
+        self.context = browser.new_context(
+            viewport={"width": width, "height": 900}, offline=True, **more
+        )
         self.page = self.context.new_page()
         if before:
             self.page.add_init_script(before)
         self.said, self.asked = [], []
-        # Reading the picture back is slow without a graphics card, which the browser says by itself.
-        self.page.on("console", lambda message: self.said.append(message.text) if "GPU stall" not in message.text else None)
+        # Reading the picture back is slow without a graphics card, which the browser says by
+        # itself.
+        self.page.on(
+            "console",
+            lambda message: (
+                self.said.append(message.text) if "GPU stall" not in message.text else None
+            ),
+        )
         self.page.on("pageerror", lambda error: self.said.append(str(error)))
         self.page.on("request", lambda request: self.asked.append(request.url))
         self.page.goto(file.as_uri())
@@ -79,7 +94,11 @@ class Visit:
 
 @pytest.fixture(scope="module")
 def strict_page(study):
-    html = MOUNT.replace("POLICY", STRICT).replace("DATA", motion_json(moving_picture(study))).replace("SCRIPT", motion_script())
+    html = (
+        MOUNT.replace("POLICY", STRICT)
+        .replace("DATA", motion_json(moving_picture(study)))
+        .replace("SCRIPT", motion_script())
+    )
     return html
 
 
@@ -88,7 +107,9 @@ def visit(browser, strict_page, tmp_path_factory):
     found = Visit(browser, strict_page, tmp_path_factory.mktemp("motion"))
     yield found
     assert found.said == [] and found.page.evaluate("refused") == []
-    assert [url for url in found.asked if not url.startswith(("file:", "data:"))] == [] and len(found.asked) == 1
+    assert [url for url in found.asked if not url.startswith(("file:", "data:"))] == [] and len(
+        found.asked
+    ) == 1
     found.context.close()
 
 
@@ -96,7 +117,9 @@ def ink(page) -> float:
     """Share of the pixels of the picture that are not its paper."""
     from PIL import Image
 
-    shot = np.asarray(Image.open(io.BytesIO(page.locator(".vtm canvas").screenshot())).convert("RGB")).astype(int)
+    shot = np.asarray(
+        Image.open(io.BytesIO(page.locator(".vtm canvas").screenshot())).convert("RGB")
+    ).astype(int)
     return float(np.mean(np.abs(shot - shot[4, 4]).sum(axis=2) > 30))
 
 
@@ -107,37 +130,58 @@ def test_it_draws_under_a_strict_policy_without_network(visit):
 
 
 def test_nodes_on_the_screen_are_those_of_the_solution(visit, study):
-    """The middle of every ring that stands on a node, as the graphics card got it, against the channel."""
+    """The middle of every ring that stands on a node, as the graphics card got it, against the
+    channel.
+    """
     cycle = reported_cycle(study.solutions[0])
     wire = load_case("gu2021-beehive").springs[0].wire
     coil = np.arange(0, 7.25, 0.5)
     for sample in (0, 347, 500):
         visit.handle(f"seek({float(np.degrees(cycle.cam_angle[sample]))!r})")
         visit.settle()
-        rings = np.array(visit.handle("shown().tubes.map((tube) => Array.from(tube.position))")[0][:-6]).reshape(-1, 10, 3).mean(axis=1)
+        rings = (
+            np.array(visit.handle("shown().tubes.map((tube) => Array.from(tube.position))")[0][:-6])
+            .reshape(-1, 10, 3)
+            .mean(axis=1)
+        )
         nodes = rings[:: (len(rings) - 1) // 14]
         # At the ground ends the wire is cut by seat and retainer, so its middle moves.
         inner, line = slice(3, 12), 1e3 * wire.centreline(coil)
-        wanted = np.column_stack([line[:, 0], 1e3 * cycle.channel("axial_position")[sample], -line[:, 1]])
+        wanted = np.column_stack(
+            [line[:, 0], 1e3 * cycle.channel("axial_position")[sample], -line[:, 1]]
+        )
         np.testing.assert_allclose(nodes[inner], wanted[inner], atol=1e-3)
-        # Between them the tube winds as the wire does, and not the other way round; the radius goes straight from node to node.
+        # Between them the tube winds as the wire does, and not the other way round; the radius goes
+        # straight from node to node.
         between = np.linspace(0, 7, len(rings))[30:-30]
         whole = 1e3 * wire.centreline(between)
-        np.testing.assert_allclose(rings[30:-30, [0, 2]], np.column_stack([whole[:, 0], -whole[:, 1]]), atol=0.2)
+        np.testing.assert_allclose(
+            rings[30:-30, [0, 2]], np.column_stack([whole[:, 0], -whole[:, 1]]), atol=0.2
+        )
 
 
 def test_colours_on_the_screen_are_those_of_the_channel(visit, study):
-    """Stress of the channel, laid between the stops of the scale in sRGB; lit surfaces want it linear."""
+    """Stress of the channel, laid between the stops of the scale in sRGB; lit surfaces want it
+    linear.
+    """
     cycle = reported_cycle(study.solutions[0])
     drawn = moving_picture(study).variants[0].springs[0].colourings[0]
-    stops = np.array([[int(text[place : place + 2], 16) / 255 for place in (1, 3, 5)] for text in drawn.stops])
+    stops = np.array(
+        [[int(text[place : place + 2], 16) / 255 for place in (1, 3, 5)] for text in drawn.stops]
+    )
     visit.handle("colour('stress')")
     for sample in (100, 360):
         visit.handle(f"seek({float(np.degrees(cycle.cam_angle[sample]))!r})")
         visit.settle()
-        colours = np.array(visit.handle("shown().tubes.map((tube) => Array.from(tube.colour))")[0][:-6]).reshape(-1, 10, 3)[:, 0]
-        share = 1e-6 * cycle.channel("inner_fibre_shear_stress")[sample] / drawn.high * (len(stops) - 1)
-        wanted = np.stack([np.interp(share, np.arange(len(stops)), stops[:, part]) for part in range(3)], axis=-1)
+        colours = np.array(
+            visit.handle("shown().tubes.map((tube) => Array.from(tube.colour))")[0][:-6]
+        ).reshape(-1, 10, 3)[:, 0]
+        share = (
+            1e-6 * cycle.channel("inner_fibre_shear_stress")[sample] / drawn.high * (len(stops) - 1)
+        )
+        wanted = np.stack(
+            [np.interp(share, np.arange(len(stops)), stops[:, part]) for part in range(3)], axis=-1
+        )
         linear = np.where(wanted <= 0.04045, wanted / 12.92, ((wanted + 0.055) / 1.055) ** 2.4)
         np.testing.assert_allclose(colours[:: (len(colours) - 1) // 14], linear, atol=0.02)
 
@@ -146,10 +190,19 @@ def test_steps_and_jumps_move_the_cursor_to_the_stated_angle(visit):
     page = visit.page
     page.locator(".vtm-slide input").focus()
     visit.handle("seek(100)")
-    for key, angle in (("ArrowRight", 101), ("Shift+ArrowRight", 111), ("ArrowLeft", 110), ("Home", 0), ("ArrowLeft", 359), ("End", 360)):
+    for key, angle in (
+        ("ArrowRight", 101),
+        ("Shift+ArrowRight", 111),
+        ("ArrowLeft", 110),
+        ("Home", 0),
+        ("ArrowLeft", 359),
+        ("End", 360),
+    ):
         page.keyboard.press(key)
         visit.settle()
-        assert visit.handle("angle()") == pytest.approx(angle) and shown_angle(page) == pytest.approx(angle, abs=0.2)
+        assert visit.handle("angle()") == pytest.approx(angle) and shown_angle(
+            page
+        ) == pytest.approx(angle, abs=0.2)
     page.get_by_role("button", name="step forward 10 cam degrees").click()
     visit.settle()
     assert shown_angle(page) == pytest.approx(10, abs=0.2)
@@ -158,19 +211,28 @@ def test_steps_and_jumps_move_the_cursor_to_the_stated_angle(visit):
     row.click()
     visit.settle()
     assert wanted == pytest.approx(251.0) and shown_angle(page) == pytest.approx(wanted, abs=0.2)
-    assert row.get_attribute("aria-current") == "true" and f"{wanted:.1f}°" in page.locator(".vtm-now").inner_text()
+    assert (
+        row.get_attribute("aria-current") == "true"
+        and f"{wanted:.1f}°" in page.locator(".vtm-now").inner_text()
+    )
     page.keyboard.press("PageDown")
     assert visit.handle("angle()") == pytest.approx(252.0)
     plot = page.locator(".vtm-plot svg").bounding_box()
     page.mouse.click(plot["x"] + 52 + (plot["width"] - 62) * 0.25, plot["y"] + 60)
     visit.settle()
-    assert visit.handle("angle()") == pytest.approx(90, abs=0.5) and shown_angle(page) == pytest.approx(visit.handle("angle()"), abs=0.2)
+    assert visit.handle("angle()") == pytest.approx(90, abs=0.5) and shown_angle(
+        page
+    ) == pytest.approx(visit.handle("angle()"), abs=0.2)
 
 
 def shown_angle(page) -> float:
-    """Angle (deg) at which the cursor stands in the force plot, from its pixels; the slider says the same."""
-    at, width = (float(page.locator(place).get_attribute(name).split()[-2 if name == "viewBox" else 0]) for place, name in (
-        (".vtm-cursor", "x1"), (".vtm-plot svg", "viewBox")))  # fmt: skip
+    """Angle (deg) at which the cursor stands in the force plot, from its pixels; the slider says
+    the same.
+    """
+    at, width = (
+        float(page.locator(place).get_attribute(name).split()[-2 if name == "viewBox" else 0])
+        for place, name in ((".vtm-cursor", "x1"), (".vtm-plot svg", "viewBox"))
+    )
     angle = 360 * (at - 52) / (width - 62)
     assert float(page.locator(".vtm-slide input").input_value()) == pytest.approx(angle, abs=0.2)
     return angle
@@ -188,7 +250,8 @@ def test_it_plays_at_the_stated_share_of_real_time_and_stops(visit):
     page.wait_for_timeout(800)
     last = page.evaluate(now)
     page.keyboard.press("Enter")
-    # 5600 rpm of the crank are 16.8 cam degrees a millisecond; a loaded machine shows a picture in less than 0.3 s.
+    # 5600 rpm of the crank are 16.8 cam degrees a millisecond; a loaded machine shows a picture in
+    # less than 0.3 s.
     assert last[0] - first[0] == pytest.approx(16.8 * (last[1] - first[1]) / 1000, abs=5)
     assert visit.handle("playing()") is False and last[0] > 5
 
@@ -222,7 +285,10 @@ def test_the_report_mounts_it_and_nothing_scrolls_sideways(browser, report, tmp_
     assert ink(visit.page) > 0.04 and visit.said == [] and len(visit.asked) == 1
     assert not visit.page.locator(".vtm-view svg").is_visible()
     visit.page.emulate_media(media="print")
-    assert visit.page.locator(".vtm-view svg").is_visible() and not visit.page.locator(".vtm canvas").is_visible()
+    assert (
+        visit.page.locator(".vtm-view svg").is_visible()
+        and not visit.page.locator(".vtm canvas").is_visible()
+    )
     visit.context.close()
 
 
@@ -240,7 +306,10 @@ class Words(HTMLParser):
 
 def test_without_scripts_a_still_picture_and_a_sentence_stand(browser, report, study, tmp_path):
     visit = Visit(browser, report, tmp_path, java_script_enabled=False)
-    assert visit.page.locator(".moving svg").is_visible() and "Scripts are off" in visit.page.locator(".moving").inner_text()
+    assert (
+        visit.page.locator(".moving svg").is_visible()
+        and "Scripts are off" in visit.page.locator(".moving").inner_text()
+    )
     visit.context.close()
     words = Words()
     words.feed(report)
@@ -250,9 +319,17 @@ def test_without_scripts_a_still_picture_and_a_sentence_stand(browser, report, s
 
 
 def test_without_webgl_the_still_picture_stays_and_the_forces_move(browser, report, tmp_path):
-    visit = Visit(browser, report, tmp_path, before="HTMLCanvasElement.prototype.getContext = function () { return null; };")
+    visit = Visit(
+        browser,
+        report,
+        tmp_path,
+        before="HTMLCanvasElement.prototype.getContext = function () { return null; };",
+    )
     visit.page.wait_for_selector(".vtm")
-    assert visit.page.locator(".vtm-view svg").is_visible() and "no WebGL" in visit.page.locator(".vtm").inner_text()
+    assert (
+        visit.page.locator(".vtm-view svg").is_visible()
+        and "no WebGL" in visit.page.locator(".vtm").inner_text()
+    )
     visit.handle("seek(42)")
     visit.settle()
     assert shown_angle(visit.page) == pytest.approx(42, abs=0.2) and visit.said == []
@@ -261,7 +338,12 @@ def test_without_webgl_the_still_picture_stays_and_the_forces_move(browser, repo
 
 def test_the_script_is_one_text_that_evaluates_nothing():
     text = motion_script()
-    assert "</script" not in text and "import(" not in text and "new Function" not in text and "eval(" not in text
+    assert (
+        "</script" not in text
+        and "import(" not in text
+        and "new Function" not in text
+        and "eval(" not in text
+    )
     assert len(text) < 760_000
 
 

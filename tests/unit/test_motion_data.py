@@ -1,4 +1,6 @@
-"""What the moving picture draws is what the solution holds: nodes, colours, forces, lift, to the rounding that pack.py states."""
+"""What the moving picture draws is what the solution holds: nodes, colours, forces, lift, to the
+rounding that pack.py states.
+"""
 
 from __future__ import annotations
 
@@ -14,10 +16,9 @@ import valvetrain as vt
 from synthetic_study import own_study, rod_run
 from valvetrain.parameters.loading import load_case
 from valvetrain.quantities.cycle import reported_cycle
-from valvetrain.report.motion.colours import largest_between, slope_stress
-from valvetrain.report.motion.frames import choose_frames
-from valvetrain.report.motion.pack import motion_data, motion_json
-from valvetrain.report.motion.scene import Limits, _worth, moving_picture
+from valvetrain.report.motion.project import motion_data, motion_json
+from valvetrain.report.motion.scene import Limits, _worth, choose_frames, moving_picture
+from valvetrain.report.motion.springs import largest_between, slope_stress
 from valvetrain.solution.study import Study
 
 WIRE = load_case("gu2021-beehive").springs[0].wire
@@ -32,7 +33,9 @@ def numbers(text: str, kind: str = "<f4") -> np.ndarray:
 def study() -> Study:
     """A made-up run on the wire of the beehive, seven turns as the made-up channels have."""
     base = own_study((rod_run(),))
-    return replace(base, record=replace(base.record, text=load_case("gu2021-beehive").record().text))
+    return replace(
+        base, record=replace(base.record, text=load_case("gu2021-beehive").record().text)
+    )
 
 
 @pytest.fixture(scope="module")
@@ -48,17 +51,26 @@ def drawn(study):
 
 def test_nodes_stand_where_the_solution_says(drawn, cycle):
     spring = drawn["springs"][0]
-    rest, move = numbers(spring["rest"]), numbers(spring["move"]["d"], "<i2").reshape(-1, 15) * spring["move"]["scale"]
+    rest, move = (
+        numbers(spring["rest"]),
+        numbers(spring["move"]["d"], "<i2").reshape(-1, 15) * spring["move"]["scale"],
+    )
     np.testing.assert_allclose(numbers(spring["coil"]), np.arange(0, 7.25, 0.5))
     # Half a step of int16, and single precision of heights below 50 mm.
     allowed = spring["move"]["scale"] / 2 + 4e-6
     assert allowed < 2e-4
     np.testing.assert_allclose(rest + move, 1e3 * cycle.channel("axial_position"), atol=allowed)
-    np.testing.assert_allclose(numbers(spring["radius"]), 500 * WIRE.mean_diameter.value(np.arange(0, 7.25, 0.5)), rtol=1e-6)
+    np.testing.assert_allclose(
+        numbers(spring["radius"]),
+        500 * WIRE.mean_diameter.value(np.arange(0, 7.25, 0.5)),
+        rtol=1e-6,
+    )
 
 
 def test_the_helix_is_that_of_the_wire(drawn):
-    """motion.js draws x = r cos, z = -hand r sin about the upright axis: the centreline of the wire, its z axis turned upright."""
+    """motion.js draws x = r cos, z = -hand r sin about the upright axis: the centreline of the
+    wire, its z axis turned upright.
+    """
     spring = drawn["springs"][0]
     coil, radius = numbers(spring["coil"]), numbers(spring["radius"])
     x, z = radius * np.cos(2 * np.pi * coil), -spring["sign"] * radius * np.sin(2 * np.pi * coil)
@@ -66,7 +78,10 @@ def test_the_helix_is_that_of_the_wire(drawn):
     np.testing.assert_allclose(np.column_stack([x, -z]), line[:, :2], atol=1e-4)
 
 
-@pytest.mark.parametrize(("key", "channel", "factor"), [("stress", "inner_fibre_shear_stress", 1e-6), ("velocity", "axial_velocity", 1.0)])
+@pytest.mark.parametrize(
+    ("key", "channel", "factor"),
+    [("stress", "inner_fibre_shear_stress", 1e-6), ("velocity", "axial_velocity", 1.0)],
+)
 def test_a_colour_is_the_channel(drawn, cycle, key, channel, factor):
     one = next(one for one in drawn["springs"][0]["colours"] if one["key"] == key)
     step = (one["high"] - one["low"]) / 255
@@ -75,7 +90,9 @@ def test_a_colour_is_the_channel(drawn, cycle, key, channel, factor):
 
 
 def test_contact_is_the_larger_of_both_neighbours_per_length_of_wire(drawn, cycle):
-    """Pair forces (N) of the channel, half a turn apart, over the wire of half a turn; a node sees the pair below and the one above."""
+    """Pair forces (N) of the channel, half a turn apart, over the wire of half a turn; a node sees
+    the pair below and the one above.
+    """
     one = next(one for one in drawn["springs"][0]["colours"] if one["key"] == "contact")
     step = (one["high"] - one["low"]) / 255
     shown = one["low"] + step * numbers(one["d"], "u1").reshape(-1, 15)
@@ -85,17 +102,32 @@ def test_contact_is_the_larger_of_both_neighbours_per_length_of_wire(drawn, cycl
     for node, coil in enumerate(np.arange(0, 7.25, 0.5)):
         wanted = np.maximum(by_pair.get(coil, 0.0), by_pair.get(coil + 1.0, 0.0))
         np.testing.assert_allclose(shown[:, node], wanted, atol=step / 2 * 1.001)
-    assert one["unit"] == "N/mm" and one["high"] == pytest.approx(np.max([values.max() for values in by_pair.values()]))
+    assert one["unit"] == "N/mm" and one["high"] == pytest.approx(
+        np.max([values.max() for values in by_pair.values()])
+    )
 
 
 def test_forces_and_lift_are_the_channels(drawn, cycle):
     by_words = {one["words"]: one for one in drawn["forces"]}
-    for words, channel in (("spring on retainer", "retainer_force"), ("spring on seat", "seat_force")):
-        np.testing.assert_allclose(numbers(by_words[words]["values"]), cycle.channel(channel), rtol=1e-6)
-        np.testing.assert_allclose(numbers(by_words[words]["angle"]), np.degrees(cycle.cam_angle), atol=1e-4)
-    np.testing.assert_allclose(numbers(drawn["lift"]), 1e3 * cycle.channel("valve_lift"), rtol=1e-6, atol=1e-9)
+    for words, channel in (
+        ("spring on retainer", "retainer_force"),
+        ("spring on seat", "seat_force"),
+    ):
+        np.testing.assert_allclose(
+            numbers(by_words[words]["values"]), cycle.channel(channel), rtol=1e-6
+        )
+        np.testing.assert_allclose(
+            numbers(by_words[words]["angle"]), np.degrees(cycle.cam_angle), atol=1e-4
+        )
+    np.testing.assert_allclose(
+        numbers(drawn["lift"]), 1e3 * cycle.channel("valve_lift"), rtol=1e-6, atol=1e-9
+    )
     retainer = numbers(drawn["springs"][0]["retainer"])
-    np.testing.assert_allclose(retainer[0] - retainer, 1e3 * (cycle.channel("valve_lift") - cycle.channel("valve_lift")[0]), atol=1e-5)
+    np.testing.assert_allclose(
+        retainer[0] - retainer,
+        1e3 * (cycle.channel("valve_lift") - cycle.channel("valve_lift")[0]),
+        atol=1e-5,
+    )
 
 
 @pytest.mark.parametrize("most", [100, 250, 500])
@@ -103,7 +135,10 @@ def test_frames_keep_the_peak_of_the_force_and_every_clash(study, cycle, most):
     picture = moving_picture(study, Limits(frames=most))
     sample = picture.variants[0].sample
     assert len(sample) <= max(most, 120) + 40
-    assert int(np.argmax(cycle.channel("seat_force"))) in sample and int(np.argmin(cycle.channel("seat_force"))) in sample
+    assert (
+        int(np.argmax(cycle.channel("seat_force"))) in sample
+        and int(np.argmin(cycle.channel("seat_force"))) in sample
+    )
     for event in study.solutions[0].events:
         peak = event.details["peak_cam_angle"] % (2 * np.pi)
         assert np.min(np.abs(cycle.cam_angle[sample] - peak)) <= np.radians(0.25) + 1e-9
@@ -116,18 +151,38 @@ def test_a_spike_between_frames_is_seen_in_the_next():
     sample = choose_frames(np.linspace(0, 2 * np.pi, 100, endpoint=False), 20)
     assert 41 not in sample
     shown = largest_between(values, sample)
-    assert shown[:, 1].max() == 7.0 and sample[np.argmax(shown[:, 1])] > 41 and shown[:, 0].max() == 0.0
+    assert (
+        shown[:, 1].max() == 7.0
+        and sample[np.argmax(shown[:, 1])] > 41
+        and shown[:, 0].max() == 0.0
+    )
 
 
 def test_several_runs_share_their_ranges_and_the_bound(study):
-    fast = replace(rod_run(), provenance=replace(rod_run().provenance, label="finite-element, twice"))
-    fast = fast.with_channels({"axial_velocity": fast.arrays["axial_velocity"]._replace(values=2 * fast.channel("axial_velocity"))})
+    fast = replace(
+        rod_run(), provenance=replace(rod_run().provenance, label="finite-element, twice")
+    )
+    fast = fast.with_channels(
+        {
+            "axial_velocity": fast.arrays["axial_velocity"]._replace(
+                values=2 * fast.channel("axial_velocity")
+            )
+        }
+    )
     data = motion_data(moving_picture(replace(study, solutions=(study.solutions[0], fast))))
     ends = [
-        (one["low"], one["high"]) for variant in data["variants"] for one in variant["springs"][0]["colours"] if one["key"] == "velocity"
+        (one["low"], one["high"])
+        for variant in data["variants"]
+        for one in variant["springs"][0]["colours"]
+        if one["key"] == "velocity"
     ]
     assert len(ends) == 2 and ends[0] == ends[1]
-    many = replace(study, solutions=tuple(replace(fast, provenance=replace(fast.provenance, label=f"run {k}")) for k in range(6)))
+    many = replace(
+        study,
+        solutions=tuple(
+            replace(fast, provenance=replace(fast.provenance, label=f"run {k}")) for k in range(6)
+        ),
+    )
     picture = moving_picture(many)
     assert len(picture.variants) == 4 and "4 of 6 runs" in picture.notes[0]
     assert len(motion_json(picture)) < 1.6e6
@@ -138,7 +193,9 @@ def test_a_case_that_cannot_be_built_again_is_left_out():
 
 
 def test_stress_by_the_slope_of_the_coils_is_that_of_the_textbook():
-    """A uniform spring that moves slowly: k 8 F D / (pi d**3) with F the rate times the compression, everywhere on the active wire."""
+    """A uniform spring that moves slowly: k 8 F D / (pi d**3) with F the rate times the
+    compression, everywhere on the active wire.
+    """
     wire = vt.cylindrical(wire_diameter="4 mm", mean_diameter="24 mm", pitch="8 mm", total_coils=6)
     coil = np.linspace(0, 6, 61)
     first, last = wire.free_coils
@@ -149,7 +206,9 @@ def test_stress_by_the_slope_of_the_coils_is_that_of_the_textbook():
     active = (coil > first + 0.2) & (coil < last - 0.2)
     k = (6 + 0.5) / (6 - 0.75)
     wanted = 1e-6 * k * 8 * (250.0 + rate * lift) * 24e-3 / (np.pi * 4e-3**3)
-    np.testing.assert_allclose(found.values[:, active], np.repeat(wanted[:, None], np.sum(active), axis=1), rtol=1e-9)
+    np.testing.assert_allclose(
+        found.values[:, active], np.repeat(wanted[:, None], np.sum(active), axis=1), rtol=1e-9
+    )
     assert np.all(found.values[:, (coil < first) | (coil > last)] == 0.0)
 
 
@@ -164,10 +223,15 @@ def test_a_chain_shows_the_stress_and_the_page_says_where_it_comes_from():
 
 
 def test_a_run_that_cannot_be_drawn_is_named_and_the_others_are(study):
-    strange = replace(rod_run(), provenance=replace(rod_run().provenance, label="lost", model="no-such-model"))
+    strange = replace(
+        rod_run(), provenance=replace(rod_run().provenance, label="lost", model="no-such-model")
+    )
     picture = moving_picture(replace(study, solutions=(study.solutions[0], strange)))
     assert [one.label for one in picture.variants] == ["finite-element"]
-    assert picture.notes[0].startswith("lost at 5600 rpm could not be drawn: ") and "no-such-model" in picture.notes[0]
+    assert (
+        picture.notes[0].startswith("lost at 5600 rpm could not be drawn: ")
+        and "no-such-model" in picture.notes[0]
+    )
     with pytest.raises(vt.InputError, match="no-such-model"):
         moving_picture(replace(study, solutions=(strange,)))
 
@@ -176,7 +240,9 @@ def test_of_too_many_runs_those_that_know_most_of_their_coils_are_drawn_then_the
     """Stress, gaps and displacements count; how many channels of each there are does not."""
 
     def made(speed: float, *names: str):
-        return SimpleNamespace(arrays=SimpleNamespace(variables=("valve_lift", *names)), engine_speed=speed)
+        return SimpleNamespace(
+            arrays=SimpleNamespace(variables=("valve_lift", *names)), engine_speed=speed
+        )
 
     three = ("axial_displacement", "coil_gap", "a_shear_stress")
     runs = [

@@ -1,6 +1,8 @@
-"""Trains drawn to scale: gaps measured on the drawn outlines with nothing but plane geometry are those of the solution.
+"""Trains drawn to scale: gaps measured on the drawn outlines with nothing but plane geometry are
+those of the solution.
 
-The oracle knows no contour table: the drawn lobe is a polygon, the distance of the drawn follower from it is found by brute force.
+The oracle knows no contour table: the drawn lobe is a polygon, the distance of the drawn follower
+from it is found by brute force.
 """
 
 from __future__ import annotations
@@ -16,10 +18,10 @@ import pytest
 
 from valvetrain.parameters.loading import parse_case
 from valvetrain.quantities.cycle import reported_cycle
-from valvetrain.report.motion.cam_followers import ARC_MARGIN
-from valvetrain.report.motion.pack import motion_json
+from valvetrain.report.motion.project import motion_json
 from valvetrain.report.motion.scene import Limits, member_of, moving_picture
-from valvetrain.solution.arrays import ChannelArrays
+from valvetrain.report.motion.train import ARC_MARGIN
+from valvetrain.solution.channels import ChannelArrays
 from valvetrain.studies.run import run_study
 
 KINDS = ("direct", "finger", "pushrod", "rocker")
@@ -32,10 +34,16 @@ def numbers(text: str) -> Numbers:
 
 @cache
 def drawn(kind: str, model: str = "planar"):
-    """A template's run at its first speed with massless springs, the picture as a page holds it, its samples, the case's train."""
-    text = (resources.files("valvetrain") / "templates" / f"{kind}.toml").read_text(encoding="utf-8")
+    """A template's run at its first speed with massless springs, the picture as a page holds it,
+    its samples, the case's train.
+    """
+    text = (resources.files("valvetrain") / "templates" / f"{kind}.toml").read_text(
+        encoding="utf-8"
+    )
     case = parse_case(text, kind, changes={"train.model": model})
-    study = run_study(case, engine_speeds=case.operation.engine_speeds[:1], spring_models=("massless",), workers=1)
+    study = run_study(
+        case, engine_speeds=case.operation.engine_speeds[:1], spring_models=("massless",), workers=1
+    )
     picture = moving_picture(study, Limits(frames=150))
     data = json.loads(motion_json(picture))["variants"][0]
     return study, data, picture.variants[0].sample, case.train
@@ -66,11 +74,14 @@ def arc_centre(kind: str, data, train, place: int) -> Numbers:
     """Centre (mm) of the follower's arc as drawn."""
     if kind == "pushrod":
         return body(data, "tappet")[1][place][:2]
-    # Pad and roller are drawn in the lever's frame; the arc's centre is the one point at even distance from its outer points.
+    # Pad and roller are drawn in the lever's frame; the arc's centre is the one point at even
+    # distance from its outer points.
     shapes, pose = body(data, "lever")
     arc = shapes[0][:30] if kind == "finger" else shapes[0]
     rows = np.column_stack([2 * (arc[1:] - arc[0])])
-    centre = np.linalg.lstsq(rows, np.sum(arc[1:] ** 2, axis=1) - np.sum(arc[0] ** 2), rcond=None)[0]
+    centre = np.linalg.lstsq(rows, np.sum(arc[1:] ** 2, axis=1) - np.sum(arc[0] ** 2), rcond=None)[
+        0
+    ]
     assert np.hypot(*(arc[0] - centre)) == pytest.approx(1e3 * train.follower.radius, abs=2e-3)
     return placed(centre[None], pose[place])[0]
 
@@ -85,17 +96,24 @@ def test_the_drawn_gap_between_lobe_and_follower_is_that_of_the_solution(kind):
         lobe = placed(shapes[0], pose[place])
         if kind == "direct":
             face, tappet = body(data, "tappet")
-            normal = np.array([-np.sin(tappet[place][2]), np.cos(tappet[place][2])])  # the tappet's y axis
+            normal = np.array(
+                [-np.sin(tappet[place][2]), np.cos(tappet[place][2])]
+            )  # the tappet's y axis
             found[place] = tappet[place][:2] @ normal + face[0][0][1] - np.max(lobe @ normal)
         else:
-            found[place] = distance_to(lobe, arc_centre(kind, data, train, place)) - 1e3 * train.follower.radius
+            found[place] = (
+                distance_to(lobe, arc_centre(kind, data, train, place))
+                - 1e3 * train.follower.radius
+            )
     assert np.ptp(gap) > 1e-3
     # Chords of half a degree under a radius of some 30 mm, and single precision.
     np.testing.assert_allclose(found, gap, atol=1.5e-3)
 
 
 def test_the_pad_of_a_finger_reaches_evenly_beyond_the_places_that_the_lobe_touches():
-    """The side of the drawn lobe that is nearest to the arc's centre tells where on its arc the pad is touched, frame by frame."""
+    """The side of the drawn lobe that is nearest to the arc's centre tells where on its arc the pad
+    is touched, frame by frame.
+    """
     _, data, sample, train = drawn("finger")
     (pad, *_), lever = body(data, "lever")
     (lobe, *_), cam = body(data, "cam")
@@ -103,14 +121,22 @@ def test_the_pad_of_a_finger_reaches_evenly_beyond_the_places_that_the_lobe_touc
     for place in range(len(sample)):
         centre, outline = arc_centre("finger", data, train, place), placed(lobe, cam[place])
         along = np.roll(outline, -1, axis=0) - outline
-        share = np.clip(np.sum((centre - outline) * along, axis=1) / np.sum(along**2, axis=1), 0.0, 1.0)
+        share = np.clip(
+            np.sum((centre - outline) * along, axis=1) / np.sum(along**2, axis=1), 0.0, 1.0
+        )
         away = outline + share[:, None] * along - centre
         touched.append(np.arctan2(*away[np.argmin(np.hypot(*away.T))][::-1]) - lever[place][2])
-    ends = [np.arctan2(*(placed(pad[[end]], lever[0])[0] - arc_centre("finger", data, train, 0))[::-1]) - lever[0][2] for end in (0, 31)]
+    ends = [
+        np.arctan2(*(placed(pad[[end]], lever[0])[0] - arc_centre("finger", data, train, 0))[::-1])
+        - lever[0][2]
+        for end in (0, 31)
+    ]
     middle = sum(ends) / 2
     beyond = np.mod(np.array(touched) - middle + np.pi, 2 * np.pi) - np.pi
     assert np.ptp(beyond) > 0.3, "the contact travels along the pad"
-    assert [beyond.min() - (ends[0] - middle), (ends[1] - middle) - beyond.max()] == pytest.approx([ARC_MARGIN] * 2, abs=0.01)
+    assert [beyond.min() - (ends[0] - middle), (ends[1] - middle) - beyond.max()] == pytest.approx(
+        [ARC_MARGIN] * 2, abs=0.01
+    )
 
 
 @pytest.mark.parametrize("kind", KINDS)
@@ -118,10 +144,14 @@ def test_the_drawn_lift_and_the_gap_at_the_stem_are_those_of_the_solution(kind):
     study, data, sample, train = drawn(kind)
     cycle = reported_cycle(study.solutions[0])
     stem, head = body(data, "valve stem")[1], body(data, "valve head")[1]
-    opening = np.array([np.cos(train.valve.opening_direction), np.sin(train.valve.opening_direction)])
+    opening = np.array(
+        [np.cos(train.valve.opening_direction), np.sin(train.valve.opening_direction)]
+    )
     lift = (head - body(data, "valve seat")[1][0])[:, :2] @ opening
     np.testing.assert_allclose(lift, 1e3 * cycle.channel("valve_lift")[sample], atol=1e-4)
-    np.testing.assert_allclose(numbers(data["lift"]), 1e3 * cycle.channel("valve_lift")[sample], atol=1e-5)
+    np.testing.assert_allclose(
+        numbers(data["lift"]), 1e3 * cycle.channel("valve_lift")[sample], atol=1e-5
+    )
     if kind == "direct":
         shapes, tappet = body(data, "tappet")
         below = (stem - tappet)[:, :2] @ opening - shapes[0][:, 1].max()
@@ -139,38 +169,70 @@ def _tip_half(bar: Numbers) -> Numbers:
 
 
 def test_the_pushrod_keeps_its_length_and_its_gap():
-    """The ball of the rocker, found from the case's own arm and the drawn turn, stands off the drawn rod's end by the solution's gap."""
+    """The ball of the rocker, found from the case's own arm and the drawn turn, stands off the
+    drawn rod's end by the solution's gap.
+    """
     study, data, sample, train = drawn("pushrod")
     shapes, rod = body(data, "pushrod")
     turn = body(data, "lever")[1]
-    ball = 1e3 * train.lever.drive_arm * np.array([np.cos(train.lever.drive_angle), np.sin(train.lever.drive_angle)])
+    ball = (
+        1e3
+        * train.lever.drive_arm
+        * np.array([np.cos(train.lever.drive_angle), np.sin(train.lever.drive_angle)])
+    )
     length = shapes[0][:, 1].max()
     home = 1e3 * np.array(train.lever.pivot) + ball - 1e3 * np.array(train.pushrod.lower_end)
     assert length == pytest.approx(np.hypot(*home), abs=1e-3)
     cycle = reported_cycle(study.solutions[0])
     squeeze = (
-        1e3 * (cycle.channel("pushrod_top_displacement") - cycle.channel("pushrod_displacement"))[sample]
+        1e3
+        * (cycle.channel("pushrod_top_displacement") - cycle.channel("pushrod_displacement"))[
+            sample
+        ]
         if study.solutions[0].has("pushrod_top_displacement")
         else 0.0
     )
-    found = np.array([np.hypot(*(placed(ball[None], pose)[0] - foot[:2])) for pose, foot in zip(turn, rod, strict=True)]) - length - squeeze
+    found = (
+        np.array(
+            [
+                np.hypot(*(placed(ball[None], pose)[0] - foot[:2]))
+                for pose, foot in zip(turn, rod, strict=True)
+            ]
+        )
+        - length
+        - squeeze
+    )
     np.testing.assert_allclose(found, 1e3 * cycle.channel("rocker_gap")[sample], atol=1e-3)
 
 
 def test_the_pushrod_points_from_its_foot_at_the_ball_of_the_rocker():
-    """Its outline lies along its own y axis, which is turned to the line from the drawn foot to the ball at the end of the drive arm."""
+    """Its outline lies along its own y axis, which is turned to the line from the drawn foot to the
+    ball at the end of the drive arm.
+    """
     _, data, _, train = drawn("pushrod")
     rod, turn = body(data, "pushrod")[1], body(data, "lever")[1]
-    ball = 1e3 * train.lever.drive_arm * np.array([np.cos(train.lever.drive_angle), np.sin(train.lever.drive_angle)])
-    along = np.array([placed(ball[None], pose)[0] - foot[:2] for pose, foot in zip(turn, rod, strict=True)])
-    np.testing.assert_allclose(rod[:, 2], np.arctan2(along[:, 1], along[:, 0]) - np.pi / 2, atol=1e-4)
+    ball = (
+        1e3
+        * train.lever.drive_arm
+        * np.array([np.cos(train.lever.drive_angle), np.sin(train.lever.drive_angle)])
+    )
+    along = np.array(
+        [placed(ball[None], pose)[0] - foot[:2] for pose, foot in zip(turn, rod, strict=True)]
+    )
+    np.testing.assert_allclose(
+        rod[:, 2], np.arctan2(along[:, 1], along[:, 0]) - np.pi / 2, atol=1e-4
+    )
 
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_the_spring_stands_about_the_stem_between_its_seat_and_the_retainer(kind):
-    """Its foot lies on the axis of the stem, its installed height and the 4 mm from the tip to the retainer away from the closed tip."""
+    """Its foot lies on the axis of the stem, its installed height and the 4 mm from the tip to the
+    retainer away from the closed tip.
+    """
     _, data, _, train = drawn(kind)
-    opening = np.array([np.cos(train.valve.opening_direction), np.sin(train.valve.opening_direction)])
+    opening = np.array(
+        [np.cos(train.valve.opening_direction), np.sin(train.valve.opening_direction)]
+    )
     closed = body(data, "valve seat")[1][0][:2]  # drawn about the tip of the closed valve
     travel = (body(data, "valve stem")[1][:, :2] - closed) @ opening
     (spring,) = data["springs"]
@@ -178,8 +240,12 @@ def test_the_spring_stands_about_the_stem_between_its_seat_and_the_retainer(kind
     assert height == pytest.approx(np.full(len(height), height[0]), abs=1e-3)
     assert spring["seat"] == pytest.approx(closed + (4.0 + height[0]) * opening, abs=1e-3)
     if kind != "pushrod":  # its card does not tell the coils, which are drawn of usual size
-        assert height[0] == pytest.approx(1e3 * next(iter(train.springs.values()))[0].installed_height, abs=1e-3)
-    assert [np.cos(spring["direction"]), np.sin(spring["direction"])] == pytest.approx(-opening, abs=1e-9)
+        assert height[0] == pytest.approx(
+            1e3 * next(iter(train.springs.values()))[0].installed_height, abs=1e-3
+        )
+    assert [np.cos(spring["direction"]), np.sin(spring["direction"])] == pytest.approx(
+        -opening, abs=1e-9
+    )
 
 
 def test_reduced_trains_and_older_runs_are_drawn_by_rigid_parts_and_it_is_said():
@@ -188,9 +254,16 @@ def test_reduced_trains_and_older_runs_are_drawn_by_rigid_parts_and_it_is_said()
     assert any("drawn as rigid parts move" in note for note in data["notes"])
     whole = drawn("finger")[0]
     run = whole.solutions[0]
-    bare = ChannelArrays({name: one for name, one in run.arrays.variables.items() if not name.endswith("_angle")}, run.arrays.coords)
-    older = moving_picture(replace(whole, solutions=(replace(run, channels=bare),)), Limits(frames=150)).variants[0]
+    bare = ChannelArrays(
+        {name: one for name, one in run.arrays.variables.items() if not name.endswith("_angle")},
+        run.arrays.coords,
+    )
+    older = moving_picture(
+        replace(whole, solutions=(replace(run, channels=bare),)), Limits(frames=150)
+    ).variants[0]
     turned = next(one for one in older.bodies if one.name == "lever").pose[:, 2]
     kinematics = member_of(whole.record, run).gear.mechanism.kinematics
-    np.testing.assert_allclose(np.abs(turned), np.abs(kinematics.drive(older.cam_angle)), atol=1e-12)
+    np.testing.assert_allclose(
+        np.abs(turned), np.abs(kinematics.drive(older.cam_angle)), atol=1e-12
+    )
     assert any("does not hold the motion of lever" in note for note in older.notes)

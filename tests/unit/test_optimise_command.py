@@ -1,4 +1,6 @@
-"""``valvetrain optimise``: its answer and files, and that a search that is killed or stopped goes on where it was, with the same bits."""
+"""``valvetrain optimise``: its answer and files, and that a search that is killed or stopped goes
+on where it was, with the same bits.
+"""
 
 from __future__ import annotations
 
@@ -22,7 +24,8 @@ from valvetrain.studies.optimum.kept import write_optuna
 from valvetrain.studies.optimum.run_search import SearchInterrupted
 from valvetrain.studies.optimum.words import _seeds, sentences
 
-#: Short runs of the chain: a limit speed, a bound at rest that is a share of the case, one trial in a few that cannot be built.
+#: Short runs of the chain: a limit speed, a bound at rest that is a share of the case, one trial in
+#: a few that cannot be built.
 SEARCH = """
 title = "Higher limit"
 case = "gu2021-beehive"
@@ -86,7 +89,15 @@ def kept(tmp_path_factory):
     """The light search by the command, once: its folder and its JSON."""
     folder = tmp_path_factory.mktemp("light")
     (folder / "light.toml").write_text(LIGHT)
-    answer = call("optimise", str(folder / "light.toml"), "--workers", "1", "--json", "--output", str(folder / "out"))
+    answer = call(
+        "optimise",
+        str(folder / "light.toml"),
+        "--workers",
+        "1",
+        "--json",
+        "--output",
+        str(folder / "out"),
+    )
     assert answer.exit_code == 0, answer.stderr
     return folder / "out", json.loads(answer.stdout)
 
@@ -94,11 +105,23 @@ def kept(tmp_path_factory):
 def test_the_answer_is_one_json_object_and_the_files_hold_the_same(kept):
     (folder, data), found = kept, light()
     same(found, data["rows"])
-    assert data["trials"] == 41 and data["of_case"]["number"] == 0 and data["feasible_trials"] == found.feasible
+    assert (
+        data["trials"] == 41
+        and data["of_case"]["number"] == 0
+        and data["feasible_trials"] == found.feasible
+    )
     best = data["designs"][0]
-    assert best["number"] == found.best.trial.number and len(best["steps"]) >= 2 and set(data["best_by_seed"]) == {"1", "2"}
+    assert (
+        best["number"] == found.best.trial.number
+        and len(best["steps"]) >= 2
+        and set(data["best_by_seed"]) == {"1", "2"}
+    )
     rows = list(csv.reader((folder / "trials.csv").open()))
-    assert len(rows) == 42 and rows[0][2:5] == ["spring.wire_diameter [m]", "spring.mean_diameter [m]", "objective 1: wire mass [kg]"]
+    assert len(rows) == 42 and rows[0][2:5] == [
+        "spring.wire_diameter [m]",
+        "spring.mean_diameter [m]",
+        "objective 1: wire mass [kg]",
+    ]
     assert float(rows[1 + best["number"]][4]) == best["objectives"][0]
     page = (folder / "report.html").read_text()
     assert all(one in page for one in data["sentences"][:2]) and "What small steps do" in page
@@ -107,9 +130,17 @@ def test_the_answer_is_one_json_object_and_the_files_hold_the_same(kept):
 
 def test_the_answer_for_people_says_the_same(kept):
     folder, _ = kept
-    text = call("optimise", str(folder.parent / "light.toml"), "--workers", "1", "--output", str(folder)).stdout
-    assert "The least that keeps every bound: wire mass" in text and "The case itself misses: estimated rate at least" in text
-    assert f"{light().feasible} of 41 trials keep every bound" in text and "2 searches from different seeds end at" in text
+    text = call(
+        "optimise", str(folder.parent / "light.toml"), "--workers", "1", "--output", str(folder)
+    ).stdout
+    assert (
+        "The least that keeps every bound: wire mass" in text
+        and "The case itself misses: estimated rate at least" in text
+    )
+    assert (
+        f"{light().feasible} of 41 trials keep every bound" in text
+        and "2 searches from different seeds end at" in text
+    )
     assert "41 trials, 0 points computed" in text
 
 
@@ -117,13 +148,20 @@ def test_the_case_file_of_the_best_has_its_numbers_to_the_last_bit(kept):
     folder, _ = kept
     best, case = light().best.trial, vt.load_case(folder / "best.toml")
     assert not case.published and not case.study
-    outputs = vt.study(f"""
+    outputs = vt.study(
+        f"""
 case = "{(folder / "best.toml").as_posix()}"
 outputs = ["wire_mass", "estimated_rate", "smallest_index_ratio"]
 points = {{ sampler = "list" }}
 vary = [{{ key = "spring.precompression", values = "7 mm" }}]
-""", workers=1)  # fmt: skip
-    assert outputs.values[0].tolist() == [best.objectives[0], best.constraints[0], best.constraints[1]]
+""",
+        workers=1,
+    )
+    assert outputs.values[0].tolist() == [
+        best.objectives[0],
+        best.constraints[0],
+        best.constraints[1],
+    ]
 
 
 def test_optunas_own_reader_opens_the_study(kept):
@@ -132,7 +170,9 @@ def test_optunas_own_reader_opens_the_study(kept):
     path, found = kept[0] / "optuna.db", light()
     (summary,) = optuna.get_all_study_summaries(f"sqlite:///{path}")
     study = optuna.load_study(study_name=summary.study_name, storage=f"sqlite:///{path}")
-    assert len(study.trials) == 41 and study.best_trial.user_attrs["number"] == found.best.trial.number
+    assert (
+        len(study.trials) == 41 and study.best_trial.user_attrs["number"] == found.best.trial.number
+    )
     assert study.best_trial.params["wire [mm]"] == pytest.approx(1e3 * found.best.trial.values[0])
     states = {"feasible": "COMPLETE", "infeasible": "COMPLETE", "refused": "FAIL"}
     assert [one.state.name for one in study.trials] == [states[one.state] for one in found.trials]
@@ -142,8 +182,12 @@ def test_the_optuna_study_names_what_is_searched_and_its_unit(tmp_path):
     """Two objectives, one of them to be as large as can be; what has no unit is told without one."""
     import optuna
 
-    both = 'direction = "minimise" }, { quantity = "smallest_index_ratio", direction = "maximise" }]'
-    text = LIGHT.replace('direction = "minimise" }]', both).replace("trials = 20, per_round = 5, seeds = 2", "trials = 2, per_round = 2")
+    both = (
+        'direction = "minimise" }, { quantity = "smallest_index_ratio", direction = "maximise" }]'
+    )
+    text = LIGHT.replace('direction = "minimise" }]', both).replace(
+        "trials = 20, per_round = 5, seeds = 2", "trials = 2, per_round = 2"
+    )
     path = write_optuna(vt.optimise(text, workers=1), tmp_path / "study.db")
     (study,) = optuna.get_all_study_names(f"sqlite:///{path}")
     kept = optuna.load_study(study_name=study, storage=f"sqlite:///{path}")
@@ -161,10 +205,16 @@ def file(tmp_path, monkeypatch):
 
 
 def test_a_search_without_a_design_names_the_bound_that_is_missed_by_least(file):
-    text = LIGHT.replace(', { quantity = "smallest_index_ratio", at_least = 5, at_most = 9 }', "").replace("seeds = 2", "local = 0.0")
+    text = LIGHT.replace(
+        ', { quantity = "smallest_index_ratio", at_least = 5, at_most = 9 }', ""
+    ).replace("seeds = 2", "local = 0.0")
     file.write_text(text.replace("1.1 x case", "400 N/mm"))
     answer = call("optimise", str(file), "--workers", "1")
-    assert answer.exit_code == 1 and "No trial keeps every bound" in answer.stderr and "estimated rate at least 400 N/mm" in answer.stderr
+    assert (
+        answer.exit_code == 1
+        and "No trial keeps every bound" in answer.stderr
+        and "estimated rate at least 400 N/mm" in answer.stderr
+    )
     assert (file.parent / "runs" / "optimise" / "search" / "report.html").exists()
 
 
@@ -186,12 +236,27 @@ def test_a_search_that_is_killed_goes_on_with_the_same_bits_and_computes_nothing
     text = SEARCH.format(trials=12)
     file, folder = tmp_path / "search.toml", tmp_path / "out"
     file.write_text(text)
-    command = [sys.executable, *MODULE, "optimise", str(file), "--output", str(folder), "--json", "--workers"]
-    with subprocess.Popen([*command, "1"], cwd=tmp_path, env=process_environment(), stdout=subprocess.DEVNULL) as began:
-        wait_until(lambda: points_kept(folder / "points") >= 12 or began.poll() is not None, "12 points")
+    command = [
+        sys.executable,
+        *MODULE,
+        "optimise",
+        str(file),
+        "--output",
+        str(folder),
+        "--json",
+        "--workers",
+    ]
+    with subprocess.Popen(
+        [*command, "1"], cwd=tmp_path, env=process_environment(), stdout=subprocess.DEVNULL
+    ) as began:
+        wait_until(
+            lambda: points_kept(folder / "points") >= 12 or began.poll() is not None, "12 points"
+        )
         began.kill()
     assert began.returncode == -signal.SIGKILL
-    ended = subprocess.run([*command, "2"], cwd=tmp_path, env=process_environment(), capture_output=True, text=True)
+    ended = subprocess.run(
+        [*command, "2"], cwd=tmp_path, env=process_environment(), capture_output=True, text=True
+    )
     assert ended.returncode == 0, ended.stderr
     data = json.loads(ended.stdout)
     whole = vt.optimise(text, workers=1)
@@ -200,14 +265,18 @@ def test_a_search_that_is_killed_goes_on_with_the_same_bits_and_computes_nothing
     states = {one.state for one in whole.trials}
     assert {"refused", "feasible", "infeasible"} <= states
     for one in whole.trials:  # what cannot be built has no number
-        assert bool(one.failure) == (one.state == "refused") and (not one.failure or not np.any(np.isfinite(one.objectives)))
+        assert bool(one.failure) == (one.state == "refused") and (
+            not one.failure or not np.any(np.isfinite(one.objectives))
+        )
     best = whole.best.trial
     (bracket,) = best.measured.limits[whole.plan.objectives[0].measure]
     assert best.objectives[0] == bracket.value and best.objectives[0] >= whole.case.objectives[0]
 
 
 def test_a_search_that_is_stopped_keeps_what_it_has_and_goes_on(tmp_path, monkeypatch):
-    """By a signal after a few rounds: trials in the exception; by the command, all files of them and the exit code of Ctrl-C."""
+    """By a signal after a few rounds: trials in the exception; by the command, all files of them
+    and the exit code of Ctrl-C.
+    """
 
     def stop(share: float, words: str) -> None:
         if "of 40 trials" in words and int(words.split()[0]) >= 25:
@@ -216,8 +285,13 @@ def test_a_search_that_is_stopped_keeps_what_it_has_and_goes_on(tmp_path, monkey
     with pytest.raises(SearchInterrupted) as cut:
         vt.optimise(LIGHT, workers=1, output=tmp_path / "out" / "points", progress=stop)
     held = cut.value.optimum
-    assert not held.finished and 25 <= len(held.trials) < 41 and "stopped before its end" in repr(held)
-    assert all(np.array_equal(one.values, two.values) for one, two in zip(held.trials, light().trials, strict=False))
+    assert (
+        not held.finished and 25 <= len(held.trials) < 41 and "stopped before its end" in repr(held)
+    )
+    assert all(
+        np.array_equal(one.values, two.values)
+        for one, two in zip(held.trials, light().trials, strict=False)
+    )
     again = vt.optimise(LIGHT, workers=1, output=tmp_path / "out" / "points")
     assert again.computed <= light().computed - 20
     same(again, [_row(one) for one in light().trials])
@@ -229,28 +303,47 @@ def test_a_search_that_is_stopped_keeps_what_it_has_and_goes_on(tmp_path, monkey
     (tmp_path / "light.toml").write_text(LIGHT)
     answer = call("optimise", str(tmp_path / "light.toml"), "--output", str(tmp_path / "out"))
     assert answer.exit_code == 130 and "start the command again to go on" in answer.stderr
-    assert {"trials.csv", "optuna.db", "report.html", "optimum.json"} <= {path.name for path in (tmp_path / "out").iterdir()}
+    assert {"trials.csv", "optuna.db", "report.html", "optimum.json"} <= {
+        path.name for path in (tmp_path / "out").iterdir()
+    }
 
 
 def _row(one) -> dict:
-    return {name: getattr(one, name).tolist() for name in ("values", "objectives", "constraints")} | {
-        "state": one.state, "failure": one.failure
-    }  # fmt: skip
+    return {
+        name: getattr(one, name).tolist() for name in ("values", "objectives", "constraints")
+    } | {"state": one.state, "failure": one.failure}
 
 
 def test_seeds_and_rounds_alone_decide_which_designs_are_looked_at():
-    first, again, other = light(), vt.optimise(LIGHT, workers=2), vt.optimise(LIGHT.replace("seeds = 2", "seed = 7"), workers=1)
-    assert all(np.array_equal(one.values, two.values) for one, two in zip(first.trials, again.trials, strict=True))
-    assert not all(np.array_equal(one.values, two.values) for one, two in zip(first.trials[1:], other.trials[1:], strict=False))
+    first, again, other = (
+        light(),
+        vt.optimise(LIGHT, workers=2),
+        vt.optimise(LIGHT.replace("seeds = 2", "seed = 7"), workers=1),
+    )
+    assert all(
+        np.array_equal(one.values, two.values)
+        for one, two in zip(first.trials, again.trials, strict=True)
+    )
+    assert not all(
+        np.array_equal(one.values, two.values)
+        for one, two in zip(first.trials[1:], other.trials[1:], strict=False)
+    )
     designs = [one.values.tobytes() for one in first.trials]
-    assert first.computed <= len(set(designs)) + 1 + len(first.best.steps)  # a design that comes twice is computed once
+    assert first.computed <= len(set(designs)) + 1 + len(
+        first.best.steps
+    )  # a design that comes twice is computed once
 
 
 def test_a_best_whose_gain_a_small_step_undoes_is_called_narrow():
     """Steps of the smooth mass leave most of the gain; one that led back to the case would not."""
-    found = vt.optimise(LIGHT.replace("1.1 x case", "0.9 x case").replace("seeds = 2", "local = 0.4"), workers=1)
+    found = vt.optimise(
+        LIGHT.replace("1.1 x case", "0.9 x case").replace("seeds = 2", "local = 0.4"), workers=1
+    )
     assert found.case.feasible and not any("It is narrow" in words for words in sentences(found))
-    back = replace(found.best.steps[0], objectives=0.9 * found.case.objectives + 0.1 * found.best.trial.objectives)
+    back = replace(
+        found.best.steps[0],
+        objectives=0.9 * found.case.objectives + 0.1 * found.best.trial.objectives,
+    )
     narrow = replace(found, designs=(replace(found.best, steps=(*found.best.steps[1:], back)),))
     (told,) = [words for words in sentences(narrow) if "It is narrow" in words]
     assert told.endswith(f"so count on {1e3 * float(back.objectives[0]):.5g} g.")
@@ -263,39 +356,78 @@ def test_a_library_that_is_not_installed_is_said_in_one_sentence(monkeypatch):
 
 
 def test_another_model_says_what_it_makes_of_the_best():
-    text = SEARCH.format(trials=8).replace("[search]", '[[confirm]]\nspring_model = "massless"\nlabel = "no surge"\n[search]')
+    text = SEARCH.format(trials=8).replace(
+        "[search]", '[[confirm]]\nspring_model = "massless"\nlabel = "no surge"\n[search]'
+    )
     found = vt.optimise(text.replace("6000:9000:1500", "6000:9000:3000"), workers=1)
     (one,) = found.best.confirmed
     told = [words for words in sentences(found) if words.startswith("By no surge: limit speed")]
     assert one.label == "no surge" and len(told) == 1 and one.case.number == 0
-    # a spring without surge has its static force at any speed, which the case keeps up to the highest one searched
-    assert one.case.objectives[0] == pytest.approx(9000 * np.pi / 30) and found.case.objectives[0] < one.case.objectives[0]
+    # a spring without surge has its static force at any speed, which the case keeps up to the
+    # highest one searched
+    assert (
+        one.case.objectives[0] == pytest.approx(9000 * np.pi / 30)
+        and found.case.objectives[0] < one.case.objectives[0]
+    )
 
 
 @pytest.mark.parametrize(("failures", "told"), [(0, 0), (1, 1), (8, 8), (9, 9), (20, 9)])
 def test_the_page_names_eight_trials_that_failed_and_counts_the_others(failures, told):
-    """Numbers and reasons of the first eight; beyond them one sentence says how many more there are."""
+    """Numbers and reasons of the first eight; beyond them one sentence says how many more there
+    are.
+    """
     found = light()
     failed = [one.number for one in found.trials if not one.feasible][:failures]
     reasons = {number: f"reason {place}" for place, number in enumerate(failed)}
-    trials = [replace(one, measured=replace(one.measured, failure=reasons.get(one.number, ""))) for one in found.trials]
+    trials = [
+        replace(one, measured=replace(one.measured, failure=reasons.get(one.number, "")))
+        for one in found.trials
+    ]
     page = optimum_page(replace(found, trials=tuple(trials)))
-    blocks = [block.html for section in page.sections if section.key == "failed" for block in section.blocks]
+    blocks = [
+        block.html
+        for section in page.sections
+        if section.key == "failed"
+        for block in section.blocks
+    ]
     assert len(blocks) == told
-    assert blocks[:8] == [f"Trial {number}: {reason}" for number, reason in list(reasons.items())[:8]]
-    assert blocks[8:] == ([f"And {failures - 8} more; trials.csv has them all."] if failures > 8 else [])
+    assert blocks[:8] == [
+        f"Trial {number}: {reason}" for number, reason in list(reasons.items())[:8]
+    ]
+    assert blocks[8:] == (
+        [f"And {failures - 8} more; trials.csv has them all."] if failures > 8 else []
+    )
 
 
 @pytest.mark.parametrize(
     ("values", "unit", "words"),
     [
-        ((0.04,), "g", None), ((0.04, 0.043), "g", "2 searches from different seeds end at 40, 43 g: the search itself is worth ±1.5 g."),
-        ((0.05, 0.04, 0.047), "g", "3 searches from different seeds end at 50, 40, 47 g: the search itself is worth ±5 g."),
-        ((0.04, 0.04), "g", "2 searches from different seeds end at 40, 40 g: the search itself is worth ±0 g."),
-        ((0.005, 0.0061), "", "2 searches from different seeds end at 5, 6.1: the search itself is worth ±0.55."),
+        ((0.04,), "g", None),
+        (
+            (0.04, 0.043),
+            "g",
+            "2 searches from different seeds end at 40, 43 g: the search itself is worth ±1.5 g.",
+        ),
+        (
+            (0.05, 0.04, 0.047),
+            "g",
+            "3 searches from different seeds end at 50, 40, 47 g: the search itself is worth ±5 g.",
+        ),
+        (
+            (0.04, 0.04),
+            "g",
+            "2 searches from different seeds end at 40, 40 g: the search itself is worth ±0 g.",
+        ),
+        (
+            (0.005, 0.0061),
+            "",
+            "2 searches from different seeds end at 5, 6.1: the search itself is worth ±0.55.",
+        ),
     ],
-)  # fmt: skip
-def test_the_worth_of_a_search_is_half_the_range_of_its_seeds_in_the_unit_of_tables(values, unit, words):
+)
+def test_the_worth_of_a_search_is_half_the_range_of_its_seeds_in_the_unit_of_tables(
+    values, unit, words
+):
     measure = SimpleNamespace(unit=unit, shown=lambda value: 1e3 * value)
     plan = SimpleNamespace(objectives=(SimpleNamespace(measure=measure),))
     found = _seeds(SimpleNamespace(best_by_seed=dict(enumerate(values, start=1)), plan=plan))

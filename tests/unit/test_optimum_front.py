@@ -1,4 +1,6 @@
-"""Unit: which designs of a front a search names, worked out by hand, and how the page and the case file of a design name them."""
+"""Unit: which designs of a front a search names, worked out by hand, and how the page and the case
+file of a design name them.
+"""
 
 from __future__ import annotations
 
@@ -29,7 +31,8 @@ objective = [
 vary = [{ key = "spring.wire_diameter", low = "3 mm", high = "4.2 mm" }]
 search = { method = "nsga2", trials = 160, per_round = 16 }
 """
-#: Mass (g) and surge frequency (Hz) of the case and of the trials after it, the last of which are beaten by others.
+#: Mass (g) and surge frequency (Hz) of the case and of the trials after it, the last of which are
+#: beaten by others.
 MADE = [(50, 90), (10, 100), (20, 200), (30, 350), (40, 380), (25, 150), (40, 370)]
 
 
@@ -65,9 +68,11 @@ def test_balanced_is_nearest_to_the_best_of_both_and_the_ends_are_the_best_by_ea
 
 def test_the_table_of_the_front_marks_the_chosen_designs_and_no_other():
     assert front_table(search(MADE)) == [
-        ["1", "10", "100", "3.01", "best wire mass"], ["2", "20", "200", "3.02", ""], ["3", "30", "350", "3.03", "balanced"],
+        ["1", "10", "100", "3.01", "best wire mass"],
+        ["2", "20", "200", "3.02", ""],
+        ["3", "30", "350", "3.03", "balanced"],
         ["4", "40", "380", "3.04", "best estimated surge frequency"],
-    ]  # fmt: skip
+    ]
 
 
 @pytest.mark.parametrize(("designs", "listed"), [(40, 40), (41, 21), (90, 30)])
@@ -83,5 +88,11 @@ def test_the_case_file_of_a_design_says_which_one_it_is():
     told = [tomllib.loads(case_text(found, one)) for one in found.designs]
     ends = ("balanced", "best wire mass", "best estimated surge frequency")
     assert [one["title"] for one in told] == [f"Light and quick, {end}" for end in ends]
-    assert [one["spring"]["wire_diameter"] for one in told] == [f"{value!r} m" for value in (3.03e-3, 3.01e-3, 3.04e-3)]
-    assert [one["description"].split()[:2] for one in told] == [["Trial", "3"], ["Trial", "1"], ["Trial", "4"]]
+    assert [one["spring"]["wire_diameter"] for one in told] == [
+        f"{value!r} m" for value in (3.03e-3, 3.01e-3, 3.04e-3)
+    ]
+    assert [one["description"].split()[:2] for one in told] == [
+        ["Trial", "3"],
+        ["Trial", "1"],
+        ["Trial", "4"],
+    ]

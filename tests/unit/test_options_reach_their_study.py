@@ -1,4 +1,6 @@
-"""What a command is told on the terminal is what its study is asked: every option of a study, stated and left out."""
+"""What a command is told on the terminal is what its study is asked: every option of a study,
+stated and left out.
+"""
 
 from __future__ import annotations
 
@@ -12,7 +14,8 @@ from valvetrain.cli.main import app
 from valvetrain.errors import InputError
 
 RPM = math.pi / 30
-#: Command -> module of the function that it calls, and the options of its own with what they become.
+#: Command -> module of the function that it calls, and the options of its own with what they
+#: become.
 STUDIES: dict[str, tuple[str, list[str], dict[str, Any]]] = {
     "run": ("run.run_study", ["--engine-speed", "2100 rpm"], {"engine_speeds": (2100 * RPM,)}),
     "compare": ("compare.compare_study", ["--engine-speed", "2100 rpm"], {"engine_speeds": (2100 * RPM,)}),
@@ -20,7 +23,17 @@ STUDIES: dict[str, tuple[str, list[str], dict[str, Any]]] = {
     "run-up": ("run_up.run_up_study", ["--from", "2000 rpm", "--to", "2400 rpm", "--duration", "0.5 s"],
                {"ramp": (2000 * RPM, 2400 * RPM, 0.5)}),
 }  # fmt: skip
-SHARED = ["--spring", "massless", "--spring-set", "stock", "--workers", "2", "--limit", "7 h, 3 GB", "--implausible"]
+SHARED = [
+    "--spring",
+    "massless",
+    "--spring-set",
+    "stock",
+    "--workers",
+    "2",
+    "--limit",
+    "7 h, 3 GB",
+    "--implausible",
+]
 
 
 @pytest.fixture(params=STUDIES)
@@ -35,7 +48,14 @@ def asked(request, monkeypatch, tmp_path):
             raise InputError("this is as far as it goes")
 
         monkeypatch.setattr(f"valvetrain.studies.{place}", study)
-        arguments = [request.param, "tdi-pushrod", *own, *options, "--output", str(tmp_path / "out")]
+        arguments = [
+            request.param,
+            "tdi-pushrod",
+            *own,
+            *options,
+            "--output",
+            str(tmp_path / "out"),
+        ]
         said = CliRunner().invoke(app, arguments)
         assert "as far as it goes" in said.output, said.output
         return seen, request.param
@@ -51,8 +71,17 @@ def test_every_option_that_is_stated_reaches_the_study(asked):
     call, wanted = asked
     seen, command = call(*SHARED)
     case, *rest = seen["given"]
-    assert case.name == "tdi-pushrod" and seen["spring_models"] == ("massless",) and seen["spring_sets"] == ("stock",)
-    assert seen["workers"] == 2 and seen["implausible"] is True and callable(seen["progress"]) and seen["created_at"][:2] == "20"
+    assert (
+        case.name == "tdi-pushrod"
+        and seen["spring_models"] == ("massless",)
+        and seen["spring_sets"] == ("stock",)
+    )
+    assert (
+        seen["workers"] == 2
+        and seen["implausible"] is True
+        and callable(seen["progress"])
+        and seen["created_at"][:2] == "20"
+    )
     for name, value in wanted.items():
         assert approximately(seen.get(name) or rest[0], value), name
     if "limits" in seen:

@@ -14,7 +14,9 @@ def test_a_function_left_replaced_is_told(monkeypatch):
     before = callables()
     with monkeypatch.context() as inside:
         inside.setattr(read_apart, "in_a_new_process", lambda *_: "not here")
-        assert replaced(before) == replaced({}) == ["valvetrain.solution.read_apart.in_a_new_process"]
+        assert (
+            replaced(before) == replaced({}) == ["valvetrain.solution.read_apart.in_a_new_process"]
+        )
     assert not replaced(before) and not replaced({})
 
 
@@ -24,4 +26,8 @@ def test_a_method_left_replaced_is_told_and_so_is_what_only_a_test_makes(monkeyp
         inside.setattr(Shaped, "lift", lambda *_: 0.0)
         assert replaced(before) == ["valvetrain.cam.shaped.Shaped.lift"]
     assert not replaced(before)
-    assert all(map(from_tests, (mock.Mock(), partial(lambda: 0), lambda: 0))) and not from_tests(Shaped) and not from_tests(partial(int))
+    assert (
+        all(map(from_tests, (mock.Mock(), partial(lambda: 0), lambda: 0)))
+        and not from_tests(Shaped)
+        and not from_tests(partial(int))
+    )

@@ -1,4 +1,6 @@
-"""Unit: every row and curve of the pages of a scanned spring and of measured lifts beside made-up numbers, in the units of the page."""
+"""Unit: every row and curve of the pages of a scanned spring and of measured lifts beside made-up
+numbers, in the units of the page.
+"""
 
 from __future__ import annotations
 
@@ -9,40 +11,46 @@ import numpy as np
 import pytest
 
 from spring_parts import CLOSED_ENDS
-from valvetrain.measurements.lift_figures import LiftFigure
-from valvetrain.measurements.spring_scan.result import ScanCurves, ScannedEnd, ScannedSpring, WireSection
+from valvetrain.lift.band import CarriedSpread
+from valvetrain.lift.figures import LiftFigure
+from valvetrain.lift.page import carried_words, derivatives_chart, figure_rows, residuals_chart
 from valvetrain.parameters.spring import EndCoil
 from valvetrain.report import theme
 from valvetrain.report.chart import Line
-from valvetrain.report.lift_page import carried_words, derivatives_chart, figure_rows, residuals_chart
-from valvetrain.report.scan_charts import (
+from valvetrain.scan.compare import ComparedNumber
+from valvetrain.scan.page import (
     cloud_chart,
+    compared_rows,
     curves_chart,
     difference_chart,
     force_chart,
     motion_chart,
     residual_chart,
+    scan_rows,
     section_chart,
 )
-from valvetrain.report.scan_page import compared_rows, scan_rows
-from valvetrain.studies.lift_band import CarriedSpread
-from valvetrain.studies.scan_against_design import ComparedNumber
+from valvetrain.scan.result import ScanCurves, ScannedEnd, ScannedSpring, WireSection
 
 RPM, DEG, MM = np.pi / 30, np.pi / 180, 1e-3
 #: A normal number lies within so many standard deviations in 95 of 100 draws.
 BAND = 1.959964
 COIL = np.linspace(0.0, 5.0, 61)
-#: Diameter from 24 to 25 mm, height 6 mm a turn; the scatter of the last station of the diameter is far too large.
+#: Diameter from 24 to 25 mm, height 6 mm a turn; the scatter of the last station of the diameter is
+#: far too large.
 MEAN, HEIGHT = (24 + 0.2 * COIL) * MM, 6 * MM * COIL
 SPREAD = np.append(np.full(60, 1e-5), 1e-3)
 TURNED = 2 * np.pi * COIL
 AXIS = np.column_stack([MEAN / 2 * np.cos(TURNED), MEAN / 2 * np.sin(TURNED), HEIGHT])
-CURVES = ScanCurves(COIL, MEAN, SPREAD, HEIGHT, np.full(61, 2e-5), (6 + 0.1 * COIL) * MM, np.full(61, 3e-5), AXIS)
+CURVES = ScanCurves(
+    COIL, MEAN, SPREAD, HEIGHT, np.full(61, 2e-5), (6 + 0.1 * COIL) * MM, np.full(61, 3e-5), AXIS
+)
 TURNS = np.array([[0.5, 4.01e-3, 2e-6, 300.0], [1.5, 4.02e-3, 3e-6, 310.0]])
 ROUND = WireSection((4e-3, 1e-6), (4e-3, 1e-6), (4e-3, 1e-6), 0.0, TURNS, np.array([[2e-3, 0.0]]))
 OVATE = replace(ROUND, long_axis=(4.2e-3, 5e-6), short_axis=(3.8e-3, 4e-6), inclination=0.3)
 #: The definition that the scan gave: ends ground over 0.8 and 0.6 turns.
-WIRE = CLOSED_ENDS.replace(lower_end=EndCoil("closed-ground", 1.0, 0.8), upper_end=EndCoil("closed-ground", 1.0, 0.6))
+WIRE = CLOSED_ENDS.replace(
+    lower_end=EndCoil("closed-ground", 1.0, 0.8), upper_end=EndCoil("closed-ground", 1.0, 0.6)
+)
 
 
 def scanned(section=ROUND, **more):
@@ -61,32 +69,48 @@ ENDS = [
     ("lower face against the axis", "2.00", "", "deg"), ("upper end", "open", "", ""), ("noise of a point", "20.0", "", "µm"),
 ]  # fmt: skip
 FIRST = [("free length", "34.000", "0.120", "mm"), ("turns, tip to tip", "5.000", "0.008", "")]
-OUTER = [("largest outer diameter", "28.983", "0.020", "mm"), ("smallest outer diameter", "28.000", "0.020", "mm"),
-         ("largest pitch", "6.500", "0.060", "mm")]  # fmt: skip
+OUTER = [
+    ("largest outer diameter", "28.983", "0.020", "mm"),
+    ("smallest outer diameter", "28.000", "0.020", "mm"),
+    ("largest pitch", "6.500", "0.060", "mm"),
+]
 
 
 @pytest.mark.parametrize(
     ("section", "wire"),
     [
         (ROUND, [("wire diameter", "4.000", "0.002", "mm")]),
-        (OVATE, [("wire, long axis", "4.200", "0.010", "mm"), ("wire, short axis", "3.800", "0.008", "mm"),
-                 ("round wire that stands for it", "4.000", "0.002", "mm")]),
+        (
+            OVATE,
+            [
+                ("wire, long axis", "4.200", "0.010", "mm"),
+                ("wire, short axis", "3.800", "0.008", "mm"),
+                ("round wire that stands for it", "4.000", "0.002", "mm"),
+            ],
+        ),
         (replace(ROUND, diameter=(4e-3, 0.0)), [("wire diameter", "4", "", "mm")]),
         (replace(ROUND, diameter=(4e-3, 1e-7)), [("wire diameter", "4.000", "0.001", "mm")]),
     ],
-)  # fmt: skip
+)
 def test_every_size_of_a_scanned_spring_stands_with_twice_its_standard_deviation(section, wire):
-    """Diameters over the wire: 24 and, before the station that scatters, 24.983 mm and 4 mm of wire."""
+    """Diameters over the wire: 24 and, before the station that scatters, 24.983 mm and 4 mm of
+    wire.
+    """
     assert scan_rows(scanned(section)) == [*FIRST, *wire, *OUTER, *ENDS]
 
 
 def test_what_has_a_ground_face_says_how_far_it_is_ground_and_how_it_leans():
-    turned = scanned(upper_end=ScannedEnd("closed-ground", 500, 3 * DEG, 0.003), lower_end=ScannedEnd("closed", 0, 0.1, 0.002))
+    turned = scanned(
+        upper_end=ScannedEnd("closed-ground", 500, 3 * DEG, 0.003),
+        lower_end=ScannedEnd("closed", 0, 0.1, 0.002),
+    )
     rows = [row for row in scan_rows(turned) if row[0].startswith(("lower", "upper"))]
     assert rows == [
-        ("lower end", "closed", "", ""), ("upper end", "closed and ground", "", ""), ("upper end, ground turns", "0.600", "", ""),
+        ("lower end", "closed", "", ""),
+        ("upper end", "closed and ground", "", ""),
+        ("upper end, ground turns", "0.600", "", ""),
         ("upper face against the axis", "3.00", "", "deg"),
-    ]  # fmt: skip
+    ]
 
 
 def test_a_scanned_number_stands_beside_its_design_with_its_share_at_rest_first_and_then_by_speed():
@@ -99,11 +123,19 @@ def test_a_scanned_number_stands_beside_its_design_with_its_share_at_rest_first_
     )  # fmt: skip
     rows = compared_rows(SimpleNamespace(numbers=numbers))
     assert [(row[1], *row[2:]) for row in rows] == [
-        ("", "288.9", "277.3", "N", "−4.0 %"), ("", "47.25", "47.72", "mm", "+1.0 %"),
-        ("finite-element, 4200 rpm", "500.2", "495.2", "N", "−1.0 %"), ("finite-element, 4200 rpm", "0", "2", "", ""),
+        ("", "288.9", "277.3", "N", "−4.0 %"),
+        ("", "47.25", "47.72", "mm", "+1.0 %"),
+        ("finite-element, 4200 rpm", "500.2", "495.2", "N", "−1.0 %"),
+        ("finite-element, 4200 rpm", "0", "2", "", ""),
         ("finite-element, 8000 rpm", "800.4", "840.4", "N", "+5.0 %"),
-    ]  # fmt: skip
-    assert [row[0] for row in rows] == ["preload", "free length", "peak spring force", "coil clashes", "peak spring force"]
+    ]
+    assert [row[0] for row in rows] == [
+        "preload",
+        "free length",
+        "peak spring force",
+        "coil clashes",
+        "peak spring force",
+    ]
 
 
 def lines(panel):
@@ -111,14 +143,18 @@ def lines(panel):
 
 
 def test_the_residuals_of_a_scan_stand_in_bars_under_the_bell_of_their_scatter():
-    """48 bars over six standard deviations of 20 µm to either side; 20 000 normal numbers follow the bell."""
+    """48 bars over six standard deviations of 20 µm to either side; 20 000 normal numbers follow
+    the bell.
+    """
     (panel,) = residual_chart(scanned()).panels
     bars, bell = panel.layers
     assert panel.x_range == pytest.approx((-120.0, 120.0)) and bell.name == "bell of 20 µm"
     counts = bars.y[np.isfinite(bars.y) & (bars.y > 0)]
     assert np.sum(counts) == pytest.approx(20000, abs=2)
     due = 20000 * 5.0 / (20 * np.sqrt(2 * np.pi)) * np.exp(-0.5 * (bell.x / 20) ** 2)
-    assert bell.y == pytest.approx(due, rel=0.02) and (bell.x[0], bell.x[-1]) == pytest.approx((-120.0, 120.0))
+    assert bell.y == pytest.approx(due, rel=0.02) and (bell.x[0], bell.x[-1]) == pytest.approx(
+        (-120.0, 120.0)
+    )
 
 
 def test_the_cloud_and_the_wire_axis_stand_above_the_seat_seen_from_two_sides():
@@ -129,7 +165,9 @@ def test_the_cloud_and_the_wire_axis_stand_above_the_seat_seen_from_two_sides():
         assert points.x == pytest.approx(1e3 * MEAN / 2 * across(TURNED), abs=1e-9)
         assert points.y == pytest.approx(1e3 * HEIGHT + 1.0, abs=1e-9)
         place = np.interp(axis.y, 1e3 * HEIGHT, COIL)
-        assert axis.x == pytest.approx((12 + 0.1 * place) * across(2 * np.pi * place), abs=0.04)  # chords of 30 degrees between stations
+        assert axis.x == pytest.approx(
+            (12 + 0.1 * place) * across(2 * np.pi * place), abs=0.04
+        )  # chords of 30 degrees between stations
         assert (axis.y[0], axis.y[-1]) == pytest.approx((0.0, 30.0))
 
 
@@ -137,12 +175,21 @@ def test_scan_less_design_and_the_design_beside_the_scan():
     design = WIRE
     height = 1e3 * (HEIGHT - (design.axial_position(COIL) - design.lower_seat_height))
     outer = 1e3 * (MEAN + 4e-3 - design.outer_diameter(COIL))
-    for panel, away, spread in zip(difference_chart(scanned(), design).panels, (outer, height), (1e3 * SPREAD, 2e-2), strict=True):
+    for panel, away, spread in zip(
+        difference_chart(scanned(), design).panels,
+        (outer, height),
+        (1e3 * SPREAD, 2e-2),
+        strict=True,
+    ):
         low, high, middle = panel.layers
         for line, due in ((low, away - 2 * spread), (high, away + 2 * spread), (middle, away)):
             assert line.x == pytest.approx(COIL) and line.y == pytest.approx(due)
     coil = np.linspace(0.0, design.total_coils, 401)
-    told = (design.outer_diameter(coil), design.axial_position(coil) - design.lower_seat_height, design.pitch.value(coil))
+    told = (
+        design.outer_diameter(coil),
+        design.axial_position(coil) - design.lower_seat_height,
+        design.pitch.value(coil),
+    )
     for panel, due in zip(curves_chart(scanned(), design).panels, told, strict=True):
         one = lines(panel)["design"]
         assert one.x == pytest.approx(coil) and one.y == pytest.approx(1e3 * due)
@@ -151,7 +198,9 @@ def test_scan_less_design_and_the_design_beside_the_scan():
 
 def curve(rate, path=None):
     compression = np.linspace(0.0, 10e-3, 5)
-    return SimpleNamespace(compression=compression, force=rate * compression, stiffness=np.full(5, rate), path=path)
+    return SimpleNamespace(
+        compression=compression, force=rate * compression, stiffness=np.full(5, rate), path=path
+    )
 
 
 def compared(*curves, runs=None):
@@ -168,9 +217,16 @@ def test_force_and_rate_of_both_stand_over_the_height_between_their_seats():
     force, rate = force_chart(compared(curve(40e3), curve(42e3, path=curve(44e3)))).panels
     for word, free, stiffness in (("design", 46.0, 40.0), ("3-D scan", 46.0, 44.0)):
         one, other = lines(force)[word], lines(rate)[word]
-        assert one.x == pytest.approx(free - np.linspace(0.0, 10.0, 5)) and np.array_equal(one.x, other.x)
-        assert one.y == pytest.approx(stiffness * np.linspace(0.0, 10.0, 5)) and other.y == pytest.approx(np.full(5, stiffness))
-    assert force_chart(compared(curve(40e3), None)) is None and force_chart(compared(None, curve(40e3))) is None
+        assert one.x == pytest.approx(free - np.linspace(0.0, 10.0, 5)) and np.array_equal(
+            one.x, other.x
+        )
+        assert one.y == pytest.approx(
+            stiffness * np.linspace(0.0, 10.0, 5)
+        ) and other.y == pytest.approx(np.full(5, stiffness))
+    assert (
+        force_chart(compared(curve(40e3), None)) is None
+        and force_chart(compared(None, curve(40e3))) is None
+    )
 
 
 def test_the_force_of_both_over_the_cam_angle_at_one_speed_by_one_model():
@@ -178,37 +234,57 @@ def test_the_force_of_both_over_the_cam_angle_at_one_speed_by_one_model():
     angle = 0.3 + np.arange(720) * np.pi / 360
 
     def run(speed, label, level):
-        return SimpleNamespace(engine_speed=speed, label=label, has=lambda name: True, cam_angle=angle,
-                               channel=lambda name: level + np.sin(angle) if name == "seat_force" else None)  # fmt: skip
+        return SimpleNamespace(
+            engine_speed=speed,
+            label=label,
+            has=lambda name: True,
+            cam_angle=angle,
+            channel=lambda name: level + np.sin(angle) if name == "seat_force" else None,
+        )
 
     def study(level):
         places = [(one, word) for one in (300.0, 400.0) for word in ("massless", "finite-element")]
-        return SimpleNamespace(solutions=[run(*one, level + 10 * place) for place, one in enumerate(places)])
+        return SimpleNamespace(
+            solutions=[run(*one, level + 10 * place) for place, one in enumerate(places)]
+        )
 
     found = compared(curve(40e3), curve(42e3), runs=(study(500.0), study(600.0)))
     (panel,) = motion_chart(found, 400.0, "massless").panels
     for word, level in (("design", 520.0), ("3-D scan", 620.0)):
         one = lines(panel)[word]
-        assert np.all(np.diff(one.x) > 0) and one.x[0] == pytest.approx(0.0, abs=0.51) and one.x[-1] < 360
+        assert (
+            np.all(np.diff(one.x) > 0)
+            and one.x[0] == pytest.approx(0.0, abs=0.51)
+            and one.x[-1] < 360
+        )
         assert one.y == pytest.approx(level + np.sin(np.radians(one.x)), abs=1e-4)
-    assert motion_chart(found, 350.0, "massless") is None and motion_chart(found, 400.0, "multi-mass") is None
+    assert (
+        motion_chart(found, 350.0, "massless") is None
+        and motion_chart(found, 400.0, "multi-mass") is None
+    )
 
 
 ANGLES = np.linspace(1.0, 2.0, 41)
 LOBE = SimpleNamespace(
     measured=SimpleNamespace(name="intake", lifts=1e-3 * ANGLES + 2e-4, cam_angles=ANGLES),
     smoothed=SimpleNamespace(
-        event=(1.0, 2.0), base=2e-4, noise=3e-6, cam_angles=ANGLES, residuals=1e-6 * np.cos(40 * ANGLES),
+        event=(1.0, 2.0),
+        base=2e-4,
+        noise=3e-6,
+        cam_angles=ANGLES,
+        residuals=1e-6 * np.cos(40 * ANGLES),
         lift=lambda at, derivative=0: 1e-3 * np.sin(at + derivative),
         spread=lambda at, derivative=0: np.full(len(at), 1e-5 * (1 + derivative)),
     ),
-)  # fmt: skip
+)
 
 
 def test_what_stations_leave_stands_between_lines_that_hold_95_of_100():
     (panel,) = residuals_chart(LOBE).panels
     marks, above, below = panel.layers
-    assert marks.x == pytest.approx(np.degrees(ANGLES)) and marks.y == pytest.approx(np.cos(40 * ANGLES))
+    assert marks.x == pytest.approx(np.degrees(ANGLES)) and marks.y == pytest.approx(
+        np.cos(40 * ANGLES)
+    )
     ends = [1 / DEG, 2 / DEG]
     assert above.name == "95 % of the noise"
     assert above.x == pytest.approx(ends) and above.y == pytest.approx([3 * BAND] * 2)
@@ -219,12 +295,19 @@ def test_lift_and_its_derivatives_stand_by_the_degree_with_their_bands():
     chart = derivatives_chart(LOBE)
     panels = chart.panels
     assert "1.96 standard deviations" in chart.caption
-    assert [panel.y_label for panel in panels] == ["lift (mm)", "velocity (mm/deg)", "acceleration (mm/deg²)", "jerk (mm/deg³)"]
+    assert [panel.y_label for panel in panels] == [
+        "lift (mm)",
+        "velocity (mm/deg)",
+        "acceleration (mm/deg²)",
+        "jerk (mm/deg³)",
+    ]
     for derivative, panel in enumerate(panels):
         low, high, law, *stations = panel.layers
         half = BAND * (1 + derivative) * 1e-2 * DEG**derivative
         for line, away in ((low, -half), (high, half), (law, 0.0)):
-            assert line.y == pytest.approx(np.sin(line.x * DEG + derivative) * DEG**derivative + away, rel=1e-7)
+            assert line.y == pytest.approx(
+                np.sin(line.x * DEG + derivative) * DEG**derivative + away, rel=1e-7
+            )
         assert len(stations) == (derivative == 0)
     station = panels[0].layers[-1]
     assert station.x == pytest.approx(np.degrees(ANGLES)) and station.y == pytest.approx(ANGLES)
@@ -233,21 +316,30 @@ def test_lift_and_its_derivatives_stand_by_the_degree_with_their_bands():
 @pytest.mark.parametrize(
     ("value", "spread", "unit", "row"),
     [
-        (9.1e-3, 2e-6, "mm", ("9.1000", "±0.0039", "mm")), (120 * DEG, 0.05 * DEG, "deg", ("120.000", "±0.098", "deg")),
+        (9.1e-3, 2e-6, "mm", ("9.1000", "±0.0039", "mm")),
+        (120 * DEG, 0.05 * DEG, "deg", ("120.000", "±0.098", "deg")),
         (1.5e-3 * DEG, 1e-5 * DEG, "mm deg", ("1.500", "±0.020", "mm deg")),
         (0.02e-3 / DEG, 1e-6 / DEG, "mm/deg", ("0.0200", "±0.0020", "mm/deg")),
         (-3e-6 / DEG**2, 1e-7 / DEG**2, "mm/deg2", ("-0.00300", "±0.00020", "mm/deg²")),
-        (4e-7 / DEG**3, 1e-7 / DEG**3, "mm/deg3", ("0.00040", "±0.00020", "mm/deg³")), (0.25, 0.0, "", ("0.2500", "±0.0000", "")),
+        (4e-7 / DEG**3, 1e-7 / DEG**3, "mm/deg3", ("0.00040", "±0.00020", "mm/deg³")),
+        (0.25, 0.0, "", ("0.2500", "±0.0000", "")),
         (9e-3, 20e-3, "mm", ("9", "±39", "mm")),
     ],
-)  # fmt: skip
-def test_figures_of_a_lobe_in_the_units_of_the_trade_with_two_digits_of_their_interval(value, spread, unit, row):
+)
+def test_figures_of_a_lobe_in_the_units_of_the_trade_with_two_digits_of_their_interval(
+    value, spread, unit, row
+):
     assert figure_rows([LiftFigure("key", "words", value, spread, unit)]) == [("words", *row)]
 
 
 @pytest.mark.parametrize(
     ("label", "speed", "run"),
-    [("massless", 4200 * RPM, "massless, 4200 rpm"), ("", 4200 * RPM, "4200 rpm"), ("massless", None, "massless"), ("", None, "")],
+    [
+        ("massless", 4200 * RPM, "massless, 4200 rpm"),
+        ("", 4200 * RPM, "4200 rpm"),
+        ("massless", None, "massless"),
+        ("", None, ""),
+    ],
 )
 def test_a_carried_spread_names_its_run_and_stands_in_the_unit_of_its_quantity(label, speed, run):
     one = CarriedSpread("peak_valve_lift", label, speed, 9.123e-3, 1.5e-5, 20)
@@ -255,10 +347,19 @@ def test_a_carried_spread_names_its_run_and_stands_in_the_unit_of_its_quantity(l
 
 
 def test_lines_that_only_help_to_read_are_thinner_than_what_they_stand_beside():
-    """Grey and ink lines of both pages are 1.6 px at most, and no wider than any coloured line of their panel."""
+    """Grey and ink lines of both pages are 1.6 px at most, and no wider than any coloured line of
+    their panel.
+    """
     scan = scanned(OVATE)
-    charts = [derivatives_chart(LOBE), residuals_chart(LOBE), cloud_chart(scan), curves_chart(scan, WIRE), difference_chart(scan, WIRE),
-              section_chart(scan), residual_chart(scan)]  # fmt: skip
+    charts = [
+        derivatives_chart(LOBE),
+        residuals_chart(LOBE),
+        cloud_chart(scan),
+        curves_chart(scan, WIRE),
+        difference_chart(scan, WIRE),
+        section_chart(scan),
+        residual_chart(scan),
+    ]
     for chart in charts:
         for panel in chart.panels:
             drawn = [one for one in panel.layers if isinstance(one, Line)]

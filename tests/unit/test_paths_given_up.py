@@ -13,7 +13,9 @@ from valvetrain.cosserat.static import FAILURES, NewtonOptions, RodStatics, comp
 
 
 class TakesSteps:
-    """Stands for statics that find an equilibrium after steps of ``longest`` at most and up to ``end``; keeps what was asked and failed."""
+    """Stands for statics that find an equilibrium after steps of ``longest`` at most and up to
+    ``end``; keeps what was asked and failed.
+    """
 
     def __init__(self, longest: float, end: float = 1.0) -> None:
         self.longest, self.end, self.options = longest, end, NewtonOptions()
@@ -33,7 +35,9 @@ def path(statics, *targets):
 
 
 def test_steps_that_fail_again_and_again_end_the_path():
-    """Every third increment is doubled and fails; 22 mm by increments of two micrometres would ask 10 000 times."""
+    """Every third increment is doubled and fails; 22 mm by increments of two micrometres would ask
+    10 000 times.
+    """
     statics = TakesSteps(2.2e-6)
     found = path(statics, 22e-3)
     assert [one.converged for one in found] == [False]
@@ -41,23 +45,36 @@ def test_steps_that_fail_again_and_again_end_the_path():
 
 
 def test_failures_are_counted_for_each_target_anew():
-    """Some twenty failures on the way to each of four targets are no reason to give up: all four are reached."""
+    """Some twenty failures on the way to each of four targets are no reason to give up: all four
+    are reached.
+    """
     statics = TakesSteps(0.4e-3)
     found = path(statics, 4e-3, 8e-3, 12e-3, 16e-3)
     assert [one.converged for one in found] == [True] * 4
-    assert found[-1].state.compression == pytest.approx(16e-3, abs=1e-12) and statics.failed < 4 * FAILURES
+    assert (
+        found[-1].state.compression == pytest.approx(16e-3, abs=1e-12)
+        and statics.failed < 4 * FAILURES
+    )
 
 
 def test_a_path_that_ends_is_left_at_the_smallest_increment_with_what_it_had():
     statics = TakesSteps(1.0, end=5.3e-3)
     found = path(statics, 2e-3, 4e-3, 6e-3)
     assert [one.converged for one in found] == [True, True, False]
-    assert statics.at == pytest.approx(5.3e-3, abs=2 * statics.options.smallest_increment) and statics.failed <= 12
+    assert (
+        statics.at == pytest.approx(5.3e-3, abs=2 * statics.options.smallest_increment)
+        and statics.failed <= 12
+    )
 
 
 @pytest.mark.parametrize("most", [3, 7])
 def test_newton_ends_after_its_iterations(most):
-    """A tolerance that rounding never meets: the answer says how often it was asked, and that it did not converge."""
-    statics = RodStatics(mesh_spring(small_spring(2.4, pitch=6e-3), 16), options=NewtonOptions(tolerance=0.0, iterations=most))
+    """A tolerance that rounding never meets: the answer says how often it was asked, and that it
+    did not converge.
+    """
+    statics = RodStatics(
+        mesh_spring(small_spring(2.4, pitch=6e-3), 16),
+        options=NewtonOptions(tolerance=0.0, iterations=most),
+    )
     result = statics.solve(free_state(statics.mesh), 0.5e-3)
     assert not result.converged and result.iterations == most

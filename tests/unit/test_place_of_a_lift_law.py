@@ -1,4 +1,6 @@
-"""What a lift law refuses when it is built is told with its place in the case file, by every command that builds it."""
+"""What a lift law refuses when it is built is told with its place in the case file, by every
+command that builds it.
+"""
 
 from __future__ import annotations
 
@@ -35,7 +37,9 @@ def test_the_key_and_its_line_are_told(tmp_path, monkeypatch, command):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "own.toml").write_text(LAW + SPRING)
     told = CliRunner().invoke(app, [command[0], "own.toml", *command[1:]])
-    assert told.exit_code == 2 and f"case 'own', line 9, lift_law.flank_shape: {ROOM}" in told.stderr
+    assert (
+        told.exit_code == 2 and f"case 'own', line 9, lift_law.flank_shape: {ROOM}" in told.stderr
+    )
 
 
 def test_a_case_of_a_lift_law_alone_is_checked_too(tmp_path):
@@ -43,7 +47,9 @@ def test_a_case_of_a_lift_law_alone_is_checked_too(tmp_path):
     path = tmp_path / "own.toml"
     path.write_text(LAW)
     told = CliRunner().invoke(app, ["check", str(path)])
-    assert told.exit_code == 2 and f"case 'own', line 9, lift_law.flank_shape: {ROOM}" in told.stderr
+    assert (
+        told.exit_code == 2 and f"case 'own', line 9, lift_law.flank_shape: {ROOM}" in told.stderr
+    )
     path.write_text(LAW.replace("[1, 1, -1]", "[1, 1, -1, -1]"))
     assert CliRunner().invoke(app, ["check", str(path)]).exit_code == 0
 
@@ -52,7 +58,10 @@ def test_values_changed_from_outside_have_no_line(tmp_path):
     path = tmp_path / "own.toml"
     path.write_text(LAW.replace("[1, 1, -1]", "[1, 1, -1, -1]") + SPRING)
     case = vt.load_case(path, {"lift_law.event_end": "350 deg"})
-    with pytest.raises(vt.InputError, match=r"^case 'own', lift_law: event_end and the ramp after it must follow the nose"):
+    with pytest.raises(
+        vt.InputError,
+        match=r"^case 'own', lift_law: event_end and the ramp after it must follow the nose",
+    ):
         vt.build(case)
 
 
@@ -61,21 +70,35 @@ def test_a_law_alone_of_an_odd_shape_is_refused_in_a_sentence(tmp_path, shape):
     path = tmp_path / "own.toml"
     path.write_text(LAW.replace("[1, 1, -1]", f"[1, 1, -1, -1]\nclosing_flank_shape = {shape}"))
     told = CliRunner().invoke(app, ["check", str(path)])
-    assert told.exit_code == 2 and "case 'own', line 10, lift_law.closing_flank_shape: closing_flank_shape needs four" in told.stderr
+    assert (
+        told.exit_code == 2
+        and "case 'own', line 10, lift_law.closing_flank_shape: closing_flank_shape needs four"
+        in told.stderr
+    )
 
 
 def test_a_sentence_of_several_keys_names_the_table(tmp_path):
     """The first key that it holds need not be the wrong one."""
     path = tmp_path / "own.toml"
-    path.write_text(LAW.replace("[1, 1, -1]", "[1, 1, -1, -1]").replace('ramp_lift = "0.3 mm"', 'ramp_lift = "9.5 mm"'))
+    path.write_text(
+        LAW.replace("[1, 1, -1]", "[1, 1, -1, -1]").replace(
+            'ramp_lift = "0.3 mm"', 'ramp_lift = "9.5 mm"'
+        )
+    )
     told = CliRunner().invoke(app, ["check", str(path)])
-    assert told.exit_code == 2 and "case 'own', line 2, lift_law: ramp_lift must lie between zero and maximum_lift" in told.stderr
+    assert (
+        told.exit_code == 2
+        and "case 'own', line 2, lift_law: ramp_lift must lie between zero and maximum_lift"
+        in told.stderr
+    )
 
 
 def test_a_law_exchanged_in_a_program_has_no_line(tmp_path):
     path = tmp_path / "own.toml"
     path.write_text(LAW.replace("[1, 1, -1]", "[1, 1, -1, -1]") + SPRING)
     case = vt.load_case(path)
-    law = replace(case.lift_law, values=dict(case.lift_law.values) | {"flank_shape": (1.0, 1.0, -1.0)})
+    law = replace(
+        case.lift_law, values=dict(case.lift_law.values) | {"flank_shape": (1.0, 1.0, -1.0)}
+    )
     with pytest.raises(vt.InputError, match=rf"^case 'own', lift_law.flank_shape: {ROOM}"):
         vt.build(replace(case, lift_law=law))

@@ -1,4 +1,6 @@
-"""Nonsense is refused, or named where it comes out, whatever equation it solves; an option lets it pass."""
+"""Nonsense is refused, or named where it comes out, whatever equation it solves; an option lets it
+pass.
+"""
 
 from __future__ import annotations
 
@@ -12,10 +14,9 @@ import pytest
 
 import valvetrain as vt
 from unit.cli_parts import SMALL, call, sentence
+from valvetrain.cam.closed_form import Zero
 from valvetrain.cam.polydyne import Polydyne
-from valvetrain.cam.spline import Spline
-from valvetrain.cam.stations import Stations
-from valvetrain.cam.zero import Zero
+from valvetrain.cam.spline import Spline, Stations
 from valvetrain.errors import InputError
 from valvetrain.parameters.loading import parse_case
 from valvetrain.quantities.plausible import (
@@ -34,10 +35,20 @@ from valvetrain.system.build import build
 
 #: Laws that answer, and whose lift is below the base circle between what they were given.
 NEGATIVE = {
-    "stations": Stations(cam_angles=(0.0, 1.0, 2.0), lifts=(0.0, 1e-3, 0.0), velocities=(0.0, -0.5, 0.0), accelerations=(0.0, 0.0, 0.0)),
-    "polydyne": Polydyne(maximum_lift=10e-3, opening_start=2.2, closing_end=4.0, dynamic_deflection=0.5),
+    "stations": Stations(
+        cam_angles=(0.0, 1.0, 2.0),
+        lifts=(0.0, 1e-3, 0.0),
+        velocities=(0.0, -0.5, 0.0),
+        accelerations=(0.0, 0.0, 0.0),
+    ),
+    "polydyne": Polydyne(
+        maximum_lift=10e-3, opening_start=2.2, closing_end=4.0, dynamic_deflection=0.5
+    ),
     "uneven spline": Spline(
-        cam_angles=(2.2, 2.6, 3.0, 3.05, 3.1, 3.6, 4.0), lifts=(0.0, 1e-4, 2e-4, 9e-3, 2e-4, 1e-4, 0.0), degree=5, smoothing=0.0
+        cam_angles=(2.2, 2.6, 3.0, 3.05, 3.1, 3.6, 4.0),
+        lifts=(0.0, 1e-4, 2e-4, 9e-3, 2e-4, 1e-4, 0.0),
+        degree=5,
+        smoothing=0.0,
     ),
 }
 
@@ -48,12 +59,16 @@ def test_a_lift_below_the_base_circle_is_refused(kind):
     dense = np.asarray(law.lift(np.linspace(0.0, 2 * math.pi, 100_001)))
     assert dense.min() < -50e-6
     assert lift_extremes(law)[0] == pytest.approx(dense.min(), rel=0.02)
-    with pytest.raises(InputError, match=r"the least lift is -.* mm, below -0.05 mm: .*implausible=True"):
+    with pytest.raises(
+        InputError, match=r"the least lift is -.* mm, below -0.05 mm: .*implausible=True"
+    ):
         refuse_implausible_motion(law, (100.0,))
 
 
 def test_extremes_are_those_of_a_closed_form():
-    """L sin(k x)**4 has the rate 4 L k (3 sqrt(3) / 16) and the second derivative 4 L k**2 at most, the one at tan(k x)**2 = 3."""
+    """L sin(k x)**4 has the rate 4 L k (3 sqrt(3) / 16) and the second derivative 4 L k**2 at most,
+    the one at tan(k x)**2 = 3.
+    """
     angles = tuple(np.linspace(1.0, 3.0, 401))
     lifts = tuple(np.sin(np.pi * (np.array(angles) - 1) / 2) ** 4 * 1e-2)
     law = Spline(cam_angles=angles, lifts=(0.0, *lifts[1:-1], 0.0), degree=5, smoothing=0.0)
@@ -69,10 +84,14 @@ def test_a_law_without_lift_is_plausible():
 
 @pytest.mark.parametrize("name", [summary.name for summary in vt.list_cases()])
 def test_every_case_of_the_library_is_far_from_every_limit(name):
-    """Half the range is left at three times the speed: a limit that real valvetrains come near to is a wrong one."""
+    """Half the range is left at three times the speed: a limit that real valvetrains come near to
+    is a wrong one.
+    """
     problem = build(vt.load_case(name))
     if problem.moves:
-        refuse_implausible_motion(problem.valve_lift, (1.5 * speed for speed in problem.engine_speeds))
+        refuse_implausible_motion(
+            problem.valve_lift, (1.5 * speed for speed in problem.engine_speeds)
+        )
 
 
 HARD_CARD = """
@@ -106,7 +125,9 @@ def test_a_motion_that_no_cam_gives_is_refused_before_the_work_and_passes_by_an_
 
 
 def test_a_run_with_a_wire_faster_than_any_is_named_and_keeps_its_numbers():
-    """A wire struck at v bears v sqrt(2 G rho): beyond 100 m/s no steel holds, and the models do not know it."""
+    """A wire struck at v bears v sqrt(2 G rho): beyond 100 m/s no steel holds, and the models do
+    not know it.
+    """
     case = vt.load_case("job-t", NARROW)
     (run,) = vt.simulate(case, spring_models=["wave-rod"], implausible=True).solutions
     fastest = float(np.max(np.abs(run.channel("axial_velocity"))))
@@ -114,28 +135,47 @@ def test_a_run_with_a_wire_faster_than_any_is_named_and_keeps_its_numbers():
     from valvetrain.studies.ready import plausible
 
     told = plausible(run)
-    assert told.status.code == "diverged" and "above" in told.status.sentence() and "--implausible" in told.status.remedy
+    assert (
+        told.status.code == "diverged"
+        and "above" in told.status.sentence()
+        and "--implausible" in told.status.remedy
+    )
     assert told.quantities == run.quantities
 
 
 def test_friction_that_holds_a_valve_is_refused():
     case = vt.load_case("tdi-pushrod", {"train.valve.friction": "1e9 N"})
-    with pytest.raises(InputError, match=r"train.valve.friction: the friction in a guide is 1e\+09 N, above 10000 N"):
+    with pytest.raises(
+        InputError,
+        match=r"train.valve.friction: the friction in a guide is 1e\+09 N, above 10000 N",
+    ):
         vt.simulate(case, "3000 rpm", spring_models=["massless"], spring_sets=["stock"])
 
 
 @pytest.mark.parametrize(
-    ("name", "value"), [("peak_spring_force", 7e8), ("peak_cam_contact_force", 2e6), ("guide_force", 1e9), ("peak_shear_stress", 1e11),
-                        ("inner_axial_velocity", -1155.0)],
-)  # fmt: skip
+    ("name", "value"),
+    [
+        ("peak_spring_force", 7e8),
+        ("peak_cam_contact_force", 2e6),
+        ("guide_force", 1e9),
+        ("peak_shear_stress", 1e11),
+        ("inner_axial_velocity", -1155.0),
+    ],
+)
 def test_each_range_of_results_holds_its_quantities(name, value):
     limits = [limit for limit in FOUND if limit.holds(name)]
-    assert len(limits) == 1 and limits[0].why_not(value) and not limits[0].why_not(0.01 * limits[0].high)
+    assert (
+        len(limits) == 1
+        and limits[0].why_not(value)
+        and not limits[0].why_not(0.01 * limits[0].high)
+    )
     assert limits[0].why_not(math.nan)
 
 
 def test_the_page_shows_every_range_with_its_reason():
-    page = (Path(__file__).resolve().parents[2] / "docs" / "plausible.md").read_text(encoding="utf-8")
+    page = (Path(__file__).resolve().parents[2] / "docs" / "plausible.md").read_text(
+        encoding="utf-8"
+    )
     assert page == plausible_page()
     assert all(limit.reason in page for limits in TABLES.values() for limit in limits)
 
@@ -147,11 +187,15 @@ def test_a_static_curve_of_nonsense_is_named_and_keeps_its_numbers(tmp_path):
     result = call(*words)
     assert result.exit_code == 1
     (line,) = result.stderr.splitlines()
-    assert line.startswith("failed: hard by massless, static curve: diverged: a spring force is 1.062e+05 N, above 100000 N")
+    assert line.startswith(
+        "failed: hard by massless, static curve: diverged: a spring force is 1.062e+05 N, above 100000 N"
+    )
     assert ", at 212.5 mm; " in line and "--implausible" in line
     passed = call(*words, "--implausible")
     assert passed.exit_code == 0 and passed.stderr == ""
-    told, through = (json.loads(one.stdout)["springs_at_rest"][0]["static_curve"] for one in (result, passed))
+    told, through = (
+        json.loads(one.stdout)["springs_at_rest"][0]["static_curve"] for one in (result, passed)
+    )
     assert told.pop("status")["code"] == "diverged" and through.pop("status")["code"] == "completed"
     assert told == through
 
@@ -159,7 +203,11 @@ def test_a_static_curve_of_nonsense_is_named_and_keeps_its_numbers(tmp_path):
 def test_a_static_curve_of_nonsense_is_named_to_a_program_too():
     case = parse_case(HARD_CARD, name="hard")
     curve = vt.static_curve(case, "300 mm", spring_model="massless", steps=12)
-    assert curve.status.code == "diverged" and "implausible=True" in curve.status.remedy and curve.force[-1] > 1e5
+    assert (
+        curve.status.code == "diverged"
+        and "implausible=True" in curve.status.remedy
+        and curve.force[-1] > 1e5
+    )
     same = vt.static_curve(case, "300 mm", spring_model="massless", steps=12, implausible=True)
     assert same.status.completed and np.array_equal(same.force, curve.force)
 
@@ -167,15 +215,24 @@ def test_a_static_curve_of_nonsense_is_named_to_a_program_too():
 def at_rest(**changed: object) -> SpringAtRest:
     """A spring of 40 N/mm on nine points, to 320 N."""
     steps, none = np.linspace(0, 8e-3, 9), np.zeros((9, 0))
-    curve = StaticCurve(steps, 40e3 * steps, np.full(9, 40e3), none, none, np.zeros(0), none, np.zeros(0))
-    return replace(SpringAtRest("spring", "finite-element", curve=curve, stress_per_force=1e6), **changed)  # type: ignore[arg-type]
+    curve = StaticCurve(
+        steps, 40e3 * steps, np.full(9, 40e3), none, none, np.zeros(0), none, np.zeros(0)
+    )
+    return replace(
+        SpringAtRest("spring", "finite-element", curve=curve, stress_per_force=1e6), **changed
+    )  # type: ignore[arg-type]
 
 
 def test_each_number_of_a_spring_at_rest_is_held_against_its_range():
     usual = at_rest()
     curve = usual.curve
     assert curve is not None and plausible_rest(usual) is usual
-    stress = StaticStress(curve.compression, np.array([1.0, 2.0]), np.outer(curve.compression, [1e9, 2e12]), np.zeros((9, 2)))
+    stress = StaticStress(
+        curve.compression,
+        np.array([1.0, 2.0]),
+        np.outer(curve.compression, [1e9, 2e12]),
+        np.zeros((9, 2)),
+    )
     wrong = {
         "a shear stress is 12 GPa, above 10 GPa": at_rest(stress=stress),
         "a shear stress is 32 GPa, above 10 GPa": at_rest(stress_per_force=1e8, curve=replace(curve, force=320.0 * (curve.force > 300))),
@@ -185,7 +242,11 @@ def test_each_number_of_a_spring_at_rest_is_held_against_its_range():
     }  # fmt: skip
     for words, one in wrong.items():
         found = plausible_rest(one)
-        assert found.curve is not None and one.curve is not None and found.curve.status.code == "diverged", words
+        assert (
+            found.curve is not None
+            and one.curve is not None
+            and found.curve.status.code == "diverged"
+        ), words
         assert found.curve.status.message.startswith(words), found.curve.status.message
         assert found.curve.force is one.curve.force and found.points == one.points
     assert plausible_rest(at_rest(curve=None)).curve is None
@@ -196,7 +257,10 @@ NARROW_WORDS = [word for path, value in NARROW.items() for word in ("--set", f"{
 
 def test_a_refinement_of_nonsense_is_refused_before_the_work_and_passes_by_an_option(monkeypatch):
     asked = []
-    monkeypatch.setattr("valvetrain.studies.uncertainty.make_ready", lambda *given: asked.append(given) or (_ for _ in ()).throw(KeyError))
+    monkeypatch.setattr(
+        "valvetrain.studies.uncertainty.make_ready",
+        lambda *given: asked.append(given) or (_ for _ in ()).throw(KeyError),
+    )
     case = vt.load_case("job-t", NARROW)
     with pytest.raises(InputError, match="the lift speed is 4816 m/s, above 50 m/s"):
         vt.refine(case)
@@ -210,16 +274,27 @@ def test_a_refinement_of_nonsense_is_refused_before_the_work_and_passes_by_an_op
 
 def test_a_lift_that_no_cam_gives_has_no_static_curve(tmp_path):
     (tmp_path / "long.toml").write_text(CARD)
-    assert "the largest lift is 150 mm, above 100 mm" in sentence(call("static", str(tmp_path / "long.toml")))
+    assert "the largest lift is 150 mm, above 100 mm" in sentence(
+        call("static", str(tmp_path / "long.toml"))
+    )
     assert call("static", str(tmp_path / "long.toml"), "--implausible").exit_code == 0
 
 
 def test_a_refinement_keeps_implausible_runs_by_an_option_only(monkeypatch):
     """A spring driven open in four degrees of the cam: its wire is faster than any steel bears."""
     monkeypatch.setattr("valvetrain.studies.uncertainty.refuse_implausible", lambda *_: None)
-    text = SMALL.replace("100 deg", "178 deg").replace("260 deg", "182 deg").replace("elements_per_coil = 6", "elements_per_coil = 8")
+    text = (
+        SMALL.replace("100 deg", "178 deg")
+        .replace("260 deg", "182 deg")
+        .replace("elements_per_coil = 6", "elements_per_coil = 8")
+    )
     case = parse_case(text, name="small")
-    named, passed = (refined(case, workers=1, implausible=implausible) for implausible in (False, True))
+    named, passed = (
+        refined(case, workers=1, implausible=implausible) for implausible in (False, True)
+    )
     assert {row.engine_speed for row in named.rows} == {None} and len(named.failures) == 8
     assert all("diverged: " in words and "--implausible" in words for words in named.failures)
-    assert not passed.failures and {row.engine_speed is None for row in passed.rows} == {True, False}
+    assert not passed.failures and {row.engine_speed is None for row in passed.rows} == {
+        True,
+        False,
+    }

@@ -1,4 +1,6 @@
-"""Unit: a case says at which coils the points of its published study are read, and everything that speaks of them follows."""
+"""Unit: a case says at which coils the points of its published study are read, and everything that
+speaks of them follows.
+"""
 
 from __future__ import annotations
 
@@ -23,12 +25,18 @@ def beehive(**points):
 def test_points_are_told_by_file_program_and_varied_quantity_alike():
     told = beehive(node_2=1.9)
     assert dict(told.points) == {"node_2": 1.9} and told.record().points == (("node_2", 1.9),)
-    assert vary(vt.load_case("gu2021-beehive"), {Varied("points.node_2"): 1.9}).points == told.points
-    assert vary(told, {Varied("points.node_2", operation="offset"): 0.25}).points["node_2"] == pytest.approx(2.15)
+    assert (
+        vary(vt.load_case("gu2021-beehive"), {Varied("points.node_2"): 1.9}).points == told.points
+    )
+    assert vary(told, {Varied("points.node_2", operation="offset"): 0.25}).points[
+        "node_2"
+    ] == pytest.approx(2.15)
     assert told.replace({"points.node_2": 1.8}).points["node_2"] == 1.8
     assert vt.load_case("gu2021-beehive").replace({"points.node_2": 1.8}).points == {"node_2": 1.8}
     assert vt.load_case("gu2021-beehive").points == {} and told != vt.load_case("gu2021-beehive")
-    assert ("points on the wire", "node 1 at coil 1, node 2 at coil 1.9") in case_facts(beehive(node_1=1, node_2=1.9))
+    assert ("points on the wire", "node 1 at coil 1, node 2 at coil 1.9") in case_facts(
+        beehive(node_1=1, node_2=1.9)
+    )
 
 
 def test_a_written_case_keeps_its_points(tmp_path):
@@ -44,7 +52,10 @@ def test_a_written_case_keeps_its_points(tmp_path):
         ({"points.node_2": 7.5}, "points.node_2: coil 7.5 lies beyond the wire of 7 coils"),
         ({"points.node_2": -0.1}, "points.node_2: '-0.1' is too small"),
         ({"points.node_2": "2 mm"}, "points.node_2"),
-        ({"points.node_2": 2.0, "study": ""}, "points: the points are those that a published study reads"),
+        (
+            {"points.node_2": 2.0, "study": ""},
+            "points: the points are those that a published study reads",
+        ),
         ({"points.node_2": 2.0, "study": "vasilyev2016"}, "reads no point 'node_2'; it names none"),
     ],
 )
@@ -62,7 +73,10 @@ def test_points_that_nobody_reads_are_refused(changes, words):
         ({"points.node_2": math.nan}, "points.node_2: nan is no coil number"),
         ({"points.node_2": "near the tip"}, "points.node_2: 'near the tip' is no coil number"),
         ({"points.node_2": True}, "points.node_2: True is no coil number"),
-        ({"points.node_2": 2.0, "study": ""}, "points: the points are those that a published study reads"),
+        (
+            {"points.node_2": 2.0, "study": ""},
+            "points: the points are those that a published study reads",
+        ),
         ({"points.node_2": 2.0, "study": "vasilyev2016"}, "reads no point 'node_2'; it names none"),
     ],
 )
@@ -74,9 +88,15 @@ def test_points_set_in_a_program_are_refused_alike(changes, words):
 @pytest.mark.parametrize("key", ["event_end", "closing_flank_shape"])
 def test_a_program_sets_a_number_that_the_lift_law_has_and_the_case_does_not_give(key):
     """As the file takes it; one that no such law has stays refused."""
-    value = {"event_end": "230 deg", "closing_flank_shape": [0.1, 0.2, 0.9, 1.4, 0.2, -1.4, -0.5, -0.6, -0.9]}[key]
+    value = {
+        "event_end": "230 deg",
+        "closing_flank_shape": [0.1, 0.2, 0.9, 1.4, 0.2, -1.4, -0.5, -0.6, -0.9],
+    }[key]
     plain = vt.load_case("gu2021-beehive")
-    told, set_here = vt.load_case("gu2021-beehive", {f"lift_law.{key}": value}), plain.replace({f"lift_law.{key}": value})
+    told, set_here = (
+        vt.load_case("gu2021-beehive", {f"lift_law.{key}": value}),
+        plain.replace({f"lift_law.{key}": value}),
+    )
     angles = np.linspace(0, 2 * np.pi, 73)
     lifts = [vt.build_lift_law(case.lift_law).lift(angles) for case in (plain, told, set_here)]
     np.testing.assert_array_equal(lifts[1], lifts[2])
@@ -86,8 +106,13 @@ def test_a_program_sets_a_number_that_the_lift_law_has_and_the_case_does_not_giv
 
 
 def test_numbers_of_nodes_are_read_where_the_case_says():
-    """Of one run (same channels, same bits): node 2 is the channel at its coil, everything else is untouched."""
-    coarse = {"spring.options.finite-element.elements_per_coil": 8, "operation.engine_speeds": "8000 rpm"}
+    """Of one run (same channels, same bits): node 2 is the channel at its coil, everything else is
+    untouched.
+    """
+    coarse = {
+        "spring.options.finite-element.elements_per_coil": 8,
+        "operation.engine_speeds": "8000 rpm",
+    }
     runs = {}
     for coil, points in ((2.0, {}), (1.9, {"points.node_2": 1.9})):
         case = vt.load_case("gu2021-beehive", coarse | points)
@@ -106,10 +131,21 @@ def test_numbers_of_nodes_are_read_where_the_case_says():
 
 
 def test_the_figure_of_the_nodes_is_drawn_where_the_case_says():
-    coarse = {"spring.options.finite-element.elements_per_coil": 8, "operation.engine_speeds": "8000 rpm"}
-    studies = [vt.simulate(vt.load_case("gu2021-beehive", coarse | more), spring_models=["finite-element"], workers=1)
-               for more in ({}, {"points.node_2": 1.9})]  # fmt: skip
-    for study, words, coil in zip(studies, ("node 2 (end of coil 2)", "node 2 (coil 1.9)"), (2.0, 1.9), strict=True):
+    coarse = {
+        "spring.options.finite-element.elements_per_coil": 8,
+        "operation.engine_speeds": "8000 rpm",
+    }
+    studies = [
+        vt.simulate(
+            vt.load_case("gu2021-beehive", coarse | more),
+            spring_models=["finite-element"],
+            workers=1,
+        )
+        for more in ({}, {"points.node_2": 1.9})
+    ]
+    for study, words, coil in zip(
+        studies, ("node 2 (end of coil 2)", "node 2 (coil 1.9)"), (2.0, 1.9), strict=True
+    ):
         chart = node_chart(study, study.solutions[0], "nodes")
         velocity = next(panel for panel in chart.panels if "velocity" in panel.y_label)
         line = next(one for one in velocity.layers if getattr(one, "name", "") == words)

@@ -1,4 +1,6 @@
-"""A published number that its own source contradicts: shown, told as such, and no part of the largest difference."""
+"""A published number that its own source contradicts: shown, told as such, and no part of the
+largest difference.
+"""
 
 from __future__ import annotations
 
@@ -10,13 +12,20 @@ from valvetrain.quantities.compare import compare
 from valvetrain.solution.quantity import Quantity
 from valvetrain.solution.record import PublishedValue
 
-COMPUTED = {Quantity("peak_lever_speed", 400.0, "m"): 50.0, Quantity("peak_spring_force", 400.0, "m"): 880.0}
+COMPUTED = {
+    Quantity("peak_lever_speed", 400.0, "m"): 50.0,
+    Quantity("peak_spring_force", 400.0, "m"): 880.0,
+}
 
 
 def rows(doubt: str):
     values = (
-        PublishedValue("peak_lever_speed", 10.0, "deg/s", engine_speed=400.0, model="m", doubt=doubt),
-        PublishedValue("peak_spring_force", 800.0, "N", engine_speed=400.0, model="m", used_for="the rate"),
+        PublishedValue(
+            "peak_lever_speed", 10.0, "deg/s", engine_speed=400.0, model="m", doubt=doubt
+        ),
+        PublishedValue(
+            "peak_spring_force", 800.0, "N", engine_speed=400.0, model="m", used_for="the rate"
+        ),
     )
     return compare(values, COMPUTED, None)
 
@@ -24,7 +33,10 @@ def rows(doubt: str):
 def test_a_number_in_doubt_is_told_apart():
     told = published_words(rows("too slow for its own lift"))
     assert "largest 10.0 % (peak spring force" in told
-    assert re.search(r"peak lever rotation speed \+400.0 %, but the number is in doubt: too slow for its own lift$", told)
+    assert re.search(
+        r"peak lever rotation speed \+400.0 %, but the number is in doubt: too slow for its own lift$",
+        told,
+    )
 
 
 def test_a_number_that_is_not_in_doubt_counts():
@@ -34,6 +46,14 @@ def test_a_number_that_is_not_in_doubt_counts():
 
 def test_the_verdict_names_the_doubt_and_the_row_keeps_its_use():
     speed, force = rows("too slow for its own lift")
-    assert speed.verdict == "in doubt, too slow for its own lift: differs by +400.0 %" and short_verdict(speed) == "in doubt"
-    assert (speed.doubt, speed.used_for, force.doubt, force.used_for) == ("too slow for its own lift", "", "", "the rate")
+    assert (
+        speed.verdict == "in doubt, too slow for its own lift: differs by +400.0 %"
+        and short_verdict(speed) == "in doubt"
+    )
+    assert (speed.doubt, speed.used_for, force.doubt, force.used_for) == (
+        "too slow for its own lift",
+        "",
+        "",
+        "the rate",
+    )
     assert force.verdict == "differs by +10.0 %"

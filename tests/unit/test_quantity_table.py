@@ -1,4 +1,6 @@
-"""The one table of quantities: every row says what it must, every name means one thing, every number of a study is in it."""
+"""The one table of quantities: every row says what it must, every name means one thing, every
+number of a study is in it.
+"""
 
 from __future__ import annotations
 
@@ -10,7 +12,7 @@ import pytest
 
 from valvetrain.errors import InputError
 from valvetrain.parameters.loading import library_names, load_case
-from valvetrain.parameters.schema_published import dimension_of_quantity
+from valvetrain.parameters.schema_case import dimension_of_quantity
 from valvetrain.quantities.page import quantities_page
 from valvetrain.registry import BUILT_IN
 from valvetrain.report.words import quantity_words
@@ -73,10 +75,18 @@ def _clear_registry() -> None:
 
 @pytest.mark.parametrize("one", ROWS, ids=lambda one: one.name)
 def test_a_row_says_all_it_must(one):
-    assert dimension_powers(f"1 {one.shown_unit}") == dimension_powers(f"1 {DIMENSIONS[one.dimension].si_unit}")
-    assert one.label and one.definition.endswith(".") and one.systems in (("spring",), ("train",), ("spring", "train"))
+    assert dimension_powers(f"1 {one.shown_unit}") == dimension_powers(
+        f"1 {DIMENSIONS[one.dimension].si_unit}"
+    )
+    assert (
+        one.label
+        and one.definition.endswith(".")
+        and one.systems in (("spring",), ("train",), ("spring", "train"))
+    )
     assert one.label == one.label.strip() and "_" not in re.sub(r"\{\w+\}", "", one.label)
-    assert set(re.findall(r"\{\w+\}", one.label + one.definition)) <= set(re.findall(r"\{\w+\}", one.name))
+    assert set(re.findall(r"\{\w+\}", one.label + one.definition)) <= set(
+        re.findall(r"\{\w+\}", one.name)
+    )
 
 
 @pytest.mark.parametrize("one", ROWS, ids=lambda one: one.name)
@@ -88,18 +98,27 @@ def test_a_name_means_exactly_one_row(one):
     else:
         best = max(len(fixed_part(row.name)) for row in others)
         assert [row for row in others if len(fixed_part(row.name)) == best] == [one]
-        assert definition_of(name).shown_unit == one.shown_unit and "{" not in definition_of(name).label + definition_of(name).definition
+        assert (
+            definition_of(name).shown_unit == one.shown_unit
+            and "{" not in definition_of(name).label + definition_of(name).definition
+        )
 
 
 def test_the_committed_page_is_the_generated_one():
-    assert PAGE.read_text(encoding="utf-8") == quantities_page(), "run python scripts/write_quantities.py"
+    assert PAGE.read_text(encoding="utf-8") == quantities_page(), (
+        "run python scripts/write_quantities.py"
+    )
 
 
 def test_labels_of_templates_are_filled():
     assert label_of("mode_12_frequency") == "mode 12 frequency"
     assert label_of("peak_valve_tip_contact_force") == "peak valve tip contact force"
-    assert label_of("peak_open_valve_tip_contact_force") == "peak valve tip contact force while open"
-    assert label_of("outer_mean_peak_section_displacement") == "mean peak motion of the coils (outer)"
+    assert (
+        label_of("peak_open_valve_tip_contact_force") == "peak valve tip contact force while open"
+    )
+    assert (
+        label_of("outer_mean_peak_section_displacement") == "mean peak motion of the coils (outer)"
+    )
     assert label_of("outer_coil_bind_clearance") == "clearance to coil bind, outer spring"
     assert quantity_words("peak_spring_force") == "Peak spring force"
 
@@ -127,16 +146,32 @@ def test_units_of_json_are_si():
 
 def test_a_name_that_no_table_has_speaks_by_its_last_word():
     assert not is_defined("rocker_shaft_cam_angle")
-    assert (unit_of("rocker_shaft_cam_angle"), label_of("rocker_shaft_cam_angle")) == ("rad", "rocker shaft, cam angle")
+    assert (unit_of("rocker_shaft_cam_angle"), label_of("rocker_shaft_cam_angle")) == (
+        "rad",
+        "rocker shaft, cam angle",
+    )
     assert unit_of("rocker_shaft_velocity_range") == "m/s"
     assert dimension_of_quantity("rocker_shaft_velocity_range") == "velocity"
-    assert (unit_of("rocker_shaft_colour"), dimension_of_quantity("rocker_shaft_colour")) == ("1", None)
+    assert (unit_of("rocker_shaft_colour"), dimension_of_quantity("rocker_shaft_colour")) == (
+        "1",
+        None,
+    )
 
 
 def test_a_package_adds_a_table(other_table):
     assert not is_defined("leak_down_duration")
-    other_table(row("leak_down_duration", "leak-down time", "Time the lifter takes to leak down.", systems=("train",), shown_unit="s"))
-    assert label_of("leak_down_duration") == "leak-down time" and shown("leak_down_duration", 2.0) == (2.0, "s")
+    other_table(
+        row(
+            "leak_down_duration",
+            "leak-down time",
+            "Time the lifter takes to leak down.",
+            systems=("train",),
+            shown_unit="s",
+        )
+    )
+    assert label_of("leak_down_duration") == "leak-down time" and shown(
+        "leak_down_duration", 2.0
+    ) == (2.0, "s")
 
 
 def test_a_name_of_two_tables_is_refused(other_table):
@@ -147,16 +182,23 @@ def test_a_name_of_two_tables_is_refused(other_table):
 
 @pytest.mark.parametrize("name", library_names())
 def test_every_published_quantity_of_the_library_is_defined(name):
-    assert not [value.quantity for value in load_case(name).published if not is_defined(value.quantity)]
+    assert not [
+        value.quantity for value in load_case(name).published if not is_defined(value.quantity)
+    ]
 
 
-@pytest.mark.parametrize(("name", "model"), [("job-t", "modal-varied"), ("vaz-ohc", "multi-mass"), ("tdi-pushrod", "modal-varied")])
+@pytest.mark.parametrize(
+    ("name", "model"),
+    [("job-t", "modal-varied"), ("vaz-ohc", "multi-mass"), ("tdi-pushrod", "modal-varied")],
+)
 def test_every_number_of_a_study_is_defined(name, model):
     from valvetrain.studies.run import run_study
 
     case = load_case(name)
     done = run_study(case, engine_speeds=case.operation.engine_speeds[:1], spring_models=(model,))
-    names = {key for solution in done.solutions for key in solution.quantities} | {key for one in done.still.values() for key in one}
+    names = {key for solution in done.solutions for key in solution.quantities} | {
+        key for one in done.still.values() for key in one
+    }
     assert len(names) > 15 and not [one for one in names if not is_defined(one)]
 
 
@@ -173,20 +215,31 @@ def test_every_number_of_a_definition_is_defined(name):
     [
         ("float_speed", "did you mean float_engine_speed?"),  # all its words
         ("seat_velocity", "did you mean seating_velocity?"),  # letters
-        ("mode_1", "did you mean mode_{n}_frequency, moving_retainer_mode_{n}_frequency or"),  # a number of a template
+        (
+            "mode_1",
+            "did you mean mode_{n}_frequency, moving_retainer_mode_{n}_frequency or",
+        ),  # a number of a template
         ("coil_bind_clearence", "did you mean coil_bind_clearance?"),
         ("valve_tip", "docs/quantities.md lists their names"),
         ("", "docs/quantities.md lists their names"),
     ],
 )
 def test_a_name_that_no_table_has_is_answered_with_the_nearest(asked, told):
-    assert not is_defined(asked) and no_quantity(asked).startswith(f"'{asked}' is no quantity; {told}")
+    assert not is_defined(asked) and no_quantity(asked).startswith(
+        f"'{asked}' is no quantity; {told}"
+    )
 
 
 def test_a_quantity_that_no_run_gave_is_told_with_those_near_it_but_not_itself():
     near = near_names("peak_shear_stress")
-    assert near[0] == "nominal_peak_shear_stress" and "peak_shear_stress" not in near and len(near) == 3
+    assert (
+        near[0] == "nominal_peak_shear_stress"
+        and "peak_shear_stress" not in near
+        and len(near) == 3
+    )
     assert not_given("peak_shear_stress").startswith(
         "no run gave the peak shear stress (peak_shear_stress); near it stands nominal_peak_shear_stress, "
     )
-    assert near_names("xyzzy") == () and not_given("mode_7_frequency").startswith("no run gave the mode 7 frequency (mode_7_frequency)")
+    assert near_names("xyzzy") == () and not_given("mode_7_frequency").startswith(
+        "no run gave the mode 7 frequency (mode_7_frequency)"
+    )

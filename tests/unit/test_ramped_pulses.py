@@ -1,4 +1,6 @@
-"""A ramped law by pulses takes every nose in its range, under a flat tappet that the quintic's own deceleration would undercut."""
+"""A ramped law by pulses takes every nose in its range, under a flat tappet that the quintic's own
+deceleration would undercut.
+"""
 
 from __future__ import annotations
 
@@ -24,15 +26,23 @@ def test_the_nose_is_the_one_asked_for_and_the_largest_deceleration(nose):
     """And lift, rest at the nose and the ramp's velocity at the joint are kept."""
     law = ramped(**EVENTS, flank="pulses", nose_acceleration=nose)
     angle = np.linspace(0, math.tau, 50_001)
-    assert float(law.lift(math.pi, 2)) == pytest.approx(nose, rel=1e-9) == pytest.approx(np.min(law.lift(angle, 2)), rel=1e-6)
-    assert float(law.lift(math.pi)) == pytest.approx(9e-3, rel=1e-12) and float(law.lift(math.pi, 1)) == pytest.approx(0, abs=1e-12)
+    assert (
+        float(law.lift(math.pi, 2))
+        == pytest.approx(nose, rel=1e-9)
+        == pytest.approx(np.min(law.lift(angle, 2)), rel=1e-6)
+    )
+    assert float(law.lift(math.pi)) == pytest.approx(9e-3, rel=1e-12) and float(
+        law.lift(math.pi, 1)
+    ) == pytest.approx(0, abs=1e-12)
     velocity = 0.3e-3 / (math.radians(25) * (1 - 0.3 / 2))
     assert law.lift(np.radians([115.0, 245.0]), 1) == pytest.approx([velocity, -velocity], rel=1e-9)
 
 
 @pytest.mark.parametrize("nose", NOSES)
 def test_a_flat_tappet_on_18_mm_takes_noses_that_a_quintic_refuses(nose):
-    """Its radius is base radius + lift + lift'': 18 + 9 - 26 mm at least; the quintic reaches -36 mm/rad^2 before any nose."""
+    """Its radius is base radius + lift + lift'': 18 + 9 - 26 mm at least; the quintic reaches -36
+    mm/rad^2 before any nose.
+    """
     train = direct()
     build_mechanism(train, ramped(**EVENTS, flank="pulses", nose_acceleration=nose))
     with pytest.raises(InputError, match="cusp"):

@@ -1,4 +1,6 @@
-"""Readers tried in a process of their own, or in a fork where none starts: how each ends is told, and what is no fault of the file."""
+"""Readers tried in a process of their own, or in a fork where none starts: how each ends is told,
+and what is no fault of the file.
+"""
 
 from __future__ import annotations
 
@@ -27,9 +29,13 @@ def reader_of_tests(tmp_path, monkeypatch):
 
     def tried(lines):
         module = f"reader_of_tests_{next(READERS_SO_FAR)}"  # each its own: modules are remembered
-        (tmp_path / f"{module}.py").write_text(f"import os\ndef read(path):\n    assert path.name == 'it'\n    {lines}\n")
+        (tmp_path / f"{module}.py").write_text(
+            f"import os\ndef read(path):\n    assert path.name == 'it'\n    {lines}\n"
+        )
         invalidate_caches()
-        read_apart.tried_apart(f"{module}:read", tmp_path / "it", "it", "cannot be read, so the caller does not")
+        read_apart.tried_apart(
+            f"{module}:read", tmp_path / "it", "it", "cannot be read, so the caller does not"
+        )
 
     return tried
 
@@ -40,10 +46,17 @@ ENDS = {
     "from valvetrain.errors import InputError; raise InputError('its own words')": "", "os.write(1, b'printed')": "",
 }  # fmt: skip
 #: A fork tells all in a hundredth of the time.
-BY_PROCESS = ("raise MemoryError", "os.kill(os.getpid(), 9)", "raise OSError('no room')", "os.write(1, b'printed')")
+BY_PROCESS = (
+    "raise MemoryError",
+    "os.kill(os.getpid(), 9)",
+    "raise OSError('no room')",
+    "os.write(1, b'printed')",
+)
 
 
-@pytest.mark.parametrize(("end", "way"), [*((end, "fork") for end in ENDS), *((end, "process") for end in BY_PROCESS)])
+@pytest.mark.parametrize(
+    ("end", "way"), [*((end, "fork") for end in ENDS), *((end, "process") for end in BY_PROCESS)]
+)
 def test_the_end_of_a_trial_is_told(reader_of_tests, monkeypatch, end, way):
     """Only a file at which the reader comes back, or has its own words, is read by the caller."""
     if way == "fork":
@@ -64,14 +77,21 @@ def test_a_reader_that_waits_for_ever_is_ended_by_the_clock(reader_of_tests, mon
 
 
 @pytest.mark.parametrize("interpreter", ["", "/gone/bin/python", "/bin/false", None])
-def test_without_an_interpreter_a_file_is_tried_in_a_fork_and_no_damage_is_told(reader_of_tests, monkeypatch, interpreter):
+def test_without_an_interpreter_a_file_is_tried_in_a_fork_and_no_damage_is_told(
+    reader_of_tests, monkeypatch, interpreter
+):
     monkeypatch.setattr(sys, "executable", interpreter)
     reader_of_tests("return 1")
     with pytest.raises(InputError, match="cannot be read"):
         reader_of_tests("raise OSError")
     monkeypatch.setattr(threading, "active_count", lambda: 2)
-    told = {"/bin/false": "ended with status 1", "/gone/bin/python": "No such file"}.get(interpreter or "", "")
-    with pytest.raises(InputError, match=rf"it: is not read, .* does not start as a Python that finds .*{told}.*; set it"):
+    told = {"/bin/false": "ended with status 1", "/gone/bin/python": "No such file"}.get(
+        interpreter or "", ""
+    )
+    with pytest.raises(
+        InputError,
+        match=rf"it: is not read, .* does not start as a Python that finds .*{told}.*; set it",
+    ):
         reader_of_tests("return 1")
 
 
@@ -80,9 +100,18 @@ def test_a_reader_that_is_not_found_is_no_damage_of_the_file(reader_of_tests):
         reader_of_tests("return 1\nimport no_module_of_this_name")
 
 
-@pytest.mark.parametrize("trouble", [OSError(errno.EAGAIN, "no room for a process"), OSError(errno.ENOMEM, "no memory"), "a signal"])
+@pytest.mark.parametrize(
+    "trouble",
+    [
+        OSError(errno.EAGAIN, "no room for a process"),
+        OSError(errno.ENOMEM, "no memory"),
+        "a signal",
+    ],
+)
 @pytest.mark.parametrize("times", [1, 9])
-def test_a_process_that_a_full_machine_does_not_start_is_tried_again(reader_of_tests, monkeypatch, trouble, times):
+def test_a_process_that_a_full_machine_does_not_start_is_tried_again(
+    reader_of_tests, monkeypatch, trouble, times
+):
     """And where it never starts, the sentence says how it ended."""
     run, left = subprocess.run, [trouble] * times
     monkeypatch.setattr(read_apart, "_PAUSES", (0.0, 0.0))
@@ -96,13 +125,21 @@ def test_a_process_that_a_full_machine_does_not_start_is_tried_again(reader_of_t
         return run([sys.executable, "-c", "import os; os.kill(os.getpid(), 9)"], **options)
 
     monkeypatch.setattr(read_apart.subprocess, "run", full)
-    with nullcontext() if times == 1 else pytest.raises(InputError, match=r"no room|no memory|signal 9"):
+    with (
+        nullcontext()
+        if times == 1
+        else pytest.raises(InputError, match=r"no room|no memory|signal 9")
+    ):
         reader_of_tests("return 1")
     assert len(left) == (0 if times == 1 else times - 3)
 
 
-def test_an_interpreter_that_never_gets_ready_is_waited_for_once(reader_of_tests, monkeypatch, tmp_path):
-    """Its patience is that of a whole trial; words of a foreign program are told without control characters."""
+def test_an_interpreter_that_never_gets_ready_is_waited_for_once(
+    reader_of_tests, monkeypatch, tmp_path
+):
+    """Its patience is that of a whole trial; words of a foreign program are told without control
+    characters.
+    """
     monkeypatch.setattr(threading, "active_count", lambda: 2)
     slow = tmp_path / "python"
     slow.write_text('#!/bin/sh\necho x >> "$0.begun"\nsleep 30\n')
@@ -118,7 +155,9 @@ def test_an_interpreter_that_never_gets_ready_is_waited_for_once(reader_of_tests
         reader_of_tests("return 1")
 
 
-def test_the_folder_of_a_session_is_searched_for_the_reader_too(reader_of_tests, tmp_path, monkeypatch):
+def test_the_folder_of_a_session_is_searched_for_the_reader_too(
+    reader_of_tests, tmp_path, monkeypatch
+):
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(sys, "path", ["", *(part for part in sys.path if part != str(tmp_path))])
     monkeypatch.setattr(threading, "active_count", lambda: 2)
@@ -131,5 +170,7 @@ def test_a_bound_that_stands_already_drops_no_other():
         "resource.setrlimit(resource.RLIMIT_CPU, (7, 8)); from valvetrain.solution.read_apart import bound_process\n"
         "bound_process(4 << 30, 9); print(*(resource.getrlimit(getattr(resource, 'RLIMIT_' + one)) for one in ('AS', 'CPU', 'CORE')))"
     )
-    told = subprocess.run([sys.executable, "-c", lines], capture_output=True, text=True, check=True).stdout.strip()
+    told = subprocess.run(
+        [sys.executable, "-c", lines], capture_output=True, text=True, check=True
+    ).stdout.strip()
     assert told == f"{(3 << 30, 3 << 30)} (7, 7) (0, 0)"

@@ -7,8 +7,12 @@ from valvetrain.report.read_page import sections_of
 
 
 def test_parts_before_behind_and_after_tabs():
-    first = Tabs((("3000 rpm", (text("slow"), text("slow too"))), ("4000 rpm", (text("fast"),))), "one")
-    second = Tabs((("stock", (text("soft"),)), ("performance", (Details("more", (text("hard"),)),))), "two")
+    first = Tabs(
+        (("3000 rpm", (text("slow"), text("slow too"))), ("4000 rpm", (text("fast"),))), "one"
+    )
+    second = Tabs(
+        (("stock", (text("soft"),)), ("performance", (Details("more", (text("hard"),)),))), "two"
+    )
     sections = (
         Section("a", "First", (text("before"), first, text("between"), second, text("after"))), Section("b", "Second", (text("alone"),)),
         Section("c", "Third", (Tabs((("only", (text("last"),)),), "three"),)), Section("d", "Fourth", (text("end"),)),
@@ -16,6 +20,15 @@ def test_parts_before_behind_and_after_tabs():
     found = sections_of(render(Page("Own", "", "", (), sections)))
     assert [one.key for one in found] == ["a", "b", "c", "d"]
     assert [(part.words, part.tab) for one in found for part in one.parts] == [
-        ("before", ""), ("slow", "3000 rpm"), ("slow too", "3000 rpm"), ("fast", "4000 rpm"), ("between", ""), ("soft", "stock"),
-        ("hard", "performance"), ("after", ""), ("alone", ""), ("last", "only"), ("end", ""),
-    ]  # fmt: skip
+        ("before", ""),
+        ("slow", "3000 rpm"),
+        ("slow too", "3000 rpm"),
+        ("fast", "4000 rpm"),
+        ("between", ""),
+        ("soft", "stock"),
+        ("hard", "performance"),
+        ("after", ""),
+        ("alone", ""),
+        ("last", "only"),
+        ("end", ""),
+    ]

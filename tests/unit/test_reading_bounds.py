@@ -11,8 +11,7 @@ from pathlib import Path
 import pytest
 
 from valvetrain.errors import InputError
-from valvetrain.measurements.lift_answers import LiftAnswers
-from valvetrain.measurements.lift_reading import lifts_in, read_lift
+from valvetrain.measured.lift_file import LiftAnswers, lifts_in, read_lift
 from valvetrain.parameters.loading import load_case, parse_case
 from valvetrain.springs.spec import spring_model
 from valvetrain.system.build import build
@@ -27,13 +26,19 @@ def numbers(count: int) -> str:
 
 #: What grew with the square of its length -> the text of a case with ``count`` of it.
 LONG = {
-    "one text of many numbers": lambda count: f'[lift_law]\nkind = "spline"\ncam_angles = "{numbers(count)} deg"\nlifts = "1 mm"\n',
-    "a list of many texts": lambda count: '[lift_law]\nkind = "spline"\nlifts = [' + '"1 mm", ' * count + "]\n",
+    "one text of many numbers": lambda count: (
+        f'[lift_law]\nkind = "spline"\ncam_angles = "{numbers(count)} deg"\nlifts = "1 mm"\n'
+    ),
+    "a list of many texts": lambda count: (
+        '[lift_law]\nkind = "spline"\nlifts = [' + '"1 mm", ' * count + "]\n"
+    ),
     "blanks inside a unit": lambda count: CARD.replace('"4 mm"', f'"4 N{" " * 4 * count}m x"'),
     "digits": lambda count: CARD.replace('"4 mm"', f'"{"4" * 4 * count}x, 4 mm"'),
     "parts of a key": lambda count: f"{'.'.join('a' * 4 * count)} = 1\n",
     "parts of a header": lambda count: f"[{'.'.join('a' * 4 * count)}]\nb = 1\nc = 1\n",
-    "keys with parts": lambda count: "[spring]\n" + "".join(f"a.b{place}.c = 1\n" for place in range(count)),
+    "keys with parts": lambda count: (
+        "[spring]\n" + "".join(f"a.b{place}.c = 1\n" for place in range(count))
+    ),
     "inline tables": lambda count: "[spring]\npitch = [" + "{ a = 1 }, " * count + "]\n",
     "blanks in a line": lambda count: f"a{' ' * 8 * count}. b{' ' * 8 * count}c = 1\n",
 }
@@ -52,13 +57,16 @@ def seconds(text: str) -> float:
 
 @pytest.mark.parametrize("of", LONG)
 def test_four_times_the_text_takes_about_four_times_as_long(of):
-    """Quadratic reading takes 16 times as long, and seconds at these lengths; what takes no time at all is not compared."""
+    """Quadratic reading takes 16 times as long, and seconds at these lengths; what takes no time at
+    all is not compared.
+    """
     load_case("job-t")  # what reading loads once
     short, long = seconds(LONG[of](750)), seconds(LONG[of](3000))
     assert long < 9 * short + 0.1
 
 
-#: What a line of a table grew beyond all bounds with, or with the square of -> the text of a table with ``count`` of it.
+#: What a line of a table grew beyond all bounds with, or with the square of -> the text of a table
+#: with ``count`` of it.
 NASTY = {
     "blanks before a word": lambda count: "0 0\n1" + " " * count + "x\n",
     "commas that part or are decimal": lambda count: "0 0\n" + "1," * count + "x\n",
@@ -79,14 +87,38 @@ def test_a_table_of_text_is_read_in_one_pass(text):
     assert time.perf_counter() - start < 5
 
 
-ROWS = [("0", "0"), ("0.5", "0"), ("1.5", "0.5"), ("2", "0.75"), ("2.5", "1"), ("3", "0.5"), ("4", "0"), ("5", "0")]
+ROWS = [
+    ("0", "0"),
+    ("0.5", "0"),
+    ("1.5", "0.5"),
+    ("2", "0.75"),
+    ("2.5", "1"),
+    ("3", "0.5"),
+    ("4", "0"),
+    ("5", "0"),
+]
 
 
-@pytest.mark.parametrize("row", ["{} {}", "{}  ;  {}", "{}\t{}", "{} , {}", "{},{}", "{} \t  {}", "{};{};", "|{}|{}|", "+{}, {}e0"])
+@pytest.mark.parametrize(
+    "row",
+    [
+        "{} {}",
+        "{}  ;  {}",
+        "{}\t{}",
+        "{} , {}",
+        "{},{}",
+        "{} \t  {}",
+        "{};{};",
+        "|{}|{}|",
+        "+{}, {}e0",
+    ],
+)
 def test_every_way_to_write_a_row_is_read(row):
     text = "\n".join(row.format(angle, lift) for angle, lift in ROWS)
     (lobe,) = lifts_in(f"angle; lift\n{text}".encode(), "t.csv", ANSWERS)
-    assert lobe.cam_angles.tolist() == [float(angle) for angle, _ in ROWS] and lobe.lifts.tolist() == [float(lift) for _, lift in ROWS]
+    assert lobe.cam_angles.tolist() == [
+        float(angle) for angle, _ in ROWS
+    ] and lobe.lifts.tolist() == [float(lift) for _, lift in ROWS]
 
 
 def test_a_third_column_is_asked_for_and_words_are_refused():
@@ -94,7 +126,9 @@ def test_a_third_column_is_asked_for_and_words_are_refused():
     with pytest.raises(InputError, match="does not say what column 1, 2, 3 is"):
         lifts_in("\n".join(f"{angle},{lift},7" for angle, lift in ROWS).encode(), "t.csv", ANSWERS)
     with pytest.raises(InputError, match="holds no row of numbers"):
-        lifts_in("\n".join(f"{angle} {lift} text" for angle, lift in ROWS).encode(), "t.csv", ANSWERS)
+        lifts_in(
+            "\n".join(f"{angle} {lift} text" for angle, lift in ROWS).encode(), "t.csv", ANSWERS
+        )
 
 
 def test_a_key_may_have_as_many_parts_as_any_case_needs():
@@ -117,10 +151,13 @@ def no_files(folder: Path) -> dict[str, tuple[Path, str]]:
     end.bind(str(folder / "socket.toml"))
     end.close()
     return {
-        "pipe": (folder / "pipe.toml", "is a pipe"), "folder": (folder / "folder.toml", "is a folder"),
-        "device": (Path("/dev/zero"), "is a device"), "large": (folder / "large.toml", "is larger than 5 MB"),
-        "socket": (folder / "socket.toml", "is a socket"), "loop": (folder / "loop.toml", "cannot be read"),
-    }  # fmt: skip
+        "pipe": (folder / "pipe.toml", "is a pipe"),
+        "folder": (folder / "folder.toml", "is a folder"),
+        "device": (Path("/dev/zero"), "is a device"),
+        "large": (folder / "large.toml", "is larger than 5 MB"),
+        "socket": (folder / "socket.toml", "is a socket"),
+        "loop": (folder / "loop.toml", "cannot be read"),
+    }
 
 
 @pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="this system has no pipes with a name")
@@ -136,17 +173,24 @@ def test_what_is_no_file_is_refused_in_one_sentence(kind, tmp_path, monkeypatch)
 
 @pytest.mark.parametrize(
     ("old", "new"),
-    [('mass = "125 g"', 'mass = "1.25e+14 g"'), ('inertia = "75 kg mm^2"', 'inertia = "1e9 kg m^2"')],
+    [
+        ('mass = "125 g"', 'mass = "1.25e+14 g"'),
+        ('inertia = "75 kg mm^2"', 'inertia = "1e9 kg m^2"'),
+    ],
     ids=("mass", "inertia"),
 )
 def test_a_part_too_heavy_for_any_valve_gear_is_refused_before_its_equilibrium_is_sought(old, new):
-    text = resources.files("valvetrain").joinpath("parameters/library/vaz-ohc.toml").read_text("utf-8")
+    text = (
+        resources.files("valvetrain").joinpath("parameters/library/vaz-ohc.toml").read_text("utf-8")
+    )
     assert old in text
     with pytest.raises(InputError, match="is too large; give a value of at most"):
         parse_case(text.replace(old, new), "heavy")
 
 
-@pytest.mark.parametrize("damping", ['stiffness_damping = "1e308 s"', 'ratio = 0.016\nratio_frequency = "1e-300 Hz"'])
+@pytest.mark.parametrize(
+    "damping", ['stiffness_damping = "1e308 s"', 'ratio = 0.016\nratio_frequency = "1e-300 Hz"']
+)
 def test_damping_that_leaves_no_time_step_is_refused(damping):
     text = CARD + f'pitch = "8 mm"\nmaterial = "OTEVA 90 SC"\n[spring.damping]\n{damping}\n'
     spring = build(parse_case(text, "damped")).springs[0]
@@ -154,7 +198,9 @@ def test_damping_that_leaves_no_time_step_is_refused(damping):
         spring_model("finite-element").build(spring).stable_time_step()
 
 
-@pytest.mark.parametrize(("given", "thin"), [("4 mm", "1e-300 mm"), ("4 mm", "0.9 um"), ("24 mm", "0.9 um")])
+@pytest.mark.parametrize(
+    ("given", "thin"), [("4 mm", "1e-300 mm"), ("4 mm", "0.9 um"), ("24 mm", "0.9 um")]
+)
 def test_a_wire_that_is_none_is_refused_where_it_is_read(given, thin):
     """Its mass was zero, and the estimate of its surge frequency divided by it."""
     text = CARD + 'pitch = "8 mm"\nmaterial = "OTEVA 90 SC"\n'
@@ -170,6 +216,9 @@ def test_a_wire_with_hardly_any_stiffness_finds_no_equilibrium_and_says_so():
 
 
 def test_a_coil_contact_beyond_any_steel_is_refused_at_reading():
-    text = CARD + 'pitch = "8 mm"\nmaterial = "OTEVA 90 SC"\n[spring.contact]\nstiffness = "1e300 N/mm/mm"\n'
+    text = (
+        CARD
+        + 'pitch = "8 mm"\nmaterial = "OTEVA 90 SC"\n[spring.contact]\nstiffness = "1e300 N/mm/mm"\n'
+    )
     with pytest.raises(InputError, match="beyond any steel"):
         parse_case(text, "hard")

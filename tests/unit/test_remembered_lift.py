@@ -11,7 +11,10 @@ from valvetrain.cam.remembered import KEPT, RememberedLift
 def test_answers_are_those_of_the_law_and_few_are_kept():
     law = build_lift_law(load_case("gu2021-beehive").lift_law)
     known = RememberedLift(law)
-    assert isinstance(known, LiftLaw) and (known.continuity, known.joints) == (law.continuity, law.joints)
+    assert isinstance(known, LiftLaw) and (known.continuity, known.joints) == (
+        law.continuity,
+        law.joints,
+    )
     generator = np.random.default_rng(2)
     for _ in range(2):
         for turn in range(3 * KEPT):
@@ -27,14 +30,19 @@ def test_other_angles_between_the_same_ends_are_not_taken_for_those_before():
     known.lift(angles)
     moved = angles.copy()
     moved[150] += 1e-9
-    assert np.array_equal(known.lift(moved), law.lift(moved)) and np.array_equal(known.lift(angles), law.lift(angles))
+    assert np.array_equal(known.lift(moved), law.lift(moved)) and np.array_equal(
+        known.lift(angles), law.lift(angles)
+    )
     angles[10] += 0.1  # the caller's own array may change
     assert np.array_equal(known.lift(angles), law.lift(angles))
     assert known.lift(3.0) == law.lift(3.0)
 
 
 def test_what_a_caller_does_to_an_answer_is_the_callers_own():
-    known, angles = RememberedLift(build_lift_law(load_case("gu2021-beehive").lift_law)), np.linspace(0.0, 6.0, 300)
+    known, angles = (
+        RememberedLift(build_lift_law(load_case("gu2021-beehive").lift_law)),
+        np.linspace(0.0, 6.0, 300),
+    )
     first = known.lift(angles)
     kept = first.copy()
     first[:] = 7.0

@@ -1,4 +1,6 @@
-"""The report page in a real browser: every chart is drawn, nothing goes wrong, nothing is asked of the network."""
+"""The report page in a real browser: every chart is drawn, nothing goes wrong, nothing is asked of
+the network.
+"""
 
 from __future__ import annotations
 
@@ -12,9 +14,9 @@ import pytest
 
 from synthetic_study import own_study, published_study, sweep_study, train_study
 from system_parts import program
-from valvetrain.report.build import study_page
 from valvetrain.report.headlines import TOPICS
 from valvetrain.report.page import charts, render
+from valvetrain.report.study import study_page
 
 pytestmark = pytest.mark.chromium
 
@@ -85,7 +87,12 @@ window.addEventListener("message", (event) => {
 def browse(html: str, folder: Path, width: int = 1400) -> tuple[dict, list[str]]:
     """What a page of that width (px) has seen once loaded, and what it wrote to the console."""
     page = folder / "page.html"
-    page.write_text(html.replace("<head>", f"<head>{WATCH}", 1).replace("</body>\n</html>", f"{ASK}</body>\n</html>"), encoding="utf-8")
+    page.write_text(
+        html.replace("<head>", f"<head>{WATCH}", 1).replace(
+            "</body>\n</html>", f"{ASK}</body>\n</html>"
+        ),
+        encoding="utf-8",
+    )
     if width < 500:
         page = folder / "frame.html"
         page.write_text(FRAME.replace("WIDTH", str(width)), encoding="utf-8")
@@ -103,12 +110,18 @@ def browse(html: str, folder: Path, width: int = 1400) -> tuple[dict, list[str]]
     return json.loads(unescape(note[1])), re.findall(r":CONSOLE[^\]]*\] (.*)", done.stderr)
 
 
-STUDIES = {"own": own_study, "published": published_study, "train": train_study, "sweep": sweep_study}
+STUDIES = {
+    "own": own_study,
+    "published": published_study,
+    "train": train_study,
+    "sweep": sweep_study,
+}
 
 
 #: Every page wide; the narrow ones but for the largest with the long tests.
 WIDTHS = [(name, 1400) for name in STUDIES] + [
-    (name, 390) if name == "published" else pytest.param((name, 390), marks=pytest.mark.long) for name in STUDIES
+    (name, 390) if name == "published" else pytest.param((name, 390), marks=pytest.mark.long)
+    for name in STUDIES
 ]
 
 
@@ -123,7 +136,11 @@ def test_every_chart_is_drawn_and_nothing_goes_wrong(visit):
     page, width, seen, console = visit
     assert seen["width"] == width
     assert {chart.key for chart in charts(page)} == set(seen["charts"])
-    assert not {key: drawn for key, drawn in seen["charts"].items() if not (drawn["traces"] and drawn["ink"])}
+    assert not {
+        key: drawn
+        for key, drawn in seen["charts"].items()
+        if not (drawn["traces"] and drawn["ink"])
+    }
     assert seen["errors"] == [] and console == []
     assert seen["refused"] == [] and seen["loaded"] == []
 
@@ -146,11 +163,16 @@ def test_the_first_screen_answers_in_order(visit):
         ("<script>fetch('https://example.invalid/a')</script>", "refused"),
         ("<img src='https://example.invalid/a.png'>", "refused"),
         ("<script>lost()</script>", "errors"),
-        ("<div class='plot' data-chart='empty'></div><script>console.error('no')</script>", "console"),
+        (
+            "<div class='plot' data-chart='empty'></div><script>console.error('no')</script>",
+            "console",
+        ),
         ("<div style='width:3000px;height:2px'></div>", "wider"),
     ],
 )
 def test_the_watch_catches_what_it_should(body, kind, tmp_path):
-    seen, console = browse(f"<!DOCTYPE html>\n<html>\n<head></head>\n<body>{body}</body>\n</html>", tmp_path)
+    seen, console = browse(
+        f"<!DOCTYPE html>\n<html>\n<head></head>\n<body>{body}</body>\n</html>", tmp_path
+    )
     assert console if kind == "console" else seen[kind] > 0 if kind == "wider" else seen[kind]
     assert set(seen["charts"]) <= {"empty"}

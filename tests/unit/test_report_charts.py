@@ -1,4 +1,6 @@
-"""Charts in both renderers: the numbers given are the numbers drawn, words are escaped, narrow pages get one column."""
+"""Charts in both renderers: the numbers given are the numbers drawn, words are escaped, narrow
+pages get one column.
+"""
 
 from __future__ import annotations
 
@@ -9,7 +11,18 @@ import numpy as np
 import pytest
 
 from valvetrain.errors import InputError
-from valvetrain.report.chart import Chart, HeatMap, Line, Marks, Panel, Rule, rule_levels, stems, thin, visible_range
+from valvetrain.report.chart import (
+    Chart,
+    HeatMap,
+    Line,
+    Marks,
+    Panel,
+    Rule,
+    rule_levels,
+    stems,
+    thin,
+    visible_range,
+)
 from valvetrain.report.plotly_chart import figure, packed, to_json, unpacked
 from valvetrain.report.svg_chart import png, svg, ticks
 from valvetrain.report.table import quoted, table
@@ -23,11 +36,15 @@ def _chart(*layers, **more) -> Chart:
 
 def test_plotly_figure_holds_the_chart_numbers():
     x, y = np.linspace(0, 360, 50), np.linspace(1, 1234.5, 50)
-    traces = figure(_chart(Line(x, y, "a", "#000000"), Marks(x[:2], y[:2], "b", "#000000", labels=("p", "q"))))["data"]
+    traces = figure(
+        _chart(Line(x, y, "a", "#000000"), Marks(x[:2], y[:2], "b", "#000000", labels=("p", "q")))
+    )["data"]
     np.testing.assert_allclose(unpacked(traces[0]["x"]), x, rtol=1e-6)
     np.testing.assert_allclose(unpacked(traces[0]["y"]), y, rtol=1e-6)
     assert traces[1]["text"] == ["p", "q"]
-    heat = figure(_chart(HeatMap(x[:3], y[:2], np.arange(6.0).reshape(2, 3), "force", "N")))["data"][0]
+    heat = figure(_chart(HeatMap(x[:3], y[:2], np.arange(6.0).reshape(2, 3), "force", "N")))[
+        "data"
+    ][0]
     np.testing.assert_array_equal(unpacked(heat["z"]), np.arange(6.0).reshape(2, 3))
     assert packed(np.zeros((2, 3)))["shape"] == "2, 3"
 
@@ -39,18 +56,31 @@ def test_plotly_json_cannot_end_its_script_element():
 def test_svg_draws_the_numbers_where_they_belong():
     line = Line(np.array([0.0, 5.0, 10.0]), np.array([0.0, 50.0, 100.0]), "a", "#123456")
     tree = ElementTree.fromstring(svg(_chart(line, x_range=(0, 10), y_range=(0, 100))))
-    path = next(item.get("d") for item in tree.iter(f"{SVG}path") if item.get("stroke") == "#123456" and "L" in item.get("d"))
-    points = np.array([[float(part) for part in pair.split()] for pair in re.split("[ML]", path)[1:]])
+    path = next(
+        item.get("d")
+        for item in tree.iter(f"{SVG}path")
+        if item.get("stroke") == "#123456" and "L" in item.get("d")
+    )
+    points = np.array(
+        [[float(part) for part in pair.split()] for pair in re.split("[ML]", path)[1:]]
+    )
     clip = next(tree.iter(f"{SVG}clipPath"))[0]
     left, top, wide, high = (float(clip.get(key)) for key in ("x", "y", "width", "height"))
-    np.testing.assert_allclose(points, [[left, top + high], [left + wide / 2, top + high / 2], [left + wide, top]], atol=0.1)
+    np.testing.assert_allclose(
+        points,
+        [[left, top + high], [left + wide / 2, top + high / 2], [left + wide, top]],
+        atol=0.1,
+    )
 
 
 def test_svg_breaks_lines_at_gaps_and_escapes_words():
     text = svg(_chart(Line(np.arange(4.0), np.array([0, 1, np.nan, 2.0]), "<a & b>", "#123456")))
     ElementTree.fromstring(text)
     assert "&lt;a &amp; b&gt;" in text
-    assert any(item.get("d", "").count("M") == 2 for item in ElementTree.fromstring(text).iter(f"{SVG}path"))
+    assert any(
+        item.get("d", "").count("M") == 2
+        for item in ElementTree.fromstring(text).iter(f"{SVG}path")
+    )
 
 
 def test_png_is_read_back_by_another_reader(tmp_path):
@@ -63,11 +93,23 @@ def test_png_is_read_back_by_another_reader(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("low", "high", "count"), [(0, 1, 5), (-3.2, 871, 6), (1e-6, 4e-6, 4), (225, 320, 8), (-0.0158, 0.0158, 3), (565.3, 1325.4, 3)]
+    ("low", "high", "count"),
+    [
+        (0, 1, 5),
+        (-3.2, 871, 6),
+        (1e-6, 4e-6, 4),
+        (225, 320, 8),
+        (-0.0158, 0.0158, 3),
+        (565.3, 1325.4, 3),
+    ],
 )
 def test_ticks_are_round_and_inside(low, high, count):
     values, decimals = ticks(low, high, count)
-    assert 2 <= len(values) <= count + 1 and values[0] >= low - 1e-12 and values[-1] <= high * (1 + 1e-12)
+    assert (
+        2 <= len(values) <= count + 1
+        and values[0] >= low - 1e-12
+        and values[-1] <= high * (1 + 1e-12)
+    )
     np.testing.assert_allclose(np.round(values, decimals), values, rtol=1e-9, atol=1e-15)
 
 
@@ -85,15 +127,25 @@ def test_ranges_follow_what_is_shown():
     line = Line(np.arange(10.0), np.array([0, 1, 2, 3, 4, 50, 0, 0, 0, 0.0]), "a", "#000000")
     (_, (low, high)) = visible_range(Panel("x", "y", (line,), x_range=(0, 4)))
     assert low < 0 < 4 < high < 5
-    (_, (low, high)) = visible_range(Panel("x", "y", (Line(np.arange(3.0), np.full(3, 7.0), "a", "#000000"),)))
+    (_, (low, high)) = visible_range(
+        Panel("x", "y", (Line(np.arange(3.0), np.full(3, 7.0), "a", "#000000"),))
+    )
     assert low < 7 < high
 
 
 @pytest.mark.parametrize(
-    ("values", "decades"), [((3.0, 4e4), (0, 5)), ((1.0, 1e3), (0, 3)), ((2e-7, 5e-7, 0.0), (-7, -6)), ((0.02, 30.0, np.nan), (-2, 2))]
+    ("values", "decades"),
+    [
+        ((3.0, 4e4), (0, 5)),
+        ((1.0, 1e3), (0, 3)),
+        ((2e-7, 5e-7, 0.0), (-7, -6)),
+        ((0.02, 30.0, np.nan), (-2, 2)),
+    ],
 )
 def test_an_axis_of_decades_is_one_on_the_page_and_in_the_picture(values, decades):
-    """Whole decades about the positive values, evenly spaced, the line at the logarithms of its values."""
+    """Whole decades about the positive values, evenly spaced, the line at the logarithms of its
+    values.
+    """
     low, high = decades
     x, y = np.arange(float(len(values))), np.array(values)
     chart = _chart(Line(x, y, "a", "#123456"), y_log=True)
@@ -101,20 +153,32 @@ def test_an_axis_of_decades_is_one_on_the_page_and_in_the_picture(values, decade
     for layout in (drawn["layout"], drawn["narrow"]):
         assert (layout["yaxis"]["type"], layout["yaxis"]["dtick"]) == ("log", 1)
         assert layout["yaxis"]["range"] == pytest.approx([low, high])
-    assert unpacked(drawn["data"][0]["y"]) == pytest.approx(y, nan_ok=True), "values, not logarithms"
+    assert unpacked(drawn["data"][0]["y"]) == pytest.approx(y, nan_ok=True), (
+        "values, not logarithms"
+    )
     tree = ElementTree.fromstring(svg(chart))
     told = {one.text: float(one.get("y")) for one in tree.iter(f"{SVG}text")}
     places = np.array([told[f"{10.0**power:g}"] for power in range(low, high + 1)])
-    assert np.diff(places) == pytest.approx(np.full(high - low, (places[-1] - places[0]) / (high - low)), abs=0.11)
-    (path,) = [one.get("d") for one in tree.iter(f"{SVG}path") if one.get("stroke") == "#123456" and "L" in one.get("d")]
-    (first, second) = (float(words.split()[-1].split(",")[-1]) for words in re.split("[ML]", path)[1:3])
+    assert np.diff(places) == pytest.approx(
+        np.full(high - low, (places[-1] - places[0]) / (high - low)), abs=0.11
+    )
+    (path,) = [
+        one.get("d")
+        for one in tree.iter(f"{SVG}path")
+        if one.get("stroke") == "#123456" and "L" in one.get("d")
+    ]
+    (first, second) = (
+        float(words.split()[-1].split(",")[-1]) for words in re.split("[ML]", path)[1:3]
+    )
     per_decade = (places[0] - places[-1]) / (high - low)
     assert first - second == pytest.approx(per_decade * np.log10(y[1] / y[0]), abs=0.3)
 
 
 @pytest.mark.parametrize("y_log", [False, True])
 def test_only_an_axis_that_is_asked_for_has_decades(y_log):
-    layout = figure(_chart(Line(np.arange(3.0), np.array([1.0, 10.0, 100.0]), "a", "#000000"), y_log=y_log))["layout"]
+    layout = figure(
+        _chart(Line(np.arange(3.0), np.array([1.0, 10.0, 100.0]), "a", "#000000"), y_log=y_log)
+    )["layout"]
     assert (layout["yaxis"].get("type") == "log") == y_log and layout["xaxis"].get("type") != "log"
 
 
@@ -125,7 +189,9 @@ def test_words_of_near_rules_stand_on_different_lines():
 
 
 def test_tables_write_units_and_quote():
-    text = table(("a", "mm", [1.0, 0.1]), ("b, c", "", np.array(["x", 'say "y"'], dtype=object))).csv()
+    text = table(
+        ("a", "mm", [1.0, 0.1]), ("b, c", "", np.array(["x", 'say "y"'], dtype=object))
+    ).csv()
     assert text == 'a [mm],"b, c"\n1.0,x\n0.1,"say ""y"""\n'
     assert quoted(None) == ""
     with pytest.raises(InputError, match="length"):
@@ -139,7 +205,16 @@ def test_lines_keep_every_vertex():
 
 def test_a_narrow_page_has_all_panels_in_one_column_and_room_for_ticks():
     line = Line(np.arange(3.0), np.arange(3.0), "a", "#000000")
-    drawn = figure(Chart("key", "t", "c", tuple(Panel("x", f"y{n}", (line,)) for n in range(4)), columns=2, height=500))
+    drawn = figure(
+        Chart(
+            "key",
+            "t",
+            "c",
+            tuple(Panel("x", f"y{n}", (line,)) for n in range(4)),
+            columns=2,
+            height=500,
+        )
+    )
     wide, narrow = drawn["layout"], drawn["narrow"]
     assert wide["xaxis"]["domain"][1] < wide["xaxis2"]["domain"][0]
     assert all(narrow[f"xaxis{n}"]["domain"] == [0.0, 1.0] for n in ("", "2", "3", "4"))
@@ -149,9 +224,13 @@ def test_a_narrow_page_has_all_panels_in_one_column_and_room_for_ticks():
 
 
 def test_words_from_outside_are_no_markup_in_a_figure():
-    mark = Marks(np.ones(1), np.ones(1), "<!--<script>", "#000000", labels=("<b>x</b>",), hints=("<i>h</i>",))
+    mark = Marks(
+        np.ones(1), np.ones(1), "<!--<script>", "#000000", labels=("<b>x</b>",), hints=("<i>h</i>",)
+    )
     drawn = figure(_chart(mark, title="<img src=x>"))
-    assert drawn["data"][0]["name"] == "&lt;!--&lt;script&gt;" and drawn["data"][0]["text"] == ["&lt;b&gt;x&lt;/b&gt;"]
+    assert drawn["data"][0]["name"] == "&lt;!--&lt;script&gt;" and drawn["data"][0]["text"] == [
+        "&lt;b&gt;x&lt;/b&gt;"
+    ]
     assert drawn["data"][0]["customdata"] == ["&lt;i&gt;h&lt;/i&gt;"]
     assert any("&lt;img" in note["text"] for note in drawn["layout"]["annotations"])
 

@@ -1,4 +1,6 @@
-"""The folder of a study: complete, self-contained, readable back, whole or not at all, without a word that is not the user's."""
+"""The folder of a study: complete, self-contained, readable back, whole or not at all, without a
+word that is not the user's.
+"""
 
 from __future__ import annotations
 
@@ -10,24 +12,38 @@ from html.parser import HTMLParser
 import numpy as np
 import pytest
 
-from synthetic_study import COILS, modal_run, own_study, published_study, record, rod_run, sweep_study, train_run, train_study
+from synthetic_study import (
+    COILS,
+    modal_run,
+    own_study,
+    published_study,
+    record,
+    rod_run,
+    sweep_study,
+    train_run,
+    train_study,
+)
 from valvetrain.errors import InputError
 from valvetrain.registry import find, words
 from valvetrain.report import page as page_module
-from valvetrain.report import write
-from valvetrain.report.build import study_page
-from valvetrain.report.comparison_grid import comparison_table
+from valvetrain.report import study as write
 from valvetrain.report.json import study_json
 from valvetrain.report.page import Page, Section, charts, render, text
 from valvetrain.report.read_page import PageSentence, sections_of
+from valvetrain.report.study import study_page, write_study
+from valvetrain.report.table import comparison_table
 from valvetrain.report.words import number, percent, speed_words, unit_words
-from valvetrain.report.write import write_study
 from valvetrain.solution.netcdf import load_modal_result, load_netcdf, load_static_curve
 from valvetrain.solution.quantity import Quantity
 from valvetrain.solution.status import Status
 from valvetrain.solution.textfile import load_csv
 
-STUDIES = {"own": own_study, "published": published_study, "train": train_study, "sweep": sweep_study}
+STUDIES = {
+    "own": own_study,
+    "published": published_study,
+    "train": train_study,
+    "sweep": sweep_study,
+}
 
 
 class _Reader(HTMLParser):
@@ -42,7 +58,9 @@ class _Reader(HTMLParser):
     def handle_starttag(self, tag, attrs):
         values = dict(attrs)
         self.keys += [values["id"]] if "id" in values else []
-        self.loads += [values[key] for key in ("src", "srcset", "data", "poster", "action") if key in values]
+        self.loads += [
+            values[key] for key in ("src", "srcset", "data", "poster", "action") if key in values
+        ]
         self.loads += [values["href"]] if tag == "link" else []
         self.links += [values["href"]] if tag == "a" else []
 
@@ -63,11 +81,18 @@ def test_page_loads_nothing_from_outside_and_every_entry_leads_to_its_section(wr
     reader = _Reader()
     reader.feed(html)
     assert [load for load in reader.loads if not load.startswith("data:")] == []
-    assert "url(" not in own_words(html).split("</style>")[0] and "@import" not in own_words(html).split("</style>")[0]
+    assert (
+        "url(" not in own_words(html).split("</style>")[0]
+        and "@import" not in own_words(html).split("</style>")[0]
+    )
     assert len(set(reader.keys)) == len(reader.keys)
     assert reader.links and {link[1:] for link in reader.links} <= set(reader.keys)
     drawn = {key.removeprefix("data-") for key in reader.keys if key.startswith("data-")}
-    assert drawn == {path.stem for path in written[1].figures} == {chart.key for chart in charts(study_page(written[0]))}
+    assert (
+        drawn
+        == {path.stem for path in written[1].figures}
+        == {chart.key for chart in charts(study_page(written[0]))}
+    )
     assert not re.search(r"/(home|work|tmp|usr|root)/", own_words(html))
 
 
@@ -75,7 +100,9 @@ def test_every_page_alike_carries_values_runs_and_papers(written):
     keys = [section.key for section in study_page(written[0]).sections]
     assert keys[0] == "answers" and keys[-3:] == ["case", "runs", "references"]
     html = own_words(written[1].page.read_text(encoding="utf-8"))
-    assert "On made-up springs" in html and "own drawing" in html and "The case file, resolved" in html
+    assert (
+        "On made-up springs" in html and "own drawing" in html and "The case file, resolved" in html
+    )
 
 
 def test_only_a_published_case_speaks_of_a_source():
@@ -88,16 +115,28 @@ def test_published_values_come_after_the_answers():
     keys = [section.key for section in study_page(published_study()).sections]
     assert keys[:3] == ["answers", "published", "gu2021"]
     changed = study_page(replace(published_study(), comparisons=(), findings=(), notes=()))
-    assert "gu2021" not in [section.key for section in changed.sections]  # other values or speeds: nothing of the source
+    assert "gu2021" not in [
+        section.key for section in changed.sections
+    ]  # other values or speeds: nothing of the source
 
 
 def test_files_are_read_back(tmp_path):
     files = write_study(own_study(), tmp_path)
     names = {path.name for path in files.data}
-    assert files.figures == () and {
-        "finite-element-5600rpm.nc", "modal-varied-4200rpm.csv", "static-spring-finite-element.nc", "static-spring-multi-mass.csv",
-        "modes-spring-finite-element.nc", "modes-spring-multi-mass.csv", "quantities.csv", "events.csv",
-    } <= names  # fmt: skip
+    assert (
+        files.figures == ()
+        and {
+            "finite-element-5600rpm.nc",
+            "modal-varied-4200rpm.csv",
+            "static-spring-finite-element.nc",
+            "static-spring-multi-mass.csv",
+            "modes-spring-finite-element.nc",
+            "modes-spring-multi-mass.csv",
+            "quantities.csv",
+            "events.csv",
+        }
+        <= names
+    )
     assert load_netcdf(tmp_path / "finite-element-5600rpm.nc").identical(rod_run())
     few = load_csv(tmp_path / "finite-element-5600rpm.csv")
     np.testing.assert_array_equal(few.channel("seat_force"), rod_run().channel("seat_force"))
@@ -105,7 +144,10 @@ def test_files_are_read_back(tmp_path):
     assert len(load_static_curve(tmp_path / "static-spring-finite-element.nc").force) == 40
     assert load_modal_result(tmp_path / "modes-spring-finite-element.nc").axial_modes == (1, 2, 4)
     rows = (tmp_path / "quantities.csv").read_text().splitlines()
-    assert len(rows) == 1 + len(own_study().quantities) and "finite-element,5600.0,peak_spring_force,811.0,N" in rows
+    assert (
+        len(rows) == 1 + len(own_study().quantities)
+        and "finite-element,5600.0,peak_spring_force,811.0,N" in rows
+    )
     assert len((tmp_path / "events.csv").read_text().splitlines()) == 8
     assert not [path for path in tmp_path.rglob("*") if path.name.endswith(".part")]
 
@@ -114,10 +156,19 @@ def test_a_sweep_writes_its_series_and_orders_and_no_reduced_runs(tmp_path):
     study = sweep_study()
     files = write_study(study, tmp_path, page=False)
     assert files.page is None and {path.name for path in files.data} == {
-        "quantities.csv", "events.csv", "sweep-stock.csv", "orders-stock.csv", "sweep-race-co.csv", "orders-race-co.csv",
-    }  # fmt: skip
+        "quantities.csv",
+        "events.csv",
+        "sweep-stock.csv",
+        "orders-stock.csv",
+        "sweep-race-co.csv",
+        "orders-race-co.csv",
+    }
     header, *rows = (tmp_path / "sweep-stock.csv").read_text().splitlines()
-    assert "peak spring force [N]" in header and len(rows) == 12 and rows[-1].split(",")[1] == "not-converged"
+    assert (
+        "peak spring force [N]" in header
+        and len(rows) == 12
+        and rows[-1].split(",")[1] == "not-converged"
+    )
     assert len((tmp_path / "orders-stock.csv").read_text().splitlines()[0].split(",")) == 25
 
 
@@ -126,7 +177,9 @@ def test_no_two_runs_share_a_file(tmp_path):
     runs = tuple(train_run(speed, label) for label in ("x 1", "x/1", "X 1") for speed in near)
     files = write_study(replace(train_study(), solutions=runs), tmp_path, page=False)
     found = [load_netcdf(path) for path in files.data if path.suffix == ".nc"]
-    assert {(run.label, run.engine_speed) for run in found} == {(label, speed) for label in ("x 1", "x/1", "X 1") for speed in near}
+    assert {(run.label, run.engine_speed) for run in found} == {
+        (label, speed) for label in ("x 1", "x/1", "X 1") for speed in near
+    }
     assert len({path.name.lower() for path in files.data}) == len(files.data)
     assert [speed_words(speed) for speed in near] == ["3000.001 rpm", "3000.002 rpm"]
 
@@ -146,18 +199,30 @@ def test_comparison_csv_is_in_the_units_it_names():
 def test_words_from_outside_are_escaped():
     evil = "<!--<script>alert(1)</script>"
     runs = (train_run(label=evil), train_run(label="other", spring_set="race"))
-    strange = replace(train_study(), record=record(title=evil, description=evil, text=evil, remarks=(evil,)), solutions=runs, notes=(evil,))
+    strange = replace(
+        train_study(),
+        record=record(title=evil, description=evil, text=evil, remarks=(evil,)),
+        solutions=runs,
+        notes=(evil,),
+    )
     html = own_words(render(study_page(strange)))
-    assert "<!--" not in html and "<script>alert" not in html and "&lt;!--&lt;script&gt;alert" in html
+    assert (
+        "<!--" not in html and "<script>alert" not in html and "&lt;!--&lt;script&gt;alert" in html
+    )
 
 
 def test_a_failed_run_is_said_on_top():
-    failed = Status("diverged", "the velocity grew without bound", 0.01, "coil 2.3", "shorten the step")
+    failed = Status(
+        "diverged", "the velocity grew without bound", 0.01, "coil 2.3", "shorten the step"
+    )
     run = rod_run(status=failed)
     cut = replace(run, channels=run.channels.isel(sample=slice(0, 900)), events=())
     html = render(study_page(own_study((cut, modal_run()))))
     assert "1 of 2 completed" in html
-    assert "diverged: the velocity grew without bound, at time 0.01 s at coil 2.3; shorten the step" in html
+    assert (
+        "diverged: the velocity grew without bound, at time 0.01 s at coil 2.3; shorten the step"
+        in html
+    )
 
 
 @pytest.mark.parametrize("keep", [0, 1, 2, 5, 100])
@@ -169,7 +234,8 @@ def test_runs_that_ended_at_once_do_not_break_the_page(tmp_path, keep):
 
 
 def test_a_section_or_figure_that_fails_is_named_and_the_rest_stands(monkeypatch):
-    from valvetrain.report.sections import force, motion
+    from valvetrain.report.sections import curves as force
+    from valvetrain.report.sections import curves as motion
 
     def broken(*_):
         raise ValueError("no such luck")
@@ -179,8 +245,13 @@ def test_a_section_or_figure_that_fails_is_named_and_the_rest_stands(monkeypatch
     find.__globals__["_load"].cache_clear()
     html = render(study_page(own_study()))
     find.__globals__["_load"].cache_clear()
-    assert "The figure &#x27;Spring force on the cylinder head&#x27; could not be drawn: ValueError: no such luck" in html
-    assert "The section &#x27;Valve motion&#x27; could not be drawn: ValueError: no such luck" in html
+    assert (
+        "The figure &#x27;Spring force on the cylinder head&#x27; could not be drawn: ValueError: no such luck"
+        in html
+    )
+    assert (
+        "The section &#x27;Valve motion&#x27; could not be drawn: ValueError: no such luck" in html
+    )
     assert 'id="at-rest"' in html and 'id="references"' in html
 
 
@@ -196,15 +267,27 @@ def test_a_figure_that_cannot_be_rendered_is_a_named_gap(monkeypatch):
 
     monkeypatch.setattr(plotly_chart, "to_json", broken)
     html = render(study_page(own_study()))
-    assert '{"gap": "The figure could not be drawn: ValueError: no such luck"}' in html and "data-force-retainer" in html
-    gaps = [part for section in sections_of(html, "report.html") for part in section.parts if isinstance(part, PageSentence)]
-    assert [part.words for part in gaps if "drawn" in part.words] == ["The figure could not be drawn: ValueError: no such luck"]
+    assert (
+        '{"gap": "The figure could not be drawn: ValueError: no such luck"}' in html
+        and "data-force-retainer" in html
+    )
+    gaps = [
+        part
+        for section in sections_of(html, "report.html")
+        for part in section.parts
+        if isinstance(part, PageSentence)
+    ]
+    assert [part.words for part in gaps if "drawn" in part.words] == [
+        "The figure could not be drawn: ValueError: no such luck"
+    ]
 
 
 def test_page_of_nothing_but_a_case(tmp_path):
     bare = replace(own_study(()), rest=(), still={})
     files = write_study(bare, tmp_path)
-    assert "none run" in files.page.read_text() and "could not be drawn" not in files.page.read_text()
+    assert (
+        "none run" in files.page.read_text() and "could not be drawn" not in files.page.read_text()
+    )
 
 
 def test_page_that_cannot_be_finished_is_not_begun(tmp_path, monkeypatch):
@@ -234,8 +317,13 @@ def test_a_page_without_charts_carries_no_plotting_library():
 
 
 def test_long_prose_stands_behind_a_word_to_click():
-    short, long = page_module.prose(("One. Two. Three.",), "more"), page_module.prose(("One. Two.", "Three. Four."), "more")
-    assert [block.kind for block in short] == ["text"] and [block.kind for block in long] == ["details"]
+    short, long = (
+        page_module.prose(("One. Two. Three.",), "more"),
+        page_module.prose(("One. Two.", "Three. Four."), "more"),
+    )
+    assert [block.kind for block in short] == ["text"] and [block.kind for block in long] == [
+        "details"
+    ]
 
 
 def test_one_json_shape_for_every_study():
@@ -244,8 +332,13 @@ def test_one_json_shape_for_every_study():
     assert len({tuple(run) for shape in shapes.values() for run in shape["runs"]}) == 1
     run = shapes["own"]["runs"][1]
     assert run["quantities"]["coil_bind_clearance"] == {"value": 1.25e-3, "unit": "m"}
-    assert run["engine_speed"]["unit"] == "rpm" and run["engine_speed"]["value"] == pytest.approx(5600)
-    assert run["events"][0]["details"]["energy"] == {"value": 0.017, "unit": "J"} and run["clash_count"]["value"] == 7
+    assert run["engine_speed"]["unit"] == "rpm" and run["engine_speed"]["value"] == pytest.approx(
+        5600
+    )
+    assert (
+        run["events"][0]["details"]["energy"] == {"value": 0.017, "unit": "J"}
+        and run["clash_count"]["value"] == 7
+    )
     assert shapes["own"]["quantities"]["preload"] == {"value": 287.0, "unit": "N"}
     assert shapes["published"]["comparisons"][0]["published"] == {"value": 790.0, "unit": "N"}
     json.dumps(shapes, allow_nan=False)
@@ -254,9 +347,16 @@ def test_one_json_shape_for_every_study():
 def test_every_number_of_the_study_is_in_its_json():
     study = own_study()
     shape = study_json(study)
-    runs = {(run["label"], round(run["engine_speed"]["value"])): run["quantities"] for run in shape["runs"]}
+    runs = {
+        (run["label"], round(run["engine_speed"]["value"])): run["quantities"]
+        for run in shape["runs"]
+    }
     for key, value in study.quantities.items():
-        held = shape["quantities"] if key.engine_speed is None else runs[key.label, round(key.engine_speed * 30 / np.pi)]
+        held = (
+            shape["quantities"]
+            if key.engine_speed is None
+            else runs[key.label, round(key.engine_speed * 30 / np.pi)]
+        )
         assert held[key.name]["value"] == pytest.approx(value), Quantity(*([key.name]))
 
 
@@ -267,12 +367,25 @@ def test_sections_are_listed_once_and_load():
 
 @pytest.mark.parametrize(
     ("value", "shown"),
-    [(289.0, "289"), (0.0, "0"), (-0.191, "−0.191"), (1.03e8, "1.03·10⁸"), (2.5e-6, "2.5·10⁻⁶"), (826.013, "826"), (None, "–")],
+    [
+        (289.0, "289"),
+        (0.0, "0"),
+        (-0.191, "−0.191"),
+        (1.03e8, "1.03·10⁸"),
+        (2.5e-6, "2.5·10⁻⁶"),
+        (826.013, "826"),
+        (None, "–"),
+    ],
 )
 def test_numbers_as_printed(value, shown):
     assert number(value) == shown
 
 
 def test_names_and_units_as_printed():
-    assert [percent(share) for share in (-4e-4, 4e-4, -0.0123, 1.5)] == ["0.0 %", "0.0 %", "−1.2 %", "+150.0 %"]
+    assert [percent(share) for share in (-4e-4, 4e-4, -0.0123, 1.5)] == [
+        "0.0 %",
+        "0.0 %",
+        "−1.2 %",
+        "+150.0 %",
+    ]
     assert (unit_words("mm/s^2"), unit_words("us"), unit_words("um")) == ("mm/s²", "µs", "µm")

@@ -1,4 +1,6 @@
-"""Unit: the report page on paper, in the dark, without scripts, and its figures as numbers, in a real browser."""
+"""Unit: the report page on paper, in the dark, without scripts, and its figures as numbers, in a
+real browser.
+"""
 
 from __future__ import annotations
 
@@ -10,9 +12,9 @@ import pytest
 
 from synthetic_study import own_study, sweep_study, train_study
 from system_parts import program
-from valvetrain.report.build import study_page
 from valvetrain.report.chart import HeatMap
 from valvetrain.report.page import Cell, Grid, Page, Section, charts, render
+from valvetrain.report.study import study_page
 
 pytestmark = pytest.mark.chromium
 
@@ -22,7 +24,9 @@ def browser():
     from playwright.sync_api import sync_playwright
 
     with sync_playwright() as driver:
-        opened = driver.chromium.launch(executable_path=program("chromium"), args=["--no-sandbox", "--disable-gpu"])
+        opened = driver.chromium.launch(
+            executable_path=program("chromium"), args=["--no-sandbox", "--disable-gpu"]
+        )
         yield opened
         opened.close()
 
@@ -39,9 +43,19 @@ def pages(tmp_path_factory):
 
 def visit(browser, path, width=1400, **settings):
     """The page opened, and what went wrong on it."""
-    context, wrong = browser.new_context(viewport={"width": width, "height": 900}, accept_downloads=True, **settings), []
+    context, wrong = (
+        browser.new_context(
+            viewport={"width": width, "height": 900}, accept_downloads=True, **settings
+        ),
+        [],
+    )
     page = context.new_page()
-    page.on("console", lambda message: wrong.append(message.text) if message.type in ("error", "warning") else None)
+    page.on(
+        "console",
+        lambda message: (
+            wrong.append(message.text) if message.type in ("error", "warning") else None
+        ),
+    )
     page.on("pageerror", lambda error: wrong.append(str(error)))
     page.goto(path.as_uri())
     return page, wrong
@@ -64,7 +78,9 @@ def test_the_data_of_every_figure_are_its_lines(browser, pages, name):
     seen, wrong = visit(browser, path)
     for chart in charts(page):
         heads, *rows = downloaded(seen, chart.key)
-        columns = [np.array([float(cell) for cell in column if cell]) for column in zip(*rows, strict=True)]
+        columns = [
+            np.array([float(cell) for cell in column if cell]) for column in zip(*rows, strict=True)
+        ]
         at = 0
         for panel in chart.panels:
             for layer in panel.layers:
@@ -72,13 +88,18 @@ def test_the_data_of_every_figure_are_its_lines(browser, pages, name):
                 if isinstance(layer, HeatMap):
                     assert layer.unit in heads[at + 2]
                     assert columns[at + 2] == pytest.approx(
-                        np.asarray(layer.z).ravel()[~np.isnan(np.asarray(layer.z).ravel())], rel=1e-6, abs=1e-30
+                        np.asarray(layer.z).ravel()[~np.isnan(np.asarray(layer.z).ravel())],
+                        rel=1e-6,
+                        abs=1e-30,
                     )
                     at += 3
                     continue
                 assert panel.y_label in heads[at + 1]
                 y = np.asarray(layer.y, dtype=float)
-                assert columns[at + 1] == pytest.approx(y[~np.isnan(y)], rel=1e-6, abs=1e-30), (chart.key, layer.name)
+                assert columns[at + 1] == pytest.approx(y[~np.isnan(y)], rel=1e-6, abs=1e-30), (
+                    chart.key,
+                    layer.name,
+                )
                 at += 2
         assert at == len(heads)
     assert not wrong
@@ -102,16 +123,23 @@ def test_without_scripts_every_figure_is_a_picture(browser, pages, width):
     seen, _ = visit(browser, path, width, java_script_enabled=False)
     shown = seen.locator("figure noscript > svg")
     assert shown.count() == len(charts(page))
-    assert seen.locator(".plot:visible").count() == 0 and seen.locator("button[data-csv]:visible").count() == 0
+    assert (
+        seen.locator(".plot:visible").count() == 0
+        and seen.locator("button[data-csv]:visible").count() == 0
+    )
     assert seen.locator(".tabpanel:visible").count() == seen.locator(".tabpanel").count()
-    boxes = [box for box in (shown.nth(place).bounding_box() for place in range(shown.count())) if box]
+    boxes = [
+        box for box in (shown.nth(place).bounding_box() for place in range(shown.count())) if box
+    ]
     assert boxes and all(box["width"] > 250 and box["x"] + box["width"] <= width for box in boxes)
 
 
 def luminance(colour: str) -> float:
     """Relative luminance of ``rgb(...)`` (WCAG 2.2, definition of relative luminance)."""
     parts = [int(part) / 255 for part in colour.split("(")[1].rstrip(")").split(",")[:3]]
-    linear = [part / 12.92 if part <= 0.04045 else ((part + 0.055) / 1.055) ** 2.4 for part in parts]
+    linear = [
+        part / 12.92 if part <= 0.04045 else ((part + 0.055) / 1.055) ** 2.4 for part in parts
+    ]
     return 0.2126 * linear[0] + 0.7152 * linear[1] + 0.0722 * linear[2]
 
 
@@ -122,20 +150,39 @@ def test_words_stand_out_from_the_paper(browser, pages, scheme):
     seen, wrong = visit(browser, path, color_scheme=scheme)
     paper = luminance(seen.evaluate("getComputedStyle(document.body).backgroundColor"))
     assert (paper < 0.05) == (scheme == "dark")
-    for kind in ("h1", "main p", "figcaption", "nav a", ".facts dt", "thead th", "tbody td", "summary", ".kicker"):
-        colour = luminance(seen.evaluate("kind => getComputedStyle(document.querySelector(kind)).color", kind))
+    for kind in (
+        "h1",
+        "main p",
+        "figcaption",
+        "nav a",
+        ".facts dt",
+        "thead th",
+        "tbody td",
+        "summary",
+        ".kicker",
+    ):
+        colour = luminance(
+            seen.evaluate("kind => getComputedStyle(document.querySelector(kind)).color", kind)
+        )
         high, low = max(colour, paper), min(colour, paper)
         assert (high + 0.05) / (low + 0.05) >= 4.5, (kind, scheme)
-    assert ("invert" in seen.evaluate("getComputedStyle(document.querySelector('.plot')).filter")) == (scheme == "dark")
+    assert (
+        "invert" in seen.evaluate("getComputedStyle(document.querySelector('.plot')).filter")
+    ) == (scheme == "dark")
     assert not wrong
 
 
 def test_print_has_a_header_and_numbers_its_pages(browser, pages):
-    """The dark scheme is for screens; the words of the header come from the page and are those of no style sheet."""
+    """The dark scheme is for screens; the words of the header come from the page and are those of
+    no style sheet.
+    """
     page, path = pages["own"]
     seen, _ = visit(browser, path, color_scheme="dark")
     seen.emulate_media(media="print")
-    assert seen.evaluate("getComputedStyle(document.body).backgroundColor") in ("rgb(255, 255, 255)", "rgba(0, 0, 0, 0)")
+    assert seen.evaluate("getComputedStyle(document.body).backgroundColor") in (
+        "rgb(255, 255, 255)",
+        "rgba(0, 0, 0, 0)",
+    )
     style = seen.evaluate("document.querySelector('style').textContent")
     assert page.title.split()[0] in style.split("@page")[1] and "counter(pages)" in style
     seen.emulate_media(color_scheme="light", media="print")
@@ -152,7 +199,14 @@ SCROLLED = """box => {
 def test_a_long_table_keeps_its_heads_in_sight(browser, tmp_path):
     rows = tuple(((Cell(f"row {place}"), Cell(str(place), "number")), ()) for place in range(60))
     path = tmp_path / "long.html"
-    path.write_text(render(Page("Long", "Table", "", (), (Section("all", "All", (Grid(("name", "value"), rows),)),))), encoding="utf-8")
+    path.write_text(
+        render(
+            Page(
+                "Long", "Table", "", (), (Section("all", "All", (Grid(("name", "value"), rows),)),)
+            )
+        ),
+        encoding="utf-8",
+    )
     seen, wrong = visit(browser, path)
     before, after, scrolled = seen.locator(".scroll.tall").evaluate(SCROLLED)
     assert scrolled > 100 and abs(after - before) < 2 and not wrong

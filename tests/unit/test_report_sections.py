@@ -1,4 +1,6 @@
-"""Every figure of the page carries the series, unit and sign that it names: distinct known numbers are drawn and read back."""
+"""Every figure of the page carries the series, unit and sign that it names: distinct known numbers
+are drawn and read back.
+"""
 
 from __future__ import annotations
 
@@ -7,16 +9,27 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from synthetic_study import EVENT, SPEED, at_rest, modal_run, own_study, published_study, rod_run, sweep_study, train_run, train_study
+from synthetic_study import (
+    EVENT,
+    SPEED,
+    at_rest,
+    modal_run,
+    own_study,
+    published_study,
+    rod_run,
+    sweep_study,
+    train_run,
+    train_study,
+)
 from valvetrain.parameters.loading import load_case
 from valvetrain.registry import find, words
 from valvetrain.report import theme
-from valvetrain.report.build import study_page
 from valvetrain.report.chart import Chart, HeatMap, Line, Marks
 from valvetrain.report.headlines import headline_columns, headline_rows
 from valvetrain.report.json import unit_of_number
 from valvetrain.report.page import Details, Figure, Grid, Text, charts, render
 from valvetrain.report.sections import coils, published, sweep
+from valvetrain.report.study import study_page
 from valvetrain.report.uncertainty_section import firmness, uncertainty_grid, uncertainty_table
 from valvetrain.solution.record import CaseRecord
 from valvetrain.solution.status import Status
@@ -48,15 +61,24 @@ def train() -> dict[str, Chart]:
 
 
 @pytest.mark.parametrize(
-    ("key", "channel", "words"), [("force-seat", "seat_force", "cylinder head"), ("force-retainer", "retainer_force", "retainer")]
+    ("key", "channel", "words"),
+    [
+        ("force-seat", "seat_force", "cylinder head"),
+        ("force-retainer", "retainer_force", "retainer"),
+    ],
 )
 def test_spring_force_by_speed_and_model_with_rest_dashed(own, key, channel, words):
     chart = own[key]
     assert [panel.title for panel in chart.panels] == ["4200 rpm", "5600 rpm"]
-    assert all(panel.y_label == f"force on the {words} (N)" and "cam degrees" in panel.x_label for panel in chart.panels)
+    assert all(
+        panel.y_label == f"force on the {words} (N)" and "cam degrees" in panel.x_label
+        for panel in chart.panels
+    )
     mine = lines(chart, 1)
     np.testing.assert_array_equal(mine["finite-element rod"].y, rod_run().channel(channel)[-720:])
-    np.testing.assert_array_equal(mine["modal model with varied stiffness"].y, modal_run().channel(channel)[-720:])
+    np.testing.assert_array_equal(
+        mine["modal model with varied stiffness"].y, modal_run().channel(channel)[-720:]
+    )
     still = mine["at rest, same lift"]
     assert still.dash == "dash"
     np.testing.assert_allclose(still.y, 300 + 40e3 * LIFT, atol=1e-6)
@@ -68,7 +90,11 @@ def test_a_clash_map_is_where_and_as_hard_as_the_clash(own):
     heat = own["clash-coils-2-1-spring"].panels[0].layers[0]
     assert isinstance(heat, HeatMap) and (heat.name, heat.unit) == ("contact force", "N")
     row, column = np.unravel_index(np.argmax(heat.z), heat.z.shape)
-    assert heat.z[row, column] == pytest.approx(200.0) and heat.x[column] == pytest.approx(250.0) and heat.y[row] < 2.6
+    assert (
+        heat.z[row, column] == pytest.approx(200.0)
+        and heat.x[column] == pytest.approx(250.0)
+        and heat.y[row] < 2.6
+    )
     assert np.all(heat.z[heat.y > 2.6] == 0)
 
 
@@ -81,37 +107,57 @@ def test_clash_map_thins_by_the_largest_force():
 
 def test_coil_positions_are_millimetres_of_the_wire(own):
     mine = lines(own["coil-coils-2-1-spring"])
-    np.testing.assert_allclose(mine["coil number 7"].y, 1e3 * rod_run().channel("axial_position")[-720:, -1])
+    np.testing.assert_allclose(
+        mine["coil number 7"].y, 1e3 * rod_run().channel("axial_position")[-720:, -1]
+    )
     assert "(mm)" in own["coil-coils-2-1-spring"].panels[0].y_label
 
 
 def test_motion_is_told_once_and_in_its_units(own):
     chart = own["motion-2"]
     assert [panel.y_label for panel in chart.panels] == [
-        "valve lift (mm)", "velocity, opening positive (m/s)", "acceleration, opening positive (m/s²)",
-    ]  # fmt: skip
+        "valve lift (mm)",
+        "velocity, opening positive (m/s)",
+        "acceleration, opening positive (m/s²)",
+    ]
     assert [len(panel.layers) for panel in chart.panels] == [1, 1, 1]
     np.testing.assert_allclose(chart.panels[0].layers[0].y, 1e3 * LIFT, atol=1e-9)
-    np.testing.assert_array_equal(chart.panels[2].layers[0].y, rod_run().channel("retainer_acceleration")[-720:])
+    np.testing.assert_array_equal(
+        chart.panels[2].layers[0].y, rod_run().channel("retainer_acceleration")[-720:]
+    )
 
 
 def test_every_train_channel_stands_under_its_own_name(train):
     run = train_run()
     shown = {
-        panel.y_label: panel for chart in train.values() for panel in chart.panels if chart.key.startswith(("train", "motion", "force"))
+        panel.y_label: panel
+        for chart in train.values()
+        for panel in chart.panels
+        if chart.key.startswith(("train", "motion", "force"))
     }
     for label, channel, factor in (
-        ("cam contact force (N)", "cam_contact_force", 1.0), ("valve tip contact force (N)", "valve_tip_contact_force", 1.0),
-        ("seat contact force (N)", "seat_contact_force", 1.0), ("support force (N)", "support_force", 1.0),
-        ("cam torque (N m)", "cam_torque", 1.0), ("lever speed (deg/s)", "lever_speed", 180 / np.pi),
-        ("piston clearance (mm)", "piston_clearance", 1e3), ("force on the cylinder head (N)", "seat_force", 1.0),
-        ("force on the retainer (N)", "retainer_force", 1.0), ("valve lift (mm)", "valve_lift", 1e3),
-    ):  # fmt: skip
+        ("cam contact force (N)", "cam_contact_force", 1.0),
+        ("valve tip contact force (N)", "valve_tip_contact_force", 1.0),
+        ("seat contact force (N)", "seat_contact_force", 1.0),
+        ("support force (N)", "support_force", 1.0),
+        ("cam torque (N m)", "cam_torque", 1.0),
+        ("lever speed (deg/s)", "lever_speed", 180 / np.pi),
+        ("piston clearance (mm)", "piston_clearance", 1e3),
+        ("force on the cylinder head (N)", "seat_force", 1.0),
+        ("force on the retainer (N)", "retainer_force", 1.0),
+        ("valve lift (mm)", "valve_lift", 1e3),
+    ):
         line = next(layer for layer in shown[label].layers if layer.name == "stock, multi-mass")
         np.testing.assert_allclose(line.y, factor * run.channel(channel), err_msg=label)
-    rigid = next(layer for layer in shown["cam contact force (N)"].layers if layer.name == "rigid parts")
+    rigid = next(
+        layer for layer in shown["cam contact force (N)"].layers if layer.name == "rigid parts"
+    )
     np.testing.assert_array_equal(rigid.y, run.channel("rigid_contact_force"))
-    assert not {"outer retainer force (N)", "inner retainer force (N)", "static retainer force (N)"} & set(shown)
+    assert not {
+        "outer retainer force (N)",
+        "inner retainer force (N)",
+        "static retainer force (N)",
+    } & set(shown)
 
 
 def test_colour_is_the_model_and_dash_the_variant(train):
@@ -121,14 +167,18 @@ def test_colour_is_the_model_and_dash_the_variant(train):
 
 
 def test_springs_of_a_pair_show_their_own_coils(train):
-    outer, inner = (lines(train[f"coil-coils-1-1-{spring}"])["coil number 3"].y for spring in ("outer", "inner"))
+    outer, inner = (
+        lines(train[f"coil-coils-1-1-{spring}"])["coil number 3"].y for spring in ("outer", "inner")
+    )
     np.testing.assert_allclose(outer, 2 * inner)
 
 
 def test_rigid_channels_stand_under_kinematics(train):
     shown = {panel.y_label: panel.layers[0].y for panel in train["kinematics-1"].panels}
     np.testing.assert_allclose(shown["hertz pressure (MPa)"], 660.0)
-    np.testing.assert_allclose(shown["valve lift (mm)"], 1e3 * train_run().channel("rigid_valve_lift"))
+    np.testing.assert_allclose(
+        shown["valve lift (mm)"], 1e3 * train_run().channel("rigid_valve_lift")
+    )
 
 
 @pytest.mark.parametrize(
@@ -136,8 +186,14 @@ def test_rigid_channels_stand_under_kinematics(train):
     [
         (((), ()), {"valve lift": 0, "contact force": 0, "hertz pressure": 0}),
         ((("hertz_pressure",), ()), {"valve lift": 0, "contact force": 0, "hertz pressure": 1}),
-        ((("valve_lift", "contact_force"), ("hertz_pressure",)), {"hertz pressure": 0, "valve lift": 1, "contact force": 1}),
-        ((("valve_lift", "contact_force", "hertz_pressure"), ("valve_lift",)), {"contact force": 1, "hertz pressure": 1}),
+        (
+            (("valve_lift", "contact_force"), ("hertz_pressure",)),
+            {"hertz pressure": 0, "valve lift": 1, "contact force": 1},
+        ),
+        (
+            (("valve_lift", "contact_force", "hertz_pressure"), ("valve_lift",)),
+            {"contact force": 1, "hertz pressure": 1},
+        ),
     ],
 )
 def test_a_rigid_channel_is_drawn_from_the_first_run_that_has_it(left_out, drawn_from):
@@ -146,15 +202,26 @@ def test_a_rigid_channel_is_drawn_from_the_first_run_that_has_it(left_out, drawn
     for place, names in enumerate(left_out):
         channels = runs[place].channels.drop_vars([f"rigid_{name}" for name in names])
         rigid = [name for name in channels.data_vars if name.startswith("rigid_")]
-        runs[place] = replace(runs[place], channels=channels.assign({name: (1 + place) * channels[name] for name in rigid}))
-    (chart,) = [one for one in drawn(replace(train_study(), solutions=tuple(runs))).values() if one.key == "kinematics-1"]
+        runs[place] = replace(
+            runs[place],
+            channels=channels.assign({name: (1 + place) * channels[name] for name in rigid}),
+        )
+    (chart,) = [
+        one
+        for one in drawn(replace(train_study(), solutions=tuple(runs))).values()
+        if one.key == "kinematics-1"
+    ]
     assert [panel.layers[0].name for panel in chart.panels] == list(drawn_from)
     for panel, place in zip(chart.panels, drawn_from.values(), strict=True):
         (line,) = panel.layers
         channel = train_run().channel(f"rigid_{line.name.replace(' ', '_')}")
-        np.testing.assert_allclose(line.y / np.max(np.abs(line.y)), channel / np.max(np.abs(channel)), err_msg=line.name)
+        np.testing.assert_allclose(
+            line.y / np.max(np.abs(line.y)), channel / np.max(np.abs(channel)), err_msg=line.name
+        )
         assert np.max(line.y) == pytest.approx(
-            (1 + place) * np.max(channel) * {"mm": 1e3, "N": 1.0, "MPa": 1e-6}[panel.y_label[:-1].rsplit("(")[1]]
+            (1 + place)
+            * np.max(channel)
+            * {"mm": 1e3, "N": 1.0, "MPa": 1e-6}[panel.y_label[:-1].rsplit("(")[1]]
         )
 
 
@@ -163,7 +230,15 @@ def test_no_panel_holds_more_than_four_lines():
     for chart in drawn(replace(train_study(), solutions=runs)).values():
         if not chart.key.startswith("coil-"):
             assert all(
-                len([layer for layer in panel.layers if layer.dash != "dash" or "rest" not in layer.name]) <= 5 for panel in chart.panels
+                len(
+                    [
+                        layer
+                        for layer in panel.layers
+                        if layer.dash != "dash" or "rest" not in layer.name
+                    ]
+                )
+                <= 5
+                for panel in chart.panels
             )
 
 
@@ -184,7 +259,11 @@ def test_modes_and_frequencies_side_by_side(own):
     np.testing.assert_allclose(lines(chart)["mode 2"].y, shape / shape[np.argmax(np.abs(shape))])
     axial = next(layer for layer in chart.panels[1].layers if layer.name == "axial mode")
     np.testing.assert_array_equal(axial.x, [631, 1120, 1639])
-    grid = next(block for block in find("sections", "at-rest").blocks(own_study()) if isinstance(block, Grid))
+    grid = next(
+        block
+        for block in find("sections", "at-rest").blocks(own_study())
+        if isinstance(block, Grid)
+    )
     assert [cell.words for cell in grid.rows[0][0]] == ["1", "631", "620", "−1.7"]
 
 
@@ -192,7 +271,9 @@ def test_orders_are_bars_of_their_amplitude_with_the_surge_marked(train):
     panel = train["orders"].panels[0]
     bars = next(layer for layer in panel.layers if layer.name == "stock, multi-mass")
     np.testing.assert_allclose(bars.y[1::3], 30.0 / np.arange(1, 25))
-    assert [rule.value for rule in panel.rules] == pytest.approx([560 * 4 * np.pi / SPEED]) and panel.rules[0].words == "surge 560 Hz"
+    assert [rule.value for rule in panel.rules] == pytest.approx(
+        [560 * 4 * np.pi / SPEED]
+    ) and panel.rules[0].words == "surge 560 Hz"
 
 
 def test_orders_without_named_ones_come_from_the_channel():
@@ -203,17 +284,23 @@ def test_orders_without_named_ones_come_from_the_channel():
 
 
 def test_stress_along_the_wire_and_over_the_cycle(own):
-    chart, shear = own["stress-2-1-spring"], 1e-6 * rod_run().channel("inner_fibre_shear_stress")[-720:]
+    chart, shear = (
+        own["stress-2-1-spring"],
+        1e-6 * rod_run().channel("inner_fibre_shear_stress")[-720:],
+    )
     np.testing.assert_allclose(lines(chart)["largest"].y, shear.max(axis=0))
     np.testing.assert_allclose(lines(chart)["least"].y, shear.min(axis=0))
     np.testing.assert_allclose(lines(chart, 1)["largest"].y, shear[:, 7])
-    np.testing.assert_allclose(lines(chart, 1)["static curve at the same lift"].y, 41e3 * (7e-3 + LIFT), rtol=1e-6)
+    np.testing.assert_allclose(
+        lines(chart, 1)["static curve at the same lift"].y, 41e3 * (7e-3 + LIFT), rtol=1e-6
+    )
 
 
 def test_energy_balance_is_millijoules_and_signed(own):
     run, chart = rod_run(), own["energy-2-1"]
     np.testing.assert_allclose(
-        lines(chart)["work done"].y[[0, -1]], 1e3 * (run.channel("work_done")[[0, -1]] - run.channel("work_done")[0])
+        lines(chart)["work done"].y[[0, -1]],
+        1e3 * (run.channel("work_done")[[0, -1]] - run.channel("work_done")[0]),
     )
     missing = chart.panels[1].layers[0]
     expected = 1e3 * (run.channel("elastic_energy") - run.channel("work_done"))
@@ -243,16 +330,37 @@ def test_answers_come_in_the_order_in_which_they_are_asked():
     study = own_study()
     rows = headline_rows(study)
     assert [row.name for row in rows] == [
-        "peak_spring_force", "minimum_spring_force", "peak_retainer_force", "minimum_retainer_force", "coil_bind_clearance",
-        "surge_frequency", "surge_cam_order", "nearest_lift_harmonic_order", "nearest_lift_harmonic_lift", "surge_amplitude_force",
-        "clash_count", "clash_energy", "largest_clash_impulse", "peak_shear_stress", "minimum_shear_stress", "nominal_peak_shear_stress",
+        "peak_spring_force",
+        "minimum_spring_force",
+        "peak_retainer_force",
+        "minimum_retainer_force",
+        "coil_bind_clearance",
+        "surge_frequency",
+        "surge_cam_order",
+        "nearest_lift_harmonic_order",
+        "nearest_lift_harmonic_lift",
+        "surge_amplitude_force",
+        "clash_count",
+        "clash_energy",
+        "largest_clash_impulse",
+        "peak_shear_stress",
+        "minimum_shear_stress",
+        "nominal_peak_shear_stress",
         "nominal_minimum_shear_stress",
-    ]  # fmt: skip
-    assert [(one.label, round(one.engine_speed * 30 / np.pi)) for one in headline_columns(study)] == [
-        ("finite-element", 4200), ("finite-element", 5600), ("modal-varied", 4200), ("modal-varied", 5600),
-    ]  # fmt: skip
+    ]
+    assert [
+        (one.label, round(one.engine_speed * 30 / np.pi)) for one in headline_columns(study)
+    ] == [
+        ("finite-element", 4200),
+        ("finite-element", 5600),
+        ("modal-varied", 4200),
+        ("modal-varied", 5600),
+    ]
     by_name = {row.name: row for row in rows}
-    assert by_name["coil_bind_clearance"].values == (1.25, 1.25, None, None) and by_name["coil_bind_clearance"].unit == "mm"
+    assert (
+        by_name["coil_bind_clearance"].values == (1.25, 1.25, None, None)
+        and by_name["coil_bind_clearance"].unit == "mm"
+    )
     assert by_name["nominal_peak_shear_stress"].values[:2] == (None, None)
     assert by_name["nominal_peak_shear_stress"].values[2] == pytest.approx(533.0)
 
@@ -262,11 +370,17 @@ def test_a_sweep_answers_with_the_worst_value_and_its_speed():
     assert rows["peak_spring_force"].values[0] == pytest.approx(820.0)
     assert rows["minimum_spring_force"].values[0] == pytest.approx(181.0)
     assert rows["minimum_spring_force"].engine_speeds[0] * 30 / np.pi == pytest.approx(8000)
-    assert rows["surge_frequency"].engine_speeds == (None, None) and rows["float_engine_speed"].values[0] == pytest.approx(701 * 30 / np.pi)
+    assert rows["surge_frequency"].engine_speeds == (None, None) and rows[
+        "float_engine_speed"
+    ].values[0] == pytest.approx(701 * 30 / np.pi)
 
 
 def test_the_five_largest_clashes_are_named_and_all_are_counted():
-    grid = next(block for block in find("sections", "answers").blocks(own_study()) if isinstance(block, Grid))
+    grid = next(
+        block
+        for block in find("sections", "answers").blocks(own_study())
+        if isinstance(block, Grid)
+    )
     assert "5 of 7 clashes" in grid.rows[0][0][0].words and len(grid.rows) == 6
     assert [cell.words for cell in grid.rows[1][0]] == ["1–2", "250", "31", "17", "345"]
 
@@ -278,7 +392,11 @@ def test_published_values_are_one_dot_plot_and_one_table_with_three_filters():
     panel = blocks[0].chart.panels[0]
     marks = [layer for layer in panel.layers if isinstance(layer, Marks)]
     assert sorted(float(x) for layer in marks for x in layer.x) == pytest.approx([0.93, 1.02, 1.5])
-    assert any("ratio 1.910" in hint and "gu2021, table 3" in hint for layer in marks for hint in layer.hints)
+    assert any(
+        "ratio 1.910" in hint and "gu2021, table 3" in hint
+        for layer in marks
+        for hint in layer.hints
+    )
     allowed = next(layer for layer in panel.layers if layer.name == "stated tolerance")
     np.testing.assert_allclose(allowed.x[:2], [1 - 20 / 790, 1 + 20 / 790])
     assert [name for name, _ in blocks[1].choices] == ["role", "engine speed", "given by"]
@@ -291,9 +409,17 @@ def test_figures_of_a_source_are_drawn_for_its_case_only():
     assert source.blocks(replace(published_study(), comparisons=(), findings=())) == ()
     shown = drawn(published_study())
     assert {"gu2021-2-force", "gu2021-2-spikes", "gu2021-2-nodes-1"} <= set(shown)
-    marks = [layer for layer in shown["gu2021-2-force"].panels[0].layers if isinstance(layer, Marks)]
-    assert [(layer.x.tolist(), layer.y.tolist()) for layer in marks] == [([pytest.approx(np.degrees(3.1))], [790.0])]
-    assert [band.words for band in shown["gu2021-2-force"].panels[0].bands] == ["Stage I", "Stage II", "Stage III"]
+    marks = [
+        layer for layer in shown["gu2021-2-force"].panels[0].layers if isinstance(layer, Marks)
+    ]
+    assert [(layer.x.tolist(), layer.y.tolist()) for layer in marks] == [
+        ([pytest.approx(np.degrees(3.1))], [790.0])
+    ]
+    assert [band.words for band in shown["gu2021-2-force"].panels[0].bands] == [
+        "Stage I",
+        "Stage II",
+        "Stage III",
+    ]
     spikes = lines(shown["gu2021-2-spikes"])["finite-element rod"]
     assert spikes.x[[0, -1]] == pytest.approx([225, 320], abs=0.6) and len(spikes.x) > 4 * 180
 
@@ -304,18 +430,42 @@ def test_uncertainty_stands_beside_the_values_it_belongs_to():
     values = {row.quantity: row.value for row in rows if row.engine_speed is None}
     study = replace(published_study(), record=record, solutions=(), still={"": values})
     words, grid, *_ = section.blocks(study)
-    assert isinstance(words, Text) and isinstance(grid, Grid) and sum(len(cells) > 1 for cells, _ in grid.rows) == len(values)
-    assert section.blocks(replace(study, still={"": {name: 2 * value for name, value in values.items()}})) == ()
-    assert section.blocks(replace(study, record=replace(record, text=f"{record.text}# changed"))) == ()
+    assert (
+        isinstance(words, Text)
+        and isinstance(grid, Grid)
+        and sum(len(cells) > 1 for cells, _ in grid.rows) == len(values)
+    )
+    assert (
+        section.blocks(
+            replace(study, still={"": {name: 2 * value for name, value in values.items()}})
+        )
+        == ()
+    )
+    assert (
+        section.blocks(replace(study, record=replace(record, text=f"{record.text}# changed"))) == ()
+    )
     assert uncertainty_table(rows)["value"].tolist() == [row.value for row in rows]
     assert len(uncertainty_grid(rows).rows) > len(rows)
 
 
 def test_the_sentence_on_firmness_counts_and_names_what_is_loose():
-    """Two of four are firm to a per cent; zeros and angles have no share; the loosest stand first. With one more firm, another sentence."""
+    """Two of four are firm to a per cent; zeros and angles have no share; the loosest stand first.
+    With one more firm, another sentence.
+    """
 
     def row(quantity, value, numerical, label=""):
-        return Uncertainty(quantity, 400.0 if label else None, value, numerical, 2.0, value, 0.0, (value, value), (value, value), label)
+        return Uncertainty(
+            quantity,
+            400.0 if label else None,
+            value,
+            numerical,
+            2.0,
+            value,
+            0.0,
+            (value, value),
+            (value, value),
+            label,
+        )
 
     loose = [row("preload", 200.0, 4.0), row("peak_spring_force", 800.0, 80.0, "rod")]
     firm = [
@@ -325,19 +475,34 @@ def test_the_sentence_on_firmness_counts_and_names_what_is_loose():
         row("clash_cam_angle", 1.0, 0.5),
     ]
     told = firmness([*loose, *firm])
-    assert told.startswith("2 of 4 numbers that are not zero are firm to 1 %; the least firm: peak spring force (rod, ")
+    assert told.startswith(
+        "2 of 4 numbers that are not zero are firm to 1 %; the least firm: peak spring force (rod, "
+    )
     assert told.endswith(" rpm) 10 %, preload 2 %.")
     assert firmness(firm) == "2 of 2 numbers that are not zero are firm to 1 %."
 
 
 def test_a_long_table_of_error_bars_is_folded(monkeypatch):
-    from valvetrain.report.sections import uncertainty
+    from valvetrain.report.sections import published as uncertainty
 
     study = replace(published_study(), record=load_case("gu2021-beehive").record(), solutions=())
-    study = replace(study, still={"": {row.quantity: row.value for row in load_uncertainty(study.record) if row.engine_speed is None}})
+    study = replace(
+        study,
+        still={
+            "": {
+                row.quantity: row.value
+                for row in load_uncertainty(study.record)
+                if row.engine_speed is None
+            }
+        },
+    )
     monkeypatch.setattr(uncertainty, "ONE_SCREEN", 3)
     folded = uncertainty.blocks(study)[1]
-    assert isinstance(folded, Details) and isinstance(folded.blocks[0], Grid) and "numbers with their error bars" in folded.summary
+    assert (
+        isinstance(folded, Details)
+        and isinstance(folded.blocks[0], Grid)
+        and "numbers with their error bars" in folded.summary
+    )
 
 
 @pytest.mark.parametrize("make", [own_study, published_study, train_study, sweep_study])
@@ -348,26 +513,55 @@ def test_every_axis_says_its_unit_and_every_figure_what_it_is(make):
             assert "(" in panel.x_label or "coil number" in panel.x_label, panel.x_label
             if "angle" in panel.x_label:
                 assert "cam degrees" in panel.x_label
-            assert any(word in panel.y_label for word in ("(", "order", "coil number", "largest 1", "one row")), panel.y_label
+            assert any(
+                word in panel.y_label
+                for word in ("(", "order", "coil number", "largest 1", "one row")
+            ), panel.y_label
 
 
 def test_a_changed_run_says_nothing_that_its_source_says():
     changed = replace(published_study(), comparisons=(), findings=(), notes=())
-    words = render(study_page(replace(changed, record=replace(changed.record, remarks=("Said of the original.",)))))
+    words = render(
+        study_page(
+            replace(changed, record=replace(changed.record, remarks=("Said of the original.",)))
+        )
+    )
     assert "Said of the original." not in words and changed.record.description[:40] not in words
-    assert "Said of the original." in render(study_page(replace(own_study(), record=CaseRecord("own", remarks=("Said of the original.",)))))
+    assert "Said of the original." in render(
+        study_page(
+            replace(own_study(), record=CaseRecord("own", remarks=("Said of the original.",)))
+        )
+    )
 
 
 def test_options_and_statistics_of_a_run_have_units():
-    assert [unit_of_number(name) for name in ("mass_damping", "output_step", "elements_per_coil", "wall_time_per_cycle_duration")] == [
-        "1/s", "rad", "1", "s",
-    ]  # fmt: skip
+    assert [
+        unit_of_number(name)
+        for name in (
+            "mass_damping",
+            "output_step",
+            "elements_per_coil",
+            "wall_time_per_cycle_duration",
+        )
+    ] == [
+        "1/s",
+        "rad",
+        "1",
+        "s",
+    ]
 
 
 def test_what_is_nothing_but_rounding_is_shown_as_nil():
     study = own_study()
-    runs = tuple(replace(run, quantities={**run.quantities, "surge_amplitude_force": 4e-15}) for run in study.solutions)
-    row = next(row for row in headline_rows(replace(study, solutions=runs)) if row.name == "surge_amplitude_force")
+    runs = tuple(
+        replace(run, quantities={**run.quantities, "surge_amplitude_force": 4e-15})
+        for run in study.solutions
+    )
+    row = next(
+        row
+        for row in headline_rows(replace(study, solutions=runs))
+        if row.name == "surge_amplitude_force"
+    )
     assert set(row.values) == {0.0}
 
 
@@ -381,7 +575,9 @@ def test_runs_that_end_alike_are_told_once():
 
 def test_models_and_origins_look_as_their_own_entries_say():
     specs = [spring_model(word) for word in words("springs")]
-    assert [(theme.model_words(one.word), theme.model_colour(one.word)) for one in specs] == [(one.label, one.colour) for one in specs]
+    assert [(theme.model_words(one.word), theme.model_colour(one.word)) for one in specs] == [
+        (one.label, one.colour) for one in specs
+    ]
     assert len({one.colour for one in specs}) == len(specs)
     assert theme.model_words("a-run-of-my-own") == "a run of my own"
     for word in words("sources"):

@@ -21,7 +21,10 @@ def test_values_carry_the_unit_of_their_file() -> None:
     assert shown["operation.cam_speeds"] == "2068 rpm"
     assert shown["train.cam"] == "base radius 18 mm, width 15 mm"
     assert shown["train.contacts.seat"] == "linear, contact stiffness 100 kN/mm, damping 1500 N s/m"
-    assert shown["train.contacts.cam"] == "hunt-crossley, contact stiffness 200 kN/mm, exponent 1, damping 2 s/m"
+    assert (
+        shown["train.contacts.cam"]
+        == "hunt-crossley, contact stiffness 200 kN/mm, exponent 1, damping 2 s/m"
+    )
 
 
 def test_a_contact_stiffness_shows_the_power_it_stands_with() -> None:

@@ -1,4 +1,6 @@
-"""Unit evidence: a spring at heights and loads asked for, its stress there and at solid, and what is refused."""
+"""Unit evidence: a spring at heights and loads asked for, its stress there and at solid, and what
+is refused.
+"""
 
 from __future__ import annotations
 
@@ -39,25 +41,35 @@ def case():
 
 @pytest.mark.parametrize("word", ["finite-element", "multi-mass", "massless", "modal-uniform"])
 def test_heights_and_loads_are_solved_by_every_model(case, word):
-    """Force and EN 13906-1 shear at 40 mm within 1.5 % of the closed form; the height of a load gives that load back."""
+    """Force and EN 13906-1 shear at 40 mm within 1.5 % of the closed form; the height of a load
+    gives that load back.
+    """
     (one,) = rest_study(case, (word,), steps=4, heights=(40e-3, 52e-3), loads=(300.0, 0.0)).rest
     at_height, free, loaded, unloaded = one.points
     assert at_height.force == pytest.approx(12e-3 * RATE, rel=0.015)
     assert at_height.nominal_shear_stress == pytest.approx(12e-3 * RATE * SHEAR, rel=0.015)
     assert at_height.stiffness == pytest.approx(RATE, rel=0.015)
-    assert free.force == pytest.approx(0.0, abs=1e-4) and unloaded.compression == pytest.approx(0.0, abs=1e-9)
-    assert loaded.force == pytest.approx(300.0, rel=1e-9) and loaded.height == pytest.approx(52e-3 - 300 / RATE, abs=0.2e-3)
+    assert free.force == pytest.approx(0.0, abs=1e-4) and unloaded.compression == pytest.approx(
+        0.0, abs=1e-9
+    )
+    assert loaded.force == pytest.approx(300.0, rel=1e-9) and loaded.height == pytest.approx(
+        52e-3 - 300 / RATE, abs=0.2e-3
+    )
     (again,) = rest_study(case, (word,), steps=17, heights=(loaded.height,)).rest[0].points
     assert again.force == pytest.approx(300.0, rel=1e-9)
 
 
 def test_stress_along_the_wire_is_that_of_the_section_loads(case):
-    """Of the rod: somewhat above the nominal shear, as the ends take the load off the axis; von Mises near sqrt(3) of it."""
+    """Of the rod: somewhat above the nominal shear, as the ends take the load off the axis; von
+    Mises near sqrt(3) of it.
+    """
     (one,) = rest_study(case, steps=4, heights=(40e-3,)).rest
     (point,) = one.points
     assert 1.0 < point.shear_stress / point.nominal_shear_stress < 1.15
     assert point.equivalent_stress == pytest.approx(np.sqrt(3) * point.shear_stress, rel=0.03)
-    assert one.stress.shear_at(np.array([12e-3])).max() == pytest.approx(point.shear_stress, rel=1e-3)
+    assert one.stress.shear_at(np.array([12e-3])).max() == pytest.approx(
+        point.shear_stress, rel=1e-3
+    )
 
 
 def test_solid_force_and_stress_are_those_of_en_13906_1(case):
@@ -69,7 +81,9 @@ def test_solid_force_and_stress_are_those_of_en_13906_1(case):
 
 def test_a_run_without_lift_says_the_stress_as_installed(case):
     found = vt.simulate(case).quantities
-    assert found["installed_nominal_shear_stress"] == pytest.approx(found["preload"] * SHEAR, rel=1e-4)
+    assert found["installed_nominal_shear_stress"] == pytest.approx(
+        found["preload"] * SHEAR, rel=1e-4
+    )
     assert found["installed_shear_stress"] > found["installed_nominal_shear_stress"]
     assert found["solid_force"] == pytest.approx(RATE * 20e-3, rel=1e-3)
 
@@ -78,15 +92,38 @@ def test_the_command_shows_and_writes_them(case, tmp_path):
     path = tmp_path / "own.toml"
     path.write_text(TEXT, encoding="utf-8")
     runner = CliRunner()
-    text = runner.invoke(app, ["static", str(path), "--steps", "4", "--height", "40 mm", "--load", "200, 300 N"]).stdout
-    assert "as asked" in text and "on the retainer" in text and "wire shear (MPa)" in text and "Largest pitch" in text
-    whole = json.loads(runner.invoke(app, ["static", str(path), "--steps", "4", "--load", "300 N", "--json"]).stdout)
+    text = runner.invoke(
+        app, ["static", str(path), "--steps", "4", "--height", "40 mm", "--load", "200, 300 N"]
+    ).stdout
+    assert (
+        "as asked" in text
+        and "on the retainer" in text
+        and "wire shear (MPa)" in text
+        and "Largest pitch" in text
+    )
+    whole = json.loads(
+        runner.invoke(
+            app, ["static", str(path), "--steps", "4", "--load", "300 N", "--json"]
+        ).stdout
+    )
     (point,) = whole["springs_at_rest"][0]["points"]
     assert point["force"] == {"value": pytest.approx(300.0), "unit": "N"}
-    assert set(point) >= {"height", "compression", "rate", "shear_stress", "retainer_torque", "retainer_moment", "retainer_side_force"}
-    modes = runner.invoke(app, ["modes", str(path), "--count", "4", "--attached-mass", "50 g"]).stdout
+    assert set(point) >= {
+        "height",
+        "compression",
+        "rate",
+        "shear_stress",
+        "retainer_torque",
+        "retainer_moment",
+        "retainer_side_force",
+    }
+    modes = runner.invoke(
+        app, ["modes", str(path), "--count", "4", "--attached-mass", "50 g"]
+    ).stdout
     assert "50 g on the retainer" in " ".join(modes.split())
-    assert "end free" in " ".join(runner.invoke(app, ["modes", str(path), "--count", "4", "--free-end"]).stdout.split())
+    assert "end free" in " ".join(
+        runner.invoke(app, ["modes", str(path), "--count", "4", "--free-end"]).stdout.split()
+    )
 
 
 @pytest.mark.parametrize(
@@ -120,11 +157,16 @@ def test_a_retainer_that_may_turn_carries_no_torque(case):
 
 
 def test_a_rod_refuses_curves_and_modes_of_nothing():
-    rod = vt.FiniteElementRod(vt.cylindrical("4 mm", "24 mm", total_coils=8, free_length="52 mm"), 7e-3, elements_per_coil=8)
+    rod = vt.FiniteElementRod(
+        vt.cylindrical("4 mm", "24 mm", total_coils=8, free_length="52 mm"),
+        7e-3,
+        elements_per_coil=8,
+    )
     for wrong, words in (
-        (lambda: rod.static_curve("5 mm", 0), "one step or more"), (lambda: rod.static_curve("0 mm", 4), "positive compression"),
+        (lambda: rod.static_curve("5 mm", 0), "one step or more"),
+        (lambda: rod.static_curve("0 mm", 4), "positive compression"),
         (lambda: rod.modes(0), "one mode or more"),
-    ):  # fmt: skip
+    ):
         with pytest.raises(InputError, match=words):
             wrong()
 
@@ -140,7 +182,9 @@ def test_an_increment_that_failed_is_not_tried_again_at_once():
             step = compression - state.compression
             holds = abs(step) <= 1.0000001e-4
             (held if holds else failed).append((state.compression, step))
-            return SimpleNamespace(converged=holds, state=SimpleNamespace(compression=compression) if holds else state)
+            return SimpleNamespace(
+                converged=holds, state=SimpleNamespace(compression=compression) if holds else state
+            )
 
     found = compress(Stiff(), [0.35e-3, 1.1e-3], SimpleNamespace(compression=0.0))
     assert found[-1].state.compression == pytest.approx(1.1e-3, abs=1e-12)

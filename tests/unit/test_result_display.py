@@ -1,4 +1,6 @@
-"""Results show themselves: short text with the field's units, escaped tables, frames, and figures bound on first use."""
+"""Results show themselves: short text with the field's units, escaped tables, frames, and figures
+bound on first use.
+"""
 
 from __future__ import annotations
 
@@ -14,7 +16,7 @@ from valvetrain.errors import InputError, MissingExtraError
 from valvetrain.solution.channels import spring_channels
 from valvetrain.solution.display import words
 from valvetrain.solution.event import Event
-from valvetrain.solution.modal import ModalResult
+from valvetrain.solution.modes import ModalResult
 from valvetrain.solution.provenance import Provenance
 from valvetrain.solution.quantity import Quantities, Quantity
 from valvetrain.solution.record import CaseRecord
@@ -30,11 +32,22 @@ def solution(engine_speed: float = 5600 * RPM, label: str = "rod & <b>", **chang
     """One turn of the cam with a channel of every shape."""
     angle = np.linspace(0, 2 * np.pi, 361)
     force = 300 + 500 * bump(np.degrees(angle), 180, 106)
-    values = {"valve_lift": 9e-3 * bump(np.degrees(angle), 180, 106), "seat_force": force, "coil_gap": np.outer(force, [1e-6, 2e-6])}
+    values = {
+        "valve_lift": 9e-3 * bump(np.degrees(angle), 180, 106),
+        "seat_force": force,
+        "coil_gap": np.outer(force, [1e-6, 2e-6]),
+    }
     channels = spring_channels(angle / (engine_speed / 2), angle, values, upper_coil=[1.5, 2.5])
-    made = Solution(channels, (Event("clash", 1.0, 0.1, 1e-4, 5.0, "N"),), provenance=Provenance("own", "m", engine_speed, label=label))
+    made = Solution(
+        channels,
+        (Event("clash", 1.0, 0.1, 1e-4, 5.0, "N"),),
+        provenance=Provenance("own", "m", engine_speed, label=label),
+    )
     return replace(
-        made, quantities={"peak_seat_force": float(force.max()), "clearance": 1e-3, "a": 1.0, "b": 2.0}, statistics={}, **changes
+        made,
+        quantities={"peak_seat_force": float(force.max()), "clearance": 1e-3, "a": 1.0, "b": 2.0},
+        statistics={},
+        **changes,
     )
 
 
@@ -42,23 +55,44 @@ def curve() -> StaticCurve:
     """A straight spring of 40 N/mm with two coil pairs."""
     steps = np.linspace(0, 8e-3, 9)
     pairs, points = np.ones((9, 2)) * 1e-3, np.zeros((9, 0))
-    return StaticCurve(steps, 40e3 * steps, np.full(9, 40e3), pairs, 0 * pairs, np.array([1.5, 2.5]), points, np.zeros(0))
+    return StaticCurve(
+        steps,
+        40e3 * steps,
+        np.full(9, 40e3),
+        pairs,
+        0 * pairs,
+        np.array([1.5, 2.5]),
+        points,
+        np.zeros(0),
+    )
 
 
 def modes() -> ModalResult:
     """Five modes, three of them axial."""
-    return ModalResult(7e-3, np.array([400, 630, 1120, 1300, 1639.0]), np.ones((5, 4, 3)), np.arange(4.0), np.ones(5), (1, 2, 4))
+    return ModalResult(
+        7e-3,
+        np.array([400, 630, 1120, 1300, 1639.0]),
+        np.ones((5, 4, 3)),
+        np.arange(4.0),
+        np.ones(5),
+        (1, 2, 4),
+    )
 
 
 def study() -> Study:
     """Two models at two speeds."""
-    runs = tuple(solution(speed * RPM, label) for label in ("rod", "chain") for speed in (4200, 5600))
+    runs = tuple(
+        solution(speed * RPM, label) for label in ("rod", "chain") for speed in (4200, 5600)
+    )
     return Study(CaseRecord("own <i>"), "sweep", runs, still={"": {"preload": 301.5}})
 
 
 def quantities() -> Quantities:
     """Six values of two names."""
-    return Quantities({Quantity("preload"): 301.5} | {Quantity("peak_seat_force", n * 100.0, "rod"): 800.0 + n for n in range(1, 6)})
+    return Quantities(
+        {Quantity("preload"): 301.5}
+        | {Quantity("peak_seat_force", n * 100.0, "rod"): 800.0 + n for n in range(1, 6)}
+    )
 
 
 MAKERS = [solution, curve, modes, study, quantities]
@@ -83,12 +117,24 @@ def test_text_speaks_the_units_of_the_field():
     assert repr(curve()) == (
         "StaticCurve: 0 to 8 mm in 9 steps, 0 to 320 N, completed\n  stiffness 40 N/mm first, 40 N/mm last; 2 coil pairs"
     )
-    assert repr(modes()) == "ModalResult at 7 mm compression, 5 modes, completed\n  3 axial: 630, 1120, 1639 Hz"
-    assert repr(study()).splitlines()[:2] == ["Study of own <i> (sweep): 4 runs", "  rod, chain; 4200 rpm, 5600 rpm"]
+    assert (
+        repr(modes())
+        == "ModalResult at 7 mm compression, 5 modes, completed\n  3 axial: 630, 1120, 1639 Hz"
+    )
+    assert repr(study()).splitlines()[:2] == [
+        "Study of own <i> (sweep): 4 runs",
+        "  rod, chain; 4200 rpm, 5600 rpm",
+    ]
     assert repr(quantities()).splitlines()[-1] == "  and 2 more"
-    assert [words(*one) for one in ((0.007, "m"), (41e3, "N/m"), (7.5e8, "Pa"), (0.5, "1"), (3e-3, "J"))] == [
-        "7 mm", "41 N/mm", "750 MPa", "0.5", "3 mJ",
-    ]  # fmt: skip
+    assert [
+        words(*one) for one in ((0.007, "m"), (41e3, "N/m"), (7.5e8, "Pa"), (0.5, "1"), (3e-3, "J"))
+    ] == [
+        "7 mm",
+        "41 N/mm",
+        "750 MPa",
+        "0.5",
+        "3 mJ",
+    ]
 
 
 def test_results_are_asked_in_the_units_of_the_field():
@@ -104,7 +150,13 @@ def test_results_are_asked_in_the_units_of_the_field():
 
 def test_frames_hold_every_value_in_si():
     table = solution().to_pandas()
-    assert list(table.columns) == ["cam_angle", "valve_lift", "seat_force", "coil_gap[1.5]", "coil_gap[2.5]"]
+    assert list(table.columns) == [
+        "cam_angle",
+        "valve_lift",
+        "seat_force",
+        "coil_gap[1.5]",
+        "coil_gap[2.5]",
+    ]
     assert table.index.name == "time" and len(table) == 361
     assert np.array_equal(table["coil_gap[2.5]"], solution().channel("coil_gap")[:, 1])
     assert table.attrs["units"]["coil_gap[1.5]"] == "m"
@@ -156,13 +208,31 @@ def test_what_holds_nothing_to_draw_is_refused():
 
 def test_results_load_no_plotting_until_asked():
     code = "import sys, valvetrain.solution.study; print([m for m in ('plotly', 'pandas', 'valvetrain.report') if m in sys.modules])"
-    assert subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout.strip() == "[]"
+    assert (
+        subprocess.run(
+            [sys.executable, "-c", code], capture_output=True, text=True, check=True
+        ).stdout.strip()
+        == "[]"
+    )
 
 
-@pytest.mark.parametrize(("axial", "words"), [
-    (0, ""), (1, "\n  1 axial: 100 Hz"), (6, "\n  6 axial: 100, 200, 300, 400, 500, 600 Hz"),
-    (7, "\n  7 axial: 100, 200, 300, 400, 500, 600, ... Hz"), (9, "\n  9 axial: 100, 200, 300, 400, 500, 600, ... Hz"),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    ("axial", "words"),
+    [
+        (0, ""),
+        (1, "\n  1 axial: 100 Hz"),
+        (6, "\n  6 axial: 100, 200, 300, 400, 500, 600 Hz"),
+        (7, "\n  7 axial: 100, 200, 300, 400, 500, 600, ... Hz"),
+        (9, "\n  9 axial: 100, 200, 300, 400, 500, 600, ... Hz"),
+    ],
+)
 def test_six_axial_modes_are_told_and_that_there_are_more(axial, words):
-    found = ModalResult(7e-3, 100.0 * np.arange(1, 11), np.ones((10, 4, 3)), np.arange(4.0), np.ones(10), tuple(range(axial)))
+    found = ModalResult(
+        7e-3,
+        100.0 * np.arange(1, 11),
+        np.ones((10, 4, 3)),
+        np.arange(4.0),
+        np.ones(10),
+        tuple(range(axial)),
+    )
     assert repr(found) == f"ModalResult at 7 mm compression, 10 modes, completed{words}"

@@ -1,4 +1,6 @@
-"""The command rig: tables, pages, files and JSON of a recording and of a gauge; what it asks and refuses."""
+"""The command rig: tables, pages, files and JSON of a recording and of a gauge; what it asks and
+refuses.
+"""
 
 from __future__ import annotations
 
@@ -24,7 +26,9 @@ def lift(angle):
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
     made = tmp_path_factory.mktemp("rig")
-    records = record(Rig(cycles=6, slipped=3, sampling_rate=20e3), lift, lambda angle: 215 + 26e3 * lift(angle))
+    records = record(
+        Rig(cycles=6, slipped=3, sampling_rate=20e3), lift, lambda angle: 215 + 26e3 * lift(angle)
+    )
     for name in ("rig.csv", "rig.tdms"):
         WRITERS[name](made / name, records)
     return made
@@ -34,17 +38,40 @@ ANSWERS = ("--angle-of", "crank", "--encoder", "Crank angle", "--zero", "spring_
 
 
 def test_the_command_tells_writes_and_keeps(folder, tmp_path):
-    out = call("rig", str(folder / "rig.csv"), *ANSWERS, "--output", str(tmp_path / "out"), "--write", str(tmp_path / "own.nc"), "--json")
+    out = call(
+        "rig",
+        str(folder / "rig.csv"),
+        *ANSWERS,
+        "--output",
+        str(tmp_path / "out"),
+        "--write",
+        str(tmp_path / "own.nc"),
+        "--json",
+    )
     assert out.exit_code == 0, out.output
     data = json.loads(out.stdout)
     names = {path.name for path in (tmp_path / "out").iterdir()}
-    assert names >= {"report.html", "cycles.nc", "spring_force.csv", "valve_lift.csv", "means.csv", "run.json"}
-    assert data["synthetic"] and data["outliers"][0]["cycle"] == 4 and data["kept"] == [1, 2, 3, 5, 6]
+    assert names >= {
+        "report.html",
+        "cycles.nc",
+        "spring_force.csv",
+        "valve_lift.csv",
+        "means.csv",
+        "run.json",
+    }
+    assert (
+        data["synthetic"] and data["outliers"][0]["cycle"] == 4 and data["kept"] == [1, 2, 3, 5, 6]
+    )
     kept = {one.quantity: one for one in vt.read_cycles(tmp_path / "own.nc")}
-    direct = vt.rig_cycles(folder / "rig.csv", vt.RigAnswers(angle_of="crank", encoder="Crank angle", zero={"spring_force": "215 N"}))
+    direct = vt.rig_cycles(
+        folder / "rig.csv",
+        vt.RigAnswers(angle_of="crank", encoder="Crank angle", zero={"spring_force": "215 N"}),
+    )
     for one in direct.cycles:
         np.testing.assert_array_equal(kept[one.quantity].values, one.values)
-    peak = next(one for one in data["channels"] if one["quantity"] == "spring_force")["figures"][0]["mean"]
+    peak = next(one for one in data["channels"] if one["quantity"] == "spring_force")["figures"][0][
+        "mean"
+    ]
     assert peak == pytest.approx(float(np.mean(direct.channels[0].peaks()[0])), rel=1e-12)
     page = (tmp_path / "out" / "report.html").read_text(encoding="utf-8")
     assert "Synthetic recording" in page and "left out" in page
@@ -60,11 +87,17 @@ def test_an_outlier_may_stay(folder):
 
 
 def test_all_open_questions_are_one_sentence(tmp_path):
-    (tmp_path / "own.csv").write_text("a;b\n" + "\n".join(f"{place};{place % 7}" for place in range(500)), encoding="utf-8")
+    (tmp_path / "own.csv").write_text(
+        "a;b\n" + "\n".join(f"{place};{place % 7}" for place in range(500)), encoding="utf-8"
+    )
     out = call("rig", str(tmp_path / "own.csv"))
     assert out.exit_code == 2 and out.output.count("\n") <= 6
     said = " ".join(out.output.split())
-    for words in ("which channels are measured", "which channel gives the angle", "cam or the crank"):
+    for words in (
+        "which channels are measured",
+        "which channel gives the angle",
+        "cam or the crank",
+    ):
         assert words in said
     more = ("--channel", "spring_force=a", "--pulses", "b", "--angle-of", "cam")
     said = " ".join(call("rig", str(tmp_path / "own.csv"), *more).output.split())
@@ -75,25 +108,50 @@ def test_all_open_questions_are_one_sentence(tmp_path):
 @pytest.mark.parametrize(
     ("words", "sentence"),
     [
-        ((), "give the recording as a file"), (("none.csv",), "cannot be read"), (("rig.csv", "--bandwidth", "2 kHz"), "without a file"),
-        (("rig.csv", "--unit", "spring_force"), "is no pair"), (("rig.csv", "--unit", "a=N", "--unit", "a=N"), "is given twice"),
-        (("rig.csv", "--angle-of", "x"), "angle_of is cam or crank"), (("rig.csv", "--dwell", "1 deg"), "two ends"),
+        ((), "give the recording as a file"),
+        (("none.csv",), "cannot be read"),
+        (("rig.csv", "--bandwidth", "2 kHz"), "without a file"),
+        (("rig.csv", "--unit", "spring_force"), "is no pair"),
+        (("rig.csv", "--unit", "a=N", "--unit", "a=N"), "is given twice"),
+        (("rig.csv", "--angle-of", "x"), "angle_of is cam or crank"),
+        (("rig.csv", "--dwell", "1 deg"), "two ends"),
         (("rig.csv", "--span", "3, 2 s"), "ends before it begins"),
         (("rig.csv", "--span", "0.1, 0.101 s", "--angle-of", "cam"), "in the span"),
         (("rig.csv", "--angle-of", "crank", "--unit", "encoder=mm"), "is no angle"),
-        (("rig.csv", "--angle-of", "crank", "--channel", "spring_force=Force 9"), "has no channel 'Force 9'"),
+        (
+            ("rig.csv", "--angle-of", "crank", "--channel", "spring_force=Force 9"),
+            "has no channel 'Force 9'",
+        ),
         (("rig.csv", "--angle-of", "crank", "--pulses", "Crank wheel", "--teeth", "58"), "teeth"),
-        (("rig.csv", "--angle-of", "crank", "--pulses", "Crank wheel", "--teeth", "60", "--missing", "3"), "no gap of 3 missing teeth"),
+        (
+            (
+                "rig.csv",
+                "--angle-of",
+                "crank",
+                "--pulses",
+                "Crank wheel",
+                "--teeth",
+                "60",
+                "--missing",
+                "3",
+            ),
+            "no gap of 3 missing teeth",
+        ),
         (("rig.csv", "--angle-of", "crank", "--pulses", "Valve lift", "--teeth", "60"), "pulses"),
-        (("rig.csv", "--angle-of", "crank", "--band", "2 Hz"), "shorter than the filter"), (("rig.csv", "--set", "a=1"), "--case"),
-        (("rig.csv", "--angle-count", "4"), "angle_count is a whole number"), (("rig.csv", "--teeth", "0"), "teeth is a whole number"),
+        (("rig.csv", "--angle-of", "crank", "--band", "2 Hz"), "shorter than the filter"),
+        (("rig.csv", "--set", "a=1"), "--case"),
+        (("rig.csv", "--angle-count", "4"), "angle_count is a whole number"),
+        (("rig.csv", "--teeth", "0"), "teeth is a whole number"),
         (("rig.csv", "--angle-of", "crank", "--zero", "spring_force=1 mm"), "zero of spring_force"),
-        (("rig.csv", "--angle-of", "crank", "--shunt", "spring_force=x, 1 N"), "the shunt of spring_force"),
+        (
+            ("rig.csv", "--angle-of", "crank", "--shunt", "spring_force=x, 1 N"),
+            "the shunt of spring_force",
+        ),
         (("--case", "job-t", "--sensor", "colour=3"), "is no property of a gauge"),
         (("--case", "job-t", "--sensor", "order=x"), "order is a number"),
         (("--case", "job-t", "--sensor", "bandwidth=1 kHz", "--bandwidth", "1 kHz"), "given twice"),
     ],
-)  # fmt: skip
+)
 def test_what_is_wrong_is_one_sentence(folder, monkeypatch, words, sentence):
     monkeypatch.chdir(folder)
     out = call("rig", *words)
@@ -101,13 +159,29 @@ def test_what_is_wrong_is_one_sentence(folder, monkeypatch, words, sentence):
 
 
 def test_a_gauge_sees_a_case(tmp_path):
-    words = ("--case", "job-t", "--engine-speed", "6000 rpm", "--spring", "multi-mass", "--bandwidth", "400 Hz", "--sampling-rate", "4 kHz")
+    words = (
+        "--case",
+        "job-t",
+        "--engine-speed",
+        "6000 rpm",
+        "--spring",
+        "multi-mass",
+        "--bandwidth",
+        "400 Hz",
+        "--sampling-rate",
+        "4 kHz",
+    )
     out = call("rig", *words, "--output", str(tmp_path / "seen"), "--json")
     assert out.exit_code == 0, out.output
     data = json.loads(out.stdout)
     assert {one["channel"] for one in data["seen"]} == {"retainer_force", "seat_force"}
     for one in data["seen"]:
-        assert one["recorded_peaks"][0] <= one["recorded_peak"] <= one["recorded_peaks"][1] < one["true_peak"]
+        assert (
+            one["recorded_peaks"][0]
+            <= one["recorded_peak"]
+            <= one["recorded_peaks"][1]
+            < one["true_peak"]
+        )
     assert len(list((tmp_path / "seen").glob("seen-*.csv"))) == 2
     shown = call("rig", *words, "--output", str(tmp_path / "seen2")).output
     assert "Butterworth low-pass of order 4 at 0.4 kHz; sampled at 4 kHz" in shown
@@ -116,10 +190,16 @@ def test_a_gauge_sees_a_case(tmp_path):
 def test_what_a_gauge_sees_does_not_depend_on_the_output_samples():
     """The finest traces are used: coarse samples of a run change nothing that a gauge sees."""
     runs = [
-        vt.simulate(vt.load_case("job-t", {"operation.output_step": step}), "6000 rpm", spring_models=["multi-mass"]).solutions[0]
+        vt.simulate(
+            vt.load_case("job-t", {"operation.output_step": step}),
+            "6000 rpm",
+            spring_models=["multi-mass"],
+        ).solutions[0]
         for step in ("1 deg", "0.25 deg")
     ]
-    one, two = (vt.seen_by_sensor(run, vt.Sensor(bandwidth="1 kHz"), ["seat_force"])[0] for run in runs)
+    one, two = (
+        vt.seen_by_sensor(run, vt.Sensor(bandwidth="1 kHz"), ["seat_force"])[0] for run in runs
+    )
     assert len(runs[0].time) < len(runs[1].time)
     assert one.seen.peak == pytest.approx(two.seen.peak, rel=2e-4)
 
@@ -133,6 +213,19 @@ def test_a_channel_that_a_run_lacks_is_named():
 def test_kept_runs_differ_by_what_was_asked_and_found(folder, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     for place, more in enumerate(((), ("--band", "500 Hz"))):
-        assert call("rig", str(folder / "rig.tdms"), *ANSWERS, *more, "--output", str(tmp_path / f"out{place}"), "--quiet").exit_code == 0
+        assert (
+            call(
+                "rig",
+                str(folder / "rig.tdms"),
+                *ANSWERS,
+                *more,
+                "--output",
+                str(tmp_path / f"out{place}"),
+                "--quiet",
+            ).exit_code
+            == 0
+        )
     said = call("compare-runs", "out0", "out1").output
-    assert "choices.band" in said and "largest spring force" in said and "choices.digest" not in said
+    assert (
+        "choices.band" in said and "largest spring force" in said and "choices.digest" not in said
+    )

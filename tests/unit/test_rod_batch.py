@@ -1,4 +1,6 @@
-"""Variants side by side give what single runs give, whatever their neighbours and the number of workers."""
+"""Variants side by side give what single runs give, whatever their neighbours and the number of
+workers.
+"""
 
 from __future__ import annotations
 
@@ -27,7 +29,13 @@ def variant(factor, per_coil, end=OPEN_END, coils=3.0):
     """A short spring that clashes within a millisecond; ``factor`` scales its open pitch."""
     pitch = PiecewiseLinear((0.0, 1.2, 1.6, coils), (4.3e-3, 4.3e-3, 7e-3 * factor, 7e-3 * factor))
     spring = SpringDefinition(
-        Constant(4e-3), PiecewiseLinear((0.0, coils), (24e-3, 22e-3)), pitch, coils, OTEVA_90_SC, lower_end=end, upper_end=end
+        Constant(4e-3),
+        PiecewiseLinear((0.0, coils), (24e-3, 22e-3)),
+        pitch,
+        coils,
+        OTEVA_90_SC,
+        lower_end=end,
+        upper_end=end,
     )
     mesh = mesh_spring(spring, per_coil)
     return mesh, compress(RodStatics(mesh), [1e-3])[-1].state
@@ -38,7 +46,9 @@ def push(time):
     return 1e-3 + 2.5e-3 * np.sin(np.pi * np.minimum(time, 1e-3) / 1e-3) ** 2
 
 
-@pytest.mark.parametrize(("per_coil", "end", "coils"), [(12, OPEN_END, 3.0), (20, OPEN_END, 3.0), (12, EndCoil(), 4.5)])
+@pytest.mark.parametrize(
+    ("per_coil", "end", "coils"), [(12, OPEN_END, 3.0), (20, OPEN_END, 3.0), (12, EndCoil(), 4.5)]
+)
 def test_variants_side_by_side_equal_single_runs(per_coil, end, coils):
     built = [variant(factor, per_coil, end, coils) for factor in np.linspace(0.97, 1.03, LANES + 2)]
     meshes, starts = [mesh for mesh, _ in built], [state for _, state in built]
@@ -49,8 +59,12 @@ def test_variants_side_by_side_equal_single_runs(per_coil, end, coils):
         single = simulate(meshes[index], starts[index], push, INTERVAL, SAMPLES, DYNAMICS, 2e-7)
         touched = max(touched, float(single.contact_peak.max()))
         scale = np.abs(single.dense_seat_force).max()
-        np.testing.assert_allclose(batch.dense_seat_force[index], single.dense_seat_force, atol=1e-7 * scale)
-        np.testing.assert_allclose(batch.dense_retainer_force[index], single.dense_retainer_force, atol=1e-7 * scale)
+        np.testing.assert_allclose(
+            batch.dense_seat_force[index], single.dense_seat_force, atol=1e-7 * scale
+        )
+        np.testing.assert_allclose(
+            batch.dense_retainer_force[index], single.dense_retainer_force, atol=1e-7 * scale
+        )
         np.testing.assert_allclose(batch.seat_force[index], single.seat_force, atol=1e-7 * scale)
         np.testing.assert_allclose(batch.time, single.time, rtol=1e-14)
     assert touched > 1.0, "the variants must clash, or contact is not tested"
@@ -72,22 +86,30 @@ def test_a_diverging_variant_does_not_touch_its_neighbours():
     meshes, starts = [mesh for mesh, _ in built], [state for _, state in built]
     light = replace(meshes[1], node_mass=meshes[1].node_mass / 50)
     sound = simulate_batch(meshes, starts, push, INTERVAL, SAMPLES, DYNAMICS, 2e-7)
-    broken = simulate_batch([meshes[0], light, meshes[2]], starts, push, INTERVAL, SAMPLES, DYNAMICS, 2e-7)
+    broken = simulate_batch(
+        [meshes[0], light, meshes[2]], starts, push, INTERVAL, SAMPLES, DYNAMICS, 2e-7
+    )
     assert broken.completed.tolist() == [True, False, True]
     assert np.isnan(broken.dense_seat_force[1, -1])
     for index in (0, 2):
-        np.testing.assert_allclose(broken.dense_seat_force[index], sound.dense_seat_force[index], rtol=1e-9)
+        np.testing.assert_allclose(
+            broken.dense_seat_force[index], sound.dense_seat_force[index], rtol=1e-9
+        )
 
 
 def test_the_step_is_stable_for_the_stiffest_variant():
     built = [variant(factor, 12) for factor in (1.0, 1.02)]
-    batch = simulate_batch([mesh for mesh, _ in built], [state for _, state in built], push, INTERVAL, 10, DYNAMICS)
+    batch = simulate_batch(
+        [mesh for mesh, _ in built], [state for _, state in built], push, INTERVAL, 10, DYNAMICS
+    )
     assert batch.completed.all()
     assert 0 < batch.time_step < INTERVAL
 
 
 def test_rods_too_long_for_the_lanes_run_one_by_one():
-    spring = cylindrical(2e-3, 24e-3, 5e-3, 9.0, closed_coils=0.0, lower_end=OPEN_END, upper_end=OPEN_END)
+    spring = cylindrical(
+        2e-3, 24e-3, 5e-3, 9.0, closed_coils=0.0, lower_end=OPEN_END, upper_end=OPEN_END
+    )
     mesh = mesh_spring(spring, 24)
     state = compress(RodStatics(mesh), [1e-3])[-1].state
     batch = simulate_batch([mesh], [state], push, INTERVAL, 5, DYNAMICS)

@@ -1,4 +1,6 @@
-"""Contact line: gaps against a dense closest-point search on the true wire axis, and the reach of the line to the wire tips."""
+"""Contact line: gaps against a dense closest-point search on the true wire axis, and the reach of
+the line to the wire tips.
+"""
 
 from __future__ import annotations
 
@@ -30,7 +32,9 @@ def test_weights_are_those_of_a_quadratic_spline():
     assert np.allclose(weights.sum(axis=0), 1)
     assert np.allclose(weights[2] - weights[0], t)
     x = np.random.default_rng(0).standard_normal((6, 3))
-    assert np.allclose(spline(x, np.array([2.4999999])), spline(x, np.array([2.5000001])), atol=1e-6)
+    assert np.allclose(
+        spline(x, np.array([2.4999999])), spline(x, np.array([2.5000001])), atol=1e-6
+    )
 
 
 def test_true_distance_is_the_closest_point_one_turn_below():
@@ -38,13 +42,18 @@ def test_true_distance_is_the_closest_point_one_turn_below():
     coil = np.linspace(1.1, 3.1, 23)
     dense = spring.centreline(np.linspace(0.0, 3.2, 40001))
     points = spring.centreline(coil)
-    below = [nearest(points[k : k + 1], spring.centreline(np.linspace(u - 1.3, u - 0.7, 8001)))[0] for k, u in enumerate(coil)]
+    below = [
+        nearest(points[k : k + 1], spring.centreline(np.linspace(u - 1.3, u - 0.7, 8001)))[0]
+        for k, u in enumerate(coil)
+    ]
     assert len(dense) and np.abs(true_distance(spring.centreline, coil) - below).max() < 1e-9
 
 
 @pytest.mark.parametrize("per_coil", [9, 12, 24, 37])
 def test_free_gap_is_that_of_the_true_wire(per_coil):
-    """Whatever the mesh: axis distance of the free coils less the wire diameter, although the spline rounds the pitch law off."""
+    """Whatever the mesh: axis distance of the free coils less the wire diameter, although the
+    spline rounds the pitch law off.
+    """
     spring = small_spring()
     mesh = mesh_spring(spring, per_coil)
     gaps = RodStatics(mesh).gaps(mesh.position)
@@ -63,7 +72,8 @@ def test_free_gap_is_that_of_the_true_wire(per_coil):
 def test_deformed_gap_against_a_dense_search(per_coil):
     """Coils shifted sideways and squeezed.
 
-    The one Newton step is within 1 um of the closest point of the spline (0.2 % of the overlap scale).
+    The one Newton step is within 1 um of the closest point of the spline (0.2 % of the overlap
+    scale).
     """
     spring = uniform_spring(pitch=5e-3, coils=4.0)
     mesh = mesh_spring(spring, per_coil)
@@ -79,9 +89,12 @@ def test_deformed_gap_against_a_dense_search(per_coil):
         index = np.flatnonzero(mesh.contact.points[group])[1:]
         points = spline(position, index + place)
         expected = [
-            nearest(points[k : k + 1], curve[np.abs(fine - (i + place - mesh.contact.offset)) < per_coil / 4])[0]
+            nearest(
+                points[k : k + 1],
+                curve[np.abs(fine - (i + place - mesh.contact.offset)) < per_coil / 4],
+            )[0]
             for k, i in enumerate(index)
-        ]  # fmt: skip
+        ]
         found = gaps[group, index] + mesh.contact.distance[group, index]
         assert np.abs(found - expected).max() < 1e-6
 
@@ -89,8 +102,12 @@ def test_deformed_gap_against_a_dense_search(per_coil):
 @pytest.mark.parametrize("held", [0.0, 0.6, 0.78])
 @pytest.mark.parametrize("per_coil", [11, 24, 36])
 def test_contact_line_covers_the_wire_on_every_mesh(held, per_coil):
-    """All wire from one turn above the lower tip to the upper tip has a partner: length in contact does not depend on the mesh."""
-    spring = uniform_spring(coils=5.0).replace(lower_end=EndCoil("closed", held, 0.5), upper_end=EndCoil("closed", held, 0.5))
+    """All wire from one turn above the lower tip to the upper tip has a partner: length in contact
+    does not depend on the mesh.
+    """
+    spring = uniform_spring(coils=5.0).replace(
+        lower_end=EndCoil("closed", held, 0.5), upper_end=EndCoil("closed", held, 0.5)
+    )
     mesh = mesh_spring(spring, per_coil)
     expected = spring.integrate_along_wire(between=(1.0, 5.0))
     assert mesh.contact.length.sum() == pytest.approx(expected, rel=1e-9)
@@ -105,4 +122,6 @@ def test_gaps_follow_the_wire_when_it_moves_as_a_rigid_body():
     statics = RodStatics(mesh)
     moved = RodState(squeezed @ turn.T + [1e-2, 2e-2, 3e-2], mesh.frame)
     finite = mesh.contact.points
-    assert np.abs(statics.gaps(moved.position)[finite] - statics.gaps(squeezed)[finite]).max() < 1e-12
+    assert (
+        np.abs(statics.gaps(moved.position)[finite] - statics.gaps(squeezed)[finite]).max() < 1e-12
+    )

@@ -1,4 +1,6 @@
-"""Statics of the rod: gradient and tangent against finite differences of the energy, kernels against their NumPy twins."""
+"""Statics of the rod: gradient and tangent against finite differences of the energy, kernels
+against their NumPy twins.
+"""
 
 from __future__ import annotations
 
@@ -25,8 +27,12 @@ def only(term: str, mesh: RodMesh) -> RodMesh:
         silent["contact"] = no_contact(mesh.vertices)
     if term == "seat":
         middle = 0.6 * float(mesh.position[:, 2].max())
-        return replace(mesh, **silent, lower_seat_limit=np.where(np.arange(mesh.vertices) < 20, 2e-3, -np.inf),
-                       upper_seat_limit=np.where(np.arange(mesh.vertices) > 25, middle, np.inf))  # fmt: skip
+        return replace(
+            mesh,
+            **silent,
+            lower_seat_limit=np.where(np.arange(mesh.vertices) < 20, 2e-3, -np.inf),
+            upper_seat_limit=np.where(np.arange(mesh.vertices) > 25, middle, np.inf),
+        )
     return replace(mesh, **silent)
 
 
@@ -51,17 +57,26 @@ def test_gradient_is_the_difference_of_the_energy(term):
     assert energy > 0
     size, step = len(gradient), 1e-7
     for unknown in free[:: 7 if term != "seat" else 1]:
-        up, down = (statics.assemble(shifted(state, size, unknown, sign * step))[0] for sign in (1, -1))
-        assert (up - down) / (2 * step) == pytest.approx(gradient[unknown], rel=1e-5, abs=1e-6 * np.abs(gradient).max())
+        up, down = (
+            statics.assemble(shifted(state, size, unknown, sign * step))[0] for sign in (1, -1)
+        )
+        assert (up - down) / (2 * step) == pytest.approx(
+            gradient[unknown], rel=1e-5, abs=1e-6 * np.abs(gradient).max()
+        )
 
 
 def test_contact_force_is_nearly_the_gradient_of_its_energy():
-    """One Newton step leaves a foot that is not exactly perpendicular: force and energy agree to the square of that error."""
+    """One Newton step leaves a foot that is not exactly perpendicular: force and energy agree to
+    the square of that error.
+    """
     statics, state, free = case("contact")
     _, gradient, *_ = statics.assemble(state)
     found = np.zeros(len(gradient))
     for unknown in free[free % 6 < 3]:
-        up, down = (statics.assemble(shifted(state, len(gradient), unknown, sign * 1e-9))[0] for sign in (1, -1))
+        up, down = (
+            statics.assemble(shifted(state, len(gradient), unknown, sign * 1e-9))[0]
+            for sign in (1, -1)
+        )
         found[unknown] = (up - down) / 2e-9
     held = ~statics.free
     assert np.abs(gradient[held]).max() < 1e6 and np.abs(gradient).max() > 100
@@ -73,18 +88,30 @@ def test_tangent_is_the_difference_of_the_gradient(term):
     statics, state, free = case(term)
     tangent = statics.tangent(state).toarray()
     size, step = tangent.shape[0], 1e-6
-    assert np.abs(tangent[np.ix_(free, free)] - tangent[np.ix_(free, free)].T).max() < 1e-9 * np.abs(tangent).max()
+    assert (
+        np.abs(tangent[np.ix_(free, free)] - tangent[np.ix_(free, free)].T).max()
+        < 1e-9 * np.abs(tangent).max()
+    )
     for unknown in free[::5]:
-        up, down = (statics.assemble(shifted(state, size, unknown, sign * step), False)[1] for sign in (1, -1))
+        up, down = (
+            statics.assemble(shifted(state, size, unknown, sign * step), False)[1]
+            for sign in (1, -1)
+        )
         difference = (up - down) / (2 * step)
-        # In rotations the Hessian is the symmetric part; the rest is half the moment's cross product on the same edge.
+        # In rotations the Hessian is the symmetric part; the rest is half the moment's cross
+        # product on the same edge.
         error = symmetric(difference, unknown, statics, state) - tangent[:, unknown]
         for kind in (free[free % 6 < 3], free[free % 6 >= 3]):
-            assert np.abs(error[kind]).max() <= 3e-6 * np.abs(tangent[np.ix_(kind, [unknown, *free[:12]])]).max()
+            assert (
+                np.abs(error[kind]).max()
+                <= 3e-6 * np.abs(tangent[np.ix_(kind, [unknown, *free[:12]])]).max()
+            )
 
 
 def symmetric(column: np.ndarray, unknown: int, statics: RodStatics, state: RodState) -> np.ndarray:
-    """Take the antisymmetric part m x / 2 of a body rotation's own block off a difference of gradients."""
+    """Take the antisymmetric part m x / 2 of a body rotation's own block off a difference of
+    gradients.
+    """
     if unknown % 6 < 3:
         return column
     block = 6 * (unknown // 6) + 3
@@ -100,9 +127,14 @@ def test_contact_tangent_is_nearly_the_difference_of_the_gradient():
     rng = np.random.default_rng(1)
     for _ in range(5):
         direction = np.where(statics.free, rng.standard_normal(tangent.shape[0]), 0.0)
-        up, down = (statics.assemble(advance(state, s * 1e-9 * direction, state.compression), False)[1] for s in (1, -1))
+        up, down = (
+            statics.assemble(advance(state, s * 1e-9 * direction, state.compression), False)[1]
+            for s in (1, -1)
+        )
         difference = (up - down) / 2e-9
-        assert np.linalg.norm((difference - tangent @ direction)[free]) < 0.03 * np.linalg.norm(difference[free])
+        assert np.linalg.norm((difference - tangent @ direction)[free]) < 0.03 * np.linalg.norm(
+            difference[free]
+        )
 
 
 def test_rotation_matrix_and_column():
@@ -112,7 +144,9 @@ def test_rotation_matrix_and_column():
     kern.rotation_matrix(q, R)
     assert np.allclose(R, twin.rotation_matrix(q), atol=1e-15)
     assert np.allclose(R @ R.T, np.eye(3), atol=1e-15) and np.linalg.det(R) == pytest.approx(1.0)
-    assert [kern.sum_column(R, k, 1.0, 2.0, 3.0) for k in range(3)] == pytest.approx(R.T @ [1.0, 2.0, 3.0])
+    assert [kern.sum_column(R, k, 1.0, 2.0, 3.0) for k in range(3)] == pytest.approx(
+        R.T @ [1.0, 2.0, 3.0]
+    )
 
 
 @pytest.mark.parametrize("per_coil", [12, 24])
@@ -126,16 +160,34 @@ def test_kernels_equal_their_twins(per_coil, seed):
 
     residual = np.zeros(size)
     energy = kern.stretch_terms(
-        mesh.first, mesh.last, x, q, mesh.edge_length, mesh.stretch_stiffness, mesh.rest_stretch, residual, band, False
+        mesh.first,
+        mesh.last,
+        x,
+        q,
+        mesh.edge_length,
+        mesh.stretch_stiffness,
+        mesh.rest_stretch,
+        residual,
+        band,
+        False,
     )
-    expected, gradient = twin.stretch(mesh.first, mesh.last, x, q, mesh.edge_length, mesh.stretch_stiffness, mesh.rest_stretch)
+    expected, gradient = twin.stretch(
+        mesh.first, mesh.last, x, q, mesh.edge_length, mesh.stretch_stiffness, mesh.rest_stretch
+    )
     same(energy, residual, expected, gradient)
 
     residual = np.zeros(size)
-    energy = kern.bend_terms(mesh.first, mesh.last, q, mesh.bend_stiffness, mesh.rest_bend, residual, band, False)
-    same(energy, residual, *twin.bend(mesh.first, mesh.last, q, mesh.bend_stiffness, mesh.rest_bend))
+    energy = kern.bend_terms(
+        mesh.first, mesh.last, q, mesh.bend_stiffness, mesh.rest_bend, residual, band, False
+    )
+    same(
+        energy, residual, *twin.bend(mesh.first, mesh.last, q, mesh.bend_stiffness, mesh.rest_bend)
+    )
 
-    lower, upper = x[:, 2] + 1e-5 * np.sin(np.arange(mesh.vertices)), x[:, 2] + 1e-5 * np.cos(np.arange(mesh.vertices)) + 1e-5
+    lower, upper = (
+        x[:, 2] + 1e-5 * np.sin(np.arange(mesh.vertices)),
+        x[:, 2] + 1e-5 * np.cos(np.arange(mesh.vertices)) + 1e-5,
+    )
     residual = np.zeros(size)
     energy = kern.seat_terms(x, lower, upper, mesh.node_length, 2e10, residual, band, False)
     depth = np.maximum(lower - x[:, 2], 0)
@@ -153,7 +205,14 @@ def same(energy, residual, expected, gradient):
 def test_contact_kernels_equal_their_twins(per_coil):
     mesh = small_mesh(per_coil)
     state, line = random_state(mesh, 5), mesh.contact
-    arguments = (state.position, line.offset, line.upper_place, line.lower_place, line.distance, line.length)
+    arguments = (
+        state.position,
+        line.offset,
+        line.upper_place,
+        line.lower_place,
+        line.distance,
+        line.length,
+    )
     energy, gradient, gaps = twin.contact(*arguments, 2e10)
     assert np.count_nonzero(gaps < 0) > 3
     found, residual = np.empty_like(line.length), np.zeros(6 * mesh.vertices)

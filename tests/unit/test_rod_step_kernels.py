@@ -24,9 +24,21 @@ def buffer(seed=0, per_coil=12, closed=0.12):
     b = fill_buffer(mesh, random_state(mesh, seed, shift=1e-4, closed=closed), DYNAMICS, STEP)
     rng = np.random.default_rng(100 + seed)
     moving = slice(mesh.first + 1, mesh.last)
-    scales = {"VX": 3.0, "VY": 3.0, "VZ": 3.0, "W1": 2e3, "W2": 2e3, "W3": 2e3, "L1": 1e-3, "L2": 1e-3, "L3": 1e-3}
+    scales = {
+        "VX": 3.0,
+        "VY": 3.0,
+        "VZ": 3.0,
+        "W1": 2e3,
+        "W2": 2e3,
+        "W3": 2e3,
+        "L1": 1e-3,
+        "L2": 1e-3,
+        "L3": 1e-3,
+    }
     for name, scale in scales.items():
-        row(b, name, mesh.vertices)[moving] = scale * rng.standard_normal(mesh.last - mesh.first - 1)
+        row(b, name, mesh.vertices)[moving] = scale * rng.standard_normal(
+            mesh.last - mesh.first - 1
+        )
     return b, mesh
 
 
@@ -51,15 +63,23 @@ def agree(got, expected, before, rel=1e-12):
 @pytest.mark.parametrize("seed", [0, 1])
 def test_section_forces(seed):
     b, mesh = buffer(seed)
-    _, got, _, expected = both(kern.section_forces_of(ONE), twin.section_forces, b, mesh.first + 1, mesh.last + 1)
+    _, got, _, expected = both(
+        kern.section_forces_of(ONE), twin.section_forces, b, mesh.first + 1, mesh.last + 1
+    )
     agree(got, expected, b, 1e-10)
 
 
 def test_bending_torques_with_their_branch():
     b, mesh = buffer()
     numbers = stepping_numbers(mesh, DYNAMICS, STEP)[1]
-    arguments = (mesh.first, mesh.last + 1, *numbers[[stepping.DECAY, stepping.GAIN_OLD, stepping.GAIN_NEW, stepping.VISCOUS]])
-    power, got, expected_power, expected = both(kern.bending_torques_of(ONE), twin.bending_torques, b, *arguments)
+    arguments = (
+        mesh.first,
+        mesh.last + 1,
+        *numbers[[stepping.DECAY, stepping.GAIN_OLD, stepping.GAIN_NEW, stepping.VISCOUS]],
+    )
+    power, got, expected_power, expected = both(
+        kern.bending_torques_of(ONE), twin.bending_torques, b, *arguments
+    )
     assert power == pytest.approx(expected_power, rel=1e-10)
     agree(got, expected, b, 1e-10)
 
@@ -68,7 +88,9 @@ def test_turning_of_edges():
     b, mesh = buffer()
     twin.section_forces(b, mesh.first + 1, mesh.last + 1)
     twin.bending_torques(b, mesh.first, mesh.last + 1, 0.9, 0.05, 0.05, 2.0)
-    _, got, _, expected = both(kern.turn_edges_of(ONE), twin.turn_edges, b, mesh.first + 1, mesh.last + 1, STEP, 0.99, STEP)
+    _, got, _, expected = both(
+        kern.turn_edges_of(ONE), twin.turn_edges, b, mesh.first + 1, mesh.last + 1, STEP, 0.99, STEP
+    )
     agree(got, expected, b, 1e-11)
 
 
@@ -76,7 +98,14 @@ def test_moving_of_vertices():
     b, mesh = buffer()
     twin.section_forces(b, mesh.first + 1, mesh.last + 1)
     motion, got, expected_motion, expected = both(
-        kern.move_vertices_of(ONE), twin.move_vertices, b, mesh.first + 1, mesh.last, STEP, 0.99, STEP
+        kern.move_vertices_of(ONE),
+        twin.move_vertices,
+        b,
+        mesh.first + 1,
+        mesh.last,
+        STEP,
+        0.99,
+        STEP,
     )
     assert motion == pytest.approx(expected_motion, rel=1e-12)
     agree(got, expected, b)
@@ -85,36 +114,56 @@ def test_moving_of_vertices():
 def test_copying_and_returning():
     b, mesh = buffer()
     offset = mesh.contact.offset
-    _, got, _, expected = both(kern.copy_lower_wire, twin.copy_lower_wire, b, offset, mesh.vertices, offset)
+    _, got, _, expected = both(
+        kern.copy_lower_wire, twin.copy_lower_wire, b, offset, mesh.vertices, offset
+    )
     agree(got, expected, b)
     for name in ("GX", "GY", "GZ"):
         row(b, name, mesh.vertices)[:] = np.random.default_rng(3).standard_normal(mesh.vertices)
-    _, got, _, expected = both(kern.return_contact, twin.return_contact, b, offset + 1, mesh.vertices - 1, offset)
+    _, got, _, expected = both(
+        kern.return_contact, twin.return_contact, b, offset + 1, mesh.vertices - 1, offset
+    )
     agree(got, expected, b)
 
 
 @pytest.mark.parametrize("group", [0, 1])
 def test_contact_forces_and_their_spreading(group):
-    """The kernel expands overlap and normal in e = 1 - dist^2 / d0^2 and leaves terms of e^3 (5/32 and 5/16 of the leading ones)."""
+    """The kernel expands overlap and normal in e = 1 - dist^2 / d0^2 and leaves terms of e^3 (5/32
+    and 5/16 of the leading ones).
+    """
     b, mesh = buffer(2, closed=0.085)
     line, suffix, g = mesh.contact, "b" if group else "", GROUP if group else NO
     first, last = line.offset + 1, mesh.vertices - 1
     twin.copy_lower_wire(b, line.offset, mesh.vertices, line.offset)
     t, s = line.upper_place[group], line.lower_place[group]
     arguments = (first, last, t, s, 1e-6, STEP)
-    _, got, _, expected = both(kern.contact_forces_of(g, ONE), twin.contact_forces, b, *arguments, suffix=suffix)
+    _, got, _, expected = both(
+        kern.contact_forces_of(g, ONE), twin.contact_forces, b, *arguments, suffix=suffix
+    )
     pressed = row(expected, f"IMPULSE{suffix}", mesh.vertices) / STEP
     assert np.count_nonzero(pressed) > 3 and np.count_nonzero(pressed[first:last] == 0) > 3
     position = np.stack([row(b, name, mesh.vertices) for name in "XYZ"], axis=1)
-    gaps = energies.contact(position, line.offset, line.upper_place, line.lower_place, line.distance, line.length, 1.0)[2]
+    gaps = energies.contact(
+        position, line.offset, line.upper_place, line.lower_place, line.distance, line.length, 1.0
+    )[2]
     leading = 1 - (1 + (gaps / line.distance).min()) ** 2
     assert 0.01 < leading < 0.1
     agree(got, expected, b, leading**3)
     b = expected
-    _, got, _, expected = both(kern.spread_contact_of(g, ONE), twin.spread_contact, b, first - 1, last + 1, t, suffix=suffix)
+    _, got, _, expected = both(
+        kern.spread_contact_of(g, ONE),
+        twin.spread_contact,
+        b,
+        first - 1,
+        last + 1,
+        t,
+        suffix=suffix,
+    )
     agree(got, expected, b)
     total = sum(row(expected, name, mesh.vertices).sum() for name in ("CX", "CY", "CZ"))
-    assert total == pytest.approx(sum(row(b, name + suffix, mesh.vertices).sum() for name in ("PX", "PY", "PZ")))
+    assert total == pytest.approx(
+        sum(row(b, name + suffix, mesh.vertices).sum() for name in ("PX", "PY", "PZ"))
+    )
 
 
 def test_seat_contact():
@@ -122,7 +171,9 @@ def test_seat_contact():
     z = row(b, "Z", mesh.vertices)
     row(b, "LOWER", mesh.vertices)[:] = z + 1e-5 * np.sin(np.arange(mesh.vertices))
     row(b, "UPPER", mesh.vertices)[:] = z + 1e-5 * np.cos(np.arange(mesh.vertices)) + 1e-3
-    forces, got, expected_forces, expected = both(kern.seat_contact, twin.seat_contact, b, 2, mesh.vertices - 2, 1e-3)
+    forces, got, expected_forces, expected = both(
+        kern.seat_contact, twin.seat_contact, b, 2, mesh.vertices - 2, 1e-3
+    )
     assert forces == pytest.approx(expected_forces, rel=1e-12) and min(forces) > 0
     agree(got, expected, b)
 
@@ -139,7 +190,18 @@ def test_every_point_force_reaches_the_wire_once(width):
     count = stepping.watch_contacts(b, integers, 1e-5, stretches)
     assert count == 1 if width < 4 else width < 6 or count == 2
     for _ in range(2):
-        stepping.all_contact(b, np.uint64(offset), 2, places, stretches, count, np.uint64(0), np.uint64(vertices), 1e-6, STEP)
+        stepping.all_contact(
+            b,
+            np.uint64(offset),
+            2,
+            places,
+            stretches,
+            count,
+            np.uint64(0),
+            np.uint64(vertices),
+            1e-6,
+            STEP,
+        )
     force = np.stack([row(b, n, vertices) for n in ("CX", "CY", "CZ")], axis=1)
     assert np.abs(force.sum(axis=0)).max() < 1e-9 * np.abs(force).sum()
     assert np.abs(force - single_spread(b, mesh, places)).max() < 1e-9 * np.abs(force).max()
@@ -147,14 +209,19 @@ def test_every_point_force_reaches_the_wire_once(width):
 
 @pytest.mark.parametrize("reach", [1e-6, 1e-4, 5e-4])
 def test_watched_is_the_wire_whose_gap_to_the_turn_below_lies_within_reach(reach):
-    """Gaps across the chord of the wire below; stretches hold a vertex more at either end, and join over three."""
+    """Gaps across the chord of the wire below; stretches hold a vertex more at either end, and join
+    over three.
+    """
     b, mesh = buffer(2, per_coil=24)
     vertices, offset = mesh.vertices, mesh.contact.offset
     row(b, "Z", vertices)[:] += 4e-4 * np.sin(np.arange(vertices) / 9)
     place = np.stack([row(b, name, vertices) for name in "XYZ"], axis=1)
     upper = np.arange(offset + 1, vertices - 1)
     below = place[upper - offset + 1] - place[upper - offset - 1]
-    away, along = place[upper] - place[upper - offset], below / np.linalg.norm(below, axis=1)[:, None]
+    away, along = (
+        place[upper] - place[upper - offset],
+        below / np.linalg.norm(below, axis=1)[:, None],
+    )
     gap = np.linalg.norm(away - np.sum(away * along, axis=1)[:, None] * along, axis=1)
     thick = 2 * np.maximum(*(row(b, name, vertices)[upper] for name in ("DH", "DHb")))
     pressed = row(b, "KC", vertices)[upper] + row(b, "KCb", vertices)[upper] > 0
@@ -168,10 +235,14 @@ def test_watched_is_the_wire_whose_gap_to_the_turn_below_lies_within_reach(reach
 
 
 def test_what_is_no_longer_watched_leaves_no_force_and_no_energy():
-    """Point forces and stored energies of both groups are cleared along the whole wire; nothing else is touched."""
+    """Point forces and stored energies of both groups are cleared along the whole wire; nothing
+    else is touched.
+    """
     b, mesh = buffer(2)
     wire = mesh.vertices + 1
-    starts = [int(ROW[name]) + shift for name in ("PX", "PY", "PZ", "STORED") for shift in (0, int(GROUP))]
+    starts = [
+        int(ROW[name]) + shift for name in ("PX", "PY", "PZ", "STORED") for shift in (0, int(GROUP))
+    ]
     due = b.copy()
     for place, start in enumerate(starts):
         b[start : start + wire] = 1.0 + place + np.arange(wire)

@@ -1,4 +1,6 @@
-"""Unit: rules of one line, each against what it says by hand; a larger test would not tell whether they are followed."""
+"""Unit: rules of one line, each against what it says by hand; a larger test would not tell whether
+they are followed.
+"""
 
 from __future__ import annotations
 
@@ -11,17 +13,17 @@ import pytest
 from scipy.optimize import brentq
 
 import valvetrain as vt
-from valvetrain.cam.harmonic import Harmonic
+from valvetrain.cam.closed_form import Harmonic
 from valvetrain.cli import guard
 from valvetrain.errors import InputError
-from valvetrain.measurements import rig_shaft
-from valvetrain.measurements.cycle_cutting import CycleGrid, grid_of, set_to_zero
-from valvetrain.measurements.recording import RigChannel
-from valvetrain.measurements.rig_channels import RigQuantity
-from valvetrain.measurements.shaft_angle import ShaftAngle
 from valvetrain.parameters.train import ContactParameters
 from valvetrain.report.motion.scene import _bytes_per_frame
 from valvetrain.report.motion.springs import _shares
+from valvetrain.rig import shaft as rig_shaft
+from valvetrain.rig.channels import RigQuantity
+from valvetrain.rig.cutting import CycleGrid, grid_of, set_to_zero
+from valvetrain.rig.recording import RigChannel
+from valvetrain.rig.shaft import ShaftAngle
 from valvetrain.sources.multibody4b17 import _formula, closed_forms
 from valvetrain.studies import train_uncertainty, uncertainty
 from valvetrain.studies.optimum import run_search, searchers
@@ -31,27 +33,37 @@ from valvetrain.studies.solid import SolidMotion, check_motion
 
 def test_the_printed_contact_formula_by_hand():
     assert closed_forms()["contact_formula_force"] == pytest.approx((100_000 + 49.92) * 0.02**1.5)
-    assert _formula({}) == "" and "check of 283 N is all but the elastic force at 0.02 mm (282.8 of 283.0 N)" in _formula(
-        {"contact_formula_force": 283.0}
+    assert (
+        _formula({}) == ""
+        and "check of 283 N is all but the elastic force at 0.02 mm (282.8 of 283.0 N)"
+        in _formula({"contact_formula_force": 283.0})
     )
 
 
 @pytest.mark.parametrize("factor", [0.5, 2.0])
 def test_more_damping_of_a_restitution_is_the_restitution_of_more_damping(factor):
-    """Hunt and Crossley's damping number d of a rebound e: d (1 + e) = ln((1 + d) / (1 - e d)); damped ``factor`` times as much."""
+    """Hunt and Crossley's damping number d of a rebound e: d (1 + e) = ln((1 + d) / (1 - e d));
+    damped ``factor`` times as much.
+    """
 
     def number(e: float) -> float:
         return brentq(lambda d: d * (1 + e) - np.log((1 + d) / (1 - e * d)), 1e-6, (1 - 1e-9) / e)
 
-    contact = ContactParameters("hunt-crossley", {"contact_stiffness": 1e9, "exponent": 1.5, "restitution": 0.7})
+    contact = ContactParameters(
+        "hunt-crossley", {"contact_stiffness": 1e9, "exponent": 1.5, "restitution": 0.7}
+    )
     changed = train_uncertainty._with(contact, "damping", factor).values["restitution"]
     assert number(changed) == pytest.approx(factor * number(0.7), rel=1e-3)
     assert (changed < 0.7) is (factor > 1)
 
 
 @pytest.mark.parametrize(("velocity", "refused"), [(0.0, False), (2.0, True)])
-def test_a_stretch_of_motion_may_not_begin_where_the_valve_moves_though_it_is_shut(velocity, refused):
-    """Lift zero at the first angle, and then at once a rate: per cam angle, so 100 rad/s of the crank are 50 of the cam."""
+def test_a_stretch_of_motion_may_not_begin_where_the_valve_moves_though_it_is_shut(
+    velocity, refused
+):
+    """Lift zero at the first angle, and then at once a rate: per cam angle, so 100 rad/s of the
+    crank are 50 of the cam.
+    """
 
     class Ramp(Harmonic):
         def lift(self, cam_angle, derivative=0):
@@ -62,7 +74,9 @@ def test_a_stretch_of_motion_may_not_begin_where_the_valve_moves_though_it_is_sh
                 else np.where(angle >= 0.5, velocity / 50, 0.0)
             )
 
-    law = Ramp(maximum_lift=9e-3, opening_start=1.0, opening_end=2.0, closing_start=2.0, closing_end=3.0)
+    law = Ramp(
+        maximum_lift=9e-3, opening_start=1.0, opening_end=2.0, closing_start=2.0, closing_end=3.0
+    )
     motion = SolidMotion(engine_speed=100.0, first_cam_angle=0.5, last_cam_angle=2.0)
     if not refused:
         check_motion(law, motion)
@@ -71,37 +85,72 @@ def test_a_stretch_of_motion_may_not_begin_where_the_valve_moves_though_it_is_sh
         check_motion(law, motion)
 
 
-@pytest.mark.parametrize(("ends", "places", "shares"), [
-    ((0.8, 5.2), (0.0, 1.0), True), ((0.8, 1.7), (0.0, 1.0), False), ((0.8, 5.2), (0.0, 1.2), False), ((0.8, 5.2), (-0.1, 1.0), False),
-])  # fmt: skip
-def test_places_are_shares_only_where_they_reach_from_zero_to_one_of_more_than_a_turn(ends, places, shares):
+@pytest.mark.parametrize(
+    ("ends", "places", "shares"),
+    [
+        ((0.8, 5.2), (0.0, 1.0), True),
+        ((0.8, 1.7), (0.0, 1.0), False),
+        ((0.8, 5.2), (0.0, 1.2), False),
+        ((0.8, 5.2), (-0.1, 1.0), False),
+    ],
+)
+def test_places_are_shares_only_where_they_reach_from_zero_to_one_of_more_than_a_turn(
+    ends, places, shares
+):
     assert _shares(np.array(places), SimpleNamespace(free_coils=ends)) is shares
 
 
 def test_each_colouring_of_a_spring_costs_its_bytes():
     study = vt.simulate("gu2021-beehive", "4200 rpm", spring_models=["multi-mass"], workers=1)
-    run, member = study.solutions[0], vt.build("gu2021-beehive", spring_models=["multi-mass"]).members[0]
-    names = [name for name in run.arrays.variables if name.endswith(("axial_velocity", "coil_gap", "_shear_stress"))]
+    run, member = (
+        study.solutions[0],
+        vt.build("gu2021-beehive", spring_models=["multi-mass"]).members[0],
+    )
+    names = [
+        name
+        for name in run.arrays.variables
+        if name.endswith(("axial_velocity", "coil_gap", "_shear_stress"))
+    ]
     assert names
-    none = replace(run, channels=replace(run.arrays, variables={k: v for k, v in run.arrays.variables.items() if k not in names}))
+    none = replace(
+        run,
+        channels=replace(
+            run.arrays, variables={k: v for k, v in run.arrays.variables.items() if k not in names}
+        ),
+    )
     assert _bytes_per_frame(run, member) > _bytes_per_frame(none, member)
 
 
 def test_a_dwell_is_looked_for_from_the_first_sample_on():
-    """Samples begin at 0.5 s; the dwells, from 1 to 1.2 s and from 2 to 2.2 s, stand 3 and 5 above zero, all else far away."""
+    """Samples begin at 0.5 s; the dwells, from 1 to 1.2 s and from 2 to 2.2 s, stand 3 and 5 above
+    zero, all else far away.
+    """
     times = 0.5 + 0.01 * np.arange(300)
     values = np.full(300, 100.0)
     for first, level in ((1.0, 3.0), (2.0, 5.0)):
         values[(times > first - 0.005) & (times < first + 0.205)] = level
-    grid = CycleGrid(np.zeros(2), np.array([0.5, 2.5]), np.array([[1.1, 1.6], [2.1, 2.4]]), np.ones(2))
+    grid = CycleGrid(
+        np.zeros(2), np.array([0.5, 2.5]), np.array([[1.1, 1.6], [2.1, 2.4]]), np.ones(2)
+    )
     edges = np.array([[1.0, 1.2], [2.0, 2.2]])
-    found, zero = set_to_zero(np.full((2, 2), 10.0), RigQuantity("spring_force", "N", values, 0.5, 0.01, "a"), grid, edges, 0.0)
+    found, zero = set_to_zero(
+        np.full((2, 2), 10.0),
+        RigQuantity("spring_force", "N", values, 0.5, 0.01, "a"),
+        grid,
+        edges,
+        0.0,
+    )
     assert zero == pytest.approx([3.0, 5.0])
     assert found == pytest.approx(np.array([[7.0, 6.0], [5.0, 5.0]]))
 
 
-@pytest.mark.parametrize(("error", "words"), [(click.Abort(), "interrupted"), (ValueError("x"), "fault in valvetrain (ValueError: x)")])
-def test_an_abort_of_the_parser_is_an_interrupt_and_nothing_else_is(error, words, capsys, monkeypatch):
+@pytest.mark.parametrize(
+    ("error", "words"),
+    [(click.Abort(), "interrupted"), (ValueError("x"), "fault in valvetrain (ValueError: x)")],
+)
+def test_an_abort_of_the_parser_is_an_interrupt_and_nothing_else_is(
+    error, words, capsys, monkeypatch
+):
     monkeypatch.setattr(guard, "_told", [])
     monkeypatch.delenv(guard.TRACEBACK_VARIABLE, raising=False)
     code = guard._report(error)
@@ -110,13 +159,28 @@ def test_an_abort_of_the_parser_is_an_interrupt_and_nothing_else_is(error, words
 
 def test_what_could_not_be_computed_ranks_behind_what_misses_a_bound():
     def trial(**more):
-        return SimpleNamespace(**({"feasible": False, "failure": "", "total_missed": 0.5, "objectives": np.array([3.0])} | more))
+        return SimpleNamespace(
+            **(
+                {
+                    "feasible": False,
+                    "failure": "",
+                    "total_missed": 0.5,
+                    "objectives": np.array([3.0]),
+                }
+                | more
+            )
+        )
 
     key = searchers.EvolutionSearch._key
     for sign in (1, -1):
         one = SimpleNamespace(sign=sign)
-        better, worse = (trial(feasible=True, objectives=np.array([sign * value])) for value in (1.0, 2.0))
-        ordered = [key(one, each) for each in (better, worse, trial(total_missed=0.1), trial(), trial(failure="diverged"))]
+        better, worse = (
+            trial(feasible=True, objectives=np.array([sign * value])) for value in (1.0, 2.0)
+        )
+        ordered = [
+            key(one, each)
+            for each in (better, worse, trial(total_missed=0.1), trial(), trial(failure="diverged"))
+        ]
         assert ordered == sorted(ordered) and len(set(ordered)) == 5
 
 
@@ -124,11 +188,22 @@ def test_a_local_search_has_its_share_where_one_quantity_at_least_may_move_a_lit
     """Of one objective; a quantity that takes listed values only cannot move a little."""
 
     def share(uniform: list[bool], objectives: int = 1) -> int:
-        varied = [SimpleNamespace(distribution=Uniform(0.0, 1.0) if one else None) for one in uniform]
-        plan = SimpleNamespace(varied=varied, objectives=[None] * objectives, search=SimpleNamespace(local=0.6, trials=50))
+        varied = [
+            SimpleNamespace(distribution=Uniform(0.0, 1.0) if one else None) for one in uniform
+        ]
+        plan = SimpleNamespace(
+            varied=varied,
+            objectives=[None] * objectives,
+            search=SimpleNamespace(local=0.6, trials=50),
+        )
         return run_search._Search._local_share(SimpleNamespace(plan=plan))
 
-    assert [share([True]), share([True, False]), share([False, False]), share([True], objectives=2)] == [30, 30, 0, 0]
+    assert [
+        share([True]),
+        share([True, False]),
+        share([False, False]),
+        share([True], objectives=2),
+    ] == [30, 30, 0, 0]
 
 
 def test_an_interrupt_is_told_once(capsys, monkeypatch):
@@ -141,14 +216,22 @@ def test_cycles_of_a_steady_shaft_have_its_speed():
     """25 rad/s over two seconds: seven whole turns, each of 2 pi / 25 s."""
     times = np.linspace(0.0, 2.0, 200)
     grid = grid_of(ShaftAngle(times, 25.0 * times), 90, 0.0, 0.0, (0.0, 2.0))
-    assert grid.cam_speeds == pytest.approx(np.full(7, 25.0)) and np.diff(grid.cut_times) == pytest.approx(2 * np.pi / 25)
+    assert grid.cam_speeds == pytest.approx(np.full(7, 25.0)) and np.diff(
+        grid.cut_times
+    ) == pytest.approx(2 * np.pi / 25)
 
 
 @pytest.mark.parametrize(("ratio", "told"), [(1, False), (2, True)])
 def test_one_mark_a_crank_turn_leaves_half_a_cam_turn_open(ratio, told):
     edges = np.linspace(0.0, 1.0, 21)
     channel = RigChannel("mark", "V", np.zeros(10), step=0.1)
-    assert any("half a cam turn off" in note for note in rig_shaft._by_pulse_a_turn(edges, ratio, channel).notes) is told
+    assert (
+        any(
+            "half a cam turn off" in note
+            for note in rig_shaft._by_pulse_a_turn(edges, ratio, channel).notes
+        )
+        is told
+    )
 
 
 def test_a_refinement_at_no_speed_is_refused_before_anything_is_computed(monkeypatch):

@@ -1,4 +1,6 @@
-"""Unit: rules of charts: what is shaded, how wide a curve is, how a drawn wire is coloured, marginals in any unit."""
+"""Unit: rules of charts: what is shaded, how wide a curve is, how a drawn wire is coloured,
+marginals in any unit.
+"""
 
 from __future__ import annotations
 
@@ -7,15 +9,17 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from valvetrain.compare_test import page as compare_test_page
 from valvetrain.identification.prior import Prior
-from valvetrain.report import compare_test_page, identification_charts
+from valvetrain.lift.page import derivatives_chart, residuals_chart
+from valvetrain.report import identification_charts
 from valvetrain.report.chart import Band, Chart, Line, Panel, Rule
 from valvetrain.report.identification_charts import _density
-from valvetrain.report.lift_page import derivatives_chart, residuals_chart
 from valvetrain.report.motion.parts import Body, Colouring, Shape, SpringDrawing
-from valvetrain.report.motion.project import SLICES, _body, _wire
+from valvetrain.report.motion.project import SLICES, _wire
+from valvetrain.report.motion.project import _body_project as _body
 from valvetrain.report.plotly_chart import figure
-from valvetrain.report.rig_page import MARKS, raw_chart, speed_chart
+from valvetrain.rig.page import MARKS, raw_chart, speed_chart
 
 #: Least and largest width of a curve (px); a band's edge is thinner than what it is about.
 THINNEST, WIDEST = 0.8, 2.4
@@ -27,7 +31,12 @@ def recorded(kept, outliers, cycles=8):
         raw=SimpleNamespace(start=0.0, step=0.01, values=np.linspace(0.0, 5.0, 10 * cycles)),
     )
     grid = SimpleNamespace(cut_times=0.1 * np.arange(cycles + 1))
-    return SimpleNamespace(channels=(channel, channel), grid=grid, kept=kept, outliers=tuple((one, "why") for one in outliers))
+    return SimpleNamespace(
+        channels=(channel, channel),
+        grid=grid,
+        kept=kept,
+        outliers=tuple((one, "why") for one in outliers),
+    )
 
 
 @pytest.mark.parametrize(
@@ -44,56 +53,91 @@ def test_shaded_are_the_cycles_that_were_left_out_and_no_others(kept, outliers, 
     panels = raw_chart(recorded(kept, outliers)).panels
     assert len(panels) == 2
     for panel in panels:
-        assert [(band.first, band.last) for band in panel.bands] == [pytest.approx((0.1 * one, 0.1 * one + 0.1)) for one in out]
+        assert [(band.first, band.last) for band in panel.bands] == [
+            pytest.approx((0.1 * one, 0.1 * one + 0.1)) for one in out
+        ]
         assert {band.words for band in panel.bands} <= {"left out"}
         assert [rule.value for rule in panel.rules] == pytest.approx(0.1 * np.arange(9))
 
 
 @pytest.mark.parametrize(
     ("cycles", "every", "said"),
-    [(MARKS - 2, 1, "were cut."), (2 * MARKS - 2, 1, "were cut."), (2 * MARKS, 2, "(one in 2)."), (3 * MARKS, 3, "(one in 3).")],
+    [
+        (MARKS - 2, 1, "were cut."),
+        (2 * MARKS - 2, 1, "were cut."),
+        (2 * MARKS, 2, "(one in 2)."),
+        (3 * MARKS, 3, "(one in 3)."),
+    ],
 )
 def test_of_many_cuts_few_are_drawn_and_the_caption_says_how_many(cycles, every, said):
     chart = raw_chart(recorded((), (), cycles))
-    assert chart.caption.startswith("Upright lines: where cycles were cut") and chart.caption.endswith(said)
+    assert chart.caption.startswith(
+        "Upright lines: where cycles were cut"
+    ) and chart.caption.endswith(said)
     for panel in chart.panels:
-        assert [rule.value for rule in panel.rules] == pytest.approx(0.1 * np.arange(0, cycles + 1, every))
+        assert [rule.value for rule in panel.rules] == pytest.approx(
+            0.1 * np.arange(0, cycles + 1, every)
+        )
 
 
 def lobe():
     angles = np.linspace(1.0, 2.0, 30)
     smoothed = SimpleNamespace(
-        event=(1.0, 2.0), base=0.0, noise=1e-6, cam_angles=angles, residuals=1e-6 * np.cos(40 * angles),
-        lift=lambda at, derivative=0: 1e-3 * np.sin(at + derivative), spread=lambda at, derivative=0: 1e-5 * np.ones_like(at),
-    )  # fmt: skip
+        event=(1.0, 2.0),
+        base=0.0,
+        noise=1e-6,
+        cam_angles=angles,
+        residuals=1e-6 * np.cos(40 * angles),
+        lift=lambda at, derivative=0: 1e-3 * np.sin(at + derivative),
+        spread=lambda at, derivative=0: 1e-5 * np.ones_like(at),
+    )
     measured = SimpleNamespace(name="intake", lifts=1e-3 * np.sin(angles), cam_angles=angles)
     return SimpleNamespace(measured=measured, smoothed=smoothed)
 
 
 def test_a_law_is_drawn_between_thinner_edges_of_its_band():
-    """Edges two standard deviations to either side; the law is the widest curve, and no more than twice as wide as they are."""
+    """Edges two standard deviations to either side; the law is the widest curve, and no more than
+    twice as wide as they are.
+    """
     panels = derivatives_chart(lobe()).panels
     assert len(panels) == 4
     for derivative, panel in enumerate(panels):
         lines = [layer for layer in panel.layers if isinstance(layer, Line)]
         low, high, law = lines
         assert low.width == high.width < law.width <= 2 * low.width
-        assert law.name == "law behind the stations" and np.all(low.y < law.y) and np.all(law.y < high.y)
+        assert (
+            law.name == "law behind the stations"
+            and np.all(low.y < law.y)
+            and np.all(law.y < high.y)
+        )
         assert [one.in_legend for one in lines] == [derivative == 0, False, derivative == 0]
-    lines = [layer for chart in (derivatives_chart(lobe()), residuals_chart(lobe())) for panel in chart.panels for layer in panel.layers]
+    lines = [
+        layer
+        for chart in (derivatives_chart(lobe()), residuals_chart(lobe()))
+        for panel in chart.panels
+        for layer in panel.layers
+    ]
     assert all(THINNEST <= one.width <= WIDEST for one in lines if isinstance(one, Line))
 
 
 def wire(values, coil):
     colouring = Colouring("share", "share", "1", values, 0.0, 1.0, ("#000000", "#ffffff"))
-    even, still, height = np.ones(len(coil)), np.zeros((len(values), len(coil))), np.full(len(values), 0.05)
-    return SpringDrawing("one", coil, 10e-3 * even, 2e-3 * even, 1.0, 5e-3 * coil, still, height, (colouring,))
+    even, still, height = (
+        np.ones(len(coil)),
+        np.zeros((len(values), len(coil))),
+        np.full(len(values), 0.05),
+    )
+    return SpringDrawing(
+        "one", coil, 10e-3 * even, 2e-3 * even, 1.0, 5e-3 * coil, still, height, (colouring,)
+    )
 
 
 @pytest.mark.parametrize("frame", [0, 1, 2])
 @pytest.mark.parametrize("coil", [np.linspace(0.0, 6.0, 25), np.array([0.0, 0.5, 1.0, 3.0, 6.0])])
 def test_a_piece_of_wire_has_the_colour_of_its_own_coil_in_its_frame(frame, coil):
-    """Grey over the light that falls on its strip is the channel between the nodes: rising, falling, and even along the wire."""
+    """Grey over the light that falls on its strip is the channel between the nodes: rising,
+    falling, and even along the wire.
+    """
     values = np.array([coil / 6.0, 1.0 - coil / 6.0, np.full(len(coil), 0.5)])
     pieces = _wire(wire(values, coil), frame, "share", (0.0, 0.0), 1)
     lit = _wire(wire(np.ones_like(values), coil), frame, "share", (0.0, 0.0), 1)
@@ -106,45 +150,88 @@ def test_a_piece_of_wire_has_the_colour_of_its_own_coil_in_its_frame(frame, coil
 
 @pytest.mark.parametrize("scale", [1e-9, 1e-3, 1.0, 1e6])
 def test_a_marginal_of_draws_is_the_same_curve_in_any_unit(scale):
-    """Draws of 0 to 1 within bounds of -10 to 10: bars over 1.8 times the middle 90 % alone, as many as there are bins, of area one."""
+    """Draws of 0 to 1 within bounds of -10 to 10: bars over 1.8 times the middle 90 % alone, as
+    many as there are bins, of area one.
+    """
     values = scale * np.linspace(0.0, 1.0, 4001)[:, None]
     interval = SimpleNamespace(low=0.05 * scale, high=0.95 * scale)
-    found = SimpleNamespace(evidence_kind="nested", names=("one",), values=values, weights=np.full(4001, 1 / 4001),
-                            branch_of=np.zeros(4001, dtype=int))  # fmt: skip
-    edges, heights = _density(found, SimpleNamespace(quantities={"one": interval}), 0, 0, -10 * scale, 10 * scale)
+    found = SimpleNamespace(
+        evidence_kind="nested",
+        names=("one",),
+        values=values,
+        weights=np.full(4001, 1 / 4001),
+        branch_of=np.zeros(4001, dtype=int),
+    )
+    edges, heights = _density(
+        found, SimpleNamespace(quantities={"one": interval}), 0, 0, -10 * scale, 10 * scale
+    )
     assert (edges[0] / scale, edges[-1] / scale) == pytest.approx((0.05 - 0.36, 0.95 + 0.36))
     assert np.sum(heights[1:-1:2] * np.diff(edges[::2])) == pytest.approx(1.0)
     assert np.median(heights[heights > 0]) * scale == pytest.approx(1.0, rel=0.02)
 
 
 def test_the_speed_of_a_recording_is_drawn_from_its_first_cut_to_its_last():
-    """A cam that gathers 50 rad/s each second from 100 rad/s on; a cycle of 0.2 s has its mean in the middle."""
+    """A cam that gathers 50 rad/s each second from 100 rad/s on; a cycle of 0.2 s has its mean in
+    the middle.
+    """
     cuts = 0.4 + 0.2 * np.arange(6)
     shaft = SimpleNamespace(cam_speed=lambda time: 100 + 50 * time, told=60.0)
     grid = SimpleNamespace(cut_times=cuts, cam_speeds=100 + 50 * (cuts[:-1] + 0.1))
     (panel,) = speed_chart(SimpleNamespace(grid=grid, shaft=shaft)).panels
     spline, mean = panel.layers
-    assert panel.x_range == pytest.approx((0.4, 1.4)) and panel.x_label == "time (s)" and panel.y_label == "cam speed (rpm)"
-    assert (spline.x[0], spline.x[-1]) == pytest.approx((0.4, 1.4)) and np.all(np.diff(spline.x) > 0)
+    assert (
+        panel.x_range == pytest.approx((0.4, 1.4))
+        and panel.x_label == "time (s)"
+        and panel.y_label == "cam speed (rpm)"
+    )
+    assert (spline.x[0], spline.x[-1]) == pytest.approx((0.4, 1.4)) and np.all(
+        np.diff(spline.x) > 0
+    )
     assert spline.y == pytest.approx((100 + 50 * spline.x) * 30 / np.pi)
-    assert mean.x == pytest.approx([0.5, 0.7, 0.9, 1.1, 1.3]) and mean.y == pytest.approx((100 + 50 * mean.x) * 30 / np.pi)
+    assert mean.x == pytest.approx([0.5, 0.7, 0.9, 1.1, 1.3]) and mean.y == pytest.approx(
+        (100 + 50 * mean.x) * 30 / np.pi
+    )
 
 
 def test_rules_and_bands_lie_where_they_are_put_across_the_whole_panel():
-    """Upright and level lines with and without words; a band that is not shaded has its words alone."""
+    """Upright and level lines with and without words; a band that is not shaded has its words
+    alone.
+    """
     rules = (Rule("x", 3.0, "here"), Rule("y", -2.0, "level"), Rule("x", 5.0), Rule("y", 7.0))
     bands = (Band(1.0, 2.0, "shaded", shaded=True), Band(4.0, 5.0, "bare", shaded=False))
     drawn = Line(np.array([0.0, 10.0]), np.array([-5.0, 9.0]), "curve", "#000000")
-    layout = figure(Chart("key", "title", "caption", (Panel("x (m)", "y (N)", (drawn,), bands=bands, rules=rules),)))["layout"]
-    seen = [(one["type"], one["x0"], one["x1"], one["y0"], one["y1"], one["layer"]) for one in layout["shapes"]]
+    layout = figure(
+        Chart(
+            "key",
+            "title",
+            "caption",
+            (Panel("x (m)", "y (N)", (drawn,), bands=bands, rules=rules),),
+        )
+    )["layout"]
+    seen = [
+        (one["type"], one["x0"], one["x1"], one["y0"], one["y1"], one["layer"])
+        for one in layout["shapes"]
+    ]
     assert seen == [
-        ("rect", 1.0, 2.0, 0, 1, "below"), ("line", 3.0, 3.0, 0, 1, "below"), ("line", 0, 1, -2.0, -2.0, "below"),
-        ("line", 5.0, 5.0, 0, 1, "below"), ("line", 0, 1, 7.0, 7.0, "below"),
-    ]  # fmt: skip
+        ("rect", 1.0, 2.0, 0, 1, "below"),
+        ("line", 3.0, 3.0, 0, 1, "below"),
+        ("line", 0, 1, -2.0, -2.0, "below"),
+        ("line", 5.0, 5.0, 0, 1, "below"),
+        ("line", 0, 1, 7.0, 7.0, "below"),
+    ]
     whole = [("domain" in one["xref"], "domain" in one["yref"]) for one in layout["shapes"]]
     assert whole == [(False, True), (False, True), (True, False), (False, True), (True, False)]
-    told = {one["text"]: (one["x"], one["y"]) for one in layout["annotations"] if one["text"] in {"shaded", "bare", "here", "level"}}
-    assert told == {"shaded": (1.5, 1), "bare": (4.5, 1), "here": (3.0, pytest.approx(0.98)), "level": (1, -2.0)}
+    told = {
+        one["text"]: (one["x"], one["y"])
+        for one in layout["annotations"]
+        if one["text"] in {"shaded", "bare", "here", "level"}
+    }
+    assert told == {
+        "shaded": (1.5, 1),
+        "bare": (4.5, 1),
+        "here": (3.0, pytest.approx(0.98)),
+        "level": (1, -2.0),
+    }
 
 
 @pytest.mark.parametrize(("kind", "count"), [("lathe", 3), ("extrude", SLICES)])
@@ -161,25 +248,54 @@ def test_every_model_with_a_curve_is_drawn_over_the_test(monkeypatch, cycles):
     monkeypatch.setattr(compare_test_page, "_axis", lambda found, unit: f"lift ({unit})")
     monkeypatch.setattr(compare_test_page, "_stretches", lambda found: ())
     values = 1e-3 * np.arange(1.0, 1 + cycles)[:, None] * np.ones(8)
-    test = SimpleNamespace(cam_angle=np.radians(45.0 * np.arange(8)), values=values, synthetic=False, quantity="valve_lift")
+    test = SimpleNamespace(
+        cam_angle=np.radians(45.0 * np.arange(8)),
+        values=values,
+        synthetic=False,
+        quantity="valve_lift",
+    )
     curves = {"rod": np.full(8, 4e-3), "chain": None, "modal": np.full(8, 5e-3)}
-    found = SimpleNamespace(runs=[SimpleNamespace(label=name, curve=curve) for name, curve in curves.items()])
-    known = {name: SimpleNamespace(words=f"the {name}", colour="#000000", dash="") for name in curves}
+    found = SimpleNamespace(
+        runs=[SimpleNamespace(label=name, curve=curve) for name, curve in curves.items()]
+    )
+    known = {
+        name: SimpleNamespace(words=f"the {name}", colour="#000000", dash="") for name in curves
+    }
     (panel,) = compare_test_page.overlay_chart(found, test, "mm", 1e3, known).panels
     drawn = [(one.name, float(one.y[0])) for one in panel.layers]
     spread = [(f"least and largest of the {cycles} cycles", 1.0), ("", 3.0)] if cycles > 1 else []
-    assert drawn == [*spread, ("mean of the test", (1 + cycles) / 2), ("the rod", 4.0), ("the modal", 5.0)]
+    assert drawn == [
+        *spread,
+        ("mean of the test", (1 + cycles) / 2),
+        ("the rod", 4.0),
+        ("the modal", 5.0),
+    ]
 
 
-@pytest.mark.parametrize(("ends", "reach"), [((25.0, 40.0), (28.4, 33.6)), ((29.0, 33.0), (29.0, 33.0))])
-def test_a_marginal_reaches_a_little_beyond_its_posterior_within_the_prior(monkeypatch, ends, reach):
-    """31 N/mm with 0.5 N/mm of deviation, 30 to 32 N/mm: eight tenths of the width on either side, densities per N/mm."""
+@pytest.mark.parametrize(
+    ("ends", "reach"), [((25.0, 40.0), (28.4, 33.6)), ((29.0, 33.0), (29.0, 33.0))]
+)
+def test_a_marginal_reaches_a_little_beyond_its_posterior_within_the_prior(
+    monkeypatch, ends, reach
+):
+    """31 N/mm with 0.5 N/mm of deviation, 30 to 32 N/mm: eight tenths of the width on either side,
+    densities per N/mm.
+    """
     monkeypatch.setattr(identification_charts, "title_of", lambda one: "rate (N/mm)")
-    unknown = SimpleNamespace(name="rate", unit="N/mm", prior=Prior("uniform", 1e3 * ends[0], 1e3 * ends[1]))
-    branch = SimpleNamespace(share=1.0, quantities={"rate": SimpleNamespace(low=30e3, high=32e3, best=31e3, deviation=500.0)})
-    found = SimpleNamespace(unknowns=(unknown,), names=("rate",), branches=(branch,), evidence_kind="linearised")
+    unknown = SimpleNamespace(
+        name="rate", unit="N/mm", prior=Prior("uniform", 1e3 * ends[0], 1e3 * ends[1])
+    )
+    branch = SimpleNamespace(
+        share=1.0,
+        quantities={"rate": SimpleNamespace(low=30e3, high=32e3, best=31e3, deviation=500.0)},
+    )
+    found = SimpleNamespace(
+        unknowns=(unknown,), names=("rate",), branches=(branch,), evidence_kind="linearised"
+    )
     (panel,) = identification_charts.marginals_chart(found).panels
     prior, posterior = panel.layers
     assert panel.x_range == pytest.approx(reach) and panel.rules == (Rule("x", 31.0),)
     assert prior.y == pytest.approx(np.full(121, 1 / (ends[1] - ends[0])))
-    assert posterior.y == pytest.approx(np.exp(-0.5 * ((posterior.x - 31) / 0.5) ** 2) / (0.5 * np.sqrt(2 * np.pi)))
+    assert posterior.y == pytest.approx(
+        np.exp(-0.5 * ((posterior.x - 31) / 0.5) ** 2) / (0.5 * np.sqrt(2 * np.pi))
+    )

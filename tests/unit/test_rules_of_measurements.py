@@ -1,4 +1,6 @@
-"""Unit: rules of recordings, scans and traces: which cycles are whole, which points and samples count, what is read at all."""
+"""Unit: rules of recordings, scans and traces: which cycles are whole, which points and samples
+count, what is read at all.
+"""
 
 from __future__ import annotations
 
@@ -10,15 +12,17 @@ import pytest
 from scipy import stats
 
 from valvetrain.errors import InputError
-from valvetrain.measurements.cycle_cutting import grid_of
-from valvetrain.measurements.recording import Budget
-from valvetrain.measurements.rig_formats import tdms, text
-from valvetrain.measurements.rig_formats.arrays import channels_of
-from valvetrain.measurements.rig_result import student
-from valvetrain.measurements.shaft_angle import ShaftAngle
-from valvetrain.measurements.spring_scan import ends, sections
-from valvetrain.measurements.spring_scan.trace import _rise, follow
-from valvetrain.studies.seen import finest_trace
+from valvetrain.rig import array_formats as text
+from valvetrain.rig import logger_formats as tdms
+from valvetrain.rig.array_formats import channels_of
+from valvetrain.rig.cutting import grid_of
+from valvetrain.rig.gauge import finest_trace
+from valvetrain.rig.recording import Budget
+from valvetrain.rig.result import student
+from valvetrain.rig.shaft import ShaftAngle
+from valvetrain.scan import axis as sections
+from valvetrain.scan import fit as ends
+from valvetrain.scan.axis import _rise, follow
 
 TURN = 2 * np.pi
 
@@ -26,8 +30,12 @@ TURN = 2 * np.pi
 @pytest.mark.parametrize("begin", [-3.0, 0.0, 0.25, 100.0])
 @pytest.mark.parametrize("reach", [0.0, 0.05, 0.1, 0.3])
 @pytest.mark.parametrize(("late", "early"), [(0.0, 0.0), (0.2, 0.0), (0.0, 0.2), (0.2, 0.2)])
-def test_cycles_lie_within_the_recording_by_the_reach_of_the_filter_wherever_time_begins(begin, reach, late, early):
-    """Five cam turns of 0.2 s, marks at the turns; the shaft is told ``late`` s after the recording begins, until ``early`` s before."""
+def test_cycles_lie_within_the_recording_by_the_reach_of_the_filter_wherever_time_begins(
+    begin, reach, late, early
+):
+    """Five cam turns of 0.2 s, marks at the turns; the shaft is told ``late`` s after the recording
+    begins, until ``early`` s before.
+    """
     times = begin + np.linspace(late, 1.0 - early, 101)
     shaft = ShaftAngle(times, (times - begin) / 0.2 * TURN)
     first, last = max(reach, late), 1.0 - max(reach, early)
@@ -47,7 +55,9 @@ def test_a_recording_shorter_than_its_filter_reaches_has_no_cycle():
 @pytest.mark.parametrize("count", [*range(2, 41), 60, 120, 1000])
 def test_the_factor_of_a_mean_is_that_of_students_distribution(count):
     """The table to its last digit, the formula beyond it to 0.3 %."""
-    assert student(count) == pytest.approx(stats.t.ppf(0.975, count - 1), rel=3e-4 if count <= 20 else 3e-3)
+    assert student(count) == pytest.approx(
+        stats.t.ppf(0.975, count - 1), rel=3e-4 if count <= 20 else 3e-3
+    )
 
 
 @pytest.mark.parametrize("count", [0, 1])
@@ -55,9 +65,14 @@ def test_one_value_says_nothing_of_its_mean(count):
     assert student(count) == np.inf
 
 
-@pytest.mark.parametrize(("count", "votes"), [(2, 2), (599, 599), (1199, 1199), (1200, 600), (1801, 601), (3000, 600), (3599, 720)])
+@pytest.mark.parametrize(
+    ("count", "votes"),
+    [(2, 2), (599, 599), (1199, 1199), (1200, 600), (1801, 601), (3000, 600), (3599, 720)],
+)
 def test_of_many_points_every_so_many_votes_so_that_six_hundred_are_left(monkeypatch, count, votes):
-    """Every second from 1200 on, every third from 1800 on: 600 points or more are left wherever there were as many."""
+    """Every second from 1200 on, every third from 1800 on: 600 points or more are left wherever
+    there were as many.
+    """
     seen: list[int] = []
 
     def take_down(points, *more):
@@ -77,7 +92,12 @@ def test_of_a_tdms_file_only_what_is_wanted_is_read(tmp_path, wanted):
     nptdms = pytest.importorskip("nptdms")
     values = {"short": np.arange(50.0), "long": np.linspace(0.0, 1.0, 1_000_000)}
     with nptdms.TdmsWriter(tmp_path / "it.tdms") as file:
-        file.write_segment([nptdms.ChannelObject("rig", name, one, {"wf_increment": 1e-4}) for name, one in values.items()])
+        file.write_segment(
+            [
+                nptdms.ChannelObject("rig", name, one, {"wf_increment": 1e-4})
+                for name, one in values.items()
+            ]
+        )
     tracemalloc.start()
     try:
         found = tdms.read(tmp_path / "it.tdms", "it.tdms", wanted)
@@ -91,12 +111,20 @@ def test_of_a_tdms_file_only_what_is_wanted_is_read(tmp_path, wanted):
 
 
 def kept(samples: int, parts: int, known: tuple[str, ...]):
-    """A run that keeps t^2 at even times from 5 s on, at ``parts`` points a sample, and extremes between them."""
+    """A run that keeps t^2 at even times from 5 s on, at ``parts`` points a sample, and extremes
+    between them.
+    """
     time = 5.0 + 0.1 * np.arange(samples)
     share = time[:, None] + 0.1 * np.arange(parts) / parts
     at = np.array([5.02, 5.537, np.nan, 4.0, 5.1])
-    arrays = {"force": time**2, "force_fine": share**2, "force_highest": at**2, "force_highest_time": at,
-              "force_lowest": (at + 0.011) ** 2, "force_lowest_time": at + 0.011}  # fmt: skip
+    arrays = {
+        "force": time**2,
+        "force_fine": share**2,
+        "force_highest": at**2,
+        "force_highest_time": at,
+        "force_lowest": (at + 0.011) ** 2,
+        "force_lowest_time": at + 0.011,
+    }
     variables = {name: SimpleNamespace(values=arrays[name]) for name in ("force", *known)}
     return SimpleNamespace(time=time, arrays=SimpleNamespace(variables=variables))
 
@@ -112,7 +140,9 @@ def kept(samples: int, parts: int, known: tuple[str, ...]):
     ],
 )
 def test_the_finest_trace_holds_all_that_a_run_keeps_of_a_channel(known, parts, extremes):
-    """Samples, points between them and extremes, each once and in order; extremes outside, unknown or on a point add none."""
+    """Samples, points between them and extremes, each once and in order; extremes outside, unknown
+    or on a point add none.
+    """
     time, values, spacing = finest_trace(kept(9, parts, known), "force")
     even = 5.0 + 0.1 / parts * np.arange(8 * parts + 1)
     assert time == pytest.approx(np.sort(np.concatenate([even, extremes])), abs=1e-12)
@@ -120,63 +150,124 @@ def test_the_finest_trace_holds_all_that_a_run_keeps_of_a_channel(known, parts, 
 
 
 @pytest.mark.parametrize("away", [1, 5, -1, -5])
-@pytest.mark.parametrize(("count", "rise", "slope"), [(1, 0.1, 0.0), (3, 0.1, 0.0), (4, 0.1, 0.1), (9, 0.1, 0.1), (9, -0.1, 0.0)])
-def test_a_wire_is_looked_for_where_four_sections_or_more_point_to_and_never_back(count, rise, slope, away):
-    """Sections on a straight line of ``rise`` mm a place, the last at place 10 and 40 mm up; of fewer than four, and falling, level."""
+@pytest.mark.parametrize(
+    ("count", "rise", "slope"),
+    [(1, 0.1, 0.0), (3, 0.1, 0.0), (4, 0.1, 0.1), (9, 0.1, 0.1), (9, -0.1, 0.0)],
+)
+def test_a_wire_is_looked_for_where_four_sections_or_more_point_to_and_never_back(
+    count, rise, slope, away
+):
+    """Sections on a straight line of ``rise`` mm a place, the last at place 10 and 40 mm up; of
+    fewer than four, and falling, level.
+    """
     behind = [10 - place * int(np.sign(away)) for place in range(count)]
     known = {place: index for index, place in enumerate(behind)}
-    plane = np.column_stack([np.full(count, 12.0), [40.0 + rise * (place - 10) for place in behind]])
+    plane = np.column_stack(
+        [np.full(count, 12.0), [40.0 + rise * (place - 10) for place in behind]]
+    )
     assert _rise(behind, known, plane, away) == pytest.approx(40.0 + slope * away)
 
 
 @pytest.mark.parametrize("side", [-1, 1])
 @pytest.mark.parametrize("stray", [0, 80])
-def test_a_ground_face_is_laid_through_all_points_of_its_scatter_and_no_others(side, stray, monkeypatch):
-    """2000 points on a plane at 30 mm with a scatter of 0.03 mm, all amid the ground section; strays lie 0.4 mm inside the wire."""
+def test_a_ground_face_is_laid_through_all_points_of_its_scatter_and_no_others(
+    side, stray, monkeypatch
+):
+    """2000 points on a plane at 30 mm with a scatter of 0.03 mm, all amid the ground section;
+    strays lie 0.4 mm inside the wire.
+    """
     draw = np.random.default_rng(7)
     radius, angle = draw.uniform(8.0, 16.0, 2000 + stray), draw.uniform(0, 2 * np.pi, 2000 + stray)
-    height = 30.0 + draw.normal(0.0, 0.03, 2000 + stray) - 0.4 * side * (np.arange(2000 + stray) >= 2000)
+    height = (
+        30.0 + draw.normal(0.0, 0.03, 2000 + stray) - 0.4 * side * (np.arange(2000 + stray) >= 2000)
+    )
     points = np.column_stack([radius * np.cos(angle), radius * np.sin(angle), height])
-    monkeypatch.setattr(ends, "place", lambda tube, points, reach: SimpleNamespace(distance=np.full(len(points), 0.5)))
-    monkeypatch.setattr(ends, "_amid", lambda tube, face, points, *more: np.ones(len(points), dtype=bool))
-    face = ends.find_face(SimpleNamespace(section=np.array([2.0]), noise=0.03), points, 0.0, side, (0.0, 6.0))
+    monkeypatch.setattr(
+        ends,
+        "place",
+        lambda tube, points, reach: SimpleNamespace(distance=np.full(len(points), 0.5)),
+    )
+    monkeypatch.setattr(
+        ends, "_amid", lambda tube, face, points, *more: np.ones(len(points), dtype=bool)
+    )
+    face = ends.find_face(
+        SimpleNamespace(section=np.array([2.0]), noise=0.03), points, 0.0, side, (0.0, 6.0)
+    )
     assert 1985 <= face.points <= 2000
-    assert face.height == pytest.approx(30.0, abs=4 * 0.03 / np.sqrt(2000)) and np.hypot(*face.lean) < 4e-4
+    assert (
+        face.height == pytest.approx(30.0, abs=4 * 0.03 / np.sqrt(2000))
+        and np.hypot(*face.lean) < 4e-4
+    )
 
 
 #: Units of times as files write them, in seconds.
 TIMES = {"s": 1.0, "sec": 1.0, "": 1.0, "ms": 1e-3, "us": 1e-6, "µs": 1e-6, "ns": 1e-9, "min": 60.0}
-LONGER = {"seconds": 1.0, "milliseconds": 1e-3, "microseconds since 2026-01-01": 1e-6, "nanoseconds since 1970-01-01 00:00": 1e-9,
-          " ms ": 1e-3, "seconds since midnight": 1.0, "minutes": 60.0}  # fmt: skip
+LONGER = {
+    "seconds": 1.0,
+    "milliseconds": 1e-3,
+    "microseconds since 2026-01-01": 1e-6,
+    "nanoseconds since 1970-01-01 00:00": 1e-9,
+    " ms ": 1e-3,
+    "seconds since midnight": 1.0,
+    "minutes": 60.0,
+}
 
 
 @pytest.mark.parametrize("unit", TIMES)
 def test_times_of_a_text_count_in_the_unit_of_their_heading(tmp_path, unit):
     head = f"time [{unit}]" if unit else "time"
     path = tmp_path / "own.csv"
-    path.write_text("\n".join([f"{head},force [N]", *(f"{3 * place},{10 + place}" for place in range(20))]) + "\n", encoding="utf-8")
+    path.write_text(
+        "\n".join([f"{head},force [N]", *(f"{3 * place},{10 + place}" for place in range(20))])
+        + "\n",
+        encoding="utf-8",
+    )
     (force,) = text.read(path, path.name, ()).channels
-    assert force.times == pytest.approx(3 * TIMES[unit] * np.arange(20)) and force.values == pytest.approx(10.0 + np.arange(20))
+    assert force.times == pytest.approx(
+        3 * TIMES[unit] * np.arange(20)
+    ) and force.values == pytest.approx(10.0 + np.arange(20))
     assert (force.name, force.unit) == ("force", "N")
 
 
 @pytest.mark.parametrize(("unit", "factor"), [*TIMES.items(), *LONGER.items()])
 def test_times_of_arrays_count_in_the_unit_that_stands_beside_them(unit, factor):
-    arrays = {"time": 3.0 * np.arange(20), "force": np.arange(20.0), "short": np.arange(7.0), "rate": np.array([[250.0]])}
-    (force, short), scalars = channels_of(arrays, {"time": unit, "force": "N"}, Budget("own.mat", ()))
-    assert force.times == pytest.approx(3 * factor * np.arange(20)) and short.times is None and scalars == {"rate": 250.0}
+    arrays = {
+        "time": 3.0 * np.arange(20),
+        "force": np.arange(20.0),
+        "short": np.arange(7.0),
+        "rate": np.array([[250.0]]),
+    }
+    (force, short), scalars = channels_of(
+        arrays, {"time": unit, "force": "N"}, Budget("own.mat", ())
+    )
+    assert (
+        force.times == pytest.approx(3 * factor * np.arange(20))
+        and short.times is None
+        and scalars == {"rate": 250.0}
+    )
     assert (force.name, force.unit, short.unit) == ("force", "N", "")
 
 
-@pytest.mark.parametrize(("name", "unit"), [("t", "degC"), ("T", "K"), ("oil_T", "degC"), ("coolant T", "°C"), ("engine/t", "N m")])
+@pytest.mark.parametrize(
+    ("name", "unit"),
+    [("t", "degC"), ("T", "K"), ("oil_T", "degC"), ("coolant T", "°C"), ("engine/t", "N m")],
+)
 def test_a_temperature_called_t_is_a_channel_like_any_other(name, unit, tmp_path):
     """It was left out, or taken for the times of all others."""
     arrays = {name: 80.0 + np.arange(20), "time": 2.0 * np.arange(20), "force": np.arange(20.0)}
     (path := tmp_path / "own.csv").write_text(
-        "\n".join([f"{name} [{unit}],time [ms],force [N]", *(f"{80 + place},{2 * place},{place}" for place in range(20))]) + "\n",
+        "\n".join(
+            [
+                f"{name} [{unit}],time [ms],force [N]",
+                *(f"{80 + place},{2 * place},{place}" for place in range(20)),
+            ]
+        )
+        + "\n",
         encoding="utf-8",
     )
-    of_arrays, _ = channels_of(arrays, {name: unit, "time": "ms", "force": "N"}, Budget("own.mat", ()))
+    of_arrays, _ = channels_of(
+        arrays, {name: unit, "time": "ms", "force": "N"}, Budget("own.mat", ())
+    )
     for heat, force in (of_arrays, text.read(path, path.name, ()).channels):
         assert (heat.name, heat.unit, force.name) == (name, unit, "force")
         assert heat.values == pytest.approx(80.0 + np.arange(20))
@@ -186,25 +277,39 @@ def test_a_temperature_called_t_is_a_channel_like_any_other(name, unit, tmp_path
 @pytest.mark.parametrize("unit", ["mm", "days", "cycles", "deg", "days since 1900-01-01"])
 def test_times_in_a_unit_that_is_none_of_time_are_refused(unit):
     with pytest.raises(InputError, match="none of time; write s, ms or us"):
-        channels_of({"time": np.arange(9.0), "force": np.arange(9.0)}, {"time": unit}, Budget("own.mat", ()))
+        channels_of(
+            {"time": np.arange(9.0), "force": np.arange(9.0)}, {"time": unit}, Budget("own.mat", ())
+        )
 
 
 @pytest.mark.parametrize(
     ("line", "rate"),
     [
-        ("sampling rate: 5000 Hz", 5e3), ("Sample rate = 20 kHz", 2e4), ("fs: 2.5e3 S/s", 2.5e3), ("rate=400 1/s", 400.0),
-        ("rate: fast", None), ("heart rate: 70 Hz", None),
+        ("sampling rate: 5000 Hz", 5e3),
+        ("Sample rate = 20 kHz", 2e4),
+        ("fs: 2.5e3 S/s", 2.5e3),
+        ("rate=400 1/s", 400.0),
+        ("rate: fast", None),
+        ("heart rate: 70 Hz", None),
     ],
-)  # fmt: skip
+)
 def test_the_sampling_rate_of_a_text_stands_in_its_heading(tmp_path, line, rate):
     path = tmp_path / "own.csv"
     path.write_text(
-        "\n".join([f"# {line}", "force [N],lift [mm]", *(f"{place},{2 * place}" for place in range(20))]) + "\n", encoding="utf-8"
+        "\n".join(
+            [f"# {line}", "force [N],lift [mm]", *(f"{place},{2 * place}" for place in range(20))]
+        )
+        + "\n",
+        encoding="utf-8",
     )
     found = text.read(path, path.name, ("lift",))
     assert found.scalars == ({} if rate is None else {"sampling_rate": rate})
     (lift,) = found.channels
-    assert (lift.name, lift.unit) == ("lift", "mm") and lift.times is None and lift.values == pytest.approx(2.0 * np.arange(20))
+    assert (
+        (lift.name, lift.unit) == ("lift", "mm")
+        and lift.times is None
+        and lift.values == pytest.approx(2.0 * np.arange(20))
+    )
 
 
 @pytest.mark.parametrize("hand", [1, -1])

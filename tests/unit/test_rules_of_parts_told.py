@@ -1,13 +1,15 @@
-"""Unit: where a card's taper begins, how far about a spike it is looked for, which files are told as not sent."""
+"""Unit: where a card's taper begins, how far about a spike it is looked for, which files are told
+as not sent.
+"""
 
 from __future__ import annotations
 
 import numpy as np
 import pytest
 
+from valvetrain.compare_test.events import MEETING, _around
 from valvetrain.errors import InputError
-from valvetrain.measurements.catalogue_card import CatalogueCard, SpringLoad
-from valvetrain.quantities.trace_events import MEETING, _around
+from valvetrain.spring_card.card import CatalogueCard, SpringLoad
 from valvetrain.workbench.side_files import not_sent
 
 DEG = np.pi / 180
@@ -16,18 +18,24 @@ DEG = np.pi / 180
 def card(top: float | None = None, taper: float | None = None) -> CatalogueCard:
     """Wire of 4 mm, 32 mm outside (m)."""
     return CatalogueCard(
-        outer_diameter=32e-3, wire_diameter=4e-3, installed_load=SpringLoad(46e-3, 350.0), open_load=SpringLoad(34e-3, 830.0),
-        top_outer_diameter=top, taper_from_coil=taper,
-    )  # fmt: skip
+        outer_diameter=32e-3,
+        wire_diameter=4e-3,
+        installed_load=SpringLoad(46e-3, 350.0),
+        open_load=SpringLoad(34e-3, 830.0),
+        top_outer_diameter=top,
+        taper_from_coil=taper,
+    )
 
 
 @pytest.mark.parametrize(
     ("top", "taper", "coils", "diameters"),
     [
-        (None, None, (0, 3, 8), (28, 28, 28)), (26, None, (0, 4, 6, 8), (28, 28, 25, 22)), (26, 5.0, (0, 5, 6.5, 8), (28, 28, 25, 22)),
+        (None, None, (0, 3, 8), (28, 28, 28)),
+        (26, None, (0, 4, 6, 8), (28, 28, 25, 22)),
+        (26, 5.0, (0, 5, 6.5, 8), (28, 28, 25, 22)),
         (26, 0.0, (0, 4, 8), (28, 25, 22)),
     ],
-)  # fmt: skip
+)
 def test_a_beehive_of_a_card_tapers_from_half_way_unless_told(top, taper, coils, diameters):
     """Eight turns; mean diameters in mm at coils."""
     curve = card(None if top is None else 1e-3 * top, taper).mean_diameter(8.0)
@@ -43,11 +51,14 @@ def test_a_taper_begins_below_the_top(taper):
 @pytest.mark.parametrize(
     ("angle", "others", "reach"),
     [
-        (100, [100], MEETING / DEG), (100, [100, 100 + 1.6 * MEETING / DEG], MEETING / DEG), (100, [40, 100, 106], 6),
+        (100, [100], MEETING / DEG),
+        (100, [100, 100 + 1.6 * MEETING / DEG], MEETING / DEG),
+        (100, [40, 100, 106], 6),
         (100, [96, 100, 106], 4),
-        (358, [4, 358], 6), (1, [1, 355, 200], 6),
+        (358, [4, 358], 6),
+        (1, [1, 355, 200], 6),
     ],
-)  # fmt: skip
+)
 def test_a_spike_is_looked_for_half_way_to_its_nearest_neighbour(angle, others, reach):
     """Cam angles every half degree; neighbours may lie beyond the end of the turn."""
     grid = np.arange(0.25, 360.0, 0.5)
@@ -59,12 +70,16 @@ def test_a_spike_is_looked_for_half_way_to_its_nearest_neighbour(angle, others, 
 @pytest.mark.parametrize(
     ("sent", "words"),
     [
-        (("a.csv", "b.csv", "c.csv", "d.csv"), ""), (("a.csv", "b.csv", "d.csv"), "names 'c.csv', which was not sent with it"),
+        (("a.csv", "b.csv", "c.csv", "d.csv"), ""),
+        (("a.csv", "b.csv", "d.csv"), "names 'c.csv', which was not sent with it"),
         (("a.csv", "b.csv"), "names 'c.csv' and 'd.csv', which were not sent"),
         (("d.csv",), "names 'a.csv' and 'b.csv' and 'c.csv', which were"),
-        ((), "names 'a.csv' and 'b.csv' and 'c.csv', which were not sent with it; choose the case and the files it names together"),
+        (
+            (),
+            "names 'a.csv' and 'b.csv' and 'c.csv', which were not sent with it; choose the case and the files it names together",
+        ),
     ],
-)  # fmt: skip
+)
 def test_files_that_a_case_names_and_that_were_not_sent_are_named(sent, words):
     text = "\n".join(f'[part_{name}]\nfile = "{name}.csv"' for name in "dbca")
     said = not_sent(text, dict.fromkeys(sent, b""))

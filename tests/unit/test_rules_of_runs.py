@@ -1,4 +1,6 @@
-"""Unit: rules on what a run keeps, a stretch covers, a mesh may miss and a mode is called, each on both sides of its bound."""
+"""Unit: rules on what a run keeps, a stretch covers, a mesh may miss and a mode is called, each on
+both sides of its bound.
+"""
 
 from __future__ import annotations
 
@@ -9,13 +11,13 @@ import pytest
 
 import valvetrain as vt
 from valvetrain.errors import InputError
+from valvetrain.film.result import surge_words
 from valvetrain.integrate.contract import Cycles, RunOptions
 from valvetrain.integrate.run import run
-from valvetrain.measurements.film.sentences import surge_words
 from valvetrain.parameters.train_schema import LeverModel
 from valvetrain.quantities.cycle import Cycle
+from valvetrain.solution.modes import TrainModes
 from valvetrain.solution.status import COMPLETED, Status
-from valvetrain.solution.train_modes import TrainModes
 from valvetrain.springs.solid.jobs import axial_modes
 from valvetrain.springs.solid.spec import SolidOptions
 from valvetrain.studies import solid as of_solids
@@ -29,10 +31,17 @@ DEG = np.pi / 180
 @pytest.mark.parametrize(
     ("first", "last", "covered"),
     [
-        (0, 359, True), (1.4, 359, True), (-1.4, 359, True), (-1.6, 359, False), (0, 360.4, True), (0, 360.6, False), (100, 200, True),
-        (400, 500, False), (-50, -10, False),
+        (0, 359, True),
+        (1.4, 359, True),
+        (-1.4, 359, True),
+        (-1.6, 359, False),
+        (0, 360.4, True),
+        (0, 360.6, False),
+        (100, 200, True),
+        (400, 500, False),
+        (-50, -10, False),
     ],
-)  # fmt: skip
+)
 def test_a_stretch_is_covered_but_for_one_step_and_a_half_at_either_end(first, last, covered):
     """Samples every degree from 0 to 359."""
     cycle = Cycle(None, slice(0, 360), np.arange(360) * DEG, np.arange(360.0), True)
@@ -41,8 +50,14 @@ def test_a_stretch_is_covered_but_for_one_step_and_a_half_at_either_end(first, l
 
 
 def test_samples_far_apart_at_an_end_cover_no_more_than_the_first_of_them():
-    cycle = Cycle(None, slice(0, 5), np.array([0.0, 40.0, 41.0, 42.0, 43.0]) * DEG, np.arange(5.0), False)
-    assert cycle.covers(0.0, 43 * DEG) and cycle.covers(-1 * DEG, 44 * DEG) and not cycle.covers(-2 * DEG, 43 * DEG)
+    cycle = Cycle(
+        None, slice(0, 5), np.array([0.0, 40.0, 41.0, 42.0, 43.0]) * DEG, np.arange(5.0), False
+    )
+    assert (
+        cycle.covers(0.0, 43 * DEG)
+        and cycle.covers(-1 * DEG, 44 * DEG)
+        and not cycle.covers(-2 * DEG, 43 * DEG)
+    )
 
 
 @pytest.mark.parametrize(("bound", "kept"), [(1e12, True), (10.0, False)])
@@ -57,11 +72,34 @@ def test_the_leapfrog_leaves_out_a_record_beyond_its_bound(bound, kept, monkeypa
 @pytest.mark.parametrize(
     ("key", "unit", "value", "after"),
     [
-        ("spring.wire_diameter", "mm", 3.9e-3, {"spring": {"wire_diameter": "0.0039 m", "coils": [1, 2]}}),
-        ("spring.pitch.level", "m", 8e-3, {"spring": {"wire_diameter": "4 mm", "coils": [1, 2], "pitch": {"level": "0.008 m"}}}),
-        ("train.valve.mass", "g", 0.05, {"spring": {"wire_diameter": "4 mm", "coils": [1, 2]}, "train": {"valve": {"mass": "0.05 kg"}}}),
+        (
+            "spring.wire_diameter",
+            "mm",
+            3.9e-3,
+            {"spring": {"wire_diameter": "0.0039 m", "coils": [1, 2]}},
+        ),
+        (
+            "spring.pitch.level",
+            "m",
+            8e-3,
+            {"spring": {"wire_diameter": "4 mm", "coils": [1, 2], "pitch": {"level": "0.008 m"}}},
+        ),
+        (
+            "train.valve.mass",
+            "g",
+            0.05,
+            {
+                "spring": {"wire_diameter": "4 mm", "coils": [1, 2]},
+                "train": {"valve": {"mass": "0.05 kg"}},
+            },
+        ),
         ("spring.coils.1", "", 3.0, {"spring": {"wire_diameter": "4 mm", "coils": [1, 3]}}),
-        ("lift_law.nose", "", 2.5, {"spring": {"wire_diameter": "4 mm", "coils": [1, 2]}, "lift_law": {"nose": 2.5}}),
+        (
+            "lift_law.nose",
+            "",
+            2.5,
+            {"spring": {"wire_diameter": "4 mm", "coils": [1, 2]}, "lift_law": {"nose": 2.5}},
+        ),
     ],
 )
 def test_a_value_is_set_in_tables_that_the_case_has_and_in_those_it_lacks(key, unit, value, after):
@@ -73,11 +111,17 @@ def test_a_value_is_set_in_tables_that_the_case_has_and_in_those_it_lacks(key, u
 @pytest.mark.parametrize("operation", ["factor", "offset"])
 def test_nothing_is_multiplied_or_shifted_in_a_table_that_is_not_there(operation):
     with pytest.raises(InputError, match="the case has no 'train' there"):
-        set_in_tree({"spring": {"wire_diameter": "4 mm"}}, Varied("train.valve.mass", "g" if operation == "offset" else "", operation), 1.1)
+        set_in_tree(
+            {"spring": {"wire_diameter": "4 mm"}},
+            Varied("train.valve.mass", "g" if operation == "offset" else "", operation),
+            1.1,
+        )
 
 
 class Meshed:
-    """A solid whose force at 10 mm is 400 N and 8 N more for each halving of its mesh, ended by ``status``."""
+    """A solid whose force at 10 mm is 400 N and 8 N more for each halving of its mesh, ended by
+    ``status``.
+    """
 
     def __init__(self, per_coil: int, status: Status = COMPLETED) -> None:
         self.options, self.status, self.asked = SolidOptions(elements_per_coil=per_coil), status, []
@@ -90,7 +134,11 @@ class Meshed:
     def static_curve(self, compression: float, points: int):
         self.asked.append((self.options.elements_per_coil, compression, points))
         force = 400 + 8 * (24 / self.options.elements_per_coil) ** 2
-        return SimpleNamespace(status=self.status, force=np.array([0.0, force]), compression=np.array([0.0, compression]))
+        return SimpleNamespace(
+            status=self.status,
+            force=np.array([0.0, force]),
+            compression=np.array([0.0, compression]),
+        )
 
 
 STOPPED = Status("diverged", "it diverged")
@@ -99,28 +147,57 @@ STOPPED = Status("diverged", "it diverged")
 @pytest.mark.parametrize(
     ("per_coil", "reached", "first", "second", "known"),
     [
-        (24, 12e-3, COMPLETED, COMPLETED, True), (24, 10e-3, COMPLETED, COMPLETED, True), (24, 9e-3, COMPLETED, COMPLETED, False),
-        (24, 12e-3, STOPPED, COMPLETED, False), (24, 12e-3, COMPLETED, STOPPED, False), (4, 12e-3, COMPLETED, COMPLETED, False),
+        (24, 12e-3, COMPLETED, COMPLETED, True),
+        (24, 10e-3, COMPLETED, COMPLETED, True),
+        (24, 9e-3, COMPLETED, COMPLETED, False),
+        (24, 12e-3, STOPPED, COMPLETED, False),
+        (24, 12e-3, COMPLETED, STOPPED, False),
+        (4, 12e-3, COMPLETED, COMPLETED, False),
     ],
-)  # fmt: skip
-def test_the_error_of_a_mesh_is_taken_from_a_second_one_where_both_came_to_their_end(per_coil, reached, first, second, known, monkeypatch):
+)
+def test_the_error_of_a_mesh_is_taken_from_a_second_one_where_both_came_to_their_end(
+    per_coil, reached, first, second, known, monkeypatch
+):
     """1.25 |f - f_coarse| / (f (r^2 - 1)) with f = 408 N (24 per coil), 418 N (16) and r = 1.5."""
-    monkeypatch.setattr(of_solids, "replace", lambda one, **new: one.__replace__(**new) if isinstance(one, Meshed) else SolidOptions(**new))
-    curve = SimpleNamespace(status=first, compression=np.array([0.0, reached]), force=np.array([0.0, 408.0 * reached / 10e-3]))
+    monkeypatch.setattr(
+        of_solids,
+        "replace",
+        lambda one, **new: (
+            one.__replace__(**new) if isinstance(one, Meshed) else SolidOptions(**new)
+        ),
+    )
+    curve = SimpleNamespace(
+        status=first,
+        compression=np.array([0.0, reached]),
+        force=np.array([0.0, 408.0 * reached / 10e-3]),
+    )
     model = Meshed(per_coil, second)
     found = of_solids.force_error(model, curve, 10e-3)
     assert (found is not None) is known
     if known:
-        assert found == pytest.approx(1.25 * 10 / (408 * (1.5**2 - 1)), rel=1e-6) and model.asked == [(16, 10e-3, 4)]
+        assert found == pytest.approx(
+            1.25 * 10 / (408 * (1.5**2 - 1)), rel=1e-6
+        ) and model.asked == [(16, 10e-3, 4)]
 
 
 @pytest.mark.parametrize("count", [1, 5, 6, 7, 9])
 def test_modes_of_a_train_show_the_first_six_frequencies(count):
     modes = TrainModes(
-        "own", "valve open", 0.0, 9e-3, 100.5 * np.arange(1, count + 1), ("a",), ("a",), np.ones((count, 1)), np.ones((count, 1))
+        "own",
+        "valve open",
+        0.0,
+        9e-3,
+        100.5 * np.arange(1, count + 1),
+        ("a",),
+        ("a",),
+        np.ones((count, 1)),
+        np.ones((count, 1)),
     )
     numbers = ", ".join(f"{100.5 * one:g}" for one in range(1, min(count, 6) + 1))
-    assert repr(modes) == f"TrainModes of own, valve open, 9 mm of lift\n  {numbers}{', ...' if count > 6 else ''} Hz"
+    assert (
+        repr(modes)
+        == f"TrainModes of own, valve open, 9 mm of lift\n  {numbers}{', ...' if count > 6 else ''} Hz"
+    )
 
 
 MIRRORED = "the line at 1900 Hz lies near half the frame rate (2000 Hz) and may be one of 2100 Hz mirrored there; film faster to tell"
@@ -129,36 +206,61 @@ MIRRORED = "the line at 1900 Hz lies near half the frame rate (2000 Hz) and may 
 @pytest.mark.parametrize(
     ("frequencies", "rate", "exposure", "said"),
     [
-        ((600.0,), 4000.0, None, []), ((600.0, 1900.0), 4000.0, None, [MIRRORED]),
-        ((600.0,), 4000.0, 200e-6, ["motion blur lowers the swing at 600 Hz by 2.4 %"]), ((600.0,), 4000.0, 50e-6, []),
+        ((600.0,), 4000.0, None, []),
+        ((600.0, 1900.0), 4000.0, None, [MIRRORED]),
+        ((600.0,), 4000.0, 200e-6, ["motion blur lowers the swing at 600 Hz by 2.4 %"]),
+        ((600.0,), 4000.0, 50e-6, []),
         ((1000.0,), 8000.0, 500e-6, ["motion blur lowers the swing at 1000 Hz by 36 %"]),
     ],
-)  # fmt: skip
+)
 def test_what_frame_rate_and_exposure_do_to_the_lines_of_a_film(frequencies, rate, exposure, said):
     """sin(x) / x of x = pi f t: 1 - 0.976 at 600 Hz and 0.2 ms, 1 - 2 / pi at 1 kHz and 0.5 ms."""
-    surge = SimpleNamespace(lines=tuple(SimpleNamespace(natural_frequency=one) for one in frequencies))
+    surge = SimpleNamespace(
+        lines=tuple(SimpleNamespace(natural_frequency=one) for one in frequencies)
+    )
     assert list(surge_words(surge, rate, exposure)) == said
 
 
 @pytest.mark.parametrize(
     ("transmission", "found"),
     [
-        ([0.5, -0.9, 0.4], (0, 1, 2)), ([0.3, 0.9, 0.5, -0.2, -0.8, -0.3, 0.7], (1, 4, 6)), ([0.2, -0.5, 0.3, 0.9, 0.4], (0, 1, 3)),
-        ([0.2, -0.9, -0.3, 0.6, 0.5], (0, 1, 3)), ([0.119, -0.121, 0.0], (1,)), ([], ()),
+        ([0.5, -0.9, 0.4], (0, 1, 2)),
+        ([0.3, 0.9, 0.5, -0.2, -0.8, -0.3, 0.7], (1, 4, 6)),
+        ([0.2, -0.5, 0.3, 0.9, 0.4], (0, 1, 3)),
+        ([0.2, -0.9, -0.3, 0.6, 0.5], (0, 1, 3)),
+        ([0.119, -0.121, 0.0], (1,)),
+        ([], ()),
     ],
-)  # fmt: skip
+)
 def test_the_axial_modes_of_a_solid_are_the_strongest_of_each_run_of_one_sign(transmission, found):
     assert axial_modes(np.array(transmission)) == found
 
 
 @pytest.mark.parametrize(
-    ("arm", "ratio", "taken"), [("45 mm", None, 45e-3), (None, 1.5, 45e-3), ("45 mm", 1.5, 45e-3), ("45.2 mm", 1.5, 45.2e-3)]
+    ("arm", "ratio", "taken"),
+    [("45 mm", None, 45e-3), (None, 1.5, 45e-3), ("45 mm", 1.5, 45e-3), ("45.2 mm", 1.5, 45.2e-3)],
 )
 def test_the_ratio_of_a_lever_is_that_of_its_arms(arm, ratio, taken):
-    own = {"pivot": ["0 mm", "0 mm"], "inertia": "1e-5 kg m^2", "drive_arm": "30 mm", "valve_arm": arm, "ratio": ratio}
-    assert LeverModel(**{name: value for name, value in own.items() if value is not None}).build().valve_arm == pytest.approx(taken)
+    own = {
+        "pivot": ["0 mm", "0 mm"],
+        "inertia": "1e-5 kg m^2",
+        "drive_arm": "30 mm",
+        "valve_arm": arm,
+        "ratio": ratio,
+    }
+    assert LeverModel(
+        **{name: value for name, value in own.items() if value is not None}
+    ).build().valve_arm == pytest.approx(taken)
 
 
 def test_a_ratio_that_contradicts_the_arms_is_told_with_theirs():
-    with pytest.raises(Exception, match=r"ratio 3 contradicts the arms, whose ratio is 1\.5; drop one of the three"):
-        LeverModel(pivot=["0 mm", "0 mm"], inertia="1e-5 kg m^2", drive_arm="30 mm", valve_arm="45 mm", ratio=3.0).build()
+    with pytest.raises(
+        Exception, match=r"ratio 3 contradicts the arms, whose ratio is 1\.5; drop one of the three"
+    ):
+        LeverModel(
+            pivot=["0 mm", "0 mm"],
+            inertia="1e-5 kg m^2",
+            drive_arm="30 mm",
+            valve_arm="45 mm",
+            ratio=3.0,
+        ).build()

@@ -1,4 +1,6 @@
-"""Unit: rules of searches: steps of differences, draws within bounds, what is asked for in which order."""
+"""Unit: rules of searches: steps of differences, draws within bounds, what is asked for in which
+order.
+"""
 
 from __future__ import annotations
 
@@ -28,7 +30,9 @@ BEGIN = np.array([0.25, 3.0])
 
 
 def line(asked: list[tuple[float, float]]) -> Posterior:
-    """Two quantities of which the sum and the difference are known; ``asked`` takes down every point."""
+    """Two quantities of which the sum and the difference are known; ``asked`` takes down every
+    point.
+    """
 
     def evaluate(points):
         asked.extend(map(tuple, points))
@@ -41,26 +45,43 @@ def line(asked: list[tuple[float, float]]) -> Posterior:
 @pytest.mark.parametrize("stated", [0.0, 0.07, 0.2])
 @pytest.mark.parametrize("way", [solve._around, solve._ends])
 def test_differences_are_taken_at_the_step_that_was_asked_for(way, stated):
-    """A stated step is that of every difference, in standard deviations of the prior; 0 begins with 0.03 of them and refines."""
+    """A stated step is that of every difference, in standard deviations of the prior; 0 begins with
+    0.03 of them and refines.
+    """
     asked: list[tuple[float, float]] = []
     posterior = line(asked)
-    way(posterior, Search("least-squares", starts=1, keep=1, difference_step=stated, draws=20), BEGIN[None, :], silent)
+    way(
+        posterior,
+        Search("least-squares", starts=1, keep=1, difference_step=stated, draws=20),
+        BEGIN[None, :],
+        silent,
+    )
     spread = np.array([8.0, 9.0]) / math.sqrt(12)
     points = np.array(asked)
     for place in range(2):
         shifted = BEGIN + (stated or 0.03) * spread * np.eye(2)[place]
         assert np.isclose(points, shifted, rtol=0, atol=1e-9).all(axis=1).any()
-        found = points[np.isclose(points[:, 1 - place], 3.0 - 2.0 * place, atol=1e-3)]  # about the answer a = 1, b = 3
+        found = points[
+            np.isclose(points[:, 1 - place], 3.0 - 2.0 * place, atol=1e-3)
+        ]  # about the answer a = 1, b = 3
         away = np.abs(found[:, place] - (1.0 + 2.0 * place)) / spread[place]
-        assert bool(np.isclose(away, stated, atol=2e-3).any()) if stated else not np.isclose(away, 0.03, atol=2e-3).any()
+        assert (
+            bool(np.isclose(away, stated, atol=2e-3).any())
+            if stated
+            else not np.isclose(away, 0.03, atol=2e-3).any()
+        )
 
 
 @pytest.mark.parametrize("count", [1, 2, 5, 40])
 @pytest.mark.parametrize("centre", [(0.0, 4.5), (3.95, 0.05)])
 def test_as_many_draws_lie_within_the_bounds_as_were_asked_for(count, centre):
-    """In the middle of the bounds each draw lies in a slice of its own of either normal law, also where both are linked."""
+    """In the middle of the bounds each draw lies in a slice of its own of either normal law, also
+    where both are linked.
+    """
     posterior = line([])
-    peak = Peak(np.array(centre), {}, 0.0, np.zeros((2, 2)), np.array([[0.04, 0.03], [0.03, 0.09]]), 1)
+    peak = Peak(
+        np.array(centre), {}, 0.0, np.zeros((2, 2)), np.array([[0.04, 0.03], [0.03, 0.09]]), 1
+    )
     found = list(_inside(posterior, peak, count, np.random.default_rng(2)))
     assert len(found) == count
     draws = np.array([at for at, _ in found])
@@ -78,7 +99,10 @@ def test_a_peak_that_no_draw_stays_at_gives_none():
     assert not list(_inside(line([]), peak, 2, np.random.default_rng(2)))
 
 
-AT_REST, RUNNING = ((None, "massless", "only"),), tuple((speed, "massless", "only") for speed in (400.0, 500.0))
+AT_REST, RUNNING = (
+    ((None, "massless", "only"),),
+    tuple((speed, "massless", "only") for speed in (400.0, 500.0)),
+)
 
 
 @pytest.mark.parametrize(
@@ -94,19 +118,25 @@ AT_REST, RUNNING = ((None, "massless", "only"),), tuple((speed, "massless", "onl
 def test_a_design_asks_once_for_what_its_measures_need_and_at_rest_first(sources, batches):
     """No batch is empty: each costs a round of all designs that go on together."""
     measures = [
-        Measure(source, f"number_{place}", AT_REST if source == REST else RUNNING, "a number") for place, source in enumerate(sources)
+        Measure(source, f"number_{place}", AT_REST if source == REST else RUNNING, "a number")
+        for place, source in enumerate(sources)
     ]
     going, asked = measuring(measures), []
     try:
         asks = next(going)
         while True:
             asked.append(asks)
-            values = [{f"number_{place}": 10.0 * place + (run[0] or 0.0) for place in range(3)} for _, run in asks]
+            values = [
+                {f"number_{place}": 10.0 * place + (run[0] or 0.0) for place in range(3)}
+                for _, run in asks
+            ]
             asks = going.send([Outcome(values=one) for one in values])
     except StopIteration as end:
         found = end.value
     assert asked == batches and found.code == "completed" and not found.failure
-    due = [10.0 * place + (0.0 if source == REST else 500.0) for place, source in enumerate(sources)]
+    due = [
+        10.0 * place + (0.0 if source == REST else 500.0) for place, source in enumerate(sources)
+    ]
     assert [found.values[one] for one in measures] == due
 
 
@@ -124,31 +154,49 @@ class Capturing:
 
 
 def test_a_profile_goes_from_the_best_to_two_and_a_half_deviations_on_either_side(monkeypatch):
-    """Four values a side within the bounds, each search from the end of the one before; what cannot be is not a number."""
+    """Four values a side within the bounds, each search from the end of the one before; what cannot
+    be is not a number.
+    """
     tried = Capturing()
     monkeypatch.setattr(profiles, "least_squares", tried)
     peak = Peak(np.array([0.0, 3.0]), {}, 7.0, np.zeros((2, 2)), np.diag([1.44, 0.09]), 1)
     told: list[str] = []
     found = profiles.profile(line([]), peak, "a", report=told.append)
-    assert found.name == "a" and found.values == pytest.approx(np.arange(-4, 5) * 0.75) and told == ["profile of a"] * 8
-    assert found.misfit == pytest.approx([-30.0, -22.5, -15.0, -7.5, 7.0, 7.5, 15.0, np.nan, np.nan], nan_ok=True)
+    assert (
+        found.name == "a"
+        and found.values == pytest.approx(np.arange(-4, 5) * 0.75)
+        and told == ["profile of a"] * 8
+    )
+    assert found.misfit == pytest.approx(
+        [-30.0, -22.5, -15.0, -7.5, 7.0, 7.5, 15.0, np.nan, np.nan], nan_ok=True
+    )
     starts = [begin for begin, _, _ in tried.asked]
     due = [(-0.75 * n, 3.0 + 0.5 * (n - 1)) for n in (1, 2, 3, 4)] + [(0.75, 3.0), (1.5, 3.5)]
     assert np.array(starts) == pytest.approx(np.array(due))
     assert all(iterations == 10 and free == [False, True] for _, iterations, free in tried.asked)
-    near = profiles.profile(line([]), Peak(np.array([-3.0, 3.0]), {}, 7.0, np.zeros((2, 2)), np.diag([1.44, 0.09]), 1), "a")
+    near = profiles.profile(
+        line([]),
+        Peak(np.array([-3.0, 3.0]), {}, 7.0, np.zeros((2, 2)), np.diag([1.44, 0.09]), 1),
+        "a",
+    )
     assert near.values == pytest.approx([-4.0, -3.75, -3.5, -3.25, -3.0, -2.25, -1.5, -0.75, 0.0])
     with pytest.raises(InputError, match="no quantity 'c' to profile; choose from a, b"):
         profiles.profile(line([]), peak, "c")
 
 
 def test_a_profile_of_one_quantity_is_the_misfit_itself():
-    """Data 4 +- 0.1 and -2 +- 0.1 of the quantity and of its opposite: squares of the misses by their scatter; nothing beyond 3."""
+    """Data 4 +- 0.1 and -2 +- 0.1 of the quantity and of its opposite: squares of the misses by
+    their scatter; nothing beyond 3.
+    """
 
     def evaluate(points):
         return [None if a > 3.0 else {"sum": a, "difference": -a} for (a,) in points]
 
-    posterior = Posterior((Unknown("a", Prior("uniform", -4.0, 4.0)),), (Datum("sum", 4.0, 0.1), Datum("difference", -2.0, 0.1)), evaluate)
+    posterior = Posterior(
+        (Unknown("a", Prior("uniform", -4.0, 4.0)),),
+        (Datum("sum", 4.0, 0.1), Datum("difference", -2.0, 0.1)),
+        evaluate,
+    )
     peak = Peak(np.array([2.0]), {}, 400.0, np.zeros((2, 1)), np.array([[0.64]]), 1)
     found = profiles.profile(posterior, peak, "a")
     assert found.values == pytest.approx(2.0 + 0.5 * np.arange(-4, 5))
@@ -160,10 +208,14 @@ def test_a_profile_of_one_quantity_is_the_misfit_itself():
     ("fails", "due"),
     [
         ((), (BEYOND, 300.0, np.inf, None)),
-        ((100.0,), (BELOW, 0.0, 100.0, "did not end")),  # the lowest speed: the design has no number
-        ((200.0, 150.0, 175.0), (FOUND, 125.0, 150.0, None)), ((300.0,), (FOUND, 275.0, 300.0, None)),
+        (
+            (100.0,),
+            (BELOW, 0.0, 100.0, "did not end"),
+        ),  # the lowest speed: the design has no number
+        ((200.0, 150.0, 175.0), (FOUND, 125.0, 150.0, None)),
+        ((300.0,), (FOUND, 275.0, 300.0, None)),
     ],
-)  # fmt: skip
+)
 def test_a_run_that_fails_counts_as_beyond_the_bound_but_at_the_lowest_speed(fails, due):
     """Speeds 100, 200 and 300 rad/s, then halves to 25 rad/s."""
     search = LimitSearch("number", True, 5.0, (100.0, 200.0, 300.0), 25.0)
@@ -172,15 +224,22 @@ def test_a_run_that_fails_counts_as_beyond_the_bound_but_at_the_lowest_speed(fai
     try:
         while True:
             assert {(source, run[1:]) for source, run in asks} == {(LIMIT, AT_REST[0][1:])}
-            ended = [Status("diverged", "did not end") if run[0] in fails else COMPLETED for _, run in asks]
+            ended = [
+                Status("diverged", "did not end") if run[0] in fails else COMPLETED
+                for _, run in asks
+            ]
             asks = going.send([Outcome(one, {"number": 1.0}) for one in ended])
     except StopIteration as end:
         found, failed = end.value
     assert (found.kind, found.low, found.high) == due[:3]
-    assert (failed is None) == (due[3] is None) and (failed is None or failed.status.message == due[3])
+    assert (failed is None) == (due[3] is None) and (
+        failed is None or failed.status.message == due[3]
+    )
 
 
 def test_speeds_of_a_limit_rise_however_they_are_told():
     told = {"quantity": "clash_energy", "at_most": "5 mJ", "engine_speeds": "9000, 5000, 7000 rpm"}
     found = limit_of_file(MeasureModel(limit_speed=told))
-    assert np.asarray(found.engine_speeds) == pytest.approx(np.array([5000, 7000, 9000]) * np.pi / 30)
+    assert np.asarray(found.engine_speeds) == pytest.approx(
+        np.array([5000, 7000, 9000]) * np.pi / 30
+    )

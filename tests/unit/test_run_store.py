@@ -1,4 +1,6 @@
-"""Runs on disk: never overwritten, with their inputs whole, found again and compared; and what a request costs."""
+"""Runs on disk: never overwritten, with their inputs whole, found again and compared; and what a
+request costs.
+"""
 
 from __future__ import annotations
 
@@ -38,7 +40,14 @@ def answer(peak: float = 900.0, **more):
         "quantities": {"peak_spring_force": {"value": peak, "unit": "N"}, "bounce_count": {"value": None, "unit": "1"}},
     }]  # fmt: skip
     still = {"preload": {"value": 250.0, "unit": "N"}}
-    return {"command": "run", "case": "mine", "created_at": NOON.isoformat(), "completed": True, "runs": runs, "quantities": still} | more
+    return {
+        "command": "run",
+        "case": "mine",
+        "created_at": NOON.isoformat(),
+        "completed": True,
+        "runs": runs,
+        "quantities": still,
+    } | more
 
 
 @pytest.fixture
@@ -58,44 +67,68 @@ def made(root, inputs, found, moment=NOON):
 def test_inputs_are_whole_and_read_again_from_their_folder(source):
     inputs = collect_inputs("mine", TEXT, source, {"command": "run"})
     run = made(source / "runs", inputs, answer(files=["table.csv"]))
-    assert run.folder.parent.name == "mine" and run.folder.name == f"20260501-120000-{inputs.digest}" and len(inputs.digest) == 8
+    assert (
+        run.folder.parent.name == "mine"
+        and run.folder.name == f"20260501-120000-{inputs.digest}"
+        and len(inputs.digest) == 8
+    )
     tree = tomllib.loads(run.case_file.read_text())
-    assert tree["name"] == "mine" and tree["lift_law"]["file"] == "a.csv" and "# a remark" in run.case_file.read_text()
+    assert (
+        tree["name"] == "mine"
+        and tree["lift_law"]["file"] == "a.csv"
+        and "# a remark" in run.case_file.read_text()
+    )
     assert (run.case_file.parent / "a.csv").read_text() == "0,0\n1,1\n"
     kept = json.loads((run.folder / ANSWER).read_text())
-    assert kept["files"] == ["table.csv", "inputs/case.toml", "inputs/a.csv"] and kept["digest"] == inputs.digest
-    again = collect_inputs("mine", run.case_file.read_text(), run.case_file.parent, {"command": "run"})
+    assert (
+        kept["files"] == ["table.csv", "inputs/case.toml", "inputs/a.csv"]
+        and kept["digest"] == inputs.digest
+    )
+    again = collect_inputs(
+        "mine", run.case_file.read_text(), run.case_file.parent, {"command": "run"}
+    )
     assert again.digest == inputs.digest  # the repeated run is the same run
 
 
 def test_the_digest_tells_inputs_apart(source):
     one = collect_inputs("mine", TEXT, source, {"command": "run"})
     (source / "lifts" / "a.csv").write_text("0,0\n1,2\n")
-    others = collect_inputs("mine", TEXT, source, {"command": "run"}), collect_inputs("mine", TEXT + "# b", source, {"command": "sweep"})
+    others = (
+        collect_inputs("mine", TEXT, source, {"command": "run"}),
+        collect_inputs("mine", TEXT + "# b", source, {"command": "sweep"}),
+    )
     assert len({one.digest, *(other.digest for other in others)}) == 3
 
 
 def test_two_files_of_one_name_both_stay(source):
     (source / "b").mkdir()
     (source / "b" / "a.csv").write_text("other")
-    inputs = collect_inputs("mine", TEXT + '[train.cam]\nfile = { value = "b/a.csv" }\n', source, {})
+    inputs = collect_inputs(
+        "mine", TEXT + '[train.cam]\nfile = { value = "b/a.csv" }\n', source, {}
+    )
     assert set(inputs.side_files) == {"a.csv", "a-2.csv"}
     assert tomllib.loads(inputs.text)["train"]["cam"]["file"] == {"value": "a-2.csv"}
 
 
 def test_a_file_that_is_gone_is_a_sentence(source):
-    with pytest.raises(InputError, match=r"the file 'lifts/a\.csv' that case 'mine' names cannot be read"):
+    with pytest.raises(
+        InputError, match=r"the file 'lifts/a\.csv' that case 'mine' names cannot be read"
+    ):
         collect_inputs("mine", TEXT, source / "lifts", {})
 
 
 def test_nothing_is_overwritten_and_the_newest_is_linked(tmp_path):
     inputs = Inputs("a b/c", "x = 1")
     runs = [made(tmp_path, inputs, answer(), NOON) for _ in range(3)]
-    assert [run.folder.name[24:] for run in runs] == ["", "-2", "-3"] and runs[0].folder.parent.name == "a-b-c"
+    assert [run.folder.name[24:] for run in runs] == ["", "-2", "-3"] and runs[
+        0
+    ].folder.parent.name == "a-b-c"
     later = made(tmp_path, inputs, answer(), NOON + timedelta(days=1))
     link = tmp_path / "a-b-c" / "latest"
     assert link.is_symlink() and os.readlink(link) == later.folder.name
-    assert [run.folder.name for run in kept_runs(root=tmp_path)] == [run.folder.name for run in (later, *reversed(runs))]
+    assert [run.folder.name for run in kept_runs(root=tmp_path)] == [
+        run.folder.name for run in (later, *reversed(runs))
+    ]
     assert run_of_path(link).answer == later.answer
 
 
@@ -163,47 +196,120 @@ def test_damaged_runs_are_left_out_of_the_list(tmp_path):
 
 
 def test_differences_of_inputs_and_results(tmp_path):
-    one = made(tmp_path, Inputs("mine", '[spring]\nd = "4 mm"\nk = [{ a = 1 }, { a = 2 }]\n', choices={"spring_models": ["a"]}), answer())
-    changed = '[spring]\nd = { value = "5 mm", source = "x" }\nk = [{ a = 1 }, { a = 3 }]\nnew = 1\n'
-    two = made(tmp_path, Inputs("mine", changed, choices={"spring_models": ["a"]}), answer(990.0, quantities={}))
-    assert input_differences(one, two) == (("spring.d", "4 mm", "5 mm"), ("spring.k.1.a", 2, 3), ("spring.new", None, 1))
+    one = made(
+        tmp_path,
+        Inputs(
+            "mine",
+            '[spring]\nd = "4 mm"\nk = [{ a = 1 }, { a = 2 }]\n',
+            choices={"spring_models": ["a"]},
+        ),
+        answer(),
+    )
+    changed = (
+        '[spring]\nd = { value = "5 mm", source = "x" }\nk = [{ a = 1 }, { a = 3 }]\nnew = 1\n'
+    )
+    two = made(
+        tmp_path,
+        Inputs("mine", changed, choices={"spring_models": ["a"]}),
+        answer(990.0, quantities={}),
+    )
+    assert input_differences(one, two) == (
+        ("spring.d", "4 mm", "5 mm"),
+        ("spring.k.1.a", 2, 3),
+        ("spring.new", None, 1),
+    )
     rows = result_differences(one, two)
     assert [(row.quantity, row.run, row.unit, row.a, row.b) for row in rows] == [
-        ("peak_spring_force", "massless at 4000 rpm", "N", 900.0, 990.0), ("preload", "", "N", 250.0, None),
-    ]  # fmt: skip
-    assert rows[0].difference == 90.0 and rows[0].relative == pytest.approx(0.1) and rows[1].difference is None
+        ("peak_spring_force", "massless at 4000 rpm", "N", 900.0, 990.0),
+        ("preload", "", "N", 250.0, None),
+    ]
+    assert (
+        rows[0].difference == 90.0
+        and rows[0].relative == pytest.approx(0.1)
+        and rows[1].difference is None
+    )
     assert not input_differences(one, one) and not result_differences(one, one)
 
 
 def identified(rate: float, computed: float, **more: object) -> dict[str, object]:
-    found = {"quantities": {"rate": {"best": rate, "low": rate - 300.0}}, "share": 1.0, "told": {"rate": 0.9}}
-    rows = [{"measurement": "load", "key": f"force at {place} mm", "measured": 388.0, "computed": value, "fitted": True}
-            for place, value in ((12, computed), (16, 520.0))]  # fmt: skip
-    given = {"command": "identify", "case": "card", "branches": [found], "measurements": rows, "created_at": "now", "evaluations": 30}
+    found = {
+        "quantities": {"rate": {"best": rate, "low": rate - 300.0}},
+        "share": 1.0,
+        "told": {"rate": 0.9},
+    }
+    rows = [
+        {
+            "measurement": "load",
+            "key": f"force at {place} mm",
+            "measured": 388.0,
+            "computed": value,
+            "fitted": True,
+        }
+        for place, value in ((12, computed), (16, 520.0))
+    ]
+    given = {
+        "command": "identify",
+        "case": "card",
+        "branches": [found],
+        "measurements": rows,
+        "created_at": "now",
+        "evaluations": 30,
+    }
     return given | {"files": ["a"], "kept_from_before": 7, "evidence": {"log": None}} | more
 
 
 def test_numbers_that_are_no_runs_differ_too(tmp_path):
-    """An identification has no runs: what it found is compared by the names it stands under, how it was asked for is not."""
+    """An identification has no runs: what it found is compared by the names it stands under, how it
+    was asked for is not.
+    """
     one = KeptRun(tmp_path, identified(32000.0, 389.0))
-    two = KeptRun(tmp_path, identified(33600.0, 398.0, kept_from_before=9, files=[], predictions={"float": {"best": 1.0}}))
+    two = KeptRun(
+        tmp_path,
+        identified(
+            33600.0, 398.0, kept_from_before=9, files=[], predictions={"float": {"best": 1.0}}
+        ),
+    )
     assert [(row.quantity, row.run, row.a, row.b) for row in result_differences(one, two)] == [
-        ("low", "branches, 1, quantities, rate", 31700.0, 33300.0), ("best", "branches, 1, quantities, rate", 32000.0, 33600.0),
-        ("computed", "measurements, load force at 12 mm", 389.0, 398.0), ("best", "predictions, float", None, 1.0),
-    ]  # fmt: skip
+        ("low", "branches, 1, quantities, rate", 31700.0, 33300.0),
+        ("best", "branches, 1, quantities, rate", 32000.0, 33600.0),
+        ("computed", "measurements, load force at 12 mm", 389.0, 398.0),
+        ("best", "predictions, float", None, 1.0),
+    ]
     assert not result_differences(one, one)
-    assert result_rows(result_differences(one, two))[1] == ("best", "branches, 1, quantities, rate", "32000", "33600", "", "+5.0 %")
+    assert result_rows(result_differences(one, two))[1] == (
+        "best",
+        "branches, 1, quantities, rate",
+        "32000",
+        "33600",
+        "",
+        "+5.0 %",
+    )
 
 
 def test_other_numbers_keep_their_unit_and_their_name_in_a_list():
     def swept(speed: float, order: int) -> KeptRun:
-        found = {"name": "loss of contact", "engine_speed": {"value": speed, "unit": "rpm"}, "samples": [1.0, speed]}
-        crossing = [{"label": label, "level": {"value": level, "unit": "N"}} for label, level in (("rod", 3.0), ("chain", 4.0))][::order]
+        found = {
+            "name": "loss of contact",
+            "engine_speed": {"value": speed, "unit": "rpm"},
+            "samples": [1.0, speed],
+        }
+        crossing = [
+            {"label": label, "level": {"value": level, "unit": "N"}}
+            for label, level in (("rod", 3.0), ("chain", 4.0))
+        ][::order]
         run = {"label": "rod", "quantities": {"preload": {"value": 250.0, "unit": "N"}}}
-        return KeptRun(Path(), {"command": "sweep", "runs": [run], "critical_speeds": [found], "crossings": crossing})
+        return KeptRun(
+            Path(),
+            {"command": "sweep", "runs": [run], "critical_speeds": [found], "crossings": crossing},
+        )
 
     speed, sample = result_differences(swept(7000.0, 1), swept(7700.0, -1))
-    assert (speed.quantity, speed.run, speed.unit, speed.difference) == ("engine_speed", "critical_speeds, loss of contact", "rpm", 700.0)
+    assert (speed.quantity, speed.run, speed.unit, speed.difference) == (
+        "engine_speed",
+        "critical_speeds, loss of contact",
+        "rpm",
+        700.0,
+    )
     assert (sample.quantity, sample.b) == ("2", 7700.0)
     deep: dict[str, object] = {"last": 1.0}
     for _ in range(200):
@@ -212,7 +318,13 @@ def test_other_numbers_keep_their_unit_and_their_name_in_a_list():
 
 
 def test_cost_grows_as_the_work_does():
-    usual = {"runs": 10, "simulated_time": 3.0, "processor_time": 10.0, "samples": 720.0, "channels": 100.0}
+    usual = {
+        "runs": 10,
+        "simulated_time": 3.0,
+        "processor_time": 10.0,
+        "samples": 720.0,
+        "channels": 100.0,
+    }
     cost = estimate(**usual)
     assert cost.seconds == pytest.approx(30.0, rel=0.05)
     assert estimate(**usual, workers=2).seconds == pytest.approx(cost.seconds / 2)

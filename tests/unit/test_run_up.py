@@ -1,4 +1,6 @@
-"""Run-ups: the turns of constant acceleration in closed form, and a slow one between the steady states of a sweep."""
+"""Run-ups: the turns of constant acceleration in closed form, and a slow one between the steady
+states of a sweep.
+"""
 
 from __future__ import annotations
 
@@ -18,7 +20,8 @@ from valvetrain.parameters.templates import TEMPLATES
 
 ENGINE = str(TEMPLATES / "pushrod.toml")
 RPM = math.pi / 30
-#: Quantity -> largest difference of a slow run-up from the steady state at the same speed, as a share.
+#: Quantity -> largest difference of a slow run-up from the steady state at the same speed, as a
+#: share.
 BANDS = {
     "peak_cam_contact_force": 0.01, "peak_spring_force": 2e-3, "minimum_spring_force": 5e-3, "peak_retainer_force": 2e-3,
     "minimum_cam_contact_force": 0.02, "peak_valve_tip_contact_force": 0.01, "peak_valve_lift": 1e-3, "coil_bind_clearance": 5e-3,
@@ -27,22 +30,34 @@ BANDS = {
 
 
 def test_turns_follow_the_law_of_constant_acceleration():
-    """Turn n is done at (sqrt(w^2 + 4 pi n a) - w) / a; a record ends at the sample nearest to it, and the next goes on from there."""
+    """Turn n is done at (sqrt(w^2 + 4 pi n a) - w) / a; a record ends at the sample nearest to it,
+    and the next goes on from there.
+    """
     first, last, acceleration = 100.0, 160.0, 900.0
-    ready = runner(system(direct()), first, TrainOptions(samples=360), cam_acceleration=acceleration)
+    ready = runner(
+        system(direct()), first, TrainOptions(samples=360), cam_acceleration=acceleration
+    )
     records = list(turns_of_run_up(ready, last))
     interval = ready.time_step * ready.steps / 360
     done = np.cumsum([len(record.q) for record in records]) * interval
-    expected = (np.sqrt(first**2 + 4 * math.pi * acceleration * np.arange(1, len(records) + 1)) - first) / acceleration
+    expected = (
+        np.sqrt(first**2 + 4 * math.pi * acceleration * np.arange(1, len(records) + 1)) - first
+    ) / acceleration
     assert np.max(np.abs(done - expected)) < 0.51 * interval
     angle = np.concatenate([record.cam_angle for record in records])
     time = np.arange(len(angle)) * interval
     assert angle == pytest.approx(first * time + acceleration * time**2 / 2, rel=1e-9, abs=1e-9)
-    assert records[-1].cam_speed < last <= records[-1].cam_speed + acceleration * len(records[-1].q) * interval
+    assert (
+        records[-1].cam_speed
+        < last
+        <= records[-1].cam_speed + acceleration * len(records[-1].q) * interval
+    )
 
 
 def test_a_slow_run_up_passes_through_the_steady_states():
-    """A rise by 8 % in 22 turns of the template. The bands tell the two speeds apart: values of one are outside at the other."""
+    """A rise by 8 % in 22 turns of the template. The bands tell the two speeds apart: values of one
+    are outside at the other.
+    """
     still = vt.sweep(ENGINE, "5100, 5300 rpm", spring_models=["massless"], spring_sets=["card"])
     study = vt.run_up(ENGINE, "5000 rpm", "5400 rpm", "0.5 s", spring_models=["massless"])
     outside, crossed = {}, []
@@ -54,16 +69,32 @@ def test_a_slow_run_up_passes_through_the_steady_states():
             outside[name] = found / steady - 1
         crossed += [name] if np.max(np.abs(found[::-1] / steady - 1)) > band else []
     assert not outside
-    assert {"peak_cam_contact_force", "minimum_cam_contact_force", "seating_velocity"} <= set(crossed)
+    assert {"peak_cam_contact_force", "minimum_cam_contact_force", "seating_velocity"} <= set(
+        crossed
+    )
 
 
 def test_the_command_keeps_a_page_and_its_turns(tmp_path):
-    asked = ("run-up", ENGINE, "--from", "3000 rpm", "--to", "3400 rpm", "--duration", "0.15 s", "--spring", "massless", "--json")
+    asked = (
+        "run-up",
+        ENGINE,
+        "--from",
+        "3000 rpm",
+        "--to",
+        "3400 rpm",
+        "--duration",
+        "0.15 s",
+        "--spring",
+        "massless",
+        "--json",
+    )
     answer = json.loads(call(*asked, "--output", str(tmp_path / "up")).stdout)
     assert answer["command"] == "run-up" and answer["completed"] and len(answer["runs"]) >= 3
     speeds = [run["engine_speed"]["value"] for run in answer["runs"]]
     assert speeds == sorted(speeds) and 3000 < speeds[0] < 3400 <= speeds[-1] + 200
-    assert {"peak_cam_contact_force", "minimum_cam_contact_force", "float_excess_lift"} <= set(answer["runs"][0]["quantities"])
+    assert {"peak_cam_contact_force", "minimum_cam_contact_force", "float_excess_lift"} <= set(
+        answer["runs"][0]["quantities"]
+    )
     page = (tmp_path / "up" / "report.html").read_text(encoding="utf-8")
     assert "the envelope of the run-up" in page and "Run-up from 3000 to 3400 rpm in 0.15 s" in page
 
@@ -74,7 +105,10 @@ def test_the_command_keeps_a_page_and_its_turns(tmp_path):
         (("job-t",), "holds no train"),
         ((ENGINE, "--engine-speed", "3000 rpm"), "leave --engine-speed out"),
         ((ENGINE, "--from", "3000, 4000 rpm"), "one speed at either end"),
-        ((ENGINE, "--from", "3000 rpm", "--to", "3000 rpm"), "from one positive engine speed to another"),
+        (
+            (ENGINE, "--from", "3000 rpm", "--to", "3000 rpm"),
+            "from one positive engine speed to another",
+        ),
         ((ENGINE, "--duration", "0 s"), "a positive time"),
         ((ENGINE, "--duration", "9 mm"), "time"),
     ],
@@ -89,37 +123,85 @@ def test_workers_and_python_refusals():
         vt.run_up(ENGINE, "3000 rpm", "4000 rpm", 0.0)
     sets = ["card", "wire"]
     one, two = (
-        vt.run_up(ENGINE, "3000 rpm", "3200 rpm", "0.05 s", spring_models=["massless"], spring_sets=sets, workers=count) for count in (1, 2)
+        vt.run_up(
+            ENGINE,
+            "3000 rpm",
+            "3200 rpm",
+            "0.05 s",
+            spring_models=["massless"],
+            spring_sets=sets,
+            workers=count,
+        )
+        for count in (1, 2)
     )
     assert one.labels == two.labels and len(one.labels) == 2
     assert all(a.identical(b) for a, b in zip(one.solutions, two.solutions, strict=True))
 
 
 def test_the_terminal_says_from_where_contact_is_lost(tmp_path):
-    """Stock springs of tdi-pushrod lose contact from 6860 and float from 7070 rpm in steady motion; one turn here is 90 rpm."""
-    asked = ("run-up", "tdi-pushrod", "--spring-set", "stock", "--from", "6500 rpm", "--to", "7700 rpm", "--duration", "0.25 s")
+    """Stock springs of tdi-pushrod lose contact from 6860 and float from 7070 rpm in steady motion;
+    one turn here is 90 rpm.
+    """
+    asked = (
+        "run-up",
+        "tdi-pushrod",
+        "--spring-set",
+        "stock",
+        "--from",
+        "6500 rpm",
+        "--to",
+        "7700 rpm",
+        "--duration",
+        "0.25 s",
+    )
     told = {
-        line.split("  ")[0].strip(): line.split()[-1] for line in call(*asked, "--output", str(tmp_path / "up")).stdout.splitlines() if line
+        line.split("  ")[0].strip(): line.split()[-1]
+        for line in call(*asked, "--output", str(tmp_path / "up")).stdout.splitlines()
+        if line
     }
-    assert 6800 < float(told["Loss of contact from"]) < 7000 and 7000 < float(told["Float from"]) < 7400
+    assert (
+        6800 < float(told["Loss of contact from"]) < 7000
+        and 7000 < float(told["Float from"]) < 7400
+    )
 
 
 def test_a_model_that_cannot_run_floats_at_no_speed():
     models = ["massless", "wave-rod-clash"]
-    found = vt.run_up("tdi-pushrod", "1000 rpm", "1100 rpm", "0.4 s", spring_models=models, spring_sets=["stock"], workers=1)
+    found = vt.run_up(
+        "tdi-pushrod",
+        "1000 rpm",
+        "1100 rpm",
+        "0.4 s",
+        spring_models=models,
+        spring_sets=["stock"],
+        workers=1,
+    )
     (refused,) = found.failures
     assert "wave-rod-clash" in refused and found.still.get("wave-rod-clash", {}) == {}
 
 
 def test_where_no_model_can_run_the_reason_of_the_first_is_the_refusal():
-    with pytest.raises(InputError, match=r"^--spring: spring 'stock' is known by its card only; a rod with clash needs the coil gaps"):
-        vt.run_up("tdi-pushrod", "1000 rpm", "1100 rpm", "0.4 s", spring_models=["wave-rod-clash"], spring_sets=["stock"], workers=1)
+    with pytest.raises(
+        InputError,
+        match=r"^--spring: spring 'stock' is known by its card only; a rod with clash needs the coil gaps",
+    ):
+        vt.run_up(
+            "tdi-pushrod",
+            "1000 rpm",
+            "1100 rpm",
+            "0.4 s",
+            spring_models=["wave-rod-clash"],
+            spring_sets=["stock"],
+            workers=1,
+        )
 
 
 @pytest.mark.parametrize(("first", "last"), [("1000 rpm", "6000 rpm"), ("6000 rpm", "1000 rpm")])
 def test_a_run_up_of_less_than_a_few_turns_is_refused(first, last):
     with pytest.raises(InputError, match=r"0\.29 cam turns, .*take a longer time"):
-        vt.run_up("tdi-pushrod", first, last, "0.01 s", spring_models=["massless"], spring_sets=["stock"])
+        vt.run_up(
+            "tdi-pushrod", first, last, "0.01 s", spring_models=["massless"], spring_sets=["stock"]
+        )
 
 
 def test_a_time_beyond_all_bounds_is_refused_before_it_is_counted(tmp_path):

@@ -8,9 +8,7 @@ import pytest
 
 from valvetrain.errors import InputError
 from valvetrain.parameters.constructors import cylindrical
-from valvetrain.parameters.damping import DampingParameters
-from valvetrain.parameters.guide import Guide
-from valvetrain.parameters.installed_spring import InstalledSpring
+from valvetrain.parameters.installed_spring import DampingParameters, Guide, InstalledSpring
 from valvetrain.parameters.loading import load_case, parse_case
 from valvetrain.studies.api import static_curve
 from valvetrain.studies.notes import buckling_notes, ringing_note
@@ -31,13 +29,18 @@ mass = "25 g"
 """
 
 
-@pytest.mark.parametrize(("half", "missing"), [("coefficient = 0.1", "normal_force"), ('normal_force = "20 N"', "coefficient")])
+@pytest.mark.parametrize(
+    ("half", "missing"),
+    [("coefficient = 0.1", "normal_force"), ('normal_force = "20 N"', "coefficient")],
+)
 def test_half_of_a_rubbing_is_refused(half, missing):
     with pytest.raises(InputError, match=f"without {missing} rubs nothing; give both"):
         parse_case(PAIR + half)
 
 
-@pytest.mark.parametrize("whole", ['coefficient = 0.1\nnormal_force = "20 N"', 'coefficient = 0\nnormal_force = "20 N"'])
+@pytest.mark.parametrize(
+    "whole", ['coefficient = 0.1\nnormal_force = "20 N"', 'coefficient = 0\nnormal_force = "20 N"']
+)
 def test_a_whole_rubbing_may_be_switched_off_by_a_zero(whole):
     assert parse_case(PAIR + whole).rubbing.normal_force == 20.0
 
@@ -45,7 +48,9 @@ def test_a_whole_rubbing_may_be_switched_off_by_a_zero(whole):
 def test_a_massless_spring_says_that_it_leaves_damping_out():
     case = load_case("job-t")
     (said,) = run_study(case, engine_speeds=[200.0], spring_models=["massless"], workers=1).notes
-    assert said == "A massless spring has no inner motion: the damping of 'job-t' has no effect in it."
+    assert (
+        said == "A massless spring has no inner motion: the damping of 'job-t' has no effect in it."
+    )
     assert not run_study(case, engine_speeds=[200.0], spring_models=["multi-mass"], workers=1).notes
     still = load_case("job-t", {"spring.damping.stiffness_damping": "0 s"})
     assert not run_study(still, engine_speeds=[200.0], spring_models=["massless"], workers=1).notes
@@ -63,19 +68,28 @@ def test_a_spring_without_any_damping_is_named_where_it_moves(model):
     assert said.startswith(
         "The case gives spring 'job-t' no damping, so that surge lives on from cycle to cycle: give its damping, such as "
     )
-    assert not notes(mass_damping=20.0) and not notes(stiffness_damping=1e-6) and not notes(ratio=0.016, ratio_frequency=400.0)
+    assert (
+        not notes(mass_damping=20.0)
+        and not notes(stiffness_damping=1e-6)
+        and not notes(ratio=0.016, ratio_frequency=400.0)
+    )
 
 
 def test_every_spring_of_a_train_without_damping_is_named_once_and_others_are_not():
     members = build(load_case("vaz-ohc"), spring_models=["multi-mass", "massless"]).members
     assert ringing_note(members) == ""
-    bare = {name: f"train.springs.{name}.0.damping.mass_damping" for name in load_case("vaz-ohc").train.springs}
+    bare = {
+        name: f"train.springs.{name}.0.damping.mass_damping"
+        for name in load_case("vaz-ohc").train.springs
+    }
     case = load_case("vaz-ohc").replace(dict.fromkeys(bare.values(), 0.0))
     said = ringing_note(build(case, spring_models=["multi-mass", "massless"]).members)
     assert said.startswith("The case gives spring 'outer' no damping, ") and "'inner'" not in said
     assert ringing_note(build(case, spring_models=["massless"]).members) == ""
     both = case.replace({path.replace(".0.", ".1."): 0.0 for path in bare.values()})
-    assert ringing_note(build(both).members).startswith("The case gives springs 'outer' and 'inner' no damping, ")
+    assert ringing_note(build(both).members).startswith(
+        "The case gives springs 'outer' and 'inner' no damping, "
+    )
     assert "give their damping" in ringing_note(build(both).members)
 
 
@@ -87,11 +101,19 @@ def test_the_modal_model_presses_with_nothing_in_the_free_state():
 
 
 def test_a_run_tells_no_option_that_its_spring_has_not():
-    (run,) = run_study(load_case("job-t"), engine_speeds=[200.0], spring_models=["multi-mass"], workers=1).solutions
+    (run,) = run_study(
+        load_case("job-t"), engine_speeds=[200.0], spring_models=["multi-mass"], workers=1
+    ).solutions
     assert "masses_per_coil" in run.provenance.options and "elements" not in run.provenance.options
-    (run,) = run_study(load_case("job-t", {"spring.options.finite-element.elements_per_coil": 6}), engine_speeds=[400.0],
-                       spring_models=["finite-element"], workers=1).solutions  # fmt: skip
-    assert "elements_per_coil" in run.provenance.options and "card_lift" not in run.provenance.options
+    (run,) = run_study(
+        load_case("job-t", {"spring.options.finite-element.elements_per_coil": 6}),
+        engine_speeds=[400.0],
+        spring_models=["finite-element"],
+        workers=1,
+    ).solutions
+    assert (
+        "elements_per_coil" in run.provenance.options and "card_lift" not in run.provenance.options
+    )
 
 
 def test_a_train_says_that_its_spring_buckles_by_the_formula_unless_it_is_guided():
@@ -100,9 +122,16 @@ def test_a_train_says_that_its_spring_buckles_by_the_formula_unless_it_is_guided
 
     def said(**how):
         spring = InstalledSpring(wire, **how)
-        return buckling_notes(replace(problem, members=tuple(replace(member, springs=(spring,)) for member in problem.members)))
+        return buckling_notes(
+            replace(
+                problem,
+                members=tuple(replace(member, springs=(spring,)) for member in problem.members),
+            )
+        )
 
     assert buckling_notes(problem) == ()
     (sentence,) = said(precompression=12e-3)
-    assert sentence.startswith("Spring 'slender' buckles at 15.84 mm compression by the formula of EN 13906-1, before the")
+    assert sentence.startswith(
+        "Spring 'slender' buckles at 15.84 mm compression by the formula of EN 13906-1, before the"
+    )
     assert said(precompression=2e-3) == () == said(precompression=12e-3, guide=Guide(bore="12 mm"))

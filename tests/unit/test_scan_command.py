@@ -1,4 +1,6 @@
-"""Unit: the command ``scan``: files, page and JSON of a spring out of a cloud, its design beside it, and what is refused."""
+"""Unit: the command ``scan``: files, page and JSON of a spring out of a cloud, its design beside
+it, and what is refused.
+"""
 
 from __future__ import annotations
 
@@ -11,9 +13,9 @@ import pytest
 
 from unit.cli_parts import call as invoke
 from valvetrain.errors import InputError
-from valvetrain.measurements.spring_scan.api import spring_from_scan
-from valvetrain.measurements.spring_scan.definition import round_wire, turned_over
 from valvetrain.parameters.loading import load_case
+from valvetrain.scan.definition import round_wire, turned_over
+from valvetrain.scan.reconstruct import spring_from_scan
 
 sys.path.insert(0, str(Path(__file__).parents[2] / "scripts"))
 from sample_scan import Scanner, cloud, ply, springs
@@ -37,14 +39,32 @@ def folder(tmp_path_factory):
 @pytest.fixture(scope="module")
 def answer(folder):
     """What the command says of the left-handed spring, and the folder it wrote."""
-    found = invoke("scan", str(folder / "conical.ply"), "--name", "inner", "--json", "--output", str(folder / "out"))
+    found = invoke(
+        "scan",
+        str(folder / "conical.ply"),
+        "--name",
+        "inner",
+        "--json",
+        "--output",
+        str(folder / "out"),
+    )
     return json.loads(found.stdout), folder / "out"
 
 
 def test_a_scan_gives_a_spring_that_a_case_takes(answer):
     data, out = answer
-    assert data["completed"] and data["hand"] == "left" and data["unit"] == "mm" and data["form"] == "PLY"
-    assert {path.rsplit("/")[-1] for path in data["files"]} >= {"spring.toml", "curves.csv", "report.html", "run.json"}
+    assert (
+        data["completed"]
+        and data["hand"] == "left"
+        and data["unit"] == "mm"
+        and data["form"] == "PLY"
+    )
+    assert {path.rsplit("/")[-1] for path in data["files"]} >= {
+        "spring.toml",
+        "curves.csv",
+        "report.html",
+        "run.json",
+    }
     spring = load_case(str(out / "spring.toml")).springs[0]
     assert spring.name == "inner" and spring.wire.hand == "left"
     assert spring.wire.total_coils == pytest.approx(data["total_coils"]["value"])
@@ -53,17 +73,24 @@ def test_a_scan_gives_a_spring_that_a_case_takes(answer):
 
 
 def test_the_spring_of_the_file_goes_through_static(answer, folder):
-    found = json.loads(invoke("static", str(answer[1] / "spring.toml"), "--spring", "multi-mass", "--json").stdout)
+    found = json.loads(
+        invoke("static", str(answer[1] / "spring.toml"), "--spring", "multi-mass", "--json").stdout
+    )
     assert found["completed"]
 
 
 def test_the_table_of_curves_holds_those_of_the_answer(answer):
     data, out = answer
     lines = (out / "curves.csv").read_text().splitlines()
-    assert lines[0].startswith("coil,mean diameter [mm]") and len(lines) == len(data["curves"]["coil"]) + 1
+    assert (
+        lines[0].startswith("coil,mean diameter [mm]")
+        and len(lines) == len(data["curves"]["coil"]) + 1
+    )
     row = [float(word) for word in lines[5].split(",")]
     assert row[1] == pytest.approx(1e3 * data["curves"]["mean_diameter"][4], rel=1e-6)
-    assert row[7:] == pytest.approx([1e3 * one for one in data["curves"]["centre_line"][4]], rel=1e-5)
+    assert row[7:] == pytest.approx(
+        [1e3 * one for one in data["curves"]["centre_line"][4]], rel=1e-5
+    )
 
 
 def test_the_page_shows_cloud_curves_section_and_residuals(answer):
@@ -75,31 +102,61 @@ def test_the_page_shows_cloud_curves_section_and_residuals(answer):
         "What the points leave",
     ):
         assert part in page
-    assert "could not be drawn" not in page and "design" not in page.split("plotly")[0].lower().replace("designed", "")
+    assert "could not be drawn" not in page and "design" not in page.split("plotly")[
+        0
+    ].lower().replace("designed", "")
 
 
 def test_the_design_stands_beside_the_scan(folder):
     found = invoke(
-        "scan", str(folder / "design.xyz"), "--unit", "mm", "--design", DESIGN, *FAST, "--json", "--output", str(folder / "beside")
-    )  # fmt: skip
+        "scan",
+        str(folder / "design.xyz"),
+        "--unit",
+        "mm",
+        "--design",
+        DESIGN,
+        *FAST,
+        "--json",
+        "--output",
+        str(folder / "beside"),
+    )
     data = json.loads(found.stdout)
     compared = {(one["quantity"], one["engine_speed"] is None): one for one in data["compared"]}
-    assert compared["preload", True]["scan"] == pytest.approx(compared["preload", True]["design"], rel=0.02)
-    assert compared["mode_1_frequency", True]["scan"] == pytest.approx(compared["mode_1_frequency", True]["design"], rel=0.02)
-    assert compared["peak_spring_force", False]["scan"] == pytest.approx(compared["peak_spring_force", False]["design"], rel=0.02)
+    assert compared["preload", True]["scan"] == pytest.approx(
+        compared["preload", True]["design"], rel=0.02
+    )
+    assert compared["mode_1_frequency", True]["scan"] == pytest.approx(
+        compared["mode_1_frequency", True]["design"], rel=0.02
+    )
+    assert compared["peak_spring_force", False]["scan"] == pytest.approx(
+        compared["peak_spring_force", False]["design"], rel=0.02
+    )
     page = (folder / "beside" / "report.html").read_text()
-    for part in ("Design against scan", "What was made beside what was drawn", "Force and rate over height", "Spring force at 2000 rpm"):
+    for part in (
+        "Design against scan",
+        "What was made beside what was drawn",
+        "Force and rate over height",
+        "Spring force at 2000 rpm",
+    ):
         assert part in page
     assert "could not be drawn" not in page
     spring = load_case(str(folder / "beside" / "spring.toml")).springs[0]
-    assert spring.installed_height == pytest.approx(load_case(DESIGN).springs[0].installed_height, abs=5e-6)
+    assert spring.installed_height == pytest.approx(
+        load_case(DESIGN).springs[0].installed_height, abs=5e-6
+    )
     assert spring.seats == "clamps"
 
 
 def test_the_terminal_tells_sizes_and_assumptions(folder, monkeypatch):
     monkeypatch.chdir(folder)
     words = " ".join(invoke("scan", "conical.ply", "--turn-over").stdout.split())
-    for part in ("left hand", "free length 30.", "closed and ground", "A scan does not give the material", "ground turns of the lower end"):
+    for part in (
+        "left hand",
+        "free length 30.",
+        "closed and ground",
+        "A scan does not give the material",
+        "ground turns of the lower end",
+    ):
         assert part in words
 
 
@@ -109,25 +166,38 @@ def test_turned_over_twice_is_the_same(folder, answer):
     flipped = turned_over(other)
     assert flipped.curves.mean_diameter == pytest.approx(scan["curves"]["mean_diameter"], rel=1e-9)
     assert flipped.curves.height == pytest.approx(scan["curves"]["height"], abs=1e-9)
-    assert flipped.curves.centre_line == pytest.approx(np.array(scan["curves"]["centre_line"]), abs=1e-9)
+    assert flipped.curves.centre_line == pytest.approx(
+        np.array(scan["curves"]["centre_line"]), abs=1e-9
+    )
     assert other.definition.free_length == pytest.approx(flipped.definition.free_length, abs=1e-7)
     assert turned_over(flipped).curves.pitch == pytest.approx(other.curves.pitch, rel=1e-12)
     assert other.axis_direction == pytest.approx([-one for one in scan["axis"]["direction"]])
     assert other.hand == scan["hand"]
 
 
-@pytest.mark.parametrize(("broken", "points", "told"), [
-    (0, 400_000, ()), (60, 400_000, ("60 points of the file are no numbers and were left out",)),
-    (60, 2500, ("{read} points are in the file, an even draw of 2500 is fitted", "60 points of the file are no numbers and were left out")),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    ("broken", "points", "told"),
+    [
+        (0, 400_000, ()),
+        (60, 400_000, ("60 points of the file are no numbers and were left out",)),
+        (
+            60,
+            2500,
+            (
+                "{read} points are in the file, an even draw of 2500 is fitted",
+                "60 points of the file are no numbers and were left out",
+            ),
+        ),
+    ],
+)
 def test_what_was_left_out_of_a_cloud_is_told(tmp_path, broken, points, told):
     found, _ = cloud(springs()["conical"], 3000, Scanner(noise=0.03e-3, seed=4))
     found = np.insert(found, np.linspace(0, len(found) - 1, broken).astype(int), np.nan, axis=0)
     (tmp_path / "part.ply").write_bytes(ply(found))
     notes = spring_from_scan(tmp_path / "part.ply", points=points).notes
-    assert tuple(words for words in notes if "of the file" in words or "in the file" in words) == tuple(
-        words.format(read=len(found)) for words in told
-    )
+    assert tuple(
+        words for words in notes if "of the file" in words or "in the file" in words
+    ) == tuple(words.format(read=len(found)) for words in told)
 
 
 def test_a_circle_is_its_own_round_wire():
@@ -143,15 +213,24 @@ def test_a_circle_is_its_own_round_wire():
         (("--unit", "mm", "--points", "10"), "points cannot be fitted"),
         (("--unit", "mm", "--engine-speed", "2000 rpm"), "name its case with --design"),
         (("--unit", "mm", "--design", "job-t", "--turn-over"), "leave --turn-over out"),
-        (("--unit", "mm", "--design", "job-t", "--material", "OTEVA 90 SC"), "leave --material out"),
+        (
+            ("--unit", "mm", "--design", "job-t", "--material", "OTEVA 90 SC"),
+            "leave --material out",
+        ),
         (("--unit", "mm", "--design", "tdi-pushrod"), "is a valvetrain; give a case"),
         (("--unit", "mm", "--material", "cheese"), "not in the library"),
     ],
 )
-def test_open_questions_and_contradictions_are_refused_in_one_sentence(folder, tmp_path, monkeypatch, more, words):
+def test_open_questions_and_contradictions_are_refused_in_one_sentence(
+    folder, tmp_path, monkeypatch, more, words
+):
     monkeypatch.chdir(tmp_path)
     shown = invoke("scan", str(folder / "design.xyz"), *more)
-    assert shown.exit_code == 2 and words in " ".join(shown.output.split()) and not list(tmp_path.iterdir())
+    assert (
+        shown.exit_code == 2
+        and words in " ".join(shown.output.split())
+        and not list(tmp_path.iterdir())
+    )
 
 
 @pytest.mark.parametrize("kind", ["ball", "noise", "straight wire", "one turn"])
@@ -159,12 +238,20 @@ def test_clouds_that_show_no_spring_are_refused_in_one_sentence(tmp_path, kind):
     draw = np.random.default_rng(2)
     turn, around = draw.uniform(0, 1, 1800), draw.uniform(0, 2 * np.pi, 1800)
     points = {
-        "ball": 15 * (lambda one: one / np.linalg.norm(one, axis=1, keepdims=True))(draw.normal(size=(1800, 3))),
+        "ball": 15
+        * (lambda one: one / np.linalg.norm(one, axis=1, keepdims=True))(
+            draw.normal(size=(1800, 3))
+        ),
         "noise": draw.uniform(-20, 20, (1800, 3)),
         "straight wire": np.column_stack([2 * np.cos(around), 2 * np.sin(around), 60 * turn]),
-        "one turn": np.column_stack([(12 + 2 * np.cos(around)) * np.cos(6.28 * turn), (12 + 2 * np.cos(around)) * np.sin(6.28 * turn),
-                                     5 * turn + 2 * np.sin(around)]),
-    }[kind]  # fmt: skip
+        "one turn": np.column_stack(
+            [
+                (12 + 2 * np.cos(around)) * np.cos(6.28 * turn),
+                (12 + 2 * np.cos(around)) * np.sin(6.28 * turn),
+                5 * turn + 2 * np.sin(around),
+            ]
+        ),
+    }[kind]
     np.savetxt(tmp_path / "scan.xyz", points + draw.normal(0, 0.03, points.shape), fmt="%.4f")
     with pytest.raises(InputError) as refused:
         spring_from_scan(tmp_path / "scan.xyz", unit="mm")

@@ -1,4 +1,6 @@
-"""Unit: points of a scan out of PLY, STL, OBJ and text, whole, in blocks, and refused in one sentence where they are damaged."""
+"""Unit: points of a scan out of PLY, STL, OBJ and text, whole, in blocks, and refused in one
+sentence where they are damaged.
+"""
 
 from __future__ import annotations
 
@@ -6,9 +8,10 @@ import numpy as np
 import pytest
 
 from valvetrain.errors import InputError
-from valvetrain.measurements.spring_scan import ply, text_points
-from valvetrain.measurements.spring_scan.clouds import open_cloud
-from valvetrain.measurements.spring_scan.draw import draw_points
+from valvetrain.scan import clouds as ply
+from valvetrain.scan import clouds as text_points
+from valvetrain.scan.clouds import open_cloud
+from valvetrain.scan.reconstruct import draw_points
 
 POINTS = np.random.default_rng(3).uniform(-30, 30, (1800, 3)).round(3)
 HEAD = "ply\nformat {form} 1.0\n{comment}element vertex {count}\nproperty float x\nproperty float y\nproperty float z\n{more}end_header\n"
@@ -26,7 +29,12 @@ def read(tmp_path, content, name="scan.ply"):
 
 
 def rows(mark=" ", form="{:.3f}", comma="."):
-    return "\n".join(mark.join(form.format(value).replace(".", comma) for value in row) for row in POINTS) + "\n"
+    return (
+        "\n".join(
+            mark.join(form.format(value).replace(".", comma) for value in row) for row in POINTS
+        )
+        + "\n"
+    )
 
 
 @pytest.mark.parametrize(
@@ -35,13 +43,23 @@ def rows(mark=" ", form="{:.3f}", comma="."):
         ("a.ply", head() + POINTS.astype("<f4").tobytes()),
         ("b.ply", head("binary_big_endian") + POINTS.astype(">f4").tobytes()),
         ("c.ply", head("ascii") + rows().encode()),
-        ("d.ply", head("ascii", more="element face 1\nproperty list uchar int vertex_indices\n") + rows().encode() + b"3 0 1 2\n"),
+        (
+            "d.ply",
+            head("ascii", more="element face 1\nproperty list uchar int vertex_indices\n")
+            + rows().encode()
+            + b"3 0 1 2\n",
+        ),
         ("e.xyz", rows().encode()),
         ("f.csv", ("x,y,z\n" + rows(",")).encode()),
         ("g.txt", ("x;y;z\n" + rows(";", comma=",")).encode()),
         ("h.txt", ("# made by a scanner\n" + rows("\t")).encode()),
         ("i.xyz", (f"{len(POINTS)}\n" + rows()).replace("\n", "\r\n").encode()),
-        ("j.obj", ("# mesh\n" + "\n".join("v " + line for line in rows().splitlines()) + "\nf 1 2 3\n").encode()),
+        (
+            "j.obj",
+            (
+                "# mesh\n" + "\n".join("v " + line for line in rows().splitlines()) + "\nf 1 2 3\n"
+            ).encode(),
+        ),
     ],
     ids=lambda one: one if isinstance(one, str) else "",
 )
@@ -62,12 +80,17 @@ def test_meshes_of_another_library_are_read(tmp_path, kind):
 
 
 def test_columns_are_found_by_their_names_and_the_unit_in_brackets(tmp_path):
-    text = "nr;z [mm];x [mm];y [mm]\n" + "\n".join(f"{k};{z};{x};{y}" for k, (x, y, z) in enumerate(POINTS))
+    text = "nr;z [mm];x [mm];y [mm]\n" + "\n".join(
+        f"{k};{z};{x};{y}" for k, (x, y, z) in enumerate(POINTS)
+    )
     cloud, points = read(tmp_path, text.encode(), "scan.csv")
     assert cloud.unit == "mm" and points == pytest.approx(POINTS)
 
 
-@pytest.mark.parametrize(("words", "unit"), [("comment units mm\n", "mm"), ("comment unit: in\n", "inch"), ("comment by a scanner\n", "")])
+@pytest.mark.parametrize(
+    ("words", "unit"),
+    [("comment units mm\n", "mm"), ("comment unit: in\n", "inch"), ("comment by a scanner\n", "")],
+)
 def test_the_unit_of_a_ply_file_stands_in_its_comments(tmp_path, words, unit):
     assert read(tmp_path, head(comment=words) + POINTS.astype("<f4").tobytes())[0].unit == unit
 
@@ -82,7 +105,11 @@ def test_other_properties_of_points_are_passed_by(tmp_path):
 def test_long_files_are_read_in_blocks_and_give_the_same(tmp_path, monkeypatch):
     monkeypatch.setattr(ply, "AT_A_TIME", 100)
     monkeypatch.setattr(text_points, "BLOCK", 1000)
-    whole = {"a.ply": head() + POINTS.astype("<f4").tobytes(), "b.ply": head("ascii") + rows().encode(), "c.xyz": rows().encode()}
+    whole = {
+        "a.ply": head() + POINTS.astype("<f4").tobytes(),
+        "b.ply": head("ascii") + rows().encode(),
+        "c.xyz": rows().encode(),
+    }
     for name, content in whole.items():
         file = tmp_path / name
         file.write_bytes(content)
@@ -98,16 +125,36 @@ STL = b"\0" * 80 + (2).to_bytes(4, "little")
     [
         ("a.ply", b"", "is empty"),
         ("a.ply", b"  \n ", "is empty"),
-        ("a.ply", head(count=10**9) + POINTS.astype("<f4").tobytes(), "is cut off: its header states 1000000000 points"),
+        (
+            "a.ply",
+            head(count=10**9) + POINTS.astype("<f4").tobytes(),
+            "is cut off: its header states 1000000000 points",
+        ),
         ("a.ply", head("ascii", count=10**14) + rows().encode(), "is cut off"),
         ("a.ply", head("ascii", count=len(POINTS) + 5) + rows().encode(), "5 of the 1805 points"),
         ("a.ply", head(count=0), "holds no point"),
         ("a.ply", b"ply\nformat ascii 1.0\nelement vertex 3\n", "its head has no end"),
         ("a.ply", b"ply\nformat ascii 1.0\nend_header\n", "has no format or no points"),
-        ("a.ply", b"ply\nformat ascii 1.0\nelement vertex 1\nproperty float u\nend_header\n1\n", "have no x, y and z"),
-        ("a.ply", b"ply\nformat ascii 1.0\nelement face 1\nelement vertex 1\nend_header\n", "holds 'face' before its points"),
-        ("a.ply", b"ply\nformat ascii 1.0\nelement vertex 1\nproperty list uchar int x\nend_header\n", "none that PLY has for points"),
-        ("a.ply", head("ascii").replace(b"float z", b"float z\nproperty float w") + rows().encode() * 2, "its header states 4"),
+        (
+            "a.ply",
+            b"ply\nformat ascii 1.0\nelement vertex 1\nproperty float u\nend_header\n1\n",
+            "have no x, y and z",
+        ),
+        (
+            "a.ply",
+            b"ply\nformat ascii 1.0\nelement face 1\nelement vertex 1\nend_header\n",
+            "holds 'face' before its points",
+        ),
+        (
+            "a.ply",
+            b"ply\nformat ascii 1.0\nelement vertex 1\nproperty list uchar int x\nend_header\n",
+            "none that PLY has for points",
+        ),
+        (
+            "a.ply",
+            head("ascii").replace(b"float z", b"float z\nproperty float w") + rows().encode() * 2,
+            "its header states 4",
+        ),
         ("a.stl", STL + b"\0" * 60, "no whole STL file"),
         ("a.stl", b"\0" * 50, "no whole STL file"),
         ("a.obj", b"v 1 2 3\nv 1 2\n", "not as the others: '1 2'"),
@@ -119,7 +166,7 @@ STL = b"\0" * 80 + (2).to_bytes(4, "little")
         ("a.xyz", b"\0\1\2\3" * 40, "is no scan that is read"),
         ("a.xyz", b"1 2 3\n" + b"7" * 200_000, "a line of more than"),
     ],
-)  # fmt: skip
+)
 def test_damaged_files_are_refused_in_one_sentence(tmp_path, monkeypatch, name, content, words):
     monkeypatch.setattr(text_points, "BLOCK", 50_000)
     with pytest.raises(InputError) as refused:
@@ -132,7 +179,7 @@ def test_what_is_no_file_and_what_is_too_large_are_refused(tmp_path, monkeypatch
         open_cloud(tmp_path / "none.ply")
     with pytest.raises(InputError, match="no regular file"):
         open_cloud(tmp_path)
-    monkeypatch.setattr("valvetrain.measurements.spring_scan.clouds.MOST_BYTES", 100)
+    monkeypatch.setattr("valvetrain.scan.clouds.MOST_BYTES", 100)
     with pytest.raises(InputError, match="thin the scan out"):
         read(tmp_path, rows().encode(), "scan.xyz")
 
@@ -141,7 +188,11 @@ def test_a_draw_is_bounded_even_and_the_same_in_any_order():
     points = np.random.default_rng(4).normal(size=(40_000, 3))
     once = draw_points(np.array_split(points, 7), 5000, "scan")
     again = draw_points(np.array_split(points[::-1], 31), 5000, "scan")
-    assert np.array_equal(once.points, again.points) and len(once.points) == 5000 and once.read == 40_000
+    assert (
+        np.array_equal(once.points, again.points)
+        and len(once.points) == 5000
+        and once.read == 40_000
+    )
     assert np.abs(once.points.mean(axis=0)).max() < 4 / np.sqrt(5000)
     assert np.abs(once.points.std(axis=0) - 1).max() < 0.05
 

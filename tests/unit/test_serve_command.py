@@ -16,8 +16,7 @@ import time
 import pytest
 
 from unit.cli_parts import call, hear_interrupts, sentence
-from valvetrain.cli import serve as command
-from valvetrain.workbench import pages
+from valvetrain.workbench import command, pages
 from valvetrain.workbench.workspace import Workspace
 
 
@@ -40,9 +39,21 @@ def test_it_listens_on_this_machine_alone_and_ends_cleanly(started, tmp_path):
     result = call("serve", "--no-open", "--port", "0", "--most-running", "2", "--limit", "30 min")
     assert result.exit_code == 0, result.stderr
     workspace, jobs, settings = started[0]
-    assert settings.host == "127.0.0.1" and settings.port > 0 and not settings.token and not settings.open_page
-    assert f"workbench 'workbench' at http://127.0.0.1:{settings.port}/" in result.stderr and "has ended" in result.stderr
-    assert workspace.folder == tmp_path / "workbench" and (jobs.most_running, jobs.limits.seconds, jobs.limits.bytes) == (2, 1800.0, 4e9)
+    assert (
+        settings.host == "127.0.0.1"
+        and settings.port > 0
+        and not settings.token
+        and not settings.open_page
+    )
+    assert (
+        f"workbench 'workbench' at http://127.0.0.1:{settings.port}/" in result.stderr
+        and "has ended" in result.stderr
+    )
+    assert workspace.folder == tmp_path / "workbench" and (
+        jobs.most_running,
+        jobs.limits.seconds,
+        jobs.limits.bytes,
+    ) == (2, 1800.0, 4e9)
     assert call("serve", "--no-open", "--port", "0").exit_code == 0, "the workspace was given back"
 
 
@@ -50,19 +61,34 @@ def test_another_address_gets_a_random_token_that_is_printed_once(started):
     result = call("serve", "--no-open", "--port", "0", "--host", "0.0.0.0", "--quiet")
     assert result.exit_code == 0
     token = started[0][2].token
-    assert len(token) >= 32 and result.stderr.count(token) == 1 and re.search(r"http://127.0.0.1:\d+/\?token=", result.stderr)
-    assert call("serve", "--no-open", "--port", "0", "--host", "0.0.0.0").exit_code == 0 and started[1][2].token != token
-    assert call("serve", "--no-open", "--port", "0", "--token", "x" * 20).exit_code == 0 and started[2][2].token == "x" * 20
+    assert (
+        len(token) >= 32
+        and result.stderr.count(token) == 1
+        and re.search(r"http://127.0.0.1:\d+/\?token=", result.stderr)
+    )
+    assert (
+        call("serve", "--no-open", "--port", "0", "--host", "0.0.0.0").exit_code == 0
+        and started[1][2].token != token
+    )
+    assert (
+        call("serve", "--no-open", "--port", "0", "--token", "x" * 20).exit_code == 0
+        and started[2][2].token == "x" * 20
+    )
 
 
 @pytest.mark.parametrize(
     ("words", "told"),
     [
-        (("--token", "short"), "at least 16 plain characters"), (("--host", "nowhere.invalid"), "is no address"),
-        (("--host", "192.0.2.1"), "no address of this machine"), (("--port", "70000"), "lies outside"), (("--limit", "3 x"), "is no bound"),
-        (("--most-running", "0"), "lies outside"), (("--folder", ""), "empty"), (("--host", ""), "is no address"),
+        (("--token", "short"), "at least 16 plain characters"),
+        (("--host", "nowhere.invalid"), "is no address"),
+        (("--host", "192.0.2.1"), "no address of this machine"),
+        (("--port", "70000"), "lies outside"),
+        (("--limit", "3 x"), "is no bound"),
+        (("--most-running", "0"), "lies outside"),
+        (("--folder", ""), "empty"),
+        (("--host", ""), "is no address"),
     ],
-)  # fmt: skip
+)
 def test_what_cannot_be_served_is_refused_in_one_sentence(started, words, told):
     result = call("serve", "--no-open", *words)
     assert result.exit_code == 2 and told in sentence(result) and not started
@@ -79,19 +105,27 @@ def test_a_taken_port_and_a_held_workspace_are_refused(started, tmp_path):
     release()
     assert result.exit_code == 2 and "another server works in" in sentence(result) and not started
     (tmp_path / "file").write_text("")
-    assert "cannot be used" in sentence(call("serve", "--no-open", "--port", "0", "--folder", "file"))
+    assert "cannot be used" in sentence(
+        call("serve", "--no-open", "--port", "0", "--folder", "file")
+    )
 
 
 def test_without_nicegui_the_sentence_names_the_extra(started, monkeypatch):
     monkeypatch.setattr(command, "find_spec", lambda _: None)
     result = call("serve", "--no-open", "--port", "0")
-    assert result.exit_code == 2 and 'pip install "valvetrain[serve]"' in sentence(result) and not started
+    assert (
+        result.exit_code == 2
+        and 'pip install "valvetrain[serve]"' in sentence(result)
+        and not started
+    )
 
 
 @pytest.mark.skipif(os.name != "posix", reason="servers are ended by signals")
 @pytest.mark.parametrize("name", ["SIGINT", pytest.param("SIGHUP", marks=pytest.mark.long)])
 def test_a_signal_ends_a_server_without_a_traceback(tmp_path, name):
-    """A real server in a process of its own: it raises the signal again within its loop when it has ended."""
+    """A real server in a process of its own: it raises the signal again within its loop when it has
+    ended.
+    """
     pytest.importorskip("uvicorn")
     code = (
         "import sys, uvicorn; from valvetrain.workbench import pages; from valvetrain.cli import serve, main\n"
@@ -109,4 +143,8 @@ def test_a_signal_ends_a_server_without_a_traceback(tmp_path, name):
     time.sleep(0.2)  # until it listens
     server.send_signal(getattr(signal, name))
     told = server.communicate(timeout=60)[1]
-    assert server.returncode == 0 and "Traceback" not in told and told.splitlines()[-1] == "the server has ended"
+    assert (
+        server.returncode == 0
+        and "Traceback" not in told
+        and told.splitlines()[-1] == "the server has ended"
+    )

@@ -23,9 +23,14 @@ from valvetrain.springs.solid.sweep import sweep_spring
 @pytest.fixture
 def uniform() -> SpringDefinition:
     return SpringDefinition(
-        wire_diameter=Constant(3.8e-3), mean_diameter=Constant(22e-3), pitch=Constant(7e-3), total_coils=3.0,
-        material=OTEVA_90_SC, lower_end=OPEN_END, upper_end=OPEN_END,
-    )  # fmt: skip
+        wire_diameter=Constant(3.8e-3),
+        mean_diameter=Constant(22e-3),
+        pitch=Constant(7e-3),
+        total_coils=3.0,
+        material=OTEVA_90_SC,
+        lower_end=OPEN_END,
+        upper_end=OPEN_END,
+    )
 
 
 def wire_volume(spring: SpringDefinition) -> float:
@@ -46,7 +51,9 @@ def test_twenty_node_gradients_reproduce_a_quadratic_field():
     values = x[:, 0] ** 2 + x[:, 1] * x[:, 2]
     points = np.random.default_rng(2).uniform(-1, 1, (5, 3))
     gradient = np.einsum("pna,n->pa", hexahedra.shape_gradients(points), values)
-    assert np.allclose(gradient, np.stack([2 * points[:, 0], points[:, 2], points[:, 1]], axis=-1), atol=1e-13)
+    assert np.allclose(
+        gradient, np.stack([2 * points[:, 0], points[:, 2], points[:, 1]], axis=-1), atol=1e-13
+    )
 
 
 @pytest.mark.parametrize(("core", "rings"), [(1, 1), (2, 1), (3, 2)])
@@ -72,7 +79,10 @@ def test_mesh_volume_is_the_wire_volume_and_elements_are_upright(uniform, hand, 
 
 def test_volume_converges_with_fourth_order(uniform):
     # Second order along the wire times second order across: elements without middles of faces.
-    errors = [abs(sweep_spring(uniform, MeshOptions(12 * n, 2 * n, n)).volume / wire_volume(uniform) - 1) for n in (1, 2)]
+    errors = [
+        abs(sweep_spring(uniform, MeshOptions(12 * n, 2 * n, n)).volume / wire_volume(uniform) - 1)
+        for n in (1, 2)
+    ]
     assert 3.5 < np.log2(errors[0] / errors[1]) < 4.5
 
 
@@ -102,7 +112,9 @@ def test_ground_ends_are_flat_and_lose_the_ground_off_volume():
     assert mesh.jacobian_quality() > 0
     assert mesh.coordinates[:, 2].min() >= spring.lower_seat_height - 1e-5
     assert mesh.coordinates[:, 2].max() <= spring.upper_seat_height + 1e-5
-    assert np.allclose(mesh.coordinates[mesh.node_sets["seat"], 2], spring.lower_seat_height, atol=1e-8)
+    assert np.allclose(
+        mesh.coordinates[mesh.node_sets["seat"], 2], spring.lower_seat_height, atol=1e-8
+    )
     # Circular segment below the seat plane, integrated along the wire.
     coil = np.linspace(0, 0.75, 4001)
     level = np.clip((spring.axial_position(coil) - spring.lower_seat_height) / 1.9e-3, -1, 1)
@@ -113,7 +125,9 @@ def test_ground_ends_are_flat_and_lose_the_ground_off_volume():
 
 
 def test_too_much_grinding_is_refused():
-    spring = cylindrical(3.8e-3, 22e-3, 7e-3, 6.0, lower_end=EndCoil(inactive_coils=0.75, ground_coils=1.0))
+    spring = cylindrical(
+        3.8e-3, 22e-3, 7e-3, 6.0, lower_end=EndCoil(inactive_coils=0.75, ground_coils=1.0)
+    )
     with pytest.raises(InputError, match="grinding leaves less"):
         sweep_spring(spring, MeshOptions(12, 1, 1, ends="ground"))
 
@@ -139,9 +153,14 @@ def test_contact_faces_look_down_and_up(uniform):
 
 @pytest.mark.parametrize(
     ("changes", "words"),
-    [({"element_type": "C3D10"}, "not supported"), ({"elements_per_coil": 2}, "at least 4"), ({"end_refinement": 0.5}, "1 or more"),
-     ({"ends": "welded"}, "unknown"), ({"core": 0}, "at least 1")],
-)  # fmt: skip
+    [
+        ({"element_type": "C3D10"}, "not supported"),
+        ({"elements_per_coil": 2}, "at least 4"),
+        ({"end_refinement": 0.5}, "1 or more"),
+        ({"ends": "welded"}, "unknown"),
+        ({"core": 0}, "at least 1"),
+    ],
+)
 def test_impossible_meshes_are_refused(uniform, changes, words):
     with pytest.raises(InputError, match=words):
         sweep_spring(uniform, MeshOptions(**changes))
@@ -157,30 +176,48 @@ def test_tapered_wire_paths_mesh_too():
 @pytest.mark.parametrize(
     ("free", "grinding", "ground", "reach"),
     [
-        ((0.0, 6.0), (0.0, 0.0), False, (0.0, 0.9, 5.1, 6.0)), ((0.5, 5.75), (0.25, 0.75), True, (0.5, 1.4, 4.85, 5.75)),
-        ((0.5, 5.75), (0.25, 0.75), False, (0.5, 1.4, 4.35, 5.25)), ((0.25, 5.75), (1.0, 0.1), False, (1.0, 1.9, 4.85, 5.75)),
+        ((0.0, 6.0), (0.0, 0.0), False, (0.0, 0.9, 5.1, 6.0)),
+        ((0.5, 5.75), (0.25, 0.75), True, (0.5, 1.4, 4.85, 5.75)),
+        ((0.5, 5.75), (0.25, 0.75), False, (0.5, 1.4, 4.35, 5.25)),
+        ((0.25, 5.75), (1.0, 0.1), False, (1.0, 1.9, 4.85, 5.75)),
         ((2.9, 3.3), (2.0, 1.0), True, (2.9, 3.3, 2.9, 3.3)),
     ],
-)  # fmt: skip
+)
 def test_seat_plates_are_blocks_under_and_over_the_wire(free, grinding, ground, reach):
-    """A cone of 4 mm wire, 30 mm over its widest coil: blocks of three quarters of that to each side, one wire thick (mm)."""
+    """A cone of 4 mm wire, 30 mm over its widest coil: blocks of three quarters of that to each
+    side, one wire thick (mm).
+    """
     cone = SimpleNamespace(
-        free_coils=free, total_coils=6.0, wire_diameter=Constant(4e-3), outer_diameter=lambda coil: 30e-3 - 1e-3 * coil,
-        lower_end=SimpleNamespace(ground_coils=grinding[0]), upper_end=SimpleNamespace(ground_coils=grinding[1]),
-        lower_seat_height=-1e-3, upper_seat_height=37e-3,
-    )  # fmt: skip
+        free_coils=free,
+        total_coils=6.0,
+        wire_diameter=Constant(4e-3),
+        outer_diameter=lambda coil: 30e-3 - 1e-3 * coil,
+        lower_end=SimpleNamespace(ground_coils=grinding[0]),
+        upper_end=SimpleNamespace(ground_coils=grinding[1]),
+        lower_seat_height=-1e-3,
+        upper_seat_height=37e-3,
+    )
     lower, upper = seat_plates(cone, ground)
-    for plate, told, heights in ((lower, ("SEATPLANE", "SEAT", "S2"), (-5, -1)), (upper, ("RETAINERPLANE", "RETAINER", "S1"), (37, 41))):
+    for plate, told, heights in (
+        (lower, ("SEATPLANE", "SEAT", "S2"), (-5, -1)),
+        (upper, ("RETAINERPLANE", "RETAINER", "S1"), (37, 41)),
+    ):
         assert (plate.name, plate.node_set, plate.side) == told
         square = [(-22.5, -22.5), (22.5, -22.5), (22.5, 22.5), (-22.5, 22.5)]
-        assert 1e3 * plate.corners == pytest.approx(np.array([(*corner, height) for height in heights for corner in square]))
+        assert 1e3 * plate.corners == pytest.approx(
+            np.array([(*corner, height) for height in heights for corner in square])
+        )
     assert (lower.first, lower.last, upper.first, upper.last) == pytest.approx(reach)
 
 
-@pytest.mark.parametrize(("count", "sizes"), [(0, []), (1, [1]), (12, [12]), (13, [12, 1]), (37, [12, 12, 12, 1])])
+@pytest.mark.parametrize(
+    ("count", "sizes"), [(0, []), (1, [1]), (12, [12]), (13, [12, 1]), (37, [12, 12, 12, 1])]
+)
 def test_sets_of_a_deck_stand_twelve_to_a_line_each_number_once(count, sizes):
     lines = [line.split(", ") for line in _wrapped(np.arange(count)).splitlines()]
-    assert [len(line) for line in lines] == sizes and [int(one) for line in lines for one in line] == list(range(count))
+    assert [len(line) for line in lines] == sizes and [
+        int(one) for line in lines for one in line
+    ] == list(range(count))
 
 
 @pytest.mark.parametrize(("count", "sizes"), [(9, [9]), (15, [15]), (16, [15, 1]), (21, [15, 6])])
@@ -188,4 +225,6 @@ def test_elements_of_a_deck_go_on_after_fifteen_numbers_and_a_comma(count, sizes
     lines = _row(range(count)).splitlines()
     assert all(line.endswith(",") for line in lines[:-1]) and not lines[-1].endswith(",")
     numbers = [line.rstrip(",").split(", ") for line in lines]
-    assert [len(line) for line in numbers] == sizes and [int(one) for line in numbers for one in line] == list(range(count))
+    assert [len(line) for line in numbers] == sizes and [
+        int(one) for line in numbers for one in line
+    ] == list(range(count))

@@ -1,4 +1,6 @@
-"""Deck, solver calls and readers of the solid model, without the solver: stand-in programs and short result texts."""
+"""Deck, solver calls and readers of the solid model, without the solver: stand-in programs and
+short result texts.
+"""
 
 from __future__ import annotations
 
@@ -104,7 +106,9 @@ FIELDS = """\
 
 @pytest.fixture
 def model() -> SolidSpring:
-    return SolidSpring(cylindrical(3.8e-3, 22e-3, 7e-3, 6.0), MeshOptions(8, 1, 1, ends="bonded"), SolidContact())
+    return SolidSpring(
+        cylindrical(3.8e-3, 22e-3, 7e-3, 6.0), MeshOptions(8, 1, 1, ends="bonded"), SolidContact()
+    )
 
 
 @pytest.fixture
@@ -127,7 +131,9 @@ def stand_in(tmp_path, monkeypatch):
 def test_printed_results_are_sorted_into_modes_and_steps():
     printed = read_printed(PRINTED)
     assert printed.natural_frequencies[0] == pytest.approx([548.7816, 617.7708])
-    assert [row[0, 2] for row in printed.modal("total force", "RETAINER")] == pytest.approx([-28454.07, 5179.156])
+    assert [row[0, 2] for row in printed.modal("total force", "RETAINER")] == pytest.approx(
+        [-28454.07, 5179.156]
+    )
     # Both clamps together accelerate the mass of the mode: here each takes half.
     assert printed.participation[0].shape == (2, 6)
     assert -0.1188937e8 * printed.participation[0][0, 2] == pytest.approx(2 * -28454.07, rel=1e-4)
@@ -165,11 +171,16 @@ def test_every_contact_pair_lies_one_turn_apart(model):
     assert len(pairs) == 10
     for middle, above, below in pairs:
         assert abs(above.coil.mean() - middle) < 0.1 and abs(below.coil.mean() - (middle - 1)) < 0.2
-        assert below.coil.min() <= above.coil.min() - 1 + 0.13 and below.coil.max() >= above.coil.max() - 1 - 0.13
+        assert (
+            below.coil.min() <= above.coil.min() - 1 + 0.13
+            and below.coil.max() >= above.coil.max() - 1 - 0.13
+        )
 
 
 def test_what_nobody_states_of_a_solid_model_is_as_its_words_say(model):
-    """Two coils in contact approach by a micrometre per 20 N/mm, five times less stiffly at speed; the step is of 40 microseconds."""
+    """Two coils in contact approach by a micrometre per 20 N/mm, five times less stiffly at speed;
+    the step is of 40 microseconds.
+    """
     job = TransientJob(None, 100.0, 5e-3, 0.0, 1.0)
     assert (job.time_step, job.mass_damping, job.alpha) == (4e-5, 0.0, -0.05)
     for contact, stiffness in ((SolidContact(), 5e13), (MOTION_CONTACT, 1e13)):
@@ -206,7 +217,9 @@ def test_time_limit_becomes_a_status_and_leaves_nothing(stand_in):
 
 
 def test_error_exit_becomes_a_status_with_the_solvers_reason(stand_in, model):
-    work = stand_in("printf ' *ERROR: too many cutbacks\\n        best solution in the frd file\\n'\nexit 201\n")
+    work = stand_in(
+        "printf ' *ERROR: too many cutbacks\\n        best solution in the frd file\\n'\nexit 201\n"
+    )
     curve = model.static_curve(5e-3)
     assert curve.status.code == "not-converged" and "too many cutbacks" in curve.status.message
     assert curve.compression.tolist() == [0.0] and list(work.iterdir()) == []
@@ -220,7 +233,9 @@ def test_a_motion_that_fails_is_a_solution_with_a_status(stand_in):
 
     work = stand_in("printf ' *ERROR in arpack: no room\n'\nexit 201\n")
     case = load_case("gu2021-beehive")
-    solution = solid_motion(case.name, case.springs[0], build_lift_law(case.lift_law), SolidMotion(1.5, 2.0, 800.0))
+    solution = solid_motion(
+        case.name, case.springs[0], build_lift_law(case.lift_law), SolidMotion(1.5, 2.0, 800.0)
+    )
     assert solution.status.code == "not-converged" and "no room" in solution.status.message
     assert solution.model == "solid" and solution.engine_speed == 800.0 and len(solution.time) == 0
     assert solution.statistics["elements"] > 0 and list(work.iterdir()) == []
@@ -232,7 +247,11 @@ def test_silent_end_is_no_success(stand_in):
 
 
 def test_signs_divide_clusters_of_axial_modes():
-    assert axial_modes(np.array([0.87, 0.02, 0.05, -0.3, -0.73, -0.07, 0.2, 0.44, 0.1])) == (0, 4, 7)
+    assert axial_modes(np.array([0.87, 0.02, 0.05, -0.3, -0.73, -0.07, 0.2, 0.44, 0.1])) == (
+        0,
+        4,
+        7,
+    )
     assert axial_modes(np.zeros(0)) == ()
 
 
@@ -242,7 +261,9 @@ def test_mesh_files_hold_the_mesh(model, tmp_path, ending):
     path = write_mesh(model.mesh, tmp_path / f"spring.{ending}")
     again = meshio.read(path)
     assert again.cells[0].type == "hexahedron20"
-    assert np.allclose(again.points[again.cells[0].data], model.mesh.coordinates[model.mesh.elements], atol=1e-9)
+    assert np.allclose(
+        again.points[again.cells[0].data], model.mesh.coordinates[model.mesh.elements], atol=1e-9
+    )
     assert [item.name for item in tmp_path.iterdir()] == [path.name]
 
 

@@ -12,16 +12,21 @@ from valvetrain.errors import InputError
 from valvetrain.solution.channels import spring_channels
 from valvetrain.solution.comparison import Comparison
 from valvetrain.solution.event import Event
-from valvetrain.solution.modal import ModalResult
+from valvetrain.solution.modes import ModalResult
 from valvetrain.solution.result import Solution
 from valvetrain.solution.static import StaticCurve
 from valvetrain.solution.status import Status
 
 
 def test_status_speaks_one_sentence():
-    status = Status("diverged", "Newton found no equilibrium", 0.0123, "coil 2.5", "shorten the step")
+    status = Status(
+        "diverged", "Newton found no equilibrium", 0.0123, "coil 2.5", "shorten the step"
+    )
     assert not status.completed
-    assert status.sentence() == "diverged: Newton found no equilibrium, at time 0.0123 s at coil 2.5; shorten the step"
+    assert (
+        status.sentence()
+        == "diverged: Newton found no equilibrium, at time 0.0123 s at coil 2.5; shorten the step"
+    )
     assert Status().sentence() == "completed"
     with pytest.raises(ValueError, match="unknown"):
         Status("fine")
@@ -39,12 +44,23 @@ def test_undeclared_channel_and_missing_label_are_refused():
 
 
 def test_a_solution_of_plain_arrays_and_one_of_their_dataset_are_the_same():
-    arrays = spring_channels([0.0, 1.0], [0.0, 2.0], {"seat_force": [1.0, 3.0], "coil_gap": [[1e-3], [2e-3]]}, upper_coil=[2.5])
+    arrays = spring_channels(
+        [0.0, 1.0],
+        [0.0, 2.0],
+        {"seat_force": [1.0, 3.0], "coil_gap": [[1e-3], [2e-3]]},
+        upper_coil=[2.5],
+    )
     plain, labelled = Solution(arrays), Solution(arrays.dataset)
-    assert plain.identical(labelled) and labelled.channels is arrays.dataset and plain.arrays is arrays
+    assert (
+        plain.identical(labelled) and labelled.channels is arrays.dataset and plain.arrays is arrays
+    )
     assert plain.channels.seat_force.attrs["units"] == plain.unit("seat_force") == "N"
     assert np.shares_memory(plain.channels["coil_gap"].values, plain.channel("coil_gap"))
-    assert plain.channels["coil_gap"].coords["upper_coil"].values.tolist() == plain.arrays.along("coil_gap").tolist() == [2.5]
+    assert (
+        plain.channels["coil_gap"].coords["upper_coil"].values.tolist()
+        == plain.arrays.along("coil_gap").tolist()
+        == [2.5]
+    )
     assert replace(plain, events=()).identical(plain) and not plain.reduced().channels.data_vars
     assert pickle.loads(pickle.dumps(labelled)).identical(plain)
 
@@ -58,14 +74,18 @@ def test_missing_channel_is_named_with_those_that_exist():
 
 def test_objects_travel_between_processes():
     event = Event("clash", 1.0, 0.1, 1e-4, 5.0, "N", "", {"impulse": 1.0})
-    solution = Solution(spring_channels([0.0], [0.0], {"seat_force": [1.0]}), (event,), statistics={"steps": 1})
+    solution = Solution(
+        spring_channels([0.0], [0.0], {"seat_force": [1.0]}), (event,), statistics={"steps": 1}
+    )
     assert pickle.loads(pickle.dumps(solution)).identical(solution)
 
 
 def test_static_curve_interpolates_inside_only():
     steps = np.linspace(0, 8e-3, 9)
     empty = np.zeros((9, 0))
-    curve = StaticCurve(steps, steps * 4e4, np.full(9, 4e4), empty, empty, np.zeros(0), empty, np.zeros(0))
+    curve = StaticCurve(
+        steps, steps * 4e4, np.full(9, 4e4), empty, empty, np.zeros(0), empty, np.zeros(0)
+    )
     assert curve.force_at(7.5e-3) == pytest.approx(300.0)
     assert curve.stiffness_at(8e-3) == pytest.approx(4e4)
     with pytest.raises(InputError, match="outside"):
@@ -75,7 +95,12 @@ def test_static_curve_interpolates_inside_only():
 
 
 def test_modal_result_refuses_wrong_shapes_and_indices():
-    arrays = dict(natural_frequency=np.ones(2), shape=np.zeros((2, 3, 3)), coil_number=np.arange(3.0), axial_transmission=np.ones(2))
+    arrays = dict(
+        natural_frequency=np.ones(2),
+        shape=np.zeros((2, 3, 3)),
+        coil_number=np.arange(3.0),
+        axial_transmission=np.ones(2),
+    )
     good = {"compression": 0.0, **arrays}
     with pytest.raises(InputError, match="axial_modes"):
         ModalResult(**good, axial_modes=(2,))
@@ -89,7 +114,9 @@ def test_relative_difference_is_absent_without_a_base():
 
 
 def test_every_channel_has_a_unit_and_words_for_people():
-    """Unit and words stand in their places: a unit is one that the tables show, words are more than a unit."""
+    """Unit and words stand in their places: a unit is one that the tables show, words are more than
+    a unit.
+    """
     from valvetrain.solution.channels import FINE, SPRING_CHANNELS
 
     units = {"m", "m/s", "m/s2", "N", "N m", "J", "s", "1"}

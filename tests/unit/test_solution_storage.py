@@ -9,18 +9,21 @@ import numpy as np
 import pytest
 
 from valvetrain.errors import InputError
-from valvetrain.solution import netcdf, netcdf_layout, textfile
-from valvetrain.solution.arrays import arrays_of
+from valvetrain.solution import netcdf, textfile
+from valvetrain.solution import netcdf as netcdf_layout
 from valvetrain.solution.atomic import atomic_path, write_text
-from valvetrain.solution.channels import spring_channels
+from valvetrain.solution.channels import arrays_of, spring_channels
 from valvetrain.solution.event import Event
-from valvetrain.solution.modal import ModalResult
+from valvetrain.solution.modes import ModalResult
 from valvetrain.solution.provenance import collect_provenance
 from valvetrain.solution.result import Solution
 from valvetrain.solution.static import StaticCurve
 from valvetrain.solution.status import Status
 
-PAIRS = ((netcdf.save_netcdf, netcdf.load_netcdf, "run.nc"), (textfile.save_csv, textfile.load_csv, "run.csv"))
+PAIRS = (
+    (netcdf.save_netcdf, netcdf.load_netcdf, "run.nc"),
+    (textfile.save_csv, textfile.load_csv, "run.csv"),
+)
 
 
 def _solution() -> Solution:
@@ -30,25 +33,66 @@ def _solution() -> Solution:
         "coil_contact_force": [[0.0], [7.0], [1e5]],
         "contact_status": [[0], [2], [3]],
     }
-    channels = spring_channels([0.0, 1e-5, 2e-5], [0.0, 0.1, 0.2], values, coil_number=[1.0, 2.0], upper_coil=[2.25])
-    events = (Event("clash", 0.1, 1e-5, 2e-6, 7.0, "N", "coils 1-2", {"impulse": 1e-4, "upper_coil": 2, "exact": True}),)
+    channels = spring_channels(
+        [0.0, 1e-5, 2e-5], [0.0, 0.1, 0.2], values, coil_number=[1.0, 2.0], upper_coil=[2.25]
+    )
+    events = (
+        Event(
+            "clash",
+            0.1,
+            1e-5,
+            2e-6,
+            7.0,
+            "N",
+            "coils 1-2",
+            {"impulse": 1e-4, "upper_coil": 2, "exact": True},
+        ),
+    )
     status = Status("solid", "all coils touch", 2e-5, "coil 2.25", "lower the lift")
     provenance = collect_provenance(
-        "demo", "finite-element", engine_speed=838.0, case_digest="ab12", options={"step": 1e-5, "law": "Hertz, 'line'", "cap": None},
-        created_at="2024-01-01T00:00:00Z", citations=("Ünal, \"Springs\", 1999\nsecond line",),
-    )  # fmt: skip
-    return Solution(channels, events, status, {"steps": 3, "wall_time": 0.25, "scheme": "generalised alpha"}, provenance)
+        "demo",
+        "finite-element",
+        engine_speed=838.0,
+        case_digest="ab12",
+        options={"step": 1e-5, "law": "Hertz, 'line'", "cap": None},
+        created_at="2024-01-01T00:00:00Z",
+        citations=('Ünal, "Springs", 1999\nsecond line',),
+    )
+    return Solution(
+        channels,
+        events,
+        status,
+        {"steps": 3, "wall_time": 0.25, "scheme": "generalised alpha"},
+        provenance,
+    )
 
 
 def _curve() -> StaticCurve:
     steps = np.linspace(0, 7e-3, 8)
     gap = np.outer(8 - np.arange(8), [1.0, 2.0])
-    return StaticCurve(steps, 4e4 * steps, np.full(8, 4e4), gap, np.zeros((8, 2)), np.array([2.0, 3.0]), np.ones((8, 3)), np.arange(3.0))
+    return StaticCurve(
+        steps,
+        4e4 * steps,
+        np.full(8, 4e4),
+        gap,
+        np.zeros((8, 2)),
+        np.array([2.0, 3.0]),
+        np.ones((8, 3)),
+        np.arange(3.0),
+    )
 
 
 def _modes() -> ModalResult:
     shape = np.arange(18.0).reshape(2, 3, 3)
-    return ModalResult(7e-3, np.array([400.0, 630.0]), shape, np.arange(3.0), np.array([0.01, 1.2]), (1,), Status("not-converged", "slow"))
+    return ModalResult(
+        7e-3,
+        np.array([400.0, 630.0]),
+        shape,
+        np.arange(3.0),
+        np.array([0.01, 1.2]),
+        (1,),
+        Status("not-converged", "slow"),
+    )
 
 
 @pytest.mark.parametrize(("save", "load", "name"), PAIRS)
@@ -66,7 +110,9 @@ def test_a_changed_number_is_not_identical():
     solution = _solution()
     channels = solution.channels.copy(deep=True)
     channels["seat_force"][0] = 1.0 + 1e-15
-    assert not Solution(channels, solution.events, solution.status, solution.statistics, solution.provenance).identical(solution)
+    assert not Solution(
+        channels, solution.events, solution.status, solution.statistics, solution.provenance
+    ).identical(solution)
 
 
 def test_csv_header_names_units_and_places(tmp_path):
@@ -80,12 +126,25 @@ def test_csv_header_names_units_and_places(tmp_path):
 def test_static_curve_and_modes_survive_storage(tmp_path):
     netcdf.save_static_curve(_curve(), tmp_path / "static.nc")
     curve = netcdf.load_static_curve(tmp_path / "static.nc")
-    for name in ("compression", "force", "stiffness", "coil_gap", "coil_contact_force", "upper_coil", "axial_position", "coil_number"):
+    for name in (
+        "compression",
+        "force",
+        "stiffness",
+        "coil_gap",
+        "coil_contact_force",
+        "upper_coil",
+        "axial_position",
+        "coil_number",
+    ):
         np.testing.assert_array_equal(getattr(curve, name), getattr(_curve(), name))
     netcdf.save_modal_result(_modes(), tmp_path / "modes.nc")
     modes = netcdf.load_modal_result(tmp_path / "modes.nc")
     np.testing.assert_array_equal(modes.shape, _modes().shape)
-    assert (modes.compression, modes.axial_modes, modes.status) == (7e-3, (1,), Status("not-converged", "slow"))
+    assert (modes.compression, modes.axial_modes, modes.status) == (
+        7e-3,
+        (1,),
+        Status("not-converged", "slow"),
+    )
     assert modes.axial_frequencies == pytest.approx([630.0])
 
 
@@ -100,7 +159,9 @@ def test_truncated_file_is_refused_in_one_sentence(tmp_path, save, load, name, k
 
 
 @pytest.mark.parametrize(("save", "load", "name"), PAIRS)
-@pytest.mark.parametrize("content", [b"", b"hello", b"\x89HDF\r\n\x1a\n", b"\xff\xfe\x00", b"angle,force\n1,2\n"])
+@pytest.mark.parametrize(
+    "content", [b"", b"hello", b"\x89HDF\r\n\x1a\n", b"\xff\xfe\x00", b"angle,force\n1,2\n"]
+)
 def test_foreign_file_is_refused(tmp_path, save, load, name, content):
     (tmp_path / name).write_bytes(content)
     with pytest.raises(InputError):
@@ -124,7 +185,9 @@ def test_any_netcdf_of_others_is_refused(tmp_path):
 
 
 def _told(path):
-    """All that a NetCDF-4 file holds: attributes of the file and of each variable, with dimensions, types and bytes."""
+    """All that a NetCDF-4 file holds: attributes of the file and of each variable, with dimensions,
+    types and bytes.
+    """
     with h5netcdf.File(path) as file:
         variables = {
             name: (
@@ -135,23 +198,41 @@ def _told(path):
             )
             for name, one in file.variables.items()
         }
-        return dict(file.attrs), {name: dim.size for name, dim in file.dimensions.items()}, variables
+        return (
+            dict(file.attrs),
+            {name: dim.size for name, dim in file.dimensions.items()},
+            variables,
+        )
 
 
 @pytest.mark.parametrize("at_rest", [False, True])
 def test_files_are_laid_out_as_xarray_writes_them(tmp_path, at_rest):
-    """Coordinates with and without a channel along them, whole numbers, truth values, an attribute of the whole."""
+    """Coordinates with and without a channel along them, whole numbers, truth values, an attribute
+    of the whole.
+    """
     import xarray
 
     dataset = xarray.Dataset(
-        {"a": ("sample", [1.0, np.nan]), "b": (("sample", "wire_point"), [[1, 2], [3, 4]]), "c": ("sample", [True, False])},
-        coords={"time": ("sample", [0.0, 1.0], {"units": "s"}), "coil_number": ("wire_point", [1.0, 2.0]), "lonely": ("other", [7.0])},
+        {
+            "a": ("sample", [1.0, np.nan]),
+            "b": (("sample", "wire_point"), [[1, 2], [3, 4]]),
+            "c": ("sample", [True, False]),
+        },
+        coords={
+            "time": ("sample", [0.0, 1.0], {"units": "s"}),
+            "coil_number": ("wire_point", [1.0, 2.0]),
+            "lonely": ("other", [7.0]),
+        },
         attrs={} if at_rest else {"title": "of the whole"},
     )
     if at_rest:
         dataset = dataset.swap_dims(wire_point="coil_number")
-    without = {name: {"_FillValue": None} for name in dataset.variables if dataset[name].dtype.kind == "f"}
-    dataset.assign(words=xarray.DataArray(np.array("Ü", dtype=object))).to_netcdf(tmp_path / "a.nc", engine="h5netcdf", encoding=without)
+    without = {
+        name: {"_FillValue": None} for name in dataset.variables if dataset[name].dtype.kind == "f"
+    }
+    dataset.assign(words=xarray.DataArray(np.array("Ü", dtype=object))).to_netcdf(
+        tmp_path / "a.nc", engine="h5netcdf", encoding=without
+    )
     netcdf_layout.write_arrays(tmp_path / "b.nc", arrays_of(dataset), {"words": "Ü"})
     assert str(_told(tmp_path / "a.nc")) == str(_told(tmp_path / "b.nc"))
 
@@ -196,5 +277,8 @@ def test_atomic_path_gives_the_usual_mode_and_replaces(tmp_path):
 
 def test_unwritable_folder_is_an_input_error(tmp_path):
     (tmp_path / "file").write_text("not a folder")
-    with pytest.raises(InputError, match="cannot be written"), atomic_path(tmp_path / "file" / "a.txt"):
+    with (
+        pytest.raises(InputError, match="cannot be written"),
+        atomic_path(tmp_path / "file" / "a.txt"),
+    ):
         pass

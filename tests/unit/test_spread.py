@@ -1,4 +1,6 @@
-"""What the calibration data leave open: the file that ships belongs to its case and its identification, and speaks of nothing else."""
+"""What the calibration data leave open: the file that ships belongs to its case and its
+identification, and speaks of nothing else.
+"""
 
 from __future__ import annotations
 
@@ -17,7 +19,11 @@ from valvetrain.sources.gu2021_identification import SPEC
 from valvetrain.studies import spread as spread_module
 from valvetrain.studies.error_bars import Uncertainty
 from valvetrain.studies.spread import TOLD, Spread, load_spread, spread_sentences
-from valvetrain.studies.uncertainty_file import load_uncertainty, rows_that_hold, uncertainty_sentences
+from valvetrain.studies.uncertainty_file import (
+    load_uncertainty,
+    rows_that_hold,
+    uncertainty_sentences,
+)
 
 ROOT = Path(__file__).resolve().parents[2]
 SCRIPT = runpy.run_path(str(ROOT / "scripts" / "identify_beehive.py"))
@@ -31,14 +37,24 @@ def case():
 
 
 def own_numbers(case, **changed: float) -> dict[Quantity, float]:
-    """The numbers that were refined, as a run of this version gives them; ``changed``: quantity -> factor on it at 8000 rpm."""
+    """The numbers that were refined, as a run of this version gives them; ``changed``: quantity ->
+    factor on it at 8000 rpm.
+    """
     rows = load_uncertainty(case.record())
-    factor = {row: changed.get(row.quantity, 1.0) if same_speed(row.engine_speed, SPEEDS[2]) else 1.0 for row in rows}
-    return {Quantity(row.quantity, row.engine_speed, "finite-element"): row.value * factor[row] for row in rows}
+    factor = {
+        row: changed.get(row.quantity, 1.0) if same_speed(row.engine_speed, SPEEDS[2]) else 1.0
+        for row in rows
+    }
+    return {
+        Quantity(row.quantity, row.engine_speed, "finite-element"): row.value * factor[row]
+        for row in rows
+    }
 
 
 def test_every_range_is_in_order_and_holds_what_the_case_computes(case):
-    """The case lies at the most probable point of its own posterior: between 5 and 95 % in nearly all quantities."""
+    """The case lies at the most probable point of its own posterior: between 5 and 95 % in nearly
+    all quantities.
+    """
     spread, numbers = load_spread(case.record()), own_numbers(case)
     assert {one.engine_rpm for one in spread} == {4200, 5600, 8000}
     assert all(one.low <= one.middle <= one.high for one in spread)
@@ -54,7 +70,11 @@ def test_every_range_is_in_order_and_holds_what_the_case_computes(case):
 
 def test_one_sentence_a_speed_with_the_published_value_inside_or_outside(case):
     sentences = spread_sentences(case.record(), SPEEDS, own_numbers(case))
-    assert [sentence.split(",")[0] for sentence in sentences] == ["4200 rpm", "5600 rpm", "8000 rpm"]
+    assert [sentence.split(",")[0] for sentence in sentences] == [
+        "4200 rpm",
+        "5600 rpm",
+        "8000 rpm",
+    ]
     spread = {(one.engine_rpm, one.quantity): one for one in load_spread(case.record())}
     published = {
         (round(value.engine_speed / RPM), value.quantity): value.value
@@ -66,7 +86,11 @@ def test_one_sentence_a_speed_with_the_published_value_inside_or_outside(case):
         if quantity in TOLD and (rpm, quantity) in published:
             (sentence,) = [sentence for sentence in sentences if sentence.startswith(f"{rpm} rpm")]
             (part,) = [part for part in sentence.split("; ") if TOLD[quantity] in part]
-            assert ("inside" in part) == (one.low <= published[rpm, quantity] <= one.high) != ("outside" in part)
+            assert (
+                ("inside" in part)
+                == (one.low <= published[rpm, quantity] <= one.high)
+                != ("outside" in part)
+            )
             told += 1
     assert told >= 8
     assert spread_sentences(case.record(), SPEEDS[1:2], own_numbers(case)) == sentences[1:2]
@@ -96,20 +120,33 @@ def test_no_sentence_survives_a_contact_that_is_changed(case):
     from valvetrain.parameters.case import CoilContact
 
     (spring,) = case.springs
-    stiff = case.replace({"springs.0.contact": CoilContact(stiffness=2 * spring.contact.stiffness)}).record()
-    assert load_spread(stiff) == () and uncertainty_sentences(stiff, SPEEDS, own_numbers(case)) == ()
+    stiff = case.replace(
+        {"springs.0.contact": CoilContact(stiffness=2 * spring.contact.stiffness)}
+    ).record()
+    assert (
+        load_spread(stiff) == () and uncertainty_sentences(stiff, SPEEDS, own_numbers(case)) == ()
+    )
 
 
 def test_no_sentence_survives_a_version_that_computes_other_numbers(case):
-    """The words of the case are the same, the numbers are not: speeds at which they came out again are still told."""
+    """The words of the case are the same, the numbers are not: speeds at which they came out again
+    are still told.
+    """
     record, moved = case.record(), own_numbers(case, stage_2_peak_force=1.05)
     assert len(rows_that_hold(record, own_numbers(case))) == len(load_uncertainty(record))
-    for sentences in (spread_sentences(record, SPEEDS, moved), uncertainty_sentences(record, SPEEDS, moved)):
+    for sentences in (
+        spread_sentences(record, SPEEDS, moved),
+        uncertainty_sentences(record, SPEEDS, moved),
+    ):
         assert [sentence.split(",")[0] for sentence in sentences] == ["4200 rpm", "5600 rpm"]
 
 
-def test_every_told_range_stands_in_its_unit_beside_the_published_value_of_its_own_speed(monkeypatch):
-    """Forces in N, displacements in mm, three digits that count; values of another source, speed or quantity stand beside none."""
+def test_every_told_range_stands_in_its_unit_beside_the_published_value_of_its_own_speed(
+    monkeypatch,
+):
+    """Forces in N, displacements in mm, three digits that count; values of another source, speed or
+    quantity stand beside none.
+    """
     rows = (
         Spread("stage_2_peak_force", 5600, 811.6, 820.0, 1234.4), Spread("stage_2_first_peak_force", 5600, 516.96, 804.0, 837.02),
         Spread("stage_2_second_peak_force", 5600, 833.3, 855.0, 903.2), Spread("stage_3_peak_force", 5600, 12345.0, 12400.0, 15678.0),
@@ -119,12 +156,20 @@ def test_every_told_range_stands_in_its_unit_beside_the_published_value_of_its_o
     def given(quantity, value, speed=5600.0, model="solid finite elements"):
         return PublishedValue(quantity, value, "N", engine_speed=speed * RPM, model=model)
 
-    record = CaseRecord("own", published=(
-        given("stage_2_peak_force", 1000.0), given("stage_2_first_peak_force", 900.0), given("stage_3_peak_force", 13000.0, 8000.0),
-        given("stage_2_second_peak_force", 850.0, model="analytical modal"), given("node_2_maximum_displacement", 1.2346e-4),
-    ))  # fmt: skip
+    record = CaseRecord(
+        "own",
+        published=(
+            given("stage_2_peak_force", 1000.0),
+            given("stage_2_first_peak_force", 900.0),
+            given("stage_3_peak_force", 13000.0, 8000.0),
+            given("stage_2_second_peak_force", 850.0, model="analytical modal"),
+            given("node_2_maximum_displacement", 1.2346e-4),
+        ),
+    )
     monkeypatch.setattr(spread_module, "load_spread", lambda _: rows)
-    held = Uncertainty("preload", 5600 * RPM, 300.0, 1.0, 2.0, 300.0, 0.0, (300.0, 300.0), (300.0, 300.0))
+    held = Uncertainty(
+        "preload", 5600 * RPM, 300.0, 1.0, 2.0, 300.0, 0.0, (300.0, 300.0), (300.0, 300.0)
+    )
     monkeypatch.setattr(spread_module, "rows_that_hold", lambda *_: (held,))
     parts = (
         "Stage II peak force 812 to 1230 N (published 1000, inside)", "first Stage II peak 517 to 837 N (published 900, outside)",
@@ -133,17 +178,27 @@ def test_every_told_range_stands_in_its_unit_beside_the_published_value_of_its_o
     )  # fmt: skip
     assert len(parts) == len(TOLD)
     (sentence,) = spread_sentences(record, (5600 * RPM, 8000 * RPM), {})
-    assert sentence == f"5600 rpm, what the calibration data leave open (5 to 95 %): {'; '.join(parts)}."
+    assert (
+        sentence
+        == f"5600 rpm, what the calibration data leave open (5 to 95 %): {'; '.join(parts)}."
+    )
     assert spread_sentences(record, (8000 * RPM,), {}) == ()
 
 
 def test_shipped_spread_is_that_of_this_identification():
-    """Fails when unknowns, priors or targets have changed since the spread was computed; run the identification again then."""
-    content = tomllib.loads((Path(str(LIBRARY)) / "gu2021-beehive.spread").read_text(encoding="utf-8"))
-    assert content["case"]["identification"] == SCRIPT["method_digest"](read_request(SCRIPT["FILE"]))
+    """Fails when unknowns, priors or targets have changed since the spread was computed; run the
+    identification again then.
+    """
+    content = tomllib.loads(
+        (Path(str(LIBRARY)) / "gu2021-beehive.spread").read_text(encoding="utf-8")
+    )
+    assert content["case"]["identification"] == SCRIPT["method_digest"](
+        read_request(SCRIPT["FILE"])
+    )
 
 
-#: Measurement -> the published value behind it: what produced it and its quantity in the case, whose role is therefore "calibration".
+#: Measurement -> the published value behind it: what produced it and its quantity in the case,
+#: whose role is therefore "calibration".
 PUBLISHED = {
     "node_2_installed_gap": ("solid finite elements", "coil_1_2_installed_gap"),
     "free_swing_force_range": ("solid finite elements", "stage_1_force_range"),
@@ -153,13 +208,21 @@ PUBLISHED = {
 
 
 def test_targets_are_the_values_whose_role_is_calibration(case):
-    """The case says of each published value what it was used for, and the identification uses these and no other."""
-    said = {(value.model, value.quantity) for value in case.published if value.role == "calibration"}
+    """The case says of each published value what it was used for, and the identification uses these
+    and no other.
+    """
+    said = {
+        (value.model, value.quantity) for value in case.published if value.role == "calibration"
+    }
     targets = {datum.name: datum for datum in read_request(SCRIPT["FILE"]).data}
     published = {name: PUBLISHED.get(name, ("solid finite elements", name)) for name in targets}
     assert said == set(published.values()) and set(PUBLISHED) <= set(targets)
     for name, (model, quantity) in published.items():
-        (value,) = [one for one in case.published if (one.model, one.quantity, one.role) == (model, quantity, "calibration")]
+        (value,) = [
+            one
+            for one in case.published
+            if (one.model, one.quantity, one.role) == (model, quantity, "calibration")
+        ]
         assert value.used_for.startswith("target of the identification")
         if name != "node_2_installed_gap":  # between no gap and the 0.07 mm of the 4200 rpm run
             target = targets[name]
@@ -167,11 +230,15 @@ def test_targets_are_the_values_whose_role_is_calibration(case):
 
 
 def test_the_search_computes_every_target_of_the_shipped_case():
-    """On a coarse mesh, beside the numbers of docs/beehive.md: the script and the package read one case alike."""
+    """On a coarse mesh, beside the numbers of docs/beehive.md: the script and the package read one
+    case alike.
+    """
     request = read_request(SCRIPT["FILE"])
     names = tuple(one.name for one in request.unknowns)
     found = SPEC.points(names, {"elements_per_coil": 12})(SPEC.values(names))
     assert found is not None and {datum.key for datum in request.data} <= set(found)
-    assert found["preload"] == pytest.approx(288.9, rel=2e-3) and found["stage_2_peak_force"] == pytest.approx(816.5, rel=2e-3)
+    assert found["preload"] == pytest.approx(288.9, rel=2e-3) and found[
+        "stage_2_peak_force"
+    ] == pytest.approx(816.5, rel=2e-3)
     # the free swing to 120 degrees, not the study's Stage I, whose range is 18.9 N
     assert found["free_swing_force_range"] == pytest.approx(14.7, abs=0.3)

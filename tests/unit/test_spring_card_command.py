@@ -1,4 +1,6 @@
-"""Unit: the command ``spring-card``, tables of a spring tester in every form, and the spring it writes."""
+"""Unit: the command ``spring-card``, tables of a spring tester in every form, and the spring it
+writes.
+"""
 
 from __future__ import annotations
 
@@ -9,10 +11,10 @@ import pytest
 
 from unit.cli_parts import call as invoke
 from valvetrain.errors import InputError
-from valvetrain.measurements.catalogue_card import GROUND, CatalogueCard, SpringLoad, Winding
-from valvetrain.measurements.force_height import read_force_height
+from valvetrain.measured.force_height import read_force_height
 from valvetrain.parameters.loading import load_case
-from valvetrain.studies.spring_card import _left_free, forces_at
+from valvetrain.spring_card.card import GROUND, CatalogueCard, SpringLoad, Winding
+from valvetrain.spring_card.fit import _left_free, forces_at
 
 CARD = ("spring-card", "--wire-diameter", "4.4 mm", "--outer-diameter", "32 mm")
 LOADS = ("--installed", "46 mm, 350 N", "--open-load", "34 mm, 830 N")
@@ -23,16 +25,26 @@ FORCES = 40.0 * (55.0 - HEIGHTS)
 def table(tmp_path, head="height [mm]; force [N]", rows=None, mark=";"):
     file = tmp_path / "table.txt"
     rows = np.column_stack([HEIGHTS, FORCES]) if rows is None else rows
-    file.write_text("\n".join([head, *(mark.join(f"{value:.6g}" for value in row) for row in rows)]) + "\n")
+    file.write_text(
+        "\n".join([head, *(mark.join(f"{value:.6g}" for value in row) for row in rows)]) + "\n"
+    )
     return file
 
 
 def test_a_card_gives_a_spring_that_a_case_takes(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    data = json.loads(invoke(*CARD, *LOADS, "--solid-height", "29 mm", "--name", "outer", "--json", "--output", "out").stdout)
+    data = json.loads(
+        invoke(
+            *CARD, *LOADS, "--solid-height", "29 mm", "--name", "outer", "--json", "--output", "out"
+        ).stdout
+    )
     assert data["card"]["installed_load"] == pytest.approx({"asked": 350, "found": 350}, rel=1e-3)
     assert data["card"]["solid_height"]["found"] == pytest.approx(29e-3, rel=1e-3)
-    assert {path.rsplit("/")[-1] for path in data["files"]} >= {"spring.toml", "report.html", "run.json"}
+    assert {path.rsplit("/")[-1] for path in data["files"]} >= {
+        "spring.toml",
+        "report.html",
+        "run.json",
+    }
     spring = load_case("out/spring.toml").springs[0]
     assert spring.name == "outer" and spring.installed_height == pytest.approx(46e-3, abs=1e-9)
     assert forces_at(spring.wire, [46e-3, 34e-3]) == pytest.approx((350, 830), rel=1e-3)
@@ -42,15 +54,28 @@ def test_the_terminal_tells_card_spring_and_what_was_left_open(tmp_path, monkeyp
     monkeypatch.chdir(tmp_path)
     shown = invoke(*CARD, *LOADS)
     words = " ".join(shown.stdout.split())
-    for part in ("force at the first height 350", "rate between the two 40", "active coils", "No material is given"):
+    for part in (
+        "force at the first height 350",
+        "rate between the two 40",
+        "active coils",
+        "No material is given",
+    ):
         assert part in words
     assert len(shown.stdout.splitlines()) < 40
 
 
 def test_inches_and_pounds_are_the_same_card(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    inches = ("--installed", f"{46 / 25.4} in, {350 / 4.4482216152605} lbf", "--open-load", f"{34 / 25.4} in, {830 / 4.4482216152605} lbf")
-    found = [json.loads(invoke(*CARD, *loads, "--json").stdout)["card"]["total_coils"]["found"] for loads in (LOADS, inches)]
+    inches = (
+        "--installed",
+        f"{46 / 25.4} in, {350 / 4.4482216152605} lbf",
+        "--open-load",
+        f"{34 / 25.4} in, {830 / 4.4482216152605} lbf",
+    )
+    found = [
+        json.loads(invoke(*CARD, *loads, "--json").stdout)["card"]["total_coils"]["found"]
+        for loads in (LOADS, inches)
+    ]
     assert found[0] == pytest.approx(found[1], rel=1e-9)
 
 
@@ -58,10 +83,21 @@ def test_a_table_gives_rate_length_and_pitch_with_intervals(tmp_path, monkeypatc
     monkeypatch.chdir(tmp_path)
     file = table(tmp_path)
     shown = invoke(
-        "spring-card", str(file), "--wire-diameter", "4.2 mm", "--outer-diameter", "30.2 mm", "--installed-height", "48 mm", "--json"
+        "spring-card",
+        str(file),
+        "--wire-diameter",
+        "4.2 mm",
+        "--outer-diameter",
+        "30.2 mm",
+        "--installed-height",
+        "48 mm",
+        "--json",
     )
     data = json.loads(shown.stdout)
-    assert data["rate"]["value"] == pytest.approx(40e3, rel=5e-3) and data["rate"]["standard_deviation"] > 0
+    assert (
+        data["rate"]["value"] == pytest.approx(40e3, rel=5e-3)
+        and data["rate"]["standard_deviation"] > 0
+    )
     assert data["preload"]["value"] == pytest.approx(280, rel=5e-3)
     assert data["coil_bind_height"] is None and len(data["pitch"]) >= 3
 
@@ -71,29 +107,41 @@ def test_a_table_gives_rate_length_and_pitch_with_intervals(tmp_path, monkeypatc
     [
         ("height [mm]; force [N]", np.column_stack([HEIGHTS, FORCES]), ";"),
         ("Kraft [N]\tHöhe [mm]", np.column_stack([FORCES, HEIGHTS]), "\t"),
-        ("force (lbf), length (in)", np.column_stack([FORCES / 4.4482216152605, HEIGHTS / 25.4]), ", "),
+        (
+            "force (lbf), length (in)",
+            np.column_stack([FORCES / 4.4482216152605, HEIGHTS / 25.4]),
+            ", ",
+        ),
         ("height [mm]; load [N]", np.column_stack([HEIGHTS, -FORCES]), ";"),
     ],
     ids=("heights first", "forces first", "inches", "forces of the other sign"),
 )
 def test_a_table_is_read_in_any_form(tmp_path, head, rows, mark):
     found = read_force_height(table(tmp_path, head, rows, mark))
-    assert found.heights == pytest.approx(1e-3 * HEIGHTS, rel=1e-5) and found.forces == pytest.approx(FORCES, rel=1e-5)
+    assert found.heights == pytest.approx(
+        1e-3 * HEIGHTS, rel=1e-5
+    ) and found.forces == pytest.approx(FORCES, rel=1e-5)
 
 
 def test_compressions_need_the_free_length(tmp_path):
     file = table(tmp_path, "deflection [mm]; force [N]", np.column_stack([55.0 - HEIGHTS, FORCES]))
     with pytest.raises(InputError, match="free length"):
         read_force_height(file)
-    assert read_force_height(file, free_length=55e-3).heights == pytest.approx(1e-3 * HEIGHTS, rel=1e-6)
+    assert read_force_height(file, free_length=55e-3).heights == pytest.approx(
+        1e-3 * HEIGHTS, rel=1e-6
+    )
 
 
 def test_loading_and_unloading_are_told_apart_and_averaged(tmp_path):
     """Friction of 3 N: 3 N more on the way down, 3 N less on the way up."""
-    rows = np.column_stack([np.append(HEIGHTS, HEIGHTS[::-1]), np.append(FORCES + 3, FORCES[::-1] - 3)])
+    rows = np.column_stack(
+        [np.append(HEIGHTS, HEIGHTS[::-1]), np.append(FORCES + 3, FORCES[::-1] - 3)]
+    )
     found = read_force_height(table(tmp_path, rows=rows))
     assert found.forces[:-1] == pytest.approx(FORCES[:-1], abs=0.01)
-    assert found.hysteresis == pytest.approx(3, rel=0.01) and "loading and unloading" in found.notes[0]
+    assert (
+        found.hysteresis == pytest.approx(3, rel=0.01) and "loading and unloading" in found.notes[0]
+    )
 
 
 @pytest.mark.parametrize(
@@ -110,7 +158,11 @@ def test_loading_and_unloading_are_told_apart_and_averaged(tmp_path):
 def test_wrong_cards_are_refused_in_one_sentence(tmp_path, monkeypatch, more, words):
     monkeypatch.chdir(tmp_path)
     shown = invoke(*CARD, *more)
-    assert shown.exit_code == 2 and words in " ".join(shown.output.split()) and not list(tmp_path.iterdir())
+    assert (
+        shown.exit_code == 2
+        and words in " ".join(shown.output.split())
+        and not list(tmp_path.iterdir())
+    )
 
 
 @pytest.mark.parametrize(
@@ -119,13 +171,37 @@ def test_wrong_cards_are_refused_in_one_sentence(tmp_path, monkeypatch, more, wo
         ("a; b", None, "which of its 2 columns is what"),
         ("height; force", None, "unit of its length"),
         ("height [mm]; force [kN/m]", None, "no unit of force"),
-        ("height [mm]; force [mm]", None, r"^force_unit: 'mm' is no unit of force; use one such as N$"),
-        ("height [mm]; force [stone]", None, r"^force_unit: 'stone' is no unit of force; use one such as N$"),
-        ("height [N]; force [N]", None, r"^length_unit: 'N' is no unit of length; use one such as mm$"),
-        ("height [furlong]; force [N]", None, r"^length_unit: 'furlong' is no unit of length; use one such as mm$"),
+        (
+            "height [mm]; force [mm]",
+            None,
+            r"^force_unit: 'mm' is no unit of force; use one such as N$",
+        ),
+        (
+            "height [mm]; force [stone]",
+            None,
+            r"^force_unit: 'stone' is no unit of force; use one such as N$",
+        ),
+        (
+            "height [N]; force [N]",
+            None,
+            r"^length_unit: 'N' is no unit of length; use one such as mm$",
+        ),
+        (
+            "height [furlong]; force [N]",
+            None,
+            r"^length_unit: 'furlong' is no unit of length; use one such as mm$",
+        ),
         ("height [mm]; force [N]", np.column_stack([HEIGHTS, FORCES])[:4], "6 or more"),
-        ("height [mm]; force [N]", np.column_stack([HEIGHTS, FORCES[::-1]]), "does not rise as the height falls"),
-        ("height [mm]; force [N]; time [s]", np.column_stack([HEIGHTS, FORCES, HEIGHTS]), "which of its 3 columns is what"),
+        (
+            "height [mm]; force [N]",
+            np.column_stack([HEIGHTS, FORCES[::-1]]),
+            "does not rise as the height falls",
+        ),
+        (
+            "height [mm]; force [N]; time [s]",
+            np.column_stack([HEIGHTS, FORCES, HEIGHTS]),
+            "which of its 3 columns is what",
+        ),
     ],
 )
 def test_tables_that_leave_questions_are_refused_in_one_sentence(tmp_path, head, rows, words):
@@ -137,28 +213,49 @@ def test_a_table_and_loads_are_not_taken_together(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     shown = invoke(*CARD, *LOADS, str(table(tmp_path)))
     assert shown.exit_code == 2 and "a table holds the loads" in shown.output
-    for more, words in ((("--closes", "middle"), "lower, upper or both"), (("--installed-height", "60 mm"), "the table holds heights")):
+    for more, words in (
+        (("--closes", "middle"), "lower, upper or both"),
+        (("--installed-height", "60 mm"), "the table holds heights"),
+    ):
         shown = invoke(*CARD, str(table(tmp_path)), *more)
         assert shown.exit_code == 2 and words in " ".join(shown.output.split())
 
 
-OF_ENDS = ("no turns, mass or solid height", "the turns are those of the solid height", "no solid height is given", "do not fit together")
+OF_ENDS = (
+    "no turns, mass or solid height",
+    "the turns are those of the solid height",
+    "no solid height is given",
+    "do not fit together",
+)
 
 
 @pytest.mark.parametrize(
     ("told", "ground", "said"),
     [
-        ((), GROUND, 0), (("solid_height",), 0.6, 1), (("solid_height",), GROUND, 1),
-        (("mass",), GROUND, 2), (("total_coils",), GROUND, 2), (("mass", "total_coils"), GROUND, 2),
-        (("mass", "solid_height"), GROUND, 3), (("total_coils", "solid_height"), GROUND, 3),
-        (("mass", "solid_height"), 0.6, None), (("total_coils", "solid_height"), 0.9, None),
+        ((), GROUND, 0),
+        (("solid_height",), 0.6, 1),
+        (("solid_height",), GROUND, 1),
+        (("mass",), GROUND, 2),
+        (("total_coils",), GROUND, 2),
+        (("mass", "total_coils"), GROUND, 2),
+        (("mass", "solid_height"), GROUND, 3),
+        (("total_coils", "solid_height"), GROUND, 3),
+        (("mass", "solid_height"), 0.6, None),
+        (("total_coils", "solid_height"), 0.9, None),
     ],
-)  # fmt: skip
+)
 def test_what_a_card_leaves_open_of_turns_and_ends_is_said_once(told, ground, said):
-    """Ground turns of textbooks where a solid height is told as well mean that it asked for others, which no end has."""
+    """Ground turns of textbooks where a solid height is told as well mean that it asked for others,
+    which no end has.
+    """
     given = {"mass": 0.09, "total_coils": 7.0, "solid_height": 29e-3}
-    loads = {"installed_load": SpringLoad("46 mm", "350 N"), "open_load": SpringLoad("34 mm", "830 N")}
-    card = CatalogueCard(wire_diameter=4.4e-3, outer_diameter=32e-3, **loads, **{name: given[name] for name in told})
+    loads = {
+        "installed_load": SpringLoad("46 mm", "350 N"),
+        "open_load": SpringLoad("34 mm", "830 N"),
+    }
+    card = CatalogueCard(
+        wire_diameter=4.4e-3, outer_diameter=32e-3, **loads, **{name: given[name] for name in told}
+    )
     free = _left_free(card, Winding(7.0, 1.0, ground, 54e-3))
     found = [place for place, words in enumerate(OF_ENDS) for one in free if words in one]
     assert found == ([] if said is None else [said])

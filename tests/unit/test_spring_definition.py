@@ -7,10 +7,14 @@ import pytest
 from scipy.integrate import quad
 
 from valvetrain.errors import InputError
-from valvetrain.parameters.constructors import conical, cylindrical, hourglass, pitch_with_closed_ends
+from valvetrain.parameters.constructors import (
+    conical,
+    cylindrical,
+    hourglass,
+    pitch_with_closed_ends,
+)
 from valvetrain.parameters.curves import Constant, FunctionCurve, PiecewiseLinear
-from valvetrain.parameters.material import OTEVA_90_SC, Material
-from valvetrain.parameters.materials import MATERIALS, material_by_name
+from valvetrain.parameters.material import MATERIALS, OTEVA_90_SC, Material, material_by_name
 from valvetrain.parameters.schema_spring import EndModel
 from valvetrain.parameters.spring import OPEN_END, EndCoil, SpringDefinition
 
@@ -26,14 +30,18 @@ def helix():
 def test_a_plain_helix_has_the_length_and_mass_of_its_unrolled_wire(helix):
     length = TURNS * np.hypot(np.pi * DIAMETER, PITCH)
     assert helix.wire_length == pytest.approx(length, rel=1e-12)
-    assert helix.mass == pytest.approx(np.pi / 4 * WIRE**2 * length * OTEVA_90_SC.density, rel=1e-12)
+    assert helix.mass == pytest.approx(
+        np.pi / 4 * WIRE**2 * length * OTEVA_90_SC.density, rel=1e-12
+    )
     assert helix.active_mass == pytest.approx(helix.mass, rel=1e-12)
     assert helix.active_coils == pytest.approx(TURNS)
 
 
 def test_a_plain_helix_has_its_angles_and_diameters_everywhere(helix):
     coil = np.linspace(0, TURNS, 7)
-    np.testing.assert_allclose(helix.helix_angle(coil), np.arctan(PITCH / (np.pi * DIAMETER)), rtol=1e-14)
+    np.testing.assert_allclose(
+        helix.helix_angle(coil), np.arctan(PITCH / (np.pi * DIAMETER)), rtol=1e-14
+    )
     np.testing.assert_allclose(helix.index(coil), DIAMETER / WIRE)
     np.testing.assert_allclose(helix.outer_diameter(coil), DIAMETER + WIRE)
     np.testing.assert_allclose(helix.coil_gap([1.0, 3.3, TURNS]), PITCH - WIRE, rtol=1e-12)
@@ -48,7 +56,9 @@ def test_open_ends_stand_on_the_tips_of_the_wire(helix):
 
 def test_closed_and_ground_ends_take_a_turn_and_a_half_of_wire_off():
     ends = EndCoil("closed-ground", 0.75, 0.75)
-    spring = cylindrical(WIRE, DIAMETER, PITCH, 8.0, closed_coils=1.0, lower_end=ends, upper_end=ends)
+    spring = cylindrical(
+        WIRE, DIAMETER, PITCH, 8.0, closed_coils=1.0, lower_end=ends, upper_end=ends
+    )
     # pitch: one turn closed, half a turn of ramp, five turns of full pitch, and the same again
     rise = 2 * WIRE + 2 * 0.5 * (WIRE + PITCH) / 2 + 5 * PITCH
     assert spring.free_length == pytest.approx(rise - 2 * 0.75 * WIRE + WIRE, rel=1e-9)
@@ -96,13 +106,25 @@ def build(**changes):
         ({"total_coils": 0.0}, "has 0.0 turns"),
         ({"total_coils": float("nan")}, "has nan turns"),
         ({"hand": "both"}, "use right or left"),
-        ({"lower_end": EndCoil("closed", 3.0), "upper_end": EndCoil("closed", 2.8)}, "of which 5.8 are inactive"),
+        (
+            {"lower_end": EndCoil("closed", 3.0), "upper_end": EndCoil("closed", 2.8)},
+            "of which 5.8 are inactive",
+        ),
         ({"wire_diameter": Constant(0.0)}, "wire diameter is not positive"),
-        ({"mean_diameter": PiecewiseLinear((0.0, TURNS), (24e-3, -1e-3))}, "mean coil diameter is not positive"),
+        (
+            {"mean_diameter": PiecewiseLinear((0.0, TURNS), (24e-3, -1e-3))},
+            "mean coil diameter is not positive",
+        ),
         ({"pitch": FunctionCurve(lambda u: PITCH / (u - 3.0))}, "pitch is not a finite number"),
-        ({"pitch": PiecewiseLinear((0.0, 3.0, 4.0, TURNS), (PITCH, PITCH, -1e-3, -1e-3))}, "runs back through itself"),
+        (
+            {"pitch": PiecewiseLinear((0.0, 3.0, 4.0, TURNS), (PITCH, PITCH, -1e-3, -1e-3))},
+            "runs back through itself",
+        ),
         ({"mean_diameter": Constant(WIRE)}, "widen the coil"),
-        ({"pitch": PiecewiseLinear((0.0, 3.0, 3.0 + 1e-9, TURNS), (PITCH, PITCH, 12e-3, 12e-3))}, "pitch jumps"),
+        (
+            {"pitch": PiecewiseLinear((0.0, 3.0, 3.0 + 1e-9, TURNS), (PITCH, PITCH, 12e-3, 12e-3))},
+            "pitch jumps",
+        ),
         ({"pitch": Constant(0.9 * WIRE)}, "overlaps the one below"),
     ],
 )
@@ -120,7 +142,9 @@ def test_open_ends_hold_no_turns_in_python_as_in_a_case_file():
     for kind in ("closed-ground", "closed", "open"):
         assert EndModel(kind=kind).build() == EndCoil(kind)
     bare = cylindrical(WIRE, DIAMETER, PITCH, TURNS, closed_coils=0)
-    assert bare == cylindrical(WIRE, DIAMETER, PITCH, TURNS, closed_coils=0, lower_end=OPEN_END, upper_end=OPEN_END)
+    assert bare == cylindrical(
+        WIRE, DIAMETER, PITCH, TURNS, closed_coils=0, lower_end=OPEN_END, upper_end=OPEN_END
+    )
     assert bare.free_coils == (0.0, TURNS)
     assert cylindrical(WIRE, DIAMETER, PITCH, TURNS).lower_end == EndCoil()
 
@@ -132,7 +156,10 @@ def test_constructors_take_units_and_refuse_slips():
         cylindrical(3.8, 22e-3, 7e-3, 7)
     with pytest.raises(InputError, match="7 m of pitch"):
         cylindrical(3.8e-3, 22e-3, 7, 7)
-    with pytest.raises(InputError, match="youngs_modulus of material 'steel': 206 Pa of modulus can only be meant as 206 GPa"):
+    with pytest.raises(
+        InputError,
+        match="youngs_modulus of material 'steel': 206 Pa of modulus can only be meant as 206 GPa",
+    ):
         Material("steel", 206, 79.6e9, 7850)
 
 
@@ -156,7 +183,10 @@ PRINTED = {
 
 
 def test_every_material_of_the_library_has_its_own_numbers():
-    known = {name: (one.youngs_modulus / 1e9, one.shear_modulus / 1e9, one.density) for name, one in MATERIALS.items()}
+    known = {
+        name: (one.youngs_modulus / 1e9, one.shear_modulus / 1e9, one.density)
+        for name, one in MATERIALS.items()
+    }
     assert known == PRINTED
 
 

@@ -11,7 +11,13 @@ from valvetrain.parameters.constructors import beehive, cylindrical
 from valvetrain.parameters.curves import Constant
 from valvetrain.parameters.spring import OPEN_END
 from valvetrain.springs.chain_layout import axial_clearance, chain_from_definition
-from valvetrain.springs.chain_statics import contact_depths, contact_rows, element_matrix, solve_static, static_curve
+from valvetrain.springs.chain_statics import (
+    contact_depths,
+    contact_rows,
+    element_matrix,
+    solve_static,
+    static_curve,
+)
 from valvetrain.springs.equivalent import EquivalentSpring
 from valvetrain.springs.massless import MasslessSpring, MasslessTable, massless_table
 from valvetrain.springs.modal_uniform import ModalUniform
@@ -22,9 +28,11 @@ from valvetrain.springs.wave_rod import WaveRod
 
 
 def chain_twin(model: MultiMassSpring, state, displacement, velocity, time_step):
-    """The chain stepped by dense matrices; returns forces (steps, 2), the final positions and the energy lost.
+    """The chain stepped by dense matrices; returns forces (steps, 2), the final positions and the
+    energy lost.
 
-    Contacts lose by the rates before and after each kick, half of their impulse at either; the impulse of one that opens counts no more.
+    Contacts lose by the rates before and after each kick, half of their impulse at either; the
+    impulse of one that opens counts no more.
     """
     layout, n = model.layout, model.unknowns
     elements, rows = element_matrix(layout), contact_rows(layout)
@@ -39,9 +47,13 @@ def chain_twin(model: MultiMassSpring, state, displacement, velocity, time_step)
         closed, stiffness = depth > 0, layout.contacts.stiffness
         net = -elements @ nodes - (stiffness * np.maximum(depth, 0)) @ rows
         rates[1:-1] = half * v + time_step / 2 * net[1:-1] / layout.masses
-        damping = stiffness * np.maximum(-depth, model.contact_damping_time * (rows @ rates)) * closed
+        damping = (
+            stiffness * np.maximum(-depth, model.contact_damping_time * (rows @ rates)) * closed
+        )
         pull = -model.stiffness_damping * elements @ rates
-        lost -= time_step * rates @ pull + time_step**2 / 2 * np.sum(pull[1:-1] ** 2 / layout.masses)
+        lost -= time_step * rates @ pull + time_step**2 / 2 * np.sum(
+            pull[1:-1] ** 2 / layout.masses
+        )
         lost += before @ (impulse + time_step * damping) / 2
         impulse = time_step * damping
         net = net + pull - damping @ rows
@@ -53,7 +65,10 @@ def chain_twin(model: MultiMassSpring, state, displacement, velocity, time_step)
     return forces, q, lost
 
 
-@pytest.mark.parametrize("name", ["chain", "chain-damped", "chain-7-per-coil", "chain-no-clash", "chain-card", "chain-one-mass"])
+@pytest.mark.parametrize(
+    "name",
+    ["chain", "chain-damped", "chain-7-per-coil", "chain-no-clash", "chain-card", "chain-one-mass"],
+)
 def test_chain_kernel_equals_its_twin(name):
     model = MODELS[name]
     time_step = min(1e-5, 0.8 * model.stable_time_step())
@@ -73,7 +88,9 @@ def test_rod_with_clash_is_the_chain_of_its_layout():
     displacement, velocity = raised_cosine(9e-3, 3e-3, time_step)
     state = model.initial_state(0.0)
     expected, *_ = chain_twin(model.chain, state, displacement, velocity, time_step)
-    assert np.allclose(drive(model, state, displacement, velocity, time_step), expected, rtol=1e-7, atol=1e-5)
+    assert np.allclose(
+        drive(model, state, displacement, velocity, time_step), expected, rtol=1e-7, atol=1e-5
+    )
 
 
 @pytest.mark.parametrize("cells", [3, 4, 57])
@@ -88,12 +105,16 @@ def test_rod_kernel_equals_its_twin(cells):
         nodes = np.concatenate(([0.0], q, [x]))
         expected = 250.0 + model.cell_stiffness * (x - q[-1]), 250.0 + model.cell_stiffness * q[0]
         assert forces[k] == pytest.approx(expected, rel=1e-9)
-        v = half * (half * v + time_step * model.cell_stiffness / model.cell_mass * np.diff(nodes, 2))
+        v = half * (
+            half * v + time_step * model.cell_stiffness / model.cell_mass * np.diff(nodes, 2)
+        )
         q = q + time_step * v
 
 
 def test_modal_kernel_equals_direct_integration():
-    """Same motion through the undamped-in-x equation q'' + 2 z w q' + w**2 q = -c x'' by an independent solver."""
+    """Same motion through the undamped-in-x equation q'' + 2 z w q' + w**2 q = -c x'' by an
+    independent solver.
+    """
     from scipy.integrate import solve_ivp
 
     model, lift, duration = ModalUniform(UNIFORM, 3, damping_ratio=0.03), 6e-3, 5e-3
@@ -108,7 +129,9 @@ def test_modal_kernel_equals_direct_integration():
     omega = model.circular_frequencies
 
     def rate(t, y):
-        return np.concatenate((y[3:], -model.shares * acceleration(t) - 2 * 0.03 * omega * y[3:] - omega**2 * y[:3]))
+        return np.concatenate(
+            (y[3:], -model.shares * acceleration(t) - 2 * 0.03 * omega * y[3:] - omega**2 * y[:3])
+        )
 
     times = np.arange(len(displacement))[::200] * time_step
     run = solve_ivp(rate, (0, times[-1]), np.zeros(6), t_eval=times, rtol=1e-10, atol=1e-13)
@@ -132,14 +155,23 @@ def test_nested_without_rubbing_is_the_sum_of_its_members():
     time_step = 0.5 * model.stable_time_step()
     displacement, velocity = raised_cosine(8e-3, 4e-3, time_step)
     together = drive(model, model.initial_state(0.0), displacement, velocity, time_step)
-    apart = sum(drive(member, member.initial_state(0.0), displacement, velocity, time_step) for member in model.members)
+    apart = sum(
+        drive(member, member.initial_state(0.0), displacement, velocity, time_step)
+        for member in model.members
+    )
     assert np.allclose(together, apart, rtol=1e-12)
-    assert model.retainer_mass() == pytest.approx(sum(member.retainer_mass() for member in model.members))
+    assert model.retainer_mass() == pytest.approx(
+        sum(member.retainer_mass() for member in model.members)
+    )
 
 
 def rubbed(normal_force: float) -> tuple[NestedSprings, np.ndarray, float]:
-    """Two rods after a violent event and 30 ms of surge: model, state and energy left above the static one."""
-    model = NestedSprings(WaveRod(UNIFORM, 60), WaveRod(SLIM, 80), RadialRubbing(0.15, normal_force))
+    """Two rods after a violent event and 30 ms of surge: model, state and energy left above the
+    static one.
+    """
+    model = NestedSprings(
+        WaveRod(UNIFORM, 60), WaveRod(SLIM, 80), RadialRubbing(0.15, normal_force)
+    )
     time_step = 0.9 * model.stable_time_step()
     displacement, velocity = raised_cosine(8e-3, 5e-3, time_step, rest=30e-3)
     state = model.initial_state(0.0)
@@ -163,8 +195,12 @@ def test_light_rubbing_damps_the_surge_and_a_tight_fit_locks_the_springs():
 
 
 def test_gaps_are_those_of_the_wire():
-    """Uniform open spring: every neighbour is pitch less wire away, so the chain goes solid after that travel per turn."""
-    spring = cylindrical(3.8e-3, 22e-3, 7e-3, 6.0, closed_coils=0, lower_end=OPEN_END, upper_end=OPEN_END)
+    """Uniform open spring: every neighbour is pitch less wire away, so the chain goes solid after
+    that travel per turn.
+    """
+    spring = cylindrical(
+        3.8e-3, 22e-3, 7e-3, 6.0, closed_coils=0, lower_end=OPEN_END, upper_end=OPEN_END
+    )
     layout = chain_from_definition(spring, 72, 1e10)
     pairs = (layout.contacts.upper_coil >= 1) & (layout.contacts.upper_coil < 6)
     inside = pairs & (layout.contacts.gap > 0)
@@ -176,11 +212,17 @@ def test_gaps_are_those_of_the_wire():
 
 
 def test_conical_coils_nest_when_one_slips_inside_the_next():
-    cone = beehive(3e-3, 40e-3, 12e-3, 1.0, Constant(5e-3), 5.0, lower_end=OPEN_END, upper_end=OPEN_END)
+    cone = beehive(
+        3e-3, 40e-3, 12e-3, 1.0, Constant(5e-3), 5.0, lower_end=OPEN_END, upper_end=OPEN_END
+    )
     assert np.all(np.isinf(axial_clearance(cone, np.array([3.0, 4.0]))))
-    steep = beehive(3e-3, 24e-3, 16e-3, 1.0, Constant(5e-3), 5.0, lower_end=OPEN_END, upper_end=OPEN_END)
+    steep = beehive(
+        3e-3, 24e-3, 16e-3, 1.0, Constant(5e-3), 5.0, lower_end=OPEN_END, upper_end=OPEN_END
+    )
     shift = 0.5 * (16e-3 - 24e-3) / 4
-    assert axial_clearance(steep, np.array([3.5]))[0] == pytest.approx(5e-3 - np.sqrt(3e-3**2 - shift**2))
+    assert axial_clearance(steep, np.array([3.5]))[0] == pytest.approx(
+        5e-3 - np.sqrt(3e-3**2 - shift**2)
+    )
 
 
 def test_statics_of_a_clashing_chain_balances_every_node():
@@ -188,7 +230,9 @@ def test_statics_of_a_clashing_chain_balances_every_node():
     for compression in (0.0, 5e-3, 15e-3, 17e-3, 20e-3):
         nodes = solve_static(model.layout, compression)
         depth = np.maximum(contact_depths(model.layout, nodes), 0)
-        net = element_matrix(model.layout) @ nodes + (model.layout.contacts.stiffness * depth) @ contact_rows(model.layout)
+        net = element_matrix(model.layout) @ nodes + (
+            model.layout.contacts.stiffness * depth
+        ) @ contact_rows(model.layout)
         assert np.max(np.abs(net[1:-1])) < 1e-6 * max(1.0, abs(net[-1]))
     forces, rates = static_curve(model.layout, np.linspace(0, 16e-3, 30))
     assert np.all(np.diff(forces) > 0) and rates[-1] > 1.1 * rates[0]
@@ -198,13 +242,22 @@ def test_massless_table_follows_the_wire_and_closes_coils():
     table = massless_table(CLOSED_ENDS, PRECOMPRESSION, 9e-3, points=81)
     chain = MultiMassSpring.from_definition(CLOSED_ENDS, PRECOMPRESSION, masses_per_coil=24)
     for x in (0.0, 2.05e-3, 6.3e-3):
-        assert table.force(table.initial_state(x), x).retainer == pytest.approx(chain.force(chain.initial_state(x), x).retainer, rel=1e-4)
-    assert table.tangent(table.initial_state(8e-3), 8e-3) > 1.05 * table.tangent(table.initial_state(-5e-3), -5e-3)
+        assert table.force(table.initial_state(x), x).retainer == pytest.approx(
+            chain.force(chain.initial_state(x), x).retainer, rel=1e-4
+        )
+    assert table.tangent(table.initial_state(8e-3), 8e-3) > 1.05 * table.tangent(
+        table.initial_state(-5e-3), -5e-3
+    )
 
 
-@pytest.mark.parametrize("name", ["chain", "chain-no-clash", "wave-rod", "wave-rod-clash", "modal-uniform", "finite-element"])
+@pytest.mark.parametrize(
+    "name",
+    ["chain", "chain-no-clash", "wave-rod", "wave-rod-clash", "modal-uniform", "finite-element"],
+)
 def test_sections_move_from_the_seat_to_the_retainer(name):
-    """Static state: no motion at the seat, all of it at the retainer, against z; nothing moves at the installed state."""
+    """Static state: no motion at the seat, all of it at the retainer, against z; nothing moves at
+    the installed state.
+    """
     model = MODELS[name]
     rest = model.outputs(model.initial_state(0.0), 0.0)
     assert np.allclose(rest.axial_displacement, 0.0, atol=1e-12)
@@ -218,7 +271,9 @@ def test_sections_move_from_the_seat_to_the_retainer(name):
 
 
 def test_chain_gaps_close_with_the_wire():
-    """Gap shown of an open pair = free gap less the travel between the partners, and the closed ends press in advance."""
+    """Gap shown of an open pair = free gap less the travel between the partners, and the closed
+    ends press in advance.
+    """
     model = MODELS["chain"]
     shown, start = (model.outputs(model.initial_state(x), x) for x in (5e-3, 0.0))
     pair = np.argmin(np.abs(shown.upper_coil - 4.5))

@@ -10,10 +10,9 @@ from valvetrain.cosserat.modes import natural_modes
 from valvetrain.cosserat.state import free_state
 from valvetrain.cosserat.static import RodStatics, TipLoads
 from valvetrain.errors import InputError
-from valvetrain.parameters.card import SpringCard
 from valvetrain.parameters.constructors import cylindrical, variable_pitch
 from valvetrain.parameters.curves import Constant, FunctionCurve, PiecewiseLinear
-from valvetrain.parameters.installed_spring import CoilContact, InstalledSpring
+from valvetrain.parameters.installed_spring import CoilContact, InstalledSpring, SpringCard
 from valvetrain.parameters.loading import load_case
 from valvetrain.parameters.material import OTEVA_90_SC
 from valvetrain.parameters.spring import OPEN_END, EndCoil, SpringDefinition
@@ -29,7 +28,12 @@ WIRE = cylindrical("4 mm", "24 mm", "7 mm", 6)
 
 
 def definition(wire=Constant(4e-3), mean=Constant(24e-3), pitch=Constant(7e-3), **other):
-    usual = {"total_coils": 6.0, "material": OTEVA_90_SC, "lower_end": OPEN_END, "upper_end": OPEN_END}
+    usual = {
+        "total_coils": 6.0,
+        "material": OTEVA_90_SC,
+        "lower_end": OPEN_END,
+        "upper_end": OPEN_END,
+    }
     return SpringDefinition(wire, mean, pitch, **{**usual, **other})
 
 
@@ -42,24 +46,56 @@ def installed(**options):
     [
         (lambda: definition(wire="thin"), "'thin' is no quantity; a length is needed here"),
         (lambda: definition(mean=24.0), "can only be meant as 24 mm"),
-        (lambda: variable_pitch("4 mm", "24 mm", "7 N", 6), "'7 N' is a force, but a length is needed"),
+        (
+            lambda: variable_pitch("4 mm", "24 mm", "7 N", 6),
+            "'7 N' is a force, but a length is needed",
+        ),
         (lambda: definition(material="steel"), "is no Material"),
         (lambda: definition(lower_end="open"), "lower_end of spring 'spring' is no EndCoil"),
-        (lambda: definition(mean=PiecewiseLinear((0, 3, 3.001, 6), (24e-3, 24e-3, 34e-3, 34e-3))), "coil 3.00 .* coil diameter jumps"),
-        (lambda: definition(wire=FunctionCurve(lambda u: np.where(u < 2, 4e-3, 3e-3))), "at coil 2.00 .* wire diameter jumps"),
-        (lambda: definition(mean=FunctionCurve(lambda u: np.where(u < 0, np.nan, 24e-3))), "at coil -0.50 .* not a finite number"),
-        (lambda: definition(mean=FunctionCurve(lambda u: 24e-3 + np.where(u > 6, np.nan, 0.0))), "past both tips"),
+        (
+            lambda: definition(
+                mean=PiecewiseLinear((0, 3, 3.001, 6), (24e-3, 24e-3, 34e-3, 34e-3))
+            ),
+            "coil 3.00 .* coil diameter jumps",
+        ),
+        (
+            lambda: definition(wire=FunctionCurve(lambda u: np.where(u < 2, 4e-3, 3e-3))),
+            "at coil 2.00 .* wire diameter jumps",
+        ),
+        (
+            lambda: definition(mean=FunctionCurve(lambda u: np.where(u < 0, np.nan, 24e-3))),
+            "at coil -0.50 .* not a finite number",
+        ),
+        (
+            lambda: definition(mean=FunctionCurve(lambda u: 24e-3 + np.where(u > 6, np.nan, 0.0))),
+            "past both tips",
+        ),
         (lambda: cylindrical("4 mm", "24 mm", "7 mm", 6, closed_coils=-1), "closed_coils is -1"),
-        (lambda: InstalledSpring(wire=WIRE, precompression=3e-3, seats="clamp"), "seats 'clamp' .* use planes or clamps"),
-        (lambda: FiniteElementRod(WIRE, 3e-3, seats="clamp"), "seats 'clamp' .* use planes or clamps"),
+        (
+            lambda: InstalledSpring(wire=WIRE, precompression=3e-3, seats="clamp"),
+            "seats 'clamp' .* use planes or clamps",
+        ),
+        (
+            lambda: FiniteElementRod(WIRE, 3e-3, seats="clamp"),
+            "seats 'clamp' .* use planes or clamps",
+        ),
         (lambda: InstalledSpring(card=SpringCard(-1.0, 100.0)), "the rate must be positive"),
         (lambda: InstalledSpring(card=SpringCard(0.0, 100.0)), "the rate must be positive"),
-        (lambda: spring_model("finite-element").build(installed(elements_per_coil=24.5)), "elements_per_coil .* is 24.5"),
-        (lambda: spring_model("finite-element").build(installed(elements_per_coil=2)), "elements_per_coil .* is 2"),
+        (
+            lambda: spring_model("finite-element").build(installed(elements_per_coil=24.5)),
+            "elements_per_coil .* is 24.5",
+        ),
+        (
+            lambda: spring_model("finite-element").build(installed(elements_per_coil=2)),
+            "elements_per_coil .* is 2",
+        ),
         (lambda: mesh_spring(WIRE, 24.5), "give a whole number"),
-        (lambda: MultiMassSpring.from_definition(WIRE, 3e-3, masses_per_coil=3.5), "give a whole number"),
+        (
+            lambda: MultiMassSpring.from_definition(WIRE, 3e-3, masses_per_coil=3.5),
+            "give a whole number",
+        ),
     ],
-)  # fmt: skip
+)
 def test_a_slip_about_a_spring_gets_one_sentence(slip, reason):
     with pytest.raises(InputError, match=reason):
         slip()
@@ -108,8 +144,19 @@ def test_open_ends_mean_one_thing_in_python_and_in_a_case_file(tmp_path):
     file.write_text(text)
     (from_file,) = load_case(file).springs
     bare = cylindrical("4 mm", "24 mm", "7.5 mm", 6, closed_coils=0)
-    ended = cylindrical("4 mm", "24 mm", "7.5 mm", 6, closed_coils=0, lower_end=EndCoil("open"), upper_end=EndCoil("open"))
-    rates = [MultiMassSpring.from_definition(wire, 0.0).layout.rate for wire in (from_file.wire, bare, ended)]
+    ended = cylindrical(
+        "4 mm",
+        "24 mm",
+        "7.5 mm",
+        6,
+        closed_coils=0,
+        lower_end=EndCoil("open"),
+        upper_end=EndCoil("open"),
+    )
+    rates = [
+        MultiMassSpring.from_definition(wire, 0.0).layout.rate
+        for wire in (from_file.wire, bare, ended)
+    ]
     closed_form = OTEVA_90_SC.shear_modulus * 4e-3**4 / (8 * 24e-3**3 * 6)
     assert rates == pytest.approx([closed_form] * 3, rel=1e-6)
 
@@ -127,7 +174,9 @@ def test_modes_of_a_wire_with_a_free_tip():
 
 
 def test_axial_mass_of_all_modes_is_the_mass_that_moves_whatever_hangs_on_the_retainer():
-    """Completeness: the shares of all modes sum to 1; a retainer ten times as heavy as its wire takes all but a little of the first."""
+    """Completeness: the shares of all modes sum to 1; a retainer ten times as heavy as its wire
+    takes all but a little of the first.
+    """
     wire = cylindrical("4 mm", "24 mm", "7 mm", 3, closed_coils=0)
     mesh = mesh_spring(wire, 8)
     for end_mass in (None, 0.01, 10 * wire.mass):
@@ -137,8 +186,12 @@ def test_axial_mass_of_all_modes_is_the_mass_that_moves_whatever_hangs_on_the_re
 
 
 def test_coils_whose_contact_is_off_do_not_clash():
-    """Nothing is listed or counted for job-t; nor for a record with contact forces once it is judged as of springs without contact."""
-    for solution in run_study(load_case("job-t"), spring_models=["finite-element", "multi-mass"], workers=1).solutions:
+    """Nothing is listed or counted for job-t; nor for a record with contact forces once it is
+    judged as of springs without contact.
+    """
+    for solution in run_study(
+        load_case("job-t"), spring_models=["finite-element", "multi-mass"], workers=1
+    ).solutions:
         assert solution.status.completed and "clash_count" not in solution.quantities
         assert not [event for event in solution.events if event.kind == "clash"]
     case = load_case("job-c")
@@ -146,4 +199,6 @@ def test_coils_whose_contact_is_off_do_not_clash():
     assert clashing.quantities["clash_count"] > 0
     off = replace(case.springs[0], contact=CoilContact(0.0))
     judged = evaluate(clashing, Frame(springs=(off,)))
-    assert "clash_count" not in judged.quantities and not [event for event in judged.events if event.kind == "clash"]
+    assert "clash_count" not in judged.quantities and not [
+        event for event in judged.events if event.kind == "clash"
+    ]

@@ -1,4 +1,6 @@
-"""Springs press or are loose: no spring model pulls on the retainer or lifts the cylinder head, unless its ends are held."""
+"""Springs press or are loose: no spring model pulls on the retainer or lifts the cylinder head,
+unless its ends are held.
+"""
 
 from dataclasses import replace
 from types import SimpleNamespace
@@ -7,9 +9,8 @@ import numpy as np
 import pytest
 
 from spring_parts import drive, raised_cosine
-from valvetrain.parameters.card import SpringCard
 from valvetrain.parameters.constructors import cylindrical
-from valvetrain.parameters.installed_spring import InstalledSpring
+from valvetrain.parameters.installed_spring import InstalledSpring, SpringCard
 from valvetrain.parameters.loading import load_case
 from valvetrain.solution.channels import spring_channels
 from valvetrain.solution.provenance import Provenance
@@ -26,13 +27,17 @@ MODELS = ["massless", "multi-mass", "wave-rod", "modal-uniform", "modal-varied"]
 
 
 def kicked(model, frequency=250.0, lift=8e-3):
-    """Both end forces while the retainer goes down and up far quicker than the spring follows, and some time after."""
+    """Both end forces while the retainer goes down and up far quicker than the spring follows, and
+    some time after.
+    """
     step = min(1e-5, 0.8 * model.stable_time_step())
     model = model.with_time_step(step)
     displacement, velocity = raised_cosine(lift, 1 / frequency, step)
     rest = np.zeros(len(displacement))
     state = model.initial_state(0.0)
-    forces = drive(model, state, np.concatenate((displacement, rest)), np.concatenate((velocity, rest)), step)
+    forces = drive(
+        model, state, np.concatenate((displacement, rest)), np.concatenate((velocity, rest)), step
+    )
     return forces, state, model
 
 
@@ -49,9 +54,13 @@ def test_a_spring_of_a_card_presses_or_is_loose(word):
     assert tied.force(tied.initial_state(below), below).retainer == pytest.approx(-30.0, rel=0.02)
 
 
-@pytest.mark.parametrize("word", ["massless", "multi-mass", "wave-rod", "wave-rod-clash", "modal-uniform"])
+@pytest.mark.parametrize(
+    "word", ["massless", "multi-mass", "wave-rod", "wave-rod-clash", "modal-uniform"]
+)
 def test_a_spring_of_wire_on_planes_presses_and_one_between_clamps_pulls(word):
-    free, held = (spring_model(word).build(replace(WIRE, seats=seats)) for seats in ("planes", "clamps"))
+    free, held = (
+        spring_model(word).build(replace(WIRE, seats=seats)) for seats in ("planes", "clamps")
+    )
     assert np.min(kicked(free)[0]) >= -1e-9
     if word != "massless":
         assert np.min(kicked(held)[0]) < 0
@@ -59,7 +68,9 @@ def test_a_spring_of_wire_on_planes_presses_and_one_between_clamps_pulls(word):
 
 @pytest.mark.parametrize("word", ["multi-mass", "wave-rod"])
 def test_a_loose_end_keeps_momentum_and_energy(word):
-    """With an end open only the other force moves the masses; undamped, no energy is made or lost over opening and closing."""
+    """With an end open only the other force moves the masses; undamped, no energy is made or lost
+    over opening and closing.
+    """
     model = spring_model(word).build(CARD)
     assert isinstance(model, MultiMassSpring | WaveRod) and not model.pulls
     forces, state, used = kicked(model)
@@ -77,10 +88,20 @@ def test_a_loose_end_keeps_momentum_and_energy(word):
 
 
 def test_no_spring_of_a_train_pulls_beyond_its_speed():
-    """The stock spring of the diesel surges past its preload at 9000 rpm; it pulled with 110 N before."""
-    study = run_study(load_case("tdi-pushrod"), engine_speeds=(9000 * np.pi / 30,), spring_sets=["stock"], spring_models=MODELS[1:4])
+    """The stock spring of the diesel surges past its preload at 9000 rpm; it pulled with 110 N
+    before.
+    """
+    study = run_study(
+        load_case("tdi-pushrod"),
+        engine_speeds=(9000 * np.pi / 30,),
+        spring_sets=["stock"],
+        spring_models=MODELS[1:4],
+    )
     for solution in study.solutions:
-        assert np.min(solution.channel("retainer_force")) >= -1e-9 and np.min(solution.channel("seat_force")) >= -1e-9
+        assert (
+            np.min(solution.channel("retainer_force")) >= -1e-9
+            and np.min(solution.channel("seat_force")) >= -1e-9
+        )
 
 
 def test_a_source_that_leaves_the_preload_out_keeps_its_formula():
@@ -90,47 +111,89 @@ def test_a_source_that_leaves_the_preload_out_keeps_its_formula():
     assert model.force(model.initial_state(-1e-5), -1e-5).retainer == pytest.approx(-30e3 * 1e-5)
 
 
-BINDING = {"train.springs.stock.0.card.installed_height": 40e-3, "train.springs.stock.0.card.solid_height": 31.5e-3}
+BINDING = {
+    "train.springs.stock.0.card.installed_height": 40e-3,
+    "train.springs.stock.0.card.solid_height": 31.5e-3,
+}
 
 
-@pytest.mark.parametrize("word", ["massless", "multi-mass", "wave-rod", "modal-uniform", "finite-element"])
+@pytest.mark.parametrize(
+    "word", ["massless", "multi-mass", "wave-rod", "modal-uniform", "finite-element"]
+)
 def test_a_run_that_passes_coil_bind_says_so(word):
-    """8 mm of lift and 8.5 mm to coil bind: the valve that floats at 9000 rpm passes it, the one that is led at 4000 does not."""
+    """8 mm of lift and 8.5 mm to coil bind: the valve that floats at 9000 rpm passes it, the one
+    that is led at 4000 does not.
+    """
     case = load_case("tdi-pushrod")
     tight = case.replace(BINDING)
     speeds = (4000 * np.pi / 30, 10000 * np.pi / 30)
-    led, floating = run_study(tight, engine_speeds=speeds, spring_sets=["stock"], spring_models=[word], workers=1).solutions
+    led, floating = run_study(
+        tight, engine_speeds=speeds, spring_sets=["stock"], spring_models=[word], workers=1
+    ).solutions
     assert led.status.code != "coil-bind" and led.quantities["coil_bind_clearance"] > 0
     assert floating.quantities["coil_bind_clearance"] <= 0
-    assert floating.status.code == "coil-bind" and not floating.status.completed and floating.status.where == "stock"
+    assert (
+        floating.status.code == "coil-bind"
+        and not floating.status.completed
+        and floating.status.where == "stock"
+    )
     lift = floating.channel("valve_lift")
-    assert "solid at 8.5 mm of lift" in floating.status.message and f"{np.max(lift) * 1e3:.4g} mm" in floating.status.message
+    assert (
+        "solid at 8.5 mm of lift" in floating.status.message
+        and f"{np.max(lift) * 1e3:.4g} mm" in floating.status.message
+    )
     first = int(np.argmax(lift >= 8.5e-3))
-    assert f"passes at {np.degrees(floating.cam_angle[first]):.1f} cam degrees" in floating.status.message
+    assert (
+        f"passes at {np.degrees(floating.cam_angle[first]):.1f} cam degrees"
+        in floating.status.message
+    )
     assert floating.status.time == pytest.approx(floating.time[first])
 
 
 def test_a_spring_whose_card_does_not_tell_its_solid_height_is_not_judged():
-    (solution,) = run_study(load_case("tdi-pushrod"), engine_speeds=(10000 * np.pi / 30,), spring_sets=["stock"], workers=1).solutions
+    (solution,) = run_study(
+        load_case("tdi-pushrod"),
+        engine_speeds=(10000 * np.pi / 30,),
+        spring_sets=["stock"],
+        workers=1,
+    ).solutions
     assert solution.status.code != "coil-bind" and "coil_bind_clearance" not in solution.quantities
 
 
-@pytest.mark.parametrize(("rooms", "named"), [
-    ({"one": 8e-3, "two": 7e-3}, "two"), ({"one": 7e-3, "two": 8e-3}, "one"), ({"one": 7e-3, "two": 7e-3}, "one"),
-    ({"one": None, "two": 7e-3}, "two"), ({"one": 7e-3, "two": None}, "one"), ({"one": None, "two": None}, None),
-    ({"one": 9.5e-3, "two": 12e-3}, None),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    ("rooms", "named"),
+    [
+        ({"one": 8e-3, "two": 7e-3}, "two"),
+        ({"one": 7e-3, "two": 8e-3}, "one"),
+        ({"one": 7e-3, "two": 7e-3}, "one"),
+        ({"one": None, "two": 7e-3}, "two"),
+        ({"one": 7e-3, "two": None}, "one"),
+        ({"one": None, "two": None}, None),
+        ({"one": 9.5e-3, "two": 12e-3}, None),
+    ],
+)
 def test_of_several_springs_the_first_to_be_solid_is_named(rooms, named):
-    """A lift of 9 mm: a nested pair is solid where the one with less room is, the first of two that have the same."""
+    """A lift of 9 mm: a nested pair is solid where the one with less room is, the first of two that
+    have the same.
+    """
     angle = np.radians(np.arange(0.0, 360.0, 2.0))
     lift = 4.5e-3 * (1 - np.cos(angle))
-    run = Solution(spring_channels(angle / 300.0, angle, {"valve_lift": lift}), provenance=Provenance("own", "massless", 600.0))
-    found = bound(run, tuple(SimpleNamespace(name=name, room=room) for name, room in rooms.items())).status
+    run = Solution(
+        spring_channels(angle / 300.0, angle, {"valve_lift": lift}),
+        provenance=Provenance("own", "massless", 600.0),
+    )
+    found = bound(
+        run, tuple(SimpleNamespace(name=name, room=room) for name, room in rooms.items())
+    ).status
     if named is None:
         assert found == run.status
         return
     first = angle[lift >= 7e-3][0]
-    assert (found.code, found.where, found.time) == ("coil-bind", named, pytest.approx(first / 300.0))
+    assert (found.code, found.where, found.time) == (
+        "coil-bind",
+        named,
+        pytest.approx(first / 300.0),
+    )
     assert found.message == (
         f"spring '{named}' is solid at 7 mm of lift, which the retainer passes at {np.degrees(first):.1f} cam degrees and exceeds to 9 mm"
     )

@@ -11,7 +11,11 @@ from valvetrain.integrate.train_run import TrainOptions, runner
 from valvetrain.integrate.train_steady import steady_train
 from valvetrain.springs.multi_mass import MultiMassSpring
 
-ROTATION = 0.97 * np.kron(np.eye(3), np.array([[0.6, -0.8], [0.8, 0.6]])) * np.repeat([1.0, 0.9, 0.8], 2)[:, None]
+ROTATION = (
+    0.97
+    * np.kron(np.eye(3), np.array([[0.6, -0.8], [0.8, 0.6]]))
+    * np.repeat([1.0, 0.9, 0.8], 2)[:, None]
+)
 TARGET = np.linspace(1, 2, 6)
 
 
@@ -26,7 +30,10 @@ def logistic(rate):
 
 def test_both_methods_find_the_fixed_point_and_the_faster_one_in_fewer_cycles():
     weights, start = np.ones(6), np.zeros(6)
-    slow, fast = repeat_cycles(linear, start, weights, 1e-9, 1000), accelerate(linear, start, weights, 1e-9, 1000)
+    slow, fast = (
+        repeat_cycles(linear, start, weights, 1e-9, 1000),
+        accelerate(linear, start, weights, 1e-9, 1000),
+    )
     for found in (slow, fast):
         assert found.converged and found.period == 1
         assert found.state == pytest.approx(TARGET, abs=1e-7)
@@ -45,11 +52,16 @@ def test_the_period_of_what_does_not_settle_is_told(method, rate, period):
 
 @pytest.mark.parametrize("method", [repeat_cycles, accelerate])
 def test_both_methods_search_alike_unless_told_otherwise(method):
-    """A change below 1e-6; periods up to eight, and none of the sixteen that the logistic map has at 3.566."""
+    """A change below 1e-6; periods up to eight, and none of the sixteen that the logistic map has
+    at 3.566.
+    """
     slow = method(lambda x: TARGET + 0.5 * (x - TARGET), np.zeros(6), np.ones(6))
     assert slow.converged and 1e-7 < slow.tolerance <= 1e-6 and slow.residuals[-1] <= 1e-6
     assert slow.state == pytest.approx(TARGET, abs=2e-6)
-    assert [method(logistic(rate), np.array([0.3]), np.ones(1), 1e-6, 2000).period for rate in (3.55, 3.566)] == [8, 0]
+    assert [
+        method(logistic(rate), np.array([0.3]), np.ones(1), 1e-6, 2000).period
+        for rate in (3.55, 3.566)
+    ] == [8, 0]
 
 
 def test_a_map_that_leaves_all_bounds_ends_the_search():
@@ -64,7 +76,10 @@ def test_the_norm_is_the_largest_weighted_change():
 def test_both_methods_find_the_same_orbit_of_a_train_and_the_record_repeats():
     spring = MultiMassSpring.from_card(30e3, 300.0, 0.04, elements=5, mass_damping=16.0)
     ready = runner(system(direct(), spring=spring), 250.0, TrainOptions(samples=720))
-    slow, fast = steady_train(ready, "repeat", 1e-6, 200), steady_train(ready, "anderson", 1e-6, 200)
+    slow, fast = (
+        steady_train(ready, "repeat", 1e-6, 200),
+        steady_train(ready, "anderson", 1e-6, 200),
+    )
     assert slow.search.converged and fast.search.converged
     assert slow.status.completed and fast.status.completed
     assert fast.search.cycles < 0.5 * slow.search.cycles
@@ -78,7 +93,11 @@ def test_a_train_that_needs_two_cycles_says_so():
 
     periods = set()
     for cam_speed in np.linspace(330, 520, 12):
-        ready = runner(system(direct(), spring=MasslessSpring(12e3, 120.0, 0.04)), cam_speed, TrainOptions(samples=720))
+        ready = runner(
+            system(direct(), spring=MasslessSpring(12e3, 120.0, 0.04)),
+            cam_speed,
+            TrainOptions(samples=720),
+        )
         found = steady_train(ready, "repeat", 1e-6, 80)
         periods.add(found.search.period)
         if not found.search.converged:

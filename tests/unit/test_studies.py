@@ -1,4 +1,6 @@
-"""Studies on the one pipeline: parts built once, failures as statuses, every model in every system, results that travel."""
+"""Studies on the one pipeline: parts built once, failures as statuses, every model in every system,
+results that travel.
+"""
 
 from __future__ import annotations
 
@@ -51,7 +53,10 @@ seats = "clamps"
 options = { finite-element = { elements_per_coil = 8 } }
 """
 INNER = (
-    OUTER.replace('"big"', '"small"').replace('"4 mm"', '"2.8 mm"').replace('"28 mm"', '"19 mm"').replace('"7.5 mm"', '"5.6 mm"')
+    OUTER.replace('"big"', '"small"')
+    .replace('"4 mm"', '"2.8 mm"')
+    .replace('"28 mm"', '"19 mm"')
+    .replace('"7.5 mm"', '"5.6 mm"')
 ).replace("total_coils = 6", "total_coils = 8")
 NESTED = OUTER + INNER
 CARD = '[spring]\nname = "card"\nrate = "30 N/mm"\npreload = "250 N"\nmass = "40 g"\n' + (
@@ -72,7 +77,9 @@ def counted(monkeypatch, place, name: str, counts: Counter[object], key: str = "
 
 @pytest.fixture
 def counts(monkeypatch) -> Counter[object]:
-    """How often each part was made; spring models by their word and the installed spring they stand for."""
+    """How often each part was made; spring models by their word and the installed spring they stand
+    for.
+    """
     from valvetrain.mechanism import build as mechanisms
     from valvetrain.mechanism import parts
     from valvetrain.springs import finite_element_model
@@ -104,11 +111,21 @@ def test_every_part_of_a_spring_study_is_built_once(counts):
     study = run_study(case, engine_speeds=[4000 * RPM], workers=1)
     assert not study.failures
     (spring,) = case.springs
-    assert counts == {"build_lift_law": 1, "mesh_spring": 1, ("finite-element", spring): 1, ("modal-varied", spring): 1}
+    assert counts == {
+        "build_lift_law": 1,
+        "mesh_spring": 1,
+        ("finite-element", spring): 1,
+        ("modal-varied", spring): 1,
+    }
 
 
 def test_every_part_of_a_spring_study_is_built_once_for_any_number_of_speeds(counts):
-    run_study(load_case("job-c", COARSE), engine_speeds=[2000 * RPM, 3000 * RPM], spring_models=["multi-mass", "finite-element"], workers=2)
+    run_study(
+        load_case("job-c", COARSE),
+        engine_speeds=[2000 * RPM, 3000 * RPM],
+        spring_models=["multi-mass", "finite-element"],
+        workers=2,
+    )
     assert set(counts.values()) == {1} and counts["mesh_spring"] == 1
 
 
@@ -124,10 +141,13 @@ def test_parts_of_a_train_and_its_variants_are_built_once(counts):
     trains = {(variant.lash, variant.valve_damping) for variant in variants}
     assert counts["build_mechanism"] == len(trains)
     assert counts["build_contact_law"] == counts["build_mechanism"] * len(case.train.contacts)
-    # with preload by a chain, without it massless, and massless with it for what rigid theory says: of either set, damped or not
+    # with preload by a chain, without it massless, and massless with it for what rigid theory says:
+    # of either set, damped or not
     springs = [one for (one,) in case.train.springs.values()]
     bare = [spring.without_preload() for spring in springs]
-    assert models_built(counts) == {("multi-mass", one) for one in springs} | {("massless", one) for one in (*springs, *bare)}
+    assert models_built(counts) == {("multi-mass", one) for one in springs} | {
+        ("massless", one) for one in (*springs, *bare)
+    }
     assert counts["rest_of"] == counts["rigid_motion"] == len(variants) + len(springs)
 
 
@@ -139,14 +159,20 @@ def models_built(counts: Counter[object]) -> set[object]:
 
 
 @pytest.mark.long
-def test_variants_that_differ_in_lash_share_their_springs_and_rigid_theory_shares_a_massless_variant(counts):
+def test_variants_that_differ_in_lash_share_their_springs_and_rigid_theory_shares_a_massless_variant(
+    counts,
+):
     case = load_case("vaz-ohc", {"train.cycles": 1})
     study = run_study(case, engine_speeds=[2000 * RPM], workers=1)
     variants = case.train.variants
     assert len(study.solutions) == len(variants) == 8
     wires, cards = case.train.spring_parts("nested"), case.train.spring_parts("nested-cards")
-    words = {("massless", one) for one in (*wires, *cards)} | {("finite-element", one) for one in wires}
-    assert models_built(counts) == words | {(word, one) for word in ("multi-mass", "wave-rod") for one in cards}
+    words = {("massless", one) for one in (*wires, *cards)} | {
+        ("finite-element", one) for one in wires
+    }
+    assert models_built(counts) == words | {
+        (word, one) for word in ("multi-mass", "wave-rod") for one in cards
+    }
     assert counts["mesh_spring"] == len(wires) and counts["build_mechanism"] == 2
     # the single mass on its cards is a variant, so only that of the wires comes to the variants
     assert counts["rest_of"] == counts["rigid_motion"] == len(variants) + 1
@@ -155,7 +181,10 @@ def test_variants_that_differ_in_lash_share_their_springs_and_rigid_theory_share
 def test_a_comparison_builds_every_model_once_for_motion_and_rest(counts):
     case = load_case("job-t", COARSE)
     study = compare_study(case, engine_speeds=[4000 * RPM], workers=2)
-    assert models_built(counts) == {(word, case.springs[0]) for word in study.labels} and len(study.labels) == 6
+    assert (
+        models_built(counts) == {(word, case.springs[0]) for word in study.labels}
+        and len(study.labels) == 6
+    )
     assert counts["mesh_spring"] == counts["build_lift_law"] == 1
     assert len(study.rest) == 6
 
@@ -174,9 +203,16 @@ def test_ready_members_solutions_and_studies_travel_between_processes(name):
 
 
 def test_a_run_that_fails_is_a_status_and_the_others_are_kept():
-    """A step far beyond the stable one breaks the rod, with half the step too; the exact model beside it stays."""
+    """A step far beyond the stable one breaks the rod, with half the step too; the exact model
+    beside it stays.
+    """
     case = load_case("job-t", COARSE | {"spring.options.finite-element.time_step": "1e-4 s"})
-    study = run_study(case, engine_speeds=[8000 * RPM], spring_models=["finite-element", "modal-varied"], workers=2)
+    study = run_study(
+        case,
+        engine_speeds=[8000 * RPM],
+        spring_models=["finite-element", "modal-varied"],
+        workers=2,
+    )
     broken, kept = study.solution("finite-element"), study.solution("modal-varied")
     assert broken.status.code == "diverged" and broken.status.remedy
     assert kept.status.completed and np.isfinite(kept.quantities["peak_spring_force"])
@@ -186,9 +222,15 @@ def test_a_run_that_fails_is_a_status_and_the_others_are_kept():
 
 def test_a_model_that_cannot_stand_for_a_spring_is_refused_and_the_others_run():
     case = load_case("tdi-pushrod", {"train.cycles": 1})
-    study = run_study(case, spring_models=["massless", "wave-rod-clash"], spring_sets=["stock"], workers=1)
+    study = run_study(
+        case, spring_models=["massless", "wave-rod-clash"], spring_sets=["stock"], workers=1
+    )
     refused = study.solution("wave-rod-clash")
-    assert refused.status.code == "refused" and "coil gaps" in refused.status.message and refused.status.remedy
+    assert (
+        refused.status.code == "refused"
+        and "coil gaps" in refused.status.message
+        and refused.status.remedy
+    )
     assert refused.quantities == {} and len(refused.time) == 0
     assert len(study.solution("massless").time) > 0
     with pytest.raises(InputError, match="coil gaps"):
@@ -196,7 +238,9 @@ def test_a_model_that_cannot_stand_for_a_spring_is_refused_and_the_others_run():
 
 
 def test_a_train_whose_step_cannot_be_is_a_status_of_its_own():
-    case = load_case("vaz-ohc", {"train.contacts.cam.contact_stiffness": "2e11 N/mm", "train.cycles": 1})
+    case = load_case(
+        "vaz-ohc", {"train.contacts.cam.contact_stiffness": "2e11 N/mm", "train.cycles": 1}
+    )
     study = run_study(case, spring_models=["massless"], spring_sets=["nested-cards"], workers=1)
     (run,) = study.solutions
     assert not run.status.completed and "100 kN/mm" in run.status.sentence()
@@ -212,7 +256,10 @@ def test_speeds_that_cannot_be_are_refused(speeds):
 def test_a_spring_without_a_lift_law_has_statics_and_modes_and_no_motion():
     study = run_study(load_case("clamped-helix", COARSE))
     assert study.solutions == () and study.rest[0].modes is not None and "" in study.still
-    for ask in (lambda case: run_study(case, engine_speeds=[200.0]), lambda case: sweep_study(case, [200.0])):
+    for ask in (
+        lambda case: run_study(case, engine_speeds=[200.0]),
+        lambda case: sweep_study(case, [200.0]),
+    ):
         with pytest.raises(InputError, match="holds no lift law, so its spring does not move"):
             ask(load_case("clamped-helix"))
 
@@ -256,12 +303,25 @@ def test_a_card_says_what_it_lacks_for_the_other_models(word):
 
 def test_rubbing_of_a_nested_pair_under_prescribed_motion():
     rubbing = '[rubbing]\ncoefficient = 0.15\nnormal_force = "60 N"\n'
-    free, rough = (run_study(parse_case(text, "own-pair"), spring_models=["multi-mass"], workers=1).solutions[0]
-                   for text in (NESTED + LAW, NESTED + LAW + rubbing))  # fmt: skip
+    free, rough = (
+        run_study(parse_case(text, "own-pair"), spring_models=["multi-mass"], workers=1).solutions[
+            0
+        ]
+        for text in (NESTED + LAW, NESTED + LAW + rubbing)
+    )
     assert rough.status.completed and free.status.completed
-    assert float(np.ptp(rough.channel("energy_dissipated"))) > float(np.ptp(free.channel("energy_dissipated")))
-    refused = run_study(parse_case(NESTED + LAW + rubbing, "own-pair"), spring_models=["multi-mass", "modal-uniform"], workers=1)
-    assert refused.solution("modal-uniform").status.code == "refused" and refused.solution("multi-mass").status.completed
+    assert float(np.ptp(rough.channel("energy_dissipated"))) > float(
+        np.ptp(free.channel("energy_dissipated"))
+    )
+    refused = run_study(
+        parse_case(NESTED + LAW + rubbing, "own-pair"),
+        spring_models=["multi-mass", "modal-uniform"],
+        workers=1,
+    )
+    assert (
+        refused.solution("modal-uniform").status.code == "refused"
+        and refused.solution("multi-mass").status.completed
+    )
 
 
 @pytest.mark.parametrize("name", ["gu2021-beehive", "vaz-ohc"])
@@ -269,7 +329,13 @@ def test_a_sweep_keeps_numbers_and_no_channels_and_warns_of_nothing(name):
     case = load_case(name, COARSE if name == "gu2021-beehive" else {})
     with warnings.catch_warnings():
         warnings.simplefilter("error", RuntimeWarning)
-        study = sweep_study(case, [2000 * RPM, 3000 * RPM], spring_models=["multi-mass", "massless"], spring_sets=(), workers=1)
+        study = sweep_study(
+            case,
+            [2000 * RPM, 3000 * RPM],
+            spring_models=["multi-mass", "massless"],
+            spring_sets=(),
+            workers=1,
+        )
     assert all(len(run.time) == 0 and run.quantities for run in study.solutions)
     for label in study.labels:
         speeds, peak = study.series(label, "peak_spring_force")
@@ -277,26 +343,42 @@ def test_a_sweep_keeps_numbers_and_no_channels_and_warns_of_nothing(name):
     assert study.comparisons == () and study.findings == ()
 
 
-@pytest.mark.parametrize(("name", "models"), [("job-t", ["massless", "multi-mass"]), ("tdi-pushrod", ["massless"])])
+@pytest.mark.parametrize(
+    ("name", "models"), [("job-t", ["massless", "multi-mass"]), ("tdi-pushrod", ["massless"])]
+)
 def test_progress_is_told_of_every_run(name, models):
     seen: list[float] = []
     case = load_case(name, {"train.cycles": 1} if name == "tdi-pushrod" else {})
     study = run_study(
-        case, engine_speeds=[2000 * RPM, 2500 * RPM], spring_models=models, workers=1, progress=lambda share, words: seen.append(share)
+        case,
+        engine_speeds=[2000 * RPM, 2500 * RPM],
+        spring_models=models,
+        workers=1,
+        progress=lambda share, words: seen.append(share),
     )
-    assert seen == sorted(seen) and seen[-1] == pytest.approx(1.0) and len(seen) >= len(study.solutions)
+    assert (
+        seen == sorted(seen)
+        and seen[-1] == pytest.approx(1.0)
+        and len(seen) >= len(study.solutions)
+    )
 
 
 def test_a_comparison_of_a_card_takes_the_usual_models_that_can_stand_for_it():
     bare = CARD.replace('mass = "40 g"\n', "")
-    for text, words in ((CARD, ["massless", "multi-mass", "modal-varied", "wave-rod", "finite-element"]), (bare, ["massless"])):
+    for text, words in (
+        (CARD, ["massless", "multi-mass", "modal-varied", "wave-rod", "finite-element"]),
+        (bare, ["massless"]),
+    ):
         study = compare_study(parse_case(text + LAW, "own-card"), workers=1)
         assert list(study.labels) == words and study.failures == ()
         assert {one.model for one in study.rest} == set(words)
 
 
 def test_nested_springs_are_told_apart_by_their_names():
-    one, two = ('[[spring]]\nrate = "30 N/mm"\npreload = "250 N"\nmass = "40 g"\n', '[[spring]]\nrate = "10 N/mm"\npreload = "80 N"\n')
+    one, two = (
+        '[[spring]]\nrate = "30 N/mm"\npreload = "250 N"\nmass = "40 g"\n',
+        '[[spring]]\nrate = "10 N/mm"\npreload = "80 N"\n',
+    )
     case = parse_case(one + two + LAW, "own-pair")
     assert [spring.name for spring in case.springs] == ["outer", "inner"]
     (run,) = run_study(case, spring_models=["massless"], workers=1).solutions
@@ -309,51 +391,90 @@ def test_nested_springs_are_told_apart_by_their_names():
 
 
 def test_a_refusal_speaks_of_no_time():
-    study = run_study(parse_case(CARD + LAW, "own-card"), spring_models=["massless", "wave-rod-clash"], workers=1)
+    study = run_study(
+        parse_case(CARD + LAW, "own-card"), spring_models=["massless", "wave-rod-clash"], workers=1
+    )
     (sentence,) = study.failures
     assert "known by its card only" in sentence and "at time" not in sentence
 
 
 def test_a_train_far_beyond_its_speed_keeps_every_variant_with_its_status():
     case = load_case("vaz-ohc", {"train.cycles": 6})
-    study = run_study(case, engine_speeds=[9500 * RPM], spring_models=["massless", "wave-rod"], spring_sets=["nested-cards"], workers=1)
+    study = run_study(
+        case,
+        engine_speeds=[9500 * RPM],
+        spring_models=["massless", "wave-rod"],
+        spring_sets=["nested-cards"],
+        workers=1,
+    )
     for run in study.solutions:
-        assert run.status.code == "not-converged" and "does not repeat" in run.status.message and run.status.remedy
-        assert run.quantities["float_excess_lift"] > 1e-3 and np.all(np.isfinite(list(run.quantities.values())))
+        assert (
+            run.status.code == "not-converged"
+            and "does not repeat" in run.status.message
+            and run.status.remedy
+        )
+        assert run.quantities["float_excess_lift"] > 1e-3 and np.all(
+            np.isfinite(list(run.quantities.values()))
+        )
     assert len(study.failures) == 2
-    swept = sweep_study(case, [9500 * RPM], spring_models=["massless"], spring_sets=["nested-cards"], workers=1)
+    swept = sweep_study(
+        case, [9500 * RPM], spring_models=["massless"], spring_sets=["nested-cards"], workers=1
+    )
     assert swept.failures == ()  # in a sweep motion that does not settle is a finding
 
 
 def test_a_run_is_found_by_its_own_speed_however_high():
-    """An SI number may look like a slip of units to a reader; the speed of a run that exists is none."""
+    """An SI number may look like a slip of units to a reader; the speed of a run that exists is
+    none.
+    """
     study = run_study(load_case("job-t"), engine_speeds=[16000 * RPM], spring_models=["massless"])
     (speed,) = study.engine_speeds
-    assert study.solution("massless", speed) is study.solutions[0] is study.solution("massless", "16000 rpm")
-    assert study.quantities.of_run("massless", speed) == study.quantities.of_run("massless", "16000 rpm") != {}
+    assert (
+        study.solution("massless", speed)
+        is study.solutions[0]
+        is study.solution("massless", "16000 rpm")
+    )
+    assert (
+        study.quantities.of_run("massless", speed)
+        == study.quantities.of_run("massless", "16000 rpm")
+        != {}
+    )
     with pytest.raises(InputError, match="without a unit"):
         study.solution("massless", 1700.0)
 
 
 def test_a_sweep_keeps_whole_solutions_where_asked():
-    whole, reduced = (vt.sweep("job-t", "2000 rpm", spring_models=["massless"], whole=whole).solutions[0] for whole in (True, False))
+    whole, reduced = (
+        vt.sweep("job-t", "2000 rpm", spring_models=["massless"], whole=whole).solutions[0]
+        for whole in (True, False)
+    )
     assert whole.channels.sizes["sample"] > 0 and not reduced.channels.data_vars
-    assert whole.quantities["peak_spring_force"] == pytest.approx(reduced.quantities["peak_spring_force"], rel=1e-3)
+    assert whole.quantities["peak_spring_force"] == pytest.approx(
+        reduced.quantities["peak_spring_force"], rel=1e-3
+    )
 
 
 def test_the_static_curve_of_a_spring_of_ones_own_follows_its_rate_until_coils_close():
-    """F = G d^4 x / (8 D^3 n) with the active turns of the spring, within 5 % (curvature, ends that are not fixed)."""
+    """F = G d^4 x / (8 D^3 n) with the active turns of the spring, within 5 % (curvature, ends that
+    are not fixed).
+    """
     spring = vt.cylindrical("3.8 mm", "22 mm", "7 mm", total_coils=7)
     rate = spring.material.shear_modulus * 3.8e-3**4 / (8 * 22e-3**3 * spring.active_coils)
     for word in ("finite-element", "multi-mass", "massless"):
         curve = vt.static_curve(spring, "2 mm", spring_model=word, steps=8)
         assert curve.force_at("1 mm") == pytest.approx(rate * 1e-3, rel=0.05)
     installed = vt.load_case("gu2021-beehive").springs[0]
-    by_case, by_spring = (vt.static_curve(one, "8 mm", spring_model="multi-mass", steps=4) for one in ("gu2021-beehive", installed))
+    by_case, by_spring = (
+        vt.static_curve(one, "8 mm", spring_model="multi-mass", steps=4)
+        for one in ("gu2021-beehive", installed)
+    )
     assert (by_case.force == by_spring.force).all()
 
 
-@pytest.mark.parametrize(("wanted", "sentence"), [("30 mm", "solid at"), (8, "8 mm"), ("8 kg", "length"), ("0 mm", "positive")])
+@pytest.mark.parametrize(
+    ("wanted", "sentence"),
+    [("30 mm", "solid at"), (8, "8 mm"), ("8 kg", "length"), ("0 mm", "positive")],
+)
 def test_a_static_curve_that_cannot_be_is_refused(wanted, sentence):
     with pytest.raises(vt.InputError, match=sentence):
         vt.static_curve(vt.cylindrical("3.8 mm", "22 mm", "7 mm", total_coils=7), wanted)

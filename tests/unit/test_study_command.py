@@ -1,4 +1,6 @@
-"""``valvetrain study``: its answer, and that a study that is killed or stopped goes on where it was, with the same bits."""
+"""``valvetrain study``: its answer, and that a study that is killed or stopped goes on where it
+was, with the same bits.
+"""
 
 from __future__ import annotations
 
@@ -59,17 +61,24 @@ def test_the_answer_is_one_json_object_with_every_point_and_its_status(file):
     data = json.loads(answer.stdout)
     assert data["points"] == 16 and data["computed_now"] == 16 and len(data["rows"]) == 16
     codes = [row["status"] for row in data["rows"]]
-    assert {"completed", "refused"} == set(codes) and data["completed_points"] == codes.count("completed")
+    assert {"completed", "refused"} == set(codes) and data["completed_points"] == codes.count(
+        "completed"
+    )
     assert len(data["failures"]) == codes.count("refused") and "coil bind" in data["failures"][0]
     table = table_of()
-    assert [row["outputs"] for row in data["rows"]] == [[None if np.isnan(x) else x for x in row] for row in table.values.tolist()]
+    assert [row["outputs"] for row in data["rows"]] == [
+        [None if np.isnan(x) else x for x in row] for row in table.values.tolist()
+    ]
     (file.parent / data["page"]).read_text().index("coil bind")
 
 
 def test_the_answer_for_people_says_the_same(file):
     text = call("study", str(file), "--workers", "1").stdout
     table = table_of()
-    assert f"{np.count_nonzero(~table.completed)} of 16 points failed" in text and "16 points computed" in text
+    assert (
+        f"{np.count_nonzero(~table.completed)} of 16 points failed" in text
+        and "16 points computed" in text
+    )
     again = call("study", str(file), "--workers", "1").stdout
     assert "0 points computed, 16 were there" in again
 
@@ -83,7 +92,11 @@ def test_a_file_in_which_nothing_comes_out_is_a_failure(file):
 def test_a_study_beyond_the_bound_is_refused_before_it_begins(file):
     file.write_text(study_text("finite-element", 60))
     answer = call("study", str(file))
-    assert answer.exit_code == 2 and "--limit" in answer.stderr and len(answer.stderr.splitlines()) == 1
+    assert (
+        answer.exit_code == 2
+        and "--limit" in answer.stderr
+        and len(answer.stderr.splitlines()) == 1
+    )
     assert not (file.parent / "runs").exists()
 
 
@@ -108,11 +121,25 @@ def test_a_study_that_is_ended_goes_on_with_the_same_bits_and_computes_nothing_t
             [sys.executable, *command], cwd=tmp_path, env=process_environment(), stdout=subprocess.PIPE, stderr=subprocess.PIPE,
             preexec_fn=hear_interrupts,
         )  # fmt: skip
-        wait_until(lambda kept=kept, began=began: points_kept(folder / "points") >= kept or began.poll() is not None, f"{kept} points")
+        wait_until(
+            lambda kept=kept, began=began: (
+                points_kept(folder / "points") >= kept or began.poll() is not None
+            ),
+            f"{kept} points",
+        )
         began.send_signal(stop)
         _, said = began.communicate(timeout=60)
-        assert began.returncode == code and (stop == signal.SIGKILL or b"points are kept in" in said)
-    ended = subprocess.run([sys.executable, *command], cwd=tmp_path, env=process_environment(), capture_output=True, text=True, check=True)
+        assert began.returncode == code and (
+            stop == signal.SIGKILL or b"points are kept in" in said
+        )
+    ended = subprocess.run(
+        [sys.executable, *command],
+        cwd=tmp_path,
+        env=process_environment(),
+        capture_output=True,
+        text=True,
+        check=True,
+    )
     data = json.loads(ended.stdout)
     assert 0 < data["computed_now"] < 100 - 11  # twelve were there and are not computed again
     whole = vt.study(text, workers=1)
@@ -147,7 +174,11 @@ def test_the_digest_of_a_point_changes_with_everything_of_it():
         digest(base.replace('key = "spring.precompression"', 'key = "spring.precompression"\nas = "offset"')),
     ]  # fmt: skip
     assert len({first, *others}) == len(others) + 1
-    assert digest('title = "other words"\n' + base) == digest(base.replace("levels = 4", "levels = 9")) == first
+    assert (
+        digest('title = "other words"\n' + base)
+        == digest(base.replace("levels = 4", "levels = 9"))
+        == first
+    )
 
 
 def test_the_digest_changes_with_the_source_text_and_the_libraries(monkeypatch):
@@ -163,7 +194,10 @@ def test_a_table_knows_its_columns_and_its_frame():
     table = table_of()
     frame = table.to_pandas()
     assert list(frame["lift_law.maximum_lift"]) == table.column("lift_law.maximum_lift").tolist()
-    assert frame["status"].tolist() == [one.code for one in table.statuses] and frame.attrs["units"]["peak_spring_force"] == "N"
+    assert (
+        frame["status"].tolist() == [one.code for one in table.statuses]
+        and frame.attrs["units"]["peak_spring_force"] == "N"
+    )
     assert f"{np.count_nonzero(table.completed)} of 16 points completed" in repr(table)
     with pytest.raises(vt.InputError, match="has no 'peak'"):
         table.column("peak")

@@ -1,4 +1,6 @@
-"""A study on a real local Dask cluster: the bits of one process, a worker killed on the way, the client killed and gone on."""
+"""A study on a real local Dask cluster: the bits of one process, a worker killed on the way, the
+client killed and gone on.
+"""
 
 from __future__ import annotations
 
@@ -32,7 +34,9 @@ vary = [{{ key = "spring.precompression", low = "6 mm", high = "8 mm" }}]
 
 def children(process_id: int) -> list[int]:
     """Processes below a process, all generations."""
-    listed = subprocess.run(["ps", "-e", "-o", "pid=,ppid="], capture_output=True, text=True, check=True).stdout
+    listed = subprocess.run(
+        ["ps", "-e", "-o", "pid=,ppid="], capture_output=True, text=True, check=True
+    ).stdout
     parents: dict[int, list[int]] = {}
     for line in listed.splitlines():
         own, parent = map(int, line.split())
@@ -60,28 +64,62 @@ def workers_of(process_id: int) -> list[int]:
 
 def kept(folder) -> int:
     journal = folder / "points" / "journal.jsonl"
-    return (journal.read_bytes().count(b"\n") if journal.exists() else 0) + 256 * len(list(folder.glob("points/chunk-*.nc")))
+    return (journal.read_bytes().count(b"\n") if journal.exists() else 0) + 256 * len(
+        list(folder.glob("points/chunk-*.nc"))
+    )
 
 
 @pytest.mark.slow
-@pytest.mark.skipif(not os.environ.get(LONG) or not os.path.isdir("/proc"), reason=f"a minute: make faults sets {LONG}; needs /proc")
+@pytest.mark.skipif(
+    not os.environ.get(LONG) or not os.path.isdir("/proc"),
+    reason=f"a minute: make faults sets {LONG}; needs /proc",
+)
 def test_a_worker_and_then_the_client_are_killed_and_every_point_is_found_once(tmp_path):
     count = 64
     text = TEXT.format(count=count)
     file, folder = tmp_path / "study.toml", tmp_path / "out"
     file.write_text(text)
-    command = [sys.executable, *MODULE, "study", str(file), "--output", str(folder), "--workers", "2", "--dask", "local", "--json"]
-    began = subprocess.Popen(command, cwd=tmp_path, env=process_environment(), stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+    command = [
+        sys.executable,
+        *MODULE,
+        "study",
+        str(file),
+        "--output",
+        str(folder),
+        "--workers",
+        "2",
+        "--dask",
+        "local",
+        "--json",
+    ]
+    began = subprocess.Popen(
+        command,
+        cwd=tmp_path,
+        env=process_environment(),
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+    )
     wait_until(lambda: kept(folder) >= 8 or began.poll() is not None, "the first points")
     assert began.poll() is None
     os.kill(workers_of(began.pid)[0], signal.SIGKILL)
     reached = kept(folder)
-    wait_until(lambda: kept(folder) >= reached + 8 or began.poll() is not None, "points after the loss of a worker")
+    wait_until(
+        lambda: kept(folder) >= reached + 8 or began.poll() is not None,
+        "points after the loss of a worker",
+    )
     assert began.poll() is None
     began.kill()
     began.communicate(timeout=60)
     there = kept(folder)
-    done = subprocess.run(command, cwd=tmp_path, env=process_environment(), capture_output=True, text=True, timeout=300, check=True)
+    done = subprocess.run(
+        command,
+        cwd=tmp_path,
+        env=process_environment(),
+        capture_output=True,
+        text=True,
+        timeout=300,
+        check=True,
+    )
     data = json.loads(done.stdout)
     assert data["computed_now"] == count - there > 0
     alone = vt.study(text, workers=1)
@@ -94,10 +132,14 @@ def test_a_cluster_by_its_address_gives_the_bits_of_one_process():
     import distributed
 
     text = TEXT.format(count=4).replace("multi-mass", "massless")
-    with distributed.LocalCluster(n_workers=1, threads_per_worker=1, processes=False, dashboard_address=None, silence_logs=50) as cluster:
+    with distributed.LocalCluster(
+        n_workers=1, threads_per_worker=1, processes=False, dashboard_address=None, silence_logs=50
+    ) as cluster:
         found = vt.study(text, dask=cluster.scheduler_address, workers=1)
     alone = vt.study(text, workers=1)
-    assert np.array_equal(found.values, alone.values, equal_nan=True) and set(found.statuses) == {COMPLETED}
+    assert np.array_equal(found.values, alone.values, equal_nan=True) and set(found.statuses) == {
+        COMPLETED
+    }
 
 
 def tripled(shared: tuple[int, str], number: int) -> int:
@@ -105,11 +147,15 @@ def tripled(shared: tuple[int, str], number: int) -> int:
 
 
 def test_no_batch_of_many_loses_what_all_of_them_share():
-    """A search asks for batch after batch; the release of the last one's shared part took away that of the next, of the same content."""
+    """A search asks for batch after batch; the release of the last one's shared part took away that
+    of the next, of the same content.
+    """
     import distributed
 
     shared = (3, "x" * 100_000)
-    with distributed.LocalCluster(n_workers=1, threads_per_worker=2, processes=False, dashboard_address=None, silence_logs=50) as cluster:
+    with distributed.LocalCluster(
+        n_workers=1, threads_per_worker=2, processes=False, dashboard_address=None, silence_logs=50
+    ) as cluster:
         crew = DaskCrew(cluster.scheduler_address, 2)
         try:
             for first in range(12):
@@ -125,7 +171,9 @@ def test_a_scheduler_that_is_not_there_is_one_sentence(tmp_path, monkeypatch):
     file = tmp_path / "study.toml"
     file.write_text(TEXT.format(count=2))
     answer = call("study", str(file), "--quiet", "--dask", "no scheme://nowhere")
-    assert answer.exit_code == 2 and "--dask" in answer.stderr and len(answer.stderr.splitlines()) == 1
+    assert (
+        answer.exit_code == 2 and "--dask" in answer.stderr and len(answer.stderr.splitlines()) == 1
+    )
 
 
 def test_without_dask_the_command_that_installs_it_is_told(tmp_path, monkeypatch):
@@ -143,5 +191,11 @@ def test_a_study_without_dask_never_loads_it(tmp_path):
     code = f"import sys, valvetrain as vt; vt.study(sys.argv[1], workers=1); print([n for n in {heavy} if n in sys.modules])"
     file = tmp_path / "study.toml"
     file.write_text(TEXT.format(count=2).replace("multi-mass", "massless"))
-    done = subprocess.run([sys.executable, "-c", code, str(file)], capture_output=True, text=True, env=process_environment(), check=True)
+    done = subprocess.run(
+        [sys.executable, "-c", code, str(file)],
+        capture_output=True,
+        text=True,
+        env=process_environment(),
+        check=True,
+    )
     assert done.stdout.strip() == "[]"

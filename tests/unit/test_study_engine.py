@@ -1,4 +1,6 @@
-"""The engine alone, no run behind its points: what it costs, what it keeps in memory, what it does with lost workers and stops."""
+"""The engine alone, no run behind its points: what it costs, what it keeps in memory, what it does
+with lost workers and stops.
+"""
 
 from __future__ import annotations
 
@@ -48,7 +50,10 @@ class Instant:
             if self.stop_after is not None and self.jobs > self.stop_after:
                 raise KeyboardInterrupt
             self.points += len(job)
-            found = [Outcome(values=dict(zip(shared.wanted.outputs, values, strict=True))) for values, _ in job]
+            found = [
+                Outcome(values=dict(zip(shared.wanted.outputs, values, strict=True)))
+                for values, _ in job
+            ]
             yield place, Lost() if self.jobs in self.lose else found
 
     def close(self) -> None:
@@ -65,7 +70,9 @@ def test_a_point_costs_the_engine_less_than_a_millisecond(tmp_path):
 
 
 def test_memory_of_a_point_is_bounded(tmp_path):
-    """At most 600 bytes a point, the table of 2 inputs and 2 outputs included: 10 000 points take 6 MB."""
+    """At most 600 bytes a point, the table of 2 inputs and 2 outputs included: 10 000 points take 6
+    MB.
+    """
     peaks = {}
     for levels in (3, 12, 36):
         plan = plan_of(levels)
@@ -92,17 +99,29 @@ def test_points_of_a_lost_worker_keep_their_status_and_are_tried_by_the_next_sta
     plan = plan_of(6)
     table = run_points(plan, Instant(lose=(2,)), tmp_path / "points")
     codes = [one.code for one in table.statuses]
-    assert codes.count("worker-lost") == 8 and codes.count("completed") == 28 and len(table.failures) == 8
+    assert (
+        codes.count("worker-lost") == 8
+        and codes.count("completed") == 28
+        and len(table.failures) == 8
+    )
     told = {(one.message, one.remedy) for one in table.statuses if one.code == "worker-lost"}
-    assert told == {("the worker process that ran it was killed, and so was the one that tried it again",
-                     "take fewer workers if the memory was not enough")}  # fmt: skip
+    assert told == {
+        (
+            "the worker process that ran it was killed, and so was the one that tried it again",
+            "take fewer workers if the memory was not enough",
+        )
+    }
     again = Instant()
     assert run_points(plan, again, tmp_path / "points").completed.all() and again.points == 8
 
 
 def test_points_that_a_list_names_twice_are_computed_once():
-    text = TEXT.format(levels=2, model="massless").replace('sampler = "grid", levels = 2', 'sampler = "list"')
-    text = text.replace('low = "6 mm", high = "8 mm"', 'values = "6, 7, 6 mm"').replace("low = 6.5, high = 7.5", "values = [7, 7, 7]")
+    text = TEXT.format(levels=2, model="massless").replace(
+        'sampler = "grid", levels = 2', 'sampler = "list"'
+    )
+    text = text.replace('low = "6 mm", high = "8 mm"', 'values = "6, 7, 6 mm"').replace(
+        "low = 6.5, high = 7.5", "values = [7, 7, 7]"
+    )
     crew = Instant()
     table = run_points(read_plan(StudyText(text, "study", Path())), crew)
     assert len(table) == 3 and crew.points == 2 and np.array_equal(table.values, table.inputs)
@@ -110,12 +129,23 @@ def test_points_that_a_list_names_twice_are_computed_once():
 
 def test_progress_ends_at_one_and_counts_what_was_there(tmp_path):
     told: list[tuple[float, str]] = []
-    run_points(plan_of(5), Instant(), tmp_path / "points", progress=lambda share, words: told.append((share, words)))
-    assert told[-1] == (1.0, "25 of 25 points") and [one for one, _ in told] == sorted(one for one, _ in told)
+    run_points(
+        plan_of(5),
+        Instant(),
+        tmp_path / "points",
+        progress=lambda share, words: told.append((share, words)),
+    )
+    assert told[-1] == (1.0, "25 of 25 points") and [one for one, _ in told] == sorted(
+        one for one, _ in told
+    )
 
 
 def test_the_estimate_grows_with_points_and_models_and_shrinks_with_workers():
-    few, many, rods = estimate_study(plan_of(5), 2), estimate_study(plan_of(50), 2), estimate_study(plan_of(50, "finite-element"), 2)
+    few, many, rods = (
+        estimate_study(plan_of(5), 2),
+        estimate_study(plan_of(50), 2),
+        estimate_study(plan_of(50, "finite-element"), 2),
+    )
     assert many.points == 2500 and many.cost.seconds == pytest.approx(100 * few.cost.seconds)
     assert rods.cost.seconds > 5 * many.cost.seconds
     assert estimate_study(plan_of(50), 4).cost.seconds == pytest.approx(many.cost.seconds / 2)

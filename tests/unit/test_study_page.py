@@ -44,9 +44,14 @@ def made(kind="points", sampler="latin-hypercube", function=None, failed=()) -> 
     cube = (inputs - inputs.min(axis=0)) / np.ptp(inputs, axis=0)
     found = (function or (lambda c: 800 + 40 * c[:, 0] + 5 * c[:, 1] ** 2))(cube)
     values = np.column_stack([found, np.full(len(found), 9e-3)])
-    statuses = [Status("refused", "the coils overlap") if row in failed else COMPLETED for row in range(len(inputs))]
+    statuses = [
+        Status("refused", "the coils overlap") if row in failed else COMPLETED
+        for row in range(len(inputs))
+    ]
     values[list(failed)] = np.nan
-    return analysed(StudyTable(plan, inputs, (plan.runs[0],) * len(inputs), values, tuple(statuses)))
+    return analysed(
+        StudyTable(plan, inputs, (plan.runs[0],) * len(inputs), values, tuple(statuses))
+    )
 
 
 def titles(table) -> list[str]:
@@ -55,7 +60,11 @@ def titles(table) -> list[str]:
 
 def test_a_page_of_draws_has_scatter_map_and_main_effects():
     found = " / ".join(titles(made()))
-    for words in ("How the outputs scatter", "Peak spring force over both quantities", "Peak spring force over what is varied"):
+    for words in (
+        "How the outputs scatter",
+        "Peak spring force over both quantities",
+        "Peak spring force over what is varied",
+    ):
         assert words in found
     assert "Peak valve lift over both" not in found  # it never changes
 
@@ -64,10 +73,14 @@ def test_a_page_of_tolerances_has_the_shares_in_a_figure_and_a_table():
     table = made("tolerance", "saltelli")
     page = render(points_page(table))
     assert "What makes the spread of the peak spring force, 6000 rpm, massless" in titles(table)
-    assert sentences(table)[0].startswith("What makes the spread of the peak spring force is installed <i>compression</i> (")
+    assert sentences(table)[0].startswith(
+        "What makes the spread of the peak spring force is installed <i>compression</i> ("
+    )
     assert sentences(table)[1] == "None of the varied quantities moves the peak valve lift."
     assert "with all it acts together with (%)" in page
-    assert "<i>compression" not in page and "<b>quantities" not in page  # words of a file are words, not HTML
+    assert (
+        "<i>compression" not in page and "<b>quantities" not in page
+    )  # words of a file are words, not HTML
 
 
 def test_failed_points_are_listed_with_their_values_and_left_out_of_the_figures():
@@ -80,17 +93,25 @@ def test_failed_points_are_listed_with_their_values_and_left_out_of_the_figures(
 
 def test_a_page_stands_where_nothing_came_out():
     table = made(failed=range(256))
-    assert "256 of 256 points failed." in render(points_page(table)) and not charts(points_page(table))
+    assert "256 of 256 points failed." in render(points_page(table)) and not charts(
+        points_page(table)
+    )
 
 
 def test_an_output_that_no_completed_point_has_is_named_with_those_near_it():
-    """A row of dashes alone would leave its reader guessing; a point that has it, or none that came out, says nothing."""
+    """A row of dashes alone would leave its reader guessing; a point that has it, or none that came
+    out, says nothing.
+    """
     table = made(failed=(3,))
     assert table.not_given == ()
     table.values[:, 0] = np.nan
     (said,) = table.not_given
-    assert said.startswith("No run gave the peak spring force (peak_spring_force); near it stands ") and said in sentences(table)
-    assert said in points_json(table)["sentences"] and "(peak_spring_force)" in render(points_page(table))
+    assert said.startswith(
+        "No run gave the peak spring force (peak_spring_force); near it stands "
+    ) and said in sentences(table)
+    assert said in points_json(table)["sentences"] and "(peak_spring_force)" in render(
+        points_page(table)
+    )
     table.values[5, 0] = 800.0
     assert table.not_given == () == made(failed=range(256)).not_given
 
@@ -107,7 +128,10 @@ def test_a_grid_has_no_histogram_for_its_levels_are_nobodys_scatter():
 def test_the_table_as_text_has_every_digit_and_every_sentence():
     table = made(failed=(3,))
     rows = list(csv.reader(io.StringIO(points_csv(table))))
-    assert len(rows) == 257 and rows[0][:2] == ["spring.precompression [m]", "lift_law.maximum_lift factor [1]"]
+    assert len(rows) == 257 and rows[0][:2] == [
+        "spring.precompression [m]",
+        "lift_law.maximum_lift factor [1]",
+    ]
     assert [float(row[0]) for row in rows[1:]] == table.inputs[:, 0].tolist()
     assert rows[4][-2:] == ["refused", "refused: the coils overlap"] and rows[4][5] == ""
     assert float(rows[1][5]) == table.values[0, 0]
@@ -118,15 +142,25 @@ def test_the_json_answer_holds_what_the_page_says():
     data = json.loads(json.dumps(points_json(table), default=lambda x: x.tolist()))
     (first, _) = data["sensitivities"]
     assert first["dropped"] == 1 and first["sentence"] in sentences(table)
-    assert first["quantities"]["installed <i>compression</i>"]["total"] == pytest.approx(0.98, abs=0.03)
-    assert data["outputs"]["peak_spring_force"]["unit"] == "N" and "1 base row was left out" in data["sentences"][-1]
+    assert first["quantities"]["installed <i>compression</i>"]["total"] == pytest.approx(
+        0.98, abs=0.03
+    )
+    assert (
+        data["outputs"]["peak_spring_force"]["unit"] == "N"
+        and "1 base row was left out" in data["sentences"][-1]
+    )
 
 
 def test_a_surrogate_of_a_smooth_function_predicts_points_kept_out():
     pytest.importorskip("sklearn")
     table = made("surrogate", function=lambda c: 800 + 30 * np.sin(3 * c[:, 0]) * (1 + c[:, 1]))
     (one,) = table.surrogates  # the other output never changes
-    assert one.kept_out == 51 and one.share < 0.01 and one.error < 0.1 and "so it does not" not in one.sentence
+    assert (
+        one.kept_out == 51
+        and one.share < 0.01
+        and one.error < 0.1
+        and "so it does not" not in one.sentence
+    )
     where = table.inputs[:5]
     mean, deviation = one.predict(where)
     assert mean == pytest.approx(table.values[:5, 0], abs=0.2) and np.all(deviation < 1)
@@ -139,12 +173,21 @@ def test_a_surrogate_of_noise_says_that_it_does_not_stand_for_a_run():
     pytest.importorskip("sklearn")
     noise = np.random.default_rng(3).normal(size=256)
     (one,) = made("surrogate", function=lambda c: noise).surrogates
-    assert one.share > 0.8 and one.sentence.endswith("so it does not stand for a run.") and one.covered > 0.85
+    assert (
+        one.share > 0.8
+        and one.sentence.endswith("so it does not stand for a run.")
+        and one.covered > 0.85
+    )
 
 
 def test_a_surrogate_of_few_points_is_not_made():
     pytest.importorskip("sklearn")
-    assert surrogate_of("peak_spring_force", RUN, np.random.default_rng(1).random((11, 2)), np.arange(11.0)) is None
+    assert (
+        surrogate_of(
+            "peak_spring_force", RUN, np.random.default_rng(1).random((11, 2)), np.arange(11.0)
+        )
+        is None
+    )
 
 
 def test_a_row_stands_in_words():
@@ -155,31 +198,50 @@ def test_a_row_stands_in_words():
 def many_runs(count: int, failed=()) -> StudyTable:
     """A grid of five levels each at ``count`` speeds from 3000 rpm on, 100 rpm apart."""
     speeds = ", ".join(f'"{3000 + 100 * place} rpm"' for place in range(count))
-    text = TEXT.format(kind="points", sampler="grid").replace("count = 256", "levels = 5").replace('"6000 rpm"', f"[{speeds}]")
+    text = (
+        TEXT.format(kind="points", sampler="grid")
+        .replace("count = 256", "levels = 5")
+        .replace('"6000 rpm"', f"[{speeds}]")
+    )
     plan = read_plan(StudyText(text, "study", Path()))
     inputs = np.repeat(plan.sampler.first(plan.varied, plan.options), count, axis=0)
     values = np.column_stack([inputs.sum(axis=1), np.full(len(inputs), 9e-3)])
-    statuses = [Status("refused", "the coils overlap") if row in failed else COMPLETED for row in range(len(inputs))]
+    statuses = [
+        Status("refused", "the coils overlap") if row in failed else COMPLETED
+        for row in range(len(inputs))
+    ]
     values[list(failed)] = np.nan
     return StudyTable(plan, inputs, plan.runs * 25, values, tuple(statuses))
 
 
-@pytest.mark.parametrize(("count", "drawn", "notes"), [(12, 12, []), (13, 12, ["Figures of the first 12 runs follow."])])
+@pytest.mark.parametrize(
+    ("count", "drawn", "notes"), [(12, 12, []), (13, 12, ["Figures of the first 12 runs follow."])]
+)
 def test_the_first_runs_have_figures_and_all_have_answers(count, drawn, notes):
     sections = {one.key: one for one in points_page(many_runs(count)).sections}
     assert list(sections) == ["answers", *(f"run-{place}" for place in range(drawn)), "asked"]
     answers = sections["answers"]
     (grid,) = (one for one in answers.blocks if isinstance(one, Grid))
     assert answers.title == "What comes out" and len(grid.rows) == 2 * count
-    assert [row[0][1].words for row in grid.rows[::2]] == [f"{3000 + 100 * place} rpm, massless" for place in range(count)]
+    assert [row[0][1].words for row in grid.rows[::2]] == [
+        f"{3000 + 100 * place} rpm, massless" for place in range(count)
+    ]
     assert [one.html for one in answers.blocks if isinstance(one, Text)] == notes
-    assert [sections[f"run-{place}"].title for place in range(drawn)] == [row[0][1].words for row in grid.rows[: 2 * drawn : 2]]
+    assert [sections[f"run-{place}"].title for place in range(drawn)] == [
+        row[0][1].words for row in grid.rows[: 2 * drawn : 2]
+    ]
 
 
-@pytest.mark.parametrize(("failed", "more"), [(50, []), (53, ["And 3 more; points.csv has them all."])])
+@pytest.mark.parametrize(
+    ("failed", "more"), [(50, []), (53, ["And 3 more; points.csv has them all."])]
+)
 def test_the_first_failures_are_listed_and_all_are_counted(failed, more):
     table = many_runs(3, failed=range(failed))
     (section,) = (one for one in points_page(table).sections if one.key == "failed")
     told = [(one.tone, one.html) for one in section.blocks if isinstance(one, Text)]
-    assert [tone for tone, _ in told[:50]] == ["alert"] * 50 and told[50:] == [("note", one) for one in more]
-    assert all("the coils overlap" in words for _, words in told[:50]) and f"{failed} of 75 points failed." in sentences(table)
+    assert [tone for tone, _ in told[:50]] == ["alert"] * 50 and told[50:] == [
+        ("note", one) for one in more
+    ]
+    assert all(
+        "the coils overlap" in words for _, words in told[:50]
+    ) and f"{failed} of 75 points failed." in sentences(table)

@@ -1,4 +1,6 @@
-"""A point of a study: a quantity varied as the case file would have it, and the same bits as a run of that case."""
+"""A point of a study: a quantity varied as the case file would have it, and the same bits as a run
+of that case.
+"""
 
 from __future__ import annotations
 
@@ -44,10 +46,18 @@ def test_a_varied_value_is_what_set_on_the_command_line_gives(key, value, unit, 
 
 
 def test_a_factor_scales_every_knot_of_a_curve_and_an_offset_shifts_it():
-    wide = vary(BEEHIVE, {Varied("spring.mean_diameter", operation="factor"): 1.01}).spring.mean_diameter
-    assert wide.values == pytest.approx([1.01 * one for one in BEEHIVE.spring.mean_diameter.values], rel=1e-12)
-    wide = vary(BEEHIVE, {Varied("spring.mean_diameter", "mm", "offset"): 2e-4}).spring.mean_diameter
-    assert wide.values == pytest.approx([one + 2e-4 for one in BEEHIVE.spring.mean_diameter.values], rel=1e-12)
+    wide = vary(
+        BEEHIVE, {Varied("spring.mean_diameter", operation="factor"): 1.01}
+    ).spring.mean_diameter
+    assert wide.values == pytest.approx(
+        [1.01 * one for one in BEEHIVE.spring.mean_diameter.values], rel=1e-12
+    )
+    wide = vary(
+        BEEHIVE, {Varied("spring.mean_diameter", "mm", "offset"): 2e-4}
+    ).spring.mean_diameter
+    assert wide.values == pytest.approx(
+        [one + 2e-4 for one in BEEHIVE.spring.mean_diameter.values], rel=1e-12
+    )
 
 
 def test_a_factor_on_the_gaps_leaves_closed_coils_closed():
@@ -55,7 +65,9 @@ def test_a_factor_on_the_gaps_leaves_closed_coils_closed():
     spread = vary(BEEHIVE, {Varied("spring.pitch.clearances", operation="factor"): 1.1}).spring
     before = BEEHIVE.spring
     for coil in (0.5, 2.0, 4.0):
-        gaps = [float(one.pitch.value(coil) - one.wire_diameter.value(coil)) for one in (spread, before)]
+        gaps = [
+            float(one.pitch.value(coil) - one.wire_diameter.value(coil)) for one in (spread, before)
+        ]
         assert gaps[0] == pytest.approx(1.1 * gaps[1], abs=1e-12)
     assert float(spread.pitch.value(0.0)) == float(before.pitch.value(0.0))
 
@@ -63,14 +75,18 @@ def test_a_factor_on_the_gaps_leaves_closed_coils_closed():
 def test_one_place_of_a_row_of_numbers_can_be_varied():
     moved = vary(BEEHIVE, {Varied("spring.pitch.coils.2", operation="offset"): 0.05}).spring.pitch
     assert moved.coils[2] == pytest.approx(1.175)
-    wider = vary(BEEHIVE, {Varied("spring.mean_diameter.values.2", "mm"): 17e-3}).spring.mean_diameter
+    wider = vary(
+        BEEHIVE, {Varied("spring.mean_diameter.values.2", "mm"): 17e-3}
+    ).spring.mean_diameter
     assert wider.values == (*BEEHIVE.spring.mean_diameter.values[:2], 17e-3)
 
 
 def test_a_set_of_springs_in_a_train_is_varied_by_its_place():
     train = load_case("tdi-pushrod")
     stiff = vary(train, {Varied("train.springs.stock.0.preload", operation="factor"): 1.1}).train
-    assert stiff.springs["stock"][0].card.preload == pytest.approx(1.1 * train.train.springs["stock"][0].card.preload, rel=1e-12)
+    assert stiff.springs["stock"][0].card.preload == pytest.approx(
+        1.1 * train.train.springs["stock"][0].card.preload, rel=1e-12
+    )
     assert stiff.springs["performance"] == train.train.springs["performance"]
 
 
@@ -78,10 +94,16 @@ def test_a_case_changed_in_a_program_is_varied_by_the_paths_of_its_parts():
     """Its text no longer tells it, so the file's key would change another case."""
     case = BEEHIVE.replace({"springs.0.precompression": 6.5e-3})
     longer = vary(
-        case, {Varied("springs.0.precompression", "mm", "offset"): 1e-4, Varied("springs.0.wire.pitch", operation="factor"): 1.01}
+        case,
+        {
+            Varied("springs.0.precompression", "mm", "offset"): 1e-4,
+            Varied("springs.0.wire.pitch", operation="factor"): 1.01,
+        },
     )
     assert longer.springs[0].precompression == pytest.approx(6.6e-3, rel=1e-12)
-    assert float(longer.spring.pitch.value(4.0)) == pytest.approx(1.01 * float(case.spring.pitch.value(4.0)), rel=1e-12)
+    assert float(longer.spring.pitch.value(4.0)) == pytest.approx(
+        1.01 * float(case.spring.pitch.value(4.0)), rel=1e-12
+    )
     with pytest.raises(InputError, match=r"Case\.replace"):
         vary(case, {Varied("spring.precompression", "mm", "offset"): 1e-4})
 
@@ -109,19 +131,33 @@ def test_what_cannot_be_varied_is_refused_with_one_sentence(varied, value, words
 
 @pytest.mark.parametrize(
     ("key", "operation", "unit", "words"),
-    [("", "value", "", "no key"), ("a..b", "value", "", "no key"), ("a", "times", "", "value, factor or offset"),
-     ("a", "factor", "mm", "plain number"), ("a", "value", "parsec per fortnight", "nit")],
-)  # fmt: skip
+    [
+        ("", "value", "", "no key"),
+        ("a..b", "value", "", "no key"),
+        ("a", "times", "", "value, factor or offset"),
+        ("a", "factor", "mm", "plain number"),
+        ("a", "value", "parsec per fortnight", "nit"),
+    ],
+)
 def test_a_varied_quantity_that_makes_no_sense_is_refused(key, operation, unit, words):
     with pytest.raises(InputError, match=words):
         Varied(key, unit, operation)
 
 
-@pytest.mark.parametrize("build", [
-    lambda: Uniform(2.0, 1.0), lambda: Uniform(math.nan, 1.0), lambda: Normal(0.0, 0.0), lambda: Normal(0.0, 1.0, 3.0, 2.0),
-    lambda: Normal(0.0, 1.0, 50.0, 60.0), lambda: LogNormal(-1.0, 2.0), lambda: LogNormal(1.0, 1.0), lambda: Values(()),
-    lambda: Values((math.inf,)),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    "build",
+    [
+        lambda: Uniform(2.0, 1.0),
+        lambda: Uniform(math.nan, 1.0),
+        lambda: Normal(0.0, 0.0),
+        lambda: Normal(0.0, 1.0, 3.0, 2.0),
+        lambda: Normal(0.0, 1.0, 50.0, 60.0),
+        lambda: LogNormal(-1.0, 2.0),
+        lambda: LogNormal(1.0, 1.0),
+        lambda: Values(()),
+        lambda: Values((math.inf,)),
+    ],
+)
 def test_a_distribution_that_makes_no_sense_is_refused(build):
     with pytest.raises(InputError):
         build()
@@ -131,24 +167,33 @@ def test_what_stands_in_the_case_is_found_in_whatever_form():
     assert nominal(BEEHIVE, Varied("spring.wire_diameter", "mm")) == 3.7709e-3
     assert nominal(BEEHIVE, Varied("spring.pitch", operation="factor")) == 1.0
     assert nominal(BEEHIVE, Varied("spring.mean_diameter", "mm", "offset")) == 0.0
-    assert nominal(BEEHIVE, Varied("spring.mean_diameter.values.2", "mm")) == pytest.approx(17.5931e-3, rel=1e-12)
+    assert nominal(BEEHIVE, Varied("spring.mean_diameter.values.2", "mm")) == pytest.approx(
+        17.5931e-3, rel=1e-12
+    )
     for key in ("spring.pitch", "spring.nothing"):
         with pytest.raises(InputError):
             nominal(BEEHIVE, Varied(key, "mm"))
 
 
 def point(case, model, engine_speed, outputs=(), values=(), spring_set="", rest_model=""):
-    return Point(case, tuple(values), engine_speed, model, spring_set, Wanted(tuple(outputs), rest_model))
+    return Point(
+        case, tuple(values), engine_speed, model, spring_set, Wanted(tuple(outputs), rest_model)
+    )
 
 
 @pytest.mark.parametrize("model", ["multi-mass", "wave-rod-clash", "modal-varied"])
 def test_a_point_has_the_bits_of_a_run_of_the_varied_case(model):
-    values = ((Varied("spring.wire_diameter", "mm"), 3.75e-3), (Varied("spring.pitch.clearances", operation="factor"), 1.01))
+    values = (
+        (Varied("spring.wire_diameter", "mm"), 3.75e-3),
+        (Varied("spring.pitch.clearances", operation="factor"), 1.01),
+    )
     run = simulate(vary(BEEHIVE, dict(values)), 6000 * RPM, spring_models=[model])
     (solution,) = run.solutions
     every = evaluate(point(BEEHIVE, model, 6000 * RPM, values=values))
     assert every.status == solution.status
-    assert {name: every.values.get(name) for name in solution.quantities} == dict(solution.quantities)
+    assert {name: every.values.get(name) for name in solution.quantities} == dict(
+        solution.quantities
+    )
     assert {name: every.values.get(name) for name in run.still[""]} == run.still[""]
     few = evaluate(point(BEEHIVE, model, 6000 * RPM, sorted(LIGHT), values))
     asked = {name: value for name, value in solution.quantities.items() if name in LIGHT}
@@ -160,11 +205,15 @@ def test_a_point_of_a_train_has_the_bits_of_its_run(chosen):
     case, model = load_case("tdi-pushrod"), "massless"
     (solution,) = simulate(case, 5000 * RPM, spring_models=[model], spring_sets=[chosen]).solutions
     found = evaluate(point(case, model, 5000 * RPM, spring_set=chosen))
-    assert {name: found.values.get(name) for name in solution.quantities} == dict(solution.quantities)
+    assert {name: found.values.get(name) for name in solution.quantities} == dict(
+        solution.quantities
+    )
 
 
 def test_numbers_at_rest_come_from_the_model_asked_for():
-    """Preload and rate are those of ``valvetrain static --spring multi-mass``; without a model those of the rod, as in a run."""
+    """Preload and rate are those of ``valvetrain static --spring multi-mass``; without a model
+    those of the rod, as in a run.
+    """
     from valvetrain.studies.rest_study import rest_study
 
     case = parse_case(SMALL)
@@ -173,28 +222,37 @@ def test_numbers_at_rest_come_from_the_model_asked_for():
     chain = evaluate(point(case, "multi-mass", None, told, rest_model="multi-mass"))
     assert [chain[name] for name in told] == [static[name] for name in told]
     rod = evaluate(point(case, "multi-mass", None, told))
-    assert rod["preload"] == pytest.approx(chain["preload"], rel=0.02) and rod["preload"] != chain["preload"]
+    assert (
+        rod["preload"] == pytest.approx(chain["preload"], rel=0.02)
+        and rod["preload"] != chain["preload"]
+    )
 
 
 def test_sizes_of_a_spring_need_no_static_curve(monkeypatch):
     wanted = ("free_length", "solid_height")
     whole = evaluate(point(BEEHIVE, "massless", None, (*wanted, "preload")))
     monkeypatch.setattr("valvetrain.studies.points.evaluate.rest_of_spring", None)
-    assert evaluate(point(BEEHIVE, "massless", None, wanted)).values == {name: whole[name] for name in wanted}
+    assert evaluate(point(BEEHIVE, "massless", None, wanted)).values == {
+        name: whole[name] for name in wanted
+    }
 
 
 def test_a_varied_engine_speed_is_the_speed_of_the_run():
     speed = ((Varied(ENGINE_SPEED, "rpm"), 6000 * RPM),)
     wanted = ("peak_spring_force",)
-    assert evaluate(point(BEEHIVE, "massless", None, wanted, speed)) == evaluate(point(BEEHIVE, "massless", 6000 * RPM, wanted))
+    assert evaluate(point(BEEHIVE, "massless", None, wanted, speed)) == evaluate(
+        point(BEEHIVE, "massless", 6000 * RPM, wanted)
+    )
 
 
 @pytest.mark.parametrize(
     ("values", "code", "words"),
-    [(((Varied("spring.wire_diameter", "mm"), 30e-3),), "refused", ""),
-     (((Varied("lift_law.maximum_lift", "mm"), 40e-3),), "refused", "coil bind"),
-     (((Varied(ENGINE_SPEED, "rpm"), -1.0),), "refused", "positive")],
-)  # fmt: skip
+    [
+        (((Varied("spring.wire_diameter", "mm"), 30e-3),), "refused", ""),
+        (((Varied("lift_law.maximum_lift", "mm"), 40e-3),), "refused", "coil bind"),
+        (((Varied(ENGINE_SPEED, "rpm"), -1.0),), "refused", "positive"),
+    ],
+)
 def test_a_point_that_cannot_be_keeps_its_status_and_sentence(values, code, words):
     found = evaluate(point(BEEHIVE, "multi-mass", 6000 * RPM, ("peak_spring_force",), values))
     assert found.status.code == code and words in found.status.sentence() and not found.values
@@ -204,11 +262,22 @@ def test_a_point_that_cannot_be_keeps_its_status_and_sentence(values, code, word
 
 def test_points_side_by_side_are_the_points_one_by_one_whatever_the_workers():
     points = [
-        point(BEEHIVE, "massless", 6000 * RPM, ("peak_spring_force",), ((Varied("spring.precompression", "mm"), 6e-3 + n * 1e-4),))
+        point(
+            BEEHIVE,
+            "massless",
+            6000 * RPM,
+            ("peak_spring_force",),
+            ((Varied("spring.precompression", "mm"), 6e-3 + n * 1e-4),),
+        )
         for n in range(5)
     ]
     one_by_one = tuple(map(evaluate, points))
     seen = []
-    assert evaluate_points(points, 1, finished=lambda place, outcome: seen.append(place)) == one_by_one
+    assert (
+        evaluate_points(points, 1, finished=lambda place, outcome: seen.append(place)) == one_by_one
+    )
     assert evaluate_points(points, 2) == one_by_one
-    assert sorted(seen) == list(range(5)) and len({one["peak_spring_force"] for one in one_by_one}) == 5
+    assert (
+        sorted(seen) == list(range(5))
+        and len({one["peak_spring_force"] for one in one_by_one}) == 5
+    )

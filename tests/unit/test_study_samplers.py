@@ -1,4 +1,6 @@
-"""Samplers: strata, levels, design, refinement; and Sobol indices beside closed forms and another implementation."""
+"""Samplers: strata, levels, design, refinement; and Sobol indices beside closed forms and another
+implementation.
+"""
 
 from __future__ import annotations
 
@@ -29,15 +31,31 @@ def test_the_same_options_give_the_same_points_within_the_bounds(word):
 
 
 def test_a_grid_has_every_combination_once_in_order():
-    points = drawn("grid", (Varied("a", distribution=Uniform(1.0, 2.0)), Varied("b", distribution=Values((5.0, 7.0)))), levels=3)
+    points = drawn(
+        "grid",
+        (Varied("a", distribution=Uniform(1.0, 2.0)), Varied("b", distribution=Values((5.0, 7.0)))),
+        levels=3,
+    )
     assert points.tolist() == [[1, 5], [1, 7], [1.5, 5], [1.5, 7], [2, 5], [2, 7]]
 
 
 def test_a_list_is_taken_row_by_row_and_must_be_even():
-    rows = drawn("list", (Varied("a", distribution=Values((1.0, 2.0))), Varied("b", distribution=Values((3.0, 4.0)))))
+    rows = drawn(
+        "list",
+        (
+            Varied("a", distribution=Values((1.0, 2.0))),
+            Varied("b", distribution=Values((3.0, 4.0))),
+        ),
+    )
     assert rows.tolist() == [[1, 3], [2, 4]]
     with pytest.raises(InputError, match="as many values"):
-        drawn("list", (Varied("a", distribution=Values((1.0, 2.0))), Varied("b", distribution=Values((3.0,)))))
+        drawn(
+            "list",
+            (
+                Varied("a", distribution=Values((1.0, 2.0))),
+                Varied("b", distribution=Values((3.0,))),
+            ),
+        )
     with pytest.raises(InputError, match="one by one"):
         drawn("list")
 
@@ -50,7 +68,9 @@ def test_a_latin_hypercube_has_one_point_in_every_stratum_of_every_quantity(coun
 
 
 def test_a_power_of_two_of_sobols_sequence_is_a_net():
-    """Each of the 64 boxes 1/8 by 1/8 of any two quantities holds one of 64 points: a (0, 6, 2) net in base 2 (Sobol 1967)."""
+    """Each of the 64 boxes 1/8 by 1/8 of any two quantities holds one of 64 points: a (0, 6, 2) net
+    in base 2 (Sobol 1967).
+    """
     points = drawn("sobol", UNIT[:2], count=64)
     boxes = (np.floor(points * 8) @ [8, 1]).astype(int)
     assert sorted(boxes.tolist()) == list(range(64))
@@ -58,9 +78,14 @@ def test_a_power_of_two_of_sobols_sequence_is_a_net():
 
 @pytest.mark.parametrize(
     ("distribution", "mean", "deviation"),
-    [(Normal(3.0, 0.5), 3.0, 0.5), (Uniform(1.0, 4.0), 2.5, 3 / np.sqrt(12)), (Values((1.0, 2.0, 6.0)), 3.0, np.sqrt(14 / 3)),
-     (LogNormal(2.0, 1.5), 2 * np.exp(0.5 * np.log(1.5) ** 2), None), (Normal(0.0, 1.0, -1.0, 1.0), 0.0, 0.5396)],
-)  # fmt: skip
+    [
+        (Normal(3.0, 0.5), 3.0, 0.5),
+        (Uniform(1.0, 4.0), 2.5, 3 / np.sqrt(12)),
+        (Values((1.0, 2.0, 6.0)), 3.0, np.sqrt(14 / 3)),
+        (LogNormal(2.0, 1.5), 2 * np.exp(0.5 * np.log(1.5) ** 2), None),
+        (Normal(0.0, 1.0, -1.0, 1.0), 0.0, 0.5396),
+    ],
+)
 def test_draws_have_the_moments_of_their_distribution(distribution, mean, deviation):
     """Closed forms; 0.5396 is the deviation of a normal variable cut at one deviation either way."""
     points = drawn("sobol", (Varied("a", distribution=distribution),), count=4096)[:, 0]
@@ -105,15 +130,22 @@ def test_refinement_in_two_quantities_gathers_along_the_front():
 
 @pytest.mark.parametrize(
     ("word", "options", "words"),
-    [("sobol", {"count": 0}, "points.count"), ("sobol", {"cuont": 5}, "did you mean count"), ("grid", {"count": 5}, "no option 'count'"),
-     ("grid", {"levels": 1000}, "fewer levels"), ("sobol", {"count": "many"}, "points.count"), ("soble", {}, "did you mean sobol")],
-)  # fmt: skip
+    [
+        ("sobol", {"count": 0}, "points.count"),
+        ("sobol", {"cuont": 5}, "did you mean count"),
+        ("grid", {"count": 5}, "no option 'count'"),
+        ("grid", {"levels": 1000}, "fewer levels"),
+        ("sobol", {"count": "many"}, "points.count"),
+        ("soble", {}, "did you mean sobol"),
+    ],
+)
 def test_options_that_a_sampler_does_not_have_are_refused(word, options, words):
     with pytest.raises(InputError, match=words):
         drawn(word, **options)
 
 
-#: Whether its points are draws from the distributions, so that their scatter and percentiles are those of the outputs.
+#: Whether its points are draws from the distributions, so that their scatter and percentiles are
+#: those of the outputs.
 DRAWN = {
     "monte-carlo": True, "latin-hypercube": True, "sobol": True, "saltelli": True, "grid": False, "list": False, "adaptive": False,
 }  # fmt: skip
@@ -121,11 +153,16 @@ DRAWN = {
 
 @pytest.mark.parametrize("word", sorted({*registry.words("samplers"), *DRAWN}))
 def test_points_count_as_draws_where_they_follow_their_distribution(word):
-    """Points of a normal quantity: those that are draws have its deviation, those on levels or rows do not."""
+    """Points of a normal quantity: those that are draws have its deviation, those on levels or rows
+    do not.
+    """
     assert sampler(word).independent == DRAWN[word]
     if word in ("list", "adaptive"):
         return
-    normal = (Varied("a", distribution=Normal(0.0, 1.0, -3.0, 3.0)), Varied("b", distribution=Normal(0.0, 1.0, -3.0, 3.0)))
+    normal = (
+        Varied("a", distribution=Normal(0.0, 1.0, -3.0, 3.0)),
+        Varied("b", distribution=Normal(0.0, 1.0, -3.0, 3.0)),
+    )
     points = drawn(word, normal, **({"levels": 5} if word == "grid" else {"count": 512}))
     assert (np.std(points[:, 0]) == pytest.approx(0.987, abs=0.08)) == DRAWN[word]
 

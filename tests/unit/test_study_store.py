@@ -1,4 +1,6 @@
-"""Finished points on disk: nothing lost, nothing twice, and what is damaged refused with a sentence."""
+"""Finished points on disk: nothing lost, nothing twice, and what is damaged refused with a
+sentence.
+"""
 
 from __future__ import annotations
 
@@ -26,7 +28,9 @@ def outcome(number: int) -> Outcome:
     """Values whose bits no decimal text of ten digits holds."""
     if number % 7 == 3:
         return Outcome(FAILED)
-    return Outcome(COMPLETED, {"peak_spring_force": math.pi * number, "clash_count": math.sqrt(number)})
+    return Outcome(
+        COMPLETED, {"peak_spring_force": math.pi * number, "clash_count": math.sqrt(number)}
+    )
 
 
 def filled(folder, numbers, close=True) -> PointStore:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from valvetrain.measurements.text_table import read_text_table
+from valvetrain.measured.tables import read_text_table
 
 ROWS = ["0;1,5;80", "1;2,5;81", "2;3,5;82"]
 
@@ -17,11 +17,19 @@ ROWS = ["0;1,5;80", "1;2,5;81", "2;3,5;82"]
         (['"Time";"Lift";"Oil T"'], ("Time", "Lift", "Oil T"), ("", "", "")),
         (["Time;Lift;Oil T", "ms;in;degF"], ("Time", "Lift", "Oil T"), ("ms", "in", "degF")),
         (["Time;Lift;Oil T", "[ms];[in];[degF]"], ("Time", "Lift", "Oil T"), ("ms", "in", "degF")),
-        (["Time;Lift;Boost", "(ms);(in);(inHg)"], ("Time", "Lift", "Boost"), ("ms", "in", "inHg")),  # one that nobody has heard of
+        (
+            ["Time;Lift;Boost", "(ms);(in);(inHg)"],
+            ("Time", "Lift", "Boost"),
+            ("ms", "in", "inHg"),
+        ),  # one that nobody has heard of
         (["Time;Lift;State", "s;mm;text"], ("Time", "Lift", "State"), ("s", "mm", "text")),
         (["Logger 3", "Time;Lift;Oil T", "s;m;K"], ("Time", "Lift", "Oil T"), ("s", "m", "K")),
         (["s;m;K"], ("s", "m", "K"), ("", "", "")),  # nothing above them
-        (["my first log", "t;F;s"], ("t", "F", "s"), ("", "", "")),  # a title of three words is no row of names
+        (
+            ["my first log", "t;F;s"],
+            ("t", "F", "s"),
+            ("", "", ""),
+        ),  # a title of three words is no row of names
         (["Time Lift  Oil", "ms in degF"], ("Time", "Lift", "Oil"), ("ms", "in", "degF")),
         (["Time;Lift;Oil T", "logger;one;two"], ("logger", "one", "two"), ("", "", "")),
         (["t;F;m", "kind;of;table"], ("kind", "of", "table"), ("", "", "")),
@@ -30,8 +38,12 @@ ROWS = ["0;1,5;80", "1;2,5;81", "2;3,5;82"]
         (["a title"], ("", "", ""), ("", "", "")),
         ([], ("", "", ""), ("", "", "")),
     ],
-)  # fmt: skip
+)
 def test_names_and_units_in_one_line_or_in_two(headings, names, units):
     table = read_text_table("\n".join([*headings, *ROWS]), "own.csv")
     assert (table.names, table.units) == (names, units)
-    assert table.rows.tolist() == [[0, 1.5, 80], [1, 2.5, 81], [2, 3.5, 82]] and table.first_line == 1 + len(headings)
+    assert table.rows.tolist() == [
+        [0, 1.5, 80],
+        [1, 2.5, 81],
+        [2, 3.5, 82],
+    ] and table.first_line == 1 + len(headings)

@@ -1,4 +1,6 @@
-"""Unit: runs beside a table of values and beside cycles: which places two runs are compared at, and the columns of the files."""
+"""Unit: runs beside a table of values and beside cycles: which places two runs are compared at, and
+the columns of the files.
+"""
 
 from __future__ import annotations
 
@@ -11,12 +13,12 @@ import pytest
 from scipy import stats
 
 from synthetic_study import SPEED, modal_run, own_study, rod_run
-from valvetrain.measurements.measured_cycles import MeasuredCycles
-from valvetrain.measurements.value_table import MeasuredValue, ValueTable
-from valvetrain.report.compare_test_files import write_compare_test
-from valvetrain.report.compare_test_words import words_of_test
-from valvetrain.studies import compare_test
-from valvetrain.studies.shared_errors import SharedErrors
+from valvetrain.compare_test import compare as compare_test
+from valvetrain.compare_test.comparison import SharedErrors
+from valvetrain.compare_test.page import write_compare_test
+from valvetrain.compare_test.summary import words_of_test
+from valvetrain.measured.cycles import MeasuredCycles
+from valvetrain.measured.value_table import MeasuredValue, ValueTable
 
 DRAWN = np.array([[1.2, -0.7, 0.4, -1.5, 0.3], [0.2, 0.9, -1.1, 0.5, -0.6]])
 #: Peak and least force (N) and angle of the peak (rad) by each of two runs.
@@ -27,7 +29,11 @@ def study(preload=287.0):
     runs = []
     for run in (rod_run(bounces=0), modal_run()):
         peak, least, angle = TOLD[run.model]
-        numbers = {"peak_spring_force": peak, "minimum_spring_force": least, "peak_spring_force_cam_angle": angle}
+        numbers = {
+            "peak_spring_force": peak,
+            "minimum_spring_force": least,
+            "peak_spring_force_cam_angle": angle,
+        }
         runs.append(replace(run, quantities=numbers))
     return replace(own_study(tuple(runs)), still={"": {"preload": preload}})
 
@@ -40,9 +46,18 @@ ANGLE = {"cam_angle": 3.15, "angle_scatter": 0.02}
 TABLES = {
     "one value": (measured("peak_spring_force", 810.0),),
     "one value and its angle": (measured("peak_spring_force", 810.0, **ANGLE),),
-    "two values": (measured("peak_spring_force", 810.0), measured("minimum_spring_force", 290.0, 1)),
-    "two values, the first with its angle": (measured("peak_spring_force", 810.0, **ANGLE), measured("minimum_spring_force", 290.0, 1)),
-    "two values, the last with its angle": (measured("minimum_spring_force", 290.0, 1), measured("peak_spring_force", 810.0, **ANGLE)),
+    "two values": (
+        measured("peak_spring_force", 810.0),
+        measured("minimum_spring_force", 290.0, 1),
+    ),
+    "two values, the first with its angle": (
+        measured("peak_spring_force", 810.0, **ANGLE),
+        measured("minimum_spring_force", 290.0, 1),
+    ),
+    "two values, the last with its angle": (
+        measured("minimum_spring_force", 290.0, 1),
+        measured("peak_spring_force", 810.0, **ANGLE),
+    ),
     "a value no run tells": (measured("peak_spring_force", 810.0), measured("shoe_size", 45.0, 1)),
 }
 
@@ -55,7 +70,10 @@ def test_two_runs_are_compared_at_every_value_that_both_tell_and_at_no_angle(nam
     place = {"peak_spring_force": 0, "minimum_spring_force": 1}
     shared = [one for one in test.values if one.quantity in place]
     repeats = np.array([one.repeats for one in shared])
-    off = {label: np.array([[numbers[place[one.quantity]]] for one in shared]) - repeats for label, numbers in TOLD.items()}
+    off = {
+        label: np.array([[numbers[place[one.quantity]]] for one in shared]) - repeats
+        for label, numbers in TOLD.items()
+    }
     first, second = (one.label for one in found.runs)
     (row,) = found.closer
     due = stats.ttest_rel(np.mean(off[first] ** 2, axis=0), np.mean(off[second] ** 2, axis=0))
@@ -63,24 +81,45 @@ def test_two_runs_are_compared_at_every_value_that_both_tell_and_at_no_angle(nam
     assert (row.student, row.p_value) == pytest.approx((due.statistic, due.pvalue), rel=1e-9)
     assert row.first_square == pytest.approx(np.mean(np.mean(off[first], axis=1) ** 2))
     angles = [one for one in found.runs[0].values if one.kind == "angle"]
-    assert [(one.model, one.test) for one in angles] == [(TOLD[first][2], 3.15) for one in test.values if np.isfinite(one.cam_angle)]
+    assert [(one.model, one.test) for one in angles] == [
+        (TOLD[first][2], 3.15) for one in test.values if np.isfinite(one.cam_angle)
+    ]
     left = "not computed by every run, so left out where it is missing: shoe_size"
-    assert [note for note in found.notes if "not computed" in note] == ([left] if name == "a value no run tells" else [])
+    assert [note for note in found.notes if "not computed" in note] == (
+        [left] if name == "a value no run tells" else []
+    )
 
 
 def test_numbers_at_rest_are_those_of_all_springs_below_those_of_the_run_s_own_set():
-    for still, due in (({"": {"preload": 287.0}}, 287.0), ({"": {"preload": 287.0}, "race": {"preload": 350.0}}, 350.0)):
+    for still, due in (
+        ({"": {"preload": 287.0}}, 287.0),
+        ({"": {"preload": 287.0}, "race": {"preload": 350.0}}, 350.0),
+    ):
         base = study()
-        runs = tuple(replace(run, provenance=replace(run.provenance, spring_set="race")) for run in base.solutions)
+        runs = tuple(
+            replace(run, provenance=replace(run.provenance, spring_set="race"))
+            for run in base.solutions
+        )
         found = compare_test._with_values(
-            replace(base, solutions=runs, still=still), ValueTable((measured("preload", 300.0),)), (SPEED,), 0, 0.05, (), {}
+            replace(base, solutions=runs, still=still),
+            ValueTable((measured("preload", 300.0),)),
+            (SPEED,),
+            0,
+            0.05,
+            (),
+            {},
         )
         assert [row.model for one in found.runs for row in one.values] == [due, due]
 
 
 def test_the_files_of_cycles_hold_the_cam_angle_in_degrees_the_mean_and_every_run(tmp_path):
     angle = np.arange(180) * 2 * np.pi / 180
-    values = 500 + 300 * np.cos(angle - np.pi) + np.outer(DRAWN[0], np.cos(3 * angle)) + np.outer(DRAWN[1], np.sin(3 * angle))
+    values = (
+        500
+        + 300 * np.cos(angle - np.pi)
+        + np.outer(DRAWN[0], np.cos(3 * angle))
+        + np.outer(DRAWN[1], np.sin(3 * angle))
+    )
     test = MeasuredCycles("spring_force", "N", angle, values, SPEED / 2)
     found = compare_test._with_cycles(study(), test, None, 0, 0.05, (), {}, SharedErrors())
     paths = {path.name: path for path in write_compare_test(found, tmp_path)}
@@ -100,12 +139,24 @@ def test_the_files_of_cycles_hold_the_cam_angle_in_degrees_the_mean_and_every_ru
     ("rpm", "source", "synthetic", "said"),
     [
         (9000.0, "", False, "spring force, 3 cycles of 8 angles at 9000 rpm of the crank"),
-        (8999.995108, "log.csv", False, "spring force, 3 cycles of 8 angles at 9000 rpm of the crank, log.csv"),  # measured, with noise
-        (4132.5678, "", True, "synthetic, not measured: spring force, 3 cycles of 8 angles at 4132.57 rpm of the crank"),
+        (
+            8999.995108,
+            "log.csv",
+            False,
+            "spring force, 3 cycles of 8 angles at 9000 rpm of the crank, log.csv",
+        ),  # measured, with noise
+        (
+            4132.5678,
+            "",
+            True,
+            "synthetic, not measured: spring force, 3 cycles of 8 angles at 4132.57 rpm of the crank",
+        ),
         (0.0, "log.csv", False, "spring force, 3 cycles of 8 angles, log.csv"),
     ],
 )
 def test_a_test_of_cycles_in_one_line(rpm, source, synthetic, said):
     angle = np.arange(8) * np.pi / 4
-    test = MeasuredCycles("spring_force", "N", angle, np.full((3, 8), 500.0), rpm * np.pi / 60, source, synthetic)
+    test = MeasuredCycles(
+        "spring_force", "N", angle, np.full((3, 8), 500.0), rpm * np.pi / 60, source, synthetic
+    )
     assert words_of_test(SimpleNamespace(test=test)) == said

@@ -1,4 +1,6 @@
-"""A tolerance in per cent is a share of what stands in the case, whatever unit that is in; ends by hand."""
+"""A tolerance in per cent is a share of what stands in the case, whatever unit that is in; ends by
+hand.
+"""
 
 from __future__ import annotations
 
@@ -37,18 +39,29 @@ def test_a_share_of_a_value_with_a_unit(shape):
     ],
 )
 def test_a_share_of_a_plain_number_a_factor_and_one_of_several(key, more, ends, unit):
-    case = vt.load_case("gu2021-beehive", {"spring.damping": {"ratio": 0.02, "ratio_frequency": "600 Hz"}})
+    case = vt.load_case(
+        "gu2021-beehive", {"spring.damping": {"ratio": 0.02, "ratio_frequency": "600 Hz"}}
+    )
     case = (
-        vt.load_case("gu2021-beehive", {"spring.mean_diameter": {"coils": [0, 3, 7], "values": "22.2, 22.2, 17 mm"}})
+        vt.load_case(
+            "gu2021-beehive",
+            {"spring.mean_diameter": {"coils": [0, 3, 7], "values": "22.2, 22.2, 17 mm"}},
+        )
         if more or unit
         else case
     )
     low, middle, high, shown = reached(case, key=key, tolerance="10 %", shape="uniform", **more)
-    assert (low, high, shown) == (pytest.approx(ends[0]), pytest.approx(ends[1]), unit) and middle == pytest.approx(sum(ends) / 2)
+    assert (low, high, shown) == (
+        pytest.approx(ends[0]),
+        pytest.approx(ends[1]),
+        unit,
+    ) and middle == pytest.approx(sum(ends) / 2)
 
 
 def test_a_tolerance_with_a_unit_is_what_it_was():
-    assert reached(CASE, key="spring.rate", tolerance="1 N/mm", shape="uniform")[:3] == pytest.approx((31e3, 32e3, 33e3))
+    assert reached(CASE, key="spring.rate", tolerance="1 N/mm", shape="uniform")[
+        :3
+    ] == pytest.approx((31e3, 32e3, 33e3))
 
 
 @pytest.mark.parametrize(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from valvetrain.parameters.toml_lines import find_line
+from valvetrain.parameters.toml_text import find_line
 
 TEXT = '''# comment = 1
 title = "a = b"

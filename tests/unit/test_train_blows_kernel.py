@@ -1,4 +1,6 @@
-"""Unit: when a blow of a contact is due, how long its force rises, and the step that resolves it, beside closed forms."""
+"""Unit: when a blow of a contact is due, how long its force rises, and the step that resolves it,
+beside closed forms.
+"""
 
 from __future__ import annotations
 
@@ -30,16 +32,24 @@ def train(stiffness: float, exponent: float = 1.0, damping: float = 0.0, kind: i
     places = np.array([[0, -1, -1, -1], [1, 2, -1, -1]])
     bodies = np.column_stack([MASSES, np.zeros((3, 4))])
     return SimpleNamespace(
-        laws=np.array([-1, kind]), law_parameters=row, memory_of=np.zeros(3, dtype=int), coordinate_of=places, body=bodies
+        laws=np.array([-1, kind]),
+        law_parameters=row,
+        memory_of=np.zeros(3, dtype=int),
+        coordinate_of=places,
+        body=bodies,
     )
 
 
 def at(pen: float, rate: float, before: float = -1e-6, blow: tuple[float, float] = (0.0, 0.0)):
     """Both interactions as the step finds them."""
     scratch = SimpleNamespace(
-        gaps=np.array([[5e-6, 0.0, 0.0, 0.0], [pen, 0.0, 0.0, 0.0]]), rate=np.array([3.0, rate]), before=np.array([[0.0], [before]]),
-        blows=np.array([[7.0, 7.0, 0.0, 0.0], [*blow, 0.0, 0.0]]), gradients=np.zeros((2, 4)), trial=np.zeros(4),
-    )  # fmt: skip
+        gaps=np.array([[5e-6, 0.0, 0.0, 0.0], [pen, 0.0, 0.0, 0.0]]),
+        rate=np.array([3.0, rate]),
+        before=np.array([[0.0], [before]]),
+        blows=np.array([[7.0, 7.0, 0.0, 0.0], [*blow, 0.0, 0.0]]),
+        gradients=np.zeros((2, 4)),
+        trial=np.zeros(4),
+    )
     scratch.gradients[1, :2] = GRADIENTS
     return scratch
 
@@ -47,29 +57,47 @@ def at(pen: float, rate: float, before: float = -1e-6, blow: tuple[float, float]
 def motion():
     clock = np.zeros(15)
     clock[3], clock[13] = LONGEST / PARTS, LEAST
-    return SimpleNamespace(counters=np.array([0, 0, 0, 0, 0, PARTS]), clock=clock, law_state=np.zeros(4), law_addresses=np.zeros(1))
+    return SimpleNamespace(
+        counters=np.array([0, 0, 0, 0, 0, PARTS]),
+        clock=clock,
+        law_state=np.zeros(4),
+        law_addresses=np.zeros(1),
+    )
 
 
-@pytest.mark.parametrize(("stiffness", "exponent"), [(3e6, 1.0), (4e7, 1.0), (2e10, 1.5), (5e9, 1.5), (6e8, 1.25)])
+@pytest.mark.parametrize(
+    ("stiffness", "exponent"), [(3e6, 1.0), (4e7, 1.0), (2e10, 1.5), (5e9, 1.5), (6e8, 1.25)]
+)
 @pytest.mark.parametrize("rate", [0.05, 1.0, 8.0])
 def test_a_force_rises_for_the_time_in_which_it_stops_the_bodies(stiffness, exponent, rate):
     """k (r tau)^e W tau = r; of a linear contact 1 / omega."""
     due = (rate / (stiffness * rate**exponent * MOBILITY)) ** (1 / (1 + exponent))
     if exponent == 1.0:
         assert due == pytest.approx(1 / math.sqrt(stiffness * MOBILITY))
-    found = train_blows._rise(1, train(stiffness, exponent), motion(), at(1e-7, rate), rate, LONGEST, 0.0)
-    assert found == pytest.approx(due, rel=2 ** (12 / 2**8) - 1) and due < LONGEST  # 12 octaves, halved eight times
+    found = train_blows._rise(
+        1, train(stiffness, exponent), motion(), at(1e-7, rate), rate, LONGEST, 0.0
+    )
+    assert (
+        found == pytest.approx(due, rel=2 ** (12 / 2**8) - 1) and due < LONGEST
+    )  # 12 octaves, halved eight times
 
 
 @pytest.mark.parametrize(
     ("stiffness", "rate", "least", "why"),
     [
-        (1e3, 1.0, 0.0, "slower than the longest"), (4e7, 1.0, 1e9, "a force that nobody feels"), (4e7, 1e-9, 1.0, "hardly any rate"),
+        (1e3, 1.0, 0.0, "slower than the longest"),
+        (4e7, 1.0, 1e9, "a force that nobody feels"),
+        (4e7, 1e-9, 1.0, "hardly any rate"),
         (4e7, 0.0, 0.0, "no rate"),
     ],
-)  # fmt: skip
-def test_a_blow_that_needs_no_step_of_its_own_is_as_long_as_the_longest(stiffness, rate, least, why):
-    assert train_blows._rise(1, train(stiffness), motion(), at(1e-7, rate), rate, LONGEST, least) == LONGEST, why
+)
+def test_a_blow_that_needs_no_step_of_its_own_is_as_long_as_the_longest(
+    stiffness, rate, least, why
+):
+    assert (
+        train_blows._rise(1, train(stiffness), motion(), at(1e-7, rate), rate, LONGEST, least)
+        == LONGEST
+    ), why
 
 
 def test_bodies_that_nothing_moves_meet_no_blow():
@@ -85,7 +113,14 @@ TAU = 1 / math.sqrt(4e7 * MOBILITY)
     ("pen", "rate", "before", "blow", "step", "lasts"),
     [
         (-2e-6, 1.0, -3e-6, (0.0, 0.0), "new", "new"),  # due within the step
-        (-6.2e-6, 1.0, -9e-6, (0.0, 0.0), "new", "new"),  # the gap may close faster than its rate tells
+        (
+            -6.2e-6,
+            1.0,
+            -9e-6,
+            (0.0, 0.0),
+            "new",
+            "new",
+        ),  # the gap may close faster than its rate tells
         (-6.3e-6, 1.0, -9e-6, (0.0, 0.0), 0.0, -1e-6),  # due later
         (-2e-6, -1.0, -1e-6, (3e-6, 5e-6), 0.0, 4e-6),  # opens
         (1e-7, 1.0, -1e-7, (0.0, 0.0), "new", "new"),  # closed in this step, seen late
@@ -101,19 +136,33 @@ def test_a_step_is_cut_where_a_blow_is_due_and_while_it_lasts(pen, rate, before,
     scratch = at(pen, rate, before, blow)
     found = train_blows.finest_step(train(4e7), motion(), scratch, 5e-6, 1e-6)
     due = TAU / PARTS if step == "new" else step
-    assert found == pytest.approx(due or math.inf, rel=0.025) and scratch.blows[1, 0] == pytest.approx(due, rel=0.025)
-    assert scratch.blows[1, 1] == pytest.approx(8 * TAU + 5e-6 if lasts == "new" else lasts, rel=0.025)
+    assert found == pytest.approx(due or math.inf, rel=0.025) and scratch.blows[
+        1, 0
+    ] == pytest.approx(due, rel=0.025)
+    assert scratch.blows[1, 1] == pytest.approx(
+        8 * TAU + 5e-6 if lasts == "new" else lasts, rel=0.025
+    )
     assert scratch.blows[0].tolist() == [7.0, 7.0, 0.0, 0.0], "a link has no blows"
 
 
 def test_a_soft_contact_asks_for_no_finer_step():
     scratch = at(-2e-6, 1.0)
-    assert train_blows.finest_step(train(1e3), motion(), scratch, 5e-6, 1e-6) == math.inf and scratch.blows[1, 0] == 0.0
+    assert (
+        train_blows.finest_step(train(1e3), motion(), scratch, 5e-6, 1e-6) == math.inf
+        and scratch.blows[1, 0] == 0.0
+    )
 
 
 @pytest.mark.parametrize(
     ("length", "finest", "parts"),
-    [(1e-6, 1e-6, 1), (1e-6, math.inf, 1), (1e-6, 0.999e-6, 2), (1e-6, 0.26e-6, 4), (1e-6, 0.2e-6 + 1e-12, 5), (1e-6, 1e-9, 64)],
+    [
+        (1e-6, 1e-6, 1),
+        (1e-6, math.inf, 1),
+        (1e-6, 0.999e-6, 2),
+        (1e-6, 0.26e-6, 4),
+        (1e-6, 0.2e-6 + 1e-12, 5),
+        (1e-6, 1e-9, 64),
+    ],
 )
 def test_no_part_of_a_step_is_longer_than_the_finest_up_to_64_parts(length, finest, parts):
     assert train_blows.parts_of(length, finest) == parts
@@ -122,10 +171,13 @@ def test_no_part_of_a_step_is_longer_than_the_finest_up_to_64_parts(length, fine
 @pytest.mark.parametrize(
     ("kind", "damping", "rate", "meets"),
     [
-        (laws.LINEAR, 0.0, 1.0, False), (laws.LINEAR, 2e4, 1.0, True), (laws.LINEAR, 2e4, -1.0, False),
-        (laws.HUNT_CROSSLEY, 0.5, 1.0, False), (laws.POWER, 0.0, 1.0, False),
+        (laws.LINEAR, 0.0, 1.0, False),
+        (laws.LINEAR, 2e4, 1.0, True),
+        (laws.LINEAR, 2e4, -1.0, False),
+        (laws.HUNT_CROSSLEY, 0.5, 1.0, False),
+        (laws.POWER, 0.0, 1.0, False),
     ],
-)  # fmt: skip
+)
 def test_a_damper_that_acts_from_the_touch_on_is_known(kind, damping, rate, meets):
     """Of laws with a smooth force the damping grows with the penetration."""
     pen, stiffness = 4e-6, 4e7

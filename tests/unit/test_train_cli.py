@@ -1,4 +1,6 @@
-"""``run``, ``compare`` and ``sweep`` of trains: JSON with units, files, pages, sentences for wrong input."""
+"""``run``, ``compare`` and ``sweep`` of trains: JSON with units, files, pages, sentences for wrong
+input.
+"""
 
 from __future__ import annotations
 
@@ -28,14 +30,27 @@ def folder(tmp_path_factory):
 @pytest.fixture(scope="module")
 def compared(folder):
     target = folder / "compare"
-    words = ("compare", "tdi-pushrod", "--spring", "massless,multi-mass,modal-uniform,wave-rod", "--output", str(target), *QUICK)
+    words = (
+        "compare",
+        "tdi-pushrod",
+        "--spring",
+        "massless,multi-mass,modal-uniform,wave-rod",
+        "--output",
+        str(target),
+        *QUICK,
+    )
     return json.loads(call(*words).stdout), target
 
 
 def test_compare_gives_every_model_its_numbers_with_units(compared):
     data, _ = compared
     assert data["command"] == "compare" and data["completed"]
-    assert [run["model"] for run in data["runs"]] == ["massless", "multi-mass", "modal-uniform", "wave-rod"]
+    assert [run["model"] for run in data["runs"]] == [
+        "massless",
+        "multi-mass",
+        "modal-uniform",
+        "wave-rod",
+    ]
     for run in data["runs"]:
         force = run["quantities"]["nose_cam_contact_force"]
         assert force["unit"] == "N" and force["value"] == pytest.approx(580, rel=0.03)
@@ -47,10 +62,22 @@ def test_compare_gives_every_model_its_numbers_with_units(compared):
 def test_compare_writes_data_and_a_page_whole(compared):
     data, target = compared
     names = {path.name for path in target.rglob("*") if path.is_file()}
-    assert {"quantities.csv", "events.csv", "report.html", "wave-rod-4000rpm.nc", "wave-rod-4000rpm.csv"} <= names
+    assert {
+        "quantities.csv",
+        "events.csv",
+        "report.html",
+        "wave-rod-4000rpm.nc",
+        "wave-rod-4000rpm.csv",
+    } <= names
     assert all(path.rpartition("/")[2] in names for path in data["files"])
     html = (target / "report.html").read_text()
-    for words in ("Contact and link forces", "Valve motion", "Rigid parts", "multi-mass chain", "Seating and losses of contact"):
+    for words in (
+        "Contact and link forces",
+        "Valve motion",
+        "Rigid parts",
+        "multi-mass chain",
+        "Seating and losses of contact",
+    ):
         assert words in html
 
 
@@ -66,16 +93,37 @@ def test_saved_runs_are_read_back_without_loss(compared):
 
 def test_sweep_tells_where_contact_is_lost(folder):
     target = folder / "sweep"
-    words = ("sweep", "tdi-pushrod", "--engine-speed", "6500:8500:500", "--spring", "massless", "--spring-set", "stock")
+    words = (
+        "sweep",
+        "tdi-pushrod",
+        "--engine-speed",
+        "6500:8500:500",
+        "--spring",
+        "massless",
+        "--spring-set",
+        "stock",
+    )
     data = json.loads(call(*words, "--output", str(target), *QUICK).stdout)
-    assert [run["engine_speed"]["value"] for run in data["runs"]] == pytest.approx([6500, 7000, 7500, 8000, 8500])
-    found = {name: item for values in (data["quantities"], *data["quantities_by_label"].values()) for name, item in values.items()}
+    assert [run["engine_speed"]["value"] for run in data["runs"]] == pytest.approx(
+        [6500, 7000, 7500, 8000, 8500]
+    )
+    found = {
+        name: item
+        for values in (data["quantities"], *data["quantities_by_label"].values())
+        for name, item in values.items()
+    }
     (row,) = [one for one in data["critical_speeds"] if one["kind"] == "contact-loss"]
     bracket = row["begins"]["from_rest"]
     assert row["place"] == "cam" and bracket["upper"]["value"] - bracket["lower"]["value"] <= 10.001
-    assert bracket["upper"]["value"] == pytest.approx(7148, rel=0.01)  # rigid theory; the contacts give way a little
-    assert found["contact_loss_engine_speed"]["value"] == pytest.approx(bracket["upper"]["value"] * math.pi / 30)
-    assert found["rigid_contact_loss_engine_speed"]["value"] == pytest.approx(7148 * math.pi / 30, abs=0.3)
+    assert bracket["upper"]["value"] == pytest.approx(
+        7148, rel=0.01
+    )  # rigid theory; the contacts give way a little
+    assert found["contact_loss_engine_speed"]["value"] == pytest.approx(
+        bracket["upper"]["value"] * math.pi / 30
+    )
+    assert found["rigid_contact_loss_engine_speed"]["value"] == pytest.approx(
+        7148 * math.pi / 30, abs=0.3
+    )
     assert all(run["quantities"]["seating_velocity"]["unit"] == "m/s" for run in data["runs"])
     assert (target / "run.json").is_file() and (target / "report.html").is_file()
     printed = call(*words, "--output", str(target), "--no-report", "--workers", "1").stdout
@@ -85,7 +133,9 @@ def test_sweep_tells_where_contact_is_lost(folder):
 def test_run_prints_a_table_for_people(folder):
     words = ("run", "tdi-pushrod", "--no-report", "--workers", "1", "--output", str(folder / "run"))
     printed = call(*words).stdout
-    assert all(word in printed for word in ("Seating", "Bounces", "Surge frequency", "stock, as printed"))
+    assert all(
+        word in printed for word in ("Seating", "Bounces", "Surge frequency", "stock, as printed")
+    )
     assert "published values: median difference" in printed and len(printed.splitlines()) < 40
     assert not (folder / "run" / "report.html").exists()
 
@@ -96,7 +146,10 @@ def test_run_prints_a_table_for_people(folder):
         (("compare", "tdi-pushrod", "--spring", "masles"), "massless"),
         (("compare", "tdi-pushrod", "--spring", "wave-rod-clash"), "coil gaps of its wire"),
         (("sweep", "tdi-pushrod", "--engine-speed", "0:100:10"), "leads nowhere"),
-        (("sweep", "tdi-pushrod", "--spring-set", "racing", "--engine-speed", "1000, 2000 rpm"), "stock, performance"),
+        (
+            ("sweep", "tdi-pushrod", "--spring-set", "racing", "--engine-speed", "1000, 2000 rpm"),
+            "stock, performance",
+        ),
         (("run", "tdi-pushrod", "--set", "train.valve.mass=0 g"), "train.valve.mass"),
         (("run", "tdi-pushrod", "--set", "train.lash=9 mm"), "not smaller than the valve lift"),
     ],
@@ -109,31 +162,75 @@ def test_wrong_input_is_one_sentence_and_exit_code_two(words, sentence, tmp_path
 
 
 def test_what_does_not_settle_exits_with_one_and_names_a_key_that_helps(folder):
-    words = ("compare", "tdi-pushrod", "--spring", "massless", "--output", str(folder / "short"), "--no-report", *QUICK)
-    elastic = [word for place in ("cam", "rocker", "valve_tip", "seat") for word in ("--set", f'train.contacts.{place}.law="hertz-point"')]
+    words = (
+        "compare",
+        "tdi-pushrod",
+        "--spring",
+        "massless",
+        "--output",
+        str(folder / "short"),
+        "--no-report",
+        *QUICK,
+    )
+    elastic = [
+        word
+        for place in ("cam", "rocker", "valve_tip", "seat")
+        for word in ("--set", f'train.contacts.{place}.law="hertz-point"')
+    ]
     result = call(*words, *elastic, "--set", "train.cycles=100", code=1)  # nothing damps this train
     data = json.loads(result.stdout)
     (run,) = data["runs"]
     assert not data["completed"] and run["status"]["code"] == "not-converged"
-    assert "the motion does not repeat" in result.stderr and "set cycles in [train] above 100 (" in result.stderr
-    assert run["quantities"]["steady_tolerance_ratio"]["value"] == 1e-5 < run["quantities"]["steady_residual_ratio"]["value"]
+    assert (
+        "the motion does not repeat" in result.stderr
+        and "set cycles in [train] above 100 (" in result.stderr
+    )
+    assert (
+        run["quantities"]["steady_tolerance_ratio"]["value"]
+        == 1e-5
+        < run["quantities"]["steady_residual_ratio"]["value"]
+    )
 
 
 def test_a_second_run_leaves_no_files_of_other_engine_speeds(folder):
     target = folder / "twice"
-    words = ("compare", "tdi-pushrod", "--spring", "massless", "--output", str(target), "--no-report", *QUICK)
+    words = (
+        "compare",
+        "tdi-pushrod",
+        "--spring",
+        "massless",
+        "--output",
+        str(target),
+        "--no-report",
+        *QUICK,
+    )
     call(*words, "--engine-speed", "3000 rpm")
     (target / "mine-3000rpm.csv").write_text("kept")
     call(*words, "--engine-speed", "3500 rpm")
-    assert sorted(path.name for path in target.glob("*rpm.*")) == ["massless-3500rpm.csv", "massless-3500rpm.nc", "mine-3000rpm.csv"]
+    assert sorted(path.name for path in target.glob("*rpm.*")) == [
+        "massless-3500rpm.csv",
+        "massless-3500rpm.nc",
+        "mine-3000rpm.csv",
+    ]
 
 
 @pytest.mark.long
 def test_a_train_that_floats_at_the_nose_is_still_reported(folder):
-    words = ("run", "tdi-pushrod", "--engine-speed", "9500 rpm", "--output", str(folder / "float"), *QUICK)
+    words = (
+        "run",
+        "tdi-pushrod",
+        "--engine-speed",
+        "9500 rpm",
+        "--output",
+        str(folder / "float"),
+        *QUICK,
+    )
     result = CliRunner().invoke(app, list(words))
     data = json.loads(result.stdout)
     unsettled = [run for run in data["runs"] if run["status"]["code"] != "completed"]
     page = (folder / "float" / "report.html").read_text()
     assert result.exit_code == (1 if unsettled else 0) and data["completed"] is not bool(unsettled)
-    assert f"{len(data['runs']) - len(unsettled)} of {len(data['runs'])} completed" in page and "nan%" not in page
+    assert (
+        f"{len(data['runs']) - len(unsettled)} of {len(data['runs'])} completed" in page
+        and "nan%" not in page
+    )

@@ -13,19 +13,26 @@ from valvetrain.integrate.train_run import BLOW_STEPS, TrainOptions, runner
 from valvetrain.parameters.train import ContactParameters, SupportParameters, ValveParameters
 from valvetrain.system.train_forces import gap_state
 
-IMPACT = ContactParameters("impact", {"contact_stiffness": 3.16e9, "exponent": 1.5, "damping": 49920.0, "full_damping_depth": 2e-5})
+IMPACT = ContactParameters(
+    "impact",
+    {"contact_stiffness": 3.16e9, "exponent": 1.5, "damping": 49920.0, "full_damping_depth": 2e-5},
+)
 
 
 @pytest.mark.parametrize("kind", KINDS)
 @pytest.mark.parametrize("model", ["planar", "lumped", "single-mass"])
 def test_gap_gradients_are_derivatives(kind, model):
-    train = KINDS[kind](model=model, support=None if kind == "direct" else SupportParameters(5e7, 0.1), lash=1e-4)
+    train = KINDS[kind](
+        model=model, support=None if kind == "direct" else SupportParameters(5e7, 0.1), lash=1e-4
+    )
     built = system(train)
     position = np.random.default_rng(3).normal(size=len(built.masses)) * 1e-3
     for angle in (0.3, 1.7, 2.6, 5.0):
         _, gradients, slopes = gap_state(built, position, angle)
         for i, unit in enumerate(np.eye(len(position))):
-            ahead, behind = (gap_state(built, position + step * unit, angle)[0] for step in (1e-7, -1e-7))
+            ahead, behind = (
+                gap_state(built, position + step * unit, angle)[0] for step in (1e-7, -1e-7)
+            )
             assert (ahead - behind) / 2e-7 == pytest.approx(gradients[:, i], abs=1e-7)
         ahead, behind = (gap_state(built, position, angle + step)[0] for step in (1e-6, -1e-6))
         assert (ahead - behind) / 2e-6 == pytest.approx(slopes, abs=1e-8)
@@ -34,13 +41,27 @@ def test_gap_gradients_are_derivatives(kind, model):
 @pytest.mark.parametrize("kind", KINDS)
 @pytest.mark.parametrize("law", ["linear", "impact", "rough"])
 def test_the_loop_equals_its_plain_twin(kind, law):
-    changes = {"lash": 1e-4, "support": None if kind == "direct" else SupportParameters(5e7, 0.1, 200.0)}
-    changes["valve"] = ValveParameters(0.1, stem_stiffness=1e8, stem_damping=100.0, damping=3.0, friction=2.0)
+    changes = {
+        "lash": 1e-4,
+        "support": None if kind == "direct" else SupportParameters(5e7, 0.1, 200.0),
+    }
+    changes["valve"] = ValveParameters(
+        0.1, stem_stiffness=1e8, stem_damping=100.0, damping=3.0, friction=2.0
+    )
     if law == "impact":
-        changes["contacts"] = dict.fromkeys(("cam", "tappet", "rocker", "valve_tip", "seat"), IMPACT)
+        changes["contacts"] = dict.fromkeys(
+            ("cam", "tappet", "rocker", "valve_tip", "seat"), IMPACT
+        )
     if law == "rough":
-        rubs = {"direct": ("cam",), "finger": ("cam", "valve_tip"), "rocker": ("valve_tip",), "pushrod": ("cam", "valve_tip")}[kind]
-        changes["contacts"] = contacts() | {place: ContactParameters("linear", STIFF.values, 0.12, 0.02) for place in rubs}
+        rubs = {
+            "direct": ("cam",),
+            "finger": ("cam", "valve_tip"),
+            "rocker": ("valve_tip",),
+            "pushrod": ("cam", "valve_tip"),
+        }[kind]
+        changes["contacts"] = contacts() | {
+            place: ContactParameters("linear", STIFF.values, 0.12, 0.02) for place in rubs
+        }
     ready = runner(system(KINDS[kind](**changes)), 250.0, TrainOptions(samples=720, blow_steps=0))
     start = ready.initial_state()
     steps = ready.steps // 2  # through opening and most of the event
@@ -57,13 +78,22 @@ def test_the_loop_equals_its_plain_twin(kind, law):
 @pytest.mark.parametrize("kind", KINDS)
 @pytest.mark.parametrize("law", ["impact", "rough"])
 def test_a_cycle_of_which_nothing_is_written_ends_in_the_same_bits(kind, law):
-    """Three cycles, the later ones from a state that moves, blows resolved; masses of a spring and memories of laws included."""
-    changes = {"lash": 1e-4, "support": None if kind == "direct" else SupportParameters(5e7, 0.1, 200.0)}
+    """Three cycles, the later ones from a state that moves, blows resolved; masses of a spring and
+    memories of laws included.
+    """
+    changes = {
+        "lash": 1e-4,
+        "support": None if kind == "direct" else SupportParameters(5e7, 0.1, 200.0),
+    }
     if law == "impact":
-        changes["contacts"] = dict.fromkeys(("cam", "tappet", "rocker", "valve_tip", "seat"), IMPACT)
+        changes["contacts"] = dict.fromkeys(
+            ("cam", "tappet", "rocker", "valve_tip", "seat"), IMPACT
+        )
     else:
         place = "cam" if kind in ("direct", "finger") else "valve_tip"
-        changes["contacts"] = contacts() | {place: ContactParameters("linear", STIFF.values, 0.12, 0.02)}
+        changes["contacts"] = contacts() | {
+            place: ContactParameters("linear", STIFF.values, 0.12, 0.02)
+        }
     ready = runner(system(KINDS[kind](**changes)), 400.0, TrainOptions(samples=720))
     one = other = ready.initial_state()
     for _ in range(3):
@@ -71,13 +101,17 @@ def test_a_cycle_of_which_nothing_is_written_ends_in_the_same_bits(kind, law):
         assert status == record.status and len(record.transitions.cam_angle) > 1
         for name in ("q", "v", "law_state", "held"):
             assert getattr(one, name).tobytes() == getattr(other, name).tobytes()
-        assert [state.tobytes() for state in one.springs] == [state.tobytes() for state in other.springs]
+        assert [state.tobytes() for state in one.springs] == [
+            state.tobytes() for state in other.springs
+        ]
         assert (one.cam_angle, one.last_step) == (other.cam_angle, other.last_step)
 
 
 def test_a_twin_with_another_mass_is_another_motion():
     ready = runner(system(KINDS["direct"]()), 250.0, TrainOptions(samples=720))
-    heavier = runner(system(KINDS["direct"](valve=ValveParameters(0.1))), 250.0, TrainOptions(samples=720))
+    heavier = runner(
+        system(KINDS["direct"](valve=ValveParameters(0.1))), 250.0, TrainOptions(samples=720)
+    )
     one, other = (item.cycle(item.initial_state())[1].q for item in (ready, heavier))
     assert np.max(np.abs(one - other)) > 1e-8
 

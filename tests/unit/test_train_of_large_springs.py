@@ -1,4 +1,6 @@
-"""Unit: a train is sampled and settled as its largest spring asks, whichever place that has; one without springs as one of light ones."""
+"""Unit: a train is sampled and settled as its largest spring asks, whichever place that has; one
+without springs as one of light ones.
+"""
 
 from __future__ import annotations
 
@@ -20,7 +22,9 @@ class Large(MasslessSpring):
 
     def prepare(self) -> None: ...
 
-    def place_retainer(self, state: Any, retainer_displacement: float, travel_since: float) -> None: ...
+    def place_retainer(
+        self, state: Any, retainer_displacement: float, travel_since: float
+    ) -> None: ...
 
 
 class Begun(Exception):
@@ -34,23 +38,33 @@ TRAINS = {
 }  # fmt: skip
 
 
-def begun(monkeypatch: pytest.MonkeyPatch, springs: tuple[Any, ...], until: Periodic, options: RunOptions) -> tuple[Any, ...]:
-    """Samples of a turn, and method, tolerance, most turns and comparison of the search that a run would begin; nothing is integrated."""
+def begun(
+    monkeypatch: pytest.MonkeyPatch, springs: tuple[Any, ...], until: Periodic, options: RunOptions
+) -> tuple[Any, ...]:
+    """Samples of a turn, and method, tolerance, most turns and comparison of the search that a run
+    would begin; nothing is integrated.
+    """
     chosen: list[Any] = []
 
     def stop(*given: Any, **more: Any) -> None:
         raise Begun(*given[1:4], more["compared"])
 
-    monkeypatch.setattr(train_leapfrog, "runner", lambda system, cam_speed, asked, rest: chosen.append(asked))
+    monkeypatch.setattr(
+        train_leapfrog, "runner", lambda system, cam_speed, asked, rest: chosen.append(asked)
+    )
     monkeypatch.setattr(train_leapfrog, "steady_train", stop)
     system = TrainSystem(build_mechanism(direct(), LAW, "tappet"), springs)
     with pytest.raises(Begun) as found:
-        train_leapfrog.TrainLeapfrog().run(system, 200.0, until, options, Provenance("case", "model", 400.0))
+        train_leapfrog.TrainLeapfrog().run(
+            system, 200.0, until, options, Provenance("case", "model", 400.0)
+        )
     return chosen[0].samples, *found.value.args
 
 
 @pytest.mark.parametrize("springs", TRAINS)
-def test_a_large_spring_is_kept_at_half_the_samples_and_settles_by_plain_turns(springs, monkeypatch):
+def test_a_large_spring_is_kept_at_half_the_samples_and_settles_by_plain_turns(
+    springs, monkeypatch
+):
     found = begun(monkeypatch, springs, Periodic(), RunOptions(rest=object()))
     few, usual = ("repeat", 1e-3, 3, False), ("anderson", train_leapfrog.TOLERANCE, 60, True)
     assert found == ((720, *few) if TRAINS[springs] else (1440, *usual))
@@ -58,5 +72,10 @@ def test_a_large_spring_is_kept_at_half_the_samples_and_settles_by_plain_turns(s
 
 @pytest.mark.parametrize("springs", TRAINS)
 def test_what_is_asked_goes_before_what_is_usual(springs, monkeypatch):
-    found = begun(monkeypatch, springs, Periodic(cycles=9, tolerance=0.02), RunOptions(samples=360, rest=object()))
+    found = begun(
+        monkeypatch,
+        springs,
+        Periodic(cycles=9, tolerance=0.02),
+        RunOptions(samples=360, rest=object()),
+    )
     assert (found[0], *found[2:4]) == (360, 0.02, 9)

@@ -31,7 +31,11 @@ ROUGH = ContactParameters("linear", STIFF.values, 0.1)
 
 
 def vaz_with_contact_stiffness(value: str):
-    return build(load_case("vaz-ohc", {"train.contacts.cam.contact_stiffness": value})).members[0].system()
+    return (
+        build(load_case("vaz-ohc", {"train.contacts.cam.contact_stiffness": value}))
+        .members[0]
+        .system()
+    )
 
 
 @pytest.mark.parametrize(
@@ -54,40 +58,124 @@ def vaz_with_contact_stiffness(value: str):
         (lambda: GasLoad((0.0, 2.0, 1.0), (1.0, 2.0, 3.0)), "must increase"),
         (lambda: CrankParameters(0.05, 0.04, 0.001, 0.0), "connecting rod must be longer"),
         (lambda: direct(lash=-1e-4), "lash must be zero or positive"),
-        (lambda: build_mechanism(direct(follower=FollowerParameters("flat")), LAW), "needs a positive mass"),
+        (
+            lambda: build_mechanism(direct(follower=FollowerParameters("flat")), LAW),
+            "needs a positive mass",
+        ),
         (lambda: direct(kind="desmodromic"), "use direct, finger, rocker or pushrod"),
         (lambda: direct(model="solid"), "planar, lumped or single-mass"),
-        (lambda: build_mechanism(finger(lever=None), LAW), "train.lever: a finger train needs a lever"),
+        (
+            lambda: build_mechanism(finger(lever=None), LAW),
+            "train.lever: a finger train needs a lever",
+        ),
         (lambda: build_mechanism(pushrod(pushrod=None), LAW), "needs a pushrod"),
         (lambda: build_mechanism(direct(lash=6e-3), LAW), "not smaller than the valve lift"),
         (lambda: build_mechanism(direct(cam=CamParameters(0.004)), LAW), "cusp"),
-        (lambda: build_mechanism(direct(cam=CamParameters(0.004), follower=FollowerParameters("roller", 0.03, 0.05)), LAW), "undercut"),
-        (lambda: build_mechanism(direct(contacts={}), LAW), "contact law for 'cam', 'valve_tip' and 'seat', and has none"),
-        (lambda: build_mechanism(pushrod(contacts={"cam": STIFF, "seat": STIFF}), LAW), "needs a contact law for 'tappet', 'rocker' and "
-        "'valve_tip', and has cam, seat; add [train.contacts.tappet], [train.contacts.rocker], [train.contacts.valve_tip]"),
-        (lambda: build_mechanism(direct(contacts=dict.fromkeys(("cam", "valve_tip", "seat"), ContactParameters("linaer"))), LAW), "did "
-        "you mean linear"),
-        (lambda: build_mechanism(finger(lever=LeverParameters((-0.2, 0.0), 0.03, 0.047, 1e-4)), LAW), "cannot rest on a base circle"),
-        (lambda: build_mechanism(finger(lever=LeverParameters((-0.03, -0.028), 0.03354, 0.047, 1e-4, math.pi)), LAW), "close the valve"),
-        (lambda: build_mechanism(finger(lever=LeverParameters((-0.03, -0.028), 0.03354, 0.047, 1e-4, -math.pi / 2)), LAW), "along the "
-        "valve axis"),
-        (lambda: ContactParameters("linear", {}, -0.1), "friction_coefficient of the contact must not be negative"),
-        (lambda: build_mechanism(direct(contacts=contacts(ROUGH)), LAW), "contact 'valve_tip' of a direct train takes no friction"),
-        (lambda: build_mechanism(direct(contacts={**contacts(), "seat": ROUGH}), LAW), "move along one line"),
-        (lambda: build_mechanism(rocker(contacts={**contacts(), "cam": ROUGH}), LAW), "a roller, which rolls"),
-        (lambda: build_mechanism(pushrod(contacts={**contacts(), "rocker": ROUGH}), LAW), "meet in a ball"),
-        (lambda: build_mechanism(finger(contacts={**contacts(), "cam": ROUGH}, model="lumped"), LAW), "knows no tangent"),
-        (lambda: build_mechanism(finger(contacts={**contacts(), "cam": ROUGH}, model="single-mass"), LAW), "needs model = 'planar'"),
+        (
+            lambda: build_mechanism(
+                direct(cam=CamParameters(0.004), follower=FollowerParameters("roller", 0.03, 0.05)),
+                LAW,
+            ),
+            "undercut",
+        ),
+        (
+            lambda: build_mechanism(direct(contacts={}), LAW),
+            "contact law for 'cam', 'valve_tip' and 'seat', and has none",
+        ),
+        (
+            lambda: build_mechanism(pushrod(contacts={"cam": STIFF, "seat": STIFF}), LAW),
+            "needs a contact law for 'tappet', 'rocker' and "
+            "'valve_tip', and has cam, seat; add [train.contacts.tappet], [train.contacts.rocker], [train.contacts.valve_tip]",
+        ),
+        (
+            lambda: build_mechanism(
+                direct(
+                    contacts=dict.fromkeys(
+                        ("cam", "valve_tip", "seat"), ContactParameters("linaer")
+                    )
+                ),
+                LAW,
+            ),
+            "did you mean linear",
+        ),
+        (
+            lambda: build_mechanism(
+                finger(lever=LeverParameters((-0.2, 0.0), 0.03, 0.047, 1e-4)), LAW
+            ),
+            "cannot rest on a base circle",
+        ),
+        (
+            lambda: build_mechanism(
+                finger(lever=LeverParameters((-0.03, -0.028), 0.03354, 0.047, 1e-4, math.pi)), LAW
+            ),
+            "close the valve",
+        ),
+        (
+            lambda: build_mechanism(
+                finger(lever=LeverParameters((-0.03, -0.028), 0.03354, 0.047, 1e-4, -math.pi / 2)),
+                LAW,
+            ),
+            "along the valve axis",
+        ),
+        (
+            lambda: ContactParameters("linear", {}, -0.1),
+            "friction_coefficient of the contact must not be negative",
+        ),
+        (
+            lambda: build_mechanism(direct(contacts=contacts(ROUGH)), LAW),
+            "contact 'valve_tip' of a direct train takes no friction",
+        ),
+        (
+            lambda: build_mechanism(direct(contacts={**contacts(), "seat": ROUGH}), LAW),
+            "move along one line",
+        ),
+        (
+            lambda: build_mechanism(rocker(contacts={**contacts(), "cam": ROUGH}), LAW),
+            "a roller, which rolls",
+        ),
+        (
+            lambda: build_mechanism(pushrod(contacts={**contacts(), "rocker": ROUGH}), LAW),
+            "meet in a ball",
+        ),
+        (
+            lambda: build_mechanism(
+                finger(contacts={**contacts(), "cam": ROUGH}, model="lumped"), LAW
+            ),
+            "knows no tangent",
+        ),
+        (
+            lambda: build_mechanism(
+                finger(contacts={**contacts(), "cam": ROUGH}, model="single-mass"), LAW
+            ),
+            "needs model = 'planar'",
+        ),
         (lambda: runner(system(direct()), 0.0), "cam speed must be positive"),
         (lambda: runner(system(direct()), -10.0), "cam speed must be positive"),
-        (lambda: runner(system(direct()), 200.0, TrainOptions(time_step=1e-3)), "cannot resolve the stiffest contact"),
+        (
+            lambda: runner(system(direct()), 200.0, TrainOptions(time_step=1e-3)),
+            "cannot resolve the stiffest contact",
+        ),
         (lambda: runner(vaz_with_contact_stiffness("2e11 N/mm"), 200.0), "100 kN/mm"),
-        (lambda: build(load_case("vaz-ohc", {"train.springs.nested.0.installed_height": "26 mm"})),
-         "spring 'outer' reaches coil bind: 26 mm"),
-        (lambda: build(load_case("tdi-pushrod", {"train.springs.stock.0.installed_height": "40 mm",
-                                                       "train.springs.stock.0.solid_height": "33 mm"})), "solid at 33 mm"),
+        (
+            lambda: build(
+                load_case("vaz-ohc", {"train.springs.nested.0.installed_height": "26 mm"})
+            ),
+            "spring 'outer' reaches coil bind: 26 mm",
+        ),
+        (
+            lambda: build(
+                load_case(
+                    "tdi-pushrod",
+                    {
+                        "train.springs.stock.0.installed_height": "40 mm",
+                        "train.springs.stock.0.solid_height": "33 mm",
+                    },
+                )
+            ),
+            "solid at 33 mm",
+        ),
     ],
-)  # fmt: skip
+)
 def test_the_impossible_is_refused_in_one_sentence(make, words):
     with pytest.raises(InputError) as error:
         make()
@@ -96,9 +184,17 @@ def test_the_impossible_is_refused_in_one_sentence(make, words):
 
 
 def test_a_step_too_long_for_the_force_that_came_is_reported_as_a_status():
-    """A contact that hardens with its force, judged at too low a force: the run says that the step was too long, and what to do."""
-    stiff = ContactParameters("impact", {"contact_stiffness": 1e17, "exponent": 2.5, "damping": 0.0, "full_damping_depth": 1e-5})
-    built = system(direct(contacts=dict.fromkeys(("cam", "valve_tip", "seat"), stiff)), spring=MasslessSpring(150.0, 5.0))
+    """A contact that hardens with its force, judged at too low a force: the run says that the step
+    was too long, and what to do.
+    """
+    stiff = ContactParameters(
+        "impact",
+        {"contact_stiffness": 1e17, "exponent": 2.5, "damping": 0.0, "full_damping_depth": 1e-5},
+    )
+    built = system(
+        direct(contacts=dict.fromkeys(("cam", "valve_tip", "seat"), stiff)),
+        spring=MasslessSpring(150.0, 5.0),
+    )
     ready = runner(built, 900.0, TrainOptions(samples=720, step_fraction=0.99))
     state = ready.initial_state()
     for _ in range(4):
@@ -111,18 +207,33 @@ def test_a_step_too_long_for_the_force_that_came_is_reported_as_a_status():
 
 
 def test_a_failed_turn_says_when_it_failed_and_which_step_would_do():
-    """Bodies run off after a tenth of the turn, half a turn after the record began; a force comes in any step of a whole turn."""
-    stiff = ContactParameters("impact", {"contact_stiffness": 1e14, "exponent": 2.5, "damping": 0.0, "full_damping_depth": 1e-5})
-    built = system(direct(contacts=dict.fromkeys(("cam", "valve_tip", "seat"), stiff)), spring=MasslessSpring(150.0, 5.0))
+    """Bodies run off after a tenth of the turn, half a turn after the record began; a force comes
+    in any step of a whole turn.
+    """
+    stiff = ContactParameters(
+        "impact",
+        {"contact_stiffness": 1e14, "exponent": 2.5, "damping": 0.0, "full_damping_depth": 1e-5},
+    )
+    built = system(
+        direct(contacts=dict.fromkeys(("cam", "valve_tip", "seat"), stiff)),
+        spring=MasslessSpring(150.0, 5.0),
+    )
     ready = runner(built, 200.0, TrainOptions(samples=720))
     turn, usual = 2 * math.pi / 200.0, ready.rest.reference_force
     gone = ready._status(ready.steps // 10, math.pi, np.array([usual]))
-    assert gone.code == "diverged" and gone.where == "train" and gone.time == pytest.approx(turn / 10, rel=1e-3)
+    assert (
+        gone.code == "diverged"
+        and gone.where == "train"
+        and gone.time == pytest.approx(turn / 10, rel=1e-3)
+    )
     assert "near cam angle 216.0 deg" in gone.message and "lower the step" in gone.remedy
     pressed = 1e12 * usual
     hard = ready._status(ready.steps, 0.0, np.array([usual, pressed]))
     assert hard.code == "diverged" and hard.where == "contact" and hard.time == pytest.approx(turn)
-    assert f"reached {pressed:.0f} N" in hard.message and hard.remedy == f"use a time step below {own_time_step(built, pressed) / 2:.1e} s"
+    assert (
+        f"reached {pressed:.0f} N" in hard.message
+        and hard.remedy == f"use a time step below {own_time_step(built, pressed) / 2:.1e} s"
+    )
     for peaks in ((), (0.5 * usual,), (usual, 1.01 * usual)):
         assert ready._status(ready.steps, 0.0, np.array(peaks)).completed
 
@@ -130,17 +241,25 @@ def test_a_failed_turn_says_when_it_failed_and_which_step_would_do():
 def test_a_spring_that_no_train_would_carry_is_refused():
     from valvetrain.parameters.loading import LIBRARY
 
-    text = (LIBRARY / "tdi-pushrod.toml").read_text() + '\n[spring]\npreload = "200 N"\nrate = "20 N/mm"\n'
-    with pytest.raises(InputError, match=r"spring: a train carries its springs in \[train.springs\]"):
+    text = (
+        LIBRARY / "tdi-pushrod.toml"
+    ).read_text() + '\n[spring]\npreload = "200 N"\nrate = "20 N/mm"\n'
+    with pytest.raises(
+        InputError, match=r"spring: a train carries its springs in \[train.springs\]"
+    ):
         parse_case(text)
 
 
 @pytest.mark.parametrize("word", ["multi-mass", "modal-uniform", "wave-rod"])
 def test_the_damping_of_a_trains_spring_is_felt(word):
-    """Energy per cycle: damping per mass times a third of the mass times the square of the retainer's velocity, where no coil surges."""
+    """Energy per cycle: damping per mass times a third of the mass times the square of the
+    retainer's velocity, where no coil surges.
+    """
     lost, expected = [], []
     for rate in (0.0, 20.0, 200.0):
-        case = load_case("tdi-pushrod", {"train.springs.stock.0.damping.mass_damping": f"{rate} 1/s"})
+        case = load_case(
+            "tdi-pushrod", {"train.springs.stock.0.damping.mass_damping": f"{rate} 1/s"}
+        )
         built = build(case, spring_models=[word], spring_sets=["stock"]).members[0].system()
         ready = runner(built, 200.0, TrainOptions(samples=360))
         state = ready.initial_state()

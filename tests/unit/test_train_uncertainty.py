@@ -1,4 +1,6 @@
-"""Error bars of trains: the study of one variant, the files that ship, and where they are told and where not."""
+"""Error bars of trains: the study of one variant, the files that ship, and where they are told and
+where not.
+"""
 
 from __future__ import annotations
 
@@ -28,13 +30,22 @@ RPM = 2 * np.pi / 60
 def one_variant(label: str):
     """tdi-pushrod with one of its variants."""
     case = load_case("tdi-pushrod")
-    return case.replace(train=case.train.replace(variants=tuple(one for one in case.train.variants if one.label == label)))
+    return case.replace(
+        train=case.train.replace(
+            variants=tuple(one for one in case.train.variants if one.label == label)
+        )
+    )
 
 
 @pytest.fixture(scope="module")
 def study():
     told = []
-    found = train_uncertainty(one_variant("stock, as printed"), (3000 * RPM,), workers=1, progress=lambda share, words: told.append(share))
+    found = train_uncertainty(
+        one_variant("stock, as printed"),
+        (3000 * RPM,),
+        workers=1,
+        progress=lambda share, words: told.append(share),
+    )
     assert told == sorted(told) and told[-1] == 1.0
     return found
 
@@ -42,11 +53,21 @@ def study():
 def test_rows_hold_the_run_and_cover_the_finer_ones(study):
     """A spring without mass has nothing to divide: step, samples and four contacts remain."""
     names = {name.rpartition(", ")[2] for name in study.values}
-    assert names == {OWN, "step 2", "step 3", "samples", *(f"contact {word} {n}" for word in ("stiffness", "damping") for n in (1, 2))}
+    assert names == {
+        OWN,
+        "step 2",
+        "step 3",
+        "samples",
+        *(f"contact {word} {n}" for word in ("stiffness", "damping") for n in (1, 2)),
+    }
     own = study.values[f"stock, as printed, {OWN}"][3000 * RPM]
     fine = study.values["stock, as printed, step 3"][3000 * RPM]
     rows = {row.quantity: row for row in study.rows}
-    assert {"peak_seat_contact_force", "seating_velocity", "peak_spring_force"} <= rows.keys() and not study.failures
+    assert {
+        "peak_seat_contact_force",
+        "seating_velocity",
+        "peak_spring_force",
+    } <= rows.keys() and not study.failures
     for name, row in rows.items():
         assert row.value == own[name] and row.label == "stock, as printed" and is_defined(name)
         assert row.contact_stiffness[0] <= row.value <= row.contact_stiffness[1]
@@ -54,58 +75,89 @@ def test_rows_hold_the_run_and_cover_the_finer_ones(study):
         if name.endswith("force") and "minimum" not in name:
             assert row.numerical < 0.01 * abs(row.value), name
     stiff = study.values["stock, as printed, contact stiffness 2"][3000 * RPM]
-    assert stiff["lift_loss_displacement"] < own["lift_loss_displacement"] and study.stiffness_factors == CONTACT_FACTORS
+    assert (
+        stiff["lift_loss_displacement"] < own["lift_loss_displacement"]
+        and study.stiffness_factors == CONTACT_FACTORS
+    )
 
 
 def test_file_of_a_train_says_what_the_study_says(study):
     rows = uncertainty_file.rows_of(tomllib.loads(uncertainty_file.uncertainty_text(study)))
-    assert [(row.quantity, row.label) for row in rows] == [(row.quantity, row.label) for row in study.rows]
+    assert [(row.quantity, row.label) for row in rows] == [
+        (row.quantity, row.label) for row in study.rows
+    ]
     assert [row.value for row in rows] == pytest.approx([row.value for row in study.rows], rel=1e-6)
-    assert [row.engine_speed for row in rows] == pytest.approx([row.engine_speed for row in study.rows])
+    assert [row.engine_speed for row in rows] == pytest.approx(
+        [row.engine_speed for row in study.rows]
+    )
 
 
 @pytest.mark.parametrize(("name", "variants"), [("tdi-pushrod", 8), ("vaz-ohc", 8)])
 def test_shipped_files_belong_to_their_case(name, variants):
     case = load_case(name)
     rows = uncertainty_file.load_uncertainty(case.record())
-    assert len({row.label for row in rows}) == variants and {row.label for row in rows} <= {one.label for one in case.train.variants}
-    assert all(0 <= row.numerical and row.contact_damping[0] <= row.value <= row.contact_damping[1] for row in rows)
-    assert uncertainty_file.load_uncertainty(load_case(name, {"train.valve.mass": "33 g"}).record()) == ()
+    assert len({row.label for row in rows}) == variants and {row.label for row in rows} <= {
+        one.label for one in case.train.variants
+    }
+    assert all(
+        0 <= row.numerical and row.contact_damping[0] <= row.value <= row.contact_damping[1]
+        for row in rows
+    )
+    assert (
+        uncertainty_file.load_uncertainty(load_case(name, {"train.valve.mass": "33 g"}).record())
+        == ()
+    )
 
 
 def test_runs_tell_the_bars_of_their_numbers_and_no_others():
-    """Fails when train or case have changed since scripts/write_uncertainty.py was run; run it again then."""
+    """Fails when train or case have changed since scripts/write_uncertainty.py was run; run it
+    again then.
+    """
     case = load_case("tdi-pushrod")
     own = run_study(case, workers=1)
     told = study_json(own)["uncertainties"]
     assert len(told) == len(uncertainty_file.load_uncertainty(case.record()))
     assert {one["label"] for one in told} == set(own.labels)
-    (stock,) = (words for words in own.notes if words.startswith("4000 rpm, stock, with numerical uncertainty"))
+    (stock,) = (
+        words
+        for words in own.notes
+        if words.startswith("4000 rpm, stock, with numerical uncertainty")
+    )
     assert "peak seat force 96" in stock and "±" in stock
     console = Console(width=100, file=StringIO())
     show_study(console, own, Path("out"), None)
     table = console.file.getvalue()
-    row = next(one for one in told if one["quantity"] == "peak_spring_force" and one["label"] == "stock")
+    row = next(
+        one for one in told if one["quantity"] == "peak_spring_force" and one["label"] == "stock"
+    )
     shown = f"{row['value']['value']:.4g} ± {row['numerical_uncertainty']['value']:.2g}"
     assert shown in table and max(map(len, table.split("published values")[0].splitlines())) <= 100
     other = run_study(case, engine_speeds=[3000 * RPM], spring_models=("massless",), workers=1)
-    assert study_json(other)["uncertainties"] == [] and not [words for words in other.notes if "±" in words]
+    assert study_json(other)["uncertainties"] == [] and not [
+        words for words in other.notes if "±" in words
+    ]
 
 
 def test_a_train_refined_by_the_common_way_is_refined_as_a_train():
     found = refined(one_variant("performance, as printed"), (2000 * RPM,), workers=1)
-    assert {row.label for row in found.rows} == {"performance, as printed"} and found.elements_per_coil == ()
+    assert {row.label for row in found.rows} == {
+        "performance, as printed"
+    } and found.elements_per_coil == ()
 
 
 def test_a_member_that_cannot_run_is_named_and_the_others_are_refined():
     """A chain that clashes needs a wire; the cards of this train have none."""
     case = load_case("tdi-pushrod", {"train.spring_model": "wave-rod-clash"})
     found = train_uncertainty(case, [1000 * np.pi / 30], workers=1)
-    assert found.failures and all("wave-rod-clash" in one or "wire" in one for one in found.failures)
+    assert found.failures and all(
+        "wave-rod-clash" in one or "wire" in one for one in found.failures
+    )
 
 
 def test_a_train_on_finite_elements_gets_bars_from_two_grids(monkeypatch):
-    """Runs at the usual step and mesh, half the step, 1.5 times the elements: a number that is off by h^2 + e^2 gets three times that."""
+    """Runs at the usual step and mesh, half the step, 1.5 times the elements: a number that is off
+    by h^2 + e^2 gets three times that.
+    """
     asked = []
 
     def answer(study, job):
@@ -114,10 +166,20 @@ def test_a_train_on_finite_elements_gets_bars_from_two_grids(monkeypatch):
         return {"clash_energy": 1e-3 + 1e-5 * job.step**2 + 4e-5 / finer**2}, ""
 
     monkeypatch.setattr(train_uncertainty_module, "_one", answer)
-    monkeypatch.setattr(stages, "map_points", lambda point, study, jobs, *_, **__: [point(study, job) for job in jobs])
+    monkeypatch.setattr(
+        stages,
+        "map_points",
+        lambda point, study, jobs, *_, **__: [point(study, job) for job in jobs],
+    )
     case = load_case("vaz-ohc")
-    variants = tuple(one for one in case.train.variants if one.label == "finite elements, lash 0 mm")
-    (row,) = train_uncertainty(case.replace(train=case.train.replace(variants=variants)), workers=1).rows
+    variants = tuple(
+        one for one in case.train.variants if one.label == "finite elements, lash 0 mm"
+    )
+    (row,) = train_uncertainty(
+        case.replace(train=case.train.replace(variants=variants)), workers=1
+    ).rows
     contacts = [(f"contact {word} {n}", 1.0) for word in ("damping", "stiffness") for n in (1, 2)]
     assert sorted(asked) == [*contacts, (OWN, 1.0), ("springs 2", 1.0), ("step 2", 0.5)]
-    assert row.numerical == pytest.approx(3 * (1e-5 + 4e-5)) and row.step_part == pytest.approx(3e-5)
+    assert row.numerical == pytest.approx(3 * (1e-5 + 4e-5)) and row.step_part == pytest.approx(
+        3e-5
+    )

@@ -22,7 +22,9 @@ from valvetrain.studies.uncertainty import uncertainty_study
 RPM, DEG = 2 * np.pi / 60, np.pi / 180
 
 
-def series(limit: float, factor: float, order: float, sizes: tuple[float, ...]) -> tuple[float, ...]:
+def series(
+    limit: float, factor: float, order: float, sizes: tuple[float, ...]
+) -> tuple[float, ...]:
     return tuple(limit + factor * size**order for size in sizes)
 
 
@@ -42,7 +44,9 @@ def test_limit_and_error_of_a_made_up_series(order):
 
 
 def test_index_of_the_worked_example_of_celik():
-    """Celik et al. 2008, table 1, first column: phi 6.063, 5.972, 5.863 on r = 1.5, 1.333; p 1.53, extrapolated 6.1685, GCI 2.2 %."""
+    """Celik et al. 2008, table 1, first column: phi 6.063, 5.972, 5.863 on r = 1.5, 1.333; p 1.53,
+    extrapolated 6.1685, GCI 2.2 %.
+    """
     found = grid_convergence((5.863, 5.972, 6.063), (2.0, 1.5, 1.0))
     assert found.observed_order == pytest.approx(1.53, abs=0.01)
     assert found.extrapolated == pytest.approx(6.1685, abs=0.001)
@@ -70,20 +74,36 @@ def test_meshes_out_of_order_are_refused():
 def meshed(name: str, elements_per_coil: int) -> Case:
     """A library case on another mesh."""
     case = load_case(name)
-    return case.replace(springs=(case.springs[0].with_options("finite-element", elements_per_coil=elements_per_coil),))
+    return case.replace(
+        springs=(
+            case.springs[0].with_options("finite-element", elements_per_coil=elements_per_coil),
+        )
+    )
 
 
 @pytest.fixture(scope="module")
 def coarse() -> UncertaintyStudy:
-    """Job T at 3000 rpm of the crank, where its coils do not meet, on 16, 24 and 36 elements per coil, one cycle."""
+    """Job T at 3000 rpm of the crank, where its coils do not meet, on 16, 24 and 36 elements per
+    coil, one cycle.
+    """
     case = meshed("job-t", 16)
-    return uncertainty_study(case.replace(operation=replace(case.operation, cycles=1)), (3000 * RPM,), workers=2)
+    return uncertainty_study(
+        case.replace(operation=replace(case.operation, cycles=1)), (3000 * RPM,), workers=2
+    )
 
 
 def test_statics_modes_and_forces_of_a_smooth_spring_converge_at_second_order(coarse):
-    """Without contact nothing disturbs the declared order; a case of one's own gets general names and no other."""
+    """Without contact nothing disturbs the declared order; a case of one's own gets general names
+    and no other.
+    """
     rows = {row.quantity: row for row in coarse.rows}
-    names = ("preload", "mode_1_frequency", "peak_spring_force", "below_10_khz_peak_spring_force", "peak_shear_stress")
+    names = (
+        "preload",
+        "mode_1_frequency",
+        "peak_spring_force",
+        "below_10_khz_peak_spring_force",
+        "peak_shear_stress",
+    )
     for name in names:
         order = rows[name].observed_order
         assert order is not None and order == pytest.approx(2.0, abs=0.25), name
@@ -96,12 +116,21 @@ def test_statics_modes_and_forces_of_a_smooth_spring_converge_at_second_order(co
 def test_stated_uncertainty_covers_what_a_finer_mesh_changes(coarse):
     case = meshed("job-t", 64)
     study = run_study(
-        case.replace(operation=replace(case.operation, cycles=1)), engine_speeds=(3000 * RPM,), spring_models=("finite-element",)
+        case.replace(operation=replace(case.operation, cycles=1)),
+        engine_speeds=(3000 * RPM,),
+        spring_models=("finite-element",),
     )
     fine = {key.name: value for key, value in study.quantities.items()}
     rows = {row.quantity: row for row in coarse.rows}
-    for name in ("peak_spring_force", "below_20_khz_peak_spring_force", "below_10_khz_peak_spring_force", "mode_1_frequency"):
-        assert 0.5 * rows[name].numerical < abs(fine[name] - rows[name].value) <= rows[name].numerical, name
+    for name in (
+        "peak_spring_force",
+        "below_20_khz_peak_spring_force",
+        "below_10_khz_peak_spring_force",
+        "mode_1_frequency",
+    ):
+        assert (
+            0.5 * rows[name].numerical < abs(fine[name] - rows[name].value) <= rows[name].numerical
+        ), name
 
 
 def test_contact_constants_do_nothing_without_contact(coarse):
@@ -112,47 +141,81 @@ def test_contact_constants_do_nothing_without_contact(coarse):
 
 @pytest.mark.long
 def test_stiffer_contact_clashes_harder():
-    """Raw height of the main clash of the beehive at 8000 rpm, coarse: rises with the contact stiffness, all else named alike.
+    """Raw height of the main clash of the beehive at 8000 rpm, coarse: rises with the contact
+    stiffness, all else named alike.
 
-    The case re-runs a published study, so the forces of that study's own table are headline numbers too.
+    The case re-runs a published study, so the forces of that study's own table are headline numbers
+    too.
     """
     told = []
-    study = uncertainty_study(meshed("gu2021-beehive", 12), (8000 * RPM,), workers=2, progress=lambda share, words: told.append(share))
+    study = uncertainty_study(
+        meshed("gu2021-beehive", 12),
+        (8000 * RPM,),
+        workers=2,
+        progress=lambda share, words: told.append(share),
+    )
     names = ("contact stiffness 1", "mesh 1", "contact stiffness 2")
     soft, own, stiff = (study.values[name][8000 * RPM]["main_clash_peak_force"] for name in names)
     assert soft < own < stiff
     rows = {row.quantity: row for row in study.rows}
     assert rows["main_clash_peak_force"].contact_stiffness == (soft, stiff)
-    assert {"peak_spring_force", "stage_2_peak_force", "stage_3_below_10_khz_peak_force"} <= rows.keys()
+    assert {
+        "peak_spring_force",
+        "stage_2_peak_force",
+        "stage_3_below_10_khz_peak_force",
+    } <= rows.keys()
     assert told == sorted(told) and told[-1] == 1.0
 
 
 def stored(case: Case) -> dict[Quantity, float]:
     """The numbers that were refined, as if a run had given them."""
-    return {Quantity(row.quantity, row.engine_speed): row.value for row in uncertainty_file.load_uncertainty(case.record())}
+    return {
+        Quantity(row.quantity, row.engine_speed): row.value
+        for row in uncertainty_file.load_uncertainty(case.record())
+    }
 
 
 def test_shipped_file_belongs_to_its_case_and_to_no_other():
     case = load_case("gu2021-beehive")
     rows = uncertainty_file.load_uncertainty(case.record())
-    assert {"preload", "main_clash_below_10_khz_peak_force", "peak_spring_force"} <= {row.quantity for row in rows}
-    assert all(row.numerical >= 0 and row.contact_stiffness[0] <= row.value <= row.contact_stiffness[1] for row in rows)
+    assert {"preload", "main_clash_below_10_khz_peak_force", "peak_spring_force"} <= {
+        row.quantity for row in rows
+    }
+    assert all(
+        row.numerical >= 0 and row.contact_stiffness[0] <= row.value <= row.contact_stiffness[1]
+        for row in rows
+    )
     assert uncertainty_file.meshes_of(case.record()) == (24, 36, 54)
-    for other in (meshed("gu2021-beehive", 30), case.replace({"springs.0.precompression": 6.9e-3}), case.replace(name="own-spring")):
-        assert uncertainty_file.load_uncertainty(other.record()) == () == uncertainty_file.meshes_of(other.record())
-        assert uncertainty_file.uncertainty_sentences(other.record(), (8000 * RPM,), stored(case)) == ()
+    for other in (
+        meshed("gu2021-beehive", 30),
+        case.replace({"springs.0.precompression": 6.9e-3}),
+        case.replace(name="own-spring"),
+    ):
+        assert (
+            uncertainty_file.load_uncertainty(other.record())
+            == ()
+            == uncertainty_file.meshes_of(other.record())
+        )
+        assert (
+            uncertainty_file.uncertainty_sentences(other.record(), (8000 * RPM,), stored(case))
+            == ()
+        )
 
 
 def test_sentences_speak_of_the_speeds_that_were_run():
     case, speeds = load_case("gu2021-beehive"), np.array([4200, 5600, 8000]) * RPM
     record, numbers = case.record(), stored(case)
     sentences = uncertainty_file.uncertainty_sentences(record, speeds, numbers)
-    assert len(sentences) == 3 and all("main clash" in sentence and "24, 36, 54 elements" in sentence for sentence in sentences)
+    assert len(sentences) == 3 and all(
+        "main clash" in sentence and "24, 36, 54 elements" in sentence for sentence in sentences
+    )
     assert uncertainty_file.uncertainty_sentences(record, speeds[1:2], numbers) == sentences[1:2]
 
 
 def test_shipped_preload_and_mode_are_those_of_this_version():
-    """Fails when rod or case have changed since scripts/write_uncertainty.py was run; run it again then."""
+    """Fails when rod or case have changed since scripts/write_uncertainty.py was run; run it again
+    then.
+    """
     from valvetrain.springs.spec import spring_model
     from valvetrain.studies.rest import modal_result
 
@@ -160,7 +223,9 @@ def test_shipped_preload_and_mode_are_those_of_this_version():
     rows = {row.quantity: row.value for row in uncertainty_file.load_uncertainty(case.record())}
     rod = spring_model("finite-element").build(case.springs[0])
     assert rod.installed.retainer_force == pytest.approx(rows["preload"], rel=1e-6)
-    assert modal_result(rod).axial_frequencies[0] == pytest.approx(rows["mode_1_frequency"], rel=1e-6)
+    assert modal_result(rod).axial_frequencies[0] == pytest.approx(
+        rows["mode_1_frequency"], rel=1e-6
+    )
 
 
 def test_file_says_what_the_study_says(coarse):
@@ -169,11 +234,15 @@ def test_file_says_what_the_study_says(coarse):
     rows = uncertainty_file.rows_of(content)
     assert [row.quantity for row in rows] == [row.quantity for row in coarse.rows]
     for read, made in zip(rows, coarse.rows, strict=True):
-        assert read.value == pytest.approx(made.value, rel=1e-6) and read.numerical == pytest.approx(made.numerical, rel=1e-6)
+        assert read.value == pytest.approx(
+            made.value, rel=1e-6
+        ) and read.numerical == pytest.approx(made.numerical, rel=1e-6)
         assert (read.observed_order is None) == (made.observed_order is None)
 
 
-@pytest.mark.parametrize(("case", "message"), [("uniform-spring", "lift_law"), ("tdi-pushrod", "is a valvetrain")])
+@pytest.mark.parametrize(
+    ("case", "message"), [("uniform-spring", "lift_law"), ("tdi-pushrod", "is a valvetrain")]
+)
 def test_a_case_that_cannot_be_refined_is_refused(case, message):
     with pytest.raises(InputError, match=message):
         uncertainty_study(load_case(case))
@@ -185,8 +254,21 @@ def test_two_meshes_are_no_series():
 
 
 def bar(quantity, value, numerical, speed=8000 * RPM, label="", **more):
-    told = {"observed_order": 2.0, "extrapolated": value, "step_part": numerical, "contact_stiffness": (0.9 * value, 1.2 * value)}
-    return Uncertainty(quantity, speed, value, numerical, contact_damping=(value, value), label=label, **(told | more))
+    told = {
+        "observed_order": 2.0,
+        "extrapolated": value,
+        "step_part": numerical,
+        "contact_stiffness": (0.9 * value, 1.2 * value),
+    }
+    return Uncertainty(
+        quantity,
+        speed,
+        value,
+        numerical,
+        contact_damping=(value, value),
+        label=label,
+        **(told | more),
+    )
 
 
 CLASH = {
@@ -204,7 +286,10 @@ TRAIN = {
 }  # fmt: skip
 
 
-@pytest.mark.parametrize("left_out", [None, "main_clash_below_20_khz_peak_force", "main_clash_cam_angle", "main_clash_impulse"])
+@pytest.mark.parametrize(
+    "left_out",
+    [None, "main_clash_below_20_khz_peak_force", "main_clash_cam_angle", "main_clash_impulse"],
+)
 def test_the_sentence_on_a_clash_tells_every_part_that_is_stored(monkeypatch, left_out):
     """Nine tenths to twelve tenths of the heights over the contact stiffness, as made up here."""
     rows = [bar(name, *CLASH[name][:2]) for name in CLASH if name != left_out]
@@ -218,21 +303,45 @@ def test_the_sentence_on_a_clash_tells_every_part_that_is_stored(monkeypatch, le
     )
 
 
-@pytest.mark.parametrize("coarse", [(), ("peak_cam_contact_force",), ("peak_spring_force", "seating_velocity")])
-def test_the_sentence_on_a_variant_of_a_train_tells_every_number_and_what_large_bars_come_from(monkeypatch, coarse):
-    """A bar of a tenth of its number, of which the step makes a hundredth, is explained; one that the step makes is not."""
-    rows = [bar(name, value, value / 10 if name in coarse else error, 5600 * RPM, "stock, multi-mass", step_part=value / 1000)
-            for name, (value, error, _) in TRAIN.items()]  # fmt: skip
-    rows += [bar("peak_spring_force", 900.0, 90.0, 5600 * RPM, "race, multi-mass"), bar("preload", 300.0, 1.0, None, "stock, multi-mass")]
+@pytest.mark.parametrize(
+    "coarse", [(), ("peak_cam_contact_force",), ("peak_spring_force", "seating_velocity")]
+)
+def test_the_sentence_on_a_variant_of_a_train_tells_every_number_and_what_large_bars_come_from(
+    monkeypatch, coarse
+):
+    """A bar of a tenth of its number, of which the step makes a hundredth, is explained; one that
+    the step makes is not.
+    """
+    rows = [
+        bar(
+            name,
+            value,
+            value / 10 if name in coarse else error,
+            5600 * RPM,
+            "stock, multi-mass",
+            step_part=value / 1000,
+        )
+        for name, (value, error, _) in TRAIN.items()
+    ]
+    rows += [
+        bar("peak_spring_force", 900.0, 90.0, 5600 * RPM, "race, multi-mass"),
+        bar("preload", 300.0, 1.0, None, "stock, multi-mass"),
+    ]
     monkeypatch.setattr(uncertainty_file, "rows_that_hold", lambda *_: tuple(rows))
     monkeypatch.setattr(uncertainty_file, "meshes_of", lambda _: ())
     one, other = uncertainty_file.uncertainty_sentences(None, (5600 * RPM,), {})
     words = {name: told for name, (_, _, told) in TRAIN.items()}
-    large = {"peak_spring_force": "peak spring force 700 N ± 70 N", "peak_cam_contact_force": "peak cam force 1500 N ± 150 N",
-             "seating_velocity": "seating velocity 0.25 m/s ± 0.025 m/s"}  # fmt: skip
+    large = {
+        "peak_spring_force": "peak spring force 700 N ± 70 N",
+        "peak_cam_contact_force": "peak cam force 1500 N ± 150 N",
+        "seating_velocity": "seating velocity 0.25 m/s ± 0.025 m/s",
+    }
     parts = "; ".join(large[name] if name in coarse else words[name] for name in words)
     begun, _, reason = one.partition(" More than 5 % of ")
     assert begun == f"5600 rpm, stock, multi-mass, with numerical uncertainty: {parts}."
     names = ", ".join(large[name].partition(f" {TRAIN[name][0]:g}")[0] for name in coarse)
     assert reason.partition(" depends on ")[0] == names
-    assert other == "5600 rpm, race, multi-mass, with numerical uncertainty: peak spring force 900 N ± 90 N."
+    assert (
+        other
+        == "5600 rpm, race, multi-mass, with numerical uncertainty: peak spring force 900 N ± 90 N."
+    )

@@ -1,4 +1,6 @@
-"""Units at the interface: exact conversions, dimensions kept apart, and refusals that say what to write."""
+"""Units at the interface: exact conversions, dimensions kept apart, and refusals that say what to
+write.
+"""
 
 from __future__ import annotations
 
@@ -22,8 +24,8 @@ from valvetrain.units import (
     to_unit,
     unit_factor,
 )
+from valvetrain.units.dimensions import USUAL
 from valvetrain.units.text import _resolve
-from valvetrain.units.usual import USUAL
 
 # Exact by definition (international inch, pound, standard gravity).
 EXACT = [
@@ -57,13 +59,17 @@ EXACT = [
 ]
 
 
-@pytest.mark.parametrize(("text", "dimension", "expected"), [row for row in EXACT if row[2] is not None])
+@pytest.mark.parametrize(
+    ("text", "dimension", "expected"), [row for row in EXACT if row[2] is not None]
+)
 def test_known_conversions(text, dimension, expected):
     assert parse_quantity(text, dimension) == pytest.approx(expected, rel=1e-14)
 
 
 def test_engine_speed_is_radians_per_second_of_the_crank():
-    assert parse_quantity("4200 rpm", "angular speed") == pytest.approx(4200 / 60 * 2 * math.pi, rel=1e-15)
+    assert parse_quantity("4200 rpm", "angular speed") == pytest.approx(
+        4200 / 60 * 2 * math.pi, rel=1e-15
+    )
 
 
 REFUSED = [
@@ -111,14 +117,18 @@ def test_every_usual_unit_has_its_dimension(name):
 
 @pytest.mark.parametrize("unit", USUAL)
 def test_the_table_of_usual_units_holds_the_very_floats_of_pint(unit, monkeypatch):
-    """The library that reads every other unit is the oracle; a shipped table must not move a number by its last digit."""
+    """The library that reads every other unit is the oracle; a shipped table must not move a number
+    by its last digit.
+    """
     told = _resolve.__wrapped__(unit)
     monkeypatch.setattr("valvetrain.units.text.USUAL", {})
     assert _resolve.__wrapped__(unit) == told == USUAL[unit]
 
 
 def test_every_unit_that_is_proposed_or_ships_is_in_the_table():
-    wanted = {dimension.si_unit for dimension in DIMENSIONS.values()} | {dimension.usual_unit for dimension in DIMENSIONS.values()}
+    wanted = {dimension.si_unit for dimension in DIMENSIONS.values()} | {
+        dimension.usual_unit for dimension in DIMENSIONS.values()
+    }
     assert wanted - {""} <= USUAL.keys()
 
 
@@ -155,19 +165,29 @@ GIVEN = [
 
 @pytest.mark.parametrize(("value", "quantity", "expected"), GIVEN)
 def test_a_public_function_takes_si_text_and_quantities(value, quantity, expected):
-    assert si(value, quantity) == pytest.approx(expected, rel=1e-6 if isinstance(value, np.float32) else 1e-14)
+    assert si(value, quantity) == pytest.approx(
+        expected, rel=1e-6 if isinstance(value, np.float32) else 1e-14
+    )
     assert type(si(value, quantity)) is float
 
 
 SLIPS = [
-    (3.8, "wire_diameter", "3.8 m of wire diameter can only be meant as 3.8 mm; write 0.0038 or '3.8 mm'"),
+    (
+        3.8,
+        "wire_diameter",
+        "3.8 m of wire diameter can only be meant as 3.8 mm; write 0.0038 or '3.8 mm'",
+    ),
     ("3.8 m", "wire_diameter", "can only be meant as 3.8 mm"),
     (PINT.Quantity(3.8, "m"), "wire_diameter", "can only be meant as 3.8 mm"),
     (0.15, "wire_diameter", "can only be meant as 0.15 inch"),
     (3.8e-6, "wire_diameter", "lies outside 0.2 mm to 20 mm; check the number and its unit"),
     (7, "pitch", "7 m of pitch can only be meant as 7 mm"),
     (22, "mean_diameter", "can only be meant as 22 mm"),
-    (3000, "engine_speed", "engine speed 28647.9 rpm; did you mean '3000 rpm'? If not, write '28647.9 rpm'"),
+    (
+        3000,
+        "engine_speed",
+        "engine speed 28647.9 rpm; did you mean '3000 rpm'? If not, write '28647.9 rpm'",
+    ),
     (28648, "engine_speed", "can only be meant as 28648 rpm"),
     ("5 rpm", "engine_speed", "lies outside 10 rpm to 30000 rpm"),
     (PINT.Quantity(35, "Hz"), "engine_speed", "is a frequency, but a rotational speed is needed"),

@@ -1,4 +1,6 @@
-"""Every public function and class takes an SI number, text with a unit or a pint quantity, and refuses what can only be a slip of units."""
+"""Every public function and class takes an SI number, text with a unit or a pint quantity, and
+refuses what can only be a slip of units.
+"""
 
 from __future__ import annotations
 
@@ -22,7 +24,8 @@ UNIFORM = vt.EquivalentSpring(40e3, 300.0, 0.05)
 
 @dataclass(frozen=True)
 class Entry:
-    """One place that takes a number: ``make`` with the value in SI, ``text`` and ``pint`` of the same, and a ``slip`` (None: none known).
+    """One place that takes a number: ``make`` with the value in SI, ``text`` and ``pint`` of the
+    same, and a ``slip`` (None: none known).
 
     ``read`` takes from what was made the number that must be the same however it was given.
     """
@@ -89,11 +92,17 @@ ENTRIES = [
 @pytest.mark.parametrize("entry", ENTRIES, ids=kept("name"))
 def test_a_number_may_be_given_in_three_forms(entry):
     plain = entry.read(entry.make(entry.si))
-    assert plain == pytest.approx(entry.read(entry.make(f"{entry.number:g} {entry.unit}")), rel=1e-12)
-    assert plain == pytest.approx(entry.read(entry.make(PINT.Quantity(entry.number, entry.unit))), rel=1e-12)
+    assert plain == pytest.approx(
+        entry.read(entry.make(f"{entry.number:g} {entry.unit}")), rel=1e-12
+    )
+    assert plain == pytest.approx(
+        entry.read(entry.make(PINT.Quantity(entry.number, entry.unit))), rel=1e-12
+    )
 
 
-@pytest.mark.parametrize("entry", [entry for entry in ENTRIES if entry.slip is not None], ids=kept("name"))
+@pytest.mark.parametrize(
+    "entry", [entry for entry in ENTRIES if entry.slip is not None], ids=kept("name")
+)
 def test_a_slip_of_units_is_refused_with_the_likely_meaning(entry):
     with pytest.raises(vt.InputError, match=f"{entry.unit}|solid at"):
         entry.make(entry.slip)
@@ -107,7 +116,9 @@ def test_text_that_is_no_such_quantity_is_refused_with_a_sentence(entry, wrong):
 
 
 def test_a_quantity_is_found_by_the_speed_in_any_form():
-    values = vt.Quantities({vt.Quantity("peak_seat_force", 2000 * np.pi / 30 * (1 + 1e-12), "rod"): 820.0})
+    values = vt.Quantities(
+        {vt.Quantity("peak_seat_force", 2000 * np.pi / 30 * (1 + 1e-12), "rod"): 820.0}
+    )
     assert values[vt.Quantity("peak_seat_force", "2000 rpm", "rod")] == 820.0
     with pytest.raises(KeyError):
         values[vt.Quantity("peak_seat_force", "2100 rpm", "rod")]

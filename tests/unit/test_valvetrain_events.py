@@ -29,15 +29,26 @@ def test_stretches_on_a_line_and_on_a_ring():
 def test_a_quiet_cycle_seats_once_and_nothing_else():
     run = found()
     (seating,) = run.events
-    assert seating.kind == "seating" and np.degrees(seating.cam_angle) == pytest.approx(270, abs=1.5)
+    assert seating.kind == "seating" and np.degrees(seating.cam_angle) == pytest.approx(
+        270, abs=1.5
+    )
     assert seating.details["touch"] == 1
-    assert run.quantities["seating_cam_angle"] == seating.cam_angle and run.quantities["bounce_count"] == 0
+    assert (
+        run.quantities["seating_cam_angle"] == seating.cam_angle
+        and run.quantities["bounce_count"] == 0
+    )
 
 
 def test_a_straight_landing_is_met_exactly_between_the_samples():
-    """A valve that falls at 0.5 m/s meets its seat where the straight line does, whatever the blow does to the sample after it."""
+    """A valve that falls at 0.5 m/s meets its seat where the straight line does, whatever the blow
+    does to the sample after it.
+    """
     touch = np.radians(269.9)
-    lift = np.where(degrees(90, 250), lift_of(ANGLE), np.where(ANGLE < touch, 0.5 * (touch - ANGLE) / CAM_SPEED, -1e-6))
+    lift = np.where(
+        degrees(90, 250),
+        lift_of(ANGLE),
+        np.where(ANGLE < touch, 0.5 * (touch - ANGLE) / CAM_SPEED, -1e-6),
+    )
     lift[degrees(0, 90)] = -1e-6
     velocity = np.where(ANGLE < touch, -0.5, 0.2)
     run = found(valve_lift=lift, valve_velocity=velocity)
@@ -46,7 +57,9 @@ def test_a_straight_landing_is_met_exactly_between_the_samples():
 
 
 def test_landing_is_second_order_in_the_samples():
-    """A cubic on to the seat: the error stays below the remainder of the straight line, of second order in the samples."""
+    """A cubic on to the seat: the error stays below the remainder of the straight line, of second
+    order in the samples.
+    """
     from valvetrain.quantities.train_events import SMALLEST_GAP, _sampled_openings
 
     errors = []
@@ -55,54 +68,102 @@ def test_landing_is_second_order_in_the_samples():
         end = 0.62 * time[-1]
         left = end - time  # lift = 0.3 left + 40 left^2 + 2e4 left^3
         lift, rate = 0.3 * left + 40 * left**2 + 2e4 * left**3, -(0.3 + 80 * left + 6e4 * left**2)
-        made = train().channels.isel(sample=slice(0, count)).assign_coords(time=("sample", time), cam_angle=("sample", CAM_SPEED * time))
+        made = (
+            train()
+            .channels.isel(sample=slice(0, count))
+            .assign_coords(time=("sample", time), cam_angle=("sample", CAM_SPEED * time))
+        )
         run = type(train())(
-            made.assign(valve_lift=("sample", lift, made.valve_lift.attrs), valve_velocity=("sample", rate, made.valve_lift.attrs))
+            made.assign(
+                valve_lift=("sample", lift, made.valve_lift.attrs),
+                valve_velocity=("sample", rate, made.valve_lift.attrs),
+            )
         )
         (opening,) = _sampled_openings(run)
         velocity = opening.velocity
         step = time[1]
-        ahead = step + SMALLEST_GAP / 0.3  # the last sample off the seat is at most this long before the touch
-        errors.append(abs(velocity - 0.3) / (0.5 * 1.2e5 * ahead * (ahead + step)))  # over the remainder of a straight line
+        ahead = (
+            step + SMALLEST_GAP / 0.3
+        )  # the last sample off the seat is at most this long before the touch
+        errors.append(
+            abs(velocity - 0.3) / (0.5 * 1.2e5 * ahead * (ahead + step))
+        )  # over the remainder of a straight line
     assert 0 < max(errors) <= 1.001
 
 
 def test_the_log_of_the_integrator_is_the_truth_of_a_seating():
     seen = {"largest_gap": 8e-3, "release_cam_angle": np.radians(90.0)}
-    logged = Event("touch", np.radians(270.1), np.radians(270.1) / CAM_SPEED, 0.0, 0.321, "m/s", "seat", seen)
-    trembling = Event("touch", np.radians(270.4), 0.0, 0.0, 0.02, "m/s", "seat", seen | {"largest_gap": 1e-6})
+    logged = Event(
+        "touch", np.radians(270.1), np.radians(270.1) / CAM_SPEED, 0.0, 0.321, "m/s", "seat", seen
+    )
+    trembling = Event(
+        "touch", np.radians(270.4), 0.0, 0.0, 0.02, "m/s", "seat", seen | {"largest_gap": 1e-6}
+    )
     other = Event("touch", np.radians(270.0), 0.0, 0.0, 9.0, "m/s", "cam", seen)
     run = found(train(events=(other, logged, trembling)))
-    assert run.quantities["seating_velocity"] == 0.321 and run.quantities["seating_cam_angle"] == logged.cam_angle
+    assert (
+        run.quantities["seating_velocity"] == 0.321
+        and run.quantities["seating_cam_angle"] == logged.cam_angle
+    )
     assert {event.kind for event in run.events} == {"seating"}
-    assert found(run).quantities == run.quantities  # seen again from the file, where the log is no more
+    assert (
+        found(run).quantities == run.quantities
+    )  # seen again from the file, where the log is no more
 
 
 def test_losses_of_contact_are_those_of_the_log_and_stay_so():
-    """Between two samples, a quarter of a degree apart, the cam opens and closes; a stretch of lash counts from the rigid opening on."""
+    """Between two samples, a quarter of a degree apart, the cam opens and closes; a stretch of lash
+    counts from the rigid opening on.
+    """
     seen = [(150.05, 150.2, 5e-5), (-20.0, 90.4, 1e-4), (210.0, 212.0, 1e-6)]
     logged = tuple(
-        Event("touch", np.radians(end), 0.0, 0.0, 0.1, "m/s", "cam", {"largest_gap": gap, "release_cam_angle": np.radians(begin)})
+        Event(
+            "touch",
+            np.radians(end),
+            0.0,
+            0.0,
+            0.1,
+            "m/s",
+            "cam",
+            {"largest_gap": gap, "release_cam_angle": np.radians(begin)},
+        )
         for begin, end, gap in seen
     )
     gap = np.where(ANGLE < np.radians(90.4), 1e-4, -1e-5)
     run = found(train(events=logged, statistics={"contacts_logged_ratio": 1.0}, cam_gap=gap))
     lofts = of_kind(run.events, "loft")
-    assert [np.degrees(event.cam_angle) for event in lofts] == pytest.approx([90.0, 150.05], abs=0.01)
-    assert run.quantities["loss_of_contact_duration"] == pytest.approx(np.radians(0.4 + 0.15) / CAM_SPEED, rel=0.01)
+    assert [np.degrees(event.cam_angle) for event in lofts] == pytest.approx(
+        [90.0, 150.05], abs=0.01
+    )
+    assert run.quantities["loss_of_contact_duration"] == pytest.approx(
+        np.radians(0.4 + 0.15) / CAM_SPEED, rel=0.01
+    )
     assert found(run).quantities == run.quantities and found(run).events == run.events
 
 
 def test_a_float_across_a_nose_whose_acceleration_is_zero_at_one_sample_is_found():
-    """The stretches before and after that sample follow at once: the second lost its end, and with it the float."""
-    flying = np.where(degrees(90, 270), lift_of(ANGLE), -1e-6) + np.where(degrees(190, 200), 3e-4, 0.0)
-    table = rigid(valve_acceleration=np.where(degrees(135, 225) & (np.arange(COUNT) != 720), -1000.0, np.where(degrees(135, 225), 0, 1e3)))
+    """The stretches before and after that sample follow at once: the second lost its end, and with
+    it the float.
+    """
+    flying = np.where(degrees(90, 270), lift_of(ANGLE), -1e-6) + np.where(
+        degrees(190, 200), 3e-4, 0.0
+    )
+    table = rigid(
+        valve_acceleration=np.where(
+            degrees(135, 225) & (np.arange(COUNT) != 720),
+            -1000.0,
+            np.where(degrees(135, 225), 0, 1e3),
+        )
+    )
     run = found(table=table, cam_gap=np.where(degrees(158, 202), 3e-4, -1e-5), valve_lift=flying)
-    assert run.quantities["float_duration"] == pytest.approx(np.radians(10) / CAM_SPEED, abs=2 * TIME[1])
+    assert run.quantities["float_duration"] == pytest.approx(
+        np.radians(10) / CAM_SPEED, abs=2 * TIME[1]
+    )
 
 
 @pytest.mark.parametrize(
-    ("force", "spring", "cause"), [(-50.0, 500.0, CAUSE_INERTIA), (400.0, 300.0, CAUSE_SURGE), (400.0, 500.0, CAUSE_VIBRATION)]
+    ("force", "spring", "cause"),
+    [(-50.0, 500.0, CAUSE_INERTIA), (400.0, 300.0, CAUSE_SURGE), (400.0, 500.0, CAUSE_VIBRATION)],
 )
 def test_loft_has_angle_duration_size_and_cause(force, spring, cause):
     gap = np.where(degrees(150, 165), 1e-4, -1e-5)
@@ -118,7 +179,9 @@ def test_loft_has_angle_duration_size_and_cause(force, spring, cause):
 
 
 def test_float_is_a_lift_above_the_rigid_one_over_the_nose():
-    flying = np.where(degrees(90, 270), lift_of(ANGLE), -1e-6) + np.where(degrees(160, 200), 3e-4, 0.0)
+    flying = np.where(degrees(90, 270), lift_of(ANGLE), -1e-6) + np.where(
+        degrees(160, 200), 3e-4, 0.0
+    )
     run = found(cam_gap=np.where(degrees(158, 202), 3e-4, -1e-5), valve_lift=flying)
     (event,) = of_kind(run.events, "float")
     assert event.size == pytest.approx(3e-4)
@@ -131,7 +194,9 @@ def test_gaps_on_the_base_circle_are_lash():
 
 
 def test_loss_at_the_valve_tip_is_told_by_its_place():
-    (event,) = of_kind(found(valve_tip_gap=np.where(degrees(150, 165), 1e-4, -1e-5)).events, "loss-of-contact")
+    (event,) = of_kind(
+        found(valve_tip_gap=np.where(degrees(150, 165), 1e-4, -1e-5)).events, "loss-of-contact"
+    )
     assert event.where == "valve tip"
 
 
@@ -145,11 +210,15 @@ def test_bounces_are_counted_with_height_and_seatings_with_their_place():
     assert [event.size for event in bounces] == pytest.approx([2e-4, 5e-5], rel=0.01)
     assert [event.details["touch"] for event in seatings] == [1, 2, 3]
     assert seatings[0].size > 0 and all(event.unit == "m/s" for event in seatings)
-    assert run.quantities["bounce_count"] == 2 and run.quantities["bounce_height"] == bounces[0].size
+    assert (
+        run.quantities["bounce_count"] == 2 and run.quantities["bounce_height"] == bounces[0].size
+    )
 
 
 def _pairs(place: int = 0):
-    """A closed end coil, and two neighbours that meet together for six and six samples, begun at sample 960 + ``place``."""
+    """A closed end coil, and two neighbours that meet together for six and six samples, begun at
+    sample 960 + ``place``.
+    """
     force = np.zeros((COUNT, 3))
     force[:, 0] = 20.0
     force[960:966, 1], force[962:968, 2] = 300.0, 100.0
@@ -161,7 +230,9 @@ def test_clash_counts_only_pairs_that_part_and_gives_impulse_and_energy():
     upper, force, gap = _pairs()
     (clash,) = clash_events(train(pairs={"spring": (upper, force, gap)}))
     assert clash.details["upper_coil"] == 2 and clash.size == pytest.approx(400.0)
-    assert clash.details["impulse"] == pytest.approx((300 * 1.5 + 100 * 1.5) * np.radians(1) / CAM_SPEED, rel=0.05)
+    assert clash.details["impulse"] == pytest.approx(
+        (300 * 1.5 + 100 * 1.5) * np.radians(1) / CAM_SPEED, rel=0.05
+    )
     assert clash.details["energy"] == pytest.approx(0.5 * 400 * 1e-6)
     assert clash.details["cause"] == "coils meet under surge" and clash.where == "coils 1-2"
 
@@ -173,7 +244,9 @@ def test_a_closed_cycle_has_no_seam(place):
     (there,) = clash_events(train(pairs={"spring": _pairs(place)}))
     assert there.size == here.size and there.duration == pytest.approx(here.duration)
     assert there.details["impulse"] == pytest.approx(here.details["impulse"])
-    assert np.cos(there.cam_angle - here.cam_angle - 2 * np.pi * place / COUNT) == pytest.approx(1.0, abs=1e-9)
+    assert np.cos(there.cam_angle - here.cam_angle - 2 * np.pi * place / COUNT) == pytest.approx(
+        1.0, abs=1e-9
+    )
     assert -0.01 < there.cam_angle < 2 * np.pi
 
 
@@ -189,12 +262,25 @@ def test_nested_springs_are_told_apart_and_long_contacts_are_rests():
     assert run.quantities["clash_count"] == 2 and run.quantities["peak_clash_force"] == 400.0
     assert run.quantities["clash_energy"] == pytest.approx(0.5 * 50 * 2e-6 + 0.5 * 400 * 1e-6)
     assert run.quantities["largest_clash_energy"] == pytest.approx(0.5 * 400 * 1e-6)
-    assert run.quantities["largest_clash_impulse"] == pytest.approx(max(event.details["impulse"] for event in (first, second)))
+    assert run.quantities["largest_clash_impulse"] == pytest.approx(
+        max(event.details["impulse"] for event in (first, second))
+    )
 
 
 def test_peaks_of_every_step_come_from_the_integrator():
-    run = found(train(statistics={"peak_seat_contact_force": 812.0, "steady_cycles_count": 9, "kind": "anderson"}))
-    assert run.quantities["peak_seat_contact_force"] == 812.0 and run.quantities["steady_cycles_count"] == 9.0
+    run = found(
+        train(
+            statistics={
+                "peak_seat_contact_force": 812.0,
+                "steady_cycles_count": 9,
+                "kind": "anderson",
+            }
+        )
+    )
+    assert (
+        run.quantities["peak_seat_contact_force"] == 812.0
+        and run.quantities["steady_cycles_count"] == 9.0
+    )
     assert run.quantities["nose_cam_contact_force"] == 500.0 and "kind" not in run.quantities
     assert np.array_equal(run.channel("rigid_valve_lift"), lift_of(ANGLE))
 
@@ -202,27 +288,39 @@ def test_peaks_of_every_step_come_from_the_integrator():
 def test_times_and_torque_of_a_cycle():
     period = 2 * np.pi / CAM_SPEED
     torque = 3 * np.sin(ANGLE) - 1
-    gaps = {"cam_gap": np.where(degrees(150, 165), 1e-4, -1e-5), "valve_tip_gap": np.where(degrees(160, 175), 1e-4, -1e-5)}
+    gaps = {
+        "cam_gap": np.where(degrees(150, 165), 1e-4, -1e-5),
+        "valve_tip_gap": np.where(degrees(160, 175), 1e-4, -1e-5),
+    }
     run = found(train(statistics={"cycle_work_energy": 2.0}, cam_torque=torque, **gaps)).quantities
     assert run["valve_open_duration"] == pytest.approx(period / 2, rel=0.02)
-    assert run["loss_of_contact_duration"] == pytest.approx(np.radians(25) / CAM_SPEED, abs=2 * TIME[1])  # of samples alone
+    assert run["loss_of_contact_duration"] == pytest.approx(
+        np.radians(25) / CAM_SPEED, abs=2 * TIME[1]
+    )  # of samples alone
     assert (run["peak_cam_torque"], run["minimum_cam_torque"]) == pytest.approx((2.0, -4.0))
     assert run["mean_cam_power"] == pytest.approx(2.0 / period)
     assert run["peak_valve_lift"] == pytest.approx(8e-3)
 
 
 def test_a_landing_is_as_hard_as_the_hardest_of_its_samples():
-    """The cam opens from 150 to 165 degrees; the blow of 1234 N comes three samples after, a weaker one later on."""
+    """The cam opens from 150 to 165 degrees; the blow of 1234 N comes three samples after, a weaker
+    one later on.
+    """
     force = np.where(degrees(150, 165), 0.0, 300.0)
     land = int(np.argmax(ANGLE >= np.radians(165)))
     force[land + 2], force[land + 30] = 1234.0, 5000.0
-    (loft,) = of_kind(found(cam_gap=np.where(degrees(150, 165), 1e-4, -1e-5), cam_contact_force=force).events, "loft")
+    (loft,) = of_kind(
+        found(cam_gap=np.where(degrees(150, 165), 1e-4, -1e-5), cam_contact_force=force).events,
+        "loft",
+    )
     assert loft.details["landing_force"] == 1234.0
     assert np.degrees(loft.details["landing_cam_angle"]) == pytest.approx(165, abs=0.3)
 
 
 def test_details_of_an_event_are_its_own_and_cannot_be_changed():
-    """Neither through the event nor through what it was made of; it travels between processes as it is."""
+    """Neither through the event nor through what it was made of; it travels between processes as it
+    is.
+    """
     given = {"upper_coil": 2.0}
     event = Event("clash", 1.0, 0.01, 1e-3, 310.0, "N", details=given)
     given["upper_coil"] = 9.0
@@ -230,6 +328,10 @@ def test_details_of_an_event_are_its_own_and_cannot_be_changed():
     with pytest.raises(TypeError):
         event.details["upper_coil"] = 3.0
     again = pickle.loads(pickle.dumps(event))
-    assert again == event and dict(again.details) == {"upper_coil": 2.0} and dict(Event("rest", 0.0, 0.0, 0.0, 0.0, "m").details) == {}
+    assert (
+        again == event
+        and dict(again.details) == {"upper_coil": 2.0}
+        and dict(Event("rest", 0.0, 0.0, 0.0, 0.0, "m").details) == {}
+    )
     with pytest.raises(TypeError):
         again.details["upper_coil"] = 3.0

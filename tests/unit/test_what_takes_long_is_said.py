@@ -1,4 +1,6 @@
-"""A search, a study and an identification say before they begin how much they will do where it takes long, nothing where it does not."""
+"""A search, a study and an identification say before they begin how much they will do where it
+takes long, nothing where it does not.
+"""
 
 from __future__ import annotations
 
@@ -34,9 +36,15 @@ def test_what_takes_long_is_said_first(command, worth, tmp_path, monkeypatch):
     monkeypatch.setattr(limits, "WORTH_SAYING", worth)
     monkeypatch.setattr(identify, "WORTH_SAYING", worth)
     (tmp_path / "card.toml").write_text(CARD)
-    (tmp_path / "asked.toml").write_text({"optimise": LIGHT, "study": STUDY, "identify": FILE}[command])
-    answer = call(command, str(tmp_path / "asked.toml"), "--workers", "1", "--output", str(tmp_path / "out"))
-    lines = [line for line in answer.stderr.splitlines() if not line.startswith("compiling kernels")]
+    (tmp_path / "asked.toml").write_text(
+        {"optimise": LIGHT, "study": STUDY, "identify": FILE}[command]
+    )
+    answer = call(
+        command, str(tmp_path / "asked.toml"), "--workers", "1", "--output", str(tmp_path / "out")
+    )
+    lines = [
+        line for line in answer.stderr.splitlines() if not line.startswith("compiling kernels")
+    ]
     assert answer.exit_code == 0
     if worth:
         assert not lines

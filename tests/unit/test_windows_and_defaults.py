@@ -7,13 +7,13 @@ import pytest
 
 from valvetrain.errors import InputError
 from valvetrain.integrate.contract import Cycles
-from valvetrain.measurements.lift_answers import LiftAnswers
-from valvetrain.measurements.lift_reading import read_lift
-from valvetrain.parameters.damping import DampingParameters
+from valvetrain.measured.lift_file import LiftAnswers, read_lift
+from valvetrain.parameters.installed_spring import DampingParameters
 from valvetrain.units import si
 from valvetrain.units.given import PLAUSIBLE
 
-#: Quantity -> SI value of its usual unit, the unit, and the least and largest plausible value in it.
+#: Quantity -> SI value of its usual unit, the unit, and the least and largest plausible value in
+#: it.
 WINDOWS = {
     "wire_diameter": (1e-3, "mm", 0.2, 20), "mean_diameter": (1e-3, "mm", 3, 200), "pitch": (1e-3, "mm", 0.2, 100),
     "spring_length": (1e-3, "mm", 3, 1000), "compression": (1e-3, "mm", 1e-6, 500), "valve_lift": (1e-3, "mm", 1e-6, 100),
@@ -55,12 +55,21 @@ def test_a_table_of_lifts_needs_eight_rows(tmp_path):
 
 
 def test_a_damping_is_changed_by_its_ratio_or_by_its_coefficients():
-    """Half of the ratio from each at 600 Hz; a coefficient given by itself stands alone, and the other of the two stays."""
+    """Half of the ratio from each at 600 Hz; a coefficient given by itself stands alone, and the
+    other of the two stays.
+    """
     both = DampingParameters(ratio=0.016, ratio_frequency=600.0)
     turning = 2 * np.pi * 600
-    assert (both.mass_damping, both.stiffness_damping) == pytest.approx((0.016 * turning, 0.016 / turning))
+    assert (both.mass_damping, both.stiffness_damping) == pytest.approx(
+        (0.016 * turning, 0.016 / turning)
+    )
     stiffer = both.replace(ratio=0.032)
-    assert (stiffer.mass_damping, stiffer.stiffness_damping) == pytest.approx((0.032 * turning, 0.032 / turning))
+    assert (stiffer.mass_damping, stiffer.stiffness_damping) == pytest.approx(
+        (0.032 * turning, 0.032 / turning)
+    )
     alone = both.replace(mass_damping=10.0)
-    assert (alone.ratio, alone.mass_damping) == (None, 10.0) and alone.stiffness_damping == pytest.approx(0.016 / turning)
+    assert (alone.ratio, alone.mass_damping) == (
+        None,
+        10.0,
+    ) and alone.stiffness_damping == pytest.approx(0.016 / turning)
     assert both.ratio_at(600.0) == pytest.approx(0.016)

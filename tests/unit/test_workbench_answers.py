@@ -1,6 +1,7 @@
 """A report page read back: what its sections drew is what is read, and a kept run answers from it.
 
-Evidence: the charts and grids the page was rendered from, Hooke's law, and a test synthesised from a known curve.
+Evidence: the charts and grids the page was rendered from, Hooke's law, and a test synthesised from
+a known curve.
 """
 
 from __future__ import annotations
@@ -13,8 +14,7 @@ import pytest
 
 import valvetrain as vt
 from valvetrain.errors import InputError
-from valvetrain.measurements.cycles_file import write_cycles
-from valvetrain.measurements.measured_cycles import MeasuredCycles
+from valvetrain.measured.cycles import MeasuredCycles, write_cycles
 from valvetrain.parameters.loading import parse_case
 from valvetrain.report.json import study_json
 from valvetrain.report.page import Cards, Figure, Grid, Motion, Text, _all, render
@@ -28,7 +28,9 @@ from workbench_parts import SMALL
 
 @pytest.fixture(scope="module")
 def study():
-    return vt.simulate(parse_case(SMALL, "small"), "3000, 4000 rpm", spring_models=["massless", "multi-mass"])
+    return vt.simulate(
+        parse_case(SMALL, "small"), "3000, 4000 rpm", spring_models=["massless", "multi-mass"]
+    )
 
 
 @pytest.fixture(scope="module")
@@ -42,7 +44,11 @@ def read(study):
 def runs(study, tmp_path_factory):
     """A workspace with the study kept twice, the second with a stiffer spring."""
     workspace = Workspace(tmp_path_factory.mktemp("bench"))
-    other = vt.simulate(parse_case(SMALL.replace("32 N/mm", "40 N/mm"), "small"), "4000 rpm", spring_models=["massless"])
+    other = vt.simulate(
+        parse_case(SMALL.replace("32 N/mm", "40 N/mm"), "small"),
+        "4000 rpm",
+        spring_models=["massless"],
+    )
     found = []
     for name, one, text in (("a", study, SMALL), ("b", other, SMALL.replace("32 N/mm", "40 N/mm"))):
         folder = workspace.runs_folder / "small" / name
@@ -58,7 +64,9 @@ def runs(study, tmp_path_factory):
 
 
 def test_every_figure_and_table_of_a_page_is_read_back(read):
-    """Nothing is lost or invented: figures with their data, tables cell by cell, in the order of the page."""
+    """Nothing is lost or invented: figures with their data, tables cell by cell, in the order of
+    the page.
+    """
     page, back = read
     assert [(one.key, one.title) for one in back] == [(one.key, one.title) for one in page.sections]
     for drawn, found in zip(page.sections, back, strict=True):
@@ -71,13 +79,21 @@ def test_every_figure_and_table_of_a_page_is_read_back(read):
         ]
         moving = [block for block in blocks if isinstance(block, Motion)]
         played = [part for part in found.parts if isinstance(part, PageMotion)]
-        told = [(one.key, one.title, " ".join(one.caption.split()), json.loads(one.data), one.still) for one in moving]
-        assert [(part.key, part.title, part.caption, part.data, part.still) for part in played] == told
+        told = [
+            (one.key, one.title, " ".join(one.caption.split()), json.loads(one.data), one.still)
+            for one in moving
+        ]
+        assert [
+            (part.key, part.title, part.caption, part.data, part.still) for part in played
+        ] == told
         grids = [block for block in blocks if isinstance(block, Grid)]
         cards = [card for block in blocks if isinstance(block, Cards) for card in block.cards]
         tables = [part for part in found.parts if isinstance(part, PageTable)]
         assert len(tables) == len(grids) + len(cards)
-        due = {tuple(tuple(" ".join(cell.words.split()) for cell in cells) for cells, _ in grid.rows) for grid in grids}
+        due = {
+            tuple(tuple(" ".join(cell.words.split()) for cell in cells) for cells, _ in grid.rows)
+            for grid in grids
+        }
         assert due <= {table.rows for table in tables}
         texts = [block for block in blocks if isinstance(block, Text)]
         assert len([part for part in found.parts if isinstance(part, PageSentence)]) >= len(texts)
@@ -98,7 +114,13 @@ def test_words_of_a_case_are_words_and_no_markup(read):
 
 
 @pytest.mark.parametrize(
-    "text", ["", "<html>", "x" * 100, '<meta name="generator" content="valvetrain"><script type="application/json" id="data-a">{</script>']
+    "text",
+    [
+        "",
+        "<html>",
+        "x" * 100,
+        '<meta name="generator" content="valvetrain"><script type="application/json" id="data-a">{</script>',
+    ],
 )
 def test_what_is_no_page_is_refused(text):
     with pytest.raises(InputError):
@@ -108,11 +130,15 @@ def test_what_is_no_page_is_refused(text):
 def test_numbers_stand_in_the_units_shown_what_is_asked_first_in_front(runs):
     found = numbers(runs[0])
     assert found[0].name == "peak_spring_force" and found[0].topic
-    massless = [one for one in found if one.name == "peak_spring_force" and one.run.startswith("massless")]
+    massless = [
+        one for one in found if one.name == "peak_spring_force" and one.run.startswith("massless")
+    ]
     assert [one.run for one in massless] == ["massless, 3000 rpm", "massless, 4000 rpm"]
     assert [one.value for one in massless] == pytest.approx([250 + 32 * 9] * 2, abs=0.01)
     surge = next(one for one in found if one.name == "surge_frequency")
-    assert surge.unit == "Hz" and surge.value == pytest.approx(0.5 * np.sqrt(32e3 / 42e-3), rel=0.02)  # half the root of rate over mass
+    assert surge.unit == "Hz" and surge.value == pytest.approx(
+        0.5 * np.sqrt(32e3 / 42e-3), rel=0.02
+    )  # half the root of rate over mass
 
 
 def test_figures_come_quickly(runs):
@@ -127,26 +153,43 @@ def test_figures_come_quickly(runs):
 def test_two_runs_are_compared(runs):
     found = compare(*runs)
     assert ("spring.rate", "32 N/mm", "40 N/mm") in found.inputs.rows
-    peak = next(row for row in found.results.rows if row[0] == "peak spring force" and row[1].startswith("massless"))
+    peak = next(
+        row
+        for row in found.results.rows
+        if row[0] == "peak spring force" and row[1].startswith("massless")
+    )
     assert peak[2:5] == ("538", "610", "N")
     assert not compare(runs[0], runs[0]).results.rows
 
 
 def test_a_test_made_from_a_run_is_not_refuted_and_one_shifted_is(runs, tmp_path):
     study, _ = kept_study(runs[0])
-    run = next(one for one in study.solutions if one.label == "multi-mass" and round(one.engine_speed * 30 / np.pi) == 4000)
+    run = next(
+        one
+        for one in study.solutions
+        if one.label == "multi-mass" and round(one.engine_speed * 30 / np.pi) == 4000
+    )
     angle = np.linspace(0.0, 2 * np.pi, 90, endpoint=False)
     curve = np.interp(angle + 2 * np.pi, run.cam_angle, run.channel("seat_force"))
     drawn = curve + np.random.default_rng(1).normal(0.0, 5.0, (6, 90))
 
     def content(values: np.ndarray, cam_speed: float = run.engine_speed / 2) -> bytes:
-        cycles = MeasuredCycles("spring_force", "N", angle, values, cam_speed=cam_speed, synthetic=True)
+        cycles = MeasuredCycles(
+            "spring_force", "N", angle, values, cam_speed=cam_speed, synthetic=True
+        )
         return write_cycles(tmp_path / "test.csv", [cycles]).read_bytes()
 
-    same, shifted = overlay(runs[0], "test.csv", content(drawn)), overlay(runs[0], "test.csv", content(drawn + 40.0))
+    same, shifted = (
+        overlay(runs[0], "test.csv", content(drawn)),
+        overlay(runs[0], "test.csv", content(drawn + 40.0)),
+    )
     assert any("does not refute multi-mass" in words for words in same.sentences)
     assert any("refutes multi-mass" in words for words in shifted.sentences)
-    assert same.figure is not None and same.figure.key == "overlay" and len(same.figure.plotly["data"]) >= 5
+    assert (
+        same.figure is not None
+        and same.figure.key == "overlay"
+        and len(same.figure.plotly["data"]) >= 5
+    )
     with pytest.raises(InputError, match="none of the runs is"):
         overlay(runs[1], "test.csv", content(drawn, 100.0))
 

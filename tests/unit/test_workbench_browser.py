@@ -1,6 +1,8 @@
-"""The workbench in a real browser: from the first visit to a finished run, refusals in place, cancel, reload, comparison, downloads.
+"""The workbench in a real browser: from the first visit to a finished run, refusals in place,
+cancel, reload, comparison, downloads.
 
-Evidence: what the page shows is compared with the files of the kept run; accessibility by axe-core; the browser's own console and requests.
+Evidence: what the page shows is compared with the files of the kept run; accessibility by axe-core;
+the browser's own console and requests.
 """
 
 from __future__ import annotations
@@ -16,9 +18,17 @@ from typing import Any
 import numpy as np
 import pytest
 
-from valvetrain.measurements.cycles_file import write_cycles
-from valvetrain.measurements.measured_cycles import MeasuredCycles
-from workbench_browser_parts import CASE, Bench, axe, nothing_serious, open_case, opened, shown, watched
+from valvetrain.measured.cycles import MeasuredCycles, write_cycles
+from workbench_browser_parts import (
+    CASE,
+    Bench,
+    axe,
+    nothing_serious,
+    open_case,
+    opened,
+    shown,
+    watched,
+)
 
 pytestmark = pytest.mark.chromium
 
@@ -53,7 +63,9 @@ def finished(bench) -> str:
     page.wait_for_selector(".results[data-shown]", timeout=600_000 if LONG else 60_000)
     run = page.get_attribute(".results", "data-shown").removeprefix("/part/")
     assert page.locator(".run-head").count() == 1
-    assert page.get_by_role("link", name="Open on its own page").get_attribute("href") == f"/run/{run}"
+    assert (
+        page.get_by_role("link", name="Open on its own page").get_attribute("href") == f"/run/{run}"
+    )
     page.context.close()
     assert not seen
     return run
@@ -62,9 +74,13 @@ def finished(bench) -> str:
 def test_a_finished_run_shows_the_numbers_of_its_files(bench, page, finished):
     page.goto(f"{bench.url}/run/{finished}")
     shown(page)
-    told = page.locator("tr", has_text="Peak spring force (N)").first.locator("td").first.inner_text()
+    told = (
+        page.locator("tr", has_text="Peak spring force (N)").first.locator("td").first.inner_text()
+    )
     runs = {run["label"]: run for run in bench.answer(finished)["runs"]}
-    assert float(told) == pytest.approx(runs["multi-mass"]["quantities"]["peak_spring_force"]["value"], rel=1e-3)
+    assert float(told) == pytest.approx(
+        runs["multi-mass"]["quantities"]["peak_spring_force"]["value"], rel=1e-3
+    )
     assert ("finite-element" in runs) is LONG
     page.get_by_role("tab", name="Coils and clashes").click()
     page.wait_for_selector("#coils .plot .main-svg path")
@@ -88,7 +104,9 @@ def test_a_wrong_unit_is_refused_in_its_place_and_the_valid_value_kept(bench, pa
 
 
 def test_a_page_at_rest_asks_nothing(bench, page, finished):
-    """Each answer brought the list of quantities anew, which asked for the next estimate: four messages a second without end."""
+    """Each answer brought the list of quantities anew, which asked for the next estimate: four
+    messages a second without end.
+    """
     sent = []
     page.on("websocket", lambda line: line.on("framesent", lambda frame: sent.append(str(frame))))
     open_case(bench, page)
@@ -99,13 +117,18 @@ def test_a_page_at_rest_asks_nothing(bench, page, finished):
         quiet, events = quiet + 1 if 0 < asked == events else 0, asked
         if quiet == 6:
             break
-    assert quiet == 6, f"{events} messages in {longest / 2:g} s, and never three seconds without one"
+    assert quiet == 6, (
+        f"{events} messages in {longest / 2:g} s, and never three seconds without one"
+    )
 
 
 def test_what_is_being_typed_outlives_the_answer_to_the_field_before(bench, page, finished):
     open_case(bench, page)
     page.locator("summary", has_text="Spring: damping").click()
-    first, second = page.get_by_label("Ratio", exact=True), page.get_by_label("Ratio frequency", exact=True)
+    first, second = (
+        page.get_by_label("Ratio", exact=True),
+        page.get_by_label("Ratio frequency", exact=True),
+    )
     first.fill("0.017")
     first.press("Tab")  # sets it; its answer comes while the next field is typed in
     second.press_sequentially("64", delay=5)
@@ -141,11 +164,15 @@ def test_a_reload_and_another_tab_find_the_job_which_is_then_cancelled(bench, pa
 def test_a_run_without_a_model_or_with_a_wrong_speed_is_refused(bench, page, finished):
     open_case(bench, page)
     page.get_by_label("Engine speeds (crank)").fill("4200 bananas")
-    page.wait_for_function("document.getElementById('order-refusal').textContent.includes('bananas')")
+    page.wait_for_function(
+        "document.getElementById('order-refusal').textContent.includes('bananas')"
+    )
     page.get_by_label("Engine speeds (crank)").fill("4200 rpm")
     for box in page.locator(".models input:checked").all():
         box.uncheck()
-    page.wait_for_function("document.getElementById('order-refusal').textContent.includes('no spring model')")
+    page.wait_for_function(
+        "document.getElementById('order-refusal').textContent.includes('no spring model')"
+    )
 
 
 def test_the_slider_moves_the_curve_and_its_value_can_be_kept(bench, page, finished):
@@ -155,10 +182,14 @@ def test_the_slider_moves_the_curve_and_its_value_can_be_kept(bench, page, finis
     slider = page.locator("#live-slider")
     slider.focus()
     slider.press("End")
-    page.wait_for_function("document.querySelector('.live .numbers').textContent.includes('+')", timeout=30_000)
+    page.wait_for_function(
+        "document.querySelector('.live .numbers').textContent.includes('+')", timeout=30_000
+    )
     assert page.locator(".live .plot .scatterlayer .trace").count() == 2
     page.get_by_role("button", name="Keep this value").click()
-    page.wait_for_function("document.getElementById('field-spring-precompression').value === '10.5 mm'")
+    page.wait_for_function(
+        "document.getElementById('field-spring-precompression').value === '10.5 mm'"
+    )
     assert bench.case()["spring"]["precompression"] == "10.5 mm"
     field = page.get_by_label("Precompression", exact=True)
     field.fill("7 mm")
@@ -177,11 +208,16 @@ def test_two_runs_are_compared(bench, page, finished):
     page.locator("#model-multi-mass").check()
     page.get_by_label("Engine speeds (crank)").fill("4200 rpm")
     page.get_by_role("button", name="Run", exact=True).click()
-    page.wait_for_function(f"!document.querySelector('.results').dataset.shown.includes('{finished}')", timeout=60_000)
+    page.wait_for_function(
+        f"!document.querySelector('.results').dataset.shown.includes('{finished}')", timeout=60_000
+    )
     other = page.get_attribute(".results", "data-shown").removeprefix("/part/")
     page.goto(f"{bench.url}/compare?a={finished}&b={other}")
     shown(page)
-    rows = {row.locator("td").first.inner_text(): row.inner_text() for row in page.locator("#inputs-differ tbody tr").all()}
+    rows = {
+        row.locator("td").first.inner_text(): row.inner_text()
+        for row in page.locator("#inputs-differ tbody tr").all()
+    }
     assert "spring.wire_diameter" in rows and "3.9 mm" in rows["spring.wire_diameter"]
     assert page.locator("#results-differ tbody tr").count() > 5
     page.wait_for_selector("#fig-both-force-retainer .scatterlayer .trace")
@@ -196,25 +232,41 @@ def test_files_of_a_run_are_handed_out(bench, page, finished, tmp_path):
             page.get_by_role("link", name=words).click()
         paths[words] = tmp_path / waited.value.suggested_filename
         waited.value.save_as(paths[words])
-    assert "<title>Beehive valve spring with coil clash</title>" in paths["Report (HTML)"].read_text("utf-8")
+    assert "<title>Beehive valve spring with coil clash</title>" in paths[
+        "Report (HTML)"
+    ].read_text("utf-8")
     names = zipfile.ZipFile(paths["All data"]).namelist()
-    assert any(name.endswith("run.json") for name in names) and any(name.endswith(".nc") for name in names)
-    assert {Path(name).suffix for name in zipfile.ZipFile(paths["Tables (CSV)"]).namelist()} == {".csv"}
-    assert tomllib.loads(paths["Case file"].read_text("utf-8"))["spring"]["wire_diameter"]["value"] == "3.7709 mm"
+    assert any(name.endswith("run.json") for name in names) and any(
+        name.endswith(".nc") for name in names
+    )
+    assert {Path(name).suffix for name in zipfile.ZipFile(paths["Tables (CSV)"]).namelist()} == {
+        ".csv"
+    }
+    assert (
+        tomllib.loads(paths["Case file"].read_text("utf-8"))["spring"]["wire_diameter"]["value"]
+        == "3.7709 mm"
+    )
 
 
 def test_measured_cycles_are_laid_over_a_run(bench, page, finished, tmp_path):
     """The test is made up: a level of 500 N, 7 N up and down in two repeats, so its mean is known."""
     angle = np.linspace(0.0, 2 * np.pi, 360, endpoint=False)
     values = 500.0 + np.outer([7.0, -7.0], np.ones(360))
-    test = write_cycles(tmp_path / "level.csv", [MeasuredCycles("seat_force", "N", angle, values, 70 * np.pi, synthetic=True)])
+    test = write_cycles(
+        tmp_path / "level.csv",
+        [MeasuredCycles("seat_force", "N", angle, values, 70 * np.pi, synthetic=True)],
+    )
     page.goto(f"{bench.url}/run/{finished}")
     page.set_input_files("#test-file", str(test))
     page.wait_for_selector("#test-verdict", timeout=30_000)
     page.wait_for_selector(".panel .plot .scatterlayer .trace", state="attached")
-    drawn = page.evaluate("Array.from(document.querySelector('.panel .plot')._fullData, (trace) => Array.from(trace.y).slice(0, 5))")
+    drawn = page.evaluate(
+        "Array.from(document.querySelector('.panel .plot')._fullData, (trace) => Array.from(trace.y).slice(0, 5))"
+    )
     assert any(all(abs(value - 500) < 1e-3 for value in values) for values in drawn if values)
-    page.set_input_files("#test-file", {"name": "broken.csv", "mimeType": "text/csv", "buffer": b"\x00\x01 no test"})
+    page.set_input_files(
+        "#test-file", {"name": "broken.csv", "mimeType": "text/csv", "buffer": b"\x00\x01 no test"}
+    )
     page.locator(".upload [role=alert]").wait_for()
 
 
@@ -226,7 +278,9 @@ def test_a_file_that_is_no_case_is_refused_and_a_case_opens(bench, page, tmp_pat
     page.get_by_role("alert").wait_for()
     assert "text" in page.get_by_role("alert").inner_text()
     mine = tmp_path / "mine.toml"
-    mine.write_text('[spring]\npreload = "250 N"\nrate = "32 N/mm"\nmass = "42 g"\n', encoding="utf-8")
+    mine.write_text(
+        '[spring]\npreload = "250 N"\nrate = "32 N/mm"\nmass = "42 g"\n', encoding="utf-8"
+    )
     page.set_input_files("#case-file", str(mine))
     page.wait_for_url("**/case/mine")
     assert page.get_by_label("Preload", exact=True).input_value() == "250 N"
@@ -300,14 +354,25 @@ def test_dark_is_kept_and_colours_every_figure(bench, page, finished):
     page.reload()
     shown(page)
     page.wait_for_selector(".plot .main-svg", state="attached")
-    assert (turn.get_attribute("aria-pressed"), turn.inner_text()) == ("true", "Dark: on"), "after a reload too"
+    assert (turn.get_attribute("aria-pressed"), turn.inner_text()) == ("true", "Dark: on"), (
+        "after a reload too"
+    )
     assert page.evaluate("getComputedStyle(document.body).backgroundColor") == "rgb(20, 20, 20)"
     assert "invert" in page.evaluate("getComputedStyle(document.querySelector('.plot')).filter")
-    assert not [one["id"] for one in axe.Axe().run(page).response["violations"] if one["id"] == "color-contrast"]
+    assert not [
+        one["id"]
+        for one in axe.Axe().run(page).response["violations"]
+        if one["id"] == "color-contrast"
+    ]
 
 
 def test_every_page_carries_the_policy_and_asks_nothing_of_the_network(bench, page, finished):
     for place in ("/", f"/run/{finished}"):
         answer = page.goto(bench.url + place)
-        assert re.search(r"default-src 'self'", answer.headers.get("content-security-policy", "")), place
-        assert "http:" not in answer.headers["content-security-policy"] and "https:" not in answer.headers["content-security-policy"]
+        assert re.search(
+            r"default-src 'self'", answer.headers.get("content-security-policy", "")
+        ), place
+        assert (
+            "http:" not in answer.headers["content-security-policy"]
+            and "https:" not in answer.headers["content-security-policy"]
+        )

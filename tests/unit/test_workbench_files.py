@@ -1,6 +1,8 @@
-"""Files beside a case and tests over a run: put there, listed, handed out and taken away over the addresses of the server, all guarded.
+"""Files beside a case and tests over a run: put there, listed, handed out and taken away over the
+addresses of the server, all guarded.
 
-Evidence: what stands on disk afterwards, the reader of case files on it, contract of HTTP as browsers keep it, names and bytes of any kind.
+Evidence: what stands on disk afterwards, the reader of case files on it, contract of HTTP as
+browsers keep it, names and bytes of any kind.
 """
 
 from __future__ import annotations
@@ -15,7 +17,13 @@ import pytest
 from valvetrain.errors import InputError
 from valvetrain.studies.run_store import find_run, kept_runs
 from valvetrain.workbench.jobs import Jobs
-from valvetrain.workbench.kept_tests import MOST_TESTS, keep_test, kept_test, kept_tests, remove_test
+from valvetrain.workbench.saved_runs import (
+    MOST_TESTS,
+    keep_test,
+    kept_test,
+    kept_tests,
+    remove_test,
+)
 from valvetrain.workbench.side_files import MOST_FILES, check_bounds
 from valvetrain.workbench.workspace import Workspace
 from workbench_parts import BAD_NAMES, SMALL, SPRING, TABLE, kept, lifts
@@ -42,13 +50,19 @@ class Browser:
     def __init__(self, app: Any) -> None:
         self.app = app
 
-    def ask(self, method: str, path: str, headers: dict[str, str] | None = None, **more: Any) -> Any:
+    def ask(
+        self, method: str, path: str, headers: dict[str, str] | None = None, **more: Any
+    ) -> Any:
         """The answer to one request."""
         import httpx
 
         async def answer() -> Any:
-            async with httpx.AsyncClient(transport=httpx.ASGITransport(app=self.app), base_url=OWN) as line:
-                return await line.request(method, path, headers=OURS if headers is None else headers, **more)
+            async with httpx.AsyncClient(
+                transport=httpx.ASGITransport(app=self.app), base_url=OWN
+            ) as line:
+                return await line.request(
+                    method, path, headers=OURS if headers is None else headers, **more
+                )
 
         return asyncio.run(answer())
 
@@ -81,11 +95,15 @@ def client(workspace):
 
 def test_a_table_is_sent_named_handed_out_and_removed(workspace, client):
     case = workspace.upload("small.toml", SMALL.encode())
-    assert client.post(f"/upload/file?case={case}&name=lift.txt", content=lifts()).json() == {"file": "lift.txt"}
+    assert client.post(f"/upload/file?case={case}&name=lift.txt", content=lifts()).json() == {
+        "file": "lift.txt"
+    }
     (file,) = workspace.side_files(case)
     assert (file.name, file.size, file.is_named) == ("lift.txt", len(lifts()), False)
     answer = client.get(f"/case-file/{case}/lift.txt")
-    assert answer.content == lifts() and answer.headers["content-disposition"].startswith("attachment")
+    assert answer.content == lifts() and answer.headers["content-disposition"].startswith(
+        "attachment"
+    )
     assert answer.headers["content-type"] == "application/octet-stream"
     workspace.replace_text(case, SPRING + TABLE)
     assert workspace.side_files(case)[0].is_named
@@ -94,37 +112,66 @@ def test_a_table_is_sent_named_handed_out_and_removed(workspace, client):
     assert workspace.read(case).lift_law is not None
     workspace.replace_text(case, SMALL)
     workspace.detach(case, "lift.txt")
-    assert workspace.side_files(case) == [] and client.get(f"/case-file/{case}/lift.txt").status_code == 404
+    assert (
+        workspace.side_files(case) == []
+        and client.get(f"/case-file/{case}/lift.txt").status_code == 404
+    )
 
 
-def test_another_content_of_a_named_file_is_taken_only_where_the_case_still_reads(workspace, client):
+def test_another_content_of_a_named_file_is_taken_only_where_the_case_still_reads(
+    workspace, client
+):
     case = workspace.upload("small.toml", (SPRING + TABLE).encode(), {"lift.txt": lifts()})
-    refused = client.post(f"/upload/file?case={case}&name=lift.txt", content=b"no table").json()["refusal"]
+    refused = client.post(f"/upload/file?case={case}&name=lift.txt", content=b"no table").json()[
+        "refusal"
+    ]
     assert "lift.txt" in refused and workspace.files(case) == {"lift.txt": lifts()}
     before = workspace.read(case).lift_law
-    assert client.post(f"/upload/file?case={case}&name=lift.txt", content=lifts(8.0)).json() == {"file": "lift.txt"}
+    assert client.post(f"/upload/file?case={case}&name=lift.txt", content=lifts(8.0)).json() == {
+        "file": "lift.txt"
+    }
     assert workspace.read(case).lift_law != before
 
 
 @pytest.mark.parametrize(
     ("name", "words"),
-    [("case.toml", "case file"), ("CASE.TOML", "case file"), ("other.toml", "case file"), ("answer.json", "for its own"),
-     *((name, "") for name in BAD_NAMES)],
-)  # fmt: skip
+    [
+        ("case.toml", "case file"),
+        ("CASE.TOML", "case file"),
+        ("other.toml", "case file"),
+        ("answer.json", "for its own"),
+        *((name, "") for name in BAD_NAMES),
+    ],
+)
 def test_no_file_takes_the_place_of_another_or_lies_elsewhere(workspace, client, name, words):
     case = workspace.upload("small.toml", SMALL.encode())
     before = sorted(path for path in workspace.folder.rglob("*") if "sqlite" not in path.name)
     answers = [
-        client.post("/upload/file", params={"case": one, "name": other}, content=b"x") for one, other in ((case, name), (name, "a.csv"))
+        client.post("/upload/file", params={"case": one, "name": other}, content=b"x")
+        for one, other in ((case, name), (name, "a.csv"))
     ]
-    refusals = [answer.json()["refusal"] if answer.status_code == 200 else answer.text for answer in answers]
+    refusals = [
+        answer.json()["refusal"] if answer.status_code == 200 else answer.text for answer in answers
+    ]
     assert all(refusals) and words in refusals[0]
-    assert sorted(path for path in workspace.folder.rglob("*") if "sqlite" not in path.name) == before
+    assert (
+        sorted(path for path in workspace.folder.rglob("*") if "sqlite" not in path.name) == before
+    )
     assert workspace.text(case) == SMALL
 
 
 @pytest.mark.parametrize(
-    "name", ["case.toml", "../../workbench.sqlite", "..%2f..%2fworkbench.sqlite", "%2e%2e", ".hidden", "linked.csv", "a\\b", "none.csv"]
+    "name",
+    [
+        "case.toml",
+        "../../workbench.sqlite",
+        "..%2f..%2fworkbench.sqlite",
+        "%2e%2e",
+        ".hidden",
+        "linked.csv",
+        "a\\b",
+        "none.csv",
+    ],
 )
 def test_nothing_but_a_file_beside_the_case_is_handed_out_or_removed(workspace, client, name):
     case = workspace.upload("small.toml", SMALL.encode())
@@ -139,14 +186,23 @@ def test_nothing_but_a_file_beside_the_case_is_handed_out_or_removed(workspace, 
 
 @pytest.mark.parametrize(
     ("method", "path"),
-    [("POST", "/upload/file?case=small&name=a.csv"), ("POST", "/upload/case"), ("POST", "/upload/test?run=small/x&name=a.csv"),
-     ("GET", "/case-file/small/a.csv"), ("GET", "/part-test/small/x/a.csv")],
-)  # fmt: skip
+    [
+        ("POST", "/upload/file?case=small&name=a.csv"),
+        ("POST", "/upload/case"),
+        ("POST", "/upload/test?run=small/x&name=a.csv"),
+        ("GET", "/case-file/small/a.csv"),
+        ("GET", "/part-test/small/x/a.csv"),
+    ],
+)
 def test_every_address_of_files_is_guarded(workspace, client, method, path):
     """As each request: another site, a foreign name, nothing told, and more than may be sent."""
     case = workspace.upload("small.toml", SMALL.encode())
     workspace.attach(case, "a.csv", b"1")
-    for heads in ({"origin": "http://evil.example"}, OURS | {"host": "evil.example:8420"}, OURS | {"sec-fetch-site": "cross-site"}):
+    for heads in (
+        {"origin": "http://evil.example"},
+        OURS | {"host": "evil.example:8420"},
+        OURS | {"sec-fetch-site": "cross-site"},
+    ):
         assert client.ask(method, path, heads, content=b"x").status_code == 403
     if method == "POST":
         form = OURS | {"content-type": "multipart/form-data; boundary=x"}
@@ -159,9 +215,16 @@ def test_every_address_of_files_is_guarded(workspace, client, method, path):
 def test_files_beside_a_case_are_bounded(workspace, client):
     case = workspace.upload("small.toml", SMALL.encode())
     for place in range(MOST_FILES):
-        assert client.post(f"/upload/file?case={case}&name=f{place}.csv", content=b"1").json() == {"file": f"f{place}.csv"}
-    assert f"at most {MOST_FILES} files" in client.post(f"/upload/file?case={case}&name=g.csv", content=b"1").json()["refusal"]
-    assert client.post(f"/upload/file?case={case}&name=f0.csv", content=b"2").json() == {"file": "f0.csv"}, "in the place of an earlier one"
+        assert client.post(f"/upload/file?case={case}&name=f{place}.csv", content=b"1").json() == {
+            "file": f"f{place}.csv"
+        }
+    assert (
+        f"at most {MOST_FILES} files"
+        in client.post(f"/upload/file?case={case}&name=g.csv", content=b"1").json()["refusal"]
+    )
+    assert client.post(f"/upload/file?case={case}&name=f0.csv", content=b"2").json() == {
+        "file": "f0.csv"
+    }, "in the place of an earlier one"
     with pytest.raises(InputError, match="20 MB"):
         check_bounds({"a.csv": bytes(10_000_001), "b.csv": bytes(10_000_000)}, "a.csv")
 
@@ -171,13 +234,27 @@ def test_a_case_and_the_table_it_names_are_sent_together(workspace, client):
     alone = client.post("/upload/case", files=[case]).json()["refusal"]
     assert "'lift.txt', which was not sent with it" in alone and "together" in alone
     assert client.post("/upload/case", files=[table, case]).json() == {"open": "/case/mine"}
-    assert workspace.files("mine") == {"lift.txt": lifts()} and workspace.read("mine").lift_law is not None
-    assert "of which 0 are case files" in client.post("/upload/case", files=[table, table]).json()["refusal"]
-    assert "of which 2 are case files" in client.post("/upload/case", files=[case, case, table]).json()["refusal"]
-    assert client.post("/upload/case", files=[case, ("file", ("../lift.txt", lifts()))]).json()["refusal"]
+    assert (
+        workspace.files("mine") == {"lift.txt": lifts()}
+        and workspace.read("mine").lift_law is not None
+    )
+    assert (
+        "of which 0 are case files"
+        in client.post("/upload/case", files=[table, table]).json()["refusal"]
+    )
+    assert (
+        "of which 2 are case files"
+        in client.post("/upload/case", files=[case, case, table]).json()["refusal"]
+    )
+    assert client.post("/upload/case", files=[case, ("file", ("../lift.txt", lifts()))]).json()[
+        "refusal"
+    ]
     assert client.post("/upload/case", files=[case] * (MOST_FILES + 2)).json()["refusal"]
     assert client.post("/upload/case", content=b"plain").json()["refusal"]
-    broken = {"content": b"--x\r\nbroken", "headers": OURS | {"content-type": "multipart/form-data; boundary=x"}}
+    broken = {
+        "content": b"--x\r\nbroken",
+        "headers": OURS | {"content-type": "multipart/form-data; boundary=x"},
+    }
     assert client.post("/upload/case", **broken).json()["refusal"]
     assert [card.name for card in workspace.cases()] == ["mine"]
 
@@ -188,12 +265,20 @@ def test_a_test_stays_with_its_run_and_is_none_of_its_results(workspace, client)
     one = keep_test(run, "cycles-no-2.csv", b"a;b")
     assert one.name == "cycles-no-2.csv" and one.path.read_bytes() == b"a;b"
     assert keep_test(run, one.name, b"a;b;c").size == 5 and len(kept_tests(run)) == 1
-    assert find_run(run_id, workspace.runs_folder).answer == before and len(kept_runs(root=workspace.runs_folder)) == 1
+    assert (
+        find_run(run_id, workspace.runs_folder).answer == before
+        and len(kept_runs(root=workspace.runs_folder)) == 1
+    )
     assert [other.run_id for other in workspace.runs()] == [run_id]
-    for kind, names in (("data", {"case.toml", "run.json", "quantities.csv"}), ("csv", {"quantities.csv"})):
+    for kind, names in (
+        ("data", {"case.toml", "run.json", "quantities.csv"}),
+        ("csv", {"quantities.csv"}),
+    ):
         with zipfile.ZipFile(workspace.download(run_id, kind)) as archive:
             assert {name.rpartition("/")[2] for name in archive.namelist()} == names
-    assert kept_tests(Workspace(workspace.folder).run(run_id)) == kept_tests(run), "another server finds it"
+    assert kept_tests(Workspace(workspace.folder).run(run_id)) == kept_tests(run), (
+        "another server finds it"
+    )
     for place in range(MOST_TESTS - 1):
         keep_test(run, f"t{place}.csv", b"1")
     with pytest.raises(InputError, match=f"at most {MOST_TESTS} tests"):
@@ -229,4 +314,6 @@ def test_tests_over_a_run_lead_nowhere_else(workspace, client, tmp_path):
     answer = client.get(f"/part-test/{run_id}/a.csv")
     assert answer.status_code == 404 and answer.text, "a run without curves says so"
     for name in BAD_NAMES:
-        assert client.post("/upload/test", params={"run": name, "name": "a.csv"}, content=b"1").json()["refusal"]
+        assert client.post(
+            "/upload/test", params={"run": name, "name": "a.csv"}, content=b"1"
+        ).json()["refusal"]

@@ -1,6 +1,8 @@
-"""Files beside a case, spring sets and tests over a run in a real browser: what a user sends, chooses and removes.
+"""Files beside a case, spring sets and tests over a run in a real browser: what a user sends,
+chooses and removes.
 
-Evidence: what the page shows is compared with the files of the workspace and of the kept run; accessibility by axe-core.
+Evidence: what the page shows is compared with the files of the workspace and of the kept run;
+accessibility by axe-core.
 """
 
 from __future__ import annotations
@@ -12,8 +14,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from valvetrain.measurements.cycles_file import write_cycles
-from valvetrain.measurements.measured_cycles import MeasuredCycles
+from valvetrain.measured.cycles import MeasuredCycles, write_cycles
 from valvetrain.workbench import form
 from valvetrain.workbench.workspace import Workspace
 from workbench_browser_parts import Bench, nothing_serious, open_case, opened, shown, watched
@@ -47,7 +48,9 @@ def finished(bench) -> str:
             box.uncheck()
         page.locator("#model-massless").check()
         page.get_by_label("stock", exact=True).uncheck()
-        page.wait_for_function("document.getElementById('order-refusal').textContent.includes('no spring set is chosen')")
+        page.wait_for_function(
+            "document.getElementById('order-refusal').textContent.includes('no spring set is chosen')"
+        )
         page.get_by_label("performance", exact=True).check()
         page.get_by_label("Engine speeds (crank)").fill("3000 rpm")
         page.get_by_role("button", name="Run", exact=True).click()
@@ -62,20 +65,30 @@ def test_the_chosen_spring_set_runs_and_is_remembered(bench, page, finished):
     page.goto(f"{bench.url}/run/{finished}")
     assert page.locator(".facts").inner_text().endswith("performance")
     open_case(bench, page, TRAIN)
-    assert page.get_by_label("performance", exact=True).is_checked() and not page.get_by_label("stock", exact=True).is_checked()
+    assert (
+        page.get_by_label("performance", exact=True).is_checked()
+        and not page.get_by_label("stock", exact=True).is_checked()
+    )
 
 
 def level(folder: Path, name: str, mean: float) -> Path:
-    """A test that is made up: a level with two repeats 7 N above and below it, so its mean is known."""
+    """A test that is made up: a level with two repeats 7 N above and below it, so its mean is
+    known.
+    """
     angle = np.linspace(0.0, 2 * np.pi, 90, endpoint=False)
     values = mean + np.outer([7.0, -7.0], np.ones(90))
-    return write_cycles(folder / name, [MeasuredCycles("seat_force", "N", angle, values, 50 * np.pi, synthetic=True)])
+    return write_cycles(
+        folder / name,
+        [MeasuredCycles("seat_force", "N", angle, values, 50 * np.pi, synthetic=True)],
+    )
 
 
 def drawn(page: Any, value: float) -> bool:
     """Whether a line of the first figure of the tests is at ``value``."""
     page.wait_for_selector(".panel .plot .scatterlayer .trace", state="attached", timeout=30_000)
-    lines = page.evaluate("Array.from(document.querySelector('.panel .plot')._fullData, (trace) => Array.from(trace.y).slice(0, 5))")
+    lines = page.evaluate(
+        "Array.from(document.querySelector('.panel .plot')._fullData, (trace) => Array.from(trace.y).slice(0, 5))"
+    )
     return any(all(abs(one - value) < 1e-3 for one in line) for line in lines if line)
 
 
@@ -105,8 +118,13 @@ def test_a_table_is_put_beside_a_case_and_named_in_its_lift_law(bench, page, tmp
     page.goto(bench.url)
     mine, table = tmp_path / "mine.toml", tmp_path / "lift.csv"
     head = "[spring]\npreload = '250 N'\nrate = '32 N/mm'\nmass = '42 g'\n[lift_law]\nkind = 'table'\nfile = 'lift.csv'\n"
-    mine.write_text(head + "angle_of = 'cam'\nangle_unit = 'deg'\nlift_unit = 'mm'\n", encoding="utf-8")
-    table.write_text("\n".join(f"{at * 10},{max(0, 9 - abs(at - 18)) ** 2 / 9:.4f}" for at in range(36)), encoding="utf-8")
+    mine.write_text(
+        head + "angle_of = 'cam'\nangle_unit = 'deg'\nlift_unit = 'mm'\n", encoding="utf-8"
+    )
+    table.write_text(
+        "\n".join(f"{at * 10},{max(0, 9 - abs(at - 18)) ** 2 / 9:.4f}" for at in range(36)),
+        encoding="utf-8",
+    )
     page.set_input_files("#case-file", str(mine))
     page.get_by_role("alert").wait_for()
     assert "'lift.csv', which was not sent with it" in page.get_by_role("alert").inner_text()
@@ -117,32 +135,47 @@ def test_a_table_is_put_beside_a_case_and_named_in_its_lift_law(bench, page, tmp
     panel.get_by_role("button", name="Remove lift.csv").click()
     panel.get_by_role("alert").wait_for()
     assert "so it stays" in panel.get_by_role("alert").inner_text()
-    page.set_input_files("#side-file", {"name": "other.csv", "mimeType": "text/csv", "buffer": table.read_bytes()})
+    page.set_input_files(
+        "#side-file", {"name": "other.csv", "mimeType": "text/csv", "buffer": table.read_bytes()}
+    )
     panel.get_by_role("link", name="other.csv").wait_for()
     page.locator("summary", has_text="Lift law").click()
     field = page.locator("#field-lift_law-file")
-    assert page.locator("#field-lift_law-file-list option").evaluate_all("all => all.map((one) => one.value)") == ["lift.csv", "other.csv"]
+    assert page.locator("#field-lift_law-file-list option").evaluate_all(
+        "all => all.map((one) => one.value)"
+    ) == ["lift.csv", "other.csv"]
     assert field.input_value() == "lift.csv"
     field.fill("other.csv")
     field.press("Enter")
-    page.wait_for_function("document.querySelector('#case-files li:last-child').textContent.includes('named by the case')")
+    page.wait_for_function(
+        "document.querySelector('#case-files li:last-child').textContent.includes('named by the case')"
+    )
     assert bench.case("mine")["lift_law"]["file"] == "other.csv"
     with page.expect_download() as waited:
         panel.get_by_role("link", name="lift.csv").click()
     assert Path(waited.value.path()).read_bytes() == table.read_bytes()
-    page.set_input_files("#side-file", {"name": "my lift.csv", "mimeType": "text/csv", "buffer": b"1"})
+    page.set_input_files(
+        "#side-file", {"name": "my lift.csv", "mimeType": "text/csv", "buffer": b"1"}
+    )
     panel.locator(".upload [role=alert]").wait_for()
     panel.get_by_role("button", name="Remove lift.csv").click()
     panel.get_by_role("button", name="Remove lift.csv").wait_for(state="detached")
-    assert {path.name for path in (bench.folder / "cases" / "mine").iterdir()} == {"case.toml", "other.csv"}
+    assert {path.name for path in (bench.folder / "cases" / "mine").iterdir()} == {
+        "case.toml",
+        "other.csv",
+    }
     page.select_option("#field-lift_law-kind", "polynomial")
     page.locator("#field-lift_law-maximum_lift").wait_for()
     assert bench.case("mine")["lift_law"]["kind"] == "polynomial"
     page.select_option("#field-lift_law-kind", "table")
     page.locator("#field-lift_law-file").wait_for()
     assert bench.case("mine")["lift_law"] == {
-        "kind": "table", "file": "other.csv", "angle_of": "cam", "angle_unit": "deg", "lift_unit": "mm",
-    }  # fmt: skip
+        "kind": "table",
+        "file": "other.csv",
+        "angle_of": "cam",
+        "angle_unit": "deg",
+        "lift_unit": "mm",
+    }
     page.locator("summary", has_text="Add to the case").click()
     page.get_by_role("button", name="Add: Second spring").click()
     page.wait_for_function("document.activeElement.id === 'field-spring-1-name'")
@@ -178,11 +211,17 @@ FORM = """async (code) => {
 
 
 def test_what_was_typed_in_a_table_goes_with_the_table(bench):
-    """The script of the form alone: a table that is removed and added again shows what the case holds."""
+    """The script of the form alone: a table that is removed and added again shows what the case
+    holds.
+    """
     page = bench.page()
     code = (Path(form.__file__).parent / "pages" / "form.js").read_text("utf-8")
     found = page.evaluate(FORM, code)
     page.context.close()
     assert set(found["refused"]) == {"spring.1.mass", "spring.1"}
-    assert found["gone"] == [{"spring.1": "it stays"}, {"spring.0.mass": "43"}, {"spring.0.mass": True}]
+    assert found["gone"] == [
+        {"spring.1": "it stays"},
+        {"spring.0.mass": "43"},
+        {"spring.0.mass": True},
+    ]
     assert found["again"] == "9 g" and found["waits"] == "" and found["still"] == "train.gas"

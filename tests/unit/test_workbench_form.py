@@ -1,6 +1,8 @@
-"""Forms: every value of every case that ships stands in its form as the reader takes it, and refusals are the reader's own.
+"""Forms: every value of every case that ships stands in its form as the reader takes it, and
+refusals are the reader's own.
 
-Evidence: the reader of case files (another path through the tables than the form's), and values known from the library's files.
+Evidence: the reader of case files (another path through the tables than the form's), and values
+known from the library's files.
 """
 
 from __future__ import annotations
@@ -33,7 +35,9 @@ def leaves(item, path=""):
     """Key path -> plain value of a bare tree; a curve, an end or a material is one value."""
     for key, value in item.items():
         here = f"{path}.{key}" if path else key
-        if (isinstance(value, dict) and not {"formula", "coils", "kind", "name"} & set(value)) or key in ("lift_law", "train"):
+        if (
+            isinstance(value, dict) and not {"formula", "coils", "kind", "name"} & set(value)
+        ) or key in ("lift_law", "train"):
             yield from leaves(value, here)
         elif isinstance(value, list) and value and all(isinstance(one, dict) for one in value):
             for place, one in enumerate(value):
@@ -48,24 +52,42 @@ def test_every_value_of_a_case_stands_in_its_form_and_is_taken_back(path):
     form = flat(text)
     bare, notes, _ = split_notes(tomllib.loads(text))
     missing = [
-        key for key, value in leaves(bare)
-        if key.split(".")[0] not in LEFT and (key not in form or not form[key].value_text) and value != ""
-        and not (key.startswith("train.variants.") or ".variants." in key or isinstance(value, dict))
-    ]  # fmt: skip
+        key
+        for key, value in leaves(bare)
+        if key.split(".")[0] not in LEFT
+        and (key not in form or not form[key].value_text)
+        and value != ""
+        and not (
+            key.startswith("train.variants.") or ".variants." in key or isinstance(value, dict)
+        )
+    ]
     assert not missing
     for place, field in enumerate(form.values()):
-        if field.value_text and place % 3 == 0:  # each is read from its own table; a third of them is enough here
+        if (
+            field.value_text and place % 3 == 0
+        ):  # each is read from its own table; a third of them is enough here
             assert check(text, field.key, field.value_text, LIBRARY) is None, field
     for key, note in notes.items():
         if key in form and form[key].value_text:
-            assert (note.source in form[key].source) and (str(note.status or "") in form[key].source)
+            assert (note.source in form[key].source) and (
+                str(note.status or "") in form[key].source
+            )
 
 
 def test_values_of_the_beehive_as_its_file_has_them():
     form = flat((LIBRARY / "gu2021-beehive.toml").read_text("utf-8"))
     wire = form["spring.wire_diameter"]
-    assert (wire.kind, wire.unit, wire.number, wire.required) == ("number", "mm", 3.7709, True) and wire.source.startswith("identified")
-    assert wire.slider is not None and wire.slider[0] < 3.77 < wire.slider[1] and wire.slider[2] == 0.01
+    assert (wire.kind, wire.unit, wire.number, wire.required) == (
+        "number",
+        "mm",
+        3.7709,
+        True,
+    ) and wire.source.startswith("identified")
+    assert (
+        wire.slider is not None
+        and wire.slider[0] < 3.77 < wire.slider[1]
+        and wire.slider[2] == 0.01
+    )
     assert form["spring.pitch"].kind == "curve" and form["spring.pitch"].number is None
     assert form["spring.hand"].choices == ("right", "left")
     assert form["spring.options.multi-mass.masses_per_coil"].limits == (1.0, 2000.0)
@@ -78,7 +100,9 @@ def test_a_value_keeps_the_unit_it_is_written_in():
         if field.kind == "number" and field.number is not None and field.unit:
             assert field.value_text.replace(" ", "").startswith(f"{field.number:g}"[:4]), field
             low, high = field.limits
-            assert (low is None or field.number >= low) and (high is None or field.number <= high), field
+            assert (low is None or field.number >= low) and (
+                high is None or field.number <= high
+            ), field
     assert float(to_unit(0.0039, "mm")) == pytest.approx(3.9)
 
 
@@ -94,7 +118,7 @@ def test_a_value_keeps_the_unit_it_is_written_in():
         ("lift_law.closing_start", "170 deg", "must come after"),
         ("", "1", "sets nothing"),
     ],
-)  # fmt: skip
+)
 def test_a_refusal_stands_in_place_and_is_the_readers(key, value, words):
     found = check(SMALL, key, value)
     assert found is not None and words in found
@@ -137,7 +161,9 @@ def test_a_form_of_a_text_that_is_none():
     ],
 )
 def test_the_slider_of_the_speed_stands_about_the_highest_speed_in_rpm(speeds, value, ends):
-    """Ends at 0.3 and 1.5 of it, to 50 rpm; the value with its unit is the speed of the case, to a revolution per minute."""
+    """Ends at 0.3 and 1.5 of it, to 50 rpm; the value with its unit is the speed of the case, to a
+    revolution per minute.
+    """
     case = parse_case(SMALL)
     wanted = () if speeds is None else si_speeds(speeds)
     shown = engine_speed(replace(case, operation=replace(case.operation, engine_speeds=wanted)))
@@ -145,17 +171,30 @@ def test_the_slider_of_the_speed_stands_about_the_highest_speed_in_rpm(speeds, v
         assert shown == []
         return
     (one,) = shown
-    assert (one["value"], one["unit"], (one["low"], one["high"]), one["step"]) == (value, "rpm", ends, 10.0)
-    assert parse_quantity(f"{one['value']} {one['unit']}", "angular speed") == pytest.approx(max(wanted), abs=0.06)
+    assert (one["value"], one["unit"], (one["low"], one["high"]), one["step"]) == (
+        value,
+        "rpm",
+        ends,
+        10.0,
+    )
+    assert parse_quantity(f"{one['value']} {one['unit']}", "angular speed") == pytest.approx(
+        max(wanted), abs=0.06
+    )
 
 
 @pytest.mark.parametrize("path", FILES, ids=lambda path: path.stem)
 def test_a_slider_shows_what_stands_in_the_form_in_its_unit(path):
-    """Every quantity of a slider is that of the field of the same key: number, unit, ends about the number."""
+    """Every quantity of a slider is that of the field of the same key: number, unit, ends about the
+    number.
+    """
     groups = fields(path.read_text("utf-8"))
     by_key = {field.key: field for group in groups for field in group.fields}
     shown = sliding(groups)
     assert shown and len({one["key"] for one in shown}) == len(shown)
     for one in shown:
         field = by_key[one["key"]]
-        assert (one["value"], one["unit"]) == (field.number, field.unit) and one["low"] <= one["value"] <= one["high"] and one["step"] > 0
+        assert (
+            (one["value"], one["unit"]) == (field.number, field.unit)
+            and one["low"] <= one["value"] <= one["high"]
+            and one["step"] > 0
+        )

@@ -1,6 +1,8 @@
-"""Jobs as processes: progress, cancel, bounds, restart, and nothing left running when a server ends or is killed.
+"""Jobs as processes: progress, cancel, bounds, restart, and nothing left running when a server ends
+or is killed.
 
-Evidence: observed processes of the system (not our own records), with a stand-in for the command line; one real run at the end.
+Evidence: observed processes of the system (not our own records), with a stand-in for the command
+line; one real run at the end.
 """
 
 from __future__ import annotations
@@ -71,14 +73,20 @@ def test_a_job_runs_to_its_end_and_names_its_run(workspace, fake):
         found = ended(jobs, jobs.submit(RUN))
     assert (found.state, found.share, found.error) == ("finished", 1.0, "")
     assert found.run_id == "small/20260101-000000-00000000"
-    assert not list(workspace.jobs_folder.iterdir()), "its inputs stand with the run and nowhere else"
+    assert not list(workspace.jobs_folder.iterdir()), (
+        "its inputs stand with the run and nowhere else"
+    )
 
 
 def test_a_refusal_of_the_command_is_the_jobs_sentence(workspace, fake):
     fake("refused")
     with Jobs(workspace) as jobs:
         found = ended(jobs, jobs.submit(RUN))
-    assert (found.state, found.error, found.run_id) == ("failed", "spring.wire_diameter: a wire of 4 m is no wire", "")
+    assert (found.state, found.error, found.run_id) == (
+        "failed",
+        "spring.wire_diameter: a wire of 4 m is no wire",
+        "",
+    )
 
 
 @pytest.mark.parametrize("mode", ["sleep", "deaf"])
@@ -88,7 +96,10 @@ def test_a_cancelled_job_leaves_no_process_and_keeps_what_it_finished(workspace,
         job_id = jobs.submit(RUN)
         numbers_of = running(workspace)
         wait_for(lambda: jobs.status(job_id).share == 0.25)
-        assert jobs.status(job_id).text == "first half" and jobs.status(job_id).seconds_left is not None
+        assert (
+            jobs.status(job_id).text == "first half"
+            and jobs.status(job_id).seconds_left is not None
+        )
         jobs.cancel(job_id)
         found = ended(jobs, job_id)
         wait_for(lambda: not any(map(lives, numbers_of)))
@@ -101,7 +112,11 @@ def test_the_longest_time_ends_a_job(workspace, fake):
     with Jobs(workspace, most_seconds=1.5) as jobs:
         found = ended(jobs, jobs.submit(RUN))
         assert not any(map(lives, pids(workspace)))
-    assert found.state == "failed" and "the longest time of a job" in found.error and "is kept" in found.error
+    assert (
+        found.state == "failed"
+        and "the longest time of a job" in found.error
+        and "is kept" in found.error
+    )
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="memory is read from /proc")
@@ -173,7 +188,10 @@ def test_nothing_runs_on_when_the_server_is_killed(workspace, fake, tmp_path):
         (JobRequest("run", "small", spring_models=("masless",)), "did you mean"),
         (JobRequest("run", "small", spring_sets=("x",)), "no spring set"),
         (JobRequest("run", "small", options={"output": "/tmp"}), "no option of run"),
-        (JobRequest("sweep", "small", options={"resolution": "--output=/tmp"}), "no value of this option"),
+        (
+            JobRequest("sweep", "small", options={"resolution": "--output=/tmp"}),
+            "no value of this option",
+        ),
         (JobRequest("exec", "small"), "no kind of job"),  # type: ignore[arg-type]
         (JobRequest("static", "small", engine_speeds="4000 rpm"), "no engine speed"),
         (JobRequest("study", "small", study="x = 1"), "needs outputs"),
@@ -181,10 +199,20 @@ def test_nothing_runs_on_when_the_server_is_killed(workspace, fake, tmp_path):
         (JobRequest("run", "small", settings={"a\0b": "1"}), "is unknown"),
         (JobRequest("run", "../small"), "no name of a file"),
         (JobRequest("sweep", "small", engine_speeds="1:2000000:1 rpm"), "speeds"),
-        (JobRequest("run", "small", settings={"operation.cycles": "10000"}, engine_speeds="10:3000:1 rpm"), "valvetrain serve --limit"),
+        (
+            JobRequest(
+                "run",
+                "small",
+                settings={"operation.cycles": "10000"},
+                engine_speeds="10:3000:1 rpm",
+            ),
+            "valvetrain serve --limit",
+        ),
     ],
-)  # fmt: skip
-def test_what_is_refused_is_refused_before_a_process_begins(workspace, fake, request_of_a_page, words):
+)
+def test_what_is_refused_is_refused_before_a_process_begins(
+    workspace, fake, request_of_a_page, words
+):
     fake("quick")
     with Jobs(workspace) as jobs, pytest.raises(InputError) as refused:
         jobs.submit(request_of_a_page)
@@ -193,11 +221,22 @@ def test_what_is_refused_is_refused_before_a_process_begins(workspace, fake, req
 
 
 def test_no_word_of_a_request_can_be_an_option_of_its_own():
-    """Every word that holds what a page sent begins with the option it belongs to, and the file stands behind the last option."""
+    """Every word that holds what a page sent begins with the option it belongs to, and the file
+    stands behind the last option.
+    """
     evil = "--output=/tmp/x"
     asked = JobRequest("run", "small", (evil,), evil, (evil,), {evil: evil}, {}, "", True)
     words = command_words(asked, evil, 2, Limits(), evil)
-    flags = ("--json", "--limit=", "--workers=", "--spring=", "--spring-set=", "--engine-speed=", "--set=", "--implausible")
+    flags = (
+        "--json",
+        "--limit=",
+        "--workers=",
+        "--spring=",
+        "--spring-set=",
+        "--engine-speed=",
+        "--set=",
+        "--implausible",
+    )
     assert words[0] == "run" and words[-2:] == ["--", evil]
     assert all(word.startswith(flags) for word in words[1:-2])
     assert request_of(request_json(asked)) == asked
@@ -216,8 +255,14 @@ def test_a_real_run_is_kept_in_the_workspace_and_answers(workspace, monkeypatch)
     run = workspace.run(found.run_id)
     assert run.models == ("massless",) and run.engine_speeds == (3000.0, 4000.0) and run.completed
     assert [one.run_id for one in workspace.runs("small")] == [found.run_id]
-    peak = next(one for one in numbers(run) if one.name == "peak_spring_force" and one.run.endswith("4000 rpm"))
-    assert peak.value == pytest.approx(250 + 32 * 9, abs=0.01) and peak.unit == "N"  # preload and rate times lift
+    peak = next(
+        one
+        for one in numbers(run)
+        if one.name == "peak_spring_force" and one.run.endswith("4000 rpm")
+    )
+    assert (
+        peak.value == pytest.approx(250 + 32 * 9, abs=0.01) and peak.unit == "N"
+    )  # preload and rate times lift
     assert {"answers", "force", "case"} <= {section.key for section in sections(run)}
     assert json.loads((run.folder / "run.json").read_text())["case"] == "small"
     assert workspace.download(found.run_id, "report") == run.folder / "report.html"

@@ -1,4 +1,5 @@
-"""A lift law of another kind, and back: nothing that was told is lost, nothing stands over what it does not describe.
+"""A lift law of another kind, and back: nothing that was told is lost, nothing stands over what it
+does not describe.
 
 Evidence: the text of the case file before and after, the reader of case files, what stands on disk.
 """
@@ -18,12 +19,16 @@ from valvetrain.workbench.lift_laws import KEPT, law_of, with_law, with_law_of
 from valvetrain.workbench.workspace import Workspace
 from workbench_parts import SMALL, SPRING
 
-TEXTS = {name: (LIBRARY / f"{name}.toml").read_text("utf-8") for name in library_names()} | {kind: template_text(kind) for kind in KINDS}
+TEXTS = {name: (LIBRARY / f"{name}.toml").read_text("utf-8") for name in library_names()} | {
+    kind: template_text(kind) for kind in KINDS
+}
 WITH_LAW = [name for name, text in TEXTS.items() if "lift_law" in tomllib.loads(text)]
 LAW = "kind = 'polynomial'\nmaximum_lift = '8 mm'\nopening_start = '100 deg'\nopening_end = '180 deg'\n"
 LAW += "closing_start = '180 deg'\nclosing_end = '250 deg'\n"
 DOTTED = "".join(f"lift_law.{line}\n" for line in LAW.splitlines())
-LIFTS = b"\n".join(b"%d %.4f" % (place * 10, max(0.0, 9 - abs(place - 18)) ** 2 / 9) for place in range(36))
+LIFTS = b"\n".join(
+    b"%d %.4f" % (place * 10, max(0.0, 9 - abs(place - 18)) ** 2 / 9) for place in range(36)
+)
 
 
 @pytest.fixture
@@ -37,7 +42,9 @@ def law(workspace, name):
 
 @pytest.mark.parametrize("name", WITH_LAW)
 def test_a_kind_that_is_chosen_again_has_the_values_it_had(workspace, name):
-    """Of every case and template, also with another server; of one, one kind after the other as the arrow of a closed list does."""
+    """Of every case and template, also with another server; of one, one kind after the other as the
+    arrow of a closed list does.
+    """
     case = workspace.new_case("mine", name)
     before, kind = workspace.text(case), law(workspace, case)["kind"]
     for other in words("lifts") if name == "spring" else ("zero", "polynomial", "cycloidal"):
@@ -45,7 +52,9 @@ def test_a_kind_that_is_chosen_again_has_the_values_it_had(workspace, name):
             workspace.change_law(case, other)
         except InputError as error:
             assert error.where == "lift_law.kind"
-    assert law(workspace, case)["kind"] not in (kind, "zero") or name == "pushrod", "its card tells the ratio of the lever, too"
+    assert law(workspace, case)["kind"] not in (kind, "zero") or name == "pushrod", (
+        "its card tells the ratio of the lever, too"
+    )
     again = Workspace(workspace.folder)
     again.change_law(case, kind)
     assert again.text(case) == before
@@ -55,12 +64,16 @@ def test_a_kind_that_is_chosen_again_has_the_values_it_had(workspace, name):
 
 @pytest.mark.parametrize(
     "text",
-    [f"{SPRING}[lift_law] # of the test\n# read off\n{LAW}\n# what moves it\n[operation]\nengine_speeds = '4000 rpm'\n",
-     f"{DOTTED}{SPRING}", f"lift_law = {{ {', '.join(LAW.splitlines())} }}\n{SPRING}",
-     f"{SPRING}[lift_law]\n{LAW}[lift_law.exponents]\nvalue = '3-4-5'\nstatus = 'assumed'\n",
-     f"[lift_law]\n{LAW}{SPRING}", f"{SPRING}[lift_law]\n{LAW}".rstrip()],
+    [
+        f"{SPRING}[lift_law] # of the test\n# read off\n{LAW}\n# what moves it\n[operation]\nengine_speeds = '4000 rpm'\n",
+        f"{DOTTED}{SPRING}",
+        f"lift_law = {{ {', '.join(LAW.splitlines())} }}\n{SPRING}",
+        f"{SPRING}[lift_law]\n{LAW}[lift_law.exponents]\nvalue = '3-4-5'\nstatus = 'assumed'\n",
+        f"[lift_law]\n{LAW}{SPRING}",
+        f"{SPRING}[lift_law]\n{LAW}".rstrip(),
+    ],
     ids=["comments", "dotted", "inline", "table below", "first", "no last line end"],
-)  # fmt: skip
+)
 def test_however_a_law_is_written_it_comes_back(workspace, text):
     case = workspace.upload("mine.toml", text.encode())
     for other in ("cycloidal", "zero", "polynomial"):
@@ -87,7 +100,9 @@ def test_what_was_set_is_kept_and_what_was_only_begun_is_made_anew(workspace):
     workspace.change_law(case, "polynomial")
     workspace.set_value(case, "lift_law.maximum_lift", "10 mm")
     workspace.change_law(case, "cycloidal")
-    assert law(workspace, case)["maximum_lift"] == "10 mm", "what both kinds know stays: nobody had set anything of this one"
+    assert law(workspace, case)["maximum_lift"] == "10 mm", (
+        "what both kinds know stays: nobody had set anything of this one"
+    )
     workspace.set_value(case, "lift_law.maximum_lift", "11 mm")
     workspace.change_law(case, "polynomial")
     assert law(workspace, case)["maximum_lift"] == "10 mm"
@@ -117,7 +132,11 @@ def test_what_is_kept_of_a_law_is_no_file_of_the_case(workspace):
     case = workspace.upload("mine.toml", SMALL.encode())
     workspace.change_law(case, "zero")
     assert (workspace.case_folder(case) / KEPT).is_file()
-    assert workspace.files(case) == {} and workspace.side_files(case) == [] and workspace.stamps(case) == ()
+    assert (
+        workspace.files(case) == {}
+        and workspace.side_files(case) == []
+        and workspace.stamps(case) == ()
+    )
     for call in (
         lambda: workspace.side_file(case, KEPT),
         lambda: workspace.attach(case, KEPT, b"{}"),
@@ -135,10 +154,19 @@ def test_what_is_kept_of_a_law_is_no_file_of_the_case(workspace):
 
 @pytest.mark.parametrize(
     "content",
-    [b"", b"\xff", b"[1]", b'{"told": 1}', b'{"told": {"polynomial": "x = ["}}', b'{"told": {"polynomial": 3}}',
-     b'{"told": {"polynomial": "[lift_law]\\nkind = 4"}, "begun": {"zero": "="}}',
-     b'{"told": {"polynomial": "[lift_law]\\nkind = \'zero\'"}}', b'{"told": {"polynomial": "[other]\\nx = 1"}}', None],
-)  # fmt: skip
+    [
+        b"",
+        b"\xff",
+        b"[1]",
+        b'{"told": 1}',
+        b'{"told": {"polynomial": "x = ["}}',
+        b'{"told": {"polynomial": 3}}',
+        b'{"told": {"polynomial": "[lift_law]\\nkind = 4"}, "begun": {"zero": "="}}',
+        b'{"told": {"polynomial": "[lift_law]\\nkind = \'zero\'"}}',
+        b'{"told": {"polynomial": "[other]\\nx = 1"}}',
+        None,
+    ],
+)
 def test_what_is_kept_may_be_damaged(workspace, tmp_path, content):
     case = workspace.upload("mine.toml", SMALL.encode())
     workspace.change_law(case, "zero")
@@ -162,9 +190,9 @@ def test_the_file_that_reads_becomes_the_lift_law(workspace, kind):
     workspace.attach(case, "b-lift.txt", LIFTS)
     workspace.attach(case, "c-notes.txt", b"a word")
     workspace.change_law(case, kind)
-    assert law(workspace, case)["file"] == "b-lift.txt" and max(workspace.read(case).lift_law.values["lifts"]) == pytest.approx(
-        9e-3, rel=1e-3
-    )
+    assert law(workspace, case)["file"] == "b-lift.txt" and max(
+        workspace.read(case).lift_law.values["lifts"]
+    ) == pytest.approx(9e-3, rel=1e-3)
 
 
 def test_a_law_whose_file_has_gone_is_made_of_another_or_refused(workspace):
@@ -174,7 +202,9 @@ def test_a_law_whose_file_has_gone_is_made_of_another_or_refused(workspace):
     workspace.set_value(case, "lift_law.degree", "7")
     workspace.change_law(case, "polynomial")
     workspace.detach(case, "lift.txt")
-    with pytest.raises(InputError, match=r"last told reads no more \(.*lift.txt.*add it below 'Files of this case'"):
+    with pytest.raises(
+        InputError, match=r"last told reads no more \(.*lift.txt.*add it below 'Files of this case'"
+    ):
         workspace.change_law(case, "table")
     workspace.attach(case, "other.txt", LIFTS)
     workspace.change_law(case, "table")
@@ -182,11 +212,15 @@ def test_a_law_whose_file_has_gone_is_made_of_another_or_refused(workspace):
     workspace.change_law(case, "polynomial")
     workspace.attach(case, "lift.txt", LIFTS)
     workspace.change_law(case, "table")
-    assert (law(workspace, case)["file"], law(workspace, case)["degree"]) == ("lift.txt", 7), "what was told before was not overwritten"
+    assert (law(workspace, case)["file"], law(workspace, case)["degree"]) == ("lift.txt", 7), (
+        "what was told before was not overwritten"
+    )
 
 
 def test_a_case_that_takes_no_other_law_says_so(monkeypatch):
-    monkeypatch.setattr("valvetrain.workbench.lift_laws.saved", lambda document: SMALL)  # a writer that loses what it was given
+    monkeypatch.setattr(
+        "valvetrain.workbench.lift_laws.saved", lambda document: SMALL
+    )  # a writer that loses what it was given
     with pytest.raises(InputError, match="change it in the case file itself"):
         with_law_of(f"{DOTTED}{SPRING}", law_of(SMALL))
 

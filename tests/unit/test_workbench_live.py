@@ -1,6 +1,8 @@
-"""The live chain: its curves are those of a run, bit for bit; the newest question wins; a rod can be ended.
+"""The live chain: its curves are those of a run, bit for bit; the newest question wins; a rod can
+be ended.
 
-Evidence: ``simulate`` (which records every channel) against the worker's shorter record; Hooke's law for a massless spring.
+Evidence: ``simulate`` (which records every channel) against the worker's shorter record; Hooke's
+law for a massless spring.
 """
 
 from __future__ import annotations
@@ -44,10 +46,15 @@ def test_a_massless_spring_is_hookes_law():
 
 @pytest.mark.parametrize(
     ("changes", "speed", "words"),
-    [({"spring.mass": "50 mm"}, "", "is a length"), ({"spring.mas": "1 g"}, "", "did you mean"), ({}, "4000 kg", "is a mass"),
-     ({"operation.engine_speeds": ""}, "", "names no engine speed"), ({"a\0": "1"}, "", "unknown"),
-     ({"spring.solid_height": "30 mm"}, "", "coil bind")],
-)  # fmt: skip
+    [
+        ({"spring.mass": "50 mm"}, "", "is a length"),
+        ({"spring.mas": "1 g"}, "", "did you mean"),
+        ({}, "4000 kg", "is a mass"),
+        ({"operation.engine_speeds": ""}, "", "names no engine speed"),
+        ({"a\0": "1"}, "", "unknown"),
+        ({"spring.solid_height": "30 mm"}, "", "coil bind"),
+    ],
+)
 def test_a_refusal_is_a_sentence_and_the_next_curve_comes(changes, speed, words):
     case = LiveCase(SMALL, Path(), "multi-mass")
     assert words in case.answer(changes, speed)["sentence"]
@@ -62,7 +69,9 @@ def test_a_slider_to_and_fro_keeps_what_is_built_and_no_more(monkeypatch):
 
 
 def test_a_chain_curve_of_the_beehive_takes_less_than_a_tenth_of_a_second():
-    """Processor time of reading, building and integrating at its highest speed, the best of five: the machine may be busy."""
+    """Processor time of reading, building and integrating at its highest speed, the best of five:
+    the machine may be busy.
+    """
     text = (LIBRARY / "gu2021-beehive.toml").read_text("utf-8")
     case = LiveCase(text, LIBRARY, live.FAST)
     case.answer({}, "")
@@ -78,13 +87,21 @@ def test_of_questions_that_wait_the_last_is_answered_and_nothing_lives_on(monkey
     results: dict[int, LiveResult] = {}
     with LiveChain(SMALL, "massless") as chain:
         first = chain.curve()
-        assert len(first.force_N) == len(first.angle_deg) == len(first.lift_mm) == 720 and first.engine_speed == pytest.approx(4000)
+        assert len(first.force_N) == len(first.angle_deg) == len(
+            first.lift_mm
+        ) == 720 and first.engine_speed == pytest.approx(4000)
         assert chain.curve({"spring.rate": "1 kg"}).sentence
         with chain._chain._turn:  # the worker is busy
             threads = []
             for place in range(4):
                 asked = {"spring.rate": f"{30 + place} N/mm"}
-                threads.append(threading.Thread(target=lambda place=place, asked=asked: results.update({place: chain.curve(asked)})))
+                threads.append(
+                    threading.Thread(
+                        target=lambda place=place, asked=asked: results.update(
+                            {place: chain.curve(asked)}
+                        )
+                    )
+                )
                 threads[-1].start()
                 wait_for(lambda place=place: chain._chain._last == place + 3)
         for thread in threads:
@@ -94,7 +111,9 @@ def test_of_questions_that_wait_the_last_is_answered_and_nothing_lives_on(monkey
         chain._chain._longest = 0.0
         assert "took longer than 0 s" in chain.curve({"operation.cycles": "10000"}).sentence
         chain._chain._longest = 120.0
-        assert max(chain.curve().force_N) == pytest.approx(250 + 32 * 9, abs=1e-3), "the worker that was ended is replaced"
+        assert max(chain.curve().force_N) == pytest.approx(250 + 32 * 9, abs=1e-3), (
+            "the worker that was ended is replaced"
+        )
         process = chain._chain._process
         assert process is not None
     wait_for(lambda: not lives(process.pid))
@@ -102,10 +121,14 @@ def test_of_questions_that_wait_the_last_is_answered_and_nothing_lives_on(monkey
 
 
 def test_a_rod_is_ended_by_cancel(monkeypatch):
-    monkeypatch.setattr(live, "ROD", "multi-mass")  # a quick stand-in whose run is made long by its speed
+    monkeypatch.setattr(
+        live, "ROD", "multi-mass"
+    )  # a quick stand-in whose run is made long by its speed
     with LiveChain(SMALL) as chain:
         found: list[LiveResult] = []
-        thread = threading.Thread(target=lambda: found.append(chain.rod({"operation.cycles": "10000"}, "100 rpm")))
+        thread = threading.Thread(
+            target=lambda: found.append(chain.rod({"operation.cycles": "10000"}, "100 rpm"))
+        )
         thread.start()
         wait_for(lambda: chain._rod._busy and chain._rod._process is not None)
         number = chain._rod._process.pid
@@ -120,7 +143,12 @@ def test_a_worker_ends_with_a_server_that_is_killed():
         "one = LiveChain(SMALL, 'massless'); print(one._chain._process.pid, flush=True); time.sleep(120)"
     )
     path = os.pathsep.join(str(Path(__file__).parents[1] / name) for name in ("", "../src"))
-    server = subprocess.Popen([sys.executable, "-c", code], stdout=subprocess.PIPE, text=True, env={**os.environ, "PYTHONPATH": path})
+    server = subprocess.Popen(
+        [sys.executable, "-c", code],
+        stdout=subprocess.PIPE,
+        text=True,
+        env={**os.environ, "PYTHONPATH": path},
+    )
     assert server.stdout is not None
     number = int(server.stdout.readline())
     assert lives(number)

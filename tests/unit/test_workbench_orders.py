@@ -15,11 +15,24 @@ from valvetrain.studies.cost import Cost, Limits
 from valvetrain.studies.points.plan import read_plan
 from valvetrain.studies.points.study_file import read_study_file
 from valvetrain.workbench.pages.orders import choices_for, request_of, sets_for
-from valvetrain.workbench.requests import JobRequest, check_request, command_words, cost_of, study_text
+from valvetrain.workbench.requests import (
+    JobRequest,
+    check_request,
+    command_words,
+    cost_of,
+    study_text,
+)
 from workbench_parts import SMALL
 
 WISH = {"kind": "run", "models": ["massless"], "speeds": "2000 rpm"}
-STUDY = WISH | {"kind": "study", "key": "train.lash", "low": "0.1 mm", "high": "0.2 mm", "points": 3, "output": "preload"}
+STUDY = WISH | {
+    "kind": "study",
+    "key": "train.lash",
+    "low": "0.1 mm",
+    "high": "0.2 mm",
+    "points": 3,
+    "output": "preload",
+}
 
 
 def ticked(offered):
@@ -28,7 +41,11 @@ def ticked(offered):
 
 def test_spring_sets_are_offered_where_a_train_has_several_and_the_last_choice_is_kept():
     train = load_case("tdi-pushrod")
-    assert [one["word"] for one in choices_for(train, (), {})["sets"]] == list(train.train.springs) == ["stock", "performance"]
+    assert (
+        [one["word"] for one in choices_for(train, (), {})["sets"]]
+        == list(train.train.springs)
+        == ["stock", "performance"]
+    )
     assert ticked(sets_for(train)) == ["stock"], "the train's own"
     assert ticked(sets_for(train, '["performance"]')) == ["performance"]
     for kept in ('["gone"]', "stock", "[", "null", '{"stock": 1}', "[" * 100_000):
@@ -45,7 +62,11 @@ def test_chosen_sets_reach_the_command_line(kind):
     told = [word.partition("=")[2] for word in words if word.startswith("--spring-set=")]
     assert read_words(told) == ("stock", "performance")
     assert not [
-        word for word in command_words(request_of("c", WISH | {"sets": None}), "f", 1, Limits(1.0, 1e6), "") if "spring-set" in word
+        word
+        for word in command_words(
+            request_of("c", WISH | {"sets": None}), "f", 1, Limits(1.0, 1e6), ""
+        )
+        if "spring-set" in word
     ]
     with pytest.raises(InputError, match="no spring set is chosen"):
         request_of("tdi-pushrod", WISH | {"kind": kind, "sets": []})
@@ -64,31 +85,69 @@ def test_chosen_sets_reach_the_study_file(tmp_path):
         request_of("tdi-pushrod", STUDY | {"sets": []})
 
 
-@pytest.mark.parametrize(("kind", "options", "steps", "modes"), [
-    ("static", {}, 24, 0), ("static", {"steps": "60"}, 60, 0), ("static", {"steps": "60 mm"}, 0, 0), ("static", {"count": "7"}, 24, 0),
-    ("modes", {}, 24, 24), ("modes", {"count": "7"}, 24, 7), ("modes", {"steps": "60"}, 24, 24), ("modes", {"count": "many"}, 24, 0),
-])  # fmt: skip
-def test_a_spring_at_rest_is_counted_by_the_steps_and_modes_that_it_asks_for(kind, options, steps, modes, monkeypatch):
-    """Steps of a curve, 24 unless told; modes only of a job of modes, 24 unless told, about a curve of 24 steps."""
+@pytest.mark.parametrize(
+    ("kind", "options", "steps", "modes"),
+    [
+        ("static", {}, 24, 0),
+        ("static", {"steps": "60"}, 60, 0),
+        ("static", {"steps": "60 mm"}, 0, 0),
+        ("static", {"count": "7"}, 24, 0),
+        ("modes", {}, 24, 24),
+        ("modes", {"count": "7"}, 24, 7),
+        ("modes", {"steps": "60"}, 24, 24),
+        ("modes", {"count": "many"}, 24, 0),
+    ],
+)
+def test_a_spring_at_rest_is_counted_by_the_steps_and_modes_that_it_asks_for(
+    kind, options, steps, modes, monkeypatch
+):
+    """Steps of a curve, 24 unless told; modes only of a job of modes, 24 unless told, about a curve
+    of 24 steps.
+    """
     asked = []
-    monkeypatch.setattr(rest_cost, "rest_cost", lambda case, models, **more: asked.append((models, more)) or Cost(7.0, 8.0))
+    monkeypatch.setattr(
+        rest_cost,
+        "rest_cost",
+        lambda case, models, **more: asked.append((models, more)) or Cost(7.0, 8.0),
+    )
     request = JobRequest(kind, "one", ("multi-mass",), spring_sets=("stock",), options=options)
     assert cost_of(request, load_case("job-t"), 3) == Cost(7.0, 8.0)
     assert asked == [(("multi-mass",), {"spring_sets": ("stock",), "steps": steps, "modes": modes})]
 
 
-@pytest.mark.parametrize(("kind", "options", "speeds", "counted", "whole", "searches"), [
-    ("run", {}, "", None, True, False), ("compare", {}, "2000, 3000 rpm", 2, True, False), ("sweep", {}, "", 81, False, True),
-    ("sweep", {"no-critical-speeds": "true"}, "2000:3000:500 rpm", 3, False, False),
-])  # fmt: skip
-def test_what_moves_is_counted_by_its_speeds_and_searches(kind, options, speeds, counted, whole, searches, monkeypatch):
-    """A run without speeds by those of its case; a sweep without speeds by 1000 to 9000 rpm in hundreds; only a sweep searches."""
+@pytest.mark.parametrize(
+    ("kind", "options", "speeds", "counted", "whole", "searches"),
+    [
+        ("run", {}, "", None, True, False),
+        ("compare", {}, "2000, 3000 rpm", 2, True, False),
+        ("sweep", {}, "", 81, False, True),
+        ("sweep", {"no-critical-speeds": "true"}, "2000:3000:500 rpm", 3, False, False),
+    ],
+)
+def test_what_moves_is_counted_by_its_speeds_and_searches(
+    kind, options, speeds, counted, whole, searches, monkeypatch
+):
+    """A run without speeds by those of its case; a sweep without speeds by 1000 to 9000 rpm in
+    hundreds; only a sweep searches.
+    """
     asked = []
-    monkeypatch.setattr(request_cost, "request_cost", lambda one, *more: asked.append((one, more)) or Cost(7.0, 8.0))
-    assert cost_of(JobRequest(kind, "one", ("massless",), speeds, options=options), load_case("job-t"), 3) == Cost(7.0, 8.0)
+    monkeypatch.setattr(
+        request_cost, "request_cost", lambda one, *more: asked.append((one, more)) or Cost(7.0, 8.0)
+    )
+    assert cost_of(
+        JobRequest(kind, "one", ("massless",), speeds, options=options), load_case("job-t"), 3
+    ) == Cost(7.0, 8.0)
     ((one, more),) = asked
-    assert (None if one.engine_speeds is None else len(one.engine_speeds)) == counted and more == (whole, searches)
-    assert (one.command, one.spring_models, one.spring_sets, one.workers) == (kind, ("massless",), (), 3)
+    assert (None if one.engine_speeds is None else len(one.engine_speeds)) == counted and more == (
+        whole,
+        searches,
+    )
+    assert (one.command, one.spring_models, one.spring_sets, one.workers) == (
+        kind,
+        ("massless",),
+        (),
+        3,
+    )
 
 
 def test_a_study_counts_its_own_cost():

@@ -1,4 +1,6 @@
-"""Unit: the panel of tests over a run, its elements written down instead of drawn: which are listed, which is shown, what was refused."""
+"""Unit: the panel of tests over a run, its elements written down instead of drawn: which are
+listed, which is shown, what was refused.
+"""
 
 from __future__ import annotations
 
@@ -8,7 +10,7 @@ from typing import Any, ClassVar
 
 import pytest
 
-from valvetrain.workbench.kept_tests import keep_test, remove_test
+from valvetrain.workbench.saved_runs import keep_test, remove_test
 from valvetrain.workbench.workspace import Workspace
 from workbench_parts import SMALL, kept
 
@@ -18,8 +20,16 @@ class Element:
 
     stack: ClassVar[list[Element]] = []
 
-    def __init__(self, name: str, words: str = "", classes: str = "", **attributes: str | None) -> None:
-        self.name, self.words, self.classes, self.attributes, self.inside = name, words, classes, attributes, list[Element]()
+    def __init__(
+        self, name: str, words: str = "", classes: str = "", **attributes: str | None
+    ) -> None:
+        self.name, self.words, self.classes, self.attributes, self.inside = (
+            name,
+            words,
+            classes,
+            attributes,
+            list[Element](),
+        )
         if Element.stack:
             Element.stack[-1].inside.append(self)
 
@@ -50,7 +60,7 @@ class Shown:
 def panel(tmp_path, monkeypatch):
     """The panel of a run over which two tests lie, the second one sent last."""
     pytest.importorskip("nicegui")
-    from valvetrain.workbench.pages import run_tests
+    from valvetrain.workbench.pages import run_page as run_tests
     from valvetrain.workbench.settings import ServeSettings
 
     workspace = Workspace(tmp_path / "bench")
@@ -59,7 +69,13 @@ def panel(tmp_path, monkeypatch):
     for place, name in enumerate(("first.csv", "second.csv")):
         os.utime(keep_test(run, name, b"a;").path, (1.7e9 + place, 1.7e9 + place))
     monkeypatch.setattr(run_tests, "tag", Element)
-    monkeypatch.setattr(run_tests, "button", lambda words, press, classes, **more: Element("button", words, classes, press=press, **more))
+    monkeypatch.setattr(
+        run_tests,
+        "button",
+        lambda words, press, classes, **more: Element(
+            "button", words, classes, press=press, **more
+        ),
+    )
     monkeypatch.setattr(run_tests, "Upload", lambda *given: None)
     monkeypatch.setattr(run_tests, "Results", Shown)
     return run_tests.RunTests(SimpleNamespace(settings=ServeSettings()), run)
@@ -67,32 +83,55 @@ def panel(tmp_path, monkeypatch):
 
 def told(panel: Any) -> tuple[list[str], str, list[str]]:
     """Names listed, the one whose comparison is asked for, and the sentences of refusals."""
-    alerts = [one.words for one in panel.refusal.inside if one.attributes.get("role") == "alert" and one.classes == "refusal"]
-    return [row.inside[0].words for row in panel.list.inside], panel.over.source.split("?")[0].rpartition("/")[2], alerts
+    alerts = [
+        one.words
+        for one in panel.refusal.inside
+        if one.attributes.get("role") == "alert" and one.classes == "refusal"
+    ]
+    return (
+        [row.inside[0].words for row in panel.list.inside],
+        panel.over.source.split("?")[0].rpartition("/")[2],
+        alerts,
+    )
 
 
 def buttons(panel: Any) -> dict[str, Element]:
     """The buttons of all rows by what they say to a screen reader."""
-    return {one.attributes["aria_label"]: one for row in panel.list.inside for one in row.inside[2].inside}
+    return {
+        one.attributes["aria_label"]: one
+        for row in panel.list.inside
+        for one in row.inside[2].inside
+    }
 
 
 def test_a_visit_begins_with_the_newest_test_and_no_refusal(panel):
     names, shown, alerts = told(panel)
     assert (set(names), shown, alerts) == ({"first.csv", "second.csv"}, "second.csv", [])
-    pressed = {name: one.attributes["aria_pressed"] for name, one in buttons(panel).items() if one.words == "Show"}
+    pressed = {
+        name: one.attributes["aria_pressed"]
+        for name, one in buttons(panel).items()
+        if one.words == "Show"
+    }
     assert pressed == {"Show first.csv": "false", "Show second.csv": "true"}
 
 
 def test_another_test_is_shown_or_taken_away_by_its_buttons(panel):
     buttons(panel)["Show first.csv"].attributes["press"]()
-    assert told(panel)[1:] == ("first.csv", []) and buttons(panel)["Show first.csv"].attributes["aria_pressed"] == "true"
+    assert (
+        told(panel)[1:] == ("first.csv", [])
+        and buttons(panel)["Show first.csv"].attributes["aria_pressed"] == "true"
+    )
     buttons(panel)["Remove second.csv"].attributes["press"]()
-    assert told(panel) == (["first.csv"], "first.csv", []) and set(buttons(panel)) == {"Remove first.csv"}
+    assert told(panel) == (["first.csv"], "first.csv", []) and set(buttons(panel)) == {
+        "Remove first.csv"
+    }
     buttons(panel)["Remove first.csv"].attributes["press"]()
     assert told(panel) == ([], "", []) and panel.over.source == ""
 
 
-def test_a_test_that_another_visitor_has_removed_is_refused_in_a_sentence_until_the_next_click(panel):
+def test_a_test_that_another_visitor_has_removed_is_refused_in_a_sentence_until_the_next_click(
+    panel,
+):
     gone = buttons(panel)["Remove first.csv"]
     remove_test(panel.run, "first.csv")
     gone.attributes["press"]()

@@ -1,6 +1,8 @@
-"""The guard before every request: who may call, under which name, from which page, how much, and what an answer carries.
+"""The guard before every request: who may call, under which name, from which page, how much, and
+what an answer carries.
 
-Evidence: contract of HTTP as browsers keep it (Host, Origin, Sec-Fetch-*, cookies, CSP), on a bare ASGI application and on real sockets.
+Evidence: contract of HTTP as browsers keep it (Host, Origin, Sec-Fetch-*, cookies, CSP), on a bare
+ASGI application and on real sockets.
 """
 
 from __future__ import annotations
@@ -18,8 +20,14 @@ from typing import Any
 import pytest
 
 from valvetrain.errors import InputError
-from valvetrain.workbench.safety import Guard, Rate, check_settings, new_token, uvicorn_options
-from valvetrain.workbench.security_headers import content_security_policy
+from valvetrain.workbench.safety import (
+    Guard,
+    Rate,
+    check_settings,
+    content_security_policy,
+    new_token,
+    uvicorn_options,
+)
 from valvetrain.workbench.settings import ServeSettings
 
 PAGE = b"<html><script>one()</script><script type='module'>two()</script><script src='/x.js'></script></html>"
@@ -43,7 +51,11 @@ async def inner(scope: Any, receive: Any, send: Any) -> None:
     kind = b"text/html; charset=utf-8" if page else b"text/plain"
     told = PAGE if page else body
     encoded = any(name == b"accept-encoding" for name, _ in scope["headers"])
-    heads = [(b"content-type", kind), (b"content-length", str(len(told)).encode()), (b"x-encoded", str(encoded).encode())]
+    heads = [
+        (b"content-type", kind),
+        (b"content-length", str(len(told)).encode()),
+        (b"x-encoded", str(encoded).encode()),
+    ]
     await send({"type": "http.response.start", "status": 200, "headers": heads})
     await send({"type": "http.response.body", "body": told[:10], "more_body": True})
     await send({"type": "http.response.body", "body": told[10:]})
@@ -57,16 +69,31 @@ class Answer:
         assert len(starts) == 1, "one answer to one request"
         self.status = starts[0]["status"]
         self.heads = {name.decode().lower(): value.decode() for name, value in starts[0]["headers"]}
-        self.body = b"".join(message["body"] for message in sent if message["type"] == "http.response.body")
+        self.body = b"".join(
+            message["body"] for message in sent if message["type"] == "http.response.body"
+        )
 
 
 def scope_of(path: str, heads: dict[str, str], method: str, kind: str = "http") -> dict[str, Any]:
     place, _, query = path.partition("?")
     listed = [(name.encode(), value.encode("latin-1")) for name, value in heads.items()]
-    return {"type": kind, "method": method, "path": place, "query_string": query.encode(), "headers": listed, "scheme": "http"}
+    return {
+        "type": kind,
+        "method": method,
+        "path": place,
+        "query_string": query.encode(),
+        "headers": listed,
+        "scheme": "http",
+    }
 
 
-def ask(guard: Guard, path: str = "/", heads: dict[str, str] | None = None, method: str = "GET", chunks: tuple[bytes, ...] = ()) -> Answer:
+def ask(
+    guard: Guard,
+    path: str = "/",
+    heads: dict[str, str] | None = None,
+    method: str = "GET",
+    chunks: tuple[bytes, ...] = (),
+) -> Answer:
     sent: list[Any] = []
     parts = [*chunks] or [b""]
 
@@ -83,7 +110,11 @@ def ask(guard: Guard, path: str = "/", heads: dict[str, str] | None = None, meth
 def talk(guard: Guard, heads: dict[str, str], text: str = "hello") -> list[Any]:
     """What a socket sends back."""
     sent: list[Any] = []
-    given = [{"type": "websocket.connect"}, {"type": "websocket.receive", "text": text}, {"type": "websocket.disconnect"}]
+    given = [
+        {"type": "websocket.connect"},
+        {"type": "websocket.receive", "text": text},
+        {"type": "websocket.disconnect"},
+    ]
 
     async def receive() -> Any:
         return given.pop(0)
@@ -100,7 +131,9 @@ def guard():
     return Guard(inner, ServeSettings(most_body=1000))
 
 
-@pytest.mark.parametrize("host", ["127.0.0.1:8420", "localhost:8420", "[::1]:8420", "LOCALHOST:8420"])
+@pytest.mark.parametrize(
+    "host", ["127.0.0.1:8420", "localhost:8420", "[::1]:8420", "LOCALHOST:8420"]
+)
 def test_the_servers_own_names_are_answered(guard, host):
     assert ask(guard, heads={"host": host}).status == 200
 
@@ -108,14 +141,27 @@ def test_the_servers_own_names_are_answered(guard, host):
 def test_a_refusal_is_plain_text_of_its_own_length(guard):
     answer = ask(guard, heads={**OWN, "host": "elsewhere.example"})
     assert answer.status >= 400 and answer.heads["content-type"] == "text/plain; charset=utf-8"
-    assert int(answer.heads["content-length"]) == len(answer.body) > 10 and answer.body.endswith(b".\n")
+    assert int(answer.heads["content-length"]) == len(answer.body) > 10 and answer.body.endswith(
+        b".\n"
+    )
 
 
 @pytest.mark.parametrize(
     "host",
-    ["evil.example:8420", "evil.example", "127.0.0.1:80", "127.0.0.1", "127.0.0.1.evil.example:8420", "", "127.0.0.1:8420@evil.example",
-     "127.0.0.1:8420, evil.example", "192.168.0.7:8420", "0.0.0.0:8420", "x:8420/"],
-)  # fmt: skip
+    [
+        "evil.example:8420",
+        "evil.example",
+        "127.0.0.1:80",
+        "127.0.0.1",
+        "127.0.0.1.evil.example:8420",
+        "",
+        "127.0.0.1:8420@evil.example",
+        "127.0.0.1:8420, evil.example",
+        "192.168.0.7:8420",
+        "0.0.0.0:8420",
+        "x:8420/",
+    ],
+)
 def test_a_name_that_leads_here_from_elsewhere_is_refused(guard, host):
     """DNS rebinding: a browser sends the name of the page's own site, whatever address it leads to."""
     assert ask(guard, heads={"host": host}).status == 403
@@ -125,12 +171,17 @@ def test_a_name_that_leads_here_from_elsewhere_is_refused(guard, host):
 @pytest.mark.parametrize(
     ("method", "heads"),
     [
-        ("POST", {"origin": "http://evil.example"}), ("GET", {"origin": "http://evil.example"}), ("POST", {"origin": "null"}),
-        ("POST", {"origin": "http://127.0.0.1:9999"}), ("POST", {}), ("GET", {"sec-fetch-site": "cross-site", "sec-fetch-mode": "no-cors"}),
+        ("POST", {"origin": "http://evil.example"}),
+        ("GET", {"origin": "http://evil.example"}),
+        ("POST", {"origin": "null"}),
+        ("POST", {"origin": "http://127.0.0.1:9999"}),
+        ("POST", {}),
+        ("GET", {"sec-fetch-site": "cross-site", "sec-fetch-mode": "no-cors"}),
         ("GET", {"sec-fetch-site": "same-site", "sec-fetch-mode": "cors"}),
-        ("POST", {"sec-fetch-site": "cross-site", "sec-fetch-mode": "navigate"}), ("POST", {"origin": "file://"}),
+        ("POST", {"sec-fetch-site": "cross-site", "sec-fetch-mode": "navigate"}),
+        ("POST", {"origin": "file://"}),
     ],
-)  # fmt: skip
+)
 def test_a_request_of_another_site_is_refused(guard, method, heads):
     assert ask(guard, "/echo", OWN | heads, method).status == 403
 
@@ -138,15 +189,20 @@ def test_a_request_of_another_site_is_refused(guard, method, heads):
 @pytest.mark.parametrize(
     ("method", "heads"),
     [
-        ("POST", {"origin": "http://127.0.0.1:8420"}), ("POST", {"sec-fetch-site": "same-origin"}), ("GET", {}),
-        ("GET", {"sec-fetch-site": "cross-site", "sec-fetch-mode": "navigate"}), ("GET", {"sec-fetch-site": "none"}),
+        ("POST", {"origin": "http://127.0.0.1:8420"}),
+        ("POST", {"sec-fetch-site": "same-origin"}),
+        ("GET", {}),
+        ("GET", {"sec-fetch-site": "cross-site", "sec-fetch-mode": "navigate"}),
+        ("GET", {"sec-fetch-site": "none"}),
     ],
-)  # fmt: skip
+)
 def test_a_request_of_its_own_pages_is_answered(guard, method, heads):
     assert ask(guard, "/echo", OWN | heads, method).status == 200
 
 
-@pytest.mark.parametrize("origin", [{}, {"origin": "http://evil.example"}, {"origin": "http://localhost:8420"}])
+@pytest.mark.parametrize(
+    "origin", [{}, {"origin": "http://evil.example"}, {"origin": "http://localhost:8420"}]
+)
 def test_a_socket_of_another_page_is_refused(guard, origin):
     (closed,) = talk(guard, OWN | origin)
     assert closed["type"] == "websocket.close" and closed["code"] == 1008
@@ -154,7 +210,10 @@ def test_a_socket_of_another_page_is_refused(guard, origin):
 
 def test_a_socket_of_its_own_page_talks_within_the_bound(guard):
     own = OWN | {"origin": "http://127.0.0.1:8420"}
-    assert [message["type"] for message in talk(guard, own)] == ["websocket.accept", "websocket.send"]
+    assert [message["type"] for message in talk(guard, own)] == [
+        "websocket.accept",
+        "websocket.send",
+    ]
     assert [message["type"] for message in talk(guard, own, "x" * 1001)] == ["websocket.accept"]
 
 
@@ -170,7 +229,9 @@ def test_requests_at_a_time_are_bounded():
     assert ask(Guard(inner, ServeSettings(most_requests=0))).status == 503
 
 
-@pytest.mark.parametrize("path", ["/../x", "/a/../../etc/passwd", "/%2e%2e/x", "/a\\..\\b", "/a\0b", "/..", "/a\r\nb"])
+@pytest.mark.parametrize(
+    "path", ["/../x", "/a/../../etc/passwd", "/%2e%2e/x", "/a\\..\\b", "/a\0b", "/..", "/a\r\nb"]
+)
 def test_no_path_leads_up(guard, path):
     assert ask(guard, path).status == 403
 
@@ -182,7 +243,10 @@ def test_other_methods_are_refused(guard, method):
 
 def test_a_body_beyond_the_bound_is_refused_told_or_not(guard):
     own = OWN | {"origin": "http://127.0.0.1:8420"}
-    assert ask(guard, "/echo", own | {"content-length": "1000"}, "POST", (b"x" * 1000,)).body == b"x" * 1000
+    assert (
+        ask(guard, "/echo", own | {"content-length": "1000"}, "POST", (b"x" * 1000,)).body
+        == b"x" * 1000
+    )
     assert ask(guard, "/echo", own | {"content-length": "1001"}, "POST", (b"x",)).status == 413
     assert ask(guard, "/echo", own, "POST", (b"x" * 600, b"x" * 600)).status == 413
     assert ask(guard, "/echo", own | {"content-length": "-1"}, "POST").status == 413
@@ -193,18 +257,36 @@ def test_every_answer_carries_the_headers_of_security(guard):
         assert answer.heads["x-content-type-options"] == "nosniff"
         assert answer.heads["x-frame-options"] == "DENY"
         assert answer.heads["referrer-policy"] == "no-referrer"
-        policy = dict(part.split(" ", 1) for part in answer.heads["content-security-policy"].split("; "))
-        assert policy["frame-ancestors"] == policy["object-src"] == policy["base-uri"] == policy["script-src-attr"] == "'none'"
+        policy = dict(
+            part.split(" ", 1) for part in answer.heads["content-security-policy"].split("; ")
+        )
+        assert (
+            policy["frame-ancestors"]
+            == policy["object-src"]
+            == policy["base-uri"]
+            == policy["script-src-attr"]
+            == "'none'"
+        )
         assert policy["default-src"] == policy["form-action"] == "'self'"
         assert "unsafe-inline" not in policy["script-src"] and "http" not in policy["script-src"]
 
 
 def test_each_script_of_a_page_is_let_run_by_its_hash_and_no_other():
-    """The hashes are those of the standard (CSP level 3): base64 of SHA-256 of what stands in the element."""
-    answer = ask(Guard(inner, ServeSettings()), heads=OWN | {"accept": "text/html", "accept-encoding": "gzip"})
-    due = {f"'sha256-{base64.b64encode(hashlib.sha256(text).digest()).decode()}'" for text in (b"one()", b"two()")}
+    """The hashes are those of the standard (CSP level 3): base64 of SHA-256 of what stands in the
+    element.
+    """
+    answer = ask(
+        Guard(inner, ServeSettings()),
+        heads=OWN | {"accept": "text/html", "accept-encoding": "gzip"},
+    )
+    due = {
+        f"'sha256-{base64.b64encode(hashlib.sha256(text).digest()).decode()}'"
+        for text in (b"one()", b"two()")
+    }
     assert set(re.findall(r"'sha256-[^']*'", answer.heads["content-security-policy"])) == due
-    assert answer.body == PAGE and answer.heads["x-encoded"] == "False", "a compressed page could not be read"
+    assert answer.body == PAGE and answer.heads["x-encoded"] == "False", (
+        "a compressed page could not be read"
+    )
 
 
 def test_a_host_header_cannot_write_a_policy():
@@ -227,26 +309,42 @@ def test_an_address_beyond_this_machine_needs_a_token():
 
 
 def test_without_the_token_nothing_is_answered(locked):
-    for heads in (OWN, OWN | {"cookie": "valvetrain-8420=x"}, OWN | {"cookie": f"valvetrain-8420={TOKEN}"}):
+    for heads in (
+        OWN,
+        OWN | {"cookie": "valvetrain-8420=x"},
+        OWN | {"cookie": f"valvetrain-8420={TOKEN}"},
+    ):
         assert ask(locked, heads=heads).status == 401
-        assert talk(locked, heads | {"origin": "http://127.0.0.1:8420"})[0]["type"] == "websocket.close"
+        assert (
+            talk(locked, heads | {"origin": "http://127.0.0.1:8420"})[0]["type"]
+            == "websocket.close"
+        )
     assert ask(locked, f"/?token={TOKEN[:-1]}").status == 401
 
 
 def test_the_token_is_shown_once_and_a_cookie_stands_for_it(locked):
     answer = ask(locked, f"/case?name=a&token={TOKEN}")
-    assert answer.status == 303 and answer.heads["location"] == "/case?name=a", "it does not stay in the address"
+    assert answer.status == 303 and answer.heads["location"] == "/case?name=a", (
+        "it does not stay in the address"
+    )
     mark, *attributes = answer.heads["set-cookie"].split("; ")
     assert {"HttpOnly", "SameSite=Strict", "Path=/"} <= set(attributes) and TOKEN not in mark
     assert ask(locked, heads=OWN | {"cookie": f"other=1; {mark}"}).status == 200
     own = OWN | {"cookie": mark, "origin": "http://127.0.0.1:8420"}
     assert talk(locked, own)[0]["type"] == "websocket.accept"
-    assert ask(Guard(inner, locked.settings), heads=OWN | {"cookie": mark}).status == 401, "another server gave it"
+    assert ask(Guard(inner, locked.settings), heads=OWN | {"cookie": mark}).status == 401, (
+        "another server gave it"
+    )
     assert ask(locked, f"//evil.example/?token={TOKEN}").heads["location"].startswith("/evil")
 
 
 def test_beyond_this_machine_addresses_and_its_names_are_its_own_and_no_others(locked):
-    for host, status in (("10.0.0.5:8420", 401), ("bench.example:8420", 401), ("evil.example:8420", 403), ("10.0.0.5:80", 403)):
+    for host, status in (
+        ("10.0.0.5:8420", 401),
+        ("bench.example:8420", 401),
+        ("evil.example:8420", 403),
+        ("10.0.0.5:80", 403),
+    ):
         assert ask(locked, heads={"host": host}).status == status
 
 
@@ -258,8 +356,12 @@ def test_tokens_cannot_be_tried_without_end(locked):
 
 def test_tokens_are_compared_in_constant_time(locked, monkeypatch):
     seen = []
-    monkeypatch.setattr("hmac.compare_digest", lambda one, other: seen.append((one, other)) or False)
-    assert ask(locked, f"/?token={TOKEN}").status == 401 and seen == [(TOKEN.encode(), TOKEN.encode())]
+    monkeypatch.setattr(
+        "hmac.compare_digest", lambda one, other: seen.append((one, other)) or False
+    )
+    assert ask(locked, f"/?token={TOKEN}").status == 401 and seen == [
+        (TOKEN.encode(), TOKEN.encode())
+    ]
 
 
 def test_a_rate_forgets():
@@ -278,7 +380,14 @@ def served():
         port = free.getsockname()[1]
     settings = ServeSettings(port=port, most_body=1000)
     server = uvicorn.Server(
-        uvicorn.Config(Guard(inner, settings), host="127.0.0.1", port=port, log_level="error", lifespan="off", **uvicorn_options(settings))
+        uvicorn.Config(
+            Guard(inner, settings),
+            host="127.0.0.1",
+            port=port,
+            log_level="error",
+            lifespan="off",
+            **uvicorn_options(settings),
+        )
     )
     thread = threading.Thread(target=server.run, daemon=True)
     thread.start()
@@ -307,11 +416,32 @@ def test_on_a_real_socket_the_same_is_refused(served):
     own = f"Host: 127.0.0.1:{served}"
     assert b" 200 " in raw(served, "GET / HTTP/1.1", own, "Connection: close")[:20]
     assert b" 403 " in raw(served, "GET / HTTP/1.1", "Host: evil.example", "Connection: close")[:20]
-    assert b" 403 " in raw(served, "GET /%2e%2e/%2e%2e/etc/passwd HTTP/1.1", own, "Connection: close")[:20]
-    upgrade = ("Upgrade: websocket", "Connection: Upgrade", "Sec-WebSocket-Version: 13", "Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==")
-    assert b" 403 " in raw(served, "GET /ws HTTP/1.1", own, *upgrade, "Origin: http://evil.example")[:20]
-    assert b" 101 " in raw(served, "GET /ws HTTP/1.1", own, *upgrade, f"Origin: http://127.0.0.1:{served}")[:20]
-    long = raw(served, "POST /echo HTTP/1.1", own, f"Origin: http://127.0.0.1:{served}", "Content-Length: 5000", body=b"x" * 5000)
+    assert (
+        b" 403 "
+        in raw(served, "GET /%2e%2e/%2e%2e/etc/passwd HTTP/1.1", own, "Connection: close")[:20]
+    )
+    upgrade = (
+        "Upgrade: websocket",
+        "Connection: Upgrade",
+        "Sec-WebSocket-Version: 13",
+        "Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==",
+    )
+    assert (
+        b" 403 "
+        in raw(served, "GET /ws HTTP/1.1", own, *upgrade, "Origin: http://evil.example")[:20]
+    )
+    assert (
+        b" 101 "
+        in raw(served, "GET /ws HTTP/1.1", own, *upgrade, f"Origin: http://127.0.0.1:{served}")[:20]
+    )
+    long = raw(
+        served,
+        "POST /echo HTTP/1.1",
+        own,
+        f"Origin: http://127.0.0.1:{served}",
+        "Content-Length: 5000",
+        body=b"x" * 5000,
+    )
     assert b" 413 " in long[:20]
     with pytest.raises(OSError):
         socket.create_connection((_other_address(), served), timeout=2).close()
@@ -336,7 +466,9 @@ def test_the_pages_are_served_behind_the_guard_with_its_settings(monkeypatch):
     added, asked, begun = [], {}, []
     monkeypatch.setattr(desk, "Desk", lambda *parts: SimpleNamespace(parts=parts, close=None))
     monkeypatch.setattr(routes, "register", lambda one: begun.append(one.parts))
-    monkeypatch.setattr(nicegui.app, "add_middleware", lambda kind, **more: added.append((kind, more)))
+    monkeypatch.setattr(
+        nicegui.app, "add_middleware", lambda kind, **more: added.append((kind, more))
+    )
     for name in ("on_startup", "on_shutdown"):
         monkeypatch.setattr(nicegui.app, name, lambda one: None)
     monkeypatch.setattr(nicegui.ui, "run", lambda **more: asked.update(more))

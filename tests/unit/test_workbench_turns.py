@@ -1,6 +1,8 @@
-"""Two visitors at once, a full disk, names of any kind: one change at a time, one sentence, nothing half made.
+"""Two visitors at once, a full disk, names of any kind: one change at a time, one sentence, nothing
+half made.
 
-Evidence: threads that meet at the worst moment, errors of the system put where it may give them, what stands on disk afterwards.
+Evidence: threads that meet at the worst moment, errors of the system put where it may give them,
+what stands on disk afterwards.
 """
 
 from __future__ import annotations
@@ -17,12 +19,14 @@ from types import SimpleNamespace
 import pytest
 
 from valvetrain.errors import InputError
-from valvetrain.parameters import kept_tables
+from valvetrain.parameters import schema_case as kept_tables
 from valvetrain.parameters.loading import parse_case
-from valvetrain.workbench import kept_tests, lift_laws, passing
+from valvetrain.workbench import lift_laws
+from valvetrain.workbench import saved_runs as kept_tests
+from valvetrain.workbench import side_files as passing
 from valvetrain.workbench import workspace as whole
 from valvetrain.workbench.jobs import Jobs
-from valvetrain.workbench.kept_tests import MOST_TESTS, keep_test, read_test, remove_test
+from valvetrain.workbench.saved_runs import MOST_TESTS, keep_test, read_test, remove_test
 from valvetrain.workbench.workspace import Workspace
 from workbench_parts import SMALL, SPRING, TABLE, kept, lifts
 
@@ -61,7 +65,9 @@ def table(workspace):
 
 
 def test_a_file_goes_or_is_named_never_both(workspace, table, monkeypatch):
-    """A value that names a file is read while another tab removes that file: one of the two is refused, and the case reads."""
+    """A value that names a file is read while another tab removes that file: one of the two is
+    refused, and the case reads.
+    """
     workspace.attach(table, "other.txt", lifts(8.0))
     reading, parse = threading.Event(), Workspace.parse
 
@@ -86,9 +92,16 @@ def test_no_more_tests_are_kept_than_may_be(workspace, monkeypatch):
     run = workspace.run(kept(workspace))
     for place in range(MOST_TESTS - 1):
         keep_test(run, f"t{place}.csv", b"1")
-    monkeypatch.setattr(kept_tests, "refuse_living", lambda folder: time.sleep(0.05))  # between the check and the writing
-    refused = at_once(*(lambda place=place: keep_test(run, f"n{place}.csv", b"1") for place in range(3)))
-    assert len([one for one in refused if isinstance(one, InputError)]) == 2 and refused.count(None) == 1
+    monkeypatch.setattr(
+        kept_tests, "refuse_living", lambda folder: time.sleep(0.05)
+    )  # between the check and the writing
+    refused = at_once(
+        *(lambda place=place: keep_test(run, f"n{place}.csv", b"1") for place in range(3))
+    )
+    assert (
+        len([one for one in refused if isinstance(one, InputError)]) == 2
+        and refused.count(None) == 1
+    )
     assert len(kept_tests.kept_tests(run)) == MOST_TESTS
 
 
@@ -111,7 +124,11 @@ def test_a_comparison_is_that_of_the_content_that_lies_there(workspace, monkeypa
     """Another test under the same name, within the same tick of the clock and of the same size."""
     files = pytest.importorskip("valvetrain.workbench.pages.files")
     run, made = workspace.run(kept(workspace)), files.Overlays()
-    monkeypatch.setattr(files, "against", lambda run, name, content: SimpleNamespace(runs=(1,), failures=(), content=content))
+    monkeypatch.setattr(
+        files,
+        "against",
+        lambda run, name, content: SimpleNamespace(runs=(1,), failures=(), content=content),
+    )
     monkeypatch.setattr(files, "test_part", lambda found: found.content.decode())
     at = made.lay(run, "a.csv", b"one").path.stat()
     assert made.part(run, "a.csv") == "one"
@@ -135,10 +152,16 @@ def test_the_pages_answer_while_a_file_is_read(workspace, table, monkeypatch):
     app = FastAPI()
 
     async def both(jobs) -> list[int]:
-        async with httpx.AsyncClient(transport=httpx.ASGITransport(app=app), base_url="http://127.0.0.1") as line:
+        async with httpx.AsyncClient(
+            transport=httpx.ASGITransport(app=app), base_url="http://127.0.0.1"
+        ) as line:
             sent = {"file": ("a.toml", b"x")}
-            slow = [asyncio.create_task(line.post(f"/upload/file?case={table}&name=a.csv", content=b"1")),
-                    asyncio.create_task(line.post("/upload/case", files=sent))]  # fmt: skip
+            slow = [
+                asyncio.create_task(
+                    line.post(f"/upload/file?case={table}&name=a.csv", content=b"1")
+                ),
+                asyncio.create_task(line.post("/upload/case", files=sent)),
+            ]
             await asyncio.sleep(0.1)
             answer = await asyncio.wait_for(line.get(f"/download-case/{table}"), 5)
             assert not any(one.done() for one in slow)
@@ -150,7 +173,9 @@ def test_the_pages_answer_while_a_file_is_read(workspace, table, monkeypatch):
         assert asyncio.run(both(jobs)) == [200, 200, 200]
 
 
-def test_a_slider_begins_anew_when_a_file_beside_its_case_has_changed(workspace, table, monkeypatch):
+def test_a_slider_begins_anew_when_a_file_beside_its_case_has_changed(
+    workspace, table, monkeypatch
+):
     from valvetrain.workbench.live import LiveResult
     from valvetrain.workbench.pages import desk as shared
     from valvetrain.workbench.settings import ServeSettings
@@ -174,9 +199,13 @@ def test_a_slider_begins_anew_when_a_file_beside_its_case_has_changed(workspace,
     assert desk.chain(table) == first and first[1].lift_mm == (pytest.approx(9e-3),)
     workspace.attach(table, "lift.txt", lifts(8.0))
     opened, base = desk.chain(table)
-    assert base.lift_mm == (pytest.approx(8e-3),) and opened.chain is begun[1] and begun[0].peak == 0
+    assert (
+        base.lift_mm == (pytest.approx(8e-3),) and opened.chain is begun[1] and begun[0].peak == 0
+    )
     desk.put(table, "spring.mass", "45 g")
-    assert desk.chain(table)[0].chain is begun[1] and len(begun) == 2, "a value needs no other chain"
+    assert desk.chain(table)[0].chain is begun[1] and len(begun) == 2, (
+        "a value needs no other chain"
+    )
 
 
 # -- tables that were read
@@ -186,7 +215,9 @@ def test_a_table_is_read_once_while_it_stays_as_it_is(workspace, table, monkeypa
     from valvetrain.cam import spline
 
     read, names = spline.read_lift, []
-    monkeypatch.setattr(spline, "read_lift", lambda path, answers: names.append(path.name) or read(path, answers))
+    monkeypatch.setattr(
+        spline, "read_lift", lambda path, answers: names.append(path.name) or read(path, answers)
+    )
     kept_tables._kept.clear()
     first = workspace.read(table).lift_law
     for mass in ("45 g", "46 g"):
@@ -196,7 +227,9 @@ def test_a_table_is_read_once_while_it_stays_as_it_is(workspace, table, monkeypa
     at = path.stat()
     path.write_bytes(lifts().replace(b"9.0000", b"8.0000"))
     os.utime(path, ns=(at.st_atime_ns, at.st_mtime_ns))
-    assert path.stat().st_size == at.st_size and workspace.read(table).lift_law != first, "same time and size, another content"
+    assert path.stat().st_size == at.st_size and workspace.read(table).lift_law != first, (
+        "same time and size, another content"
+    )
     workspace.set_value(table, "lift_law.degree", "7")
     assert workspace.read(table).lift_law.values["degree"] == 7 and len(names) == 3
     path.unlink()
@@ -208,7 +241,9 @@ def test_tables_that_are_kept_are_few(tmp_path):
     for place in range(2 * kept_tables.MOST_KEPT):
         peak = 9 + place / 100
         (tmp_path / "lift.txt").write_bytes(lifts(peak))
-        assert max(parse_case(SPRING + TABLE, "case", tmp_path).lift_law.values["lifts"]) == pytest.approx(peak * 1e-3, rel=1e-4)
+        assert max(
+            parse_case(SPRING + TABLE, "case", tmp_path).lift_law.values["lifts"]
+        ) == pytest.approx(peak * 1e-3, rel=1e-4)
     assert len(kept_tables._kept) <= kept_tables.MOST_KEPT
 
 
@@ -234,7 +269,9 @@ def test_a_full_disk_leaves_no_case(workspace, monkeypatch, where):
             assert "cannot be written (no space left on device); make room" in refused
         assert refused is not None or where == "write_bytes", "a template has no file"
         monkeypatch.undo()
-        assert list(workspace.cases_folder.iterdir()) == [workspace.case_folder(one.name) for one in workspace.cases()]
+        assert list(workspace.cases_folder.iterdir()) == [
+            workspace.case_folder(one.name) for one in workspace.cases()
+        ]
         assert not list(workspace.jobs_folder.iterdir())
         for one in workspace.cases():
             workspace.delete(one.name)
@@ -259,10 +296,14 @@ def test_a_full_disk_is_said_and_changes_nothing(workspace, table, monkeypatch):
         for name in {"write_text", "write_bytes"} & set(vars(module)):
             monkeypatch.setattr(module, name, full)
     for call in (
-        lambda: workspace.set_value(table, "spring.mass", "45 g"), lambda: workspace.change_law(table, "polynomial"),
-        lambda: workspace.attach(table, "a.csv", b"1"), lambda: workspace.attach(table, "lift.txt", lifts(8.0)),
-        lambda: keep_test(run, "a.csv", b"1"), lambda: workspace.duplicate(table), lambda: workspace.replace_text(table, SMALL),
-    ):  # fmt: skip
+        lambda: workspace.set_value(table, "spring.mass", "45 g"),
+        lambda: workspace.change_law(table, "polynomial"),
+        lambda: workspace.attach(table, "a.csv", b"1"),
+        lambda: workspace.attach(table, "lift.txt", lifts(8.0)),
+        lambda: keep_test(run, "a.csv", b"1"),
+        lambda: workspace.duplicate(table),
+        lambda: workspace.replace_text(table, SMALL),
+    ):
         with pytest.raises(InputError, match="no space left on device"):
             call()
     monkeypatch.setattr(Path, "write_bytes", full)
@@ -285,4 +326,6 @@ def test_what_a_killed_server_was_making_is_no_case(workspace):
     mine = workspace.upload("upload-abc.toml", SMALL.encode())
     assert [card.name for card in workspace.cases()] == [mine] == ["upload-abc"]
     workspace.hold()()
-    assert [path.name for path in workspace.cases_folder.iterdir()] == [mine] and not list(workspace.jobs_folder.iterdir())
+    assert [path.name for path in workspace.cases_folder.iterdir()] == [mine] and not list(
+        workspace.jobs_folder.iterdir()
+    )

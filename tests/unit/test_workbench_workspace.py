@@ -47,7 +47,9 @@ def test_a_value_is_set_as_on_the_command_line_and_comments_stay(workspace):
     due = parse_case(SMALL, name, changes={"spring.mass": "45 g"})
     assert workspace.read(name).springs == due.springs
     workspace.set_value(name, "spring.installed_height", "35 mm")
-    assert "drawing 17" not in workspace.text(name), "the source of the earlier value is none of the new one"
+    assert "drawing 17" not in workspace.text(name), (
+        "the source of the earlier value is none of the new one"
+    )
     workspace.set_value(name, "spring.options.multi-mass.elements", "7")
     assert workspace.read(name).springs[0].options["multi-mass"] == {"elements": 7}
     workspace.set_value(name, "title", "24")
@@ -58,9 +60,19 @@ def test_a_value_is_set_as_on_the_command_line_and_comments_stay(workspace):
 
 @pytest.mark.parametrize(
     ("key", "value"),
-    [("spring.mass", "45 mm"), ("spring.mass", "-1 g"), ("spring.mas", "1 g"), ("spring.mass.x", "1 g"), ("lift_law.kind", "x"),
-     ("", "1"), ("spring.0.mass", "1 g"), ("spring.mass", ""), ("spring", ""), ("operation.engine_speeds", "")],
-)  # fmt: skip
+    [
+        ("spring.mass", "45 mm"),
+        ("spring.mass", "-1 g"),
+        ("spring.mas", "1 g"),
+        ("spring.mass.x", "1 g"),
+        ("lift_law.kind", "x"),
+        ("", "1"),
+        ("spring.0.mass", "1 g"),
+        ("spring.mass", ""),
+        ("spring", ""),
+        ("operation.engine_speeds", ""),
+    ],
+)
 def test_a_refused_value_changes_nothing_and_says_what_the_reader_says(workspace, key, value):
     name = workspace.upload("small.toml", SMALL.encode())
     before = workspace.text(name)
@@ -69,14 +81,21 @@ def test_a_refused_value_changes_nothing_and_says_what_the_reader_says(workspace
         workspace.set_value(name, key, value)
     except InputError as error:
         refused = error
-    assert (refused is None) == ((key, value) in {("operation.engine_speeds", ""), ("spring.mass", ""), ("spring", "")})
+    assert (refused is None) == (
+        (key, value) in {("operation.engine_speeds", ""), ("spring.mass", ""), ("spring", "")}
+    )
     if refused is not None:
         assert workspace.text(name) == before and len(str(refused)) > 20
 
 
 def test_what_is_no_case_is_refused_with_the_readers_sentence(workspace):
-    for content, words in ((b"", "empty"), (b"\xff\xfe", "no text file"), (b"x = [", "not valid TOML"), (b"x = 1", "unknown"),
-                           (b" " * 5_000_001, "larger than 5 MB")):  # fmt: skip
+    for content, words in (
+        (b"", "empty"),
+        (b"\xff\xfe", "no text file"),
+        (b"x = [", "not valid TOML"),
+        (b"x = 1", "unknown"),
+        (b" " * 5_000_001, "larger than 5 MB"),
+    ):
         with pytest.raises(InputError, match=words):
             workspace.upload("a.toml", content)
     assert not workspace.cases() and not list(workspace.jobs_folder.iterdir())
@@ -86,31 +105,40 @@ def test_what_is_no_case_is_refused_with_the_readers_sentence(workspace):
     assert workspace.text(name) == SMALL
 
 
-@pytest.mark.parametrize("file", ["/etc/passwd", "../secret.csv", "a/../../b.csv", "..\\b.csv", ".hidden"])
+@pytest.mark.parametrize(
+    "file", ["/etc/passwd", "../secret.csv", "a/../../b.csv", "..\\b.csv", ".hidden"]
+)
 def test_a_case_names_no_file_elsewhere(workspace, file):
-    """Whatever reads the case later would open it: refused when it comes in, by upload, by text and by value."""
+    """Whatever reads the case later would open it: refused when it comes in, by upload, by text and
+    by value.
+    """
     table = f"[lift_law]\nkind = 'measured'\nfile = {json.dumps(file)}\n"
     with pytest.raises(InputError, match="not beside the case"):
         workspace.upload("a.toml", table.encode())
-    name, law = workspace.upload("small.toml", SMALL.encode()), f"{{ kind = 'table', file = {json.dumps(file)} }}"
-    study = (
-        f"outputs = ['preload']\nchanges = {{ 'lift_law.file' = {json.dumps(file)} }}\n[[vary]]\nkey = 'spring.mass'\nvalues = '1, 2 g'\n"
+    name, law = (
+        workspace.upload("small.toml", SMALL.encode()),
+        f"{{ kind = 'table', file = {json.dumps(file)} }}",
     )
+    study = f"outputs = ['preload']\nchanges = {{ 'lift_law.file' = {json.dumps(file)} }}\n[[vary]]\nkey = 'spring.mass'\nvalues = '1, 2 g'\n"
     with Jobs(workspace) as jobs:
         for change in (
-            lambda: workspace.replace_text(name, table), lambda: workspace.set_value(name, "lift_law.file", file),
-            lambda: workspace.set_value(name, "lift_law", law), lambda: read_change(SMALL, "lift_law.file", file),
+            lambda: workspace.replace_text(name, table),
+            lambda: workspace.set_value(name, "lift_law.file", file),
+            lambda: workspace.set_value(name, "lift_law", law),
+            lambda: read_change(SMALL, "lift_law.file", file),
             lambda: jobs.submit(JobRequest("run", name, settings={"lift_law.file": file})),
             lambda: jobs.submit(JobRequest("run", name, settings={"lift_law": law})),
             lambda: jobs.submit(JobRequest("study", name, study=study)),
-        ):  # fmt: skip
+        ):
             with pytest.raises(InputError, match="not beside the case"):
                 change()
 
 
 @pytest.mark.parametrize("file", ["/etc/hostname", "../case.toml", "a/b.csv", "linked.csv"])
 def test_the_process_of_a_job_opens_no_file_elsewhere(tmp_path, monkeypatch, file):
-    """Whatever came past the door, the reader of a job and of a slider opens what lies beside the case and nothing else."""
+    """Whatever came past the door, the reader of a job and of a slider opens what lies beside the
+    case and nothing else.
+    """
     os.symlink("/etc/hostname", tmp_path / "linked.csv")
     text = f"[lift_law]\nkind = 'table'\nfile = {json.dumps(file)}\nangle_of = 'cam'\nangle_unit = 'deg'\nlift_unit = 'mm'\n"
     with pytest.raises(InputError) as opened:
@@ -124,7 +152,9 @@ def test_the_process_of_a_job_opens_no_file_elsewhere(tmp_path, monkeypatch, fil
 
 
 def test_a_table_beside_a_case_is_read_and_goes_with_its_copies(workspace):
-    angles = "\n".join(f"{place * 10} {max(0.0, 9 - abs(place - 18)) ** 2 / 9:.4f}" for place in range(36))
+    angles = "\n".join(
+        f"{place * 10} {max(0.0, 9 - abs(place - 18)) ** 2 / 9:.4f}" for place in range(36)
+    )
     table = (
         SMALL.split("[lift_law]")[0]
         + "[lift_law]\nkind = 'table'\nfile = 'lift.txt'\nangle_of = 'cam'\nangle_unit = 'deg'\nlift_unit = 'mm'\nlift_of = 'valve'\n"
@@ -174,7 +204,10 @@ def test_no_name_leads_out_of_the_workspace(workspace, name):
         made = workspace.new_case(name, "spring")
     except InputError:
         pass
-    assert made is None or (workspace.cases_folder / made).resolve().parent == workspace.cases_folder.resolve()
+    assert (
+        made is None
+        or (workspace.cases_folder / made).resolve().parent == workspace.cases_folder.resolve()
+    )
 
 
 def test_links_are_not_followed(workspace, tmp_path):
@@ -188,8 +221,12 @@ def test_links_are_not_followed(workspace, tmp_path):
     os.symlink(outside, folder / "more")
     os.symlink(folder.parent, workspace.runs_folder / "elsewhere")
     assert not workspace.cases()
-    for call in (lambda: workspace.text("linked"), lambda: workspace.download(run_id, "report"),
-                 lambda: workspace.run(f"elsewhere/{folder.name}"), lambda: workspace.delete("linked")):  # fmt: skip
+    for call in (
+        lambda: workspace.text("linked"),
+        lambda: workspace.download(run_id, "report"),
+        lambda: workspace.run(f"elsewhere/{folder.name}"),
+        lambda: workspace.delete("linked"),
+    ):
         with pytest.raises(InputError):
             call()
     with zipfile.ZipFile(workspace.download(run_id, "data")) as archive:
@@ -203,7 +240,9 @@ def test_runs_are_those_of_the_run_store(workspace, monkeypatch):
     assert [run.run_id for run in workspace.runs()] == [second, first]
     assert [run.run_id for run in workspace.runs("small")] == [first]
     run = workspace.run(first)
-    assert find_run(first, workspace.runs_folder).answer == run.answer and run.models == ("massless",)
+    assert find_run(first, workspace.runs_folder).answer == run.answer and run.models == (
+        "massless",
+    )
     assert workspace.download(first, "case").read_text() == SMALL
     assert workspace.download(first, "report") == run.page
     with zipfile.ZipFile(workspace.download(first, "csv")) as archive:
@@ -215,7 +254,9 @@ def test_runs_are_those_of_the_run_store(workspace, monkeypatch):
     with pytest.raises(InputError, match="none of case"):
         workspace.download(first, "../x")  # type: ignore[arg-type]
     workspace.delete_run(first)
-    assert [run.run_id for run in workspace.runs()] == [second] and not (workspace.runs_folder / "small").exists()
+    assert [run.run_id for run in workspace.runs()] == [second] and not (
+        workspace.runs_folder / "small"
+    ).exists()
 
 
 def test_a_second_server_and_another_layout_are_refused(workspace):

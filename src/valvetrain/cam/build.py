@@ -13,11 +13,13 @@ def build_lift_law(parameters: LiftLawParameters | None) -> LiftLaw:
 
     Parameters
     ----------
-    parameters : ``case.lift_law``: kind of the law and its numbers (SI: m, cam rad); None for no lift
+    parameters : ``case.lift_law``: kind of the law and its numbers (SI: m, cam rad); None for no
+    lift
 
     Returns
     -------
-    LiftLaw whose ``lift(cam_angle, derivative=0)`` takes cam angles (rad) of any shape and gives m/rad**derivative of that shape
+    LiftLaw whose ``lift(cam_angle, derivative=0)`` takes cam angles (rad) of any shape and gives
+    m/rad**derivative of that shape
 
     Raises
     ------
@@ -36,4 +38,6 @@ def build_lift_law(parameters: LiftLawParameters | None) -> LiftLaw:
     try:
         return spec.make(**values)
     except TypeError as error:
-        raise InputError(f"the values of a {kind} law do not fit it ({error}); see valvetrain.cam") from error
+        raise InputError(
+            f"the values of a {kind} law do not fit it ({error}); see valvetrain.cam"
+        ) from error

@@ -7,16 +7,141 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import pairwise
-from typing import ClassVar
+from pathlib import Path
+from typing import Annotated, Any, ClassVar, Literal
 
 from numpy.typing import ArrayLike
+from pydantic import Field
 
-from valvetrain.cam.cam_card_table import ADVERTISED_LIFT, DURATION_LIFT, RAMP_VELOCITY, UPPER_LIFT, CamCardModel
 from valvetrain.cam.contract import Array, LiftSpec
-from valvetrain.cam.flank_pulse import SHARES, USUAL_SHARE, HalfLobe, joined
-from valvetrain.cam.pieces import PeriodicPieces
-from valvetrain.cam.roots import solve
+from valvetrain.cam.flanks import SHARES, USUAL_SHARE, HalfLobe, joined
+from valvetrain.cam.pieces import PeriodicPieces, solve
 from valvetrain.errors import InputError
+from valvetrain.parameters.schema_lift import LiftModel
+from valvetrain.parameters.schema_types import Angle, Length, PositiveLength, problem, quantity
+
+#: Lifts (m) of the lobe at which cards tell durations unless they say so: 0.050, 0.006 and 0.200
+#: in.
+DURATION_LIFT, ADVERTISED_LIFT, UPPER_LIFT = (
+    round(inches * 25.4e-3, 9) for inches in (0.050, 0.006, 0.200)
+)
+#: A ramp without a lift of its own ends this far (m) above the lash.
+RAMP_ABOVE_LASH = 1e-4
+#: 0.0005 in per cam degree.
+RAMP_VELOCITY = 0.0005 * 25.4e-3 / math.radians(1.0)
+
+RockerRatio = Annotated[float, quantity("ratio", low=0.2, high=5.0)]
+PositiveAngle = Annotated[float, quantity("angle", low=0.0, open_low=True)]
+CamVelocity = Annotated[float, quantity("cam velocity", low=0.0, open_low=True)]
+Blend = Annotated[float, quantity("ratio", low=0.01, high=1.0)]
+
+
+class CamCardModel(LiftModel):
+    """A symmetric lobe by the values of its cam card; every duration told is met."""
+
+    lift_of: Literal["valve", "tappet"] = Field(
+        default="tappet", description="whose lift it is: a card gives that of the lobe"
+    )
+    angle_of: Literal["crank", "cam"]
+    lobe_lift: PositiveLength | None = Field(
+        default=None, description="without it valve_lift over rocker_ratio"
+    )
+    valve_lift: PositiveLength | None = Field(
+        default=None, description="gross, without lash; without it from lobe_lift"
+    )
+    rocker_ratio: RockerRatio | None = Field(
+        default=None, description="also of the lever in [train.lever] that gives none"
+    )
+    lash: Length | None = Field(
+        default=None, description="at the valve; also of the [train] that gives none"
+    )
+    duration: PositiveAngle
+    duration_lift: PositiveLength = Field(
+        default=DURATION_LIFT, description="lobe lift at which duration is given"
+    )
+    advertised_duration: PositiveAngle | None = Field(
+        default=None, description="without it the flank has its usual shape"
+    )
+    advertised_lift: PositiveLength = Field(
+        default=ADVERTISED_LIFT, description="lobe lift at which advertised_duration is given"
+    )
+    upper_duration: PositiveAngle | None = Field(
+        default=None, description="without it the nose has its usual shape"
+    )
+    upper_lift: PositiveLength = Field(
+        default=UPPER_LIFT, description="lobe lift at which upper_duration is given"
+    )
+    valve: Literal["intake", "exhaust"] = Field(
+        default="intake", description="which valve: lobe_centre after or before top dead centre"
+    )
+    lobe_centre: PositiveAngle | None = Field(
+        default=None, description="of the nose from top dead centre; without it nose at 180 deg"
+    )
+    top_dead_centre: Angle = Field(
+        default=math.pi, description="cam angle of top dead centre of gas exchange"
+    )
+    ramp_lift: PositiveLength | None = Field(
+        default=None,
+        description="of the lobe where ramps end; without it lash over ratio and 0.1 mm",
+    )
+    ramp_velocity: CamVelocity | None = Field(
+        default=None,
+        description="per cam angle; without it 0.0005 in/deg, or that of an advertised_duration given on the ramp",
+    )
+    ramp_blend: Blend = Field(
+        default=0.3, description="share of the ramp over which its velocity is built up"
+    )
+
+    def values(self, folder: Path) -> dict[str, Any]:
+        """Keyword arguments of the law's class, in cam rad; refuses a lift told twice that
+        disagrees, or none.
+        """
+        turn = 0.5 if self.angle_of == "crank" else 1.0
+        away = (
+            None
+            if self.lobe_centre is None
+            else self.lobe_centre * turn * (1 if self.valve == "intake" else -1)
+        )
+        own: dict[str, Any] = {
+            "maximum_lift": self._lobe_lift(), "nose": math.pi if away is None else self.top_dead_centre + away,
+            "duration": self.duration * turn, "duration_lift": self.duration_lift,
+            "ramp_lift": self._ramp_lift(), "ramp_velocity": self.ramp_velocity, "ramp_blend": self.ramp_blend,
+        }  # fmt: skip
+        for name in ("advertised", "upper"):
+            if (told := getattr(self, f"{name}_duration")) is not None:
+                own |= {
+                    f"{name}_duration": told * turn,
+                    f"{name}_lift": getattr(self, f"{name}_lift"),
+                }
+        return own
+
+    def _lobe_lift(self) -> float:
+        if self.lobe_lift is None and (self.valve_lift is None or self.rocker_ratio is None):
+            raise problem("a cam card needs lobe_lift, or valve_lift and rocker_ratio; add it")
+        if self.lobe_lift is None:
+            assert self.valve_lift is not None and self.rocker_ratio is not None
+            return self.valve_lift / self.rocker_ratio
+        if self.valve_lift is not None and self.rocker_ratio is not None:
+            valve = self.lobe_lift * self.rocker_ratio
+            if abs(valve / self.valve_lift - 1) > 0.01:
+                raise problem(
+                    f"lobe_lift times rocker_ratio is {valve * 1e3:.4g} mm, but valve_lift {self.valve_lift * 1e3:.4g} mm; correct one",
+                    ("valve_lift",),
+                )
+        return self.lobe_lift
+
+    def _ramp_lift(self) -> float:
+        if self.ramp_lift is not None:
+            return self.ramp_lift
+        if self.lash and self.rocker_ratio is None and self.lift_of == "tappet":
+            raise problem(
+                "the ramp over the lash needs rocker_ratio: lash is given at the valve; add it, 1 where the cam moves the valve itself, "
+                "or give ramp_lift",
+                ("lash",),
+            )
+        ratio = self.rocker_ratio if self.lift_of == "tappet" and self.rocker_ratio else 1.0
+        return (self.lash or 0.0) / ratio + RAMP_ABOVE_LASH
+
 
 #: Fullness of the nose: see :class:`HalfLobe`.
 FULLNESS, USUAL_FULLNESS = (-1.0, 1.0), 0.0
@@ -28,12 +153,17 @@ LENGTHS = (math.radians(1.0), math.radians(175.0))
 
 @dataclass(frozen=True, kw_only=True)
 class CamCard:
-    """Lobe about ``nose`` (cam rad) that stands ``duration`` (cam rad) above ``duration_lift`` (m), 0.050 in on most cards.
+    """Lobe about ``nose`` (cam rad) that stands ``duration`` (cam rad) above ``duration_lift`` (m),
+    0.050 in on most cards.
 
-    ``maximum_lift`` (m): of the lobe. ``advertised_duration`` above ``advertised_lift`` and ``upper_duration`` above ``upper_lift``: met
-    where given, by the share of the flank with positive acceleration (by the velocity of the ramp, where they stand on it) and by the
-    fullness of the nose. Ramps of ``ramp_velocity`` (m/rad; None: the usual one, or that of the advertised duration) end at
-    ``ramp_lift`` (m); over their share ``ramp_blend`` it is built up. Raises :class:`InputError` with what is possible where the values
+    ``maximum_lift`` (m): of the lobe. ``advertised_duration`` above ``advertised_lift`` and
+    ``upper_duration`` above ``upper_lift``: met
+    where given, by the share of the flank with positive acceleration (by the velocity of the ramp,
+    where they stand on it) and by the
+    fullness of the nose. Ramps of ``ramp_velocity`` (m/rad; None: the usual one, or that of the
+    advertised duration) end at
+    ``ramp_lift`` (m); over their share ``ramp_blend`` it is built up. Raises :class:`InputError`
+    with what is possible where the values
     contradict each other.
     """
 
@@ -59,13 +189,24 @@ class CamCard:
                     f"{name} ({_deg(long)} at {_mm(low)}) must be longer and at a lower lift than {other} ({_deg(short)} at {_mm(high)}); "
                     "check both on the card"
                 )
-        if not (0 < points[0][1] and points[-1][1] < self.maximum_lift and 0 < points[-1][2] and points[0][2] < 2 * math.pi):
+        if not (
+            0 < points[0][1]
+            and points[-1][1] < self.maximum_lift
+            and 0 < points[-1][2]
+            and points[0][2] < 2 * math.pi
+        ):
             raise InputError(
                 f"the lifts at which durations are given ({_mm(points[0][1])} to {_mm(points[-1][1])}) must lie below the lobe lift "
                 f"({_mm(self.maximum_lift)}), and the durations within a cam turn; check them and angle_of"
             )
-        if not (0 < self.ramp_lift < self.maximum_lift and self.ramp_velocity != 0 and 0 < self.ramp_blend <= 1):
-            raise InputError("ramp_lift must lie between zero and the lobe lift, and ramp_velocity be positive; correct them")
+        if not (
+            0 < self.ramp_lift < self.maximum_lift
+            and self.ramp_velocity != 0
+            and 0 < self.ramp_blend <= 1
+        ):
+            raise InputError(
+                "ramp_lift must lie between zero and the lobe lift, and ramp_velocity be positive; correct them"
+            )
         straight = self.ramp_lift * self.ramp_blend / (2 - self.ramp_blend)
         if points[0][1] < straight:
             raise InputError(
@@ -73,7 +214,9 @@ class CamCard:
                 "ramp_blend or ramp_lift"
             )
         if self.half_lobe.length + self.ramp_length > math.pi:
-            raise InputError("flanks and ramps together are longer than a cam turn; raise ramp_velocity or lower ramp_lift")
+            raise InputError(
+                "flanks and ramps together are longer than a cam turn; raise ramp_velocity or lower ramp_lift"
+            )
         if not self.half_lobe.sizes[0] > 0:
             raise InputError("the ramps alone would lift more than the lobe; lower ramp_velocity")
 
@@ -93,8 +236,16 @@ class CamCard:
 
     @cached_property
     def half_lobe(self) -> HalfLobe:
-        """The flank that meets every duration told: one unknown for each, found inside each other, all monotone."""
-        first = HalfLobe(self.maximum_lift, (self.ramp_lift, self.ramp_velocity or RAMP_VELOCITY), 1.0, USUAL_SHARE, USUAL_FULLNESS)
+        """The flank that meets every duration told: one unknown for each, found inside each other,
+        all monotone.
+        """
+        first = HalfLobe(
+            self.maximum_lift,
+            (self.ramp_lift, self.ramp_velocity or RAMP_VELOCITY),
+            1.0,
+            USUAL_SHARE,
+            USUAL_FULLNESS,
+        )
         return self._by_fullness(first)
 
     def _by_fullness(self, half: HalfLobe) -> HalfLobe:
@@ -109,19 +260,32 @@ class CamCard:
         on_ramp = self.ramp_velocity is None and self.advertised_lift <= self.ramp_lift
 
         def made(value: float) -> HalfLobe:
-            return self._by_length(replace(half, start=(self.ramp_lift, value)) if on_ramp else replace(half, share=value))
+            return self._by_length(
+                replace(half, start=(self.ramp_lift, value))
+                if on_ramp
+                else replace(half, share=value)
+            )
 
         bounds = VELOCITIES if on_ramp else SHARES
-        return self._met("advertised_duration", self.advertised_lift, self.advertised_duration, made, bounds)
+        return self._met(
+            "advertised_duration", self.advertised_lift, self.advertised_duration, made, bounds
+        )
 
     def _by_length(self, half: HalfLobe) -> HalfLobe:
         made = lambda value: replace(half, length=value)  # noqa: E731
         return self._met("duration", self.duration_lift, self.duration, made, LENGTHS)
 
     def _met(
-        self, name: str, lift: float, duration: float, made: Callable[[float], HalfLobe], bounds: tuple[float, float]
-    ) -> HalfLobe:  # fmt: skip
-        """The flank of the one value between ``bounds`` that passes ``lift`` half a ``duration`` before the nose."""
+        self,
+        name: str,
+        lift: float,
+        duration: float,
+        made: Callable[[float], HalfLobe],
+        bounds: tuple[float, float],
+    ) -> HalfLobe:
+        """The flank of the one value between ``bounds`` that passes ``lift`` half a ``duration``
+        before the nose.
+        """
         value = solve(lambda value: made(value).before_nose(duration / 2) - lift, bounds)
         if value is not None:
             return made(value)

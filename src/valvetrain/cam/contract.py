@@ -23,8 +23,10 @@ HIGHEST_DERIVATIVE = 3
 class LiftLaw(Protocol):
     """Lift over the cam angle (rad), periodic in one cam revolution.
 
-    ``continuity``: the number of continuous derivatives (2: the acceleration is continuous). ``joints``: cam angles (rad) at which
-    the law changes its formula; a higher derivative may jump there and takes the value of the piece above.
+    ``continuity``: the number of continuous derivatives (2: the acceleration is continuous).
+    ``joints``: cam angles (rad) at which
+    the law changes its formula; a higher derivative may jump there and takes the value of the piece
+    above.
 
     >>> import valvetrain as vt
     >>> law = vt.build_lift_law(vt.load_case("job-t").lift_law)
@@ -39,13 +41,17 @@ class LiftLaw(Protocol):
     def joints(self) -> tuple[float, ...]: ...
 
     def lift(self, cam_angle: ArrayLike, derivative: int = 0) -> Array:
-        """Lift (m) or its ``derivative``-th derivative, 0 to 3 (m per rad**derivative); the shape of ``cam_angle``."""
+        """Lift (m) or its ``derivative``-th derivative, 0 to 3 (m per rad**derivative); the shape
+        of ``cam_angle``.
+        """
         ...
 
 
 @dataclass(frozen=True, slots=True)
 class LiftSpec:
-    """What the registry holds of a lift law: ``make`` takes SI keyword arguments, ``table`` is the [lift_law] table that gives them."""
+    """What the registry holds of a lift law: ``make`` takes SI keyword arguments, ``table`` is the
+    [lift_law] table that gives them.
+    """
 
     make: Callable[..., LiftLaw]
     table: type[LiftModel]
@@ -60,4 +66,6 @@ def after(start: float, cam_angle: ArrayLike) -> Array:
 def check_derivative(derivative: int) -> None:
     """Raise :class:`InputError` unless ``derivative`` is 0, 1, 2 or 3."""
     if derivative not in range(HIGHEST_DERIVATIVE + 1):
-        raise InputError(f"a lift law has derivatives 0 (lift) to {HIGHEST_DERIVATIVE} (jerk), not {derivative}; choose one of them")
+        raise InputError(
+            f"a lift law has derivatives 0 (lift) to {HIGHEST_DERIVATIVE} (jerk), not {derivative}; choose one of them"
+        )

@@ -9,7 +9,9 @@ from valvetrain.compiled import njit
 
 @njit(cache=True, nogil=True)
 def evaluate_pieces(cam_angle, breaks, coefficients):
-    """Lift, velocity and acceleration (m, m/rad, m/rad2) at one ``cam_angle`` (rad); flat arrays of :class:`PeriodicPieces`."""
+    """Lift, velocity and acceleration (m, m/rad, m/rad2) at one ``cam_angle`` (rad); flat arrays of
+    :class:`PeriodicPieces`.
+    """
     turn = 2.0 * np.pi
     since = (cam_angle - breaks[0]) % turn
     angle = breaks[0] + since

@@ -1,4 +1,6 @@
-"""A law behind measured stations: noise taken out with its uncertainty kept, base circle exactly zero."""
+"""A law behind measured stations: noise taken out with its uncertainty kept, base circle exactly
+zero.
+"""
 
 from __future__ import annotations
 
@@ -13,10 +15,8 @@ from pydantic import Field
 from valvetrain.cam.contract import Array, LiftSpec
 from valvetrain.cam.pieces import PeriodicPieces, pieces_of_spline
 from valvetrain.errors import InputError
-from valvetrain.measurements.lift_answers import LiftAnswers
-from valvetrain.measurements.lift_reading import read_lift
-from valvetrain.measurements.lift_smoothing import DEGREE, SmoothedLift, smooth_lift
-from valvetrain.measurements.measured_lift import MeasuredLift
+from valvetrain.measured.lift_file import LiftAnswers, MeasuredLift, read_lift
+from valvetrain.measured.lift_smoothing import DEGREE, SmoothedLift, smooth_lift
 from valvetrain.parameters.bounded_file import named_file
 from valvetrain.parameters.lift_law import LiftLawParameters
 from valvetrain.parameters.schema_lift import LiftModel, check_angles
@@ -28,10 +28,13 @@ MOST_DRAWS = 10_000
 
 @dataclass(frozen=True, kw_only=True)
 class Measured:
-    """The law behind ``lifts`` (m) at ``cam_angles`` (rad), as `valvetrain.measurements.lift_smoothing` finds it.
+    """The law behind ``lifts`` (m) at ``cam_angles`` (rad), as `valvetrain.measured.lift_smoothing`
+    finds it.
 
-    ``noise`` (m): standard deviation of a station, 0 to find it. ``band`` (m): how far the law may leave a station, 0 for no bound.
-    ``draw``: 0 for the mean; another number for one of the laws that the stations allow, the same for the same number.
+    ``noise`` (m): standard deviation of a station, 0 to find it. ``band`` (m): how far the law may
+    leave a station, 0 for no bound.
+    ``draw``: 0 for the mean; another number for one of the laws that the stations allow, the same
+    for the same number.
     """
 
     cam_angles: tuple[float, ...]
@@ -42,9 +45,14 @@ class Measured:
 
     def __post_init__(self) -> None:
         if len(self.cam_angles) != len(self.lifts):
-            raise InputError(f"lifts has {len(self.lifts)} entries but cam_angles {len(self.cam_angles)}; give one lift per angle")
+            raise InputError(
+                f"lifts has {len(self.lifts)} entries but cam_angles {len(self.cam_angles)}; give one lift per angle"
+            )
         if not 0 <= self.draw <= MOST_DRAWS:
-            raise InputError(f"draw is a whole number from 0 (the mean) to {MOST_DRAWS}; it is {self.draw}", "draw")
+            raise InputError(
+                f"draw is a whole number from 0 (the mean) to {MOST_DRAWS}; it is {self.draw}",
+                "draw",
+            )
 
     @property
     def continuity(self) -> int:
@@ -81,35 +89,71 @@ class MeasuredModel(LiftModel):
     cam_angles: Angles | None = None
     lifts: Lengths | None = None
     file: str | None = None
-    lobe: Literal["", "lift", "intake", "exhaust"] = Field(default="", description="which lobe of the file, where it holds two")
-    angle_of: Literal["", "cam", "crank"] = Field(default="", description="whose angles the file holds, where it does not say")
-    angle_unit: Literal["", "deg", "rad"] = Field(default="", description="unit of the angles of the file, where it does not say")
-    lift_unit: str = Field(default="", description="unit of the lifts of the file, where it does not say")
-    zero: Literal["", "file", "nose"] = Field(default="", description="zero of the angle: that of the file, or the nose")
-    direction: Literal["", "forward", "reversed"] = Field(default="", description="whether the table was taken against the rotation")
-    columns: str = Field(default="", description="what each column of the file is, where it does not say")
-    peak_lift: Length | None = Field(default=None, description="largest lift of a file of fractions")
-    duration: Angle | None = Field(default=None, description="length of the event of a file of fractions, in the angle of angle_of")
-    opening: Angle | None = Field(default=None, description="begin of the event of a file of fractions, in the angle of angle_of")
+    lobe: Literal["", "lift", "intake", "exhaust"] = Field(
+        default="", description="which lobe of the file, where it holds two"
+    )
+    angle_of: Literal["", "cam", "crank"] = Field(
+        default="", description="whose angles the file holds, where it does not say"
+    )
+    angle_unit: Literal["", "deg", "rad"] = Field(
+        default="", description="unit of the angles of the file, where it does not say"
+    )
+    lift_unit: str = Field(
+        default="", description="unit of the lifts of the file, where it does not say"
+    )
+    zero: Literal["", "file", "nose"] = Field(
+        default="", description="zero of the angle: that of the file, or the nose"
+    )
+    direction: Literal["", "forward", "reversed"] = Field(
+        default="", description="whether the table was taken against the rotation"
+    )
+    columns: str = Field(
+        default="", description="what each column of the file is, where it does not say"
+    )
+    peak_lift: Length | None = Field(
+        default=None, description="largest lift of a file of fractions"
+    )
+    duration: Angle | None = Field(
+        default=None,
+        description="length of the event of a file of fractions, in the angle of angle_of",
+    )
+    opening: Angle | None = Field(
+        default=None,
+        description="begin of the event of a file of fractions, in the angle of angle_of",
+    )
     noise: Length = Field(default=0.0, description="standard deviation of a station; 0 finds it")
-    band: Length = Field(default=0.0, description="how far the law may leave a station; 0 for no bound")
-    draw: int = Field(default=0, ge=0, le=MOST_DRAWS, description="0: the mean; another: one of the laws that the stations allow")
+    band: Length = Field(
+        default=0.0, description="how far the law may leave a station; 0 for no bound"
+    )
+    draw: int = Field(
+        default=0,
+        ge=0,
+        le=MOST_DRAWS,
+        description="0: the mean; another: one of the laws that the stations allow",
+    )
 
     def parameters(self, folder: Path) -> LiftLawParameters:
         if self.file is None:
             return LiftLawParameters("measured", self._inline(), self.lift_of, self.zero_of_angle)
         lobe = self._read(folder, self.file)
         zero = self.zero_of_angle or lobe.zero
-        return LiftLawParameters("measured", self._values(tuple(lobe.cam_angles), tuple(lobe.lifts)), lobe.lift_of, zero)  # type: ignore[arg-type]
+        return LiftLawParameters(
+            "measured", self._values(tuple(lobe.cam_angles), tuple(lobe.lifts)), lobe.lift_of, zero
+        )  # type: ignore[arg-type]
 
     def _inline(self) -> dict[str, Any]:
         if self.cam_angles is None or self.lifts is None:
-            raise problem("measured lifts are given by file, or by cam_angles and lifts together; add what is missing")
+            raise problem(
+                "measured lifts are given by file, or by cam_angles and lifts together; add what is missing"
+            )
         return self._values(self.cam_angles, self.lifts)
 
     def _values(self, cam_angles: tuple[float, ...], lifts: tuple[float, ...]) -> dict[str, Any]:
         if len(cam_angles) != len(lifts):
-            raise problem(f"lifts has {len(lifts)} entries but cam_angles {len(cam_angles)}; give one lift per angle", ("lifts",))
+            raise problem(
+                f"lifts has {len(lifts)} entries but cam_angles {len(cam_angles)}; give one lift per angle",
+                ("lifts",),
+            )
         check_angles(cam_angles, ("cam_angles",))
         values: dict[str, Any] = {
             "cam_angles": tuple(float(angle) for angle in cam_angles), "lifts": tuple(float(lift) for lift in lifts), "noise": self.noise,
@@ -120,21 +164,39 @@ class MeasuredModel(LiftModel):
 
     def _read(self, folder: Path, file: str) -> MeasuredLift:
         if self.cam_angles is not None or self.lifts is not None:
-            raise problem("measured lifts are given by file or by cam_angles and lifts, not by both; leave one out", ("file",))
+            raise problem(
+                "measured lifts are given by file or by cam_angles and lifts, not by both; leave one out",
+                ("file",),
+            )
         make = partial(
-            LiftAnswers, angle_of=self.angle_of, lift_of=self.lift_of if "lift_of" in self.model_fields_set else "",
-            angle_unit=self.angle_unit, lift_unit=self.lift_unit, zero=self.zero, direction=self.direction,
-            columns=tuple(word.strip() for word in self.columns.split(",") if word.strip()), peak_lift=self.peak_lift,
-            duration=self.duration, opening=self.opening,
-        )  # fmt: skip
+            LiftAnswers,
+            angle_of=self.angle_of,
+            lift_of=self.lift_of if "lift_of" in self.model_fields_set else "",
+            angle_unit=self.angle_unit,
+            lift_unit=self.lift_unit,
+            zero=self.zero,
+            direction=self.direction,
+            columns=tuple(word.strip() for word in self.columns.split(",") if word.strip()),
+            peak_lift=self.peak_lift,
+            duration=self.duration,
+            opening=self.opening,
+        )
         lobes: tuple[MeasuredLift, ...] = guarded(
-            read_lift, guarded(named_file, folder, file, path=("file",)), guarded(make), path=("file",)
+            read_lift,
+            guarded(named_file, folder, file, path=("file",)),
+            guarded(make),
+            path=("file",),
         )
         known = {lobe.name: lobe for lobe in lobes}
         if self.lobe and self.lobe not in known:
-            raise problem(f"{file[:80]} holds {' and '.join(known)}, no {self.lobe}; name one of them", ("lobe",))
+            raise problem(
+                f"{file[:80]} holds {' and '.join(known)}, no {self.lobe}; name one of them",
+                ("lobe",),
+            )
         if not self.lobe and len(lobes) > 1:
-            raise problem(f"{file[:80]} holds {' and '.join(known)}; name one of them as lobe", ("lobe",))
+            raise problem(
+                f"{file[:80]} holds {' and '.join(known)}; name one of them as lobe", ("lobe",)
+            )
         return known[self.lobe] if self.lobe else lobes[0]
 
 

@@ -1,4 +1,6 @@
-"""Modified trapezoid flanks: acceleration that rises and falls as a quarter sine between stretches of constant acceleration."""
+"""Modified trapezoid flanks: acceleration that rises and falls as a quarter sine between stretches
+of constant acceleration.
+"""
 
 from __future__ import annotations
 
@@ -12,25 +14,35 @@ from valvetrain.cam.flanks import FlankEvents, FlankModel, flanked
 
 #: Ends of the pieces of the first half of a flank.
 EIGHTH, SHARES = 0.125, (0.0, 0.125, 0.375, 0.5)
-#: Peak acceleration 8 pi / (2 + pi) per unit rise and flank; peak velocity 2, jerk 4 pi times the acceleration.
+#: Peak acceleration 8 pi / (2 + pi) per unit rise and flank; peak velocity 2, jerk 4 pi times the
+#: acceleration.
 PEAK = 8 * np.pi / (2 + np.pi)
 _WAVE = 4 * np.pi
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ModifiedTrapezoid(FlankEvents):
-    """Modified trapezoid: peak velocity 2, acceleration 4.8881, jerk 61.43 (per unit rise and flank).
+    """Modified trapezoid: peak velocity 2, acceleration 4.8881, jerk 61.43 (per unit rise and
+    flank).
 
-    Acceleration: a quarter sine over the first eighth of the flank, constant to three eighths, a quarter sine to zero at the middle; the
-    second half is the first turned about its middle (Neklutin; Norton, Cam Design and Manufacturing Handbook).
+    Acceleration: a quarter sine over the first eighth of the flank, constant to three eighths, a
+    quarter sine to zero at the middle; the
+    second half is the first turned about its middle (Neklutin; Norton, Cam Design and Manufacturing
+    Handbook).
     """
 
     @property
     def joints(self) -> tuple[float, ...]:
         rise, fall = self.opening_end - self.opening_start, self.closing_end - self.closing_start
         flanks = ((self.opening_start, rise), (self.closing_start, fall))
-        inner = [start + span * share for start, span in flanks for share in (0.125, 0.375, 0.625, 0.875)]
-        return tuple(sorted((self.opening_start, self.opening_end, self.closing_start, self.closing_end, *inner)))
+        inner = [
+            start + span * share for start, span in flanks for share in (0.125, 0.375, 0.625, 0.875)
+        ]
+        return tuple(
+            sorted(
+                (self.opening_start, self.opening_end, self.closing_start, self.closing_end, *inner)
+            )
+        )
 
     def lift(self, cam_angle: ArrayLike, derivative: int = 0) -> Array:
         return flanked(self, shape, cam_angle, derivative)
@@ -47,18 +59,29 @@ def shape(x: Array, derivative: int) -> Array:
 
 def _first_half(x: Array, derivative: int) -> Array:
     pieces = [x < SHARES[1], x < SHARES[2]]
-    return PEAK * np.select(pieces, [_rising(x, derivative), _even(x, derivative)], _falling(x, derivative))
+    return PEAK * np.select(
+        pieces, [_rising(x, derivative), _even(x, derivative)], _falling(x, derivative)
+    )
 
 
 def _rising(x: Array, derivative: int) -> Array:
     sine, cosine = np.sin(_WAVE * x), np.cos(_WAVE * x)
-    return np.asarray((x / _WAVE - sine / _WAVE**2, (1 - cosine) / _WAVE, sine, _WAVE * cosine)[derivative])
+    return np.asarray(
+        (x / _WAVE - sine / _WAVE**2, (1 - cosine) / _WAVE, sine, _WAVE * cosine)[derivative]
+    )
 
 
 def _even(x: Array, derivative: int) -> Array:
     since = x - EIGHTH
     lift, velocity = EIGHTH / _WAVE - 1 / _WAVE**2, 1 / _WAVE
-    return np.asarray((lift + velocity * since + since**2 / 2, velocity + since, np.ones_like(x), np.zeros_like(x))[derivative])
+    return np.asarray(
+        (
+            lift + velocity * since + since**2 / 2,
+            velocity + since,
+            np.ones_like(x),
+            np.zeros_like(x),
+        )[derivative]
+    )
 
 
 def _falling(x: Array, derivative: int) -> Array:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -16,7 +17,8 @@ from valvetrain.errors import InputError
 class PeriodicPieces:
     """Polynomials in the angle since each break.
 
-    ``breaks`` (pieces + 1,) in cam rad, rising, over exactly one revolution; ``coefficients`` (pieces, order), ascending powers,
+    ``breaks`` (pieces + 1,) in cam rad, rising, over exactly one revolution; ``coefficients``
+    (pieces, order), ascending powers,
     m per rad**power. Itself a lift law; ``continuity`` is what its maker vouches for.
     """
 
@@ -25,11 +27,22 @@ class PeriodicPieces:
     continuity: int = 2
 
     def __post_init__(self) -> None:
-        breaks, coefficients = np.ascontiguousarray(self.breaks, dtype=float), np.ascontiguousarray(self.coefficients, dtype=float)
-        if coefficients.ndim != 2 or len(breaks) != len(coefficients) + 1 or not np.all(np.diff(breaks) > 0):
-            raise InputError("a piecewise law needs rising breaks, one more than it has pieces; correct them")
+        breaks, coefficients = (
+            np.ascontiguousarray(self.breaks, dtype=float),
+            np.ascontiguousarray(self.coefficients, dtype=float),
+        )
+        if (
+            coefficients.ndim != 2
+            or len(breaks) != len(coefficients) + 1
+            or not np.all(np.diff(breaks) > 0)
+        ):
+            raise InputError(
+                "a piecewise law needs rising breaks, one more than it has pieces; correct them"
+            )
         if abs(breaks[-1] - breaks[0] - TURN) > 1e-9:
-            raise InputError("a piecewise law must cover exactly one cam revolution; add the base circle as a piece")
+            raise InputError(
+                "a piecewise law must cover exactly one cam revolution; add the base circle as a piece"
+            )
         for name, array in (("breaks", breaks), ("coefficients", coefficients)):
             array.setflags(write=False)
             object.__setattr__(self, name, array)
@@ -41,7 +54,9 @@ class PeriodicPieces:
     def lift(self, cam_angle: ArrayLike, derivative: int = 0) -> Array:
         check_derivative(derivative)
         angle = self.breaks[0] + after(float(self.breaks[0]), cam_angle)
-        piece = np.clip(np.searchsorted(self.breaks, angle, side="right") - 1, 0, len(self.coefficients) - 1)
+        piece = np.clip(
+            np.searchsorted(self.breaks, angle, side="right") - 1, 0, len(self.coefficients) - 1
+        )
         step, chosen = angle - self.breaks[piece], self.coefficients[piece]
         total: Array = np.zeros_like(step)
         for power in range(self.coefficients.shape[1] - 1, derivative - 1, -1):
@@ -55,7 +70,9 @@ class PeriodicPieces:
 
 
 def quintic_pieces(breaks: Array, start: Array, end: Array) -> Array:
-    """Ascending coefficients (pieces, 6) of the quintics with lift, first and second derivative ``start`` and ``end``, each (pieces, 3)."""
+    """Ascending coefficients (pieces, 6) of the quintics with lift, first and second derivative
+    ``start`` and ``end``, each (pieces, 3).
+    """
     width = np.diff(breaks)[:, None] ** np.arange(3)
     (p0, v0, a0), (p1, v1, a1) = (start * width).T, (end * width).T
     rise = p1 - p0
@@ -75,23 +92,29 @@ def quintic_pieces(breaks: Array, start: Array, end: Array) -> Array:
 
 
 def tabulate(law: LiftLaw, pieces: int = 720) -> PeriodicPieces:
-    """``law`` as periodic polynomials: exact where the law is piecewise polynomial, else quintics on ``pieces`` equal steps and its joints.
+    """``law`` as periodic polynomials: exact where the law is piecewise polynomial, else quintics
+    on ``pieces`` equal steps and its joints.
 
-    The quintics match lift, velocity and acceleration at every break; the error falls with the sixth power of the step.
+    The quintics match lift, velocity and acceleration at every break; the error falls with the
+    sixth power of the step.
     """
     exact = getattr(law, "polynomial_pieces", None)
     if exact is not None:
         made: PeriodicPieces = exact()
         return made
     start = law.joints[0] if law.joints else 0.0
-    nodes = np.concatenate([np.linspace(0.0, TURN, pieces + 1), after(start, np.asarray(law.joints, dtype=float))])
+    nodes = np.concatenate(
+        [np.linspace(0.0, TURN, pieces + 1), after(start, np.asarray(law.joints, dtype=float))]
+    )
     nodes = np.sort(nodes)
     nodes = start + nodes[np.concatenate([[True], np.diff(nodes) > 1e-9])]
     nodes[-1] = start + TURN
     # Where the law is not smooth enough, values are taken just inside each piece.
     inside = 0.0 if law.continuity >= 2 else 1e-9
     first, last = nodes[:-1] + inside * np.diff(nodes), nodes[1:] - inside * np.diff(nodes)
-    ends = [np.stack([law.lift(angle, order) for order in range(3)], axis=1) for angle in (first, last)]
+    ends = [
+        np.stack([law.lift(angle, order) for order in range(3)], axis=1) for angle in (first, last)
+    ]
     return PeriodicPieces(nodes, quintic_pieces(nodes, ends[0], ends[1]), min(law.continuity, 2))
 
 
@@ -110,4 +133,37 @@ def with_base_circle(breaks: Array, coefficients: Array, continuity: int) -> Per
     rest = breaks[0] + TURN - breaks[-1]
     if rest < 1e-9:
         return PeriodicPieces(np.append(breaks[:-1], breaks[0] + TURN), coefficients, continuity)
-    return PeriodicPieces(np.append(breaks, breaks[0] + TURN), np.vstack([coefficients, np.zeros(coefficients.shape[1])]), continuity)
+    return PeriodicPieces(
+        np.append(breaks, breaks[0] + TURN),
+        np.vstack([coefficients, np.zeros(coefficients.shape[1])]),
+        continuity,
+    )
+
+
+def solve(
+    error: Callable[[float], float], bounds: tuple[float, float], within: float = 0.0
+) -> float | None:
+    """Where ``error`` crosses zero between ``bounds``, by regula falsi (Illinois) until a step is
+    no more than ``within`` (0: to rounding);
+    None where it has one sign at both."""
+    (before, now), (at_before, at_now) = bounds, (error(bounds[0]), error(bounds[1]))
+    if at_before * at_now > 0:
+        return None
+    for _ in range(200):
+        if (
+            at_now == 0
+            or at_before == at_now
+            or abs(now - before) < 1e-15 * (abs(now) + abs(before))
+        ):
+            break
+        found = (before * at_now - now * at_before) / (at_now - at_before)
+        at_found = error(found)
+        if at_found * at_now < 0:
+            before, at_before = now, at_now
+        else:
+            at_before /= 2
+        close = abs(found - now) <= within
+        now, at_now = found, at_found
+        if close:
+            break
+    return now

@@ -9,10 +9,9 @@ from typing import Annotated, Any, Literal
 from pydantic import Field
 
 from valvetrain.cam.contract import LiftSpec
-from valvetrain.cam.flank_pulse import SHARES, USUAL_SHARE, HalfLobe, joined
-from valvetrain.cam.pieces import PeriodicPieces
-from valvetrain.cam.roots import solve
-from valvetrain.cam.stations import Stations
+from valvetrain.cam.flanks import SHARES, USUAL_SHARE, HalfLobe, joined
+from valvetrain.cam.pieces import PeriodicPieces, solve
+from valvetrain.cam.spline import Stations
 from valvetrain.errors import InputError
 from valvetrain.parameters.schema_lift import LiftModel
 from valvetrain.parameters.schema_types import Angle, PositiveLength, problem, quantity
@@ -21,32 +20,64 @@ Flank = Literal["quintic", "pulses"]
 
 
 def ramped(
-    *, maximum_lift: float, ramp_lift: float, ramp_start: float, event_start: float, event_end: float, ramp_end: float,
-    ramp_blend: float = 0.3, nose_acceleration: float | None = None, flank: Flank = "quintic",
-) -> Stations | PeriodicPieces:  # fmt: skip
-    """Ramp of constant velocity to ``ramp_lift`` (m) at ``event_start``, flanks to the nose half-way through the event, and back.
+    *,
+    maximum_lift: float,
+    ramp_lift: float,
+    ramp_start: float,
+    event_start: float,
+    event_end: float,
+    ramp_end: float,
+    ramp_blend: float = 0.3,
+    nose_acceleration: float | None = None,
+    flank: Flank = "quintic",
+) -> Stations | PeriodicPieces:
+    """Ramp of constant velocity to ``ramp_lift`` (m) at ``event_start``, flanks to the nose
+    half-way through the event, and back.
 
-    ``ramp_blend``: share of the ramp over which its velocity is built up. ``nose_acceleration`` (m/rad2, negative). ``flank``: one
-    ``quintic``, whose largest deceleration lies before the nose and barely follows ``nose_acceleration`` (None makes the jerk vanish at
-    the nose, for equal ramps); or two ``pulses``, whose largest deceleration is that of the nose (None: that of the usual pulse). Angles
-    in cam rad. Raises :class:`InputError` for events out of order and for a nose that pulses cannot have.
+    ``ramp_blend``: share of the ramp over which its velocity is built up. ``nose_acceleration``
+    (m/rad2, negative). ``flank``: one
+    ``quintic``, whose largest deceleration lies before the nose and barely follows
+    ``nose_acceleration`` (None makes the jerk vanish at
+    the nose, for equal ramps); or two ``pulses``, whose largest deceleration is that of the nose
+    (None: that of the usual pulse). Angles
+    in cam rad. Raises :class:`InputError` for events out of order and for a nose that pulses cannot
+    have.
     """
-    if not ramp_start < event_start < event_end < ramp_end or not 0 < ramp_lift < maximum_lift or not 0 < ramp_blend <= 1:
-        raise InputError("ramp_start, event_start, event_end, ramp_end must rise and ramp_lift lie below maximum_lift; correct them")
+    if (
+        not ramp_start < event_start < event_end < ramp_end
+        or not 0 < ramp_lift < maximum_lift
+        or not 0 < ramp_blend <= 1
+    ):
+        raise InputError(
+            "ramp_start, event_start, event_end, ramp_end must rise and ramp_lift lie below maximum_lift; correct them"
+        )
     if flank == "pulses":
         nose = (event_start + event_end) / 2
         lengths = (event_start - ramp_start, ramp_end - event_end)
-        starts = tuple((ramp_states(ramp_lift, length, ramp_blend)[0], length) for length in lengths)
-        halves = tuple(HalfLobe(maximum_lift, (ramp_lift, velocity), nose - event_start, USUAL_SHARE) for velocity, _ in starts)
+        starts = tuple(
+            (ramp_states(ramp_lift, length, ramp_blend)[0], length) for length in lengths
+        )
+        halves = tuple(
+            HalfLobe(maximum_lift, (ramp_lift, velocity), nose - event_start, USUAL_SHARE)
+            for velocity, _ in starts
+        )
         slowing = halves[0].sizes[1] if nose_acceleration is None else -nose_acceleration
-        flanks = (_with_nose(half, slowing).after_ramp(length, ramp_blend) for half, (_, length) in zip(halves, starts, strict=True))
+        flanks = (
+            _with_nose(half, slowing).after_ramp(length, ramp_blend)
+            for half, (_, length) in zip(halves, starts, strict=True)
+        )
         return joined(nose, *flanks)
     half, rise = (event_end - event_start) / 2, maximum_lift - ramp_lift
     opening, opened = ramp_states(ramp_lift, event_start - ramp_start, ramp_blend)
     closing, closed = ramp_states(ramp_lift, ramp_end - event_end, ramp_blend)
     if nose_acceleration is None:
         nose_acceleration = -(60 * rise - 24 * (opening + closing) / 2 * half) / (9 * half**2)
-    angles = [ramp_start, ramp_start + ramp_blend * (event_start - ramp_start), event_start, event_start + half]
+    angles = [
+        ramp_start,
+        ramp_start + ramp_blend * (event_start - ramp_start),
+        event_start,
+        event_start + half,
+    ]
     angles += [event_end, ramp_end - ramp_blend * (ramp_end - event_end), ramp_end]
     rows = list(
         zip(
@@ -59,12 +90,18 @@ def ramped(
     )
     if ramp_blend == 1.0:
         rows = [row for index, row in enumerate(rows) if index not in (1, 5)]
-    stations, lifts, velocities, accelerations = (tuple(map(float, column)) for column in zip(*rows, strict=True))
-    return Stations(cam_angles=stations, lifts=lifts, velocities=velocities, accelerations=accelerations)
+    stations, lifts, velocities, accelerations = (
+        tuple(map(float, column)) for column in zip(*rows, strict=True)
+    )
+    return Stations(
+        cam_angles=stations, lifts=lifts, velocities=velocities, accelerations=accelerations
+    )
 
 
 def _with_nose(half: HalfLobe, deceleration: float) -> HalfLobe:
-    """The flank that comes to rest at the nose with ``deceleration`` (m/rad2): it grows with the share of positive acceleration."""
+    """The flank that comes to rest at the nose with ``deceleration`` (m/rad2): it grows with the
+    share of positive acceleration.
+    """
     share = solve(lambda value: replace(half, share=value).sizes[1] - deceleration, SHARES)
     if share is None:
         least, most = (replace(half, share=bound).sizes[1] for bound in SHARES)
@@ -76,7 +113,9 @@ def _with_nose(half: HalfLobe, deceleration: float) -> HalfLobe:
 
 
 def ramp_states(ramp_lift: float, length: float, blend: float) -> tuple[float, float]:
-    """Velocity of the ramp (m/rad) and the lift (m) at which it is reached: half the velocity times the blend."""
+    """Velocity of the ramp (m/rad) and the lift (m) at which it is reached: half the velocity times
+    the blend.
+    """
     velocity = ramp_lift / (length * (1 - blend / 2))
     return velocity, velocity * blend * length / 2
 
@@ -94,18 +133,29 @@ class RampedModel(LiftModel):
     event_start: Angle
     event_end: Angle
     ramp_end: Angle
-    ramp_blend: RampBlend = Field(default=0.3, description="share of the ramp over which its velocity is built up")
-    flank: Flank = Field(default="quintic", description="one quintic, or two pulses whose largest deceleration is at the nose")
+    ramp_blend: RampBlend = Field(
+        default=0.3, description="share of the ramp over which its velocity is built up"
+    )
+    flank: Flank = Field(
+        default="quintic",
+        description="one quintic, or two pulses whose largest deceleration is at the nose",
+    )
     nose_acceleration: NegativeAcceleration | None = Field(
         default=None, description="without it that of no jerk at the nose, or of the usual pulse"
     )
 
     def values(self, folder: Path) -> dict[str, Any]:
-        """Keyword arguments of the law's class; refuses ramps above the lift and events out of order."""
+        """Keyword arguments of the law's class; refuses ramps above the lift and events out of
+        order.
+        """
         self.in_order("ramp_start", "event_start", "event_end", "ramp_end")
         if self.ramp_lift >= self.maximum_lift:
             raise problem("ramp_lift is not below maximum_lift; lower it", ("ramp_lift",))
-        return {name: getattr(self, name) for name in type(self).model_fields if name not in LiftModel.model_fields}
+        return {
+            name: getattr(self, name)
+            for name in type(self).model_fields
+            if name not in LiftModel.model_fields
+        }
 
 
 SPEC = LiftSpec(ramped, RampedModel)

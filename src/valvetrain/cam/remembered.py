@@ -1,4 +1,6 @@
-"""A lift law that remembers what it was last asked: the points of a study ask one law for the same angles again and again."""
+"""A lift law that remembers what it was last asked: the points of a study ask one law for the same
+angles again and again.
+"""
 
 from __future__ import annotations
 
@@ -14,11 +16,15 @@ KEPT, WORTH = 24, 64
 
 
 class RememberedLift:
-    """The ``law`` itself, its last answers to long arrays kept; the same bits, in arrays of the caller's own."""
+    """The ``law`` itself, its last answers to long arrays kept; the same bits, in arrays of the
+    caller's own.
+    """
 
     def __init__(self, law: LiftLaw) -> None:
         self._law = law
-        self._answers: OrderedDict[tuple[int, int, float, float], tuple[Array, Array]] = OrderedDict()
+        self._answers: OrderedDict[tuple[int, int, float, float], tuple[Array, Array]] = (
+            OrderedDict()
+        )
 
     @property
     def continuity(self) -> int:
@@ -36,7 +42,10 @@ class RememberedLift:
         if key in self._answers and np.array_equal(self._answers[key][0], angles):
             self._answers.move_to_end(key)
         else:
-            self._answers[key] = (angles.copy(), np.array(self._law.lift(angles, derivative), dtype=float))
+            self._answers[key] = (
+                angles.copy(),
+                np.array(self._law.lift(angles, derivative), dtype=float),
+            )
             while len(self._answers) > KEPT:
                 self._answers.popitem(last=False)
         return self._answers[key][1].copy()

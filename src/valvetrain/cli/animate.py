@@ -8,7 +8,15 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from valvetrain.cli.options import JsonOption, QuietOption, SetOption, asks, read_engine_speeds, read_models, read_words
+from valvetrain.cli.options import (
+    JsonOption,
+    QuietOption,
+    SetOption,
+    asks,
+    read_engine_speeds,
+    read_models,
+    read_words,
+)
 from valvetrain.errors import InputError
 
 if TYPE_CHECKING:
@@ -29,16 +37,44 @@ def register(app: typer.Typer) -> None:
 
 
 def animate(
-    case: Annotated[str, typer.Argument(metavar="CASE_OR_RUN", help="A case (name or file), or the folder of a kept run.")],
-    output: Annotated[str, asks("--output", "FILE", "Film to write: FILE.gif, or FILE.mp4 (needs the extra 'film').")] = "",
-    engine_speed: Annotated[str | None, asks("--engine-speed", "SPEED", "Crank speed, '5600 rpm' (default: the case's highest).")] = None,
-    spring: Annotated[str, asks("--spring", "MODEL", "Spring model (default: the case's first).")] = "",
-    spring_set: Annotated[str, asks("--spring-set", "SET", "Spring set of a train (default: the case's first).")] = "",
-    colour: Annotated[str, asks("--colour", "WORD", "Colour: stress, contact, gap or velocity (default: the first there is).")] = "",
-    duration: Annotated[str, typer.Option("--duration", metavar="TIME", help="Time for one cam turn, 1 to 20 s.")] = "4 s",
-    width: Annotated[int, typer.Option("--width", metavar="PIXELS", help="Width (height: 16:9), 320 to 1920.")] = 800,
-    settings: SetOption = None, as_json: JsonOption = False, quiet: QuietOption = False,
-) -> None:  # fmt: skip
+    case: Annotated[
+        str,
+        typer.Argument(
+            metavar="CASE_OR_RUN", help="A case (name or file), or the folder of a kept run."
+        ),
+    ],
+    output: Annotated[
+        str,
+        asks("--output", "FILE", "Film to write: FILE.gif, or FILE.mp4 (needs the extra 'film')."),
+    ] = "",
+    engine_speed: Annotated[
+        str | None,
+        asks("--engine-speed", "SPEED", "Crank speed, '5600 rpm' (default: the case's highest)."),
+    ] = None,
+    spring: Annotated[
+        str, asks("--spring", "MODEL", "Spring model (default: the case's first).")
+    ] = "",
+    spring_set: Annotated[
+        str, asks("--spring-set", "SET", "Spring set of a train (default: the case's first).")
+    ] = "",
+    colour: Annotated[
+        str,
+        asks(
+            "--colour",
+            "WORD",
+            "Colour: stress, contact, gap or velocity (default: the first there is).",
+        ),
+    ] = "",
+    duration: Annotated[
+        str, typer.Option("--duration", metavar="TIME", help="Time for one cam turn, 1 to 20 s.")
+    ] = "4 s",
+    width: Annotated[
+        int, typer.Option("--width", metavar="PIXELS", help="Width (height: 16:9), 320 to 1920.")
+    ] = 800,
+    settings: SetOption = None,
+    as_json: JsonOption = False,
+    quiet: QuietOption = False,
+) -> None:
     """One cam turn of the spring or the train, slowed, as a film for slides."""
     from valvetrain.cli.case_choice import choose_case
     from valvetrain.cli.outcome import Outcome, deliver, measured
@@ -53,13 +89,25 @@ def animate(
     request.check()
     speeds = read_engine_speeds(engine_speed)
     if speeds is not None and len(speeds) != 1:
-        raise InputError(f"a film shows one engine speed, and {len(speeds)} are given; give one", "--engine-speed")
-    models, sets = read_models([spring] if spring else None), read_words([spring_set] if spring_set else None)
+        raise InputError(
+            f"a film shows one engine speed, and {len(speeds)} are given; give one",
+            "--engine-speed",
+        )
+    models, sets = (
+        read_models([spring] if spring else None),
+        read_words([spring_set] if spring_set else None),
+    )
     if len(models) > 1 or len(sets) > 1:
-        raise InputError("a film shows one run; give one spring model and one spring set", "--spring")
+        raise InputError(
+            "a film shows one run; give one spring model and one spring set", "--spring"
+        )
     chosen = choose_case(case, settings)
     kept = None if settings else run_of_path(Path(case))
-    study = _computed(chosen, speeds, models, sets) if kept is None else _kept(kept.folder, chosen, speeds, models, sets)
+    study = (
+        _computed(chosen, speeds, models, sets)
+        if kept is None
+        else _kept(kept.folder, chosen, speeds, models, sets)
+    )
     variant = _variant(study)
     with busy("drawing the film"):
         film = write_film(variant, path, request)
@@ -84,12 +132,18 @@ def _path(output: str) -> Path:
     path = Path(output)
     if path.is_dir() or not path.parent.is_dir():
         words = "is a folder" if path.is_dir() else "lies in a folder that does not exist"
-        raise InputError(f"'{output[:80]}' {words}; give a file in a folder that is there", "--output")
+        raise InputError(
+            f"'{output[:80]}' {words}; give a file in a folder that is there", "--output"
+        )
     return path
 
 
-def _computed(case: Case, speeds: tuple[float, ...] | None, models: tuple[str, ...], sets: tuple[str, ...]) -> Study:
-    """The one run of a case: its highest speed, first model and first spring set where none is asked for."""
+def _computed(
+    case: Case, speeds: tuple[float, ...] | None, models: tuple[str, ...], sets: tuple[str, ...]
+) -> Study:
+    """The one run of a case: its highest speed, first model and first spring set where none is
+    asked for.
+    """
     from valvetrain.cli.progress import busy
     from valvetrain.studies.api import simulate
     from valvetrain.system.build import build
@@ -102,12 +156,21 @@ def _computed(case: Case, speeds: tuple[float, ...] | None, models: tuple[str, .
     first = next((member for member in problem.members if not member.refusal), problem.members[0])
     with busy("computing the run"):
         return simulate(
-            case, known, spring_models=models or (first.model.word,), spring_sets=sets or ((first.spring_set,) if first.spring_set else ()),
+            case,
+            known,
+            spring_models=models or (first.model.word,),
+            spring_sets=sets or ((first.spring_set,) if first.spring_set else ()),
             workers=1,
-        )  # fmt: skip
+        )
 
 
-def _kept(folder: Path, case: Case, speeds: tuple[float, ...] | None, models: tuple[str, ...], sets: tuple[str, ...]) -> Study:
+def _kept(
+    folder: Path,
+    case: Case,
+    speeds: tuple[float, ...] | None,
+    models: tuple[str, ...],
+    sets: tuple[str, ...],
+) -> Study:
     """The kept run that fits best, read from its file."""
     from valvetrain.solution.netcdf import load_netcdf
     from valvetrain.solution.quantity import same_speed
@@ -125,9 +188,13 @@ def _kept(folder: Path, case: Case, speeds: tuple[float, ...] | None, models: tu
         if fits and (speeds is None or same_speed(run.engine_speed, speeds[0])):
             found.append(run)
     if not found:
-        raise InputError(f"the kept run '{folder}' holds no solution that fits; run its case again, or name another model or speed")
+        raise InputError(
+            f"the kept run '{folder}' holds no solution that fits; run its case again, or name another model or speed"
+        )
     fastest = max(run.engine_speed for run in found)
-    return Study(case.record(), solutions=tuple(run for run in found if run.engine_speed == fastest))
+    return Study(
+        case.record(), solutions=tuple(run for run in found if run.engine_speed == fastest)
+    )
 
 
 def _variant(study: Study) -> Variant:
@@ -136,4 +203,6 @@ def _variant(study: Study) -> Variant:
     failed = [run for run in study.solutions if not run.has("valve_lift")]
     if failed and len(failed) == len(study.solutions):
         raise InputError(f"nothing moves: {failed[0].status.sentence()}")
-    return refuse_nothing(moving_picture(study, Limits(variants=1, run_size=4_000_000, size=4_000_000, frames=1440))).variants[0]
+    return refuse_nothing(
+        moving_picture(study, Limits(variants=1, run_size=4_000_000, size=4_000_000, frames=1440))
+    ).variants[0]

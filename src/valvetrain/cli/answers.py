@@ -1,4 +1,6 @@
-"""The answer of a study in the terminal: what a user asks first, then published values where there are any, then where it all lies."""
+"""The answer of a study in the terminal: what a user asks first, then published values where there
+are any, then where it all lies.
+"""
 
 from __future__ import annotations
 
@@ -14,7 +16,13 @@ from valvetrain.cli.tables import plain_table
 from valvetrain.parameters.words import number, unit_words
 from valvetrain.report.critical_words import critical_rows, searched
 from valvetrain.report.fidelity_words import reach_rows, reason_for, share
-from valvetrain.report.headlines import HeadlineColumn, HeadlineRow, headline_columns, headline_rows, largest_clash_rows
+from valvetrain.report.headlines import (
+    HeadlineColumn,
+    HeadlineRow,
+    headline_columns,
+    headline_rows,
+    largest_clash_rows,
+)
 from valvetrain.report.words import rpm
 from valvetrain.solution.critical import KINDS
 from valvetrain.solution.definition import label_of
@@ -29,14 +37,19 @@ if TYPE_CHECKING:
 
 #: Runs that stand side by side in 100 columns; more stand below each other, up to this many.
 BESIDE, BELOW = 4, 24
-#: What a sweep answers: the worst of each with its engine speed but for :data:`NO_SPEED`, and where control is lost.
+#: What a sweep answers: the worst of each with its engine speed but for :data:`NO_SPEED`, and where
+#: control is lost.
 SWEPT = (
     "peak_spring_force", "minimum_spring_force", "coil_bind_clearance", "outer_coil_bind_clearance", "inner_coil_bind_clearance",
     "surge_frequency", "outer_surge_frequency", "inner_surge_frequency", "surge_amplitude_force", "clash_count", "clash_energy",
     "seating_velocity", "bounce_count", *KINDS.values(), "rigid_contact_loss_engine_speed", "lift_loss_displacement",
     "peak_shear_stress", "minimum_shear_stress", "nominal_peak_shear_stress", "nominal_minimum_shear_stress",
 )  # fmt: skip
-NO_SPEED = tuple(f"{spring}{name}" for name in ("coil_bind_clearance", "surge_frequency") for spring in ("", "outer_", "inner_"))
+NO_SPEED = tuple(
+    f"{spring}{name}"
+    for name in ("coil_bind_clearance", "surge_frequency")
+    for spring in ("", "outer_", "inner_")
+)
 #: Of many runs, what is said once for all of them.
 OF_THE_CASE = (*NO_SPEED, "rigid_contact_loss_engine_speed")
 #: Answers of the page that the terminal leaves out: they stand in other rows, or decide nothing.
@@ -50,7 +63,9 @@ BRIEF = (
 TWICE = 12
 
 
-def show_study(console: Console, study: Study, folder: Path, page: Path | None, published: bool = False) -> None:
+def show_study(
+    console: Console, study: Study, folder: Path, page: Path | None, published: bool = False
+) -> None:
     """Print the answer of a study; with ``published`` every comparison, finding and note in full."""
     console.print(study.record.title or study.record.name)
     try:
@@ -69,7 +84,9 @@ def _tables(study: Study) -> Iterator[Table]:
     if len(study.fidelity):
         yield from _fidelity(study.fidelity)
         return
-    if len(study.rest) > 1 or not study.solutions or (study.rest and not rows):  # a stretch of motion alone answers nothing
+    if (
+        len(study.rest) > 1 or not study.solutions or (study.rest and not rows)
+    ):  # a stretch of motion alone answers nothing
         yield from _rest_tables(study)
     if study.over_speed:
         for first in range(0, len(columns), BESIDE):
@@ -78,42 +95,72 @@ def _tables(study: Study) -> Iterator[Table]:
         if rows:
             yield _side_by_side(study, columns, rows, bars)
     else:
-        same = [(row.words, row.unit, _range(row.values)) for row in rows if row.name in OF_THE_CASE]
+        same = [
+            (row.words, row.unit, _range(row.values)) for row in rows if row.name in OF_THE_CASE
+        ]
         if same:
             yield plain_table(("", "", ""), same)
         brief = [row for row in rows if row.name in BRIEF]
         fits = _fitting(columns, brief, bars)
         yield _by_run(columns, brief[:fits], "run", bars)
         if fits < len(brief) and len(columns) <= TWICE:
-            yield _by_run(columns, brief[fits:][: _fitting(columns, brief[fits:], bars)], "run", bars)
+            yield _by_run(
+                columns, brief[fits:][: _fitting(columns, brief[fits:], bars)], "run", bars
+            )
 
 
 def _fidelity(found: FidelityMap) -> Iterator[Table]:
     """Up to which engine speed each model is good enough, and what follows."""
     table = plain_table(
-        (f"Within {share(found.tolerance)} of {found.reference}, rpm", *found.models), (), right=range(1, 1 + len(found.models))
+        (f"Within {share(found.tolerance)} of {found.reference}, rpm", *found.models),
+        (),
+        right=range(1, 1 + len(found.models)),
     )
     for row in reach_rows(found):
         table.add_row(row.words, *row.cells)
     costs = dict(found.costs)
-    table.add_row("Time of a run, the reference's being 1", *(f"{costs[model] / costs[found.reference]:.2g}" for model in found.models))
+    table.add_row(
+        "Time of a run, the reference's being 1",
+        *(f"{costs[model] / costs[found.reference]:.2g}" for model in found.models),
+    )
     yield table
     yield plain_table(
-        ("Cheapest at all speeds", "", ""), [(row.words, row.cheapest, reason_for(found, row.quantity)) for row in reach_rows(found)]
+        ("Cheapest at all speeds", "", ""),
+        [(row.words, row.cheapest, reason_for(found, row.quantity)) for row in reach_rows(found)],
     )
 
 
-def _side_by_side(study: Study, columns: Sequence[HeadlineColumn], rows: Sequence[HeadlineRow], bars: ErrorBars) -> Table:
-    """A row per question, a column per run; the largest clash of each run below the number of clashes."""
-    speeds = ("" if column.engine_speed is None else f"\n{rpm(column.engine_speed):g} rpm" for column in columns)
-    headers = ["", "", *(column.label + words for column, words in zip(columns, speeds, strict=True))]
+def _side_by_side(
+    study: Study, columns: Sequence[HeadlineColumn], rows: Sequence[HeadlineRow], bars: ErrorBars
+) -> Table:
+    """A row per question, a column per run; the largest clash of each run below the number of
+    clashes.
+    """
+    speeds = (
+        "" if column.engine_speed is None else f"\n{rpm(column.engine_speed):g} rpm"
+        for column in columns
+    )
+    headers = [
+        "",
+        "",
+        *(column.label + words for column, words in zip(columns, speeds, strict=True)),
+    ]
     table = plain_table(headers, (), right=range(2, len(headers)))
     table.columns[0].no_wrap = table.columns[1].no_wrap = True
     told = [row for row in rows if row.name not in ON_PAGE_ONLY]
 
     def width(chosen: ErrorBars) -> int:
-        lines = [headers, *([row.words, unit_words(row.unit), *chosen.cells(row, columns)] for row in told)]
-        return sum(max(len(part) for line in lines for part in line[k].split("\n")) + 2 for k in range(len(headers))) - 2
+        lines = [
+            headers,
+            *([row.words, unit_words(row.unit), *chosen.cells(row, columns)] for row in told),
+        ]
+        return (
+            sum(
+                max(len(part) for line in lines for part in line[k].split("\n")) + 2
+                for k in range(len(headers))
+            )
+            - 2
+        )
 
     bars = fitting(bars, width)
     for row in rows:
@@ -125,9 +172,15 @@ def _side_by_side(study: Study, columns: Sequence[HeadlineColumn], rows: Sequenc
     return table
 
 
-def _over_speeds(study: Study, columns: Sequence[HeadlineColumn], rows: Sequence[HeadlineRow], first: int) -> Table:
-    """A row per question, a column per label with its worst value and the engine speed (rpm) where that stands; ``first``: its column."""
-    table = plain_table(("", "", *(column.label for column in columns)), (), right=range(2, 2 + len(columns)))
+def _over_speeds(
+    study: Study, columns: Sequence[HeadlineColumn], rows: Sequence[HeadlineRow], first: int
+) -> Table:
+    """A row per question, a column per label with its worst value and the engine speed (rpm) where
+    that stands; ``first``: its column.
+    """
+    table = plain_table(
+        ("", "", *(column.label for column in columns)), (), right=range(2, 2 + len(columns))
+    )
     table.columns[0].no_wrap = table.columns[1].no_wrap = True
     known = {row.name: row for row in rows}
     control = critical_rows(study, [column.label for column in columns]) if searched(study) else []
@@ -136,11 +189,20 @@ def _over_speeds(study: Study, columns: Sequence[HeadlineColumn], rows: Sequence
         if name in KINDS.values() and control:
             for line in control:
                 if line.name == name:
-                    table.add_row(line.words if line.main else f"  {line.words}", "rpm", *line.cells)
+                    table.add_row(
+                        line.words if line.main else f"  {line.words}", "rpm", *line.cells
+                    )
         elif row is not None:
-            pairs = zip(row.values[first : first + len(columns)], row.engine_speeds[first : first + len(columns)], strict=True)
+            pairs = zip(
+                row.values[first : first + len(columns)],
+                row.engine_speeds[first : first + len(columns)],
+                strict=True,
+            )
             still = name in NO_SPEED
-            cells = ["–" if value is None else _at_speed(value, None if still else speed) for value, speed in pairs]
+            cells = [
+                "–" if value is None else _at_speed(value, None if still else speed)
+                for value, speed in pairs
+            ]
             table.add_row(row.words, unit_words(row.unit), *cells)
     speeds = [study.runs(column.label) for column in columns]
     unsettled = [sum(run.status.code == "not-converged" for run in runs) for runs in speeds]
@@ -150,8 +212,12 @@ def _over_speeds(study: Study, columns: Sequence[HeadlineColumn], rows: Sequence
     return table
 
 
-def _fitting(columns: Sequence[HeadlineColumn], rows: Sequence[HeadlineRow], bars: ErrorBars) -> int:
-    """How many of the ``rows`` stand as columns beside the names of the runs without breaking a word."""
+def _fitting(
+    columns: Sequence[HeadlineColumn], rows: Sequence[HeadlineRow], bars: ErrorBars
+) -> int:
+    """How many of the ``rows`` stand as columns beside the names of the runs without breaking a
+    word.
+    """
     room = PLAIN_WIDTH - max(len(column.label) for column in columns) - 2 - 7
     for count, row in enumerate(rows):
         room -= _width(columns, row, bars) + 2
@@ -161,7 +227,11 @@ def _fitting(columns: Sequence[HeadlineColumn], rows: Sequence[HeadlineRow], bar
 
 
 def _header(row: HeadlineRow) -> str:
-    return f"{row.words} ({unit_words(row.unit)})".replace("N s)", "N\u00a0s)") if row.unit else row.words
+    return (
+        f"{row.words} ({unit_words(row.unit)})".replace("N s)", "N\u00a0s)")
+        if row.unit
+        else row.words
+    )
 
 
 def _width(columns: Sequence[HeadlineColumn], row: HeadlineRow, bars: ErrorBars) -> int:
@@ -176,20 +246,29 @@ def _cells(columns: Sequence[HeadlineColumn], row: HeadlineRow, bars: ErrorBars)
     return bars.cells(row, columns)
 
 
-def _by_run(columns: Sequence[HeadlineColumn], rows: Sequence[HeadlineRow], noun: str, bars: ErrorBars) -> Table:
+def _by_run(
+    columns: Sequence[HeadlineColumn], rows: Sequence[HeadlineRow], noun: str, bars: ErrorBars
+) -> Table:
     """A row per run, a column per question."""
     timed = any(column.engine_speed is not None for column in columns)
     headers = [
         noun,
         *(["rpm"] if timed else []),
-        *("\n".join(wrap(_header(row), _width(columns, row, bars), break_long_words=False)) for row in rows),
+        *(
+            "\n".join(wrap(_header(row), _width(columns, row, bars), break_long_words=False))
+            for row in rows
+        ),
     ]
     table = plain_table(headers, (), right=range(1, len(headers)))
     for place in range(1 + timed):
         table.columns[place].no_wrap = True
     cells = [_cells(columns, row, bars) for row in rows]
     for place, column in enumerate(columns[:BELOW]):
-        speed = [] if not timed else [f"{rpm(column.engine_speed):g}" if column.engine_speed is not None else ""]
+        speed = (
+            []
+            if not timed
+            else [f"{rpm(column.engine_speed):g}" if column.engine_speed is not None else ""]
+        )
         table.add_row(column.label, *speed, *(one[place] for one in cells))
     if len(columns) > BELOW:
         table.add_row(f"and {len(columns) - BELOW} more")
@@ -197,27 +276,51 @@ def _by_run(columns: Sequence[HeadlineColumn], rows: Sequence[HeadlineRow], noun
 
 
 def _rest_tables(study: Study) -> Iterator[Table]:
-    """Springs at rest by each model: force and rate as installed, first axial modes; with the difference from the first model."""
-    reference, several = study.rest[0] if study.rest else None, len({one.spring for one in study.rest})
+    """Springs at rest by each model: force and rate as installed, first axial modes; with the
+    difference from the first model.
+    """
+    reference, several = (
+        study.rest[0] if study.rest else None,
+        len({one.spring for one in study.rest}),
+    )
     rows = []
     for one in study.rest:
         force = rate = None
-        if one.curve is not None and one.curve.compression[0] <= one.precompression <= one.curve.compression[-1]:
-            force, rate = one.curve.force_at(one.precompression), one.curve.stiffness_at(one.precompression) * 1e-3
-        modes = [float(value) for value in one.modes.axial_frequencies[:3]] if one.modes is not None else []
+        if (
+            one.curve is not None
+            and one.curve.compression[0] <= one.precompression <= one.curve.compression[-1]
+        ):
+            force, rate = (
+                one.curve.force_at(one.precompression),
+                one.curve.stiffness_at(one.precompression) * 1e-3,
+            )
+        modes = (
+            [float(value) for value in one.modes.axial_frequencies[:3]]
+            if one.modes is not None
+            else []
+        )
         cells = [force, rate, *modes, *[None] * (3 - len(modes))]
         if one is reference:
             first = cells
         compared = (
-            [] if one is reference or one.spring != study.rest[0].spring else [_percent(*pair) for pair in zip(cells, first, strict=True)]
+            []
+            if one is reference or one.spring != study.rest[0].spring
+            else [_percent(*pair) for pair in zip(cells, first, strict=True)]
         )
         error = one.facts.get("force error of the mesh")
-        words = [_words(value) + (f" ({share})" if share else "") for value, share in zip(cells, compared or [""] * 5, strict=True)]
+        words = [
+            _words(value) + (f" ({share})" if share else "")
+            for value, share in zip(cells, compared or [""] * 5, strict=True)
+        ]
         if isinstance(error, float):
             words[0] += f" ±{100 * error:.2g} %"
         rows.append((one.model if several == 1 else f"{one.spring}, {one.model}", *words))
     if rows:
-        table = plain_table(("at rest", "preload (N)", "rate (N/mm)", "mode 1 (Hz)", "mode 2 (Hz)", "mode 3 (Hz)"), rows, right=range(1, 6))
+        table = plain_table(
+            ("at rest", "preload (N)", "rate (N/mm)", "mode 1 (Hz)", "mode 2 (Hz)", "mode 3 (Hz)"),
+            rows,
+            right=range(1, 6),
+        )
         table.columns[0].no_wrap = True
         yield table
 
@@ -245,22 +348,32 @@ def _show_published(console: Console, study: Study, whole: bool) -> None:
         return
     if not whole:
         if study.comparisons or more:
-            console.print(f"{' and '.join(more) + ' in the report; ' if more else ''}--published prints all of it", soft_wrap=True)
+            console.print(
+                f"{' and '.join(more) + ' in the report; ' if more else ''}--published prints all of it",
+                soft_wrap=True,
+            )
         return
     if study.comparisons:
         show_comparisons(console, study.comparisons)
     for item in study.findings:
-        console.print(f"\n{item.place}: {item.statement}\n  computed: {item.computed}\n  verdict:  {item.verdict}", soft_wrap=True)
+        console.print(
+            f"\n{item.place}: {item.statement}\n  computed: {item.computed}\n  verdict:  {item.verdict}",
+            soft_wrap=True,
+        )
     for note in study.notes:
         console.print(f"\n{note}", soft_wrap=True)
 
 
 def published_words(rows: Sequence[Comparison]) -> str:
-    """One sentence: how many published values, the median and the largest difference, and how many stated tolerances are met."""
+    """One sentence: how many published values, the median and the largest difference, and how many
+    stated tolerances are met.
+    """
     from valvetrain.report.words import percent, speed_words
 
     known = [
-        (abs(row.relative_difference), row) for row in rows if row.relative_difference is not None and row.unit != "deg" and not row.doubt
+        (abs(row.relative_difference), row)
+        for row in rows
+        if row.relative_difference is not None and row.unit != "deg" and not row.doubt
     ]
     judged = [row for row in rows if row.verdict.startswith(("within", "misses"))]
     met = sum(row.verdict.startswith("within") for row in judged)
@@ -282,7 +395,16 @@ def _at_speed(value: float | None, engine_speed: float | None) -> str:
 
 def _range(values: Sequence[float | None]) -> str:
     """One value, or the least and the largest of several."""
-    return " to ".join(dict.fromkeys(map(_words, (min(known), max(known)) if (known := [v for v in values if v is not None]) else (None,))))
+    return " to ".join(
+        dict.fromkeys(
+            map(
+                _words,
+                (min(known), max(known))
+                if (known := [v for v in values if v is not None])
+                else (None,),
+            )
+        )
+    )
 
 
 def _words(value: float | None) -> str:

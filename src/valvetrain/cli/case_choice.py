@@ -1,4 +1,6 @@
-"""The case a command works on: from the library, a file or a kept run, with the values set on the command line."""
+"""The case a command works on: from the library, a file or a kept run, with the values set on the
+command line.
+"""
 
 from __future__ import annotations
 
@@ -20,9 +22,13 @@ IN_EVERY_SPRING = {
 
 
 def choose_case(
-    name: str, settings: Sequence[str] | None = None, elements_per_coil: int | None = None, more: Mapping[str, Any] | None = None
-) -> Case:  # fmt: skip
-    """Load the case ``name`` with ``settings`` (``key.path=value``), the mesh of ``--elements-per-coil`` and ``more`` options of
+    name: str,
+    settings: Sequence[str] | None = None,
+    elements_per_coil: int | None = None,
+    more: Mapping[str, Any] | None = None,
+) -> Case:
+    """Load the case ``name`` with ``settings`` (``key.path=value``), the mesh of
+    ``--elements-per-coil`` and ``more`` options of
     :data:`IN_EVERY_SPRING` by their names.
 
     A kept run is called by its folder. Raises :class:`InputError`; an error in a value
@@ -43,7 +49,10 @@ def choose_case(
         given = {"--elements-per-coil": elements_per_coil, **(more or {})}
         for option, value in given.items():
             for path in _spring_paths(load_case(source).text) if value is not None else ():
-                changes[f"{path}.{IN_EVERY_SPRING[option]}"], options[f"{path}.{IN_EVERY_SPRING[option]}"] = value, option
+                (
+                    changes[f"{path}.{IN_EVERY_SPRING[option]}"],
+                    options[f"{path}.{IN_EVERY_SPRING[option]}"],
+                ) = value, option
         return load_case(source, changes)
     except InputError as error:
         raise _placed(error, options) from None
@@ -53,10 +62,17 @@ def _spring_paths(text: str) -> list[str]:
     """Key paths of every spring of a case file."""
     tree = tomllib.loads(text)
     places = {"spring": tree.get("spring", {})} if "train" not in tree else {}
-    places |= {f"train.springs.{name}": springs for name, springs in tree.get("train", {}).get("springs", {}).items()}
+    places |= {
+        f"train.springs.{name}": springs
+        for name, springs in tree.get("train", {}).get("springs", {}).items()
+    }
     paths = []
     for path, springs in places.items():
-        paths += [f"{path}.{place}" for place in range(len(springs))] if isinstance(springs, list) else [path]
+        paths += (
+            [f"{path}.{place}" for place in range(len(springs))]
+            if isinstance(springs, list)
+            else [path]
+        )
     return paths
 
 

@@ -1,4 +1,6 @@
-"""What a case says, in short lines for people, and the numbers that follow from it before anything is solved."""
+"""What a case says, in short lines for people, and the numbers that follow from it before anything
+is solved.
+"""
 
 from __future__ import annotations
 
@@ -19,7 +21,9 @@ if TYPE_CHECKING:
 
 
 def case_facts(case: Case) -> list[tuple[str, str]]:
-    """(subject, words) of everything the case holds; values that follow from it stand in its named quantities."""
+    """(subject, words) of everything the case holds; values that follow from it stand in its named
+    quantities.
+    """
     facts = [("title", case.title)] if case.title else []
     for spring in case.springs:
         facts += _spring_facts(spring)
@@ -27,38 +31,89 @@ def case_facts(case: Case) -> list[tuple[str, str]]:
         facts.append(("lift law", f"{case.lift_law.kind}, lift of the {case.lift_law.lift_of}"))
     if case.train is not None:
         train = case.train
-        facts.append(("train", f"{train.kind}, {train.model} model, {train.spring_model} springs, lash {number(train.lash * 1e3)} mm"))
-        facts.append(("contacts", ", ".join(f"{place.replace('_', ' ')} {contact.law}" for place, contact in train.contacts.items())))
+        facts.append(
+            (
+                "train",
+                f"{train.kind}, {train.model} model, {train.spring_model} springs, lash {number(train.lash * 1e3)} mm",
+            )
+        )
+        facts.append(
+            (
+                "contacts",
+                ", ".join(
+                    f"{place.replace('_', ' ')} {contact.law}"
+                    for place, contact in train.contacts.items()
+                ),
+            )
+        )
         if said := usual_contacts(train.contacts):
             facts.append(("", said))
-        facts += [(f"springs '{name}'", "; ".join(map(_short, springs))) for name, springs in train.springs.items()]
+        facts += [
+            (f"springs '{name}'", "; ".join(map(_short, springs)))
+            for name, springs in train.springs.items()
+        ]
     if case.operation.engine_speeds:
-        facts.append(("engine speeds", f"{', '.join(map(speed_words, case.operation.engine_speeds))} of the crank"))
+        facts.append(
+            (
+                "engine speeds",
+                f"{', '.join(map(speed_words, case.operation.engine_speeds))} of the crank",
+            )
+        )
     if case.springs:
         facts.append(("cam turns", f"{case.operation.cycles}, the last one reported"))
     if case.points:
-        facts.append(("points on the wire", ", ".join(f"{name.replace('_', ' ')} at coil {coil:g}" for name, coil in case.points.items())))
+        facts.append(
+            (
+                "points on the wire",
+                ", ".join(
+                    f"{name.replace('_', ' ')} at coil {coil:g}"
+                    for name, coil in case.points.items()
+                ),
+            )
+        )
     if case.published:
         roles = Counter(value.role for value in case.published)
-        facts.append(("published values", ", ".join(f"{count} for {role}" for role, count in roles.items())))
+        facts.append(
+            ("published values", ", ".join(f"{count} for {role}" for role, count in roles.items()))
+        )
     statuses = Counter(note.status for note in case.notes.values() if note.status)
     if statuses:
-        facts.append(("status of values", ", ".join(f"{count} {status}" for status, count in statuses.items())))
+        facts.append(
+            (
+                "status of values",
+                ", ".join(f"{count} {status}" for status, count in statuses.items()),
+            )
+        )
     return facts
 
 
 def _short(spring: InstalledSpring) -> str:
     if spring.card is None:
-        return f"{spring.name}: wire known, installed {number(spring.precompression * 1e3)} mm short"
+        return (
+            f"{spring.name}: wire known, installed {number(spring.precompression * 1e3)} mm short"
+        )
     card = spring.card
     mass = "" if card.mass is None else f", mass {number(card.mass * 1e3)} g"
-    return f"{card.name}: rate {number(card.rate / 1e3)} N/mm, preload {number(card.preload)} N{mass}"
+    return (
+        f"{card.name}: rate {number(card.rate / 1e3)} N/mm, preload {number(card.preload)} N{mass}"
+    )
 
 
 def _spring_facts(spring: InstalledSpring) -> list[tuple[str, str]]:
-    facts = _wire_facts(spring.wire) if spring.wire is not None else [("spring", f"known by its card, {_short(spring)}")]
+    facts = (
+        _wire_facts(spring.wire)
+        if spring.wire is not None
+        else [("spring", f"known by its card, {_short(spring)}")]
+    )
     if spring.wire is not None:
-        facts.append(("seats", "end coils may touch flat seats" if spring.seats == "planes" else "inactive ends only"))
+        facts.append(
+            (
+                "seats",
+                "end coils may touch flat seats"
+                if spring.seats == "planes"
+                else "inactive ends only",
+            )
+        )
     if spring.guide is not None:
         facts.append(("guide", f"{spring.guide.words()}, without friction"))
     damping = spring.damping
@@ -67,7 +122,12 @@ def _spring_facts(spring: InstalledSpring) -> list[tuple[str, str]]:
         mass, stiffness = number(damping.mass_damping), number(damping.stiffness_damping * 1e6)
         facts.append(("damping", f"{ratio}mass {mass} 1/s, stiffness {stiffness} µs"))
     for word, options in spring.options.items():
-        facts.append((f"options of {word}", ", ".join(f"{key.replace('_', ' ')} {value}" for key, value in options.items())))
+        facts.append(
+            (
+                f"options of {word}",
+                ", ".join(f"{key.replace('_', ' ')} {value}" for key, value in options.items()),
+            )
+        )
     return facts
 
 
@@ -77,20 +137,27 @@ def _wire_facts(wire: SpringDefinition) -> list[tuple[str, str]]:
         for side, end in (("lower", wire.lower_end), ("upper", wire.upper_end))
     ]
     return [
-        ("spring", f"{wire.name}, {wire.hand}-handed"), ("wire diameter", value_words(wire.wire_diameter, "wire_diameter")),
-        ("mean coil diameter", value_words(wire.mean_diameter, "mean_diameter")), ("pitch", value_words(wire.pitch, "pitch")),
-        ("material", value_words(wire.material, "material")), ("end coils", "; ".join(ends)),
-    ]  # fmt: skip
+        ("spring", f"{wire.name}, {wire.hand}-handed"),
+        ("wire diameter", value_words(wire.wire_diameter, "wire_diameter")),
+        ("mean coil diameter", value_words(wire.mean_diameter, "mean_diameter")),
+        ("pitch", value_words(wire.pitch, "pitch")),
+        ("material", value_words(wire.material, "material")),
+        ("end coils", "; ".join(ends)),
+    ]
 
 
 def case_quantities(case: Case, problem: Problem | None) -> dict[str, float]:
-    """Named quantities (SI) of the springs of a case, of a nested pair with ``outer_`` and ``inner_`` in front, and of its lift."""
+    """Named quantities (SI) of the springs of a case, of a nested pair with ``outer_`` and
+    ``inner_`` in front, and of its lift.
+    """
     from valvetrain.quantities.design import design_quantities
 
     springs = case.springs or (case.train.spring_parts() if case.train is not None else ())
     places = ("",) if len(springs) == 1 else ("outer_", "inner_")
     found = {
-        place + name: value for place, spring in zip(places, springs, strict=False) for name, value in design_quantities(spring).items()
+        place + name: value
+        for place, spring in zip(places, springs, strict=False)
+        for name, value in design_quantities(spring).items()
     }
     if problem is None or case.lift_law is None:
         return found

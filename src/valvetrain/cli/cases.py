@@ -3,44 +3,70 @@
 from __future__ import annotations
 
 import sys
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from valvetrain.cli.options import JsonOption, QuietOption
+from valvetrain.cli.options import (
+    ElementsOption,
+    ImplausibleOption,
+    JsonOption,
+    QuietOption,
+    SetOption,
+    SpringOption,
+    read_models,
+)
+from valvetrain.errors import InputError
+from valvetrain.parameters.templates import KINDS, template_text
 
 if TYPE_CHECKING:
     from rich.console import Console
 
-    from valvetrain.parameters.case import CaseSummary
+    from valvetrain.parameters.case import Case, CaseSummary
+    from valvetrain.system.problem import Problem
 
 
-def register(app: typer.Typer) -> None:
+def register_cases(app: typer.Typer) -> None:
     """Add the command."""
     app.command("cases")(cases)
 
 
 def cases(
-    name: Annotated[str | None, typer.Argument(metavar="[NAME]", help="Print the file of this case.", show_default=False)] = None,
-    as_json: JsonOption = False, quiet: QuietOption = False,
-) -> None:  # fmt: skip
+    name: Annotated[
+        str | None,
+        typer.Argument(metavar="[NAME]", help="Print the file of this case.", show_default=False),
+    ] = None,
+    as_json: JsonOption = False,
+    quiet: QuietOption = False,
+) -> None:
     """List the cases that ship with the package, or print one of their files."""
     from valvetrain.cli.outcome import Outcome, deliver, to_json
     from valvetrain.parameters.loading import LIBRARY, library_names, list_cases
 
     if name is None:
         found = list_cases()
-        data = {"command": "cases", "cases": [{key: getattr(one, key) for key in ("name", "title", "holds", "sources")} for one in found]}
+        data = {
+            "command": "cases",
+            "cases": [
+                {key: getattr(one, key) for key in ("name", "title", "holds", "sources")}
+                for one in found
+            ],
+        }
         deliver(Outcome(data, lambda console: _show_cases(console, found)))
         return
     from valvetrain.errors import InputError
     from valvetrain.parameters.changes import nearest
 
     if name not in library_names():
-        raise InputError(f"there is no case '{name[:60]}' in the library; {nearest(name, library_names())}")
+        raise InputError(
+            f"there is no case '{name[:60]}' in the library; {nearest(name, library_names())}"
+        )
     text = (LIBRARY / f"{name}.toml").read_text(encoding="utf-8")
     if as_json or not quiet:
-        sys.stdout.write(to_json({"command": "cases", "case": name, "text": text}) + "\n" if as_json else text)
+        sys.stdout.write(
+            to_json({"command": "cases", "case": name, "text": text}) + "\n" if as_json else text
+        )
 
 
 def _show_cases(console: Console, found: tuple[CaseSummary, ...]) -> None:
@@ -49,12 +75,175 @@ def _show_cases(console: Console, found: tuple[CaseSummary, ...]) -> None:
 
     def source(keys: tuple[str, ...]) -> str:
         known = (references().get(key.split(",")[0]) for key in keys)
-        return "; ".join(_short(reference.field("author"), reference.field("year")) for reference in known if reference is not None)
+        return "; ".join(
+            _short(reference.field("author"), reference.field("year"))
+            for reference in known
+            if reference is not None
+        )
 
-    console.print(plain_table(("name", "title", "source"), ((one.name, one.title, source(one.sources)) for one in found)))
-    console.print("\n'valvetrain cases NAME' prints the file of a case, 'valvetrain run NAME' runs it.")
+    console.print(
+        plain_table(
+            ("name", "title", "source"),
+            ((one.name, one.title, source(one.sources)) for one in found),
+        )
+    )
+    console.print(
+        "\n'valvetrain cases NAME' prints the file of a case, 'valvetrain run NAME' runs it."
+    )
 
 
 def _short(authors: str, year: str) -> str:
     families = [author.split(",")[0].strip("{} ") for author in authors.split(" and ")]
     return f"{families[0]}{' et al.' if len(families) > 1 else ''} ({year})"
+
+
+def register_check(app: typer.Typer) -> None:
+    """Add the command."""
+    app.command("check")(check)
+
+
+def check(
+    case: Annotated[
+        str,
+        typer.Argument(
+            metavar="FILE", help="Case file, or name of a library case.", show_default=False
+        ),
+    ],
+    spring: SpringOption = None,
+    settings: SetOption = None,
+    elements_per_coil: ElementsOption = None,
+    implausible: ImplausibleOption = False,
+    as_json: JsonOption = False,
+    quiet: QuietOption = False,
+) -> None:
+    """Check a case file: print its values as they were understood, or what is wrong with it, and
+    where.
+    """
+    from valvetrain.cli.case_choice import choose_case
+    from valvetrain.cli.case_facts import case_facts, case_quantities
+    from valvetrain.cli.outcome import Outcome, deliver
+    from valvetrain.report.json import quantities_object
+
+    chosen = choose_case(case, settings, elements_per_coil)
+    problem = put_together(chosen, read_models(spring), implausible)
+    quantities = case_quantities(chosen, problem)
+    facts = case_facts(chosen)
+    data = {
+        "command": "check", "case": chosen.name, "title": chosen.title, "holds": _holds(chosen), "facts": dict(facts),
+        "quantities": quantities_object(quantities),
+    }  # fmt: skip
+    deliver(Outcome(data, lambda console: _show_check(console, chosen, facts, quantities)))
+
+
+def put_together(case: Case, models: tuple[str, ...], implausible: bool = False) -> Problem | None:
+    """Build everything that ``run`` builds, the springs of every set too: what is wrong may only
+    show there. None for a lift law alone.
+
+    ``implausible``: values pass that no valvetrain can have.
+    """
+    from valvetrain.studies.before_run import refusals_before_run
+    from valvetrain.system.build import build, lift_law_of
+
+    if case.train is None and not case.springs:
+        lift_law_of(case)
+        return None
+    problem = build(case, spring_models=models)
+    problem.must_run()
+    refused = refusals_before_run(problem, implausible)
+    if refused and (models or len(refused) == len(problem.members)):
+        raise InputError(next(iter(refused.values())), "--spring" if models else "")
+    sets = tuple(case.train.springs) if case.train is not None else ()
+    for member in build(case, spring_models=models, spring_sets=sets).members if sets else ():
+        if not member.refusal and not member.model.needs_rest:
+            member.system(built=problem.built)
+    return problem
+
+
+def _holds(case: Case) -> list[str]:
+    named = (
+        ("spring", case.springs),
+        ("lift_law", case.lift_law),
+        ("train", case.train),
+        ("published", case.published),
+    )
+    return [name for name, held in named if held]
+
+
+def _show_check(
+    console: Console, case: Case, facts: list[tuple[str, str]], quantities: dict[str, float]
+) -> None:
+    from valvetrain.cli.tables import plain_table, quantity_rows
+
+    console.print(f"{case.name}: a valid case with {', '.join(_holds(case))}\n")
+    console.print(plain_table(("", ""), facts))
+    if quantities:
+        console.print()
+        console.print(plain_table(("", "", ""), quantity_rows(quantities), right=(1,)))
+
+
+def register_new(app: typer.Typer) -> None:
+    """Add the command."""
+    app.command("new")(new)
+
+
+def new(
+    name: Annotated[
+        str, typer.Argument(metavar="NAME", help="Name of the case; NAME.toml is written.")
+    ],
+    kind: Annotated[
+        str,
+        typer.Option(
+            "--kind",
+            "--train",
+            metavar="KIND",
+            help=f"Kind of case: {', '.join(f'{word} ({told})' for word, told in KINDS.items())}.",
+        ),
+    ] = "spring",
+    as_json: JsonOption = False,
+    quiet: QuietOption = False,
+) -> None:
+    """Write NAME.toml, a commented case with plausible values that runs as it stands."""
+    from valvetrain.cli.outcome import Outcome, deliver
+
+    path = write_template(name, kind)
+    data = {"command": "new", "kind": kind, "files": [str(path)]}
+    words = f"{path}: {KINDS[kind]}; put in your values, then run 'valvetrain run {path}'"
+    deliver(Outcome(data, lambda console: console.print(words, soft_wrap=True)))
+
+
+def write_template(name: str, kind: str) -> Path:
+    """Write the template of ``kind`` (a word of :data:`KINDS`) to ``name`` with ``.toml`` behind;
+    the path.
+
+    Raises :class:`InputError` for an unknown kind, a name that no file may bear, or a file that is
+    there.
+    """
+    from valvetrain.parameters.loading import library_names
+    from valvetrain.solution.atomic import write_text
+
+    text = template_text(kind)
+    stem = name.removesuffix(".toml")
+    if (
+        not stem.strip()
+        or stem.endswith(("/", ".."))
+        or not stem.isprintable()
+        or len(Path(stem).name) > 80
+    ):
+        raise InputError(
+            f"'{name[:40]}' cannot be the name of a file; give such as my-spring", "NAME"
+        )
+    if stem in library_names():
+        raise InputError(f"'{stem}' is a case of the library; choose another name", "NAME")
+    path = Path(f"{stem}.toml")
+    try:
+        taken = path.exists() or path.is_symlink()
+    except OSError as error:
+        raise InputError(
+            f"'{name[:40]}' cannot be the name of a file ({error.strerror}); give such as my-spring",
+            "NAME",
+        ) from None
+    if taken:
+        raise InputError(
+            f"the file '{path}' is there already; choose another name or remove it", "NAME"
+        )
+    return write_text(path, text.replace("NAME.toml", str(path)))

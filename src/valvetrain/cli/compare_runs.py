@@ -16,7 +16,12 @@ if TYPE_CHECKING:
     from valvetrain.studies.run_differences import ResultDifference
     from valvetrain.studies.run_store import KeptRun
 
-RunArgument = Annotated[str, typer.Argument(help="A run: its folder, its digest, a case (its newest run), CASE/latest or latest.")]
+RunArgument = Annotated[
+    str,
+    typer.Argument(
+        help="A run: its folder, its digest, a case (its newest run), CASE/latest or latest."
+    ),
+]
 #: Rows printed; --json has them all.
 MOST_ROWS = 30
 
@@ -27,9 +32,15 @@ def register(app: typer.Typer) -> None:
 
 
 def compare_runs(
-    a: RunArgument, b: RunArgument, folder: RootOption = Path("runs"), as_json: JsonOption = False, quiet: QuietOption = False
-) -> None:  # fmt: skip
-    """Show what differs between two kept runs: inputs by key path, then results, headline numbers first."""
+    a: RunArgument,
+    b: RunArgument,
+    folder: RootOption = Path("runs"),
+    as_json: JsonOption = False,
+    quiet: QuietOption = False,
+) -> None:
+    """Show what differs between two kept runs: inputs by key path, then results, headline numbers
+    first.
+    """
     from valvetrain.cli.outcome import Outcome, deliver, measured
     from valvetrain.studies.run_differences import input_differences, result_differences
     from valvetrain.studies.run_store import find_run
@@ -51,7 +62,10 @@ def compare_runs(
 
 
 def _show(
-    console: Console, pair: tuple[KeptRun, KeptRun], inputs: tuple[tuple[str, Any, Any], ...], results: tuple[ResultDifference, ...]
+    console: Console,
+    pair: tuple[KeptRun, KeptRun],
+    inputs: tuple[tuple[str, Any, Any], ...],
+    results: tuple[ResultDifference, ...],
 ) -> None:
     from valvetrain.cli.tables import plain_table
     from valvetrain.report.run_differences import INPUT_HEADS, RESULT_HEADS, input_rows, result_rows
@@ -69,8 +83,13 @@ def _show(
         console.print(plain_table(RESULT_HEADS, rows[:MOST_ROWS], right=(2, 3, 5)))
     elif not results:
         console.print("the results are the same")
-    left, alone = max(0, len(inputs) - MOST_ROWS) + max(0, len(rows) - MOST_ROWS), len(results) - len(rows)
+    left, alone = (
+        max(0, len(inputs) - MOST_ROWS) + max(0, len(rows) - MOST_ROWS),
+        len(results) - len(rows),
+    )
     if alone:
-        console.print(f"\n{alone} number{'s stand' if alone > 1 else ' stands'} in one of the two runs only; --json has them")
+        console.print(
+            f"\n{alone} number{'s stand' if alone > 1 else ' stands'} in one of the two runs only; --json has them"
+        )
     if left:
         console.print(f"\nand {left} more differences; --json has them all")

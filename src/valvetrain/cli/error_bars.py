@@ -1,4 +1,6 @@
-"""Numerical uncertainty beside the numbers of the terminal's tables, where it is known and moves a digit that is shown."""
+"""Numerical uncertainty beside the numbers of the terminal's tables, where it is known and moves a
+digit that is shown.
+"""
 
 from __future__ import annotations
 
@@ -26,7 +28,9 @@ LEAST_BAR = 1e-4
 
 @dataclass(frozen=True)
 class ErrorBars:
-    """Stored uncertainties by quantity; ``between`` stands around the sign of a bar, None shows none."""
+    """Stored uncertainties by quantity; ``between`` stands around the sign of a bar, None shows
+    none.
+    """
 
     rows: Mapping[str, Sequence[Uncertainty]] = field(default_factory=dict)
     between: str | None = " "
@@ -43,25 +47,41 @@ class ErrorBars:
 
     def cells(self, row: HeadlineRow, columns: Sequence[HeadlineColumn]) -> list[str]:
         """The values of a row, each with its bar: ``965 ± 2``."""
-        return [self._cell(value, row, column) for value, column in zip(row.values, columns, strict=True)]
+        return [
+            self._cell(value, row, column)
+            for value, column in zip(row.values, columns, strict=True)
+        ]
 
     def _cell(self, value: float | None, row: HeadlineRow, column: HeadlineColumn) -> str:
         words = number(value, DIGITS)
-        if self.between is None or not value or not math.isfinite(value) or column.engine_speed is None:
+        if (
+            self.between is None
+            or not value
+            or not math.isfinite(value)
+            or column.engine_speed is None
+        ):
             return words
         for held in self.rows.get(row.name, ()):
-            if held.label in ("", column.label) and same_speed(held.engine_speed, column.engine_speed):
+            if held.label in ("", column.label) and same_speed(
+                held.engine_speed, column.engine_speed
+            ):
                 bar = float(shown(row.name, held.numerical)[0])
                 last = 10.0 ** (math.floor(math.log10(abs(value))) - DIGITS + 1)
-                near = math.isclose(value, float(shown(row.name, held.value)[0]), rel_tol=1e-3, abs_tol=bar)
+                near = math.isclose(
+                    value, float(shown(row.name, held.value)[0]), rel_tol=1e-3, abs_tol=bar
+                )
                 return (
-                    f"{words}{self.between}±{self.between}{number(bar, BAR_DIGITS)}" if near and bar >= max(last / 2, LEAST_BAR) else words
+                    f"{words}{self.between}±{self.between}{number(bar, BAR_DIGITS)}"
+                    if near and bar >= max(last / 2, LEAST_BAR)
+                    else words
                 )
         return words
 
 
 def fitting(bars: ErrorBars, width: Callable[[ErrorBars], int]) -> ErrorBars:
-    """The bars as they fit into :data:`NARROW` columns by the ``width`` of their table: with spaces, without, or none at all."""
+    """The bars as they fit into :data:`NARROW` columns by the ``width`` of their table: with
+    spaces, without, or none at all.
+    """
     for between in (" ", "", None):
         found = ErrorBars(bars.rows, between)
         if width(found) <= NARROW:

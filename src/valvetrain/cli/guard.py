@@ -1,4 +1,6 @@
-"""The outer rim of the command line: one sentence and an exit code for whatever goes wrong, never a traceback."""
+"""The outer rim of the command line: one sentence and an exit code for whatever goes wrong, never a
+traceback.
+"""
 
 from __future__ import annotations
 
@@ -11,8 +13,15 @@ from typing import Any
 from typer.core import TyperGroup
 
 from valvetrain.cli.ending import giving_back
-from valvetrain.cli.outcome import complain, error_object, manner, set_manner
-from valvetrain.cli.streams import mend_streams, reader_left, unread
+from valvetrain.cli.outcome import (
+    complain,
+    error_object,
+    manner,
+    mend_streams,
+    reader_left,
+    set_manner,
+    unread,
+)
 from valvetrain.errors import InputError, MissingExtraError, RunFailedError
 from valvetrain.solution.gaps import TRACEBACK_VARIABLE
 from valvetrain.studies.stopping import exit_code, listening, noted
@@ -24,28 +33,47 @@ _told: list[str] = []
 
 
 class GuardedGroup(TyperGroup):
-    """A command group whose errors are sentences on standard error with the exit codes of the README."""
+    """A command group whose errors are sentences on standard error with the exit codes of the
+    README.
+    """
 
     def main(
-        self, args: Sequence[str] | None = None, prog_name: str | None = None, complete_var: str | None = None,
-        standalone_mode: bool = True, windows_expand_args: bool = True, **extra: Any,
-    ) -> Any:  # fmt: skip
-        """Parse, run, and leave by ``SystemExit`` with the exit code (or hand it back when not standalone)."""
+        self,
+        args: Sequence[str] | None = None,
+        prog_name: str | None = None,
+        complete_var: str | None = None,
+        standalone_mode: bool = True,
+        windows_expand_args: bool = True,
+        **extra: Any,
+    ) -> Any:
+        """Parse, run, and leave by ``SystemExit`` with the exit code (or hand it back when not
+        standalone).
+        """
         mend_streams()
         set_manner(sys.argv[1:] if args is None else list(args))
         _told.clear()
         with listening(), giving_back():
             try:
-                result = super().main(args, prog_name, complete_var, False, windows_expand_args, **extra)
+                result = super().main(
+                    args, prog_name, complete_var, False, windows_expand_args, **extra
+                )
                 code = result if isinstance(result, int) else 0
-                if code == INTERRUPTED:  # the parser turns every signal into this code without a word
+                if (
+                    code == INTERRUPTED
+                ):  # the parser turns every signal into this code without a word
                     code = interrupted()
             except Exception as error:
                 code = interrupted() if noted() else _report(error)
             except KeyboardInterrupt:
                 code = interrupted()
-            except SystemExit as error:  # rich and the parser end the process where nobody reads what they print
-                code = 0 if isinstance(error.__context__, BrokenPipeError) and unread() else _code_of(error)
+            except (
+                SystemExit
+            ) as error:  # rich and the parser end the process where nobody reads what they print
+                code = (
+                    0
+                    if isinstance(error.__context__, BrokenPipeError) and unread()
+                    else _code_of(error)
+                )
             stopped = noted()
         if not standalone_mode:
             return code
@@ -87,10 +115,18 @@ def _report(error: Exception) -> int:
     if os.environ.get(TRACEBACK_VARIABLE):
         raise error
     if isinstance(error, MemoryError):
-        return _say("the memory is not enough; ask for fewer elements, steps or engine speeds", FAILED)
+        return _say(
+            "the memory is not enough; ask for fewer elements, steps or engine speeds", FAILED
+        )
     if isinstance(error, OSError):
-        return _say(f"{error.strerror or error} ({error.filename or 'no file'}); check the disk and the permissions", FAILED)
-    return _say(f"fault in valvetrain ({type(error).__name__}: {error}); report it with what {TRACEBACK_VARIABLE}=1 prints before", FAILED)
+        return _say(
+            f"{error.strerror or error} ({error.filename or 'no file'}); check the disk and the permissions",
+            FAILED,
+        )
+    return _say(
+        f"fault in valvetrain ({type(error).__name__}: {error}); report it with what {TRACEBACK_VARIABLE}=1 prints before",
+        FAILED,
+    )
 
 
 def _usage(error: Any) -> int:

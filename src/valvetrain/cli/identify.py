@@ -40,14 +40,33 @@ def register(app: typer.Typer) -> None:
 
 
 def identify(
-    file: Annotated[Path, typer.Argument(metavar="FILE", help="Identification file: case, quantities with priors, measurements.")],
-    method: Annotated[str, asks("--method", "METHOD", "least-squares, cma-es, nested or ensemble instead of the file's.")] = "",
+    file: Annotated[
+        Path,
+        typer.Argument(
+            metavar="FILE", help="Identification file: case, quantities with priors, measurements."
+        ),
+    ],
+    method: Annotated[
+        str,
+        asks(
+            "--method", "METHOD", "least-squares, cma-es, nested or ensemble instead of the file's."
+        ),
+    ] = "",
     seed: Annotated[int | None, asks("--seed", "N", "Seed of all random numbers.")] = None,
-    profile: Annotated[list[str] | None, asks("--profile", "QUANTITIES", "Quantities whose profile is computed; repeatable.")] = None,
-    output: OutputOption = None, workers: WorkersOption = None, limit: LimitOption = None, open_page: OpenOption = False,
-    as_json: JsonOption = False, quiet: QuietOption = False,
-) -> None:  # fmt: skip
-    """Identify quantities of a case from measurements: likeliest values, intervals, separate solutions. A cut search is resumed."""
+    profile: Annotated[
+        list[str] | None,
+        asks("--profile", "QUANTITIES", "Quantities whose profile is computed; repeatable."),
+    ] = None,
+    output: OutputOption = None,
+    workers: WorkersOption = None,
+    limit: LimitOption = None,
+    open_page: OpenOption = False,
+    as_json: JsonOption = False,
+    quiet: QuietOption = False,
+) -> None:
+    """Identify quantities of a case from measurements: likeliest values, intervals, separate
+    solutions. A cut search is resumed.
+    """
     from valvetrain.identification.file import read_request
     from valvetrain.identification.journal import NAME
     from valvetrain.studies.cost import read_limits
@@ -59,15 +78,23 @@ def identify(
     if seed is not None:
         asked["seed"] = seed
     try:
-        request = replace(request, search=replace(request.search, **asked), profiles=read_words(profile) or request.profiles)
+        request = replace(
+            request,
+            search=replace(request.search, **asked),
+            profiles=read_words(profile) or request.profiles,
+        )
     except InputError as error:
         raise InputError(error.reason, f"--{error.where}") from None
     points = output or ROOT / safe_name(request.case.name) / f"points-{request.identity[:12]}"
-    kept = Kept("identify", request.case, output, datetime.now(UTC).replace(microsecond=0), file.parent)
+    kept = Kept(
+        "identify", request.case, output, datetime.now(UTC).replace(microsecond=0), file.parent
+    )
     _answer(request, kept, points, read_workers(workers), read_limits(limit), open_page)
 
 
-def _answer(request: Request, kept: Kept, points: Path, workers: int, limits: Any, open_page: bool) -> None:
+def _answer(
+    request: Request, kept: Kept, points: Path, workers: int, limits: Any, open_page: bool
+) -> None:
     from valvetrain.cli.guard import interrupted
     from valvetrain.cli.outcome import Outcome, deliver, tell
     from valvetrain.cli.progress import busy, progress_bar
@@ -82,23 +109,40 @@ def _answer(request: Request, kept: Kept, points: Path, workers: int, limits: An
 
     try:
         with progress_bar(request.name) as report:
-            found = identify_request(request, folder=points, workers=workers, report=report, limits=limits, tell=told)
+            found = identify_request(
+                request, folder=points, workers=workers, report=report, limits=limits, tell=told
+            )
     except KeyboardInterrupt:
-        interrupted(f"interrupted: the points computed so far are kept in '{points}'; start the command again to go on")
+        interrupted(
+            f"interrupted: the points computed so far are kept in '{points}'; start the command again to go on"
+        )
         raise
     except InputError:
         with suppress(OSError):  # nothing was computed, so nothing is kept
             journal = points / NAME
-            if not kept.output and is_abandoned(journal) and sum(1 for _ in journal.open("rb")) <= 1:
+            if (
+                not kept.output
+                and is_abandoned(journal)
+                and sum(1 for _ in journal.open("rb")) <= 1
+            ):
                 shutil.rmtree(points)
         raise
-    data = {"command": "identify", "case": request.case.name, **identification_json(found), "completed": found.whole}
+    data = {
+        "command": "identify",
+        "case": request.case.name,
+        **identification_json(found),
+        "completed": found.whole,
+    }
     if not found.whole:
         with busy("writing files"):
             files = [str(path) for path in write_identification(found, points, request.title)]
         data |= {"folder": str(points), "files": files, "page": files[-1]}
         deliver(Outcome(data, lambda console: _show(console, found, points)))
-        raise typer.Exit(interrupted(f"interrupted: what was computed is kept in '{points}'; start the command again to go on"))
+        raise typer.Exit(
+            interrupted(
+                f"interrupted: what was computed is kept in '{points}'; start the command again to go on"
+            )
+        )
     folder, files = _keep(request, kept, points, found, data)
     data |= {"folder": str(folder), "files": files, "page": str(folder / "report.html")}
     if open_page:
@@ -106,7 +150,9 @@ def _answer(request: Request, kept: Kept, points: Path, workers: int, limits: An
     deliver(Outcome(data, lambda console: _show(console, found, folder)))
 
 
-def _keep(request: Request, kept: Kept, points: Path, found: Identified, data: dict[str, Any]) -> tuple[Path, list[str]]:
+def _keep(
+    request: Request, kept: Kept, points: Path, found: Identified, data: dict[str, Any]
+) -> tuple[Path, list[str]]:
     from valvetrain.cli.progress import busy
     from valvetrain.identification.journal import NAME
     from valvetrain.report.identification_files import write_identification
@@ -148,13 +194,25 @@ def _show(console: Console, found: Identified, folder: Path) -> None:
             console.print(f"branch {number}, probability {branch.share:.3f}")
         console.print(plain_table(FOUND, found_rows(found, branch), right=(1, 2, 3, 6)))
         console.print()
-    console.print(plain_table(MEASURED, [measured_words(one) for one in found.predicted], right=(1, 2, 3, 4, 5, 7)))
+    console.print(
+        plain_table(
+            MEASURED, [measured_words(one) for one in found.predicted], right=(1, 2, 3, 4, 5, 7)
+        )
+    )
     console.print()
     if found.conflicts:
-        console.print(plain_table(CONFLICTS, [conflict_words(one) for one in found.conflicts], right=(1, 2, 3)))
+        console.print(
+            plain_table(
+                CONFLICTS, [conflict_words(one) for one in found.conflicts], right=(1, 2, 3)
+            )
+        )
         console.print()
     if found.predictions:
-        console.print(plain_table(PREDICTED, [prediction_words(one) for one in found.predictions], right=(1, 2, 3, 4)))
+        console.print(
+            plain_table(
+                PREDICTED, [prediction_words(one) for one in found.predictions], right=(1, 2, 3, 4)
+            )
+        )
         console.print()
     console.print("; ".join(f"{name} {words}" for name, words in facts(found)), soft_wrap=True)
     for words in found.warnings:

@@ -17,14 +17,22 @@ if TYPE_CHECKING:
     from valvetrain.parameters.case import Case
     from valvetrain.solution.study import Study
 
-KeepOption = Annotated[bool, typer.Option("--keep", help="Keep the answer as runs are kept: data files, report page and inputs.")]
+KeepOption = Annotated[
+    bool,
+    typer.Option(
+        "--keep", help="Keep the answer as runs are kept: data files, report page and inputs."
+    ),
+]
 
 
-def kept(outcome: Outcome, study: Study, case: Case, folder: Path, choices: Mapping[str, Any]) -> Outcome:
-    """The outcome with its ``study`` written to a new folder of kept runs; ``folder``: where the case's file lies, ``choices``: what was
+def kept(
+    outcome: Outcome, study: Study, case: Case, folder: Path, choices: Mapping[str, Any]
+) -> Outcome:
+    """The outcome with its ``study`` written to a new folder of kept runs; ``folder``: where the
+    case's file lies, ``choices``: what was
     asked besides."""
     from valvetrain.cli.progress import busy
-    from valvetrain.report.write import write_parts
+    from valvetrain.report.study import write_parts
     from valvetrain.solution.gaps import Gaps
 
     gaps, data = Gaps(), dict(outcome.data)
@@ -42,9 +50,17 @@ def kept(outcome: Outcome, study: Study, case: Case, folder: Path, choices: Mapp
     asked = {**choices, "spring_models": list(dict.fromkeys(one.model for one in study.rest))}
     request = Kept(study.command, case, None, datetime.now(UTC).replace(microsecond=0), folder)
     with busy("writing files"):
-        home, files = keep_run(request, study.record.text, asked, data, write, study.provenance, gaps=gaps)
+        home, files = keep_run(
+            request, study.record.text, asked, data, write, study.provenance, gaps=gaps
+        )
     told = tuple(dict.fromkeys((*outcome.failures, *gaps.sentences)))
-    data.update(folder=str(home), files=files, page=str(pages[0]) if pages else None, completed=not told, failures=list(told))
+    data.update(
+        folder=str(home),
+        files=files,
+        page=str(pages[0]) if pages else None,
+        completed=not told,
+        failures=list(told),
+    )
 
     def show(console: Any) -> None:
         outcome.show(console)

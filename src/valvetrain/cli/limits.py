@@ -1,4 +1,6 @@
-"""Large requests: what they will cost is said before they begin, and beyond a bound they are refused with the numbers."""
+"""Large requests: what they will cost is said before they begin, and beyond a bound they are
+refused with the numbers.
+"""
 
 from __future__ import annotations
 
@@ -15,9 +17,11 @@ WORTH_SAYING = 20.0
 
 
 def refuse_beyond(request: StudyRequest, whole: bool = True, searches: bool = False) -> None:
-    """Say what the request will cost where it takes a while; raise :class:`InputError` with the numbers where it is too large.
+    """Say what the request will cost where it takes a while; raise :class:`InputError` with the
+    numbers where it is too large.
 
-    ``whole``: whether every run is kept with its channels; ``searches``: whether a train's critical speeds are searched as well.
+    ``whole``: whether every run is kept with its channels; ``searches``: whether a train's critical
+    speeds are searched as well.
     """
     from valvetrain.studies.cost import FEWER
     from valvetrain.studies.request_cost import request_cost
@@ -26,7 +30,8 @@ def refuse_beyond(request: StudyRequest, whole: bool = True, searches: bool = Fa
 
 
 def say_cost(cost: Cost, limits: Limits, fewer: str) -> None:
-    """Say what a request will cost where it takes a while; raise :class:`InputError` with the numbers, and the advice to ask for
+    """Say what a request will cost where it takes a while; raise :class:`InputError` with the
+    numbers, and the advice to ask for
     ``fewer`` of what makes it large, where it lies beyond ``limits``."""
     from valvetrain.studies.cost import refuse_cost
 

@@ -25,7 +25,12 @@ def _version(wanted: bool) -> None:
 
 def _start(
     context: typer.Context,
-    version: Annotated[bool, typer.Option("--version", callback=_version, is_eager=True, help="Print the version and stop.")] = False,
+    version: Annotated[
+        bool,
+        typer.Option(
+            "--version", callback=_version, is_eager=True, help="Print the version and stop."
+        ),
+    ] = False,
 ) -> None:
     """Dynamics of valve springs and valvetrains, from the static curve to coil clash."""
     if context.invoked_subcommand is None:
@@ -33,13 +38,18 @@ def _start(
 
 
 def app_of(chosen: Sequence[str]) -> typer.Typer:
-    """The command line with these commands; one that an installed package brings and that cannot be loaded is left out with a sentence."""
+    """The command line with these commands; one that an installed package brings and that cannot be
+    loaded is left out with a sentence.
+    """
     made = typer.Typer(
-        cls=GuardedGroup, name="valvetrain", pretty_exceptions_enable=False, invoke_without_command=True,
+        cls=GuardedGroup,
+        name="valvetrain",
+        pretty_exceptions_enable=False,
+        invoke_without_command=True,
         context_settings={"help_option_names": ["-h", "--help"]},
         help="Dynamics of valve springs and valvetrains, from the static curve to coil clash.",
         epilog="Exit codes: 0 done, 1 a run or a part of its answer failed, 2 wrong input, 130 interrupted (143 by SIGTERM).",
-    )  # fmt: skip
+    )
     made.callback()(_start)
     for word in chosen:
         try:
@@ -63,9 +73,13 @@ def __getattr__(name: str) -> typer.Typer:
 
 def main() -> None:
     """The console script."""
-    # Runs are parallel over cases; linear algebra on matrices of this size only loses to threads of its own (2.2 s instead of 1.5).
+    # Runs are parallel over cases; linear algebra on matrices of this size only loses to threads of
+    # its own (2.2 s instead of 1.5).
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     asked = sys.argv[1:2]
-    # one command needs none of the others, whose modules and options take a tenth of a second; completion asks for all
-    alone = bool(asked) and asked[0] in words("commands") and "_VALVETRAIN_COMPLETE" not in os.environ
+    # one command needs none of the others, whose modules and options take a tenth of a second;
+    # completion asks for all
+    alone = (
+        bool(asked) and asked[0] in words("commands") and "_VALVETRAIN_COMPLETE" not in os.environ
+    )
     (app_of(asked) if alone else _whole())(prog_name="valvetrain")

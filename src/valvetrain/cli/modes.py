@@ -32,8 +32,8 @@ if TYPE_CHECKING:
 
     from valvetrain.cli.outcome import Outcome
     from valvetrain.parameters.case import Case
+    from valvetrain.solution.modes import TrainModes
     from valvetrain.solution.study import Study
-    from valvetrain.solution.train_modes import TrainModes
 
 
 #: Cam orders at which a surge of 300 to 700 Hz meets the lift between 3000 and 12000 rpm.
@@ -47,20 +47,44 @@ def register(app: typer.Typer) -> None:
 
 def modes(
     case: CaseArgument,
-    count: Annotated[int, typer.Option("--count", metavar="N", help="Number of modes, lowest first.")] = 24,
+    count: Annotated[
+        int, typer.Option("--count", metavar="N", help="Number of modes, lowest first.")
+    ] = 24,
     compression: Annotated[
-        str | None, typer.Option("--compression", metavar="LENGTH", help="Compression to compute them at: '7 mm' (default: installed).")
+        str | None,
+        typer.Option(
+            "--compression",
+            metavar="LENGTH",
+            help="Compression to compute them at: '7 mm' (default: installed).",
+        ),
     ] = None,
     attached_mass: Annotated[
         str | None,
-        typer.Option("--attached-mass", metavar="MASS", help="Mass that moves with the retainer: '50 g' (default: both ends fixed).",
-                     show_default=False),
+        typer.Option(
+            "--attached-mass",
+            metavar="MASS",
+            help="Mass that moves with the retainer: '50 g' (default: both ends fixed).",
+            show_default=False,
+        ),
     ] = None,
-    free_end: Annotated[bool, typer.Option("--free-end", help="The retainer end is free to move along the axis, without a mass.")] = False,
-    spring: SpringOption = None, spring_set: SpringSetOption = None, settings: SetOption = None, elements_per_coil: ElementsOption = None,
-    limit: LimitOption = None, keep: KeepOption = False, as_json: JsonOption = False, quiet: QuietOption = False,
-) -> None:  # fmt: skip
-    """Natural frequencies of springs, both ends fixed or one with a mass; of a train also with its springs, as one."""
+    free_end: Annotated[
+        bool,
+        typer.Option(
+            "--free-end", help="The retainer end is free to move along the axis, without a mass."
+        ),
+    ] = False,
+    spring: SpringOption = None,
+    spring_set: SpringSetOption = None,
+    settings: SetOption = None,
+    elements_per_coil: ElementsOption = None,
+    limit: LimitOption = None,
+    keep: KeepOption = False,
+    as_json: JsonOption = False,
+    quiet: QuietOption = False,
+) -> None:
+    """Natural frequencies of springs, both ends fixed or one with a mass; of a train also with its
+    springs, as one.
+    """
     from valvetrain.cli.case_choice import choose_case, folder_of
     from valvetrain.cli.limits import say_cost
     from valvetrain.cli.outcome import deliver
@@ -71,23 +95,45 @@ def modes(
     chosen = choose_case(case, settings, elements_per_coil)
     read_count(count, 1, MOST_COUNTED, "--count")
     if free_end and attached_mass is not None:
-        raise InputError("a free end has no mass attached; give --free-end or --attached-mass", "--free-end")
-    masses = (0.0,) if free_end else read_amounts(None if attached_mass is None else [attached_mass], "mass", "--attached-mass")
+        raise InputError(
+            "a free end has no mass attached; give --free-end or --attached-mass", "--free-end"
+        )
+    masses = (
+        (0.0,)
+        if free_end
+        else read_amounts(
+            None if attached_mass is None else [attached_mass], "mass", "--attached-mass"
+        )
+    )
     if len(masses) > 1 or any(mass < 0 for mass in masses):
-        raise InputError(f"'{attached_mass}' is no mass; give one of zero or more, such as '50 g'", "--attached-mass")
+        raise InputError(
+            f"'{attached_mass}' is no mass; give one of zero or more, such as '50 g'",
+            "--attached-mass",
+        )
     state = read_length(compression, "--compression")
     models, sets = read_models(spring), read_words(spring_set)
-    say_cost(rest_cost(chosen, models, spring_sets=sets, steps=CURVE_OF_MODES, modes=count), read_limits(limit), FEWER_AT_REST)
+    say_cost(
+        rest_cost(chosen, models, spring_sets=sets, steps=CURVE_OF_MODES, modes=count),
+        read_limits(limit),
+        FEWER_AT_REST,
+    )
     home = folder_of(case) if keep else None
     deliver(compute_modes(chosen, models, sets, count, state, masses[0] if masses else None, home))
 
 
 def compute_modes(
-    case: Case, spring_models: tuple[str, ...], spring_sets: tuple[str, ...], count: int, compression: float | None = None,
-    attached_mass: float | None = None, keep: Path | None = None,
-) -> Outcome:  # fmt: skip
-    """The ``count`` lowest modes of every spring about ``compression`` (m from the free state; None: as installed), ``attached_mass`` (kg)
-    on the retainer, 0 for a free end (None: both ends fixed); ``keep``: keep the answer of the case whose file lies there."""
+    case: Case,
+    spring_models: tuple[str, ...],
+    spring_sets: tuple[str, ...],
+    count: int,
+    compression: float | None = None,
+    attached_mass: float | None = None,
+    keep: Path | None = None,
+) -> Outcome:
+    """The ``count`` lowest modes of every spring about ``compression`` (m from the free state;
+    None: as installed), ``attached_mass`` (kg)
+    on the retainer, 0 for a free end (None: both ends fixed); ``keep``: keep the answer of the case
+    whose file lies there."""
     from valvetrain.cli.keep_rest import kept
     from valvetrain.cli.outcome import Outcome
     from valvetrain.cli.progress import announce_compilation, progress_bar
@@ -98,11 +144,23 @@ def compute_modes(
     announce_compilation("statics")
     with progress_bar("modes") as report:
         study = rest_study(
-            case, spring_models, spring_sets=spring_sets, command="modes", compression=compression, modes=count,
-            attached_mass=attached_mass, progress=report,
-        )  # fmt: skip
-        trains = train_modes(case, spring_models, spring_sets=spring_sets) if case.train is not None and compression is None else ()
-    data = study_json(study) | ({"train_modes": [_object(one, count) for one in trains]} if trains else {})
+            case,
+            spring_models,
+            spring_sets=spring_sets,
+            command="modes",
+            compression=compression,
+            modes=count,
+            attached_mass=attached_mass,
+            progress=report,
+        )
+        trains = (
+            train_modes(case, spring_models, spring_sets=spring_sets)
+            if case.train is not None and compression is None
+            else ()
+        )
+    data = study_json(study) | (
+        {"train_modes": [_object(one, count) for one in trains]} if trains else {}
+    )
 
     def show(console: Console) -> None:
         _show(console, study)
@@ -117,14 +175,22 @@ def _object(modes: TrainModes, count: int) -> dict[str, Any]:
     """JSON of the modes of a train: SI, bodies and parts by name."""
     each = [
         {
-            "mode": place + 1, "natural_frequency": {"value": float(frequency), "unit": "Hz"},
+            "mode": place + 1,
+            "natural_frequency": {"value": float(frequency), "unit": "Hz"},
             "shape": dict(zip(modes.bodies, modes.shape[place].tolist(), strict=True)),
             "energy_share": dict(zip(modes.parts, modes.energy_share[place].tolist(), strict=True)),
         }
         for place, frequency in enumerate(modes.natural_frequency[:count])
-    ]  # fmt: skip
-    told = {"cam_angle": {"value": modes.cam_angle, "unit": "rad"}, "valve_lift": {"value": modes.valve_lift, "unit": "m"}}
-    return {"label": modes.label, "state": modes.state, "closed": modes.closed, "open": modes.open} | told | {"modes": each}
+    ]
+    told = {
+        "cam_angle": {"value": modes.cam_angle, "unit": "rad"},
+        "valve_lift": {"value": modes.valve_lift, "unit": "m"},
+    }
+    return (
+        {"label": modes.label, "state": modes.state, "closed": modes.closed, "open": modes.open}
+        | told
+        | {"modes": each}
+    )
 
 
 def _show_train(console: Console, modes: TrainModes, count: int) -> None:
@@ -132,10 +198,17 @@ def _show_train(console: Console, modes: TrainModes, count: int) -> None:
     from valvetrain.parameters.words import number
     from valvetrain.studies.train_modes import STATES
 
-    names = [(str(place + 1), number(float(one), 5), modes.moving(place)) for place, one in enumerate(modes.natural_frequency[:count])]
+    names = [
+        (str(place + 1), number(float(one), 5), modes.moving(place))
+        for place, one in enumerate(modes.natural_frequency[:count])
+    ]
     title = f"Whole train, {modes.label}, {STATES.get(modes.state, modes.state)}"
     console.print()
-    console.print(plain_table(("mode", "frequency (Hz)", "moving (kinetic energy)"), names, title, right=(0, 1)))
+    console.print(
+        plain_table(
+            ("mode", "frequency (Hz)", "moving (kinetic energy)"), names, title, right=(0, 1)
+        )
+    )
     if modes.open:
         console.print(f"open there, without stiffness: {', '.join(modes.open)}")
 
@@ -150,16 +223,29 @@ def _show(console: Console, study: Study) -> None:
         if one.modes is None:
             console.print(f"{one.spring} by {one.model}: no inner motion, so no modes")
             continue
-        names = {place: f"axial mode {index}" for index, place in enumerate(one.modes.axial_modes, start=1)}
+        names = {
+            place: f"axial mode {index}"
+            for index, place in enumerate(one.modes.axial_modes, start=1)
+        }
         shares = [f"{share:+.3f}".replace("-", "−") for share in one.modes.axial_transmission]
         rows = [
             (str(place + 1), number(float(frequency), 5), shares[place], names.get(place, ""))
             for place, frequency in enumerate(one.modes.natural_frequency)
         ]
         mass = one.modes.attached_mass
-        end = "" if mass is None else f", {number(mass * 1e3)} g on the retainer" if mass else ", retainer's end free"
+        end = (
+            ""
+            if mass is None
+            else f", {number(mass * 1e3)} g on the retainer"
+            if mass
+            else ", retainer's end free"
+        )
         title = f"{one.spring} by {one.model}, at {number(one.modes.compression * 1e3)} mm compression{end}"
-        console.print(plain_table(("mode", "frequency (Hz)", "axial transmission", ""), rows, title, right=(0, 1, 2)))
+        console.print(
+            plain_table(
+                ("mode", "frequency (Hz)", "axial transmission", ""), rows, title, right=(0, 1, 2)
+            )
+        )
         if len(one.modes.axial_modes) and mass is None:
             console.print(_surge_words(float(one.modes.axial_frequencies[0])), soft_wrap=True)
 

@@ -9,7 +9,16 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from valvetrain.cli.options import DaskOption, JsonOption, LimitOption, OpenOption, QuietOption, WorkersOption, points_folder, read_workers
+from valvetrain.cli.options import (
+    DaskOption,
+    JsonOption,
+    LimitOption,
+    OpenOption,
+    QuietOption,
+    WorkersOption,
+    points_folder,
+    read_workers,
+)
 from valvetrain.cli.study_command import keep_points
 
 if TYPE_CHECKING:
@@ -31,12 +40,24 @@ def register(app: typer.Typer) -> None:
 
 
 def optimise(
-    file: Annotated[Path, typer.Argument(metavar="FILE", help="Optimisation file (docs/optimisation.md): ranges, objectives, bounds.")],
-    output: Annotated[Path | None, points_folder("runs/optimise/FILE")] = None, dask: DaskOption = "",
-    workers: WorkersOption = None, limit: LimitOption = None, open_page: OpenOption = False, as_json: JsonOption = False,
+    file: Annotated[
+        Path,
+        typer.Argument(
+            metavar="FILE",
+            help="Optimisation file (docs/optimisation.md): ranges, objectives, bounds.",
+        ),
+    ],
+    output: Annotated[Path | None, points_folder("runs/optimise/FILE")] = None,
+    dask: DaskOption = "",
+    workers: WorkersOption = None,
+    limit: LimitOption = None,
+    open_page: OpenOption = False,
+    as_json: JsonOption = False,
     quiet: QuietOption = False,
-) -> None:  # fmt: skip
-    """Search the best spring or lift law within bounds on space, coil bind, stress, float and clash. A cut search is resumed."""
+) -> None:
+    """Search the best spring or lift law within bounds on space, coil bind, stress, float and
+    clash. A cut search is resumed.
+    """
     from valvetrain.cli.limits import WORTH_SAYING
     from valvetrain.cli.outcome import tell
     from valvetrain.cli.progress import announce_compilation
@@ -52,10 +73,16 @@ def optimise(
     estimate = estimate_search(plan, count)
     told = refuse_cost(estimate.cost, limits, fewer=FEWER)
     if estimate.cost.seconds > WORTH_SAYING:
-        tell(f"{estimate.trials} trials, {told} at most; finished points are kept in '{folder / POINTS}'")
+        tell(
+            f"{estimate.trials} trials, {told} at most; finished points are kept in '{folder / POINTS}'"
+        )
     moves = any(one.wanted.motion for one in plan.plans.values())
     if moves or any(not one.wanted.sizes_alone for one in plan.plans.values()):
-        announce_compilation("statics", *(["transient"] if moves else []), *(["train"] if plan.case.train is not None else []))
+        announce_compilation(
+            "statics",
+            *(["transient"] if moves else []),
+            *(["train"] if plan.case.train is not None else []),
+        )
     _answer(_Request(plan, folder, count, dask, open_page), limits)
 
 
@@ -76,7 +103,9 @@ def _answer(request: _Request, limits: Any) -> None:
 
     try:
         with progress_bar(request.plan.title) as report:
-            found = run_search(request.plan, request.workers, request.dask, request.folder / POINTS, limits, report)
+            found = run_search(
+                request.plan, request.workers, request.dask, request.folder / POINTS, limits, report
+            )
     except SearchInterrupted as cut:
         done = len(cut.optimum.trials) - 1
         _written(request, cut.optimum)
@@ -93,9 +122,18 @@ def _written(request: _Request, found: Optimum) -> Any:
     from valvetrain.studies.optimum.words import answer
 
     gaps = Gaps()
-    data = keep_points("optimise", optimum_json(found), request, partial(write_optimum, found, request.folder, gaps), ANSWER, gaps)
+    data = keep_points(
+        "optimise",
+        optimum_json(found),
+        request,
+        partial(write_optimum, found, request.folder, gaps),
+        ANSWER,
+        gaps,
+    )
     failures = () if found.best is not None or not found.finished else (answer(found),)
-    return Outcome(data, lambda console: _show(console, found, request.folder), (*failures, *gaps.sentences))
+    return Outcome(
+        data, lambda console: _show(console, found, request.folder), (*failures, *gaps.sentences)
+    )
 
 
 def _show(console: Console, found: Optimum, folder: Path) -> None:
@@ -111,7 +149,10 @@ def _show(console: Console, found: Optimum, folder: Path) -> None:
         console.print()
         for sentence in sentences(found):
             console.print(sentence, soft_wrap=True)
-    console.print(f"{len(found.trials)} trials, {found.computed} points computed in {found.seconds:.0f} s", soft_wrap=True)
+    console.print(
+        f"{len(found.trials)} trials, {found.computed} points computed in {found.seconds:.0f} s",
+        soft_wrap=True,
+    )
     if found.best is not None:
         console.print(f"run the best  valvetrain run {folder / BEST}", soft_wrap=True)
     console.print(f"results  {folder}", soft_wrap=True)

@@ -22,7 +22,9 @@ def asks(flag: str, metavar: str, words: str) -> Any:
 
 
 def matching_cases(begun: str) -> list[str]:
-    """Library cases whose names begin so, for the completion of the shell; file names are the shell's own."""
+    """Library cases whose names begin so, for the completion of the shell; file names are the
+    shell's own.
+    """
     from valvetrain.parameters.loading import library_names
 
     return [name for name in library_names() if name.startswith(begun)]
@@ -31,41 +33,63 @@ def matching_cases(begun: str) -> list[str]:
 CaseArgument = Annotated[
     str,
     typer.Argument(
-        metavar="CASE", help="Name of a library case (see 'valvetrain cases') or path of a case file.", autocompletion=matching_cases
+        metavar="CASE",
+        help="Name of a library case (see 'valvetrain cases') or path of a case file.",
+        autocompletion=matching_cases,
     ),
 ]
 SetOption = Annotated[
     list[str] | None,
     typer.Option(
-        "--set", metavar="KEY.PATH=VALUE", show_default=False,
+        "--set",
+        metavar="KEY.PATH=VALUE",
+        show_default=False,
         help="Change a value of the case, written as in its file: 'spring.wire_diameter=4.1 mm'. Nothing after '=' removes it. Repeatable.",
     ),
-]  # fmt: skip
-ElementsOption = Annotated[
-    int | None, typer.Option("--elements-per-coil", metavar="N", help="Finite elements per coil.", show_default=False)
 ]
-JsonOption = Annotated[bool, typer.Option("--json", help="Print one JSON object on standard output and nothing else there.")]
-QuietOption = Annotated[bool, typer.Option("--quiet", help="Print errors only; the exit code says how it ended.")]
+ElementsOption = Annotated[
+    int | None,
+    typer.Option(
+        "--elements-per-coil", metavar="N", help="Finite elements per coil.", show_default=False
+    ),
+]
+JsonOption = Annotated[
+    bool,
+    typer.Option("--json", help="Print one JSON object on standard output and nothing else there."),
+]
+QuietOption = Annotated[
+    bool, typer.Option("--quiet", help="Print errors only; the exit code says how it ended.")
+]
 SpeedOption = Annotated[
     str | None,
     typer.Option(
-        "--engine-speed", metavar="SPEEDS", show_default=False,
+        "--engine-speed",
+        metavar="SPEEDS",
+        show_default=False,
         help="Crank speeds instead of the case's own: '4200, 5600 rpm' or '1000:9000:500 rpm'.",
     ),
-]  # fmt: skip
+]
 
 
 def read_folder(text: str) -> Path:
-    """The folder of that name. Raises :class:`InputError` for an empty one, as a variable without a value gives it, and a zero byte."""
+    """The folder of that name. Raises :class:`InputError` for an empty one, as a variable without a
+    value gives it, and a zero byte.
+    """
     if not text.strip():
-        raise InputError("the name of the folder is empty; give one, or leave the option out", "--output")
+        raise InputError(
+            "the name of the folder is empty; give one, or leave the option out", "--output"
+        )
     if "\0" in text:
-        raise InputError("the name of the folder holds a zero byte, which no folder can; give another", "--output")
+        raise InputError(
+            "the name of the folder holds a zero byte, which no folder can; give another",
+            "--output",
+        )
     return Path(text)
 
 
 def take_folder(output: Path | None, resumes: str = "") -> None:
-    """Check the folder of ``--output``, or the home of kept runs where it is None, and hold it until the command ends. ``resumes``: file
+    """Check the folder of ``--output``, or the home of kept runs where it is None, and hold it
+    until the command ends. ``resumes``: file
     by which a folder of the same command, cut short, is known.
 
     Raises :class:`InputError` for a folder that cannot be used or that another run writes into.
@@ -81,60 +105,90 @@ def take_folder(output: Path | None, resumes: str = "") -> None:
 OutputOption = Annotated[
     Path | None,
     typer.Option(
-        "--output", metavar="FOLDER", parser=read_folder,
+        "--output",
+        metavar="FOLDER",
+        parser=read_folder,
         help="Folder of the results (default: a new one, runs/CASE/DATE-TIME-DIGEST).",
     ),
-]  # fmt: skip
+]
 WorkersOption = Annotated[
-    int | None, typer.Option("--workers", metavar="N", help="Runs at a time (default: the cores there are, at most 4).")
+    int | None,
+    typer.Option(
+        "--workers", metavar="N", help="Runs at a time (default: the cores there are, at most 4)."
+    ),
 ]
 SpringOption = Annotated[
     list[str] | None,
     typer.Option(
-        "--spring", metavar="MODELS", show_default=False,
+        "--spring",
+        metavar="MODELS",
+        show_default=False,
         help="Spring models, such as massless,multi-mass,wave-rod,finite-element; repeatable.",
     ),
-]  # fmt: skip
+]
 SpringSetOption = Annotated[
     list[str] | None,
-    typer.Option("--spring-set", metavar="SETS", help="Spring sets of a train, such as stock,performance; repeatable.", show_default=False),
+    typer.Option(
+        "--spring-set",
+        metavar="SETS",
+        help="Spring sets of a train, such as stock,performance; repeatable.",
+        show_default=False,
+    ),
 ]
 DaskOption = Annotated[
     str,
     typer.Option(
-        "--dask", metavar="CLUSTER", show_default=False,
+        "--dask",
+        metavar="CLUSTER",
+        show_default=False,
         help="Compute on a Dask cluster: 'local', the address of a scheduler, or slurm, pbs, sge, lsf, htcondor by dask-jobqueue.",
     ),
-]  # fmt: skip
+]
 
 
 def points_folder(default: str) -> Any:
     """The option of a folder that keeps finished points."""
     words = f"Folder of points and results; points that it holds are not computed again (default: {default})."
-    return typer.Option("--output", metavar="FOLDER", parser=read_folder, show_default=False, help=words)
+    return typer.Option(
+        "--output", metavar="FOLDER", parser=read_folder, show_default=False, help=words
+    )
 
 
 ReportOption = Annotated[bool, typer.Option("--report/--no-report", help="Write the report page.")]
-FiguresOption = Annotated[bool, typer.Option("--figures", help="Write every figure as an SVG file too.")]
+FiguresOption = Annotated[
+    bool, typer.Option("--figures", help="Write every figure as an SVG file too.")
+]
 OpenOption = Annotated[bool, typer.Option("--open", help="Open the report page in a browser.")]
 LimitOption = Annotated[
     list[str] | None,
     typer.Option(
-        "--limit", metavar="BOUND", show_default=False,
+        "--limit",
+        metavar="BOUND",
+        show_default=False,
         help="Raise the limits of 10 min and 2 GB for this request: '2 h', '8 GB'. Repeatable.",
     ),
-]  # fmt: skip
+]
 ImplausibleOption = Annotated[
     bool,
-    typer.Option("--implausible", help="Accept values outside the plausible ranges (docs/plausible.md) instead of refusing them."),
+    typer.Option(
+        "--implausible",
+        help="Accept values outside the plausible ranges (docs/plausible.md) instead of refusing them.",
+    ),
 ]
-PublishedOption = Annotated[bool, typer.Option("--published", help="Print every published value beside the computed one, and findings.")]
+PublishedOption = Annotated[
+    bool,
+    typer.Option(
+        "--published", help="Print every published value beside the computed one, and findings."
+    ),
+]
 
 
 def read_engine_speeds(text: str | None, where: str = "--engine-speed") -> tuple[float, ...] | None:
-    """Crank speeds (rad/s) from ``'4200, 5600 rpm'`` or a range with both ends, ``'1000:9000:500 rpm'``; None for None.
+    """Crank speeds (rad/s) from ``'4200, 5600 rpm'`` or a range with both ends, ``'1000:9000:500
+    rpm'``; None for None.
 
-    Raises :class:`InputError` for a missing or wrong unit, speeds that are not positive and ranges that lead nowhere.
+    Raises :class:`InputError` for a missing or wrong unit, speeds that are not positive and ranges
+    that lead nowhere.
     """
     if text is None:
         return None
@@ -156,10 +210,14 @@ def read_length(text: str | None, where: str) -> float | None:
 
 
 def read_amounts(texts: Sequence[str] | None, dimension: str, where: str) -> tuple[float, ...]:
-    """SI values of a repeatable option, each text one amount or several (``'32 mm'``, ``'200, 400 N'``), in order."""
+    """SI values of a repeatable option, each text one amount or several (``'32 mm'``, ``'200, 400
+    N'``), in order.
+    """
     from valvetrain.units import parse_quantities
 
-    return tuple(value for text in texts or () for value in parse_quantities(text, dimension, where))
+    return tuple(
+        value for text in texts or () for value in parse_quantities(text, dimension, where)
+    )
 
 
 def read_count(value: int, low: int, high: int, where: str) -> int:
@@ -173,17 +231,25 @@ def read_workers(value: int | None) -> int:
     """Number of runs at a time: as asked, else the cores this process may use, at most 4."""
     if value is not None:
         return read_count(value, 1, 256, "--workers")
-    cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+    cores = (
+        len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+    )
     return min(4, cores)
 
 
 def read_words(texts: Sequence[str] | None) -> tuple[str, ...]:
     """Words of a repeatable option whose values may be lists with commas, in order, each once."""
-    return tuple(dict.fromkeys(word.strip() for text in texts or () for word in text.split(",") if word.strip()))
+    return tuple(
+        dict.fromkeys(
+            word.strip() for text in texts or () for word in text.split(",") if word.strip()
+        )
+    )
 
 
 def read_models(texts: Sequence[str] | None) -> tuple[str, ...]:
-    """Words of spring models. Raises :class:`InputError` with the nearest one for a word that is none."""
+    """Words of spring models. Raises :class:`InputError` with the nearest one for a word that is
+    none.
+    """
     from valvetrain.registry import find
 
     models = read_words(texts)

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 import math
 import os
+import select
 import sys
 from collections.abc import Callable, Mapping, Sequence
 from contextvars import ContextVar
@@ -15,9 +17,58 @@ import typer
 from rich.console import Console
 from rich.text import Text
 
-from valvetrain.cli.streams import reader_left
 from valvetrain.errors import InputError
 from valvetrain.solution.gaps import TRACEBACK_VARIABLE, reason
+
+_STREAMS = (("stdin", "r"), ("stdout", "w"), ("stderr", "w"))
+
+
+def mend_streams() -> None:
+    """Put the null device where a standard stream is closed (``>&-``): else the next file that is
+    opened takes its number, and whatever
+    prints writes into it. Names that a stream cannot show are written with backslashes."""
+    for number in range(len(_STREAMS)):
+        with contextlib.suppress(OSError):
+            try:
+                os.fstat(number)
+            except OSError:
+                os.open(os.devnull, os.O_RDWR)  # the least free number, which is this one
+    for name, mode in _STREAMS:
+        if getattr(sys, name) is None:
+            setattr(sys, name, open(os.devnull, mode, encoding="utf-8"))
+    for stream in (sys.stdout, sys.stderr):
+        with contextlib.suppress(AttributeError, ValueError):
+            stream.reconfigure(errors="backslashreplace")  # type: ignore[union-attr]
+
+
+def reader_left() -> bool:
+    """Whether nobody reads standard output any more (``| head -1``); then nothing goes there from
+    now on, at exit either.
+    """
+    try:
+        place = sys.stdout.fileno()
+        if hasattr(
+            select, "poll"
+        ):  # elsewhere it is taken for granted: this is asked after an error of a pipe
+            watch = select.poll()
+            watch.register(place, select.POLLOUT)
+            if not any(what & (select.POLLERR | select.POLLHUP) for _, what in watch.poll(0)):
+                return False
+        os.dup2(os.open(os.devnull, os.O_WRONLY), place)
+    except (OSError, ValueError):
+        return False
+    return True
+
+
+def unread() -> bool:
+    """As :func:`reader_left`, also where rich has seen it first and put the null device in the
+    place of standard output.
+    """
+    try:
+        return os.path.samestat(os.fstat(sys.stdout.fileno()), os.stat(os.devnull)) or reader_left()
+    except (OSError, ValueError):
+        return False
+
 
 #: Width of tables where the output is no terminal.
 PLAIN_WIDTH = 100
@@ -25,7 +76,9 @@ PLAIN_WIDTH = 100
 
 @dataclass(frozen=True, slots=True)
 class Manner:
-    """How the command was asked to speak: one JSON object on standard output, and nothing but errors on standard error."""
+    """How the command was asked to speak: one JSON object on standard output, and nothing but
+    errors on standard error.
+    """
 
     json: bool = False
     quiet: bool = False
@@ -36,7 +89,9 @@ _MANNER: ContextVar[Manner] = ContextVar("manner", default=_USUAL)
 
 
 def set_manner(words: Sequence[str]) -> None:
-    """Read ``--json`` and ``--quiet`` from the words of the command line, so that errors of the parser obey them too."""
+    """Read ``--json`` and ``--quiet`` from the words of the command line, so that errors of the
+    parser obey them too.
+    """
     _MANNER.set(Manner("--json" in words, "--quiet" in words))
 
 
@@ -47,7 +102,9 @@ def manner() -> Manner:
 
 @dataclass(frozen=True)
 class Outcome:
-    """``data``: the object of ``--json``. ``show`` prints the same for people. ``failures``: a sentence per run that did not complete."""
+    """``data``: the object of ``--json``. ``show`` prints the same for people. ``failures``: a
+    sentence per run that did not complete.
+    """
 
     data: Mapping[str, Any]
     show: Callable[[Console], None]
@@ -55,7 +112,9 @@ class Outcome:
 
 
 def deliver(outcome: Outcome) -> None:
-    """Print an outcome on standard output, failures on standard error; exit code 1 where a run failed."""
+    """Print an outcome on standard output, failures on standard error; exit code 1 where a run
+    failed.
+    """
     failures = outcome.failures
     try:
         if manner().json:
@@ -76,7 +135,9 @@ def deliver(outcome: Outcome) -> None:
 
 
 def _show(outcome: Outcome) -> tuple[str, ...]:
-    """Print for people; what of it could not be shown, for the numbers are computed and written whatever a table meets."""
+    """Print for people; what of it could not be shown, for the numbers are computed and written
+    whatever a table meets.
+    """
     try:
         outcome.show(output_console())
     except (OSError, InputError, typer.Exit):
@@ -89,21 +150,30 @@ def _show(outcome: Outcome) -> tuple[str, ...]:
 
 
 def output_console() -> Console:
-    """Standard output for people: a terminal as wide as it is, anything else :data:`PLAIN_WIDTH` columns."""
+    """Standard output for people: a terminal as wide as it is, anything else :data:`PLAIN_WIDTH`
+    columns.
+    """
     width = None if sys.stdout.isatty() else PLAIN_WIDTH
     return _Plain(file=sys.stdout, width=width, highlight=False, markup=False, emoji=False)
 
 
 class _Plain(Console):
-    """A console to which no words from outside can speak in control sequences, and whose caller says what follows when its reader left."""
+    """A console to which no words from outside can speak in control sequences, and whose caller
+    says what follows when its reader left.
+    """
 
     def on_broken_pipe(self) -> None:
-        """Called inside the handling of the error, which goes on; rich would end the process with code 1."""
+        """Called inside the handling of the error, which goes on; rich would end the process with
+        code 1.
+        """
         raise BrokenPipeError
 
     def render_str(self, text: str, **manner: Any) -> Text:
         """Words as they may be shown; see the base class."""
-        return super().render_str("".join(char if char.isprintable() or char in "\n\xa0" else "?" for char in text), **manner)
+        return super().render_str(
+            "".join(char if char.isprintable() or char in "\n\xa0" else "?" for char in text),
+            **manner,
+        )
 
 
 def tell(sentence: str) -> None:
@@ -135,7 +205,9 @@ def to_json(data: Mapping[str, Any]) -> str:
 
 
 def plain(item: Any) -> Any:
-    """``item`` as JSON has it: numbers that are not finite are null, arrays lists, anything else its words."""
+    """``item`` as JSON has it: numbers that are not finite are null, arrays lists, anything else
+    its words.
+    """
     if isinstance(item, Mapping):
         return {str(key): plain(value) for key, value in item.items()}
     if isinstance(item, (list, tuple)):

@@ -26,7 +26,9 @@ def show_comparisons(console: Console, rows: Sequence[Comparison]) -> None:
     from valvetrain.report import theme
     from valvetrain.report.words import speed_words
 
-    speeds = sorted({row.engine_speed for row in rows}, key=lambda speed: -1.0 if speed is None else speed)
+    speeds = sorted(
+        {row.engine_speed for row in rows}, key=lambda speed: -1.0 if speed is None else speed
+    )
     for speed in speeds:
         for role in dict.fromkeys(row.role for row in rows if row.engine_speed == speed):
             block = [row for row in rows if row.engine_speed == speed and row.role == role]
@@ -38,7 +40,9 @@ def show_comparisons(console: Console, rows: Sequence[Comparison]) -> None:
     for origin in origins:
         model = next(row.model for row in reversed(rows) if row.origin == origin)
         beside = f", beside our {theme.model_words(model)}" if model else ""
-        console.print(f"{theme.origin_style(origin)[0]}  published by {origin or 'its source'}{beside}")
+        console.print(
+            f"{theme.origin_style(origin)[0]}  published by {origin or 'its source'}{beside}"
+        )
     for role in dict.fromkeys(row.role for row in rows):
         console.print(tally([row for row in rows if row.role == role], role))
 
@@ -52,15 +56,24 @@ def comparison_table(rows: Sequence[Comparison], title: str) -> Table:
     def words(value: float | None, unit: str) -> str:
         return "–" if value is None else number(in_unit(value, unit))
 
-    table = plain_table(("quantity", "by", "published", "computed", "difference", "verdict"), (), title, right=(2, 3, 4))
+    table = plain_table(
+        ("quantity", "by", "published", "computed", "difference", "verdict"),
+        (),
+        title,
+        right=(2, 3, 4),
+    )
     for column, width in zip(table.columns, (36, 2, 15, 10, 10, 17), strict=True):
         column.width, column.overflow = width, "fold"
     for row in rows:
         published = f"{words(row.published, row.unit)} {short_unit(row.unit)}".strip()
         table.add_row(
-            label_of(row.quantity), theme.origin_style(row.origin)[0], published, words(row.computed, row.unit),
-            difference_words(row), short_verdict(row),
-        )  # fmt: skip
+            label_of(row.quantity),
+            theme.origin_style(row.origin)[0],
+            published,
+            words(row.computed, row.unit),
+            difference_words(row),
+            short_verdict(row),
+        )
     return table
 
 
@@ -100,5 +113,9 @@ def tally(rows: Sequence[Comparison], role: str) -> str:
     kinds = Counter(row.verdict.split(" ")[0] for row in rows)
     judged = kinds["within"] + kinds["misses"]
     missing = f", {kinds['not']} not computed" if kinds["not"] else ""
-    met = f"{kinds['within']} of {judged} stated tolerances met" if judged else "no tolerance was stated"
+    met = (
+        f"{kinds['within']} of {judged} stated tolerances met"
+        if judged
+        else "no tolerance was stated"
+    )
     return f"{role}: {len(rows)} published values, {met}{missing}"

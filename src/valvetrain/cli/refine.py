@@ -1,4 +1,6 @@
-"""``valvetrain refine``: numerical and physical uncertainty of the headline numbers of a spring or a train."""
+"""``valvetrain refine``: numerical and physical uncertainty of the headline numbers of a spring or
+a train.
+"""
 
 from __future__ import annotations
 
@@ -42,7 +44,8 @@ def register(app: typer.Typer) -> None:
 
 @dataclass(frozen=True)
 class RefineRequest:
-    """What was asked for: the case, the folder its file lies in, where results go, and the time; ``engine_speeds`` (rad/s of the crank,
+    """What was asked for: the case, the folder its file lies in, where results go, and the time;
+    ``engine_speeds`` (rad/s of the crank,
     None: the case's own), workers and bounds of the runs, and whether implausible values pass."""
 
     case: Case
@@ -57,11 +60,20 @@ class RefineRequest:
 
 
 def refine(
-    case: CaseArgument, output: OutputOption = None, engine_speed: SpeedOption = None, elements_per_coil: ElementsOption = None,
-    settings: SetOption = None, workers: WorkersOption = None, limit: LimitOption = None, implausible: ImplausibleOption = False,
-    as_json: JsonOption = False, quiet: QuietOption = False,
-) -> None:  # fmt: skip
-    """State the uncertainty of the headline numbers of a spring or a train: finer meshes and steps, other contact constants."""
+    case: CaseArgument,
+    output: OutputOption = None,
+    engine_speed: SpeedOption = None,
+    elements_per_coil: ElementsOption = None,
+    settings: SetOption = None,
+    workers: WorkersOption = None,
+    limit: LimitOption = None,
+    implausible: ImplausibleOption = False,
+    as_json: JsonOption = False,
+    quiet: QuietOption = False,
+) -> None:
+    """State the uncertainty of the headline numbers of a spring or a train: finer meshes and steps,
+    other contact constants.
+    """
     from valvetrain.cli.case_choice import choose_case, folder_of
     from valvetrain.cli.guard import interrupted
     from valvetrain.cli.limits import say_cost
@@ -72,10 +84,18 @@ def refine(
     chosen = choose_case(case, settings, elements_per_coil)
     take_folder(output)
     request = RefineRequest(
-        chosen, folder_of(case), output, datetime.now(UTC).replace(microsecond=0), read_engine_speeds(engine_speed), read_workers(workers),
-        read_limits(limit), implausible,
-    )  # fmt: skip
-    say_cost(refine_cost(chosen, request.engine_speeds, request.workers), request.limits, FEWER_REFINED)
+        chosen,
+        folder_of(case),
+        output,
+        datetime.now(UTC).replace(microsecond=0),
+        read_engine_speeds(engine_speed),
+        read_workers(workers),
+        read_limits(limit),
+        implausible,
+    )
+    say_cost(
+        refine_cost(chosen, request.engine_speeds, request.workers), request.limits, FEWER_REFINED
+    )
     study, stopped = _refined(request)
     outcome = _kept(request, study, stopped)
     if not stopped:
@@ -98,22 +118,32 @@ def _refined(request: RefineRequest) -> tuple[UncertaintyStudy, bool]:
     try:
         with progress_bar(case.name) as report:
             return refined(
-                case, engine_speeds=request.engine_speeds, workers=request.workers, progress=report, limits=request.limits,
+                case,
+                engine_speeds=request.engine_speeds,
+                workers=request.workers,
+                progress=report,
+                limits=request.limits,
                 implausible=request.implausible,
-            ), False  # fmt: skip
+            ), False
     except RefinementStopped as cut:
         return cut.study, True
 
 
 def _kept(request: RefineRequest, study: UncertaintyStudy, stopped: bool) -> Outcome:
-    """The study written to its folder, with a sentence where it was ``stopped`` or a variant failed."""
+    """The study written to its folder, with a sentence where it was ``stopped`` or a variant
+    failed.
+    """
     from valvetrain.cli.outcome import Outcome
     from valvetrain.cli.progress import busy
     from valvetrain.cli.study_command import keep_run
     from valvetrain.report.json import uncertainty_object
-    from valvetrain.report.uncertainty_section import levels_table, uncertainty_page, uncertainty_table
+    from valvetrain.report.study import write_page
+    from valvetrain.report.uncertainty_section import (
+        levels_table,
+        uncertainty_page,
+        uncertainty_table,
+    )
     from valvetrain.report.words import rpm
-    from valvetrain.report.write import write_page
     from valvetrain.solution.atomic import write_text
 
     case, engine_speeds = request.case, request.engine_speeds
@@ -132,11 +162,16 @@ def _kept(request: RefineRequest, study: UncertaintyStudy, stopped: bool) -> Out
         page, figures = write_page(uncertainty_page(study), folder)
         return [table, levels, *figures, page]
 
-    choices = {"engine_speeds": [rpm(speed) for speed in engine_speeds or case.operation.engine_speeds], "engine_speed_unit": "rpm"}
+    choices = {
+        "engine_speeds": [rpm(speed) for speed in engine_speeds or case.operation.engine_speeds],
+        "engine_speed_unit": "rpm",
+    }
     with busy("writing files"):
         folder, files = keep_run(request, case.record().text, choices, data, write)
     data |= {"folder": str(folder), "files": files, "page": str(folder / "report.html")}
-    return Outcome(data, lambda console: _show(console, study, str(folder / "report.html")), study.failures)
+    return Outcome(
+        data, lambda console: _show(console, study, str(folder / "report.html")), study.failures
+    )
 
 
 def _show(console: Console, study: UncertaintyStudy, page: str) -> None:
@@ -146,9 +181,21 @@ def _show(console: Console, study: UncertaintyStudy, page: str) -> None:
 
     console.print(study.record.title or study.record.name)
     meshes = ", ".join(map(str, study.elements_per_coil))
-    varied = f"{meshes} elements per coil, step halved" if meshes else "step halved twice, springs divided more finely, half the samples"
+    varied = (
+        f"{meshes} elements per coil, step halved"
+        if meshes
+        else "step halved twice, springs divided more finely, half the samples"
+    )
     console.print(f"{varied}, contact constants varied")
-    headers = ("quantity", "value", "± num.", "unit", "order", "contact stiffness", "contact damping")
+    headers = (
+        "quantity",
+        "value",
+        "± num.",
+        "unit",
+        "order",
+        "contact stiffness",
+        "contact damping",
+    )
     for speed, label in dict.fromkeys((row.engine_speed, row.label) for row in study.rows):
         rows = []
         for row in (row for row in study.rows if (row.engine_speed, row.label) == (speed, label)):
@@ -160,8 +207,21 @@ def _show(console: Console, study: UncertaintyStudy, page: str) -> None:
                 for values in (row.contact_stiffness, row.contact_damping)
             ]
             value, word = shown_words(name, row.value)
-            rows.append((label_of(name), value, shown_words(name, row.numerical, 2)[0], word, order, *ranges))
-        place = "statics and modes" if speed is None else f"{speed_words(speed)}{f', {label}' if label else ''}"
+            rows.append(
+                (
+                    label_of(name),
+                    value,
+                    shown_words(name, row.numerical, 2)[0],
+                    word,
+                    order,
+                    *ranges,
+                )
+            )
+        place = (
+            "statics and modes"
+            if speed is None
+            else f"{speed_words(speed)}{f', {label}' if label else ''}"
+        )
         console.print()
         console.print(plain_table(headers, rows, place, right=(1, 2, 4, 5, 6)))
     console.print(f"\nresults  {page}", soft_wrap=True)

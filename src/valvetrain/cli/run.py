@@ -23,14 +23,27 @@ def run(request: StudyRequest) -> None:
     refuse_beyond(request)
     case = request.case
     if case.train is None and not (request.engine_speeds or case.operation.engine_speeds):
-        more = "add --engine-speed '4200 rpm' for its motion" if case.lift_law is not None else "its motion needs a [lift_law] table"
-        tell(f"case '{case.name}' names no engine speed, so statics and modes only are computed; {more}")
+        more = (
+            "add --engine-speed '4200 rpm' for its motion"
+            if case.lift_law is not None
+            else "its motion needs a [lift_law] table"
+        )
+        tell(
+            f"case '{case.name}' names no engine speed, so statics and modes only are computed; {more}"
+        )
     announce_compilation(*(("train",) if case.train is not None else ("statics", "transient")))
     answer_study(
         request,
         lambda report, finished: run_study(
-            case, engine_speeds=request.engine_speeds, spring_models=request.spring_models, spring_sets=request.spring_sets,
-            workers=request.workers, progress=report, finished=finished, created_at=request.created_at.isoformat(),
-            limits=request.limits, implausible=request.implausible,
+            case,
+            engine_speeds=request.engine_speeds,
+            spring_models=request.spring_models,
+            spring_sets=request.spring_sets,
+            workers=request.workers,
+            progress=report,
+            finished=finished,
+            created_at=request.created_at.isoformat(),
+            limits=request.limits,
+            implausible=request.implausible,
         ),
-    )  # fmt: skip
+    )

@@ -15,8 +15,11 @@ if TYPE_CHECKING:
     from valvetrain.studies.run_store import KeptRun
     from valvetrain.studies.unfinished_runs import UnfinishedFolder
 
-RootOption = Annotated[Path, typer.Option("--folder", metavar="FOLDER", help="Folder that runs are kept in.")]
-#: Numbers that stand for a run in the list: the first of them that it has, the largest where it has several.
+RootOption = Annotated[
+    Path, typer.Option("--folder", metavar="FOLDER", help="Folder that runs are kept in.")
+]
+#: Numbers that stand for a run in the list: the first of them that it has, the largest where it has
+#: several.
 HEADLINES = ("peak_spring_force", "peak_retainer_force", "float_engine_speed", "preload")
 
 #: Rows printed; --json has them all.
@@ -29,16 +32,27 @@ def register(app: typer.Typer) -> None:
 
 
 def runs(
-    case: Annotated[str | None, typer.Argument(metavar="[CASE]", help="List the runs of this case only.", show_default=False)] = None,
-    folder: RootOption = Path("runs"), as_json: JsonOption = False, quiet: QuietOption = False,
-) -> None:  # fmt: skip
+    case: Annotated[
+        str | None,
+        typer.Argument(
+            metavar="[CASE]", help="List the runs of this case only.", show_default=False
+        ),
+    ] = None,
+    folder: RootOption = Path("runs"),
+    as_json: JsonOption = False,
+    quiet: QuietOption = False,
+) -> None:
     """List the runs that were kept, newest first, and those that were begun and not finished."""
     from valvetrain.cli.outcome import Outcome, deliver
     from valvetrain.studies.run_store import kept_runs
     from valvetrain.studies.unfinished_runs import unfinished_runs
 
     found, begun = kept_runs(case or "", folder), unfinished_runs(case or "", folder)
-    data = {"command": "runs", "runs": [_run_object(run) for run in found], "unfinished": [_unfinished_object(one) for one in begun]}
+    data = {
+        "command": "runs",
+        "runs": [_run_object(run) for run in found],
+        "unfinished": [_unfinished_object(one) for one in begun],
+    }
 
     def show(console: Console) -> None:
         if found or not begun:
@@ -52,17 +66,28 @@ def runs(
 def _run_object(run: KeptRun) -> dict[str, Any]:
     choices = run.answer.get("choices", {})
     return {
-        "created_at": run.created_at, "case": run.case, "digest": run.digest, "asked": run.answer.get("command"),
-        "spring_models": choices.get("spring_models", []), "engine_speeds": {"values": choices.get("engine_speeds", []), "unit": "rpm"},
-        "completed": run.answer.get("completed"), "state": state(run), "headline": headline(run.answer), "folder": str(run.folder),
-    }  # fmt: skip
+        "created_at": run.created_at,
+        "case": run.case,
+        "digest": run.digest,
+        "asked": run.answer.get("command"),
+        "spring_models": choices.get("spring_models", []),
+        "engine_speeds": {"values": choices.get("engine_speeds", []), "unit": "rpm"},
+        "completed": run.answer.get("completed"),
+        "state": state(run),
+        "headline": headline(run.answer),
+        "folder": str(run.folder),
+    }
 
 
 def _unfinished_object(one: UnfinishedFolder) -> dict[str, Any]:
     return {
-        "created_at": one.created_at, "case": one.case, "state": "going on" if one.goes_on else "killed", "finished_runs": one.finished,
-        "command_line": list(one.command_line), "folder": str(one.folder),
-    }  # fmt: skip
+        "created_at": one.created_at,
+        "case": one.case,
+        "state": "going on" if one.goes_on else "killed",
+        "finished_runs": one.finished,
+        "command_line": list(one.command_line),
+        "folder": str(one.folder),
+    }
 
 
 def state(run: KeptRun) -> str:
@@ -71,16 +96,24 @@ def state(run: KeptRun) -> str:
         return "completed"
     runs, failures = run.answer.get("runs", ()), run.answer.get("failures", ())
     codes = [one["status"].get("code") for one in runs if isinstance(one.get("status"), dict)]
-    told = isinstance(failures, list) and any(isinstance(words, str) and words.startswith("interrupted") for words in failures)
+    told = isinstance(failures, list) and any(
+        isinstance(words, str) and words.startswith("interrupted") for words in failures
+    )
     return "interrupted" if told or "interrupted" in codes else "failed"
 
 
 def headline(answer: Any) -> dict[str, Any] | None:
-    """The number that stands for a run: ``quantity``, ``value`` and ``unit`` (SI); None where it has none of :data:`HEADLINES`."""
+    """The number that stands for a run: ``quantity``, ``value`` and ``unit`` (SI); None where it
+    has none of :data:`HEADLINES`.
+    """
     still = (answer.get("quantities", {}), *answer.get("quantities_by_label", {}).values())
     sets = (*(run.get("quantities", {}) for run in answer.get("runs", ())), *still)
     for name in HEADLINES:
-        values = [found[name] for found in sets if isinstance(found, dict) and isinstance(found.get(name), dict)]
+        values = [
+            found[name]
+            for found in sets
+            if isinstance(found, dict) and isinstance(found.get(name), dict)
+        ]
         values = [item for item in values if isinstance(item.get("value"), (int, float))]
         if values:
             return {"quantity": name, **max(values, key=lambda item: item["value"])}
@@ -94,9 +127,20 @@ def _show(console: Console, found: tuple[KeptRun, ...], folder: Path) -> None:
     if not found:
         console.print(f"no runs under '{folder}'; 'valvetrain run CASE' makes one")
         return
-    named = dict.fromkeys(best["quantity"] for run in found[:MOST_ROWS] if (best := headline(run.answer)))
+    named = dict.fromkeys(
+        best["quantity"] for run in found[:MOST_ROWS] if (best := headline(run.answer))
+    )
     alone = label_of(next(iter(named))) if len(named) == 1 else ""
-    headers = ("time (UTC)", "case", "digest", "asked", "models", "rpm", "", alone.replace(" ", "\n", 1) or "headline")
+    headers = (
+        "time (UTC)",
+        "case",
+        "digest",
+        "asked",
+        "models",
+        "rpm",
+        "",
+        alone.replace(" ", "\n", 1) or "headline",
+    )
     table = plain_table(headers, (_row(run, not alone) for run in found[:MOST_ROWS]))
     for place in (0, 1, 2, 3, 6):
         table.columns[place].no_wrap = True
@@ -104,7 +148,10 @@ def _show(console: Console, found: tuple[KeptRun, ...], folder: Path) -> None:
     console.print(table)
     if len(found) > MOST_ROWS:
         console.print(f"and {len(found) - MOST_ROWS} older ones; --json has them all")
-    console.print("\n'valvetrain compare-runs A B' compares two by digest or folder; 'valvetrain run FOLDER' repeats one.", soft_wrap=True)
+    console.print(
+        "\n'valvetrain compare-runs A B' compares two by digest or folder; 'valvetrain run FOLDER' repeats one.",
+        soft_wrap=True,
+    )
 
 
 def _row(run: KeptRun, named: bool) -> tuple[str, ...]:
@@ -113,23 +160,36 @@ def _row(run: KeptRun, named: bool) -> tuple[str, ...]:
 
     choices, best = run.answer.get("choices", {}), headline(run.answer)
     speeds = choices.get("engine_speeds", [])
-    words = "–" if not speeds else f"{speeds[0]:g}" if len(speeds) == 1 else f"{speeds[0]:g}–{speeds[-1]:g} ({len(speeds)})"
+    words = (
+        "–"
+        if not speeds
+        else f"{speeds[0]:g}"
+        if len(speeds) == 1
+        else f"{speeds[0]:g}–{speeds[-1]:g} ({len(speeds)})"
+    )
     models = choices.get("spring_models", [])
     told = ""
     if best is not None:
         value, unit = shown(best["quantity"], best["value"])
         told = f"{label_of(best['quantity']) if named else ''} {number(value)} {unit}".strip()
     return (
-        run.created_at[5:16].replace("T", " "), run.case, run.digest, str(run.answer.get("command", "")),
-        ",\n".join(models[:2]) + (f" +{len(models) - 2}" if len(models) > 2 else ""), words,
-        "" if (ended := state(run)) == "completed" else ended, told,
-    )  # fmt: skip
+        run.created_at[5:16].replace("T", " "),
+        run.case,
+        run.digest,
+        str(run.answer.get("command", "")),
+        ",\n".join(models[:2]) + (f" +{len(models) - 2}" if len(models) > 2 else ""),
+        words,
+        "" if (ended := state(run)) == "completed" else ended,
+        told,
+    )
 
 
 def _show_unfinished(console: Console, begun: tuple[UnfinishedFolder, ...]) -> None:
     from valvetrain.studies.run_store import LIST
 
-    console.print(f"\nbegun and not finished{f', the newest {MOST_ROWS} of {len(begun)}' if len(begun) > MOST_ROWS else ''}:")
+    console.print(
+        f"\nbegun and not finished{f', the newest {MOST_ROWS} of {len(begun)}' if len(begun) > MOST_ROWS else ''}:"
+    )
     for one in begun[:MOST_ROWS]:
         when, how = one.created_at[5:16].replace("T", " "), "goes on" if one.goes_on else "killed"
         holds = f"{one.finished} finished run{'' if one.finished == 1 else 's'}, {one.files} file{'' if one.files == 1 else 's'}"
@@ -137,5 +197,7 @@ def _show_unfinished(console: Console, begun: tuple[UnfinishedFolder, ...]) -> N
         if not one.goes_on and one.command:
             console.print(f"    again from its begin: {one.command}", soft_wrap=True)
     if any(not one.goes_on for one in begun):
-        kept = f"numbers of finished runs stand in '{LIST}', their channels in run-0001.nc and so on"
+        kept = (
+            f"numbers of finished runs stand in '{LIST}', their channels in run-0001.nc and so on"
+        )
         console.print(f"\nOf a killed run {kept}; delete its folder to remove it.", soft_wrap=True)

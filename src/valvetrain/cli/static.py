@@ -40,7 +40,8 @@ if TYPE_CHECKING:
 
 #: Most rows of a curve that are printed; the CSV file has them all.
 MOST_ROWS = 30
-#: Columns of a curve and their units: nominal shear by EN 13906-1, and the largest shear along the wire where its section loads are known.
+#: Columns of a curve and their units: nominal shear by EN 13906-1, and the largest shear along the
+#: wire where its section loads are known.
 COLUMNS = (
     ("compression", "mm"), ("force", "N"), ("stiffness", "N/mm"), ("height", "mm"), ("nominal shear", "MPa"), ("wire shear", "MPa"),
 )  # fmt: skip
@@ -54,22 +55,51 @@ def register(app: typer.Typer) -> None:
 def static(
     case: CaseArgument,
     to: Annotated[
-        str | None, typer.Option("--to", metavar="LENGTH", help="Largest compression, such as '12 mm' (default: beyond full lift).")
+        str | None,
+        typer.Option(
+            "--to",
+            metavar="LENGTH",
+            help="Largest compression, such as '12 mm' (default: beyond full lift).",
+        ),
     ] = None,
     steps: Annotated[int, typer.Option("--steps", metavar="N", help="Number of even steps.")] = 24,
     height: Annotated[
         list[str] | None,
-        typer.Option("--height", metavar="LENGTH", help="Height between the seats to solve too: '32 mm'. Repeatable.", show_default=False),
+        typer.Option(
+            "--height",
+            metavar="LENGTH",
+            help="Height between the seats to solve too: '32 mm'. Repeatable.",
+            show_default=False,
+        ),
     ] = None,
     load: Annotated[
-        list[str] | None, typer.Option("--load", metavar="FORCE", help="Load to solve as well: '400 N'. Repeatable.", show_default=False)
+        list[str] | None,
+        typer.Option(
+            "--load",
+            metavar="FORCE",
+            help="Load to solve as well: '400 N'. Repeatable.",
+            show_default=False,
+        ),
     ] = None,
-    csv: Annotated[Path | None, typer.Option("--csv", metavar="FILE", help="Write the curve to a CSV file.", show_default=False)] = None,
-    spring: SpringOption = None, spring_set: SpringSetOption = None, settings: SetOption = None, elements_per_coil: ElementsOption = None,
-    limit: LimitOption = None, implausible: ImplausibleOption = False, keep: KeepOption = False, as_json: JsonOption = False,
+    csv: Annotated[
+        Path | None,
+        typer.Option(
+            "--csv", metavar="FILE", help="Write the curve to a CSV file.", show_default=False
+        ),
+    ] = None,
+    spring: SpringOption = None,
+    spring_set: SpringSetOption = None,
+    settings: SetOption = None,
+    elements_per_coil: ElementsOption = None,
+    limit: LimitOption = None,
+    implausible: ImplausibleOption = False,
+    keep: KeepOption = False,
+    as_json: JsonOption = False,
     quiet: QuietOption = False,
-) -> None:  # fmt: skip
-    """Force, stiffness and stress over compression, coils closing, of every spring of a case, and at heights and loads asked for."""
+) -> None:
+    """Force, stiffness and stress over compression, coils closing, of every spring of a case, and
+    at heights and loads asked for.
+    """
     from valvetrain.cli.case_choice import choose_case, folder_of
     from valvetrain.cli.limits import say_cost
     from valvetrain.cli.outcome import deliver
@@ -81,20 +111,37 @@ def static(
     read_count(steps, 2, MOST_COUNTED, "--steps")
     if csv is not None:
         check_target(csv, "--csv")
-    heights, loads = read_amounts(height, "length", "--height"), read_amounts(load, "force", "--load")
+    heights, loads = (
+        read_amounts(height, "length", "--height"),
+        read_amounts(load, "force", "--load"),
+    )
     models, sets = read_models(spring), read_words(spring_set)
-    cost = rest_cost(chosen, models, spring_sets=sets, steps=steps, heights=len(heights), loads=len(loads))
+    cost = rest_cost(
+        chosen, models, spring_sets=sets, steps=steps, heights=len(heights), loads=len(loads)
+    )
     say_cost(cost, read_limits(limit), FEWER_AT_REST)
     home = folder_of(case) if keep else None
-    deliver(compute_static(chosen, models, sets, largest, steps, csv, heights, loads, implausible, home))
+    deliver(
+        compute_static(chosen, models, sets, largest, steps, csv, heights, loads, implausible, home)
+    )
 
 
 def compute_static(
-    case: Case, spring_models: tuple[str, ...], spring_sets: tuple[str, ...], largest: float | None, steps: int, csv: Path | None = None,
-    heights: tuple[float, ...] = (), loads: tuple[float, ...] = (), implausible: bool = False, keep: Path | None = None,
-) -> Outcome:  # fmt: skip
-    """Solve the static curves up to ``largest`` (m; None: a little beyond full lift), and at ``heights`` (m) and ``loads`` (N); write
-    ``csv`` where asked. ``implausible``: let values pass that no spring can have; ``keep``: folder of the case, to keep the answer."""
+    case: Case,
+    spring_models: tuple[str, ...],
+    spring_sets: tuple[str, ...],
+    largest: float | None,
+    steps: int,
+    csv: Path | None = None,
+    heights: tuple[float, ...] = (),
+    loads: tuple[float, ...] = (),
+    implausible: bool = False,
+    keep: Path | None = None,
+) -> Outcome:
+    """Solve the static curves up to ``largest`` (m; None: a little beyond full lift), and at
+    ``heights`` (m) and ``loads`` (N); write
+    ``csv`` where asked. ``implausible``: let values pass that no spring can have; ``keep``: folder
+    of the case, to keep the answer."""
     from valvetrain.cli.keep_rest import kept
     from valvetrain.cli.outcome import Outcome
     from valvetrain.cli.progress import announce_compilation, progress_bar
@@ -105,9 +152,17 @@ def compute_static(
     announce_compilation("statics")
     with progress_bar("static curve") as report:
         study = rest_study(
-            case, spring_models, spring_sets=spring_sets, command="static", largest_compression=largest, steps=steps, heights=heights,
-            loads=loads, progress=report, implausible=implausible,
-        )  # fmt: skip
+            case,
+            spring_models,
+            spring_sets=spring_sets,
+            command="static",
+            largest_compression=largest,
+            steps=steps,
+            heights=heights,
+            loads=loads,
+            progress=report,
+            implausible=implausible,
+        )
     data = study_json(study)
     if csv is not None:
         data["files"] = [str(write_text(csv, curve_text(study)))]
@@ -118,10 +173,16 @@ def compute_static(
 def curve_text(study: Study) -> str:
     """The static curves as CSV; with several, the spring and its model stand in front."""
     several = len(study.rest) > 1
-    lines = [("spring,model," if several else "") + ",".join(f"{name} [{unit}]" for name, unit in COLUMNS)]
+    lines = [
+        ("spring,model," if several else "")
+        + ",".join(f"{name} [{unit}]" for name, unit in COLUMNS)
+    ]
     for one in study.rest:
         place = f"{one.spring},{one.model}," if several else ""
-        lines += [place + ",".join("" if value is None else repr(value) for value in row) for row in _rows(one)]
+        lines += [
+            place + ",".join("" if value is None else repr(value) for value in row)
+            for row in _rows(one)
+        ]
     return "\n".join(lines) + "\n"
 
 
@@ -130,32 +191,78 @@ def _rows(one: SpringAtRest) -> list[tuple[float | None, ...]]:
     if one.curve is None:
         return []
     curve, nominal = one.curve, one.stress_per_force
-    free = None if one.installed is None or one.installed.height is None else one.installed.height + one.installed.compression
-    along = None if one.stress is None else one.stress.shear_at(curve.compression).max(axis=1) * (curve.force > 0)
+    free = (
+        None
+        if one.installed is None or one.installed.height is None
+        else one.installed.height + one.installed.compression
+    )
+    along = (
+        None
+        if one.stress is None
+        else one.stress.shear_at(curve.compression).max(axis=1) * (curve.force > 0)
+    )
     return [
         (
-            float(place) * 1e3, float(force), float(stiffness) * 1e-3, None if free is None else (free - float(place)) * 1e3,
-            None if nominal is None else nominal * float(force) * 1e-6, None if along is None else float(along[index]) * 1e-6,
+            float(place) * 1e3,
+            float(force),
+            float(stiffness) * 1e-3,
+            None if free is None else (free - float(place)) * 1e3,
+            None if nominal is None else nominal * float(force) * 1e-6,
+            None if along is None else float(along[index]) * 1e-6,
         )
-        for index, (place, force, stiffness) in enumerate(zip(curve.compression, curve.force, curve.stiffness, strict=True))
-    ]  # fmt: skip
+        for index, (place, force, stiffness) in enumerate(
+            zip(curve.compression, curve.force, curve.stiffness, strict=True)
+        )
+    ]
 
 
 def _point_tables(points: tuple[RestPoint, ...]) -> Iterator[Table]:
-    """The states asked for: the columns of a curve, and what acts on the retainer where it is known."""
+    """The states asked for: the columns of a curve, and what acts on the retainer where it is
+    known.
+    """
     from valvetrain.cli.tables import plain_table
     from valvetrain.parameters.words import number
 
     def rows(fields: tuple[tuple[str, float], ...]) -> list[list[str]]:
         told = [[getattr(point, name) for name, _ in fields] for point in points]
-        return [[number(None if v is None else v * scale, 5) for v, (_, scale) in zip(row, fields, strict=True)] for row in told]
+        return [
+            [
+                number(None if v is None else v * scale, 5)
+                for v, (_, scale) in zip(row, fields, strict=True)
+            ]
+            for row in told
+        ]
 
-    columns = ("compression", "force", "stiffness", "height", "nominal_shear_stress", "shear_stress")
+    columns = (
+        "compression",
+        "force",
+        "stiffness",
+        "height",
+        "nominal_shear_stress",
+        "shear_stress",
+    )
     headers = [f"{name} ({unit})" for name, unit in COLUMNS]
-    yield plain_table(headers, rows(tuple(zip(columns, (1e3, 1.0, 1e-3, 1e3, 1e-6, 1e-6), strict=True))), "as asked", right=range(6))
+    yield plain_table(
+        headers,
+        rows(tuple(zip(columns, (1e3, 1.0, 1e-3, 1e3, 1e-6, 1e-6), strict=True))),
+        "as asked",
+        right=range(6),
+    )
     if any(point.torque is not None for point in points):
-        on_retainer = (("compression", 1e3), ("torque", 1.0), ("moment", 1.0), ("side_force", 1.0), ("rotation", 180 / math.pi))
-        headers = ["compression (mm)", "torque (N m)", "moment (N m)", "side force (N)", "rotation (deg)"]
+        on_retainer = (
+            ("compression", 1e3),
+            ("torque", 1.0),
+            ("moment", 1.0),
+            ("side_force", 1.0),
+            ("rotation", 180 / math.pi),
+        )
+        headers = [
+            "compression (mm)",
+            "torque (N m)",
+            "moment (N m)",
+            "side force (N)",
+            "rotation (deg)",
+        ]
         yield plain_table(headers, rows(on_retainer), "on the retainer", right=range(5))
 
 
@@ -167,11 +274,15 @@ def _show(console: Console, study: Study, csv: Path | None) -> None:
     for one, quantities in zip(study.rest, study.still.values(), strict=True):
         rows = _rows(one)
         each = -(-len(rows) // MOST_ROWS)
-        told = [place for place in range(len(COLUMNS)) if any(row[place] is not None for row in rows)]
+        told = [
+            place for place in range(len(COLUMNS)) if any(row[place] is not None for row in rows)
+        ]
         console.print()
         words = ([number(row[place], 5) for place in told] for row in rows[::each])
         headers = [f"{COLUMNS[place][0]} ({COLUMNS[place][1]})" for place in told]
-        console.print(plain_table(headers, words, f"{one.spring} by {one.model}", right=range(len(told))))
+        console.print(
+            plain_table(headers, words, f"{one.spring} by {one.model}", right=range(len(told)))
+        )
         for table in _point_tables(one.points) if one.points else ():
             console.print()
             console.print(table)

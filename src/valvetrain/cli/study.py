@@ -9,7 +9,16 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from valvetrain.cli.options import DaskOption, JsonOption, LimitOption, OpenOption, QuietOption, WorkersOption, points_folder, read_workers
+from valvetrain.cli.options import (
+    DaskOption,
+    JsonOption,
+    LimitOption,
+    OpenOption,
+    QuietOption,
+    WorkersOption,
+    points_folder,
+    read_workers,
+)
 from valvetrain.cli.study_command import keep_points
 
 if TYPE_CHECKING:
@@ -31,12 +40,23 @@ def register(app: typer.Typer) -> None:
 
 
 def study(
-    file: Annotated[Path, typer.Argument(metavar="FILE", help="Study file (docs/studies.md): case, varied quantities, outputs.")],
-    output: Annotated[Path | None, points_folder("runs/studies/FILE")] = None, dask: DaskOption = "",
-    workers: WorkersOption = None, limit: LimitOption = None, open_page: OpenOption = False, as_json: JsonOption = False,
+    file: Annotated[
+        Path,
+        typer.Argument(
+            metavar="FILE", help="Study file (docs/studies.md): case, varied quantities, outputs."
+        ),
+    ],
+    output: Annotated[Path | None, points_folder("runs/studies/FILE")] = None,
+    dask: DaskOption = "",
+    workers: WorkersOption = None,
+    limit: LimitOption = None,
+    open_page: OpenOption = False,
+    as_json: JsonOption = False,
     quiet: QuietOption = False,
-) -> None:  # fmt: skip
-    """Parameter study: grid, list or random draws over any quantities of a case; tolerances with Sobol indices, surrogates."""
+) -> None:
+    """Parameter study: grid, list or random draws over any quantities of a case; tolerances with
+    Sobol indices, surrogates.
+    """
     from valvetrain.cli.limits import WORTH_SAYING
     from valvetrain.cli.outcome import tell
     from valvetrain.cli.progress import announce_compilation
@@ -53,7 +73,9 @@ def study(
     told = refuse_cost(estimate.cost, limits)
     if estimate.cost.seconds > WORTH_SAYING:
         tell(f"{estimate.points} points, {told}; finished ones are kept in '{folder / POINTS}'")
-    announce_compilation("statics", "transient", *(["train"] if plan.case.train is not None else []))
+    announce_compilation(
+        "statics", "transient", *(["train"] if plan.case.train is not None else [])
+    )
     _answer(_Request(plan, folder, count, dask, open_page), limits)
 
 
@@ -75,7 +97,9 @@ def _answer(request: _Request, limits: Any) -> None:
 
     try:
         with progress_bar(request.plan.title) as report:
-            table = study_of(request.plan, request.workers, request.dask, request.folder / POINTS, limits, report)
+            table = study_of(
+                request.plan, request.workers, request.dask, request.folder / POINTS, limits, report
+            )
     except PointsInterrupted as cut:
         done = sum(one.code != "interrupted" for one in cut.table.statuses)
         words = f"{done} of {len(cut.table)} points are kept in '{request.folder / POINTS}'; start the command again to go on"
@@ -90,17 +114,33 @@ def _written(request: _Request, table: StudyTable) -> Any:
     from valvetrain.solution.gaps import Gaps
 
     gaps = Gaps()
-    data = keep_points("study", points_json(table), request, partial(write_points, table, request.folder, gaps), ANSWER, gaps)
+    data = keep_points(
+        "study",
+        points_json(table),
+        request,
+        partial(write_points, table, request.folder, gaps),
+        ANSWER,
+        gaps,
+    )
     failures = _failures(table)
-    return Outcome(data, lambda console: _show(console, table, request.folder), (*failures, *gaps.sentences))
+    return Outcome(
+        data, lambda console: _show(console, table, request.folder), (*failures, *gaps.sentences)
+    )
 
 
 def _failures(table: StudyTable) -> tuple[str, ...]:
-    """A sentence where no point came out, or a worker was lost; that some points of a study cannot be built is part of its answer."""
+    """A sentence where no point came out, or a worker was lost; that some points of a study cannot
+    be built is part of its answer.
+    """
     if not table.completed.any():
         return table.failures[:1]
-    return tuple(sentence for sentence, one in zip(table.failures, filter(lambda s: not s.completed, table.statuses), strict=True)
-                 if one.code == "worker-lost")[:5]  # fmt: skip
+    return tuple(
+        sentence
+        for sentence, one in zip(
+            table.failures, filter(lambda s: not s.completed, table.statuses), strict=True
+        )
+        if one.code == "worker-lost"
+    )[:5]
 
 
 def _show(console: Console, table: StudyTable, folder: Path) -> None:
@@ -120,5 +160,8 @@ def _show(console: Console, table: StudyTable, folder: Path) -> None:
     for sentence in table.failures[:3]:
         console.print(f"  {sentence}", soft_wrap=True)
     there = len(table) - table.computed
-    console.print(f"{table.computed} points computed{f', {there} were there' if there > 0 else ''}", soft_wrap=True)
+    console.print(
+        f"{table.computed} points computed{f', {there} were there' if there > 0 else ''}",
+        soft_wrap=True,
+    )
     console.print(f"results  {folder}", soft_wrap=True)

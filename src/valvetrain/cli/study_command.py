@@ -1,4 +1,6 @@
-"""What ``run``, ``compare`` and ``sweep`` share: their options, the bound on a request, the folder that is kept, and the answer."""
+"""What ``run``, ``compare`` and ``sweep`` share: their options, the bound on a request, the folder
+that is kept, and the answer.
+"""
 
 from __future__ import annotations
 
@@ -63,7 +65,9 @@ class Named(Protocol):
 
 
 class KeepRequest(Protocol):
-    """What the kept folder of a run needs to know: command, case, the folder its file lies in, where results go, and the time."""
+    """What the kept folder of a run needs to know: command, case, the folder its file lies in,
+    where results go, and the time.
+    """
 
     @property
     def command(self) -> str: ...
@@ -105,19 +109,33 @@ class PointsRequest(Protocol):
 
 
 def keep_points(
-    command: str, answer: Mapping[str, Any], request: PointsRequest, write: Callable[[], tuple[list[Path], Path | None]], name: str,
+    command: str,
+    answer: Mapping[str, Any],
+    request: PointsRequest,
+    write: Callable[[], tuple[list[Path], Path | None]],
+    name: str,
     gaps: Gaps,
-) -> dict[str, Any]:  # fmt: skip
-    """Let ``write`` fill the folder of a study of points, put its ``answer`` beside as ``name``, show its page where asked; the answer."""
+) -> dict[str, Any]:
+    """Let ``write`` fill the folder of a study of points, put its ``answer`` beside as ``name``,
+    show its page where asked; the answer.
+    """
     from valvetrain.cli.outcome import plain, to_json
     from valvetrain.cli.progress import busy
     from valvetrain.solution.atomic import write_text
 
     with busy("writing files"):
         files, page = write()
-        data = dict(answer) | {"command": command, "folder": str(request.folder), "files": [str(path) for path in files]}
+        data = dict(answer) | {
+            "command": command,
+            "folder": str(request.folder),
+            "files": [str(path) for path in files],
+        }
         data["page"] = None if page is None else str(page)
-        gaps.part(f"file '{name}'", None, lambda: write_text(request.folder / name, to_json(plain(data)) + "\n"))
+        gaps.part(
+            f"file '{name}'",
+            None,
+            lambda: write_text(request.folder / name, to_json(plain(data)) + "\n"),
+        )
     if page is not None and request.open_page:
         show_page(page)
     return data
@@ -125,8 +143,10 @@ def keep_points(
 
 @dataclass(frozen=True)
 class StudyRequest:
-    """One study as asked for: the ``case`` with its changes and the ``folder`` its file lies in; ``engine_speeds`` (rad/s of the crank,
-    None: the case's own); words of spring models and sets (empty: the study's own choice); where results go and how they are shown."""
+    """One study as asked for: the ``case`` with its changes and the ``folder`` its file lies in;
+    ``engine_speeds`` (rad/s of the crank,
+    None: the case's own); words of spring models and sets (empty: the study's own choice); where
+    results go and how they are shown."""
 
     command: str
     case: Case
@@ -146,31 +166,57 @@ class StudyRequest:
 
 
 def _shared(
-    case: CaseArgument, engine_speed: SpeedOption = None, spring: SpringOption = None, spring_set: SpringSetOption = None,
-    settings: SetOption = None, elements_per_coil: ElementsOption = None, output: OutputOption = None, workers: WorkersOption = None,
-    limit: LimitOption = None, implausible: ImplausibleOption = False, report: ReportOption = True, figures: FiguresOption = False,
+    case: CaseArgument,
+    engine_speed: SpeedOption = None,
+    spring: SpringOption = None,
+    spring_set: SpringSetOption = None,
+    settings: SetOption = None,
+    elements_per_coil: ElementsOption = None,
+    output: OutputOption = None,
+    workers: WorkersOption = None,
+    limit: LimitOption = None,
+    implausible: ImplausibleOption = False,
+    report: ReportOption = True,
+    figures: FiguresOption = False,
     published: PublishedOption = False,
-    open_page: OpenOption = False, as_json: JsonOption = False, quiet: QuietOption = False, more: Mapping[str, Any] = MappingProxyType({}),
-) -> dict[str, Any]:  # fmt: skip
-    """Read the options that all studies share; :func:`valvetrain.cli.outcome.set_manner` has read the last two."""
+    open_page: OpenOption = False,
+    as_json: JsonOption = False,
+    quiet: QuietOption = False,
+    more: Mapping[str, Any] = MappingProxyType({}),
+) -> dict[str, Any]:
+    """Read the options that all studies share; :func:`valvetrain.cli.outcome.set_manner` has read
+    the last two.
+    """
     from valvetrain.studies.cost import read_limits
 
     chosen = choose_case(case, settings, elements_per_coil, more)
     take_folder(output)
     speeds = read_engine_speeds(engine_speed)
     if speeds and chosen.lift_law is None:
-        raise InputError(f"case '{chosen.name}' has no lift law, so nothing moves at an engine speed; add a [lift_law] table")
+        raise InputError(
+            f"case '{chosen.name}' has no lift law, so nothing moves at an engine speed; add a [lift_law] table"
+        )
     return {
-        "case": chosen, "folder": folder_of(case), "engine_speeds": speeds, "spring_models": read_models(spring),
-        "spring_sets": read_words(spring_set), "workers": read_workers(workers), "limits": read_limits(limit), "implausible": implausible,
+        "case": chosen,
+        "folder": folder_of(case),
+        "engine_speeds": speeds,
+        "spring_models": read_models(spring),
+        "spring_sets": read_words(spring_set),
+        "workers": read_workers(workers),
+        "limits": read_limits(limit),
+        "implausible": implausible,
         "output": output,
-        "report": report or open_page, "figures": figures, "published": published, "open_page": open_page,
+        "report": report or open_page,
+        "figures": figures,
+        "published": published,
+        "open_page": open_page,
         "created_at": datetime.now(UTC).replace(microsecond=0),
-    }  # fmt: skip
+    }
 
 
 def study_command(function: Callable[..., None]) -> Callable[..., None]:
-    """Give ``function(request, own options...)`` the options that all studies share; its own come after them in the help.
+    """Give ``function(request, own options...)`` the options that all studies share; its own come
+    after them in the help.
 
     An own option that :data:`valvetrain.cli.case_choice.IN_EVERY_SPRING` knows is set in the case.
     """
@@ -180,18 +226,30 @@ def study_command(function: Callable[..., None]) -> Callable[..., None]:
     @functools.wraps(function)
     def command(**given: Any) -> None:
         mine = {parameter.name: given.pop(parameter.name) for parameter in own}
-        if function.__name__ in ("sweep", "fidelity") and (text := given["engine_speed"]) and not any(char.isalpha() for char in text):
-            given["engine_speed"] = f"{text} rpm"  # a range over the whole engine can mean nothing else
+        if (
+            function.__name__ in ("sweep", "fidelity")
+            and (text := given["engine_speed"])
+            and not any(char.isalpha() for char in text)
+        ):
+            given["engine_speed"] = (
+                f"{text} rpm"  # a range over the whole engine can mean nothing else
+            )
         options = {f"--{name.replace('_', '-')}": value for name, value in mine.items()}
         more = {option: value for option, value in options.items() if option in IN_EVERY_SPRING}
         function(StudyRequest(command=function.__name__, **_shared(**given, more=more)), **mine)
 
     hints = get_type_hints(_shared, include_extras=True) | {
-        name: hint for name, hint in get_type_hints(function, vars(sys.modules[function.__module__]), include_extras=True).items()
+        name: hint
+        for name, hint in get_type_hints(
+            function, vars(sys.modules[function.__module__]), include_extras=True
+        ).items()
         if name in {parameter.name for parameter in own}
-    }  # fmt: skip
+    }
     keyword = inspect.Parameter.KEYWORD_ONLY
-    parameters = [parameter.replace(kind=keyword, annotation=hints[parameter.name]) for parameter in (*shared, *own)]
+    parameters = [
+        parameter.replace(kind=keyword, annotation=hints[parameter.name])
+        for parameter in (*shared, *own)
+    ]
     command.__signature__ = inspect.Signature(parameters)  # type: ignore[attr-defined]
     command.__annotations__ = {parameter.name: hints[parameter.name] for parameter in parameters}
     del command.__wrapped__  # typer would look through it at the shorter signature
@@ -199,11 +257,15 @@ def study_command(function: Callable[..., None]) -> Callable[..., None]:
 
 
 def answer_study(
-    request: StudyRequest, compute: Callable[[Report, Finished], Study], choices: Mapping[str, Any] = MappingProxyType({})
+    request: StudyRequest,
+    compute: Callable[[Report, Finished], Study],
+    choices: Mapping[str, Any] = MappingProxyType({}),
 ) -> None:
-    """Compute the study, keep it in its folder and print its answer; one that is stopped leaves what was finished of it.
+    """Compute the study, keep it in its folder and print its answer; one that is stopped leaves
+    what was finished of it.
 
-    ``compute`` tells its progress and each solution as it comes; ``choices``: what the command was asked besides, kept among the inputs.
+    ``compute`` tells its progress and each solution as it comes; ``choices``: what the command was
+    asked besides, kept among the inputs.
     """
     from valvetrain.cli.guard import interrupted
     from valvetrain.cli.outcome import deliver
@@ -213,7 +275,9 @@ def answer_study(
     from valvetrain.studies.stopping import StudyStopped
 
     begun = ("valvetrain", *sys.argv[1:])
-    kept = UnfinishedRun(lambda: request.output or unfinished_folder(request.case.name, request.created_at), begun)
+    kept = UnfinishedRun(
+        lambda: request.output or unfinished_folder(request.case.name, request.created_at), begun
+    )
     stopped = False
     try:
         with progress_bar(request.case.name) as report:
@@ -236,19 +300,27 @@ def answer_study(
         deliver(outcome)
     done = sum(run.status.code != "interrupted" for run in study.solutions)
     words = (
-        f"{done} of {len(study.solutions)} runs were finished and are kept" if done else "springs at rest, which were finished, are kept"
+        f"{done} of {len(study.solutions)} runs were finished and are kept"
+        if done
+        else "springs at rest, which were finished, are kept"
     )
-    raise typer.Exit(interrupted(f"interrupted: {words} in '{outcome.data['folder']}'; start the command again for the rest"))
+    raise typer.Exit(
+        interrupted(
+            f"interrupted: {words} in '{outcome.data['folder']}'; start the command again for the rest"
+        )
+    )
 
 
-def _kept(request: StudyRequest, study: Study, choices: Mapping[str, Any], kept: UnfinishedRun) -> Outcome:
+def _kept(
+    request: StudyRequest, study: Study, choices: Mapping[str, Any], kept: UnfinishedRun
+) -> Outcome:
     """The study written to its folder: its answer, with a sentence per part of it that failed."""
     from valvetrain.cli.answers import show_study
     from valvetrain.cli.outcome import Outcome
     from valvetrain.cli.progress import busy
     from valvetrain.report.json import study_json
+    from valvetrain.report.study import write_parts
     from valvetrain.report.words import rpm
-    from valvetrain.report.write import write_parts
     from valvetrain.solution.gaps import Gaps
 
     gaps = Gaps(kept.gaps.sentences)
@@ -275,49 +347,85 @@ def _kept(request: StudyRequest, study: Study, choices: Mapping[str, Any], kept:
     }  # fmt: skip
     with busy("writing files"):
         origin = study.solutions[0].provenance if study.solutions else None
-        folder, files = keep_run(request, study.record.text, asked, data, write, origin, kept.folder, gaps)
+        folder, files = keep_run(
+            request, study.record.text, asked, data, write, origin, kept.folder, gaps
+        )
         if (folder / ANSWER).is_file():
             gaps.part("list of finished runs", None, kept.close)
     page = pages[0] if pages else None
     if page is not None and request.open_page:
         show_page(page)
     told = tuple(dict.fromkeys((*failures, *gaps.sentences)))
-    data.update(folder=str(folder), files=files, page=None if page is None else str(page), completed=not told, failures=list(told))
-    return Outcome(data, lambda console: show_study(console, study, folder, page, request.published), told)
+    data.update(
+        folder=str(folder),
+        files=files,
+        page=None if page is None else str(page),
+        completed=not told,
+        failures=list(told),
+    )
+    return Outcome(
+        data, lambda console: show_study(console, study, folder, page, request.published), told
+    )
 
 
 def keep_run(
-    request: KeepRequest, text: str, choices: Mapping[str, Any], data: Mapping[str, Any], write: Callable[[Path], list[Path]],
-    made_by: Provenance | None = None, unfinished: Path | None = None, gaps: Gaps | None = None,
-) -> tuple[Path, list[str]]:  # fmt: skip
-    """Make the folder of a run, let ``write`` fill it, and put inputs (``text``: the resolved case) and ``run.json`` beside.
+    request: KeepRequest,
+    text: str,
+    choices: Mapping[str, Any],
+    data: Mapping[str, Any],
+    write: Callable[[Path], list[Path]],
+    made_by: Provenance | None = None,
+    unfinished: Path | None = None,
+    gaps: Gaps | None = None,
+) -> tuple[Path, list[str]]:
+    """Make the folder of a run, let ``write`` fill it, and put inputs (``text``: the resolved case)
+    and ``run.json`` beside.
 
-    ``data``: the JSON answer; ``made_by``: versions that ran (default: those here); ``unfinished``: the folder the run had while it went
+    ``data``: the JSON answer; ``made_by``: versions that ran (default: those here); ``unfinished``:
+    the folder the run had while it went
     on. The folder, and the paths of all files in it; parts that fail are named in ``gaps``.
     """
     from valvetrain.cli.outcome import plain
     from valvetrain.solution.gaps import Gaps
     from valvetrain.solution.provenance import collect_provenance
-    from valvetrain.studies.run_store import Inputs, collect_inputs, finish_folder, keep, link_latest, new_folder, remove_unfinished
+    from valvetrain.studies.run_store import (
+        Inputs,
+        collect_inputs,
+        finish_folder,
+        keep,
+        link_latest,
+        new_folder,
+        remove_unfinished,
+    )
 
     missing = Gaps() if gaps is None else gaps
     asked = {"command": request.command, **choices}
     bare = Inputs(request.case.name, text, {}, asked)
-    inputs = missing.part("inputs of the run", bare, collect_inputs, request.case.name, text, request.folder, asked)
+    inputs = missing.part(
+        "inputs of the run", bare, collect_inputs, request.case.name, text, request.folder, asked
+    )
     if request.output is not None:
         folder = request.output
         if unfinished is None:
             missing.part("what a killed run left in the folder", None, remove_unfinished, folder)
     elif unfinished is not None:
-        folder = missing.part("folder of the run", unfinished, finish_folder, unfinished, inputs, request.created_at)
+        folder = missing.part(
+            "folder of the run", unfinished, finish_folder, unfinished, inputs, request.created_at
+        )
     else:
         folder = new_folder(inputs, request.created_at)
     written = [path.relative_to(folder).as_posix() for path in write(folder)]
     origin = made_by or collect_provenance(request.case.name, "")
     answer = plain(data) | {
-        "created_at": request.created_at.isoformat(), "command_line": ["valvetrain", *sys.argv[1:]], "files": written,
-        "versions": {"valvetrain": origin.package_version, "python": origin.python_version, **origin.dependencies},
-    }  # fmt: skip
+        "created_at": request.created_at.isoformat(),
+        "command_line": ["valvetrain", *sys.argv[1:]],
+        "files": written,
+        "versions": {
+            "valvetrain": origin.package_version,
+            "python": origin.python_version,
+            **origin.dependencies,
+        },
+    }
     kept = missing.part(f"file '{ANSWER}' could not be written", None, keep, folder, inputs, answer)
     if kept is None:
         return folder, [str(folder / name) for name in written]

@@ -7,12 +7,22 @@ from collections.abc import Iterable, Mapping, Sequence
 from rich.table import Table
 
 
-def plain_table(headers: Sequence[str], rows: Iterable[Sequence[str]], title: str = "", right: Sequence[int] = ()) -> Table:
+def plain_table(
+    headers: Sequence[str],
+    rows: Iterable[Sequence[str]],
+    title: str = "",
+    right: Sequence[int] = (),
+) -> Table:
     """A table without frames; ``right`` are the columns of numbers."""
     table = Table(
-        title=title or None, box=None, pad_edge=False, padding=(0, 2, 0, 0), title_justify="left", title_style="bold",
+        title=title or None,
+        box=None,
+        pad_edge=False,
+        padding=(0, 2, 0, 0),
+        title_justify="left",
+        title_style="bold",
         show_header=any(headers),
-    )  # fmt: skip
+    )
     for place, header in enumerate(headers):
         table.add_column(header, justify="right" if place in right else "left", overflow="fold")
     for row in rows:
@@ -33,4 +43,7 @@ def quantity_rows(values: Mapping[str, float]) -> list[tuple[str, str, str]]:
     """(name, number, unit) of named SI quantities."""
     from valvetrain.solution.definition import label_of
 
-    return [(label_of(name)[:1].upper() + label_of(name)[1:], *shown_words(name, value)) for name, value in values.items()]
+    return [
+        (label_of(name)[:1].upper() + label_of(name)[1:], *shown_words(name, value))
+        for name, value in values.items()
+    ]

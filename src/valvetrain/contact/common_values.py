@@ -1,6 +1,8 @@
-"""One word changes the law: what a contact table was written for, turned into the values of any other law.
+"""One word changes the law: what a contact table was written for, turned into the values of any
+other law.
 
-Two laws are taken as equal where they press alike: same penetration and same damping at a reference force (docs/case-files-trains.md).
+Two laws are taken as equal where they press alike: same penetration and same damping at a reference
+force (docs/case-files-trains.md).
 """
 
 from __future__ import annotations
@@ -25,12 +27,17 @@ HERTZ_EXPONENT = 1.5
 
 
 def law_values(
-    name: str, spec: ContactSpec, values: Mapping[str, float], stiffness_exponent: float | None, damping_unit: str
+    name: str,
+    spec: ContactSpec,
+    values: Mapping[str, float],
+    stiffness_exponent: float | None,
+    damping_unit: str,
 ) -> dict[str, float]:
     """The fields of ``spec.law`` (SI) from a table that may have been written for another law.
 
     ``stiffness_exponent`` n of the N/m**n in which the stiffness is given (None: the law's own);
-    ``damping_unit`` ``N s/m`` or ``s/m`` (empty: the law's own). Raises :class:`InputError` for a key no law has and for values that are
+    ``damping_unit`` ``N s/m`` or ``s/m`` (empty: the law's own). Raises :class:`InputError` for a
+    key no law has and for values that are
     no positive number where one is needed.
     """
     _refuse_unknown(name, values)
@@ -44,7 +51,9 @@ def law_values(
     written = exponent if stiffness_exponent is None else stiffness_exponent
     depth = (force / stiffness) ** (1 / written)
     if not 1e-12 < depth < 1e3:
-        raise InputError(f"contact '{name}' would be {depth * 1e3:.3g} mm deep at {force:.4g} N; check contact_stiffness and its unit")
+        raise InputError(
+            f"contact '{name}' would be {depth * 1e3:.3g} mm deep at {force:.4g} N; check contact_stiffness and its unit"
+        )
     if abs(written - exponent) > 1e-3:  # a unit holds three decimals of 10/9
         chosen["contact_stiffness"] = force / depth**exponent
     if "damping" in own:
@@ -59,12 +68,21 @@ def law_values(
 def _refuse_unknown(name: str, values: Mapping[str, float]) -> None:
     if all(key in ContactTable.model_fields for key in values):
         return
-    known = {key: None for word in registry.words("contacts") for key in registry.find("contacts", word).table.model_fields if key != "law"}
+    known = {
+        key: None
+        for word in registry.words("contacts")
+        for key in registry.find("contacts", word).table.model_fields
+        if key != "law"
+    }
     for key in values:
         if key not in known:
             near = difflib.get_close_matches(key, known, n=1)
-            hint = f"did you mean '{near[0]}'?" if near else f"contact tables hold {', '.join(known)}"
-            raise InputError(f"contact law '{name}' has no value '{key}', nor has any other law; {hint}")
+            hint = (
+                f"did you mean '{near[0]}'?" if near else f"contact tables hold {', '.join(known)}"
+            )
+            raise InputError(
+                f"contact law '{name}' has no value '{key}', nor has any other law; {hint}"
+            )
 
 
 def _exponent(own: Mapping[str, Any], values: Mapping[str, float]) -> float:
@@ -76,17 +94,25 @@ def _exponent(own: Mapping[str, Any], values: Mapping[str, float]) -> float:
     return float(values.get("exponent", default)) if fixed.init else default
 
 
-def _damping(name: str, spec: ContactSpec, values: Mapping[str, float], force: float, unit: str) -> dict[str, float]:
-    """``damping`` in the law's own unit: q F = c at the reference force F; from a restitution q = (q v) / v at the reference velocity."""
+def _damping(
+    name: str, spec: ContactSpec, values: Mapping[str, float], force: float, unit: str
+) -> dict[str, float]:
+    """``damping`` in the law's own unit: q F = c at the reference force F; from a restitution q =
+    (q v) / v at the reference velocity.
+    """
     viscous = spec.damping_unit == "N s/m"
     if "damping" in values:
         given_viscous = viscous if not unit else unit == "N s/m"
         if given_viscous == viscous:
             return {"damping": values["damping"]}
         return {"damping": values["damping"] * force if viscous else values["damping"] / force}
-    if "restitution" not in values and any(item.name == "damping" and item.default is not MISSING for item in fields(spec.law)):
+    if "restitution" not in values and any(
+        item.name == "damping" and item.default is not MISSING for item in fields(spec.law)
+    ):
         return {}
-    velocity = _positive(name, "reference_velocity", values.get("reference_velocity", REFERENCE_VELOCITY))
+    velocity = _positive(
+        name, "reference_velocity", values.get("reference_velocity", REFERENCE_VELOCITY)
+    )
     factor = damping_number(values.get("restitution", RESTITUTION)) / velocity
     return {"damping": factor * force if viscous else factor}
 

@@ -1,4 +1,6 @@
-"""Flores, Machado, Silva and Martins (2011): Hunt-Crossley damping valid over the range of restitution."""
+"""Flores, Machado, Silva and Martins (2011): Hunt-Crossley damping valid over the range of
+restitution.
+"""
 
 from __future__ import annotations
 
@@ -8,7 +10,14 @@ from typing import ClassVar
 from pydantic import Field
 
 from valvetrain.contact import kernels
-from valvetrain.contact.law import SLOWEST_IMPACT, Array, require_exponent, require_positive, require_restitution, row
+from valvetrain.contact.law import (
+    SLOWEST_IMPACT,
+    Array,
+    require_exponent,
+    require_positive,
+    require_restitution,
+    row,
+)
 from valvetrain.contact.power import DampedPower
 from valvetrain.contact.spec import ContactSpec
 from valvetrain.parameters.schema_contact import RESTITUTION, ContactTable
@@ -48,7 +57,10 @@ class Flores(DampedPower):
 class FloresTable(ContactTable):
     """``contact_stiffness`` in N/m**n and ``restitution``."""
 
-    restitution: Ratio = Field(default=RESTITUTION, description="velocity of rebound over that of approach (steel on steel)")
+    restitution: Ratio = Field(
+        default=RESTITUTION,
+        description="velocity of rebound over that of approach (steel on steel)",
+    )
     exponent: Ratio = Field(default=1.5, description="n of K d^n")
 
 

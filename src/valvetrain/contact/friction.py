@@ -12,9 +12,11 @@ from valvetrain.contact.law import Array, require_not_negative, require_positive
 
 @dataclass(frozen=True, slots=True)
 class CoulombFriction:
-    """Friction -mu N tanh(v / v0); ``coefficient`` mu, ``slip_rate`` v0 in m/s (99.9 % of mu N at 4 v0).
+    """Friction -mu N tanh(v / v0); ``coefficient`` mu, ``slip_rate`` v0 in m/s (99.9 % of mu N at 4
+    v0).
 
-    Below v0 it creeps as a viscous film of mu N / v0 (N s/m) instead of sticking; ``damping`` is that figure, for the step estimate.
+    Below v0 it creeps as a viscous film of mu N / v0 (N s/m) instead of sticking; ``damping`` is
+    that figure, for the step estimate.
     """
 
     coefficient: float
@@ -27,7 +29,11 @@ class CoulombFriction:
 
     def force(self, normal_force: ArrayLike, sliding_velocity: ArrayLike) -> Array:
         """Friction force (N) on the body that slides with ``sliding_velocity`` (m/s)."""
-        return -self.coefficient * np.asarray(normal_force) * np.tanh(np.asarray(sliding_velocity) / self.slip_rate)
+        return (
+            -self.coefficient
+            * np.asarray(normal_force)
+            * np.tanh(np.asarray(sliding_velocity) / self.slip_rate)
+        )
 
     def dissipated_power(self, normal_force: ArrayLike, sliding_velocity: ArrayLike) -> Array:
         """Power (W) turned to heat, never negative."""

@@ -13,7 +13,8 @@ from valvetrain.parameters.schema_contact import ContactTable
 
 @dataclass(frozen=True, slots=True)
 class HertzLine(DampedPower):
-    """F = K d**(10/9); ``contact_stiffness`` K in N/m**(10/9) of bodies of length L: E* L**(8/9) / 1.36**(10/9) (Palmgren 1959).
+    """F = K d**(10/9); ``contact_stiffness`` K in N/m**(10/9) of bodies of length L: E* L**(8/9) /
+    1.36**(10/9) (Palmgren 1959).
 
     1/E* is the sum of (1 - nu**2)/E of the two bodies. No loss: a drop rebounds fully.
     """

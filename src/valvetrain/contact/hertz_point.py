@@ -13,9 +13,11 @@ from valvetrain.parameters.schema_contact import ContactTable
 
 @dataclass(frozen=True, slots=True)
 class HertzPoint(DampedPower):
-    """F = K d**1.5; ``contact_stiffness`` K in N/m**1.5 of a sphere of radius R: 4/3 E* sqrt(R) (Johnson 1985, chapter 4).
+    """F = K d**1.5; ``contact_stiffness`` K in N/m**1.5 of a sphere of radius R: 4/3 E* sqrt(R)
+    (Johnson 1985, chapter 4).
 
-    1/E* is the sum of (1 - nu**2)/E of the two bodies, 1/R of their curvatures. No loss: a drop rebounds fully.
+    1/E* is the sum of (1 - nu**2)/E of the two bodies, 1/R of their curvatures. No loss: a drop
+    rebounds fully.
     """
 
     contact_stiffness: float

@@ -7,7 +7,13 @@ from dataclasses import dataclass
 from pydantic import Field
 
 from valvetrain.contact import kernels
-from valvetrain.contact.law import Array, require_exponent, require_not_negative, require_positive, row
+from valvetrain.contact.law import (
+    Array,
+    require_exponent,
+    require_not_negative,
+    require_positive,
+    row,
+)
 from valvetrain.contact.power import DampedPower
 from valvetrain.contact.spec import ContactSpec
 from valvetrain.parameters.schema_contact import ContactTable
@@ -16,9 +22,11 @@ from valvetrain.parameters.schema_types import Ratio
 
 @dataclass(frozen=True, slots=True)
 class HuntCrossley(DampedPower):
-    """F = K d**n (1 + q d'), never adhesive; ``contact_stiffness`` K in N/m**n, ``damping`` q in s/m.
+    """F = K d**n (1 + q d'), never adhesive; ``contact_stiffness`` K in N/m**n, ``damping`` q in
+    s/m.
 
-    A free drop at speed v rebounds with e from q v (1 + e) = ln((1 + q v) / (1 - e q v)), whatever K, n and the mass
+    A free drop at speed v rebounds with e from q v (1 + e) = ln((1 + q v) / (1 - e q v)), whatever
+    K, n and the mass
     (``contact.restitution``); e = 1 - 2 q v / 3 for small q v.
     """
 

@@ -1,16 +1,23 @@
-"""Compiled laws: one function evaluates any contact law from its code, its parameter row and what it remembers.
+"""Compiled laws: one function evaluates any contact law from its code, its parameter row and what
+it remembers.
 
 Row of ``WIDTH`` float64 per law (SI)::
 
     0 STIFFNESS   N/m**exponent        3 RESTITUTION -
     1 EXPONENT    -                    4 DEPTH       m, penetration of full damping (IMPACT)
-    2 DAMPING     law's own unit       5 SLOWEST     m/s, floor of the impact rate (restitution laws)
+    2 DAMPING     law's own unit       5 SLOWEST     m/s, floor of the impact rate (restitution
+    laws)
 
-Memory stands apart from the parameters: a law declares its number of ``states`` and a train gives it as many places of one flat array.
-Lankarani-Nikravesh and Flores remember IMPACT_RATE (m/s, greatest rate since first touch) and TOUCHING (1 while touching); they want
-:func:`update_impact` once per step before :func:`contact_force`. In a free impact the greatest rate since first touch IS the approach
-velocity of the papers; in a lasting contact under outer forces it keeps the damping factor bounded, where a fixed tiny approach
-velocity would cut the force off. A Maxwell link remembers the force of its branch (N), see :func:`maxwell_force`.
+Memory stands apart from the parameters: a law declares its number of ``states`` and a train gives
+it as many places of one flat array.
+Lankarani-Nikravesh and Flores remember IMPACT_RATE (m/s, greatest rate since first touch) and
+TOUCHING (1 while touching); they want
+:func:`update_impact` once per step before :func:`contact_force`. In a free impact the greatest rate
+since first touch IS the approach
+velocity of the papers; in a lasting contact under outer forces it keeps the damping factor bounded,
+where a fixed tiny approach
+velocity would cut the force off. A Maxwell link remembers the force of its branch (N), see
+:func:`maxwell_force`.
 """
 
 from __future__ import annotations
@@ -20,7 +27,8 @@ from typing import Any
 
 from valvetrain.compiled import njit
 
-#: Nothing is allocated here; counting references to the rows passed in costs the time loop of a train some percent.
+#: Nothing is allocated here; counting references to the rows passed in costs the time loop of a
+#: train some percent.
 OPTIONS: dict[str, Any] = {"cache": True, "_nrt": False, "forceinline": True}
 
 WIDTH = 8
@@ -47,7 +55,9 @@ def _power(depth, exponent):
 
 @njit(**OPTIONS)
 def update_impact(memory, place, slowest, penetration, penetration_rate):
-    """Keep the two numbers from ``place`` on in ``memory``: first touch, then the greatest rate since (at least ``slowest``, m/s)."""
+    """Keep the two numbers from ``place`` on in ``memory``: first touch, then the greatest rate
+    since (at least ``slowest``, m/s).
+    """
     if penetration <= 0.0:
         memory[place + TOUCHING] = 0.0
         memory[place + IMPACT_RATE] = 0.0
@@ -61,7 +71,8 @@ def update_impact(memory, place, slowest, penetration, penetration_rate):
 
 @njit(**OPTIONS)
 def maxwell_force(branch_stiffness, branch_damping, force, stretched, elapsed):
-    """Force (N) of a spring and a damper in series after ``elapsed`` (s) in which the pair was stretched evenly by ``stretched`` (m).
+    """Force (N) of a spring and a damper in series after ``elapsed`` (s) in which the pair was
+    stretched evenly by ``stretched`` (m).
 
     Exact for that stretching: f' = k x' - f k / c. ``force`` (N): before it.
     """
@@ -73,7 +84,8 @@ def maxwell_force(branch_stiffness, branch_damping, force, stretched, elapsed):
 
 @njit(**OPTIONS)
 def contact_force(code, parameters, impact_rate, penetration, penetration_rate):
-    """Normal force (N, compressive positive, never adhesive) of law ``code`` at a penetration (m) and its rate (m/s).
+    """Normal force (N, compressive positive, never adhesive) of law ``code`` at a penetration (m)
+    and its rate (m/s).
 
     ``impact_rate`` (m/s): what the restitution laws remember; ignored by all others.
     """
@@ -105,5 +117,7 @@ def contact_force(code, parameters, impact_rate, penetration, penetration_rate):
 
 @njit(**OPTIONS)
 def coulomb_friction(coefficient, slip_rate, normal_force, sliding_velocity):
-    """Friction force (N) against ``sliding_velocity`` (m/s): mu N tanh(v / slip_rate), within 0.1 % of mu N at v = 4 slip_rate."""
+    """Friction force (N) against ``sliding_velocity`` (m/s): mu N tanh(v / slip_rate), within 0.1 %
+    of mu N at v = 4 slip_rate.
+    """
     return -coefficient * normal_force * math.tanh(sliding_velocity / slip_rate)

@@ -8,7 +8,14 @@ from typing import ClassVar
 from pydantic import Field
 
 from valvetrain.contact import kernels
-from valvetrain.contact.law import SLOWEST_IMPACT, Array, require_exponent, require_positive, require_restitution, row
+from valvetrain.contact.law import (
+    SLOWEST_IMPACT,
+    Array,
+    require_exponent,
+    require_positive,
+    require_restitution,
+    row,
+)
 from valvetrain.contact.power import DampedPower
 from valvetrain.contact.spec import ContactSpec
 from valvetrain.parameters.schema_contact import RESTITUTION, ContactTable
@@ -19,7 +26,8 @@ from valvetrain.parameters.schema_types import Ratio
 class LankaraniNikravesh(DampedPower):
     """F = K d**n (1 + 3 (1 - e**2) d' / (4 v)) with v the approach velocity (m/s) of this impact.
 
-    ``contact_stiffness`` K in N/m**n, ``restitution`` e. Derived for e near 1; the rebound it gives below that is
+    ``contact_stiffness`` K in N/m**n, ``restitution`` e. Derived for e near 1; the rebound it gives
+    below that is
     larger than e (``contact.restitution.rebound`` tells it).
     """
 
@@ -49,7 +57,10 @@ class LankaraniNikravesh(DampedPower):
 class LankaraniNikraveshTable(ContactTable):
     """``contact_stiffness`` in N/m**n and ``restitution``."""
 
-    restitution: Ratio = Field(default=RESTITUTION, description="velocity of rebound over that of approach (steel on steel)")
+    restitution: Ratio = Field(
+        default=RESTITUTION,
+        description="velocity of rebound over that of approach (steel on steel)",
+    )
     exponent: Ratio = Field(default=1.5, description="n of K d^n")
 
 

@@ -14,20 +14,29 @@ from valvetrain.parameters.schema_types import Quantity
 from valvetrain.units import Given, parse_quantity
 
 
-def build_contact_law(name: str, *, stiffness_exponent: float | None = None, damping_unit: str = "", **values: Given) -> ContactLaw:
-    """Law of normal contact ``name`` from the numbers of a contact table, which may have been written for another law.
+def build_contact_law(
+    name: str, *, stiffness_exponent: float | None = None, damping_unit: str = "", **values: Given
+) -> ContactLaw:
+    """Law of normal contact ``name`` from the numbers of a contact table, which may have been
+    written for another law.
 
     Parameters
     ----------
-    name : word of the law: linear, hertz-point, hertz-line, hunt-crossley, lankarani-nikravesh, flores, impact or impact-as-printed
-    stiffness_exponent : n of the N/m**n in which ``contact_stiffness`` is given as a number; None for the law's own
-    damping_unit : ``N s/m`` or ``s/m``, in which ``damping`` is given as a number; empty for the law's own
-    values : numbers of the law, each SI, text with a unit ("60 kN/mm") or a pint quantity: ``contact_stiffness`` (N/m**n),
-        ``exponent``, ``damping``, ``restitution``, ``full_damping_depth`` (m), ``reference_force`` (N), ``reference_velocity`` (m/s)
+    name : word of the law: linear, hertz-point, hertz-line, hunt-crossley, lankarani-nikravesh,
+    flores, impact or impact-as-printed
+    stiffness_exponent : n of the N/m**n in which ``contact_stiffness`` is given as a number; None
+    for the law's own
+    damping_unit : ``N s/m`` or ``s/m``, in which ``damping`` is given as a number; empty for the
+    law's own
+    values : numbers of the law, each SI, text with a unit ("60 kN/mm") or a pint quantity:
+    ``contact_stiffness`` (N/m**n),
+        ``exponent``, ``damping``, ``restitution``, ``full_damping_depth`` (m), ``reference_force``
+        (N), ``reference_velocity`` (m/s)
 
     Returns
     -------
-    ContactLaw that gives force, tangent and lost power of arrays of penetration (m) and rate (m/s), of any one shape
+    ContactLaw that gives force, tangent and lost power of arrays of penetration (m) and rate (m/s),
+    of any one shape
 
     Raises
     ------
@@ -41,14 +50,26 @@ def build_contact_law(name: str, *, stiffness_exponent: float | None = None, dam
     60.0
     """
     spec: ContactSpec = registry.find("contacts", name)
-    written = {key: str(value.to_base_units()) if hasattr(value, "to_base_units") else value for key, value in values.items()}
-    units = {"stiffness_exponent": stiffness_exponent, "damping_unit": damping_unit} | written_for(written)
-    chosen = law_values(name, spec, {key: _number(name, spec, key, value) for key, value in written.items()}, **units)
+    written = {
+        key: str(value.to_base_units()) if hasattr(value, "to_base_units") else value
+        for key, value in values.items()
+    }
+    units = {"stiffness_exponent": stiffness_exponent, "damping_unit": damping_unit} | written_for(
+        written
+    )
+    chosen = law_values(
+        name,
+        spec,
+        {key: _number(name, spec, key, value) for key, value in written.items()},
+        **units,
+    )
     try:
         law: ContactLaw = spec.law(**chosen)
     except TypeError:
         known = [item.name for item in fields(spec.law) if item.init and item.name != "name"]
-        raise InputError(f"contact law '{name}' needs {', '.join(known)} but got {', '.join(values) or 'nothing'}") from None
+        raise InputError(
+            f"contact law '{name}' needs {', '.join(known)} but got {', '.join(values) or 'nothing'}"
+        ) from None
     return law
 
 
@@ -57,5 +78,8 @@ def _number(name: str, spec: ContactSpec, key: str, value: Given) -> float:
     if not isinstance(value, str):
         return value  # type: ignore[return-value]
     field = spec.table.model_fields.get(key)
-    dimension = next((one.dimension for one in (field.metadata if field else ()) if isinstance(one, Quantity)), None)
+    dimension = next(
+        (one.dimension for one in (field.metadata if field else ()) if isinstance(one, Quantity)),
+        None,
+    )
     return parse_quantity(value, dimension, f"{key} of contact law '{name}'")

@@ -10,7 +10,14 @@ from numpy.typing import ArrayLike
 from pydantic import Field
 
 from valvetrain.contact import kernels
-from valvetrain.contact.law import SLOWEST_IMPACT, Array, overlap, require_not_negative, require_positive, row
+from valvetrain.contact.law import (
+    SLOWEST_IMPACT,
+    Array,
+    overlap,
+    require_not_negative,
+    require_positive,
+    row,
+)
 from valvetrain.contact.spec import ContactSpec
 from valvetrain.parameters.schema_contact import ContactDamping, ContactTable
 
@@ -35,15 +42,34 @@ class LinearContact:
     def parameters(self) -> Array:
         return row(self.contact_stiffness, damping=self.damping)
 
-    def force(self, penetration: ArrayLike, penetration_rate: ArrayLike, impact_rate: float = SLOWEST_IMPACT) -> Array:
+    def force(
+        self,
+        penetration: ArrayLike,
+        penetration_rate: ArrayLike,
+        impact_rate: float = SLOWEST_IMPACT,
+    ) -> Array:
         depth, rate = overlap(penetration), np.asarray(penetration_rate, dtype=float)
-        return np.where(depth > 0, np.maximum(self.contact_stiffness * depth + self.damping * rate, 0.0), 0.0)
+        return np.where(
+            depth > 0, np.maximum(self.contact_stiffness * depth + self.damping * rate, 0.0), 0.0
+        )
 
-    def tangent(self, penetration: ArrayLike, penetration_rate: ArrayLike, impact_rate: float = SLOWEST_IMPACT) -> Array:
+    def tangent(
+        self,
+        penetration: ArrayLike,
+        penetration_rate: ArrayLike,
+        impact_rate: float = SLOWEST_IMPACT,
+    ) -> Array:
         return np.where(self.force(penetration, penetration_rate) > 0, self.contact_stiffness, 0.0)
 
-    def dissipated_power(self, penetration: ArrayLike, penetration_rate: ArrayLike, impact_rate: float = SLOWEST_IMPACT) -> Array:
-        extra = self.force(penetration, penetration_rate) - self.contact_stiffness * overlap(penetration)
+    def dissipated_power(
+        self,
+        penetration: ArrayLike,
+        penetration_rate: ArrayLike,
+        impact_rate: float = SLOWEST_IMPACT,
+    ) -> Array:
+        extra = self.force(penetration, penetration_rate) - self.contact_stiffness * overlap(
+            penetration
+        )
         found: Array = extra * np.asarray(penetration_rate, dtype=float)
         return found
 

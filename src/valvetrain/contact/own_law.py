@@ -1,4 +1,6 @@
-"""Contact laws that bring a compiled kernel of their own: the train's loop, compiled once for all, calls them by address."""
+"""Contact laws that bring a compiled kernel of their own: the train's loop, compiled once for all,
+calls them by address.
+"""
 
 from __future__ import annotations
 
@@ -15,17 +17,39 @@ from valvetrain.contact.kernels import WIDTH
 from valvetrain.contact.law import LawKernel
 
 _POINTER = types.CPointer(types.float64)
-_SIGNATURE = types.void(_POINTER, _POINTER, types.int64, types.float64, types.float64, types.float64, types.float64, _POINTER)
+_SIGNATURE = types.void(
+    _POINTER,
+    _POINTER,
+    types.int64,
+    types.float64,
+    types.float64,
+    types.float64,
+    types.float64,
+    _POINTER,
+)
 
 
 @cache
 def law_address(kernel: LawKernel) -> int:
-    """Address in this process of the compiled ``kernel`` of a law (``contact.law.OwnLaw``), which stays compiled."""
+    """Address in this process of the compiled ``kernel`` of a law (``contact.law.OwnLaw``), which
+    stays compiled.
+    """
     compiled: Any = kernel if hasattr(kernel, "py_func") else njit(kernel)
     carray: Any = numba.carray  # type: ignore[attr-defined]
 
-    def entry(parameters: Any, memory: Any, states: Any, pen: Any, before: Any, rate: Any, step: Any, found: Any) -> None:
-        force, damping = compiled(carray(parameters, WIDTH), carray(memory, states), pen, before, rate, step)
+    def entry(
+        parameters: Any,
+        memory: Any,
+        states: Any,
+        pen: Any,
+        before: Any,
+        rate: Any,
+        step: Any,
+        found: Any,
+    ) -> None:
+        force, damping = compiled(
+            carray(parameters, WIDTH), carray(memory, states), pen, before, rate, step
+        )
         out = carray(found, 2)
         out[0], out[1] = force, damping
 
@@ -41,16 +65,31 @@ _KEPT: list[Any] = []
 
 @intrinsic
 def _call(
-    typing_context: Any, address: Any, parameters: Any, memory: Any, states: Any, pen: Any, before: Any, rate: Any, step: Any, found: Any
+    typing_context: Any,
+    address: Any,
+    parameters: Any,
+    memory: Any,
+    states: Any,
+    pen: Any,
+    before: Any,
+    rate: Any,
+    step: Any,
+    found: Any,
 ) -> Any:
-    """Call the law at ``address``; ``parameters``, ``memory`` and ``found`` (force, damping) are addresses of float64."""
+    """Call the law at ``address``; ``parameters``, ``memory`` and ``found`` (force, damping) are
+    addresses of float64.
+    """
 
     def generate(context: Any, builder: Any, signature: Any, values: Any) -> Any:
         number, whole = ir.DoubleType(), ir.IntType(64)
         pointer = number.as_pointer()
-        kind = ir.FunctionType(ir.VoidType(), [pointer, pointer, whole, number, number, number, number, pointer])
+        kind = ir.FunctionType(
+            ir.VoidType(), [pointer, pointer, whole, number, number, number, number, pointer]
+        )
         first, second, last = (builder.inttoptr(values[place], pointer) for place in (1, 2, 8))
-        builder.call(builder.inttoptr(values[0], kind.as_pointer()), [first, second, *values[3:8], last])
+        builder.call(
+            builder.inttoptr(values[0], kind.as_pointer()), [first, second, *values[3:8], last]
+        )
         return context.get_dummy_value()
 
     return types.void(*(types.int64,) * 4, *(types.float64,) * 4, types.int64), generate

@@ -1,7 +1,9 @@
 """Rebound theory of the laws F = K d**n (1 + q d'): one equation for all of them.
 
-From m v dv/dd = -K d**n (1 + q v): the integral of v / (1 + q v) dv vanishes between approach v and rebound -e v, so
-q v (1 + e) = ln((1 + q v) / (1 - e q v)), free of mass, stiffness and exponent (Hunt and Crossley 1975 give its small-q limit).
+From m v dv/dd = -K d**n (1 + q v): the integral of v / (1 + q v) dv vanishes between approach v and
+rebound -e v, so
+q v (1 + e) = ln((1 + q v) / (1 - e q v)), free of mass, stiffness and exponent (Hunt and Crossley
+1975 give its small-q limit).
 """
 
 from __future__ import annotations
@@ -24,7 +26,11 @@ def rebound(damping_number: float) -> float:
     while high - low > 1e-14:
         middle = (low + high) / 2
         # log1p keeps the tiny difference of the small-damping limit.
-        excess = math.log1p(damping_number) - math.log1p(-middle * damping_number) - damping_number * (1 + middle)
+        excess = (
+            math.log1p(damping_number)
+            - math.log1p(-middle * damping_number)
+            - damping_number * (1 + middle)
+        )
         low, high = (middle, high) if excess < 0 else (low, middle)
     return (low + high) / 2
 

@@ -10,9 +10,11 @@ from valvetrain.parameters.schema_contact import ContactTable
 
 @dataclass(frozen=True, slots=True)
 class ContactSpec:
-    """``law``: dataclass of the law, whose fields are its values. ``table``: its table in a case file.
+    """``law``: dataclass of the law, whose fields are its values. ``table``: its table in a case
+    file.
 
-    ``damping_unit``: whether its ``damping`` is c of c d' (N s/m) or q of 1 + q d' (s/m); empty for a law without one.
+    ``damping_unit``: whether its ``damping`` is c of c d' (N s/m) or q of 1 + q d' (s/m); empty for
+    a law without one.
     """
 
     law: type[Any]

@@ -1,4 +1,6 @@
-"""Many variants of one rod under one motion: side by side in the vector unit, groups of them over the cores."""
+"""Many variants of one rod under one motion: side by side in the vector unit, groups of them over
+the cores.
+"""
 
 from __future__ import annotations
 
@@ -26,7 +28,8 @@ _ROW_STARTS = np.array([PAD + number * STRIDE for number in range(ROWS)], dtype=
 
 @dataclass(frozen=True)
 class RodBatch:
-    """End forces of n variants: ``time`` (ns,), forces (n, ns); the ``dense_*`` records as in ``RodTransient``; SI units.
+    """End forces of n variants: ``time`` (ns,), forces (n, ns); the ``dense_*`` records as in
+    ``RodTransient``; SI units.
 
     ``completed`` (n,): whether the variant reached the end; forces after a divergence are NaN.
 
@@ -49,12 +52,19 @@ class RodBatch:
 
 
 def simulate_batch(
-    meshes: Sequence[RodMesh], starts: Sequence[RodState], motion: Callable[[Array], ArrayLike], sample_interval: Given,
-    samples: int, dynamics: RodDynamics, time_step: Given | None = None, workers: int = 1,
-) -> RodBatch:  # fmt: skip
+    meshes: Sequence[RodMesh],
+    starts: Sequence[RodState],
+    motion: Callable[[Array], ArrayLike],
+    sample_interval: Given,
+    samples: int,
+    dynamics: RodDynamics,
+    time_step: Given | None = None,
+    workers: int = 1,
+) -> RodBatch:
     """Integrate many variants of one rod from their equilibria under one motion, side by side.
 
-    The variants share step, motion and mesh numbers; sections, geometry and gaps may differ. A mesh too long for the lanes runs one by one.
+    The variants share step, motion and mesh numbers; sections, geometry and gaps may differ. A mesh
+    too long for the lanes runs one by one.
 
     Parameters
     ----------
@@ -87,7 +97,11 @@ def simulate_batch(
     """
     _check(meshes, starts)
     sample_interval = si(sample_interval, "time", "sample_interval")
-    limit = min(stable_time_step(mesh, dynamics) for mesh in meshes) if time_step is None else si(time_step, "time", "time_step")
+    limit = (
+        min(stable_time_step(mesh, dynamics) for mesh in meshes)
+        if time_step is None
+        else si(time_step, "time", "time_step")
+    )
     dense = max(1, round(sample_interval / DENSE_INTERVAL))
     sub = max(1, int(np.ceil(sample_interval / dense / limit * (1 - 1e-9))))
     step, steps = sample_interval / (dense * sub), samples * dense * sub
@@ -97,28 +111,54 @@ def simulate_batch(
     def lanes(first: int) -> tuple[Array, NDArray[np.bool_]]:
         group = range(first, min(first + LANES, len(meshes)))
         chosen = [min(first + lane, len(meshes) - 1) for lane in range(LANES)]
-        forces, reached = _advance_group([meshes[k] for k in chosen], [starts[k] for k in chosen], dynamics, displacement, step, sub)
+        forces, reached = _advance_group(
+            [meshes[k] for k in chosen],
+            [starts[k] for k in chosen],
+            dynamics,
+            displacement,
+            step,
+            sub,
+        )
         return forces[: len(group)], reached[: len(group)]
 
     def single(index: int) -> tuple[Array, NDArray[np.bool_]]:
-        run = simulate(meshes[index], starts[index], motion, sample_interval, samples, dynamics, step)
+        run = simulate(
+            meshes[index], starts[index], motion, sample_interval, samples, dynamics, step
+        )
         forces = np.full((1, 2, samples * dense + 1), np.nan)
-        forces[0, 0, : len(run.dense_time)], forces[0, 1, : len(run.dense_time)] = run.dense_retainer_force, run.dense_seat_force
+        forces[0, 0, : len(run.dense_time)], forces[0, 1, : len(run.dense_time)] = (
+            run.dense_retainer_force,
+            run.dense_seat_force,
+        )
         return forces, np.array([run.completed])
 
     with ThreadPoolExecutor(max(1, workers)) as pool:
-        parts = list(pool.map(lanes, range(0, len(meshes), LANES)) if wide else pool.map(single, range(len(meshes))))
+        parts = list(
+            pool.map(lanes, range(0, len(meshes), LANES))
+            if wide
+            else pool.map(single, range(len(meshes)))
+        )
     forces = np.concatenate([part[0] for part in parts])
     return RodBatch(
-        time=sample_interval * np.arange(samples + 1.0), displacement=displacement[:: dense * sub],
-        retainer_force=forces[:, 0, ::dense], seat_force=forces[:, 1, ::dense], dense_time=step * sub * np.arange(samples * dense + 1.0),
-        dense_retainer_force=forces[:, 0], dense_seat_force=forces[:, 1],
-        completed=np.concatenate([part[1] for part in parts]), time_step=step,
-    )  # fmt: skip
+        time=sample_interval * np.arange(samples + 1.0),
+        displacement=displacement[:: dense * sub],
+        retainer_force=forces[:, 0, ::dense],
+        seat_force=forces[:, 1, ::dense],
+        dense_time=step * sub * np.arange(samples * dense + 1.0),
+        dense_retainer_force=forces[:, 0],
+        dense_seat_force=forces[:, 1],
+        completed=np.concatenate([part[1] for part in parts]),
+        time_step=step,
+    )
 
 
 def _advance_group(
-    meshes: Sequence[RodMesh], starts: Sequence[RodState], dynamics: RodDynamics, displacement: Array, step: float, sub: int
+    meshes: Sequence[RodMesh],
+    starts: Sequence[RodState],
+    dynamics: RodDynamics,
+    displacement: Array,
+    step: float,
+    sub: int,
 ) -> tuple[Array, NDArray[np.bool_]]:
     """Forces (LANES, 2, records) of one group of rods and which of them reached the end."""
     buffer = empty_buffer()
@@ -127,16 +167,31 @@ def _advance_group(
     for lane, (mesh, start) in enumerate(zip(meshes, starts, strict=True)):
         single = fill_buffer(mesh, start, dynamics, step)
         for row in _ROW_STARTS.astype(int) - PAD:
-            rows[row + lane : row + width * LANES : LANES][:width] = single[PAD + row : PAD + row + width]
+            rows[row + lane : row + width * LANES : LANES][:width] = single[
+                PAD + row : PAD + row + width
+            ]
     integers, numbers, places = stepping_numbers(meshes[0], dynamics, step)
     each = [stepping_numbers(mesh, dynamics, step)[0] for mesh in meshes]
-    integers[LOWER_END], integers[UPPER_START] = max(row[LOWER_END] for row in each), min(row[UPPER_START] for row in each)
+    integers[LOWER_END], integers[UPPER_START] = (
+        max(row[LOWER_END] for row in each),
+        min(row[UPPER_START] for row in each),
+    )
     integers[GUIDED] = max(row[GUIDED] for row in each)
     steps = len(displacement) - 1
     dense = np.full((steps // sub + 1, 2, LANES), np.nan)
     reached = np.full(LANES, steps + 1, dtype=np.int64)
     integrate_lanes(
-        buffer, integers, numbers, places, displacement, sub, _ROW_STARTS, np.zeros((STRETCHES, 2)), np.zeros((2, LANES)), dense, reached
+        buffer,
+        integers,
+        numbers,
+        places,
+        displacement,
+        sub,
+        _ROW_STARTS,
+        np.zeros((STRETCHES, 2)),
+        np.zeros((2, LANES)),
+        dense,
+        reached,
     )
     for lost in np.flatnonzero(reached <= steps):
         dense[reached[lost] // sub :, :, lost] = np.nan
@@ -145,7 +200,14 @@ def _advance_group(
 
 def _check(meshes: Sequence[RodMesh], starts: Sequence[RodState]) -> None:
     if not meshes or len(meshes) != len(starts):
-        raise InputError(f"a batch needs as many start states as meshes and at least one; it has {len(starts)} and {len(meshes)}")
-    shapes = {(mesh.vertices, mesh.first, mesh.last, mesh.contact.offset, mesh.contact.groups) for mesh in meshes}
+        raise InputError(
+            f"a batch needs as many start states as meshes and at least one; it has {len(starts)} and {len(meshes)}"
+        )
+    shapes = {
+        (mesh.vertices, mesh.first, mesh.last, mesh.contact.offset, mesh.contact.groups)
+        for mesh in meshes
+    }
     if len(shapes) > 1:
-        raise InputError("the meshes of a batch differ in size; use one total_coils, one length of inactive wire and one mesh density")
+        raise InputError(
+            "the meshes of a batch differ in size; use one total_coils, one length of inactive wire and one mesh density"
+        )

@@ -1,4 +1,6 @@
-"""Fills the flat buffer of the time integration from a mesh, a static state and the damping; finds the stable step."""
+"""Fills the flat buffer of the time integration from a mesh, a static state and the damping; finds
+the stable step.
+"""
 
 from __future__ import annotations
 
@@ -21,10 +23,13 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, slots=True)
 class RodDynamics:
-    """What the time integration needs beside the mesh: ``mass_damping`` (1/s), ``stiffness_damping`` (s), contact constants.
+    """What the time integration needs beside the mesh: ``mass_damping`` (1/s),
+    ``stiffness_damping`` (s), contact constants.
 
-    Stiffness damping acts through a Maxwell branch of ``relaxation_time`` (s) on bending and torsion, since plain
-    Kelvin-Voigt damping would cut the explicit step to a few per cent. ``contact_stiffness`` in N/m per m of wire.
+    Stiffness damping acts through a Maxwell branch of ``relaxation_time`` (s) on bending and
+    torsion, since plain
+    Kelvin-Voigt damping would cut the explicit step to a few per cent. ``contact_stiffness`` in N/m
+    per m of wire.
     """
 
     mass_damping: float = 0.0
@@ -41,10 +46,13 @@ class RodDynamics:
 
 
 def stable_time_step(mesh: RodMesh, dynamics: RodDynamics) -> float:
-    """Largest stable step of the leapfrog (s), ``step_safety`` included: 2 / largest natural angular frequency.
+    """Largest stable step of the leapfrog (s), ``step_safety`` included: 2 / largest natural
+    angular frequency.
 
-    The Maxwell branch counts with its full stiffness; contact adds the bound 4 k / m of its stiffest vertex. Raises :class:`InputError`
-    where stiffness, damping and mass lie so far apart that the largest frequency cannot be computed.
+    The Maxwell branch counts with its full stiffness; contact adds the bound 4 k / m of its
+    stiffest vertex. Raises :class:`InputError`
+    where stiffness, damping and mass lie so far apart that the largest frequency cannot be
+    computed.
     """
     loaded = RodStatics(_with_branch(mesh, dynamics.branch_stiffness), dynamics.contact_stiffness)
     free = loaded.free
@@ -53,29 +61,43 @@ def stable_time_step(mesh: RodMesh, dynamics: RodDynamics) -> float:
     scaled = diags(scale) @ stiffness @ diags(scale)
     start = np.linspace(1.0, 2.0, scaled.shape[0])
     try:
-        top = float(eigsh(scaled, k=1, which="LA", tol=1e-3, v0=start, return_eigenvectors=False)[0])
+        top = float(
+            eigsh(scaled, k=1, which="LA", tol=1e-3, v0=start, return_eigenvectors=False)[0]
+        )
     except (ArpackError, ValueError) as error:
         raise InputError(
             "the wire has no time step at which it can be integrated: its stiffness, stiffness damping and mass lie too far apart; "
             "check damping, moduli, density and their units"
         ) from error
     moving = slice(mesh.first + 1, mesh.last)
-    contact = 4 * dynamics.contact_stiffness * float(np.max((mesh.contact.length.sum(axis=0) / mesh.node_mass)[moving], initial=0.0))
-    # A guide pushes across the coils' own contact and its wall stands still: it counts where it is stiffer than that.
+    contact = (
+        4
+        * dynamics.contact_stiffness
+        * float(np.max((mesh.contact.length.sum(axis=0) / mesh.node_mass)[moving], initial=0.0))
+    )
+    # A guide pushes across the coils' own contact and its wall stands still: it counts where it is
+    # stiffer than that.
     if mesh.guide is not None:
-        contact = max(contact, mesh.guide.stiffness * float(np.max((mesh.node_length / mesh.node_mass)[moving])))
+        contact = max(
+            contact,
+            mesh.guide.stiffness * float(np.max((mesh.node_length / mesh.node_mass)[moving])),
+        )
     return float(dynamics.step_safety * 2.0 / np.sqrt(1.001 * top + contact))
 
 
 def inertia_of(mesh: RodMesh) -> Array:
     """Diagonal of the lumped mass matrix (6 nv,) in the order of the unknowns."""
-    return np.concatenate([np.repeat(mesh.node_mass[:, None], 3, axis=1), mesh.edge_inertia[1:]], axis=1).ravel()
+    return np.concatenate(
+        [np.repeat(mesh.node_mass[:, None], 3, axis=1), mesh.edge_inertia[1:]], axis=1
+    ).ravel()
 
 
 def _with_branch(mesh: RodMesh, share: float) -> RodMesh:
     from dataclasses import replace
 
-    with np.errstate(invalid="ignore"):  # what is beyond all bounds is refused where the step is sought
+    with np.errstate(
+        invalid="ignore"
+    ):  # what is beyond all bounds is refused where the step is sought
         return replace(mesh, bend_stiffness=mesh.bend_stiffness * (1 + share))
 
 
@@ -89,9 +111,17 @@ def fill_buffer(mesh: RodMesh, state: RodState, dynamics: RodDynamics, time_step
     edges = slice(first + 1, last + 1)
     inverse = np.zeros(nv + 1)
     inverse[edges] = 1.0 / mesh.edge_length[edges]
-    _put(b, INVH=inverse, GA=mesh.stretch_stiffness[:, 0], EA=mesh.stretch_stiffness[:, 2], H=mesh.edge_length)
+    _put(
+        b,
+        INVH=inverse,
+        GA=mesh.stretch_stiffness[:, 0],
+        EA=mesh.stretch_stiffness[:, 2],
+        H=mesh.edge_length,
+    )
     _put(b, U1=mesh.rest_stretch[:, 0], U2=mesh.rest_stretch[:, 1], U3=mesh.rest_stretch[:, 2])
-    _put(b, K1=mesh.bend_stiffness[:, 0], K2=mesh.bend_stiffness[:, 1], K3=mesh.bend_stiffness[:, 2])
+    _put(
+        b, K1=mesh.bend_stiffness[:, 0], K2=mesh.bend_stiffness[:, 1], K3=mesh.bend_stiffness[:, 2]
+    )
     _put(b, R1=mesh.rest_bend[:, 0], R2=mesh.rest_bend[:, 1], R3=mesh.rest_bend[:, 2])
     row(b, "INVH", nv + 4)[: first + 1] = 1.0
     row(b, "INVH", nv + 4)[last + 1 :] = 1.0
@@ -99,11 +129,22 @@ def fill_buffer(mesh: RodMesh, state: RodState, dynamics: RodDynamics, time_step
     moving[first + 1 : last] = 1.0 / mesh.node_mass[first + 1 : last]
     spin = np.zeros((nv + 1, 3))
     spin[edges] = 1.0 / mesh.edge_inertia[edges]
-    _put(b, IM=moving, IJ1=spin[:, 0], IJ3=spin[:, 2], MASS=np.where(moving > 0, mesh.node_mass, 0.0))
-    _put(b, LOWER=np.maximum(mesh.lower_seat_limit, -1e6), UPPER=np.minimum(mesh.upper_seat_limit, 1e6))
+    _put(
+        b, IM=moving, IJ1=spin[:, 0], IJ3=spin[:, 2], MASS=np.where(moving > 0, mesh.node_mass, 0.0)
+    )
+    _put(
+        b,
+        LOWER=np.maximum(mesh.lower_seat_limit, -1e6),
+        UPPER=np.minimum(mesh.upper_seat_limit, 1e6),
+    )
     _put(b, SEAT=dynamics.contact_stiffness * mesh.node_length)
     if mesh.guide is not None:
-        _put(b, BORE=mesh.guide.bore, ROD=mesh.guide.rod, WALL=mesh.guide.stiffness * mesh.node_length)
+        _put(
+            b,
+            BORE=mesh.guide.bore,
+            ROD=mesh.guide.rod,
+            WALL=mesh.guide.stiffness * mesh.node_length,
+        )
     _fill_contact(b, mesh, dynamics)
     _, vector = quat.relative_vector(state.frame[:-1], state.frame[1:])
     settled = (1 - branch_gains(dynamics, time_step)[2]) * (2 * vector - mesh.rest_bend)
@@ -141,8 +182,12 @@ def branch_gains(dynamics: RodDynamics, time_step: float) -> tuple[float, float,
     return decay, mean - decay, 1 - mean
 
 
-def stepping_numbers(mesh: RodMesh, dynamics: RodDynamics, time_step: float) -> tuple[NDArray[np.int64], Array, Array]:
-    """Integers, numbers and contact places that travel with a buffer (order: constants in ``time_stepping``)."""
+def stepping_numbers(
+    mesh: RodMesh, dynamics: RodDynamics, time_step: float
+) -> tuple[NDArray[np.int64], Array, Array]:
+    """Integers, numbers and contact places that travel with a buffer (order: constants in
+    ``time_stepping``).
+    """
     decay, gain_old, gain_new = branch_gains(dynamics, time_step)
     half = 0.5 * dynamics.mass_damping * time_step
     numbers = np.array([

@@ -1,7 +1,9 @@
 """Compiled energy, residual and tangent of the rod for statics and modes.
 
-Unknowns per vertex slot i: [x_i (3), rotation of edge i + 1 (3, body frame)], so that the band is narrow.
-Stretch strain u = R^T (x_{i+1} - x_i) / h; bending strain 2 vec(conj(q_i) q_{i+1}); both linear elastic.
+Unknowns per vertex slot i: [x_i (3), rotation of edge i + 1 (3, body frame)], so that the band is
+narrow.
+Stretch strain u = R^T (x_{i+1} - x_i) / h; bending strain 2 vec(conj(q_i) q_{i+1}); both linear
+elastic.
 """
 
 from __future__ import annotations
@@ -10,7 +12,8 @@ import numpy as np
 
 from valvetrain.compiled import njit
 
-#: Half bandwidth of the tangent without contact: vertex, edge, vertex, edge couple over 9 unknowns each way.
+#: Half bandwidth of the tangent without contact: vertex, edge, vertex, edge couple over 9 unknowns
+#: each way.
 HALF_BAND = 11
 
 
@@ -35,7 +38,9 @@ def _skew(v, S):
 
 @njit(cache=True)
 def _add_block(band, row0, col0, block):
-    """Add a 3 x 3 block to the banded matrix in LAPACK general-band storage (row = HALF_BAND + i - j)."""
+    """Add a 3 x 3 block to the banded matrix in LAPACK general-band storage (row = HALF_BAND + i -
+    j).
+    """
     for i in range(3):
         for j in range(3):
             r, c = row0 + i, col0 + j
@@ -52,7 +57,9 @@ def _add_transposed(band, row0, col0, block):
 
 @njit(cache=True)
 def stretch_terms(first, last, x, q, edge_length, stiffness, rest, residual, band, with_tangent):
-    """Add the stretch energy's gradient (and Hessian) over edges first + 1 .. last; returns the energy (J)."""
+    """Add the stretch energy's gradient (and Hessian) over edges first + 1 .. last; returns the
+    energy (J).
+    """
     R, S, U = np.empty((3, 3)), np.empty((3, 3)), np.empty((3, 3))
     u, n, m = np.empty(3), np.empty(3), np.empty(3)
     energy = 0.0
@@ -60,12 +67,21 @@ def stretch_terms(first, last, x, q, edge_length, stiffness, rest, residual, ban
         h = edge_length[e]
         rotation_matrix(q[e], R)
         for k in range(3):
-            u[k] = sum_column(R, k, x[e, 0] - x[e - 1, 0], x[e, 1] - x[e - 1, 1], x[e, 2] - x[e - 1, 2]) / h
+            u[k] = (
+                sum_column(
+                    R, k, x[e, 0] - x[e - 1, 0], x[e, 1] - x[e - 1, 1], x[e, 2] - x[e - 1, 2]
+                )
+                / h
+            )
             strain = u[k] - rest[e, k]
             n[k] = stiffness[e, k] * strain
             energy += 0.5 * h * n[k] * strain
         lower, edge, upper = 6 * (e - 1), 6 * (e - 1) + 3, 6 * e
-        m[0], m[1], m[2] = n[1] * u[2] - n[2] * u[1], n[2] * u[0] - n[0] * u[2], n[0] * u[1] - n[1] * u[0]
+        m[0], m[1], m[2] = (
+            n[1] * u[2] - n[2] * u[1],
+            n[2] * u[0] - n[0] * u[2],
+            n[0] * u[1] - n[1] * u[0],
+        )
         for i in range(3):
             f = R[i, 0] * n[0] + R[i, 1] * n[1] + R[i, 2] * n[2]
             residual[lower + i] -= f
@@ -106,7 +122,9 @@ def sum_column(R, k, a, b, c):
 
 @njit(cache=True)
 def bend_terms(first, last, q, stiffness, rest, residual, band, with_tangent):
-    """Add the bending and torsion energy's gradient (and Hessian) over vertices first .. last; returns the energy."""
+    """Add the bending and torsion energy's gradient (and Hessian) over vertices first .. last;
+    returns the energy.
+    """
     p, M = np.empty(3), np.empty(3)
     La, Lb, P, T = np.empty((3, 3)), np.empty((3, 3)), np.empty((3, 3)), np.empty((3, 3))
     energy = 0.0
@@ -155,10 +173,24 @@ def bend_terms(first, last, q, stiffness, rest, residual, band, with_tangent):
 
 
 @njit(cache=True)
-def contact_terms(x, offset, upper_place, lower_place, distance, length, stiffness, residual, rows, columns, values):
-    """Add coil-contact forces to ``residual``; fill triplets of the contact tangent; returns (energy, triplets used).
+def contact_terms(
+    x,
+    offset,
+    upper_place,
+    lower_place,
+    distance,
+    length,
+    stiffness,
+    residual,
+    rows,
+    columns,
+    values,
+):
+    """Add coil-contact forces to ``residual``; fill triplets of the contact tangent; returns
+    (energy, triplets used).
 
-    Each active point couples 6 vertices: up to 324 entries. Penalty energy 1/2 k length (d0 - distance)^2.
+    Each active point couples 6 vertices: up to 324 entries. Penalty energy 1/2 k length (d0 -
+    distance)^2.
     """
     energy, used = 0.0, 0
     weight, vertex = np.empty(6), np.empty(6, np.int64)
@@ -169,12 +201,20 @@ def contact_terms(x, offset, upper_place, lower_place, distance, length, stiffne
             if length[g, i] <= 0.0:
                 continue
             j = i - offset
-            weight[0], weight[1], weight[2] = 0.5 * (0.5 - t0) ** 2, 0.75 - t0 * t0, 0.5 * (0.5 + t0) ** 2
+            weight[0], weight[1], weight[2] = (
+                0.5 * (0.5 - t0) ** 2,
+                0.75 - t0 * t0,
+                0.5 * (0.5 + t0) ** 2,
+            )
             square, foot = _foot(x, i, j, t0, lower_place[g], gap, slope)
             overlap = distance[g, i] - np.sqrt(square)
             if overlap <= 0.0:
                 continue
-            weight[3], weight[4], weight[5] = -0.5 * (0.5 - foot) ** 2, -0.75 + foot * foot, -0.5 * (0.5 + foot) ** 2
+            weight[3], weight[4], weight[5] = (
+                -0.5 * (0.5 - foot) ** 2,
+                -0.75 + foot * foot,
+                -0.5 * (0.5 + foot) ** 2,
+            )
             for k in range(3):
                 vertex[k], vertex[k + 3] = i - 1 + k, j - 1 + k
             k_line = stiffness * length[g, i]
@@ -192,7 +232,9 @@ def contact_terms(x, offset, upper_place, lower_place, distance, length, stiffne
                         for c in range(3):
                             nn = gap[r] * gap[c] / square
                             cc = slope[r] * slope[c] / (norm * norm)
-                            block = k_line * nn - force / dist * ((1.0 if r == c else 0.0) - nn - cc)
+                            block = k_line * nn - force / dist * (
+                                (1.0 if r == c else 0.0) - nn - cc
+                            )
                             rows[used], columns[used] = 6 * vertex[a] + r, 6 * vertex[b] + c
                             values[used] = weight[a] * weight[b] * block
                             used += 1
@@ -201,12 +243,21 @@ def contact_terms(x, offset, upper_place, lower_place, distance, length, stiffne
 
 @njit(cache=True)
 def _foot(x, i, j, t0, s0, gap, slope):
-    """Separation vector and slope at the foot of the perpendicular; returns (distance squared, foot place)."""
+    """Separation vector and slope at the foot of the perpendicular; returns (distance squared, foot
+    place).
+    """
     b0, b1, b2 = 0.5 * (0.5 - t0) ** 2, 0.75 - t0 * t0, 0.5 * (0.5 + t0) ** 2
     c0, c1, c2 = 0.5 * (0.5 - s0) ** 2, 0.75 - s0 * s0, 0.5 * (0.5 + s0) ** 2
     along, length2 = 0.0, 0.0
     for k in range(3):
-        gap[k] = b0 * x[i - 1, k] + b1 * x[i, k] + b2 * x[i + 1, k] - c0 * x[j - 1, k] - c1 * x[j, k] - c2 * x[j + 1, k]
+        gap[k] = (
+            b0 * x[i - 1, k]
+            + b1 * x[i, k]
+            + b2 * x[i + 1, k]
+            - c0 * x[j - 1, k]
+            - c1 * x[j, k]
+            - c2 * x[j + 1, k]
+        )
         slope[k] = (s0 - 0.5) * x[j - 1, k] - 2 * s0 * x[j, k] + (s0 + 0.5) * x[j + 1, k]
         along += gap[k] * slope[k]
         length2 += slope[k] * slope[k]
@@ -222,7 +273,9 @@ def _foot(x, i, j, t0, s0, gap, slope):
 
 @njit(cache=True)
 def contact_state(x, offset, upper_place, lower_place, distance, length, gaps):
-    """Fill ``gaps`` (groups, nv) with distance less contact distance; infinite where there is no partner."""
+    """Fill ``gaps`` (groups, nv) with distance less contact distance; infinite where there is no
+    partner.
+    """
     gap, slope = np.empty(3), np.empty(3)
     for g in range(length.shape[0]):
         for i in range(length.shape[1]):
@@ -252,7 +305,9 @@ def seat_terms(x, lower_limit, upper_limit, length, stiffness, residual, band, w
 
 @njit(cache=True)
 def guide_terms(first, last, x, bore, rod, length, stiffness, residual, band, with_tangent):
-    """Add the walls' push on vertices first + 1 .. last - 1; returns the energy (J). Energy 1/2 k length depth^2, depth radial."""
+    """Add the walls' push on vertices first + 1 .. last - 1; returns the energy (J). Energy 1/2 k
+    length depth^2, depth radial.
+    """
     energy = 0.0
     for i in range(first + 1, last):
         radius = np.sqrt(x[i, 0] ** 2 + x[i, 1] ** 2)

@@ -1,7 +1,10 @@
-"""Time integration of several rods side by side: variants in the lanes of the vector unit, entry j of variant v at ``j * LANES + v``.
+"""Time integration of several rods side by side: variants in the lanes of the vector unit, entry j
+of variant v at ``j * LANES + v``.
 
-The passes are those of ``step_kernels`` with neighbours ``LANES`` apart; every loop runs over whole vectors, whatever the
-mesh and however short the stretch of wire in contact. Measured per core against one rod at a time: see docs/performance.md.
+The passes are those of ``step_kernels`` with neighbours ``LANES`` apart; every loop runs over whole
+vectors, whatever the
+mesh and however short the stretch of wire in contact. Measured per core against one rod at a time:
+see docs/performance.md.
 """
 
 from __future__ import annotations
@@ -51,7 +54,8 @@ PX, PY, PZ, DH, KC = (ROW[n] for n in ("PX", "PY", "PZ", "DH", "KC"))
 LOWER, UPPER, SEAT = (ROW[n] for n in ("LOWER", "UPPER", "SEAT"))
 GROUP, ONE = _GROUP, np.uint64(1)
 
-#: Variants side by side: two vector registers of 256 bits (four: 4 % slower on clash, 2 % faster without).
+#: Variants side by side: two vector registers of 256 bits (four: 4 % slower on clash, 2 % faster
+#: without).
 LANES = 8
 WIDTH = np.uint64(LANES)
 #: Vertices per tile of the passes (9.1 -> 8.1 ns per element and step of a variant).
@@ -60,13 +64,21 @@ TILE = np.uint64(12)
 section_forces, bending_torques = section_forces_of(WIDTH), bending_torques_of(WIDTH, 0)
 turn_edges, move_vertices = turn_edges_of(WIDTH), move_vertices_of(WIDTH, 0)
 # A batch keeps no impulse, peak and loss per contact point.
-contact_forces, contact_forces_second = contact_forces_of(np.uint64(0), WIDTH, 0), contact_forces_of(_GROUP, WIDTH, 0)
-spread_contact, spread_contact_second = spread_contact_of(np.uint64(0), WIDTH), spread_contact_of(_GROUP, WIDTH)
+contact_forces, contact_forces_second = (
+    contact_forces_of(np.uint64(0), WIDTH, 0),
+    contact_forces_of(_GROUP, WIDTH, 0),
+)
+spread_contact, spread_contact_second = (
+    spread_contact_of(np.uint64(0), WIDTH),
+    spread_contact_of(_GROUP, WIDTH),
+)
 
 
 @njit(**OPTIONS)
 def near_in_any_lane(b, j, k, reach):
-    """Whether the contact points of vertex j may close on vertex k within ``reach`` (m) in any variant."""
+    """Whether the contact points of vertex j may close on vertex k within ``reach`` (m) in any
+    variant.
+    """
     for lane in range(WIDTH):
         p, q = j * WIDTH + lane, k * WIDTH + lane
         if b[KC + p] + b[KC + GROUP + p] > 0.0:
@@ -76,14 +88,19 @@ def near_in_any_lane(b, j, k, reach):
             sz = b[Z + q + WIDTH] - b[Z + q - WIDTH]
             along = dx * sx + dy * sy + dz * sz
             limit = 2.0 * max(b[DH + p], b[DH + GROUP + p]) + reach
-            if dx * dx + dy * dy + dz * dz - along * along / (sx * sx + sy * sy + sz * sz) < limit * limit:
+            if (
+                dx * dx + dy * dy + dz * dz - along * along / (sx * sx + sy * sy + sz * sz)
+                < limit * limit
+            ):
                 return True
     return False
 
 
 @njit(**OPTIONS)
 def watch_lanes(b, integers, reach, stretches):
-    """List the stretches of contact points (entries of the rows) that may close in any variant; returns their number."""
+    """List the stretches of contact points (entries of the rows) that may close in any variant;
+    returns their number.
+    """
     vertices, offset = np.uint64(integers[VERTICES]), np.uint64(integers[OFFSET])
     for row in (PX, PY, PZ, PX + GROUP, PY + GROUP, PZ + GROUP):
         for j in range(np.uint64(0), (vertices + ONE) * WIDTH):
@@ -126,7 +143,9 @@ def contact_of_lanes(b, integers, places, stretches, count, damping_time, dt):
 
 @njit(**OPTIONS)
 def seats_of_lanes(b, first, last, displacement, sign, forces):
-    """Push the wire of vertices first .. last - 1 out of a seat plane (``sign`` 1 lower, -1 upper); adds to ``forces`` (lanes,)."""
+    """Push the wire of vertices first .. last - 1 out of a seat plane (``sign`` 1 lower, -1 upper);
+    adds to ``forces`` (lanes,).
+    """
     for i in range(first, last):
         for lane in range(WIDTH):
             j = i * WIDTH + lane
@@ -138,9 +157,17 @@ def seats_of_lanes(b, first, last, displacement, sign, forces):
 
 
 @njit(forceinline=True, **OPTIONS)
-def outer_forces_of_lanes(b, integers, numbers, places, stretches, count, displacement, retainer, seat):
-    """Contact and seat forces at the present positions; fills their share of ``retainer`` and ``seat`` (lanes,), N."""
-    first, last, vertices = np.uint64(integers[FIRST]), np.uint64(integers[LAST]), np.uint64(integers[VERTICES])
+def outer_forces_of_lanes(
+    b, integers, numbers, places, stretches, count, displacement, retainer, seat
+):
+    """Contact and seat forces at the present positions; fills their share of ``retainer`` and
+    ``seat`` (lanes,), N.
+    """
+    first, last, vertices = (
+        np.uint64(integers[FIRST]),
+        np.uint64(integers[LAST]),
+        np.uint64(integers[VERTICES]),
+    )
     for lane in range(WIDTH):
         retainer[lane], seat[lane] = 0.0, 0.0
     contact_of_lanes(b, integers, places, stretches, count, numbers[CONTACT_TIME], numbers[DT])
@@ -158,9 +185,11 @@ def outer_forces_of_lanes(b, integers, numbers, places, stretches, count, displa
 
 @njit(forceinline=True, **OPTIONS)
 def advance_lanes(b, integers, numbers):
-    """Section forces at the present positions, then one step of all variants, tile by tile along the wire.
+    """Section forces at the present positions, then one step of all variants, tile by tile along
+    the wire.
 
-    All passes over one tile follow each other, so that its rows stay in the first cache. Edges turn up to the tile's end, vertices
+    All passes over one tile follow each other, so that its rows stay in the first cache. Edges turn
+    up to the tile's end, vertices
     move up to one before: what the next tile reads is still of the old step.
     """
     first, last = np.uint64(integers[FIRST]), np.uint64(integers[LAST])
@@ -168,10 +197,21 @@ def advance_lanes(b, integers, numbers):
     start = first
     while start <= last:
         end = min(start + TILE, last + ONE)
-        turned, moved = max(start, first + ONE), max(start - ONE, first + ONE) if start > first else first + ONE
+        turned, moved = (
+            max(start, first + ONE),
+            max(start - ONE, first + ONE) if start > first else first + ONE,
+        )
         until = end - ONE if end <= last else last
         section_forces(b, turned * WIDTH, end * WIDTH)
-        bending_torques(b, start * WIDTH, end * WIDTH, numbers[DECAY], numbers[GAIN_OLD], numbers[GAIN_NEW], numbers[VISCOUS])
+        bending_torques(
+            b,
+            start * WIDTH,
+            end * WIDTH,
+            numbers[DECAY],
+            numbers[GAIN_OLD],
+            numbers[GAIN_NEW],
+            numbers[VISCOUS],
+        )
         turn_edges(b, turned * WIDTH, end * WIDTH, dt, keep, kick)
         move_vertices(b, moved * WIDTH, until * WIDTH, dt, keep, kick)
         start = end
@@ -179,7 +219,9 @@ def advance_lanes(b, integers, numbers):
 
 @njit(**OPTIONS)
 def place_retainers(b, integers, travel, velocity):
-    """Lower the vertices fixed to the retainer by ``travel`` (m) and give them its closing velocity."""
+    """Lower the vertices fixed to the retainer by ``travel`` (m) and give them its closing
+    velocity.
+    """
     for j in range(np.uint64(integers[LAST]) * WIDTH, np.uint64(integers[VERTICES]) * WIDTH):
         b[Z + j] -= travel
         b[VZ + j] = -velocity
@@ -187,9 +229,11 @@ def place_retainers(b, integers, travel, velocity):
 
 @njit(**OPTIONS)
 def replace_diverged(b, integers, row_starts, step, reached):
-    """Largest vertex speed (m/s) of all variants; one that diverged is noted in ``reached`` and gives its lane to a sound one.
+    """Largest vertex speed (m/s) of all variants; one that diverged is noted in ``reached`` and
+    gives its lane to a sound one.
 
-    The numbers of a diverged lane would stay NaN for good; a copy of a sound lane keeps the vectors full of sane work.
+    The numbers of a diverged lane would stay NaN for good; a copy of a sound lane keeps the vectors
+    full of sane work.
     Returns infinity when no variant is left.
     """
     top, sound = 0.0, LANES
@@ -216,11 +260,16 @@ def replace_diverged(b, integers, row_starts, step, reached):
 
 
 @njit(**OPTIONS)
-def integrate_lanes(b, integers, numbers, places, displacement, clock, row_starts, stretches, forces, dense, reached):
-    """Integrate ``LANES`` rods over ``len(displacement) - 1`` steps of one prescribed retainer displacement (m).
+def integrate_lanes(
+    b, integers, numbers, places, displacement, clock, row_starts, stretches, forces, dense, reached
+):
+    """Integrate ``LANES`` rods over ``len(displacement) - 1`` steps of one prescribed retainer
+    displacement (m).
 
-    ``clock``: steps per record. Fills ``dense`` (records, 2, lanes) with retainer and seat force (N) and ``reached`` (lanes,)
-    with the first step at which a variant was seen diverged (left as given otherwise). ``forces`` (2, lanes) and
+    ``clock``: steps per record. Fills ``dense`` (records, 2, lanes) with retainer and seat force
+    (N) and ``reached`` (lanes,)
+    with the first step at which a variant was seen diverged (left as given otherwise). ``forces``
+    (2, lanes) and
     ``stretches`` (STRETCHES, 2) are working space.
     """
     steps, count = len(displacement) - 1, 0
@@ -229,13 +278,24 @@ def integrate_lanes(b, integers, numbers, places, displacement, clock, row_start
             fastest = replace_diverged(b, integers, row_starts, n, reached)
             if fastest == np.inf:
                 return
-            count = watch_lanes(b, integers, 2.0 * (fastest + 2.0) * WATCH_STEPS * numbers[DT] + WATCH_MARGIN, stretches)
-        outer_forces_of_lanes(b, integers, numbers, places, stretches, count, displacement[n], forces[0], forces[1])
+            count = watch_lanes(
+                b,
+                integers,
+                2.0 * (fastest + 2.0) * WATCH_STEPS * numbers[DT] + WATCH_MARGIN,
+                stretches,
+            )
+        outer_forces_of_lanes(
+            b, integers, numbers, places, stretches, count, displacement[n], forces[0], forces[1]
+        )
         advance_lanes(b, integers, numbers)
         if n % clock == 0:
             for lane in range(WIDTH):
-                dense[n // clock, 0, lane] = forces[0, lane] - b[FZ + np.uint64(integers[LAST]) * WIDTH + lane]
-                dense[n // clock, 1, lane] = forces[1, lane] - b[FZ + (np.uint64(integers[FIRST]) + ONE) * WIDTH + lane]
+                dense[n // clock, 0, lane] = (
+                    forces[0, lane] - b[FZ + np.uint64(integers[LAST]) * WIDTH + lane]
+                )
+                dense[n // clock, 1, lane] = (
+                    forces[1, lane] - b[FZ + (np.uint64(integers[FIRST]) + ONE) * WIDTH + lane]
+                )
         if n < steps:
             travel = displacement[n + 1] - displacement[n]
             place_retainers(b, integers, travel, travel / numbers[DT])

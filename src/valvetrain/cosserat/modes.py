@@ -1,4 +1,6 @@
-"""Natural modes of the rod about a static state, contact included, and their share in force transmission."""
+"""Natural modes of the rod about a static state, contact included, and their share in force
+transmission.
+"""
 
 from __future__ import annotations
 
@@ -23,12 +25,16 @@ EVEN_SHARE = 1 / 3
 
 @dataclass(frozen=True)
 class RodModes:
-    """Modes about one static state: ``natural_frequency`` (nm,) in Hz, mass-normalised ``shape`` (nm, nv, 3) in 1/sqrt(kg).
+    """Modes about one static state: ``natural_frequency`` (nm,) in Hz, mass-normalised ``shape``
+    (nm, nv, 3) in 1/sqrt(kg).
 
-    ``axial_transmission`` (nm,): residue of seat reaction x retainer reaction over 2 k omega^2, so that each surge mode
-    of an ideal uniform spring has +1 or -1; ``axial_mass_share`` (nm,): effective axial mass over the mass that moves, 1 of all
+    ``axial_transmission`` (nm,): residue of seat reaction x retainer reaction over 2 k omega^2, so
+    that each surge mode
+    of an ideal uniform spring has +1 or -1; ``axial_mass_share`` (nm,): effective axial mass over
+    the mass that moves, 1 of all
     modes together;
-    ``axial_energy_share`` (nm,): share of the wire's kinetic energy that goes along the spring's axis.
+    ``axial_energy_share`` (nm,): share of the wire's kinetic energy that goes along the spring's
+    axis.
     """
 
     natural_frequency: Array
@@ -41,28 +47,41 @@ class RodModes:
     def axial_modes(self, count: int = 3) -> NDArray[np.int64]:
         """Indices of the first ``count`` axial (surge) modes.
 
-        Surge spreads over clusters of modes; each cluster is named by its strongest transmitter. Successive surge
-        modes transmit with alternating sign, so neighbours of one sign are one cluster. A buckled spring transmits by its sway as well:
+        Surge spreads over clusters of modes; each cluster is named by its strongest transmitter.
+        Successive surge
+        modes transmit with alternating sign, so neighbours of one sign are one cluster. A buckled
+        spring transmits by its sway as well:
         a mode that moves less along the axis than evenly in all directions is none of surge.
         """
         size = np.abs(self.axial_transmission)
         found: list[int] = []
-        for index in np.flatnonzero((size > 0.12) & (self.natural_frequency > 0) & (self.axial_energy_share > EVEN_SHARE)):
-            if not found or np.sign(self.axial_transmission[found[-1]]) != np.sign(self.axial_transmission[index]):
+        for index in np.flatnonzero(
+            (size > 0.12) & (self.natural_frequency > 0) & (self.axial_energy_share > EVEN_SHARE)
+        ):
+            if not found or np.sign(self.axial_transmission[found[-1]]) != np.sign(
+                self.axial_transmission[index]
+            ):
                 found.append(int(index))
             elif size[index] > size[found[-1]]:
                 found[-1] = int(index)
         return np.array(found[:count], dtype=np.int64)
 
 
-def natural_modes(statics: RodStatics, state: RodState, count: int = 24, end_mass: float | None = None) -> RodModes:
-    """Lowest ``count`` modes about ``state`` with both ends fixed: K phi = omega^2 M phi on the tangent with contact.
+def natural_modes(
+    statics: RodStatics, state: RodState, count: int = 24, end_mass: float | None = None
+) -> RodModes:
+    """Lowest ``count`` modes about ``state`` with both ends fixed: K phi = omega^2 M phi on the
+    tangent with contact.
 
-    With ``end_mass`` (kg, the inactive wire's share in it) the retainer moves along the axis with that mass, under the dead load that
-    holds the state; ``axial_transmission`` then is the share of each mode in carrying a push on the retainer to the seat, as if held too.
+    With ``end_mass`` (kg, the inactive wire's share in it) the retainer moves along the axis with
+    that mass, under the dead load that
+    holds the state; ``axial_transmission`` then is the share of each mode in carrying a push on the
+    retainer to the seat, as if held too.
 
-    A negative eigenvalue (unstable state) appears as a negative frequency. With ``statics.loads`` the last end is free (the loads are
-    dead): its cross-section, which has no inertia of its own, follows at rest; nothing is transmitted, so those shares are zero.
+    A negative eigenvalue (unstable state) appears as a negative frequency. With ``statics.loads``
+    the last end is free (the loads are
+    dead): its cross-section, which has no inertia of its own, follows at rest; nothing is
+    transmitted, so those shares are zero.
     """
     inertia = inertia_of(statics.mesh)
     free, massless = statics.free & (inertia > 0), np.flatnonzero(statics.free & (inertia <= 0))
@@ -70,10 +89,15 @@ def natural_modes(statics: RodStatics, state: RodState, count: int = 24, end_mas
     stiffness = tangent[free][:, free]
     if len(massless):
         coupled = tangent[massless][:, free].toarray()
-        stiffness = stiffness - csc_matrix(coupled.T @ np.linalg.solve(tangent[massless][:, massless].toarray(), coupled))
+        stiffness = stiffness - csc_matrix(
+            coupled.T @ np.linalg.solve(tangent[massless][:, massless].toarray(), coupled)
+        )
     masses = inertia[free]
     if end_mass is not None:
-        stiffness, masses = _with_end(statics, state, tangent, stiffness, free, massless), np.append(masses, end_mass)
+        stiffness, masses = (
+            _with_end(statics, state, tangent, stiffness, free, massless),
+            np.append(masses, end_mass),
+        )
     scale = 1.0 / np.sqrt(masses)
     scaled = (diags(scale) @ stiffness @ diags(scale)).tocsc()
     size = scaled.shape[0]
@@ -103,14 +127,20 @@ def natural_modes(statics: RodStatics, state: RodState, count: int = 24, end_mas
         shape=np.moveaxis(full.reshape(-1, 6, count)[:, :3], 2, 0),
         axial_transmission=transmission,
         axial_mass_share=axial**2 / (np.sum(mass[moves]) + end),
-        axial_energy_share=(mass @ full[2::6] ** 2) / sum(inertia[place::6] @ full[place::6] ** 2 for place in range(3)),
+        axial_energy_share=(mass @ full[2::6] ** 2)
+        / sum(inertia[place::6] @ full[place::6] ** 2 for place in range(3)),
         axial_stiffness=axial_stiffness,
     )
 
 
 def _with_end(
-    statics: RodStatics, state: RodState, tangent: csc_matrix, stiffness: csc_matrix, free: NDArray[np.bool_], massless: NDArray[np.int64]
-) -> csc_matrix:  # fmt: skip
+    statics: RodStatics,
+    state: RodState,
+    tangent: csc_matrix,
+    stiffness: csc_matrix,
+    free: NDArray[np.bool_],
+    massless: NDArray[np.int64],
+) -> csc_matrix:
     """The stiffness of the ``free`` unknowns with the retainer's travel as one more."""
     if len(massless):
         raise InputError("a wire under tip loads has no retainer that could move with a mass")

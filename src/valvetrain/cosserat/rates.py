@@ -1,4 +1,6 @@
-"""What the retainer feels of the rod at rest: slope of its force and torque, and the force and moment on it."""
+"""What the retainer feels of the rod at rest: slope of its force and torque, and the force and
+moment on it.
+"""
 
 from __future__ import annotations
 
@@ -14,7 +16,9 @@ Array = NDArray[np.float64]
 
 
 def turning_field(statics: RodStatics, state: RodState) -> Array:
-    """Unit rotation (nv, 6) of the retainer and its inactive wire about the axis: velocities in space, spins in the frames."""
+    """Unit rotation (nv, 6) of the retainer and its inactive wire about the axis: velocities in
+    space, spins in the frames.
+    """
     last, found = statics.mesh.last, np.zeros((statics.mesh.vertices, 6))
     found[last:, 0], found[last:, 1] = -state.position[last:, 1], state.position[last:, 0]
     found[last:, 3:] = quat.to_matrix(state.frame[last + 1 :])[:, 2, :]
@@ -29,9 +33,11 @@ def _plane(statics: RodStatics, state: RodState) -> Array:
 
 
 def end_stiffness(statics: RodStatics, state: RodState) -> Array:
-    """Slopes (2, 2) of retainer force (N) and torque (N m) by compression (m) and rotation (rad), the wire following, contacts as they are.
+    """Slopes (2, 2) of retainer force (N) and torque (N m) by compression (m) and rotation (rad),
+    the wire following, contacts as they are.
 
-    Both are derivatives of the energy; the torque counts as that which holds the retainer at its angle.
+    Both are derivatives of the energy; the torque counts as that which holds the retainer at its
+    angle.
     """
     mesh, turn = statics.mesh, turning_field(statics, state)
     residual, (down, turned) = _slopes(statics, state, (_down(statics), turn))
@@ -48,8 +54,12 @@ def _down(statics: RodStatics) -> Array:
     return found
 
 
-def _slopes(statics: RodStatics, state: RodState, units: tuple[Array, ...]) -> tuple[Array, list[tuple[float, Array]]]:
-    """The residual, and of each motion of the retainer, the first of them compression: slope of its force, and the pull (nv, 6)."""
+def _slopes(
+    statics: RodStatics, state: RodState, units: tuple[Array, ...]
+) -> tuple[Array, list[tuple[float, Array]]]:
+    """The residual, and of each motion of the retainer, the first of them compression: slope of its
+    force, and the pull (nv, 6).
+    """
     mesh, plane = statics.mesh, _plane(statics, state)
     _, residual, band, contact = statics.assemble(state)
     matrix = sparse_of(band) if contact is None else sparse_of(band) + contact
@@ -65,7 +75,8 @@ def _slopes(statics: RodStatics, state: RodState, units: tuple[Array, ...]) -> t
 
 
 def axial_rate(statics: RodStatics, state: RodState) -> float:
-    """Slope dF/dx (N/m) of the retainer force by the compression at an equilibrium, contacts as they are there; a retainer that may
+    """Slope dF/dx (N/m) of the retainer force by the compression at an equilibrium, contacts as
+    they are there; a retainer that may
     turn turns along."""
     if not statics.turns:
         return _slopes(statics, state, (_down(statics),))[1][0][0]
@@ -74,13 +85,17 @@ def axial_rate(statics: RodStatics, state: RodState) -> float:
 
 
 def end_coupling(statics: RodStatics, state: RodState, tangent: csc_matrix) -> tuple[Array, float]:
-    """Pull (6 nv,) on the unknowns and stiffness (N/m) of the retainer itself under unit compression, all else at its place."""
+    """Pull (6 nv,) on the unknowns and stiffness (N/m) of the retainer itself under unit
+    compression, all else at its place.
+    """
     last, plane = statics.mesh.last, _plane(statics, state)
     unit = np.zeros((statics.mesh.vertices, 6))
     unit[last:, 2] = -1.0
     pull = (tangent @ unit.ravel()).reshape(-1, 6)
     pull[:, 2] += plane
-    return pull.ravel(), float(-np.sum(pull[last:, 2]) + np.sum(plane[:last]) + np.sum(plane[last:]))
+    return pull.ravel(), float(
+        -np.sum(pull[last:, 2]) + np.sum(plane[:last]) + np.sum(plane[last:])
+    )
 
 
 def retainer_torque(statics: RodStatics, state: RodState) -> float:
@@ -89,16 +104,24 @@ def retainer_torque(statics: RodStatics, state: RodState) -> float:
     return float(np.sum(residual.reshape(-1, 6) * turning_field(statics, state)))
 
 
-def retainer_loads(statics: RodStatics, state: RodState, plane_height: float) -> tuple[Array, Array]:
-    """Force (3,) N and moment (3,) N m of the wire on the retainer, about the axis at ``plane_height`` (m, in the rod's coordinates)."""
+def retainer_loads(
+    statics: RodStatics, state: RodState, plane_height: float
+) -> tuple[Array, Array]:
+    """Force (3,) N and moment (3,) N m of the wire on the retainer, about the axis at
+    ``plane_height`` (m, in the rod's coordinates).
+    """
     mesh, x = statics.mesh, state.position
     _, residual, _, _ = statics.assemble(state, with_tangent=False)
     unknowns = residual.reshape(-1, 6)
     force = np.zeros_like(x)
     force[mesh.last :] = -unknowns[mesh.last :, :3]
     touched = np.flatnonzero(plane := _plane(statics, state))
-    force[touched, 2] += plane[touched] * (x[touched, 2] - (mesh.upper_seat_limit[touched] - state.compression))
+    force[touched, 2] += plane[touched] * (
+        x[touched, 2] - (mesh.upper_seat_limit[touched] - state.compression)
+    )
     arm = x - np.array([0.0, 0.0, plane_height])
     frames = quat.to_matrix(state.frame[mesh.last + 1 :])
-    moment = np.sum(np.cross(arm, force), axis=0) - np.einsum("nij,nj->i", frames, unknowns[mesh.last :, 3:])
+    moment = np.sum(np.cross(arm, force), axis=0) - np.einsum(
+        "nij,nj->i", frames, unknowns[mesh.last :, 3:]
+    )
     return force.sum(axis=0), moment

@@ -1,4 +1,6 @@
-"""Section stiffness of a round wire: shear, tension, bending, torsion, with the curvature of the bar."""
+"""Section stiffness of a round wire: shear, tension, bending, torsion, with the curvature of the
+bar.
+"""
 
 from __future__ import annotations
 
@@ -16,8 +18,10 @@ Array = NDArray[np.float64]
 class Section:
     """Stiffness and inertia per length of wire at n places, all arrays of shape (n,) in SI.
 
-    ``shear`` = kappa G A (N), ``tension`` = E A (N), ``bending`` = E I (N m2), ``torsion`` = G J (N m2),
-    ``mass`` = rho A (kg/m), ``bending_inertia`` = rho I (kg m), ``torsion_inertia`` = 2 rho I (kg m).
+    ``shear`` = kappa G A (N), ``tension`` = E A (N), ``bending`` = E I (N m2), ``torsion`` = G J (N
+    m2),
+    ``mass`` = rho A (kg/m), ``bending_inertia`` = rho I (kg m), ``torsion_inertia`` = 2 rho I (kg
+    m).
     """
 
     shear: Array
@@ -38,13 +42,16 @@ def shear_factor(material: Material) -> float:
 def curvature_factor(index: Array, shear: float) -> Array:
     """Factor on G J for a curved bar of ``index`` D/d: 1 / (1 - 3/(16 c^2) - 1/(2 kappa c^2)).
 
-    Goehner's series for a ring sector under torsion, less the direct shear that the rod carries itself.
+    Goehner's series for a ring sector under torsion, less the direct shear that the rod carries
+    itself.
     """
     return 1.0 / (1.0 - 3.0 / (16.0 * index**2) - 1.0 / (2.0 * shear * index**2))
 
 
 def round_section(wire_diameter: Array, material: Material, index: Array | None = None) -> Section:
-    """Section of round wire of ``wire_diameter`` (m); with ``index`` the torsion is corrected for curvature."""
+    """Section of round wire of ``wire_diameter`` (m); with ``index`` the torsion is corrected for
+    curvature.
+    """
     area = np.pi / 4 * wire_diameter**2
     second_moment = np.pi / 64 * wire_diameter**4
     kappa = shear_factor(material)

@@ -1,4 +1,6 @@
-"""State of a rod: positions and frames; travels through statics and modes while the mesh stays frozen."""
+"""State of a rod: positions and frames; travels through statics and modes while the mesh stays
+frozen.
+"""
 
 from __future__ import annotations
 
@@ -15,7 +17,9 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, slots=True)
 class RodState:
-    """Positions (nv, 3) in m, unit quaternions (nv + 1, 4) and the retainer's displacement (m, compressive positive)."""
+    """Positions (nv, 3) in m, unit quaternions (nv + 1, 4) and the retainer's displacement (m,
+    compressive positive).
+    """
 
     position: Array
     frame: Array

@@ -1,4 +1,6 @@
-"""Time integration of the rod: one compiled loop over steps, with the contact watch list and the records."""
+"""Time integration of the rod: one compiled loop over steps, with the contact watch list and the
+records.
+"""
 
 from __future__ import annotations
 
@@ -27,25 +29,34 @@ from valvetrain.cosserat.step_kernels import (
 
 X, Y, Z, VX, VY, VZ, FZ = (ROW[n] for n in ("X", "Y", "Z", "VX", "VY", "VZ", "FZ"))
 CX, CY, CZ, GX, GY, GZ = (ROW[n] for n in ("CX", "CY", "CZ", "GX", "GY", "GZ"))
-PX, PY, PZ, DH, KC, IMPULSE, PEAK, LOSS, STORED = (ROW[n] for n in ("PX", "PY", "PZ", "DH", "KC", "IMPULSE", "PEAK", "LOSS", "STORED"))
+PX, PY, PZ, DH, KC, IMPULSE, PEAK, LOSS, STORED = (
+    ROW[n] for n in ("PX", "PY", "PZ", "DH", "KC", "IMPULSE", "PEAK", "LOSS", "STORED")
+)
 GROUP, ONE, STRIDE = _GROUP, np.uint64(1), np.uint64(_STRIDE)
 
-#: No fast maths here, so that a diverged run is seen; no reference counts either (see step_kernels).
+#: No fast maths here, so that a diverged run is seen; no reference counts either (see
+#: step_kernels).
 OPTIONS: dict[str, Any] = {"cache": True, "nogil": True, "error_model": "numpy", "_nrt": False}
 
-#: Steps between two looks for coils that come near, and most separate stretches of wire watched at once.
+#: Steps between two looks for coils that come near, and most separate stretches of wire watched at
+#: once.
 WATCH_STEPS, STRETCHES = 32, 12
-#: Gap (m) beyond the travel until the next look at which wire is watched: the gap there is taken to the chord, not the curve.
+#: Gap (m) beyond the travel until the next look at which wire is watched: the gap there is taken to
+#: the chord, not the curve.
 WATCH_MARGIN = 1e-4
 
 # Places in the ``numbers`` and ``integers`` that travel with a buffer.
-DT, KEEP, KICK, DECAY, GAIN_OLD, GAIN_NEW, VISCOUS, CONTACT_TIME, MASS_DAMPING, RELAXATION = range(10)
+DT, KEEP, KICK, DECAY, GAIN_OLD, GAIN_NEW, VISCOUS, CONTACT_TIME, MASS_DAMPING, RELAXATION = range(
+    10
+)
 FIRST, LAST, OFFSET, GROUPS, VERTICES, LOWER_END, UPPER_START, GUIDED = range(8)
 
 
 @njit(**OPTIONS)
 def clear_contact(b, vertices):
-    """Zero all point forces and energies, so that points leaving the watch list leave nothing behind."""
+    """Zero all point forces and energies, so that points leaving the watch list leave nothing
+    behind.
+    """
     for row in (PX, PY, PZ, STORED, PX + GROUP, PY + GROUP, PZ + GROUP, STORED + GROUP):
         for j in range(np.uint64(0), vertices + ONE):
             b[row + j] = 0.0
@@ -53,9 +64,11 @@ def clear_contact(b, vertices):
 
 @njit(**OPTIONS)
 def watch_contacts(b, integers, reach, stretches):
-    """List the stretches of contact points whose gap may close within ``reach`` (m); returns their number.
+    """List the stretches of contact points whose gap may close within ``reach`` (m); returns their
+    number.
 
-    The gap is measured at the vertices; contact points between two of them are covered by one vertex more at either end.
+    The gap is measured at the vertices; contact points between two of them are covered by one
+    vertex more at either end.
     Stretches keep two vertices between them: spreading reads one point beyond either end.
     """
     vertices, offset = np.uint64(integers[VERTICES]), np.uint64(integers[OFFSET])
@@ -66,10 +79,17 @@ def watch_contacts(b, integers, reach, stretches):
         near = False
         if b[KC + j] + b[KC + GROUP + j] > 0.0:
             dx, dy, dz = b[X + j] - b[X + k], b[Y + j] - b[Y + k], b[Z + j] - b[Z + k]
-            sx, sy, sz = b[X + k + ONE] - b[X + k - ONE], b[Y + k + ONE] - b[Y + k - ONE], b[Z + k + ONE] - b[Z + k - ONE]
+            sx, sy, sz = (
+                b[X + k + ONE] - b[X + k - ONE],
+                b[Y + k + ONE] - b[Y + k - ONE],
+                b[Z + k + ONE] - b[Z + k - ONE],
+            )
             along = dx * sx + dy * sy + dz * sz
             limit = 2.0 * max(b[DH + j], b[DH + GROUP + j]) + reach
-            near = dx * dx + dy * dy + dz * dz - along * along / (sx * sx + sy * sy + sz * sz) < limit * limit
+            near = (
+                dx * dx + dy * dy + dz * dz - along * along / (sx * sx + sy * sy + sz * sz)
+                < limit * limit
+            )
         if near:
             if not inside:
                 start, inside = max(j - ONE, offset + ONE), True
@@ -121,10 +141,27 @@ def fastest_vertex(b, first, last):
 
 @njit(forceinline=True, **OPTIONS)
 def forces_now(b, integers, numbers, places, stretches, count, displacement):
-    """All forces at the present positions; returns (retainer force, seat force), N, compressive positive."""
-    first, last, vertices = np.uint64(integers[FIRST]), np.uint64(integers[LAST]), np.uint64(integers[VERTICES])
+    """All forces at the present positions; returns (retainer force, seat force), N, compressive
+    positive.
+    """
+    first, last, vertices = (
+        np.uint64(integers[FIRST]),
+        np.uint64(integers[LAST]),
+        np.uint64(integers[VERTICES]),
+    )
     offset, damping_time = np.uint64(integers[OFFSET]), numbers[CONTACT_TIME]
-    all_contact(b, offset, integers[GROUPS], places, stretches, count, np.uint64(0), vertices, damping_time, numbers[DT])
+    all_contact(
+        b,
+        offset,
+        integers[GROUPS],
+        places,
+        stretches,
+        count,
+        np.uint64(0),
+        vertices,
+        damping_time,
+        numbers[DT],
+    )
     lower_down, _ = seat_contact(b, np.uint64(0), np.uint64(integers[LOWER_END]), displacement)
     _, upper_up = seat_contact(b, np.uint64(integers[UPPER_START]), vertices, displacement)
     if integers[GUIDED] > 0:
@@ -141,33 +178,62 @@ def forces_now(b, integers, numbers, places, stretches, count, displacement):
 
 @njit(forceinline=True, **OPTIONS)
 def kick_and_drift(b, integers, numbers):
-    """Advance all free unknowns by one step from the forces of ``forces_now``; returns the energy dissipated (J)."""
+    """Advance all free unknowns by one step from the forces of ``forces_now``; returns the energy
+    dissipated (J).
+    """
     first, last = np.uint64(integers[FIRST]), np.uint64(integers[LAST])
     dt, keep, kick = numbers[DT], numbers[KEEP], numbers[KICK]
-    branch = bending_torques(b, first, last + ONE, numbers[DECAY], numbers[GAIN_OLD], numbers[GAIN_NEW], numbers[VISCOUS])
+    branch = bending_torques(
+        b, first, last + ONE, numbers[DECAY], numbers[GAIN_OLD], numbers[GAIN_NEW], numbers[VISCOUS]
+    )
     turn_edges(b, first + ONE, last + ONE, dt, keep, kick)
     motion = move_vertices(b, first + ONE, last, dt, keep, kick)
-    return dt * (numbers[VISCOUS] / numbers[RELAXATION] * branch + 0.25 * numbers[MASS_DAMPING] * motion)
+    return dt * (
+        numbers[VISCOUS] / numbers[RELAXATION] * branch + 0.25 * numbers[MASS_DAMPING] * motion
+    )
 
 
 @njit(**OPTIONS)
 def place_retainer(b, integers, travel, velocity):
-    """Lower the vertices fixed to the retainer by ``travel`` (m) and give them its closing velocity."""
+    """Lower the vertices fixed to the retainer by ``travel`` (m) and give them its closing
+    velocity.
+    """
     for i in range(np.uint64(integers[LAST]), np.uint64(integers[VERTICES])):
         b[Z + i] -= travel
         b[VZ + i] = -velocity
 
 
 @njit(**OPTIONS)
-def integrate_in_time(b, integers, numbers, places, displacement, clock, stretches, snapshots, contacts, dense, extremes, bins, pressed):
-    """Integrate ``len(displacement) - 1`` steps of prescribed retainer displacement (m, from the free state).
+def integrate_in_time(
+    b,
+    integers,
+    numbers,
+    places,
+    displacement,
+    clock,
+    stretches,
+    snapshots,
+    contacts,
+    dense,
+    extremes,
+    bins,
+    pressed,
+):
+    """Integrate ``len(displacement) - 1`` steps of prescribed retainer displacement (m, from the
+    free state).
 
-    ``clock`` = (steps per dense record, dense records per sample, first sample kept, steps per record of coil pairs); ``stretches``
-    (STRETCHES, 2) is working space. Fills ``snapshots`` (samples kept, 13, nv + 1) with positions, frames, velocities and spins,
-    ``contacts`` (samples, 3, groups, nv) with mean force, peak force and loss since the last sample, ``dense`` (records, 4) with
-    retainer force, seat force, work done and dissipated energy, ``extremes`` (samples, 8) with the largest seat force of all steps from a
-    sample up to the next, its step, the least and its step, and the same of the retainer force, ``pressed`` (records from the first
-    sample kept, 2, pairs) with force and stored energy of the contact points of each pair, vertex i in pair ``bins[i]``. Returns (steps
+    ``clock`` = (steps per dense record, dense records per sample, first sample kept, steps per
+    record of coil pairs); ``stretches``
+    (STRETCHES, 2) is working space. Fills ``snapshots`` (samples kept, 13, nv + 1) with positions,
+    frames, velocities and spins,
+    ``contacts`` (samples, 3, groups, nv) with mean force, peak force and loss since the last
+    sample, ``dense`` (records, 4) with
+    retainer force, seat force, work done and dissipated energy, ``extremes`` (samples, 8) with the
+    largest seat force of all steps from a
+    sample up to the next, its step, the least and its step, and the same of the retainer force,
+    ``pressed`` (records from the first
+    sample kept, 2, pairs) with force and stored energy of the contact points of each pair, vertex i
+    in pair ``bins[i]``. Returns (steps
     done, largest vertex speed); a run that diverged stops early.
     """
     steps, vertices = len(displacement) - 1, np.uint64(integers[VERTICES])
@@ -199,7 +265,12 @@ def integrate_in_time(b, integers, numbers, places, displacement, clock, stretch
             low, extremes[row, 6], extremes[row, 7] = retainer, retainer, n
         if n % clock[0] == 0:
             record = n // clock[0]
-            dense[record, 0], dense[record, 1], dense[record, 2], dense[record, 3] = retainer, seat, work, lost
+            dense[record, 0], dense[record, 1], dense[record, 2], dense[record, 3] = (
+                retainer,
+                seat,
+                work,
+                lost,
+            )
         later = n - per_sample * clock[2]
         if later >= 0 and later % clock[3] == 0:
             take_pairs(b, integers, stretches, count, bins, pressed[later // clock[3]])
@@ -219,7 +290,9 @@ def integrate_in_time(b, integers, numbers, places, displacement, clock, stretch
 
 @njit(**OPTIONS)
 def take_snapshot(b, integers, out, share):
-    """Positions and frames at the step, and ``share`` of the velocities and spins of the half step before."""
+    """Positions and frames at the step, and ``share`` of the velocities and spins of the half step
+    before.
+    """
     for r in range(13):
         factor = 1.0 if r < 7 else share
         for i in range(integers[VERTICES] + 1):
@@ -249,10 +322,16 @@ def take_pairs(b, integers, stretches, count, bins, out):
 
 @njit(**OPTIONS)
 def take_contacts(b, integers, out, interval):
-    """Mean and peak force and energy loss of each contact point since the last sample; resets the counters."""
+    """Mean and peak force and energy loss of each contact point since the last sample; resets the
+    counters.
+    """
     for g in range(integers[GROUPS]):
         shift = GROUP * np.uint64(g)
         for i in range(integers[VERTICES]):
             j = np.uint64(i)
-            out[0, g, i], out[1, g, i], out[2, g, i] = b[IMPULSE + shift + j] / interval, b[PEAK + shift + j], b[LOSS + shift + j]
+            out[0, g, i], out[1, g, i], out[2, g, i] = (
+                b[IMPULSE + shift + j] / interval,
+                b[PEAK + shift + j],
+                b[LOSS + shift + j],
+            )
             b[IMPULSE + shift + j] = b[PEAK + shift + j] = b[LOSS + shift + j] = 0.0

@@ -1,4 +1,6 @@
-"""Transient response of the rod to a prescribed retainer motion, with raw records that others turn into channels."""
+"""Transient response of the rod to a prescribed retainer motion, with raw records that others turn
+into channels.
+"""
 
 from __future__ import annotations
 
@@ -26,10 +28,14 @@ CONTACT_INTERVAL = 2e-6
 class RodTransient:
     """Raw records of a run: ns samples, nd dense records, nv vertices; SI units.
 
-    ``position``, ``velocity`` (ns, nv, 3); ``frame`` (ns, nv + 1, 4); ``spin`` (ns, nv + 1, 3, body frame);
-    ``contact_force`` and ``contact_peak`` (ns, groups, nv) mean and peak since the last sample; ``contact_loss`` (ns,);
-    ``dense_*`` (nd,); ``extremes`` (ns, 8) of all steps up to the next sample: largest seat force, its time, least, its time, and the
-    same of the retainer force; ``pair_force`` (N) and ``pair_energy`` (J, stored in the contact) (nc, pairs) at ``pair_time`` (nc,).
+    ``position``, ``velocity`` (ns, nv, 3); ``frame`` (ns, nv + 1, 4); ``spin`` (ns, nv + 1, 3, body
+    frame);
+    ``contact_force`` and ``contact_peak`` (ns, groups, nv) mean and peak since the last sample;
+    ``contact_loss`` (ns,);
+    ``dense_*`` (nd,); ``extremes`` (ns, 8) of all steps up to the next sample: largest seat force,
+    its time, least, its time, and the
+    same of the retainer force; ``pair_force`` (N) and ``pair_energy`` (J, stored in the contact)
+    (nc, pairs) at ``pair_time`` (nc,).
     ``steps_done`` < ``steps`` when the run diverged.
     """
 
@@ -65,13 +71,23 @@ class RodTransient:
 
 
 def simulate(
-    mesh: RodMesh, start: RodState, motion: Callable[[Array], ArrayLike], sample_interval: float, samples: int,
-    dynamics: RodDynamics, time_step: float | None = None, discard: int = 0, pair_of: NDArray[np.int64] | None = None,
-) -> RodTransient:  # fmt: skip
-    """Integrate ``samples`` intervals of ``sample_interval`` (s) under ``motion(time) -> retainer displacement`` (m).
+    mesh: RodMesh,
+    start: RodState,
+    motion: Callable[[Array], ArrayLike],
+    sample_interval: float,
+    samples: int,
+    dynamics: RodDynamics,
+    time_step: float | None = None,
+    discard: int = 0,
+    pair_of: NDArray[np.int64] | None = None,
+) -> RodTransient:
+    """Integrate ``samples`` intervals of ``sample_interval`` (s) under ``motion(time) -> retainer
+    displacement`` (m).
 
-    The displacement counts from the free state; ``start`` is the equilibrium at ``motion(0)``. ``discard`` samples at
-    the beginning are not kept. ``pair_of`` (nv,): coil pair to which the contact points of a vertex count, -1 for none. Raises
+    The displacement counts from the free state; ``start`` is the equilibrium at ``motion(0)``.
+    ``discard`` samples at
+    the beginning are not kept. ``pair_of`` (nv,): coil pair to which the contact points of a vertex
+    count, -1 for none. Raises
     :class:`InputError` when a given ``time_step`` is not positive.
     """
     if time_step is not None and not time_step > 0:
@@ -93,11 +109,27 @@ def simulate(
     bins = np.full(mesh.vertices, -1, dtype=np.int64) if pair_of is None else pair_of
     pressed = np.zeros(((samples - discard) * dense * sub // spacing + 1, 2, int(bins.max()) + 1))
     done, fastest = integrate_in_time(
-        buffer, integers, numbers, places, displacement, clock, stretches, snapshots, contacts, records, extremes, bins, pressed
+        buffer,
+        integers,
+        numbers,
+        places,
+        displacement,
+        clock,
+        stretches,
+        snapshots,
+        contacts,
+        records,
+        extremes,
+        bins,
+        pressed,
     )
     reached = min(samples, (done - 1) // (dense * sub)) if done <= steps else samples
-    if reached < discard:  # diverged among the samples not kept: run again and keep the last one before
-        return simulate(mesh, start, motion, sample_interval, samples, dynamics, time_step, reached, pair_of)
+    if (
+        reached < discard
+    ):  # diverged among the samples not kept: run again and keep the last one before
+        return simulate(
+            mesh, start, motion, sample_interval, samples, dynamics, time_step, reached, pair_of
+        )
     keep, stored = slice(discard, reached + 1), slice(0, reached + 1 - discard)
     dense_keep = slice(keep.start * dense, reached * dense + 1)
     time = sample_interval * np.arange(samples + 1.0)
@@ -105,14 +137,28 @@ def simulate(
     extremes[:, 1::2] *= step
     vertices = snapshots[stored, :, : mesh.vertices]
     return RodTransient(
-        time=time[keep], displacement=displacement[:: dense * sub][keep],
-        position=np.moveaxis(vertices[:, 0:3], 1, 2), velocity=np.moveaxis(vertices[:, 7:10], 1, 2),
-        frame=np.moveaxis(snapshots[stored, 3:7], 1, 2), spin=np.moveaxis(snapshots[stored, 10:13], 1, 2),
-        contact_force=contacts[keep, 0], contact_peak=contacts[keep, 1], contact_loss=np.cumsum(contacts[:, 2].sum(axis=(1, 2)))[keep],
-        retainer_force=records[::dense, 0][keep], seat_force=records[::dense, 1][keep],
-        work_done=records[::dense, 2][keep], energy_dissipated=records[::dense, 3][keep],
-        dense_time=step * sub * np.arange(float(len(records)))[dense_keep], dense_retainer_force=records[dense_keep, 0],
-        dense_seat_force=records[dense_keep, 1], extremes=extremes[keep], pair_force=pressed[:, 0], pair_energy=pressed[:, 1],
+        time=time[keep],
+        displacement=displacement[:: dense * sub][keep],
+        position=np.moveaxis(vertices[:, 0:3], 1, 2),
+        velocity=np.moveaxis(vertices[:, 7:10], 1, 2),
+        frame=np.moveaxis(snapshots[stored, 3:7], 1, 2),
+        spin=np.moveaxis(snapshots[stored, 10:13], 1, 2),
+        contact_force=contacts[keep, 0],
+        contact_peak=contacts[keep, 1],
+        contact_loss=np.cumsum(contacts[:, 2].sum(axis=(1, 2)))[keep],
+        retainer_force=records[::dense, 0][keep],
+        seat_force=records[::dense, 1][keep],
+        work_done=records[::dense, 2][keep],
+        energy_dissipated=records[::dense, 3][keep],
+        dense_time=step * sub * np.arange(float(len(records)))[dense_keep],
+        dense_retainer_force=records[dense_keep, 0],
+        dense_seat_force=records[dense_keep, 1],
+        extremes=extremes[keep],
+        pair_force=pressed[:, 0],
+        pair_energy=pressed[:, 1],
         pair_time=time[discard] + step * spacing * np.arange(float(len(pressed))),
-        time_step=step, steps=steps, steps_done=done, fastest=fastest,
-    )  # fmt: skip
+        time_step=step,
+        steps=steps,
+        steps_done=done,
+        fastest=fastest,
+    )

@@ -1,4 +1,6 @@
-"""Statics of a rod whose retainer may turn about the axis: it stands at the angle at which no torque holds it."""
+"""Statics of a rod whose retainer may turn about the axis: it stands at the angle at which no
+torque holds it.
+"""
 
 from __future__ import annotations
 
@@ -16,7 +18,9 @@ ROUNDS = 12
 
 
 class TurningStatics(RodStatics):
-    """As :class:`RodStatics`, the retainer and the wire fixed to it free to turn about the axis, without friction."""
+    """As :class:`RodStatics`, the retainer and the wire fixed to it free to turn about the axis,
+    without friction.
+    """
 
     turns: ClassVar[bool] = True
 
@@ -27,7 +31,10 @@ class TurningStatics(RodStatics):
             torque = retainer_torque(self, found.state)
             if not found.converged or abs(torque) <= self.options.tolerance * self._radius:
                 return found
-            found = super().solve(self._turned(found.state, -torque / end_stiffness(self, found.state)[1, 1]), compression)
+            found = super().solve(
+                self._turned(found.state, -torque / end_stiffness(self, found.state)[1, 1]),
+                compression,
+            )
         return replace(found, converged=False)
 
     def _turned(self, state: RodState, angle: float) -> RodState:
@@ -46,5 +53,7 @@ class TurningStatics(RodStatics):
 def rotation_of(statics: RodStatics, state: RodState) -> float:
     """Angle (rad) by which the retainer has turned from the free state, within half a turn."""
     last, free = statics.mesh.last, statics.mesh.position
-    here = np.arctan2(state.position[last, 1], state.position[last, 0]) - np.arctan2(free[last, 1], free[last, 0])
+    here = np.arctan2(state.position[last, 1], state.position[last, 0]) - np.arctan2(
+        free[last, 1], free[last, 0]
+    )
     return float((here + np.pi) % (2 * np.pi) - np.pi)

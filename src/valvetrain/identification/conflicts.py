@@ -1,4 +1,6 @@
-"""Which data contradict each other: what the others lose where a computed point meets a datum that the likeliest point misses."""
+"""Which data contradict each other: what the others lose where a computed point meets a datum that
+the likeliest point misses.
+"""
 
 from __future__ import annotations
 
@@ -22,12 +24,17 @@ _ROUNDING = 1e-9
 
 @dataclass(frozen=True, slots=True)
 class Conflict:
-    """A fitted ``datum`` that the likeliest point misses by ``off`` scatters, and the likeliest of the computed points that meet it.
+    """A fitted ``datum`` that the likeliest point misses by ``off`` scatters, and the likeliest of
+    the computed points that meet it.
 
-    Of a measurement of several values the one that is missed most. ``meeting``: number of computed points within :data:`MET` scatters of
-    it. ``cost``: misfit of the likeliest of them above that of the likeliest point (priors included), NaN where there is none; negative
-    where another branch has the smaller misfit and the smaller probability. ``instead``: data that it misses, by a scatter or more beyond
-    what the likeliest point does, with their scatters, of each measurement the worst. A search goes where the posterior is high, so the
+    Of a measurement of several values the one that is missed most. ``meeting``: number of computed
+    points within :data:`MET` scatters of
+    it. ``cost``: misfit of the likeliest of them above that of the likeliest point (priors
+    included), NaN where there is none; negative
+    where another branch has the smaller misfit and the smaller probability. ``instead``: data that
+    it misses, by a scatter or more beyond
+    what the likeliest point does, with their scatters, of each measurement the worst. A search goes
+    where the posterior is high, so the
     cost is what the search found, an upper bound.
     """
 
@@ -38,8 +45,11 @@ class Conflict:
     instead: tuple[tuple[Datum, float], ...]
 
 
-def conflicts_of(posterior: Posterior, best: tuple[Array, Outcome], points: Sequence[tuple[Array, Outcome]]) -> tuple[Conflict, ...]:
-    """Conflicts of the likeliest point ``best`` (values in SI, outcome) with the computed ``points``, most missed first.
+def conflicts_of(
+    posterior: Posterior, best: tuple[Array, Outcome], points: Sequence[tuple[Array, Outcome]]
+) -> tuple[Conflict, ...]:
+    """Conflicts of the likeliest point ``best`` (values in SI, outcome) with the computed
+    ``points``, most missed first.
 
     Impossible points, and those outside the bounds of the priors, count for none.
 
@@ -55,14 +65,20 @@ def conflicts_of(posterior: Posterior, best: tuple[Array, Outcome], points: Sequ
     ('same load', 'load')
     """
     own = _deviations(posterior, [best])[0]
-    missed = _worst(posterior.used, {place: float(size) for place, size in enumerate(own) if abs(size) > MET})
+    missed = _worst(
+        posterior.used, {place: float(size) for place, size in enumerate(own) if abs(size) > MET}
+    )
     if not missed:
         return ()
     least = float(_misfits(posterior, np.array([best[0]]), own[None, :])[0])
     meeting, cheapest = dict.fromkeys(missed, 0), dict.fromkeys(missed, np.inf)
     others: dict[int, Array] = {}
     for first in range(0, len(points), _TOGETHER):
-        part = [point for point in points[first : first + _TOGETHER] if point[1] is not None and _inside(posterior, point[0])]
+        part = [
+            point
+            for point in points[first : first + _TOGETHER]
+            if point[1] is not None and _inside(posterior, point[0])
+        ]
         if not part:
             continue
         off = _deviations(posterior, part)
@@ -75,32 +91,47 @@ def conflicts_of(posterior: Posterior, best: tuple[Array, Outcome], points: Sequ
                 cheapest[place], others[place] = float(misfit[row]), off[row]
     found = [
         Conflict(
-            posterior.used[place], off_by, meeting[place], cheapest[place] - least if place in others else np.nan,
+            posterior.used[place],
+            off_by,
+            meeting[place],
+            cheapest[place] - least if place in others else np.nan,
             _instead(posterior.used, own, others[place], place) if place in others else (),
         )
         for place, off_by in missed.items()
-    ]  # fmt: skip
+    ]
     return tuple(sorted(found, key=lambda one: -abs(one.off)))
 
 
 def _inside(posterior: Posterior, values: Array) -> bool:
     """Whether the priors hold a point possible."""
     return all(
-        one.prior.low - _ROUNDING * abs(one.prior.low) <= value <= one.prior.high + _ROUNDING * abs(one.prior.high)
+        one.prior.low - _ROUNDING * abs(one.prior.low)
+        <= value
+        <= one.prior.high + _ROUNDING * abs(one.prior.high)
         for one, value in zip(posterior.unknowns, values, strict=True)
     )
 
 
 def _deviations(posterior: Posterior, points: Sequence[tuple[Array, Outcome]]) -> Array:
     """Misses (points, data) of the fitted data in scatters; NaN where a point lacks one."""
-    told = np.array([[np.nan if outcome is None else outcome.get(one.key, np.nan) for one in posterior.used] for _, outcome in points])
-    return np.column_stack([one.deviation(told[:, place]) for place, one in enumerate(posterior.used)])
+    told = np.array(
+        [
+            [np.nan if outcome is None else outcome.get(one.key, np.nan) for one in posterior.used]
+            for _, outcome in points
+        ]
+    )
+    return np.column_stack(
+        [one.deviation(told[:, place]) for place, one in enumerate(posterior.used)]
+    )
 
 
 def _misfits(posterior: Posterior, values: Array, off: Array) -> Array:
     """Sum of squared scaled misses of each point, priors included; NaN for one that lacks a datum."""
     work = posterior.work_of(values)
-    data = sum(one.residual(one.value + one.scatter * off[:, place]) ** 2 for place, one in enumerate(posterior.used))
+    data = sum(
+        one.residual(one.value + one.scatter * off[:, place]) ** 2
+        for place, one in enumerate(posterior.used)
+    )
     pulls = sum(one.prior.pull(work[:, place]) ** 2 for place, one in enumerate(posterior.unknowns))
     return np.asarray(data + pulls, dtype=float)
 
@@ -115,8 +146,18 @@ def _worst(data: Sequence[Datum], off: Mapping[int, float]) -> dict[int, float]:
     return {place: off[place] for place in sorted(worst.values())}
 
 
-def _instead(data: Sequence[Datum], own: Array, other: Array, met: int) -> tuple[tuple[Datum, float], ...]:
-    """What the point ``other`` misses by a scatter or more beyond what the likeliest one does, worst first."""
-    worse = [place for place in range(len(data)) if place != met and abs(other[place]) > max(MET, abs(own[place]) + 1.0)]
+def _instead(
+    data: Sequence[Datum], own: Array, other: Array, met: int
+) -> tuple[tuple[Datum, float], ...]:
+    """What the point ``other`` misses by a scatter or more beyond what the likeliest one does,
+    worst first.
+    """
+    worse = [
+        place
+        for place in range(len(data))
+        if place != met and abs(other[place]) > max(MET, abs(own[place]) + 1.0)
+    ]
     kept = _worst(data, {place: float(other[place]) for place in worse})
-    return tuple((data[place], off) for place, off in sorted(kept.items(), key=lambda one: -abs(one[1])))
+    return tuple(
+        (data[place], off) for place, off in sorted(kept.items(), key=lambda one: -abs(one[1]))
+    )

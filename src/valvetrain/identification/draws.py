@@ -20,9 +20,11 @@ Report = Callable[[float, str], None]
 
 @dataclass(frozen=True, eq=False)
 class Draws:
-    """Points ``work`` (n, quantities) with ``weights`` (n) of sum one, and where known the logarithm of the evidence and its error.
+    """Points ``work`` (n, quantities) with ``weights`` (n) of sum one, and where known the
+    logarithm of the evidence and its error.
 
-    ``evidence_kind``: how the evidence was found. ``whole``: False where the search was cut short; ``notes``: what a reader should know.
+    ``evidence_kind``: how the evidence was found. ``whole``: False where the search was cut short;
+    ``notes``: what a reader should know.
     """
 
     work: Array
@@ -40,7 +42,9 @@ class Draws:
 
 
 def quietly(steps: Iterable[Any]) -> Iterator[Any]:
-    """The steps of a library that prints where it is interrupted: standard output belongs to the answer."""
+    """The steps of a library that prints where it is interrupted: standard output belongs to the
+    answer.
+    """
     ahead, end = iter(steps), object()
     while True:
         with redirect_stdout(StringIO()):
@@ -52,7 +56,9 @@ def quietly(steps: Iterable[Any]) -> Iterator[Any]:
 
 def extra(package: str) -> MissingExtraError:
     """The error of a package of the extra ``studies`` that is not installed."""
-    return MissingExtraError(f"{package} is not installed; install it with pip install 'valvetrain[studies]'")
+    return MissingExtraError(
+        f"{package} is not installed; install it with pip install 'valvetrain[studies]'"
+    )
 
 
 def silent(done: float, text: str) -> None:

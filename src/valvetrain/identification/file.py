@@ -19,7 +19,7 @@ from valvetrain.parameters.bounded_file import bounded_bytes
 from valvetrain.parameters.case import Case
 from valvetrain.parameters.loading import library_names, load_case, parse_toml
 from valvetrain.registry import find
-from valvetrain.solution.checksum import digest
+from valvetrain.solution.atomic import digest
 from valvetrain.solution.definition import definition_of, no_quantity
 from valvetrain.studies.points.varied import Varied
 
@@ -32,8 +32,10 @@ _OPERATIONS = ("value", "factor", "offset")
 class Request:
     """An identification as a file asks for it.
 
-    ``evaluator``: word of a published study that computes points in its own way, empty for the case itself; ``options`` are its numbers.
-    ``from_case``: whether the values of the case are a start too. ``identity``: digest of all that outcomes depend on but the version.
+    ``evaluator``: word of a published study that computes points in its own way, empty for the case
+    itself; ``options`` are its numbers.
+    ``from_case``: whether the values of the case are a start too. ``identity``: digest of all that
+    outcomes depend on but the version.
     """
 
     name: str
@@ -53,7 +55,9 @@ class Request:
 
     @property
     def parts(self) -> tuple[tuple[Sought, ...], tuple[Sought, ...]]:
-        """What is sought of every point, measured under conditions of which something is fitted; and what of the draws alone."""
+        """What is sought of every point, measured under conditions of which something is fitted;
+        and what of the draws alone.
+        """
         fitted = {one.key for one in self.data if one.used}
         searched = {one.station for one in self.sought if one.key in fitted}
         measured = {one.key for one in self.data}
@@ -64,13 +68,31 @@ class Request:
     def identity(self) -> str:
         """What the outcome of a point depends on, in 32 digits."""
         names = tuple(one.name for one in self.unknowns)
-        asked = (self.case.record().digest, self.varied, names, self.parts, self.evaluator, self.options)
+        asked = (
+            self.case.record().digest,
+            self.varied,
+            names,
+            self.parts,
+            self.evaluator,
+            self.options,
+        )
         return digest(repr(asked).encode())
 
     @property
     def digest(self) -> str:
         """What the answer depends on, in 32 digits."""
-        return digest(repr((self.identity, self.unknowns, self.data, self.search, self.profiles, self.from_case)).encode())
+        return digest(
+            repr(
+                (
+                    self.identity,
+                    self.unknowns,
+                    self.data,
+                    self.search,
+                    self.profiles,
+                    self.from_case,
+                )
+            ).encode()
+        )
 
 
 def read_request(path: str | os.PathLike[str]) -> Request:
@@ -86,18 +108,27 @@ def read_request(path: str | os.PathLike[str]) -> Request:
         raise InputError(f"there is no file '{str(path)[:120]}'; check the path") from None
     except (OSError, ValueError) as error:
         reason = getattr(error, "strerror", None) or "bad path"
-        raise InputError(f"the file cannot be read ({reason}); check the path and its permissions", file.name[:60]) from None
+        raise InputError(
+            f"the file cannot be read ({reason}); check the path and its permissions",
+            file.name[:60],
+        ) from None
     try:
         return parse_request(text, file.stem, file.parent)
     except InputError as error:
-        place = f"{file.name}, {error.where}" if error.where and not error.where.startswith(file.name) else error.where or file.name
+        place = (
+            f"{file.name}, {error.where}"
+            if error.where and not error.where.startswith(file.name)
+            else error.where or file.name
+        )
         raise InputError(error.reason, place) from None
     except RecursionError:
         raise InputError("the tables are nested too deeply; flatten them", file.name) from None
 
 
 def parse_request(text: str, name: str, folder: Path) -> Request:
-    """The identification written in ``text``; ``folder`` is where the files it names are looked for. Errors as :func:`read_request`."""
+    """The identification written in ``text``; ``folder`` is where the files it names are looked
+    for. Errors as :func:`read_request`.
+    """
     whole = Part(parse_toml(text, ""), "")
     case = _case(whole, folder)
     evaluator = whole.text("evaluator", "")
@@ -105,25 +136,49 @@ def parse_request(text: str, name: str, folder: Path) -> Request:
     numbers = tuple((key, options.plain(key)) for key in list(options.table))
     if numbers and not evaluator:
         raise InputError("belongs to an evaluator; name it, or leave the table out", "options")
-    source = find("sources", evaluator, "evaluator").points_of_identification() if evaluator else None
+    source = (
+        find("sources", evaluator, "evaluator").points_of_identification() if evaluator else None
+    )
     unknowns, varied = [], []
     for one, part in whole.parts("quantities"):
         unknown, keys = _unknown(one, part, bool(evaluator))
         unknowns.append(unknown)
         varied.append(keys)
     if source is not None:
-        source.points(tuple(one.name for one in unknowns), dict(numbers))  # refuses names and options it does not know
-    found = [pair for one, part in whole.parts("measurements") for pair in read_measurement(one, part, folder, bool(evaluator))]
-    asked = [_asked(part) for _, part in whole.parts("predictions")] if whole.has("predictions") else []
+        source.points(
+            tuple(one.name for one in unknowns), dict(numbers)
+        )  # refuses names and options it does not know
+    found = [
+        pair
+        for one, part in whole.parts("measurements")
+        for pair in read_measurement(one, part, folder, bool(evaluator))
+    ]
+    asked = (
+        [_asked(part) for _, part in whole.parts("predictions")] if whole.has("predictions") else []
+    )
     whole.take("predictions")
-    search, profiles, from_case = _search(Part(whole.take("search", {}), "search"), tuple(one.name for one in unknowns))
+    search, profiles, from_case = _search(
+        Part(whole.take("search", {}), "search"), tuple(one.name for one in unknowns)
+    )
     title = whole.text("title", name.replace("_", " "))
     whole.text("description", "")
     whole.finish()
     return Request(
-        name, title, case, tuple(unknowns), tuple(varied), tuple(datum for _, datum in found),
-        tuple(dict.fromkeys([*(one for one, _ in found), *asked])), search, profiles, evaluator, numbers, from_case, text, folder,
-    )  # fmt: skip
+        name,
+        title,
+        case,
+        tuple(unknowns),
+        tuple(varied),
+        tuple(datum for _, datum in found),
+        tuple(dict.fromkeys([*(one for one, _ in found), *asked])),
+        search,
+        profiles,
+        evaluator,
+        numbers,
+        from_case,
+        text,
+        folder,
+    )
 
 
 def _case(whole: Part, folder: Path) -> Case:
@@ -147,10 +202,15 @@ def _asked(part: Part) -> Sought:
 
 
 def _unknown(name: str, part: Part, bare: bool) -> tuple[Unknown, tuple[Varied, ...]]:
-    """A quantity with its prior; ``bare``: an evaluator knows it by name, so it has no key of the case."""
+    """A quantity with its prior; ``bare``: an evaluator knows it by name, so it has no key of the
+    case.
+    """
     keys = () if bare else part.texts("key")
     if not bare and not keys:
-        raise InputError('is missing; say which value of the case it is, such as key = "spring.wire_diameter"', part.place("key"))
+        raise InputError(
+            'is missing; say which value of the case it is, such as key = "spring.wire_diameter"',
+            part.place("key"),
+        )
     operation = part.text("as", "value", _OPERATIONS)
     prior, unit = _prior(part)
     part.finish()
@@ -165,28 +225,41 @@ def _prior(part: Part) -> tuple[Prior, str]:
     word = part.text("prior", choices=WORDS)
     kind: Kind = "normal" if word == "truncated-normal" else word  # type: ignore[assignment]
     source = part.text("source", "")
-    first = "low" if kind in ("uniform", "log-uniform") else "mean" if kind == "normal" else "median"
+    first = (
+        "low" if kind in ("uniform", "log-uniform") else "mean" if kind == "normal" else "median"
+    )
     middle, unit = part.amount(first)
     low, high, spread = float("-inf"), float("inf"), float("nan")
     for key in ("low", "high"):
         if part.has(key) or kind in ("uniform", "log-uniform"):
             value, own = part.amount(key)
             if not same_dimension(own, unit):
-                raise InputError(f"is in '{own}', the other numbers of the prior in '{unit}'; give all in one unit", part.place(key))
+                raise InputError(
+                    f"is in '{own}', the other numbers of the prior in '{unit}'; give all in one unit",
+                    part.place(key),
+                )
             low, high = (value, high) if key == "low" else (low, value)
     if word == "truncated-normal" and not (part.has("low") or part.has("high")):
         raise InputError("is truncated nowhere; give low or high", part.where)
     if kind == "normal":
         spread, own = part.amount("standard_deviation")
         if not same_dimension(own, unit):
-            raise InputError(f"is in '{own}', the mean in '{unit}'; give both in one unit", part.place("standard_deviation"))
+            raise InputError(
+                f"is in '{own}', the mean in '{unit}'; give both in one unit",
+                part.place("standard_deviation"),
+            )
     elif kind == "lognormal":
         factor = part.plain("factor")
         if not 1 < factor < 1e6:
-            raise InputError("is the factor of one standard deviation about the median; give a number above 1", part.place("factor"))
+            raise InputError(
+                "is the factor of one standard deviation about the median; give a number above 1",
+                part.place("factor"),
+            )
         spread = math.log(factor)
     try:
-        return Prior(kind, low, high, float("nan") if first == "low" else middle, spread, source), unit
+        return Prior(
+            kind, low, high, float("nan") if first == "low" else middle, spread, source
+        ), unit
     except InputError as error:
         raise InputError(error.reason, part.where) from None
 
@@ -200,10 +273,22 @@ def _search(part: Part, names: tuple[str, ...]) -> tuple[Search, tuple[str, ...]
     part.finish()
     unknown = next((one for one in profiles if one not in names), None)
     if unknown is not None:
-        raise InputError(f"'{unknown[:40]}' is none of the quantities; name one of {', '.join(names)[:200]}", "search.profile")
-    if given.get("keep") == 0 and not from_case and given.get("method", "least-squares") in ("least-squares", "cma-es"):
-        raise InputError("is 0, so that nothing is searched from; set from_case = true, or keep 1 or more", "search.keep")
+        raise InputError(
+            f"'{unknown[:40]}' is none of the quantities; name one of {', '.join(names)[:200]}",
+            "search.profile",
+        )
+    if (
+        given.get("keep") == 0
+        and not from_case
+        and given.get("method", "least-squares") in ("least-squares", "cma-es")
+    ):
+        raise InputError(
+            "is 0, so that nothing is searched from; set from_case = true, or keep 1 or more",
+            "search.keep",
+        )
     try:
         return Search(**given), profiles, from_case
     except InputError as error:
-        raise InputError(error.reason, f"search.{error.where}" if error.where else "search") from None
+        raise InputError(
+            error.reason, f"search.{error.where}" if error.where else "search"
+        ) from None

@@ -1,7 +1,10 @@
-"""What the data determine: which measurement tells which quantity, and which quantities only together.
+"""What the data determine: which measurement tells which quantity, and which quantities only
+together.
 
-All of it follows from the slopes of the scaled misses at the likeliest point, in standard deviations of the priors, so that the
-information of the priors is the identity. Source: D. Sivia and J. Skilling, Data Analysis (2nd ed. 2006), chapter 3.
+All of it follows from the slopes of the scaled misses at the likeliest point, in standard
+deviations of the priors, so that the
+information of the priors is the identity. Source: D. Sivia and J. Skilling, Data Analysis (2nd ed.
+2006), chapter 3.
 """
 
 from __future__ import annotations
@@ -17,9 +20,11 @@ from numpy.typing import NDArray
 from valvetrain.identification.posterior import Posterior
 
 Array = NDArray[np.float64]
-#: Posterior correlation beyond which two quantities are one, and information (over the prior's) that each would have were the other known.
+#: Posterior correlation beyond which two quantities are one, and information (over the prior's)
+#: that each would have were the other known.
 TWINS, TOLD_ALONE = 0.9, 4.0
-#: Share of the prior's deviation that must be left of one of the two, for a narrow stretch within a wide prior is knowledge all the same.
+#: Share of the prior's deviation that must be left of one of the two, for a narrow stretch within a
+#: wide prior is knowledge all the same.
 OPEN = 0.4
 #: A quantity is told where the data leave less than this share of the prior's variance.
 UNTOLD = 0.75
@@ -29,10 +34,14 @@ NAMED = 0.3
 
 @dataclass(frozen=True, eq=False)
 class Information:
-    """``told`` (quantities): share of the prior's variance that the data remove. ``brought`` (measurements, quantities): share that each
-    measurement has of all the data's information on a quantity, the others known. ``lost`` (measurements, quantities): share by which the
-    variance is smaller than it were without that measurement. ``correlation`` (quantities, quantities) of what is left open;
-    ``warnings``: a sentence per quantity that is not told, and per group that cannot be told apart."""
+    """``told`` (quantities): share of the prior's variance that the data remove. ``brought``
+    (measurements, quantities): share that each
+    measurement has of all the data's information on a quantity, the others known. ``lost``
+    (measurements, quantities): share by which the
+    variance is smaller than it were without that measurement. ``correlation`` (quantities,
+    quantities) of what is left open;
+    ``warnings``: a sentence per quantity that is not told, and per group that cannot be told
+    apart."""
 
     measurements: tuple[str, ...]
     told: Array
@@ -43,7 +52,9 @@ class Information:
 
 
 def information_of(posterior: Posterior, jacobian: Array, whole_search: bool = True) -> Information:
-    """From the slopes (used data, quantities) at the likeliest point; without warnings where the search was cut short."""
+    """From the slopes (used data, quantities) at the likeliest point; without warnings where the
+    search was cut short.
+    """
     count = jacobian.shape[1]
     owners = [one.name for one in posterior.used]
     measurements = tuple(dict.fromkeys(owners))
@@ -53,7 +64,9 @@ def information_of(posterior: Posterior, jacobian: Array, whole_search: bool = T
     every = np.sum(jacobian**2, axis=0)
     for place, name in enumerate(measurements):
         others = jacobian[[owner != name for owner in owners]]
-        brought[place] = np.sum(jacobian[[owner == name for owner in owners]] ** 2, axis=0) / np.where(every > 0, every, 1.0)
+        brought[place] = np.sum(
+            jacobian[[owner == name for owner in owners]] ** 2, axis=0
+        ) / np.where(every > 0, every, 1.0)
         without = np.diag(np.linalg.inv(np.eye(count) + others.T @ others))
         lost[place] = np.clip(1.0 - variance / without, 0.0, 1.0)
     correlation = np.asarray(whole / np.sqrt(np.outer(variance, variance)), dtype=np.float64)
@@ -67,7 +80,9 @@ def information_of(posterior: Posterior, jacobian: Array, whole_search: bool = T
     )
 
 
-def _warnings(names: Sequence[str], jacobian: Array, covariance: NDArray[Any], correlation: NDArray[Any]) -> tuple[str, ...]:
+def _warnings(
+    names: Sequence[str], jacobian: Array, covariance: NDArray[Any], correlation: NDArray[Any]
+) -> tuple[str, ...]:
     alone = np.sum(jacobian**2, axis=0)
     found, spoken = [], set()
     for one, other in itertools.combinations(range(len(names)), 2):
@@ -78,10 +93,22 @@ def _warnings(names: Sequence[str], jacobian: Array, covariance: NDArray[Any], c
             spoken |= {one, other}
     values, vectors = np.linalg.eigh(jacobian.T @ jacobian)
     for value, vector in zip(values, vectors.T, strict=True):
-        large = [place for place in np.argsort(-np.abs(vector)).tolist() if abs(vector[place]) > NAMED]
-        if value < 1.0 and len(large) > 2 and not set(large) <= spoken and all(alone[place] > TOLD_ALONE for place in large):
-            words = ", ".join(f"'{names[place]}'" for place in sorted(large)[:-1]) + f" and '{names[sorted(large)[-1]]}'"
-            found.append(f"the data cannot tell {words} apart: they know combinations of them only, and one is left to the priors")
+        large = [
+            place for place in np.argsort(-np.abs(vector)).tolist() if abs(vector[place]) > NAMED
+        ]
+        if (
+            value < 1.0
+            and len(large) > 2
+            and not set(large) <= spoken
+            and all(alone[place] > TOLD_ALONE for place in large)
+        ):
+            words = (
+                ", ".join(f"'{names[place]}'" for place in sorted(large)[:-1])
+                + f" and '{names[sorted(large)[-1]]}'"
+            )
+            found.append(
+                f"the data cannot tell {words} apart: they know combinations of them only, and one is left to the priors"
+            )
             spoken |= set(large)
     for place, name in enumerate(names):
         if place not in spoken and covariance[place, place] > UNTOLD:

@@ -1,6 +1,8 @@
-"""Every evaluated point of an identification, kept as it comes: what is started again finds it and goes the same way.
+"""Every evaluated point of an identification, kept as it comes: what is started again finds it and
+goes the same way.
 
-All methods are deterministic, so a search that begins anew over kept points meets the same ones until it comes to where it was cut. Each
+All methods are deterministic, so a search that begins anew over kept points meets the same ones
+until it comes to where it was cut. Each
 record is a line with its own checksum; one that a kill cut short is no record.
 """
 
@@ -19,8 +21,7 @@ from numpy.typing import NDArray
 
 from valvetrain.errors import InputError
 from valvetrain.identification.posterior import Evaluate, Outcome
-from valvetrain.solution.atomic import lock
-from valvetrain.solution.checksum import digest
+from valvetrain.solution.atomic import digest, lock
 
 Array = NDArray[np.float64]
 NAME = "points.jsonl"
@@ -28,10 +29,13 @@ _SUM = 16
 
 
 class Journal:
-    """Outcomes of points by their bits, in a file of the folder ``folder``; None keeps them in memory alone.
+    """Outcomes of points by their bits, in a file of the folder ``folder``; None keeps them in
+    memory alone.
 
-    ``identity`` is what the outcomes depend on (case, file, version): a journal of another is refused, and so is one that another process
-    writes. ``before``: points that were there; ``computed``: those that came since. ``at_a_time``: most points that
+    ``identity`` is what the outcomes depend on (case, file, version): a journal of another is
+    refused, and so is one that another process
+    writes. ``before``: points that were there; ``computed``: those that came since. ``at_a_time``:
+    most points that
     are computed before they are written, 0 for all that are asked for at once. Use it as a context.
     """
 
@@ -47,7 +51,10 @@ class Journal:
         self._file = os.fdopen(handle, "r+b")
         if not lock(handle):
             self._file.close()
-            raise InputError("another process works on this identification; wait for it, or choose another folder", str(folder))
+            raise InputError(
+                "another process works on this identification; wait for it, or choose another folder",
+                str(folder),
+            )
         try:
             self._read(identity, path)
         except BaseException:
@@ -57,7 +64,12 @@ class Journal:
     def __enter__(self) -> Journal:
         return self
 
-    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
         if self._file is not None:
             self._file.flush()
             os.fsync(self._file.fileno())
@@ -67,26 +79,37 @@ class Journal:
         return len(self._known)
 
     def through(self, evaluate: Evaluate, part: bytes = b"") -> Evaluate:
-        """``evaluate`` with every point computed once: those that are known are read, the others written as they come.
+        """``evaluate`` with every point computed once: those that are known are read, the others
+        written as they come.
 
         ``part`` keeps apart what several computations tell of one point.
         """
 
         def recorded(points: Array) -> Sequence[Outcome]:
             keys = [part + np.ascontiguousarray(point, dtype=float).tobytes() for point in points]
-            new = [place for place, key in enumerate(keys) if key not in self._known and key not in keys[:place]]
+            new = [
+                place
+                for place, key in enumerate(keys)
+                if key not in self._known and key not in keys[:place]
+            ]
             size = self.at_a_time or max(len(new), 1)
             for first in range(0, len(new), size):
                 places = new[first : first + size]
                 found = evaluate(points[places])
-                self._write([(keys[place], outcome) for place, outcome in zip(places, found, strict=True)])
+                self._write(
+                    [(keys[place], outcome) for place, outcome in zip(places, found, strict=True)]
+                )
             return [self._known[key] for key in keys]
 
         return recorded
 
     def points(self, quantities: int) -> list[tuple[Array, Outcome]]:
-        """Every known point (values of so many ``quantities``) and its outcome, without those of a part."""
-        known = [(key, outcome) for key, outcome in self._known.items() if len(key) == 8 * quantities]
+        """Every known point (values of so many ``quantities``) and its outcome, without those of a
+        part.
+        """
+        known = [
+            (key, outcome) for key, outcome in self._known.items() if len(key) == 8 * quantities
+        ]
         return [(np.frombuffer(key, dtype=float), outcome) for key, outcome in known]
 
     def outcome(self, point: Array) -> Outcome:
@@ -110,7 +133,9 @@ class Journal:
                             "remove the file to begin anew",
                             str(path),
                         )
-                    raise InputError("holds points of another identification; give another folder", str(path))
+                    raise InputError(
+                        "holds points of another identification; give another folder", str(path)
+                    )
             else:
                 point, outcome = record
                 self._known[bytes.fromhex(point)] = outcome
@@ -124,7 +149,9 @@ class Journal:
     def _write(self, found: Sequence[tuple[bytes, Outcome]]) -> None:
         lines = []
         for key, outcome in found:
-            told = None if outcome is None else {name: float(value) for name, value in outcome.items()}
+            told = (
+                None if outcome is None else {name: float(value) for name, value in outcome.items()}
+            )
             self._known[key] = told
             lines.append(_line([key.hex(), told]))
         self.computed += len(found)
@@ -134,7 +161,8 @@ class Journal:
 
 
 def read_points(path: Path, quantities: int) -> list[tuple[Array, Outcome]]:
-    """Every point of a file of computed points (values of so many ``quantities`` in SI) and its outcome, without those of a part.
+    """Every point of a file of computed points (values of so many ``quantities`` in SI) and its
+    outcome, without those of a part.
 
     Raises :class:`InputError` where the file cannot be read or holds none.
     """
@@ -144,7 +172,11 @@ def read_points(path: Path, quantities: int) -> list[tuple[Array, Outcome]]:
     except OSError as error:
         raise InputError(f"cannot be read: {error.strerror}", str(path)) from None
     whole = records[1 : records.index(None)] if None in records else records[1:]
-    found = [(np.frombuffer(bytes.fromhex(key), dtype=float), outcome) for key, outcome in whole if len(key) == 16 * quantities]
+    found = [
+        (np.frombuffer(bytes.fromhex(key), dtype=float), outcome)
+        for key, outcome in whole
+        if len(key) == 16 * quantities
+    ]
     if not found:
         raise InputError(f"holds no points of {quantities} quantities", str(path))
     return found

@@ -21,7 +21,9 @@ class _Cut(BaseException):
 
 
 class _Chain(threading.Thread):
-    """One call of a function that asks for points; ``question`` while it waits, ``answer`` once it is known."""
+    """One call of a function that asks for points; ``question`` while it waits, ``answer`` once it
+    is known.
+    """
 
     def __init__(self, owner: Lockstep, function: Callable[[Any], Any], item: Any) -> None:
         super().__init__(daemon=True)
@@ -33,7 +35,9 @@ class _Chain(threading.Thread):
         self.inside = self.ended = False
 
     def run(self) -> None:
-        """Call the function, unless the map was cut before this thread came to it; see the base class."""
+        """Call the function, unless the map was cut before this thread came to it; see the base
+        class.
+        """
         with self.owner.turn:
             if self.owner.cut:
                 return
@@ -50,9 +54,11 @@ class _Chain(threading.Thread):
 
 
 class Lockstep:
-    """A pool as samplers want it (``map``) whose chains ask :meth:`ask`; what ``answers`` told of a batch of points is handed out in order.
+    """A pool as samplers want it (``map``) whose chains ask :meth:`ask`; what ``answers`` told of a
+    batch of points is handed out in order.
 
-    ``lanes``: chains at a time, which is also the size of a batch. The questions of a batch stand in the order of the chains, so nothing
+    ``lanes``: chains at a time, which is also the size of a batch. The questions of a batch stand
+    in the order of the chains, so nothing
     depends on which thread was faster.
     """
 
@@ -76,7 +82,9 @@ class Lockstep:
             return chain.answer
 
     def map(self, function: Callable[[Any], Any], items: Iterable[Any]) -> list[Any]:
-        """``function`` of every item, :attr:`size` of them at a time. What a call raises is raised here."""
+        """``function`` of every item, :attr:`size` of them at a time. What a call raises is raised
+        here.
+        """
         left, results = list(items), []
         while left:
             chains = [_Chain(self, function, item) for item in left[: self.size]]
@@ -95,12 +103,18 @@ class Lockstep:
         return results
 
     def _end(self, chains: list[_Chain]) -> None:
-        """Let chains end that nobody waits for any more; what a sampler prints of that is nobody's concern."""
+        """Let chains end that nobody waits for any more; what a sampler prints of that is nobody's
+        concern.
+        """
         with redirect_stdout(StringIO()), redirect_stderr(StringIO()), self.turn:
             self.cut = True
             self.turn.notify_all()
-            # asked of the chains themselves: a signal within a thread's start leaves it running, yet not «alive»
-            self.turn.wait_for(lambda: all(chain.ended or not chain.inside for chain in chains), timeout=LONGEST_END)
+            # asked of the chains themselves: a signal within a thread's start leaves it running,
+            # yet not «alive»
+            self.turn.wait_for(
+                lambda: all(chain.ended or not chain.inside for chain in chains),
+                timeout=LONGEST_END,
+            )
 
     def _serve(self, chains: list[_Chain]) -> None:
         while True:

@@ -1,4 +1,6 @@
-"""Measurements of an identification file: values, curves, frequencies, peaks, events, traces -> data and what is sought for them."""
+"""Measurements of an identification file: values, curves, frequencies, peaks, events, traces ->
+data and what is sought for them.
+"""
 
 from __future__ import annotations
 
@@ -26,13 +28,17 @@ Found = list[tuple[Sought, Datum]]
 
 
 def read_measurement(name: str, part: Part, folder: Path, own_names: bool = False) -> Found:
-    """The data of one table. ``folder``: where files it names lie; ``own_names``: quantities are those of an evaluator, of any name.
+    """The data of one table. ``folder``: where files it names lie; ``own_names``: quantities are
+    those of an evaluator, of any name.
 
-    Raises :class:`InputError` with the place, for what is missing, unknown, of a wrong unit or without a scatter.
+    Raises :class:`InputError` with the place, for what is missing, unknown, of a wrong unit or
+    without a scatter.
     """
     form = next((one for one in FORMS if part.has(one)), None)
     if form is None:
-        raise InputError(f"says nothing that was measured; give one of {', '.join(FORMS)}", part.where)
+        raise InputError(
+            f"says nothing that was measured; give one of {', '.join(FORMS)}", part.where
+        )
     station = read_station(part)
     rows = _READERS[form](part, station, folder, own_names)
     if not 0 < len(rows) <= MOST_DATA:
@@ -51,10 +57,15 @@ def read_measurement(name: str, part: Part, folder: Path, own_names: bool = Fals
 
 
 def read_station(part: Part) -> Station:
-    """Where something is measured or asked for. Raises :class:`InputError` for a speed that is not positive."""
+    """Where something is measured or asked for. Raises :class:`InputError` for a speed that is not
+    positive.
+    """
     speed = part.amount("engine_speed", "angular speed")[0] if part.has("engine_speed") else None
     if speed is not None and not speed > 0:
-        raise InputError("is not positive; give the speed of the crank, such as '4200 rpm'", part.place("engine_speed"))
+        raise InputError(
+            "is not positive; give the speed of the crank, such as '4200 rpm'",
+            part.place("engine_speed"),
+        )
     return Station(speed, part.text("spring_model", ""), part.text("spring_set", ""))
 
 
@@ -65,7 +76,13 @@ def _quantity(part: Part, station: Station, folder: Path, own_names: bool) -> Ro
     name = part.text("quantity")
     dimension = _dimension(name, part, own_names)
     value, unit = part.amount("value", dimension)
-    return [(Sought(station, "quantity", name), value, _scatter(part, "scatter", value, dimension if dimension is not None else unit))]
+    return [
+        (
+            Sought(station, "quantity", name),
+            value,
+            _scatter(part, "scatter", value, dimension if dimension is not None else unit),
+        )
+    ]
 
 
 def _frequencies(part: Part, station: Station, folder: Path, own_names: bool) -> Rows:
@@ -74,7 +91,11 @@ def _frequencies(part: Part, station: Station, folder: Path, own_names: bool) ->
     if first < 1 or first != int(first):
         raise InputError("is no number of a mode; give 1, 2 ...", part.place("first_mode"))
     return [
-        (Sought(station, "quantity", f"mode_{number}_frequency"), value, _scatter(part, "scatter", value, "frequency"))
+        (
+            Sought(station, "quantity", f"mode_{number}_frequency"),
+            value,
+            _scatter(part, "scatter", value, "frequency"),
+        )
         for number, value in enumerate(values, start=int(first))
     ]
 
@@ -89,8 +110,16 @@ def _peak(part: Part, station: Station, folder: Path, own_names: bool) -> Rows:
     except InputError as error:
         raise InputError(error.reason, part.place("peak")) from None
     return [
-        (Sought(station, "quantity", name), value, _scatter(part, "scatter", value, dimension if dimension is not None else unit)),
-        (Sought(station, "quantity", place), angle, _scatter(part, "angle_scatter", angle, "angle")),
+        (
+            Sought(station, "quantity", name),
+            value,
+            _scatter(part, "scatter", value, dimension if dimension is not None else unit),
+        ),
+        (
+            Sought(station, "quantity", place),
+            angle,
+            _scatter(part, "angle_scatter", angle, "angle"),
+        ),
     ]
 
 
@@ -100,7 +129,9 @@ def _event(part: Part, station: Station, folder: Path, own_names: bool) -> Rows:
     if number < 1 or number != int(number):
         raise InputError("is no number of an event; count from 1", part.place("number"))
     angle = part.amount("cam_angle", "angle")[0] % (2 * np.pi)
-    return [(Sought(station, "event", kind, number), angle, _scatter(part, "scatter", angle, "angle"))]
+    return [
+        (Sought(station, "event", kind, number), angle, _scatter(part, "scatter", angle, "angle"))
+    ]
 
 
 def _channel(part: Part, station: Station, folder: Path, own_names: bool) -> Rows:
@@ -109,11 +140,18 @@ def _channel(part: Part, station: Station, folder: Path, own_names: bool) -> Row
     if part.has("file"):
         angles, values, unit = trace_file(part, folder)
     else:
-        angles, values = np.array(part.amounts("cam_angles", "angle")), np.array(part.amounts("values"))
+        angles, values = (
+            np.array(part.amounts("cam_angles", "angle")),
+            np.array(part.amounts("values")),
+        )
         unit = str(part.table.get("values"))
         unit = split_quantity(unit.split(",")[-1].strip(), None, "")[1]
     return [
-        (Sought(station, "channel", name, float(angle)), float(value), _scatter(part, "scatter", float(value), unit))
+        (
+            Sought(station, "channel", name, float(angle)),
+            float(value),
+            _scatter(part, "scatter", float(value), unit),
+        )
         for angle, value in _pairs(part, angles, values)
     ]
 
@@ -124,10 +162,17 @@ def _curve(part: Part, station: Station, folder: Path, own_names: bool) -> Rows:
         along, places, forces = curve_file(part, folder)
     else:
         along = "height" if part.has("heights") else "compression"
-        places, forces = np.array(part.amounts(f"{along}s", "length")), np.array(part.amounts("forces", "force"))
+        places, forces = (
+            np.array(part.amounts(f"{along}s", "length")),
+            np.array(part.amounts("forces", "force")),
+        )
     at_rest = Station(None, station.spring_model, station.spring_set)
     return [
-        (Sought(at_rest, "load" if along == "height" else "force", spring, place), force, _scatter(part, "scatter", force, "force"))
+        (
+            Sought(at_rest, "load" if along == "height" else "force", spring, place),
+            force,
+            _scatter(part, "scatter", force, "force"),
+        )
         for place, force in _pairs(part, places, forces)
     ]
 
@@ -140,7 +185,9 @@ _READERS = {
 
 
 def _dimension(name: str, part: Part, own_names: bool) -> str | None:
-    """Dimension of a quantity, None where its name does not tell. Raises :class:`InputError` for a name that is no quantity's."""
+    """Dimension of a quantity, None where its name does not tell. Raises :class:`InputError` for a
+    name that is no quantity's.
+    """
     row = definition_of(name)
     if not row.dimension and not own_names:
         raise InputError(no_quantity(name), part.where)
@@ -151,11 +198,16 @@ def _scatter(part: Part, key: str, value: float, unit: str) -> float:
     """Standard deviation (SI): an amount, or a share of the value in per cent."""
     given = part.take(key)
     if given is None:
-        raise InputError("is missing; give the standard deviation of the errors, such as '2 N' or '1 %'", part.place(key))
+        raise InputError(
+            "is missing; give the standard deviation of the errors, such as '2 N' or '1 %'",
+            part.place(key),
+        )
     if isinstance(given, str) and given.strip().endswith("%"):
         found = abs(value) * parse_quantity(given, "ratio", part.place(key))
     else:
-        text = str(given) if isinstance(given, (int, float)) and not isinstance(given, bool) else given
+        text = (
+            str(given) if isinstance(given, (int, float)) and not isinstance(given, bool) else given
+        )
         found = parse_quantity(text, unit, part.place(key))
     if not found > 0:
         raise InputError(f"is {given!s:.40}; a standard deviation is positive", part.place(key))
@@ -169,7 +221,11 @@ def _moving(part: Part, station: Station) -> None:
 
 def _pairs(part: Part, places: Array, values: Array) -> list[tuple[float, float]]:
     if len(places) != len(values):
-        raise InputError(f"has {len(places)} places and {len(values)} values; give as many of each", part.where)
+        raise InputError(
+            f"has {len(places)} places and {len(values)} values; give as many of each", part.where
+        )
     if len(set(places.tolist())) != len(places):
-        raise InputError("names a place twice; give each once, with the mean of its values", part.where)
+        raise InputError(
+            "names a place twice; give each once, with the mean of its values", part.where
+        )
     return list(zip(places.tolist(), values.tolist(), strict=True))

@@ -1,4 +1,6 @@
-"""One table of an identification file: keys are taken by what they must be, and those nobody takes are refused."""
+"""One table of an identification file: keys are taken by what they must be, and those nobody takes
+are refused.
+"""
 
 from __future__ import annotations
 
@@ -44,7 +46,9 @@ class Part:
         if not isinstance(value, str):
             raise InputError(f"is {str(value)[:40]!r}; write a text", self.place(key))
         if choices and value not in choices:
-            raise InputError(f"'{value[:40]}' is unknown; {nearest(value, tuple(choices))}", self.place(key))
+            raise InputError(
+                f"'{value[:40]}' is unknown; {nearest(value, tuple(choices))}", self.place(key)
+            )
         return value
 
     def texts(self, key: str) -> tuple[str, ...]:
@@ -52,7 +56,9 @@ class Part:
         value = self.take(key, [])
         found = [value] if isinstance(value, str) else value
         if not isinstance(found, list) or not all(isinstance(one, str) for one in found):
-            raise InputError("holds something else than texts; write one text or a list", self.place(key))
+            raise InputError(
+                "holds something else than texts; write one text or a list", self.place(key)
+            )
         return tuple(found)
 
     def truth(self, key: str, fallback: bool) -> bool:
@@ -66,18 +72,29 @@ class Part:
         """A plain number."""
         value = self.take(key, fallback)
         if isinstance(value, bool) or not isinstance(value, (int, float)):
-            raise InputError(f"is {'missing' if value is None else str(value)[:40]!r}; write a number", self.place(key))
+            raise InputError(
+                f"is {'missing' if value is None else str(value)[:40]!r}; write a number",
+                self.place(key),
+            )
         return float(value)
 
-    def amount(self, key: str, unit: str | None = None, fallback: float | None = None) -> tuple[float, str]:
-        """A value (SI) and the unit it was written in; ``unit``: one of the dimension that is due, None for any."""
+    def amount(
+        self, key: str, unit: str | None = None, fallback: float | None = None
+    ) -> tuple[float, str]:
+        """A value (SI) and the unit it was written in; ``unit``: one of the dimension that is due,
+        None for any.
+        """
         value = self.take(key)
         if value is None:
             if fallback is None:
                 raise InputError(f"is missing; give {key}", self.place(key))
             return fallback, unit or ""
-        text = str(value) if isinstance(value, (int, float)) and not isinstance(value, bool) else value
-        return parse_quantity(text, unit, self.place(key)), split_quantity(text, unit, self.place(key))[1]
+        text = (
+            str(value) if isinstance(value, (int, float)) and not isinstance(value, bool) else value
+        )
+        return parse_quantity(text, unit, self.place(key)), split_quantity(
+            text, unit, self.place(key)
+        )[1]
 
     def amounts(self, key: str, unit: str | None = None) -> tuple[float, ...]:
         """Values (SI) of a row such as ``"0, 5, 10 mm"``."""
@@ -85,8 +102,13 @@ class Part:
         if value is None:
             raise InputError(f"is missing; give {key}", self.place(key))
         if isinstance(value, list):
-            value = [str(one) if isinstance(one, (int, float)) and not isinstance(one, bool) else one for one in value]
-        return parse_quantities(str(value) if isinstance(value, (int, float)) else value, unit, self.place(key))
+            value = [
+                str(one) if isinstance(one, (int, float)) and not isinstance(one, bool) else one
+                for one in value
+            ]
+        return parse_quantities(
+            str(value) if isinstance(value, (int, float)) else value, unit, self.place(key)
+        )
 
     def parts(self, key: str) -> tuple[tuple[str, Part], ...]:
         """The tables below a key by their names; there must be one or more."""
@@ -96,13 +118,18 @@ class Part:
         for name in found.table:
             if not name.strip() or len(name) > LONGEST or not name.isprintable():
                 raise InputError(f"'{name[:40]}' is no name; write a short word", found.where)
-        return tuple((name, Part(table, f"{found.where}.{name[:40]}")) for name, table in found.table.items())
+        return tuple(
+            (name, Part(table, f"{found.where}.{name[:40]}")) for name, table in found.table.items()
+        )
 
     def finish(self) -> None:
         """Refuse what nobody took."""
         unknown = next((key for key in self.table if key not in self.taken), None)
         if unknown is not None:
-            raise InputError(f"key '{unknown[:40]}' is unknown; {nearest(unknown, tuple(dict.fromkeys(self.taken)))}", self.where)
+            raise InputError(
+                f"key '{unknown[:40]}' is unknown; {nearest(unknown, tuple(dict.fromkeys(self.taken)))}",
+                self.where,
+            )
 
 
 def same_dimension(unit: str, other: str) -> bool:

@@ -1,4 +1,6 @@
-"""The posterior of unknown quantities: priors times likelihood, over batches of points in working coordinates."""
+"""The posterior of unknown quantities: priors times likelihood, over batches of points in working
+coordinates.
+"""
 
 from __future__ import annotations
 
@@ -14,9 +16,11 @@ from valvetrain.identification.datum import Datum
 from valvetrain.identification.prior import Prior
 
 Array = NDArray[np.float64]
-#: What a computation tells of one point, by key (SI); None for a point that cannot be computed, such as an impossible spring.
+#: What a computation tells of one point, by key (SI); None for a point that cannot be computed,
+#: such as an impossible spring.
 Outcome = Mapping[str, float] | None
-#: Values (points, quantities) in SI -> the outcome of each point. What is told of a point must not depend on those beside it.
+#: Values (points, quantities) in SI -> the outcome of each point. What is told of a point must not
+#: depend on those beside it.
 Evaluate = Callable[[Array], Sequence[Outcome]]
 
 
@@ -31,7 +35,9 @@ class Unknown:
 
 @dataclass(frozen=True, eq=False)
 class Points:
-    """Evaluated points: ``work`` (n, quantities), ``outcomes``, ``log_prior``, ``log_likelihood`` (n), minus infinity where impossible."""
+    """Evaluated points: ``work`` (n, quantities), ``outcomes``, ``log_prior``, ``log_likelihood``
+    (n), minus infinity where impossible.
+    """
 
     work: Array
     outcomes: tuple[Outcome, ...]
@@ -58,7 +64,9 @@ class Posterior:
     def __post_init__(self) -> None:
         names = [one.name for one in self.unknowns]
         if not names or not self.used:
-            raise InputError("an identification needs one quantity to find and one measurement that is used, or more")
+            raise InputError(
+                "an identification needs one quantity to find and one measurement that is used, or more"
+            )
         if twice := next((name for name in names if names.count(name) > 1), None):
             raise InputError(f"quantity '{twice[:60]}' is there twice; remove one")
 
@@ -90,24 +98,42 @@ class Posterior:
 
     def values(self, work: Array) -> Array:
         """Values (n, quantities) in SI of working coordinates."""
-        return np.column_stack([one.prior.value(work[:, place]) for place, one in enumerate(self.unknowns)])
+        return np.column_stack(
+            [one.prior.value(work[:, place]) for place, one in enumerate(self.unknowns)]
+        )
 
     def work_of(self, values: Array) -> Array:
-        """Working coordinates of values (n, quantities) in SI, those outside the bounds moved to them."""
-        inside = [np.clip(values[:, place], one.prior.low, one.prior.high) for place, one in enumerate(self.unknowns)]
-        return np.column_stack([one.prior.work(inside[place]) for place, one in enumerate(self.unknowns)])
+        """Working coordinates of values (n, quantities) in SI, those outside the bounds moved to
+        them.
+        """
+        inside = [
+            np.clip(values[:, place], one.prior.low, one.prior.high)
+            for place, one in enumerate(self.unknowns)
+        ]
+        return np.column_stack(
+            [one.prior.work(inside[place]) for place, one in enumerate(self.unknowns)]
+        )
 
     def from_shares(self, shares: Array) -> Array:
         """Working coordinates of points of the unit cube, over which the prior is even."""
-        return np.column_stack([one.prior.from_share(shares[:, place]) for place, one in enumerate(self.unknowns)])
+        return np.column_stack(
+            [one.prior.from_share(shares[:, place]) for place, one in enumerate(self.unknowns)]
+        )
 
     def log_prior(self, work: Array) -> Array:
         """Logarithm of the prior density (n) over working coordinates."""
-        return np.asarray(np.sum([one.prior.log_density(work[:, place]) for place, one in enumerate(self.unknowns)], axis=0))
+        return np.asarray(
+            np.sum(
+                [one.prior.log_density(work[:, place]) for place, one in enumerate(self.unknowns)],
+                axis=0,
+            )
+        )
 
     def pulls(self, work: Array) -> Array:
         """What least squares add for the priors, (quantities)."""
-        return np.array([float(one.prior.pull(work[place])) for place, one in enumerate(self.unknowns)])
+        return np.array(
+            [float(one.prior.pull(work[place])) for place, one in enumerate(self.unknowns)]
+        )
 
     def at(self, work: Array) -> Points:
         """Evaluate points (n, quantities); those outside the bounds are not computed."""
@@ -115,19 +141,25 @@ class Posterior:
         inside = np.flatnonzero(np.isfinite(prior))
         outcomes: list[Outcome] = [None] * len(work)
         if len(inside):
-            for place, outcome in zip(inside, self.evaluate(self.values(work[inside])), strict=True):
+            for place, outcome in zip(
+                inside, self.evaluate(self.values(work[inside])), strict=True
+            ):
                 outcomes[place] = outcome
         likelihood = np.array([self.log_likelihood(one) for one in outcomes])
         return Points(work, tuple(outcomes), prior, likelihood)
 
     def residuals(self, outcome: Outcome) -> Array | None:
-        """Scaled misses of the used data; None where the point is impossible or a used quantity was not computed."""
+        """Scaled misses of the used data; None where the point is impossible or a used quantity was
+        not computed.
+        """
         if outcome is None:
             return None
         computed = np.array([outcome.get(one.key, np.nan) for one in self.used], dtype=float)
         if not np.all(np.isfinite(computed)):
             return None
-        return np.array([float(one.residual(value)) for one, value in zip(self.used, computed, strict=True)])
+        return np.array(
+            [float(one.residual(value)) for one, value in zip(self.used, computed, strict=True)]
+        )
 
     @cached_property
     def log_peak(self) -> float:
@@ -135,6 +167,8 @@ class Posterior:
         return sum(one.log_peak for one in self.used)
 
     def log_likelihood(self, outcome: Outcome) -> float:
-        """Logarithm of the likelihood of the used data; minus infinity where :meth:`residuals` is None."""
+        """Logarithm of the likelihood of the used data; minus infinity where :meth:`residuals` is
+        None.
+        """
         off = self.residuals(outcome)
         return -np.inf if off is None else self.log_peak - 0.5 * float(off @ off)

@@ -13,13 +13,16 @@ from valvetrain.identification.least_squares import Peak, least_squares
 from valvetrain.identification.posterior import Posterior
 
 Array = NDArray[np.float64]
-#: Values of a profile on either side of the best, and how far it reaches in standard deviations of what is left open.
+#: Values of a profile on either side of the best, and how far it reaches in standard deviations of
+#: what is left open.
 SIDE, REACH = 4, 2.5
 
 
 @dataclass(frozen=True, eq=False)
 class Profile:
-    """``values`` (n) in SI and ``misfit`` (n): least sum of squared scaled misses with the quantity at each; NaN where none is possible."""
+    """``values`` (n) in SI and ``misfit`` (n): least sum of squared scaled misses with the quantity
+    at each; NaN where none is possible.
+    """
 
     name: str
     values: Array
@@ -27,11 +30,21 @@ class Profile:
 
 
 def profile(
-    posterior: Posterior, peak: Peak, name: str, *, iterations: int = 10, report: Callable[[str], None] = lambda text: None
+    posterior: Posterior,
+    peak: Peak,
+    name: str,
+    *,
+    iterations: int = 10,
+    report: Callable[[str], None] = lambda text: None,
 ) -> Profile:
-    """Profile of the quantity ``name`` about a ``peak``. Raises :class:`InputError` for a name that is not looked for."""
+    """Profile of the quantity ``name`` about a ``peak``. Raises :class:`InputError` for a name that
+    is not looked for.
+    """
     if name not in posterior.names:
-        raise InputError(f"there is no quantity '{name[:60]}' to profile; choose from {', '.join(posterior.names)}", "profile")
+        raise InputError(
+            f"there is no quantity '{name[:60]}' to profile; choose from {', '.join(posterior.names)}",
+            "profile",
+        )
     place = posterior.names.index(name)
     low, high = posterior.bounds[0][place], posterior.bounds[1][place]
     reach = REACH * np.sqrt(peak.covariance[place, place])
@@ -53,7 +66,11 @@ def profile(
                 found[float(at)] = np.nan
             report(f"profile of {name}")
     work = np.array(sorted(found))
-    return Profile(name, np.asarray(posterior.unknowns[place].prior.value(work)), np.array([found[float(at)] for at in work]))
+    return Profile(
+        name,
+        np.asarray(posterior.unknowns[place].prior.value(work)),
+        np.array([found[float(at)] for at in work]),
+    )
 
 
 def _misfit(posterior: Posterior, work: Array) -> float:

@@ -1,4 +1,6 @@
-"""What an identification found: branches with intervals, what the data determine, where each measurement lies in its prediction."""
+"""What an identification found: branches with intervals, what the data determine, where each
+measurement lies in its prediction.
+"""
 
 from __future__ import annotations
 
@@ -23,7 +25,9 @@ LOW, HIGH = 2.5, 97.5
 
 @dataclass(frozen=True, slots=True)
 class Interval:
-    """A quantity as it was found (SI): ``best``, at the likeliest point; ``mean``, ``deviation`` and the interval that holds 95 %."""
+    """A quantity as it was found (SI): ``best``, at the likeliest point; ``mean``, ``deviation``
+    and the interval that holds 95 %.
+    """
 
     best: float
     mean: float
@@ -34,7 +38,9 @@ class Interval:
 
 @dataclass(frozen=True, eq=False)
 class Branch:
-    """A separate part of the posterior with its probability ``share``; ``misfit``: least sum of squared scaled misses, priors included."""
+    """A separate part of the posterior with its probability ``share``; ``misfit``: least sum of
+    squared scaled misses, priors included.
+    """
 
     share: float
     misfit: float
@@ -45,8 +51,10 @@ class Branch:
 
 @dataclass(frozen=True, slots=True)
 class Predicted:
-    """A measurement beside its prediction (SI): computed at the ``best`` point, 2.5, 50 and 97.5 % of the computed values over the
-    posterior, and the ``percentile`` at which the measured value lies among what would be measured (0 to 100)."""
+    """A measurement beside its prediction (SI): computed at the ``best`` point, 2.5, 50 and 97.5 %
+    of the computed values over the
+    posterior, and the ``percentile`` at which the measured value lies among what would be measured
+    (0 to 100)."""
 
     datum: Datum
     best: float
@@ -58,7 +66,9 @@ class Predicted:
 
 @dataclass(frozen=True, slots=True)
 class Prediction:
-    """A computed number that nobody measured (SI; shown in ``unit``): at the ``best`` point, and 2.5, 50 and 97.5 % over the posterior."""
+    """A computed number that nobody measured (SI; shown in ``unit``): at the ``best`` point, and
+    2.5, 50 and 97.5 % over the posterior.
+    """
 
     key: str
     unit: str
@@ -72,10 +82,14 @@ class Prediction:
 class Identified:
     """The answer of :func:`valvetrain.identify`. SI throughout.
 
-    ``branches``, the most probable first; ``values`` (draw, quantity) with ``weights`` (draw) and ``branch_of`` (draw); ``predicted``:
-    every measurement beside its prediction; ``predictions`` of what was not measured; ``conflicts``: what meeting a missed measurement
-    costs the others; ``computed``: each computed quantity over the draws; ``log_evidence`` with its error (NaN where it was not found);
-    ``notes`` on the search; ``evaluations``: points that were computed, beside those ``kept`` of an earlier start; ``whole``: False where
+    ``branches``, the most probable first; ``values`` (draw, quantity) with ``weights`` (draw) and
+    ``branch_of`` (draw); ``predicted``:
+    every measurement beside its prediction; ``predictions`` of what was not measured;
+    ``conflicts``: what meeting a missed measurement
+    costs the others; ``computed``: each computed quantity over the draws; ``log_evidence`` with its
+    error (NaN where it was not found);
+    ``notes`` on the search; ``evaluations``: points that were computed, beside those ``kept`` of an
+    earlier start; ``whole``: False where
     it was cut short.
 
     >>> import valvetrain as vt
@@ -126,10 +140,14 @@ class Identified:
         return tuple(dict.fromkeys((*found, *self.notes)))
 
     def percentile(self, measurement: str) -> float:
-        """Percentile at which a measurement of one value lies. Raises :class:`InputError` unless one of that name has one value."""
+        """Percentile at which a measurement of one value lies. Raises :class:`InputError` unless
+        one of that name has one value.
+        """
         fits = [one for one in self.predicted if measurement in (one.datum.name, one.datum.key)]
         if len(fits) != 1:
-            raise InputError(f"{len(fits) or 'no'} measured values are called '{measurement[:60]}'; look through 'predicted'")
+            raise InputError(
+                f"{len(fits) or 'no'} measured values are called '{measurement[:60]}'; look through 'predicted'"
+            )
         return fits[0].percentile
 
     def __repr__(self) -> str:
@@ -138,24 +156,41 @@ class Identified:
         for branch in self.branches:
             if count > 1:
                 lines.append(f"probability {branch.share:.2f}:")
-            lines += [f"{name} {one.best:.3g} ({one.low:.3g} to {one.high:.3g})" for name, one in branch.quantities.items()]
+            lines += [
+                f"{name} {one.best:.3g} ({one.low:.3g} to {one.high:.3g})"
+                for name, one in branch.quantities.items()
+            ]
         return "\n  ".join([*lines, *self.warnings])
 
     def _repr_html_(self) -> str:
         rows = [
-            (str(number), f"{branch.share:.3f}", name, f"{one.best:.6g}", f"{one.low:.6g}", f"{one.high:.6g}")
+            (
+                str(number),
+                f"{branch.share:.3f}",
+                name,
+                f"{one.best:.6g}",
+                f"{one.low:.6g}",
+                f"{one.high:.6g}",
+            )
             for number, branch in enumerate(self.branches, start=1)
             for name, one in branch.quantities.items()
         ]
-        return table(repr(self), ("branch", "probability", "quantity", "best", "2.5 %", "97.5 %"), rows)
+        return table(
+            repr(self), ("branch", "probability", "quantity", "best", "2.5 %", "97.5 %"), rows
+        )
 
 
 def percentiles(values: Array, weights: Array, shares: tuple[float, ...]) -> tuple[float, ...]:
-    """Weighted percentiles (0 to 100) of values that are not NaN, by the middle of each weight; NaN where there is none."""
+    """Weighted percentiles (0 to 100) of values that are not NaN, by the middle of each weight; NaN
+    where there is none.
+    """
     known = np.isfinite(values) & (weights > 0)
     if not known.any():
         return (np.nan,) * len(shares)
     order = np.argsort(values[known], kind="stable")
     sorted_values, sorted_weights = values[known][order], weights[known][order]
     middle = np.cumsum(sorted_weights) - 0.5 * sorted_weights
-    return tuple(float(one) for one in np.interp(np.array(shares) / 100.0, middle / sorted_weights.sum(), sorted_values))
+    return tuple(
+        float(one)
+        for one in np.interp(np.array(shares) / 100.0, middle / sorted_weights.sum(), sorted_values)
+    )

@@ -19,11 +19,27 @@ from valvetrain.identification.evolution import evolution
 from valvetrain.identification.information import information_of
 from valvetrain.identification.journal import Journal, finite
 from valvetrain.identification.least_squares import Peak, covariance_of, least_squares
-from valvetrain.identification.multistart import Ends, best_starts, ends_of, linear_draws, places_of, starts
+from valvetrain.identification.multistart import (
+    Ends,
+    best_starts,
+    ends_of,
+    linear_draws,
+    places_of,
+    starts,
+)
 from valvetrain.identification.nested import nested
 from valvetrain.identification.posterior import Evaluate, Outcome, Posterior
 from valvetrain.identification.profiles import profile
-from valvetrain.identification.result import HIGH, LOW, Branch, Identified, Interval, Predicted, Prediction, percentiles
+from valvetrain.identification.result import (
+    HIGH,
+    LOW,
+    Branch,
+    Identified,
+    Interval,
+    Predicted,
+    Prediction,
+    percentiles,
+)
 from valvetrain.identification.search import Search
 from valvetrain.studies.stopping import Stopped
 
@@ -35,28 +51,57 @@ _NORMAL = 1.959963984540054
 
 
 def solve(
-    posterior: Posterior, search: Search, journal: Journal, *, begin: Array | None = None, profiles: Sequence[str] = (), name: str = "",
-    report: Report = silent, compare: Evaluate | None = None, units: Mapping[str, str] = MappingProxyType({}),
-) -> Identified:  # fmt: skip
+    posterior: Posterior,
+    search: Search,
+    journal: Journal,
+    *,
+    begin: Array | None = None,
+    profiles: Sequence[str] = (),
+    name: str = "",
+    report: Report = silent,
+    compare: Evaluate | None = None,
+    units: Mapping[str, str] = MappingProxyType({}),
+) -> Identified:
     """Search the posterior, find its branches, and tell of each what the data determine.
 
-    ``begin`` (n, quantities): starts of a search for a point in SI, beside those of ``search``; an ensemble begins about what they lead to.
-    ``compare``: tells of a point what is not fitted, asked for ``search.draws`` of the draws. ``units``: those that computed quantities are
-    shown in, by key. A stop in a search leaves what it had, one before that raises :class:`Stopped`.
+    ``begin`` (n, quantities): starts of a search for a point in SI, beside those of ``search``; an
+    ensemble begins about what they lead to.
+    ``compare``: tells of a point what is not fitted, asked for ``search.draws`` of the draws.
+    ``units``: those that computed quantities are
+    shown in, by key. A stop in a search leaves what it had, one before that raises
+    :class:`Stopped`.
     """
     began = time.perf_counter()
     given = None if begin is None else posterior.work_of(begin)
     if search.method in ("nested", "ensemble"):
         if search.method == "nested":
             draws = nested(
-                posterior, seed=search.seed, live_points=search.live_points, lanes=search.lanes, precision=search.precision, report=report
+                posterior,
+                seed=search.seed,
+                live_points=search.live_points,
+                lanes=search.lanes,
+                precision=search.precision,
+                report=report,
             )
         else:
             around = None if given is None else _around(posterior, search, given, report)
-            draws = ensemble(posterior, seed=search.seed, walkers=search.walkers, steps=search.steps, around=around, report=report)
-        labels = branches_of_draws(posterior, draws, search.seed) if draws.whole else np.zeros(len(draws.work), dtype=np.int64)
+            draws = ensemble(
+                posterior,
+                seed=search.seed,
+                walkers=search.walkers,
+                steps=search.steps,
+                around=around,
+                report=report,
+            )
+        labels = (
+            branches_of_draws(posterior, draws, search.seed)
+            if draws.whole
+            else np.zeros(len(draws.work), dtype=np.int64)
+        )
         peaks = _peaks(posterior, draws, labels)
-        shares = np.array([draws.weights[labels == number].sum() for number in range(labels.max() + 1)])
+        shares = np.array(
+            [draws.weights[labels == number].sum() for number in range(labels.max() + 1)]
+        )
         branches = _sampled(posterior, draws, labels, peaks, shares)
     else:
         ends, whole = _ends(posterior, search, given, report)
@@ -64,41 +109,104 @@ def solve(
             draws, labels = linear_draws(posterior, ends, search.draws, search.seed)
         else:
             work = np.array([peak.work for peak in ends.peaks])
-            draws, labels = Draws(work, ends.shares, ends.log_evidence, evidence_kind="linearised", whole=False), np.arange(len(work))
+            draws, labels = (
+                Draws(
+                    work, ends.shares, ends.log_evidence, evidence_kind="linearised", whole=False
+                ),
+                np.arange(len(work)),
+            )
         peaks = ends.peaks
         branches = _linear(posterior, ends)
-    found = tuple(profile(posterior, peaks[0], one, report=lambda text: report(0.99, text)) for one in profiles) if draws.whole else ()
-    tables = [_table(posterior, draws.work, np.arange(len(draws.work)), posterior.evaluate, draws.weights, peaks[0])]
+    found = (
+        tuple(
+            profile(posterior, peaks[0], one, report=lambda text: report(0.99, text))
+            for one in profiles
+        )
+        if draws.whole
+        else ()
+    )
+    tables = [
+        _table(
+            posterior,
+            draws.work,
+            np.arange(len(draws.work)),
+            posterior.evaluate,
+            draws.weights,
+            peaks[0],
+        )
+    ]
     if compare is not None and draws.whole:
         report(0.99, "what is compared only")
         places, counts = even_draws(draws.weights, search.draws, search.seed)
-        tables.append(_table(posterior, draws.work, places, compare, counts.astype(float), peaks[0]))
+        tables.append(
+            _table(posterior, draws.work, places, compare, counts.astype(float), peaks[0])
+        )
     computed = {key: values for table in tables for key, values in table.computed.items()}
     return Identified(
-        search.method, posterior.unknowns, branches, posterior.values(draws.work), draws.weights, labels,
-        _predicted(posterior, tables), _predictions(posterior, tables, units), computed, draws.log_evidence, draws.evidence_error,
-        draws.evidence_kind, found, draws.notes, journal.computed, journal.before, draws.whole, time.perf_counter() - began, name,
+        search.method,
+        posterior.unknowns,
+        branches,
+        posterior.values(draws.work),
+        draws.weights,
+        labels,
+        _predicted(posterior, tables),
+        _predictions(posterior, tables, units),
+        computed,
+        draws.log_evidence,
+        draws.evidence_error,
+        draws.evidence_kind,
+        found,
+        draws.notes,
+        journal.computed,
+        journal.before,
+        draws.whole,
+        time.perf_counter() - began,
+        name,
         _conflicts(posterior, peaks[0], journal),
-    )  # fmt: skip
+    )
 
 
 def _conflicts(posterior: Posterior, peak: Peak, journal: Journal) -> tuple[Conflict, ...]:
-    """What meeting a datum that the likeliest point misses costs the others, over all points that were computed."""
-    return conflicts_of(posterior, (posterior.values(peak.work[None, :])[0], peak.outcome), journal.points(len(posterior.unknowns)))
+    """What meeting a datum that the likeliest point misses costs the others, over all points that
+    were computed.
+    """
+    return conflicts_of(
+        posterior,
+        (posterior.values(peak.work[None, :])[0], peak.outcome),
+        journal.points(len(posterior.unknowns)),
+    )
 
 
 def _around(posterior: Posterior, search: Search, given: Array, report: Report) -> Array:
-    """Draws of the linearised posterior about what least squares reach from ``given``: walkers that begin there are spread already."""
+    """Draws of the linearised posterior about what least squares reach from ``given``: walkers that
+    begin there are spread already.
+    """
     step = search.difference_step or None
-    peaks = [least_squares(posterior, one, iterations=search.iterations, step=step, report=lambda text: report(0.0, text)) for one in given]
+    peaks = [
+        least_squares(
+            posterior,
+            one,
+            iterations=search.iterations,
+            step=step,
+            report=lambda text: report(0.0, text),
+        )
+        for one in given
+    ]
     return places_of(posterior, ends_of(posterior, peaks), search.draws, search.seed)[0]
 
 
-def _ends(posterior: Posterior, search: Search, given: Array | None, report: Report) -> tuple[Ends, bool]:
+def _ends(
+    posterior: Posterior, search: Search, given: Array | None, report: Report
+) -> tuple[Ends, bool]:
     """Peaks of a search from several starts, and whether none was cut short."""
     begins = np.empty((0, len(posterior.unknowns))) if given is None else given
     if search.keep:
-        begins = np.vstack([begins, best_starts(posterior, starts(posterior, search.starts, search.seed), search.keep)])
+        begins = np.vstack(
+            [
+                begins,
+                best_starts(posterior, starts(posterior, search.starts, search.seed), search.keep),
+            ]
+        )
     if not len(begins):
         raise InputError("keep is 0, so that nothing is searched from; keep 1 or more")
     peaks: list[Peak] = []
@@ -110,13 +218,25 @@ def _ends(posterior: Posterior, search: Search, given: Array | None, report: Rep
         try:
             if search.method == "cma-es":
                 point, whole = evolution(
-                    posterior, begin, seed=search.seed + number, evaluations=search.evaluations, population=search.population,
+                    posterior,
+                    begin,
+                    seed=search.seed + number,
+                    evaluations=search.evaluations,
+                    population=search.population,
                     report=lambda share, text: told(text),
-                )  # fmt: skip
+                )
                 if not whole:
                     raise Stopped("stopped")
                 begin = point
-            peaks.append(least_squares(posterior, begin, iterations=search.iterations, step=search.difference_step or None, report=told))
+            peaks.append(
+                least_squares(
+                    posterior,
+                    begin,
+                    iterations=search.iterations,
+                    step=search.difference_step or None,
+                    report=told,
+                )
+            )
         except Stopped:
             if not peaks:
                 raise
@@ -135,14 +255,18 @@ def _peaks(posterior: Posterior, draws: Draws, labels: Labels) -> tuple[Peak, ..
             outcome = posterior.at(begin[None, :]).outcomes[0]
             slopes = np.zeros((len(posterior.used), len(begin)))
             off = posterior.residuals(outcome)
-            misfit = np.nan if off is None else float(off @ off + np.sum(posterior.pulls(begin) ** 2))
+            misfit = (
+                np.nan if off is None else float(off @ off + np.sum(posterior.pulls(begin) ** 2))
+            )
             found.append(Peak(begin, outcome, misfit, slopes, covariance_of(posterior, slopes), 0))
         else:
             found.append(least_squares(posterior, begin, iterations=4))
     return tuple(found)
 
 
-def _sampled(posterior: Posterior, draws: Draws, labels: Labels, peaks: Sequence[Peak], shares: Array) -> tuple[Branch, ...]:
+def _sampled(
+    posterior: Posterior, draws: Draws, labels: Labels, peaks: Sequence[Peak], shares: Array
+) -> tuple[Branch, ...]:
     values = posterior.values(draws.work)
     branches = []
     for number, (peak, share) in enumerate(zip(peaks, shares, strict=True)):
@@ -153,11 +277,24 @@ def _sampled(posterior: Posterior, draws: Draws, labels: Labels, peaks: Sequence
         off = (inside - mean) / np.where(deviation > 0, deviation, 1.0)
         best = posterior.values(peak.work[None, :])[0]
         quantities = {
-            one: Interval(float(best[k]), float(mean[k]), float(deviation[k]), *percentiles(inside[:, k], weights, (LOW, HIGH)))
+            one: Interval(
+                float(best[k]),
+                float(mean[k]),
+                float(deviation[k]),
+                *percentiles(inside[:, k], weights, (LOW, HIGH)),
+            )
             for k, one in enumerate(posterior.names)
         }
         correlation = (off * weights[:, None]).T @ off
-        branches.append(Branch(float(share), peak.misfit, quantities, correlation, information_of(posterior, peak.jacobian, draws.whole)))
+        branches.append(
+            Branch(
+                float(share),
+                peak.misfit,
+                quantities,
+                correlation,
+                information_of(posterior, peak.jacobian, draws.whole),
+            )
+        )
     return tuple(branches)
 
 
@@ -165,20 +302,31 @@ def _linear(posterior: Posterior, ends: Ends) -> tuple[Branch, ...]:
     branches = []
     for peak, share in zip(ends.peaks, ends.shares, strict=True):
         deviation = np.sqrt(np.diag(peak.covariance))
-        low, best, high = posterior.values(peak.work + np.outer((-_NORMAL, 0.0, _NORMAL), deviation))
+        low, best, high = posterior.values(
+            peak.work + np.outer((-_NORMAL, 0.0, _NORMAL), deviation)
+        )
         slope = np.where([one.prior.logarithmic for one in posterior.unknowns], best, 1.0)
         quantities = {
-            one: Interval(float(best[k]), float(best[k]), float(slope[k] * deviation[k]), float(low[k]), float(high[k]))
+            one: Interval(
+                float(best[k]),
+                float(best[k]),
+                float(slope[k] * deviation[k]),
+                float(low[k]),
+                float(high[k]),
+            )
             for k, one in enumerate(posterior.names)
         }
         information = information_of(posterior, peak.jacobian)
-        branches.append(Branch(float(share), peak.misfit, quantities, information.correlation, information))
+        branches.append(
+            Branch(float(share), peak.misfit, quantities, information.correlation, information)
+        )
     return tuple(branches)
 
 
 @dataclass(frozen=True, eq=False)
 class _Table:
-    """What one computation tells of the draws, by key (NaN where it was not asked), with the ``weights`` of those it was asked for, and of
+    """What one computation tells of the draws, by key (NaN where it was not asked), with the
+    ``weights`` of those it was asked for, and of
     the likeliest point."""
 
     computed: dict[str, Array]
@@ -186,7 +334,14 @@ class _Table:
     best: Outcome
 
 
-def _table(posterior: Posterior, work: Array, places: Places, evaluate: Evaluate, weights: Array, peak: Peak) -> _Table:
+def _table(
+    posterior: Posterior,
+    work: Array,
+    places: Places,
+    evaluate: Evaluate,
+    weights: Array,
+    peak: Peak,
+) -> _Table:
     (best, *outcomes) = evaluate(posterior.values(np.vstack([peak.work, work[places]])))
     keys = dict.fromkeys(key for outcome in outcomes if outcome is not None for key in outcome)
     computed = {key: np.full(len(work), np.nan) for key in keys}
@@ -204,15 +359,31 @@ def _predicted(posterior: Posterior, tables: Sequence[_Table]) -> tuple[Predicte
         table = next((one for one in tables if datum.key in one.computed), tables[0])
         over = table.computed.get(datum.key, np.full(len(table.weights), np.nan))
         low, middle, high = percentiles(over, table.weights, (LOW, 50.0, HIGH))
-        found.append(Predicted(datum, finite(table.best, datum.key), low, middle, high, datum.percentile(over, table.weights)))
+        found.append(
+            Predicted(
+                datum,
+                finite(table.best, datum.key),
+                low,
+                middle,
+                high,
+                datum.percentile(over, table.weights),
+            )
+        )
     return tuple(found)
 
 
-def _predictions(posterior: Posterior, tables: Sequence[_Table], units: Mapping[str, str]) -> tuple[Prediction, ...]:
+def _predictions(
+    posterior: Posterior, tables: Sequence[_Table], units: Mapping[str, str]
+) -> tuple[Prediction, ...]:
     """Every computed number that no datum is about."""
     measured = {one.key for one in posterior.data}
     return tuple(
-        Prediction(key, units.get(key, ""), finite(table.best, key), *percentiles(values, table.weights, (LOW, 50.0, HIGH)))
+        Prediction(
+            key,
+            units.get(key, ""),
+            finite(table.best, key),
+            *percentiles(values, table.weights, (LOW, 50.0, HIGH)),
+        )
         for table in tables
         for key, values in table.computed.items()
         if key not in measured

@@ -1,4 +1,6 @@
-"""What a point is asked for: numbers of a case under one condition, each with the key that data know it by."""
+"""What a point is asked for: numbers of a case under one condition, each with the key that data
+know it by.
+"""
 
 from __future__ import annotations
 
@@ -11,7 +13,8 @@ from valvetrain.units import format_quantity
 
 @dataclass(frozen=True, slots=True)
 class Station:
-    """Where something was measured: ``engine_speed`` (rad/s of the crank; None at rest), word of the spring model and set (empty: the
+    """Where something was measured: ``engine_speed`` (rad/s of the crank; None at rest), word of
+    the spring model and set (empty: the
     case's own)."""
 
     engine_speed: float | None = None
@@ -21,14 +24,18 @@ class Station:
     @property
     def words(self) -> str:
         """How keys begin, empty at rest by the case's own model."""
-        speed = [] if self.engine_speed is None else [f"{format_quantity(self.engine_speed, 'rpm')}"]
+        speed = (
+            [] if self.engine_speed is None else [f"{format_quantity(self.engine_speed, 'rpm')}"]
+        )
         return ", ".join([*speed, *filter(None, (self.spring_model, self.spring_set))])
 
 
 @dataclass(frozen=True, slots=True)
 class Sought:
-    """One number: a named ``quantity``; the ``force`` of a spring at a compression ``at`` (m from the free state) or its ``load`` at a
-    height ``at`` (m between its seats), ``name`` being the spring (empty: the only one); the cam angle of the event number ``at`` (from 1)
+    """One number: a named ``quantity``; the ``force`` of a spring at a compression ``at`` (m from
+    the free state) or its ``load`` at a
+    height ``at`` (m between its seats), ``name`` being the spring (empty: the only one); the cam
+    angle of the event number ``at`` (from 1)
     of the kind ``name``; the channel ``name`` at the cam angle ``at`` (rad)."""
 
     station: Station

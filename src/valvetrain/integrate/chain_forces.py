@@ -1,4 +1,6 @@
-"""What resists the motion of a chain of masses, with its tangents: the same forces in the balance of an implicit step and in print."""
+"""What resists the motion of a chain of masses, with its tangents: the same forces in the balance
+of an implicit step and in print.
+"""
 
 from __future__ import annotations
 
@@ -16,10 +18,14 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Resistance:
-    """Forces of one instant. ``inner`` (N,): resisting forces (N) of the inner nodes; ``stiffness`` and ``damping`` (N, N): their tangents;
-    ``ends``: force (N) on retainer and seat, compressive positive; ``overlap`` (m) of every contact and ``contact_damping``, what its
-    force is beyond that of the overlap (N), both (p,); ``dampers`` (N + 2,): forces (N) of all dampers on all nodes; ``largest``: force (N)
-    of the largest term that the balance is the difference of, a contact's force or spring rate times place of a node."""
+    """Forces of one instant. ``inner`` (N,): resisting forces (N) of the inner nodes; ``stiffness``
+    and ``damping`` (N, N): their tangents;
+    ``ends``: force (N) on retainer and seat, compressive positive; ``overlap`` (m) of every contact
+    and ``contact_damping``, what its
+    force is beyond that of the overlap (N), both (p,); ``dampers`` (N + 2,): forces (N) of all
+    dampers on all nodes; ``largest``: force (N)
+    of the largest term that the balance is the difference of, a contact's force or spring rate
+    times place of a node."""
 
     inner: Array
     stiffness: Array
@@ -56,25 +62,44 @@ class ChainForces:
         elastic, held = layout.stiffness * stretch, np.ones(len(stretch))
         if not model.pulls:
             for end in (0, -1):
-                held[end], elastic[end] = float(stretch[end] > 0 and carried[end] > 0), max(elastic[end], 0.0)
+                held[end], elastic[end] = (
+                    float(stretch[end] > 0 and carried[end] > 0),
+                    max(elastic[end], 0.0),
+                )
         carried = held * carried
         stiffness, depth = layout.contacts.stiffness, chain_statics.contact_depths(layout, nodes)
         nearing = self.rows @ velocities
         push = stiffness * (depth + model.contact_damping_time * nearing)
-        closed = push > 0  # not from zero overlap on: there the damper would jump, and a coarse step finds no balance at a jump
+        closed = (
+            push > 0
+        )  # not from zero overlap on: there the damper would jump, and a coarse step finds no balance at a jump
         pushed = np.where(closed, push, 0.0)
         beyond = pushed - stiffness * np.maximum(depth, 0.0)
-        total, slowed = carried @ self.steps + pushed @ self.rows, model.mass_damping * layout.masses * velocities[1:-1]
+        total, slowed = (
+            carried @ self.steps + pushed @ self.rows,
+            model.mass_damping * layout.masses * velocities[1:-1],
+        )
         dampers = (carried - elastic) @ self.steps + beyond @ self.rows
         dampers[1:-1] += slowed
-        largest = float(np.max(layout.stiffness * np.abs(nodes[1:]))), float(np.max(pushed, initial=0.0))
+        largest = (
+            float(np.max(layout.stiffness * np.abs(nodes[1:]))),
+            float(np.max(pushed, initial=0.0)),
+        )
         tangents = self._tangents(held * layout.stiffness, closed)
         return Resistance(
-            total[1:-1] + slowed, *tangents, (float(total[-1]), float(0.0 - total[0])), depth, beyond, dampers, max(largest)
-        )  # fmt: skip
+            total[1:-1] + slowed,
+            *tangents,
+            (float(total[-1]), float(0.0 - total[0])),
+            depth,
+            beyond,
+            dampers,
+            max(largest),
+        )
 
     def _tangents(self, held: Array, closed: NDArray[np.bool_]) -> tuple[Array, Array]:
-        """Stiffness and damping matrices of the inner nodes: elements of rates ``held`` (N/m) and the ``closed`` contacts."""
+        """Stiffness and damping matrices of the inner nodes: elements of rates ``held`` (N/m) and
+        the ``closed`` contacts.
+        """
         model, layout, inner = self.model, self.model.layout, slice(1, -1)
         steps, rows = self.steps[:, inner], self.rows[closed][:, inner]
         elements = steps.T @ (held[:, None] * steps)

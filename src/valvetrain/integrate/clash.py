@@ -1,4 +1,6 @@
-"""Coil clashes as events, from the force between each coil and the one below over time: one rule for every model and system."""
+"""Coil clashes as events, from the force between each coil and the one below over time: one rule
+for every model and system.
+"""
 
 from __future__ import annotations
 
@@ -13,9 +15,11 @@ from valvetrain.springs.contract import ContactWatch
 
 Array = NDArray[np.float64]
 TURN = 2 * np.pi
-#: A contact that lasts longer than this (cam rad) is coils at rest on each other while the spring is compressed, not a blow of surge.
+#: A contact that lasts longer than this (cam rad) is coils at rest on each other while the spring
+#: is compressed, not a blow of surge.
 RESTING_ANGLE = TURN / 12
-#: Longest that coils take to give a blow (s): the time within which neighbours that touch belong to one clash.
+#: Longest that coils take to give a blow (s): the time within which neighbours that touch belong to
+#: one clash.
 BLOW_TIME = 0.3e-3
 #: Lengths at which a blow is looked for, as shares of that.
 BLOW_LENGTHS = 2.0 ** (-np.arange(17) / 4)
@@ -27,10 +31,14 @@ RECORDED = "contact_record_interval_duration"
 class ClashRule:
     """When contacts count as one clash; forces in N, time in s.
 
-    A pair is in contact from where its force passes ``off_force`` to where it falls below, if it passes ``on_force`` between
-    (hysteresis). Contacts of neighbouring pairs that begin within ``merge_time`` of each other are one clash: a coil that
-    rolls down on the next. A pair that parts for less than ``rebound_time`` only rings: it stays in the same contact. A contact
-    already there at the first sample is no clash: the coil rests. A closed cycle has no first sample, so there only a contact
+    A pair is in contact from where its force passes ``off_force`` to where it falls below, if it
+    passes ``on_force`` between
+    (hysteresis). Contacts of neighbouring pairs that begin within ``merge_time`` of each other are
+    one clash: a coil that
+    rolls down on the next. A pair that parts for less than ``rebound_time`` only rings: it stays in
+    the same contact. A contact
+    already there at the first sample is no clash: the coil rests. A closed cycle has no first
+    sample, so there only a contact
     without end is no clash.
     """
 
@@ -42,8 +50,10 @@ class ClashRule:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PairSeries:
-    """Coil pairs of one spring over n times: ``time`` (s), ``cam_angle`` (rad, unwrapped), ``ranks`` (p,): place of each in the row of all
-    pairs, ascending; ``places`` (p,): coil number of the upper partner; ``force`` (N) between the partners and ``energy`` (J) stored in
+    """Coil pairs of one spring over n times: ``time`` (s), ``cam_angle`` (rad, unwrapped),
+    ``ranks`` (p,): place of each in the row of all
+    pairs, ascending; ``places`` (p,): coil number of the upper partner; ``force`` (N) between the
+    partners and ``energy`` (J) stored in
     their contact, both (p, n)."""
 
     time: Array
@@ -55,25 +65,39 @@ class PairSeries:
 
     def where(self, chosen: NDArray[np.int64]) -> PairSeries:
         """Some of the pairs."""
-        force, energy = (np.ascontiguousarray(values[chosen]) for values in (self.force, self.energy))
-        return PairSeries(self.time, self.cam_angle, self.ranks[chosen], self.places[chosen], force, energy)
+        force, energy = (
+            np.ascontiguousarray(values[chosen]) for values in (self.force, self.energy)
+        )
+        return PairSeries(
+            self.time, self.cam_angle, self.ranks[chosen], self.places[chosen], force, energy
+        )
 
     def closed(self) -> PairSeries:
         """The same period three times in a row."""
-        period, turn = (len(axis) * (axis[-1] - axis[0]) / (len(axis) - 1) for axis in (self.time, self.cam_angle))
-        times, angles = (
-            np.concatenate([axis - length, axis, axis + length]) for axis, length in ((self.time, period), (self.cam_angle, turn))
+        period, turn = (
+            len(axis) * (axis[-1] - axis[0]) / (len(axis) - 1)
+            for axis in (self.time, self.cam_angle)
         )
-        return PairSeries(times, angles, self.ranks, self.places, np.tile(self.force, 3), np.tile(self.energy, 3))
+        times, angles = (
+            np.concatenate([axis - length, axis, axis + length])
+            for axis, length in ((self.time, period), (self.cam_angle, turn))
+        )
+        return PairSeries(
+            times, angles, self.ranks, self.places, np.tile(self.force, 3), np.tile(self.energy, 3)
+        )
 
 
 def blow_impulse(time: Array, force: Array) -> float:
-    """Impulse (N s) of the hardest blow in the ``force`` (N) of one contact over even ``time`` (s): what it gives within
+    """Impulse (N s) of the hardest blow in the ``force`` (N) of one contact over even ``time`` (s):
+    what it gives within
     :data:`BLOW_TIME` beyond what it holds.
 
-    The largest over begin and length of the integral of force less holding force, which is the greater of its means over that time
-    before and after. A contact shorter than that gives its whole impulse; a mass m that lands at v on what it then rests on gives
-    m (v + rebound velocity) to a tenth, however long it rests; coils that lie down slowly give none.
+    The largest over begin and length of the integral of force less holding force, which is the
+    greater of its means over that time
+    before and after. A contact shorter than that gives its whole impulse; a mass m that lands at v
+    on what it then rests on gives
+    m (v + rebound velocity) to a tenth, however long it rests; coils that lie down slowly give
+    none.
     """
     step = float(time[-1] - time[0]) / (len(time) - 1)
     reach = BLOW_TIME / step
@@ -84,7 +108,9 @@ def blow_impulse(time: Array, force: Array) -> float:
 
 
 def steps_between(watch: ContactWatch | None, time_step: float) -> int:
-    """Steps (of ``time_step``, s) between two rows of a record of contacts: the watch's interval, whatever samples are kept."""
+    """Steps (of ``time_step``, s) between two rows of a record of contacts: the watch's interval,
+    whatever samples are kept.
+    """
     return max(1, round(watch.interval / time_step)) if watch is not None else 1
 
 
@@ -97,12 +123,18 @@ class _Contact:
     last: int
 
 
-def find_clashes(pairs: PairSeries, spring: str = "", closed: bool = False, rule: ClashRule = ClashRule()) -> tuple[Event, ...]:
-    """Events of kind ``clash`` by start time; ``spring``: name to stand in ``where``; ``closed``: the series is one closed period.
+def find_clashes(
+    pairs: PairSeries, spring: str = "", closed: bool = False, rule: ClashRule = ClashRule()
+) -> tuple[Event, ...]:
+    """Events of kind ``clash`` by start time; ``spring``: name to stand in ``where``; ``closed``:
+    the series is one closed period.
 
-    Size is the peak of the summed force (N); details: ``impulse`` (N s, see :func:`blow_impulse`), ``energy`` (J, largest energy stored in
-    the pressed pairs at one time), ``peak_cam_angle`` (rad, unwrapped), ``upper_coil`` and ``lower_coil`` (whole coils counted from 1 at
-    the seat, of the pair that is hit hardest), ``first_pair`` and ``last_pair`` (coil numbers of the upper partner at the ends of the
+    Size is the peak of the summed force (N); details: ``impulse`` (N s, see :func:`blow_impulse`),
+    ``energy`` (J, largest energy stored in
+    the pressed pairs at one time), ``peak_cam_angle`` (rad, unwrapped), ``upper_coil`` and
+    ``lower_coil`` (whole coils counted from 1 at
+    the seat, of the pair that is hit hardest), ``first_pair`` and ``last_pair`` (coil numbers of
+    the upper partner at the ends of the
     touching stretch), ``cause``.
     """
     if len(pairs.time) < 2 or not pairs.places.size:
@@ -110,11 +142,16 @@ def find_clashes(pairs: PairSeries, spring: str = "", closed: bool = False, rule
     period = len(pairs.time) if closed else 0
     pairs = pairs.where(np.flatnonzero(np.max(pairs.force, axis=1) > rule.on_force))
     pairs = pairs.closed() if closed else pairs
-    contacts = [one for pair, force in enumerate(pairs.force) for one in _contacts(pairs.time, force, pair, rule)]
+    contacts = [
+        one
+        for pair, force in enumerate(pairs.force)
+        for one in _contacts(pairs.time, force, pair, rule)
+    ]
     found = [
         _event(pairs, group, f"{spring} " if spring else "")
         for group in _clashes(contacts, pairs, rule)
-        # A closed cycle stands three times in a row; what begins in the middle one has its whole neighbourhood there.
+        # A closed cycle stands three times in a row; what begins in the middle one has its whole
+        # neighbourhood there.
         if not period or period <= min(contact.first for contact in group) < 2 * period
     ]
     return tuple(sorted(found, key=lambda event: event.time))
@@ -127,13 +164,25 @@ def _contacts(time: Array, force: Array, pair: int, rule: ClashRule) -> list[_Co
             found[-1] = _Contact(pair, found[-1].first, last)
         else:
             found.append(_Contact(pair, first, last))
-    return [one for one in found if one.first > 0 and np.max(force[one.first : one.last + 1]) > rule.on_force]
+    return [
+        one
+        for one in found
+        if one.first > 0 and np.max(force[one.first : one.last + 1]) > rule.on_force
+    ]
 
 
 def runs(mask: NDArray[np.bool_], ring: bool = False) -> list[tuple[int, int]]:
-    """First and last index of every unbroken stretch of True; on a ``ring`` one that passes its end goes on beyond the last index."""
+    """First and last index of every unbroken stretch of True; on a ``ring`` one that passes its end
+    goes on beyond the last index.
+    """
     edges = np.diff(np.concatenate(([0], mask.astype(np.int8), [0])))
-    found = list(zip(np.flatnonzero(edges == 1).tolist(), (np.flatnonzero(edges == -1) - 1).tolist(), strict=True))
+    found = list(
+        zip(
+            np.flatnonzero(edges == 1).tolist(),
+            (np.flatnonzero(edges == -1) - 1).tolist(),
+            strict=True,
+        )
+    )
     if ring and len(found) > 1 and mask[0] and mask[-1]:
         (_, last), (first, _) = found.pop(0), found.pop()
         found.append((first, last + len(mask)))
@@ -141,7 +190,9 @@ def runs(mask: NDArray[np.bool_], ring: bool = False) -> list[tuple[int, int]]:
 
 
 def upper_coil_of(place: float) -> int:
-    """Whole coil, counted from 1 at the seat, in which coil number ``place`` lies: 1.9 and 2.0 lie in coil 2."""
+    """Whole coil, counted from 1 at the seat, in which coil number ``place`` lies: 1.9 and 2.0 lie
+    in coil 2.
+    """
     return max(2, int(np.ceil(place - 1e-9)))
 
 
@@ -173,14 +224,23 @@ def _clashes(contacts: list[_Contact], pairs: PairSeries, rule: ClashRule) -> li
 def _event(pairs: PairSeries, group: list[_Contact], spring: str) -> Event:
     time, angle = pairs.time, pairs.cam_angle
     first, last = min(contact.first for contact in group), max(contact.last for contact in group)
-    # Contacts begin and end between samples: half a step is added either side, and the trapezoid closes on nil force.
+    # Contacts begin and end between samples: half a step is added either side, and the trapezoid
+    # closes on nil force.
     start, end = max(first - 1, 0), min(last + 1, len(time) - 1)
     summed, stored = np.zeros(end - start + 1), np.zeros(end - start + 1)
     for contact in group:
-        mine, inside = slice(contact.first, contact.last + 1), slice(contact.first - start, contact.last - start + 1)
+        mine, inside = (
+            slice(contact.first, contact.last + 1),
+            slice(contact.first - start, contact.last - start + 1),
+        )
         summed[inside] += pairs.force[contact.pair, mine]
         stored[inside] += pairs.energy[contact.pair, mine]
-    strongest = max(group, key=lambda contact: float(np.max(pairs.force[contact.pair, contact.first : contact.last + 1])))
+    strongest = max(
+        group,
+        key=lambda contact: float(
+            np.max(pairs.force[contact.pair, contact.first : contact.last + 1])
+        ),
+    )
     top, coil = start + int(np.argmax(summed)), upper_coil_of(pairs.places[strongest.pair])
     begin, finish = float(time[start] + time[first]) / 2, float(time[last] + time[end]) / 2
     resting = angle[end] - angle[start] > RESTING_ANGLE
@@ -192,4 +252,13 @@ def _event(pairs: PairSeries, group: list[_Contact], spring: str) -> Event:
         "cause": "coils come to rest on each other as the spring closes" if resting else "coils meet under surge",
     }  # fmt: skip
     where = f"{spring}coils {coil - 1}-{coil}"
-    return Event("clash", float(angle[start] + angle[first]) / 2, begin, finish - begin, float(np.max(summed)), "N", where, details)
+    return Event(
+        "clash",
+        float(angle[start] + angle[first]) / 2,
+        begin,
+        finish - begin,
+        float(np.max(summed)),
+        "N",
+        where,
+        details,
+    )

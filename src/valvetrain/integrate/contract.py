@@ -4,16 +4,16 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal, Protocol, runtime_checkable
+from typing import Literal, Protocol, runtime_checkable
 
 from valvetrain.errors import InputError
+from valvetrain.integrate.train_run import TrainRunner, TrainState
 from valvetrain.solution.provenance import Provenance
 from valvetrain.solution.result import Solution
+from valvetrain.springs.carry import carried_state
+from valvetrain.springs.contract import SpringModel
 from valvetrain.system.contract import System
 from valvetrain.system.train_rest import TrainRest
-
-if TYPE_CHECKING:
-    from valvetrain.integrate.train_orbit import Orbit
 
 #: Longest run-up that is taken for meant.
 MOST_TURNS = 10_000
@@ -28,8 +28,10 @@ class Cycles:
 
 @dataclass(frozen=True, slots=True)
 class Periodic:
-    """Until the motion repeats. ``cycles``: most cam turns (None: the usual number of the system); ``method``: ``anderson`` or
-    ``repeat`` (the classical one); ``tolerance``: change per turn relative to lift and lift times cam speed (None: the usual one)."""
+    """Until the motion repeats. ``cycles``: most cam turns (None: the usual number of the system);
+    ``method``: ``anderson`` or
+    ``repeat`` (the classical one); ``tolerance``: change per turn relative to lift and lift times
+    cam speed (None: the usual one)."""
 
     cycles: int | None = None
     method: str = "anderson"
@@ -38,19 +40,30 @@ class Periodic:
 
 @dataclass(frozen=True, slots=True)
 class RunUp:
-    """From the run's cam speed to ``last_cam_speed`` (rad/s) at ``cam_acceleration`` (rad/s2, of the sign of the change)."""
+    """From the run's cam speed to ``last_cam_speed`` (rad/s) at ``cam_acceleration`` (rad/s2, of
+    the sign of the change).
+    """
 
     last_cam_speed: float
     cam_acceleration: float
 
     def duration(self, first_cam_speed: float) -> float:
-        """Time (s) from ``first_cam_speed`` (rad/s) to the last. Raises :class:`InputError` for an acceleration that does not lead there
+        """Time (s) from ``first_cam_speed`` (rad/s) to the last. Raises :class:`InputError` for an
+        acceleration that does not lead there
         or takes beyond :data:`MOST_TURNS` cam turns."""
         change = self.last_cam_speed - first_cam_speed
-        if not (math.isfinite(self.cam_acceleration) and change * self.cam_acceleration > 0 and self.last_cam_speed > 0):
-            raise InputError("the cam acceleration of a run-up must lead from its first to its last speed; change its sign or the speeds")
+        if not (
+            math.isfinite(self.cam_acceleration)
+            and change * self.cam_acceleration > 0
+            and self.last_cam_speed > 0
+        ):
+            raise InputError(
+                "the cam acceleration of a run-up must lead from its first to its last speed; change its sign or the speeds"
+            )
         if change / self.cam_acceleration * first_cam_speed > MOST_TURNS * 2 * math.pi:
-            raise InputError(f"a run-up of more than {MOST_TURNS} cam turns is taken for a mistake; raise the acceleration")
+            raise InputError(
+                f"a run-up of more than {MOST_TURNS} cam turns is taken for a mistake; raise the acceleration"
+            )
         return change / self.cam_acceleration
 
 
@@ -62,11 +75,16 @@ Keep = Literal["all", "contacts", "ends"]
 class RunOptions:
     """Numerical choices of a run.
 
-    ``samples`` per cam turn (None: the integrator's usual number). ``time_step`` (s; None: chosen by stability). ``keep``: channels of
-    ``all`` that the system shows, of the coil ``contacts`` and the ends, or of the ``ends`` alone. ``rest``: a train at rest where it is
-    known already. ``integrator``: word of the registry (None: the first that serves). ``window``: begin and end (cam rad, may pass the end
-    of the turn) in which the least force of every contact of a train is noted on every step (statistics ``least_..._force``, largest as
-    ``open_..._force``). ``nose``: cam angle (rad) at which the force of the cam is taken to the angle itself.
+    ``samples`` per cam turn (None: the integrator's usual number). ``time_step`` (s; None: chosen
+    by stability). ``keep``: channels of
+    ``all`` that the system shows, of the coil ``contacts`` and the ends, or of the ``ends`` alone.
+    ``rest``: a train at rest where it is
+    known already. ``integrator``: word of the registry (None: the first that serves). ``window``:
+    begin and end (cam rad, may pass the end
+    of the turn) in which the least force of every contact of a train is noted on every step
+    (statistics ``least_..._force``, largest as
+    ``open_..._force``). ``nose``: cam angle (rad) at which the force of the cam is taken to the
+    angle itself.
     ``start``: motion at another speed that a train starts from instead of from rest.
     """
 
@@ -82,7 +100,9 @@ class RunOptions:
 
 @runtime_checkable
 class Integrator(Protocol):
-    """One way of integrating a system in time; frozen. A run that fails is a status in its solution, never an exception."""
+    """One way of integrating a system in time; frozen. A run that fails is a status in its
+    solution, never an exception.
+    """
 
     @property
     def word(self) -> str: ...
@@ -96,6 +116,40 @@ class Integrator(Protocol):
         """Whether this integrator runs such a system so long."""
         ...
 
-    def run(self, system: System, cam_speed: float, until: Until, options: RunOptions, provenance: Provenance) -> Solution:
-        """The run as a solution without events and quantities; see :func:`valvetrain.integrate.run.run`."""
+    def run(
+        self,
+        system: System,
+        cam_speed: float,
+        until: Until,
+        options: RunOptions,
+        provenance: Provenance,
+    ) -> Solution:
+        """The run as a solution without events and quantities; see
+        :func:`valvetrain.integrate.run.run`.
+        """
         ...
+
+
+@dataclass(frozen=True, eq=False)
+class Orbit:
+    """State at the start of a cam turn, with the springs (as the run's step made them) and the cam
+    speed (rad/s) that it belongs to.
+    """
+
+    state: TrainState
+    springs: tuple[SpringModel, ...]
+    cam_speed: float
+
+    def at(self, ready: TrainRunner) -> TrainState:
+        """The state for the same train at the speed of ``ready``: positions as they are, velocities
+        in the ratio of the cam speeds (so
+        that the rigid part of the motion fits), springs on the grid of the new step."""
+        state, share = self.state.copy(), ready.cam_speed / self.cam_speed
+        state.v[:] *= share
+        retainer = ready.system.arrays.retainer
+        place, rate = float(state.q[retainer]), float(state.v[retainer])
+        springs = []
+        for values, spring, other in zip(state.springs, self.springs, ready.springs, strict=True):
+            values[spring.unknowns : 2 * spring.unknowns] *= share
+            springs.append(carried_state(values, spring, other, place, rate))
+        return TrainState(state.q, state.v, tuple(springs), state.law_state, state.held, 0.0)

@@ -1,4 +1,6 @@
-"""Exact periodic solution of the modal model with varied stiffness: harmonic by harmonic over one cam turn."""
+"""Exact periodic solution of the modal model with varied stiffness: harmonic by harmonic over one
+cam turn.
+"""
 
 from __future__ import annotations
 
@@ -34,7 +36,14 @@ class Harmonic:
         alone = isinstance(system, PrescribedSpring) and len(system.springs) == 1
         return alone and isinstance(system.springs[0], ModalVaried) and not isinstance(until, RunUp)
 
-    def run(self, system: System, cam_speed: float, until: Until, options: RunOptions, provenance: Provenance) -> Solution:
+    def run(
+        self,
+        system: System,
+        cam_speed: float,
+        until: Until,
+        options: RunOptions,
+        provenance: Provenance,
+    ) -> Solution:
         """See :class:`valvetrain.integrate.contract.Integrator`."""
         assert isinstance(system, PrescribedSpring)
         model = system.springs[0]

@@ -1,4 +1,6 @@
-"""Explicit leapfrog of any spring model under prescribed motion, through the one contract of ``springs.contract``."""
+"""Explicit leapfrog of any spring model under prescribed motion, through the one contract of
+``springs.contract``.
+"""
 
 from __future__ import annotations
 
@@ -21,11 +23,12 @@ from valvetrain.system.contract import System
 from valvetrain.system.prescribed import PrescribedSpring
 
 if TYPE_CHECKING:
-    from valvetrain.solution.arrays import ChannelArrays
+    from valvetrain.solution.channels import ChannelArrays
 
 Array = NDArray[np.float64]
 TURN = 2 * np.pi
-#: Samples per cam turn, share of the model's stable step that is used, cam turns until a periodic motion is given up, and the change of
+#: Samples per cam turn, share of the model's stable step that is used, cam turns until a periodic
+#: motion is given up, and the change of
 #: the end forces per turn, over their span, at which it counts as periodic.
 SAMPLES, STEP_FRACTION, MOST_CYCLES, TOLERANCE = 720, 0.8, 40, 1e-3
 #: A record of inner states beyond this size (bytes) is not kept.
@@ -36,7 +39,9 @@ LARGEST_FORCE = 1e7
 
 @dataclass(frozen=True)
 class Leapfrog:
-    """Second order; the step is a share of the model's stable one, so that a cam turn holds a whole number of samples and steps."""
+    """Second order; the step is a share of the model's stable one, so that a cam turn holds a whole
+    number of samples and steps.
+    """
 
     word: str = "leapfrog"
     order: int = 2
@@ -44,7 +49,14 @@ class Leapfrog:
     def serves(self, system: System, until: Until) -> bool:
         return isinstance(system, PrescribedSpring) and len(system.springs) == 1
 
-    def run(self, system: System, cam_speed: float, until: Until, options: RunOptions, provenance: Provenance) -> Solution:
+    def run(
+        self,
+        system: System,
+        cam_speed: float,
+        until: Until,
+        options: RunOptions,
+        provenance: Provenance,
+    ) -> Solution:
         """See :class:`valvetrain.integrate.contract.Integrator`."""
         assert isinstance(system, PrescribedSpring)
         samples, interval = options.samples or SAMPLES, 0.0
@@ -61,38 +73,84 @@ class Leapfrog:
             turns = until.count
         else:
             turns, tolerance = until.cycles or MOST_CYCLES, until.tolerance or TOLERANCE
-        state = np.asarray(model.initial_state(float(system.displacement(0.0, cam_speed))), dtype=float)
+        state = np.asarray(
+            model.initial_state(float(system.displacement(0.0, cam_speed))), dtype=float
+        )
         parameters, integers = model.parameters(), model.integers()
         keep = options.keep != "ends" and 8.0 * len(state) * (samples + 1) < LARGEST_RECORD
         watch = contact_watch_of(model)
         spacing, pressed = steps_between(watch, step), np.zeros((0, 0))
         rows = (samples * sub - 1) // spacing + 1
         # a run-up's contacts are recorded in all turns, where they fit
-        record = watch is not None and (not isinstance(until, RunUp) or 8.0 * watch.entries * rows * turns < LARGEST_RECORD)
+        record = watch is not None and (
+            not isinstance(until, RunUp) or 8.0 * watch.entries * rows * turns < LARGEST_RECORD
+        )
         stretches = watch.stretches if watch is not None else np.zeros((0, 2), dtype=np.int64)
         blows: list[tuple[Array, Array]] = []
-        forces, before, change, done, turn = np.zeros((samples * sub + 1, 2)), np.zeros(0), np.inf, 0, 0
+        forces, before, change, done, turn = (
+            np.zeros((samples * sub + 1, 2)),
+            np.zeros(0),
+            np.inf,
+            0,
+            0,
+        )
         kept: list[tuple[Array, Array, Array]] = []
         for turn in range(turns):
             time = step * np.arange(samples * sub + 1.0) + turn * samples * interval
             angle = cam_speed * time + 0.5 * acceleration * time**2
             place = np.ascontiguousarray(system.valve_lift.lift(angle), dtype=float)
-            rate = np.ascontiguousarray(system.valve_lift.lift(angle, 1)) * (cam_speed + acceleration * time)
+            rate = np.ascontiguousarray(system.valve_lift.lift(angle, 1)) * (
+                cam_speed + acceleration * time
+            )
             states = np.zeros((samples + 1 if keep else 0, len(state)))
             forces = np.zeros((len(time), 2))
-            if record and watch is not None and not (isinstance(until, Cycles) and turn < turns - 1):
+            if (
+                record
+                and watch is not None
+                and not (isinstance(until, Cycles) and turn < turns - 1)
+            ):
                 pressed = np.empty((rows, watch.entries))
-            done = advance(model.kernel, parameters, integers, state, place, rate, step, sub, forces, states, stretches, spacing, pressed)
+            done = advance(
+                model.kernel,
+                parameters,
+                integers,
+                state,
+                place,
+                rate,
+                step,
+                sub,
+                forces,
+                states,
+                stretches,
+                spacing,
+                pressed,
+            )
             if len(pressed):
                 whole = min(rows, (done + spacing - 1) // spacing)
-                blows = [*(blows if isinstance(until, RunUp) else []), (time[:-1:spacing][:whole], pressed[:whole])]
-            kept = [*kept, (time, forces, states)] if isinstance(until, RunUp) else [(time, forces, states)]
+                blows = [
+                    *(blows if isinstance(until, RunUp) else []),
+                    (time[:-1:spacing][:whole], pressed[:whole]),
+                ]
+            kept = (
+                [*kept, (time, forces, states)]
+                if isinstance(until, RunUp)
+                else [(time, forces, states)]
+            )
             if done <= samples * sub:
                 break
             change, before = turn_change(before, forces[:, 1]), forces[:, 1]
             if change <= tolerance:
                 break
-        status = run_status(system, until, done > samples * sub, change, tolerance, turn, kept[-1][0][min(done, samples * sub)], cam_speed)
+        status = run_status(
+            system,
+            until,
+            done > samples * sub,
+            change,
+            tolerance,
+            turn,
+            kept[-1][0][min(done, samples * sub)],
+            cam_speed,
+        )
         statistics: dict[str, float | int | str | bool] = {
             "time_step_duration": step, "steps_per_cycle_count": samples * sub, "steady_cycles_count": turn + 1, "integrator": self.word,
         }  # fmt: skip
@@ -100,36 +158,72 @@ class Leapfrog:
             statistics |= {"steady_residual_ratio": change, "steady_tolerance_ratio": tolerance}
         if done <= samples * sub:  # whole samples of what was computed before it diverged
             whole = done // sub * sub
-            kept[-1] = kept[-1][0][: whole + 1], kept[-1][1][: whole + 1], kept[-1][2][: whole // sub + 1]
-        channels = run_channels(system, model, cam_speed, acceleration, kept, sub, options.keep == "all")
+            kept[-1] = (
+                kept[-1][0][: whole + 1],
+                kept[-1][1][: whole + 1],
+                kept[-1][2][: whole // sub + 1],
+            )
+        channels = run_channels(
+            system, model, cam_speed, acceleration, kept, sub, options.keep == "all"
+        )
         events: tuple[Event, ...] = ()
         if blows and watch is not None:
-            at, found = blows[0] if len(blows) == 1 else (np.concatenate([part[k] for part in blows]) for k in (0, 1))
+            at, found = (
+                blows[0]
+                if len(blows) == 1
+                else (np.concatenate([part[k] for part in blows]) for k in (0, 1))
+            )
             statistics[RECORDED] = spacing * step
-            events = find_clashes(PairSeries(at, cam_speed * at + 0.5 * acceleration * at**2, *watch.read(found, spacing * step, step)))
+            events = find_clashes(
+                PairSeries(
+                    at,
+                    cam_speed * at + 0.5 * acceleration * at**2,
+                    *watch.read(found, spacing * step, step),
+                )
+            )
         return Solution(channels, events, status, statistics, provenance)
 
 
 def turn_change(before: Array, now: Array) -> float:
-    """Largest change of a force between two turns at the same angles, as a share of its span; infinite where no turn was before."""
+    """Largest change of a force between two turns at the same angles, as a share of its span;
+    infinite where no turn was before.
+    """
     if not len(before):
         return np.inf
     return float(np.max(np.abs(now - before)) / max(float(np.ptp(now)), 1e-12))
 
 
 def run_status(
-    system: PrescribedSpring, until: Until, reached: bool, change: float, tolerance: float, turn: int, time: float, cam_speed: float
+    system: PrescribedSpring,
+    until: Until,
+    reached: bool,
+    change: float,
+    tolerance: float,
+    turn: int,
+    time: float,
+    cam_speed: float,
 ) -> Status:
-    """How a run of one spring ended: ``reached`` its end or diverged at ``time`` (s), or still changing by ``change`` per turn."""
+    """How a run of one spring ended: ``reached`` its end or diverged at ``time`` (s), or still
+    changing by ``change`` per turn.
+    """
     if not reached:
         where = np.degrees(cam_speed * time % TURN)
         return Status(
-            "diverged", f"the forces grew without bound at {where:.1f} cam degrees of turn {turn + 1}", float(time), system.springs[0].name,
+            "diverged",
+            f"the forces grew without bound at {where:.1f} cam degrees of turn {turn + 1}",
+            float(time),
+            system.springs[0].name,
             "give a smaller time step or a softer coil contact, or check the lift law for jumps",
-        )  # fmt: skip
+        )
     if isinstance(until, Periodic) and change > tolerance:
         words = f"after {turn + 1} cam turns the forces still change by {change:.1e} of their span (accepted: {tolerance:.0e})"
-        return Status("not-converged", words, float(time), system.springs[0].name, "run more turns, or raise the damping of the spring")
+        return Status(
+            "not-converged",
+            words,
+            float(time),
+            system.springs[0].name,
+            "run more turns, or raise the damping of the spring",
+        )
     return COMPLETED
 
 
@@ -143,12 +237,15 @@ def run_channels(
     whole: bool,
     half_behind: bool = True,
 ) -> ChannelArrays:
-    """Channels over the turns kept: end forces at every sample and step, inner motion where states were recorded, energies.
+    """Channels over the turns kept: end forces at every sample and step, inner motion where states
+    were recorded, energies.
 
     ``half_behind``: velocities of the states stand half a step before their places.
     """
     cuts = [slice(None) if n == len(kept) - 1 else slice(None, -1) for n in range(len(kept))]
-    time, forces = (np.concatenate([part[k][cut] for part, cut in zip(kept, cuts, strict=True)]) for k in (0, 1))
+    time, forces = (
+        np.concatenate([part[k][cut] for part, cut in zip(kept, cuts, strict=True)]) for k in (0, 1)
+    )
     states = np.concatenate([part[2][cut] for part, cut in zip(kept, cuts, strict=True)])
     at, turned = time[::sub], cam_speed * time + 0.5 * acceleration * time**2
     angle, rate = turned[::sub], cam_speed + acceleration * at
@@ -167,13 +264,24 @@ def run_channels(
     coil, pairs = None, None
     if len(states):
         step = float(time[1] - time[0]) if half_behind and len(time) > 1 else 0.0
-        shown = [model.outputs(state, x, v) for state, x, v in zip(states, lift, velocity, strict=True)]
+        shown = [
+            model.outputs(state, x, v) for state, x, v in zip(states, lift, velocity, strict=True)
+        ]
         energy = (
             np.zeros((0, 4))
             if not whole
-            else np.array([tuple(model.energy(state, x, v, step)) for state, x, v in zip(states, lift, velocity, strict=True)])
+            else np.array(
+                [
+                    tuple(model.energy(state, x, v, step))
+                    for state, x, v in zip(states, lift, velocity, strict=True)
+                ]
+            )
         )
-        for column, name in enumerate(() if not whole else ("kinetic_energy", "elastic_energy", "contact_energy", "energy_dissipated")):
+        for column, name in enumerate(
+            ()
+            if not whole
+            else ("kinetic_energy", "elastic_energy", "contact_energy", "energy_dissipated")
+        ):
             values[name] = energy[:, column]
         if whole and shown[0].coil_number.size:
             coil = shown[0].coil_number

@@ -7,18 +7,50 @@ from numba import types
 from valvetrain.compiled import njit
 from valvetrain.integrate.spring_slot import SPRING_FUNCTION, write_contacts
 
-_f8, _vector, _matrix = types.float64, types.Array(types.float64, 1, "C"), types.Array(types.float64, 2, "C")
+_f8, _vector, _matrix = (
+    types.float64,
+    types.Array(types.float64, 1, "C"),
+    types.Array(types.float64, 2, "C"),
+)
 
 
 @njit(
     types.int64(
-        SPRING_FUNCTION, _vector, types.Array(types.int64, 1, "C"), _vector, _vector, _vector, _f8, types.int64, _matrix, _matrix,
-        types.Array(types.int64, 2, "C"), types.int64, _matrix,
+        SPRING_FUNCTION,
+        _vector,
+        types.Array(types.int64, 1, "C"),
+        _vector,
+        _vector,
+        _vector,
+        _f8,
+        types.int64,
+        _matrix,
+        _matrix,
+        types.Array(types.int64, 2, "C"),
+        types.int64,
+        _matrix,
     ),
-    cache=True, nogil=True, error_model="numpy",
-)  # fmt: skip
-def advance(kernel, parameters, integers, state, displacement, velocity, time_step, every, forces, states, stretches, spacing, pressed):
-    """One stretch of prescribed motion: end forces (N) at every step, the state at every ``every``-th, the coil contacts (``stretches`` of
+    cache=True,
+    nogil=True,
+    error_model="numpy",
+)
+def advance(
+    kernel,
+    parameters,
+    integers,
+    state,
+    displacement,
+    velocity,
+    time_step,
+    every,
+    forces,
+    states,
+    stretches,
+    spacing,
+    pressed,
+):
+    """One stretch of prescribed motion: end forces (N) at every step, the state at every
+    ``every``-th, the coil contacts (``stretches`` of
     the state) at every ``spacing``-th into ``pressed``; returns the steps done.
 
     The last call takes no step, so that the next stretch begins where this one ends.
@@ -29,7 +61,9 @@ def advance(kernel, parameters, integers, state, displacement, velocity, time_st
             for i in range(states.shape[1]):
                 states[n // every, i] = state[i]
         step = time_step if n < last else 0.0
-        forces[n, 0], forces[n, 1] = kernel(parameters, integers, state, displacement[n], velocity[n], step)
+        forces[n, 0], forces[n, 1] = kernel(
+            parameters, integers, state, displacement[n], velocity[n], step
+        )
         if step > 0.0 and n % spacing == 0 and n // spacing < pressed.shape[0]:
             write_contacts(state, stretches, pressed[n // spacing])
         if not abs(forces[n, 0]) + abs(forces[n, 1]) < 1e7:

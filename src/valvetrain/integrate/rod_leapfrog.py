@@ -1,4 +1,6 @@
-"""The geometrically exact rod under prescribed motion by its own vectorised leapfrog, which keeps every section's motion and load."""
+"""The geometrically exact rod under prescribed motion by its own vectorised leapfrog, which keeps
+every section's motion and load.
+"""
 
 from __future__ import annotations
 
@@ -7,10 +9,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from valvetrain.cosserat.transient import RodTransient, simulate
+from valvetrain.errors import InputError
 from valvetrain.integrate.clash import RECORDED, PairSeries, find_clashes
 from valvetrain.integrate.contract import Cycles, Periodic, RunOptions, RunUp, Until
-from valvetrain.solution.arrays import Variable
-from valvetrain.solution.channels import SPRING_CHANNELS
+from valvetrain.solution.channels import SPRING_CHANNELS, Variable
 from valvetrain.solution.event import Event
 from valvetrain.solution.provenance import Provenance
 from valvetrain.solution.result import Solution
@@ -21,22 +23,36 @@ from valvetrain.system.contract import System
 from valvetrain.system.prescribed import PrescribedSpring
 
 TURN = 2 * np.pi
-#: Samples per cam turn, and cam turns of a run that shall be periodic (the rod settles within a few; its state is too large to accelerate).
+#: Samples per cam turn, and cam turns of a run that shall be periodic (the rod settles within a
+#: few; its state is too large to accelerate).
 SAMPLES, PERIODIC_CYCLES = 720, 4
 
 
 @dataclass(frozen=True)
 class RodLeapfrog:
-    """Second order. A run that diverges is repeated once with half the step; when that fails too, what was computed has a status."""
+    """Second order. A run that diverges is repeated once with half the step; when that fails too,
+    what was computed has a status.
+    """
 
     word: str = "rod-leapfrog"
     order: int = 2
 
     def serves(self, system: System, until: Until) -> bool:
         alone = isinstance(system, PrescribedSpring) and len(system.springs) == 1
-        return alone and isinstance(system.springs[0], FiniteElementRod) and not isinstance(until, RunUp)
+        return (
+            alone
+            and isinstance(system.springs[0], FiniteElementRod)
+            and not isinstance(until, RunUp)
+        )
 
-    def run(self, system: System, cam_speed: float, until: Until, options: RunOptions, provenance: Provenance) -> Solution:
+    def run(
+        self,
+        system: System,
+        cam_speed: float,
+        until: Until,
+        options: RunOptions,
+        provenance: Provenance,
+    ) -> Solution:
         """See :class:`valvetrain.integrate.contract.Integrator`."""
         assert isinstance(system, PrescribedSpring)
         rod = system.springs[0]
@@ -51,9 +67,16 @@ class RodLeapfrog:
 
         def turn(step: float | None) -> RodTransient:
             return simulate(
-                rod.mesh, rod.installed.state, lambda time: rod.precompression + system.displacement(time, cam_speed),
-                TURN / samples / cam_speed, cycles * samples, rod.dynamics, step, discard=(cycles - 1) * samples, pair_of=pair_of,
-            )  # fmt: skip
+                rod.mesh,
+                rod.installed.state,
+                lambda time: rod.precompression + system.displacement(time, cam_speed),
+                TURN / samples / cam_speed,
+                cycles * samples,
+                rod.dynamics,
+                step,
+                discard=(cycles - 1) * samples,
+                pair_of=pair_of,
+            )
 
         made = turn(options.time_step or model.time_step or model.stable_time_step())
         retried = not made.completed
@@ -63,7 +86,13 @@ class RodLeapfrog:
         channels = (rod_channels if options.keep == "all" else end_channels)(model, made, cam_speed)
         _, unit, words = SPRING_CHANNELS["retainer_acceleration"]
         acceleration = system.displacement(made.time, cam_speed, 2)
-        channels = channels.assign({"retainer_acceleration": Variable(("sample",), acceleration, {"units": unit, "long_name": words})})
+        channels = channels.assign(
+            {
+                "retainer_acceleration": Variable(
+                    ("sample",), acceleration, {"units": unit, "long_name": words}
+                )
+            }
+        )
         statistics: dict[str, float | int | str | bool] = {
             "time_step_duration": made.time_step, "steps": made.steps, "elements": model.mesh.elements, "largest_velocity": made.fastest,
             "step_was_halved": retried, "integrator": self.word,
@@ -72,7 +101,12 @@ class RodLeapfrog:
         if len(upper_coil) and len(made.pair_time) > 1:
             statistics[RECORDED] = float(made.pair_time[1] - made.pair_time[0])
             pairs = PairSeries(
-                made.pair_time, cam_speed * made.pair_time, np.arange(len(upper_coil)), upper_coil, made.pair_force.T, made.pair_energy.T
+                made.pair_time,
+                cam_speed * made.pair_time,
+                np.arange(len(upper_coil)),
+                upper_coil,
+                made.pair_force.T,
+                made.pair_energy.T,
             )
             events = find_clashes(pairs)
         status = COMPLETED
@@ -80,10 +114,83 @@ class RodLeapfrog:
             time = made.steps_done * made.time_step
             turns, part = divmod(cam_speed * time / TURN, 1.0)
             status = Status(
-                "diverged", f"the wire's velocity grew without bound at {360 * part:.1f} cam degrees of turn {int(turns) + 1}", time,
-                "finite-element rod", "give a smaller time_step or a softer coil contact, or check the lift law for jumps",
-            )  # fmt: skip
+                "diverged",
+                f"the wire's velocity grew without bound at {360 * part:.1f} cam degrees of turn {int(turns) + 1}",
+                time,
+                "finite-element rod",
+                "give a smaller time_step or a softer coil contact, or check the lift law for jumps",
+            )
         return Solution(channels, events, status, statistics, provenance)
 
 
 SPEC = RodLeapfrog()
+
+
+#: Channels of the motion, which is one for all springs, and those that add.
+SHARED = ("valve_lift", "retainer_velocity", "retainer_acceleration")
+ADDED = (
+    "seat_force",
+    "retainer_force",
+    "work_done",
+    "energy_dissipated",
+    "kinetic_energy",
+    "elastic_energy",
+    "contact_energy",
+)
+
+
+def joined(parts: tuple[Solution, ...], names: tuple[str, ...], provenance: Provenance) -> Solution:
+    """One solution of the springs ``names``: common channels once, added ones as the sum, the rest
+    with the spring's name in front.
+
+    The time of the first spring counts; the others are put on it (all run with the same samples).
+    The worst status counts.
+    """
+    import xarray
+
+    first = parts[0].channels
+    count = min(len(part.time) for part in parts)
+    if any(
+        not np.allclose(part.time[:count], parts[0].time[:count], rtol=1e-9, atol=1e-12)
+        for part in parts
+    ):
+        raise InputError(
+            "the springs of a nested pair were sampled at different times; run them with one number of samples"
+        )
+    data = {name: first[name][:count] for name in SHARED if name in first}
+    for name in ADDED:
+        if all(name in part.channels for part in parts):
+            total = first[name][:count].copy()
+            total.values = np.sum([part.channels[name].values[:count] for part in parts], axis=0)
+            data[name] = total
+    coords = {name: first[name][:count] for name in ("time", "cam_angle")}
+    for part, spring in zip(parts, names, strict=True):
+        renamed: dict[str, str] = {
+            dim: f"{spring}_{dim}"
+            for dim in ("wire_point", "coil_pair", "mode", "subsample")
+            if dim in part.channels.dims
+        }
+        renamed |= {
+            str(name): f"{spring}_{name}"
+            for name in part.channels.coords
+            if name not in ("time", "cam_angle")
+        }
+        own = part.channels.isel(sample=slice(0, count)).rename(renamed)
+        data |= {
+            f"{spring}_{name}": own[name].drop_vars(["time", "cam_angle"])
+            for name in own.data_vars
+            if name not in SHARED
+        }
+    statistics = {
+        f"{spring}_{key}": value
+        for part, spring in zip(parts, names, strict=True)
+        for key, value in part.statistics.items()
+    }
+    worst = next((part.status for part in parts if not part.status.completed), parts[0].status)
+    named = [
+        replace(event, where=f"{spring} {event.where}")
+        for part, spring in zip(parts, names, strict=True)
+        for event in part.events
+    ]
+    events = tuple(sorted(named, key=lambda event: event.time))
+    return Solution(xarray.Dataset(data, coords=coords), events, worst, statistics, provenance)

@@ -1,4 +1,6 @@
-"""What compiled loops know of a spring: the type of its kernel, one for every model, and how its coil contacts are written down."""
+"""What compiled loops know of a spring: the type of its kernel, one for every model, and how its
+coil contacts are written down.
+"""
 
 from __future__ import annotations
 
@@ -10,21 +12,32 @@ from numba.core.errors import NumbaExperimentalFeatureWarning
 
 from valvetrain.compiled import njit
 
-# Spring kernels enter as first-class functions; numba calls that experimental each time it compiles a loop.
+# Spring kernels enter as first-class functions; numba calls that experimental each time it compiles
+# a loop.
 warnings.filterwarnings("ignore", category=NumbaExperimentalFeatureWarning)
 
 _vector, _f8 = types.Array(types.float64, 1, "C"), types.float64
-SPRING_SIGNATURE = types.Tuple((_f8, _f8))(_vector, types.Array(types.int64, 1, "C"), _vector, _f8, _f8, _f8)
+SPRING_SIGNATURE = types.Tuple((_f8, _f8))(
+    _vector, types.Array(types.int64, 1, "C"), _vector, _f8, _f8, _f8
+)
 SPRING_FUNCTION = types.FunctionType(SPRING_SIGNATURE)
 OPTIONS: dict[str, Any] = {"cache": True, "error_model": "numpy", "_nrt": False}
 
 
 @njit(**OPTIONS)
 def write_contacts(state, stretches, row):
-    """Copy ``stretches`` (first entry, length) of a spring's state into one row of its record (``ContactWatch``)."""
+    """Copy ``stretches`` (first entry, length) of a spring's state into one row of its record
+    (``ContactWatch``).
+    """
     at = 0
     for r in range(stretches.shape[0]):
         first = stretches[r, 0]
         for i in range(stretches[r, 1]):
             row[at + i] = state[first + i]
         at += stretches[r, 1]
+
+
+@njit(cache=True)
+def no_spring(parameters, integers, state, retainer_displacement, retainer_velocity, time_step):
+    """Zero force at both ends (N)."""
+    return 0.0, 0.0

@@ -1,6 +1,8 @@
-"""Periodic steady state of any cycle map: plain repetition, Anderson acceleration, and the period of what never settles.
+"""Periodic steady state of any cycle map: plain repetition, Anderson acceleration, and the period
+of what never settles.
 
-Works on plain vectors and a callable ``cycle(vector) -> vector``, so it is judged on toy maps as well as on trains.
+Works on plain vectors and a callable ``cycle(vector) -> vector``, so it is judged on toy maps as
+well as on trains.
 """
 
 from __future__ import annotations
@@ -22,8 +24,10 @@ CycleMap = Callable[[Array], Array]
 class SteadyState:
     """How a search for the periodic orbit ended.
 
-    ``state``: vector at the start of the last cycle run. ``residuals``: weighted change over each cycle run. ``period``: cycles
-    after which the motion repeats: 1 settled, 2 and more sub-harmonic, 0 none found. ``cycles``: cycles run. ``method`` as asked.
+    ``state``: vector at the start of the last cycle run. ``residuals``: weighted change over each
+    cycle run. ``period``: cycles
+    after which the motion repeats: 1 settled, 2 and more sub-harmonic, 0 none found. ``cycles``:
+    cycles run. ``method`` as asked.
     """
 
     state: Array
@@ -45,11 +49,17 @@ def residual_norm(change: Array, weights: Array) -> float:
 
 
 def repeat_cycles(
-    cycle: CycleMap, start: Array, weights: Array, tolerance: float = 1e-6, cycles: int = 60, longest_period: int = 8
+    cycle: CycleMap,
+    start: Array,
+    weights: Array,
+    tolerance: float = 1e-6,
+    cycles: int = 60,
+    longest_period: int = 8,
 ) -> SteadyState:
     """Repeat until a cycle changes the state by less than ``tolerance`` (the classical method).
 
-    When ``cycles`` are spent, the last states are compared over 2, 3, ... ``longest_period`` cycles (tolerance times ten, since the
+    When ``cycles`` are spent, the last states are compared over 2, 3, ... ``longest_period`` cycles
+    (tolerance times ten, since the
     approach to a sub-harmonic is no faster than to a settled orbit).
     """
     states, residuals = [np.array(start, dtype=float)], []
@@ -61,19 +71,34 @@ def repeat_cycles(
         if not np.all(np.isfinite(states[-1])):
             break
     return SteadyState(
-        states[-1], tuple(residuals), _period(states, weights, tolerance, longest_period), len(residuals), "repeat", tolerance
+        states[-1],
+        tuple(residuals),
+        _period(states, weights, tolerance, longest_period),
+        len(residuals),
+        "repeat",
+        tolerance,
     )
 
 
 def accelerate(
-    cycle: CycleMap, start: Array, weights: Array, tolerance: float = 1e-6, cycles: int = 60, memory: int = 20, settle: int = 2,
+    cycle: CycleMap,
+    start: Array,
+    weights: Array,
+    tolerance: float = 1e-6,
+    cycles: int = 60,
+    memory: int = 20,
+    settle: int = 2,
     longest_period: int = 8,
-) -> SteadyState:  # fmt: skip
-    """Anderson acceleration of the cycle map (D. G. Anderson, J. ACM 12 (1965) 547; Walker and Ni, SIAM J. Numer. Anal. 49 (2011)).
+) -> SteadyState:
+    """Anderson acceleration of the cycle map (D. G. Anderson, J. ACM 12 (1965) 547; Walker and Ni,
+    SIAM J. Numer. Anal. 49 (2011)).
 
-    ``settle`` plain cycles first; then each new start is the combination of the last ``memory`` cycles with the least residual.
-    A step that raises the residual tenfold clears the memory. An orbit is accepted when plain cycles from a small disturbance come
-    back to it, for acceleration finds unstable orbits too, which no train shows. Falls back to plain cycles, and looks for a
+    ``settle`` plain cycles first; then each new start is the combination of the last ``memory``
+    cycles with the least residual.
+    A step that raises the residual tenfold clears the memory. An orbit is accepted when plain
+    cycles from a small disturbance come
+    back to it, for acceleration finds unstable orbits too, which no train shows. Falls back to
+    plain cycles, and looks for a
     sub-harmonic, when half of ``cycles`` are spent or the orbit found repels.
     """
     x, residuals = np.array(start, dtype=float), []
@@ -87,7 +112,9 @@ def accelerate(
         if residuals[-1] <= tolerance:
             attracts, x = _attracts(cycle, image, weights, tolerance)
             if attracts:
-                return SteadyState(image, tuple(residuals), 1, len(residuals) + PROBE_CYCLES, "anderson", tolerance)
+                return SteadyState(
+                    image, tuple(residuals), 1, len(residuals) + PROBE_CYCLES, "anderson", tolerance
+                )
             break
         if not np.isfinite(residuals[-1]):
             break
@@ -100,20 +127,35 @@ def accelerate(
         best = min(best, residuals[-1])
         inputs, changes = [*inputs, x][-memory:], [*changes, change][-memory:]
         x = _mixed(inputs, changes, weights)
-    rest = repeat_cycles(cycle, x, weights, tolerance, max(cycles - len(residuals), 3 * longest_period), longest_period)
+    rest = repeat_cycles(
+        cycle,
+        x,
+        weights,
+        tolerance,
+        max(cycles - len(residuals), 3 * longest_period),
+        longest_period,
+    )
     residuals.extend(rest.residuals)
-    return SteadyState(rest.state, tuple(residuals), rest.period, len(residuals), "anderson", tolerance)
+    return SteadyState(
+        rest.state, tuple(residuals), rest.period, len(residuals), "anderson", tolerance
+    )
 
 
-def _attracts(cycle: CycleMap, orbit: Array, weights: Array, tolerance: float) -> tuple[bool, Array]:
-    """Whether plain cycles from a disturbance of a hundred tolerances draw nearer to each other, and where they ended."""
+def _attracts(
+    cycle: CycleMap, orbit: Array, weights: Array, tolerance: float
+) -> tuple[bool, Array]:
+    """Whether plain cycles from a disturbance of a hundred tolerances draw nearer to each other,
+    and where they ended.
+    """
     kick = np.random.default_rng(1).choice((-1.0, 1.0), len(orbit)) * 100 * tolerance
     x, sizes = orbit + np.where(weights > 0, kick / np.where(weights > 0, weights, 1.0), 0.0), []
     for _ in range(PROBE_CYCLES):
         image = cycle(x)
         sizes.append(float(np.linalg.norm((image - x) * weights)))
         x = image
-    grows = sizes[-1] > sizes[-2] > sizes[-3]  # what decays fast hides what grows slowly in the first cycles
+    grows = (
+        sizes[-1] > sizes[-2] > sizes[-3]
+    )  # what decays fast hides what grows slowly in the first cycles
     return bool((sizes[-1] < sizes[0] and not grows) or sizes[-1] <= tolerance), x
 
 
@@ -134,7 +176,9 @@ def _period(states: list[Array], weights: Array, tolerance: float, longest: int)
     for period in range(1, longest + 1):
         if len(states) < 2 * period + 1:
             break
-        pairs = [residual_norm(states[-1 - k] - states[-1 - k - period], weights) for k in range(period)]
+        pairs = [
+            residual_norm(states[-1 - k] - states[-1 - k - period], weights) for k in range(period)
+        ]
         if max(pairs) <= 10 * tolerance:
             return period
     return 0

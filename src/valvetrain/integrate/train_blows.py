@@ -1,7 +1,10 @@
-"""Blows of a train's contacts: when one is due, how long its force rises, and the step that resolves it.
+"""Blows of a train's contacts: when one is due, how long its force rises, and the step that
+resolves it.
 
-A contact that a body meets at the rate r stops it in a time of the size tau: F(r tau, r) W tau = r, F its law and W the mobility of the two
-bodies. For a linear contact tau is 1 / omega; for a damper that takes the blow it is far shorter than any period of the train.
+A contact that a body meets at the rate r stops it in a time of the size tau: F(r tau, r) W tau = r,
+F its law and W the mobility of the two
+bodies. For a linear contact tau is 1 / omega; for a damper that takes the blow it is far shorter
+than any period of the train.
 """
 
 from __future__ import annotations
@@ -16,15 +19,19 @@ from valvetrain.mechanism.gaps import OPTIONS
 MOST_PARTS = 64
 """Most parts of one step."""
 LASTS = 8.0
-"""Times tau for which a contact that stays closed is taken in short steps; a free mass leaves an elastic contact after 3."""
+"""Times tau for which a contact that stays closed is taken in short steps; a free mass leaves an
+elastic contact after 3.
+"""
 AHEAD = 1.25
-"""Times the step over which a closing is looked for: the gap may close faster than its rate tells."""
+"""Times the step over which a closing is looked for: the gap may close faster than its rate tells.
+"""
 OCTAVES, HALVINGS = 12.0, 8
 
 
 @njit(forceinline=True, **OPTIONS)
 def _force(k, train, motion, scratch, pen, rate, since):
-    """Force (N) of contact ``k`` at a penetration (m, positive), ``since`` (s) after a touch at ``rate`` (m/s); a law of its own gets a
+    """Force (N) of contact ``k`` at a penetration (m, positive), ``since`` (s) after a touch at
+    ``rate`` (m/s); a law of its own gets a
     copy of its memory."""
     law = train.laws[k]
     if law < OWN_LAW:
@@ -33,22 +40,32 @@ def _force(k, train, motion, scratch, pen, rate, since):
     for i in range(first, end):
         scratch.trial[i] = motion.law_state[i]
     call_law(
-        motion.law_addresses[law - OWN_LAW], train.law_parameters.ctypes.data + 8 * WIDTH * k, scratch.trial.ctypes.data + 8 * first,
-        end - first, pen, 0.0, rate, since, scratch.blows.ctypes.data + 8 * (4 * k + 2),
-    )  # fmt: skip
+        motion.law_addresses[law - OWN_LAW],
+        train.law_parameters.ctypes.data + 8 * WIDTH * k,
+        scratch.trial.ctypes.data + 8 * first,
+        end - first,
+        pen,
+        0.0,
+        rate,
+        since,
+        scratch.blows.ctypes.data + 8 * (4 * k + 2),
+    )
     return scratch.blows[k, 2] + scratch.blows[k, 3] * rate
 
 
 @njit(forceinline=True, **OPTIONS)
 def meets_damper(k, train, motion, scratch, pen, rate):
-    """Whether a contact that closed since the last step presses with a damper from the touch on, as no law with a smooth force does."""
+    """Whether a contact that closed since the last step presses with a damper from the touch on, as
+    no law with a smooth force does.
+    """
     damper = scratch.gaps[k, 3] * rate
     return damper > 0.0 and _force(k, train, motion, scratch, 1e-6 * pen, rate, 0.0) > 0.5 * damper
 
 
 @njit(forceinline=True, **OPTIONS)
 def _rise(k, train, motion, scratch, rate, longest, least):
-    """Time tau (s) of a blow at ``rate`` (m/s), by halving its logarithm; ``longest`` where it is that or longer, or the force below
+    """Time tau (s) of a blow at ``rate`` (m/s), by halving its logarithm; ``longest`` where it is
+    that or longer, or the force below
     ``least`` (N)."""
     mobility = 0.0
     for slot in range(4):
@@ -71,9 +88,11 @@ def _rise(k, train, motion, scratch, rate, longest, least):
 
 @njit(forceinline=True, **OPTIONS)
 def finest_step(train, motion, scratch, ahead, passed):
-    """Step (s) that takes ``counters[5]`` parts of the rise of every blow that goes on or is due within ``ahead`` (s).
+    """Step (s) that takes ``counters[5]`` parts of the rise of every blow that goes on or is due
+    within ``ahead`` (s).
 
-    ``passed`` (s): since the last call. ``blows`` (n, 4) holds per contact the step of its blow (0: none) and how long that still lasts.
+    ``passed`` (s): since the last call. ``blows`` (n, 4) holds per contact the step of its blow (0:
+    none) and how long that still lasts.
     """
     parts, blows, laws, finest = motion.counters[5], scratch.blows, train.laws, math.inf
     for k in range(laws.shape[0]):

@@ -2,18 +2,27 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from valvetrain.integrate.contract import RunOptions
-from valvetrain.integrate.train_run import CycleRecord, TrainState
-from valvetrain.integrate.train_tuples import LOADS, PEAK_ACCELERATION, PEAK_PLACE, PEAK_SPEED, PEAK_SPEED_ANGLE
+from valvetrain.integrate.train_run import CycleRecord, TrainRunner, TrainState
+from valvetrain.integrate.train_tuples import (
+    HIGHEST,
+    LOADS,
+    LOWEST,
+    PEAK_ACCELERATION,
+    PEAK_PLACE,
+    PEAK_SPEED,
+    PEAK_SPEED_ANGLE,
+)
 from valvetrain.integrate.transitions import CONTACTS_LOGGED
-from valvetrain.mechanism.crank import piston_clearance
 from valvetrain.mechanism.parts import Coordinate
-from valvetrain.solution.arrays import ChannelArrays, Variable
+from valvetrain.mechanism.planar import piston_clearance
+from valvetrain.solution.channels import ChannelArrays, Variable
 from valvetrain.springs.contract import LargeSpring, SpringModel, SpringOutputs
 from valvetrain.system.train_rest import TrainRest
 from valvetrain.system.train_system import TrainSystem
@@ -24,19 +33,29 @@ CONTACTS = ("cam", "tappet", "rocker", "valve tip", "seat")
 
 
 def force_name(interaction: str) -> str:
-    """Channel of an interaction's force: ``valve tip`` -> ``valve_tip_contact_force``, ``pushrod bar`` -> ``pushrod_bar_force``."""
+    """Channel of an interaction's force: ``valve tip`` -> ``valve_tip_contact_force``, ``pushrod
+    bar`` -> ``pushrod_bar_force``.
+    """
     return f"{interaction.replace(' ', '_')}{'_contact' if interaction in CONTACTS else ''}_force"
 
 
 def position_name(part: Coordinate, valve: str) -> str:
-    """Channel of a body's coordinate: ``valve_lift`` of the valve, ``tappet_displacement``, ``lever_angle`` and so on of the others."""
+    """Channel of a body's coordinate: ``valve_lift`` of the valve, ``tappet_displacement``,
+    ``lever_angle`` and so on of the others.
+    """
     if part.name == valve:
         return "valve_lift"
     return f"{part.name.replace(' ', '_')}_{'angle' if part.unit == 'rad' else 'displacement'}"
 
 
-def train_channels(system: TrainSystem, rest: TrainRest, records: Sequence[CycleRecord], start: TrainState | None = None) -> ChannelArrays:
-    """Records as channels: of one closed turn with the state ``start`` that it began from, for the springs' inner motion, or of a
+def train_channels(
+    system: TrainSystem,
+    rest: TrainRest,
+    records: Sequence[CycleRecord],
+    start: TrainState | None = None,
+) -> ChannelArrays:
+    """Records as channels: of one closed turn with the state ``start`` that it began from, for the
+    springs' inner motion, or of a
     run-up without one."""
     mechanism, arrays = system.mechanism, system.arrays
     valve, retainer = mechanism.index(mechanism.valve), arrays.retainer
@@ -44,9 +63,13 @@ def train_channels(system: TrainSystem, rest: TrainRest, records: Sequence[Cycle
     def all_of(name: str) -> Array:
         return np.concatenate([getattr(record, name) for record in records])
 
-    q, v, a, forces, gaps, ends = (all_of(name) for name in ("q", "v", "a", "forces", "gaps", "spring_forces"))
+    q, v, a, forces, gaps, ends = (
+        all_of(name) for name in ("q", "v", "a", "forces", "gaps", "spring_forces")
+    )
     first = records[0]
-    if start is None:  # a run-up: the true angle, unwrapped; every stretch takes the time of the first
+    if (
+        start is None
+    ):  # a run-up: the true angle, unwrapped; every stretch takes the time of the first
         angle = all_of("cam_angle")
         time = np.arange(len(angle)) * (2 * np.pi / first.cam_speed / len(first.q))
         speed = np.gradient(angle, time) if len(angle) > 2 else np.full(len(angle), first.cam_speed)
@@ -76,52 +99,90 @@ def train_channels(system: TrainSystem, rest: TrainRest, records: Sequence[Cycle
     for k, name in enumerate(system.interaction_names):
         table[force_name(name)] = (forces[:, k], "N", f"force at {name}")
         if name in CONTACTS:
-            table[f"{name.replace(' ', '_')}_gap"] = (gaps[:, k], "m", f"gap at {name}, open positive")
-    variables = {name: Variable(("sample",), values, {"units": unit, "long_name": words}) for name, (values, unit, words) in table.items()}
+            table[f"{name.replace(' ', '_')}_gap"] = (
+                gaps[:, k],
+                "m",
+                f"gap at {name}, open positive",
+            )
+    variables = {
+        name: Variable(("sample",), values, {"units": unit, "long_name": words})
+        for name, (values, unit, words) in table.items()
+    }
     coords = {
         "time": Variable(("sample",), time, {"units": "s", "long_name": "time"}),
-        "cam_angle": Variable(("sample",), angle, {"units": "rad", "long_name": "cam angle, unwrapped"}),
+        "cam_angle": Variable(
+            ("sample",), angle, {"units": "rad", "long_name": "cam angle, unwrapped"}
+        ),
     }
     single = len(system.springs) == 1
     for place, (spring, word) in enumerate(zip(system.springs, system.spring_names, strict=True)):
         prefix = "" if single else f"{word}_"
         if not single:
-            for side, name, words in ((0, "retainer_force", "on the retainer"), (1, "seat_force", "on the cylinder head")):
+            for side, name, words in (
+                (0, "retainer_force", "on the retainer"),
+                (1, "seat_force", "on the cylinder head"),
+            ):
                 variables[f"{prefix}{name}"] = Variable(
                     ("sample",),
                     ends[:, place, side],
                     {"units": "N", "long_name": f"{word} spring: force {words}"},
                 )
         if start is not None and first.spring_states[place].shape[1]:
-            _add_sections(variables, coords, prefix, spring_outputs(spring, first, start.springs[place], place, retainer))
+            _add_sections(
+                variables,
+                coords,
+                prefix,
+                spring_outputs(spring, first, start.springs[place], place, retainer),
+            )
     return ChannelArrays(variables, coords)
 
 
-def _add_sections(variables: dict[str, Variable], coords: dict[str, Variable], prefix: str, shown: list[SpringOutputs]) -> None:
+def _add_sections(
+    variables: dict[str, Variable],
+    coords: dict[str, Variable],
+    prefix: str,
+    shown: list[SpringOutputs],
+) -> None:
     words = prefix.replace("_", " spring: ")
     if shown[0].coil_number.size:
         dims = ("sample", f"{prefix}wire_point")
-        label = {"units": "1", "long_name": f"{words}turns from the lower wire tip, or share of the active length"}
+        label = {
+            "units": "1",
+            "long_name": f"{words}turns from the lower wire tip, or share of the active length",
+        }
         coords[f"{prefix}coil_number"] = Variable(dims[1:], shown[0].coil_number, label)
         for name, unit, text in (
-            ("axial_displacement", "m", "axial displacement from the installed state, seat to retainer positive"),
+            (
+                "axial_displacement",
+                "m",
+                "axial displacement from the installed state, seat to retainer positive",
+            ),
             ("axial_velocity", "m/s", "axial velocity, seat to retainer positive"),
         ):
             values = np.array([getattr(one, name) for one in shown])
-            variables[f"{prefix}{name}"] = Variable(dims, values, {"units": unit, "long_name": f"{words}{text}"})
+            variables[f"{prefix}{name}"] = Variable(
+                dims, values, {"units": unit, "long_name": f"{words}{text}"}
+            )
     if shown[0].upper_coil.size:
         dims = ("sample", f"{prefix}coil_pair")
         coords[f"{prefix}upper_coil"] = Variable(
-            dims[1:], shown[0].upper_coil, {"units": "1", "long_name": f"{words}coil number of the upper partner"},
-        )  # fmt: skip
+            dims[1:],
+            shown[0].upper_coil,
+            {"units": "1", "long_name": f"{words}coil number of the upper partner"},
+        )
         for name, unit, text in (
-            ("coil_gap", "m", "gap between a coil and the one below"), ("coil_contact_force", "N", "contact force on the coil below"),
-        ):  # fmt: skip
+            ("coil_gap", "m", "gap between a coil and the one below"),
+            ("coil_contact_force", "N", "contact force on the coil below"),
+        ):
             values = np.array([getattr(one, name) for one in shown])
-            variables[f"{prefix}{name}"] = Variable(dims, values, {"units": unit, "long_name": f"{words}{text}"})
+            variables[f"{prefix}{name}"] = Variable(
+                dims, values, {"units": unit, "long_name": f"{words}{text}"}
+            )
 
 
-def spring_outputs(spring: SpringModel, record: CycleRecord, start: Array, place: int, retainer: int) -> list[SpringOutputs]:
+def spring_outputs(
+    spring: SpringModel, record: CycleRecord, start: Array, place: int, retainer: int
+) -> list[SpringOutputs]:
     """What one spring shows at every sample of a record, from its recorded states."""
     states, found = record.spring_states[place], []
     whole = np.array(start, dtype=float)
@@ -138,20 +199,27 @@ def spring_outputs(spring: SpringModel, record: CycleRecord, start: Array, place
     return found
 
 
-def train_statistics(system: TrainSystem, record: CycleRecord) -> dict[str, float | int | str | bool]:
+def train_statistics(
+    system: TrainSystem, record: CycleRecord
+) -> dict[str, float | int | str | bool]:
     """What the loop found on every step: peak forces, works; by the names of docs/quantities.md."""
     found: dict[str, float | int | str | bool] = {
-        f"peak_{force_name(name)}": float(record.peak_forces[k]) for k, name in enumerate(system.interaction_names)
+        f"peak_{force_name(name)}": float(record.peak_forces[k])
+        for k, name in enumerate(system.interaction_names)
     }
     found |= _every_step(system, record)
     return found | {
-        "cycle_work_energy": float(record.work[0]), "cycle_dissipated_energy": float(record.work[2]),
-        "spring_dissipated_energy": float(record.work[3]), "contact_friction_dissipated_energy": record.friction_loss,
-    }  # fmt: skip
+        "cycle_work_energy": float(record.work[0]),
+        "cycle_dissipated_energy": float(record.work[2]),
+        "spring_dissipated_energy": float(record.work[3]),
+        "contact_friction_dissipated_energy": record.friction_loss,
+    }
 
 
 def _every_step(system: TrainSystem, record: CycleRecord) -> dict[str, float]:
-    """Extremes of loads and bodies over all steps, and whether the log of contacts holds all openings and closings."""
+    """Extremes of loads and bodies over all steps, and whether the log of contacts holds all
+    openings and closings.
+    """
     mechanism, turn = system.mechanism, 2 * np.pi
     loads = dict(zip(LOADS, record.loads.tolist(), strict=True))
     found: dict[str, float] = {}
@@ -159,22 +227,35 @@ def _every_step(system: TrainSystem, record: CycleRecord) -> dict[str, float]:
         high, high_at, low, low_at = loads[row]
         found |= {f"peak_{word}_force": high, f"minimum_{word}_force": low}
         if row == "seat":
-            found |= {f"peak_{word}_force_cam_angle": high_at % turn, f"minimum_{word}_force_cam_angle": low_at % turn}
+            found |= {
+                f"peak_{word}_force_cam_angle": high_at % turn,
+                f"minimum_{word}_force_cam_angle": low_at % turn,
+            }
     if len(system.springs) > 1:
         for name, side in zip(system.spring_names, ("first", "second"), strict=True):
-            found |= {f"{name}_peak_spring_force": loads[f"{side}_seat"][0], f"{name}_minimum_spring_force": loads[f"{side}_seat"][2]}
+            found |= {
+                f"{name}_peak_spring_force": loads[f"{side}_seat"][0],
+                f"{name}_minimum_spring_force": loads[f"{side}_seat"][2],
+            }
     found |= {"peak_cam_torque": loads["torque"][0], "minimum_cam_torque": loads["torque"][2]}
     valve = record.bodies[mechanism.index(mechanism.valve)]
-    found |= {"peak_valve_lift": float(valve[PEAK_PLACE]), "peak_valve_acceleration": float(valve[PEAK_ACCELERATION])}
+    found |= {
+        "peak_valve_lift": float(valve[PEAK_PLACE]),
+        "peak_valve_acceleration": float(valve[PEAK_ACCELERATION]),
+    }
     turning = [k for k, part in enumerate(mechanism.coordinates) if part.unit == "rad"]
     if turning:
         lever = record.bodies[turning[0]]
-        found |= {"peak_lever_speed": float(lever[PEAK_SPEED]), "peak_lever_speed_cam_angle": float(lever[PEAK_SPEED_ANGLE]) % turn}
+        found |= {
+            "peak_lever_speed": float(lever[PEAK_SPEED]),
+            "peak_lever_speed_cam_angle": float(lever[PEAK_SPEED_ANGLE]) % turn,
+        }
     return found | {CONTACTS_LOGGED: float(record.transitions.overflow == 0)}
 
 
 def least_forces(system: TrainSystem, record: CycleRecord, options: RunOptions) -> dict[str, float]:
-    """Least and largest force (N) of every contact over all steps in the window of ``options``, and that of the cam at the nose;
+    """Least and largest force (N) of every contact over all steps in the window of ``options``, and
+    that of the cam at the nose;
     nothing where none was asked for."""
     if options.window is None or not len(record.least_forces):
         return {}
@@ -186,5 +267,101 @@ def least_forces(system: TrainSystem, record: CycleRecord, options: RunOptions) 
                 f"open_{force_name(name)}": float(record.largest_forces[place]),
             }
     if options.nose is not None and "cam" in system.interaction_names:
-        found["nose_cam_contact_force"] = float(record.nose_forces[system.interaction_names.index("cam")])
+        found["nose_cam_contact_force"] = float(
+            record.nose_forces[system.interaction_names.index("cam")]
+        )
     return found
+
+
+COMPARED = 8
+"""Cycles that are compared."""
+STEADY_VALVE = 1e-2
+"""Share of the largest lift up to which the valve is taken to repeat."""
+LONG_SEARCH = 30
+"""Cycles after which what still changes is taken for rattle, not for a motion that has yet to
+settle.
+"""
+SMALLEST_HEIGHT = 2e-6
+"""Openings of the seat below this (m) are vibration, no bounce."""
+PREFIX = "cycle_scatter_"
+
+
+@dataclass(frozen=True)
+class Scatter:
+    """Over :data:`COMPARED` cycles: ``valve`` (m), largest spread of the valve lift at one cam
+    angle; ``peak_valve_lift`` (m), the largest;
+    ``numbers``: largest less least value of each number (SI) by the name of its quantity."""
+
+    valve: float
+    peak_valve_lift: float
+    numbers: dict[str, float]
+
+    @property
+    def repeats(self) -> bool:
+        """Whether the valve does the same in every cycle, whatever loose parts do."""
+        return self.valve <= STEADY_VALVE * self.peak_valve_lift
+
+    @property
+    def statistics(self) -> dict[str, float]:
+        """The scatter by the names of docs/quantities.md."""
+        return {PREFIX + "valve_lift": self.valve} | {
+            PREFIX + name: value for name, value in self.numbers.items()
+        }
+
+
+def cycle_numbers(system: TrainSystem, record: CycleRecord) -> dict[str, float]:
+    """Headline numbers (SI) that one cycle tells by itself, as docs/quantities.md names them."""
+
+    retainer, seat = (record.loads[LOADS.index(side)].tolist() for side in ("retainer", "seat"))
+    found = {
+        "peak_spring_force": seat[HIGHEST], "minimum_spring_force": seat[LOWEST], "peak_retainer_force": retainer[HIGHEST],
+        "minimum_retainer_force": retainer[LOWEST], "cycle_work_energy": float(record.work[0]),
+    }  # fmt: skip
+    found["peak_valve_lift"] = float(
+        record.bodies[system.mechanism.index(system.mechanism.valve), PEAK_PLACE]
+    )
+    names = system.interaction_names
+    found |= {
+        f"peak_{force_name(name)}": float(record.peak_forces[place])
+        for place, name in enumerate(names)
+        if name in CONTACTS
+    }
+    if "cam" in names and system.mechanism.kinematics is not None:
+        opened = system.mechanism.kinematics.valve_lift(record.cam_angle) > 0
+        found["loft_gap"] = float(np.max(record.gaps[opened, names.index("cam")], initial=0.0))
+    if "seat" not in names:
+        return found
+    openings = record.transitions.open_stretches(names.index("seat"))
+    heights = np.sort(openings.largest_gap[openings.largest_gap > SMALLEST_HEIGHT])
+    found |= {
+        "bounce_count": float(max(len(heights) - 1, 0)),
+        "bounce_height": float(heights[-2]) if len(heights) > 1 else 0.0,
+    }
+    velocity = record.transitions.seating_velocity(names.index("seat"))
+    return found if velocity is None else found | {"seating_velocity": velocity}
+
+
+def scatter_of(runner: TrainRunner, start: TrainState) -> tuple[Scatter, TrainState]:
+    """The spread over :data:`COMPARED` plain cycles from ``start``, and the state at the beginning
+    of the last of them.
+    """
+    bare = replace(
+        runner, options=replace(runner.options, record_springs=False, record_contacts=False)
+    )
+    valve = runner.system.mechanism.index(runner.system.mechanism.valve)
+    lifts, numbers, state, first = [], [], start, start
+    for _ in range(COMPARED):
+        first = state
+        end, record = bare.cycle(state, judged=False)
+        state = replace(end, cam_angle=0.0)
+        lifts.append(record.q[:, valve])
+        numbers.append(cycle_numbers(runner.system, record))
+    spread = float(np.max(np.ptp(np.array(lifts), axis=0)))
+    names = [name for name in numbers[0] if all(name in one for one in numbers)]
+    return Scatter(
+        spread, float(np.max(lifts)), {name: _range(one[name] for one in numbers) for name in names}
+    ), first
+
+
+def _range(values: Iterable[float]) -> float:
+    return float(np.ptp(list(values)))

@@ -10,17 +10,21 @@ from valvetrain.mechanism.gaps import OPTIONS
 
 @njit(forceinline=True, **OPTIONS)
 def _mean_share(now, z):
-    """Share theta of the velocity after the step in the one that a damper of z = h c W acts on; ``now``: its share at t_n (1/2 of even
+    """Share theta of the velocity after the step in the one that a damper of z = h c W acts on;
+    ``now``: its share at t_n (1/2 of even
     steps), where light dampers act; heavy ones act on what is left at the end."""
     return (6.0 * now + z) / (6.0 + z)
 
 
 @njit(forceinline=True, **OPTIONS)
 def _damped_rows(index, scratch, step, now, v):
-    """Collect the damped interactions: their places, gradients over the root of mass, right-hand sides and diagonals.
+    """Collect the damped interactions: their places, gradients over the root of mass, right-hand
+    sides and diagonals.
 
-    ``bend`` leads the rates, which were found with the gradients of t_n, to the middles of the steps on either side. A damper that was
-    met since the last step acts for its share of the kick, which lasts from the middle of one step to the middle of the next.
+    ``bend`` leads the rates, which were found with the gradients of t_n, to the middles of the
+    steps on either side. A damper that was
+    met since the last step acts for its share of the kick, which lasts from the middle of one step
+    to the middle of the next.
     """
     gaps, gradients, old, dense = scratch.gaps, scratch.gradients, scratch.old, scratch.dense
     count, onwards = 0, (1.0 - now) / now
@@ -28,7 +32,9 @@ def _damped_rows(index, scratch, step, now, v):
         if gaps[k, 3] <= 0.0:
             continue
         if scratch.share[k] == 0.0:
-            scratch.share[k] = 2.0 * now * gaps[k, 0] / (gaps[k, 0] - scratch.before[k, 0]) + 1.0 - now
+            scratch.share[k] = (
+                2.0 * now * gaps[k, 0] / (gaps[k, 0] - scratch.before[k, 0]) + 1.0 - now
+            )
         damping = scratch.share[k] * gaps[k, 3]
         before, after, mobility = gaps[k, 1], gaps[k, 1], 0.0
         for i in range(v.shape[0]):
@@ -42,7 +48,9 @@ def _damped_rows(index, scratch, step, now, v):
                 mobility += dense[count, i] * dense[count, i]
         theta = _mean_share(now, step * damping * mobility)
         scratch.diagonal[count] = 1.0 / (step * damping * theta)
-        scratch.right[count] = after + onwards * scratch.bend[k] + (1.0 - theta) / theta * (before - scratch.bend[k])
+        scratch.right[count] = (
+            after + onwards * scratch.bend[k] + (1.0 - theta) / theta * (before - scratch.bend[k])
+        )
         scratch.rows[count] = k
         count += 1
     return count
@@ -50,7 +58,9 @@ def _damped_rows(index, scratch, step, now, v):
 
 @njit(forceinline=True, **OPTIONS)
 def _solve(count, scratch):
-    """Impulses of all interactions that are not held at their bound: Cholesky in contact space (at most n by n)."""
+    """Impulses of all interactions that are not held at their bound: Cholesky in contact space (at
+    most n by n).
+    """
     held, dense, right, diagonal, matrix, impulse = (
         scratch.held, scratch.dense, scratch.right, scratch.diagonal, scratch.matrix, scratch.impulse,
     )  # fmt: skip
@@ -73,7 +83,9 @@ def _solve(count, scratch):
             value = matrix[a, b]
             for c in range(b):
                 value -= matrix[a, c] * matrix[b, c]
-            matrix[a, b] = 1.0 / math.sqrt(value) if a == b else value * matrix[b, b]  # reciprocal diagonal
+            matrix[a, b] = (
+                1.0 / math.sqrt(value) if a == b else value * matrix[b, b]
+            )  # reciprocal diagonal
         for c in range(a):
             impulse[a] -= matrix[a, c] * impulse[c]
         impulse[a] *= matrix[a, a]
@@ -85,9 +97,11 @@ def _solve(count, scratch):
 
 @njit(forceinline=True, **OPTIONS)
 def _exchange(count, laws, scratch, step, single):
-    """Hold the contacts that would pull, at no force, and free the held ones whose damper would press; returns how many changed.
+    """Hold the contacts that would pull, at no force, and free the held ones whose damper would
+    press; returns how many changed.
 
-    ``single``: only the last of them (Murty's rule, which ends for any positive definite matrix, where changing all might go in circles).
+    ``single``: only the last of them (Murty's rule, which ends for any positive definite matrix,
+    where changing all might go in circles).
     """
     gaps, rows, held, impulse = scratch.gaps, scratch.rows, scratch.held, scratch.impulse
     changed = 0
@@ -112,12 +126,20 @@ def _exchange(count, laws, scratch, step, single):
 
 @njit(forceinline=True, **OPTIONS)
 def damp(index, laws, scratch, step, now, v):
-    """Damping impulses of all interactions together; adds the mean damping forces to ``gaps[:, 2]``; returns how many there are.
+    """Damping impulses of all interactions together; adds the mean damping forces to ``gaps[:,
+    2]``; returns how many there are.
 
-    ``now``: share of the velocity after the step in that of t_n. A contact carries no force rather than pull: which ones are held so is
+    ``now``: share of the velocity after the step in that of t_n. A contact carries no force rather
+    than pull: which ones are held so is
     found together with the impulses (a linear complementarity).
     """
-    gaps, gradients, rows, held, impulse = scratch.gaps, scratch.gradients, scratch.rows, scratch.held, scratch.impulse
+    gaps, gradients, rows, held, impulse = (
+        scratch.gaps,
+        scratch.gradients,
+        scratch.rows,
+        scratch.held,
+        scratch.impulse,
+    )
     count = _damped_rows(index, scratch, step, now, v)
     for a in range(count):
         held[a] = 0
@@ -139,17 +161,22 @@ def damp(index, laws, scratch, step, now, v):
 
 @njit(forceinline=True, **OPTIONS)
 def guide(body, scratch, step, now, v):
-    """Slow ``v`` in the guides, and fill ``guides``: the mass that an impulse of this step moves, the guide's impulse per rate, its theta.
+    """Slow ``v`` in the guides, and fill ``guides``: the mass that an impulse of this step moves,
+    the guide's impulse per rate, its theta.
 
-    The guide acts on (1 - theta) v_before + theta v_after, so that it is solved together with the impulses that follow: slowed after
-    them instead, a valve drifted through its stiff contacts. Friction takes its direction at the mean velocity.
+    The guide acts on (1 - theta) v_before + theta v_after, so that it is solved together with the
+    impulses that follow: slowed after
+    them instead, a valve drifted through its stiff contacts. Friction takes its direction at the
+    mean velocity.
     """
     guides, old = scratch.guides, scratch.old
     for i in range(v.shape[0]):
         mass = body[i, 0]
         guides[i, 0] = mass
         if body[i, 2] > 0.0 or body[i, 3] > 0.0:
-            drag = step * (body[i, 2] + body[i, 3] / max(abs((1.0 - now) * old[i] + now * v[i]), body[i, 4]))
+            drag = step * (
+                body[i, 2] + body[i, 3] / max(abs((1.0 - now) * old[i] + now * v[i]), body[i, 4])
+            )
             theta = _mean_share(now, drag / mass)
             guides[i, 0], guides[i, 1], guides[i, 2] = mass + theta * drag, drag, theta
             v[i] = (mass * v[i] - (1.0 - theta) * drag * old[i]) / guides[i, 0]
@@ -171,5 +198,10 @@ def losses(index, body, scratch, v, count):
         lost += impulse[a] * rate
     for i in range(v.shape[0]):
         if body[i, 2] > 0.0 or body[i, 3] > 0.0:
-            lost += guides[i, 1] * ((1.0 - guides[i, 2]) * old[i] + guides[i, 2] * v[i]) * 0.5 * (old[i] + v[i])
+            lost += (
+                guides[i, 1]
+                * ((1.0 - guides[i, 2]) * old[i] + guides[i, 2] * v[i])
+                * 0.5
+                * (old[i] + v[i])
+            )
     return lost

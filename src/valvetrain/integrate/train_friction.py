@@ -1,6 +1,8 @@
-"""Friction in the contacts of a train: one implicit impulse per sliding contact, after the normal impulses of the step are known.
+"""Friction in the contacts of a train: one implicit impulse per sliding contact, after the normal
+impulses of the step are known.
 
-The sliding velocity s after the step solves s + h W mu N tanh(s / v0) = s_free, W the tangential mobility: exact where it slides, and
+The sliding velocity s after the step solves s + h W mu N tanh(s / v0) = s_free, W the tangential
+mobility: exact where it slides, and
 dissipative at any step where it sticks (regularised Coulomb law of ``contact.friction``).
 """
 
@@ -15,7 +17,9 @@ from valvetrain.mechanism.sliding import SLIDING_SLOTS, sliding_gradient
 
 @njit(forceinline=True, **OPTIONS)
 def slowed(free, most, width):
-    """Root s of s + most tanh(s / width) = free. Newton from below on a concave function never overshoots."""
+    """Root s of s + most tanh(s / width) = free. Newton from below on a concave function never
+    overshoots.
+    """
     aim = abs(free)
     s = max(aim - most, 0.0)
     for _ in range(50):
@@ -29,13 +33,31 @@ def slowed(free, most, width):
 
 @njit(forceinline=True, **OPTIONS)
 def rub(train, q, cam_angle, cam_speed, step, v, scratch):
-    """Friction impulses of all contacts that slide; changes ``v`` and fills ``rubbing`` (n, 2): impulse (N s), sliding of the cam (m/s)."""
-    index, friction, gaps, slides, rubbing = train.coordinate_of, train.friction, scratch.gaps, scratch.slides, scratch.rubbing
+    """Friction impulses of all contacts that slide; changes ``v`` and fills ``rubbing`` (n, 2):
+    impulse (N s), sliding of the cam (m/s).
+    """
+    index, friction, gaps, slides, rubbing = (
+        train.coordinate_of,
+        train.friction,
+        scratch.gaps,
+        scratch.slides,
+        scratch.rubbing,
+    )
     for k in range(index.shape[0]):
         rubbing[k, 0], rubbing[k, 1] = 0.0, 0.0
         if friction[k, 0] <= 0.0 or gaps[k, 2] <= 0.0:
             continue
-        driven = cam_speed * sliding_gradient(k, train.kinds, index, train.geometry, train.tables, train.table_of, q, cam_angle, slides)
+        driven = cam_speed * sliding_gradient(
+            k,
+            train.kinds,
+            index,
+            train.geometry,
+            train.tables,
+            train.table_of,
+            q,
+            cam_angle,
+            slides,
+        )
         free, mobility = driven, 0.0
         for slot in range(SLIDING_SLOTS):
             i = index[k, slot]

@@ -1,12 +1,18 @@
 """The one compiled loop of a whole train: explicit leapfrog, all damping of a step solved together.
 
-Order of operations in a step (written down once, here): kinematics -> gaps -> memories of the laws -> laws -> springs -> kick ->
-damping impulses -> friction -> log of transitions -> record -> drift. Positions and memories live at t_n, velocities at t_(n-1/2);
-the spring kernels share the step. A memory with a differential equation is brought from t_(n-1) to t_n by its exact solution for a
-penetration that changed evenly, which is of second order in the step; after the last step it is brought to the last positions.
+Order of operations in a step (written down once, here): kinematics -> gaps -> memories of the laws
+-> laws -> springs -> kick ->
+damping impulses -> friction -> log of transitions -> record -> drift. Positions and memories live
+at t_n, velocities at t_(n-1/2);
+the spring kernels share the step. A memory with a differential equation is brought from t_(n-1) to
+t_n by its exact solution for a
+penetration that changed evenly, which is of second order in the step; after the last step it is
+brought to the last positions.
 
-Damping never limits the step: its impulses J solve J_k = h c_k ((1 - theta_k) rate_before + theta_k rate_after) for all
-interactions at once, theta = (3 + z)/(6 + z) with z = h c W, the exponentially fitted mean (1/2 for light, 1 for heavy damping).
+Damping never limits the step: its impulses J solve J_k = h c_k ((1 - theta_k) rate_before + theta_k
+rate_after) for all
+interactions at once, theta = (3 + z)/(6 + z) with z = h c W, the exponentially fitted mean (1/2 for
+light, 1 for heavy damping).
 Solved one after the other instead, heavy contact damping pumped energy into chains of contacts.
 """
 
@@ -38,17 +44,30 @@ from valvetrain.integrate.spring_slot import write_contacts
 from valvetrain.integrate.train_blows import finest_step, meets_damper, parts_of
 from valvetrain.integrate.train_damping import damp, guide, losses
 from valvetrain.integrate.train_friction import friction_loss, rub
-from valvetrain.integrate.train_log import close_stretch, in_window, nose_share, note_body, note_contact, note_crossing, note_loads
+from valvetrain.integrate.train_log import (
+    close_stretch,
+    in_window,
+    nose_share,
+    note_body,
+    note_contact,
+    note_crossing,
+    note_loads,
+)
 from valvetrain.integrate.train_tuples import PEAK_PENETRATION, Motion, Records, Scratch, Slot
 from valvetrain.mechanism.gaps import OPTIONS, penetration_and_gradient, table_value
 from valvetrain.system.train_system import TrainArrays
 
-# Spring kernels enter as first-class functions; numba calls that experimental each time it compiles the loop.
+# Spring kernels enter as first-class functions; numba calls that experimental each time it compiles
+# the loop.
 warnings.filterwarnings("ignore", category=NumbaExperimentalFeatureWarning)
 
 f8, i8 = types.float64, types.int64
 _vector, _integers = types.Array(f8, 1, "C"), types.Array(i8, 1, "C")
-_matrix, _integer_matrix, _cube = types.Array(f8, 2, "C"), types.Array(i8, 2, "C"), types.Array(f8, 3, "C")
+_matrix, _integer_matrix, _cube = (
+    types.Array(f8, 2, "C"),
+    types.Array(i8, 2, "C"),
+    types.Array(f8, 3, "C"),
+)
 SPRING_SIGNATURE = types.UniTuple(f8, 2)(_vector, _integers, _vector, f8, f8, f8)
 SPRING_FUNCTION = types.FunctionType(SPRING_SIGNATURE)
 
@@ -60,44 +79,75 @@ _TRAIN = types.NamedTuple(
     TrainArrays,
 )  # fmt: skip
 _SLOT = types.NamedTuple((_vector, _integers, _vector, _integer_matrix), Slot)
-_MOTION = types.NamedTuple((_vector, _vector, _vector, _integers, _vector, _integers, _vector), Motion)
+_MOTION = types.NamedTuple(
+    (_vector, _vector, _vector, _integers, _vector, _integers, _vector), Motion
+)
 _RECORDS = types.NamedUniTuple(_matrix, 12, Records)
 _SIGNATURE = i8(SPRING_FUNCTION, SPRING_FUNCTION, _TRAIN, _SLOT, _SLOT, _MOTION, _RECORDS)
 
 
 @njit(forceinline=True, **OPTIONS)
 def law_force_and_damping(law, parameters, impact_rate, pen, rate):
-    """Rate-free force (N) and damping coefficient (N s/m) of a contact at this penetration (positive)."""
+    """Rate-free force (N) and damping coefficient (N s/m) of a contact at this penetration
+    (positive).
+    """
     still = contact_force(law, parameters, impact_rate, pen, 0.0)
     closing = max(abs(rate), 1e-9)
-    return still, max((contact_force(law, parameters, impact_rate, pen, closing) - still) / closing, 0.0)
+    return still, max(
+        (contact_force(law, parameters, impact_rate, pen, closing) - still) / closing, 0.0
+    )
 
 
 @njit(forceinline=True, **OPTIONS)
 def _remember(k, train, motion, pen, rate, elapsed, scratch):
-    """Bring the memory of a Maxwell link or a law of its own over ``elapsed`` (s; 0: it is up to date).
+    """Bring the memory of a Maxwell link or a law of its own over ``elapsed`` (s; 0: it is up to
+    date).
 
-    Fills rate-free force (N) and damping coefficient (N s/m) in ``scratch.gaps``; adds what a damper took (J) to the totals.
+    Fills rate-free force (N) and damping coefficient (N s/m) in ``scratch.gaps``; adds what a
+    damper took (J) to the totals.
     """
-    law, first, parameters, memory, gaps = train.laws[k], train.memory_of[k], train.law_parameters, motion.law_state, scratch.gaps
+    law, first, parameters, memory, gaps = (
+        train.laws[k],
+        train.memory_of[k],
+        train.law_parameters,
+        motion.law_state,
+        scratch.gaps,
+    )
     if law == MAXWELL_LINK:
         old, damper = memory[first], parameters[k, 2]
-        memory[first] = maxwell_force(parameters[k, 1], damper, old, pen - scratch.before[k, 0], elapsed)
+        memory[first] = maxwell_force(
+            parameters[k, 1], damper, old, pen - scratch.before[k, 0], elapsed
+        )
         mean = 0.5 * (old + memory[first])
         motion.totals[2] += elapsed * mean * mean / damper
         gaps[k, 2], gaps[k, 3] = parameters[k, 0] * pen + memory[first], 0.0
     else:
         call_law(
-            motion.law_addresses[law - OWN_LAW], parameters.ctypes.data + 8 * WIDTH * k, memory.ctypes.data + 8 * first,
-            train.memory_of[k + 1] - first, pen, scratch.before[k, 0], rate, elapsed, gaps.ctypes.data + 8 * (4 * k + 2),
-        )  # fmt: skip
+            motion.law_addresses[law - OWN_LAW],
+            parameters.ctypes.data + 8 * WIDTH * k,
+            memory.ctypes.data + 8 * first,
+            train.memory_of[k + 1] - first,
+            pen,
+            scratch.before[k, 0],
+            rate,
+            elapsed,
+            gaps.ctypes.data + 8 * (4 * k + 2),
+        )
 
 
 @njit(forceinline=True, **OPTIONS)
 def _gap(k, train, q, v, cam_angle, cam_speed, gradients):
     """Penetration (m), its rate by the cam alone and its rate (m/s)."""
     pen, per_angle = penetration_and_gradient(
-        k, train.kinds, train.coordinate_of, train.geometry, train.tables, train.table_of, q, cam_angle, gradients
+        k,
+        train.kinds,
+        train.coordinate_of,
+        train.geometry,
+        train.tables,
+        train.table_of,
+        q,
+        cam_angle,
+        gradients,
     )
     driven = per_angle * cam_speed
     rate = driven
@@ -109,11 +159,15 @@ def _gap(k, train, q, v, cam_angle, cam_speed, gradients):
 
 @njit(forceinline=True, **OPTIONS)
 def gaps_and_laws(train, motion, cam_angle, cam_speed, elapsed, scratch, extremes):
-    """Fill ``scratch.gaps``: penetration, gap rate of the cam alone, rate-free force, damping coefficient."""
+    """Fill ``scratch.gaps``: penetration, gap rate of the cam alone, rate-free force, damping
+    coefficient.
+    """
     law_parameters, gaps, law_state = train.law_parameters, scratch.gaps, motion.law_state
     for k in range(train.laws.shape[0]):
         law = train.laws[k]
-        pen, driven, rate = _gap(k, train, motion.q, motion.v, cam_angle, cam_speed, scratch.gradients)
+        pen, driven, rate = _gap(
+            k, train, motion.q, motion.v, cam_angle, cam_speed, scratch.gradients
+        )
         gaps[k, 0], gaps[k, 1], gaps[k, 2], gaps[k, 3] = pen, driven, 0.0, 0.0
         scratch.rate[k] = rate
         if elapsed > 0.0:
@@ -124,13 +178,20 @@ def gaps_and_laws(train, motion, cam_angle, cam_speed, elapsed, scratch, extreme
                 update_impact(law_state, train.memory_of[k], law_parameters[k, SLOWEST], pen, rate)
                 impact_rate = law_state[train.memory_of[k] + IMPACT_RATE]
             if pen > 0.0:
-                gaps[k, 2], gaps[k, 3] = law_force_and_damping(law, law_parameters[k], impact_rate, pen, rate)
+                gaps[k, 2], gaps[k, 3] = law_force_and_damping(
+                    law, law_parameters[k], impact_rate, pen, rate
+                )
         elif law == ELASTIC_LINK:
             gaps[k, 2], gaps[k, 3] = law_parameters[k, 0] * pen, law_parameters[k, 1]
         else:
             _remember(k, train, motion, pen, rate, elapsed, scratch)
         scratch.share[k] = 1.0
-        if law >= 0 and pen > 0.0 and scratch.before[k, 0] <= 0.0 and meets_damper(k, train, motion, scratch, pen, rate):
+        if (
+            law >= 0
+            and pen > 0.0
+            and scratch.before[k, 0] <= 0.0
+            and meets_damper(k, train, motion, scratch, pen, rate)
+        ):
             scratch.share[k] = 0.0  # to be found with the step that follows
         extremes[k, PEAK_PENETRATION] = max(extremes[k, PEAK_PENETRATION], pen)
 
@@ -144,12 +205,16 @@ def _kick(index, body, gaps, gradients, step, v):
         if gaps[k, 2] != 0.0:
             for slot in range(4):
                 if index[k, slot] >= 0:
-                    v[index[k, slot]] -= step * gaps[k, 2] * gradients[k, slot] / body[index[k, slot], 0]
+                    v[index[k, slot]] -= (
+                        step * gaps[k, 2] * gradients[k, slot] / body[index[k, slot], 0]
+                    )
 
 
 @njit(forceinline=True, **OPTIONS)
 def _account(laws, body, motion, scratch, records, first, cam_angle, step, now):
-    """Add the work of cam and constant forces to the totals and note every contact; returns cam power (W) and largest speed."""
+    """Add the work of cam and constant forces to the totals and note every contact; returns cam
+    power (W) and largest speed.
+    """
     power, work, bound, gaps, rubbing = 0.0, 0.0, 0.0, scratch.gaps, scratch.rubbing
     v, old = motion.v, scratch.old
     inside = in_window(cam_angle, motion.clock[9], motion.clock[10])
@@ -158,7 +223,19 @@ def _account(laws, body, motion, scratch, records, first, cam_angle, step, now):
         power += gaps[k, 2] * gaps[k, 1]
         if rubbing[k, 0] != 0.0:
             power += rubbing[k, 0] / step * rubbing[k, 1]
-        note_contact(k, gaps[k, 0], gaps[k, 2] / scratch.share[k], laws[k] >= 0, first, inside, nose, cam_angle, motion, scratch, records)
+        note_contact(
+            k,
+            gaps[k, 0],
+            gaps[k, 2] / scratch.share[k],
+            laws[k] >= 0,
+            first,
+            inside,
+            nose,
+            cam_angle,
+            motion,
+            scratch,
+            records,
+        )
     for i in range(v.shape[0]):
         work += body[i, 1] * 0.5 * (old[i] + v[i])
         bound = max(bound, abs(v[i]))
@@ -170,7 +247,9 @@ def _account(laws, body, motion, scratch, records, first, cam_angle, step, now):
 
 @njit(forceinline=True, **OPTIONS)
 def _pass_on(v, scratch, first):
-    """Keep the penetrations for the next step, as :func:`_account` does among all else; returns the largest speed."""
+    """Keep the penetrations for the next step, as :func:`_account` does among all else; returns the
+    largest speed.
+    """
     bound = 0.0
     for k in range(scratch.before.shape[0]):
         if not first:
@@ -199,7 +278,9 @@ def _record(row, records, q, v, old, step, now, cam_angle, power, gaps, share, c
 def _begin(train, motion, scratch):
     """Penetrations at the start and, by their rates, one step before it."""
     for k in range(train.laws.shape[0]):
-        pen, _, rate = _gap(k, train, motion.q, motion.v, motion.clock[0], motion.clock[1], scratch.gradients)
+        pen, _, rate = _gap(
+            k, train, motion.q, motion.v, motion.clock[0], motion.clock[1], scratch.gradients
+        )
         scratch.before[k, 0], scratch.before[k, 1] = pen, pen - motion.clock[11] * rate
         scratch.latest[k] = -1
 
@@ -219,11 +300,31 @@ def _finish(train, motion, scratch, log):
 
 @njit(**OPTIONS)
 def _integrate(spring_a, spring_b, train, slot_a, slot_b, motion, records, scratch):
-    """The loop itself; see :func:`advance_train`. Compiled without reference counting, which would cost more than the physics."""
-    q, v, clock, counters, totals, old, gaps = motion.q, motion.v, motion.clock, motion.counters, motion.totals, scratch.old, scratch.gaps
-    index, laws, body, retainer, gas_coordinate = train.coordinate_of, train.laws, train.body, train.retainer, train.gas_coordinate
+    """The loop itself; see :func:`advance_train`. Compiled without reference counting, which would
+    cost more than the physics.
+    """
+    q, v, clock, counters, totals, old, gaps = (
+        motion.q,
+        motion.v,
+        motion.clock,
+        motion.counters,
+        motion.totals,
+        scratch.old,
+        scratch.gaps,
+    )
+    index, laws, body, retainer, gas_coordinate = (
+        train.coordinate_of,
+        train.laws,
+        train.body,
+        train.retainer,
+        train.gas_coordinate,
+    )
     step, every, exchange, bound, sample, elapsed = clock[3], counters[1], counters[3], 0.0, 0, 0.0
-    watched, next_watch, noted = 0, 0 if records.pressed_a.shape[0] > 0 else -1, records.loads.shape[0] > 0
+    watched, next_watch, noted = (
+        0,
+        0 if records.pressed_a.shape[0] > 0 else -1,
+        records.loads.shape[0] > 0,
+    )
     n, left, part, change = -1, 0, step, 0.0
     _begin(train, motion, scratch)
     while True:
@@ -255,12 +356,32 @@ def _integrate(spring_a, spring_b, train, slot_a, slot_b, motion, records, scrat
         if whole:
             change = clock[4] + clock[6]
             if exchange <= 0:
-                clock[4], clock[5] = spring_a(slot_a.parameters, slot_a.integers, slot_a.state, q[retainer], v[retainer], step)
-                clock[6], clock[7] = spring_b(slot_b.parameters, slot_b.integers, slot_b.state, q[retainer], v[retainer], step)
-            elif n % exchange == 0:  # the force found now is kept; the spring module then integrates the velocity it was handed
+                clock[4], clock[5] = spring_a(
+                    slot_a.parameters, slot_a.integers, slot_a.state, q[retainer], v[retainer], step
+                )
+                clock[6], clock[7] = spring_b(
+                    slot_b.parameters, slot_b.integers, slot_b.state, q[retainer], v[retainer], step
+                )
+            elif (
+                n % exchange == 0
+            ):  # the force found now is kept; the spring module then integrates the velocity it was handed
                 for sub in range(exchange):
-                    forces_a = spring_a(slot_a.parameters, slot_a.integers, slot_a.state, clock[8], old[retainer], step)
-                    forces_b = spring_b(slot_b.parameters, slot_b.integers, slot_b.state, clock[8], old[retainer], step)
+                    forces_a = spring_a(
+                        slot_a.parameters,
+                        slot_a.integers,
+                        slot_a.state,
+                        clock[8],
+                        old[retainer],
+                        step,
+                    )
+                    forces_b = spring_b(
+                        slot_b.parameters,
+                        slot_b.integers,
+                        slot_b.state,
+                        clock[8],
+                        old[retainer],
+                        step,
+                    )
                     if sub == 0:
                         clock[4], clock[5] = forces_a
                         clock[6], clock[7] = forces_b
@@ -270,7 +391,9 @@ def _integrate(spring_a, spring_b, train, slot_a, slot_b, motion, records, scrat
             write_contacts(slot_a.state, slot_a.watched, records.pressed_a[watched])
             write_contacts(slot_b.state, slot_b.watched, records.pressed_b[watched])
             watched, next_watch = watched + 1, n + counters[4]
-        pull = clock[4] + clock[6] + (1.0 - ahead / step) * change  # inside a step the springs' force goes on as it came
+        pull = (
+            clock[4] + clock[6] + (1.0 - ahead / step) * change
+        )  # inside a step the springs' force goes on as it came
         _kick(index, body, gaps, scratch.gradients, kick, v)
         v[retainer] -= kick * pull / body[retainer, 0]
         pressed = 0.0
@@ -284,13 +407,28 @@ def _integrate(spring_a, spring_b, train, slot_a, slot_b, motion, records, scrat
             rubbed = friction_loss(index, v, scratch)
             totals[2] += rubbed + losses(index, body, scratch, v, damped)
             totals[4] += rubbed
-            power, bound = _account(laws, body, motion, scratch, records, whole and n == 0, cam_angle, kick, now)
+            power, bound = _account(
+                laws, body, motion, scratch, records, whole and n == 0, cam_angle, kick, now
+            )
             note_loads(power, cam_angle, cam_speed, clock, records.loads)
             if gas_coordinate >= 0:
                 totals[1] += kick * pressed * 0.5 * (old[gas_coordinate] + v[gas_coordinate])
             totals[3] += kick * pull * 0.5 * (old[retainer] + v[retainer])
             if recording:
-                _record(sample, records, q, v, old, kick, now, cam_angle, power, gaps, scratch.share, clock)
+                _record(
+                    sample,
+                    records,
+                    q,
+                    v,
+                    old,
+                    kick,
+                    now,
+                    cam_angle,
+                    power,
+                    gaps,
+                    scratch.share,
+                    clock,
+                )
                 sample += 1
         else:
             bound = _pass_on(v, scratch, whole and n == 0)
@@ -307,20 +445,41 @@ def _integrate(spring_a, spring_b, train, slot_a, slot_b, motion, records, scrat
 
 @njit(forceinline=True, error_model="numpy")
 def scratch_of(n, count, states):
-    """Empty working memory for n interactions, ``count`` coordinates and ``states`` numbers that the laws remember."""
+    """Empty working memory for n interactions, ``count`` coordinates and ``states`` numbers that
+    the laws remember.
+    """
     return Scratch(
-        np.zeros(count), np.zeros((n, 4)), np.zeros((n, 4)), np.zeros((n, 2)), np.zeros((n, 2)), np.zeros((n, n)), np.zeros((n, count)),
-        np.zeros(n), np.zeros(n), np.zeros(n), np.zeros(n, dtype=np.int64), np.zeros(n, dtype=np.int64), np.zeros((n, 2)),
-        np.zeros((n, 4)), np.zeros(n, dtype=np.int64), np.zeros((count, 3)), np.zeros(n), np.zeros(n),
-        np.zeros((n, 4)), np.zeros(states), np.ones(n),
-    )  # fmt: skip
+        np.zeros(count),
+        np.zeros((n, 4)),
+        np.zeros((n, 4)),
+        np.zeros((n, 2)),
+        np.zeros((n, 2)),
+        np.zeros((n, n)),
+        np.zeros((n, count)),
+        np.zeros(n),
+        np.zeros(n),
+        np.zeros(n),
+        np.zeros(n, dtype=np.int64),
+        np.zeros(n, dtype=np.int64),
+        np.zeros((n, 2)),
+        np.zeros((n, 4)),
+        np.zeros(n, dtype=np.int64),
+        np.zeros((count, 3)),
+        np.zeros(n),
+        np.zeros(n),
+        np.zeros((n, 4)),
+        np.zeros(states),
+        np.ones(n),
+    )
 
 
 @njit(cache=True, error_model="numpy")
 def advance_train(spring_a, spring_b, train, slot_a, slot_b, motion, records):
-    """Advance ``motion`` by ``motion.counters[0]`` steps in place; returns the steps done (fewer when the motion left all bounds).
+    """Advance ``motion`` by ``motion.counters[0]`` steps in place; returns the steps done (fewer
+    when the motion left all bounds).
 
-    ``spring_a``, ``spring_b``: kernels of ``springs.contract``; the arrays of all that moves come as ``TrainArrays`` and as the named
+    ``spring_a``, ``spring_b``: kernels of ``springs.contract``; the arrays of all that moves come
+    as ``TrainArrays`` and as the named
     tuples of ``train_tuples``. Compiled once for all trains, see :func:`ready_train_kernel`.
     """
     scratch = scratch_of(train.kinds.shape[0], motion.q.shape[0], motion.law_state.shape[0])
@@ -328,7 +487,9 @@ def advance_train(spring_a, spring_b, train, slot_a, slot_b, motion, records):
 
 
 def ready_train_kernel() -> Any:
-    """:func:`advance_train` compiled (or read from its cache) for spring kernels as first-class functions, and for nothing else."""
+    """:func:`advance_train` compiled (or read from its cache) for spring kernels as first-class
+    functions, and for nothing else.
+    """
     if not advance_train.signatures:
         advance_train.compile(_SIGNATURE)
         advance_train.disable_compile()

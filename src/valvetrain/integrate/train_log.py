@@ -1,4 +1,6 @@
-"""Compiled log of what the integrator saw of each contact: openings and closings within the step, largest gaps, extreme forces."""
+"""Compiled log of what the integrator saw of each contact: openings and closings within the step,
+largest gaps, extreme forces.
+"""
 
 from __future__ import annotations
 
@@ -37,9 +39,11 @@ PER_TURN = 1.0 / TURN
 
 @njit(forceinline=True, **OPTIONS)
 def crossing(earlier, before, now, ratio):
-    """Where in the last step, 0 to 1, a penetration passed zero, and its rate there per step; ``ratio``: the step before over the last.
+    """Where in the last step, 0 to 1, a penetration passed zero, and its rate there per step;
+    ``ratio``: the step before over the last.
 
-    A parabola through the last three steps: no force of the step of a touch has moved the last of them, so that the rate of a closing
+    A parabola through the last three steps: no force of the step of a touch has moved the last of
+    them, so that the rate of a closing
     is that of the free motion, to second order in the step.
     """
     bend = (earlier - before + ratio * (now - before)) / (ratio * (1.0 + ratio))
@@ -62,7 +66,12 @@ def note_crossing(k, pen, cam_angle, motion, scratch, log):
         row = -1
     angle = cam_angle - since * (motion.clock[1] - 0.5 * since * motion.clock[2])
     if row >= 0:
-        log[row, PLACE], log[row, CLOSES], log[row, ANGLE], log[row, RATE] = k, 1.0 if pen > 0.0 else 0.0, angle, rate / step
+        log[row, PLACE], log[row, CLOSES], log[row, ANGLE], log[row, RATE] = (
+            k,
+            1.0 if pen > 0.0 else 0.0,
+            angle,
+            rate / step,
+        )
     close_stretch(k, row, pen <= 0.0, scratch, log)
     scratch.latest[k] = row
     scratch.track[k, 0], scratch.track[k, 1], scratch.track[k, 2] = 0.0, angle, 0.0
@@ -70,18 +79,26 @@ def note_crossing(k, pen, cam_angle, motion, scratch, log):
 
 @njit(forceinline=True, **OPTIONS)
 def close_stretch(k, row, touching, scratch, log):
-    """Give the rows at both ends of the stretch since the last transition its largest force, or its largest gap."""
+    """Give the rows at both ends of the stretch since the last transition its largest force, or its
+    largest gap.
+    """
     for place in (scratch.latest[k], row):
         if place >= 0:
             if touching:
                 log[place, LARGEST_FORCE] = scratch.track[k, 2]
             else:
-                log[place, LARGEST_GAP], log[place, LARGEST_GAP_ANGLE] = scratch.track[k, 0], scratch.track[k, 1]
+                log[place, LARGEST_GAP], log[place, LARGEST_GAP_ANGLE] = (
+                    scratch.track[k, 0],
+                    scratch.track[k, 1],
+                )
 
 
 @njit(forceinline=True, **OPTIONS)
-def note_contact(k, pen, force, unilateral, first, inside, nose, cam_angle, motion, scratch, records):
-    """Note interaction ``k`` after a step: extreme forces (``inside``: in the window of the least), transition, largest gap and force.
+def note_contact(
+    k, pen, force, unilateral, first, inside, nose, cam_angle, motion, scratch, records
+):
+    """Note interaction ``k`` after a step: extreme forces (``inside``: in the window of the least),
+    transition, largest gap and force.
 
     ``nose``: share of the last step at which the cam passed its nose, negative where it did not.
     """
@@ -129,7 +146,8 @@ def note_loads(power, cam_angle, cam_speed, clock, loads):
 
 @njit(forceinline=True, **OPTIONS)
 def note_body(i, place, before, after, now, step, cam_angle, bodies):
-    """Note coordinate ``i`` after a kick of ``step`` (s) that took its velocity from ``before`` to ``after``, ``now`` of it done at
+    """Note coordinate ``i`` after a kick of ``step`` (s) that took its velocity from ``before`` to
+    ``after``, ``now`` of it done at
     ``cam_angle``."""
     speed, acceleration = abs((1.0 - now) * before + now * after), abs(after - before) / step
     bodies[i, PEAK_PLACE] = max(bodies[i, PEAK_PLACE], place)

@@ -1,4 +1,6 @@
-"""Advance a train by whole cam cycles: step choice, flat buffers, records of one cycle. The compiled loop does the work."""
+"""Advance a train by whole cam cycles: step choice, flat buffers, records of one cycle. The
+compiled loop does the work.
+"""
 
 from __future__ import annotations
 
@@ -42,11 +44,15 @@ LARGE_SPRING = 2000
 SPRING_FRACTION = 0.8
 """Share of a spring's own stable step that is used where the springs decide."""
 SHORTEST_STEP = 2e-8
-"""Step (s) below which contacts and bodies are refused: a mode beyond some 5 MHz is a slip of units, and a cycle would take minutes."""
+"""Step (s) below which contacts and bodies are refused: a mode beyond some 5 MHz is a slip of
+units, and a cycle would take minutes.
+"""
 
 
 BLOW_STEPS = 16
-"""Parts of the rise of a blow; where the step is longer, it is divided for as long as the blow lasts."""
+"""Parts of the rise of a blow; where the step is longer, it is divided for as long as the blow
+lasts.
+"""
 LEAST_BLOW = 0.02
 """Share of the reference force below which a touch is no blow."""
 
@@ -55,12 +61,17 @@ LEAST_BLOW = 0.02
 class TrainOptions:
     """Numerical choices of a run.
 
-    ``samples``: records per cam cycle. ``step_fraction``: step over the stable limit. ``time_step`` (s) overrides it (rounded so that a
-    cycle holds a whole number of steps). ``exchange``: steps per exchange of a partitioned coupling (0: all advance together).
-    ``blow_steps``: parts in which the rise of a blow of a contact is taken (0: steps are never divided), more at a finer
+    ``samples``: records per cam cycle. ``step_fraction``: step over the stable limit. ``time_step``
+    (s) overrides it (rounded so that a
+    cycle holds a whole number of steps). ``exchange``: steps per exchange of a partitioned coupling
+    (0: all advance together).
+    ``blow_steps``: parts in which the rise of a blow of a contact is taken (0: steps are never
+    divided), more at a finer
     prescribed step.
-    ``record_springs``: keep the springs' inner states per sample; ``record_contacts``: write down the contacts of their coils. ``window``:
-    begin and end (cam rad) of the part of the cycle in which least forces are sought; it may pass the end of the turn. ``nose`` (cam rad):
+    ``record_springs``: keep the springs' inner states per sample; ``record_contacts``: write down
+    the contacts of their coils. ``window``:
+    begin and end (cam rad) of the part of the cycle in which least forces are sought; it may pass
+    the end of the turn. ``nose`` (cam rad):
     where the forces of the contacts are taken to the angle itself.
     """
 
@@ -77,10 +88,12 @@ class TrainOptions:
 
 @dataclass(frozen=True)
 class TrainState:
-    """Values of one instant: positions at t_n, velocities half of ``last_step`` (s; 0: of the run's own step) before, spring states, held
+    """Values of one instant: positions at t_n, velocities half of ``last_step`` (s; 0: of the run's
+    own step) before, spring states, held
     spring forces.
 
-    ``law_state``: memory of all laws in one flat array; ``TrainArrays.memory_of`` tells where an interaction's begins.
+    ``law_state``: memory of all laws in one flat array; ``TrainArrays.memory_of`` tells where an
+    interaction's begins.
     """
 
     q: Array
@@ -106,15 +119,22 @@ class TrainState:
 
 @dataclass(frozen=True)
 class CycleRecord:
-    """One cam cycle, S samples: positions, velocities, accelerations (S, N); forces (N) and gaps (m) per interaction (S, n).
+    """One cam cycle, S samples: positions, velocities, accelerations (S, N); forces (N) and gaps
+    (m) per interaction (S, n).
 
-    ``spring_forces`` (S, springs, 2): retainer and seat force; ``spring_states``: per spring the head of its state (S, entries) or empty.
-    ``cam_power`` (W). ``peak_forces``, ``peak_penetrations`` (n,): over every step; ``least_forces`` (n,): over every step inside the
-    options' window; both with their cam angles (rad). ``largest_forces`` (n,): over every step inside the window; ``nose_forces``
-    (n,): at the nose. ``loads`` (7, 4), ``bodies`` (N, 5): extremes over every step by the rows and columns of ``train_tuples``.
-    ``transitions``: openings and closings of every contact. ``work``: of cam, of constant and gas forces, dissipated, on springs (J).
+    ``spring_forces`` (S, springs, 2): retainer and seat force; ``spring_states``: per spring the
+    head of its state (S, entries) or empty.
+    ``cam_power`` (W). ``peak_forces``, ``peak_penetrations`` (n,): over every step;
+    ``least_forces`` (n,): over every step inside the
+    options' window; both with their cam angles (rad). ``largest_forces`` (n,): over every step
+    inside the window; ``nose_forces``
+    (n,): at the nose. ``loads`` (7, 4), ``bodies`` (N, 5): extremes over every step by the rows and
+    columns of ``train_tuples``.
+    ``transitions``: openings and closings of every contact. ``work``: of cam, of constant and gas
+    forces, dissipated, on springs (J).
     ``friction_loss`` (J): share of the contacts' friction in what was dissipated.
-    ``pressed``: per spring the coil contacts at every ``pressed_interval`` (s), for its model's watch; without rows where not recorded.
+    ``pressed``: per spring the coil contacts at every ``pressed_interval`` (s), for its model's
+    watch; without rows where not recorded.
     """
 
     cam_angle: Array
@@ -136,7 +156,9 @@ class CycleRecord:
     peak_force_cam_angles: Array = field(default_factory=lambda: np.zeros(0))
     least_forces: Array = field(default_factory=lambda: np.zeros(0))
     least_force_cam_angles: Array = field(default_factory=lambda: np.zeros(0))
-    transitions: Transitions = field(default_factory=lambda: Transitions.from_log(np.zeros((0, 7)), 0))
+    transitions: Transitions = field(
+        default_factory=lambda: Transitions.from_log(np.zeros((0, 7)), 0)
+    )
     pressed: tuple[Array, ...] = ()
     pressed_interval: float = 0.0
     largest_forces: Array = field(default_factory=lambda: np.zeros(0))
@@ -147,7 +169,9 @@ class CycleRecord:
 
 @dataclass(frozen=True)
 class TrainRunner:
-    """A train adapted to one cam speed and step: carries the arrays, advances states. Build with :func:`runner`."""
+    """A train adapted to one cam speed and step: carries the arrays, advances states. Build with
+    :func:`runner`.
+    """
 
     system: TrainSystem
     cam_speed: float
@@ -160,12 +184,16 @@ class TrainRunner:
 
     @property
     def time_step(self) -> float:
-        """Step (s): one cycle at the nominal cam speed over a whole number of steps, or the ``fixed_step`` of a run-up."""
+        """Step (s): one cycle at the nominal cam speed over a whole number of steps, or the
+        ``fixed_step`` of a run-up.
+        """
         return self.fixed_step or TURN / self.cam_speed / self.steps
 
     @cached_property
     def spring_arrays(self) -> tuple[tuple[Array, NDArray[np.int64]], ...]:
-        """Parameters and integers of every spring's kernel, which only reads them: gathered once, not at every cycle."""
+        """Parameters and integers of every spring's kernel, which only reads them: gathered once,
+        not at every cycle.
+        """
         return tuple((spring.parameters(), spring.integers()) for spring in self.springs)
 
     def initial_state(self) -> TrainState:
@@ -177,95 +205,189 @@ class TrainRunner:
         return TrainState(q, np.zeros_like(q), states, memory, np.array([0.0, 0.0, 0.0, 0.0, lift]))
 
     def cycle(self, state: TrainState, judged: bool = True) -> tuple[TrainState, CycleRecord]:
-        """Advance one cam cycle; the given state stays as it was. ``judged``: look whether the step resolved the contacts' stiffness."""
+        """Advance one cam cycle; the given state stays as it was. ``judged``: look whether the step
+        resolved the contacts' stiffness.
+        """
         rows, springs = self.options.samples, len(self.springs)
         end, done, motion, records, spacing = self._advance(state, rows)
         extremes, written, count = records.extremes, records.motion, len(end.q)
-        status = self._status(done, state.cam_angle, extremes[:, PEAK_FORCE] if judged else np.zeros(0))
+        status = self._status(
+            done, state.cam_angle, extremes[:, PEAK_FORCE] if judged else np.zeros(0)
+        )
         record = CycleRecord(
-            written[:, 3 * count], written[:, :count], written[:, count : 2 * count], written[:, 2 * count : 3 * count], records.force,
-            records.gap, records.spring.reshape(rows, 2, 2)[:, :springs], (records.spring_a, records.spring_b)[:springs], written[:, -1],
-            extremes[:, PEAK_FORCE], extremes[:, PEAK_PENETRATION], motion.totals[:4], self.time_step, self.cam_speed, status,
-            float(motion.totals[4]), extremes[:, PEAK_FORCE_ANGLE], extremes[:, LEAST_FORCE], extremes[:, LEAST_FORCE_ANGLE],
-            Transitions.from_log(records.transitions, int(motion.counters[2])), (records.pressed_a, records.pressed_b)[:springs],
-            spacing * self.time_step, extremes[:, OPEN_FORCE], extremes[:, NOSE_FORCE], records.loads, records.bodies,
-        )  # fmt: skip
+            written[:, 3 * count],
+            written[:, :count],
+            written[:, count : 2 * count],
+            written[:, 2 * count : 3 * count],
+            records.force,
+            records.gap,
+            records.spring.reshape(rows, 2, 2)[:, :springs],
+            (records.spring_a, records.spring_b)[:springs],
+            written[:, -1],
+            extremes[:, PEAK_FORCE],
+            extremes[:, PEAK_PENETRATION],
+            motion.totals[:4],
+            self.time_step,
+            self.cam_speed,
+            status,
+            float(motion.totals[4]),
+            extremes[:, PEAK_FORCE_ANGLE],
+            extremes[:, LEAST_FORCE],
+            extremes[:, LEAST_FORCE_ANGLE],
+            Transitions.from_log(records.transitions, int(motion.counters[2])),
+            (records.pressed_a, records.pressed_b)[:springs],
+            spacing * self.time_step,
+            extremes[:, OPEN_FORCE],
+            extremes[:, NOSE_FORCE],
+            records.loads,
+            records.bodies,
+        )
         return end, record
 
     def after(self, state: TrainState) -> tuple[TrainState, Status]:
-        """The state one cam cycle later, the same bits as of :meth:`cycle`, and how it ended; nothing is written down on the way."""
+        """The state one cam cycle later, the same bits as of :meth:`cycle`, and how it ended;
+        nothing is written down on the way.
+        """
         end, done, *_ = self._advance(state, 0)
         return end, self._status(done, state.cam_angle, np.zeros(0))
 
-    def _advance(self, state: TrainState, rows: int) -> tuple[TrainState, int, Motion, Records, int]:
-        """One cam cycle: the state after it, steps done, what moved, ``rows`` of records (0: none at all), steps per row of contacts."""
+    def _advance(
+        self, state: TrainState, rows: int
+    ) -> tuple[TrainState, int, Motion, Records, int]:
+        """One cam cycle: the state after it, steps done, what moved, ``rows`` of records (0: none
+        at all), steps per row of contacts.
+        """
         from valvetrain.contact.own_law import law_address
-        from valvetrain.integrate.null_spring import no_spring
+        from valvetrain.integrate.spring_slot import no_spring
         from valvetrain.integrate.train_kernel import ready_train_kernel
 
         arrays, new = self.system.arrays, state.copy()
         count, interactions = len(new.q), len(arrays.kinds)
         kernels: list[Any] = [no_spring] * 2
         states = [np.zeros((rows, 0))] * 2
-        slots = [Slot(np.zeros(1), np.zeros(1, dtype=np.int64), np.zeros(1), np.zeros((0, 2), dtype=np.int64))] * 2
-        watches = [contact_watch_of(spring) if self.options.record_contacts and rows else None for spring in self.springs]
-        spacing = min((steps_between(watch, self.time_step) for watch in watches if watch is not None), default=1)
+        slots = [
+            Slot(
+                np.zeros(1),
+                np.zeros(1, dtype=np.int64),
+                np.zeros(1),
+                np.zeros((0, 2), dtype=np.int64),
+            )
+        ] * 2
+        watches = [
+            contact_watch_of(spring) if self.options.record_contacts and rows else None
+            for spring in self.springs
+        ]
+        spacing = min(
+            (steps_between(watch, self.time_step) for watch in watches if watch is not None),
+            default=1,
+        )
         count_rows = (self.steps - 1) // spacing + 1 if any(watches) else 0
         pressed = [np.zeros((count_rows, 0))] * 2
-        for place, (spring, (parameters, integers)) in enumerate(zip(self.springs, self.spring_arrays, strict=True)):
+        for place, (spring, (parameters, integers)) in enumerate(
+            zip(self.springs, self.spring_arrays, strict=True)
+        ):
             watch = watches[place]
             stretches = slots[place].watched if watch is None else watch.stretches
             pressed[place] = np.zeros((count_rows, 0 if watch is None else watch.entries))
-            kernels[place], slots[place] = spring.kernel, Slot(parameters, integers, new.springs[place], stretches)
-            states[place] = np.zeros((rows, recorded_entries(spring) if self.options.record_springs else 0))
+            kernels[place], slots[place] = (
+                spring.kernel,
+                Slot(parameters, integers, new.springs[place], stretches),
+            )
+            states[place] = np.zeros(
+                (rows, recorded_entries(spring) if self.options.record_springs else 0)
+            )
         begin, end = self.options.window
         before, least = state.last_step or self.time_step, LEAST_BLOW * self.rest.reference_force
         turning = (state.cam_angle, self.cam_speed, self.cam_acceleration, self.time_step)
-        clock = np.array([*turning, *new.held, begin, end - begin, before, before, least, self.options.nose])
+        clock = np.array(
+            [*turning, *new.held, begin, end - begin, before, before, least, self.options.nose]
+        )
         every = self.steps // self.options.samples
-        counters = np.array([self.steps, every, 0, self.options.exchange, spacing, self.options.blow_steps], dtype=np.int64)
-        addresses = np.array([law_address(kernel) for kernel in self.system.law_kernels], dtype=np.int64)
+        counters = np.array(
+            [self.steps, every, 0, self.options.exchange, spacing, self.options.blow_steps],
+            dtype=np.int64,
+        )
+        addresses = np.array(
+            [law_address(kernel) for kernel in self.system.law_kernels], dtype=np.int64
+        )
         motion = Motion(new.q, new.v, new.law_state, addresses, clock, counters, np.zeros(5))
-        extremes, loads, bodies = np.zeros((interactions, 7)), np.zeros((len(LOADS) if rows else 0, 4)), np.zeros((count, 5))
-        extremes[:, LEAST_FORCE], extremes[:, OPEN_FORCE], bodies[:, PEAK_PLACE] = np.inf, -np.inf, -np.inf
+        extremes, loads, bodies = (
+            np.zeros((interactions, 7)),
+            np.zeros((len(LOADS) if rows else 0, 4)),
+            np.zeros((count, 5)),
+        )
+        extremes[:, LEAST_FORCE], extremes[:, OPEN_FORCE], bodies[:, PEAK_PLACE] = (
+            np.inf,
+            -np.inf,
+            -np.inf,
+        )
         loads[:, HIGHEST], loads[:, LOWEST] = -np.inf, np.inf
         records = Records(
-            np.zeros((rows, 3 * count + 2)), np.zeros((rows, interactions)), np.zeros((rows, interactions)), np.zeros((rows, 4)), states[0],
-            states[1], extremes, loads, bodies, np.zeros((TRANSITIONS if rows else 0, 7)), *pressed,
-        )  # fmt: skip
+            np.zeros((rows, 3 * count + 2)),
+            np.zeros((rows, interactions)),
+            np.zeros((rows, interactions)),
+            np.zeros((rows, 4)),
+            states[0],
+            states[1],
+            extremes,
+            loads,
+            bodies,
+            np.zeros((TRANSITIONS if rows else 0, 7)),
+            *pressed,
+        )
         done = ready_train_kernel()(*kernels, arrays, *slots, motion, records)
         angle = state.cam_angle + TURN if self.cam_acceleration == 0 else float(clock[0])
-        return replace(new, held=clock[4:9].copy(), cam_angle=angle, last_step=float(clock[11])), done, motion, records, spacing
+        return (
+            replace(new, held=clock[4:9].copy(), cam_angle=angle, last_step=float(clock[11])),
+            done,
+            motion,
+            records,
+            spacing,
+        )
 
     def _status(self, done: int, cam_angle: float, peaks: Array) -> Status:
         if done < self.steps:
             where = np.degrees((cam_angle + done / self.steps * TURN) % TURN)
             return Status(
-                "diverged", f"a body exceeded 10 km/s near cam angle {where:.1f} deg", done * self.time_step, "train",
+                "diverged",
+                f"a body exceeded 10 km/s near cam angle {where:.1f} deg",
+                done * self.time_step,
+                "train",
                 "lower the step (time_step or step_fraction) or check masses and stiffnesses",
-            )  # fmt: skip
+            )
         worst = float(np.max(peaks, initial=0.0))
         if worst > self.rest.reference_force:
             limit = 2 / highest_frequency(self.system, worst)
             if self.time_step > limit:
                 return Status(
-                    "diverged", f"a contact reached {worst:.0f} N, whose stiffness the step of {self.time_step:.2e} s cannot resolve",
-                    self.steps * self.time_step, "contact", f"use a time step below {limit / 2:.1e} s",
-                )  # fmt: skip
+                    "diverged",
+                    f"a contact reached {worst:.0f} N, whose stiffness the step of {self.time_step:.2e} s cannot resolve",
+                    self.steps * self.time_step,
+                    "contact",
+                    f"use a time step below {limit / 2:.1e} s",
+                )
         return COMPLETED
 
 
 def recorded_entries(spring: SpringModel) -> int:
-    """How much of a spring's state a record keeps: positions and velocities; of very large models the positions alone."""
+    """How much of a spring's state a record keeps: positions and velocities; of very large models
+    the positions alone.
+    """
     return int(spring.unknowns if spring.unknowns > LARGE_SPRING else 2 * spring.unknowns)
 
 
 def runner(
-    system: TrainSystem, cam_speed: float, options: TrainOptions | None = None, cam_acceleration: float = 0.0, rest: TrainRest | None = None
+    system: TrainSystem,
+    cam_speed: float,
+    options: TrainOptions | None = None,
+    cam_acceleration: float = 0.0,
+    rest: TrainRest | None = None,
 ) -> TrainRunner:
-    """A train ready to run at ``cam_speed`` (rad/s; ``cam_acceleration`` rad/s2 for a run-up); ``rest`` where it is known already.
+    """A train ready to run at ``cam_speed`` (rad/s; ``cam_acceleration`` rad/s2 for a run-up);
+    ``rest`` where it is known already.
 
-    Raises :class:`InputError` for a speed that is not positive, contacts too stiff for any sensible step, or a prescribed step that the
+    Raises :class:`InputError` for a speed that is not positive, contacts too stiff for any sensible
+    step, or a prescribed step that the
     contacts or springs cannot resolve.
     """
     chosen, still = options or TrainOptions(), rest or rest_of(system)
@@ -294,4 +416,12 @@ def runner(
     base = chosen.samples * max(chosen.exchange, 1)
     steps = base * max(1, int(np.ceil(period / step / base)))
     springs = tuple(spring.with_time_step(period / steps) for spring in system.springs)
-    return TrainRunner(system.with_springs(springs), float(cam_speed), steps, chosen, still, float(cam_acceleration), springs)
+    return TrainRunner(
+        system.with_springs(springs),
+        float(cam_speed),
+        steps,
+        chosen,
+        still,
+        float(cam_acceleration),
+        springs,
+    )

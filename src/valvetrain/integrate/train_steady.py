@@ -1,4 +1,6 @@
-"""Periodic steady state of a train: its cycle map on a scaled state vector, by repetition or Anderson acceleration."""
+"""Periodic steady state of a train: its cycle map on a scaled state vector, by repetition or
+Anderson acceleration.
+"""
 
 from __future__ import annotations
 
@@ -9,19 +11,23 @@ import numpy as np
 from numpy.typing import NDArray
 
 from valvetrain.integrate.steady import SteadyState, accelerate, repeat_cycles
+from valvetrain.integrate.train_channels import COMPARED, LONG_SEARCH, Scatter, scatter_of
 from valvetrain.integrate.train_run import CycleRecord, TrainRunner, TrainState
-from valvetrain.integrate.train_scatter import COMPARED, LONG_SEARCH, Scatter, scatter_of
 from valvetrain.solution.status import Status
 
 Array = NDArray[np.float64]
 
 TOLERANCE = 1e-5
-"""Largest change per cycle, relative to the lift (positions) and to lift times cam speed (velocities)."""
+"""Largest change per cycle, relative to the lift (positions) and to lift times cam speed
+(velocities).
+"""
 
 
 @dataclass(frozen=True)
 class SteadyTrain:
-    """The last cycle of a train with how it settled; ``record`` follows from ``start``. ``scatter``: of a train that did not, if asked."""
+    """The last cycle of a train with how it settled; ``record`` follows from ``start``.
+    ``scatter``: of a train that did not, if asked.
+    """
 
     runner: TrainRunner
     search: SteadyState
@@ -33,33 +39,56 @@ class SteadyTrain:
 
     @property
     def status(self) -> Status:
-        """Completed, also where parts that are loose rattle while the valve repeats; diverged; not converged with the period found."""
+        """Completed, also where parts that are loose rattle while the valve repeats; diverged; not
+        converged with the period found.
+        """
         if not self.record.status.completed:
             return self.record.status
         if self.search.converged:
             return self.record.status
-        spread = "" if self.scatter is None else f"{1e6 * self.scatter.valve:.2g} um over {COMPARED} cycles"
+        spread = (
+            ""
+            if self.scatter is None
+            else f"{1e6 * self.scatter.valve:.2g} um over {COMPARED} cycles"
+        )
         period = self.search.period
-        words = f"repeats only every {period} cycles (sub-harmonic)" if period > 1 else "does not repeat, not over up to 8 cycles either"
+        words = (
+            f"repeats only every {period} cycles (sub-harmonic)"
+            if period > 1
+            else "does not repeat, not over up to 8 cycles either"
+        )
         if self.scatter is not None and self.scatter.repeats and self.search.cycles >= LONG_SEARCH:
-            return Status("completed", f"the valve repeats to {spread}; the motion of all parts {words}, see the scatter")
+            return Status(
+                "completed",
+                f"the valve repeats to {spread}; the motion of all parts {words}, see the scatter",
+            )
         cycles, last = self.search.cycles, self.search.residuals[-1]
         change = f"after {cycles} cycles it still changes by {last:.1e} of its size (accepted: {self.tolerance:.0e})"
         reached = self.search.cycles * self.runner.steps * self.runner.time_step
         return Status(
-            "not-converged", f"the motion {words}; {change}" + (f", the valve lift by {spread}" if spread else ""), reached, "",
+            "not-converged",
+            f"the motion {words}; {change}" + (f", the valve lift by {spread}" if spread else ""),
+            reached,
+            "",
             f"set cycles in [train] above {cycles} (--set train.cycles=...), or lower the speed if the train floats or bounces there",
-        )  # fmt: skip
+        )
 
 
 def steady_train(
-    runner: TrainRunner, method: str = "anderson", tolerance: float = TOLERANCE, cycles: int = 60, start: TrainState | None = None,
+    runner: TrainRunner,
+    method: str = "anderson",
+    tolerance: float = TOLERANCE,
+    cycles: int = 60,
+    start: TrainState | None = None,
     compared: bool = True,
-) -> SteadyTrain:  # fmt: skip
-    """Search the periodic orbit from ``start`` (static equilibrium by default), then record one more cycle.
+) -> SteadyTrain:
+    """Search the periodic orbit from ``start`` (static equilibrium by default), then record one
+    more cycle.
 
-    ``method``: ``repeat`` (the classical one) or ``anderson``. The record of the last cycle of a train that does not settle is given
-    with its status saying so, and, where asked for (``compared``), with the scatter of some more cycles.
+    ``method``: ``repeat`` (the classical one) or ``anderson``. The record of the last cycle of a
+    train that does not settle is given
+    with its status saying so, and, where asked for (``compared``), with the scatter of some more
+    cycles.
     """
     template, times = [start or runner.initial_state()], []
 
@@ -68,13 +97,21 @@ def steady_train(
         end, status = runner.after(_unpack(vector, template[0], runner))
         times.append(time.perf_counter() - begun)
         template[0] = replace(end, cam_angle=0.0)
-        return _pack(end, runner) if status.completed or np.all(np.isfinite(end.q)) else np.full_like(vector, np.nan)
+        return (
+            _pack(end, runner)
+            if status.completed or np.all(np.isfinite(end.q))
+            else np.full_like(vector, np.nan)
+        )
 
     vector, weights = _pack(template[0], runner), _weights(template[0], runner)
-    search = (accelerate if method == "anderson" else repeat_cycles)(cycle, vector, weights, tolerance, cycles)
+    search = (accelerate if method == "anderson" else repeat_cycles)(
+        cycle, vector, weights, tolerance, cycles
+    )
     # what is no part of the motion (histories, contact memories) is taken from the last cycle run
     finite = bool(np.all(np.isfinite(search.state)))
-    first = _unpack(search.state, template[0], runner) if finite else (start or runner.initial_state())
+    first = (
+        _unpack(search.state, template[0], runner) if finite else (start or runner.initial_state())
+    )
     scatter = None
     if compared and finite and not search.converged:
         scatter, first = scatter_of(runner, first)
@@ -83,13 +120,25 @@ def steady_train(
 
 
 def _split(state: TrainState, runner: TrainRunner) -> list[tuple[Array, int]]:
-    """Spring states with the number of entries that belong to the motion (positions and velocities)."""
-    return [(values, 2 * spring.unknowns) for values, spring in zip(state.springs, runner.springs, strict=True)]
+    """Spring states with the number of entries that belong to the motion (positions and
+    velocities).
+    """
+    return [
+        (values, 2 * spring.unknowns)
+        for values, spring in zip(state.springs, runner.springs, strict=True)
+    ]
 
 
 def _pack(state: TrainState, runner: TrainRunner) -> Array:
     memory, _ = runner.system.differential_memory(1.0)
-    return np.concatenate([state.q, state.v, state.law_state[memory], *[values[:count] for values, count in _split(state, runner)]])
+    return np.concatenate(
+        [
+            state.q,
+            state.v,
+            state.law_state[memory],
+            *[values[:count] for values, count in _split(state, runner)],
+        ]
+    )
 
 
 def _unpack(vector: Array, template: TrainState, runner: TrainRunner) -> TrainState:
@@ -106,19 +155,29 @@ def _unpack(vector: Array, template: TrainState, runner: TrainRunner) -> TrainSt
 
 
 def _weights(state: TrainState, runner: TrainRunner) -> Array:
-    """One over the scale of every unknown: lift for lengths, a quarter radian for levers, times the cam speed for velocities."""
+    """One over the scale of every unknown: lift for lengths, a quarter radian for levers, times the
+    cam speed for velocities.
+    """
     kinematics = runner.system.mechanism.kinematics
     lift = max(kinematics.maximum_lift if kinematics is not None else 0.0, 1e-4)
     units = [0.25 if part.unit == "rad" else lift for part in runner.system.mechanism.coordinates]
-    scales = [np.array(units), np.array(units) * runner.cam_speed, runner.system.differential_memory(lift)[1]]
+    scales = [
+        np.array(units),
+        np.array(units) * runner.cam_speed,
+        runner.system.differential_memory(lift)[1],
+    ]
     for _, count in _split(state, runner):
         half = count // 2
-        scales.append(np.concatenate((np.full(half, lift), np.full(count - half, lift * runner.cam_speed))))
+        scales.append(
+            np.concatenate((np.full(half, lift), np.full(count - half, lift * runner.cam_speed)))
+        )
     weights = 1 / np.concatenate(scales)
     weights[2 * len(units) + len(scales[2]) :] *= comparable(runner)
     return weights
 
 
 def comparable(runner: TrainRunner) -> float:
-    """1 where the springs' states take part in the periodicity test; 0 for a finite-element rod, whose state holds frames, not lengths."""
+    """1 where the springs' states take part in the periodicity test; 0 for a finite-element rod,
+    whose state holds frames, not lengths.
+    """
     return 0.0 if any(spring.name == "finite-element" for spring in runner.springs) else 1.0

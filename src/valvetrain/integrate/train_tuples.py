@@ -16,13 +16,29 @@ Integers = NDArray[np.int64]
 TRANSITIONS = 512
 """Rows of the log of contact transitions in one cycle; what does not fit is counted."""
 
-PEAK_FORCE, PEAK_FORCE_ANGLE, PEAK_PENETRATION, LEAST_FORCE, LEAST_FORCE_ANGLE, OPEN_FORCE, NOSE_FORCE = range(7)
+(
+    PEAK_FORCE,
+    PEAK_FORCE_ANGLE,
+    PEAK_PENETRATION,
+    LEAST_FORCE,
+    LEAST_FORCE_ANGLE,
+    OPEN_FORCE,
+    NOSE_FORCE,
+) = range(7)
 """Columns of ``Records.extremes``."""
 
 HIGHEST, HIGHEST_ANGLE, LOWEST, LOWEST_ANGLE = range(4)
 """Columns of ``Records.loads``."""
 
-LOADS = ("first_retainer", "first_seat", "second_retainer", "second_seat", "retainer", "seat", "torque")
+LOADS = (
+    "first_retainer",
+    "first_seat",
+    "second_retainer",
+    "second_seat",
+    "retainer",
+    "seat",
+    "torque",
+)
 """Rows of ``Records.loads``: end forces of each spring and of both, and the torque of the cam."""
 
 PEAK_PLACE, PEAK_SPEED, PEAK_SPEED_ANGLE, PEAK_ACCELERATION, PEAK_ACCELERATION_ANGLE = range(5)
@@ -33,7 +49,9 @@ PLACE, CLOSES, ANGLE, RATE, LARGEST_GAP, LARGEST_GAP_ANGLE, LARGEST_FORCE = rang
 
 
 class Slot(NamedTuple):
-    """The arrays of one spring kernel; ``watched`` (r, 2): stretches of the state, first entry and length, that hold its coil contacts."""
+    """The arrays of one spring kernel; ``watched`` (r, 2): stretches of the state, first entry and
+    length, that hold its coil contacts.
+    """
 
     parameters: Array
     integers: Integers
@@ -44,13 +62,18 @@ class Slot(NamedTuple):
 class Motion(NamedTuple):
     """What the loop changes in place.
 
-    ``q``, ``v`` (N,); ``law_state``: memory of all laws; ``law_addresses``: of the kernels of the train's own laws. ``clock`` (15,): cam
-    angle, cam speed, cam acceleration, step, four spring end forces, displacement of a partitioned spring, begin and width (rad) of the
-    window of least forces, the last part of a step and the one before it, least force (N) of a blow that is resolved,
+    ``q``, ``v`` (N,); ``law_state``: memory of all laws; ``law_addresses``: of the kernels of the
+    train's own laws. ``clock`` (15,): cam
+    angle, cam speed, cam acceleration, step, four spring end forces, displacement of a partitioned
+    spring, begin and width (rad) of the
+    window of least forces, the last part of a step and the one before it, least force (N) of a blow
+    that is resolved,
     cam angle (rad) of the nose. ``counters`` (6,):
-    steps, record every, transitions found, exchange interval (0: all advance together), steps per row of coil contacts, parts of the
+    steps, record every, transitions found, exchange interval (0: all advance together), steps per
+    row of coil contacts, parts of the
     rise of a blow (0: steps are never divided).
-    ``totals`` (5,): work of the cam, of constant and gas forces, dissipated, work on the springs (J), and the share of contact friction
+    ``totals`` (5,): work of the cam, of constant and gas forces, dissipated, work on the springs
+    (J), and the share of contact friction
     in what was dissipated.
     """
 
@@ -66,13 +89,19 @@ class Motion(NamedTuple):
 class Records(NamedTuple):
     """What the loop writes down.
 
-    ``motion`` (S, 3 N + 2): q, v, a, cam angle, cam power. ``force``, ``gap`` (S, n). ``spring`` (S, 4): end forces. ``spring_a``,
-    ``spring_b`` (S, entries): heads of the spring states. ``extremes`` (n, 7) over every step: peak force and its cam angle, peak
-    penetration, least force in the window and its cam angle, largest force in the window, force at the nose. ``loads`` (7, 4),
-    ``bodies`` (N, 5) over every step: see their columns; speeds and accelerations of either sign. ``transitions``
-    (:data:`TRANSITIONS`, 7): interaction, 1 for a closing and 0 for an opening, cam angle, rate of the penetration, largest gap of the
+    ``motion`` (S, 3 N + 2): q, v, a, cam angle, cam power. ``force``, ``gap`` (S, n). ``spring``
+    (S, 4): end forces. ``spring_a``,
+    ``spring_b`` (S, entries): heads of the spring states. ``extremes`` (n, 7) over every step: peak
+    force and its cam angle, peak
+    penetration, least force in the window and its cam angle, largest force in the window, force at
+    the nose. ``loads`` (7, 4),
+    ``bodies`` (N, 5) over every step: see their columns; speeds and accelerations of either sign.
+    ``transitions``
+    (:data:`TRANSITIONS`, 7): interaction, 1 for a closing and 0 for an opening, cam angle, rate of
+    the penetration, largest gap of the
     open side and its cam angle, largest force of the closed side.
-    ``pressed_a``, ``pressed_b`` (rows, entries): the coil contacts of each spring; no rows: they are not recorded. Without rows of
+    ``pressed_a``, ``pressed_b`` (rows, entries): the coil contacts of each spring; no rows: they
+    are not recorded. Without rows of
     ``loads`` nothing is written down at all, and no totals are kept.
     """
 
@@ -93,15 +122,21 @@ class Records(NamedTuple):
 class Scratch(NamedTuple):
     """Working memory of the loop.
 
-    ``old`` (N,): velocities before the step. ``gaps`` (n, 4): penetration, gap rate of the cam alone, rate-free force that becomes the
-    whole force, damping coefficient. ``gradients`` (n, 4) per coordinate slot, ``slides`` (n, 2) of the first two; ``rubbing`` (n, 2):
-    friction impulse, sliding of the cam. ``matrix`` to ``held``: the damping solve. ``before`` (n, 2): penetrations one and two steps
-    ago. ``track`` (n, 4): largest gap, its cam angle and largest force since the last transition, force of the step before; ``latest``
+    ``old`` (N,): velocities before the step. ``gaps`` (n, 4): penetration, gap rate of the cam
+    alone, rate-free force that becomes the
+    whole force, damping coefficient. ``gradients`` (n, 4) per coordinate slot, ``slides`` (n, 2) of
+    the first two; ``rubbing`` (n, 2):
+    friction impulse, sliding of the cam. ``matrix`` to ``held``: the damping solve. ``before`` (n,
+    2): penetrations one and two steps
+    ago. ``track`` (n, 4): largest gap, its cam angle and largest force since the last transition,
+    force of the step before; ``latest``
     (n,): its row, -1 for none.
     ``guides`` (N, 3): see
-    ``train_damping.guide``. ``rate``, ``bend`` (n,): rate of the penetration before the step, and by how much it exceeds the change of
+    ``train_damping.guide``. ``rate``, ``bend`` (n,): rate of the penetration before the step, and
+    by how much it exceeds the change of
     the penetration. ``blows`` (n, 4): see ``train_blows.finest_step``;
-    ``trial``: copy of the memory of all laws. ``share`` (n,): part of the kick in which a contact's damper acts, 1 but in the step of
+    ``trial``: copy of the memory of all laws. ``share`` (n,): part of the kick in which a contact's
+    damper acts, 1 but in the step of
     its touch.
     """
 

@@ -7,7 +7,15 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from valvetrain.integrate.train_tuples import ANGLE, CLOSES, LARGEST_FORCE, LARGEST_GAP, LARGEST_GAP_ANGLE, PLACE, RATE
+from valvetrain.integrate.train_tuples import (
+    ANGLE,
+    CLOSES,
+    LARGEST_FORCE,
+    LARGEST_GAP,
+    LARGEST_GAP_ANGLE,
+    PLACE,
+    RATE,
+)
 from valvetrain.solution.event import Event
 
 Array = NDArray[np.float64]
@@ -17,12 +25,17 @@ CONTACTS_LOGGED = "contacts_logged_ratio"
 
 @dataclass(frozen=True)
 class Transitions:
-    """Every opening and closing of a contact in one cycle, in order of time; arrays of one length, one entry per transition.
+    """Every opening and closing of a contact in one cycle, in order of time; arrays of one length,
+    one entry per transition.
 
-    ``interaction``: place of the contact; ``closes``: True for a closing. ``cam_angle`` (rad): a parabola through three steps passes zero
-    there. ``gap_rate`` (m/s): closing positive, negative at an opening. ``largest_gap`` (m) with its ``largest_gap_cam_angle`` (rad): of
-    the open stretch beside the transition; ``largest_force`` (N): of the touching stretch beside it; both over every step, the first and
-    last stretch of a contact as far as they lie in the cycle. ``overflow``: transitions that the log had no room for.
+    ``interaction``: place of the contact; ``closes``: True for a closing. ``cam_angle`` (rad): a
+    parabola through three steps passes zero
+    there. ``gap_rate`` (m/s): closing positive, negative at an opening. ``largest_gap`` (m) with
+    its ``largest_gap_cam_angle`` (rad): of
+    the open stretch beside the transition; ``largest_force`` (N): of the touching stretch beside
+    it; both over every step, the first and
+    last stretch of a contact as far as they lie in the cycle. ``overflow``: transitions that the
+    log had no room for.
     """
 
     interaction: NDArray[np.int64]
@@ -39,9 +52,15 @@ class Transitions:
         """From the rows of ``Records.transitions`` and how many there would have been."""
         rows = log[: min(found, len(log))]
         return cls(
-            rows[:, PLACE].astype(np.int64), rows[:, CLOSES] > 0.5, rows[:, ANGLE], rows[:, RATE], rows[:, LARGEST_GAP],
-            rows[:, LARGEST_GAP_ANGLE], rows[:, LARGEST_FORCE], max(0, found - len(log)),
-        )  # fmt: skip
+            rows[:, PLACE].astype(np.int64),
+            rows[:, CLOSES] > 0.5,
+            rows[:, ANGLE],
+            rows[:, RATE],
+            rows[:, LARGEST_GAP],
+            rows[:, LARGEST_GAP_ANGLE],
+            rows[:, LARGEST_FORCE],
+            max(0, found - len(log)),
+        )
 
     def __len__(self) -> int:
         return len(self.interaction)
@@ -53,42 +72,75 @@ class Transitions:
     def where(self, flag: NDArray[np.bool_]) -> Transitions:
         """Those that are marked."""
         return Transitions(
-            self.interaction[flag], self.closes[flag], self.cam_angle[flag], self.gap_rate[flag], self.largest_gap[flag],
-            self.largest_gap_cam_angle[flag], self.largest_force[flag], self.overflow,
-        )  # fmt: skip
+            self.interaction[flag],
+            self.closes[flag],
+            self.cam_angle[flag],
+            self.gap_rate[flag],
+            self.largest_gap[flag],
+            self.largest_gap_cam_angle[flag],
+            self.largest_force[flag],
+            self.overflow,
+        )
 
     def open_stretches(self, interaction: int) -> Transitions:
-        """One entry per open stretch of a contact of a PERIODIC cycle: its closing, with the largest gap of the whole stretch.
+        """One entry per open stretch of a contact of a PERIODIC cycle: its closing, with the
+        largest gap of the whole stretch.
 
-        A stretch that passes the end of the cycle is joined: its largest gap is the greater of what was seen on either side. A stretch
+        A stretch that passes the end of the cycle is joined: its largest gap is the greater of what
+        was seen on either side. A stretch
         that neither opens nor closes in the cycle has no entry.
         """
         own = self.of(interaction)
         gap, angle = own.largest_gap.copy(), own.largest_gap_cam_angle.copy()
         for place in np.flatnonzero(own.closes):
-            if not own.closes[place - 1] and own.largest_gap[place - 1] > gap[place]:  # place - 1 of the first is the last: a ring
-                gap[place], angle[place] = own.largest_gap[place - 1], own.largest_gap_cam_angle[place - 1]
-        whole = Transitions(own.interaction, own.closes, own.cam_angle, own.gap_rate, gap, angle, own.largest_force, own.overflow)
+            if (
+                not own.closes[place - 1] and own.largest_gap[place - 1] > gap[place]
+            ):  # place - 1 of the first is the last: a ring
+                gap[place], angle[place] = (
+                    own.largest_gap[place - 1],
+                    own.largest_gap_cam_angle[place - 1],
+                )
+        whole = Transitions(
+            own.interaction,
+            own.closes,
+            own.cam_angle,
+            own.gap_rate,
+            gap,
+            angle,
+            own.largest_force,
+            own.overflow,
+        )
         return whole.where(own.closes)
 
     def touches(self, names: tuple[str, ...], cam_speed: float) -> tuple[Event, ...]:
-        """Closings of the contacts ``names`` of a PERIODIC cycle as events ``touch``: size is the closing velocity (m/s)."""
+        """Closings of the contacts ``names`` of a PERIODIC cycle as events ``touch``: size is the
+        closing velocity (m/s).
+        """
         found = []
         for place, name in enumerate(names):
             own, whole = self.of(place), self.open_stretches(place)
             opened = own.cam_angle[np.flatnonzero(own.closes) - 1]
             for k in range(len(whole)):
                 angle, velocity = float(whole.cam_angle[k]), float(whole.gap_rate[k])
-                details = {"largest_gap": float(whole.largest_gap[k]), "release_cam_angle": float(opened[k])}
-                found.append(Event("touch", angle, angle / cam_speed, 0.0, velocity, "m/s", name, details))
+                details = {
+                    "largest_gap": float(whole.largest_gap[k]),
+                    "release_cam_angle": float(opened[k]),
+                }
+                found.append(
+                    Event("touch", angle, angle / cam_speed, 0.0, velocity, "m/s", name, details)
+                )
         return tuple(found)
 
     def main_closing(self, interaction: int) -> int | None:
-        """Place in :meth:`open_stretches` of the closing that ends the stretch of the largest gap; None where the contact never closes."""
+        """Place in :meth:`open_stretches` of the closing that ends the stretch of the largest gap;
+        None where the contact never closes.
+        """
         stretches = self.open_stretches(interaction)
         return int(np.argmax(stretches.largest_gap)) if len(stretches) else None
 
     def seating_velocity(self, seat: int) -> float | None:
-        """Closing gap rate (m/s) at the first touch of the contact ``seat`` after its main event; None where it never closes."""
+        """Closing gap rate (m/s) at the first touch of the contact ``seat`` after its main event;
+        None where it never closes.
+        """
         place = self.main_closing(seat)
         return None if place is None else float(self.open_stretches(seat).gap_rate[place])

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
 
 from valvetrain.cam.contract import LiftLaw
 from valvetrain.contact.friction import CoulombFriction
@@ -13,27 +13,78 @@ from valvetrain.errors import InputError
 from valvetrain.mechanism.lumped import build_lumped, build_single_mass
 from valvetrain.mechanism.parts import AssembledMechanism
 from valvetrain.mechanism.sliding import SLIDING_KINDS
-from valvetrain.mechanism.spec import MechanismSpec
 from valvetrain.parameters.train import ContactParameters, TrainParameters
 from valvetrain.registry import find
 
+#: ``(train, lift law, contact law by place, what the lift is of)`` -> the planar mechanism.
+MechanismBuilder = Callable[
+    [TrainParameters, LiftLaw, dict[str, ContactLaw], str], AssembledMechanism
+]
 
-def build_mechanism(train: TrainParameters, law: LiftLaw, lift_of: str = "tappet") -> AssembledMechanism:
-    """Mechanism of a train under a lift law (``lift_of`` 'tappet' or 'valve'), in the model the train asks for.
 
-    Raises :class:`InputError` for missing parts, geometry that cannot work, lash larger than the lift, missing contact laws, or
+@dataclass(frozen=True, slots=True)
+class MechanismSpec:
+    """One kind of train.
+
+    ``places``: its contacts from cam to seat, each a key of [train.contacts] (``tappet`` is one
+    only where the follower has a mass of
+    its own). ``build(train, law, laws, lift_of)`` returns the planar mechanism. ``needs``: what
+    must stand below [train], such as
+    ``lever`` or ``follower.mass``.
+    """
+
+    word: str
+    places: tuple[str, ...]
+    build: MechanismBuilder
+    needs: tuple[str, ...] = ()
+
+    def check(self, train: TrainParameters) -> None:
+        """Raise :class:`InputError` for a train that lacks what this kind needs."""
+        for need in self.needs:
+            table, _, key = need.partition(".")
+            part = getattr(train, table)
+            if part is None:
+                raise InputError(
+                    f"a {self.word} train needs a {table}; add its table", f"train.{table}"
+                )
+            if key and not (value := getattr(part, key)) > 0:
+                unit = " kg" if key == "mass" else ""
+                raise InputError(
+                    f"the {table} of a {self.word} train needs a positive {key}; it is {value:g}{unit}",
+                    f"train.{need}",
+                )
+
+
+def build_mechanism(
+    train: TrainParameters, law: LiftLaw, lift_of: str = "tappet"
+) -> AssembledMechanism:
+    """Mechanism of a train under a lift law (``lift_of`` 'tappet' or 'valve'), in the model the
+    train asks for.
+
+    Raises :class:`InputError` for missing parts, geometry that cannot work, lash larger than the
+    lift, missing contact laws, or
     friction where nothing slides.
     """
     spec: MechanismSpec = find("mechanisms", train.kind, "train.kind")
     spec.check(train)
     places = [place for place in spec.places if place != "tappet" or train.follower.mass > 0]
     if missing := [place for place in places if place not in train.contacts]:
-        tables, has = ", ".join(f"[train.contacts.{place}]" for place in missing), ", ".join(train.contacts) or "none"
+        tables, has = (
+            ", ".join(f"[train.contacts.{place}]" for place in missing),
+            ", ".join(train.contacts) or "none",
+        )
         remedy = f"add {tables}, or contacts.others = 'steel'"
-        raise InputError(f"a {train.kind} train needs a contact law for {_listed(missing)}, and has {has}; {remedy}", "train.contacts")
+        raise InputError(
+            f"a {train.kind} train needs a contact law for {_listed(missing)}, and has {has}; {remedy}",
+            "train.contacts",
+        )
     laws = {place: _contact_law(train.contact(place)) for place in places}
     planar = spec.build(train, law, laws, lift_of)
-    rough = {place: friction for place in places if (friction := train.contact(place).friction_coefficient) > 0}
+    rough = {
+        place: friction
+        for place in places
+        if (friction := train.contact(place).friction_coefficient) > 0
+    }
     if rough and train.model != "planar":
         raise InputError(
             f"friction in the contact '{next(iter(rough))}' needs model = 'planar': the {train.model} model keeps the gaps' normals "
@@ -56,15 +107,23 @@ def _contact_law(contact: ContactParameters) -> ContactLaw:
     return build_contact_law(contact.law, **{**contact.values, **units})
 
 
-def _with_friction(planar: AssembledMechanism, train: TrainParameters, coefficients: Mapping[str, float]) -> AssembledMechanism:
-    """The mechanism with friction in the contacts named. Raises :class:`InputError` where nothing slides."""
+def _with_friction(
+    planar: AssembledMechanism, train: TrainParameters, coefficients: Mapping[str, float]
+) -> AssembledMechanism:
+    """The mechanism with friction in the contacts named. Raises :class:`InputError` where nothing
+    slides.
+    """
     changed = {item.name: item for item in planar.interactions}
     for place, coefficient in coefficients.items():
         item = changed[place.replace("_", " ")]
         if item.kind not in SLIDING_KINDS or (place == "cam" and train.follower.shape == "roller"):
             reason = _why_not(place)
-            raise InputError(f"the contact '{place}' of a {train.kind} train takes no friction: {reason}; remove friction_coefficient")
-        changed[item.name] = replace(item, friction=CoulombFriction(coefficient, train.contact(place).friction_velocity))
+            raise InputError(
+                f"the contact '{place}' of a {train.kind} train takes no friction: {reason}; remove friction_coefficient"
+            )
+        changed[item.name] = replace(
+            item, friction=CoulombFriction(coefficient, train.contact(place).friction_velocity)
+        )
     return replace(planar, interactions=tuple(changed.values()))
 
 

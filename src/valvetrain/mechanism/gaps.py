@@ -1,4 +1,6 @@
-"""Compiled gap kinematics: penetration of one interaction and its gradient. Geometry only, no force law."""
+"""Compiled gap kinematics: penetration of one interaction and its gradient. Geometry only, no force
+law.
+"""
 
 from __future__ import annotations
 
@@ -8,13 +10,16 @@ from typing import Any
 from valvetrain.compiled import njit
 from valvetrain.mechanism.gap_kinds import CAM_FLAT, CAM_LIFT, CAM_ROUND, LINEAR, POINT_PLANE
 
-#: No reference counting: nothing is allocated, and counting the arrays passed along would cost more than the geometry.
+#: No reference counting: nothing is allocated, and counting the arrays passed along would cost more
+#: than the geometry.
 OPTIONS: dict[str, Any] = {"cache": True, "error_model": "numpy", "_nrt": False}
 
 
 @njit(forceinline=True, **OPTIONS)
 def table_value(tables, place_of_table, cam_angle):
-    """Quintic Hermite value, first and second derivative of one of ``tables`` (m, nodes, 3) over one turn, periodic."""
+    """Quintic Hermite value, first and second derivative of one of ``tables`` (m, nodes, 3) over
+    one turn, periodic.
+    """
     nodes, m = tables.shape[1], place_of_table
     spacing = 2.0 * math.pi / nodes
     place = cam_angle / spacing
@@ -24,7 +29,11 @@ def table_value(tables, place_of_table, cam_angle):
     right = left + 1
     if right == nodes:
         right = 0
-    value, slope, bend = tables[m, left, 0], tables[m, left, 1] * spacing, tables[m, left, 2] * spacing * spacing
+    value, slope, bend = (
+        tables[m, left, 0],
+        tables[m, left, 1] * spacing,
+        tables[m, left, 2] * spacing * spacing,
+    )
     rise = tables[m, right, 0] - value - slope - 0.5 * bend
     slope_gap = tables[m, right, 1] * spacing - slope - bend
     bend_gap = tables[m, right, 2] * spacing * spacing - bend
@@ -39,9 +48,11 @@ def table_value(tables, place_of_table, cam_angle):
 
 @njit(forceinline=True, **OPTIONS)
 def penetration_and_gradient(k, kinds, index, geometry, tables, table_of, q, cam_angle, gradients):
-    """Penetration (m) and d penetration / d cam_angle (m/rad) of interaction ``k``; row k of ``gradients`` (n, 4) is filled.
+    """Penetration (m) and d penetration / d cam_angle (m/rad) of interaction ``k``; row k of
+    ``gradients`` (n, 4) is filled.
 
-    Whole arrays and a place travel instead of rows: every row view costs a reference count in the loop.
+    Whole arrays and a place travel instead of rows: every row view costs a reference count in the
+    loop.
     """
     kind = kinds[k]
     for slot in range(4):
@@ -66,7 +77,9 @@ def penetration_and_gradient(k, kinds, index, geometry, tables, table_of, q, cam
     if kind == CAM_FLAT:
         direction = geometry[k, 8] + turn
         nx, ny = math.cos(direction), math.sin(direction)
-        height, slope, _ = table_value(tables, table_of[k], cam_angle - geometry[k, 10] * (direction - geometry[k, 9]))
+        height, slope, _ = table_value(
+            tables, table_of[k], cam_angle - geometry[k, 10] * (direction - geometry[k, 9])
+        )
         gradients[k, 0] = -(dx * nx + dy * ny)
         if geometry[k, 0] != 0.0:
             # the face turns with the body: X . dn/dq = sign (y nx - x ny)
@@ -89,7 +102,10 @@ def penetration_and_gradient(k, kinds, index, geometry, tables, table_of, q, cam
     # DISTANCE
     lower = q[index[k, 3]] if index[k, 3] >= 0 else 0.0
     upper = q[index[k, 2]] if index[k, 2] >= 0 else lower
-    rx, ry = x - geometry[k, 8] - geometry[k, 10] * lower, y - geometry[k, 9] - geometry[k, 11] * lower
+    rx, ry = (
+        x - geometry[k, 8] - geometry[k, 10] * lower,
+        y - geometry[k, 9] - geometry[k, 11] * lower,
+    )
     length = math.sqrt(rx * rx + ry * ry)
     nx, ny = rx / length, ry / length
     gradients[k, 0] = -(dx * nx + dy * ny)
@@ -102,8 +118,11 @@ def penetration_and_gradient(k, kinds, index, geometry, tables, table_of, q, cam
 
 
 @njit(**OPTIONS)
-def gap_rows(kinds, index, geometry, tables, table_of, positions, cam_angles, rows, pens, gradients, slopes):
-    """Fill penetrations (S, n), gradients by every coordinate (S, n, N), which begin as zeros, and slopes (S, n) at ``positions`` (S, N)
+def gap_rows(
+    kinds, index, geometry, tables, table_of, positions, cam_angles, rows, pens, gradients, slopes
+):
+    """Fill penetrations (S, n), gradients by every coordinate (S, n, N), which begin as zeros, and
+    slopes (S, n) at ``positions`` (S, N)
     and ``cam_angles`` (S,); ``rows`` (n, 4) is working space."""
     for s in range(len(cam_angles)):
         for k in range(len(kinds)):
@@ -122,7 +141,13 @@ def _planar_point(k, index, geometry, q):
     support = q[index[k, 1]] if index[k, 1] >= 0 else 0.0
     x, y = geometry[k, 1] + geometry[k, 6] * support, geometry[k, 2] + geometry[k, 7] * support
     if geometry[k, 0] == 0.0:
-        return x + geometry[k, 3] * body, y + geometry[k, 4] * body, geometry[k, 3], geometry[k, 4], 0.0
+        return (
+            x + geometry[k, 3] * body,
+            y + geometry[k, 4] * body,
+            geometry[k, 3],
+            geometry[k, 4],
+            0.0,
+        )
     turn = geometry[k, 5] * body
     c, s = math.cos(turn), math.sin(turn)
     ax, ay = c * geometry[k, 3] - s * geometry[k, 4], s * geometry[k, 3] + c * geometry[k, 4]
@@ -139,7 +164,10 @@ def _round_follower(k, geometry, tables, table_of, cam_angle, x, y, dx, dy, grad
     tangent = slope / pitch
     cosine = 1.0 / math.sqrt(1.0 + tangent * tangent)
     gap = pitch - distance
-    per_chi = cosine * slope - gap * tangent * (bend / pitch - tangent * tangent) * cosine * cosine * cosine
+    per_chi = (
+        cosine * slope
+        - gap * tangent * (bend / pitch - tangent * tangent) * cosine * cosine * cosine
+    )
     per_x = -cosine * x / distance + per_chi * geometry[k, 10] * y / (distance * distance)
     per_y = -cosine * y / distance - per_chi * geometry[k, 10] * x / (distance * distance)
     gradients[k, 0] = per_x * dx + per_y * dy

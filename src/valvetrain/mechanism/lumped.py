@@ -1,6 +1,8 @@
-"""Reduced trains from a planar one: lumped masses with the ratios of one pose, and a single mass at the valve.
+"""Reduced trains from a planar one: lumped masses with the ratios of one pose, and a single mass at
+the valve.
 
-The planar gaps are replaced by their gradients, so both reductions inherit every mass, stiffness and gap of the planar train and
+The planar gaps are replaced by their gradients, so both reductions inherit every mass, stiffness
+and gap of the planar train and
 differ from it by nothing but the missing geometry.
 """
 
@@ -25,11 +27,18 @@ def closed_gradients(mechanism: AssembledMechanism) -> Array:
     """Gap gradients (n, N) at zero lift, every body at home."""
     count, total = len(mechanism.interactions), len(mechanism.coordinates)
     names, tables = list(mechanism.tables), np.stack(list(mechanism.tables.values()))
-    kinds, table_of, index = np.zeros(count, dtype=np.int64), np.zeros(count, dtype=np.int64), np.full((count, 4), -1, dtype=np.int64)
+    kinds, table_of, index = (
+        np.zeros(count, dtype=np.int64),
+        np.zeros(count, dtype=np.int64),
+        np.full((count, 4), -1, dtype=np.int64),
+    )
     geometry = np.stack([interaction.geometry_row() for interaction in mechanism.interactions])
     gradients, rows, home = np.zeros((count, total)), np.zeros((count, 4)), np.zeros(total)
     for k, interaction in enumerate(mechanism.interactions):
-        kinds[k], table_of[k] = interaction.kind, names.index(interaction.table) if interaction.table else 0
+        kinds[k], table_of[k] = (
+            interaction.kind,
+            names.index(interaction.table) if interaction.table else 0,
+        )
         for slot, name in enumerate(interaction.coordinates):
             index[k, slot] = mechanism.index(name) if name else -1
         penetration_and_gradient(k, kinds, index, geometry, tables, table_of, home, 0.0, rows)
@@ -52,9 +61,11 @@ class _Scaled:
 
 
 def build_lumped(planar: AssembledMechanism) -> AssembledMechanism:
-    """The same masses and springs with constant ratios: every gap linear in the coordinates, the cam a lift over its angle.
+    """The same masses and springs with constant ratios: every gap linear in the coordinates, the
+    cam a lift over its angle.
 
-    The drive lift is the rigid valve lift over the closed-pose ratio, so the rigid valve lift is that of the planar train.
+    The drive lift is the rigid valve lift over the closed-pose ratio, so the rigid valve lift is
+    that of the planar train.
     """
     gradients = closed_gradients(planar)
     mode = rigid_mode(planar, gradients)
@@ -67,53 +78,96 @@ def build_lumped(planar: AssembledMechanism) -> AssembledMechanism:
         row = [float(gradients[k, planar.index(name)]) for name in names]
         if interaction.kind in (CAM_FLAT, CAM_ROUND):
             geometry = (0.0, *[-value for value in row], *[0.0] * (4 - len(row)), 1.0)
-            changed.append(Interaction("cam", CAM_LIFT, names, geometry, interaction.law, "cam lift"))
+            changed.append(
+                Interaction("cam", CAM_LIFT, names, geometry, interaction.law, "cam lift")
+            )
         else:
-            changed.append(Interaction(interaction.name, LINEAR, names, (_offset(interaction), *row), interaction.law))
+            changed.append(
+                Interaction(
+                    interaction.name, LINEAR, names, (_offset(interaction), *row), interaction.law
+                )
+            )
     return AssembledMechanism(
-        f"{planar.name}, lumped", planar.coordinates, tuple(changed), tables, planar.valve, planar.retainer, planar.kinematics
+        f"{planar.name}, lumped",
+        planar.coordinates,
+        tuple(changed),
+        tables,
+        planar.valve,
+        planar.retainer,
+        planar.kinematics,
     )
 
 
 def _offset(interaction: Interaction) -> float:
     """Constant part of a gap (m): minus the lash."""
     row = interaction.geometry_row()
-    return float(row[0]) if interaction.kind == LINEAR else -float(row[10] if interaction.name == "valve tip" else row[13])
+    return (
+        float(row[0])
+        if interaction.kind == LINEAR
+        else -float(row[10] if interaction.name == "valve tip" else row[13])
+    )
 
 
 def rigid_mode(mechanism: AssembledMechanism, gradients: Array) -> Array:
-    """Travel of every coordinate per travel of the valve (N,), all gaps but cam and seat kept and the pivot at home."""
+    """Travel of every coordinate per travel of the valve (N,), all gaps but cam and seat kept and
+    the pivot at home.
+    """
     total, valve = len(mechanism.coordinates), mechanism.index(mechanism.valve)
-    rows = [gradients[k] for k, item in enumerate(mechanism.interactions) if item.name not in ("cam", "seat", "support")]
-    pins = [np.eye(total)[valve]] + [np.eye(total)[i] for i, item in enumerate(mechanism.coordinates) if item.name == "support"]
+    rows = [
+        gradients[k]
+        for k, item in enumerate(mechanism.interactions)
+        if item.name not in ("cam", "seat", "support")
+    ]
+    pins = [np.eye(total)[valve]] + [
+        np.eye(total)[i] for i, item in enumerate(mechanism.coordinates) if item.name == "support"
+    ]
     matrix = np.array([*rows, *pins])
     target = np.zeros(len(matrix))
     target[len(rows)] = 1.0
     mode: Array = np.linalg.lstsq(matrix, target, rcond=None)[0]
     if np.max(np.abs(matrix @ mode - target)) > 1e-9:
-        raise InputError(f"mechanism '{mechanism.name}' does not tie every body to the valve; check its interactions")
+        raise InputError(
+            f"mechanism '{mechanism.name}' does not tie every body to the valve; check its interactions"
+        )
     return mode
 
 
 def equivalent_mass(mechanism: AssembledMechanism) -> float:
     """Mass (kg) of the whole train reduced to the valve at zero lift (springs not counted)."""
     mode = rigid_mode(mechanism, closed_gradients(mechanism))
-    return float(sum(part.mass * travel**2 for part, travel in zip(mechanism.coordinates, mode, strict=True)))
+    return float(
+        sum(part.mass * travel**2 for part, travel in zip(mechanism.coordinates, mode, strict=True))
+    )
 
 
 def build_single_mass(planar: AssembledMechanism) -> AssembledMechanism:
-    """One mass at the valve under the valve-side lift; the cam contact's law acts at the valve, every other part is rigid."""
+    """One mass at the valve under the valve-side lift; the cam contact's law acts at the valve,
+    every other part is rigid.
+    """
     gradients = closed_gradients(planar)
     mode = rigid_mode(planar, gradients)
-    force = float(sum(part.force * travel for part, travel in zip(planar.coordinates, mode, strict=True)))
-    damping = float(sum(part.damping * travel**2 for part, travel in zip(planar.coordinates, mode, strict=True)))
-    friction = float(sum(part.friction * abs(travel) for part, travel in zip(planar.coordinates, mode, strict=True)))
-    valve = Coordinate("valve", equivalent_mass(planar), force=force, damping=damping, friction=friction)
+    force = float(
+        sum(part.force * travel for part, travel in zip(planar.coordinates, mode, strict=True))
+    )
+    damping = float(
+        sum(part.damping * travel**2 for part, travel in zip(planar.coordinates, mode, strict=True))
+    )
+    friction = float(
+        sum(
+            part.friction * abs(travel)
+            for part, travel in zip(planar.coordinates, mode, strict=True)
+        )
+    )
+    valve = Coordinate(
+        "valve", equivalent_mass(planar), force=force, damping=damping, friction=friction
+    )
     kinematics = planar.kinematics
     cam_law = planar.interactions[planar.interaction_index("cam")].law
     seat = planar.interactions[planar.interaction_index("seat")]
     scaled = lift_table(_Scaled(kinematics, 1.0))
-    cam = Interaction("cam", CAM_LIFT, ("valve",), (kinematics.lash, 1.0, 0.0, 0.0, 0.0, 1.0), cam_law, "cam lift")
+    cam = Interaction(
+        "cam", CAM_LIFT, ("valve",), (kinematics.lash, 1.0, 0.0, 0.0, 0.0, 1.0), cam_law, "cam lift"
+    )
     return AssembledMechanism(
         f"{planar.name}, single mass",
         (valve,),

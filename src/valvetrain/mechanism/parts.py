@@ -1,4 +1,6 @@
-"""What a mechanism is made of: coordinates (masses) and interactions (gap geometry plus the name of a law)."""
+"""What a mechanism is made of: coordinates (masses) and interactions (gap geometry plus the name of
+a law).
+"""
 
 from __future__ import annotations
 
@@ -21,8 +23,10 @@ Array = NDArray[np.float64]
 class Coordinate:
     """One generalised coordinate of a body.
 
-    ``mass``: kg, or kg m2 for a turning body (``unit`` 'rad'). ``force``: constant generalised force (N, N m), gravity
-    included. ``damping``: viscous guide damping (N s/m). ``friction``: Coulomb guide friction (N), regularised below
+    ``mass``: kg, or kg m2 for a turning body (``unit`` 'rad'). ``force``: constant generalised
+    force (N, N m), gravity
+    included. ``damping``: viscous guide damping (N s/m). ``friction``: Coulomb guide friction (N),
+    regularised below
     ``friction_velocity`` (m/s). Raises :class:`InputError` for a mass that no body has.
     """
 
@@ -45,7 +49,9 @@ class Coordinate:
 
 
 class Law(Protocol):
-    """What stands in an interaction: a contact law (``contact.law.ContactLaw``) or a link of this module."""
+    """What stands in an interaction: a contact law (``contact.law.ContactLaw``) or a link of this
+    module.
+    """
 
     @property
     def code(self) -> int:
@@ -64,7 +70,9 @@ class Law(Protocol):
 
 @runtime_checkable
 class WithDifferentialMemory(Protocol):
-    """A law whose memory follows a differential equation: it belongs to the motion and must repeat in a periodic state."""
+    """A law whose memory follows a differential equation: it belongs to the motion and must repeat
+    in a periodic state.
+    """
 
     @property
     def states(self) -> int:
@@ -84,8 +92,10 @@ class WithDifferentialMemory(Protocol):
 class Interaction:
     """A gap between bodies and the law that acts in it.
 
-    ``kind``: one of :mod:`valvetrain.mechanism.gap_kinds`. ``coordinates``: up to four coordinate names, '' where a slot is empty.
-    ``geometry``: the row of the kind. ``table``: name of the lift or contour table, '' when none. ``law``: a contact law, an
+    ``kind``: one of :mod:`valvetrain.mechanism.gap_kinds`. ``coordinates``: up to four coordinate
+    names, '' where a slot is empty.
+    ``geometry``: the row of the kind. ``table``: name of the lift or contour table, '' when none.
+    ``law``: a contact law, an
     :class:`ElasticLink` or a :class:`MaxwellLink`. ``friction``: along the contact, None for none.
     """
 
@@ -115,9 +125,13 @@ class ElasticLink:
 
     def __post_init__(self) -> None:
         if not self.stiffness > 0:
-            raise InputError(f"the stiffness of an elastic link must be positive; it is {self.stiffness:g}")
+            raise InputError(
+                f"the stiffness of an elastic link must be positive; it is {self.stiffness:g}"
+            )
         if self.damping < 0:
-            raise InputError(f"the damping of an elastic link must not be negative; it is {self.damping:g}")
+            raise InputError(
+                f"the damping of an elastic link must not be negative; it is {self.damping:g}"
+            )
 
     def parameters(self) -> Array:
         """Stiffness and damping."""
@@ -126,10 +140,13 @@ class ElasticLink:
 
 @dataclass(frozen=True, slots=True)
 class MaxwellLink:
-    """A massless link of a spring beside a spring and a damper in series (the standard linear solid, or Zener element).
+    """A massless link of a spring beside a spring and a damper in series (the standard linear
+    solid, or Zener element).
 
-    ``stiffness`` N/m of the lone spring (zero for a bare Maxwell element), ``branch_stiffness`` N/m and ``branch_damping`` N s/m of the
-    two in series. It remembers the force f (N) of the branch: f' = branch_stiffness (rate - f / branch_damping). At rest f is zero.
+    ``stiffness`` N/m of the lone spring (zero for a bare Maxwell element), ``branch_stiffness`` N/m
+    and ``branch_damping`` N s/m of the
+    two in series. It remembers the force f (N) of the branch: f' = branch_stiffness (rate - f /
+    branch_damping). At rest f is zero.
     """
 
     stiffness: float
@@ -140,17 +157,23 @@ class MaxwellLink:
 
     def __post_init__(self) -> None:
         if not (np.isfinite(self.stiffness) and self.stiffness >= 0):
-            raise InputError(f"the stiffness of a Maxwell link must be zero or positive; it is {self.stiffness:g}")
+            raise InputError(
+                f"the stiffness of a Maxwell link must be zero or positive; it is {self.stiffness:g}"
+            )
         for name, value in (("stiffness", self.branch_stiffness), ("damping", self.branch_damping)):
             if not (np.isfinite(value) and value > 0):
-                raise InputError(f"the branch {name} of a Maxwell link must be positive; it is {value:g}")
+                raise InputError(
+                    f"the branch {name} of a Maxwell link must be positive; it is {value:g}"
+                )
 
     def parameters(self) -> Array:
         """Stiffness, branch stiffness and branch damping."""
         return np.array([self.stiffness, self.branch_stiffness, self.branch_damping])
 
     def memory_derivative(self, memory: Array, penetration_rate: float) -> Array:
-        """Rate (N/s), shape (1,), of the branch force ``memory`` (1,) at a rate (m/s) of the penetration."""
+        """Rate (N/s), shape (1,), of the branch force ``memory`` (1,) at a rate (m/s) of the
+        penetration.
+        """
         return self.branch_stiffness * (penetration_rate - memory / self.branch_damping)
 
     def memory_scale(self, displacement: float) -> Array:
@@ -180,8 +203,10 @@ class Mechanism(Protocol):
 class AssembledMechanism:
     """The plain :class:`Mechanism` that every builder returns.
 
-    ``tables``: name -> (nodes, 3) value and first two derivatives over the cam angle. ``retainer``: coordinate that carries the
-    spring retainer, ``valve``: coordinate whose value is called valve lift. ``motion_ratio``: valve velocity over cam-side velocity
+    ``tables``: name -> (nodes, 3) value and first two derivatives over the cam angle. ``retainer``:
+    coordinate that carries the
+    spring retainer, ``valve``: coordinate whose value is called valve lift. ``motion_ratio``: valve
+    velocity over cam-side velocity
     near mid lift, for step and force estimates. ``rigid``: callable of the rigid kinematics.
     """
 
@@ -197,14 +222,20 @@ class AssembledMechanism:
     def __post_init__(self) -> None:
         names = [coordinate.name for coordinate in self.coordinates]
         if len(set(names)) != len(names):
-            raise InputError(f"mechanism '{self.name}' names a coordinate twice; give each its own name")
+            raise InputError(
+                f"mechanism '{self.name}' names a coordinate twice; give each its own name"
+            )
         known = {*names, ""}
         for interaction in self.interactions:
             unknown = set(interaction.coordinates) - known
             if unknown:
-                raise InputError(f"interaction '{interaction.name}' joins unknown coordinates {sorted(unknown)}; known: {names}")
+                raise InputError(
+                    f"interaction '{interaction.name}' joins unknown coordinates {sorted(unknown)}; known: {names}"
+                )
             if interaction.table and interaction.table not in self.tables:
-                raise InputError(f"interaction '{interaction.name}' reads table '{interaction.table}', which is missing")
+                raise InputError(
+                    f"interaction '{interaction.name}' reads table '{interaction.table}', which is missing"
+                )
 
     def index(self, name: str) -> int:
         """Place of a coordinate."""

@@ -1,4 +1,6 @@
-"""Planar building blocks shared by all trains: geometry rows, cam contact from a rigid motion, valve and support parts."""
+"""Planar building blocks shared by all trains: geometry rows, cam contact from a rigid motion,
+valve and support parts.
+"""
 
 from __future__ import annotations
 
@@ -6,13 +8,13 @@ import math
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from valvetrain.contact.law import ContactLaw
 from valvetrain.mechanism.contour import NODES, check_flat, check_round, table_from_samples
 from valvetrain.mechanism.gap_kinds import ARC_RADIUS, CAM_FLAT, CAM_ROUND, LINEAR
 from valvetrain.mechanism.parts import Coordinate, ElasticLink, Interaction
-from valvetrain.parameters.train import FollowerParameters, TrainParameters
+from valvetrain.parameters.train import CrankParameters, FollowerParameters, TrainParameters
 
 Array = NDArray[np.float64]
 
@@ -28,7 +30,9 @@ def rotate(vector: tuple[float, float], turn: Any) -> tuple[Any, Any]:
     return c * vector[0] - s * vector[1], s * vector[0] + c * vector[1]
 
 
-def turning_row(pivot: tuple[float, float], arm: tuple[float, float], sign: float, support: tuple[float, float]) -> list[float]:
+def turning_row(
+    pivot: tuple[float, float], arm: tuple[float, float], sign: float, support: tuple[float, float]
+) -> list[float]:
     """Columns 0-7 of a point on a turning body."""
     return [1.0, *pivot, *arm, sign, *support]
 
@@ -39,13 +43,23 @@ def sliding_row(origin: tuple[float, float], direction: tuple[float, float]) -> 
 
 
 def cam_contact(
-    base_row: list[float], coordinates: tuple[str, ...], follower: FollowerParameters, law: ContactLaw, cam_angle: Array,
-    centre: tuple[Array, Array], turn: Array, face_direction: float, rotation: int,
-) -> tuple[Interaction, Array]:  # fmt: skip
-    """Cam contact and its contour table, ground so that the rigid follower passes through the given poses.
+    base_row: list[float],
+    coordinates: tuple[str, ...],
+    follower: FollowerParameters,
+    law: ContactLaw,
+    cam_angle: Array,
+    centre: tuple[Array, Array],
+    turn: Array,
+    face_direction: float,
+    rotation: int,
+) -> tuple[Interaction, Array]:
+    """Cam contact and its contour table, ground so that the rigid follower passes through the given
+    poses.
 
-    ``centre``: path of the arc centre (or of a point of the flat face) over ``cam_angle``; ``turn`` (rad): rotation of the body;
-    ``face_direction``: polar angle of a flat face's normal at zero lift. Raises :class:`InputError` for a cam with cusp or undercut.
+    ``centre``: path of the arc centre (or of a point of the flat face) over ``cam_angle``; ``turn``
+    (rad): rotation of the body;
+    ``face_direction``: polar angle of a flat face's normal at zero lift. Raises :class:`InputError`
+    for a cam with cusp or undercut.
     """
     x, y = centre
     if follower.shape == "flat":
@@ -70,8 +84,12 @@ def sample_angles(per_node: int = 4) -> Array:
     return np.arange(count) * 2 * np.pi / count
 
 
-def valve_parts(train: TrainParameters, laws: dict[str, ContactLaw]) -> tuple[list[Coordinate], list[Interaction], str, str]:
-    """Valve coordinates, stem and seat: returns parts, the coordinate called valve lift, and the one carrying the retainer."""
+def valve_parts(
+    train: TrainParameters, laws: dict[str, ContactLaw]
+) -> tuple[list[Coordinate], list[Interaction], str, str]:
+    """Valve coordinates, stem and seat: returns parts, the coordinate called valve lift, and the
+    one carrying the retainer.
+    """
     valve = train.valve
     ux, uy = unit(valve.opening_direction)
     along = train.gravity[0] * ux + train.gravity[1] * uy
@@ -94,13 +112,45 @@ def valve_parts(train: TrainParameters, laws: dict[str, ContactLaw]) -> tuple[li
     return parts, links, "valve", "valve tip"
 
 
-def support_parts(train: TrainParameters, carried_mass: float) -> tuple[list[Coordinate], list[Interaction], tuple[float, float], str]:
-    """Elastic pivot: its coordinate, its link to the ground, its direction and its name ('' when rigid)."""
+def support_parts(
+    train: TrainParameters, carried_mass: float
+) -> tuple[list[Coordinate], list[Interaction], tuple[float, float], str]:
+    """Elastic pivot: its coordinate, its link to the ground, its direction and its name ('' when
+    rigid).
+    """
     support = train.support
     if support is None:
         return [], [], (0.0, 0.0), ""
     ex, ey = unit(support.direction)
     mass = support.mass + carried_mass
     weight = mass * (train.gravity[0] * ex + train.gravity[1] * ey)
-    link = Interaction("support", LINEAR, ("support",), (0.0, 1.0), ElasticLink(support.stiffness, support.damping))
+    link = Interaction(
+        "support", LINEAR, ("support",), (0.0, 1.0), ElasticLink(support.stiffness, support.damping)
+    )
     return [Coordinate("support", mass, force=weight)], [link], (ex, ey), "support"
+
+
+def piston_travel(crank: CrankParameters, cam_angle: ArrayLike) -> Array:
+    """Distance (m) of the piston below its top dead centre; the crank turns twice per cam turn.
+
+    Exact slider: s = top - (r cos a + sqrt(l**2 - (r sin a - e)**2)), with offset e and top dead
+    centre at ``top_dead_centre``
+    (of the centred crank; an offset shifts the true highest point by a fraction of a degree).
+    """
+    angle = 2 * (np.asarray(cam_angle, dtype=float) - crank.top_dead_centre)
+    reach = crank.radius * np.cos(angle) + np.sqrt(
+        crank.rod_length**2 - (crank.radius * np.sin(angle) - crank.offset) ** 2
+    )
+    top = np.sqrt((crank.radius + crank.rod_length) ** 2 - crank.offset**2)
+    found: Array = top - reach
+    return found
+
+
+def piston_clearance(crank: CrankParameters, cam_angle: ArrayLike, valve_lift: ArrayLike) -> Array:
+    """Gap (m) between piston crown and valve along the cylinder; negative where they would meet."""
+    found: Array = (
+        crank.clearance
+        + piston_travel(crank, cam_angle)
+        - np.asarray(valve_lift) * np.cos(crank.valve_inclination)
+    )
+    return found

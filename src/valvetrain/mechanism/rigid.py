@@ -1,4 +1,6 @@
-"""Rigid kinematics of a train: valve lift over cam angle with derivatives up to jerk, motion ratio, zero elasticity."""
+"""Rigid kinematics of a train: valve lift over cam angle with derivatives up to jerk, motion ratio,
+zero elasticity.
+"""
 
 from __future__ import annotations
 
@@ -20,7 +22,9 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class RatioCurve:
-    """Valve lift (m, without lash) as a function of the drive coordinate ``s`` (m or rad): an exact quintic spline through the geometry."""
+    """Valve lift (m, without lash) as a function of the drive coordinate ``s`` (m or rad): an exact
+    quintic spline through the geometry.
+    """
 
     drive: Array
     valve_lift: Array
@@ -48,9 +52,11 @@ class RatioCurve:
 
 @dataclass(frozen=True)
 class RigidKinematics:
-    """Chain of lift law -> drive coordinate -> valve, every part rigid and every contact closed but the ``lash`` (m, at the valve).
+    """Chain of lift law -> drive coordinate -> valve, every part rigid and every contact closed but
+    the ``lash`` (m, at the valve).
 
-    ``law``: lift law. ``law_of``: ``drive`` when the law prescribes the drive coordinate times ``drive_scale`` (m per unit), ``valve``
+    ``law``: lift law. ``law_of``: ``drive`` when the law prescribes the drive coordinate times
+    ``drive_scale`` (m per unit), ``valve``
     when it prescribes the valve lift at zero lash. ``ratio``: geometry of the chain.
     """
 
@@ -66,7 +72,9 @@ class RigidKinematics:
         return lift / self.drive_scale if self.law_of == "drive" else self.ratio.inverse(lift)
 
     def _tight(self, cam_angle: ArrayLike, derivative: int) -> Array:
-        """Derivative (m/rad**n) of the valve lift without lash: the law itself, or Faà di Bruno through the ratio curve."""
+        """Derivative (m/rad**n) of the valve lift without lash: the law itself, or Faà di Bruno
+        through the ratio curve.
+        """
         law = [np.asarray(self.law.lift(cam_angle, n), dtype=float) for n in range(derivative + 1)]
         if self.law_of == "valve":
             return law[derivative]
@@ -81,7 +89,9 @@ class RigidKinematics:
         return np.asarray(f[3] * s[1] ** 3 + 3 * f[2] * s[1] * s[2] + f[1] * s[3])
 
     def valve_lift(self, cam_angle: ArrayLike, derivative: int = 0) -> Array:
-        """Rigid valve lift (m) or its derivative (m/rad**n, n up to 3); zero while the lash is open."""
+        """Rigid valve lift (m) or its derivative (m/rad**n, n up to 3); zero while the lash is
+        open.
+        """
         if derivative not in (0, 1, 2, 3):
             raise InputError(f"rigid kinematics give derivatives 0 to 3, not {derivative}")
         tight = self._tight(cam_angle, 0)
@@ -89,7 +99,9 @@ class RigidKinematics:
         return np.where(tight > self.lash, value, 0.0)
 
     def law_lift(self, valve_lift: ArrayLike) -> Array:
-        """What the law lifts (m) when the rigid valve stands at ``valve_lift`` (m), the lash taken up; the shape kept."""
+        """What the law lifts (m) when the rigid valve stands at ``valve_lift`` (m), the lash taken
+        up; the shape kept.
+        """
         tight = np.asarray(valve_lift, dtype=float) + self.lash
         return tight if self.law_of == "valve" else self.ratio.inverse(tight) * self.drive_scale
 

@@ -7,7 +7,7 @@ from typing import Any, cast
 from valvetrain.errors import InputError
 from valvetrain.parameters.case import STATUSES, Note, ValueStatus
 from valvetrain.parameters.changes import nearest
-from valvetrain.parameters.schema_names import LONGEST_LINE, words_problem
+from valvetrain.parameters.schema_types import LONGEST_LINE, words_problem
 from valvetrain.units.text import clipped
 
 _VALUE_KEYS = {"value", "status", "source", "comment"}
@@ -18,7 +18,8 @@ _OWN_MEANING = ("published", "train.published")
 def split_notes(tree: dict[str, Any]) -> tuple[dict[str, Any], dict[str, Note], dict[str, str]]:
     """Bare tree, notes by key path, and the reason of each bad note by key path.
 
-    ``{ value = "4 mm", status = "published", source = "key" }`` becomes "4 mm" with a note; ``status`` and ``source`` in any other table
+    ``{ value = "4 mm", status = "published", source = "key" }`` becomes "4 mm" with a note;
+    ``status`` and ``source`` in any other table
     are a note on the whole table.
     """
     notes: dict[str, Note] = {}
@@ -42,7 +43,11 @@ def _walk(value: Any, path: str, notes: dict[str, Note], bad: dict[str, str]) ->
             bad[path] = error.reason
     if "value" in value and set(value) <= _VALUE_KEYS:
         return _walk(value["value"], path, notes, bad)
-    return {key: _walk(item, f"{path}.{key}", notes, bad) for key, item in value.items() if key not in note}
+    return {
+        key: _walk(item, f"{path}.{key}", notes, bad)
+        for key, item in value.items()
+        if key not in note
+    }
 
 
 def _note(raw: dict[str, Any]) -> Note:

@@ -1,4 +1,6 @@
-"""Reading a file that somebody named: no more of it than a bound, and nothing but a regular file, for a pipe or a device may never end."""
+"""Reading a file that somebody named: no more of it than a bound, and nothing but a regular file,
+for a pipe or a device may never end.
+"""
 
 from __future__ import annotations
 
@@ -10,7 +12,8 @@ from valvetrain.errors import InputError
 
 #: Larger files hold neither a case nor a lift table (bytes).
 MOST_BYTES = 5_000_000
-#: Set to anything, a case may name files beside it only: for cases of strangers (``valvetrain serve``).
+#: Set to anything, a case may name files beside it only: for cases of strangers (``valvetrain
+#: serve``).
 BESIDE_VARIABLE = "VALVETRAIN_BESIDE"
 _KINDS = {
     stat.S_IFDIR: "a folder", stat.S_IFIFO: "a pipe", stat.S_IFCHR: "a device", stat.S_IFBLK: "a device", stat.S_IFSOCK: "a socket",
@@ -20,28 +23,41 @@ _KINDS = {
 def named_file(folder: Path, name: str) -> Path:
     """The file that a case in ``folder`` names.
 
-    Raises :class:`InputError` for one elsewhere than beside the case, or a link, where :data:`BESIDE_VARIABLE` is set.
+    Raises :class:`InputError` for one elsewhere than beside the case, or a link, where
+    :data:`BESIDE_VARIABLE` is set.
 
     >>> named_file(Path("cases"), "lift.csv").name
     'lift.csv'
     """
     path = folder / name
-    if os.environ.get(BESIDE_VARIABLE) and (Path(name).name != name or "\\" in name or path.is_symlink()):
-        raise InputError("names a file elsewhere than beside the case; put it there and name it plainly, as in 'lift.csv'")
+    if os.environ.get(BESIDE_VARIABLE) and (
+        Path(name).name != name or "\\" in name or path.is_symlink()
+    ):
+        raise InputError(
+            "names a file elsewhere than beside the case; put it there and name it plainly, as in 'lift.csv'"
+        )
     return path
 
 
 def bounded_bytes(path: Path, what: str, most: int = MOST_BYTES) -> bytes:
-    """Bytes of the regular file ``path``, at most ``most`` of them; ``what`` it should hold, such as "lift table", stands in messages.
+    """Bytes of the regular file ``path``, at most ``most`` of them; ``what`` it should hold, such
+    as "lift table", stands in messages.
 
-    Raises :class:`InputError` ("is a pipe; ...") for anything else and for a larger file, :class:`OSError` where it cannot be read.
+    Raises :class:`InputError` ("is a pipe; ...") for anything else and for a larger file,
+    :class:`OSError` where it cannot be read.
     """
     kind = stat.S_IFMT(path.stat().st_mode)
     if kind != stat.S_IFREG:
-        remedy = "give the file in it" if kind == stat.S_IFDIR else f"save the {what} to a file and give that"
+        remedy = (
+            "give the file in it"
+            if kind == stat.S_IFDIR
+            else f"save the {what} to a file and give that"
+        )
         raise InputError(f"is {_KINDS.get(kind, 'no file')}; {remedy}")
     with path.open("rb") as stream:
         content = stream.read(most + 1)
     if len(content) > most:
-        raise InputError(f"is larger than {most / 1e6:.3g} MB, so it is no {what}; give another file")
+        raise InputError(
+            f"is larger than {most / 1e6:.3g} MB, so it is no {what}; give another file"
+        )
     return content

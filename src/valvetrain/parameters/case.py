@@ -1,22 +1,66 @@
-"""A case: everything that defines one study, frozen, in SI, with the source and status of its values."""
+"""A case: everything that defines one study, frozen, in SI, with the source and status of its
+values.
+"""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
+from numbers import Real
 from typing import Any, Literal, get_args
 
+from valvetrain import registry
 from valvetrain.errors import InputError
-from valvetrain.parameters.changes import changed, differences
-from valvetrain.parameters.damping import DampingParameters
-from valvetrain.parameters.installed_spring import CoilContact, InstalledSpring, Rubbing
+from valvetrain.parameters.changes import changed, differences, nearest
+from valvetrain.parameters.installed_spring import (
+    CoilContact,
+    DampingParameters,
+    InstalledSpring,
+    Rubbing,
+)
 from valvetrain.parameters.lift_law import FrozenMapping, LiftLawParameters
 from valvetrain.parameters.spring import SpringDefinition
 from valvetrain.parameters.train import TrainParameters
-from valvetrain.parameters.wire_points import point_problem
 from valvetrain.solution.record import CaseRecord, CaseValue, PublishedValue
 from valvetrain.units import keep_si, si_speeds
+
+
+def point_problem(
+    study: str, points: Mapping[str, float], springs: Iterable[InstalledSpring]
+) -> tuple[str, str] | None:
+    """Why ``points`` (name -> coil number) cannot be read: the name of the first that cannot, empty
+    for all, and a sentence.
+
+    None where all can: their ``study`` names each, and each lies between the lower tip and the end
+    of the shortest wire.
+    """
+    if not points:
+        return None
+    if not study:
+        return (
+            "",
+            "the points are those that a published study reads; name it in 'study', or remove them",
+        )
+    names = tuple(
+        word.replace(" ", "_") for word in registry.find("sources", study).point_names.values()
+    )
+    coils = min(
+        (spring.wire.total_coils for spring in springs if spring.wire is not None), default=math.inf
+    )
+    for name, coil in points.items():
+        if name not in names:
+            told = nearest(name, names) if names else "it names none; remove them"
+            return name, f"study '{study}' reads no point '{name[:40]}'; {told}"
+        if isinstance(coil, bool) or not isinstance(coil, Real) or not math.isfinite(coil):
+            return name, f"{coil!r} is no coil number; give a number of coils from the lower tip"
+        if not 0 <= coil <= coils:
+            return (
+                name,
+                f"coil {coil:g} lies beyond the wire of {coils:g} coils; give a number from 0 to {coils:g}",
+            )
+    return None
+
 
 __all__ = [
     "Case", "CaseSummary", "CoilContact", "DampingParameters", "InstalledSpring", "LiftLawParameters",
@@ -37,7 +81,8 @@ class Note:
 
 @dataclass(frozen=True, slots=True)
 class Operation:
-    """What is run: ``engine_speeds`` (rad/s of the crank, twice the cam's), ``cycles`` (cam revolutions, the last is reported) and
+    """What is run: ``engine_speeds`` (rad/s of the crank, twice the cam's), ``cycles`` (cam
+    revolutions, the last is reported) and
     ``output_step`` (cam rad) between the values kept."""
 
     engine_speeds: tuple[float, ...] = ()
@@ -47,7 +92,9 @@ class Operation:
     def __post_init__(self) -> None:
         # an empty row stays one: a case may leave its speeds to whoever runs it
         if self.engine_speeds or not isinstance(self.engine_speeds, tuple):
-            object.__setattr__(self, "engine_speeds", si_speeds(self.engine_speeds, where="engine_speeds"))
+            object.__setattr__(
+                self, "engine_speeds", si_speeds(self.engine_speeds, where="engine_speeds")
+            )
         keep_si(self, "the operation", output_step="cam_angle")
 
     @property
@@ -70,10 +117,14 @@ class CaseSummary:
 class Case:
     """Everything that defines a study; SI throughout.
 
-    ``springs``: one or two, outer first, under prescribed motion of their retainer; a ``train`` holds its own. ``study``: word of the
-    published study that the case re-runs. ``points``: coil numbers at which its points on the wire are read, by their names, where they
-    are others than the study's. ``text``: the case file as resolved, with what was changed from outside; read again it gives
-    an equal case. ``changed``: key paths that were set from outside the file. Text and changes take no part in comparisons.
+    ``springs``: one or two, outer first, under prescribed motion of their retainer; a ``train``
+    holds its own. ``study``: word of the
+    published study that the case re-runs. ``points``: coil numbers at which its points on the wire
+    are read, by their names, where they
+    are others than the study's. ``text``: the case file as resolved, with what was changed from
+    outside; read again it gives
+    an equal case. ``changed``: key paths that were set from outside the file. Text and changes take
+    no part in comparisons.
 
     >>> import valvetrain as vt
     >>> case = vt.load_case("job-t")
@@ -104,10 +155,13 @@ class Case:
         object.__setattr__(self, "points", FrozenMapping(self.points))
 
     def replace(self, changes: Mapping[str, Any] | None = None, /, **fields: Any) -> Case:
-        """A copy with fields changed; ``changes`` takes dotted paths: ``case.replace({"springs.0.precompression": 0.006}, name="short")``.
+        """A copy with fields changed; ``changes`` takes dotted paths:
+        ``case.replace({"springs.0.precompression": 0.006}, name="short")``.
 
-        The new values are SI, text with a unit ("6 mm") or pint quantities and stand behind ``text`` as remarks; ``changed`` names their
-        paths. Raises :class:`InputError` for a path that does not exist, with the nearest one that does, and for a wrong unit.
+        The new values are SI, text with a unit ("6 mm") or pint quantities and stand behind
+        ``text`` as remarks; ``changed`` names their
+        paths. Raises :class:`InputError` for a path that does not exist, with the nearest one that
+        does, and for a wrong unit.
         """
         from valvetrain.parameters.words import si_at
 
@@ -117,17 +171,37 @@ class Case:
         refused = point_problem(result.study, result.points, result.springs)
         if refused is not None:
             raise InputError(refused[1], ".".join(filter(None, ("points", refused[0]))))
-        told = [path for path in every if path.split(".")[0] not in ("name", "title", "description", "text", "changed")]
-        remarks = "".join(f"# changed: {path} = {' '.join(repr(every[path]).split())}\n" for path in told)
-        return replace(result, text=result.text + remarks, changed=tuple(dict.fromkeys((*result.changed, *told)))) if told else result
+        told = [
+            path
+            for path in every
+            if path.split(".")[0] not in ("name", "title", "description", "text", "changed")
+        ]
+        remarks = "".join(
+            f"# changed: {path} = {' '.join(repr(every[path]).split())}\n" for path in told
+        )
+        return (
+            replace(
+                result,
+                text=result.text + remarks,
+                changed=tuple(dict.fromkeys((*result.changed, *told))),
+            )
+            if told
+            else result
+        )
 
     def diff(self, other: Case) -> dict[str, tuple[Any, Any]]:
         """Key path -> (value here, value in ``other``) of everything that differs."""
         return differences(self, other)
 
     def cite(self) -> tuple[str, ...]:
-        """Keys of the references (valvetrain/references.bib) this case draws on, in order of first use."""
-        texts = [*self.sources, *(note.source for note in self.notes.values()), *(value.source for value in self.published)]
+        """Keys of the references (valvetrain/references.bib) this case draws on, in order of first
+        use.
+        """
+        texts = [
+            *self.sources,
+            *(note.source for note in self.notes.values()),
+            *(value.source for value in self.published),
+        ]
         keys = [text.split(",")[0].strip() for text in texts]
         return tuple(dict.fromkeys(key for key in keys if key and " " not in key))
 
@@ -140,8 +214,12 @@ class Case:
         """Wire of the first spring. Raises :class:`InputError` when the case has none."""
         if self.spring is None:
             if self.train is not None:
-                raise InputError(f"case '{self.name}' is a valvetrain; give a case whose [spring] table holds one of its wires")
-            raise InputError(f"case '{self.name}' defines no wire of a spring; give wire_diameter and so on in its [spring] table")
+                raise InputError(
+                    f"case '{self.name}' is a valvetrain; give a case whose [spring] table holds one of its wires"
+                )
+            raise InputError(
+                f"case '{self.name}' defines no wire of a spring; give wire_diameter and so on in its [spring] table"
+            )
         return self.spring
 
     def record(self) -> CaseRecord:
@@ -153,7 +231,10 @@ class Case:
         from valvetrain.parameters.words import words_at
 
         # In the file the springs are [spring], or [[spring]] with places.
-        paths = {path: f"springs{path[6:]}" if path.partition(".")[0] == "spring" else path for path in self.notes}
+        paths = {
+            path: f"springs{path[6:]}" if path.partition(".")[0] == "spring" else path
+            for path in self.notes
+        }
         return CaseRecord(
             name=self.name,
             title=self.title,
@@ -161,7 +242,10 @@ class Case:
             study=self.study,
             remarks=self.remarks,
             published=self.published,
-            values=tuple(CaseValue(path, words_at(self, paths[path]), note.status or "", note.source) for path, note in self.notes.items()),
+            values=tuple(
+                CaseValue(path, words_at(self, paths[path]), note.status or "", note.source)
+                for path, note in self.notes.items()
+            ),
             citations=tuple(cite(key) if key in references() else key for key in self.cite()),
             zero_of_angle=self.lift_law.zero_of_angle if self.lift_law is not None else "",
             changed=self.changed,

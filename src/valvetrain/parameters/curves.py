@@ -1,7 +1,9 @@
 """Curves over the coil number: the laws of wire diameter, coil diameter and pitch along a spring.
 
-A curve answers three questions at any coil number ``u`` (turns from the lower wire tip): its value, its
-derivative per turn and its integral from zero. One class per kind; a new kind is one more small class.
+A curve answers three questions at any coil number ``u`` (turns from the lower wire tip): its value,
+its
+derivative per turn and its integral from zero. One class per kind; a new kind is one more small
+class.
 """
 
 from __future__ import annotations
@@ -19,6 +21,7 @@ from valvetrain.units import Given, si, si_each
 if TYPE_CHECKING:
     from scipy.interpolate import PchipInterpolator
 
+
 Array = NDArray[np.float64]
 
 
@@ -35,7 +38,8 @@ class Curve(Protocol):
 
 @dataclass(frozen=True, slots=True)
 class Constant:
-    """The same length at every coil number: ``level`` in m, as text with a unit ("7 mm") or as a pint quantity.
+    """The same length at every coil number: ``level`` in m, as text with a unit ("7 mm") or as a
+    pint quantity.
 
     Raises :class:`InputError` for what is no length.
 
@@ -66,8 +70,10 @@ class Constant:
 class PiecewiseLinear:
     """Straight lines between (coil, value) knots, held constant beyond the first and last knot.
 
-    ``coils``: rising coil numbers; ``values``: as many lengths (m, text with a unit, pint quantities), or text such as "4, 7, 4 mm".
-    Raises :class:`InputError` when fewer than two knots are given, the coils do not increase or a value is no length.
+    ``coils``: rising coil numbers; ``values``: as many lengths (m, text with a unit, pint
+    quantities), or text such as "4, 7, 4 mm".
+    Raises :class:`InputError` when fewer than two knots are given, the coils do not increase or a
+    value is no length.
 
     >>> PiecewiseLinear((0, 3, 6), "4, 7, 4 mm").values
     (0.004, 0.007, 0.004)
@@ -105,16 +111,23 @@ class PiecewiseLinear:
         step = inside - knots[segment]
         slope = (np.diff(values) / np.diff(knots))[segment]
         area = areas[segment] + values[segment] * step + slope * step**2 / 2
-        found: Array = area + np.minimum(coil - knots[0], 0) * values[0] + np.maximum(coil - knots[-1], 0) * values[-1]
+        found: Array = (
+            area
+            + np.minimum(coil - knots[0], 0) * values[0]
+            + np.maximum(coil - knots[-1], 0) * values[-1]
+        )
         return found
 
 
 @dataclass(frozen=True, slots=True)
 class Table:
-    """A measured or drawn table, interpolated by a shape-preserving cubic (PCHIP): C1, no overshoot.
+    """A measured or drawn table, interpolated by a shape-preserving cubic (PCHIP): C1, no
+    overshoot.
 
-    ``coils``: rising coil numbers; ``values``: as many lengths (m, text with a unit, pint quantities), or text such as "4, 7, 4 mm".
-    Raises :class:`InputError` when fewer than two knots are given, the coils do not increase or a value is no length.
+    ``coils``: rising coil numbers; ``values``: as many lengths (m, text with a unit, pint
+    quantities), or text such as "4, 7, 4 mm".
+    Raises :class:`InputError` when fewer than two knots are given, the coils do not increase or a
+    value is no length.
 
     >>> Table((0, 3, 6), "4, 7, 4 mm").values
     (0.004, 0.007, 0.004)
@@ -142,7 +155,9 @@ class Table:
         return found
 
     def derivative(self, coil: ArrayLike) -> Array:
-        found: Array = np.nan_to_num(self._interpolant().derivative()(np.asarray(coil, dtype=float)))
+        found: Array = np.nan_to_num(
+            self._interpolant().derivative()(np.asarray(coil, dtype=float))
+        )
         return found
 
     def integral(self, coil: ArrayLike) -> Array:
@@ -151,7 +166,10 @@ class Table:
         primitive = self._interpolant().antiderivative()
 
         def area(point: Array) -> Array:
-            beyond = np.minimum(point - first, 0) * self.values[0] + np.maximum(point - last, 0) * self.values[-1]
+            beyond = (
+                np.minimum(point - first, 0) * self.values[0]
+                + np.maximum(point - last, 0) * self.values[-1]
+            )
             found: Array = primitive(np.clip(point, first, last)) + beyond
             return found
 
@@ -191,10 +209,99 @@ class FunctionCurve:
 
 def _check_knots(coils: tuple[float, ...], values: tuple[float, ...]) -> None:
     if len(coils) != len(values):
-        raise InputError(f"a curve has {len(coils)} coil numbers but {len(values)} values; give one value per coil number")
+        raise InputError(
+            f"a curve has {len(coils)} coil numbers but {len(values)} values; give one value per coil number"
+        )
     if len(coils) < 2:
         raise InputError("a curve needs at least two knots; give a constant for one value")
     if not (np.all(np.isfinite(coils)) and np.all(np.isfinite(values))):
         raise InputError("a curve holds a value that is not a finite number; replace it")
     if np.any(np.diff(coils) <= 0):
         raise InputError("the coil numbers of a curve must increase; sort them and remove repeats")
+
+
+@dataclass(frozen=True, slots=True)
+class WeightedSum:
+    """``first + weight * second``: such as a mean diameter from an outer one less the wire."""
+
+    first: Curve
+    second: Curve
+    weight: float = 1.0
+
+    def value(self, coil: ArrayLike) -> Array:
+        return self.first.value(coil) + self.weight * self.second.value(coil)
+
+    def derivative(self, coil: ArrayLike) -> Array:
+        return self.first.derivative(coil) + self.weight * self.second.derivative(coil)
+
+    def integral(self, coil: ArrayLike) -> Array:
+        return self.first.integral(coil) + self.weight * self.second.integral(coil)
+
+
+@dataclass(frozen=True, slots=True)
+class SlopeOf:
+    """Derivative of a table: the pitch that belongs to a measured height over the coil number."""
+
+    table: Table
+
+    def value(self, coil: ArrayLike) -> Array:
+        return self.table.derivative(coil)
+
+    def derivative(self, coil: ArrayLike) -> Array:
+        coil = np.asarray(coil, dtype=float)
+        inside = (coil >= self.table.coils[0]) & (coil <= self.table.coils[-1])
+        return np.where(inside, np.nan_to_num(self.table._interpolant().derivative(2)(coil)), 0.0)
+
+    def integral(self, coil: ArrayLike) -> Array:
+        return self.table.value(coil) - self.table.value(0.0)
+
+
+@dataclass(frozen=True, slots=True)
+class Parabola:
+    """``ends`` at coil 0 and ``total_coils``, ``middle`` half-way: the barrel and hourglass law."""
+
+    ends: float
+    middle: float
+    total_coils: float
+
+    def value(self, coil: ArrayLike) -> Array:
+        return (
+            self.middle
+            + (self.ends - self.middle)
+            * (2 * np.asarray(coil, dtype=float) / self.total_coils - 1) ** 2
+        )
+
+    def derivative(self, coil: ArrayLike) -> Array:
+        return (
+            (self.ends - self.middle)
+            * 4
+            / self.total_coils
+            * (2 * np.asarray(coil, dtype=float) / self.total_coils - 1)
+        )
+
+    def integral(self, coil: ArrayLike) -> Array:
+        coil = np.asarray(coil, dtype=float)
+        across = 2 * coil / self.total_coils - 1
+        return self.middle * coil + (self.ends - self.middle) * self.total_coils / 6 * (
+            across**3 + 1
+        )
+
+
+def add_curves(first: Curve, second: Curve, weight: float = 1.0) -> Curve:
+    """``first + weight * second`` in the simplest class that is exact."""
+    if isinstance(first, Constant) and isinstance(second, Constant):
+        return Constant(first.level + weight * second.level)
+    if isinstance(first, (Constant, PiecewiseLinear)) and isinstance(
+        second, (Constant, PiecewiseLinear)
+    ):
+        knots = sorted(
+            {
+                coil
+                for curve in (first, second)
+                if isinstance(curve, PiecewiseLinear)
+                for coil in curve.coils
+            }
+        )
+        values = first.value(knots) + weight * second.value(knots)
+        return PiecewiseLinear(tuple(knots), tuple(float(value) for value in values))
+    return WeightedSum(first, second, weight)

@@ -9,13 +9,13 @@ from pydantic.fields import FieldInfo
 
 from valvetrain import registry
 from valvetrain.parameters import schema_installed, train_schema
+from valvetrain.parameters.installed_spring import options_table
 from valvetrain.parameters.schema_case import OperationModel
 from valvetrain.parameters.schema_contact import ContactTable
 from valvetrain.parameters.schema_lift import LiftModel
 from valvetrain.parameters.schema_spring import EndModel
 from valvetrain.parameters.schema_types import Quantity
 from valvetrain.parameters.spring import EndCoil
-from valvetrain.parameters.spring_options import options_table
 from valvetrain.parameters.words import number
 from valvetrain.units import DIMENSIONS, unit_factor
 
@@ -36,8 +36,14 @@ def defaults_page() -> str:
 
 def _sections() -> Iterator[tuple[str, list[str]]]:
     wire = schema_installed.WireBlock
-    kinds = ((kind, EndModel(kind=kind).build()) for kind in ("closed-ground", "closed", "open", "open-ground"))
-    yield "A spring: `[spring]`, `[[train.springs.SET]]`", [*_rows(wire), *(_end_row(kind, end) for kind, end in kinds)]
+    kinds = (
+        (kind, EndModel(kind=kind).build())
+        for kind in ("closed-ground", "closed", "open", "open-ground")
+    )
+    yield (
+        "A spring: `[spring]`, `[[train.springs.SET]]`",
+        [*_rows(wire), *(_end_row(kind, end) for kind, end in kinds)],
+    )
     yield "`damping` of a spring", _rows(schema_installed.DampingModel)
     yield "`contact` of a spring's coils", _rows(schema_installed.CoilContactModel)
     yield "`guide` of a wire", _rows(schema_installed.GuideModel)
@@ -53,7 +59,10 @@ def _sections() -> Iterator[tuple[str, list[str]]]:
         yield f"`[train.{name}]`" if name != "variants" else "`[[train.variants]]`", _rows(model)
     yield "`[train.contacts.PLACE]`, every law", _rows(ContactTable)
     for law in registry.BUILT_IN["contacts"]:
-        yield f"`[train.contacts.PLACE]` of law `{law}`", _rows(registry.find("contacts", law).table, ContactTable)
+        yield (
+            f"`[train.contacts.PLACE]` of law `{law}`",
+            _rows(registry.find("contacts", law).table, ContactTable),
+        )
 
 
 def _section(title: str, rows: list[str]) -> str:
@@ -61,15 +70,31 @@ def _section(title: str, rows: list[str]) -> str:
 
 
 def _rows(model: type[BaseModel], base: type[BaseModel] | None = None) -> list[str]:
-    """Rows of the fields of ``model`` that have a default to tell and differ from those of ``base``."""
+    """Rows of the fields of ``model`` that have a default to tell and differ from those of
+    ``base``.
+    """
     known = base.model_fields if base is not None else {}
-    fields = {name: field for name, field in model.model_fields.items() if name not in known or field.default != known[name].default}
-    return [f"| `{name}` | {shown_default(field)} | {_meaning(field)} |" for name, field in fields.items() if _told(field)]
+    fields = {
+        name: field
+        for name, field in model.model_fields.items()
+        if name not in known or field.default != known[name].default
+    }
+    return [
+        f"| `{name}` | {shown_default(field)} | {_meaning(field)} |"
+        for name, field in fields.items()
+        if _told(field)
+    ]
 
 
 def _told(field: FieldInfo) -> bool:
-    """Whether leaving the key out means something: a plain value, or none with a word on what follows."""
-    if field.is_required() or field.default_factory is not None or isinstance(field.default, (BaseModel, dict, list)):
+    """Whether leaving the key out means something: a plain value, or none with a word on what
+    follows.
+    """
+    if (
+        field.is_required()
+        or field.default_factory is not None
+        or isinstance(field.default, (BaseModel, dict, list))
+    ):
         return False
     return bool(field.description) if field.default is None or field.default == "" else True
 
@@ -83,9 +108,17 @@ def shown_default(field: FieldInfo) -> str:
         return str(value).lower()
     if isinstance(value, str):
         return f"`{value}`"
-    dimension = next((item.dimension for item in field.metadata if isinstance(item, Quantity)), None)
+    dimension = next(
+        (item.dimension for item in field.metadata if isinstance(item, Quantity)), None
+    )
     if dimension is None:
-        return "-".join(map(str, value)) if isinstance(value, tuple) else str(value) if isinstance(value, int) else number(value)
+        return (
+            "-".join(map(str, value))
+            if isinstance(value, tuple)
+            else str(value)
+            if isinstance(value, int)
+            else number(value)
+        )
     unit = DIMENSIONS[dimension].usual_unit
     scale = unit_factor(unit) if unit else 1.0
     values = value if isinstance(value, tuple) else (value,)

@@ -1,19 +1,252 @@
-"""A spring as it stands in the engine: its wire or its card, how it is installed, how it is damped, and the options of its models."""
+"""A spring as it stands in the engine: its wire or its card, how it is installed, how it is damped,
+and the options of its models.
+"""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
-from typing import Any, Literal
+from dataclasses import dataclass, field, fields, replace
+from typing import Annotated, Any, ClassVar, Literal
 
+import numpy as np
+
+from valvetrain import registry
 from valvetrain.errors import InputError
-from valvetrain.parameters.card import SpringCard
-from valvetrain.parameters.damping import DampingParameters
-from valvetrain.parameters.guide import Guide
+from valvetrain.parameters.changes import nearest
 from valvetrain.parameters.lift_law import FrozenMapping
+from valvetrain.parameters.schema_types import StrictModel, quantity
 from valvetrain.parameters.spring import SpringDefinition
-from valvetrain.parameters.spring_options import options_problem
 from valvetrain.units import keep_si
+
+
+@dataclass(frozen=True, slots=True)
+class SpringCard:
+    """A spring known only by its catalogue card: ``rate`` (N/m), ``preload`` at the seat (N), the
+    rest where known (kg, m, N).
+    """
+
+    rate: float
+    preload: float
+    mass: float | None = None
+    installed_height: float | None = None
+    open_load: float | None = None
+    open_lift: float | None = None
+    solid_height: float | None = None
+    name: str = "spring card"
+
+    @property
+    def surge_frequency(self) -> float | None:
+        """First surge frequency (Hz), both ends fixed: 0.5 sqrt(rate / mass); None without a mass."""
+        return None if self.mass is None else 0.5 * math.sqrt(self.rate / self.mass)
+
+
+Share = Annotated[float, quantity("ratio", low=0.0, high=1.0)]
+
+
+class SpringOptions(StrictModel):
+    """Base of the tables. ``wire_only`` and ``card_only``: keys that have no effect on a spring
+    known the other way.
+    """
+
+    wire_only: ClassVar[tuple[str, ...]] = ()
+    card_only: ClassVar[tuple[str, ...]] = ()
+
+
+def options_table(word: str) -> type[SpringOptions]:
+    """The table of the spring model ``word``. Raises :class:`InputError` for an unknown word, with
+    the nearest.
+    """
+    table: type[SpringOptions] = registry.find("springs", word).options
+    return table
+
+
+def options_problem(
+    options: Mapping[str, Mapping[str, Any]], by_card: bool
+) -> tuple[str, str, str] | None:
+    """Model word, key and reason of the first option that is unknown or has no effect on such a
+    spring; None when all fit.
+    """
+    for word, values in options.items():
+        table = options_table(word)
+        useless: tuple[str, ...] = getattr(table, "wire_only" if by_card else "card_only", ())
+        for key in values:
+            if key not in table.model_fields:
+                return (
+                    word,
+                    key,
+                    f"option '{key[:40]}' of spring model '{word}' is unknown; {nearest(key, tuple(table.model_fields))}",
+                )
+            if key in useless:
+                known_by, other = ("card", "wire") if by_card else ("wire", "card")
+                return (
+                    word,
+                    key,
+                    f"{key} has no effect on a spring known by its {known_by} (it is for a {other}); remove it",
+                )
+    return None
+
+
+#: Share of a given ratio that is stiffness-proportional when the case does not say: the
+#: least-damped point is then at ``ratio_frequency``.
+DEFAULT_STIFFNESS_SHARE = 0.5
+#: Relative slack within which a ratio and explicit coefficients must agree.
+AGREEMENT = 0.005
+
+
+@dataclass(frozen=True, slots=True)
+class DampingParameters:
+    """Rayleigh damping, force = (``mass_damping`` M + ``stiffness_damping`` K) velocity.
+
+    Give the coefficients (1/s and s), or ``ratio`` (of critical) at ``ratio_frequency`` (Hz) with
+    ``stiffness_share``, the part of
+    the ratio that is stiffness-proportional: with w = 2 pi ratio_frequency, mass_damping = 2 ratio
+    w (1 - share) and
+    stiffness_damping = 2 ratio share / w. A ratio with one coefficient leaves the rest to the
+    other. After construction
+    both coefficients are numbers. Raises :class:`InputError` when two ways of saying it disagree.
+    """
+
+    mass_damping: float = None  # type: ignore[assignment]
+    stiffness_damping: float = None  # type: ignore[assignment]
+    ratio: float | None = None
+    ratio_frequency: float | None = None
+    stiffness_share: float | None = None
+
+    def __post_init__(self) -> None:
+        for name in ("mass_damping", "stiffness_damping", "ratio", "ratio_frequency"):
+            value = getattr(self, name)
+            if value is not None and not (math.isfinite(value) and value >= 0):
+                raise InputError(f"{name} must be a finite number, zero or more; it is {value}")
+        if (self.ratio is None) != (self.ratio_frequency is None):
+            raise InputError(
+                "a damping ratio holds at one frequency; give ratio and ratio_frequency together"
+            )
+        if self.ratio is None:
+            if self.stiffness_share is not None:
+                raise InputError(
+                    "stiffness_share splits a damping ratio; give ratio and ratio_frequency with it, or drop it"
+                )
+            self._set(self.mass_damping or 0.0, self.stiffness_damping or 0.0)
+        else:
+            self._resolve_ratio()
+
+    def _resolve_ratio(self) -> None:
+        assert self.ratio is not None and self.ratio_frequency is not None
+        if self.ratio >= 1 or self.ratio_frequency <= 0:
+            raise InputError(
+                f"damping ratio {self.ratio:g} at {self.ratio_frequency:g} Hz is no light damping of a spring; "
+                "give a ratio below 1 (such as 0.016) at a positive frequency"
+            )
+        share, circular = self.stiffness_share, 2 * math.pi * self.ratio_frequency
+        if share is not None and not 0 <= share <= 1:
+            raise InputError(
+                f"stiffness_share must lie between 0 (all mass-proportional) and 1; it is {share:g}"
+            )
+        mass, stiffness = self.mass_damping, self.stiffness_damping
+        if share is None and mass is not None and stiffness is None:
+            stiffness = (2 * self.ratio - mass / circular) / circular
+        elif share is None and stiffness is not None and mass is None:
+            mass = (2 * self.ratio - stiffness * circular) * circular
+        share = DEFAULT_STIFFNESS_SHARE if share is None else share
+        mass = 2 * self.ratio * circular * (1 - share) if mass is None else mass
+        stiffness = 2 * self.ratio / circular * share if stiffness is None else stiffness
+        if mass < -1e-9 * circular or stiffness < -1e-9 / circular:
+            raise InputError(
+                f"the coefficient given damps more than the ratio {self.ratio:g} allows; lower it or raise the ratio"
+            )
+        total = mass / (2 * circular) + stiffness * circular / 2
+        split_off = (
+            self.stiffness_share is not None
+            and abs(stiffness * circular / 2 - share * self.ratio) > AGREEMENT * self.ratio
+        )
+        if abs(total - self.ratio) > AGREEMENT * self.ratio or split_off:
+            raise InputError(
+                f"mass_damping {mass:g} 1/s and stiffness_damping {stiffness:g} s make a ratio of {total:.4g} "
+                f"at {self.ratio_frequency:g} Hz, but ratio says {self.ratio:g} (share {share:g}); give the damping one way"
+            )
+        self._set(max(mass, 0.0), max(stiffness, 0.0))
+
+    def _set(self, mass: float, stiffness: float) -> None:
+        object.__setattr__(self, "mass_damping", float(mass))
+        object.__setattr__(self, "stiffness_damping", float(stiffness))
+
+    def ratio_at(self, frequency_hertz: float) -> float:
+        """Damping ratio (of critical) of a mode at ``frequency_hertz`` (Hz, positive)."""
+        circular = 2 * math.pi * frequency_hertz
+        return self.mass_damping / (2 * circular) + self.stiffness_damping * circular / 2
+
+    def replace(self, **changes: Any) -> DampingParameters:
+        """A copy with the named fields changed; changing the ratio or its split recomputes the
+        coefficients, and the other way round.
+        """
+        by_ratio = {"ratio", "ratio_frequency", "stiffness_share"} & set(changes)
+        by_coefficient = {"mass_damping", "stiffness_damping"} & set(changes)
+        values = {field.name: getattr(self, field.name) for field in fields(self)}
+        if by_ratio and not by_coefficient:
+            values |= {"mass_damping": None, "stiffness_damping": None}
+        elif by_coefficient and not by_ratio:
+            values |= {"ratio": None, "ratio_frequency": None, "stiffness_share": None}
+        return DampingParameters(**(values | changes))
+
+
+#: Stiffness of a wall (N/m per m of wire): that of coil on coil.
+GUIDE_STIFFNESS = 2e10
+
+
+@dataclass(frozen=True, slots=True)
+class Guide:
+    """Walls on the axis of the seats along the whole spring: ``bore``, inner diameter around it,
+    and ``rod``, outer diameter inside it (m).
+
+    ``stiffness`` (N/m per m of wire) of the contact. The wire slides on a wall without friction.
+    One of the two must be given; raises
+    :class:`InputError` otherwise.
+
+    >>> Guide(bore=30e-3).stiffness
+    20000000000.0
+    """
+
+    bore: float | None = None
+    rod: float | None = None
+    stiffness: float = GUIDE_STIFFNESS
+
+    def __post_init__(self) -> None:
+        keep_si(self, "the guide", bore="length", rod="length", stiffness="line stiffness")
+        if self.bore is None and self.rod is None:
+            raise InputError(
+                "a guide needs the diameter of its bore, of its rod, or both; give one, or leave the guide out"
+            )
+        for name in ("bore", "rod", "stiffness"):
+            value = getattr(self, name)
+            if value is not None and not value > 0:
+                raise InputError(f"{name} of the guide must be positive; it is {value:g}")
+
+    def check_fit(self, spring: SpringDefinition) -> None:
+        """Raise :class:`InputError` where the free spring does not fit in the bore or over the rod."""
+        coil = np.linspace(0.0, spring.total_coils, 1025)
+        mean, wire = spring.mean_diameter.value(coil), spring.wire_diameter.value(coil)
+        outer, inner = float(np.max(mean + wire)), float(np.min(mean - wire))
+        if self.bore is not None and self.bore <= outer:
+            raise InputError(
+                f"spring '{spring.name}' does not fit in a bore of {self.bore * 1e3:.4g} mm: its outer diameter is {outer * 1e3:.4g} mm; "
+                "widen the bore"
+            )
+        if self.rod is not None and self.rod >= inner:
+            raise InputError(
+                f"spring '{spring.name}' does not go over a rod of {self.rod * 1e3:.4g} mm: its inner diameter is {inner * 1e3:.4g} mm; "
+                "make the rod thinner"
+            )
+
+    def words(self) -> str:
+        """What it is, for people."""
+        parts = [
+            f"{word} of {value * 1e3:.5g} mm"
+            for word, value in (("bore", self.bore), ("rod", self.rod))
+            if value is not None
+        ]
+        return " and ".join(parts)
+
 
 #: Line stiffness (N/m per m) beyond which linear algebra on it never ends.
 STIFFEST = 1e40
@@ -23,7 +256,8 @@ ROTATIONS = ("fixed", "free")
 
 @dataclass(frozen=True, slots=True)
 class CoilContact:
-    """Contact of coil on coil and of coil on seat, the same for every model: ``stiffness`` (N/m per m of wire; 0: coils pass through
+    """Contact of coil on coil and of coil on seat, the same for every model: ``stiffness`` (N/m per
+    m of wire; 0: coils pass through
     each other) and ``damping_time`` (s), damping over stiffness."""
 
     stiffness: float = 2e10
@@ -34,20 +268,29 @@ class CoilContact:
         for name in ("stiffness", "damping_time"):
             value = getattr(self, name)
             if not value >= 0:
-                raise InputError(f"{name} of the coil contact must be zero or a positive number; it is {value:g}")
+                raise InputError(
+                    f"{name} of the coil contact must be zero or a positive number; it is {value:g}"
+                )
         if self.stiffness > STIFFEST:
-            raise InputError(f"stiffness of the coil contact is {self.stiffness:g} N/m per m, beyond any steel; give one near 2e10")
+            raise InputError(
+                f"stiffness of the coil contact is {self.stiffness:g} N/m per m, beyond any steel; give one near 2e10"
+            )
 
 
 @dataclass(frozen=True)
 class InstalledSpring:
     """One spring between seat and retainer: exactly one of ``wire`` and ``card``.
 
-    ``precompression`` (m): shortening from the free length with the valve closed (a wire's; a card's is preload / rate).
-    ``seats``: ``planes`` where end coils may touch flat seats beyond their inactive turns, ``clamps`` where nothing but the inactive
-    ends is touched. ``options``: spring-model word -> keyword arguments of that model's options. ``tied``: a source's own spring whose
-    ends never leave seat and retainer, so that it also pulls. ``guide``: bore or rod that keeps a wire straight; springs that only move
-    along their axis need none and do not feel it. ``retainer_rotation``: whether the retainer may turn about the axis at rest, which a
+    ``precompression`` (m): shortening from the free length with the valve closed (a wire's; a
+    card's is preload / rate).
+    ``seats``: ``planes`` where end coils may touch flat seats beyond their inactive turns,
+    ``clamps`` where nothing but the inactive
+    ends is touched. ``options``: spring-model word -> keyword arguments of that model's options.
+    ``tied``: a source's own spring whose
+    ends never leave seat and retainer, so that it also pulls. ``guide``: bore or rod that keeps a
+    wire straight; springs that only move
+    along their axis need none and do not feel it. ``retainer_rotation``: whether the retainer may
+    turn about the axis at rest, which a
     wire alone feels. Raises :class:`InputError` for a spring that would be stretched or solid
     as installed.
     """
@@ -65,11 +308,19 @@ class InstalledSpring:
 
     def __post_init__(self) -> None:
         keep_si(self, "an installed spring", precompression="compression")
-        object.__setattr__(self, "options", FrozenMapping({word: FrozenMapping(values) for word, values in self.options.items()}))
+        object.__setattr__(
+            self,
+            "options",
+            FrozenMapping({word: FrozenMapping(values) for word, values in self.options.items()}),
+        )
         if (self.wire is None) == (self.card is None):
-            raise InputError("an installed spring is known by its wire or by its card; give one of them")
+            raise InputError(
+                "an installed spring is known by its wire or by its card; give one of them"
+            )
         if self.seats not in ("planes", "clamps"):
-            raise InputError(f"seats '{self.seats}' of spring '{self.name}' is unknown; use planes or clamps")
+            raise InputError(
+                f"seats '{self.seats}' of spring '{self.name}' is unknown; use planes or clamps"
+            )
         if (wrong := options_problem(self.options, self.card is not None)) is not None:
             raise InputError(wrong[2])
         if self.card is not None and not (self.card.rate > 0 and self.card.preload >= 0):
@@ -82,7 +333,9 @@ class InstalledSpring:
         if self.wire is not None:
             self.wire.refuse_solid(self.precompression)
         if self.retainer_rotation not in ROTATIONS:
-            raise InputError(f"retainer_rotation '{self.retainer_rotation}' of spring '{self.name}' is unknown; use fixed or free")
+            raise InputError(
+                f"retainer_rotation '{self.retainer_rotation}' of spring '{self.name}' is unknown; use fixed or free"
+            )
         if self.guide is not None:
             if self.wire is None:
                 raise InputError(
@@ -99,18 +352,32 @@ class InstalledSpring:
 
     @property
     def pulls(self) -> bool:
-        """Whether the ends are held, so that the spring also pulls: between clamps, or ``tied``; others press or are loose."""
+        """Whether the ends are held, so that the spring also pulls: between clamps, or ``tied``;
+        others press or are loose.
+        """
         return self.tied or (self.wire is not None and self.seats == "clamps")
 
     @property
     def installed_height(self) -> float | None:
         """Height (m) between the seats with the valve closed; None where a card does not tell it."""
-        return self.wire.free_length - self.precompression if self.wire is not None else self.card.installed_height if self.card else None
+        return (
+            self.wire.free_length - self.precompression
+            if self.wire is not None
+            else self.card.installed_height
+            if self.card
+            else None
+        )
 
     @property
     def solid_height(self) -> float | None:
         """Height (m) with all coils closed; None where a card does not tell it."""
-        return self.wire.solid_height if self.wire is not None else self.card.solid_height if self.card else None
+        return (
+            self.wire.solid_height
+            if self.wire is not None
+            else self.card.solid_height
+            if self.card
+            else None
+        )
 
     @property
     def room(self) -> float | None:
@@ -129,7 +396,9 @@ class InstalledSpring:
         return replace(self, options={**self.options, model: {**self.options_of(model), **values}})
 
     def without_preload(self) -> InstalledSpring:
-        """The same spring at rest with the valve closed, by the formula F = k x of a source that leaves the preload out: it is ``tied``."""
+        """The same spring at rest with the valve closed, by the formula F = k x of a source that
+        leaves the preload out: it is ``tied``.
+        """
         if self.card is not None:
             return replace(self, card=replace(self.card, preload=0.0), tied=True)
         return replace(self, precompression=0.0, tied=True)
@@ -137,7 +406,9 @@ class InstalledSpring:
 
 @dataclass(frozen=True, slots=True)
 class Rubbing:
-    """Friction between nested springs: ``coefficient`` and the radial ``normal_force`` (N) with which they press on each other."""
+    """Friction between nested springs: ``coefficient`` and the radial ``normal_force`` (N) with
+    which they press on each other.
+    """
 
     coefficient: float = 0.0
     normal_force: float = 0.0

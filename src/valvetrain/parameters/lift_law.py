@@ -1,4 +1,6 @@
-"""What a case says of its lift law; `valvetrain.cam.build_lift_law` turns it into a law that can be evaluated."""
+"""What a case says of its lift law; `valvetrain.cam.build_lift_law` turns it into a law that can be
+evaluated.
+"""
 
 from __future__ import annotations
 
@@ -35,7 +37,8 @@ class FrozenMapping(Mapping[str, Any]):
 class LiftLawParameters:
     """Kind of a lift law and its numbers.
 
-    ``kind``: spline, polynomial, polydyne, cycloidal, modified-sine, modified-trapezoid, harmonic, sine-power, ramped, shaped,
+    ``kind``: spline, polynomial, polydyne, cycloidal, modified-sine, modified-trapezoid, harmonic,
+    sine-power, ramped, shaped,
     cam-card, three-arc, tangent, stations or zero.
     ``values``: the keyword arguments of that law's class in `valvetrain.cam`, SI (m, cam rad).
     ``lift_of``: whose lift it is, the tappet's (cam) or the valve's.
@@ -52,7 +55,15 @@ class LiftLawParameters:
 
     def replace(self, **changes: Any) -> LiftLawParameters:
         """A copy with fields changed; a name that is no field is looked up among ``values``."""
-        own = {key: changes.pop(key) for key in list(changes) if key in ("kind", "values", "lift_of", "zero_of_angle")}
+        own = {
+            key: changes.pop(key)
+            for key in list(changes)
+            if key in ("kind", "values", "lift_of", "zero_of_angle")
+        }
         values = {**own.pop("values", self.values), **changes}
-        merged = {"kind": self.kind, "lift_of": self.lift_of, "zero_of_angle": self.zero_of_angle} | own
+        merged = {
+            "kind": self.kind,
+            "lift_of": self.lift_of,
+            "zero_of_angle": self.zero_of_angle,
+        } | own
         return LiftLawParameters(values=values, **merged)

@@ -1,4 +1,6 @@
-"""Case files and the case library: TOML text in, a frozen :class:`Case` or one clear :class:`InputError` out."""
+"""Case files and the case library: TOML text in, a frozen :class:`Case` or one clear
+:class:`InputError` out.
+"""
 
 from __future__ import annotations
 
@@ -21,18 +23,19 @@ from valvetrain.parameters.changes import nearest
 from valvetrain.parameters.moved import refuse_moved
 from valvetrain.parameters.overrides import with_values
 from valvetrain.parameters.schema_case import CaseModel
-from valvetrain.parameters.schema_names import LONGEST_NAME
-from valvetrain.parameters.schema_types import first_problem
-from valvetrain.parameters.toml_lines import find_line
-from valvetrain.parameters.toml_text import resolved, toml_text
+from valvetrain.parameters.schema_types import LONGEST_NAME, first_problem
+from valvetrain.parameters.toml_text import find_line, resolved, toml_text
 from valvetrain.units.text import clipped
 
 LIBRARY = Path(__file__).parent / "library"
-#: Keys of more parts than this (``a.b.c``) are no case's; reading them takes time with the square of their number.
+#: Keys of more parts than this (``a.b.c``) are no case's; reading them takes time with the square
+#: of their number.
 MOST_PARTS = 32
 #: A case, the name of a library case or the path of a case file.
 AnyCase = Case | str | os.PathLike[str]
-_DEEP_KEY = re.compile(rf"""(?<![\w-])(?:(?:[\w-]+|"[^"\n]*"|'[^'\n]*')[ \t]*\.[ \t]*){{{MOST_PARTS}}}(?=[\w"'-])""")
+_DEEP_KEY = re.compile(
+    rf"""(?<![\w-])(?:(?:[\w-]+|"[^"\n]*"|'[^'\n]*')[ \t]*\.[ \t]*){{{MOST_PARTS}}}(?=[\w"'-])"""
+)
 
 
 def case_of(case: AnyCase) -> Case:
@@ -40,16 +43,21 @@ def case_of(case: AnyCase) -> Case:
     if isinstance(case, Case):
         return case
     if not isinstance(case, (str, os.PathLike)):
-        raise InputError(f"'{str(case)[:40]}' is no case; give a Case, the name of a library case or the path of a case file")
+        raise InputError(
+            f"'{str(case)[:40]}' is no case; give a Case, the name of a library case or the path of a case file"
+        )
     return load_case(case)
 
 
-def load_case(name_or_path: str | os.PathLike[str], changes: Mapping[str, Any] | None = None) -> Case:
+def load_case(
+    name_or_path: str | os.PathLike[str], changes: Mapping[str, Any] | None = None
+) -> Case:
     """The case of a library name or a TOML file.
 
     Parameters
     ----------
-    name_or_path : name of a library case (:func:`list_cases`), such as ``gu2021-beehive``, or path of a TOML file
+    name_or_path : name of a library case (:func:`list_cases`), such as ``gu2021-beehive``, or path
+    of a TOML file
     changes : key path -> value, as a file would hold it: {"spring.wire_diameter": "4.1 mm"}
 
     Returns
@@ -68,27 +76,50 @@ def load_case(name_or_path: str | os.PathLike[str], changes: Mapping[str, Any] |
     """
     text = os.fspath(name_or_path)
     if not isinstance(text, str) or not text.strip() or "\0" in text:
-        raise InputError("a case is called by the name of a library case or the path of a TOML file; give one")
+        raise InputError(
+            "a case is called by the name of a library case or the path of a TOML file; give one"
+        )
     names = library_names()
     if text in names:
         return read_case(LIBRARY / f"{text}.toml", changes)
     path = Path(text)
     if path.suffix == ".toml" or os.sep in text or os.path.exists(text):
         return read_case(path, changes)
-    raise InputError(f"there is no case '{_one_line(text, 60)}' in the library; {nearest(text, names)} (a file ends in .toml)")
+    raise InputError(
+        f"there is no case '{_one_line(text, 60)}' in the library; {nearest(text, names)} (a file ends in .toml)"
+    )
 
 
 def read_case(path: Path, changes: Mapping[str, Any] | None = None) -> Case:
     """The case in the file ``path``; errors as :func:`load_case`."""
-    name = os.fsencode(path.stem).decode("utf-8", "replace")  # the name of a case is text, that of its file any bytes
-    return parse_case(_read_text(path), name=clipped(name, LONGEST_NAME), folder=path.parent, where=path.name, changes=changes)
+    name = os.fsencode(path.stem).decode(
+        "utf-8", "replace"
+    )  # the name of a case is text, that of its file any bytes
+    return parse_case(
+        _read_text(path),
+        name=clipped(name, LONGEST_NAME),
+        folder=path.parent,
+        where=path.name,
+        changes=changes,
+    )
 
 
-def parse_case(text: str, name: str = "case", folder: Path = Path(), where: str = "case", changes: Mapping[str, Any] | None = None) -> Case:
-    """The case written in ``text``; ``folder`` is where the files it names are looked for, ``where`` names it in messages."""
+def parse_case(
+    text: str,
+    name: str = "case",
+    folder: Path = Path(),
+    where: str = "case",
+    changes: Mapping[str, Any] | None = None,
+) -> Case:
+    """The case written in ``text``; ``folder`` is where the files it names are looked for,
+    ``where`` names it in messages.
+    """
     tree = parse_toml(text, where)
     if not tree:
-        raise InputError("the case file is empty; it needs at least one of [spring], [lift_law] and [train]", where)
+        raise InputError(
+            "the case file is empty; it needs at least one of [spring], [lift_law] and [train]",
+            where,
+        )
     try:
         if changes:
             tree = with_values(tree, changes)
@@ -100,16 +131,25 @@ def parse_case(text: str, name: str = "case", folder: Path = Path(), where: str 
         case = CaseModel.model_validate(bare).build(name, folder, notes, text, tuple(changes or ()))
         # A lift law from a file is written out, so that the text alone gives the case again.
         from_file = case.lift_law is not None and "file" in bare["lift_law"]
-        return replace(case, text=toml_text(resolved(tree, case.lift_law if from_file else None))) if changes or from_file else case
+        return (
+            replace(case, text=toml_text(resolved(tree, case.lift_law if from_file else None)))
+            if changes or from_file
+            else case
+        )
     except ValidationError as error:
         raise _located(text, *first_problem(error), where) from None
     except PydanticCustomError as error:
         context = error.context or {}
-        raise _located(text, tuple(context.get("path", ())), str(context.get("reason", error)), where) from None
+        raise _located(
+            text, tuple(context.get("path", ())), str(context.get("reason", error)), where
+        ) from None
     except RecursionError:
         raise InputError("the tables are nested too deeply; flatten them", where) from None
     except ArithmeticError as error:
-        raise InputError(f"its numbers are too large or too small to compute with ({error}); check them and their units", where) from error
+        raise InputError(
+            f"its numbers are too large or too small to compute with ({error}); check them and their units",
+            where,
+        ) from error
 
 
 def library_names() -> tuple[str, ...]:
@@ -122,7 +162,8 @@ def list_cases() -> tuple[CaseSummary, ...]:
 
     Returns
     -------
-    tuple of CaseSummary: ``name``, ``title``, ``holds`` (tables of the case) and ``sources`` (keys of references)
+    tuple of CaseSummary: ``name``, ``title``, ``holds`` (tables of the case) and ``sources`` (keys
+    of references)
 
     Raises
     ------
@@ -137,7 +178,11 @@ def list_cases() -> tuple[CaseSummary, ...]:
     for name in library_names():
         tree = parse_toml(_read_text(LIBRARY / f"{name}.toml"), name)
         holds = tuple(key for key in ("spring", "lift_law", "train", "published") if key in tree)
-        summaries.append(CaseSummary(name, str(tree.get("title", "")), holds, tuple(map(str, tree.get("sources", ())))))
+        summaries.append(
+            CaseSummary(
+                name, str(tree.get("title", "")), holds, tuple(map(str, tree.get("sources", ())))
+            )
+        )
     return tuple(summaries)
 
 
@@ -150,17 +195,27 @@ def _read_text(path: Path) -> str:
         raise InputError("is no text file; a case is TOML in UTF-8", path.name) from None
     except FileNotFoundError:
         name = _one_line(str(path), 120)
-        raise InputError(f"there is no file '{name}'; check the path, or list the library with 'valvetrain cases'") from None
+        raise InputError(
+            f"there is no file '{name}'; check the path, or list the library with 'valvetrain cases'"
+        ) from None
     except (OSError, ValueError) as error:
         reason = getattr(error, "strerror", None) or "bad path"
-        raise InputError(f"the file cannot be read ({reason}); check the path and its permissions", _one_line(path.name, 60)) from None
+        raise InputError(
+            f"the file cannot be read ({reason}); check the path and its permissions",
+            _one_line(path.name, 60),
+        ) from None
 
 
 def parse_toml(text: str, where: str) -> dict[str, Any]:
-    """The tree of a TOML text, ``where`` naming it in messages; :class:`InputError` for what is none, too deep, or of numbers too long."""
+    """The tree of a TOML text, ``where`` naming it in messages; :class:`InputError` for what is
+    none, too deep, or of numbers too long.
+    """
     if (deep := _DEEP_KEY.search(text)) is not None:
         line = text.count("\n", 0, deep.start()) + 1
-        raise InputError(f"a key has more than {MOST_PARTS} parts with dots between; write tables", f"{where}, line {line}")
+        raise InputError(
+            f"a key has more than {MOST_PARTS} parts with dots between; write tables",
+            f"{where}, line {line}",
+        )
     try:
         tree = tomllib.loads(text)
         _refuse_long_integers(tree, "", where)
@@ -168,11 +223,15 @@ def parse_toml(text: str, where: str) -> dict[str, Any]:
     except RecursionError:
         raise InputError("the values are nested too deeply; flatten them", where) from None
     except ValueError as error:
-        raise InputError(f"is not valid TOML: {_one_line(str(error), 160)}; correct or complete it there", where) from None
+        raise InputError(
+            f"is not valid TOML: {_one_line(str(error), 160)}; correct or complete it there", where
+        ) from None
 
 
 def _refuse_long_integers(item: Any, path: str, where: str) -> None:
-    """TOML knows integers of 64 bits; longer ones, in hexadecimal of any length, cannot even be written out."""
+    """TOML knows integers of 64 bits; longer ones, in hexadecimal of any length, cannot even be
+    written out.
+    """
     if isinstance(item, dict):
         for key, value in item.items():
             _refuse_long_integers(value, f"{path}.{key}" if path else key, where)
@@ -180,7 +239,9 @@ def _refuse_long_integers(item: Any, path: str, where: str) -> None:
         for value in item:
             _refuse_long_integers(value, path, where)
     elif isinstance(item, int) and not -(2**63) <= item < 2**63:
-        raise InputError(f"the whole number at '{path}' has more than 64 bits; write a shorter one", where)
+        raise InputError(
+            f"the whole number at '{path}' has more than 64 bits; write a shorter one", where
+        )
 
 
 def _located(text: str, path: tuple[str | int, ...], reason: str, where: str) -> InputError:

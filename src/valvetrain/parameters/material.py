@@ -6,14 +6,17 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from valvetrain.errors import InputError
+from valvetrain.parameters.changes import nearest
 from valvetrain.units import Given, si
 
 
 @dataclass(frozen=True, slots=True)
 class Material:
-    """Isotropic elastic material: moduli in Pa, density in kg/m3; each given in SI or with its unit (:func:`valvetrain.units.si`).
+    """Isotropic elastic material: moduli in Pa, density in kg/m3; each given in SI or with its unit
+    (:func:`valvetrain.units.si`).
 
-    Raises :class:`InputError` for values that are not positive, slips of units or moduli that no isotropic solid has.
+    Raises :class:`InputError` for values that are not positive, slips of units or moduli that no
+    isotropic solid has.
 
     >>> Material("a steel", "206 GPa", "79.6 GPa", "7850 kg/m^3").density
     7850.0
@@ -26,13 +29,23 @@ class Material:
 
     if TYPE_CHECKING:  # what may be given is wider than what is kept
 
-        def __init__(self, name: str, youngs_modulus: Given, shear_modulus: Given, density: Given) -> None: ...
+        def __init__(
+            self, name: str, youngs_modulus: Given, shear_modulus: Given, density: Given
+        ) -> None: ...
 
     def __post_init__(self) -> None:
-        for key, quantity in (("youngs_modulus", "modulus"), ("shear_modulus", "modulus"), ("density", "density")):
-            object.__setattr__(self, key, si(getattr(self, key), quantity, f"{key} of material '{self.name}'"))
+        for key, quantity in (
+            ("youngs_modulus", "modulus"),
+            ("shear_modulus", "modulus"),
+            ("density", "density"),
+        ):
+            object.__setattr__(
+                self, key, si(getattr(self, key), quantity, f"{key} of material '{self.name}'")
+            )
             if not getattr(self, key) > 0:
-                raise InputError(f"{key} of material '{self.name}' must be positive; it is {getattr(self, key)}")
+                raise InputError(
+                    f"{key} of material '{self.name}' must be positive; it is {getattr(self, key)}"
+                )
         if not -1.0 < self.poisson_ratio < 0.5:
             raise InputError(
                 f"material '{self.name}' has E / (2 G) - 1 = {self.poisson_ratio:.3f}, outside -1 to 0.5; check Young's and shear modulus"
@@ -45,3 +58,33 @@ class Material:
 
 
 OTEVA_90_SC = Material("OTEVA 90 SC", 206e9, 79.6e9, 7850.0)
+
+
+_ALL = (
+    OTEVA_90_SC,
+    Material("OTEVA 91 SC", 206e9, 79.5e9, 7850.0),
+    Material("EN 10270-1 SH", 206e9, 81.5e9, 7850.0),
+    Material("EN 10270-2 VDC", 206e9, 79.5e9, 7850.0),
+    Material("EN 10270-2 VDCrV", 206e9, 79.5e9, 7850.0),
+    Material("EN 10270-2 VDSiCr", 206e9, 79.5e9, 7850.0),
+    Material("EN 10270-3 1.4310", 185e9, 70.0e9, 7900.0),
+    Material("EN 10270-3 1.4568", 195e9, 73.0e9, 7800.0),
+    Material("AISI 4340", 205e9, 80.0e9, 7850.0),
+)
+MATERIALS: dict[str, Material] = {material.name: material for material in _ALL}
+
+
+def material_by_name(name: str) -> Material:
+    """The library material ``name``, capitals and spaces ignored. Raises :class:`InputError` naming
+    the nearest ones.
+    """
+    found = {_key(known): material for known, material in MATERIALS.items()}.get(_key(name))
+    if found is None:
+        raise InputError(
+            f"material '{name[:40]}' is not in the library; {nearest(name, tuple(MATERIALS))}"
+        )
+    return found
+
+
+def _key(name: str) -> str:
+    return "".join(char for char in name.casefold() if char.isalnum())

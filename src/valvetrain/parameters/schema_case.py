@@ -2,25 +2,175 @@
 
 from __future__ import annotations
 
+import hashlib
 import math
+import threading
+from collections import OrderedDict
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any, Literal
 
-from pydantic import Field
+from pydantic import Field, PlainValidator
 
 from valvetrain import registry
-from valvetrain.parameters.case import Case, Note, Operation
+from valvetrain.errors import InputError
+from valvetrain.parameters.bounded_file import bounded_bytes, named_file
+from valvetrain.parameters.case import Case, Note, Operation, point_problem
 from valvetrain.parameters.changes import nearest
-from valvetrain.parameters.kept_tables import parameters_of
+from valvetrain.parameters.lift_law import LiftLawParameters
 from valvetrain.parameters.schema_installed import RubbingModel, SpringField
-from valvetrain.parameters.schema_lift import LiftField
-from valvetrain.parameters.schema_names import CaseName, Line, Prose
-from valvetrain.parameters.schema_published import PublishedModel
-from valvetrain.parameters.schema_types import StrictModel, guarded, placed, problem, quantities, quantity
+from valvetrain.parameters.schema_lift import LiftField, LiftModel
+from valvetrain.parameters.schema_types import (
+    AngularSpeed,
+    CaseName,
+    Line,
+    Name,
+    Prose,
+    StrictModel,
+    guarded,
+    placed,
+    problem,
+    quantities,
+    quantity,
+    validate_as,
+)
 from valvetrain.parameters.train_card import with_cam_card
 from valvetrain.parameters.train_schema import TrainModel
-from valvetrain.parameters.wire_points import point_problem
-from valvetrain.units import si
+from valvetrain.solution.definition import definition_of
+from valvetrain.solution.record import PublishedValue, Role
+from valvetrain.units import dimension_of, parse_quantity, si
+
+
+def dimension_of_quantity(name: str) -> str | None:
+    """Dimension (see `valvetrain.units`) of a quantity by the table of quantities; None where its
+    name promises none.
+    """
+    return definition_of(name).dimension or None
+
+
+class ValueModel(StrictModel):
+    """One number, with how firmly it is stated, how near a computed one should be, and what it was
+    used for.
+    """
+
+    value: Any
+    relation: Literal["equal", "about", "at-most", "at-least"] = "equal"
+    tolerance: Any = None
+    origin: Line = ""
+    role: Role | None = None
+    used_for: Prose = ""
+    doubt: Prose = ""
+
+    def read(self, quantity: str) -> tuple[float, str, float | None]:
+        """SI value, the unit it was written in and the SI tolerance (given in percent or in the
+        same dimension).
+        """
+        dimension = dimension_of_quantity(quantity)
+        value = guarded(parse_quantity, self.value, dimension, path=("value",))
+        unit = str(self.value).strip().lstrip("+-0123456789.").strip()
+        if unit[:1] in "eE" and unit[1:2] in tuple("+-0123456789"):
+            unit = unit[1:].lstrip("+-0123456789").strip()
+        if self.tolerance is None:
+            return value, unit, None
+        if isinstance(self.tolerance, str) and self.tolerance.strip().endswith("%"):
+            return (
+                value,
+                unit,
+                abs(value) * guarded(parse_quantity, self.tolerance, "ratio", path=("tolerance",)),
+            )
+        tolerance = guarded(
+            parse_quantity, self.tolerance, dimension or dimension_of(unit), path=("tolerance",)
+        )
+        if tolerance < 0:
+            raise problem("a tolerance is zero or more", ("tolerance",))
+        return value, unit, tolerance
+
+
+def _read_value(raw: Any) -> ValueModel:
+    return validate_as(ValueModel, raw if isinstance(raw, dict) else {"value": raw})
+
+
+class PublishedModel(StrictModel):
+    """One group of published values."""
+
+    model: Name
+    role: Role
+    source: Line
+    origin: Line = ""
+    engine_speed: AngularSpeed | None = None
+    quantities: dict[str, Annotated[ValueModel, PlainValidator(_read_value)]]
+
+    def build(self) -> tuple[PublishedValue, ...]:
+        """The flat list of values; raises a located problem."""
+        values = []
+        for name, entry in self.quantities.items():
+            value, unit, tolerance = placed(("quantities", name), entry.read, name)
+            values.append(
+                PublishedValue(
+                    quantity=name,
+                    value=value,
+                    unit=unit,
+                    origin=entry.origin or self.origin,
+                    role=entry.role or self.role,
+                    engine_speed=self.engine_speed,
+                    model=self.model,
+                    source=self.source,
+                    tolerance=tolerance,
+                    relation=entry.relation,
+                    used_for=entry.used_for,
+                    doubt=entry.doubt,
+                )
+            )
+        return tuple(values)
+
+
+#: Laws from files that are kept.
+MOST_KEPT = 8
+_Key = tuple[type[LiftModel], str, tuple[str, ...], bytes]
+_kept: OrderedDict[_Key, LiftLawParameters] = OrderedDict()
+_turn = threading.Lock()
+
+
+def parameters_of(law: LiftModel, folder: Path) -> LiftLawParameters:
+    """What the table of a ``law`` says, with the files that it names in ``folder``; one that was
+    read from the same bytes before is kept.
+
+    Raises what the table itself raises, which is never kept.
+    """
+    key = _key(law, folder)
+    with _turn:
+        if key is not None and key in _kept:
+            _kept.move_to_end(key)
+            return _kept[key]
+    found = law.parameters(folder)
+    if key is not None and key == _key(law, folder):  # the file stayed the same while it was read
+        with _turn:
+            _kept[key] = found
+            while len(_kept) > MOST_KEPT:
+                _kept.popitem(last=False)
+    return found
+
+
+def _key(law: LiftModel, folder: Path) -> _Key | None:
+    """The words of a law and the content of its file; None where it names none, or none that can be
+    read.
+    """
+    name = getattr(law, "file", None)
+    ours = type(law).__module__.startswith(
+        "valvetrain."
+    )  # a law of somebody else may read more than this file
+    if not isinstance(name, str) or not ours:
+        return None
+    try:
+        content = bounded_bytes(named_file(folder, name), "lift table")
+    except (InputError, OSError, ValueError):
+        return None
+    return (
+        type(law),
+        repr(law),
+        tuple(sorted(law.model_fields_set)),
+        hashlib.sha256(content).digest(),
+    )
+
 
 _OPERATION = Operation()
 
@@ -34,14 +184,25 @@ class OperationModel(StrictModel):
 
     engine_speeds: AngularSpeeds | None = None
     cam_speeds: AngularSpeeds | None = None
-    cycles: int = Field(default=_OPERATION.cycles, description="cam revolutions run; the last is reported")
-    output_step: OutputStep = Field(default=_OPERATION.output_step, description="cam angle between the values kept")
+    cycles: int = Field(
+        default=_OPERATION.cycles, description="cam revolutions run; the last is reported"
+    )
+    output_step: OutputStep = Field(
+        default=_OPERATION.output_step, description="cam angle between the values kept"
+    )
 
     def build(self) -> Operation:
         """The operation, with engine (crank) speeds."""
         if self.engine_speeds is not None and self.cam_speeds is not None:
-            raise problem("engine_speeds and cam_speeds are both given; give one (an engine speed is twice the cam speed)", ("cam_speeds",))
-        speeds = self.engine_speeds if self.engine_speeds is not None else tuple(2 * speed for speed in self.cam_speeds or ())
+            raise problem(
+                "engine_speeds and cam_speeds are both given; give one (an engine speed is twice the cam speed)",
+                ("cam_speeds",),
+            )
+        speeds = (
+            self.engine_speeds
+            if self.engine_speeds is not None
+            else tuple(2 * speed for speed in self.cam_speeds or ())
+        )
         if any(speed <= 0 for speed in speeds):
             raise problem("a speed must be positive; correct the list")
         for speed in speeds:
@@ -68,32 +229,57 @@ class CaseModel(StrictModel):
     points: dict[str, CoilNumber] = Field(default_factory=dict)
     published: list[PublishedModel] = Field(default_factory=list)
 
-    def build(self, name: str, folder: Path, notes: dict[str, Note], text: str = "", changed: tuple[str, ...] = ()) -> Case:
-        """The case; ``folder`` is where relative file names start. Raises a located problem for tables that contradict each other."""
+    def build(
+        self,
+        name: str,
+        folder: Path,
+        notes: dict[str, Note],
+        text: str = "",
+        changed: tuple[str, ...] = (),
+    ) -> Case:
+        """The case; ``folder`` is where relative file names start. Raises a located problem for
+        tables that contradict each other.
+        """
         if self.spring is None and self.lift_law is None and self.train is None:
-            raise problem("the case is empty; it needs at least one of [spring], [lift_law] and [train]")
+            raise problem(
+                "the case is empty; it needs at least one of [spring], [lift_law] and [train]"
+            )
         if self.spring is not None and self.train is not None:
-            raise problem("a train carries its springs in [train.springs], so this one would stay unused; move it there", ("spring",))
+            raise problem(
+                "a train carries its springs in [train.springs], so this one would stay unused; move it there",
+                ("spring",),
+            )
         known = registry.words("sources")
         if self.study and known and self.study not in known:
-            raise problem(f"study '{self.study[:40]}' is unknown; {nearest(self.study, known)}", ("study",))
+            raise problem(
+                f"study '{self.study[:40]}' is unknown; {nearest(self.study, known)}", ("study",)
+            )
         if self.rubbing.model_fields_set and (self.spring is None or len(self.spring.blocks) < 2):
-            raise problem("rubbing acts between two nested springs; remove it (a train has [train.rubbing])", ("rubbing",))
+            raise problem(
+                "rubbing acts between two nested springs; remove it (a train has [train.rubbing])",
+                ("rubbing",),
+            )
         name = self.name or name
         springs = placed("spring", self.spring.build, name) if self.spring else ()
         refused = point_problem(self.study, self.points, springs)
         if refused is not None:
             raise problem(refused[1], ("points", *filter(None, refused[:1])))
-        published = (placed(("published", index), group.build) for index, group in enumerate(self.published))
+        published = (
+            placed(("published", index), group.build) for index, group in enumerate(self.published)
+        )
         return Case(
             name=name,
             title=self.title,
             description=self.description,
             springs=springs,
             rubbing=self.rubbing.build(),
-            lift_law=placed("lift_law", parameters_of, self.lift_law, folder) if self.lift_law else None,
+            lift_law=placed("lift_law", parameters_of, self.lift_law, folder)
+            if self.lift_law
+            else None,
             operation=placed("operation", self.operation.build),
-            train=placed("train", with_cam_card(self.train, self.lift_law).build) if self.train is not None else None,
+            train=placed("train", with_cam_card(self.train, self.lift_law).build)
+            if self.train is not None
+            else None,
             published=tuple(value for group in published for value in group),
             notes=notes,
             sources=tuple(self.sources),

@@ -1,4 +1,6 @@
-"""The [train.contacts.PLACE] tables: what any contact table may say; each law's own defaults stand with it in `valvetrain.contact`."""
+"""The [train.contacts.PLACE] tables: what any contact table may say; each law's own defaults stand
+with it in `valvetrain.contact`.
+"""
 
 from __future__ import annotations
 
@@ -10,7 +12,17 @@ from pydantic import Field, PlainValidator
 from valvetrain import registry
 from valvetrain.errors import InputError
 from valvetrain.parameters.changes import nearest
-from valvetrain.parameters.schema_types import Force, Length, Ratio, StrictModel, guarded, placed, problem, quantity, validate_as
+from valvetrain.parameters.schema_types import (
+    Force,
+    Length,
+    Ratio,
+    StrictModel,
+    guarded,
+    placed,
+    problem,
+    quantity,
+    validate_as,
+)
 from valvetrain.parameters.train import ContactParameters
 from valvetrain.units import dimension_powers
 
@@ -19,7 +31,8 @@ ContactStiffness = Annotated[float, quantity(None)]
 ContactDamping = Annotated[float, quantity(None)]
 Velocity = Annotated[float, quantity("velocity")]
 
-#: In place of a table, or of all tables: a contact of steel parts of usual size (:mod:`valvetrain.parameters.steel_contacts`).
+#: In place of a table, or of all tables: a contact of steel parts of usual size
+#: (:mod:`valvetrain.parameters.steel_contacts`).
 STEEL = "steel"
 #: Of steel on steel, where a law needs a loss and the table gives none.
 RESTITUTION = 0.7
@@ -32,20 +45,35 @@ _DAMPING_UNITS: dict[tuple[tuple[str, float], ...], str] = {
 
 
 class ContactTable(StrictModel):
-    """Keys that every contact table may hold, since it may be written for any law; a law's own table gives its defaults."""
+    """Keys that every contact table may hold, since it may be written for any law; a law's own
+    table gives its defaults.
+    """
 
     law: str
     contact_stiffness: ContactStiffness | None = Field(default=None, description="K of K d^n")
     exponent: Ratio | None = Field(default=None, description="n of K d^n")
-    damping: ContactDamping | None = Field(default=None, description="c of c d' (N s/m) or q of 1 + q d' (s/m)")
-    restitution: Ratio | None = Field(default=None, description="velocity of rebound over that of approach")
-    full_damping_depth: Length | None = Field(
-        default=None, description="penetration at which the damping is whole; else that at reference_force"
+    damping: ContactDamping | None = Field(
+        default=None, description="c of c d' (N s/m) or q of 1 + q d' (s/m)"
     )
-    reference_force: Force = Field(default=500.0, description="force at which another law presses alike")
-    reference_velocity: Velocity = Field(default=0.2, description="approach velocity at which a restitution becomes a damping")
-    friction_coefficient: Ratio = Field(default=0.0, description="Coulomb friction along the contact")
-    friction_velocity: Velocity = Field(default=0.01, description="sliding velocity below which the contact creeps")
+    restitution: Ratio | None = Field(
+        default=None, description="velocity of rebound over that of approach"
+    )
+    full_damping_depth: Length | None = Field(
+        default=None,
+        description="penetration at which the damping is whole; else that at reference_force",
+    )
+    reference_force: Force = Field(
+        default=500.0, description="force at which another law presses alike"
+    )
+    reference_velocity: Velocity = Field(
+        default=0.2, description="approach velocity at which a restitution becomes a damping"
+    )
+    friction_coefficient: Ratio = Field(
+        default=0.0, description="Coulomb friction along the contact"
+    )
+    friction_velocity: Velocity = Field(
+        default=0.01, description="sliding velocity below which the contact creeps"
+    )
 
 
 def _read_contact(raw: Any) -> ContactParameters:
@@ -55,7 +83,10 @@ def _read_contact(raw: Any) -> ContactParameters:
         raise problem(f"a contact needs its law, such as law = 'impact', or the word '{STEEL}'")
     law = raw["law"]
     if law not in registry.words("contacts"):
-        raise problem(f"contact law '{law[:40]}' is unknown; {nearest(law, registry.words('contacts'))}", ("law",))
+        raise problem(
+            f"contact law '{law[:40]}' is unknown; {nearest(law, registry.words('contacts'))}",
+            ("law",),
+        )
     # Laws are loaded for keys of their own only: their files bring compiled kernels along.
     common = {key: value for key, value in raw.items() if key in ContactTable.model_fields}
     values = validate_as(ContactTable, common).model_dump(exclude_unset=True, exclude={"law"})
@@ -69,20 +100,28 @@ def _read_contact(raw: Any) -> ContactParameters:
 
 
 def _table_with(key: str, law: str) -> type[ContactTable]:
-    """The table of ``law``, or of another law, that has ``key`` (it then waits unused); else that of ``law``, to refuse it."""
+    """The table of ``law``, or of another law, that has ``key`` (it then waits unused); else that
+    of ``law``, to refuse it.
+    """
     words = (law, *(word for word in registry.words("contacts") if word != law))
-    tables: list[type[ContactTable]] = [guarded(registry.find, "contacts", word).table for word in words]
+    tables: list[type[ContactTable]] = [
+        guarded(registry.find, "contacts", word).table for word in words
+    ]
     return next((table for table in tables if key in table.model_fields), tables[0])
 
 
 def written_for(raw: Mapping[str, Any]) -> dict[str, Any]:
-    """The exponent of the stiffness and the kind of damping that the units of a contact table tell; refuses other units."""
+    """The exponent of the stiffness and the kind of damping that the units of a contact table tell;
+    refuses other units.
+    """
     found: dict[str, Any] = {}
     if isinstance(text := raw.get("contact_stiffness"), str):
         powers = dimension_powers(text)
         exponent = 1 - powers.pop("[length]", 0.0)
         if powers != {"[mass]": 1.0, "[time]": -2.0} or not 0.99 <= exponent <= 3:
-            raise InputError(f"'{text[:40]}' is no contact stiffness; write a force over a length, such as '100 kN/mm' or '1e5 N/mm^1.5'")
+            raise InputError(
+                f"'{text[:40]}' is no contact stiffness; write a force over a length, such as '100 kN/mm' or '1e5 N/mm^1.5'"
+            )
         found["stiffness_exponent"] = exponent
     if isinstance(text := raw.get("damping"), str):
         unit = _DAMPING_UNITS.get(tuple(sorted(dimension_powers(text).items())))
@@ -98,15 +137,22 @@ ContactField = Annotated[ContactParameters, PlainValidator(_read_contact)]
 
 
 def _read_contacts(raw: Any) -> dict[str, ContactParameters]:
-    """Contacts by place; the word alone, or of the place ``others``, stands for every place not named (kept under '')."""
+    """Contacts by place; the word alone, or of the place ``others``, stands for every place not
+    named (kept under '').
+    """
     if raw == STEEL:
         return {"": ContactParameters(STEEL)}
     if not isinstance(raw, dict):
-        raise problem(f"a table of places is needed here, such as [train.contacts.cam], or contacts = '{STEEL}'")
+        raise problem(
+            f"a table of places is needed here, such as [train.contacts.cam], or contacts = '{STEEL}'"
+        )
     found = {place: placed(place, _read_contact, table) for place, table in raw.items()}
     if (rest := found.pop("others", None)) is not None:
         if rest.law != STEEL:
-            raise problem(f"others stands for the places not named and can be '{STEEL}' only; name the place", ("others",))
+            raise problem(
+                f"others stands for the places not named and can be '{STEEL}' only; name the place",
+                ("others",),
+            )
         found[""] = rest
     return found
 

@@ -1,4 +1,6 @@
-"""Curves over the coil number as a case file writes them: a constant, knots, a table or a named formula."""
+"""Curves over the coil number as a case file writes them: a constant, knots, a table or a named
+formula.
+"""
 
 from __future__ import annotations
 
@@ -9,9 +11,24 @@ from pydantic import PlainValidator
 
 from valvetrain.errors import InputError
 from valvetrain.parameters.constructors import pitch_with_closed_ends
-from valvetrain.parameters.curve_forms import Parabola, SlopeOf, add_curves
-from valvetrain.parameters.curves import Constant, Curve, PiecewiseLinear, Table
-from valvetrain.parameters.schema_types import Lengths, Number, Numbers, PositiveLength, StrictModel, guarded, validate_as
+from valvetrain.parameters.curves import (
+    Constant,
+    Curve,
+    Parabola,
+    PiecewiseLinear,
+    SlopeOf,
+    Table,
+    add_curves,
+)
+from valvetrain.parameters.schema_types import (
+    Lengths,
+    Number,
+    Numbers,
+    PositiveLength,
+    StrictModel,
+    guarded,
+    validate_as,
+)
 from valvetrain.units import parse_quantity
 
 
@@ -34,7 +51,8 @@ class ConstantForm(StrictModel):
 
 
 class KnotsForm(StrictModel):
-    """``{ coils = [0, 4, 7], values = "22, 22, 17 mm" }``, straight between knots, or smooth with ``kind = "table"``.
+    """``{ coils = [0, 4, 7], values = "22, 22, 17 mm" }``, straight between knots, or smooth with
+    ``kind = "table"``.
 
     ``clearances`` in place of ``values`` gives a pitch less the wire diameter.
     """
@@ -47,10 +65,16 @@ class KnotsForm(StrictModel):
     def build(self, context: CurveContext) -> Curve:
         """The curve; raises :class:`InputError` when this form lacks or repeats something."""
         if (self.values is None) == (self.clearances is None):
-            raise InputError("a curve over coils has either values or clearances (pitch less wire diameter); give one of them")
+            raise InputError(
+                "a curve over coils has either values or clearances (pitch less wire diameter); give one of them"
+            )
         numbers = self.values if self.values is not None else self.clearances
         assert numbers is not None
-        curve: Curve = Table(self.coils, numbers) if self.kind == "table" else PiecewiseLinear(self.coils, numbers)
+        curve: Curve = (
+            Table(self.coils, numbers)
+            if self.kind == "table"
+            else PiecewiseLinear(self.coils, numbers)
+        )
         if self.clearances is None:
             return curve
         if context.wire_diameter is None:
@@ -81,15 +105,26 @@ class FormulaForm(StrictModel):
         if self.formula in ("barrel", "hourglass"):
             ends, middle = self._need("ends", "middle")
             if (middle > ends) != (self.formula == "barrel"):
-                raise InputError(f"formula {self.formula} has middle {middle:g} m and ends {ends:g} m, the wrong way round; swap them")
+                raise InputError(
+                    f"formula {self.formula} has middle {middle:g} m and ends {ends:g} m, the wrong way round; swap them"
+                )
             return Parabola(ends, middle, total)
         if self.formula == "beehive":
             lower, upper, start = self._need("lower", "upper", "taper_from_coil")
             return PiecewiseLinear((0.0, start, total), (lower, lower, upper))
         (pitch,) = self._need("pitch")
         if not isinstance(context.wire_diameter, Constant):
-            raise InputError("formula closed-ends is a pitch for a wire of constant diameter; write the pitch over coils instead")
-        return pitch_with_closed_ends(total, context.wire_diameter.level, pitch, self.closed_lower, self.closed_upper, self.ramp)
+            raise InputError(
+                "formula closed-ends is a pitch for a wire of constant diameter; write the pitch over coils instead"
+            )
+        return pitch_with_closed_ends(
+            total,
+            context.wire_diameter.level,
+            pitch,
+            self.closed_lower,
+            self.closed_upper,
+            self.ramp,
+        )
 
     def _need(self, *names: str) -> tuple[float, ...]:
         for name in names:
@@ -99,7 +134,9 @@ class FormulaForm(StrictModel):
 
 
 class HeightForm(StrictModel):
-    """Height of the wire axis over the coil number, interpolated smoothly: another way to give the pitch."""
+    """Height of the wire axis over the coil number, interpolated smoothly: another way to give the
+    pitch.
+    """
 
     kind: Literal["table"] = "table"
     coils: Numbers

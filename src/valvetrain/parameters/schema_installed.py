@@ -1,4 +1,6 @@
-"""One block per installed spring, the same in a spring case ([spring]) and in a train ([[train.springs.SET]])."""
+"""One block per installed spring, the same in a spring case ([spring]) and in a train
+([[train.springs.SET]]).
+"""
 
 from __future__ import annotations
 
@@ -8,9 +10,17 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field, PlainValidator
 
-from valvetrain.parameters.damping import DEFAULT_STIFFNESS_SHARE, DampingParameters
-from valvetrain.parameters.guide import GUIDE_STIFFNESS, Guide
-from valvetrain.parameters.installed_spring import CoilContact, InstalledSpring, Rubbing
+from valvetrain.parameters.installed_spring import (
+    DEFAULT_STIFFNESS_SHARE,
+    GUIDE_STIFFNESS,
+    CoilContact,
+    DampingParameters,
+    Guide,
+    InstalledSpring,
+    Rubbing,
+    options_problem,
+    options_table,
+)
 from valvetrain.parameters.schema_spring import SpringCardModel, SpringModel
 from valvetrain.parameters.schema_types import (
     DampingRate,
@@ -26,11 +36,13 @@ from valvetrain.parameters.schema_types import (
     quantity,
     validate_as,
 )
-from valvetrain.parameters.spring_options import options_problem, options_table
 
 _CONTACT, _RUBBING = CoilContact(), Rubbing()
-#: Keys that a card alone has, and a wire alone; a wire_diameter says nothing, for a card may have one for its mass.
-_CARD_KEYS = set(SpringCardModel.model_fields) - set(SpringModel.model_fields) - {"installed_height"}
+#: Keys that a card alone has, and a wire alone; a wire_diameter says nothing, for a card may have
+#: one for its mass.
+_CARD_KEYS = (
+    set(SpringCardModel.model_fields) - set(SpringModel.model_fields) - {"installed_height"}
+)
 _WIRE_KEYS = set(SpringModel.model_fields) - set(SpringCardModel.model_fields)
 
 LineStiffness = Annotated[float, quantity("line stiffness", low=0.0)]
@@ -41,13 +53,22 @@ NormalForce = Annotated[float, quantity("force", low=0.0)]
 class DampingModel(StrictModel):
     """The ``damping`` of a spring."""
 
-    ratio: Ratio | None = Field(default=None, description="share of critical damping at ratio_frequency")
-    ratio_frequency: Frequency | None = Field(default=None, description="frequency at which ratio holds")
-    stiffness_share: Ratio | None = Field(
-        default=None, description=f"share of ratio from stiffness; without it {DEFAULT_STIFFNESS_SHARE:g}"
+    ratio: Ratio | None = Field(
+        default=None, description="share of critical damping at ratio_frequency"
     )
-    mass_damping: DampingRate | None = Field(default=None, description="damping over mass; without it and a ratio none")
-    stiffness_damping: Time | None = Field(default=None, description="damping over stiffness; without it and a ratio none")
+    ratio_frequency: Frequency | None = Field(
+        default=None, description="frequency at which ratio holds"
+    )
+    stiffness_share: Ratio | None = Field(
+        default=None,
+        description=f"share of ratio from stiffness; without it {DEFAULT_STIFFNESS_SHARE:g}",
+    )
+    mass_damping: DampingRate | None = Field(
+        default=None, description="damping over mass; without it and a ratio none"
+    )
+    stiffness_damping: Time | None = Field(
+        default=None, description="damping over stiffness; without it and a ratio none"
+    )
 
     def build(self) -> DampingParameters:
         """The damping; refuses two ways of giving it that disagree."""
@@ -59,7 +80,8 @@ class CoilContactModel(StrictModel):
     """The ``contact`` of coils with each other and with the seats."""
 
     stiffness: LineStiffness = Field(
-        default=_CONTACT.stiffness, description="stiffness per length of wire; 0: coils pass through each other"
+        default=_CONTACT.stiffness,
+        description="stiffness per length of wire; 0: coils pass through each other",
     )
     damping_time: Time = Field(default=_CONTACT.damping_time, description="damping over stiffness")
 
@@ -67,9 +89,15 @@ class CoilContactModel(StrictModel):
 class GuideModel(StrictModel):
     """The ``guide`` of a wire: what keeps it straight."""
 
-    bore: PositiveLength | None = Field(default=None, description="inner diameter of a bore around the spring; without it none")
-    rod: PositiveLength | None = Field(default=None, description="outer diameter of a rod inside the spring; without it none")
-    stiffness: PositiveLineStiffness = Field(default=GUIDE_STIFFNESS, description="stiffness of the contact per length of wire")
+    bore: PositiveLength | None = Field(
+        default=None, description="inner diameter of a bore around the spring; without it none"
+    )
+    rod: PositiveLength | None = Field(
+        default=None, description="outer diameter of a rod inside the spring; without it none"
+    )
+    stiffness: PositiveLineStiffness = Field(
+        default=GUIDE_STIFFNESS, description="stiffness of the contact per length of wire"
+    )
 
     def build(self) -> Guide:
         """The guide; refuses one without any wall."""
@@ -80,21 +108,32 @@ class GuideModel(StrictModel):
 class RubbingModel(StrictModel):
     """The [rubbing] or [train.rubbing] table: friction between nested springs."""
 
-    coefficient: Ratio = Field(default=_RUBBING.coefficient, description="coefficient of friction between the springs")
-    normal_force: NormalForce = Field(default=_RUBBING.normal_force, description="force with which the springs press on each other")
+    coefficient: Ratio = Field(
+        default=_RUBBING.coefficient, description="coefficient of friction between the springs"
+    )
+    normal_force: NormalForce = Field(
+        default=_RUBBING.normal_force,
+        description="force with which the springs press on each other",
+    )
 
     def build(self) -> Rubbing:
         """The rubbing of this table; refuses half of it, which rubs nothing."""
         for given, missing in (("coefficient", "normal_force"), ("normal_force", "coefficient")):
             if getattr(self, given) > 0 and missing not in self.model_fields_set:
-                raise problem(f"{given} without {missing} rubs nothing; give both, or remove the table", (given,))
+                raise problem(
+                    f"{given} without {missing} rubs nothing; give both, or remove the table",
+                    (given,),
+                )
         return Rubbing(self.coefficient, self.normal_force)
 
 
 def _read_options(raw: Any) -> dict[str, StrictModel]:
     if not isinstance(raw, dict):
         raise problem("a table of spring-model words is needed here, such as options.multi-mass")
-    return {word: validate_as(guarded(options_table, word, path=(word,)), values, (word,)) for word, values in raw.items()}
+    return {
+        word: validate_as(guarded(options_table, word, path=(word,)), values, (word,))
+        for word, values in raw.items()
+    }
 
 
 Options = Annotated[dict[str, StrictModel], PlainValidator(_read_options)]
@@ -104,34 +143,56 @@ class WireBlock(SpringModel):
     """A spring by its wire, as installed."""
 
     precompression: Length | None = Field(
-        default=None, description="shortening from the free length with the valve closed; without it none"
+        default=None,
+        description="shortening from the free length with the valve closed; without it none",
     )
     installed_height: PositiveLength | None = None
-    seats: Literal["planes", "clamps"] = Field(default="planes", description="flat seats, or nothing but the fixed inactive ends")
+    seats: Literal["planes", "clamps"] = Field(
+        default="planes", description="flat seats, or nothing but the fixed inactive ends"
+    )
     damping: DampingModel = DampingModel()
     contact: CoilContactModel = CoilContactModel()
-    retainer_rotation: Literal["fixed", "free"] = Field(default="fixed", description="whether the retainer may turn about the axis at rest")
-    guide: GuideModel | None = Field(default=None, description="bore or rod that keeps the spring straight")
+    retainer_rotation: Literal["fixed", "free"] = Field(
+        default="fixed", description="whether the retainer may turn about the axis at rest"
+    )
+    guide: GuideModel | None = Field(
+        default=None, description="bore or rod that keeps the spring straight"
+    )
     options: Options = Field(default_factory=dict)
 
     def installed(self, name: str) -> InstalledSpring:
         """The installed spring; refuses one that would be stretched or solid."""
         wire = self.build(name)
         if self.precompression is not None and self.installed_height is not None:
-            raise problem("precompression and installed_height are both given and may contradict; give one", ("installed_height",))
+            raise problem(
+                "precompression and installed_height are both given and may contradict; give one",
+                ("installed_height",),
+            )
         given = "installed_height" if self.installed_height is not None else "precompression"
-        compression = self.precompression or 0.0 if self.installed_height is None else wire.free_length - self.installed_height
+        compression = (
+            self.precompression or 0.0
+            if self.installed_height is None
+            else wire.free_length - self.installed_height
+        )
         if compression < 0:
             remedy = f"its free length is {wire.free_length * 1e3:.4g} mm; lower installed_height or raise precompression"
             raise problem(f"the spring would be stretched, not compressed: {remedy}", (given,))
         room = wire.free_length - wire.solid_height
         if compression >= room:
-            raise problem(f"the spring is solid before this compression; it has {room * 1e3:.4g} mm of room: compress it less", (given,))
+            raise problem(
+                f"the spring is solid before this compression; it has {room * 1e3:.4g} mm of room: compress it less",
+                (given,),
+            )
         guide = None if self.guide is None else placed("guide", self.guide.build)
         if guide is not None:
             placed("guide", guarded, lambda: guide.check_fit(wire))
         return _assembled(
-            self, wire=wire, precompression=compression, seats=self.seats, guide=guide, retainer_rotation=self.retainer_rotation
+            self,
+            wire=wire,
+            precompression=compression,
+            seats=self.seats,
+            guide=guide,
+            retainer_rotation=self.retainer_rotation,
         )
 
 
@@ -145,7 +206,10 @@ class CardBlock(SpringCardModel):
     def installed(self, name: str) -> InstalledSpring:
         """The installed spring of the card, called ``name`` where it has no name of its own."""
         card = self.build()
-        return _assembled(self, card=card if not name or "name" in self.model_fields_set else replace(card, name=name))
+        return _assembled(
+            self,
+            card=card if not name or "name" in self.model_fields_set else replace(card, name=name),
+        )
 
 
 def _assembled(block: WireBlock | CardBlock, **known: Any) -> InstalledSpring:
@@ -154,7 +218,9 @@ def _assembled(block: WireBlock | CardBlock, **known: Any) -> InstalledSpring:
         raise problem(wrong[2], ("options", *wrong[:2]))
     damping = placed("damping", block.damping.build)
     contact = CoilContact(block.contact.stiffness, block.contact.damping_time)
-    built: InstalledSpring = guarded(lambda: InstalledSpring(damping=damping, contact=contact, options=options, **known))
+    built: InstalledSpring = guarded(
+        lambda: InstalledSpring(damping=damping, contact=contact, options=options, **known)
+    )
     return built
 
 
@@ -166,13 +232,20 @@ class SpringBlocks:
     listed: bool
 
     def build(self, name: str) -> tuple[InstalledSpring, ...]:
-        """The installed springs; ``name`` for those without one of their own. Raises a located problem."""
+        """The installed springs; ``name`` for those without one of their own. Raises a located
+        problem.
+        """
         if not self.listed:
             return (self.blocks[0].installed(name),)
         names = (name,) if len(self.blocks) == 1 else ("outer", "inner")
-        springs = tuple(placed(place, block.installed, names[place]) for place, block in enumerate(self.blocks))
+        springs = tuple(
+            placed(place, block.installed, names[place]) for place, block in enumerate(self.blocks)
+        )
         if len({spring.name for spring in springs}) < len(springs):
-            raise problem(f"both springs are named '{springs[0].name}'; give each a name of its own", (1, "name"))
+            raise problem(
+                f"both springs are named '{springs[0].name}'; give each a name of its own",
+                (1, "name"),
+            )
         return springs
 
 
@@ -182,13 +255,25 @@ def _read_blocks(raw: Any) -> SpringBlocks:
     if not 1 <= len(entries) <= 2:
         raise problem("there are one or two springs, outer first")
     listed = isinstance(raw, list)
-    return SpringBlocks(tuple(_read_block(entry, (place,) if listed else ()) for place, entry in enumerate(entries)), listed)
+    return SpringBlocks(
+        tuple(
+            _read_block(entry, (place,) if listed else ()) for place, entry in enumerate(entries)
+        ),
+        listed,
+    )
 
 
 def _read_block(entry: Any, path: tuple[int, ...]) -> WireBlock | CardBlock:
     if not isinstance(entry, dict):
-        raise problem("a spring is a table: its wire (wire_diameter and so on) or its card (preload, rate)", path)
-    return validate_as(CardBlock, entry, path) if is_card(entry) else validate_as(WireBlock, entry, path)
+        raise problem(
+            "a spring is a table: its wire (wire_diameter and so on) or its card (preload, rate)",
+            path,
+        )
+    return (
+        validate_as(CardBlock, entry, path)
+        if is_card(entry)
+        else validate_as(WireBlock, entry, path)
+    )
 
 
 def is_card(entry: Mapping[str, Any]) -> bool:
@@ -197,7 +282,9 @@ def is_card(entry: Mapping[str, Any]) -> bool:
     >>> is_card({"preload": "250 N", "rate": "32 N/mm"}), is_card({"wire_diameter": "4 mm", "total_coils": 6})
     (True, False)
     """
-    return any(key in _CARD_KEYS for key in entry) and not ("wire_diameter" in entry and any(key in _WIRE_KEYS for key in entry))
+    return any(key in _CARD_KEYS for key in entry) and not (
+        "wire_diameter" in entry and any(key in _WIRE_KEYS for key in entry)
+    )
 
 
 SpringField = Annotated[SpringBlocks, PlainValidator(_read_blocks)]

@@ -1,4 +1,6 @@
-"""The [lift_law] table: what every law may say; the tables of the laws stand with them in `valvetrain.cam`."""
+"""The [lift_law] table: what every law may say; the tables of the laws stand with them in
+`valvetrain.cam`.
+"""
 
 from __future__ import annotations
 
@@ -13,8 +15,7 @@ from pydantic import Field, PlainValidator
 from valvetrain import registry
 from valvetrain.parameters.changes import nearest
 from valvetrain.parameters.lift_law import LiftLawParameters
-from valvetrain.parameters.schema_names import Line
-from valvetrain.parameters.schema_types import StrictModel, guarded, problem, validate_as
+from valvetrain.parameters.schema_types import Line, StrictModel, guarded, problem, validate_as
 
 TURN = 2 * math.pi
 
@@ -23,7 +24,9 @@ def _read_exponents(raw: Any) -> tuple[int, ...]:
     """``"3-4-5"`` or ``[3, 4, 5]``."""
     if isinstance(raw, str) and re.fullmatch(r"\d{1,3}(-\d{1,3})*", raw):
         raw = [int(part) for part in raw.split("-")]
-    if not isinstance(raw, list) or not all(isinstance(item, int) and not isinstance(item, bool) and 1 <= item <= 200 for item in raw):
+    if not isinstance(raw, list) or not all(
+        isinstance(item, int) and not isinstance(item, bool) and 1 <= item <= 200 for item in raw
+    ):
         raise problem("exponents are whole numbers from 1 to 200, written as '3-4-5'")
     if raw != sorted(set(raw)) or not 2 <= len(raw) <= 12:
         raise problem("give 2 to 12 exponents in rising order, each once, as in '3-4-5'")
@@ -38,16 +41,26 @@ class LiftModel(StrictModel):
 
     law: ClassVar[str] = ""
     kind: str
-    lift_of: Literal["valve", "tappet"] = Field(default="valve", description="whose lift it is, the valve's or the tappet's")
+    lift_of: Literal["valve", "tappet"] = Field(
+        default="valve", description="whose lift it is, the valve's or the tappet's"
+    )
     zero_of_angle: Line = Field(default="", description="what the zero of the cam angle means")
 
     def parameters(self, folder: Path) -> LiftLawParameters:
         """What the case keeps of this table; ``folder`` is where relative file names start."""
-        return LiftLawParameters(self.law or self.kind, self.values(folder), self.lift_of, self.zero_of_angle)
+        return LiftLawParameters(
+            self.law or self.kind, self.values(folder), self.lift_of, self.zero_of_angle
+        )
 
     def values(self, folder: Path) -> dict[str, Any]:
-        """Keyword arguments of the law's class; raises a located problem when the table contradicts itself."""
-        own = {name: getattr(self, name) for name in type(self).model_fields if name not in LiftModel.model_fields}
+        """Keyword arguments of the law's class; raises a located problem when the table contradicts
+        itself.
+        """
+        own = {
+            name: getattr(self, name)
+            for name in type(self).model_fields
+            if name not in LiftModel.model_fields
+        }
         self.in_order(*(name for name in own if name.endswith(("_start", "_end"))))
         return own
 
@@ -56,13 +69,18 @@ class LiftModel(StrictModel):
         for first, second in pairwise(names):
             early, late = getattr(self, first), getattr(self, second)
             # A dwell may have no length; a flank may not.
-            if late < early or (late == early and (first, second) != ("opening_end", "closing_start")):
+            if late < early or (
+                late == early and (first, second) != ("opening_end", "closing_start")
+            ):
                 raise problem(
                     f"{second} ({math.degrees(late):g} deg) must come after {first} ({math.degrees(early):g} deg); put the events in order",
                     (second,),
                 )
         if names and getattr(self, names[-1]) - getattr(self, names[0]) > TURN + 1e-9:
-            raise problem(f"the event from {names[0]} to {names[-1]} is longer than one cam revolution; shorten it", (names[-1],))
+            raise problem(
+                f"the event from {names[0]} to {names[-1]} is longer than one cam revolution; shorten it",
+                (names[-1],),
+            )
 
 
 def check_angles(cam_angles: tuple[float, ...], path: tuple[str, ...]) -> None:
@@ -71,18 +89,29 @@ def check_angles(cam_angles: tuple[float, ...], path: tuple[str, ...]) -> None:
         raise problem(f"a lift table needs at least four stations; it has {len(cam_angles)}", path)
     for early, late in pairwise(cam_angles):
         if late - early < 1e-6:
-            raise problem(f"the angles must increase; {math.degrees(late):g} deg follows {math.degrees(early):g} deg", path)
+            raise problem(
+                f"the angles must increase; {math.degrees(late):g} deg follows {math.degrees(early):g} deg",
+                path,
+            )
     if cam_angles[-1] - cam_angles[0] > TURN + 1e-9:
-        raise problem("the lift table spans more than one cam revolution; cut it (or say angle_of = 'crank')", path)
+        raise problem(
+            "the lift table spans more than one cam revolution; cut it (or say angle_of = 'crank')",
+            path,
+        )
 
 
 def read_lift_model(raw: Any) -> LiftModel:
-    """Choose the table by ``kind`` from the registry, which loads that law alone, and validate against it."""
+    """Choose the table by ``kind`` from the registry, which loads that law alone, and validate
+    against it.
+    """
     if not isinstance(raw, dict) or not isinstance(raw.get("kind"), str):
         raise problem(f"a lift law needs its kind, one of {', '.join(registry.words('lifts'))}")
     kind = raw["kind"]
     if kind not in registry.words("lifts"):
-        raise problem(f"kind '{kind[:40]}' of a lift law is unknown; {nearest(kind, registry.words('lifts'))}", ("kind",))
+        raise problem(
+            f"kind '{kind[:40]}' of a lift law is unknown; {nearest(kind, registry.words('lifts'))}",
+            ("kind",),
+        )
     table: LiftModel = validate_as(guarded(registry.find, "lifts", kind).table, raw)
     return table
 

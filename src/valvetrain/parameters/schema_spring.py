@@ -8,19 +8,17 @@ import numpy as np
 from pydantic import Field, PlainValidator
 
 from valvetrain.errors import InputError
-from valvetrain.parameters.card import SpringCard
-from valvetrain.parameters.constructors import pitch_with_closed_ends
-from valvetrain.parameters.curve_forms import add_curves
-from valvetrain.parameters.curves import Constant, Curve
-from valvetrain.parameters.material import Material
-from valvetrain.parameters.materials import material_by_name
+from valvetrain.parameters.constructors import is_closed, pitch_with_closed_ends, wind
+from valvetrain.parameters.curves import Constant, Curve, add_curves
+from valvetrain.parameters.installed_spring import SpringCard
+from valvetrain.parameters.material import Material, material_by_name
 from valvetrain.parameters.schema_curves import CurveContext, CurveField, HeightForm
-from valvetrain.parameters.schema_names import Name
 from valvetrain.parameters.schema_types import (
     Density,
     Force,
     Mass,
     Modulus,
+    Name,
     PositiveLength,
     Stiffness,
     StrictModel,
@@ -28,9 +26,8 @@ from valvetrain.parameters.schema_types import (
     problem,
     quantity,
     validate_as,
-)  # fmt: skip
+)
 from valvetrain.parameters.spring import EndCoil, EndKind, SpringDefinition
-from valvetrain.parameters.wire_ends import is_closed, wind
 
 #: A spring of more turns than this is taken for a mistake, and would cost minutes to check.
 MOST_COILS = 200.0
@@ -50,11 +47,17 @@ class EndModel(StrictModel):
     def build(self) -> EndCoil:
         """The end coil, with the usual turns of its kind where none are given."""
         given = {"inactive_coils": self.inactive_coils, "ground_coils": self.ground_coils}
-        return EndCoil(self.kind, **{name: turns for name, turns in given.items() if turns is not None})
+        return EndCoil(
+            self.kind, **{name: turns for name, turns in given.items() if turns is not None}
+        )
 
     def wound(self) -> EndCoil | EndKind:
-        """The end of a spring given by its free length: its kind alone where no turns are given, for the textbook's to hold."""
-        return self.kind if self.inactive_coils is None and self.ground_coils is None else self.build()
+        """The end of a spring given by its free length: its kind alone where no turns are given,
+        for the textbook's to hold.
+        """
+        return (
+            self.kind if self.inactive_coils is None and self.ground_coils is None else self.build()
+        )
 
 
 def _read_end(raw: Any) -> EndModel:
@@ -74,7 +77,9 @@ class MaterialModel(StrictModel):
         """The material; refuses moduli that contradict each other."""
         young, shear, density = self.youngs_modulus, self.shear_modulus, self.density
         if self.poisson_ratio is not None and young is not None:
-            from_ratio = young / (2 * (1 + self.poisson_ratio)) if self.poisson_ratio > -1 else float("inf")
+            from_ratio = (
+                young / (2 * (1 + self.poisson_ratio)) if self.poisson_ratio > -1 else float("inf")
+            )
             if shear is not None and abs(shear / from_ratio - 1) > 0.005:
                 raise InputError(
                     f"shear_modulus {shear / 1e9:g} GPa contradicts youngs_modulus and poisson_ratio, "
@@ -84,9 +89,16 @@ class MaterialModel(StrictModel):
         if young is not None and shear is not None and density is not None:
             return Material(self.name or "unnamed", young, shear, density)
         if not self.name:
-            raise InputError("a material needs youngs_modulus, shear_modulus (or poisson_ratio) and density, or a name from the library")
+            raise InputError(
+                "a material needs youngs_modulus, shear_modulus (or poisson_ratio) and density, or a name from the library"
+            )
         known = material_by_name(self.name)
-        return Material(self.name, young or known.youngs_modulus, shear or known.shear_modulus, density or known.density)
+        return Material(
+            self.name,
+            young or known.youngs_modulus,
+            shear or known.shear_modulus,
+            density or known.density,
+        )
 
 
 def _read_material(raw: Any) -> Material:
@@ -110,11 +122,15 @@ class SpringModel(StrictModel):
     outer_diameter: CurveField | None = None
     pitch: CurveField | None = None
     height: HeightForm | None = None
-    free_length: PositiveLength | None = Field(default=None, description="unloaded length, from which the pitch follows")
+    free_length: PositiveLength | None = Field(
+        default=None, description="unloaded length, from which the pitch follows"
+    )
     total_coils: TotalCoils
     hand: Literal["right", "left"] = Field(default="right", description="sense of winding")
     material: MaterialField
-    ends: EndField | None = Field(default=None, description="kind of both ends; without it closed-ground")
+    ends: EndField | None = Field(
+        default=None, description="kind of both ends; without it closed-ground"
+    )
     lower_end: EndField | None = None
     upper_end: EndField | None = None
 
@@ -129,7 +145,9 @@ class SpringModel(StrictModel):
         spring: SpringDefinition = guarded(
             lambda: SpringDefinition(
                 wire_diameter=wire,
-                mean_diameter=diameter if diameter_key == "mean_diameter" else add_curves(diameter, wire, -1.0),
+                mean_diameter=diameter
+                if diameter_key == "mean_diameter"
+                else add_curves(diameter, wire, -1.0),
                 pitch=pitch,
                 total_coils=total,
                 material=self.material,
@@ -145,50 +163,84 @@ class SpringModel(StrictModel):
         """Pitch law and both ends, from a pitch, a height or the free length."""
         key = self._one_of("pitch", "height", "free_length")
         if self.ends is not None and (self.lower_end is not None or self.upper_end is not None):
-            raise problem("'ends' speaks for both ends, so lower_end and upper_end contradict it; give one or the other", ("ends",))
-        lower, upper = self.lower_end or self.ends or EndModel(), self.upper_end or self.ends or EndModel()
+            raise problem(
+                "'ends' speaks for both ends, so lower_end and upper_end contradict it; give one or the other",
+                ("ends",),
+            )
+        lower, upper = (
+            self.lower_end or self.ends or EndModel(),
+            self.upper_end or self.ends or EndModel(),
+        )
         if self.free_length is not None:
             wound: tuple[Curve, EndCoil, EndCoil] = guarded(
-                wind, total, wire, self.free_length, lower.wound(), upper.wound(), path=("free_length",)
+                wind,
+                total,
+                wire,
+                self.free_length,
+                lower.wound(),
+                upper.wound(),
+                path=("free_length",),
             )
             return wound
         closed = tuple(float(is_closed(end.kind)) for end in (lower, upper))
         try:
             pitch = getattr(self, key).build(CurveContext(total, wire))
-            if isinstance(pitch, Constant) and any(closed) and isinstance(wire, Constant):  # one length is the pitch between closed ends
+            if (
+                isinstance(pitch, Constant) and any(closed) and isinstance(wire, Constant)
+            ):  # one length is the pitch between closed ends
                 pitch = pitch_with_closed_ends(total, wire.level, pitch.level, *closed)
         except InputError as error:  # a pitch made from the wire tells a slip of units in the wire
-            raise problem(error.reason, ("wire_diameter" if error.where == "wire_diameter" else key,)) from error
+            raise problem(
+                error.reason, ("wire_diameter" if error.where == "wire_diameter" else key,)
+            ) from error
         return pitch, guarded(lower.build), guarded(upper.build)
 
     def _one_of(self, *names: str) -> str:
         given = [name for name in names if getattr(self, name) is not None]
         if len(given) > 1:
-            raise problem(f"{' and '.join(given)} are {'both' if len(given) == 2 else 'all'} given and may contradict each other; give one",
-                          (given[1],))  # fmt: skip
+            raise problem(
+                f"{' and '.join(given)} are {'both' if len(given) == 2 else 'all'} given and may contradict each other; give one",
+                (given[1],),
+            )
         if not given:
             raise problem(f"neither {' nor '.join(names)} is given; add one")
         return given[0]
 
 
 class SpringCardModel(StrictModel):
-    """The card of a spring block: rate, or two loads and the lift or the heights between them; mass, or wire and coils to compute it."""
+    """The card of a spring block: rate, or two loads and the lift or the heights between them;
+    mass, or wire and coils to compute it.
+    """
 
     name: Name = "spring card"
     preload: Force
-    preload_height: PositiveLength | None = Field(default=None, description="at which preload is given; without it installed_height")
+    preload_height: PositiveLength | None = Field(
+        default=None, description="at which preload is given; without it installed_height"
+    )
     rate: Stiffness | None = None
     open_load: Force | None = None
     open_lift: PositiveLength | None = None
-    open_height: PositiveLength | None = Field(default=None, description="at which open_load is given, in place of open_lift")
-    mass: Mass | None = Field(default=None, description="that vibrates; without it from wire and coils")
-    installed_height: PositiveLength | None = Field(default=None, description="without it preload_height")
+    open_height: PositiveLength | None = Field(
+        default=None, description="at which open_load is given, in place of open_lift"
+    )
+    mass: Mass | None = Field(
+        default=None, description="that vibrates; without it from wire and coils"
+    )
+    installed_height: PositiveLength | None = Field(
+        default=None, description="without it preload_height"
+    )
     solid_height: PositiveLength | None = Field(default=None, description="at coil bind")
     wire_diameter: PositiveLength | None = Field(default=None, description="for the mass")
     mean_diameter: PositiveLength | None = Field(default=None, description="for the mass")
-    outer_diameter: PositiveLength | None = Field(default=None, description="for the mass, in place of mean_diameter")
-    active_coils: TotalCoils | None = Field(default=None, description="for the mass; without them as many as give the rate")
-    material: MaterialField | None = Field(default=None, description="for the mass; without it EN 10270-2 VDSiCr")
+    outer_diameter: PositiveLength | None = Field(
+        default=None, description="for the mass, in place of mean_diameter"
+    )
+    active_coils: TotalCoils | None = Field(
+        default=None, description="for the mass; without them as many as give the rate"
+    )
+    material: MaterialField | None = Field(
+        default=None, description="for the mass; without it EN 10270-2 VDSiCr"
+    )
 
     def build(self) -> SpringCard:
         """The card as installed; refuses a rate that contradicts the loads."""
@@ -196,19 +248,35 @@ class SpringCardModel(StrictModel):
             raise problem("a preload is a compressive force, zero or more", ("preload",))
         told, installed = self._heights()
         rate, lift = self._rate(told)
-        preload = self.preload + (rate * (told - installed) if told is not None and installed is not None else 0.0)
+        preload = self.preload + (
+            rate * (told - installed) if told is not None and installed is not None else 0.0
+        )
         if preload < 0:
-            raise problem("the spring would be loose at this installed_height; install it lower", ("installed_height",))
+            raise problem(
+                "the spring would be loose at this installed_height; install it lower",
+                ("installed_height",),
+            )
         if lift is not None and told is not None and installed is not None:
             lift -= told - installed
         load = None if lift is None else preload + rate * lift
-        if self.solid_height is not None and installed is not None and self.solid_height >= installed:
-            raise problem("solid_height is not below installed_height; check both", ("solid_height",))
+        if (
+            self.solid_height is not None
+            and installed is not None
+            and self.solid_height >= installed
+        ):
+            raise problem(
+                "solid_height is not below installed_height; check both", ("solid_height",)
+            )
         return SpringCard(
-            rate=rate, preload=preload, mass=self._mass(rate), installed_height=installed,
-            open_load=load if self.open_load is None or told != installed else self.open_load, open_lift=lift,
-            solid_height=self.solid_height, name=self.name,
-        )  # fmt: skip
+            rate=rate,
+            preload=preload,
+            mass=self._mass(rate),
+            installed_height=installed,
+            open_load=load if self.open_load is None or told != installed else self.open_load,
+            open_lift=lift,
+            solid_height=self.solid_height,
+            name=self.name,
+        )
 
     def _heights(self) -> tuple[float | None, float | None]:
         """Heights (m) at which the preload is told and at which the spring is installed."""
@@ -220,41 +288,70 @@ class SpringCardModel(StrictModel):
         rate, load, lift = self.rate, self.open_load, self.open_lift
         if self.open_height is not None:
             if lift is not None:
-                raise problem("open_lift and open_height are both given and may contradict; give one", ("open_height",))
+                raise problem(
+                    "open_lift and open_height are both given and may contradict; give one",
+                    ("open_height",),
+                )
             if told is None:
-                raise problem("open_height needs the height of the preload; add installed_height", ("open_height",))
+                raise problem(
+                    "open_height needs the height of the preload; add installed_height",
+                    ("open_height",),
+                )
             if self.open_height >= told:
-                raise problem(f"open_height is not below that of the preload ({told * 1e3:.4g} mm); check both", ("open_height",))
+                raise problem(
+                    f"open_height is not below that of the preload ({told * 1e3:.4g} mm); check both",
+                    ("open_height",),
+                )
             lift = told - self.open_height
         from_loads = None if load is None or lift is None else (load - self.preload) / lift
         if from_loads is not None and from_loads <= 0:
-            raise problem("open_load does not exceed preload, so the rate would not be positive; check both", ("open_load",))
+            raise problem(
+                "open_load does not exceed preload, so the rate would not be positive; check both",
+                ("open_load",),
+            )
         if rate is None and from_loads is None:
-            raise problem("the rate is missing; give rate, or open_load and open_lift or open_height")
+            raise problem(
+                "the rate is missing; give rate, or open_load and open_lift or open_height"
+            )
         if rate is not None and from_loads is not None and abs(from_loads / rate - 1) > 0.02:
             raise problem(
-                f"rate {rate / 1e3:g} N/mm contradicts the loads, which make {from_loads / 1e3:.4g} N/mm; correct one of them", ("rate",)
+                f"rate {rate / 1e3:g} N/mm contradicts the loads, which make {from_loads / 1e3:.4g} N/mm; correct one of them",
+                ("rate",),
             )
         return (rate if rate is not None else from_loads or 0.0), lift
 
     def _mass(self, rate: float) -> float | None:
-        """Mass (kg) that vibrates: as told, or of the active turns, rho pi^2 d^2 D n / 4; None where neither is told."""
+        """Mass (kg) that vibrates: as told, or of the active turns, rho pi^2 d^2 D n / 4; None
+        where neither is told.
+        """
         if self.mass is not None or self.wire_diameter is None:
-            if self.wire_diameter is None and (self.mean_diameter or self.outer_diameter or self.active_coils):
-                raise problem("the mass from wire and coils needs wire_diameter; add it, or mass", ("wire_diameter",))
+            if self.wire_diameter is None and (
+                self.mean_diameter or self.outer_diameter or self.active_coils
+            ):
+                raise problem(
+                    "the mass from wire and coils needs wire_diameter; add it, or mass",
+                    ("wire_diameter",),
+                )
             return self.mass
         wire, mean = self.wire_diameter, self.mean_diameter
         if (mean is None) == (self.outer_diameter is None):
-            raise problem("the mass from wire and coils needs mean_diameter or outer_diameter; give one of them", ("mean_diameter",))
+            raise problem(
+                "the mass from wire and coils needs mean_diameter or outer_diameter; give one of them",
+                ("mean_diameter",),
+            )
         mean = mean if mean is not None else (self.outer_diameter or 0.0) - wire
         if mean <= 2 * wire:
-            raise problem("the coils are too narrow for this wire (index below 2); check diameters and units", ("wire_diameter",))
+            raise problem(
+                "the coils are too narrow for this wire (index below 2); check diameters and units",
+                ("wire_diameter",),
+            )
         material = self.material or USUAL_WIRE
         by_rate = material.shear_modulus * wire**4 / (8 * mean**3 * rate)
         coils = self.active_coils or by_rate
         if not 0.7 < coils / by_rate < 1.4:
             raise problem(
                 f"wire and coils make a rate of {rate * by_rate / coils / 1e3:.3g} N/mm, but the card has {rate / 1e3:.3g} N/mm, which "
-                f"takes {by_rate:.3g} active coils; correct one of them, or give mass", ("wire_diameter",),
-            )  # fmt: skip
+                f"takes {by_rate:.3g} active coils; correct one of them, or give mass",
+                ("wire_diameter",),
+            )
         return float(material.density * np.pi**2 * wire**2 * mean * coils / 4)

@@ -1,12 +1,22 @@
-"""What the models of a case file share: strictness, quantities with units and errors that know their place."""
+"""What the models of a case file share: strictness, quantities with units and errors that know
+their place.
+"""
 
 from __future__ import annotations
 
+import unicodedata
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Annotated, Any, TypeVar
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, ValidationError, model_validator
+from pydantic import (
+    AfterValidator,
+    BaseModel,
+    BeforeValidator,
+    ConfigDict,
+    ValidationError,
+    model_validator,
+)
 from pydantic_core import PydanticCustomError
 
 from valvetrain.errors import InputError
@@ -20,7 +30,9 @@ Model = TypeVar("Model", bound=BaseModel)
 class StrictModel(BaseModel):
     """A table of the case file: frozen, no unknown keys, no silent conversions."""
 
-    model_config = ConfigDict(extra="forbid", frozen=True, strict=True, arbitrary_types_allowed=True)
+    model_config = ConfigDict(
+        extra="forbid", frozen=True, strict=True, arbitrary_types_allowed=True
+    )
 
     @model_validator(mode="before")
     @classmethod
@@ -29,7 +41,9 @@ class StrictModel(BaseModel):
             raise problem(f"a table of {', '.join(cls.model_fields)} is needed here")
         for key in raw:
             if key not in cls.model_fields:
-                raise problem(f"key '{key[:60]}' is unknown; {nearest(key, tuple(cls.model_fields))}", (key,))
+                raise problem(
+                    f"key '{key[:60]}' is unknown; {nearest(key, tuple(cls.model_fields))}", (key,)
+                )
         return raw
 
 
@@ -46,14 +60,18 @@ def guarded(function: Callable[..., Any], *arguments: Any, path: tuple[str | int
         raise problem(error.reason, path) from error
 
 
-def placed(where: str | int | tuple[str | int, ...], function: Callable[..., Any], *arguments: Any) -> Any:
+def placed(
+    where: str | int | tuple[str | int, ...], function: Callable[..., Any], *arguments: Any
+) -> Any:
     """Call ``function`` and put ``where`` before the path of any problem in it."""
     path = where if isinstance(where, tuple) else (where,)
     try:
         return guarded(function, *arguments)
     except PydanticCustomError as error:
         context = error.context or {}
-        raise problem(str(context.get("reason", error)), (*path, *context.get("path", ()))) from error
+        raise problem(
+            str(context.get("reason", error)), (*path, *context.get("path", ()))
+        ) from error
 
 
 def validate_as(model: type[Model], raw: Any, path: tuple[str | int, ...] = ()) -> Model:
@@ -65,8 +83,11 @@ def validate_as(model: type[Model], raw: Any, path: tuple[str | int, ...] = ()) 
         raise problem(reason, (*path, *inner)) from error
 
 
-#: What a missing key is answered with beside its name, where a newcomer cannot guess what stands there.
-SUCH_AS = {"material": ', such as material = "EN 10270-2 VDSiCr" (a name of the library) or its moduli and density'}
+#: What a missing key is answered with beside its name, where a newcomer cannot guess what stands
+#: there.
+SUCH_AS = {
+    "material": ', such as material = "EN 10270-2 VDSiCr" (a name of the library) or its moduli and density'
+}
 
 
 def first_problem(error: ValidationError) -> tuple[tuple[str | int, ...], str]:
@@ -79,9 +100,15 @@ def first_problem(error: ValidationError) -> tuple[tuple[str | int, ...], str]:
     if details["type"] == "missing":
         return location, f"'{location[-1]}' is missing; add it{SUCH_AS.get(str(location[-1]), '')}"
     if details["type"] == "literal_error":
-        return location, f"{_show(details['input'])} is not among {context['expected']}; choose one of them"
+        return (
+            location,
+            f"{_show(details['input'])} is not among {context['expected']}; choose one of them",
+        )
     text = str(details["msg"]).rstrip(".")
-    return location, f"{_show(details['input'])} does not fit: {text[:1].lower()}{text[1:]}; correct it"
+    return (
+        location,
+        f"{_show(details['input'])} does not fit: {text[:1].lower()}{text[1:]}; correct it",
+    )
 
 
 def _show(value: Any) -> str:
@@ -90,22 +117,36 @@ def _show(value: Any) -> str:
 
 @dataclass(frozen=True)
 class Quantity(BeforeValidator):
-    """A validator that tells its ``dimension`` (a key of `valvetrain.units.DIMENSIONS`, None for any) and its bounds in SI."""
+    """A validator that tells its ``dimension`` (a key of `valvetrain.units.DIMENSIONS`, None for
+    any) and its bounds in SI.
+    """
 
     dimension: str | None = None
     low: float | None = None
     high: float | None = None
 
 
-def quantity(dimension: str | None, *, low: float | None = None, high: float | None = None, open_low: bool = False) -> BeforeValidator:
-    """Reads an SI float given as text with a unit; bounds are SI, ``open_low`` excludes ``low`` itself."""
+def quantity(
+    dimension: str | None,
+    *,
+    low: float | None = None,
+    high: float | None = None,
+    open_low: bool = False,
+) -> BeforeValidator:
+    """Reads an SI float given as text with a unit; bounds are SI, ``open_low`` excludes ``low``
+    itself.
+    """
 
     def read(raw: Any) -> float:
         value = float(guarded(parse_quantity, raw, dimension))
         if low is not None and (value < low or (open_low and value == low)):
-            raise problem(f"'{clipped(str(raw))}' is too small; give a value {'above' if open_low else 'of at least'} {low:g} (SI)")
+            raise problem(
+                f"'{clipped(str(raw))}' is too small; give a value {'above' if open_low else 'of at least'} {low:g} (SI)"
+            )
         if high is not None and value > high:
-            raise problem(f"'{clipped(str(raw))}' is too large; give a value of at most {high:g} (SI)")
+            raise problem(
+                f"'{clipped(str(raw))}' is too large; give a value of at most {high:g} (SI)"
+            )
         return value
 
     return Quantity(read, dimension=dimension, low=low, high=high)
@@ -124,7 +165,8 @@ Length = Annotated[float, quantity("length")]
 PositiveLength = Annotated[float, quantity("length", low=0.0, open_low=True)]
 Force = Annotated[float, quantity("force")]
 Stiffness = Annotated[float, quantity("stiffness", low=0.0, open_low=True)]
-#: Masses (kg) beyond this are slips: the largest valve gears of ships weigh a tenth, and no equilibrium is found for them in bearable time.
+#: Masses (kg) beyond this are slips: the largest valve gears of ships weigh a tenth, and no
+#: equilibrium is found for them in bearable time.
 LARGEST_MASS = 1e3
 Mass = Annotated[float, quantity("mass", low=0.0, high=LARGEST_MASS, open_low=True)]
 Modulus = Annotated[float, quantity("modulus", low=0.0, open_low=True)]
@@ -140,3 +182,61 @@ Number = Annotated[float, quantity("ratio")]
 Lengths = Annotated[tuple[float, ...], quantities("length")]
 Angles = Annotated[tuple[float, ...], quantities("angle")]
 Numbers = Annotated[tuple[float, ...], quantities("ratio")]
+
+
+#: Longest name (a file is called by it), line and text (characters).
+LONGEST_NAME, LONGEST_LINE, LONGEST_TEXT = 80, 1000, 50_000
+_CONTROL = {
+    "Cc": "a control character",
+    "Cs": "half a character",
+    "Zl": "a line break",
+    "Zp": "a paragraph break",
+}
+#: Characters that turn the direction of what is written after them, so that a reader sees another
+#: text.
+_TURNS = frozenset("\u202a\u202b\u202c\u202d\u202e\u2066\u2067\u2068\u2069")
+
+
+def words_problem(text: str, most: int, spared: str = "") -> str:
+    """Why ``text`` may not stand in files, pages and terminals, empty when it may: longer than
+    ``most`` or with control characters other
+    than those in ``spared``."""
+    if len(text) > most:
+        return f"'{clipped(text)}' has {len(text)} characters; use at most {most}"
+    if text.isprintable():
+        return ""
+    for char in text:
+        kind = (
+            "a sign that turns the direction of writing"
+            if char in _TURNS
+            else _CONTROL.get(unicodedata.category(char))
+        )
+        if kind is not None and char not in spared:
+            return f"'{clipped(text)}' holds {kind} (U+{ord(char):04X}); remove it"
+    return ""
+
+
+def words(most: int, spared: str = "", separators: str = "") -> AfterValidator:
+    """Refuses text that is too long, holds control characters other than ``spared``, or any of
+    ``separators``.
+    """
+
+    def read(text: str) -> str:
+        if reason := words_problem(text, most, spared):
+            raise problem(reason)
+        for sign in separators:
+            if sign in text:
+                raise problem(
+                    f"'{clipped(text)}' holds '{sign}', which parts folders; leave it out"
+                )
+        return text
+
+    return AfterValidator(read)
+
+
+#: A name within a case; the name of a case, by which files are found; one line; a text of several
+#: lines.
+Name = Annotated[str, words(LONGEST_NAME)]
+CaseName = Annotated[str, words(LONGEST_NAME, separators="/\\")]
+Line = Annotated[str, words(LONGEST_LINE)]
+Prose = Annotated[str, words(LONGEST_TEXT, spared="\n\r\t")]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any, Literal
+from typing import Any, Literal, Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -12,8 +12,168 @@ from numpy.typing import ArrayLike, NDArray
 from valvetrain.errors import InputError
 from valvetrain.parameters.curves import Array, Constant, Curve
 from valvetrain.parameters.material import Material
-from valvetrain.parameters.spring_checks import check_spring, refuse_lost_tip
 from valvetrain.units import si
+
+#: Depth, as a share of the wire diameter, up to which free coils may overlap (drawing and rounding
+#: slack).
+OVERLAP_SLACK = 0.02
+#: Turns by which meshes run past both tips, where every curve must still hold a number.
+BEYOND_TIPS = 0.5
+#: Thinner is no wire (m): its mass and stiffness vanish from the numbers of a computer.
+LEAST_LENGTH = 1e-6
+
+
+class WireShape(Protocol):
+    """What the checks ask of a spring; lengths in m over the coil number."""
+
+    @property
+    def name(self) -> str: ...
+    @property
+    def hand(self) -> str: ...
+    @property
+    def total_coils(self) -> float: ...
+    @property
+    def free_coils(self) -> tuple[float, float]: ...
+    @property
+    def wire_diameter(self) -> Curve: ...
+    @property
+    def mean_diameter(self) -> Curve: ...
+    @property
+    def pitch(self) -> Curve: ...
+    @property
+    def material(self) -> Material: ...
+
+    def index(self, coil: ArrayLike) -> Array:
+        """Mean coil diameter over wire diameter."""
+
+    def coil_gap(self, coil: ArrayLike) -> Array:
+        """Free-state gap (m) to the wire one turn below."""
+
+
+def check_spring(spring: WireShape) -> None:
+    """Raise :class:`InputError` when ``spring`` is impossible."""
+    for part in ("wire_diameter", "mean_diameter", "pitch"):
+        given = getattr(spring, part)
+        if not isinstance(given, Curve):
+            raise InputError(
+                f"{part} of spring '{spring.name}' is no curve over the coil number; write Constant({given!r}) for one value"
+            )
+    if not isinstance(spring.material, Material):
+        raise InputError(
+            f"material of spring '{spring.name}' is no Material; give one, such as material_by_name('oteva 90 sc')"
+        )
+    if (
+        isinstance(spring.total_coils, str)
+        or not np.isfinite(spring.total_coils)
+        or spring.total_coils <= 0
+    ):
+        raise InputError(
+            f"spring '{spring.name}' has {spring.total_coils} turns; give a positive number of total_coils"
+        )
+    if spring.hand not in ("right", "left"):
+        raise InputError(
+            f"hand '{spring.hand}' of spring '{spring.name}' is unknown; use right or left"
+        )
+    first, last = spring.free_coils
+    if last - first < 0.5:
+        raise InputError(
+            f"spring '{spring.name}' has {spring.total_coils:g} turns of which {spring.total_coils - (last - first):g} are inactive; "
+            "at least half a turn must be free: add turns or hold less"
+        )
+    coil = np.linspace(0.0, spring.total_coils, max(64, int(64 * spring.total_coils)) + 1)
+    for law, label in (
+        (spring.wire_diameter, "wire diameter"),
+        (spring.mean_diameter, "mean coil diameter"),
+    ):
+        values = law.value(coil)
+        _refuse(~(values > 0), coil, spring, f"{label} is not positive; give a positive length")
+        _refuse(
+            values < LEAST_LENGTH,
+            coil,
+            spring,
+            f"{label} is less than a micrometre, which no wire is; check its unit",
+        )
+    _refuse(~np.isfinite(spring.pitch.value(coil)), coil, spring, "pitch is not a finite number")
+    _refuse(
+        spring.pitch.value(coil) < 0,
+        coil,
+        spring,
+        "pitch is negative, so the wire runs back through itself; make it positive",
+    )
+    beyond = np.linspace(-BEYOND_TIPS, spring.total_coils + BEYOND_TIPS, len(coil))
+    for law, label in (
+        (spring.wire_diameter, "wire diameter"),
+        (spring.mean_diameter, "mean coil diameter"),
+        (spring.pitch, "pitch"),
+    ):
+        bad = ~(np.isfinite(law.value(beyond)) & np.isfinite(law.derivative(beyond)))
+        remedy = f"let its curve go on {BEYOND_TIPS:g} turns past both tips, such as by np.clip of the coil number"
+        _refuse(bad, beyond, spring, f"{label} is not a finite number with a slope; {remedy}")
+    for law, quantity in (
+        (spring.wire_diameter, "wire_diameter"),
+        (spring.mean_diameter, "mean_diameter"),
+        (spring.pitch, "pitch"),
+    ):
+        # millimetres taken for metres are 0.2 m or more; smaller values meet the checks of the
+        # shape
+        if (largest := float(np.max(law.value(coil)))) >= 0.2:
+            si(largest, quantity, f"{quantity} of spring '{spring.name}'")
+    thick = spring.index(coil) <= 1.0
+    _refuse(
+        thick,
+        coil,
+        spring,
+        "mean coil diameter does not exceed the wire diameter (index at most 1); widen the coil",
+    )
+    _refuse_jumps(spring, coil)
+    gap = spring.coil_gap(coil)
+    _refuse(
+        gap < -OVERLAP_SLACK * spring.wire_diameter.value(coil),
+        coil,
+        spring,
+        "coil overlaps the one below it in the free state; raise the pitch or thin the wire",
+    )
+
+
+def refuse_lost_tip(name: str, kind: str, ground_coils: float, pitch: float, wire: float) -> None:
+    """Raise :class:`InputError` where grinding ``ground_coils`` turns at a constant ``pitch`` (m)
+    takes all of the tip's ``wire`` (m).
+    """
+    if ground_coils * pitch > wire * (1 + 1e-9):
+        raise InputError(
+            f"spring '{name}' has a constant pitch of {pitch * 1e3:.4g} mm, so grinding {ground_coils:g} turns of its {kind} end takes the "
+            f"whole tip of the {wire * 1e3:.4g} mm wire; wind the end closed (pitch_with_closed_ends, or a free length), or grind less"
+        )
+
+
+def _refuse(bad: np.ndarray, coil: np.ndarray, spring: WireShape, reason: str) -> None:
+    if np.any(bad):
+        raise InputError(
+            f"at coil {coil[np.argmax(bad)]:.2f} of spring '{spring.name}' the {reason}"
+        )
+
+
+def _refuse_jumps(spring: WireShape, coil: np.ndarray) -> None:
+    """A jump would kink the wire (pitch) or break it (diameters), smeared over one element by every
+    mesh.
+    """
+    fine = np.linspace(0.0, spring.total_coils, 4000 * int(np.ceil(spring.total_coils)) + 1)
+    wire = float(np.max(spring.wire_diameter.value(coil)))
+    pitch, wires, coils = (
+        law.value(fine) for law in (spring.pitch, spring.wire_diameter, spring.mean_diameter)
+    )
+    for values, scale, what in (
+        (pitch, max(wire, float(np.max(np.abs(pitch)))), "pitch jumps, which would kink the wire"),
+        (wires, wire, "wire diameter jumps, which no drawn wire does"),
+        (coils, wire, "mean coil diameter jumps, which would break the wire"),
+    ):
+        _refuse(
+            np.abs(np.diff(values, append=values[-1])) > 0.05 * scale,
+            fine,
+            spring,
+            f"{what}; ramp it over a quarter turn or more",
+        )
+
 
 EndKind = Literal["closed-ground", "closed", "open", "open-ground"]
 #: Kind -> inactive and ground turns where none are given.
@@ -28,9 +188,12 @@ _AS_USUAL = float("nan")
 class EndCoil:
     """How one end of the spring meets its seat.
 
-    ``inactive_coils``: turns of wire bonded to the seat (they move with it; the rod starts where they end).
-    ``ground_coils``: turns over which the wire is ground flat; the seat plane touches the full wire there. Left out, both follow from
-    the kind, as in a case file: 0.75 and 0.75 closed and ground, 0.75 and 0 closed, none open, 0.5 and 0.25 open and ground.
+    ``inactive_coils``: turns of wire bonded to the seat (they move with it; the rod starts where
+    they end).
+    ``ground_coils``: turns over which the wire is ground flat; the seat plane touches the full wire
+    there. Left out, both follow from
+    the kind, as in a case file: 0.75 and 0.75 closed and ground, 0.75 and 0 closed, none open, 0.5
+    and 0.25 open and ground.
     Raises :class:`InputError` for an unknown kind and turns outside 0 to 3.
 
     >>> EndCoil("open").inactive_coils
@@ -43,12 +206,18 @@ class EndCoil:
 
     def __post_init__(self) -> None:
         if self.kind not in _USUAL_TURNS:
-            raise InputError(f"end coil kind '{self.kind}' is unknown; use {', '.join(_USUAL_TURNS)}")
-        for name, turns in zip(("inactive_coils", "ground_coils"), _USUAL_TURNS[self.kind], strict=True):
+            raise InputError(
+                f"end coil kind '{self.kind}' is unknown; use {', '.join(_USUAL_TURNS)}"
+            )
+        for name, turns in zip(
+            ("inactive_coils", "ground_coils"), _USUAL_TURNS[self.kind], strict=True
+        ):
             if getattr(self, name) is _AS_USUAL:
                 object.__setattr__(self, name, turns)
         if not (0 <= self.inactive_coils <= 3 and 0 <= self.ground_coils <= 3):
-            raise InputError("inactive_coils and ground_coils of an end must lie between 0 and 3 turns")
+            raise InputError(
+                "inactive_coils and ground_coils of an end must lie between 0 and 3 turns"
+            )
 
 
 OPEN_END = EndCoil("open")
@@ -56,10 +225,13 @@ OPEN_END = EndCoil("open")
 
 @dataclass(frozen=True)
 class SpringDefinition:
-    """A coil spring: laws over the coil number ``u`` in [0, total_coils], counted from the lower wire tip.
+    """A coil spring: laws over the coil number ``u`` in [0, total_coils], counted from the lower
+    wire tip.
 
-    ``wire_diameter`` and ``mean_diameter`` in m, ``pitch`` = rise of the wire axis per turn dz/du in m; a length stands for a constant.
-    The pitch must be continuous (its slope may jump). Raises :class:`InputError` with the reason for a
+    ``wire_diameter`` and ``mean_diameter`` in m, ``pitch`` = rise of the wire axis per turn dz/du
+    in m; a length stands for a constant.
+    The pitch must be continuous (its slope may jump). Raises :class:`InputError` with the reason
+    for a
     spring that cannot exist.
 
     >>> import valvetrain as vt
@@ -82,14 +254,24 @@ class SpringDefinition:
     def __post_init__(self) -> None:
         for place in ("lower_end", "upper_end"):
             if not isinstance(getattr(self, place), EndCoil):
-                raise InputError(f"{place} of spring '{self.name}' is no EndCoil; write EndCoil('closed-ground') or another kind")
+                raise InputError(
+                    f"{place} of spring '{self.name}' is no EndCoil; write EndCoil('closed-ground') or another kind"
+                )
         for key in ("wire_diameter", "mean_diameter", "pitch"):
             if not isinstance(law := getattr(self, key), Curve):
-                object.__setattr__(self, key, Constant(si(law, key, f"{key} of spring '{self.name}'")))
+                object.__setattr__(
+                    self, key, Constant(si(law, key, f"{key} of spring '{self.name}'"))
+                )
         check_spring(self)
         for end, tip in ((self.lower_end, 0.0), (self.upper_end, self.total_coils)):
             if isinstance(self.pitch, Constant):
-                refuse_lost_tip(self.name, end.kind, end.ground_coils, self.pitch.level, float(self.wire_diameter.value(tip)))
+                refuse_lost_tip(
+                    self.name,
+                    end.kind,
+                    end.ground_coils,
+                    self.pitch.level,
+                    float(self.wire_diameter.value(tip)),
+                )
 
     def replace(self, **changes: Any) -> SpringDefinition:
         """A copy with the named fields changed."""
@@ -104,7 +286,10 @@ class SpringDefinition:
         coil = np.asarray(coil, dtype=float)
         radius, angle = self.mean_diameter.value(coil) / 2, 2 * np.pi * coil
         sign = 1.0 if self.hand == "right" else -1.0
-        return np.stack([radius * np.cos(angle), sign * radius * np.sin(angle), self.axial_position(coil)], axis=-1)
+        return np.stack(
+            [radius * np.cos(angle), sign * radius * np.sin(angle), self.axial_position(coil)],
+            axis=-1,
+        )
 
     def line_speed(self, coil: ArrayLike) -> Array:
         """Arc length per turn ds/du (m)."""
@@ -112,8 +297,15 @@ class SpringDefinition:
         radius, growth = self.mean_diameter.value(coil) / 2, self.mean_diameter.derivative(coil) / 2
         return np.sqrt((2 * np.pi * radius) ** 2 + growth**2 + self.pitch.value(coil) ** 2)
 
-    def integrate_along_wire(self, weight: Curve | None = None, power: int = 0, between: tuple[float, float] | None = None) -> float:
-        """Integral of ``weight(u)**power`` ds over the wire (or ``between`` two coil numbers), in SI units."""
+    def integrate_along_wire(
+        self,
+        weight: Curve | None = None,
+        power: int = 0,
+        between: tuple[float, float] | None = None,
+    ) -> float:
+        """Integral of ``weight(u)**power`` ds over the wire (or ``between`` two coil numbers), in
+        SI units.
+        """
         first, last = between or (0.0, self.total_coils)
         panels = max(4, int(np.ceil((last - first) * 16)))
         nodes, weights = np.polynomial.legendre.leggauss(4)
@@ -133,7 +325,9 @@ class SpringDefinition:
     @cached_property
     def mass(self) -> float:
         """Mass of the whole wire (kg), the ground-off part of the end coils included."""
-        return float(np.pi / 4 * self.material.density * self.integrate_along_wire(self.wire_diameter, 2))
+        return float(
+            np.pi / 4 * self.material.density * self.integrate_along_wire(self.wire_diameter, 2)
+        )
 
     @property
     def free_coils(self) -> tuple[float, float]:
@@ -166,7 +360,9 @@ class SpringDefinition:
         return self.mean_diameter.value(coil) + self.wire_diameter.value(coil)
 
     def coil_gap(self, coil: ArrayLike) -> Array:
-        """Free-state gap (m) between the wire at ``coil`` and one turn below; infinite where there is none."""
+        """Free-state gap (m) between the wire at ``coil`` and one turn below; infinite where there
+        is none.
+        """
         coil = np.asarray(coil, dtype=float)
         inside = (coil >= 1.0) & (coil <= self.total_coils)
         upper = np.clip(coil, 1.0, max(self.total_coils, 1.0))
@@ -176,7 +372,9 @@ class SpringDefinition:
         return np.where(inside, np.hypot(rise, shift) - wire, np.inf)
 
     def telescopes(self, coil: ArrayLike) -> NDArray[np.bool_]:
-        """Whether the wire at ``coil`` passes beside the wire one turn below, which then does not keep it off the seat."""
+        """Whether the wire at ``coil`` passes beside the wire one turn below, which then does not
+        keep it off the seat.
+        """
         coil = np.asarray(coil, dtype=float)
         inside = (coil >= 1.0) & (coil <= self.total_coils)
         upper = np.clip(coil, 1.0, max(self.total_coils, 1.0))
@@ -187,7 +385,9 @@ class SpringDefinition:
 
     @cached_property
     def lower_seat_height(self) -> float:
-        """Height z (m) of the lower seat plane: it touches the underside of the wire where grinding ends."""
+        """Height z (m) of the lower seat plane: it touches the underside of the wire where grinding
+        ends.
+        """
         end = self.lower_end.ground_coils
         return float(self.axial_position(end) - self.wire_diameter.value(end) / 2)
 
@@ -204,7 +404,9 @@ class SpringDefinition:
 
     @cached_property
     def solid_height(self) -> float:
-        """Length between the seat planes (m) when every coil lies on the one below (nested coils counted)."""
+        """Length between the seat planes (m) when every coil lies on the one below (nested coils
+        counted).
+        """
         coil = np.linspace(0.0, self.total_coils, 64 * int(np.ceil(self.total_coils)) + 1)
         height = self._solid_axis(coil)
         lower, upper = self.lower_end.ground_coils, self.total_coils - self.upper_end.ground_coils
@@ -217,7 +419,9 @@ class SpringDefinition:
         return self.free_length - self.solid_height
 
     def refuse_solid(self, compression: float) -> None:
-        """Raise :class:`InputError` for a compression (m from the free length) that is negative, no number or solid."""
+        """Raise :class:`InputError` for a compression (m from the free length) that is negative, no
+        number or solid.
+        """
         if not 0 <= compression < self.solid_compression:
             raise InputError(
                 f"spring '{self.name}' takes no precompression of {compression * 1e3:.4g} mm: it is free at 0 and solid at "
@@ -228,7 +432,9 @@ class SpringDefinition:
         """Rise per turn (m) of the wire axis where every coil lies on the one below, or beside it."""
         coil = np.asarray(coil, dtype=float)
         wire, (first, last) = self.wire_diameter.value(coil), (0.0, self.total_coils)
-        low, high = (self.mean_diameter.value(np.clip(coil + away, first, last)) / 2 for away in (-0.5, 0.5))
+        low, high = (
+            self.mean_diameter.value(np.clip(coil + away, first, last)) / 2 for away in (-0.5, 0.5)
+        )
         rise = np.sqrt(np.maximum(wire**2 - (high - low) ** 2, 0.0))
         found: Array = np.minimum(rise, np.maximum(self.pitch.value(coil), 0.0))
         return found

@@ -1,13 +1,18 @@
-"""Contacts of steel parts of usual size, for the places of a train that a case gives the word ``steel`` instead of a law.
+"""Contacts of steel parts of usual size, for the places of a train that a case gives the word
+``steel`` instead of a law.
 
 Elastic parts by Hertz, for bodies of equal material, 1/E* = 2 (1 - nu^2) / E:
 
-- line contact of length L (cam over its width, valve tip): F = K d^(10/9), K = E* L^(8/9) / 1.36^(10/9) (Palmgren 1959);
-- ball in a cup (both ends of a pushrod): F = K d^1.5, K = 4/3 E* sqrt(R), 1/R = 1/r_ball - 1/r_cup (Hertz; Johnson 1985, ch. 4);
+- line contact of length L (cam over its width, valve tip): F = K d^(10/9), K = E* L^(8/9) /
+  1.36^(10/9) (Palmgren 1959);
+- ball in a cup (both ends of a pushrod): F = K d^1.5, K = 4/3 E* sqrt(R), 1/R = 1/r_ball - 1/r_cup
+  (Hertz; Johnson 1985, ch. 4);
 - seat: the valve head bends like a simply supported plate under a load at its middle, F = K d,
-  K = 16 pi (1 + nu) D / ((3 + nu) a^2), D = E t^3 / (12 (1 - nu^2)) (Timoshenko and Woinowsky-Krieger 1959, art. 19).
+  K = 16 pi (1 + nu) D / ((3 + nu) a^2), D = E t^3 / (12 (1 - nu^2)) (Timoshenko and
+  Woinowsky-Krieger 1959, art. 19).
 
-All lose energy by Hunt and Crossley's law with the restitution of steel on steel at the reference velocity of contact tables.
+All lose energy by Hunt and Crossley's law with the restitution of steel on steel at the reference
+velocity of contact tables.
 """
 
 from __future__ import annotations
@@ -31,7 +36,8 @@ ORIGIN = "steel parts of usual size"
 
 
 def steel_contact(place: str, cam: CamParameters) -> ContactParameters:
-    """The contact at ``place`` (cam, tappet, rocker, valve_tip or seat) between steel parts; the cam tells width and elastic data.
+    """The contact at ``place`` (cam, tappet, rocker, valve_tip or seat) between steel parts; the
+    cam tells width and elastic data.
 
     Raises a located problem for a place of which no usual size is known.
     """
@@ -41,18 +47,31 @@ def steel_contact(place: str, cam: CamParameters) -> ContactParameters:
         length = cam.width if place == "cam" else TIP_LENGTH
         stiffness, exponent = reduced * length ** (8 / 9) / 1.36 ** (10 / 9), 10 / 9
     elif place in ("tappet", "rocker"):
-        stiffness, exponent = 4 / 3 * reduced * math.sqrt(1 / (1 / BALL_RADIUS - 1 / CUP_RADIUS)), 1.5
+        stiffness, exponent = (
+            4 / 3 * reduced * math.sqrt(1 / (1 / BALL_RADIUS - 1 / CUP_RADIUS)),
+            1.5,
+        )
     elif place == "seat":
         bending = young * HEAD_THICKNESS**3 / (12 * (1 - poisson**2))
-        stiffness, exponent = 16 * math.pi * (1 + poisson) * bending / ((3 + poisson) * HEAD_RADIUS**2), 1.0
+        stiffness, exponent = (
+            16 * math.pi * (1 + poisson) * bending / ((3 + poisson) * HEAD_RADIUS**2),
+            1.0,
+        )
     else:
-        raise problem(f"no usual contact of steel parts is known at '{place}'; give its law and values", (place,))
+        raise problem(
+            f"no usual contact of steel parts is known at '{place}'; give its law and values",
+            (place,),
+        )
     values = {"contact_stiffness": stiffness, "exponent": exponent, "restitution": RESTITUTION}
     return ContactParameters("hunt-crossley", values, origin=ORIGIN)
 
 
-def with_steel(contacts: Mapping[str, ContactParameters], kind: str, cam: CamParameters) -> dict[str, ContactParameters]:
-    """``contacts`` by place with values for the word ``steel``; under '' it stands for the places of the train ``kind`` not named."""
+def with_steel(
+    contacts: Mapping[str, ContactParameters], kind: str, cam: CamParameters
+) -> dict[str, ContactParameters]:
+    """``contacts`` by place with values for the word ``steel``; under '' it stands for the places
+    of the train ``kind`` not named.
+    """
     every = {place: contact for place, contact in contacts.items() if place}
     if "" in contacts:
         places: tuple[str, ...] = guarded(registry.find, "mechanisms", kind, path=()).places
@@ -64,12 +83,20 @@ def _valued(place: str, contact: ContactParameters, cam: CamParameters) -> Conta
     if contact.law != STEEL:
         return contact
     made = steel_contact(place, cam)
-    return replace(made, friction_coefficient=contact.friction_coefficient, friction_velocity=contact.friction_velocity)
+    return replace(
+        made,
+        friction_coefficient=contact.friction_coefficient,
+        friction_velocity=contact.friction_velocity,
+    )
 
 
 def usual_contacts(contacts: Mapping[str, ContactParameters]) -> str:
-    """One sentence on the contacts whose values are usual ones and not the case's; empty where there are none."""
-    places = [place.replace("_", " ") for place, contact in contacts.items() if contact.origin == ORIGIN]
+    """One sentence on the contacts whose values are usual ones and not the case's; empty where
+    there are none.
+    """
+    places = [
+        place.replace("_", " ") for place, contact in contacts.items() if contact.origin == ORIGIN
+    ]
     if not places:
         return ""
     listed = f"{', '.join(places[:-1])} and {places[-1]}" if len(places) > 1 else places[0]

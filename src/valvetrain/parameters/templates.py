@@ -15,7 +15,8 @@ KINDS = {
 
 
 def template_text(kind: str) -> str:
-    """The commented case of ``kind`` (a word of :data:`KINDS`), ``NAME.toml`` standing for its file.
+    """The commented case of ``kind`` (a word of :data:`KINDS`), ``NAME.toml`` standing for its
+    file.
 
     Raises :class:`InputError` for an unknown kind.
 
@@ -25,5 +26,8 @@ def template_text(kind: str) -> str:
     if kind not in KINDS:
         from valvetrain.parameters.changes import nearest
 
-        raise InputError(f"there is no template of the kind '{kind[:40]}'; {nearest(kind, tuple(KINDS))}", "--kind")
+        raise InputError(
+            f"there is no template of the kind '{kind[:40]}'; {nearest(kind, tuple(KINDS))}",
+            "--kind",
+        )
     return (TEMPLATES / f"{kind}.toml").read_text(encoding="utf-8")

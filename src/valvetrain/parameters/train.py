@@ -1,4 +1,6 @@
-"""A whole valvetrain in numbers: frozen, SI, no model inside. Plane of motion x-y, cam centre at the origin."""
+"""A whole valvetrain in numbers: frozen, SI, no model inside. Plane of motion x-y, cam centre at
+the origin.
+"""
 
 from __future__ import annotations
 
@@ -18,11 +20,15 @@ FollowerShape = Literal["flat", "domed", "roller", "knife"]
 
 @dataclass(frozen=True, slots=True)
 class ContactParameters:
-    """A contact law by its name and numbers (SI); ``values`` are keyword arguments of laws in `valvetrain.contact`.
+    """A contact law by its name and numbers (SI); ``values`` are keyword arguments of laws in
+    `valvetrain.contact`.
 
-    ``friction_coefficient`` (0: none) of regularised Coulomb friction, which creeps below ``friction_velocity`` (m/s).
-    ``stiffness_exponent`` n of the N/m**n and ``damping_unit`` (``N s/m`` or ``s/m``) in which the values are given, so that another law
-    can be named over them; None and empty: the units of the law named. ``origin``: where values come from that the case does not give.
+    ``friction_coefficient`` (0: none) of regularised Coulomb friction, which creeps below
+    ``friction_velocity`` (m/s).
+    ``stiffness_exponent`` n of the N/m**n and ``damping_unit`` (``N s/m`` or ``s/m``) in which the
+    values are given, so that another law
+    can be named over them; None and empty: the units of the law named. ``origin``: where values
+    come from that the case does not give.
     """
 
     law: str = "linear"
@@ -47,7 +53,9 @@ class ContactParameters:
 
 @dataclass(frozen=True, slots=True)
 class CamParameters:
-    """``base_radius`` and face ``width`` (m); ``rotation`` +1 counter-clockwise, -1 clockwise; elastic data for Hertz pressure (Pa)."""
+    """``base_radius`` and face ``width`` (m); ``rotation`` +1 counter-clockwise, -1 clockwise;
+    elastic data for Hertz pressure (Pa).
+    """
 
     base_radius: float
     width: float = 0.012
@@ -65,7 +73,8 @@ class CamParameters:
 class FollowerParameters:
     """What touches the cam: ``shape`` with its arc ``radius`` (m; 0 for flat and knife).
 
-    ``mass`` (kg) of a sliding follower (tappet). ``offset`` (m): distance of its axis from the cam centre. ``tilt`` (rad): lean of a flat
+    ``mass`` (kg) of a sliding follower (tappet). ``offset`` (m): distance of its axis from the cam
+    centre. ``tilt`` (rad): lean of a flat
     face. ``friction`` (N) and ``damping`` (N s/m) act in its guide.
     """
 
@@ -79,9 +88,13 @@ class FollowerParameters:
 
     def __post_init__(self) -> None:
         if self.shape not in ("flat", "domed", "roller", "knife"):
-            raise InputError(f"follower shape '{self.shape}' is unknown; use flat, domed, roller or knife")
+            raise InputError(
+                f"follower shape '{self.shape}' is unknown; use flat, domed, roller or knife"
+            )
         if self.shape in ("domed", "roller") and not self.radius > 0:
-            raise InputError(f"a {self.shape} follower needs a positive radius; it is {self.radius:g} m")
+            raise InputError(
+                f"a {self.shape} follower needs a positive radius; it is {self.radius:g} m"
+            )
         if self.shape in ("flat", "knife") and self.radius != 0:
             raise InputError(f"a {self.shape} follower has no radius; remove it or use a domed one")
         if not abs(self.tilt) < math.radians(30):
@@ -93,11 +106,16 @@ class FollowerParameters:
 class LeverParameters:
     """A finger follower or rocker turning about ``pivot`` (x, y in m from the cam centre).
 
-    ``drive_arm`` (m): pivot to the centre of the cam pad's arc, or to the pushrod ball. ``drive_angle`` (rad): its polar direction when
-    the valve is closed; None lets the base circle decide (cam-driven levers), ``drive_side`` +1 or -1 then picks one of the two
-    solutions. ``valve_arm``, ``valve_angle``: pivot to the centre of the tip's arc. ``inertia`` (kg m2) about the pivot; ``mass`` (kg)
-    that moves with the support. ``stiffness`` (N/m) at the valve tip, None for rigid; ``damping`` (N s/m) likewise. ``holding_torque``
-    (N m) of a hairpin spring presses the lever towards the cam or pushrod, so that it does not float in the lash. ``tip_radius`` (m) of
+    ``drive_arm`` (m): pivot to the centre of the cam pad's arc, or to the pushrod ball.
+    ``drive_angle`` (rad): its polar direction when
+    the valve is closed; None lets the base circle decide (cam-driven levers), ``drive_side`` +1 or
+    -1 then picks one of the two
+    solutions. ``valve_arm``, ``valve_angle``: pivot to the centre of the tip's arc. ``inertia`` (kg
+    m2) about the pivot; ``mass`` (kg)
+    that moves with the support. ``stiffness`` (N/m) at the valve tip, None for rigid; ``damping``
+    (N s/m) likewise. ``holding_torque``
+    (N m) of a hairpin spring presses the lever towards the cam or pushrod, so that it does not
+    float in the lash. ``tip_radius`` (m) of
     the arc that touches the stem; only friction there asks for it.
     """
 
@@ -123,7 +141,9 @@ class LeverParameters:
 
 @dataclass(frozen=True, slots=True)
 class PushrodParameters:
-    """``mass`` (kg); ``stiffness`` (N/m) of the bar, None for rigid; ``lower_end`` (x, y in m): its ball in the tappet at zero lift."""
+    """``mass`` (kg); ``stiffness`` (N/m) of the bar, None for rigid; ``lower_end`` (x, y in m): its
+    ball in the tappet at zero lift.
+    """
 
     mass: float
     lower_end: tuple[float, float]
@@ -139,7 +159,8 @@ class PushrodParameters:
 
 @dataclass(frozen=True, slots=True)
 class SupportParameters:
-    """Elastic pivot or rocker shaft: ``stiffness`` (N/m) and ``damping`` (N s/m) along ``direction`` (polar angle, rad), moving ``mass``
+    """Elastic pivot or rocker shaft: ``stiffness`` (N/m) and ``damping`` (N s/m) along
+    ``direction`` (polar angle, rad), moving ``mass``
     (kg)."""
 
     stiffness: float
@@ -154,9 +175,11 @@ class SupportParameters:
 
 @dataclass(frozen=True, slots=True)
 class ValveParameters:
-    """``mass`` (kg) of valve, retainer and keepers; ``opening_direction`` polar angle (rad) of the opening motion.
+    """``mass`` (kg) of valve, retainer and keepers; ``opening_direction`` polar angle (rad) of the
+    opening motion.
 
-    ``stem_stiffness`` (N/m), None for rigid, joins the head (``head_fraction`` of the mass) to the tip; ``damping`` (N s/m) and
+    ``stem_stiffness`` (N/m), None for rigid, joins the head (``head_fraction`` of the mass) to the
+    tip; ``damping`` (N s/m) and
     ``friction`` (N) act in the guide.
     """
 
@@ -172,14 +195,18 @@ class ValveParameters:
         _positive(self, "valve", "mass")
         _not_negative(self, "valve", "stem_damping", "damping", "friction")
         if not 0 < self.head_fraction < 1:
-            raise InputError(f"head_fraction of the valve must lie between 0 and 1; it is {self.head_fraction:g}")
+            raise InputError(
+                f"head_fraction of the valve must lie between 0 and 1; it is {self.head_fraction:g}"
+            )
         if self.stem_stiffness is not None:
             _positive(self, "valve", "stem_stiffness")
 
 
 @dataclass(frozen=True, slots=True)
 class GasLoad:
-    """Force (N, opening positive) on the valve over the cam angle (rad), joined by monotone curves and periodic in one cam turn."""
+    """Force (N, opening positive) on the valve over the cam angle (rad), joined by monotone curves
+    and periodic in one cam turn.
+    """
 
     cam_angles: tuple[float, ...]
     forces: tuple[float, ...]
@@ -188,17 +215,23 @@ class GasLoad:
         if len(self.cam_angles) != len(self.forces) or len(self.forces) < 3:
             raise InputError("a gas load needs at least three cam angles and as many forces")
         if any(b <= a for a, b in zip(self.cam_angles, self.cam_angles[1:], strict=False)):
-            raise InputError("the cam angles of a gas load must increase; sort them and remove repeats")
+            raise InputError(
+                "the cam angles of a gas load must increase; sort them and remove repeats"
+            )
         if self.cam_angles[-1] - self.cam_angles[0] >= 2 * math.pi:
-            raise InputError("a gas load spans less than one cam turn; drop the repeated last point")
+            raise InputError(
+                "a gas load spans less than one cam turn; drop the repeated last point"
+            )
 
 
 @dataclass(frozen=True, slots=True)
 class CrankParameters:
-    """Crank slider on the 2:1 drive: ``radius`` (m, half the stroke), ``rod_length`` (m), ``top_dead_centre`` cam angle (rad) of gas
+    """Crank slider on the 2:1 drive: ``radius`` (m, half the stroke), ``rod_length`` (m),
+    ``top_dead_centre`` cam angle (rad) of gas
     exchange.
 
-    ``clearance`` (m): piston crown to the closed valve along the cylinder at top dead centre; ``valve_inclination`` (rad) of the valve
+    ``clearance`` (m): piston crown to the closed valve along the cylinder at top dead centre;
+    ``valve_inclination`` (rad) of the valve
     axis to the cylinder axis.
     """
 
@@ -212,15 +245,19 @@ class CrankParameters:
     def __post_init__(self) -> None:
         _positive(self, "crank", "radius", "rod_length", "clearance")
         if self.rod_length <= self.radius + abs(self.offset):
-            raise InputError("the connecting rod must be longer than crank radius plus offset, or the crank cannot turn")
+            raise InputError(
+                "the connecting rod must be longer than crank radius plus offset, or the crank cannot turn"
+            )
 
 
 @dataclass(frozen=True, slots=True)
 class TrainVariant:
     """One of the runs that a case asks for: what differs from the train itself.
 
-    ``spring_set`` and ``spring_model``: words, empty for the train's own. ``lash`` (m), ``valve_damping`` (N s/m, a damper on the valve),
-    ``without_preload``: springs at rest with the valve closed, as one source computed them. ``note`` is printed beside the results.
+    ``spring_set`` and ``spring_model``: words, empty for the train's own. ``lash`` (m),
+    ``valve_damping`` (N s/m, a damper on the valve),
+    ``without_preload``: springs at rest with the valve closed, as one source computed them.
+    ``note`` is printed beside the results.
     """
 
     label: str
@@ -241,7 +278,9 @@ class TrainVariant:
         if self.lash is not None:
             changes["lash"] = self.lash
         if self.valve_damping is not None:
-            changes["valve"] = replace(train.valve, damping=train.valve.damping + self.valve_damping)
+            changes["valve"] = replace(
+                train.valve, damping=train.valve.damping + self.valve_damping
+            )
         changed = train.replace(**changes)
         if self.without_preload:
             chosen = changed.spring_set or next(iter(changed.springs))
@@ -252,13 +291,18 @@ class TrainVariant:
 
 @dataclass(frozen=True)
 class TrainParameters:
-    """One valvetrain. ``kind``: a word of the registry. ``model``: planar rigid bodies with the true cam profile, lumped masses with
+    """One valvetrain. ``kind``: a word of the registry. ``model``: planar rigid bodies with the
+    true cam profile, lumped masses with
     constant ratios, or a single mass.
 
-    ``contacts``: law per place: ``cam``, ``valve_tip``, ``seat``, and for pushrods ``tappet`` and ``rocker``. ``springs``: sets of
-    springs by name, each a tuple of one or two :class:`InstalledSpring` (outer first); ``spring_set`` is the one in use and
-    ``spring_model`` the word for its fidelity. ``rubbing``: friction between nested springs. ``variants``: the runs a case asks for
-    (none: one run as it stands). ``gravity``: vector (m/s2). ``cycles``: most cam turns run until the motion repeats; None for the
+    ``contacts``: law per place: ``cam``, ``valve_tip``, ``seat``, and for pushrods ``tappet`` and
+    ``rocker``. ``springs``: sets of
+    springs by name, each a tuple of one or two :class:`InstalledSpring` (outer first);
+    ``spring_set`` is the one in use and
+    ``spring_model`` the word for its fidelity. ``rubbing``: friction between nested springs.
+    ``variants``: the runs a case asks for
+    (none: one run as it stands). ``gravity``: vector (m/s2). ``cycles``: most cam turns run until
+    the motion repeats; None for the
     usual number.
     """
 
@@ -287,13 +331,19 @@ class TrainParameters:
             object.__setattr__(self, name, FrozenMapping(getattr(self, name)))
         check_kind(self.kind)
         if self.model not in ("planar", "lumped", "single-mass"):
-            raise InputError(f"train model '{self.model}' is unknown; use planar, lumped or single-mass")
+            raise InputError(
+                f"train model '{self.model}' is unknown; use planar, lumped or single-mass"
+            )
         if self.cycles is not None and not 1 <= self.cycles <= 10_000:
-            raise InputError(f"cycles of the train must be a whole number from 1 to 10000; it is {self.cycles}")
+            raise InputError(
+                f"cycles of the train must be a whole number from 1 to 10000; it is {self.cycles}"
+            )
         if self.lash < 0:
             raise InputError(f"the lash must be zero or positive; it is {self.lash * 1e3:g} mm")
         if self.spring_set and self.spring_set not in self.springs:
-            raise InputError(f"spring set '{self.spring_set}' is unknown; the case holds {', '.join(self.springs) or 'none'}")
+            raise InputError(
+                f"spring set '{self.spring_set}' is unknown; the case holds {', '.join(self.springs) or 'none'}"
+            )
 
     def replace(self, **changes: Any) -> TrainParameters:
         """A copy with the named fields changed."""
@@ -302,7 +352,9 @@ class TrainParameters:
     def contact(self, place: str) -> ContactParameters:
         """The law at one place. Raises :class:`InputError` when the case gives none."""
         if place not in self.contacts:
-            raise InputError(f"the train has no contact law for '{place}'; it has {', '.join(self.contacts)}")
+            raise InputError(
+                f"the train has no contact law for '{place}'; it has {', '.join(self.contacts)}"
+            )
         found: ContactParameters = self.contacts[place]
         return found
 
@@ -310,15 +362,21 @@ class TrainParameters:
         """The springs of one spring set (the one in use by default), outer first."""
         chosen = name or self.spring_set or next(iter(self.springs), "")
         if chosen not in self.springs:
-            raise InputError(f"spring set '{chosen}' is unknown; the case holds {', '.join(self.springs) or 'none'}")
+            raise InputError(
+                f"spring set '{chosen}' is unknown; the case holds {', '.join(self.springs) or 'none'}"
+            )
         return tuple(self.springs[chosen])
 
 
 def check_kind(kind: str) -> None:
-    """Raise :class:`InputError` unless ``kind`` is a registered train kind; what the kind needs is checked where it is built."""
+    """Raise :class:`InputError` unless ``kind`` is a registered train kind; what the kind needs is
+    checked where it is built.
+    """
     known = words("mechanisms")
     if kind not in known:
-        raise InputError(f"train kind '{kind}' is unknown; use {', '.join(known[:-1])} or {known[-1]}")
+        raise InputError(
+            f"train kind '{kind}' is unknown; use {', '.join(known[:-1])} or {known[-1]}"
+        )
 
 
 def _positive(item: Any, noun: str, *names: str) -> None:

@@ -10,7 +10,9 @@ from valvetrain.parameters.train_schema import TrainModel
 
 
 def with_cam_card(train: TrainModel, law: LiftModel | None) -> TrainModel:
-    """``train`` with the ``lash`` and ``rocker_ratio`` of its lift law where it tells none; refuses others with the law's own place."""
+    """``train`` with the ``lash`` and ``rocker_ratio`` of its lift law where it tells none; refuses
+    others with the law's own place.
+    """
     changes: dict[str, Any] = {}
     lash, ratio = getattr(law, "lash", None), getattr(law, "rocker_ratio", None)
     if lash is not None:
@@ -26,7 +28,11 @@ def with_cam_card(train: TrainModel, law: LiftModel | None) -> TrainModel:
         if lever.ratio is None and lever.valve_arm is None:
             changes["lever"] = lever.model_copy(update={"ratio": ratio})
         else:
-            own = lever.ratio if lever.ratio is not None else (lever.valve_arm or 0.0) / lever.drive_arm
+            own = (
+                lever.ratio
+                if lever.ratio is not None
+                else (lever.valve_arm or 0.0) / lever.drive_arm
+            )
             if abs(own / ratio - 1) > 0.02:
                 raise problem(
                     f"rocker_ratio is {ratio:g} here, but the lever's arms make {own:.4g}; correct one, or leave valve_arm out",

@@ -1,28 +1,34 @@
-"""The [train] table of a case file: one model per part, in SI from there on, :class:`TrainParameters` out."""
+"""The [train] table of a case file: one model per part, in SI from there on,
+:class:`TrainParameters` out.
+"""
 
 from __future__ import annotations
 
 import math
-from typing import Literal
+from typing import Annotated, Literal
 
 from pydantic import Field
 
 from valvetrain.parameters.schema_contact import ContactsField
 from valvetrain.parameters.schema_installed import RubbingModel, SpringField
-from valvetrain.parameters.schema_names import Name, Prose
 from valvetrain.parameters.schema_types import (
+    LARGEST_MASS,
     Angle,
     Angles,
     Length,
     Mass,
     Modulus,
+    Name,
     PositiveLength,
+    Prose,
     Ratio,
     Stiffness,
     StrictModel,
     guarded,
     placed,
     problem,
+    quantities,
+    quantity,
 )
 from valvetrain.parameters.steel_contacts import with_steel
 from valvetrain.parameters.train import (
@@ -38,12 +44,28 @@ from valvetrain.parameters.train import (
     ValveParameters,
     check_kind,
 )
-from valvetrain.parameters.train_units import Damping, Forces, Friction, Gravity, Inertia, LeverRatio, NotNegativeMass, Pair, Torque
+
+#: Moments of inertia (kg m2) beyond this are slips, as masses beyond theirs.
+LARGEST_INERTIA = 1e2
+Damping = Annotated[float, quantity("damping", low=0.0)]
+Inertia = Annotated[
+    float, quantity("moment of inertia", low=0.0, high=LARGEST_INERTIA, open_low=True)
+]
+NotNegativeMass = Annotated[float, quantity("mass", low=0.0, high=LARGEST_MASS)]
+Friction = Annotated[float, quantity("force", low=0.0)]
+Torque = Annotated[float, quantity("moment", low=0.0)]
+LeverRatio = Annotated[float, quantity("ratio", low=0.1, high=10.0)]
+Pair = Annotated[tuple[float, ...], quantities("length")]
+Gravity = Annotated[tuple[float, ...], quantities("acceleration")]
+Forces = Annotated[tuple[float, ...], quantities("force")]
 
 
 def _pair(numbers: tuple[float, ...], key: str) -> tuple[float, float]:
     if len(numbers) != 2:
-        raise problem(f"{key} is a point in the plane of motion, two lengths (x, y) from the cam centre; it has {len(numbers)}", (key,))
+        raise problem(
+            f"{key} is a point in the plane of motion, two lengths (x, y) from the cam centre; it has {len(numbers)}",
+            (key,),
+        )
     return numbers[0], numbers[1]
 
 
@@ -64,7 +86,9 @@ class CamModel(StrictModel):
 class FollowerModel(StrictModel):
     """The [train.follower] table."""
 
-    shape: Literal["flat", "domed", "roller", "knife"] = Field(default="flat", description="what touches the cam")
+    shape: Literal["flat", "domed", "roller", "knife"] = Field(
+        default="flat", description="what touches the cam"
+    )
     radius: Length = Field(default=0.0, description="of its arc; none of a flat or knife")
     mass: NotNegativeMass = Field(default=0.0, description="of a sliding follower")
     offset: Length = Field(default=0.0, description="of its axis from the cam centre")
@@ -82,16 +106,32 @@ class LeverModel(StrictModel):
 
     pivot: Pair
     drive_arm: PositiveLength
-    valve_arm: PositiveLength | None = Field(default=None, description="without it drive_arm times ratio")
-    ratio: LeverRatio | None = Field(default=None, description="valve_arm over drive_arm, as cards give it; without it from valve_arm")
+    valve_arm: PositiveLength | None = Field(
+        default=None, description="without it drive_arm times ratio"
+    )
+    ratio: LeverRatio | None = Field(
+        default=None,
+        description="valve_arm over drive_arm, as cards give it; without it from valve_arm",
+    )
     inertia: Inertia
-    valve_angle: Angle = Field(default=0.0, description="polar direction from the pivot to the tip, valve closed")
-    drive_angle: Angle | None = Field(default=None, description="polar direction of the drive end; without it the base circle decides")
-    drive_side: Literal[1, -1] = Field(default=1, description="which of the two positions on the base circle")
+    valve_angle: Angle = Field(
+        default=0.0, description="polar direction from the pivot to the tip, valve closed"
+    )
+    drive_angle: Angle | None = Field(
+        default=None,
+        description="polar direction of the drive end; without it the base circle decides",
+    )
+    drive_side: Literal[1, -1] = Field(
+        default=1, description="which of the two positions on the base circle"
+    )
     mass: NotNegativeMass = Field(default=0.0, description="that moves with the support")
-    stiffness: Stiffness | None = Field(default=None, description="at the valve tip; without it rigid")
+    stiffness: Stiffness | None = Field(
+        default=None, description="at the valve tip; without it rigid"
+    )
     damping: Damping = Field(default=0.0, description="at the valve tip")
-    holding_torque: Torque = Field(default=0.0, description="that presses the lever towards its drive")
+    holding_torque: Torque = Field(
+        default=0.0, description="that presses the lever towards its drive"
+    )
     tip_radius: Length = Field(default=0.0, description="of the arc on the stem, for friction")
 
     def build(self) -> LeverParameters:
@@ -99,10 +139,16 @@ class LeverModel(StrictModel):
         own = self.model_dump() | {"pivot": _pair(self.pivot, "pivot")}
         ratio, arm = own.pop("ratio"), self.valve_arm
         if arm is None and ratio is None:
-            raise problem("the lever needs valve_arm, or ratio (valve_arm over drive_arm); add one", ("valve_arm",))
+            raise problem(
+                "the lever needs valve_arm, or ratio (valve_arm over drive_arm); add one",
+                ("valve_arm",),
+            )
         if arm is not None and ratio is not None and abs(arm / self.drive_arm / ratio - 1) > 0.005:
             made = arm / self.drive_arm
-            raise problem(f"ratio {ratio:g} contradicts the arms, whose ratio is {made:.4g}; drop one of the three", ("ratio",))
+            raise problem(
+                f"ratio {ratio:g} contradicts the arms, whose ratio is {made:.4g}; drop one of the three",
+                ("ratio",),
+            )
         own["valve_arm"] = self.drive_arm * ratio if arm is None else arm
         return LeverParameters(**own)
 
@@ -117,7 +163,9 @@ class PushrodModel(StrictModel):
 
     def build(self) -> PushrodParameters:
         """The pushrod of this table."""
-        return PushrodParameters(**(self.model_dump() | {"lower_end": _pair(self.lower_end, "lower_end")}))
+        return PushrodParameters(
+            **(self.model_dump() | {"lower_end": _pair(self.lower_end, "lower_end")})
+        )
 
 
 class SupportModel(StrictModel):
@@ -137,9 +185,13 @@ class ValveModel(StrictModel):
     """The [train.valve] table."""
 
     mass: Mass
-    opening_direction: Angle = Field(default=-math.pi / 2, description="polar angle of the opening motion")
+    opening_direction: Angle = Field(
+        default=-math.pi / 2, description="polar angle of the opening motion"
+    )
     head_fraction: Ratio = Field(default=0.5, description="share of the mass below an elastic stem")
-    stem_stiffness: Stiffness | None = Field(default=None, description="of the stem; without it rigid")
+    stem_stiffness: Stiffness | None = Field(
+        default=None, description="of the stem; without it rigid"
+    )
     stem_damping: Damping = Field(default=0.0, description="of the stem")
     damping: Damping = Field(default=0.0, description="in the guide")
     friction: Friction = Field(default=0.0, description="in the guide")
@@ -183,7 +235,9 @@ class VariantModel(StrictModel):
     spring_model: str = Field(default="", description="without it the train's own")
     lash: Length | None = Field(default=None, description="without it the train's own")
     valve_damping: Damping | None = Field(default=None, description="added to the valve's own")
-    without_preload: bool = Field(default=False, description="springs at rest with the valve closed")
+    without_preload: bool = Field(
+        default=False, description="springs at rest with the valve closed"
+    )
     note: Prose = Field(default="", description="printed beside the results")
 
     def build(self) -> TrainVariant:
@@ -195,7 +249,9 @@ class TrainModel(StrictModel):
     """The whole [train] table."""
 
     kind: str
-    model: Literal["planar", "lumped", "single-mass"] = Field(default="planar", description="planar bodies, ratios or one mass")
+    model: Literal["planar", "lumped", "single-mass"] = Field(
+        default="planar", description="planar bodies, ratios or one mass"
+    )
     cam: CamModel
     follower: FollowerModel = FollowerModel()
     valve: ValveModel
@@ -212,7 +268,9 @@ class TrainModel(StrictModel):
     lash: Length = Field(default=0.0, description="play at the valve")
     gravity: Gravity = Field(default=(0.0, -9.80665), description="vector in the plane of motion")
     variants: list[VariantModel] = []  # noqa: RUF012 (pydantic copies it)
-    cycles: int | None = Field(default=None, description="most cam turns run: 60, in sweeps 30, with finite elements 3")
+    cycles: int | None = Field(
+        default=None, description="most cam turns run: 60, in sweeps 30, with finite elements 3"
+    )
 
     def build(self) -> TrainParameters:
         """The frozen parameters; raises a located problem."""
@@ -223,12 +281,22 @@ class TrainModel(StrictModel):
             if (part := getattr(self, name)) is not None
         }
         if len(self.gravity) != 2:
-            raise problem("gravity is a vector in the plane of motion, two accelerations", ("gravity",))
+            raise problem(
+                "gravity is a vector in the plane of motion, two accelerations", ("gravity",)
+            )
         names = ("kind", "model", "spring_set", "spring_model", "lash", "gravity", "cycles")
         plain = {name: getattr(self, name) for name in names} | {"rubbing": self.rubbing.build()}
-        if self.rubbing.model_fields_set and all(len(blocks.blocks) < 2 for blocks in self.springs.values()):
-            raise problem("rubbing acts between two nested springs, and no set has two; remove it", ("rubbing",))
-        springs = {name: placed(("springs", name), blocks.build, "spring") for name, blocks in self.springs.items()}
+        if self.rubbing.model_fields_set and all(
+            len(blocks.blocks) < 2 for blocks in self.springs.values()
+        ):
+            raise problem(
+                "rubbing acts between two nested springs, and no set has two; remove it",
+                ("rubbing",),
+            )
+        springs = {
+            name: placed(("springs", name), blocks.build, "spring")
+            for name, blocks in self.springs.items()
+        }
         variants = tuple(variant.build() for variant in self.variants)
         for place, variant in enumerate(variants):
             if variant.spring_set and variant.spring_set not in self.springs:
@@ -237,7 +305,11 @@ class TrainModel(StrictModel):
                     ("variants", place, "spring_set"),
                 )
         contacts = placed("contacts", with_steel, self.contacts, self.kind, parts["cam"])
-        built: TrainParameters = guarded(lambda: TrainParameters(contacts=contacts, springs=springs, variants=variants, **parts, **plain))
+        built: TrainParameters = guarded(
+            lambda: TrainParameters(
+                contacts=contacts, springs=springs, variants=variants, **parts, **plain
+            )
+        )
         return built
 
 

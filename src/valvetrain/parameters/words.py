@@ -31,7 +31,11 @@ _UNITS = {
 }  # fmt: skip
 
 #: Last word of a key path -> dimension, where its unit measures several.
-_DIMENSIONS = {"youngs_modulus": "modulus", "shear_modulus": "modulus", "mass_damping": "damping rate"}
+_DIMENSIONS = {
+    "youngs_modulus": "modulus",
+    "shear_modulus": "modulus",
+    "mass_damping": "damping rate",
+}
 
 
 #: Dimension of a lift law's number -> unit shown.
@@ -58,7 +62,14 @@ def _lift_dimensions() -> Mapping[str, str]:
     found: dict[str, str] = {}
     for word in registry.words("lifts"):
         for name, one in registry.find("lifts", word).table.model_fields.items():
-            kinds = (*one.metadata, *(note for part in get_args(one.annotation) for note in getattr(part, "__metadata__", ())))
+            kinds = (
+                *one.metadata,
+                *(
+                    note
+                    for part in get_args(one.annotation)
+                    for note in getattr(part, "__metadata__", ())
+                ),
+            )
             for kind in kinds:
                 if isinstance(kind, Quantity) and kind.dimension:
                     found[name] = kind.dimension
@@ -66,14 +77,19 @@ def _lift_dimensions() -> Mapping[str, str]:
 
 
 def si_at(path: str, value: Any) -> Any:
-    """A value for a key path as given, text with a unit or a pint quantity made SI; others, and those their part reads itself, as they are.
+    """A value for a key path as given, text with a unit or a pint quantity made SI; others, and
+    those their part reads itself, as they are.
 
     Raises :class:`valvetrain.errors.InputError` for a wrong or missing unit.
     """
     keys = path.split(".")
     unit = _unit_at(keys) or "turns"
     # speeds are read by Operation, a contact's numbers by their law
-    if unit in ("turns", "rpm") or "contacts" in keys or not (isinstance(value, str) or hasattr(value, "to_base_units")):
+    if (
+        unit in ("turns", "rpm")
+        or "contacts" in keys
+        or not (isinstance(value, str) or hasattr(value, "to_base_units"))
+    ):
         return value
     dimension = dimension_of(unit)
     assert dimension is not None
@@ -83,7 +99,9 @@ def si_at(path: str, value: Any) -> Any:
 
 
 def words_at(holder: Any, path: str) -> str:
-    """The value at a key path below ``holder`` in words; empty where it is kept in another form than the file's."""
+    """The value at a key path below ``holder`` in words; empty where it is kept in another form
+    than the file's.
+    """
     item, keys = holder, path.split(".")
     for key in keys:
         item = _part(item, key)
@@ -107,7 +125,9 @@ def _part(item: Any, key: str) -> Any:
 
 
 def value_words(item: Any, key: str, unit: str = "") -> str:
-    """One value as text: numbers and curves in ``unit``, by default the one its key is shown in, others in short words."""
+    """One value as text: numbers and curves in ``unit``, by default the one its key is shown in,
+    others in short words.
+    """
     unit = unit or _UNITS.get(key, "")
     if isinstance(item, bool) or item is None:
         return "" if item is None else str(item).lower()
@@ -116,20 +136,41 @@ def value_words(item: Any, key: str, unit: str = "") -> str:
     if isinstance(item, Constant):
         return _number(item.level, unit)
     if isinstance(item, (PiecewiseLinear, Table)):
-        pairs = ", ".join(f"{number(_shown(value, unit))} at {coil:g}" for coil, value in zip(item.coils, item.values, strict=True))
+        pairs = ", ".join(
+            f"{number(_shown(value, unit))} at {coil:g}"
+            for coil, value in zip(item.coils, item.values, strict=True)
+        )
         return f"{pairs} ({unit} at coil number)"
     if isinstance(item, tuple) and all(isinstance(entry, (int, float)) for entry in item):
-        return ", ".join(number(_shown(float(entry), unit)) for entry in item) + (f" {unit}" if unit else "")
+        return ", ".join(number(_shown(float(entry), unit)) for entry in item) + (
+            f" {unit}" if unit else ""
+        )
     if isinstance(item, Material):
-        parts = (("E", item.youngs_modulus, "GPa"), ("G", item.shear_modulus, "GPa"), ("density", item.density, "kg/m^3"))
-        return f"{item.name}: " + ", ".join(f"{name} {_number(value, shown)}" for name, value, shown in parts)
+        parts = (
+            ("E", item.youngs_modulus, "GPa"),
+            ("G", item.shear_modulus, "GPa"),
+            ("density", item.density, "kg/m^3"),
+        )
+        return f"{item.name}: " + ", ".join(
+            f"{name} {_number(value, shown)}" for name, value, shown in parts
+        )
     if isinstance(item, str):
         return item
     if isinstance(item, ContactParameters):
         return _contact_words(item)
-    if is_dataclass(item) and type(item).__name__.endswith("Parameters") and not hasattr(item, "kind"):
-        own = [(one.name, getattr(item, one.name)) for one in fields(item) if getattr(item, one.name) != _default(one)]
-        return ", ".join(f"{name.replace('_', ' ')} {value_words(value, name)}" for name, value in own)
+    if (
+        is_dataclass(item)
+        and type(item).__name__.endswith("Parameters")
+        and not hasattr(item, "kind")
+    ):
+        own = [
+            (one.name, getattr(item, one.name))
+            for one in fields(item)
+            if getattr(item, one.name) != _default(one)
+        ]
+        return ", ".join(
+            f"{name.replace('_', ' ')} {value_words(value, name)}" for name, value in own
+        )
     return str(getattr(item, "kind", type(item).__name__)).replace("_", " ")
 
 
@@ -138,14 +179,22 @@ def _default(one: Field[Any]) -> Any:
 
 
 def _contact_words(contact: ContactParameters) -> str:
-    """A contact law with its numbers as given; the unit of K d^n depends on the exponent, that of the damping on what it stands for."""
+    """A contact law with its numbers as given; the unit of K d^n depends on the exponent, that of
+    the damping on what it stands for.
+    """
     spec = registry.find("contacts", contact.law)
     own = {one.name: one.default for one in fields(spec.law)}
-    exponent = contact.stiffness_exponent or float(contact.values.get("exponent", own.get("exponent", 1.0)))
+    exponent = contact.stiffness_exponent or float(
+        contact.values.get("exponent", own.get("exponent", 1.0))
+    )
     words = [contact.law]
     for key, value in contact.values.items():
         if key == "contact_stiffness":
-            shown = _number(value, "kN/mm") if exponent == 1.0 else f"{number(value)} N/m^{number(exponent, 3)}"
+            shown = (
+                _number(value, "kN/mm")
+                if exponent == 1.0
+                else f"{number(value)} N/m^{number(exponent, 3)}"
+            )
         elif key == "damping" and (contact.damping_unit or spec.damping_unit) == "s/m":
             shown = f"{number(value)} s/m"
         else:
@@ -168,7 +217,9 @@ def in_unit(value: float, unit: str) -> float:
 
 
 def number(value: float | None, digits: int = 4) -> str:
-    """A number with ``digits`` significant digits, a real minus sign, and powers of ten as such; a dash for None."""
+    """A number with ``digits`` significant digits, a real minus sign, and powers of ten as such; a
+    dash for None.
+    """
     if value is None or math.isnan(value):
         return "–"
     if math.isinf(value):

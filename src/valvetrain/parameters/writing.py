@@ -1,4 +1,6 @@
-"""Writes values into a case file in place, keeping comments and order; the file is replaced whole or not at all."""
+"""Writes values into a case file in place, keeping comments and order; the file is replaced whole
+or not at all.
+"""
 
 from __future__ import annotations
 
@@ -14,9 +16,12 @@ from valvetrain.solution.atomic import write_text
 def write_case_values(path: str | os.PathLike[str], changes: Mapping[str, Any]) -> None:
     """Set the values at the dotted key paths in ``changes`` in the TOML file ``path``.
 
-    Values are written as a case file holds them ("3.9 mm", 0.75, "22, 22, 17 mm"). Where the file has
-    ``{ value = ..., status = ... }`` the value inside is replaced; list positions are numbers (``published.0.role``). Only existing
-    keys are set, and the result must still be a valid case. Raises :class:`InputError` and leaves the file untouched otherwise.
+    Values are written as a case file holds them ("3.9 mm", 0.75, "22, 22, 17 mm"). Where the file
+    has
+    ``{ value = ..., status = ... }`` the value inside is replaced; list positions are numbers
+    (``published.0.role``). Only existing
+    keys are set, and the result must still be a valid case. Raises :class:`InputError` and leaves
+    the file untouched otherwise.
     """
     import tomlkit
     from tomlkit.exceptions import TOMLKitError
@@ -27,7 +32,10 @@ def write_case_values(path: str | os.PathLike[str], changes: Mapping[str, Any]) 
     try:
         document = tomlkit.parse(target.read_bytes().decode("utf-8"))
     except (OSError, UnicodeDecodeError, TOMLKitError) as error:
-        raise InputError("the case file cannot be read as TOML; check the path and run 'valvetrain check' on it", target.name) from error
+        raise InputError(
+            "the case file cannot be read as TOML; check the path and run 'valvetrain check' on it",
+            target.name,
+        ) from error
     for key_path, value in changes.items():
         _set(document, key_path, _plain(value), target.name)
     text = tomlkit.dumps(document)
@@ -58,7 +66,10 @@ def _child(table: Any, key: str, key_path: str, where: str) -> Any:
     try:
         return table[int(key) if isinstance(table, list) else key]
     except (KeyError, IndexError, ValueError, TypeError) as error:
-        raise InputError(f"there is no '{key}' on the way to '{key_path}'; give the path of an existing value", where) from error
+        raise InputError(
+            f"there is no '{key}' on the way to '{key_path}'; give the path of an existing value",
+            where,
+        ) from error
 
 
 def replace_file(target: Path, text: str) -> None:

@@ -1,4 +1,6 @@
-"""Numbers of a run's coil clashes; the clashes themselves where its integrator kept no record of the contacts."""
+"""Numbers of a run's coil clashes; the clashes themselves where its integrator kept no record of
+the contacts.
+"""
 
 from __future__ import annotations
 
@@ -11,9 +13,11 @@ from valvetrain.solution.result import Solution
 
 
 def clash_events(solution: Solution, rule: ClashRule = ClashRule()) -> tuple[Event, ...]:
-    """Events of kind ``clash`` by start time: those that the integrator found on its own steps, else those that the samples show.
+    """Events of kind ``clash`` by start time: those that the integrator found on its own steps,
+    else those that the samples show.
 
-    Empty for a model without coil pairs. From the samples, the energy of a pressed pair is half of force times overlap.
+    Empty for a model without coil pairs. From the samples, the energy of a pressed pair is half of
+    force times overlap.
     """
     if _recorded(solution):
         return tuple(event for event in solution.events if event.kind == "clash")
@@ -21,7 +25,9 @@ def clash_events(solution: Solution, rule: ClashRule = ClashRule()) -> tuple[Eve
     for spring in solution.springs:
         pairs = _pairs_of(solution, spring)
         if pairs is not None:
-            found += find_clashes(pairs, spring if len(solution.springs) > 1 else "", is_closed(solution), rule)
+            found += find_clashes(
+                pairs, spring if len(solution.springs) > 1 else "", is_closed(solution), rule
+            )
     return tuple(sorted(found, key=lambda event: event.time))
 
 
@@ -39,22 +45,33 @@ def _pairs_of(solution: Solution, spring: str) -> PairSeries | None:
         return None
     order = np.argsort(places)
     force = np.nan_to_num(solution.channel(name)[:, order])
-    gap = np.nan_to_num(solution.channel(solution.channel_of(spring, "coil_gap"))[:, order], nan=0.0, posinf=0.0)
+    gap = np.nan_to_num(
+        solution.channel(solution.channel_of(spring, "coil_gap"))[:, order], nan=0.0, posinf=0.0
+    )
     energy = 0.5 * force * np.maximum(-gap, 0.0)
-    return PairSeries(solution.time, solution.cam_angle, np.arange(len(order)), places[order], force.T, energy.T)
+    return PairSeries(
+        solution.time, solution.cam_angle, np.arange(len(order)), places[order], force.T, energy.T
+    )
 
 
 def clash_numbers(solution: Solution, events: tuple[Event, ...]) -> dict[str, float]:
-    """Count, largest force (N) and impulse (N s), and energy (J; of all and the largest) of the clashes of one cycle.
+    """Count, largest force (N) and impulse (N s), and energy (J; of all and the largest) of the
+    clashes of one cycle.
 
     Empty where the model has no coil pairs; ``events`` are those of the cycle.
     """
-    if not _recorded(solution) and all(_pairs_of(solution, spring) is None for spring in solution.springs):
+    if not _recorded(solution) and all(
+        _pairs_of(solution, spring) is None for spring in solution.springs
+    ):
         return {}
     clashes = [event for event in events if event.kind == "clash"]
     energies = [float(event.details["energy"]) for event in clashes]
     return {
-        "clash_count": float(len(clashes)), "peak_clash_force": max((event.size for event in clashes), default=0.0),
-        "clash_energy": float(sum(energies)), "largest_clash_energy": max(energies, default=0.0),
-        "largest_clash_impulse": max((float(event.details["impulse"]) for event in clashes), default=0.0),
-    }  # fmt: skip
+        "clash_count": float(len(clashes)),
+        "peak_clash_force": max((event.size for event in clashes), default=0.0),
+        "clash_energy": float(sum(energies)),
+        "largest_clash_energy": max(energies, default=0.0),
+        "largest_clash_impulse": max(
+            (float(event.details["impulse"]) for event in clashes), default=0.0
+        ),
+    }

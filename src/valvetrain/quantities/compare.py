@@ -18,49 +18,91 @@ Runs = Mapping[tuple[str, float | None], Mapping[str, float]]
 
 
 def compare(
-    published: Iterable[PublishedValue], quantities: Mapping[Quantity, float], counterparts: Mapping[str, str] | None,
+    published: Iterable[PublishedValue],
+    quantities: Mapping[Quantity, float],
+    counterparts: Mapping[str, str] | None,
     counted: Sequence[str] = (),
-) -> tuple[Comparison, ...]:  # fmt: skip
+) -> tuple[Comparison, ...]:
     """One row per published value, in their order.
 
-    A published value meets the computed one of the same name and engine speed in the run that ``counterparts`` names for what produced
-    it (label of ours; values at rest have no label); in a case that re-runs no study (None) what produced it is the label itself.
-    ``counted``: words of angles that are counted through a cycle, such as ``clash`` for ``clash_3_cam_angle``; an extra one early on would
+    A published value meets the computed one of the same name and engine speed in the run that
+    ``counterparts`` names for what produced
+    it (label of ours; values at rest have no label); in a case that re-runs no study (None) what
+    produced it is the label itself.
+    ``counted``: words of angles that are counted through a cycle, such as ``clash`` for
+    ``clash_3_cam_angle``; an extra one early on would
     shift the count of all that follow, so they meet one to one in their order.
     """
     rows, listed = [], tuple(published)
     runs: dict[tuple[str, float | None], dict[str, float]] = {}
     for key, number in quantities.items():
         runs.setdefault((key.label, key.engine_speed), {})[key.name] = number
-    pattern = re.compile(rf"({'|'.join(map(re.escape, counted))})_\d+_cam_angle") if counted else re.compile(r"(?!)")
+    pattern = (
+        re.compile(rf"({'|'.join(map(re.escape, counted))})_\d+_cam_angle")
+        if counted
+        else re.compile(r"(?!)")
+    )
     partners = _counted(listed, runs, counterparts, pattern)
     for value in listed:
         label = _label(value, counterparts)
-        computed = partners[id(value)] if id(value) in partners else _of_run(value, label, runs).get(value.quantity)
+        computed = (
+            partners[id(value)]
+            if id(value) in partners
+            else _of_run(value, label, runs).get(value.quantity)
+        )
         difference = None if computed is None else _difference(value, computed)
         rows.append(
             Comparison(
-                quantity=value.quantity, engine_speed=value.engine_speed, model=label, origin=value.model, unit=value.unit,
-                published=value.value, computed=computed, difference=difference, role=value.role, tolerance=value.tolerance,
-                verdict=verdict(value, difference), source=value.source, used_for=value.used_for, doubt=value.doubt,
+                quantity=value.quantity,
+                engine_speed=value.engine_speed,
+                model=label,
+                origin=value.model,
+                unit=value.unit,
+                published=value.value,
+                computed=computed,
+                difference=difference,
+                role=value.role,
+                tolerance=value.tolerance,
+                verdict=verdict(value, difference),
+                source=value.source,
+                used_for=value.used_for,
+                doubt=value.doubt,
             )
-        )  # fmt: skip
+        )
     return tuple(rows)
 
 
 def _label(value: PublishedValue, counterparts: Mapping[str, str] | None) -> str:
     """Label of ours for what produced a value."""
-    return "" if value.engine_speed is None else value.model if counterparts is None else counterparts.get(value.model, "")
+    return (
+        ""
+        if value.engine_speed is None
+        else value.model
+        if counterparts is None
+        else counterparts.get(value.model, "")
+    )
 
 
 def _of_run(value: PublishedValue, label: str, runs: Runs) -> Mapping[str, float]:
-    return next((names for (mine, speed), names in runs.items() if mine == label and same_speed(speed, value.engine_speed)), {})
+    return next(
+        (
+            names
+            for (mine, speed), names in runs.items()
+            if mine == label and same_speed(speed, value.engine_speed)
+        ),
+        {},
+    )
 
 
 def _counted(
-    published: tuple[PublishedValue, ...], runs: Runs, counterparts: Mapping[str, str] | None, pattern: re.Pattern[str],
-) -> dict[int, float | None]:  # fmt: skip
-    """Computed partner of every counted published angle, by ``id``: one to one within an origin, engine speed and kind."""
+    published: tuple[PublishedValue, ...],
+    runs: Runs,
+    counterparts: Mapping[str, str] | None,
+    pattern: re.Pattern[str],
+) -> dict[int, float | None]:
+    """Computed partner of every counted published angle, by ``id``: one to one within an origin,
+    engine speed and kind.
+    """
     series: dict[tuple[str, float | None, str], list[PublishedValue]] = {}
     for value in published:
         match = pattern.fullmatch(value.quantity)
@@ -70,25 +112,36 @@ def _counted(
     for (_, _, kind), values in series.items():
         values.sort(key=lambda value: value.value)
         mine = _of_run(values[0], _label(values[0], counterparts), runs)
-        computed = [number for name, number in mine.items() if (match := pattern.fullmatch(name)) and match[1] == kind]
+        computed = [
+            number
+            for name, number in mine.items()
+            if (match := pattern.fullmatch(name)) and match[1] == kind
+        ]
         found = pair_angles([value.value for value in values], computed)
         partners |= {id(value): partner for value, partner in zip(values, found, strict=True)}
     return partners
 
 
 def pair_angles(published: Sequence[float], computed: Sequence[float]) -> list[float | None]:
-    """For each of the ascending ``published`` angles (rad) a ``computed`` one, in order round the circle, each at most once, or None.
+    """For each of the ascending ``published`` angles (rad) a ``computed`` one, in order round the
+    circle, each at most once, or None.
 
-    Least sum of distances, where a published angle without a partner counts as much as the median step between published
-    ones: a collision that did not come must not shift all that follow. A single published angle meets the nearest.
+    Least sum of distances, where a published angle without a partner counts as much as the median
+    step between published
+    ones: a collision that did not come must not shift all that follow. A single published angle
+    meets the nearest.
     """
     alone = float(np.median(np.diff(published))) if len(published) > 1 else TURN
     ordered = sorted(computed)
     turned = (ordered[start:] + ordered[:start] for start in range(max(1, len(ordered))))
-    return min((_pair_in_order(published, angles, alone) for angles in turned), key=lambda found: found[0])[1]
+    return min(
+        (_pair_in_order(published, angles, alone) for angles in turned), key=lambda found: found[0]
+    )[1]
 
 
-def _pair_in_order(published: Sequence[float], computed: Sequence[float], alone: float) -> tuple[float, list[float | None]]:
+def _pair_in_order(
+    published: Sequence[float], computed: Sequence[float], alone: float
+) -> tuple[float, list[float | None]]:
     """Least cost and the partners, both lists taken in their order."""
     # best[j]: cost and partners of the published angles so far with the first j computed ones.
     best: list[tuple[float, list[float | None]]] = [(0.0, [])] * (len(computed) + 1)
@@ -98,7 +151,10 @@ def _pair_in_order(published: Sequence[float], computed: Sequence[float], alone:
             choices = [(cost + alone, [*partners, None])]
             if count:
                 before, other = best[count - 1], computed[count - 1]
-                choices += [row[-1], (before[0] + abs(_turn_difference(other - angle)), [*before[1], other])]
+                choices += [
+                    row[-1],
+                    (before[0] + abs(_turn_difference(other - angle)), [*before[1], other]),
+                ]
             row.append(min(choices, key=lambda choice: choice[0]))
         best = row
     return best[-1]
@@ -117,14 +173,19 @@ def _turn_difference(difference: float) -> float:
 def verdict(value: PublishedValue, difference: float | None) -> str:
     """Words for one row: within or outside a stated tolerance, else just how far apart.
 
-    A bound ("spikes up to 620 N") is no tolerance: staying below it is not agreement, so the distance is given there too.
+    A bound ("spikes up to 620 N") is no tolerance: staying below it is not agreement, so the
+    distance is given there too.
     """
     if difference is None:
         return "not computed"
     if value.relation in ("at-most", "at-least"):
         beyond = difference if value.relation == "at-most" else -difference
         limit = value.relation.replace("-", " ")
-        return f"stated as {limit}: " + (f"beyond by {_size(value, beyond)}" if beyond > 0 else _size(value, difference, signed=True))
+        return f"stated as {limit}: " + (
+            f"beyond by {_size(value, beyond)}"
+            if beyond > 0
+            else _size(value, difference, signed=True)
+        )
     if value.doubt:
         return f"in doubt, {value.doubt}: differs by {_size(value, difference, signed=True)}"
     if value.tolerance is None:

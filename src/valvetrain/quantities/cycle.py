@@ -16,9 +16,11 @@ _TURN = 2 * np.pi
 
 @dataclass(frozen=True, eq=False)
 class Cycle:
-    """A stretch of ``solution``: ``samples`` of the last whole cam turn, or of the last begun one when none is whole.
+    """A stretch of ``solution``: ``samples`` of the last whole cam turn, or of the last begun one
+    when none is whole.
 
-    ``cam_angle`` (sample,) rad from 0 to 2 pi, ascending; ``time`` (sample,) s; ``whole`` tells whether the turn is complete.
+    ``cam_angle`` (sample,) rad from 0 to 2 pi, ascending; ``time`` (sample,) s; ``whole`` tells
+    whether the turn is complete.
     """
 
     solution: Solution
@@ -28,7 +30,9 @@ class Cycle:
     whole: bool
 
     def channel(self, name: str) -> Array:
-        """Values of a channel over the cycle; :class:`InputError` when the run has none of that name."""
+        """Values of a channel over the cycle; :class:`InputError` when the run has none of that
+        name.
+        """
         return self.solution.channel(name)[self.samples]
 
     def at_coil(self, name: str, coil: float, reach: float = 0.15) -> Array | None:
@@ -43,10 +47,16 @@ class Cycle:
             return None
         values, order = self.channel(name), np.argsort(places)
         places = places[order]
-        right = int(np.clip(np.searchsorted(places, coil), 1, len(places) - 1)) if len(places) > 1 else 0
+        right = (
+            int(np.clip(np.searchsorted(places, coil), 1, len(places) - 1))
+            if len(places) > 1
+            else 0
+        )
         if right == 0:
             return values[:, order[0]]
-        share = float(np.clip((coil - places[right - 1]) / (places[right] - places[right - 1]), 0.0, 1.0))
+        share = float(
+            np.clip((coil - places[right - 1]) / (places[right] - places[right - 1]), 0.0, 1.0)
+        )
         if share in (0.0, 1.0):  # a neighbour that is not finite must not spoil an exact hit
             return values[:, order[right - 1 + int(share)]]
         return (1 - share) * values[:, order[right - 1]] + share * values[:, order[right]]
@@ -56,7 +66,9 @@ class Cycle:
         return (self.cam_angle >= first - 1e-9) & (self.cam_angle < last - 1e-9)
 
     def covers(self, first: float, last: float) -> bool:
-        """True when the samples reach over ``first`` to ``last`` (rad) but for one step at either end."""
+        """True when the samples reach over ``first`` to ``last`` (rad) but for one step at either
+        end.
+        """
         if len(self.cam_angle) < 2:
             return False
         step = 1.5 * float(np.median(np.diff(self.cam_angle)))
@@ -69,7 +81,9 @@ class Cycle:
 
 
 def is_closed(solution: Solution) -> bool:
-    """Whether the samples are one closed period whose end follows on its beginning: so for trains, not under prescribed motion."""
+    """Whether the samples are one closed period whose end follows on its beginning: so for trains,
+    not under prescribed motion.
+    """
     return solution.provenance.system == "train"
 
 
@@ -87,4 +101,6 @@ def reported_cycle(solution: Solution) -> Cycle:
     first = int(np.searchsorted(angle, turn * _TURN - step * 1e-3))
     last = int(np.searchsorted(angle, (turn + 1) * _TURN - step * 1e-3))
     part = slice(first, last)
-    return Cycle(solution, part, np.maximum(angle[part] - turn * _TURN, 0.0), solution.time[part], whole)
+    return Cycle(
+        solution, part, np.maximum(angle[part] - turn * _TURN, 0.0), solution.time[part], whole
+    )

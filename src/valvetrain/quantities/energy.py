@@ -30,7 +30,9 @@ class EnergyBalance:
 
     @property
     def relative_imbalance(self) -> float:
-        """Largest imbalance over the span of the work done; zero when no work was done and none is missing."""
+        """Largest imbalance over the span of the work done; zero when no work was done and none is
+        missing.
+        """
         largest = float(np.max(np.abs(self.imbalance), initial=0.0))
         return largest / self.scale if self.scale > 0 else largest
 
@@ -40,12 +42,24 @@ def energy_balance(solution: Solution) -> EnergyBalance | None:
     if not solution.has(*_CHANNELS):
         return None
     kinetic = solution.channel("kinetic_energy")
-    contact = solution.channel("contact_energy") if solution.has("contact_energy") else np.zeros_like(kinetic)
+    contact = (
+        solution.channel("contact_energy")
+        if solution.has("contact_energy")
+        else np.zeros_like(kinetic)
+    )
     stored = kinetic + solution.channel("elastic_energy") + contact
     stored = stored - stored[0]
     work = solution.channel("work_done") - solution.channel("work_done")[0]
     dissipated = solution.channel("energy_dissipated") - solution.channel("energy_dissipated")[0]
-    return EnergyBalance(solution.cam_angle, kinetic, stored, dissipated, work, stored + dissipated - work, float(np.ptp(work)))
+    return EnergyBalance(
+        solution.cam_angle,
+        kinetic,
+        stored,
+        dissipated,
+        work,
+        stored + dissipated - work,
+        float(np.ptp(work)),
+    )
 
 
 def energy_quantities(solution: Solution) -> dict[str, float]:
@@ -53,4 +67,7 @@ def energy_quantities(solution: Solution) -> dict[str, float]:
     balance = energy_balance(solution)
     if balance is None:
         return {}
-    return {"energy_imbalance_ratio": balance.relative_imbalance, "dissipated_energy": float(balance.dissipated[-1])}
+    return {
+        "energy_imbalance_ratio": balance.relative_imbalance,
+        "dissipated_energy": float(balance.dissipated[-1]),
+    }

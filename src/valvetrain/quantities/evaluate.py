@@ -14,9 +14,13 @@ from valvetrain.quantities.main_clash import find_clash_window, main_clash_quant
 from valvetrain.quantities.spectrum import surge_quantities
 from valvetrain.quantities.stress import stress_quantities, with_wire_stress
 from valvetrain.quantities.train_events import LOGGED, RigidCycle, rigid_cycle, train_events
-from valvetrain.quantities.train_numbers import counted_quantities, margin_quantities, train_quantities
+from valvetrain.quantities.train_numbers import (
+    counted_quantities,
+    margin_quantities,
+    train_quantities,
+)
 from valvetrain.quantities.valve_events import run_events
-from valvetrain.solution.arrays import Variable
+from valvetrain.solution.channels import Variable
 from valvetrain.solution.event import Event
 from valvetrain.solution.gaps import Gaps
 from valvetrain.solution.result import Solution
@@ -30,10 +34,13 @@ RIGID_CHANNELS = {
 
 
 def evaluate(solution: Solution, frame: Frame = Frame()) -> Solution:
-    """The run with its events and every quantity that it supports (docs/quantities.md); SI, angles in cam rad.
+    """The run with its events and every quantity that it supports (docs/quantities.md); SI, angles
+    in cam rad.
 
-    What the run does not cover, because it lacks the channel or ended early, is absent; a part that fails is among its ``gaps``. A run
-    that holds numbers that are not finite comes back with nothing found. ``frame.source`` adds the quantities of a published study.
+    What the run does not cover, because it lacks the channel or ended early, is absent; a part that
+    fails is among its ``gaps``. A run
+    that holds numbers that are not finite comes back with nothing found. ``frame.source`` adds the
+    quantities of a published study.
     Raises :class:`InputError` for an unknown source.
     """
     if len(solution.time) < 3 or not _is_finite(solution):
@@ -53,7 +60,9 @@ def evaluate(solution: Solution, frame: Frame = Frame()) -> Solution:
         found |= gaps.part("numbers of the train", {}, train_quantities, solution, rigid, events)
         found |= gaps.part("valve events", {}, run_events, solution, events)
         found |= gaps.part("margins of rigid parts", {}, margin_quantities, frame.rigid)
-    done = gaps.part("channels of rigid parts", solution, _with_rigid, solution, rigid).with_found(events, found, gaps.sentences)
+    done = gaps.part("channels of rigid parts", solution, _with_rigid, solution, rigid).with_found(
+        events, found, gaps.sentences
+    )
     if not frame.source:
         return done
     source = registry.find("sources", frame.source)
@@ -63,15 +72,21 @@ def evaluate(solution: Solution, frame: Frame = Frame()) -> Solution:
 
 def _is_finite(solution: Solution) -> bool:
     names = ("valve_lift", "seat_force", "retainer_force")
-    return all(bool(np.all(np.isfinite(solution.channel(name)))) for name in names if solution.has(name))
+    return all(
+        bool(np.all(np.isfinite(solution.channel(name)))) for name in names if solution.has(name)
+    )
 
 
 def _meets(frame: Frame) -> bool:
-    """Whether coils can meet: not where the contact of every spring has no stiffness, whatever gaps a model shows."""
+    """Whether coils can meet: not where the contact of every spring has no stiffness, whatever gaps
+    a model shows.
+    """
     return not frame.springs or any(spring.contact.stiffness > 0 for spring in frame.springs)
 
 
-def _events(solution: Solution, frame: Frame, rigid: RigidCycle | None, gaps: Gaps) -> tuple[Event, ...]:
+def _events(
+    solution: Solution, frame: Frame, rigid: RigidCycle | None, gaps: Gaps
+) -> tuple[Event, ...]:
     none: tuple[Event, ...] = ()
     clashes = gaps.part("clashes", none, clash_events, solution) if _meets(frame) else none
     kept = tuple(event for event in solution.events if event.kind not in (*LOGGED, "clash"))
@@ -80,16 +95,30 @@ def _events(solution: Solution, frame: Frame, rigid: RigidCycle | None, gaps: Ga
     return tuple(sorted((*kept, *clashes), key=lambda event: event.cam_angle))
 
 
-def _whole_cycle(cycle: Cycle, frame: Frame, events: tuple[Event, ...], gaps: Gaps) -> dict[str, float]:
+def _whole_cycle(
+    cycle: Cycle, frame: Frame, events: tuple[Event, ...], gaps: Gaps
+) -> dict[str, float]:
     solution = cycle.solution
-    found = gaps.part("forces", {}, force_quantities, cycle) | gaps.part("lift", {}, lift_quantities, cycle, frame.springs)
-    found |= gaps.part("surge", {}, surge_quantities, cycle, frame) | gaps.part("stress", {}, stress_quantities, cycle, frame)
+    found = gaps.part("forces", {}, force_quantities, cycle) | gaps.part(
+        "lift", {}, lift_quantities, cycle, frame.springs
+    )
+    found |= gaps.part("surge", {}, surge_quantities, cycle, frame) | gaps.part(
+        "stress", {}, stress_quantities, cycle, frame
+    )
     if _meets(frame):
         first = float(cycle.solution.cam_angle[cycle.samples.start])
-        late = tuple(event for event in events if is_closed(solution) or event.cam_angle >= first - 1e-9)
+        late = tuple(
+            event for event in events if is_closed(solution) or event.cam_angle >= first - 1e-9
+        )
         found |= gaps.part("clash", {}, clash_numbers, solution, late)
-    if frame.surge_frequency is not None and frame.lift_event is not None and solution.has("seat_force", "valve_lift"):
-        found |= gaps.part("main clash", {}, _main_clash, cycle, frame.surge_frequency, frame.lift_event)
+    if (
+        frame.surge_frequency is not None
+        and frame.lift_event is not None
+        and solution.has("seat_force", "valve_lift")
+    ):
+        found |= gaps.part(
+            "main clash", {}, _main_clash, cycle, frame.surge_frequency, frame.lift_event
+        )
     return found
 
 

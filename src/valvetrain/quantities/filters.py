@@ -1,4 +1,6 @@
-"""A force in a stated bandwidth: zero-phase low-pass, so that spikes of different samplings can be compared."""
+"""A force in a stated bandwidth: zero-phase low-pass, so that spikes of different samplings can be
+compared.
+"""
 
 from __future__ import annotations
 
@@ -13,39 +15,61 @@ Array = NDArray[np.float64]
 
 #: Bandwidths (Hz) in which spike heights are stated beside the raw value.
 BANDWIDTHS = (10e3, 20e3)
-#: Order of the Butterworth filter, run forward and backward: 6 dB down at the cutoff, no phase shift.
+#: Order of the Butterworth filter, run forward and backward: 6 dB down at the cutoff, no phase
+#: shift.
 FILTER_ORDER = 4
 
 
 def low_pass(time: Array, values: Array, cutoff_frequency: float, closed: bool = False) -> Array:
-    """Zero-phase low-pass of evenly sampled ``values``; cutoff in Hz, 6 dB down there; ``closed``: they are one whole period.
+    """Zero-phase low-pass of evenly sampled ``values``; cutoff in Hz, 6 dB down there; ``closed``:
+    they are one whole period.
 
     Raises :class:`InputError` when the samples are uneven or too far apart for the cutoff.
     """
     steps = np.diff(time)
     if len(steps) < 2 or np.ptp(steps) > 1e-6 * float(np.mean(steps)) + 1e-15:
-        raise InputError("a zero-phase filter needs evenly spaced samples; set a constant output step")
+        raise InputError(
+            "a zero-phase filter needs evenly spaced samples; set a constant output step"
+        )
     nyquist = 0.5 / float(np.mean(steps))
     if cutoff_frequency >= nyquist:
         needed = f"{cutoff_frequency / 1e3:g} kHz needs samples closer than {0.5e6 / cutoff_frequency:.3g} us"
         raise InputError(f"a bandwidth of {needed}; refine the output step")
-    # Forward and backward runs of the digital filter multiply the spectrum by the square of its gain. The mirrored
-    # pads are longer than its memory, so that the ends do not see each other. (scipy.signal would cost half a second to load.)
+    # Forward and backward runs of the digital filter multiply the spectrum by the square of its
+    # gain. The mirrored
+    # pads are longer than its memory, so that the ends do not see each other. (scipy.signal would
+    # cost half a second to load.)
     pad = 0 if closed else min(len(values) - 1, int(np.ceil(20 * nyquist / cutoff_frequency)))
-    padded = np.concatenate([2 * values[0] - values[pad:0:-1], values, 2 * values[-1] - values[-2 : -pad - 2 : -1]]) if pad else values
-    warped = np.tan(np.pi / 2 * np.fft.rfftfreq(len(padded), 0.5)) / np.tan(np.pi / 2 * cutoff_frequency / nyquist)
-    return np.fft.irfft(np.fft.rfft(padded) / (1.0 + warped ** (2 * FILTER_ORDER)), len(padded))[pad : pad + len(values)]
+    padded = (
+        np.concatenate(
+            [2 * values[0] - values[pad:0:-1], values, 2 * values[-1] - values[-2 : -pad - 2 : -1]]
+        )
+        if pad
+        else values
+    )
+    warped = np.tan(np.pi / 2 * np.fft.rfftfreq(len(padded), 0.5)) / np.tan(
+        np.pi / 2 * cutoff_frequency / nyquist
+    )
+    return np.fft.irfft(np.fft.rfft(padded) / (1.0 + warped ** (2 * FILTER_ORDER)), len(padded))[
+        pad : pad + len(values)
+    ]
 
 
-def filtered_force(solution: Solution, cutoff_frequency: float, channel: str = "seat_force") -> Array | None:
-    """A force channel (sample,) below ``cutoff_frequency`` (Hz); None when the run is sampled too coarsely or unevenly for it.
+def filtered_force(
+    solution: Solution, cutoff_frequency: float, channel: str = "seat_force"
+) -> Array | None:
+    """A force channel (sample,) below ``cutoff_frequency`` (Hz); None when the run is sampled too
+    coarsely or unevenly for it.
 
-    Where the run holds substeps (``<channel>_fine``) these are filtered, and each sample gets the largest value of its interval.
+    Where the run holds substeps (``<channel>_fine``) these are filtered, and each sample gets the
+    largest value of its interval.
     """
     try:
         if solution.has(f"{channel}_fine"):
             return _filtered_substeps(solution, cutoff_frequency, f"{channel}_fine")
-        return low_pass(solution.time, solution.channel(channel), cutoff_frequency, is_closed(solution))
+        return low_pass(
+            solution.time, solution.channel(channel), cutoff_frequency, is_closed(solution)
+        )
     except InputError:
         return None
 
@@ -56,7 +80,9 @@ def _filtered_substeps(solution: Solution, cutoff_frequency: float, channel: str
     interval = float(solution.time[1] - solution.time[0]) / count
     # The last sample has no substeps after it; its row repeats the end value and takes no part.
     series = fine[:-1].ravel()
-    filtered = low_pass(interval * np.arange(len(series)), series, cutoff_frequency).reshape(-1, count)
+    filtered = low_pass(interval * np.arange(len(series)), series, cutoff_frequency).reshape(
+        -1, count
+    )
     return np.append(filtered.max(axis=1), filtered[-1, -1])
 
 
@@ -66,22 +92,32 @@ def fine_series(solution: Solution, channel: str = "seat_force") -> tuple[Array,
         return solution.time, solution.cam_angle, solution.channel(channel)
     fine = solution.channel(f"{channel}_fine")[:-1]
     share = np.arange(fine.shape[1]) / fine.shape[1]
-    time, angle = (values[:-1, None] + np.diff(values)[:, None] * share for values in (solution.time, solution.cam_angle))
+    time, angle = (
+        values[:-1, None] + np.diff(values)[:, None] * share
+        for values in (solution.time, solution.cam_angle)
+    )
     return time.ravel(), angle.ravel(), fine.ravel()
 
 
 def extreme_series(solution: Solution, channel: str, kind: str) -> tuple[Array, Array]:
-    """Cam angle (rad, unwrapped) and value of the ``kind`` (``highest`` or ``lowest``) force on every step, one per sample interval, or
+    """Cam angle (rad, unwrapped) and value of the ``kind`` (``highest`` or ``lowest``) force on
+    every step, one per sample interval, or
     :func:`fine_series` where the run does not tell."""
     name = f"{channel}_{kind}"
     if not solution.has(name):
         return fine_series(solution, channel)[1:]
     time, angle = solution.time, solution.cam_angle
-    return np.interp(solution.channel(f"{name}_time")[:-1], time, angle), solution.channel(name)[:-1]
+    return np.interp(solution.channel(f"{name}_time")[:-1], time, angle), solution.channel(name)[
+        :-1
+    ]
 
 
-def fine_filtered(solution: Solution, cutoff_frequency: float, channel: str = "seat_force") -> Array | None:
-    """Values of :func:`fine_series` below ``cutoff_frequency`` (Hz); None when the samples do not allow it."""
+def fine_filtered(
+    solution: Solution, cutoff_frequency: float, channel: str = "seat_force"
+) -> Array | None:
+    """Values of :func:`fine_series` below ``cutoff_frequency`` (Hz); None when the samples do not
+    allow it.
+    """
     time, _, values = fine_series(solution, channel)
     if len(time) < 3:
         return None

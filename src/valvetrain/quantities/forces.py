@@ -1,4 +1,6 @@
-"""Extremes of the spring force over a cycle, on every instant that the run holds, raw and in a stated bandwidth."""
+"""Extremes of the spring force over a cycle, on every instant that the run holds, raw and in a
+stated bandwidth.
+"""
 
 from __future__ import annotations
 
@@ -13,14 +15,18 @@ END_FORCES = {"seat_force": "spring_force", "retainer_force": "retainer_force"}
 
 
 def fine_of_cycle(cycle: Cycle, channel: str) -> tuple[Array, Array]:
-    """Cam angle (rad, from 0) and values of a force over the cycle, as finely as the run holds them."""
+    """Cam angle (rad, from 0) and values of a force over the cycle, as finely as the run holds
+    them.
+    """
     _, angle, values = fine_series(cycle.solution, channel)
     mine, begin = within_cycle(cycle, angle)
     return angle[mine] - begin, values[mine]
 
 
 def extreme_of_cycle(cycle: Cycle, channel: str, kind: str) -> tuple[float, float]:
-    """The ``highest`` or ``lowest`` value of a force over the cycle, on every step where the run tells, and its cam angle (rad, from 0)."""
+    """The ``highest`` or ``lowest`` value of a force over the cycle, on every step where the run
+    tells, and its cam angle (rad, from 0).
+    """
     angle, values = extreme_series(cycle.solution, channel, kind)
     mine, begin = within_cycle(cycle, angle)
     place = int(np.argmax(values[mine]) if kind == "highest" else np.argmin(values[mine]))
@@ -28,13 +34,20 @@ def extreme_of_cycle(cycle: Cycle, channel: str, kind: str) -> tuple[float, floa
 
 
 def within_cycle(cycle: Cycle, cam_angle: Array) -> tuple[slice, float]:
-    """Samples of a finer record at ``cam_angle`` (rad, unwrapped) that belong to the cycle, and the angle from which the cycle counts."""
+    """Samples of a finer record at ``cam_angle`` (rad, unwrapped) that belong to the cycle, and the
+    angle from which the cycle counts.
+    """
     begin = float(cycle.solution.cam_angle[cycle.samples.start] - cycle.cam_angle[0])
-    return slice(int(np.searchsorted(cam_angle, begin - 1e-9)), int(np.searchsorted(cam_angle, begin + 2 * np.pi - 1e-9))), begin
+    return slice(
+        int(np.searchsorted(cam_angle, begin - 1e-9)),
+        int(np.searchsorted(cam_angle, begin + 2 * np.pi - 1e-9)),
+    ), begin
 
 
 def force_quantities(cycle: Cycle) -> dict[str, float]:
-    """Largest and least force at seat (with its angle) and retainer, and the largest seat force below 10 and 20 kHz."""
+    """Largest and least force at seat (with its angle) and retainer, and the largest seat force
+    below 10 and 20 kHz.
+    """
     found: dict[str, float] = {}
     solution = cycle.solution
     for channel, word in END_FORCES.items():
@@ -49,12 +62,16 @@ def force_quantities(cycle: Cycle) -> dict[str, float]:
         for bandwidth in BANDWIDTHS:
             filtered = fine_filtered(solution, bandwidth)
             if filtered is not None:
-                found[f"below_{bandwidth / 1e3:.0f}_khz_peak_spring_force"] = float(np.max(filtered[mine]))
+                found[f"below_{bandwidth / 1e3:.0f}_khz_peak_spring_force"] = float(
+                    np.max(filtered[mine])
+                )
     return found
 
 
 def spring_extremes(cycle: Cycle, spring: str) -> tuple[float, float] | None:
-    """Least and largest seat force (N) of one spring over the cycle; None where the run does not tell it."""
+    """Least and largest seat force (N) of one spring over the cycle; None where the run does not
+    tell it.
+    """
     logged = cycle.solution.statistics
     first = f"{spring}_" if len(cycle.solution.springs) > 1 else ""
     ends = logged.get(f"{first}minimum_spring_force"), logged.get(f"{first}peak_spring_force")
@@ -67,10 +84,18 @@ def spring_extremes(cycle: Cycle, spring: str) -> tuple[float, float] | None:
 
 
 def lift_quantities(cycle: Cycle, springs: tuple[InstalledSpring, ...]) -> dict[str, float]:
-    """Largest lift (m) of the cycle, and the lift left to coil bind, least over the springs that tell their solid height."""
+    """Largest lift (m) of the cycle, and the lift left to coil bind, least over the springs that
+    tell their solid height.
+    """
     if not cycle.solution.has("valve_lift"):
         return {}
     logged = cycle.solution.statistics.get("peak_valve_lift")
-    largest = float(logged) if isinstance(logged, (int, float)) else float(np.max(cycle.channel("valve_lift")))
+    largest = (
+        float(logged)
+        if isinstance(logged, (int, float))
+        else float(np.max(cycle.channel("valve_lift")))
+    )
     rooms = [spring.room for spring in springs if spring.room is not None]
-    return {"peak_valve_lift": largest} | ({"coil_bind_clearance": min(rooms) - largest} if rooms else {})
+    return {"peak_valve_lift": largest} | (
+        {"coil_bind_clearance": min(rooms) - largest} if rooms else {}
+    )

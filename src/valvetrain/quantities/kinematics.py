@@ -1,4 +1,6 @@
-"""Kinematics and quasi-statics of a train before any dynamics: rigid parts, closed contacts, a spring at rest in itself."""
+"""Kinematics and quasi-statics of a train before any dynamics: rigid parts, closed contacts, a
+spring at rest in itself.
+"""
 
 from __future__ import annotations
 
@@ -23,13 +25,19 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class RigidTable:
-    """Rigid motion and quasi-static forces over ``cam_angle`` (S,) at one ``cam_speed`` (rad/s); SI units.
+    """Rigid motion and quasi-static forces over ``cam_angle`` (S,) at one ``cam_speed`` (rad/s); SI
+    units.
 
-    ``columns``: name -> (S,): valve_lift, valve_velocity, valve_acceleration, valve_jerk, motion_ratio (valve per follower travel along
-    the cam normal), reduced_mass, inertia_force, spring_force, spring_margin (spring and inertia less weight and gas, at the valve),
-    contact_force (on the cam) and that of every other contact of the drive, such as valve_tip_contact_force, cam_torque, contact_radius
-    (of the cam, infinite where straight), contact_offset, sliding_velocity, hertz_pressure. ``open_spans``: begin and end (cam rad) of
-    every stretch in which the valve is off its seat; none: they are not known, and the column tells.
+    ``columns``: name -> (S,): valve_lift, valve_velocity, valve_acceleration, valve_jerk,
+    motion_ratio (valve per follower travel along
+    the cam normal), reduced_mass, inertia_force, spring_force, spring_margin (spring and inertia
+    less weight and gas, at the valve),
+    contact_force (on the cam) and that of every other contact of the drive, such as
+    valve_tip_contact_force, cam_torque, contact_radius
+    (of the cam, infinite where straight), contact_offset, sliding_velocity, hertz_pressure.
+    ``open_spans``: begin and end (cam rad) of
+    every stretch in which the valve is off its seat; none: they are not known, and the column
+    tells.
     """
 
     cam_angle: Array
@@ -43,12 +51,17 @@ class RigidTable:
 
 @dataclass(frozen=True, eq=False)
 class RigidMotion:
-    """Rigid motion of one train over ``cam_angle`` (S,), everything in it that does not depend on the cam speed; SI units.
+    """Rigid motion of one train over ``cam_angle`` (S,), everything in it that does not depend on
+    the cam speed; SI units.
 
-    ``maximum_lift`` (m) with all contacts closed. ``derivatives`` (4, S): valve lift and its derivatives by the cam angle.
-    ``spring_force``, ``weight`` (N): of the springs at rest and of gravity, at the valve. ``inertia``: inertia force at the valve per cam
-    speed squared. ``gas`` (N): its force on the valve, opening positive. ``forces``: of every contact, ``shares`` at the cam angles.
-    ``geometry``: columns of the cam contact, with ``sliding_velocity`` per cam speed and ``pressure_root`` (Pa per sqrt N).
+    ``maximum_lift`` (m) with all contacts closed. ``derivatives`` (4, S): valve lift and its
+    derivatives by the cam angle.
+    ``spring_force``, ``weight`` (N): of the springs at rest and of gravity, at the valve.
+    ``inertia``: inertia force at the valve per cam
+    speed squared. ``gas`` (N): its force on the valve, opening positive. ``forces``: of every
+    contact, ``shares`` at the cam angles.
+    ``geometry``: columns of the cam contact, with ``sliding_velocity`` per cam speed and
+    ``pressure_root`` (Pa per sqrt N).
     ``kinematics``: the rigid chain itself.
     """
 
@@ -69,7 +82,9 @@ class RigidMotion:
         """Kinematics and quasi-statics at ``cam_speed`` (rad/s)."""
         lift, velocity, acceleration, jerk = (self.derivatives[n] * cam_speed**n for n in range(4))
         inertia, moving = self.inertia * cam_speed**2, lift > 0
-        held = np.where(moving[:, None], self.shares.static + self.shares.inertia * cam_speed**2, 0.0)
+        held = np.where(
+            moving[:, None], self.shares.static + self.shares.inertia * cam_speed**2, 0.0
+        )
         at = {place: held[:, number] for number, place in enumerate(self.forces.places)}
         contact = at.pop("cam")
         columns = {
@@ -79,22 +94,37 @@ class RigidMotion:
             "spring_margin": np.where(moving, self.spring_force - self.weight - self.gas + inertia, self.spring_force),
             "contact_force": contact, "cam_torque": contact * self.shares.per_angle,
         }  # fmt: skip
-        columns |= {f"{place.replace(' ', '_')}_contact_force": force for place, force in at.items()}
-        columns |= {name: self.geometry[name] for name in ("contact_radius", "contact_offset") if name in self.geometry}
+        columns |= {
+            f"{place.replace(' ', '_')}_contact_force": force for place, force in at.items()
+        }
+        columns |= {
+            name: self.geometry[name]
+            for name in ("contact_radius", "contact_offset")
+            if name in self.geometry
+        }
         if "sliding_velocity" in self.geometry:
             columns["sliding_velocity"] = self.geometry["sliding_velocity"] * cam_speed
-            columns["hertz_pressure"] = self.geometry["pressure_root"] * np.sqrt(np.maximum(contact, 0.0))
+            columns["hertz_pressure"] = self.geometry["pressure_root"] * np.sqrt(
+                np.maximum(contact, 0.0)
+            )
         return RigidTable(self.cam_angle, cam_speed, columns, self.open_spans)
 
     @cached_property
     def open_spans(self) -> tuple[tuple[float, float], ...]:
-        """Begin and end (cam rad) of every stretch in which the rigid valve is off its seat, its ends found by bisection."""
+        """Begin and end (cam rad) of every stretch in which the rigid valve is off its seat, its
+        ends found by bisection.
+        """
         edges = np.sort(self.forces.openings(self.cam_angle))
-        pairs = zip(edges.tolist(), np.append(edges[1:], edges[:1] + 2 * np.pi).tolist(), strict=True)
-        return tuple(pair for pair in pairs if float(self.kinematics.valve_lift(np.array(sum(pair) / 2))) > 0)
+        pairs = zip(
+            edges.tolist(), np.append(edges[1:], edges[:1] + 2 * np.pi).tolist(), strict=True
+        )
+        return tuple(
+            pair for pair in pairs if float(self.kinematics.valve_lift(np.array(sum(pair) / 2))) > 0
+        )
 
     def contact_loss(self) -> tuple[float, float]:
-        """Cam speed (rad/s) at which rigid theory first lets a contact of the drive go, and the cam angle (rad) where; infinite when it
+        """Cam speed (rad/s) at which rigid theory first lets a contact of the drive go, and the cam
+        angle (rad) where; infinite when it
         never does."""
         return self.first_loss[:2]
 
@@ -105,28 +135,52 @@ class RigidMotion:
 
 
 def rigid_motion(
-    system: TrainSystem, train: TrainParameters | None = None, samples: int = 720, rest: TrainRest | None = None
+    system: TrainSystem,
+    train: TrainParameters | None = None,
+    samples: int = 720,
+    rest: TrainRest | None = None,
 ) -> RigidMotion:
-    """Rigid motion of a train on ``samples`` cam angles, found once for all speeds; ``train`` adds the geometry of a planar
+    """Rigid motion of a train on ``samples`` cam angles, found once for all speeds; ``train`` adds
+    the geometry of a planar
     cam contact, ``rest`` holds the springs' static curve where it is known already."""
     angle = np.arange(samples) * 2 * np.pi / samples
     motion, poses = system.mechanism.kinematics, rigid_poses(system)
     derivatives = np.stack([motion.valve_lift(angle, n) for n in range(4)])
     lift = derivatives[0]
     grid = np.linspace(0.0, max(float(lift.max()), 1e-6), 33)
-    static = partial(_between, grid, system.spring_forces(grid)) if rest is None else rest.static_spring_force
+    static = (
+        partial(_between, grid, system.spring_forces(grid))
+        if rest is None
+        else rest.static_spring_force
+    )
     forces = RigidForces(system, poses, static)
     tight = forces.poses_at(lift)
-    geometry = {} if train is None else _contact_geometry(system, train, poses, angle, lift, derivatives[1])
+    geometry = (
+        {}
+        if train is None
+        else _contact_geometry(system, train, poses, angle, lift, derivatives[1])
+    )
     inertia = _inertia(poses, tight, derivatives[1], derivatives[2])
     return RigidMotion(
-        angle, float(motion.maximum_lift), derivatives, poses.mass(tight), static(lift), poses.weight(tight), forces.gas(angle), inertia,
-        forces, forces.shares(angle), geometry, motion,
-    )  # fmt: skip
+        angle,
+        float(motion.maximum_lift),
+        derivatives,
+        poses.mass(tight),
+        static(lift),
+        poses.weight(tight),
+        forces.gas(angle),
+        inertia,
+        forces,
+        forces.shares(angle),
+        geometry,
+        motion,
+    )
 
 
 def rigid_quantities(motion: RigidMotion) -> dict[str, float]:
-    """Numbers of rigid theory that belong to no run: largest lift, and where and at which engine speed (rad/s) contact is first lost."""
+    """Numbers of rigid theory that belong to no run: largest lift, and where and at which engine
+    speed (rad/s) contact is first lost.
+    """
     cam_speed, angle = motion.contact_loss()
     values = {
         "rigid_contact_loss_engine_speed": 2 * cam_speed, "rigid_contact_loss_cam_angle": angle,
@@ -135,8 +189,12 @@ def rigid_quantities(motion: RigidMotion) -> dict[str, float]:
     return {name: value for name, value in values.items() if np.isfinite(value)}
 
 
-def rigid_table(system: TrainSystem, train: TrainParameters, cam_speed: float, samples: int = 720) -> RigidTable:
-    """Kinematics and quasi-statics at one cam speed (rad/s); for several speeds of one train see :func:`rigid_motion`."""
+def rigid_table(
+    system: TrainSystem, train: TrainParameters, cam_speed: float, samples: int = 720
+) -> RigidTable:
+    """Kinematics and quasi-statics at one cam speed (rad/s); for several speeds of one train see
+    :func:`rigid_motion`.
+    """
     return rigid_motion(system, train, samples).table(cam_speed)
 
 
@@ -145,14 +203,25 @@ def _between(lifts: Array, spring_forces: Array, valve_lift: Array) -> Array:
 
 
 def _inertia(poses: RigidPoses, lift: Array, velocity: Array, acceleration: Array) -> Array:
-    """Inertia force reduced to the valve (N): m a + (dm/dlift) v**2 / 2, from the kinetic energy m(lift) v**2 / 2."""
-    return np.where(lift > 0, poses.mass(lift) * acceleration + poses.mass(lift, 1) * velocity**2 / 2, 0.0)
+    """Inertia force reduced to the valve (N): m a + (dm/dlift) v**2 / 2, from the kinetic energy
+    m(lift) v**2 / 2.
+    """
+    return np.where(
+        lift > 0, poses.mass(lift) * acceleration + poses.mass(lift, 1) * velocity**2 / 2, 0.0
+    )
 
 
 def _contact_geometry(
-    system: TrainSystem, train: TrainParameters, poses: RigidPoses, angle: Array, lift: Array, slope_of_lift: Array
+    system: TrainSystem,
+    train: TrainParameters,
+    poses: RigidPoses,
+    angle: Array,
+    lift: Array,
+    slope_of_lift: Array,
 ) -> dict[str, Array]:
-    """Cam radius at the contact, offset from the follower's axis, sliding velocity per cam speed (m) and Hertz pressure per sqrt(N)."""
+    """Cam radius at the contact, offset from the follower's axis, sliding velocity per cam speed
+    (m) and Hertz pressure per sqrt(N).
+    """
     interaction = system.mechanism.interactions[system.mechanism.interaction_index("cam")]
     if interaction.kind not in (CAM_FLAT, CAM_ROUND):
         return {}
@@ -163,8 +232,13 @@ def _contact_geometry(
     sense = row[10]
     direction = row[8] + turn if interaction.kind == CAM_FLAT else np.arctan2(y, x)
     chi = angle - sense * (np.unwrap(direction) - row[9])
-    value, slope, radius = _on_contour(table, chi, interaction.kind == CAM_FLAT, train.follower.radius)
-    radial, around = np.stack([np.cos(direction), np.sin(direction)]), np.stack([-np.sin(direction), np.cos(direction)])
+    value, slope, radius = _on_contour(
+        table, chi, interaction.kind == CAM_FLAT, train.follower.radius
+    )
+    radial, around = (
+        np.stack([np.cos(direction), np.sin(direction)]),
+        np.stack([-np.sin(direction), np.cos(direction)]),
+    )
     if interaction.kind == CAM_FLAT:
         normal, point = radial, value * radial - sense * slope * around
     else:
@@ -173,11 +247,17 @@ def _contact_geometry(
     tangent = np.stack([-normal[1], normal[0]])
     cam_surface = sense * (point[0] * tangent[1] - point[1] * tangent[0])
     body_surface = _body_velocity(row, rate, point, tangent)
-    sliding = np.zeros_like(angle) if train.follower.shape == "roller" else cam_surface - body_surface
+    sliding = (
+        np.zeros_like(angle) if train.follower.shape == "roller" else cam_surface - body_surface
+    )
     return {
-        "contact_radius": radius, "contact_offset": -sense * slope if interaction.kind == CAM_FLAT else np.arctan2(slope, value),
-        "sliding_velocity": sliding, "pressure_root": _pressure_root(train, radius),
-    }  # fmt: skip
+        "contact_radius": radius,
+        "contact_offset": -sense * slope
+        if interaction.kind == CAM_FLAT
+        else np.arctan2(slope, value),
+        "sliding_velocity": sliding,
+        "pressure_root": _pressure_root(train, radius),
+    }
 
 
 def _points(row: Array, body: Array) -> tuple[Array, Array, Array]:
@@ -188,13 +268,21 @@ def _points(row: Array, body: Array) -> tuple[Array, Array, Array]:
     return row[1] + c * row[3] - s * row[4], row[2] + s * row[3] + c * row[4], turn
 
 
-def _on_contour(table: Array, chi: Array, flat: bool, follower_radius: float) -> tuple[Array, Array, Array]:
-    """Contour value, slope and cam radius of curvature at ``chi`` (linear between nodes, a quarter degree apart)."""
+def _on_contour(
+    table: Array, chi: Array, flat: bool, follower_radius: float
+) -> tuple[Array, Array, Array]:
+    """Contour value, slope and cam radius of curvature at ``chi`` (linear between nodes, a quarter
+    degree apart).
+    """
     nodes = np.arange(len(table) + 1) * 2 * np.pi / len(table)
     closed = np.vstack([table, table[:1]])
     value, slope, bend = (np.interp(np.mod(chi, 2 * np.pi), nodes, closed[:, n]) for n in range(3))
     rows = np.column_stack([value, slope, bend])
-    return value, slope, curvature_radius_flat(rows) if flat else curvature_radius_round(rows, follower_radius)
+    return (
+        value,
+        slope,
+        curvature_radius_flat(rows) if flat else curvature_radius_round(rows, follower_radius),
+    )
 
 
 def _body_velocity(row: Array, rate: Array, point: Array, tangent: Array) -> Array:
@@ -206,7 +294,9 @@ def _body_velocity(row: Array, rate: Array, point: Array, tangent: Array) -> Arr
 
 
 def _pressure_root(train: TrainParameters, radius: Array) -> Array:
-    """Peak line pressure per root of force, p0 = sqrt(F E* / (pi L R)) with 1/R = 1/R_cam + 1/R_follower (Johnson 1985, chapter 4)."""
+    """Peak line pressure per root of force, p0 = sqrt(F E* / (pi L R)) with 1/R = 1/R_cam +
+    1/R_follower (Johnson 1985, chapter 4).
+    """
     modulus = train.cam.youngs_modulus / (2 * (1 - train.cam.poisson_ratio**2))
     curvature = 1 / radius + (1 / train.follower.radius if train.follower.radius > 0 else 0.0)
     return np.sqrt(np.maximum(curvature, 0.0) * modulus / (np.pi * train.cam.width))

@@ -1,4 +1,6 @@
-"""The main clash of the coils after the event: one spike, named the same way on every mesh and for every contact constant."""
+"""The main clash of the coils after the event: one spike, named the same way on every mesh and for
+every contact constant.
+"""
 
 from __future__ import annotations
 
@@ -12,15 +14,19 @@ from valvetrain.quantities.forces import within_cycle
 from valvetrain.quantities.peaks import Index, prominent_peaks
 from valvetrain.solution.study import LiftEvent
 
-#: A spike stands out by this share of the force range of the run, so that a ripple on the falling flank is none.
+#: A spike stands out by this share of the force range of the run, so that a ripple on the falling
+#: flank is none.
 SPIKE_SHARE = 0.01
-#: The main clash is the first spike after the event that rises above the base circle's force by this share of the highest one.
+#: The main clash is the first spike after the event that rises above the base circle's force by
+#: this share of the highest one.
 MAIN_SHARE = 0.6
 #: Its window reaches this share of a period of the first mode to either side.
 WINDOW_SHARE = 0.3
-#: Bandwidth (Hz) in which the spike is found and its angle read: raw force has ripples of the contact on top.
+#: Bandwidth (Hz) in which the spike is found and its angle read: raw force has ripples of the
+#: contact on top.
 FINDING_BANDWIDTH = BANDWIDTHS[0]
-#: The impulse is taken over this time (s) either side of the spike: a collision of valve spring coils takes some 80 us.
+#: The impulse is taken over this time (s) either side of the spike: a collision of valve spring
+#: coils takes some 80 us.
 IMPULSE_TIME = 1e-4
 
 
@@ -37,7 +43,9 @@ class ClashWindow:
 
 @dataclass(frozen=True, eq=False)
 class _Force:
-    """Seat force of the reported cycle as finely as the run holds it: time (s), cam angle (rad), raw and filtered values (N)."""
+    """Seat force of the reported cycle as finely as the run holds it: time (s), cam angle (rad),
+    raw and filtered values (N).
+    """
 
     time: Array
     cam_angle: Array
@@ -46,8 +54,12 @@ class _Force:
     base: float
 
 
-def find_clash_window(cycle: Cycle, surge_frequency: float, lift_event: LiftEvent) -> ClashWindow | None:
-    """Window about the main clash of a run; None where no coil meets another or the samples are too coarse. ``surge_frequency`` in Hz."""
+def find_clash_window(
+    cycle: Cycle, surge_frequency: float, lift_event: LiftEvent
+) -> ClashWindow | None:
+    """Window about the main clash of a run; None where no coil meets another or the samples are too
+    coarse. ``surge_frequency`` in Hz.
+    """
     force = _force(cycle)
     if force is None:
         return None
@@ -65,10 +77,14 @@ def find_clash_window(cycle: Cycle, surge_frequency: float, lift_event: LiftEven
 
 
 def _touched(cycle: Cycle, window: ClashWindow) -> bool:
-    """Whether any coil meets the one below anew within the window; without it a spike is a wave, not a clash."""
+    """Whether any coil meets the one below anew within the window; without it a spike is a wave,
+    not a clash.
+    """
     inside, solution = cycle.window(window.first, window.last), cycle.solution
     names = [solution.channel_of(spring, "coil_contact_force") for spring in solution.springs]
-    if not any(solution.has(name) for name in names):  # a run that kept its ends alone still knows its clashes
+    if not any(
+        solution.has(name) for name in names
+    ):  # a run that kept its ends alone still knows its clashes
         first = float(solution.cam_angle[cycle.samples.start])
         begun = (event.cam_angle - first for event in solution.events if event.kind == "clash")
         return any(window.first <= angle <= window.last for angle in begun)
@@ -77,9 +93,11 @@ def _touched(cycle: Cycle, window: ClashWindow) -> bool:
 
 
 def main_clash_quantities(cycle: Cycle, window: ClashWindow) -> dict[str, float]:
-    """Height raw and in each bandwidth (N), cam angle (rad) and impulse (N s) of the spike in ``window`` (docs/quantities.md).
+    """Height raw and in each bandwidth (N), cam angle (rad) and impulse (N s) of the spike in
+    ``window`` (docs/quantities.md).
 
-    The impulse is that of the raw force above the base circle's mean over 0.1 ms either side of the angle: a fixed time, since the
+    The impulse is that of the raw force above the base circle's mean over 0.1 ms either side of the
+    angle: a fixed time, since the
     width of a spike with ripples on it is no smooth function of the mesh.
     """
     force = _force(cycle)
@@ -88,10 +106,18 @@ def main_clash_quantities(cycle: Cycle, window: ClashWindow) -> dict[str, float]
     inside = np.flatnonzero((force.cam_angle >= window.first) & (force.cam_angle <= window.last))
     if len(inside) < 5:
         return {}
-    found = {"main_clash_peak_force": max(float(np.max(force.raw[inside])), _on_every_step(cycle, window))}
+    found = {
+        "main_clash_peak_force": max(
+            float(np.max(force.raw[inside])), _on_every_step(cycle, window)
+        )
+    }
     for bandwidth, values in force.filtered.items():
-        found[f"main_clash_below_{bandwidth / 1e3:.0f}_khz_peak_force"] = float(np.max(values[inside]))
-    found["main_clash_cam_angle"] = _vertex(force.cam_angle, force.filtered[FINDING_BANDWIDTH], inside)
+        found[f"main_clash_below_{bandwidth / 1e3:.0f}_khz_peak_force"] = float(
+            np.max(values[inside])
+        )
+    found["main_clash_cam_angle"] = _vertex(
+        force.cam_angle, force.filtered[FINDING_BANDWIDTH], inside
+    )
     found["main_clash_impulse"] = _impulse(force, found["main_clash_cam_angle"])
     return found
 
@@ -101,7 +127,11 @@ def _force(cycle: Cycle) -> _Force | None:
         return None
     solution = cycle.solution
     time, angle, raw = fine_series(solution)
-    filtered = {bandwidth: values for bandwidth in BANDWIDTHS if (values := fine_filtered(solution, bandwidth)) is not None}
+    filtered = {
+        bandwidth: values
+        for bandwidth in BANDWIDTHS
+        if (values := fine_filtered(solution, bandwidth)) is not None
+    }
     if len(filtered) < len(BANDWIDTHS):
         return None
     mine, begin = within_cycle(cycle, angle)
@@ -109,7 +139,9 @@ def _force(cycle: Cycle) -> _Force | None:
     within = angle[mine] - begin
     lift = np.interp(within, cycle.cam_angle, cycle.channel("valve_lift"))
     closed = lift <= 1e-3 * float(np.max(lift))
-    if not np.any(closed):  # a valve that never comes to its seat has no force to count a spike from
+    if not np.any(
+        closed
+    ):  # a valve that never comes to its seat has no force to count a spike from
         return None
     return _Force(time[mine], within, raw[mine], parts, float(np.mean(raw[mine][closed])))
 
@@ -123,7 +155,9 @@ def _on_every_step(cycle: Cycle, window: ClashWindow) -> float:
 
 
 def _vertex(angle: Array, values: Array, inside: Index) -> float:
-    """Angle of the largest value: vertex of the parabola through it and three neighbours to either side."""
+    """Angle of the largest value: vertex of the parabola through it and three neighbours to either
+    side.
+    """
     top = int(inside[int(np.argmax(values[inside]))])
     near = slice(max(top - 3, 0), top + 4)
     place = angle[near] - angle[top]
@@ -134,7 +168,9 @@ def _vertex(angle: Array, values: Array, inside: Index) -> float:
 
 
 def _impulse(force: _Force, place: float) -> float:
-    """Integral of the raw force above its base over ``IMPULSE_TIME`` either side of cam angle ``place`` (rad)."""
+    """Integral of the raw force above its base over ``IMPULSE_TIME`` either side of cam angle
+    ``place`` (rad).
+    """
     steps = np.diff(force.time)
     above = force.raw - force.base
     summed = np.concatenate(([0.0], np.cumsum(0.5 * (above[1:] + above[:-1]) * steps)))

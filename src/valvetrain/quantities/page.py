@@ -28,10 +28,22 @@ table of its own by the entry-point group `valvetrain.quantities`.
 """
 
 _GROUPS: tuple[tuple[str, str, tuple[QuantityRow, ...]], ...] = (
-    ("At rest", "Of springs and lift before anything runs; estimates hold for the free state.", AT_REST),
+    (
+        "At rest",
+        "Of springs and lift before anything runs; estimates hold for the free state.",
+        AT_REST,
+    ),
     ("Runs", "Of a run, for a spring under prescribed motion and for springs in a train.", RUNS),
-    ("Trains", 'Of one steady cycle of a train. "Open" means that the rigid lift is above a tenth of its maximum.', TRAINS),
-    ("Valve events", "Of a train: opening and closing, in cam angle, and the crank angle between them.", EVENTS),
+    (
+        "Trains",
+        'Of one steady cycle of a train. "Open" means that the rigid lift is above a tenth of its maximum.',
+        TRAINS,
+    ),
+    (
+        "Valve events",
+        "Of a train: opening and closing, in cam angle, and the crank angle between them.",
+        EVENTS,
+    ),
     ("Scatter of a train", "Of a train whose motion does not repeat: over 8 cycles.", SCATTER),
     ("Sweeps", "Of a sweep over engine speeds.", SWEEP),
 )
@@ -75,9 +87,13 @@ object from the names above to such numbers.
 
 
 def quantities_page() -> str:
-    """The whole page: general quantities by group, those of each published study, and the keys of ``--json``."""
+    """The whole page: general quantities by group, those of each published study, and the keys of
+    ``--json``.
+    """
     parts = [_HEAD, *(f"## {title}\n\n{lead}\n\n{_table(rows)}" for title, lead, rows in _GROUPS)]
-    parts += [_study(word, place) for word, place in BUILT_IN["quantities"].items() if word != "general"]
+    parts += [
+        _study(word, place) for word, place in BUILT_IN["quantities"].items() if word != "general"
+    ]
     return "\n".join([*parts, _JSON])
 
 
@@ -91,5 +107,7 @@ def _table(rows: Sequence[QuantityRow]) -> str:
     lines = ["| quantity | in words | shown in | of | definition |", "|---|---|---|---|---|"]
     for one in rows:
         better = f" ({one.sense})" if one.sense else ""
-        lines.append(f"| `{one.name}` | {one.label} | {one.shown_unit or '1'} | {_SYSTEMS[one.systems]} | {one.definition}{better} |")
+        lines.append(
+            f"| `{one.name}` | {one.label} | {one.shown_unit or '1'} | {_SYSTEMS[one.systems]} | {one.definition}{better} |"
+        )
     return "\n".join(lines) + "\n"

@@ -1,4 +1,6 @@
-"""Values beyond which a number is nonsense though every equation was solved: of what is asked for, and of what comes out."""
+"""Values beyond which a number is nonsense though every equation was solved: of what is asked for,
+and of what comes out.
+"""
 
 from __future__ import annotations
 
@@ -17,7 +19,8 @@ from valvetrain.solution.status import Status
 
 @dataclass(frozen=True, slots=True)
 class PlausibleRange:
-    """``low`` to ``high`` (SI) of a quantity whose name begins and ends with the parts of ``names``; ``unit`` it is shown in, ``scale`` of
+    """``low`` to ``high`` (SI) of a quantity whose name begins and ends with the parts of
+    ``names``; ``unit`` it is shown in, ``scale`` of
     that unit, and the ``reason`` why nothing real lies beyond."""
 
     words: str
@@ -41,27 +44,66 @@ class PlausibleRange:
         return f"{self.words} is {value / self.scale:.4g} {self.unit}, {side} {bound / self.scale:g} {self.unit}: {self.reason}"
 
 
-def _range(words: str, names: str, low: float, high: float, unit: str, scale: float, reason: str) -> PlausibleRange:
+def _range(
+    words: str, names: str, low: float, high: float, unit: str, scale: float, reason: str
+) -> PlausibleRange:
     """``names``: separated by blanks, ``*`` for whatever stands between head and tail."""
-    parts = ((head, tail if star else "") for head, star, tail in (name.partition("*") for name in names.split()))
+    parts = (
+        (head, tail if star else "")
+        for head, star, tail in (name.partition("*") for name in names.split())
+    )
     exact = tuple((head, tail or head) for head, tail in parts)
     return PlausibleRange(words, exact, low, high, unit, scale, reason)
 
 
 #: Of the motion that is asked for, by lift law and engine speed.
 LEAST_LIFT = _range(
-    "the least lift", "least_lift", -50e-6, math.inf, "mm", 1e-3, "no cam is ground below its base circle by more than run-out"
+    "the least lift",
+    "least_lift",
+    -50e-6,
+    math.inf,
+    "mm",
+    1e-3,
+    "no cam is ground below its base circle by more than run-out",
 )
 LARGEST_LIFT = _range(
-    "the largest lift", "largest_lift", 0.0, 0.1, "mm", 1e-3, "valves that a cam drives open by less, in ship engines too"
+    "the largest lift",
+    "largest_lift",
+    0.0,
+    0.1,
+    "mm",
+    1e-3,
+    "valves that a cam drives open by less, in ship engines too",
 )
-SPEED = _range("the lift speed", "lift_speed", 0.0, 50.0, "m/s", 1.0, "racing engines at 20 000 rpm reach about 15 m/s")
+SPEED = _range(
+    "the lift speed",
+    "lift_speed",
+    0.0,
+    50.0,
+    "m/s",
+    1.0,
+    "racing engines at 20 000 rpm reach about 15 m/s",
+)
 ACCELERATION = _range(
-    "the lift acceleration", "lift_acceleration", 0.0, 2e6, "m/s²", 1.0, "racing valves reach about 1e5 m/s², and a blow on a cam tears it"
-)  # fmt: skip
+    "the lift acceleration",
+    "lift_acceleration",
+    0.0,
+    2e6,
+    "m/s²",
+    1.0,
+    "racing valves reach about 1e5 m/s², and a blow on a cam tears it",
+)
 ASKED = (LEAST_LIFT, LARGEST_LIFT, SPEED, ACCELERATION)
 #: Of parts: a force that holds a part in its guide.
-GUIDE_FRICTION = _range("the friction in a guide", "friction", 0.0, 1e4, "N", 1.0, "guides of valves and tappets take some 10 N")
+GUIDE_FRICTION = _range(
+    "the friction in a guide",
+    "friction",
+    0.0,
+    1e4,
+    "N",
+    1.0,
+    "guides of valves and tappets take some 10 N",
+)
 PARTS = (GUIDE_FRICTION,)
 #: Of runs: quantities and channels by name.
 FOUND = (
@@ -73,22 +115,41 @@ FOUND = (
     _range("a shear stress", "peak_shear_stress nominal_peak_shear_stress", -1e10, 1e10, "GPa", 1e9,
            "the ideal strength of a steel crystal is G / 8"),
 )  # fmt: skip
-TABLES: Mapping[str, tuple[PlausibleRange, ...]] = {"asked for": ASKED, "of parts": PARTS, "of a run": FOUND}
+TABLES: Mapping[str, tuple[PlausibleRange, ...]] = {
+    "asked for": ASKED,
+    "of parts": PARTS,
+    "of a run": FOUND,
+}
 REMEDY = "check the numbers and their units, or let implausible values pass (--implausible, implausible=True)"
 
 
 def lift_extremes(law: LiftLaw) -> tuple[float, float, float, float]:
-    """Least and largest lift (m), largest first and second derivative by size (m/rad, m/rad2) of a law, between its joints too."""
-    joints = np.unique(np.mod(np.asarray(law.joints, dtype=float), TURN)) if len(law.joints) else np.zeros(0)
+    """Least and largest lift (m), largest first and second derivative by size (m/rad, m/rad2) of a
+    law, between its joints too.
+    """
+    joints = (
+        np.unique(np.mod(np.asarray(law.joints, dtype=float), TURN))
+        if len(law.joints)
+        else np.zeros(0)
+    )
     ends = np.unique(np.concatenate([joints, np.linspace(0.0, TURN, 721)]))
     inner = np.linspace(0.0, 1.0, 8, endpoint=False)
     angles = (ends[:-1, None] + np.diff(ends)[:, None] * inner).ravel()
-    lift, rate, bend = (np.asarray(law.lift(angles, derivative), dtype=float) for derivative in (0, 1, 2))
-    return float(np.min(lift)), float(np.max(lift)), float(np.max(np.abs(rate))), float(np.max(np.abs(bend)))
+    lift, rate, bend = (
+        np.asarray(law.lift(angles, derivative), dtype=float) for derivative in (0, 1, 2)
+    )
+    return (
+        float(np.min(lift)),
+        float(np.max(lift)),
+        float(np.max(np.abs(rate))),
+        float(np.max(np.abs(bend))),
+    )
 
 
 def refuse_implausible_motion(law: LiftLaw, cam_speeds: Iterable[float]) -> None:
-    """Raise :class:`InputError` where the lift of ``law`` at the highest of ``cam_speeds`` (rad/s) lies outside :data:`ASKED`."""
+    """Raise :class:`InputError` where the lift of ``law`` at the highest of ``cam_speeds`` (rad/s)
+    lies outside :data:`ASKED`.
+    """
     least, largest, rate, bend = lift_extremes(law)
     speed = max(cam_speeds, default=0.0)
     for limit, value in zip(ASKED, (least, largest, rate * speed, bend * speed**2), strict=True):
@@ -97,7 +158,9 @@ def refuse_implausible_motion(law: LiftLaw, cam_speeds: Iterable[float]) -> None
 
 
 def refuse_implausible_parts(values: Mapping[str, float]) -> None:
-    """Raise :class:`InputError` for the first of ``values`` (SI, by the place it stands at) outside its range of :data:`PARTS`."""
+    """Raise :class:`InputError` for the first of ``values`` (SI, by the place it stands at) outside
+    its range of :data:`PARTS`.
+    """
     for place, value in values.items():
         for limit in PARTS:
             if limit.holds(place.rpartition(".")[2]) and (words := limit.why_not(value)):
@@ -114,7 +177,9 @@ def implausible(solution: Solution) -> str:
 
 
 def plausible_rest(one: SpringAtRest) -> SpringAtRest:
-    """The spring at rest, its curve or, where it has none, nothing as ``diverged`` where a number of it is nonsense; all numbers stay."""
+    """The spring at rest, its curve or, where it has none, nothing as ``diverged`` where a number
+    of it is nonsense; all numbers stay.
+    """
     if one.curve is None or not (found := _implausible_rest(one)):
         return one
     words, compression = found
@@ -123,7 +188,9 @@ def plausible_rest(one: SpringAtRest) -> SpringAtRest:
 
 
 def _implausible_rest(one: SpringAtRest) -> tuple[str, float] | None:
-    """The first nonsense of a spring at rest, in words without a remedy, and the compression (m) it comes out at."""
+    """The first nonsense of a spring at rest, in words without a remedy, and the compression (m) it
+    comes out at.
+    """
     assert one.curve is not None
     curve, nominal = one.curve, one.stress_per_force
     rows = [("peak_spring_force", curve.compression, curve.force)]
@@ -133,10 +200,17 @@ def _implausible_rest(one: SpringAtRest) -> tuple[str, float] | None:
         rows.append(("peak_shear_stress", one.stress.compression, np.max(one.stress.shear, axis=1)))
     if curve.leaning is not None:
         rows.append(("guide_force", curve.compression[-1:], np.array([curve.leaning.force])))
-    rows += [("peak_spring_force", np.array([point.compression]), np.array([point.force])) for point in one.points]
+    rows += [
+        ("peak_spring_force", np.array([point.compression]), np.array([point.force]))
+        for point in one.points
+    ]
     for name, places, values in rows:
         for limit in FOUND:
-            wrong = [place for place, value in enumerate(values.tolist()) if limit.holds(name) and limit.why_not(value)]
+            wrong = [
+                place
+                for place, value in enumerate(values.tolist())
+                if limit.holds(name) and limit.why_not(value)
+            ]
             if wrong:
                 return limit.why_not(float(values[wrong[0]])), float(places[wrong[0]])
     return None
@@ -144,7 +218,13 @@ def _implausible_rest(one: SpringAtRest) -> tuple[str, float] | None:
 
 def _numbers(solution: Solution) -> Iterator[tuple[str, float]]:
     yield from solution.quantities.items()
-    for name in ("retainer_velocity", "valve_velocity", "axial_velocity", "outer_axial_velocity", "inner_axial_velocity"):
+    for name in (
+        "retainer_velocity",
+        "valve_velocity",
+        "axial_velocity",
+        "outer_axial_velocity",
+        "inner_axial_velocity",
+    ):
         if solution.has(name):
             values = np.asarray(solution.channel(name), dtype=float)
             if values.size:
@@ -163,8 +243,13 @@ def plausible_page() -> str:
     ]
     for kind, ranges in TABLES.items():
         for one in ranges:
-            low, high = (("" if math.isinf(value) else f"{value / one.scale:g} {one.unit}") for value in (one.low, one.high))
-            names = ", ".join(f"`{head}`" if head == tail else f"`{head}*{tail}`" for head, tail in one.names)
+            low, high = (
+                ("" if math.isinf(value) else f"{value / one.scale:g} {one.unit}")
+                for value in (one.low, one.high)
+            )
+            names = ", ".join(
+                f"`{head}`" if head == tail else f"`{head}*{tail}`" for head, tail in one.names
+            )
             shown = f" ({names})" if kind == "of a run" else ""
             lines.append(f"| {kind} | {one.words}{shown} | {low} | {high} | {one.reason} |")
     lines += [

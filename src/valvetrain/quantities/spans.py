@@ -1,4 +1,6 @@
-"""Stretches of cam angle on the ring of one turn: where a curve stands above a level, what two sets share, how long they last."""
+"""Stretches of cam angle on the ring of one turn: where a curve stands above a level, what two sets
+share, how long they last.
+"""
 
 from __future__ import annotations
 
@@ -14,12 +16,17 @@ TURN = 2 * np.pi
 
 
 def spans_above(cam_angle: Array, values: Array, level: float = 0.0) -> list[Span]:
-    """Where one closed turn of even samples stands above ``level``, straight between samples; the whole turn where it always does."""
+    """Where one closed turn of even samples stands above ``level``, straight between samples; the
+    whole turn where it always does.
+    """
     above = values > level
     if np.all(above):
         return [(0.0, TURN)]
     step = TURN / len(values)
-    rises, falls = (np.flatnonzero(change) for change in (~above & np.roll(above, -1), above & ~np.roll(above, -1)))
+    rises, falls = (
+        np.flatnonzero(change)
+        for change in (~above & np.roll(above, -1), above & ~np.roll(above, -1))
+    )
 
     def crossing(place: int) -> float:
         low, high = float(values[place]), float(values[(place + 1) % len(values)])
@@ -53,7 +60,11 @@ def shared(first: Iterable[Span], second: Sequence[Span]) -> list[Span]:
 
 def covered(spans: Sequence[Span]) -> float:
     """Angle (rad) that the spans cover together, what several cover counted once."""
-    cut = sorted(part for begin, end in spans for part in ((begin, min(end, TURN)), (0.0, max(end - TURN, 0.0))))
+    cut = sorted(
+        part
+        for begin, end in spans
+        for part in ((begin, min(end, TURN)), (0.0, max(end - TURN, 0.0)))
+    )
     total, reached = 0.0, 0.0
     for begin, end in cut:
         total += max(0.0, end - max(begin, reached))

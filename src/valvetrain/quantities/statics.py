@@ -6,31 +6,49 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from valvetrain.solution.modal import ModalResult
+from valvetrain.solution.modes import ModalResult
 from valvetrain.solution.rest_point import named
 from valvetrain.solution.static import Array, SpringAtRest, StaticCurve
 
-#: What is named of the installed state beside its force and rate; the nominal stress is that of every model, the rest of a rod's.
+#: What is named of the installed state beside its force and rate; the nominal stress is that of
+#: every model, the rest of a rod's.
 POINT_NAMES = tuple(
-    f"installed_{name}" for name in ("nominal_shear_stress", "shear_stress", "equivalent_stress", "retainer_torque", "retainer_moment",
-                                     "retainer_side_force", "retainer_rotation_angle")
-)  # fmt: skip
-#: Slopes that differ by less than this share are one slope: no stiffness change is reported. Large deflection alone bends the curve of
-#: an evenly wound spring by about 1 % up to the installed height; one coil of six that closes raises the slope by some 20 %.
+    f"installed_{name}"
+    for name in (
+        "nominal_shear_stress",
+        "shear_stress",
+        "equivalent_stress",
+        "retainer_torque",
+        "retainer_moment",
+        "retainer_side_force",
+        "retainer_rotation_angle",
+    )
+)
+#: Slopes that differ by less than this share are one slope: no stiffness change is reported. Large
+#: deflection alone bends the curve of
+#: an evenly wound spring by about 1 % up to the installed height; one coil of six that closes
+#: raises the slope by some 20 %.
 SLOPE_SHARE = 0.02
 
 
 def rest_quantities(rest: SpringAtRest, wanted: Iterable[str] = ()) -> dict[str, float]:
-    """All named numbers (SI) of one spring at rest; ``wanted``: names such as ``natural_3_frequency`` that a publication numbers so."""
+    """All named numbers (SI) of one spring at rest; ``wanted``: names such as
+    ``natural_3_frequency`` that a publication numbers so.
+    """
     found = {} if rest.curve is None else static_quantities(rest.curve, rest.precompression)
     if rest.installed is not None:
         told = named(rest.installed, "installed_")
         found |= {name: told[name] for name in POINT_NAMES if name in told}
-    return found if rest.modes is None else found | modal_quantities(rest.modes) | natural_quantities(rest.modes, wanted)
+    return (
+        found
+        if rest.modes is None
+        else found | modal_quantities(rest.modes) | natural_quantities(rest.modes, wanted)
+    )
 
 
 def static_quantities(curve: StaticCurve, precompression: float) -> dict[str, float]:
-    """Preload (N), compression at which the stiffness changes (m) and smallest gap of coils 1 and 2 (m) when installed.
+    """Preload (N), compression at which the stiffness changes (m) and smallest gap of coils 1 and 2
+    (m) when installed.
 
     Read from the curve's own path, so that they do not depend on the points it shows.
     """
@@ -42,20 +60,26 @@ def static_quantities(curve: StaticCurve, precompression: float) -> dict[str, fl
     found["installed_rate"] = curve.stiffness_at(precompression)
     inside = curve.compression <= precompression * (1 + 1e-9)
     loose = inside & (curve.force <= 0.0)
-    if np.count_nonzero(loose) > 1:  # a model of one rate that is loose near the free state changes no stiffness there
+    if (
+        np.count_nonzero(loose) > 1
+    ):  # a model of one rate that is loose near the free state changes no stiffness there
         inside &= ~loose
     knee = slope_change(curve.compression[inside], curve.force[inside])
     if knee is not None:
         found["stiffness_change_compression"] = knee
     pairs = (curve.upper_coil > 1 + 1e-9) & (curve.upper_coil <= 2 + 1e-9)
     if np.any(pairs):
-        gaps = [float(np.interp(precompression, curve.compression, curve.coil_gap[:, pair])) for pair in np.flatnonzero(pairs)]
+        gaps = [
+            float(np.interp(precompression, curve.compression, curve.coil_gap[:, pair]))
+            for pair in np.flatnonzero(pairs)
+        ]
         found["coil_1_2_installed_gap"] = min(gaps)
     return found
 
 
 def slope_change(compression: Array, force: Array) -> float | None:
-    """Compression (m) at which two straight lines that fit the force best meet; None where one line does as well.
+    """Compression (m) at which two straight lines that fit the force best meet; None where one line
+    does as well.
 
     This is what an eye reads off a drawn curve whose slope "changes at about" somewhere.
     """
@@ -64,7 +88,9 @@ def slope_change(compression: Array, force: Array) -> float | None:
     candidates = np.linspace(compression[1], compression[-2], 201)
     best: tuple[float, float | None] = (np.inf, None)
     for knee in candidates:
-        base = np.stack([np.ones_like(compression), compression, np.maximum(compression - knee, 0.0)], axis=1)
+        base = np.stack(
+            [np.ones_like(compression), compression, np.maximum(compression - knee, 0.0)], axis=1
+        )
         fit, *_ = np.linalg.lstsq(base, force, rcond=None)
         miss = float(np.sum((base @ fit - force) ** 2))
         if miss < best[0]:
@@ -75,13 +101,20 @@ def slope_change(compression: Array, force: Array) -> float | None:
 def modal_quantities(result: ModalResult) -> dict[str, float]:
     """Axial natural frequencies (Hz) by number, under a name of their own where the retainer moves."""
     name = "mode" if result.attached_mass is None else "moving_retainer_mode"
-    return {f"{name}_{number}_frequency": float(value) for number, value in enumerate(result.axial_frequencies, start=1)}
+    return {
+        f"{name}_{number}_frequency": float(value)
+        for number, value in enumerate(result.axial_frequencies, start=1)
+    }
 
 
 def natural_quantities(result: ModalResult, wanted: Iterable[str]) -> dict[str, float]:
-    """Natural frequencies (Hz) in rising order, whatever their direction: those of the names ``wanted``, ``natural_n_frequency``.
+    """Natural frequencies (Hz) in rising order, whatever their direction: those of the names
+    ``wanted``, ``natural_n_frequency``.
 
     Only what a publication numbers so is named so; the axial ones have their own names.
     """
-    every = {f"natural_{number}_frequency": float(value) for number, value in enumerate(result.natural_frequency, start=1)}
+    every = {
+        f"natural_{number}_frequency": float(value)
+        for number, value in enumerate(result.natural_frequency, start=1)
+    }
     return {name: every[name] for name in wanted if name in every}

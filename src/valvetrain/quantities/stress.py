@@ -1,4 +1,6 @@
-"""Named stresses of a run: by EN 13906-1 from the force, and along the wire where the model gives section loads."""
+"""Named stresses of a run: by EN 13906-1 from the force, and along the wire where the model gives
+section loads.
+"""
 
 from __future__ import annotations
 
@@ -11,7 +13,7 @@ from valvetrain.parameters.spring import SpringDefinition
 from valvetrain.quantities.cycle import Array, Cycle
 from valvetrain.quantities.forces import spring_extremes
 from valvetrain.quantities.frame import Frame
-from valvetrain.solution.arrays import Variable
+from valvetrain.solution.channels import Variable
 from valvetrain.solution.result import Solution
 from valvetrain.solution.static import StaticStress
 from valvetrain.springs.stress import LOADS, STRESS_CHANNELS, nominal_stress_per_force, wire_stress
@@ -21,7 +23,9 @@ SHEAR, EQUIVALENT = "inner_fibre_shear_stress", "inner_fibre_equivalent_stress"
 
 @dataclass(frozen=True, eq=False)
 class WireStress:
-    """Stress at the inner fibre over one cycle, arrays (wire point,) in Pa: extremes of the shear, and the largest von Mises stress."""
+    """Stress at the inner fibre over one cycle, arrays (wire point,) in Pa: extremes of the shear,
+    and the largest von Mises stress.
+    """
 
     coil_number: Array
     least_shear: Array
@@ -45,59 +49,94 @@ class WireStress:
 
 
 def stress_quantities(cycle: Cycle, frame: Frame) -> dict[str, float]:
-    """All stresses (Pa) that the run and its springs support; of a nested pair the largest, and each with its spring's name in front."""
+    """All stresses (Pa) that the run and its springs support; of a nested pair the largest, and
+    each with its spring's name in front.
+    """
     names = cycle.solution.springs
     found: dict[str, float] = {}
     for name, spring in zip(names, frame.springs, strict=False):
         mine = _nominal(cycle, name, spring) | _of_wire(cycle, name, spring, frame)
-        found |= {f"{name}_{word}": value for word, value in mine.items()} if len(names) > 1 else mine
+        found |= (
+            {f"{name}_{word}": value for word, value in mine.items()} if len(names) > 1 else mine
+        )
     if len(names) > 1:
-        peaks = {name: found[key] for name in names if (key := f"{name}_nominal_peak_shear_stress") in found}
+        peaks = {
+            name: found[key]
+            for name in names
+            if (key := f"{name}_nominal_peak_shear_stress") in found
+        }
         if peaks:
             worst = max(peaks, key=lambda name: peaks[name])
-            found |= {f"nominal_{word}_shear_stress": found[f"{worst}_nominal_{word}_shear_stress"] for word in ("peak", "minimum")}
+            found |= {
+                f"nominal_{word}_shear_stress": found[f"{worst}_nominal_{word}_shear_stress"]
+                for word in ("peak", "minimum")
+            }
     return found
 
 
 def _nominal(cycle: Cycle, name: str, spring: InstalledSpring) -> dict[str, float]:
-    """Peak and least shear by EN 13906-1 at the worst place of the wire, as if the seat force went through the whole wire at once."""
+    """Peak and least shear by EN 13906-1 at the worst place of the wire, as if the seat force went
+    through the whole wire at once.
+    """
     extremes = spring_extremes(cycle, name)
     if spring.wire is None or extremes is None:
         return {}
     factor = nominal_stress_per_force(spring.wire)
-    return {"nominal_peak_shear_stress": factor * extremes[1], "nominal_minimum_shear_stress": factor * extremes[0]}
+    return {
+        "nominal_peak_shear_stress": factor * extremes[1],
+        "nominal_minimum_shear_stress": factor * extremes[0],
+    }
 
 
 def _extremes(coil: Array, shear: Array, equivalent: Array) -> WireStress:
     return WireStress(coil, shear.min(axis=0), shear.max(axis=0), equivalent.max(axis=0))
 
 
-def _traces(cycle: Cycle, spring: str, wire: SpringDefinition | None) -> tuple[Array, Array, Array] | None:
-    """Coil numbers, shear and equivalent stress at the inner fibre (sample, wire point) of one spring."""
+def _traces(
+    cycle: Cycle, spring: str, wire: SpringDefinition | None
+) -> tuple[Array, Array, Array] | None:
+    """Coil numbers, shear and equivalent stress at the inner fibre (sample, wire point) of one
+    spring.
+    """
     solution = cycle.solution
-    stresses, loads = ([solution.channel_of(spring, name) for name in names] for names in ((SHEAR, EQUIVALENT), LOADS))
+    stresses, loads = (
+        [solution.channel_of(spring, name) for name in names]
+        for names in ((SHEAR, EQUIVALENT), LOADS)
+    )
     if solution.has(*stresses):
         shear, equivalent = (cycle.channel(name) for name in stresses)
         return _coils(solution, stresses[0]), shear, equivalent
     if wire is None or not solution.has(*loads):
         return None
     coil = _coils(solution, loads[0])
-    values = wire_stress({load: cycle.channel(name) for load, name in zip(LOADS, loads, strict=True)}, wire, coil)
+    values = wire_stress(
+        {load: cycle.channel(name) for load, name in zip(LOADS, loads, strict=True)}, wire, coil
+    )
     return coil, values[SHEAR], values[EQUIVALENT]
 
 
 def with_wire_stress(solution: Solution, frame: Frame) -> Solution:
-    """The run with the stresses (Pa) at the inner fibre as channels, of every spring whose section loads were kept."""
+    """The run with the stresses (Pa) at the inner fibre as channels, of every spring whose section
+    loads were kept.
+    """
     added: dict[str, Variable] = {}
     for spring, place in zip(solution.springs, frame.springs, strict=False):
-        names, loads = ([solution.channel_of(spring, name) for name in known] for known in ((SHEAR, EQUIVALENT), LOADS))
+        names, loads = (
+            [solution.channel_of(spring, name) for name in known]
+            for known in ((SHEAR, EQUIVALENT), LOADS)
+        )
         if place.wire is None or solution.has(names[0]) or not solution.has(*loads):
             continue
-        values = wire_stress({load: solution.channel(name) for load, name in zip(LOADS, loads, strict=True)}, place.wire,
-                             _coils(solution, loads[0]))  # fmt: skip
+        values = wire_stress(
+            {load: solution.channel(name) for load, name in zip(LOADS, loads, strict=True)},
+            place.wire,
+            _coils(solution, loads[0]),
+        )
         dims = solution.arrays[loads[0]].dims
         added |= {
-            name: Variable(dims, values[known], {"units": "Pa", "long_name": STRESS_CHANNELS[known]})
+            name: Variable(
+                dims, values[known], {"units": "Pa", "long_name": STRESS_CHANNELS[known]}
+            )
             for name, known in zip(names, (SHEAR, EQUIVALENT), strict=True)
         }
     return solution.with_channels(added) if added else solution
@@ -111,7 +150,9 @@ def _coils(solution: Solution, name: str) -> Array:
 
 
 def _of_wire(cycle: Cycle, name: str, spring: InstalledSpring, frame: Frame) -> dict[str, float]:
-    """Peak, least, amplitude and mean along the wire, their places, and the ratio to the quasi-static peak (docs/quantities.md)."""
+    """Peak, least, amplitude and mean along the wire, their places, and the ratio to the
+    quasi-static peak (docs/quantities.md).
+    """
     traces = _traces(cycle, name, spring.wire)
     if traces is None:
         return {}
@@ -133,9 +174,14 @@ def _of_wire(cycle: Cycle, name: str, spring: InstalledSpring, frame: Frame) -> 
         slow = static.shear_at(spring.precompression + cycle.channel("valve_lift"))
         found["quasi_static_peak_shear_stress"] = float(np.max(slow))
         found["quasi_static_amplitude_shear_stress"] = float(np.max(np.ptp(slow, axis=0)) / 2)
-        found["dynamic_to_static_stress_ratio"] = found["peak_shear_stress"] / found["quasi_static_peak_shear_stress"]
+        found["dynamic_to_static_stress_ratio"] = (
+            found["peak_shear_stress"] / found["quasi_static_peak_shear_stress"]
+        )
     return found
 
 
 def _static_stress(frame: Frame, spring: InstalledSpring) -> StaticStress | None:
-    return next((one.stress for one in frame.rest if one.spring == spring.name and one.stress is not None), None)
+    return next(
+        (one.stress for one in frame.rest if one.spring == spring.name and one.stress is not None),
+        None,
+    )

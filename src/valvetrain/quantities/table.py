@@ -1,6 +1,8 @@
-"""The one table of quantities: every number that belongs to no single paper, with what it means and how it is shown.
+"""The one table of quantities: every number that belongs to no single paper, with what it means and
+how it is shown.
 
-Names are templates where a place, a number or a spring stands in them (see :class:`valvetrain.solution.definition.QuantityRow`).
+Names are templates where a place, a number or a spring stands in them (see
+:class:`valvetrain.solution.definition.QuantityRow`).
 """
 
 from __future__ import annotations
@@ -16,7 +18,12 @@ LESS: Sense = "smaller is better"
 
 def with_angle(one: QuantityRow) -> tuple[QuantityRow, QuantityRow]:
     """A row, and the one of the cam angle at which its value stands."""
-    return one, row(f"{one.name}_cam_angle", f"{one.label}, cam angle", f"Cam angle of the {one.label}.", systems=one.systems)
+    return one, row(
+        f"{one.name}_cam_angle",
+        f"{one.label}, cam angle",
+        f"Cam angle of the {one.label}.",
+        systems=one.systems,
+    )
 
 
 #: Of a spring and its place before anything runs.
@@ -265,19 +272,38 @@ def event_rows() -> tuple[QuantityRow, ...]:
     for word, (label, lifts, whose) in OPENERS.items():
         for lift in lifts:
             where = EVENT_LIFTS[lift]
-            what = "the seat is left and first touched again" if lift == "lash" else f"the lift passes {where.removeprefix('at ')}"
+            what = (
+                "the seat is left and first touched again"
+                if lift == "lash"
+                else f"the lift passes {where.removeprefix('at ')}"
+            )
             for end in ("opening", "closing"):
                 told = f"Cam angle of the {end} {whose}: where {what}."
-                rows.append(row(f"{word}_{lift}_{end}_cam_angle", f"{label} {end} {where}, cam angle", told, systems=TRAIN))
+                rows.append(
+                    row(
+                        f"{word}_{lift}_{end}_cam_angle",
+                        f"{label} {end} {where}, cam angle",
+                        told,
+                        systems=TRAIN,
+                    )
+                )
             told = f"Crank angle from opening to closing {whose}, {where}."
-            rows.append(row(f"{word}_{lift}_open_crank_angle_range", f"{label} open {where}", told, systems=TRAIN))
+            rows.append(
+                row(
+                    f"{word}_{lift}_open_crank_angle_range",
+                    f"{label} open {where}",
+                    told,
+                    systems=TRAIN,
+                )
+            )
     return tuple(rows)
 
 
 #: Opening and closing of lobe and valve.
 EVENTS: tuple[QuantityRow, ...] = event_rows()
 
-#: Numbers of a train whose scatter from cycle to cycle is told where its motion does not repeat -> plain words.
+#: Numbers of a train whose scatter from cycle to cycle is told where its motion does not repeat ->
+#: plain words.
 SCATTERED = {
     "valve_lift": "the valve lift at one cam angle", "peak_valve_lift": "the peak valve lift", "peak_spring_force": "the peak spring force",
     "minimum_spring_force": "the least spring force", "peak_retainer_force": "the peak retainer force",
@@ -286,11 +312,16 @@ SCATTERED = {
     "cycle_work_energy": "the work of the cam",
 }  # fmt: skip
 SCATTER: tuple[QuantityRow, ...] = tuple(
-    row(f"cycle_scatter_{name}", f"scatter of {words}",
-        f"Largest less least value of {words} over 8 cycles of a motion that does not repeat; absent where it does.", sense=LESS,
-        systems=TRAIN, shown_unit="J" if name.endswith("energy") else None)
+    row(
+        f"cycle_scatter_{name}",
+        f"scatter of {words}",
+        f"Largest less least value of {words} over 8 cycles of a motion that does not repeat; absent where it does.",
+        sense=LESS,
+        systems=TRAIN,
+        shown_unit="J" if name.endswith("energy") else None,
+    )
     for name, words in SCATTERED.items()
-)  # fmt: skip
+)
 
 #: Of a sweep over engine speeds.
 SWEEP: tuple[QuantityRow, ...] = (

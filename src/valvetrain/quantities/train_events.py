@@ -1,4 +1,6 @@
-"""What happens in one closed cycle of a train: loft, float, loss of contact, seating, bounce, each with its cause."""
+"""What happens in one closed cycle of a train: loft, float, loss of contact, seating, bounce, each
+with its cause.
+"""
 
 from __future__ import annotations
 
@@ -22,20 +24,28 @@ SMALLEST_GAP = 2e-6
 """Gaps below this (m) are vibration of a contact, not an event."""
 
 #: Place whose gap can open while the valve should be driven -> kind of that event.
-PLACES = {"cam": "loft", "tappet": "loss-of-contact", "rocker": "loss-of-contact", "valve_tip": "loss-of-contact"}
+PLACES = {
+    "cam": "loft",
+    "tappet": "loss-of-contact",
+    "rocker": "loss-of-contact",
+    "valve_tip": "loss-of-contact",
+}
 CAUSE_INERTIA = "inertia exceeds the spring force (rigid theory loses contact here too)"
 CAUSE_SURGE = "surge lowers the spring force below its static value"
 CAUSE_VIBRATION = "vibration of the train unloads the contact"
 #: Closings of contacts that the integrator logged are read and not kept.
 LOGGED = ("touch",)
-#: Losses of contact that follow on each other within this angle (rad) are one stretch in which the train is open.
+#: Losses of contact that follow on each other within this angle (rad) are one stretch in which the
+#: train is open.
 NEXT_TO = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
 class RigidCycle:
-    """Rigid motion at the samples of a run (S,): lift (m), acceleration (m/s2), contact force at the cam (N); ``top`` (m) and
-    ``nose`` (cam rad): its largest lift and where it stands, whatever the samples; ``open_spans``: begin and end (cam rad) of the
+    """Rigid motion at the samples of a run (S,): lift (m), acceleration (m/s2), contact force at
+    the cam (N); ``top`` (m) and
+    ``nose`` (cam rad): its largest lift and where it stands, whatever the samples; ``open_spans``:
+    begin and end (cam rad) of the
     stretches off the seat."""
 
     valve_lift: Array
@@ -49,10 +59,14 @@ class RigidCycle:
 def rigid_cycle(solution: Solution, rigid: RigidTable) -> RigidCycle:
     """The rigid table, which may have any number of samples, at the cam angles of a run."""
     names = ("valve_lift", "valve_acceleration", "contact_force")
-    moved, slowed, pressed = (np.interp(solution.cam_angle, rigid.cam_angle, rigid[name], period=TURN) for name in names)
+    moved, slowed, pressed = (
+        np.interp(solution.cam_angle, rigid.cam_angle, rigid[name], period=TURN) for name in names
+    )
     opened = rigid.open_spans or tuple(spans_above(rigid.cam_angle, rigid["valve_lift"]))
     lift = rigid["valve_lift"]
-    return RigidCycle(moved, slowed, pressed, ring_peak(lift), ring_top(rigid.cam_angle, lift), opened)
+    return RigidCycle(
+        moved, slowed, pressed, ring_peak(lift), ring_top(rigid.cam_angle, lift), opened
+    )
 
 
 def train_events(solution: Solution, rigid: RigidCycle) -> tuple[Event, ...]:
@@ -64,20 +78,30 @@ def train_events(solution: Solution, rigid: RigidCycle) -> tuple[Event, ...]:
 
 def lost_spans(events: Sequence[Event], turn: float) -> list[Span]:
     """Cam angles in which any contact of the drive is lost; ``turn``: time (s) of a cam turn."""
-    return [span_of(event.cam_angle, event.cam_angle + event.duration / turn * TURN) for event in events if event.kind in PLACES.values()]
+    return [
+        span_of(event.cam_angle, event.cam_angle + event.duration / turn * TURN)
+        for event in events
+        if event.kind in PLACES.values()
+    ]
 
 
 def _contact_losses(solution: Solution, rigid: RigidCycle) -> list[Event]:
-    """Loft at the cam and losses of contact elsewhere while the rigid valve is open; size is the largest gap (m)."""
+    """Loft at the cam and losses of contact elsewhere while the rigid valve is open; size is the
+    largest gap (m).
+    """
     logged = solution.statistics.get(CONTACTS_LOGGED) == 1
     if logged and not any(event.kind in LOGGED for event in solution.events):
-        return [event for event in solution.events if event.kind in PLACES.values()]  # found before, when the log was there
+        return [
+            event for event in solution.events if event.kind in PLACES.values()
+        ]  # found before, when the log was there
     found = []
     for place, kind in PLACES.items():
         if not solution.has(f"{place}_gap"):
             continue
         gap, name = solution.channel(f"{place}_gap"), place.replace("_", " ")
-        for begin, end, largest in _logged_spans(solution, name, gap) if logged else _sampled_spans(solution, gap):
+        for begin, end, largest in (
+            _logged_spans(solution, name, gap) if logged else _sampled_spans(solution, gap)
+        ):
             for part in shared([(begin, end)], rigid.open_spans):
                 whole = part[1] - part[0] >= (end - begin) * (1 - 1e-9)
                 size = largest if whole else _largest_within(solution.cam_angle, gap, part)
@@ -88,7 +112,9 @@ def _contact_losses(solution: Solution, rigid: RigidCycle) -> list[Event]:
 
 
 def _logged_spans(solution: Solution, name: str, gap: Array) -> list[tuple[float, float, float]]:
-    """Release, touch (cam rad) and largest gap (m) of every stretch in which a contact is open, as the integrator saw them."""
+    """Release, touch (cam rad) and largest gap (m) of every stretch in which a contact is open, as
+    the integrator saw them.
+    """
     touches = [event for event in solution.events if event.kind in LOGGED and event.where == name]
     if not touches and np.min(gap) > 0:
         return [(0.0, TURN, float(np.max(gap)))]
@@ -112,24 +138,38 @@ def _largest_within(cam_angle: Array, values: Array, span: Span) -> float:
     return max(float(np.max(values[inside], initial=-np.inf)), float(np.max(ends)))
 
 
-def _loss_details(solution: Solution, rigid: RigidCycle, place: str, part: Span) -> dict[str, Detail]:
+def _loss_details(
+    solution: Solution, rigid: RigidCycle, place: str, part: Span
+) -> dict[str, Detail]:
     force = solution.channel(f"{place}_contact_force")
     last = int(np.argmin((solution.cam_angle - part[1]) % TURN))
     return {
-        "cause": _cause_within(solution, rigid, part), "landing_cam_angle": part[1] % TURN,
+        "cause": _cause_within(solution, rigid, part),
+        "landing_cam_angle": part[1] % TURN,
         "landing_force": float(np.max(force[np.arange(last - 1, last + 7) % len(force)])),
-    }  # fmt: skip
+    }
 
 
 def _floats(solution: Solution, rigid: RigidCycle, losses: Sequence[Event]) -> list[Event]:
-    """Loss of control over the nose: the valve runs above its rigid lift with the train open; size is the excess lift (m)."""
+    """Loss of control over the nose: the valve runs above its rigid lift with the train open; size
+    is the excess lift (m).
+    """
     angle, excess = solution.cam_angle, solution.channel("valve_lift") - rigid.valve_lift
-    slowing = spans_above(angle, -rigid.valve_acceleration, -1e-9 * float(np.max(np.abs(rigid.valve_acceleration))))
+    slowing = spans_above(
+        angle, -rigid.valve_acceleration, -1e-9 * float(np.max(np.abs(rigid.valve_acceleration)))
+    )
     over = shared(spans_above(angle, rigid.valve_lift, 0.3 * rigid.top), slowing)
     above = shared(over, spans_above(angle, excess, 10 * SMALLEST_GAP))
     lost = _joined(lost_spans(losses, _period(solution)))
     return [
-        _event(solution, "float", part, _largest_within(angle, excess, part), "valve", {"cause": _cause_within(solution, rigid, part)})
+        _event(
+            solution,
+            "float",
+            part,
+            _largest_within(angle, excess, part),
+            "valve",
+            {"cause": _cause_within(solution, rigid, part)},
+        )
         for part in shared(above, lost)
     ]
 
@@ -159,7 +199,9 @@ class _Opening:
 
 
 def _seatings_and_bounces(solution: Solution) -> list[Event]:
-    """Every touch of the seat with its velocity (m/s) and which one it is, and every bounce with its height (m)."""
+    """Every touch of the seat with its velocity (m/s) and which one it is, and every bounce with
+    its height (m).
+    """
     kept = [event for event in solution.events if event.kind in ("seating", "bounce")]
     if kept:  # found by an evaluation before this one, from what the integrator saw
         return kept
@@ -167,18 +209,41 @@ def _seatings_and_bounces(solution: Solution) -> list[Event]:
     main, found = max(range(len(openings)), key=lambda k: openings[k].height, default=0), []
     for turn in range(len(openings)):
         one = openings[(main + turn) % len(openings)]
-        touch: dict[str, Detail] = {"touch": turn + 1, "cause": "end of the closing flank" if turn == 0 else "end of a bounce"}
+        touch: dict[str, Detail] = {
+            "touch": turn + 1,
+            "cause": "end of the closing flank" if turn == 0 else "end of a bounce",
+        }
         touch["release_cam_angle"] = one.release
-        found.append(Event("seating", one.touch, _time_at(solution, one.touch), 0.0, one.velocity, "m/s", "seat", touch))
+        found.append(
+            Event(
+                "seating",
+                one.touch,
+                _time_at(solution, one.touch),
+                0.0,
+                one.velocity,
+                "m/s",
+                "seat",
+                touch,
+            )
+        )
         if turn > 0:
             length = (one.touch - one.release) % TURN
             window = _between(solution, one.release, length)
-            force, static = (float(np.mean(solution.channel(name)[window])) for name in ("retainer_force", "static_retainer_force"))
+            force, static = (
+                float(np.mean(solution.channel(name)[window]))
+                for name in ("retainer_force", "static_retainer_force")
+            )
             slack = force / max(static, 1e-9)
-            reason = "rebound from the seat" if slack > 0.8 else f"rebound with the spring force down to {slack:.0%} by surge"
+            reason = (
+                "rebound from the seat"
+                if slack > 0.8
+                else f"rebound with the spring force down to {slack:.0%} by surge"
+            )
             details: dict[str, Detail] = {"bounce": turn, "cause": reason}
             start, lasts = _time_at(solution, one.release), length / TURN * _period(solution)
-            found.append(Event("bounce", one.release, start, lasts, one.height, "m", "seat", details))
+            found.append(
+                Event("bounce", one.release, start, lasts, one.height, "m", "seat", details)
+            )
     return found
 
 
@@ -187,19 +252,26 @@ def _logged_openings(solution: Solution) -> list[_Opening]:
     return [
         _Opening(float(event.details["release_cam_angle"]), event.cam_angle, event.size, height)
         for event in solution.events
-        if event.kind == "touch" and event.where == "seat" and (height := float(event.details["largest_gap"])) > SMALLEST_GAP
+        if event.kind == "touch"
+        and event.where == "seat"
+        and (height := float(event.details["largest_gap"])) > SMALLEST_GAP
     ]
 
 
 def _sampled_openings(solution: Solution) -> list[_Opening]:
-    """From the samples, of a run without such a log: from the last two before the touch the valve goes on, straight in velocity.
+    """From the samples, of a run without such a log: from the last two before the touch the valve
+    goes on, straight in velocity.
 
     Second order, and free of what the blow did to the velocity after it.
     """
     lift = solution.channel("valve_lift")
     gap = solution.channel("seat_gap" if solution.has("seat_gap") else "valve_lift")
     angle, rate, count = solution.cam_angle, solution.channel("valve_velocity"), len(lift)
-    step, seconds, found = float(angle[1] - angle[0]), float(solution.time[1] - solution.time[0]), []
+    step, seconds, found = (
+        float(angle[1] - angle[0]),
+        float(solution.time[1] - solution.time[0]),
+        [],
+    )
     for start, last_open in runs(lift > SMALLEST_GAP, ring=True):
         length = last_open - start + 1
         if length == count:
@@ -209,7 +281,11 @@ def _sampled_openings(solution: Solution) -> list[_Opening]:
         ahead = float(np.clip(gap[last] / speed, 0.0, 2 * seconds)) if speed > 0 else seconds
         velocity = speed + float(rate[before] - rate[last]) * ahead / seconds
         height = float(np.max(lift[np.arange(start, start + length) % count]))
-        found.append(_Opening(float(angle[start]), float(angle[last]) + ahead * step / seconds, velocity, height))
+        found.append(
+            _Opening(
+                float(angle[start]), float(angle[last]) + ahead * step / seconds, velocity, height
+            )
+        )
     return found
 
 
@@ -217,7 +293,11 @@ def _between(solution: Solution, release: float, length: float) -> NDArray[np.in
     """Samples of the open stretch; the nearest one where it is shorter than their interval."""
     angle = solution.cam_angle
     inside = np.flatnonzero((angle - release) % TURN <= length)
-    return inside if len(inside) else np.array([np.argmin(np.abs((angle - release + np.pi) % TURN - np.pi))])
+    return (
+        inside
+        if len(inside)
+        else np.array([np.argmin(np.abs((angle - release + np.pi) % TURN - np.pi))])
+    )
 
 
 def _period(solution: Solution) -> float:
@@ -237,11 +317,15 @@ def _cause(solution: Solution, rigid: RigidCycle, window: NDArray[np.int64]) -> 
     first = window[: max(1, len(window) // 4)]
     if np.min(rigid.contact_force[window]) <= 0:
         return CAUSE_INERTIA
-    if np.mean(solution.channel("retainer_force")[first]) < 0.9 * np.mean(solution.channel("static_retainer_force")[first]):
+    if np.mean(solution.channel("retainer_force")[first]) < 0.9 * np.mean(
+        solution.channel("static_retainer_force")[first]
+    ):
         return CAUSE_SURGE
     return CAUSE_VIBRATION
 
 
-def _event(solution: Solution, kind: str, span: Span, size: float, where: str, details: dict[str, Detail]) -> Event:
+def _event(
+    solution: Solution, kind: str, span: Span, size: float, where: str, details: dict[str, Detail]
+) -> Event:
     lasts = (span[1] - span[0]) / TURN * _period(solution)
     return Event(kind, span[0], _time_at(solution, span[0]), lasts, size, "m", where, details)

@@ -1,4 +1,6 @@
-"""Named numbers of one closed cycle of a train from its channels and events, and what the integrator of any system counted."""
+"""Named numbers of one closed cycle of a train from its channels and events, and what the
+integrator of any system counted.
+"""
 
 from __future__ import annotations
 
@@ -14,7 +16,8 @@ from valvetrain.quantities.train_events import SMALLEST_GAP, RigidCycle, lost_sp
 from valvetrain.solution.event import Event
 from valvetrain.solution.result import Solution
 
-#: Numbers of the integrator that are quantities under the same name, beside every ``peak_..._force``.
+#: Numbers of the integrator that are quantities under the same name, beside every
+#: ``peak_..._force``.
 COUNTED = (
     "cycle_work_energy", "cycle_dissipated_energy", "spring_dissipated_energy", "contact_friction_dissipated_energy",
     "steady_cycles_count", "steady_residual_ratio", "steady_tolerance_ratio", "motion_period_count", "time_step_duration",
@@ -29,15 +32,25 @@ DRIVING = ("cam", "valve_tip")
 
 
 def counted_quantities(solution: Solution) -> dict[str, float]:
-    """Numbers that only the integrator could see: every step's peaks, work and losses, the way to the steady state."""
+    """Numbers that only the integrator could see: every step's peaks, work and losses, the way to
+    the steady state.
+    """
     peak = re.compile("peak_.*_force")
-    counted = {name: value for name, value in solution.statistics.items() if isinstance(value, (int, float))}
+    counted = {
+        name: value
+        for name, value in solution.statistics.items()
+        if isinstance(value, (int, float))
+    }
     return {
-        name: float(value) for name, value in counted.items() if name in COUNTED or name.startswith(SCATTER) or peak.fullmatch(name)
-    }  # fmt: skip
+        name: float(value)
+        for name, value in counted.items()
+        if name in COUNTED or name.startswith(SCATTER) or peak.fullmatch(name)
+    }
 
 
-def train_quantities(solution: Solution, rigid: RigidCycle, events: Sequence[Event]) -> dict[str, float]:
+def train_quantities(
+    solution: Solution, rigid: RigidCycle, events: Sequence[Event]
+) -> dict[str, float]:
     """Numbers (SI) of one cycle; names follow docs/quantities.md."""
     lift, clearance = solution.channel("valve_lift"), "piston_clearance"
     counted = counted_quantities(solution)
@@ -48,7 +61,9 @@ def train_quantities(solution: Solution, rigid: RigidCycle, events: Sequence[Eve
         "loss_of_contact_duration": turn / TURN * covered(lost_spans(events, turn)),
     }  # fmt: skip
     if "peak_valve_acceleration" not in counted:
-        values["peak_valve_acceleration"] = float(np.max(np.abs(solution.channel("valve_acceleration"))))
+        values["peak_valve_acceleration"] = float(
+            np.max(np.abs(solution.channel("valve_acceleration")))
+        )
     if solution.has("cam_torque") and "peak_cam_torque" not in counted:
         torque = solution.channel("cam_torque")
         values |= {"peak_cam_torque": ring_peak(torque), "minimum_cam_torque": -ring_peak(-torque)}
@@ -64,39 +79,55 @@ def train_quantities(solution: Solution, rigid: RigidCycle, events: Sequence[Eve
             values[f"peak_open_{name}"] = _number(solution, f"open_{name}", float(np.max(force)))
     if solution.has("cam_contact_force"):
         values["nose_cam_contact_force"] = _number(
-            solution, "nose_cam_contact_force", ring_value(solution.cam_angle, solution.channel("cam_contact_force"), rigid.nose)
+            solution,
+            "nose_cam_contact_force",
+            ring_value(solution.cam_angle, solution.channel("cam_contact_force"), rigid.nose),
         )
     if solution.has("lever_speed"):
         rate = np.abs(solution.channel("lever_speed"))
-        fastest = _number(solution, "peak_lever_speed_cam_angle", float(solution.cam_angle[int(np.argmax(rate))]))
+        fastest = _number(
+            solution, "peak_lever_speed_cam_angle", float(solution.cam_angle[int(np.argmax(rate))])
+        )
         values |= {"peak_lever_speed": _number(solution, "peak_lever_speed", float(rate.max()))}
-        values["peak_lever_speed_valve_lift"] = float(np.interp(fastest, solution.cam_angle, lift, period=TURN))
+        values["peak_lever_speed_valve_lift"] = float(
+            np.interp(fastest, solution.cam_angle, lift, period=TURN)
+        )
     if solution.has(clearance):
         values["minimum_piston_clearance_gap"] = -ring_peak(-solution.channel(clearance))
     for spring in solution.springs:
         moved = solution.channel_of(spring, "axial_displacement")
         if solution.has(moved) and solution.channel(moved).size:
-            values[f"{spring}_mean_peak_section_displacement"] = float(np.mean(np.max(-solution.channel(moved), axis=0)))
+            values[f"{spring}_mean_peak_section_displacement"] = float(
+                np.mean(np.max(-solution.channel(moved), axis=0))
+            )
     return values | _event_numbers(events)
 
 
 def _number(solution: Solution, name: str, sampled: float) -> float:
-    """What the integrator saw of a number on every step; where it did not look, what the samples tell."""
+    """What the integrator saw of a number on every step; where it did not look, what the samples
+    tell.
+    """
     logged = solution.statistics.get(name)
     return float(logged) if isinstance(logged, (int, float)) else sampled
 
 
 def _open_spans(solution: Solution, events: Sequence[Event]) -> list[Span]:
     """Cam angles in which the valve is off its seat, of releases and touches where they are known."""
-    touches = [event for event in of_kind(events, "seating") if "release_cam_angle" in event.details]
+    touches = [
+        event for event in of_kind(events, "seating") if "release_cam_angle" in event.details
+    ]
     if not touches:
         return spans_above(solution.cam_angle, solution.channel("valve_lift"), SMALLEST_GAP)
     opened = [float(event.details["release_cam_angle"]) for event in touches]
-    return [span_of(begin, begin + (event.cam_angle - begin) % TURN) for begin, event in zip(opened, touches, strict=True)]
+    return [
+        span_of(begin, begin + (event.cam_angle - begin) % TURN)
+        for begin, event in zip(opened, touches, strict=True)
+    ]
 
 
 def margin_quantities(rigid: RigidTable) -> dict[str, float]:
-    """Least surplus of the spring over what inertia, weight and gas ask for at the valve by rigid theory, and as a ratio; none from a
+    """Least surplus of the spring over what inertia, weight and gas ask for at the valve by rigid
+    theory, and as a ratio; none from a
     table without these columns."""
     if not {"spring_margin", "inertia_force"} <= set(rigid.columns):
         return {}
@@ -106,11 +137,16 @@ def margin_quantities(rigid: RigidTable) -> dict[str, float]:
         return {}
     surplus = margin[slowing]
     ratio = np.min(surplus / -inertia[slowing]) + 1
-    return {"minimum_spring_margin_force": float(np.min(surplus)), "minimum_spring_margin_ratio": float(ratio)}
+    return {
+        "minimum_spring_margin_force": float(np.min(surplus)),
+        "minimum_spring_margin_ratio": float(ratio),
+    }
 
 
 def _event_numbers(events: Sequence[Event]) -> dict[str, float]:
-    seatings, bounces, lofts, floats = (of_kind(events, kind) for kind in ("seating", "bounce", "loft", "float"))
+    seatings, bounces, lofts, floats = (
+        of_kind(events, kind) for kind in ("seating", "bounce", "loft", "float")
+    )
     first = next((event for event in seatings if event.details.get("touch") == 1), None)
     values = {
         "bounce_count": float(len(bounces)), "bounce_height": max((event.size for event in bounces), default=0.0),
@@ -118,7 +154,11 @@ def _event_numbers(events: Sequence[Event]) -> dict[str, float]:
         "loft_duration": sum(event.duration for event in lofts),
         "float_excess_lift": max((event.size for event in floats), default=0.0), "float_duration": sum(event.duration for event in floats),
     }  # fmt: skip
-    return values | ({"seating_velocity": first.size, "seating_cam_angle": first.cam_angle} if first is not None else {})
+    return values | (
+        {"seating_velocity": first.size, "seating_cam_angle": first.cam_angle}
+        if first is not None
+        else {}
+    )
 
 
 def of_kind(events: Sequence[Event], kind: str) -> tuple[Event, ...]:

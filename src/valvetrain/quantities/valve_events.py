@@ -1,6 +1,8 @@
-"""Where a lift passes a height: opening and closing at lash, at 1 mm and at 0.050 in, of the lobe, of the rigid valve and of a run.
+"""Where a lift passes a height: opening and closing at lash, at 1 mm and at 0.050 in, of the lobe,
+of the rigid valve and of a run.
 
-Curves are solved, not read off their samples: a lift law by itself, a run by the cubic of lift and velocity between samples.
+Curves are solved, not read off their samples: a lift law by itself, a run by the cubic of lift and
+velocity between samples.
 """
 
 from __future__ import annotations
@@ -10,7 +12,7 @@ from collections.abc import Callable, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from valvetrain.cam.roots import solve
+from valvetrain.cam.pieces import solve
 from valvetrain.mechanism.rigid import RigidKinematics
 from valvetrain.quantities.peaks import ring_peak
 from valvetrain.solution.event import Event
@@ -27,8 +29,10 @@ OPEN_SHARE = 0.1
 
 
 def lift_crossings(cam_lift: Callable[[Array], Array], height: float) -> tuple[float, float] | None:
-    """Cam angles (rad) at which ``cam_lift`` (m over cam rad, periodic) rises through ``height`` (m) before its largest value and falls
-    through it after; the first in one turn from zero, the second after it. None where it never stands above, or always."""
+    """Cam angles (rad) at which ``cam_lift`` (m over cam rad, periodic) rises through ``height``
+    (m) before its largest value and falls
+    through it after; the first in one turn from zero, the second after it. None where it never
+    stands above, or always."""
     angle = np.arange(GRID) * _TURN / GRID
     lift = np.asarray(cam_lift(angle))
     above = lift > height
@@ -36,7 +40,10 @@ def lift_crossings(cam_lift: Callable[[Array], Array], height: float) -> tuple[f
         return None
     top = int(np.argmax(lift))
     down = np.flatnonzero(~above)
-    before, after = int(down[np.argmin((top - down) % GRID)]), int(down[np.argmin((down - top) % GRID)])
+    before, after = (
+        int(down[np.argmin((top - down) % GRID)]),
+        int(down[np.argmin((down - top) % GRID)]),
+    )
     step = _TURN / GRID
     opens = _between(cam_lift, height, before * step, (before + 1) * step)
     closes = _between(cam_lift, height, after * step, (after - 1) * step)
@@ -44,12 +51,18 @@ def lift_crossings(cam_lift: Callable[[Array], Array], height: float) -> tuple[f
 
 
 def _between(lift: Callable[[Array], Array], height: float, low: float, high: float) -> float:
-    """Where ``lift`` passes ``height`` between an angle at which it is at most that and one at which it is more."""
+    """Where ``lift`` passes ``height`` between an angle at which it is at most that and one at
+    which it is more.
+    """
     below, above = height - float(lift(np.array(low))), float(lift(np.array(high))) - height
     if below > 1e-6 * above:
-        found = solve(lambda angle: float(lift(np.array(angle))) - height, (low, high), within=1e-12)
+        found = solve(
+            lambda angle: float(lift(np.array(angle))) - height, (low, high), within=1e-12
+        )
         return low if found is None else found
-    while abs(high - low) > 1e-12:  # it rests at that height on one side: no sign changes, only the answer to "above"
+    while (
+        abs(high - low) > 1e-12
+    ):  # it rests at that height on one side: no sign changes, only the answer to "above"
         middle = (low + high) / 2
         low, high = (low, middle) if float(lift(np.array(middle))) > height else (middle, high)
     return high
@@ -62,25 +75,33 @@ def top_of(kinematics: RigidKinematics) -> float:
 
 
 def open_window(kinematics: RigidKinematics) -> tuple[float, float]:
-    """Begin and end (cam rad; the end may pass the turn) of the stretch around the largest lift of a rigid valve in which it stands above
+    """Begin and end (cam rad; the end may pass the turn) of the stretch around the largest lift of
+    a rigid valve in which it stands above
     :data:`OPEN_SHARE` of that; the whole turn of a lift that never falls below."""
     found = lift_crossings(kinematics.valve_lift, OPEN_SHARE * top_of(kinematics))
     return (0.0, _TURN) if found is None else found
 
 
-def event_numbers(subject: str, word: str, crossings: tuple[float, float] | None) -> dict[str, float]:
-    """Quantities of one pair of crossings: cam angles of opening and closing, crank angle between them; none where it never opens."""
+def event_numbers(
+    subject: str, word: str, crossings: tuple[float, float] | None
+) -> dict[str, float]:
+    """Quantities of one pair of crossings: cam angles of opening and closing, crank angle between
+    them; none where it never opens.
+    """
     if crossings is None:
         return {}
     opens, closes = crossings
     return {
-        f"{subject}_{word}_opening_cam_angle": opens % _TURN, f"{subject}_{word}_closing_cam_angle": closes % _TURN,
+        f"{subject}_{word}_opening_cam_angle": opens % _TURN,
+        f"{subject}_{word}_closing_cam_angle": closes % _TURN,
         f"{subject}_{word}_open_crank_angle_range": 2 * (closes - opens),
-    }  # fmt: skip
+    }
 
 
 def rigid_events(kinematics: RigidKinematics) -> dict[str, float]:
-    """Events of the lobe (where the lift law is one) and of the rigid valve at the heights of :data:`HEIGHTS`, of the valve at lash too."""
+    """Events of the lobe (where the lift law is one) and of the rigid valve at the heights of
+    :data:`HEIGHTS`, of the valve at lash too.
+    """
     found: dict[str, float] = {}
     law = kinematics.law.lift
     if kinematics.law_of == "drive":
@@ -93,35 +114,55 @@ def rigid_events(kinematics: RigidKinematics) -> dict[str, float]:
 
 
 def run_events(solution: Solution, events: Sequence[Event]) -> dict[str, float]:
-    """Events of the valve of one closed turn: off its seat as the integrator saw it, and at every height of :data:`HEIGHTS`."""
+    """Events of the valve of one closed turn: off its seat as the integrator saw it, and at every
+    height of :data:`HEIGHTS`.
+    """
     found: dict[str, float] = {}
-    first = next((event for event in events if event.kind == "seating" and event.details.get("touch") == 1), None)
+    first = next(
+        (event for event in events if event.kind == "seating" and event.details.get("touch") == 1),
+        None,
+    )
     if first is not None and "release_cam_angle" in first.details:
         opens = float(first.details["release_cam_angle"]) % _TURN
         found |= event_numbers("valve", "lash", (opens, opens + (first.cam_angle - opens) % _TURN))
     if not solution.has("valve_lift", "valve_velocity"):
         return found
-    lift, rate = solution.channel("valve_lift"), solution.channel("valve_velocity") / (solution.engine_speed / 2)
+    lift, rate = (
+        solution.channel("valve_lift"),
+        solution.channel("valve_velocity") / (solution.engine_speed / 2),
+    )
     for word, height in HEIGHTS.items():
-        found |= event_numbers("valve", word, sampled_crossings(solution.cam_angle, lift, rate, height))
+        found |= event_numbers(
+            "valve", word, sampled_crossings(solution.cam_angle, lift, rate, height)
+        )
     return found
 
 
-def sampled_crossings(cam_angle: Array, valve_lift: Array, rate: Array, height: float) -> tuple[float, float] | None:
-    """As :func:`lift_crossings`, of one closed turn of samples (S,) evenly over ``cam_angle`` (rad); ``rate``: m per cam rad.
+def sampled_crossings(
+    cam_angle: Array, valve_lift: Array, rate: Array, height: float
+) -> tuple[float, float] | None:
+    """As :func:`lift_crossings`, of one closed turn of samples (S,) evenly over ``cam_angle``
+    (rad); ``rate``: m per cam rad.
 
-    Between samples stands the cubic of both lifts and rates, so that the crossings are right to the fourth power of the interval.
+    Between samples stands the cubic of both lifts and rates, so that the crossings are right to the
+    fourth power of the interval.
     """
     count, above = len(valve_lift), valve_lift > height
     if not np.any(above) or np.all(above):
         return None
     top, down = int(np.argmax(valve_lift)), np.flatnonzero(~above)
-    before, after = int(down[np.argmin((top - down) % count)]), int(down[np.argmin((down - top) % count)])
+    before, after = (
+        int(down[np.argmin((top - down) % count)]),
+        int(down[np.argmin((down - top) % count)]),
+    )
     step = _TURN / count
 
     def crossing(first: int) -> float:
         second = (first + 1) % count
-        low, high, slope, end = (float(value) for value in (valve_lift[first], valve_lift[second], rate[first], rate[second]))
+        low, high, slope, end = (
+            float(value)
+            for value in (valve_lift[first], valve_lift[second], rate[first], rate[second])
+        )
         rise, slope, end = high - low, slope * step, end * step
         cubic = np.array([slope + end - 2 * rise, 3 * rise - 2 * slope - end, slope, low - height])
         roots = np.roots(cubic) if np.any(cubic[:-1]) else np.zeros(0)

@@ -1,4 +1,6 @@
-"""The main lift event of a cam and the three windows of a cycle: before the event, event, after the event."""
+"""The main lift event of a cam and the three windows of a cycle: before the event, event, after the
+event.
+"""
 
 from __future__ import annotations
 
@@ -17,8 +19,14 @@ _TURN = 2 * math.pi
 
 
 def window_bounds(event: LiftEvent, window: Window) -> tuple[float, float]:
-    """First and last cam angle (rad) of a window; the first begins at the cam's zero, the last ends after a whole turn."""
-    return {WINDOWS[0]: (0.0, event.start), WINDOWS[1]: (event.start, event.end), WINDOWS[2]: (event.end, _TURN)}[window]
+    """First and last cam angle (rad) of a window; the first begins at the cam's zero, the last ends
+    after a whole turn.
+    """
+    return {
+        WINDOWS[0]: (0.0, event.start),
+        WINDOWS[1]: (event.start, event.end),
+        WINDOWS[2]: (event.end, _TURN),
+    }[window]
 
 
 def is_covered(cycle: Cycle, event: LiftEvent, window: Window) -> bool:

@@ -1,6 +1,7 @@
 """What a figure shows, free of any drawing library: panels of lines, marks and maps.
 
-Two renderers read it: ``plotly_chart`` for the page and ``svg_chart`` for the picture files, so both show the same data.
+Two renderers read it: ``plotly_chart`` for the page and ``svg_chart`` for the picture files, so
+both show the same data.
 """
 
 from __future__ import annotations
@@ -32,7 +33,9 @@ class Line:
 
 @dataclass(frozen=True, eq=False)
 class Marks:
-    """Single points, published values or events, each with a text beside it (empty for none) and ``hints`` read on hover."""
+    """Single points, published values or events, each with a text beside it (empty for none) and
+    ``hints`` read on hover.
+    """
 
     x: Array
     y: Array
@@ -48,7 +51,8 @@ class Marks:
 
 @dataclass(frozen=True, eq=False)
 class HeatMap:
-    """``z`` (y, x) as colour, from zero; the scale is drawn out at small values, the numbers stay as they are.
+    """``z`` (y, x) as colour, from zero; the scale is drawn out at small values, the numbers stay
+    as they are.
 
     ``second`` (y, x) is read on hover too, in words such as ``{:.0f} Hz`` given by ``second_unit``.
     """
@@ -89,7 +93,8 @@ class Rule:
 
 @dataclass(frozen=True, eq=False)
 class Panel:
-    """One pair of axes. Ranges are (low, high) or None for what the data need; labels carry the unit. ``y_log``: y in decades.
+    """One pair of axes. Ranges are (low, high) or None for what the data need; labels carry the
+    unit. ``y_log``: y in decades.
 
     ``y_words``: (value, words) in place of numbers along y.
     """
@@ -108,18 +113,34 @@ class Panel:
 
 
 def rule_levels(panel: Panel) -> list[int]:
-    """How many lines down the words of each upright rule stand, so that those of near neighbours do not meet."""
+    """How many lines down the words of each upright rule stand, so that those of near neighbours do
+    not meet.
+    """
     (low, high), levels = visible_range(panel)[0], [0] * len(panel.rules)
-    upright = sorted((rule.value, index) for index, rule in enumerate(panel.rules) if rule.axis == "x" and rule.words)
+    upright = sorted(
+        (rule.value, index)
+        for index, rule in enumerate(panel.rules)
+        if rule.axis == "x" and rule.words
+    )
     for (before, first), (after, second) in itertools.pairwise(upright):
         levels[second] = levels[first] + 1 if after - before < 0.3 * (high - low) else 0
     return levels
 
 
 def shares_axis(chart: Chart, columns: int | None = None) -> bool:
-    """True when panels stand above each other over one x axis, which is then labelled once, at the bottom."""
-    labels, ranges = ({getattr(panel, name) for panel in chart.panels} for name in ("x_label", "x_range"))
-    return (columns or chart.columns) == 1 and len(chart.panels) > 1 and len(labels) == 1 and len(ranges) == 1 and None not in ranges
+    """True when panels stand above each other over one x axis, which is then labelled once, at the
+    bottom.
+    """
+    labels, ranges = (
+        {getattr(panel, name) for panel in chart.panels} for name in ("x_label", "x_range")
+    )
+    return (
+        (columns or chart.columns) == 1
+        and len(chart.panels) > 1
+        and len(labels) == 1
+        and len(ranges) == 1
+        and None not in ranges
+    )
 
 
 @dataclass(frozen=True, eq=False)
@@ -141,7 +162,9 @@ class Chart:
 
 
 def visible_range(panel: Panel) -> tuple[tuple[float, float], tuple[float, float]]:
-    """Axis ranges of a panel: those given, else what its layers need (y with a margin, from what x shows)."""
+    """Axis ranges of a panel: those given, else what its layers need (y with a margin, from what x
+    shows).
+    """
     x_values = [np.asarray(layer.x, dtype=float) for layer in panel.layers]
     x_range = panel.x_range or _limits(x_values, 0.0)
     if panel.y_range is not None:
@@ -149,19 +172,28 @@ def visible_range(panel: Panel) -> tuple[tuple[float, float], tuple[float, float
     y_values = []
     for layer, x in zip(panel.layers, x_values, strict=True):
         y = np.asarray(layer.y, dtype=float)
-        y_values.append(y if isinstance(layer, HeatMap) else y[(x >= x_range[0]) & (x <= x_range[1])])
+        y_values.append(
+            y if isinstance(layer, HeatMap) else y[(x >= x_range[0]) & (x <= x_range[1])]
+        )
     maps = any(isinstance(layer, HeatMap) for layer in panel.layers)
     if panel.y_log:
         decades = [np.log10(y[y > 0]) for y in y_values]
         below, above = _limits(decades, 0.0)
-        return x_range, (10.0 ** np.floor(below + 1e-9), 10.0 ** max(np.ceil(above - 1e-9), np.floor(below + 1e-9) + 1))
+        return x_range, (
+            10.0 ** np.floor(below + 1e-9),
+            10.0 ** max(np.ceil(above - 1e-9), np.floor(below + 1e-9) + 1),
+        )
     low, high = _limits(y_values, 0.0 if maps else 0.07)
     worded = any(isinstance(layer, Marks) and any(layer.labels) for layer in panel.layers)
     return x_range, (low, high + 0.05 * (high - low) if worded else high)
 
 
 def _limits(arrays: list[Array], margin: float) -> tuple[float, float]:
-    joined = np.concatenate([array[np.isfinite(array)].ravel() for array in arrays]) if arrays else np.zeros(0)
+    joined = (
+        np.concatenate([array[np.isfinite(array)].ravel() for array in arrays])
+        if arrays
+        else np.zeros(0)
+    )
     if joined.size == 0:
         return 0.0, 1.0
     low, high = float(joined.min()), float(joined.max())
@@ -182,7 +214,9 @@ def legend_entries(chart: Chart) -> list[Line | Marks]:
 
 
 def thin(x: Array, y: Array, limit: int = 2000) -> tuple[Array, Array]:
-    """At most about ``limit`` points of a curve, the smallest and largest of every stretch among them, so no spike is lost."""
+    """At most about ``limit`` points of a curve, the smallest and largest of every stretch among
+    them, so no spike is lost.
+    """
     x, y = np.asarray(x, dtype=float), np.asarray(y, dtype=float)
     if len(x) <= limit:
         return x, y
@@ -200,4 +234,6 @@ def stems(x: Array, y: Array, base: float = 0.0) -> tuple[Array, Array]:
     """Upright strokes from ``base`` to each ``y``, as one broken line; drawn wide they are bars."""
     x, y = np.asarray(x, dtype=float), np.asarray(y, dtype=float)
     gap = np.full_like(x, np.nan)
-    return np.stack([x, x, gap], axis=1).ravel(), np.stack([np.full_like(y, base), y, gap], axis=1).ravel()
+    return np.stack([x, x, gap], axis=1).ravel(), np.stack(
+        [np.full_like(y, base), y, gap], axis=1
+    ).ravel()

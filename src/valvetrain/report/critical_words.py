@@ -27,19 +27,29 @@ class CriticalRow:
 
 
 def searched(study: Study) -> bool:
-    """Whether the study is a sweep of a train, of which critical speeds are told or said not to be computed."""
-    return study.command == "sweep" and any(run.provenance.system == TRAIN for run in study.solutions)
+    """Whether the study is a sweep of a train, of which critical speeds are told or said not to be
+    computed.
+    """
+    return study.command == "sweep" and any(
+        run.provenance.system == TRAIN for run in study.solutions
+    )
 
 
 def critical_rows(study: Study, labels: Sequence[str]) -> list[CriticalRow]:
-    """A line per kind, and below it where control comes back, what rising and falling speed show, and further stretches."""
+    """A line per kind, and below it where control comes back, what rising and falling speed show,
+    and further stretches.
+    """
     rows = []
     for kind, name in KINDS.items():
         found = [study.critical_speeds.of(kind, label) for label in labels]
         words = label_of(name)
         main = tuple(NOT_COMPUTED if one is None else one.words for one in found)
         rows.append(CriticalRow(name, words[:1].upper() + words[1:], main, True))
-        for text, cell in (("until", _until), ("rising / falling speed", _hysteresis), ("again", _again)):
+        for text, cell in (
+            ("until", _until),
+            ("rising / falling speed", _hysteresis),
+            ("again", _again),
+        ):
             cells = tuple("" if one is None else cell(one) for one in found)
             if any(cells):
                 rows.append(CriticalRow(name, text, cells))
@@ -63,11 +73,15 @@ def critical_notes(study: Study) -> tuple[str, ...]:
 def _until(one: CriticalSpeed) -> str:
     if not one.found:
         return ""
-    return f"{rpm(one.last_engine_speed):.6g} or more" if one.ends is None else str(one.ends.from_rest)
+    return (
+        f"{rpm(one.last_engine_speed):.6g} or more" if one.ends is None else str(one.ends.from_rest)
+    )
 
 
 def _hysteresis(one: CriticalSpeed) -> str:
-    """The brackets of rising and falling speed where they are apart by more than the resolution, empty elsewhere."""
+    """The brackets of rising and falling speed where they are apart by more than the resolution,
+    empty elsewhere.
+    """
     if one.begins is None:
         return ""
     ways = (one.begins.rising, one.begins.falling)

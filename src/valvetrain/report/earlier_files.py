@@ -14,9 +14,11 @@ LIST = ".valvetrain-files.json"
 
 
 def remove_earlier(folder: Path, kind: str, written: Iterable[Path]) -> tuple[Path, ...]:
-    """Remove files listed by the last run of this ``kind`` that this run did not write, then list what it wrote; the files removed.
+    """Remove files listed by the last run of this ``kind`` that this run did not write, then list
+    what it wrote; the files removed.
 
-    A file goes only if it is on the list and still holds, byte by byte, what was written: a file of the user's, or one changed since,
+    A file goes only if it is on the list and still holds, byte by byte, what was written: a file of
+    the user's, or one changed since,
     stays. A folder without a list loses nothing.
     """
     base = folder.resolve()
@@ -24,7 +26,11 @@ def remove_earlier(folder: Path, kind: str, written: Iterable[Path]) -> tuple[Pa
     lists = _read(folder / LIST)
     removed = []
     for name, digest in lists.get(kind, {}).items():
-        if name not in now and not any(name in other for key, other in lists.items() if key != kind) and _is_ours(base, name, digest):
+        if (
+            name not in now
+            and not any(name in other for key, other in lists.items() if key != kind)
+            and _is_ours(base, name, digest)
+        ):
             (base / name).unlink()
             removed.append(folder / name)
     lists[kind] = {name: _digest(path) for name, path in now.items()}
@@ -34,7 +40,12 @@ def remove_earlier(folder: Path, kind: str, written: Iterable[Path]) -> tuple[Pa
 
 def _is_ours(base: Path, name: str, digest: str) -> bool:
     path = base / name
-    return path.resolve() == path and path.is_relative_to(base) and path.is_file() and _digest(path) == digest
+    return (
+        path.resolve() == path
+        and path.is_relative_to(base)
+        and path.is_file()
+        and _digest(path) == digest
+    )
 
 
 def _digest(path: Path) -> str:
@@ -49,4 +60,8 @@ def _read(path: Path) -> dict[str, dict[str, str]]:
         return {}
     if not isinstance(lists, dict):
         return {}
-    return {kind: {str(name): str(digest) for name, digest in files.items()} for kind, files in lists.items() if isinstance(files, dict)}
+    return {
+        kind: {str(name): str(digest) for name, digest in files.items()}
+        for kind, files in lists.items()
+        if isinstance(files, dict)
+    }

@@ -1,4 +1,6 @@
-"""Models beside a reference as rows of a table and sentences, the same in the terminal and on the page."""
+"""Models beside a reference as rows of a table and sentences, the same in the terminal and on the
+page.
+"""
 
 from __future__ import annotations
 
@@ -12,7 +14,9 @@ from valvetrain.solution.fidelity import RPM, FidelityMap, Reach
 
 @dataclass(frozen=True, slots=True)
 class ReachRow:
-    """One quantity: its words, a cell per model, and the cheapest model that is good enough at every speed."""
+    """One quantity: its words, a cell per model, and the cheapest model that is good enough at
+    every speed.
+    """
 
     quantity: str
     words: str
@@ -32,7 +36,13 @@ def reach_rows(found: FidelityMap) -> list[ReachRow]:
 
 def share(value: float) -> str:
     """A share in per cent with two digits that count; empty where there is none."""
-    return "" if not math.isfinite(value) else f"{100 * value:.2g} %" if abs(value) < 0.995 else f"{100 * value:.0f} %"
+    return (
+        ""
+        if not math.isfinite(value)
+        else f"{100 * value:.2g} %"
+        if abs(value) < 0.995
+        else f"{100 * value:.0f} %"
+    )
 
 
 def reason_for(found: FidelityMap, quantity: str) -> str:
@@ -40,7 +50,9 @@ def reason_for(found: FidelityMap, quantity: str) -> str:
     chosen = found.cheapest(quantity)
     costs = dict(found.costs)
     if chosen == found.reference:
-        best = min((found.reach(quantity, model) for model in found.models), key=_miss, default=None)
+        best = min(
+            (found.reach(quantity, model) for model in found.models), key=_miss, default=None
+        )
         if best is None or not math.isfinite(best.largest):
             return "no other model tells it"
         if math.isinf(best.largest_doubt):
@@ -49,11 +61,17 @@ def reason_for(found: FidelityMap, quantity: str) -> str:
             return f"{best.model} comes nearest, but its error bar, {share(best.largest_doubt)}, is larger than the difference"
         return f"the nearest, {best.model}, is {_apart(best)} off at worst"
     reach, ratio = found.reach(quantity, chosen), costs[found.reference] / costs[chosen]
-    return f"at worst {_apart(reach)} off, in 1/{ratio:.0f} of the time" if ratio >= 2 else f"at worst {_apart(reach)} off"
+    return (
+        f"at worst {_apart(reach)} off, in 1/{ratio:.0f} of the time"
+        if ratio >= 2
+        else f"at worst {_apart(reach)} off"
+    )
 
 
 def _apart(reach: Reach) -> str:
-    return share(reach.largest) + (f" ± {share(reach.largest_doubt)}" if reach.largest_doubt > 0 else "")
+    return share(reach.largest) + (
+        f" ± {share(reach.largest_doubt)}" if reach.largest_doubt > 0 else ""
+    )
 
 
 def _miss(reach: Reach) -> float:
@@ -70,17 +88,35 @@ def fidelity_notes(found: FidelityMap) -> tuple[str, ...]:
         f"{max(speeds):.6g} rpm ({sizes}), the numerical error of both included; open: the error bars leave it undecided; "
         "not told: the model does not know it.",
         "The bars are the change that 1.5 times as many elements, masses or modes make, with the safety factor of two grids."
-        + (f" Without such a division, and so without a bar of their own: {', '.join(undivided)}." if undivided else ""),
+        + (
+            f" Without such a division, and so without a bar of their own: {', '.join(undivided)}."
+            if undivided
+            else ""
+        ),
         f"The verdicts are about {found.reference}, not about a measurement: what it leaves out, all leave out.",
     ]
-    untold = {name: sorted({rpm(row.engine_speed) for row in found if row.quantity == name and not math.isfinite(row.reference)})
-              for name in found.quantities}  # fmt: skip
+    untold = {
+        name: sorted(
+            {
+                rpm(row.engine_speed)
+                for row in found
+                if row.quantity == name and not math.isfinite(row.reference)
+            }
+        )
+        for name in found.quantities
+    }
     if any(untold.values()):
-        places = "; ".join(f"{label_of(name)} at {', '.join(f'{one:.6g}' for one in some)} rpm" for name, some in untold.items() if some)
+        places = "; ".join(
+            f"{label_of(name)} at {', '.join(f'{one:.6g}' for one in some)} rpm"
+            for name, some in untold.items()
+            if some
+        )
         notes.append(f"{found.reference} gave no value, so nothing is said there of: {places}.")
     unknown = [row for row in found if math.isinf(row.doubt)]
     if unknown:
-        notes.append(f"{len(unknown)} of {len(found)} error bars are unknown, since the run that should tell them gave no result.")
+        notes.append(
+            f"{len(unknown)} of {len(found)} error bars are unknown, since the run that should tell them gave no result."
+        )
     return tuple(notes)
 
 

@@ -1,4 +1,6 @@
-"""The answers a user asks for first, in their order: one table that the terminal, JSON readers and the page's first screen share."""
+"""The answers a user asks for first, in their order: one table that the terminal, JSON readers and
+the page's first screen share.
+"""
 
 from __future__ import annotations
 
@@ -56,14 +58,19 @@ class HeadlineColumn:
     @property
     def words(self) -> str:
         """Label and engine speed."""
-        return self.label if self.engine_speed is None else f"{self.label}, {speed_words(self.engine_speed)}"
+        return (
+            self.label
+            if self.engine_speed is None
+            else f"{self.label}, {speed_words(self.engine_speed)}"
+        )
 
 
 @dataclass(frozen=True, slots=True)
 class HeadlineRow:
     """One quantity over the columns: ``values`` in ``unit`` (None where not given).
 
-    ``engine_speeds`` (rad/s): where a sweep has the worst value of each column, None where that does not apply. ``cells``: what is shown
+    ``engine_speeds`` (rad/s): where a sweep has the worst value of each column, None where that
+    does not apply. ``cells``: what is shown
     where a number alone does not tell it (a bracket, "never up to 9000"), empty elsewhere.
     """
 
@@ -77,48 +84,88 @@ class HeadlineRow:
 
 
 def headline_columns(study: Study) -> tuple[HeadlineColumn, ...]:
-    """Runs by label and engine speed; in a sweep labels only; without runs the labels of what was found at rest."""
+    """Runs by label and engine speed; in a sweep labels only; without runs the labels of what was
+    found at rest.
+    """
     if not study.solutions:
         return tuple(HeadlineColumn(label) for label in study.still)
     if study.over_speed:
         return tuple(HeadlineColumn(label) for label in study.labels)
-    return tuple(HeadlineColumn(label, run.engine_speed) for label in study.labels for run in study.runs(label))
+    return tuple(
+        HeadlineColumn(label, run.engine_speed)
+        for label in study.labels
+        for run in study.runs(label)
+    )
 
 
 def headline_rows(study: Study) -> tuple[HeadlineRow, ...]:
-    """What a user asks first, topic by topic; a sweep gives the worst value of each label and the engine speed where it stands."""
+    """What a user asks first, topic by topic; a sweep gives the worst value of each label and the
+    engine speed where it stands.
+    """
     columns = headline_columns(study)
-    told = [row for row in critical_rows(study, [one.label for one in columns]) if row.main] if searched(study) else []
+    told = (
+        [row for row in critical_rows(study, [one.label for one in columns]) if row.main]
+        if searched(study)
+        else []
+    )
     cells = {row.name: row.cells for row in told}
     rows = []
     for topic, names in TOPICS.items():
         for name in names:
             found = [_value(study, column, name) for column in columns]
-            if name == "surge_frequency" and any(_value(study, column, "outer_surge_frequency")[0] is not None for column in columns):
+            if name == "surge_frequency" and any(
+                _value(study, column, "outer_surge_frequency")[0] is not None for column in columns
+            ):
                 continue  # said of each spring of the pair
             if name in cells or any(value is not None for value, _ in found):
                 values, speeds = zip(*found, strict=True)
                 words, unit = label_of(name), definition_of(name).shown_unit
-                rows.append(HeadlineRow(topic, name, words[:1].upper() + words[1:], unit, values, speeds, cells.get(name, ())))
+                rows.append(
+                    HeadlineRow(
+                        topic,
+                        name,
+                        words[:1].upper() + words[1:],
+                        unit,
+                        values,
+                        speeds,
+                        cells.get(name, ()),
+                    )
+                )
     return tuple(rows)
 
 
 def clashes_of(run: Solution) -> tuple[Event, ...]:
     """All coil clashes of a run, the one of most energy (or else the hardest) first."""
     mine = (event for event in run.events if event.kind == "clash")
-    return tuple(sorted(mine, key=lambda event: (-_detail(event, "energy"), -_detail(event, "impulse"), event.time)))
+    return tuple(
+        sorted(
+            mine,
+            key=lambda event: (-_detail(event, "energy"), -_detail(event, "impulse"), event.time),
+        )
+    )
 
 
 def clash_pair(event: Event) -> str:
     """The coils that met, with the spring where there are two: ``1–2``, ``outer 1–2``."""
     detail = event.details
-    pair = "–".join(number(float(detail[name]), 3) for name in ("lower_coil", "upper_coil") if name in detail)
+    pair = "–".join(
+        number(float(detail[name]), 3) for name in ("lower_coil", "upper_coil") if name in detail
+    )
     return event.where.partition("coils")[0] + pair if pair else event.where
 
 
-def largest_clash_rows(study: Study, columns: Sequence[HeadlineColumn]) -> list[tuple[str, str, tuple[str, ...]]]:
-    """(words, unit, cells) of coils, first touch, impulse and energy of the largest clash of every run; none where no coils clash."""
-    runs = [None if one.engine_speed is None or not study.solutions else study.solution(one.label, one.engine_speed) for one in columns]
+def largest_clash_rows(
+    study: Study, columns: Sequence[HeadlineColumn]
+) -> list[tuple[str, str, tuple[str, ...]]]:
+    """(words, unit, cells) of coils, first touch, impulse and energy of the largest clash of every
+    run; none where no coils clash.
+    """
+    runs = [
+        None
+        if one.engine_speed is None or not study.solutions
+        else study.solution(one.label, one.engine_speed)
+        for one in columns
+    ]
     events = [None if run is None else next(iter(clashes_of(run)), None) for run in runs]
     if not any(events):
         return []
@@ -148,16 +195,26 @@ def _detail(event: Event, name: str) -> float:
 
 
 def _value(study: Study, column: HeadlineColumn, name: str) -> tuple[float | None, float | None]:
-    """A quantity of a column in its shown unit and, in a sweep, the engine speed of its worst value."""
-    runs = [run for run in study.runs(column.label) if column.engine_speed in (None, run.engine_speed)]
-    known = [(run.quantities[name], run.engine_speed) for run in runs if math.isfinite(run.quantities.get(name, math.nan))]
+    """A quantity of a column in its shown unit and, in a sweep, the engine speed of its worst
+    value.
+    """
+    runs = [
+        run for run in study.runs(column.label) if column.engine_speed in (None, run.engine_speed)
+    ]
+    known = [
+        (run.quantities[name], run.engine_speed)
+        for run in runs
+        if math.isfinite(run.quantities.get(name, math.nan))
+    ]
     if known:
         least = definition_of(name).sense == "larger is better" or "minimum" in name
         value, speed = (min if least else max)(known, key=lambda pair: pair[0])
         several = column.engine_speed is None and len({one for one, _ in known}) > 1
         seen = float(shown(name, value)[0])
         seen = 0.0 if abs(seen) < _ROUNDING else seen
-        return (None, None) if several and name in OF_ONE_SPEED else (seen, speed if several else None)
+        return (
+            (None, None) if several and name in OF_ONE_SPEED else (seen, speed if several else None)
+        )
     models = (run.model for run in runs)
     for label in dict.fromkeys((column.label, *models, "")):
         value = study.still.get(label, {}).get(name, math.nan)

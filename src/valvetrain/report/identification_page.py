@@ -1,10 +1,17 @@
-"""The page of an identification: what was found, what the data determine, measured against predicted."""
+"""The page of an identification: what was found, what the data determine, measured against
+predicted.
+"""
 
 from __future__ import annotations
 
 from valvetrain.identification.conflicts import MET
 from valvetrain.identification.result import Branch, Identified
-from valvetrain.report.identification_charts import dots_chart, marginals_chart, pairs_chart, profiles_chart
+from valvetrain.report.identification_charts import (
+    dots_chart,
+    marginals_chart,
+    pairs_chart,
+    profiles_chart,
+)
 from valvetrain.report.identification_words import (
     CONFLICTS,
     FOUND,
@@ -25,20 +32,30 @@ from valvetrain.report.identification_words import (
 from valvetrain.report.page import Block, Cell, Details, Grid, Page, Section, figure_or_gap, text
 from valvetrain.report.words import unit_words
 
-_BROUGHT = "Share of each measurement in what the data say of a quantity, the other quantities known (%)."
+_BROUGHT = (
+    "Share of each measurement in what the data say of a quantity, the other quantities known (%)."
+)
 _CONFLICTS = (
     f"Measurements that the likeliest point misses by more than {MET:g} scatters, and how many computed points meet them. Cost: by how "
     "much the likeliest of those has the larger misfit, as far as the search went; what it misses instead contradicts the measurement, "
     "under this model and these priors."
 )
-_LOST = "By how much less is left open of a quantity (its variance) than without the measurement (%)."
+_LOST = (
+    "By how much less is left open of a quantity (its variance) than without the measurement (%)."
+)
 
 
 def identification_page(title: str, found: Identified) -> Page:
     """The whole page."""
     sections = [Section("found", "What was found", _found(found))]
     sections.append(Section("measured", "Measured against predicted", _measured(found)))
-    sections.append(Section("marginals", "Before and after the data", figure_or_gap("marginals", marginals_chart, found)))
+    sections.append(
+        Section(
+            "marginals",
+            "Before and after the data",
+            figure_or_gap("marginals", marginals_chart, found),
+        )
+    )
     pairs = figure_or_gap("pairs", pairs_chart, found)
     if pairs:
         sections.append(Section("pairs", "What depends on what", pairs))
@@ -60,14 +77,24 @@ def _found(found: Identified) -> tuple[Block, ...]:
         blocks.append(text("The search was stopped before its end; this is what it had.", "alert"))
     for number, branch in enumerate(found.branches, start=1):
         if len(found.branches) > 1:
-            blocks.append(text(f"Branch {number}: probability {branch.share:.3f}, misfit {branch.misfit:.4g}."))
+            blocks.append(
+                text(
+                    f"Branch {number}: probability {branch.share:.3f}, misfit {branch.misfit:.4g}."
+                )
+            )
         blocks.append(_found_grid(found, branch))
-    return (*blocks, *(text(words[:1].upper() + words[1:] + ".", "alert") for words in found.warnings))
+    return (
+        *blocks,
+        *(text(words[:1].upper() + words[1:] + ".", "alert") for words in found.warnings),
+    )
 
 
 def _found_grid(found: Identified, branch: Branch) -> Grid:
     tones = ("", "number", "number", "number", "", "quiet", "number")
-    rows = tuple((tuple(Cell(*cell) for cell in zip(row, tones, strict=True)), ()) for row in found_rows(found, branch))
+    rows = tuple(
+        (tuple(Cell(*cell) for cell in zip(row, tones, strict=True)), ())
+        for row in found_rows(found, branch)
+    )
     return Grid(FOUND, rows, caption="told: share of the prior's variance that the data remove")
 
 
@@ -81,15 +108,31 @@ def _measured(found: Identified) -> tuple[Block, ...]:
             for place, (word, tone) in enumerate(zip(words, tones, strict=True))
         ]
         rows.append(((*cells, Cell(role, "tag")), (role,)))
-    grid = Grid((*MEASURED, "use"), tuple(rows), ("use",), "computed: at the likeliest point; 2.5 and 97.5 % over what is left open")
+    grid = Grid(
+        (*MEASURED, "use"),
+        tuple(rows),
+        ("use",),
+        "computed: at the likeliest point; 2.5 and 97.5 % over what is left open",
+    )
     far_off = odd(found)
     said = ", ".join(f"{datum_words(one.datum)} ({one.percentile:.1f})" for one in far_off[:8])
     told = (
-        (text(f"Outside {ODD[0]} to {ODD[1]} % of their predictions: {said}{' and more' if len(far_off) > 8 else ''}.", "alert"),)
+        (
+            text(
+                f"Outside {ODD[0]} to {ODD[1]} % of their predictions: {said}{' and more' if len(far_off) > 8 else ''}.",
+                "alert",
+            ),
+        )
         if far_off
         else ()
     )
-    return (*figure_or_gap("measured against predicted", dots_chart, found), *told, grid, *_conflicts(found), *_predictions(found))
+    return (
+        *figure_or_gap("measured against predicted", dots_chart, found),
+        *told,
+        grid,
+        *_conflicts(found),
+        *_predictions(found),
+    )
 
 
 def _conflicts(found: Identified) -> tuple[Block, ...]:
@@ -103,7 +146,15 @@ def _predictions(found: Identified) -> tuple[Block, ...]:
     """What was computed and not measured."""
     tones = ("", "number", "number", "number", "number", "")
     rows = tuple((tuple(map(Cell, prediction_words(one), tones)), ()) for one in found.predictions)
-    return (Grid(PREDICTED, rows, caption="computed values without a measurement, over the posterior"),) if rows else ()
+    return (
+        (
+            Grid(
+                PREDICTED, rows, caption="computed values without a measurement, over the posterior"
+            ),
+        )
+        if rows
+        else ()
+    )
 
 
 def _told(found: Identified) -> tuple[Block, ...]:
@@ -112,8 +163,19 @@ def _told(found: Identified) -> tuple[Block, ...]:
     for number, branch in enumerate(found.branches, start=1):
         told = branch.information
         grids = tuple(
-            Grid(heads, tuple((tuple(Cell(word, "number" if at else "") for at, word in enumerate(row)), ()) for row in rows), (), words)
-            for rows, words in ((share_rows(branch, told.brought), _BROUGHT), (share_rows(branch, told.lost), _LOST))
+            Grid(
+                heads,
+                tuple(
+                    (tuple(Cell(word, "number" if at else "") for at, word in enumerate(row)), ())
+                    for row in rows
+                ),
+                (),
+                words,
+            )
+            for rows, words in (
+                (share_rows(branch, told.brought), _BROUGHT),
+                (share_rows(branch, told.lost), _LOST),
+            )
         )
         blocks += grids if number == 1 else [Details(f"branch {number}", grids)]
     return tuple(blocks)
@@ -122,9 +184,15 @@ def _told(found: Identified) -> tuple[Block, ...]:
 def _priors(found: Identified) -> Grid:
     rows = tuple(
         (
-            (Cell(one.name.replace("_", " ")), Cell(one.prior.kind), Cell(prior_words(one.prior, one.unit)), Cell(unit_words(one.unit)),
-             Cell(one.prior.source, "quiet")), (),
+            (
+                Cell(one.name.replace("_", " ")),
+                Cell(one.prior.kind),
+                Cell(prior_words(one.prior, one.unit)),
+                Cell(unit_words(one.unit)),
+                Cell(one.prior.source, "quiet"),
+            ),
+            (),
         )
         for one in found.unknowns
-    )  # fmt: skip
+    )
     return Grid(("quantity", "prior", "", "", "source"), rows)

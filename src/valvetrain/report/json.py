@@ -1,4 +1,6 @@
-"""A study as one JSON shape, whatever was studied: numbers as value and unit, SI but the engine speed (rpm of the crank)."""
+"""A study as one JSON shape, whatever was studied: numbers as value and unit, SI but the engine
+speed (rpm of the crank).
+"""
 
 from __future__ import annotations
 
@@ -26,7 +28,8 @@ from valvetrain.studies.uncertainty_file import fresh_uncertainty
 if TYPE_CHECKING:
     from valvetrain.studies.error_bars import Uncertainty
 
-#: Units of numbers whose names do not tell them; an event's details, options and statistics of a run, facts of a spring at rest.
+#: Units of numbers whose names do not tell them; an event's details, options and statistics of a
+#: run, facts of a spring at rest.
 _UNITS = {
     "impulse": "N s", "card_lift": "m", "coil_contact_stiffness": "N/m^2", "contact_stiffness": "N/m^2", "mass_damping": "1/s",
     "stiffness_damping": "s", "time_step": "s", "coil_contact_damping_time": "s", "output_step": "rad", "largest_velocity": "m/s",
@@ -35,7 +38,10 @@ _UNITS = {
 
 def measured(value: float | None, unit: str) -> dict[str, Any]:
     """``{"value", "unit"}``; null for what could not be computed."""
-    return {"value": None if value is None or not math.isfinite(value) else float(value), "unit": unit}
+    return {
+        "value": None if value is None or not math.isfinite(value) else float(value),
+        "unit": unit,
+    }
 
 
 def quantities_object(values: Mapping[str, float]) -> dict[str, Any]:
@@ -59,12 +65,23 @@ def status_object(status: Status) -> dict[str, Any]:
 def comparison_object(row: Comparison) -> dict[str, Any]:
     """Computed beside given."""
     unit = unit_of(row.quantity)
-    values = {name: getattr(row, name) for name in ("published", "computed", "difference", "tolerance")}
+    values = {
+        name: getattr(row, name) for name in ("published", "computed", "difference", "tolerance")
+    }
     return {
-        "quantity": row.quantity, "engine_speed": engine_speed_object(row.engine_speed), "model": row.model, "published_by": row.origin,
-        "role": row.role, **{name: None if value is None else measured(value, unit) for name, value in values.items()},
-        "verdict": row.verdict, "source": row.source, "used_for": row.used_for, "doubt": row.doubt,
-    }  # fmt: skip
+        "quantity": row.quantity,
+        "engine_speed": engine_speed_object(row.engine_speed),
+        "model": row.model,
+        "published_by": row.origin,
+        "role": row.role,
+        **{
+            name: None if value is None else measured(value, unit) for name, value in values.items()
+        },
+        "verdict": row.verdict,
+        "source": row.source,
+        "used_for": row.used_for,
+        "doubt": row.doubt,
+    }
 
 
 def uncertainty_object(row: Uncertainty) -> dict[str, Any]:
@@ -72,44 +89,69 @@ def uncertainty_object(row: Uncertainty) -> dict[str, Any]:
     unit = unit_of(row.quantity)
     ranges = {
         name: {"least": measured(values[0], unit), "largest": measured(values[1], unit)}
-        for name, values in (("contact_stiffness", row.contact_stiffness), ("contact_damping", row.contact_damping))
+        for name, values in (
+            ("contact_stiffness", row.contact_stiffness),
+            ("contact_damping", row.contact_damping),
+        )
     }
     label = {"label": row.label} if row.label else {}
     return {
-        "quantity": row.quantity, **label, "engine_speed": engine_speed_object(row.engine_speed), "value": measured(row.value, unit),
-        "numerical_uncertainty": measured(row.numerical, unit), "observed_order": measured(row.observed_order, "1"),
-        "extrapolated": measured(row.extrapolated, unit), "step_part": measured(row.step_part, unit), **ranges,
-    }  # fmt: skip
+        "quantity": row.quantity,
+        **label,
+        "engine_speed": engine_speed_object(row.engine_speed),
+        "value": measured(row.value, unit),
+        "numerical_uncertainty": measured(row.numerical, unit),
+        "observed_order": measured(row.observed_order, "1"),
+        "extrapolated": measured(row.extrapolated, unit),
+        "step_part": measured(row.step_part, unit),
+        **ranges,
+    }
 
 
 def fidelity_object(found: FidelityMap) -> dict[str, Any]:
-    """Models beside a reference: verdicts by quantity and model, and every row behind them; shares as numbers of unit 1."""
+    """Models beside a reference: verdicts by quantity and model, and every row behind them; shares
+    as numbers of unit 1.
+    """
     reaches = [found.reach(name, model) for name in found.quantities for model in found.models]
     return {
-        "reference": found.reference, "tolerance": measured(found.tolerance, "1"), "divided": list(found.divided),
+        "reference": found.reference,
+        "tolerance": measured(found.tolerance, "1"),
+        "divided": list(found.divided),
         "time_per_simulated_time": {word: measured(cost, "1") for word, cost in found.costs},
         "cheapest": {name: found.cheapest(name) for name in found.quantities},
         "reaches": [
             {
-                "quantity": one.quantity, "model": one.model, "everywhere": one.everywhere, "good_to": engine_speed_object(one.good_to),
-                "poor_from": engine_speed_object(one.poor_from), "largest_difference": measured(one.largest, "1"),
+                "quantity": one.quantity,
+                "model": one.model,
+                "everywhere": one.everywhere,
+                "good_to": engine_speed_object(one.good_to),
+                "poor_from": engine_speed_object(one.poor_from),
+                "largest_difference": measured(one.largest, "1"),
                 "doubt": measured(one.largest_doubt, "1"),
             }
             for one in reaches
         ],
         "rows": [
             {
-                "quantity": row.quantity, "model": row.model, "engine_speed": engine_speed_object(row.engine_speed),
-                **{key: measured(getattr(row, key), unit_of(row.quantity)) for key in ("value", "error", "reference", "reference_error")},
-                "difference": measured(row.difference, "1"), "doubt": measured(row.doubt, "1"), "verdict": row.verdict(found.tolerance),
+                "quantity": row.quantity,
+                "model": row.model,
+                "engine_speed": engine_speed_object(row.engine_speed),
+                **{
+                    key: measured(getattr(row, key), unit_of(row.quantity))
+                    for key in ("value", "error", "reference", "reference_error")
+                },
+                "difference": measured(row.difference, "1"),
+                "doubt": measured(row.doubt, "1"),
+                "verdict": row.verdict(found.tolerance),
             }
             for row in found
         ],
-    }  # fmt: skip
+    }
 
 
 def study_json(study: Study) -> dict[str, Any]:
-    """The study as plain dictionaries and lists, keys as in docs/quantities.md; every number stands with its unit.
+    """The study as plain dictionaries and lists, keys as in docs/quantities.md; every number stands
+    with its unit.
 
     Parameters
     ----------
@@ -130,55 +172,105 @@ def study_json(study: Study) -> dict[str, Any]:
     """
     still = {label: quantities_object(values) for label, values in study.still.items()}
     return {
-        "command": study.command, "case": study.record.name, "title": study.record.title, "digest": study.record.digest,
-        "changed": list(study.record.changed), "completed": not study.failures, "failures": list(study.failures),
-        "quantities": still.pop("", {}), "quantities_by_label": still, "springs_at_rest": [_rest_object(one) for one in study.rest],
-        "runs": [_run_object(run) for run in study.solutions], "critical_speeds": [_critical_object(one) for one in study.critical_speeds],
+        "command": study.command,
+        "case": study.record.name,
+        "title": study.record.title,
+        "digest": study.record.digest,
+        "changed": list(study.record.changed),
+        "completed": not study.failures,
+        "failures": list(study.failures),
+        "quantities": still.pop("", {}),
+        "quantities_by_label": still,
+        "springs_at_rest": [_rest_object(one) for one in study.rest],
+        "runs": [_run_object(run) for run in study.solutions],
+        "critical_speeds": [_critical_object(one) for one in study.critical_speeds],
         **({"fidelity": fidelity_object(study.fidelity)} if len(study.fidelity) else {}),
         "comparisons": [comparison_object(row) for row in study.comparisons],
-        "findings": [{name: getattr(one, name) for name in ("place", "statement", "computed", "verdict")} for one in study.findings],
-        "uncertainties": [uncertainty_object(row) for row in fresh_uncertainty(study)], "notes": list(study.notes),
-        "cite": list(dict.fromkeys(sum((run.cite() for run in study.solutions), (*study.record.citations, *study.provenance.citations)))),
-    }  # fmt: skip
+        "findings": [
+            {name: getattr(one, name) for name in ("place", "statement", "computed", "verdict")}
+            for one in study.findings
+        ],
+        "uncertainties": [uncertainty_object(row) for row in fresh_uncertainty(study)],
+        "notes": list(study.notes),
+        "cite": list(
+            dict.fromkeys(
+                sum(
+                    (run.cite() for run in study.solutions),
+                    (*study.record.citations, *study.provenance.citations),
+                )
+            )
+        ),
+    }
 
 
 def _run_object(run: Solution) -> dict[str, Any]:
     return {
-        "label": run.label, "model": run.model, "spring_set": run.spring_set, "engine_speed": engine_speed_object(run.engine_speed),
-        "status": status_object(run.status), "quantities": quantities_object(run.quantities),
-        "clash_count": measured(run.quantities.get("clash_count", sum(event.kind == "clash" for event in run.events)), "1"),
+        "label": run.label,
+        "model": run.model,
+        "spring_set": run.spring_set,
+        "engine_speed": engine_speed_object(run.engine_speed),
+        "status": status_object(run.status),
+        "quantities": quantities_object(run.quantities),
+        "clash_count": measured(
+            run.quantities.get("clash_count", sum(event.kind == "clash" for event in run.events)),
+            "1",
+        ),
         "events": [_event_object(event) for event in run.events],
-        "options": {name: _with_unit(name, value) for name, value in run.provenance.options.items()},
+        "options": {
+            name: _with_unit(name, value) for name, value in run.provenance.options.items()
+        },
         "statistics": {name: _with_unit(name, value) for name, value in run.statistics.items()},
-    } | ({"gaps": list(run.gaps)} if run.gaps else {})  # fmt: skip
+    } | ({"gaps": list(run.gaps)} if run.gaps else {})
 
 
 def _event_object(event: Event) -> dict[str, Any]:
     details = {name: _with_unit(name, value) for name, value in event.details.items()}
     return {
-        "kind": event.kind, "where": event.where, "cam_angle": measured(event.cam_angle, "rad"), "time": measured(event.time, "s"),
-        "duration": measured(event.duration, "s"), "size": measured(event.size, event.unit), "details": details,
-    }  # fmt: skip
+        "kind": event.kind,
+        "where": event.where,
+        "cam_angle": measured(event.cam_angle, "rad"),
+        "time": measured(event.time, "s"),
+        "duration": measured(event.duration, "s"),
+        "size": measured(event.size, event.unit),
+        "details": details,
+    }
 
 
 def _critical_object(one: CriticalSpeed) -> dict[str, Any]:
-    """An answer of the search; ``engine_speed`` is null where control is never lost between ``searched``."""
+    """An answer of the search; ``engine_speed`` is null where control is never lost between
+    ``searched``.
+    """
 
     def bracket(found: SpeedBracket | None) -> dict[str, Any] | None:
         if found is None:
             return None
-        return {"lower": measured(rpm(found.lower_engine_speed), "rpm"), "upper": measured(rpm(found.upper_engine_speed), "rpm")}
+        return {
+            "lower": measured(rpm(found.lower_engine_speed), "rpm"),
+            "upper": measured(rpm(found.upper_engine_speed), "rpm"),
+        }
 
     def crossing(found: Crossing | None) -> dict[str, Any] | None:
-        return None if found is None else {name: bracket(getattr(found, name)) for name in ("from_rest", "rising", "falling")}
+        return (
+            None
+            if found is None
+            else {
+                name: bracket(getattr(found, name)) for name in ("from_rest", "rising", "falling")
+            }
+        )
 
     return {
-        "label": one.label, "kind": one.kind, "place": one.place, "limit": measured(one.limit, "N" if one.kind == "contact-loss" else "m"),
+        "label": one.label,
+        "kind": one.kind,
+        "place": one.place,
+        "limit": measured(one.limit, "N" if one.kind == "contact-loss" else "m"),
         "searched": bracket(SpeedBracket(one.first_engine_speed, one.last_engine_speed)),
         "resolution": engine_speed_object(one.resolution),
-        "engine_speed": engine_speed_object(one.engine_speed) if one.found else None, "begins": crossing(one.begins),
-        "ends": crossing(one.ends), "again": [bracket(each) for each in one.again], "runs_count": measured(one.runs_count, "1"),
-    }  # fmt: skip
+        "engine_speed": engine_speed_object(one.engine_speed) if one.found else None,
+        "begins": crossing(one.begins),
+        "ends": crossing(one.ends),
+        "again": [bracket(each) for each in one.again],
+        "runs_count": measured(one.runs_count, "1"),
+    }
 
 
 def _rest_object(one: SpringAtRest) -> dict[str, Any]:
@@ -189,9 +281,14 @@ def _rest_object(one: SpringAtRest) -> dict[str, Any]:
         "facts": {name: _with_unit(name, value) for name, value in one.facts.items()},
     }
     if one.curve is not None:
-        curve = {"compression": (one.curve.compression, "m"), "force": (one.curve.force, "N"), "stiffness": (one.curve.stiffness, "N/m")}
+        curve = {
+            "compression": (one.curve.compression, "m"),
+            "force": (one.curve.force, "N"),
+            "stiffness": (one.curve.stiffness, "N/m"),
+        }
         found["static_curve"] = {"status": status_object(one.curve.status)} | {
-            name: {"values": np.asarray(values, dtype=float).tolist(), "unit": unit} for name, (values, unit) in curve.items()
+            name: {"values": np.asarray(values, dtype=float).tolist(), "unit": unit}
+            for name, (values, unit) in curve.items()
         }
     if one.installed is not None:
         found["installed"] = quantities_object(named(one.installed))
@@ -199,19 +296,32 @@ def _rest_object(one: SpringAtRest) -> dict[str, Any]:
         found["points"] = [quantities_object(named(point)) for point in one.points]
     if one.modes is not None:
         axial = {mode: place for place, mode in enumerate(one.modes.axial_modes, start=1)}
-        found["modes"] = {"status": status_object(one.modes.status), "compression": measured(one.modes.compression, "m"),
-                          "attached_mass": None if one.modes.attached_mass is None else measured(one.modes.attached_mass, "kg")} | {
+        found["modes"] = {
+            "status": status_object(one.modes.status),
+            "compression": measured(one.modes.compression, "m"),
+            "attached_mass": None
+            if one.modes.attached_mass is None
+            else measured(one.modes.attached_mass, "kg"),
+        } | {
             "modes": [
-                {"mode": place + 1, "natural_frequency": measured(float(value), "Hz"), "axial": axial.get(place),
-                 "axial_transmission_ratio": measured(float(one.modes.axial_transmission[place]), "1")}
+                {
+                    "mode": place + 1,
+                    "natural_frequency": measured(float(value), "Hz"),
+                    "axial": axial.get(place),
+                    "axial_transmission_ratio": measured(
+                        float(one.modes.axial_transmission[place]), "1"
+                    ),
+                }
                 for place, value in enumerate(one.modes.natural_frequency)
             ]
-        }  # fmt: skip
+        }
     return found
 
 
 def _with_unit(name: str, value: object) -> Any:
-    """A number with the unit of its name (``1`` for counts and shares); words and switches as they are."""
+    """A number with the unit of its name (``1`` for counts and shares); words and switches as they
+    are.
+    """
     if isinstance(value, np.generic):
         value = value.item()
     if isinstance(value, bool) or not isinstance(value, (int, float)):
@@ -220,7 +330,9 @@ def _with_unit(name: str, value: object) -> Any:
 
 
 def unit_of_number(name: str) -> str:
-    """SI unit of an option, a statistic or a detail of an event by its name; ``1`` for counts and shares."""
+    """SI unit of an option, a statistic or a detail of an event by its name; ``1`` for counts and
+    shares.
+    """
     try:
         return _UNITS.get(name) or unit_of(name)
     except InputError:

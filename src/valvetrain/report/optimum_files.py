@@ -55,16 +55,30 @@ def _of(one: Measure) -> dict[str, Any]:
     told: dict[str, Any] = {"quantity": one.quantity, "unit": one.si_unit, "label": one.label}
     if one.limit is not None:
         sense = "at_most" if one.limit.upper else "at_least"
-        told["limit_speed"] = {sense: one.limit.bound, "engine_speeds": list(one.limit.engine_speeds), "resolution": one.limit.resolution}
-    return told | ({"engine_speeds": list(dict.fromkeys(speeds)), "over": one.over} if speeds else {})
+        told["limit_speed"] = {
+            sense: one.limit.bound,
+            "engine_speeds": list(one.limit.engine_speeds),
+            "resolution": one.limit.resolution,
+        }
+    return told | (
+        {"engine_speeds": list(dict.fromkeys(speeds)), "over": one.over} if speeds else {}
+    )
 
 
 def _trial(one: Trial) -> dict[str, Any]:
     return {
-        "number": one.number, "seed": None if one.number == 0 else one.seed, "values": one.values, "objectives": one.objectives,
-        "constraints": one.constraints, "missed": one.missed if not one.failure else None, "state": one.state, "failure": one.failure,
-        "limits": [_bracket(bracket) for brackets in one.measured.limits.values() for bracket in brackets],
-    }  # fmt: skip
+        "number": one.number,
+        "seed": None if one.number == 0 else one.seed,
+        "values": one.values,
+        "objectives": one.objectives,
+        "constraints": one.constraints,
+        "missed": one.missed if not one.failure else None,
+        "state": one.state,
+        "failure": one.failure,
+        "limits": [
+            _bracket(bracket) for brackets in one.measured.limits.values() for bracket in brackets
+        ],
+    }
 
 
 def _bracket(one: LimitFound) -> dict[str, Any]:
@@ -73,18 +87,35 @@ def _bracket(one: LimitFound) -> dict[str, Any]:
 
 def _design(found: Optimum, one: Design) -> dict[str, Any]:
     return {
-        **_trial(one.trial), "chosen": one.chosen, "active": list(found.active(one.trial)),
-        "at_ends": [{"quantity": found.plan.varied[place].name, "end": end} for place, end in found.at_ends(one.trial)],
+        **_trial(one.trial),
+        "chosen": one.chosen,
+        "active": list(found.active(one.trial)),
+        "at_ends": [
+            {"quantity": found.plan.varied[place].name, "end": end}
+            for place, end in found.at_ends(one.trial)
+        ],
         "steps": [
-            {"quantity": found.plan.varied[step.place].name, "step": step.size, "objectives": step.objectives, "feasible": step.feasible,
-             "improves": step.improves, "failure": step.failure} for step in one.steps
+            {
+                "quantity": found.plan.varied[step.place].name,
+                "step": step.size,
+                "objectives": step.objectives,
+                "feasible": step.feasible,
+                "improves": step.improves,
+                "failure": step.failure,
+            }
+            for step in one.steps
         ],
         "confirmed": [_confirmed(other) for other in one.confirmed],
-    }  # fmt: skip
+    }
 
 
 def _confirmed(one: Confirmed) -> dict[str, Any]:
-    return {"by": one.label, "of_case": _trial(one.case), "design": _trial(one.design), "keeps_every_bound": one.design.feasible}
+    return {
+        "by": one.label,
+        "of_case": _trial(one.case),
+        "design": _trial(one.design),
+        "keeps_every_bound": one.design.feasible,
+    }
 
 
 def trials_csv(found: Optimum) -> str:
@@ -92,14 +123,25 @@ def trials_csv(found: Optimum) -> str:
     plan, stream = found.plan, io.StringIO()
     writer = csv.writer(stream, lineterminator="\n")
     heads = [f"{one.name} [{one.si_unit or '1'}]" for one in plan.varied]
-    heads += [f"objective {place + 1}: {one.measure.label} [{one.measure.si_unit}]" for place, one in enumerate(plan.objectives)]
-    heads += [f"constraint {place + 1}: {one.measure.label} [{one.measure.si_unit}]" for place, one in enumerate(plan.constraints)]
+    heads += [
+        f"objective {place + 1}: {one.measure.label} [{one.measure.si_unit}]"
+        for place, one in enumerate(plan.objectives)
+    ]
+    heads += [
+        f"constraint {place + 1}: {one.measure.label} [{one.measure.si_unit}]"
+        for place, one in enumerate(plan.constraints)
+    ]
     heads += [f"missed {place + 1} [1]" for place in range(len(plan.constraints))]
     writer.writerow(["trial", "seed", *heads, "state", "sentence"])
     for one in found.trials:
         missed = one.missed[: len(plan.constraints)]
-        cells = ["" if np.isnan(value) else repr(float(value)) for value in (*one.values, *one.objectives, *one.constraints, *missed)]
-        writer.writerow([one.number, "" if one.number == 0 else one.seed, *cells, one.state, one.failure])
+        cells = [
+            "" if np.isnan(value) else repr(float(value))
+            for value in (*one.values, *one.objectives, *one.constraints, *missed)
+        ]
+        writer.writerow(
+            [one.number, "" if one.number == 0 else one.seed, *cells, one.state, one.failure]
+        )
     return stream.getvalue()
 
 
@@ -108,13 +150,21 @@ def _write_case(found: Optimum, design: Design, path: Path) -> Path:
 
 
 def write_optimum(found: Optimum, folder: Path, gaps: Gaps) -> tuple[list[Path], Path | None]:
-    """Write trials, Optuna study, case files and page into ``folder``; what could not be written stands in ``gaps``. Files, and page."""
+    """Write trials, Optuna study, case files and page into ``folder``; what could not be written
+    stands in ``gaps``. Files, and page.
+    """
     made = [
         gaps.part(f"file '{TRIALS}'", None, lambda: write_text(folder / TRIALS, trials_csv(found))),
         gaps.part(f"file '{OPTUNA}'", None, lambda: write_optuna(found, folder / OPTUNA)),
     ]
     for place, design in enumerate(found.designs):
         name = BEST if place == 0 else f"design-{place + 1}.toml"
-        made.append(gaps.part(f"file '{name}'", None, partial(_write_case, found, design, folder / name)))
-    page = gaps.part("report page", None, lambda: write_text(folder / "report.html", render(optimum_page(found), gaps)))
+        made.append(
+            gaps.part(f"file '{name}'", None, partial(_write_case, found, design, folder / name))
+        )
+    page = gaps.part(
+        "report page",
+        None,
+        lambda: write_text(folder / "report.html", render(optimum_page(found), gaps)),
+    )
     return [path for path in (*made, page) if path is not None], page

@@ -29,7 +29,9 @@ _DASHES = {"solid": "", "dash": "6 4", "dot": "2 3", "dashdot": "8 3 2 3"}
 
 @dataclass(frozen=True, slots=True)
 class Text:
-    """A paragraph; ``html`` is trusted, use :func:`text` for words from outside. ``gap``: it stands for a part that failed."""
+    """A paragraph; ``html`` is trusted, use :func:`text` for words from outside. ``gap``: it stands
+    for a part that failed.
+    """
 
     html: str
     tone: str = ""
@@ -49,7 +51,9 @@ class Figure:
 
 @dataclass(frozen=True, slots=True)
 class Cell:
-    """One table cell: escaped ``words``; ``tone`` styles it (number, good, bad, quiet, tag...), ``sort`` is a title shown on hover."""
+    """One table cell: escaped ``words``; ``tone`` styles it (number, good, bad, quiet, tag...),
+    ``sort`` is a title shown on hover.
+    """
 
     words: str
     tone: str = ""
@@ -58,7 +62,8 @@ class Cell:
 
 @dataclass(frozen=True, eq=False)
 class Grid:
-    """A table; a row is its cells and one word per filter that may select it; a row of one cell is a heading across.
+    """A table; a row is its cells and one word per filter that may select it; a row of one cell is
+    a heading across.
 
     ``filters``: what is chosen by, such as ``role``; its words are those that the rows carry.
     """
@@ -79,13 +84,18 @@ class Grid:
     @property
     def choices(self) -> tuple[tuple[str, tuple[str, ...]], ...]:
         """Filters that part the rows, each with its words in order of appearance."""
-        words = [tuple(dict.fromkeys(row[place] for _, row in self.rows if row)) for place in range(len(self.filters))]
+        words = [
+            tuple(dict.fromkeys(row[place] for _, row in self.rows if row))
+            for place in range(len(self.filters))
+        ]
         return tuple((name, found) for name, found in zip(self.filters, words, strict=True))
 
 
 @dataclass(frozen=True, slots=True)
 class Card:
-    """Answers: a table under a title, ``headers`` above ``lines`` of name and values; a line without values heads those below it."""
+    """Answers: a table under a title, ``headers`` above ``lines`` of name and values; a line
+    without values heads those below it.
+    """
 
     title: str
     headers: tuple[str, ...]
@@ -96,7 +106,10 @@ class Card:
         """Whether the table needs the whole width of the page."""
         if not self.title:
             return True
-        columns = [max([len(line[1][place]) for line in self.lines] + [6]) for place in range(len(self.headers))]
+        columns = [
+            max([len(line[1][place]) for line in self.lines] + [6])
+            for place in range(len(self.headers))
+        ]
         return sum(columns) + max(len(name) for name, _ in self.lines) > 52 or len(self.headers) > 3
 
     kind = "card"
@@ -142,7 +155,9 @@ class Listing:
 
 @dataclass(frozen=True, slots=True)
 class Motion:
-    """A moving picture: ``data`` is what motion.js mounts, as JSON that may stand in a script; ``still`` an SVG element until it does."""
+    """A moving picture: ``data`` is what motion.js mounts, as JSON that may stand in a script;
+    ``still`` an SVG element until it does.
+    """
 
     key: str
     title: str
@@ -158,7 +173,9 @@ Block = Motion | Text | Figure | Grid | Cards | Tabs | Details | Listing
 
 @dataclass(frozen=True, slots=True)
 class SectionSpec:
-    """A section of the report as the registry lists it: ``blocks`` asks a study for what it has; nothing leaves the section out."""
+    """A section of the report as the registry lists it: ``blocks`` asks a study for what it has;
+    nothing leaves the section out.
+    """
 
     key: str
     title: str
@@ -176,7 +193,9 @@ class Section:
 
 @dataclass(frozen=True, eq=False)
 class Page:
-    """A whole report: ``kicker`` above the title, ``lead`` below it, ``facts`` as (name, value) pairs, a footer."""
+    """A whole report: ``kicker`` above the title, ``lead`` below it, ``facts`` as (name, value)
+    pairs, a footer.
+    """
 
     title: str
     kicker: str
@@ -199,14 +218,21 @@ def gap(words: str) -> Text:
 def gaps_of(page: Page) -> tuple[str, ...]:
     """A sentence per part of a page that failed."""
     return tuple(
-        unescape(block.html) for section in page.sections for block in _all(section.blocks) if isinstance(block, Text) and block.gap
+        unescape(block.html)
+        for section in page.sections
+        for block in _all(section.blocks)
+        if isinstance(block, Text) and block.gap
     )
 
 
 def prose(paragraphs: Sequence[str], summary: str, tone: str = "note") -> tuple[Block, ...]:
     """Paragraphs; more than three sentences stand behind a word to click."""
     blocks = tuple(text(words, tone) for words in paragraphs)
-    return (Details(summary, blocks),) if sum(len(sentences(words)) for words in paragraphs) > 3 else blocks
+    return (
+        (Details(summary, blocks),)
+        if sum(len(sentences(words)) for words in paragraphs) > 3
+        else blocks
+    )
 
 
 def sentences(words: str) -> list[str]:
@@ -214,8 +240,12 @@ def sentences(words: str) -> list[str]:
     return [part for part in re.split(r"(?<=[.!?])\s+(?=[A-Z])", words.strip()) if part]
 
 
-def figure_or_gap(title: str, build: Callable[P, Chart | None], *args: P.args, **more: P.kwargs) -> tuple[Block, ...]:
-    """The figure that ``build`` gives, nothing for None, and a sentence in its place where it cannot be drawn."""
+def figure_or_gap(
+    title: str, build: Callable[P, Chart | None], *args: P.args, **more: P.kwargs
+) -> tuple[Block, ...]:
+    """The figure that ``build`` gives, nothing for None, and a sentence in its place where it
+    cannot be drawn.
+    """
     try:
         chart = build(*args, **more)
     except Exception as error:  # one figure must not cost the others
@@ -225,7 +255,12 @@ def figure_or_gap(title: str, build: Callable[P, Chart | None], *args: P.args, *
 
 def charts(page: Page) -> list[Chart]:
     """Every chart on a page, in order, those behind tabs included."""
-    return [block.chart for section in page.sections for block in _all(section.blocks) if isinstance(block, Figure)]
+    return [
+        block.chart
+        for section in page.sections
+        for block in _all(section.blocks)
+        if isinstance(block, Figure)
+    ]
 
 
 def _all(blocks: Sequence[Any]) -> Iterator[Any]:
@@ -241,18 +276,32 @@ def _all(blocks: Sequence[Any]) -> Iterator[Any]:
 
 
 def render(page: Page, gaps: Gaps | None = None) -> str:
-    """The page as one self-contained HTML document, Plotly and data included; ``gaps`` is told the figures that cannot be drawn."""
+    """The page as one self-contained HTML document, Plotly and data included; ``gaps`` is told the
+    figures that cannot be drawn.
+    """
     drawn = {chart.key: _drawn(chart, gaps) for chart in charts(page)}
     library, moving = plotly_script() if drawn else "", _moving(page)
     return _template("page.html.j2").render(
-        page=page, drawn=drawn, style=page_style(), script=page_script(), plotly=library, moving=moving,
-        mover=motion_script() if moving else "", header=_css_words(f"{page.title} – {page.kicker}"),
-        still={key: picture for key, picture in ((chart.key, _still(chart)) for chart in charts(page)) if picture},
-    )  # fmt: skip
+        page=page,
+        drawn=drawn,
+        style=page_style(),
+        script=page_script(),
+        plotly=library,
+        moving=moving,
+        mover=motion_script() if moving else "",
+        header=_css_words(f"{page.title} – {page.kicker}"),
+        still={
+            key: picture
+            for key, picture in ((chart.key, _still(chart)) for chart in charts(page))
+            if picture
+        },
+    )
 
 
 def render_part(sections: Sequence[Section]) -> str:
-    """Sections with the data of their figures as HTML to stand in another page, which brings style, script and Plotly."""
+    """Sections with the data of their figures as HTML to stand in another page, which brings style,
+    script and Plotly.
+    """
     page = Page("", "", "", (), tuple(sections))
     drawn = {chart.key: _drawn(chart, None) for chart in charts(page)}
     return _template("part.html.j2").render(page=page, drawn=drawn, moving=_moving(page), still={})
@@ -260,7 +309,12 @@ def render_part(sections: Sequence[Section]) -> str:
 
 def _moving(page: Page) -> list[Motion]:
     """Every moving picture of a page, in order."""
-    return [block for section in page.sections for block in _all(section.blocks) if isinstance(block, Motion)]
+    return [
+        block
+        for section in page.sections
+        for block in _all(section.blocks)
+        if isinstance(block, Motion)
+    ]
 
 
 def page_style() -> str:
@@ -279,7 +333,13 @@ def _environment() -> jinja2.Environment:
 
     folder = resources.files("valvetrain.report").joinpath("templates")
     loader = jinja2.FunctionLoader(lambda name: folder.joinpath(name).read_text(encoding="utf-8"))
-    found = jinja2.Environment(loader=loader, autoescape=True, trim_blocks=True, lstrip_blocks=True, undefined=jinja2.StrictUndefined)
+    found = jinja2.Environment(
+        loader=loader,
+        autoescape=True,
+        trim_blocks=True,
+        lstrip_blocks=True,
+        undefined=jinja2.StrictUndefined,
+    )
     found.globals |= {"legend": legend_entries, "dashes": _DASHES}
     return found
 
@@ -289,7 +349,9 @@ def _template(name: str) -> jinja2.Template:
 
 
 def _still(chart: Chart) -> str:
-    """The figure for a reader without scripts; nothing where it cannot be drawn, which the figure says itself."""
+    """The figure for a reader without scripts; nothing where it cannot be drawn, which the figure
+    says itself.
+    """
     from valvetrain.report.svg_chart import svg
 
     try:
@@ -300,11 +362,20 @@ def _still(chart: Chart) -> str:
 
 def _css_words(words: str) -> str:
     """Words as a string of a style sheet, whatever stands in them."""
-    return '"' + "".join(sign if sign.isalnum() or sign in " .,-–()/" else f"\\{ord(sign):x} " for sign in words[:120]) + '"'
+    return (
+        '"'
+        + "".join(
+            sign if sign.isalnum() or sign in " .,-–()/" else f"\\{ord(sign):x} "
+            for sign in words[:120]
+        )
+        + '"'
+    )
 
 
 def _drawn(chart: Chart, gaps: Gaps | None) -> str:
-    """The figure as JSON, or the reason why it cannot be drawn, which the page then shows in its place."""
+    """The figure as JSON, or the reason why it cannot be drawn, which the page then shows in its
+    place.
+    """
     from valvetrain.report.plotly_chart import in_script, to_json
 
     try:
@@ -317,10 +388,21 @@ def _drawn(chart: Chart, gaps: Gaps | None) -> str:
 
 
 def plotly_script() -> str:
-    """The text of plotly.js, safe inside a script element (none for a page without charts is the caller's choice)."""
-    source = resources.files("plotly").joinpath("package_data", "plotly.min.js").read_text(encoding="utf-8")
-    # Escaped to ASCII, Python keeps the text and its copies in one byte per character instead of two.
-    return re.sub(r"[^\x00-\x7f]", lambda found: f"\\u{ord(found[0]):04x}", source.replace("</script", "<\\/script"))
+    """The text of plotly.js, safe inside a script element (none for a page without charts is the
+    caller's choice).
+    """
+    source = (
+        resources.files("plotly")
+        .joinpath("package_data", "plotly.min.js")
+        .read_text(encoding="utf-8")
+    )
+    # Escaped to ASCII, Python keeps the text and its copies in one byte per character instead of
+    # two.
+    return re.sub(
+        r"[^\x00-\x7f]",
+        lambda found: f"\\u{ord(found[0]):04x}",
+        source.replace("</script", "<\\/script"),
+    )
 
 
 def _static(name: str) -> str:

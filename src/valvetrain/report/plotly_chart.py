@@ -1,4 +1,6 @@
-"""Charts as Plotly figures: plain JSON for the page, numbers packed in binary so that the page stays small."""
+"""Charts as Plotly figures: plain JSON for the page, numbers packed in binary so that the page
+stays small.
+"""
 
 from __future__ import annotations
 
@@ -10,57 +12,111 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from valvetrain.report import theme
-from valvetrain.report.chart import Chart, HeatMap, Layer, Line, Marks, Panel, rule_levels, shares_axis, visible_range
+from valvetrain.report.chart import (
+    Chart,
+    HeatMap,
+    Layer,
+    Line,
+    Marks,
+    Panel,
+    rule_levels,
+    shares_axis,
+    visible_range,
+)
 
 _SYMBOLS = {"circle": "circle", "diamond": "diamond", "triangle": "triangle-up", "square": "square"}
-_SIDES = {"top": "top center", "right": "middle right", "left": "middle left", "bottom": "bottom center"}
-#: Room in px about the panels of a figure: left for tick words, below for tick and axis words, above for a panel's own words.
+_SIDES = {
+    "top": "top center",
+    "right": "middle right",
+    "left": "middle left",
+    "bottom": "bottom center",
+}
+#: Room in px about the panels of a figure: left for tick words, below for tick and axis words,
+#: above for a panel's own words.
 _LEFT, _RIGHT, _BOTTOM, _ABOVE, _BAR = 54, 18, 46, 26, 92
-#: Room in px between panels, and the width in px of a plot area of two columns at its narrowest (page.js changes over below it).
+#: Room in px between panels, and the width in px of a plot area of two columns at its narrowest
+#: (page.js changes over below it).
 _GAP_X, _LEAST_WIDTH = 60, 620
-#: Letters of a panel's words that one line of a narrow page holds; a title beyond them stands on a line of its own.
+#: Letters of a panel's words that one line of a narrow page holds; a title beyond them stands on a
+#: line of its own.
 _MOST_LETTERS = 40
 #: Height in px of a panel on a narrow page, where all stand in one column.
 NARROW_PANEL = 220
 
 
 def figure(chart: Chart) -> dict[str, Any]:
-    """``data``, ``layout`` and ``narrow`` (the layout of a narrow page) of a chart for Plotly; arrays are packed (:func:`packed`)."""
+    """``data``, ``layout`` and ``narrow`` (the layout of a narrow page) of a chart for Plotly;
+    arrays are packed (:func:`packed`).
+    """
     data: list[dict[str, Any]] = []
     for index, panel in enumerate(chart.panels):
         suffix = "" if index == 0 else str(index + 1)
         for layer in panel.layers:
-            scale = {"coloraxis": f"coloraxis{suffix}"} if isinstance(layer, HeatMap) else {"showlegend": False}
-            data.append(_trace(layer) | {"meta": _columns(panel, layer)} | {"xaxis": f"x{suffix}", "yaxis": f"y{suffix}"} | scale)
-    return {"data": data, "layout": _layout(chart, chart.columns, 0), "narrow": _layout(chart, 1, NARROW_PANEL)}
+            scale = (
+                {"coloraxis": f"coloraxis{suffix}"}
+                if isinstance(layer, HeatMap)
+                else {"showlegend": False}
+            )
+            data.append(
+                _trace(layer)
+                | {"meta": _columns(panel, layer)}
+                | {"xaxis": f"x{suffix}", "yaxis": f"y{suffix}"}
+                | scale
+            )
+    return {
+        "data": data,
+        "layout": _layout(chart, chart.columns, 0),
+        "narrow": _layout(chart, 1, NARROW_PANEL),
+    }
 
 
 def _columns(panel: Panel, layer: Layer) -> list[str]:
-    """Heads of the columns of a layer as the page gives its data away: what stands along x and y, and of a map its colour."""
+    """Heads of the columns of a layer as the page gives its data away: what stands along x and y,
+    and of a map its colour.
+    """
     named = f"{panel.title}, {layer.name}" if panel.title else layer.name
     if isinstance(layer, HeatMap):
-        return [f"{named}: {panel.x_label}", f"{named}: {layer.y_words}", f"{layer.name} ({layer.unit})"]
+        return [
+            f"{named}: {panel.x_label}",
+            f"{named}: {layer.y_words}",
+            f"{layer.name} ({layer.unit})",
+        ]
     return [f"{named}: {panel.x_label}", f"{named}: {panel.y_label}"]
 
 
 def _layout(chart: Chart, columns: int, panel_height: int) -> dict[str, Any]:
-    """Layout with ``columns``; ``panel_height`` (px) sets the height of the figure, 0 leaves the chart's own."""
+    """Layout with ``columns``; ``panel_height`` (px) sets the height of the figure, 0 leaves the
+    chart's own.
+    """
     narrow, rows = panel_height > 0, -(-len(chart.panels) // columns)
     shared = shares_axis(chart, columns)
     worded = [max((len(words) for _, words in panel.y_words), default=0) for panel in chart.panels]
     maps = any(isinstance(layer, HeatMap) for panel in chart.panels for layer in panel.layers)
-    direct = any(isinstance(layer, Line) and layer.direct for panel in chart.panels for layer in panel.layers)
-    left = 20 if narrow and max(worded, default=0) else max(_LEFT, min(300, 14 + int(6.6 * max(worded, default=0))))
+    direct = any(
+        isinstance(layer, Line) and layer.direct for panel in chart.panels for layer in panel.layers
+    )
+    left = (
+        20
+        if narrow and max(worded, default=0)
+        else max(_LEFT, min(300, 14 + int(6.6 * max(worded, default=0))))
+    )
     right = (58 if direct else _RIGHT) + (_BAR - _RIGHT if maps and not narrow else 0)
     bottom = _BOTTOM + (60 if maps and narrow else 0)
-    parted = narrow and any(panel.title and len(panel.title + panel.y_label) > _MOST_LETTERS for panel in chart.panels)
-    above = _ABOVE + (16 if any(panel.bands for panel in chart.panels) else 0) + (16 if parted else 0)
+    parted = narrow and any(
+        panel.title and len(panel.title + panel.y_label) > _MOST_LETTERS for panel in chart.panels
+    )
+    above = (
+        _ABOVE + (16 if any(panel.bands for panel in chart.panels) else 0) + (16 if parted else 0)
+    )
     gap = above + (28 if shared else _BOTTOM)
     if narrow and max(worded, default=0):
         panel_height = chart.height - above - _BOTTOM
     height = rows * panel_height + (rows - 1) * gap + above + bottom if narrow else chart.height
     inside = float(height - above - bottom)
-    layout = _base(chart) | {"height": height, "margin": {"l": left, "r": right, "t": above, "b": bottom, "pad": 0}}
+    layout = _base(chart) | {
+        "height": height,
+        "margin": {"l": left, "r": right, "t": above, "b": bottom, "pad": 0},
+    }
     wide = (1 - (columns - 1) * _GAP_X / _LEAST_WIDTH) / columns
     high = (inside - (rows - 1) * gap) / rows / inside
     for index, panel in enumerate(chart.panels):
@@ -70,7 +126,17 @@ def _layout(chart: Chart, columns: int, panel_height: int) -> dict[str, Any]:
         named = not shared or index == len(chart.panels) - 1
         for heat in (layer for layer in panel.layers if isinstance(layer, HeatMap)):
             layout[f"coloraxis{index + 1 if index else ''}"] = _colour_axis(heat, narrow)
-        _add_axes(layout, panel, "" if index == 0 else str(index + 1), x_domain, y_domain, narrow, named, shared and index > 0, parted)
+        _add_axes(
+            layout,
+            panel,
+            "" if index == 0 else str(index + 1),
+            x_domain,
+            y_domain,
+            narrow,
+            named,
+            shared and index > 0,
+            parted,
+        )
     return layout
 
 
@@ -80,7 +146,9 @@ def to_json(chart: Chart) -> str:
 
 
 def in_script(text: str) -> str:
-    """JSON text, equal once read, that no HTML parser takes for the end of its script element or for a comment in it."""
+    """JSON text, equal once read, that no HTML parser takes for the end of its script element or
+    for a comment in it.
+    """
     for sign in "<>&\u2028\u2029":
         text = text.replace(sign, f"\\u{ord(sign):04x}")
     return text
@@ -96,16 +164,30 @@ def packed(values: ArrayLike) -> dict[str, str]:
 def unpacked(form: dict[str, str]) -> np.ndarray:
     """The numbers in a packed array, for whoever reads a figure back."""
     array = np.frombuffer(base64.b64decode(form["bdata"]), dtype="<f4")
-    return array.reshape([int(part) for part in form["shape"].split(",")]) if "shape" in form else array
+    return (
+        array.reshape([int(part) for part in form["shape"].split(",")])
+        if "shape" in form
+        else array
+    )
 
 
 def _base(chart: Chart) -> dict[str, Any]:
     return {
-        "autosize": True, "paper_bgcolor": theme.PAPER, "plot_bgcolor": theme.PAPER, "hovermode": "closest", "dragmode": "zoom",
+        "autosize": True,
+        "paper_bgcolor": theme.PAPER,
+        "plot_bgcolor": theme.PAPER,
+        "hovermode": "closest",
+        "dragmode": "zoom",
         "font": {"family": theme.FONT, "size": 13, "color": theme.INK},
-        "hoverlabel": {"bgcolor": "#ffffff", "bordercolor": theme.RULE, "font": {"family": theme.FONT, "size": 12, "color": theme.INK}},
-        "showlegend": False, "annotations": [], "shapes": [],
-    }  # fmt: skip
+        "hoverlabel": {
+            "bgcolor": "#ffffff",
+            "bordercolor": theme.RULE,
+            "font": {"family": theme.FONT, "size": 12, "color": theme.INK},
+        },
+        "showlegend": False,
+        "annotations": [],
+        "shapes": [],
+    }
 
 
 def _add_axes(
@@ -124,53 +206,139 @@ def _add_axes(
         "gridcolor": theme.GRID, "linecolor": theme.RULE, "tickcolor": theme.RULE, "zeroline": False, "ticks": "outside", "ticklen": 4,
         "tickfont": {"size": 12, "color": theme.MUTED}, "automargin": False, "exponentformat": "none", "tickangle": 0,
     }  # fmt: skip
-    title = {"font": {"size": 12.5, "color": theme.MUTED}, "standoff": 6, "text": _plain(panel.x_label) if named else ""}
-    x_axis = {"domain": x_domain, "anchor": f"y{suffix}", "range": list(x_range), "showgrid": False, "showline": True, "title": title}
+    title = {
+        "font": {"size": 12.5, "color": theme.MUTED},
+        "standoff": 6,
+        "text": _plain(panel.x_label) if named else "",
+    }
+    x_axis = {
+        "domain": x_domain,
+        "anchor": f"y{suffix}",
+        "range": list(x_range),
+        "showgrid": False,
+        "showline": True,
+        "title": title,
+    }
     if panel.x_step:
         x_axis |= {"dtick": panel.x_step * (2 if narrow else 1), "tick0": 0}
     elif narrow:
         x_axis |= {"nticks": 6}
     layout[f"xaxis{suffix}"] = common | x_axis | ({"matches": "x"} if tied else {})
-    y_axis = {"domain": y_domain, "anchor": f"x{suffix}", "range": list(y_range), "showline": False, "nticks": 6}
+    y_axis = {
+        "domain": y_domain,
+        "anchor": f"x{suffix}",
+        "range": list(y_range),
+        "showline": False,
+        "nticks": 6,
+    }
     if panel.y_log:
         y_axis |= {"type": "log", "range": [float(np.log10(end)) for end in y_range], "dtick": 1}
     if panel.y_words:
         places, words = zip(*panel.y_words, strict=True)
-        y_axis |= {"tickmode": "array", "tickvals": list(places), "ticktext": [_plain(one) for one in words], "showticklabels": not narrow}
+        y_axis |= {
+            "tickmode": "array",
+            "tickvals": list(places),
+            "ticktext": [_plain(one) for one in words],
+            "showticklabels": not narrow,
+        }
     layout[f"yaxis{suffix}"] = common | y_axis
     _add_furniture(layout, panel, suffix, x_domain, y_domain, parted)
 
 
-def _add_furniture(layout: dict[str, Any], panel: Panel, suffix: str, x_domain: list[float], y_domain: list[float], parted: bool) -> None:
-    notes, shapes, across = layout["annotations"], layout["shapes"], {"xref": f"x{suffix}", "yref": f"y{suffix} domain"}
+def _add_furniture(
+    layout: dict[str, Any],
+    panel: Panel,
+    suffix: str,
+    x_domain: list[float],
+    y_domain: list[float],
+    parted: bool,
+) -> None:
+    notes, shapes, across = (
+        layout["annotations"],
+        layout["shapes"],
+        {"xref": f"x{suffix}", "yref": f"y{suffix} domain"},
+    )
     small = {"showarrow": False, "font": {"size": 11.5, "color": theme.MUTED}}
     for band in panel.bands:
         if band.shaded:
-            box = {"type": "rect", "x0": band.first, "x1": band.last, "y0": 0, "y1": 1, "fillcolor": theme.BAND}
+            box = {
+                "type": "rect",
+                "x0": band.first,
+                "x1": band.last,
+                "y0": 0,
+                "y1": 1,
+                "fillcolor": theme.BAND,
+            }
             shapes.append(across | box | {"line": {"width": 0}, "layer": "below"})
         if band.words:
-            notes.append(across | small | {"x": (band.first + band.last) / 2, "y": 1, "yanchor": "bottom", "text": _plain(band.words)})
+            notes.append(
+                across
+                | small
+                | {
+                    "x": (band.first + band.last) / 2,
+                    "y": 1,
+                    "yanchor": "bottom",
+                    "text": _plain(band.words),
+                }
+            )
     for level, rule in zip(rule_levels(panel), panel.rules, strict=True):
-        thin_line = {"type": "line", "layer": "below", "line": {"color": theme.MUTED, "width": 1, "dash": "dot"}}
+        thin_line = {
+            "type": "line",
+            "layer": "below",
+            "line": {"color": theme.MUTED, "width": 1, "dash": "dot"},
+        }
         if rule.axis == "x":
-            shapes.append(across | thin_line | {"x0": rule.value, "x1": rule.value, "y0": 0, "y1": 1})
-            place = across | {"x": rule.value, "y": 0.98 - 0.08 * level, "xanchor": "left", "yanchor": "top", "xshift": 3}
+            shapes.append(
+                across | thin_line | {"x0": rule.value, "x1": rule.value, "y0": 0, "y1": 1}
+            )
+            place = across | {
+                "x": rule.value,
+                "y": 0.98 - 0.08 * level,
+                "xanchor": "left",
+                "yanchor": "top",
+                "xshift": 3,
+            }
         else:
             along = {"xref": f"x{suffix} domain", "yref": f"y{suffix}"}
-            shapes.append(along | thin_line | {"x0": 0, "x1": 1, "y0": rule.value, "y1": rule.value})
+            shapes.append(
+                along | thin_line | {"x0": 0, "x1": 1, "y0": rule.value, "y1": rule.value}
+            )
             place = along | {"x": 1, "y": rule.value, "xanchor": "right", "yanchor": "bottom"}
         if rule.words:
             notes.append(place | small | {"text": _plain(rule.words)})
     for layer in panel.layers:
         if isinstance(layer, Line) and layer.direct and len(layer.x):
-            place = {"xref": f"x{suffix}", "yref": f"y{suffix}", "x": float(layer.x[-1]), "y": float(layer.y[-1])}
+            place = {
+                "xref": f"x{suffix}",
+                "yref": f"y{suffix}",
+                "x": float(layer.x[-1]),
+                "y": float(layer.y[-1]),
+            }
             words = {"text": _plain(layer.direct), "font": {"size": 12, "color": layer.colour}}
             notes.append(place | words | {"showarrow": False, "xanchor": "left", "xshift": 4})
-    # What stands along y is said above the panel, level: a long word up the side of a low panel would be cut off.
-    corner = {"xref": "paper", "yref": "paper", "x": x_domain[0], "y": y_domain[1], "xanchor": "left", "yanchor": "bottom", "xshift": -20}
-    head = {"showarrow": False, "yshift": 20 if panel.bands else 5, "font": {"size": 12.5, "color": theme.MUTED}, "align": "left"}
+    # What stands along y is said above the panel, level: a long word up the side of a low panel
+    # would be cut off.
+    corner = {
+        "xref": "paper",
+        "yref": "paper",
+        "x": x_domain[0],
+        "y": y_domain[1],
+        "xanchor": "left",
+        "yanchor": "bottom",
+        "xshift": -20,
+    }
+    head = {
+        "showarrow": False,
+        "yshift": 20 if panel.bands else 5,
+        "font": {"size": 12.5, "color": theme.MUTED},
+        "align": "left",
+    }
     parting = "<br>" if parted else "   "
-    title = f'<b><span style="color:{theme.INK}">{_plain(panel.title)}</span></b>{parting}' if panel.title else ""
+    title = (
+        f'<b><span style="color:{theme.INK}">{_plain(panel.title)}</span></b>{parting}'
+        if panel.title
+        else ""
+    )
     notes.append(corner | head | {"text": title + _plain(panel.y_label)})
 
 
@@ -189,32 +357,74 @@ def _trace(layer: Layer) -> dict[str, Any]:
     if isinstance(layer, Line):
         style = {"color": layer.colour, "width": layer.width, "dash": layer.dash, "simplify": False}
         # Lines stay in SVG: a page with many WebGL contexts loses the first ones.
-        return place | {"type": "scatter", "mode": "lines", "line": style, "hovertemplate": "%{x:.2f}, %{y:.4g}"}
+        return place | {
+            "type": "scatter",
+            "mode": "lines",
+            "line": style,
+            "hovertemplate": "%{x:.2f}, %{y:.4g}",
+        }
     if isinstance(layer, Marks):
         symbol = _SYMBOLS.get(layer.symbol, "circle") + ("" if layer.filled else "-open")
         side = _SIDES[theme.LABEL_SIDES.get(layer.symbol, "top")]
-        marker = {"symbol": symbol, "size": layer.size, "color": layer.colour, "line": {"width": 1.8, "color": layer.colour}}
-        words_shown = {"mode": "markers+text", "text": [_spaced(_plain(label), side) for label in layer.labels], "textposition": side}
+        marker = {
+            "symbol": symbol,
+            "size": layer.size,
+            "color": layer.colour,
+            "line": {"width": 1.8, "color": layer.colour},
+        }
+        words_shown = {
+            "mode": "markers+text",
+            "text": [_spaced(_plain(label), side) for label in layer.labels],
+            "textposition": side,
+        }
         text = words_shown if any(layer.labels) else {"mode": "markers"}
         words = {"textfont": {"size": 11.5, "color": layer.colour}, "cliponaxis": False}
         return place | {"type": "scatter", "marker": marker, **_hover(layer)} | text | words
     hover = f"%{{x:.1f}}, {_plain(layer.y_words)} %{{y:.4g}}: %{{z:.4g}} {layer.unit}"
     second = {} if layer.second is None else {"customdata": packed(layer.second)}
     more = f" (%{{customdata:.4g}} {layer.second_unit})" if second else ""
-    return place | {"type": "heatmap", "z": packed(layer.z), "zsmooth": False, "hovertemplate": hover + more} | second
+    return (
+        place
+        | {"type": "heatmap", "z": packed(layer.z), "zsmooth": False, "hovertemplate": hover + more}
+        | second
+    )
 
 
 def _colour_axis(heat: HeatMap, narrow: bool) -> dict[str, Any]:
     """Scale of a map: beside it on a wide page, below it on a narrow one."""
-    stops = [[(index / (len(heat.colours) - 1)) ** (1 / heat.power), colour] for index, colour in enumerate(heat.colours)]
-    title = {"text": _plain(f"{heat.name} ({heat.unit})"), "side": "top" if narrow else "right", "font": {"size": 12}}
-    place = {"orientation": "h", "y": 0, "yanchor": "top", "ypad": 50, "len": 1.0} if narrow else {"x": 1.0, "len": 0.9}
-    bar = place | {"title": title, "thickness": 10, "outlinewidth": 0, "tickfont": {"size": 11, "color": theme.MUTED}}
+    stops = [
+        [(index / (len(heat.colours) - 1)) ** (1 / heat.power), colour]
+        for index, colour in enumerate(heat.colours)
+    ]
+    title = {
+        "text": _plain(f"{heat.name} ({heat.unit})"),
+        "side": "top" if narrow else "right",
+        "font": {"size": 12},
+    }
+    place = (
+        {"orientation": "h", "y": 0, "yanchor": "top", "ypad": 50, "len": 1.0}
+        if narrow
+        else {"x": 1.0, "len": 0.9}
+    )
+    bar = place | {
+        "title": title,
+        "thickness": 10,
+        "outlinewidth": 0,
+        "tickfont": {"size": 11, "color": theme.MUTED},
+    }
     room = {} if narrow else {"xpad": 54}  # names of lines stand between the map and its scale
-    return {"colorscale": stops, "cmin": 0.0, "cmax": float(np.nanmax(heat.z, initial=0.0)) or 1.0, "colorbar": bar | room}
+    return {
+        "colorscale": stops,
+        "cmin": 0.0,
+        "cmax": float(np.nanmax(heat.z, initial=0.0)) or 1.0,
+        "colorbar": bar | room,
+    }
 
 
 def _hover(marks: Marks) -> dict[str, Any]:
     if not marks.hints:
         return {"hovertemplate": "%{x:.2f}, %{y:.4g}"}
-    return {"customdata": [_plain(words) for words in marks.hints], "hovertemplate": "%{customdata}"}
+    return {
+        "customdata": [_plain(words) for words in marks.hints],
+        "hovertemplate": "%{customdata}",
+    }

@@ -1,4 +1,6 @@
-"""Figures of a study of points: every output over every varied quantity, its scatter, maps, shares of its variance, surrogates."""
+"""Figures of a study of points: every output over every varied quantity, its scatter, maps, shares
+of its variance, surrogates.
+"""
 
 from __future__ import annotations
 
@@ -15,7 +17,8 @@ from valvetrain.studies.points.surrogate import Surrogate
 from valvetrain.studies.points.table import StudyTable, run_words
 
 Array = NDArray[np.float64]
-#: Dots of one panel, pieces of the line through their means, bars of a histogram, cells of a map along each axis, height (px) of a row.
+#: Dots of one panel, pieces of the line through their means, bars of a histogram, cells of a map
+#: along each axis, height (px) of a row.
 MOST_DOTS, PIECES, BARS, CELLS, ROW = 1500, 12, 30, 41, 250
 #: Estimated shares of a variance beyond this are drawn at it.
 LARGEST_SHARE = 1.2
@@ -56,15 +59,26 @@ def scatter_chart(table: StudyTable, name: str, run: Run, key: str) -> Chart | N
         there = np.flatnonzero(np.isfinite(y))
         few = there[:: max(1, len(there) // MOST_DOTS)]
         colour = theme.mix(theme.SERIES[0], theme.PAPER, 0.45)
-        layers: list[Layer] = [Marks(x[few], y[few], "point", colour, filled=True, size=4.0, in_legend=place == 0)]
+        layers: list[Layer] = [
+            Marks(x[few], y[few], "point", colour, filled=True, size=4.0, in_legend=place == 0)
+        ]
         means = _means(x[there], y[there])
         if means is not None:
-            layers.append(Line(*means, "mean of the points there", theme.SERIES[1], 2.0, in_legend=place == 0))
+            layers.append(
+                Line(*means, "mean of the points there", theme.SERIES[1], 2.0, in_legend=place == 0)
+            )
         panels.append(Panel(input_label(table, place), output_label(name), tuple(layers)))
     columns = min(3, len(panels)) if len(panels) != 4 else 2
     caption = "A line that rises or falls shows that the output follows this quantity; a cloud about a level line, that it does not."
     title = f"{definition_of(name).label[:1].upper()}{definition_of(name).label[1:]} over what is varied"
-    return Chart(f"{key}-over", _titled(title, table, run), caption, tuple(panels), columns, ROW * -(-len(panels) // columns) + 60)
+    return Chart(
+        f"{key}-over",
+        _titled(title, table, run),
+        caption,
+        tuple(panels),
+        columns,
+        ROW * -(-len(panels) // columns) + 60,
+    )
 
 
 def _means(x: Array, y: Array) -> tuple[Array, Array] | None:
@@ -75,7 +89,9 @@ def _means(x: Array, y: Array) -> tuple[Array, Array] | None:
     if len(levels) <= PIECES:
         return levels, np.array([np.mean(y[x == level]) for level in levels])
     parts = np.array_split(np.argsort(x, kind="stable"), min(PIECES, max(2, len(x) // 8)))
-    return np.array([np.mean(x[part]) for part in parts]), np.array([np.mean(y[part]) for part in parts])
+    return np.array([np.mean(x[part]) for part in parts]), np.array(
+        [np.mean(y[part]) for part in parts]
+    )
 
 
 def histogram_chart(table: StudyTable, run: Run, key: str) -> Chart | None:
@@ -87,19 +103,35 @@ def histogram_chart(table: StudyTable, run: Run, key: str) -> Chart | None:
         if len(found) < 3 or not np.ptp(found) > 0:
             continue
         counts, edges = np.histogram(found, bins=min(BARS, max(5, int(np.sqrt(len(found))))))
-        x, y = np.repeat(edges, 2), np.concatenate(([0.0], np.repeat(counts.astype(float), 2), [0.0]))
+        x, y = (
+            np.repeat(edges, 2),
+            np.concatenate(([0.0], np.repeat(counts.astype(float), 2), [0.0])),
+        )
         marks = np.percentile(found, PERCENTILES)
         rules = tuple(Rule("x", float(at), number(float(at), 4)) for at in marks)
         line = Line(x, y, "points", theme.SERIES[0], 1.6, in_legend=False)
-        panels.append(Panel(output_label(name), "points", (line,), rules=rules, y_range=(0.0, 1.3 * float(np.max(counts)))))
+        panels.append(
+            Panel(
+                output_label(name),
+                "points",
+                (line,),
+                rules=rules,
+                y_range=(0.0, 1.3 * float(np.max(counts))),
+            )
+        )
     if not panels:
         return None
     columns = min(2, len(panels))
     caption = "Upright lines: 5 %, half and 95 % of the points lie below."
     return Chart(
-        f"{key}-scatter", _titled("How the outputs scatter", table, run), caption, tuple(panels), columns,
-        ROW * -(-len(panels) // columns) + 60, False,
-    )  # fmt: skip
+        f"{key}-scatter",
+        _titled("How the outputs scatter", table, run),
+        caption,
+        tuple(panels),
+        columns,
+        ROW * -(-len(panels) // columns) + 60,
+        False,
+    )
 
 
 def map_chart(table: StudyTable, name: str, run: Run, key: str) -> Chart | None:
@@ -111,23 +143,40 @@ def map_chart(table: StudyTable, name: str, run: Run, key: str) -> Chart | None:
     z = shown_output(table, name)[rows]
     x, y = (shown_input(table, place)[rows] for place in (0, 1))
     there = np.isfinite(z)
-    if np.count_nonzero(there) < 4 or not (np.ptp(x[there]) > 0 and np.ptp(y[there]) > 0 and np.ptp(z[there]) > 0):
+    if np.count_nonzero(there) < 4 or not (
+        np.ptp(x[there]) > 0 and np.ptp(y[there]) > 0 and np.ptp(z[there]) > 0
+    ):
         return None
     across, up = (np.linspace(np.min(one[there]), np.max(one[there]), CELLS) for one in (x, y))
-    points = np.column_stack([(x - across[0]) / np.ptp(x[there]), (y - up[0]) / np.ptp(y[there])])[there]
-    wanted = np.stack(np.meshgrid((across - across[0]) / np.ptp(across), (up - up[0]) / np.ptp(up)), axis=-1)
+    points = np.column_stack([(x - across[0]) / np.ptp(x[there]), (y - up[0]) / np.ptp(y[there])])[
+        there
+    ]
+    wanted = np.stack(
+        np.meshgrid((across - across[0]) / np.ptp(across), (up - up[0]) / np.ptp(up)), axis=-1
+    )
     try:
         found = griddata(points, z[there], wanted, method="linear")
     except QhullError:  # all points on one line
         return None
     least = float(np.min(z[there]))
     heat = HeatMap(
-        across, up, np.nan_to_num(np.maximum(found - least, 0.0)), f"above {number(least, 4)}",
-        unit_words(definition_of(name).shown_unit), 1.0, input_label(table, 1),
-    )  # fmt: skip
+        across,
+        up,
+        np.nan_to_num(np.maximum(found - least, 0.0)),
+        f"above {number(least, 4)}",
+        unit_words(definition_of(name).shown_unit),
+        1.0,
+        input_label(table, 1),
+    )
     dots = Marks(x[~there], y[~there], "point that failed", theme.ALERT, size=6.0, filled=True)
     layers: tuple[Layer, ...] = (heat, dots) if np.any(~there) else (heat,)
-    panel = Panel(input_label(table, 0), input_label(table, 1), layers, x_range=_ends(across), y_range=_ends(up))
+    panel = Panel(
+        input_label(table, 0),
+        input_label(table, 1),
+        layers,
+        x_range=_ends(across),
+        y_range=_ends(up),
+    )
     title = f"{definition_of(name).label[:1].upper()}{definition_of(name).label[1:]} over both quantities"
     caption = f"Colour: what the output is above its least value of {number(least, 4)} {unit_words(definition_of(name).shown_unit)}."
     return Chart(f"{key}-map", _titled(title, table, run), caption, (panel,), 1, 420)
@@ -138,25 +187,43 @@ def _ends(axis: Array) -> tuple[float, float]:
 
 
 def sensitivity_chart(one: Sensitivity, key: str) -> Chart:
-    """Shares of the variance by varied quantity: alone, and with all it acts together with, each with its interval."""
+    """Shares of the variance by varied quantity: alone, and with all it acts together with, each
+    with its interval.
+    """
     order = np.argsort(one.total)
     places = np.arange(len(order), dtype=float)
     layers: list[Layer] = []
-    kinds = (("with all it acts together with", one.total, one.total_interval, theme.SERIES[0], 0.12),
-             ("alone", one.first, one.first_interval, theme.SERIES[1], -0.12))  # fmt: skip
+    kinds = (
+        ("with all it acts together with", one.total, one.total_interval, theme.SERIES[0], 0.12),
+        ("alone", one.first, one.first_interval, theme.SERIES[1], -0.12),
+    )
     for words, values, interval, colour, shift in kinds:
         for at, place in enumerate(order):
             ends = 100 * np.clip(interval[place], 0.0, LARGEST_SHARE)
-            layers.append(Line(ends, np.full(2, at + shift), "95 % interval", colour, 1.4, in_legend=False))
-        layers.append(Marks(100 * np.clip(values[order], 0.0, LARGEST_SHARE), places + shift, words, colour, filled=True, size=8.0))
+            layers.append(
+                Line(ends, np.full(2, at + shift), "95 % interval", colour, 1.4, in_legend=False)
+            )
+        layers.append(
+            Marks(
+                100 * np.clip(values[order], 0.0, LARGEST_SHARE),
+                places + shift,
+                words,
+                colour,
+                filled=True,
+                size=8.0,
+            )
+        )
     names = tuple((float(at), one.names[place]) for at, place in enumerate(order))
     high = 100 * float(np.clip(np.max(one.total_interval), 1.0, LARGEST_SHARE))
     panel = Panel(
-        "share of the variance (%)", "", tuple(layers), x_range=(-3.0, high + 3.0), y_range=(-0.6, len(order) - 0.4), y_words=names
+        "share of the variance (%)",
+        "",
+        tuple(layers),
+        x_range=(-3.0, high + 3.0),
+        y_range=(-0.6, len(order) - 0.4),
+        y_words=names,
     )
-    caption = (
-        "Lines: 95 % intervals by bootstrap over the base rows. Shares lie between 0 and 100 %; their estimates may miss that a little."
-    )
+    caption = "Lines: 95 % intervals by bootstrap over the base rows. Shares lie between 0 and 100 %; their estimates may miss that a little."
     words = definition_of(one.output).label
     told = run_words(one.run)
     title = f"What makes the spread of the {words}{f', {told}' if told else ''}"
@@ -165,14 +232,20 @@ def sensitivity_chart(one: Sensitivity, key: str) -> Chart:
 
 def surrogate_chart(one: Surrogate, key: str) -> Chart:
     """The surrogate beside runs that were kept out of its fit."""
-    computed, predicted = (np.asarray(shown(one.output, values)[0]) for values in (one.computed, one.predicted))
+    computed, predicted = (
+        np.asarray(shown(one.output, values)[0]) for values in (one.computed, one.predicted)
+    )
     ends = np.array([min(computed.min(), predicted.min()), max(computed.max(), predicted.max())])
     layers: tuple[Layer, ...] = (
         Line(ends, ends, "agreement", theme.MUTED, 1.0, "dash"),
-        Marks(computed, predicted, "point kept out of the fit", theme.SERIES[0], filled=True, size=5.0),
+        Marks(
+            computed, predicted, "point kept out of the fit", theme.SERIES[0], filled=True, size=5.0
+        ),
     )
     label = output_label(one.output)
-    panel = Panel(f"computed: {label}", "surrogate", layers, x_range=_ends(ends), y_range=_ends(ends))
+    panel = Panel(
+        f"computed: {label}", "surrogate", layers, x_range=_ends(ends), y_range=_ends(ends)
+    )
     title = f"Surrogate of the {definition_of(one.output).label}"
     return Chart(f"{key}-surrogate", title, one.sentence, (panel,), 1, 360)
 

@@ -23,7 +23,9 @@ MOST_ROWS = 2000
 def points_json(table: StudyTable) -> dict[str, Any]:
     """The JSON answer, SI."""
     plan = table.plan
-    runs = [{"engine_speed": run[0], "spring_model": run[1], "spring_set": run[2]} for run in plan.runs]
+    runs = [
+        {"engine_speed": run[0], "spring_model": run[1], "spring_set": run[2]} for run in plan.runs
+    ]
     places = {run: place for place, run in enumerate(plan.runs)}
     data: dict[str, Any] = {
         "case": plan.case.name, "title": plan.title, "kind": plan.kind, "sampler": plan.sampler.word, "points": len(table),
@@ -47,9 +49,14 @@ def points_json(table: StudyTable) -> dict[str, Any]:
     }  # fmt: skip
     if len(table) <= MOST_ROWS:
         data["rows"] = [
-            {"inputs": list(table.inputs[row]), "run": places[table.runs[row]], "outputs": list(table.values[row]),
-             "status": table.statuses[row].code} for row in range(len(table))
-        ]  # fmt: skip
+            {
+                "inputs": list(table.inputs[row]),
+                "run": places[table.runs[row]],
+                "outputs": list(table.values[row]),
+                "status": table.statuses[row].code,
+            }
+            for row in range(len(table))
+        ]
     return data
 
 
@@ -57,7 +64,9 @@ def _percentiles(table: StudyTable, name: str) -> list[dict[str, float | None]]:
     found = []
     for run in table.plan.runs:
         rows = table.rows_of(run)
-        values = table.column(name)[rows][table.completed[rows] & np.isfinite(table.column(name)[rows])]
+        values = table.column(name)[rows][
+            table.completed[rows] & np.isfinite(table.column(name)[rows])
+        ]
         ends = np.percentile(values, (5, 50, 95)).tolist() if len(values) else [None] * 3
         found.append(dict(zip(("5", "50", "95"), ends, strict=True)))
     return found
@@ -69,20 +78,48 @@ def points_csv(table: StudyTable) -> str:
     writer = csv.writer(stream, lineterminator="\n")
     inputs = [f"{one.name} [{one.si_unit or '1'}]" for one in table.plan.varied]
     outputs = [f"{name} [{definition_of(name).si_unit}]" for name in table.outputs]
-    writer.writerow([*inputs, "run engine_speed [rad/s]", "spring_model", "spring_set", *outputs, "status", "sentence"])
+    writer.writerow(
+        [
+            *inputs,
+            "run engine_speed [rad/s]",
+            "spring_model",
+            "spring_set",
+            *outputs,
+            "status",
+            "sentence",
+        ]
+    )
     for row in range(len(table)):
         engine_speed, model, spring_set = table.runs[row]
         values = ["" if np.isnan(value) else repr(float(value)) for value in table.values[row]]
         status = table.statuses[row]
         told = "" if status.completed else status.sentence()
         given = [repr(float(value)) for value in table.inputs[row]]
-        writer.writerow([*given, "" if engine_speed is None else repr(engine_speed), model, spring_set, *values, status.code, told])
+        writer.writerow(
+            [
+                *given,
+                "" if engine_speed is None else repr(engine_speed),
+                model,
+                spring_set,
+                *values,
+                status.code,
+                told,
+            ]
+        )
     return stream.getvalue()
 
 
 def write_points(table: StudyTable, folder: Path, gaps: Gaps) -> tuple[list[Path], Path | None]:
-    """Write table and page into ``folder``; what could not be written stands in ``gaps``. The files, and the page."""
+    """Write table and page into ``folder``; what could not be written stands in ``gaps``. The
+    files, and the page.
+    """
     files: list[Path] = []
-    data = gaps.part("file 'points.csv'", None, lambda: write_text(folder / "points.csv", points_csv(table)))
-    page = gaps.part("report page", None, lambda: write_text(folder / "report.html", render(points_page(table), gaps)))
+    data = gaps.part(
+        "file 'points.csv'", None, lambda: write_text(folder / "points.csv", points_csv(table))
+    )
+    page = gaps.part(
+        "report page",
+        None,
+        lambda: write_text(folder / "report.html", render(points_page(table), gaps)),
+    )
     return [*files, *(path for path in (data, page) if path is not None)], page

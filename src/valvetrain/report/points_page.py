@@ -1,4 +1,6 @@
-"""The page of a study of points: what comes out first, then figures, then what failed and what was asked."""
+"""The page of a study of points: what comes out first, then figures, then what failed and what was
+asked.
+"""
 
 from __future__ import annotations
 
@@ -35,7 +37,10 @@ def points_page(table: StudyTable) -> Page:
         key = f"run-{place}"
         blocks: list[Block] = []
         for one in (found for found in table.sensitivities if found.run == run):
-            blocks += (*figure_or_gap(one.output, sensitivity_chart, one, f"{key}-{one.output}"), shares_grid(one))
+            blocks += (
+                *figure_or_gap(one.output, sensitivity_chart, one, f"{key}-{one.output}"),
+                shares_grid(one),
+            )
         if plan.sampler.independent:
             blocks += figure_or_gap("scatter", histogram_chart, table, run, key)
         for name in table.outputs:
@@ -47,7 +52,9 @@ def points_page(table: StudyTable) -> Page:
         sections.append(Section(key, run_words(run) or "Points", tuple(blocks)))
     if len(plan.runs) > MOST_RUNS:
         sections[0] = Section(
-            "answers", "What comes out", (*sections[0].blocks, text(f"Figures of the first {MOST_RUNS} runs follow.", "note"))
+            "answers",
+            "What comes out",
+            (*sections[0].blocks, text(f"Figures of the first {MOST_RUNS} runs follow.", "note")),
         )
     if table.failures:
         sections.append(Section("failed", "Points that failed", _failed(table)))
@@ -57,11 +64,20 @@ def points_page(table: StudyTable) -> Page:
         ("case", plan.case.name), ("points", f"{done} of {len(table)} completed"), ("sampler", plan.sampler.words),
         ("computed now", f"{table.computed} in {table.seconds:.0f} s"),
     )  # fmt: skip
-    return Page(plan.title, "Study", plan.description, facts, tuple(sections), "Percentiles are of the points that completed.")
+    return Page(
+        plan.title,
+        "Study",
+        plan.description,
+        facts,
+        tuple(sections),
+        "Percentiles are of the points that completed.",
+    )
 
 
 def answer_rows(table: StudyTable) -> list[tuple[str, ...]]:
-    """Output, run, least, percentiles, largest and unit, as people read them: the rows of page and terminal."""
+    """Output, run, least, percentiles, largest and unit, as people read them: the rows of page and
+    terminal.
+    """
     rows = []
     for run in table.plan.runs:
         places = table.rows_of(run)
@@ -69,9 +85,20 @@ def answer_rows(table: StudyTable) -> list[tuple[str, ...]]:
             found = shown_output(table, name)[places]
             found = found[np.isfinite(found)]
             label = definition_of(name).label
-            values = [np.min(found), *np.percentile(found, PERCENTILES), np.max(found)] if len(found) else [None] * 5
+            values = (
+                [np.min(found), *np.percentile(found, PERCENTILES), np.max(found)]
+                if len(found)
+                else [None] * 5
+            )
             told = (number(None if value is None else float(value), 5) for value in values)
-            rows.append((label[:1].upper() + label[1:], run_words(run), *told, unit_words(definition_of(name).shown_unit)))
+            rows.append(
+                (
+                    label[:1].upper() + label[1:],
+                    run_words(run),
+                    *told,
+                    unit_words(definition_of(name).shown_unit),
+                )
+            )
     return rows
 
 
@@ -80,20 +107,34 @@ ANSWER_HEADS = ("", "run", "least", "5 %", "half", "95 %", "largest", "")
 
 
 def sentences(table: StudyTable) -> tuple[str, ...]:
-    """What the numbers say: which quantity makes the spread, how good a surrogate is, how many points failed."""
+    """What the numbers say: which quantity makes the spread, how good a surrogate is, how many
+    points failed.
+    """
     failed = int(np.count_nonzero(~table.completed))
-    told = (*(one.sentence for one in table.sensitivities), *(one.sentence for one in table.surrogates))
+    told = (
+        *(one.sentence for one in table.sensitivities),
+        *(one.sentence for one in table.surrogates),
+    )
     dropped = max((one.dropped for one in table.sensitivities), default=0)
     rows = "1 base row was" if dropped == 1 else f"{dropped} base rows were"
     left = f", and {rows} left out of the shares of variance" if dropped else ""
-    return (*told, *table.not_given, *((f"{failed} of {len(table)} points failed{left}.",) if failed else ()))
+    return (
+        *told,
+        *table.not_given,
+        *((f"{failed} of {len(table)} points failed{left}.",) if failed else ()),
+    )
 
 
 def _answers(table: StudyTable) -> tuple[Block, ...]:
     several = len(table.plan.runs) > 1
     rows = []
     for label, run, *values, unit in answer_rows(table):
-        cells = [Cell(label), *([Cell(run)] if several else []), *(Cell(value, "number") for value in values), Cell(unit)]
+        cells = [
+            Cell(label),
+            *([Cell(run)] if several else []),
+            *(Cell(value, "number") for value in values),
+            Cell(unit),
+        ]
         rows.append((tuple(cells), ()))
     heads = tuple(head for place, head in enumerate(ANSWER_HEADS) if several or place != 1)
     heads = ("output", *heads[1:])
@@ -104,13 +145,21 @@ def shares_grid(one: Sensitivity) -> Grid:
     """Shares of an output's variance with their intervals, the largest first."""
 
     def told(value: float, interval: Any) -> str:
-        return f"{100 * value:.0f} ({100 * interval[0]:.0f} to {100 * interval[1]:.0f})".replace("-", "−")
+        return f"{100 * value:.0f} ({100 * interval[0]:.0f} to {100 * interval[1]:.0f})".replace(
+            "-", "−"
+        )
 
     rows = tuple(
-        ((Cell(one.names[n]), Cell(told(one.total[n], one.total_interval[n]), "number"),
-          Cell(told(one.first[n], one.first_interval[n]), "number")), ())
+        (
+            (
+                Cell(one.names[n]),
+                Cell(told(one.total[n], one.total_interval[n]), "number"),
+                Cell(told(one.first[n], one.first_interval[n]), "number"),
+            ),
+            (),
+        )
         for n in np.argsort(-one.total).tolist()
-    )  # fmt: skip
+    )
     return Grid(("quantity", "with all it acts together with (%)", "alone (%)"), rows)
 
 
@@ -118,7 +167,9 @@ def _failed(table: StudyTable) -> tuple[Block, ...]:
     failures = table.failures
     blocks: list[Block] = [text(f"{sentence}", "alert") for sentence in failures[:MOST_FAILURES]]
     if len(failures) > MOST_FAILURES:
-        blocks.append(text(f"And {len(failures) - MOST_FAILURES} more; points.csv has them all.", "note"))
+        blocks.append(
+            text(f"And {len(failures) - MOST_FAILURES} more; points.csv has them all.", "note")
+        )
     return tuple(blocks)
 
 
@@ -126,7 +177,12 @@ def varied_grid(table: StudyTable) -> Grid:
     """What is varied, over what."""
     rows = tuple(
         (
-            (Cell(one.words), Cell(one.key), Cell({"value": "its value"}.get(one.operation, one.operation)), Cell(distribution_words(one))),
+            (
+                Cell(one.words),
+                Cell(one.key),
+                Cell({"value": "its value"}.get(one.operation, one.operation)),
+                Cell(distribution_words(one)),
+            ),
             (),
         )
         for one in table.plan.varied
@@ -145,7 +201,11 @@ def distribution_words(one: Varied) -> str:
     if isinstance(found, Uniform):
         return f"even from {told(found.low)} to {told(found.high)}"
     if isinstance(found, Normal):
-        bounds = f", cut at {told(found.low)} and {told(found.high)}" if np.isfinite(found.low) and np.isfinite(found.high) else ""
+        bounds = (
+            f", cut at {told(found.low)} and {told(found.high)}"
+            if np.isfinite(found.low) and np.isfinite(found.high)
+            else ""
+        )
         return f"normal about {told(found.mean)}, standard deviation {told(found.standard_deviation)}{bounds}"
     if isinstance(found, LogNormal):
         return f"lognormal about {told(found.median)}, two thirds within a factor of {number(found.factor)}"

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 from valvetrain.errors import InputError
 from valvetrain.report import theme
 from valvetrain.solution.display import SHOWN_UNITS
-from valvetrain.solution.modal import ModalResult
+from valvetrain.solution.modes import ModalResult
 from valvetrain.solution.quantity import unit_of
 from valvetrain.solution.result import Solution
 from valvetrain.solution.static import StaticCurve
@@ -30,7 +30,9 @@ def plot_solution(solution: Solution) -> go.Figure:
     """
     names = [name for name in _FORCES if solution.has(name)]
     if not names:
-        raise InputError(f"this {solution.label or 'unnamed'} run keeps no force channel to draw; run it whole, not reduced")
+        raise InputError(
+            f"this {solution.label or 'unnamed'} run keeps no force channel to draw; run it whole, not reduced"
+        )
     figure = _figure(str(solution).partition("\n")[0], rows=2 if solution.has("valve_lift") else 1)
     cam_angle = np.degrees(solution.cam_angle)
     for name in names:
@@ -46,12 +48,15 @@ def plot_solution(solution: Solution) -> go.Figure:
 
 
 def plot_study(study: Study) -> go.Figure:
-    """Peak force of every label over engine speed where several speeds were run, else the forces of the runs over the cam angle (deg).
+    """Peak force of every label over engine speed where several speeds were run, else the forces of
+    the runs over the cam angle (deg).
 
     Raises :class:`InputError` for a study without runs.
     """
     if not study.solutions:
-        raise InputError(f"the study of {study.record.name} holds no runs to draw; draw its springs at rest instead")
+        raise InputError(
+            f"the study of {study.record.name} holds no runs to draw; draw its springs at rest instead"
+        )
     title = str(study).partition("\n")[0]
     if len(study.engine_speeds) == 1 and any(run.has("seat_force") for run in study.solutions):
         figure = _figure(title)
@@ -83,10 +88,17 @@ def plot_static_curve(curve: StaticCurve) -> go.Figure:
 
 
 def plot_modes(modes: ModalResult) -> go.Figure:
-    """Axial displacement of up to eight axial modes over the coil number, each named by its natural frequency (Hz)."""
+    """Axial displacement of up to eight axial modes over the coil number, each named by its natural
+    frequency (Hz).
+    """
     figure = _figure(str(modes).partition("\n")[0])
     for index in modes.axial_modes[:8]:
-        _line(figure, modes.coil_number, modes.shape[index, :, 2], f"{modes.natural_frequency[index]:.5g} Hz")
+        _line(
+            figure,
+            modes.coil_number,
+            modes.shape[index, :, 2],
+            f"{modes.natural_frequency[index]:.5g} Hz",
+        )
     figure.update_xaxes(title_text="coil number")
     figure.update_yaxes(title_text="axial displacement (1)")
     return figure
@@ -95,9 +107,15 @@ def plot_modes(modes: ModalResult) -> go.Figure:
 def _speaking_quantity(study: Study) -> str:
     """The first peak force among the numbers of the runs, else the first number."""
     names = list(dict.fromkeys(name for run in study.solutions for name in run.quantities))
-    peaks = [name for name in names if unit_of(name) == "N" and name.startswith("peak") and "clash" not in name]
+    peaks = [
+        name
+        for name in names
+        if unit_of(name) == "N" and name.startswith("peak") and "clash" not in name
+    ]
     if not names:
-        raise InputError(f"the runs of the study of {study.record.name} hold no quantities to draw; evaluate them first")
+        raise InputError(
+            f"the runs of the study of {study.record.name} hold no quantities to draw; evaluate them first"
+        )
     return (peaks or names)[0]
 
 
@@ -106,13 +124,21 @@ def _figure(title: str, rows: int = 1) -> go.Figure:
 
     figure = make_subplots(rows=rows, cols=1, shared_xaxes=True, vertical_spacing=0.06)
     figure.update_layout(
-        title={"text": escape(title), "font": {"size": 14}}, font={"family": theme.FONT, "size": 13, "color": theme.INK},
-        paper_bgcolor=theme.PAPER, plot_bgcolor=theme.PAPER, colorway=theme.SERIES, showlegend=True,
-    )  # fmt: skip
+        title={"text": escape(title), "font": {"size": 14}},
+        font={"family": theme.FONT, "size": 13, "color": theme.INK},
+        paper_bgcolor=theme.PAPER,
+        plot_bgcolor=theme.PAPER,
+        colorway=theme.SERIES,
+        showlegend=True,
+    )
     figure.update_xaxes(showgrid=False, linecolor=theme.RULE, zeroline=False)
     figure.update_yaxes(gridcolor=theme.GRID, zeroline=False)
     return figure
 
 
-def _line(figure: go.Figure, x: ArrayLike, y: ArrayLike, name: str, row: int = 1, mode: str = "lines") -> None:
-    figure.add_scatter(x=np.asarray(x), y=np.asarray(y), name=escape(name), mode=mode, row=row, col=1)
+def _line(
+    figure: go.Figure, x: ArrayLike, y: ArrayLike, name: str, row: int = 1, mode: str = "lines"
+) -> None:
+    figure.add_scatter(
+        x=np.asarray(x), y=np.asarray(y), name=escape(name), mode=mode, row=row, col=1
+    )

@@ -1,6 +1,8 @@
-"""A report page read back: the figures, tables and sentences that :func:`valvetrain.report.page.render` wrote.
+"""A report page read back: the figures, tables and sentences that
+:func:`valvetrain.report.page.render` wrote.
 
-Whoever shows a kept run elsewhere than in its page takes them from here, so that nothing is computed or written twice.
+Whoever shows a kept run elsewhere than in its page takes them from here, so that nothing is
+computed or written twice.
 """
 
 from __future__ import annotations
@@ -17,7 +19,10 @@ from valvetrain.errors import InputError
 
 #: Largest page that is read (bytes).
 MOST_BYTES = 200_000_000
-_SCRIPT = re.compile(r'<script(?: type="application/json" id="(data|motion)-([^"]*)")?[^>]*>(.*?)</script>', re.DOTALL)
+_SCRIPT = re.compile(
+    r'<script(?: type="application/json" id="(data|motion)-([^"]*)")?[^>]*>(.*?)</script>',
+    re.DOTALL,
+)
 #: Elements without content.
 _EMPTY = ("meta", "link", "br", "path", "circle", "img", "input", "hr", "rect", "line")
 _LEFT_OUT = re.compile(r"<style>.*?</style>|<noscript>.*?</noscript>", re.DOTALL)
@@ -26,9 +31,11 @@ _STILL = re.compile(r'data-motion="([^"]*)">(.*?)<noscript>', re.DOTALL)
 
 @dataclass(frozen=True, eq=False)
 class PageFigure:
-    """A figure: ``key``, ``title``, ``caption``, and ``plotly`` with ``data``, ``layout`` and ``narrow`` (the layout of a narrow page).
+    """A figure: ``key``, ``title``, ``caption``, and ``plotly`` with ``data``, ``layout`` and
+    ``narrow`` (the layout of a narrow page).
 
-    ``tab``: words of the tab it stands behind, empty for none. ``legend``: (name, colour) of the lines in its key.
+    ``tab``: words of the tab it stands behind, empty for none. ``legend``: (name, colour) of the
+    lines in its key.
     """
 
     key: str
@@ -41,7 +48,9 @@ class PageFigure:
 
 @dataclass(frozen=True, eq=False)
 class PageMotion:
-    """A moving picture: ``data`` is what the page's own script mounts, ``still`` an SVG element until it does; ``tab`` as of a figure."""
+    """A moving picture: ``data`` is what the page's own script mounts, ``still`` an SVG element
+    until it does; ``tab`` as of a figure.
+    """
 
     key: str
     title: str
@@ -53,7 +62,8 @@ class PageMotion:
 
 @dataclass(frozen=True, slots=True)
 class PageTable:
-    """A table: ``title``, ``headers`` and ``rows`` of words, ``right``: which columns hold numbers, ``tab`` as of a figure.
+    """A table: ``title``, ``headers`` and ``rows`` of words, ``right``: which columns hold numbers,
+    ``tab`` as of a figure.
 
     A row of one cell is a heading across.
     """
@@ -67,7 +77,9 @@ class PageTable:
 
 @dataclass(frozen=True, slots=True)
 class PageSentence:
-    """A paragraph; ``tone`` is ``alert`` for what went wrong, ``note`` for small print; ``tab`` as of a figure."""
+    """A paragraph; ``tone`` is ``alert`` for what went wrong, ``note`` for small print; ``tab`` as
+    of a figure.
+    """
 
     words: str
     tone: str = ""
@@ -93,10 +105,15 @@ def read_page(path: Path) -> tuple[PageSection, ...]:
     """
     try:
         if path.stat().st_size > MOST_BYTES:
-            raise InputError(f"is larger than {MOST_BYTES / 1e6:.0f} MB, so it is not read", path.name)
+            raise InputError(
+                f"is larger than {MOST_BYTES / 1e6:.0f} MB, so it is not read", path.name
+            )
         text = path.read_text("utf-8")
     except (OSError, UnicodeDecodeError) as error:
-        raise InputError(f"cannot be read ({getattr(error, 'strerror', None) or 'no text'}); repeat the run", path.name) from None
+        raise InputError(
+            f"cannot be read ({getattr(error, 'strerror', None) or 'no text'}); repeat the run",
+            path.name,
+        ) from None
     return sections_of(text, path.name)
 
 
@@ -105,7 +122,11 @@ def sections_of(text: str, where: str = "page") -> tuple[PageSection, ...]:
     if '<meta name="generator" content="valvetrain">' not in text[:4000]:
         raise InputError("is no report page; repeat the run", where)
     try:
-        told = {(match[1], match[2]): json.loads(match[3]) for match in _SCRIPT.finditer(text) if match[1]}
+        told = {
+            (match[1], match[2]): json.loads(match[3])
+            for match in _SCRIPT.finditer(text)
+            if match[1]
+        }
     except (ValueError, RecursionError):
         raise InputError("is damaged; repeat the run", where) from None
     bare = _SCRIPT.sub("", text)
@@ -137,7 +158,10 @@ class _Reader(HTMLParser):
             self._open.append((tag, given))
         kind = given.get("class", "").split()
         if tag == "button" and any(name == "figcaption" for name, _ in self._open):
-            self._caption, self._words = "".join(self._words or ()), None  # its words are none of the caption's
+            self._caption, self._words = (
+                "".join(self._words or ()),
+                None,
+            )  # its words are none of the caption's
             return
         if tag == "section":
             self._key, self._title, self._parts, self._tab = given.get("id", ""), "", [], ""
@@ -161,7 +185,18 @@ class _Reader(HTMLParser):
             self._table = {"title": self._card, "headers": [], "rows": [], "right": []}
         elif tag == "tr" and self._table:
             self._table["row"], self._table["numbers"] = [], []
-        if tag in ("h2", "h3", "figcaption", "caption", "th", "td", "p", "button", "summary", "pre"):
+        if tag in (
+            "h2",
+            "h3",
+            "figcaption",
+            "caption",
+            "th",
+            "td",
+            "p",
+            "button",
+            "summary",
+            "pre",
+        ):
             self._words = []
 
     def handle_data(self, data: str) -> None:
@@ -181,7 +216,18 @@ class _Reader(HTMLParser):
         words = "".join(self._words or ())
         words = words if tag == "pre" else " ".join(words.split())
         inside = {name for name, _ in self._open}
-        if tag in ("h2", "h3", "figcaption", "caption", "th", "td", "p", "button", "summary", "pre"):
+        if tag in (
+            "h2",
+            "h3",
+            "figcaption",
+            "caption",
+            "th",
+            "td",
+            "p",
+            "button",
+            "summary",
+            "pre",
+        ):
             self._words = None
         if tag == "h2":
             self._title = words
@@ -230,17 +276,39 @@ class _Reader(HTMLParser):
 
     def _end_table(self) -> None:
         told = self._table
-        self._parts.append(PageTable(told["title"], tuple(told["headers"]), tuple(told["rows"]), tuple(told["right"]), self._tab))
+        self._parts.append(
+            PageTable(
+                told["title"],
+                tuple(told["headers"]),
+                tuple(told["rows"]),
+                tuple(told["right"]),
+                self._tab,
+            )
+        )
         self._table = {}
 
     def _end_figure(self) -> None:
         told, self._figure = self._figure, {}
         if "motion" in told:
-            data, still = self.told.get(("motion", told["motion"]), {}), self.stills.get(told["motion"], "")
-            self._parts.append(PageMotion(told["motion"], told["title"], told["caption"], data, still, self._tab))
+            data, still = (
+                self.told.get(("motion", told["motion"]), {}),
+                self.stills.get(told["motion"], ""),
+            )
+            self._parts.append(
+                PageMotion(told["motion"], told["title"], told["caption"], data, still, self._tab)
+            )
             return
         drawn = self.told.get(("data", told["key"]))
         if isinstance(drawn, dict) and "data" in drawn:
-            self._parts.append(PageFigure(told["key"], told["title"], told["caption"], drawn, self._tab, tuple(told["legend"])))
+            self._parts.append(
+                PageFigure(
+                    told["key"],
+                    told["title"],
+                    told["caption"],
+                    drawn,
+                    self._tab,
+                    tuple(told["legend"]),
+                )
+            )
         elif isinstance(drawn, dict) and "gap" in drawn:
             self._parts.append(PageSentence(str(drawn["gap"]), "alert", self._tab))

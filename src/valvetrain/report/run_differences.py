@@ -25,26 +25,50 @@ def input_rows(inputs: Sequence[tuple[str, Any, Any]]) -> list[tuple[str, ...]]:
 
 
 def result_rows(results: Sequence[ResultDifference]) -> list[tuple[str, ...]]:
-    """Rows of the numbers that both runs have and that differ: what is asked first, then the largest difference.
+    """Rows of the numbers that both runs have and that differ: what is asked first, then the
+    largest difference.
 
     >>> result_rows([ResultDifference("peak_spring_force", "massless", "N", 800.0, 840.0)])
     [('peak spring force', 'massless', '800', '840', 'N', '+5.0 %')]
     """
     first = [name for names in TOPICS.values() for name in names]
     place = {name: index for index, name in enumerate(first)}
-    both = sorted((row for row in results if row.difference is not None), key=lambda row: place.get(row.quantity, len(first)))
+    both = sorted(
+        (row for row in results if row.difference is not None),
+        key=lambda row: place.get(row.quantity, len(first)),
+    )
     rows: list[tuple[str, ...]] = []
     for row in both:
         change = "" if row.relative is None else percent(row.relative)
         if is_defined(row.quantity):
-            a, b = (number(float(shown(row.quantity, value)[0])) for value in (row.a or 0.0, row.b or 0.0))
-            rows.append((label_of(row.quantity), row.run, a, b, shown(row.quantity, 1.0)[1], change))
+            a, b = (
+                number(float(shown(row.quantity, value)[0]))
+                for value in (row.a or 0.0, row.b or 0.0)
+            )
+            rows.append(
+                (label_of(row.quantity), row.run, a, b, shown(row.quantity, 1.0)[1], change)
+            )
         else:
             words = row.quantity.replace("_", " ")
-            rows.append((words, row.run.replace("_", " "), number(row.a or 0.0), number(row.b or 0.0), row.unit, change))
+            rows.append(
+                (
+                    words,
+                    row.run.replace("_", " "),
+                    number(row.a or 0.0),
+                    number(row.b or 0.0),
+                    row.unit,
+                    change,
+                )
+            )
     return rows
 
 
 def _word(value: Any) -> str:
-    text = "–" if value is None else ", ".join(map(str, value)) if isinstance(value, list) else str(value)
+    text = (
+        "–"
+        if value is None
+        else ", ".join(map(str, value))
+        if isinstance(value, list)
+        else str(value)
+    )
     return text if len(text) <= 60 else text[:57] + "..."

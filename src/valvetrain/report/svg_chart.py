@@ -1,4 +1,5 @@
-"""Charts as SVG pictures, written directly: no drawing library to load, a few milliseconds a figure.
+"""Charts as SVG pictures, written directly: no drawing library to load, a few milliseconds a
+figure.
 
 docs/decisions/0017-pictures.md has the timing that spoke for this against matplotlib and kaleido.
 """
@@ -14,14 +15,34 @@ import numpy as np
 from numpy.typing import NDArray
 
 from valvetrain.report import theme
-from valvetrain.report.chart import Chart, HeatMap, Line, Marks, Panel, legend_entries, rule_levels, shares_axis, visible_range
+from valvetrain.report.chart import (
+    Chart,
+    HeatMap,
+    Line,
+    Marks,
+    Panel,
+    legend_entries,
+    rule_levels,
+    shares_axis,
+    visible_range,
+)
 
 Array = NDArray[np.float64]
 WIDTH = 960
 _TITLE, _LEGEND, _LEFT, _RIGHT, _BOTTOM, _GAP_X, _GAP_Y = 30, 24, 64, 22, 46, 74, 66
 #: Side of a mark -> steps right and down in px, and the anchor of the words there.
-_BESIDE = {"top": (0, -9, "middle"), "right": (9, 4, "start"), "left": (-9, 4, "end"), "bottom": (0, 19, "middle")}
-_DASHES = {"solid": "", "dash": ' stroke-dasharray="6 4"', "dot": ' stroke-dasharray="2 3"', "dashdot": ' stroke-dasharray="8 3 2 3"'}
+_BESIDE = {
+    "top": (0, -9, "middle"),
+    "right": (9, 4, "start"),
+    "left": (-9, 4, "end"),
+    "bottom": (0, 19, "middle"),
+}
+_DASHES = {
+    "solid": "",
+    "dash": ' stroke-dasharray="6 4"',
+    "dot": ' stroke-dasharray="2 3"',
+    "dashdot": ' stroke-dasharray="8 3 2 3"',
+}
 
 
 class _Frame:
@@ -49,7 +70,19 @@ def svg(chart: Chart) -> str:
     maps = any(isinstance(layer, HeatMap) for panel in chart.panels for layer in panel.layers)
     right = _RIGHT + (84 if maps else 0) + (44 if maps and _labelled(chart) else 0)
     top = _TITLE + (_LEGEND if chart.legend and legend_entries(chart) else 0) + 26
-    left = max(_LEFT, min(300, 14 + int(6.6 * max((len(words) for panel in chart.panels for _, words in panel.y_words), default=0))))
+    left = max(
+        _LEFT,
+        min(
+            300,
+            14
+            + int(
+                6.6
+                * max(
+                    (len(words) for panel in chart.panels for _, words in panel.y_words), default=0
+                )
+            ),
+        ),
+    )
     wide = (WIDTH - left - right - (chart.columns - 1) * _GAP_X) / chart.columns
     gap = 54 if shares_axis(chart) else _GAP_Y
     high = (height - top - _BOTTOM - (chart.rows - 1) * gap) / chart.rows
@@ -70,11 +103,15 @@ def svg(chart: Chart) -> str:
 
 
 def _labelled(chart: Chart) -> bool:
-    return any(isinstance(layer, Line) and layer.direct for panel in chart.panels for layer in panel.layers)
+    return any(
+        isinstance(layer, Line) and layer.direct for panel in chart.panels for layer in panel.layers
+    )
 
 
 def ticks(low: float, high: float, count: int = 6, step: float | None = None) -> tuple[Array, int]:
-    """Round tick values inside ``low`` to ``high``, two at least so that they tell the scale, and the decimals they need."""
+    """Round tick values inside ``low`` to ``high``, two at least so that they tell the scale, and
+    the decimals they need.
+    """
     raw = (high - low) / count
     if step is None:
         scale = 10.0 ** np.floor(np.log10(raw))
@@ -93,7 +130,9 @@ def ticks(low: float, high: float, count: int = 6, step: float | None = None) ->
 def _panel(frame: _Frame, name: str, x_named: bool) -> list[str]:
     panel = frame.panel
     parts = [_bands(frame), _grid(frame, x_named)]
-    parts.append(f'<clipPath id="{name}"><rect {_box(frame)}/></clipPath><g clip-path="url(#{name})">')
+    parts.append(
+        f'<clipPath id="{name}"><rect {_box(frame)}/></clipPath><g clip-path="url(#{name})">'
+    )
     for layer in panel.layers:
         if isinstance(layer, HeatMap):
             parts.append(_heat(frame, layer))
@@ -102,12 +141,24 @@ def _panel(frame: _Frame, name: str, x_named: bool) -> list[str]:
     parts.append("</g>")
     parts += [_rules(frame)]
     parts += [_marks(frame, layer) for layer in panel.layers if isinstance(layer, Marks)]
-    parts += [_direct(frame, layer) for layer in panel.layers if isinstance(layer, Line) and layer.direct and len(layer.x)]
+    parts += [
+        _direct(frame, layer)
+        for layer in panel.layers
+        if isinstance(layer, Line) and layer.direct and len(layer.x)
+    ]
     parts += [_colour_bar(frame, layer) for layer in panel.layers if isinstance(layer, HeatMap)]
     level, across = frame.top - (20 if panel.bands else 7), frame.left - 20
     if panel.title:
         parts.append(_text(across, level, panel.title, size=12.5, weight=600))
-    parts.append(_text(across + (7.2 * len(panel.title) + 14 if panel.title else 0), level, panel.y_label, colour=theme.MUTED, size=12))
+    parts.append(
+        _text(
+            across + (7.2 * len(panel.title) + 14 if panel.title else 0),
+            level,
+            panel.y_label,
+            colour=theme.MUTED,
+            size=12,
+        )
+    )
     return parts
 
 
@@ -116,11 +167,20 @@ def _box(frame: _Frame) -> str:
 
 
 def _text(
-    x: float, y: float, words: str, *, size: float = 11.5, colour: str = theme.INK, anchor: str = "start", weight: int = 400,
+    x: float,
+    y: float,
+    words: str,
+    *,
+    size: float = 11.5,
+    colour: str = theme.INK,
+    anchor: str = "start",
+    weight: int = 400,
     turn: bool = False,
-) -> str:  # fmt: skip
+) -> str:
     turned = f' transform="rotate(-90 {x:.1f} {y:.1f})"' if turn else ""
-    look = f'font-size="{size}" fill="{colour}" text-anchor="{anchor}"' + (f' font-weight="{weight}"' if weight != 400 else "")
+    look = f'font-size="{size}" fill="{colour}" text-anchor="{anchor}"' + (
+        f' font-weight="{weight}"' if weight != 400 else ""
+    )
     return f'<text x="{x:.1f}" y="{y:.1f}" {look}{turned}>{escape(words)}</text>'
 
 
@@ -128,16 +188,28 @@ def _grid(frame: _Frame, x_named: bool) -> str:
     parts, base = [], frame.top + frame.high
     for value, words in _y_ticks(frame):
         place = float(frame.y(value))
-        parts.append(f'<path d="M{frame.left:.1f} {place:.1f}h{frame.wide:.1f}" stroke="{theme.GRID}"/>')
+        parts.append(
+            f'<path d="M{frame.left:.1f} {place:.1f}h{frame.wide:.1f}" stroke="{theme.GRID}"/>'
+        )
         parts.append(_text(frame.left - 7, place + 4, words, colour=theme.MUTED, anchor="end"))
-    values, decimals = ticks(*frame.x_range, count=max(3, int(frame.wide / 75)), step=frame.panel.x_step)
+    values, decimals = ticks(
+        *frame.x_range, count=max(3, int(frame.wide / 75)), step=frame.panel.x_step
+    )
     for value, place in zip(values, frame.x(values), strict=True):
         parts.append(f'<path d="M{place:.1f} {base:.1f}v4" stroke="{theme.RULE}"/>')
-        parts.append(_text(place, base + 17, f"{value + 0.0:.{decimals}f}", colour=theme.MUTED, anchor="middle"))
+        parts.append(
+            _text(
+                place, base + 17, f"{value + 0.0:.{decimals}f}", colour=theme.MUTED, anchor="middle"
+            )
+        )
     parts.append(f'<path d="M{frame.left:.1f} {base:.1f}h{frame.wide:.1f}" stroke="{theme.RULE}"/>')
     if x_named:
         middle = frame.left + frame.wide / 2
-        parts.append(_text(middle, base + 36, frame.panel.x_label, colour=theme.MUTED, anchor="middle", size=12))
+        parts.append(
+            _text(
+                middle, base + 36, frame.panel.x_label, colour=theme.MUTED, anchor="middle", size=12
+            )
+        )
     return "".join(parts)
 
 
@@ -159,9 +231,20 @@ def _bands(frame: _Frame) -> str:
         left, right = float(frame.x(first)), float(frame.x(last))
         if band.shaded:
             tall = f'y="{frame.top:.1f}" height="{frame.high:.1f}"'
-            parts.append(f'<rect x="{left:.1f}" {tall} width="{right - left:.1f}" fill="{theme.BAND}"/>')
+            parts.append(
+                f'<rect x="{left:.1f}" {tall} width="{right - left:.1f}" fill="{theme.BAND}"/>'
+            )
         if right - left > 20:
-            parts.append(_text((left + right) / 2, frame.top - 5, band.words, colour=theme.MUTED, anchor="middle", size=11))
+            parts.append(
+                _text(
+                    (left + right) / 2,
+                    frame.top - 5,
+                    band.words,
+                    colour=theme.MUTED,
+                    anchor="middle",
+                    size=11,
+                )
+            )
     return "".join(parts)
 
 
@@ -175,7 +258,9 @@ def _rules(frame: _Frame) -> str:
         else:
             place = float(frame.y(rule.value))
             path = f"M{frame.left:.1f} {place:.1f}h{frame.wide:.1f}"
-            words = _text(frame.left + frame.wide, place - 4, rule.words, colour=theme.MUTED, anchor="end")
+            words = _text(
+                frame.left + frame.wide, place - 4, rule.words, colour=theme.MUTED, anchor="end"
+            )
         parts.append(f'<path d="{path}" stroke="{theme.MUTED}" stroke-dasharray="1.5 3"/>{words}')
     return "".join(parts)
 
@@ -193,20 +278,33 @@ def _line(frame: _Frame, line: Line) -> str:
 
 
 def _direct(frame: _Frame, line: Line) -> str:
-    return _text(float(frame.x(line.x[-1])) + 4, float(frame.y(line.y[-1])) + 4, line.direct, colour=line.colour)
+    return _text(
+        float(frame.x(line.x[-1])) + 4,
+        float(frame.y(line.y[-1])) + 4,
+        line.direct,
+        colour=line.colour,
+    )
 
 
 def _marks(frame: _Frame, marks: Marks) -> str:
     parts = []
     labels = marks.labels or ("",) * len(marks.x)
-    for x, y, label in zip(np.asarray(marks.x, dtype=float), np.asarray(marks.y, dtype=float), labels, strict=True):
-        if not (frame.x_range[0] <= x <= frame.x_range[1] and frame.y_range[0] <= y <= frame.y_range[1]):
+    for x, y, label in zip(
+        np.asarray(marks.x, dtype=float), np.asarray(marks.y, dtype=float), labels, strict=True
+    ):
+        if not (
+            frame.x_range[0] <= x <= frame.x_range[1] and frame.y_range[0] <= y <= frame.y_range[1]
+        ):
             continue
         across, down = float(frame.x(x)), float(frame.y(y))
         parts.append(_symbol(across, down, marks))
         if label:
             right, lower, anchor = _BESIDE[theme.LABEL_SIDES.get(marks.symbol, "top")]
-            parts.append(_text(across + right, down + lower, label, colour=marks.colour, anchor=anchor, size=11))
+            parts.append(
+                _text(
+                    across + right, down + lower, label, colour=marks.colour, anchor=anchor, size=11
+                )
+            )
     return "".join(parts)
 
 
@@ -216,8 +314,9 @@ def _symbol(x: float, y: float, marks: Marks) -> str:
     if marks.symbol == "circle":
         return f'<circle cx="{x:.1f}" cy="{y:.1f}" r="{half}" {look}/>'
     steps = {
-        "diamond": [(0, -1.2), (1.2, 0), (0, 1.2), (-1.2, 0)], "triangle": [(0, -1.1), (1.1, 0.9), (-1.1, 0.9)],
-    }.get(marks.symbol, [(-1, -1), (1, -1), (1, 1), (-1, 1)])  # fmt: skip
+        "diamond": [(0, -1.2), (1.2, 0), (0, 1.2), (-1.2, 0)],
+        "triangle": [(0, -1.1), (1.1, 0.9), (-1.1, 0.9)],
+    }.get(marks.symbol, [(-1, -1), (1, -1), (1, 1), (-1, 1)])
     points = " ".join(f"{x + half * right:.1f},{y + half * down:.1f}" for right, down in steps)
     return f'<polygon points="{points}" {look}/>'
 
@@ -244,39 +343,77 @@ def _heat(frame: _Frame, heat: HeatMap) -> str:
     upper, lower = float(frame.y(y.max() + half_y)), float(frame.y(y.min() - half_y))
     link = "data:image/png;base64," + base64.b64encode(png(pixels)).decode()
     box = f'x="{left:.1f}" y="{upper:.1f}" width="{right - left:.1f}" height="{lower - upper:.1f}"'
-    return f'<image {box} preserveAspectRatio="none" style="image-rendering:pixelated" href="{link}"/>'
+    return (
+        f'<image {box} preserveAspectRatio="none" style="image-rendering:pixelated" href="{link}"/>'
+    )
 
 
 def _coloured(share: Array, heat: HeatMap) -> NDArray[np.uint8]:
-    stops = np.array([[int(colour[place : place + 2], 16) for place in (1, 3, 5)] for colour in heat.colours], dtype=float)
+    stops = np.array(
+        [[int(colour[place : place + 2], 16) for place in (1, 3, 5)] for colour in heat.colours],
+        dtype=float,
+    )
     position = np.clip(share, 0, 1) ** heat.power * (len(stops) - 1)
-    channels = [np.interp(position, np.arange(len(stops)), stops[:, channel]) for channel in range(3)]
+    channels = [
+        np.interp(position, np.arange(len(stops)), stops[:, channel]) for channel in range(3)
+    ]
     return np.stack(channels, axis=-1).round().astype(np.uint8)
 
 
 def png(pixels: NDArray[np.uint8]) -> bytes:
     """An RGB picture (row, column, 3) as PNG."""
     rows, columns, _ = pixels.shape
-    raw = np.concatenate([np.zeros((rows, 1), dtype=np.uint8), pixels.reshape(rows, -1)], axis=1).tobytes()
+    raw = np.concatenate(
+        [np.zeros((rows, 1), dtype=np.uint8), pixels.reshape(rows, -1)], axis=1
+    ).tobytes()
 
     def chunk(kind: bytes, content: bytes) -> bytes:
-        return struct.pack(">I", len(content)) + kind + content + struct.pack(">I", zlib.crc32(kind + content))
+        return (
+            struct.pack(">I", len(content))
+            + kind
+            + content
+            + struct.pack(">I", zlib.crc32(kind + content))
+        )
 
     header = struct.pack(">IIBBBBB", columns, rows, 8, 2, 0, 0, 0)
-    return b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", header) + chunk(b"IDAT", zlib.compress(raw, 6)) + chunk(b"IEND", b"")
+    return (
+        b"\x89PNG\r\n\x1a\n"
+        + chunk(b"IHDR", header)
+        + chunk(b"IDAT", zlib.compress(raw, 6))
+        + chunk(b"IEND", b"")
+    )
 
 
 def _colour_bar(frame: _Frame, heat: HeatMap) -> str:
     left, count = frame.left + frame.wide + (58 if heat.second is not None else 14), 60
     top = float(np.nanmax(heat.z, initial=0.0)) or 1.0
     shares = np.linspace(1, 0, count)
-    link = "data:image/png;base64," + base64.b64encode(png(_coloured(shares[:, None], heat))).decode()
-    parts = [f'<image x="{left:.1f}" y="{frame.top:.1f}" width="10" height="{frame.high:.1f}" preserveAspectRatio="none" href="{link}"/>']
+    link = (
+        "data:image/png;base64," + base64.b64encode(png(_coloured(shares[:, None], heat))).decode()
+    )
+    parts = [
+        f'<image x="{left:.1f}" y="{frame.top:.1f}" width="10" height="{frame.high:.1f}" preserveAspectRatio="none" href="{link}"/>'
+    ]
     values, decimals = ticks(0.0, top, count=5)
     for value in values:
         parts.append(
-            _text(left + 14, frame.top + frame.high * (1 - value / top) + 4, f"{value + 0.0:.{decimals}f}", colour=theme.MUTED, size=11)
+            _text(
+                left + 14,
+                frame.top + frame.high * (1 - value / top) + 4,
+                f"{value + 0.0:.{decimals}f}",
+                colour=theme.MUTED,
+                size=11,
+            )
         )
     middle = frame.top + frame.high / 2
-    parts.append(_text(left + 64, middle, f"{heat.name} ({heat.unit})", colour=theme.MUTED, anchor="middle", turn=True))
+    parts.append(
+        _text(
+            left + 64,
+            middle,
+            f"{heat.name} ({heat.unit})",
+            colour=theme.MUTED,
+            anchor="middle",
+            turn=True,
+        )
+    )
     return "".join(parts)

@@ -11,8 +11,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from valvetrain.errors import InputError
+from valvetrain.report import theme
+from valvetrain.report.page import Cell, Grid
+from valvetrain.report.words import in_unit, number, percent, rpm, speed_words, unit_words
+from valvetrain.solution.comparison import Comparison
+from valvetrain.solution.definition import label_of
 
-#: Signs with which a spreadsheet takes a cell for a formula, and words that are numbers all the same.
+#: Signs with which a spreadsheet takes a cell for a formula, and words that are numbers all the
+#: same.
 _FORMULA = ("=", "+", "-", "@", "\t", "\r")
 _NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?|[+-](inf|nan)")
 
@@ -39,7 +45,9 @@ class Table:
 
     def __post_init__(self) -> None:
         if len({len(column.values) for column in self.columns}) > 1:
-            raise InputError(f"the columns {[column.name for column in self.columns]} of a table differ in length")
+            raise InputError(
+                f"the columns {[column.name for column in self.columns]} of a table differ in length"
+            )
 
     def __len__(self) -> int:
         return len(self.columns[0].values) if self.columns else 0
@@ -74,7 +82,8 @@ def table(*columns: tuple[str, str, Sequence[Any] | NDArray[Any]]) -> Table:
 
 
 def quoted(value: Any) -> str:
-    """One CSV cell: floats to the last digit, nothing for None, quotes where needed; words that a spreadsheet would compute are led by
+    """One CSV cell: floats to the last digit, nothing for None, quotes where needed; words that a
+    spreadsheet would compute are led by
     an apostrophe."""
     if value is None:
         return ""
@@ -84,3 +93,115 @@ def quoted(value: Any) -> str:
     if isinstance(value, str) and text.startswith(_FORMULA) and not _NUMBER.fullmatch(text):
         text = f"'{text}"
     return '"' + text.replace('"', '""') + '"' if any(sign in text for sign in ',"\n\r') else text
+
+
+HEADERS = (
+    "quantity",
+    "engine speed",
+    "given by",
+    "given",
+    "model",
+    "computed",
+    "difference",
+    "",
+    "unit",
+    "role",
+    "verdict",
+)
+
+
+def comparison_table(rows: Sequence[Comparison]) -> Table:
+    """All rows as a table in the units shown, for ``comparison.csv``."""
+
+    def shown(value: float | None, unit: str) -> float | None:
+        return None if value is None else in_unit(value, unit)
+
+    def words(values: list[object]) -> np.ndarray:
+        return np.array(values, dtype=object)
+
+    return table(
+        ("quantity", "", words([row.quantity for row in rows])),
+        (
+            "engine speed",
+            "rpm",
+            words([None if row.engine_speed is None else rpm(row.engine_speed) for row in rows]),
+        ),
+        ("given by", "", words([row.origin for row in rows])),
+        ("given", "", words([shown(row.published, row.unit) for row in rows])),
+        ("computed by", "", words([row.model for row in rows])),
+        ("computed", "", words([shown(row.computed, row.unit) for row in rows])),
+        ("difference", "", words([shown(row.difference, row.unit) for row in rows])),
+        ("unit", "", words([row.unit for row in rows])),
+        ("relative difference", "", words([row.relative_difference for row in rows])),
+        ("tolerance", "", words([shown(row.tolerance, row.unit) for row in rows])),
+        ("role", "", words([row.role for row in rows])),
+        ("verdict", "", words([row.verdict for row in rows])),
+        ("source", "", words([row.source for row in rows])),
+        ("used for", "", words([row.used_for for row in rows])),
+    )
+
+
+def comparison_grid(rows: Sequence[Comparison]) -> Grid:
+    """The same for the page, in order of engine speed, what is at rest first."""
+    ordered = sorted(rows, key=lambda row: -1.0 if row.engine_speed is None else row.engine_speed)
+    return Grid(
+        HEADERS,
+        tuple((_cells(row), (row.role, _speed(row), row.origin)) for row in ordered),
+        ("role", "engine speed", "given by"),
+    )
+
+
+def _speed(row: Comparison) -> str:
+    return "at rest" if row.engine_speed is None else speed_words(row.engine_speed)
+
+
+def _cells(row: Comparison) -> tuple[Cell, ...]:
+    sign, words, _, _ = theme.origin_style(row.origin)
+    relative = row.relative_difference
+    wraps = row.unit == "deg" and row.quantity.endswith("_cam_angle")
+    share = "" if relative is None or wraps else percent(relative)
+    exact = row.difference is not None and abs(row.difference) < 1e-9 * max(
+        abs(row.published), abs(row.computed or 0.0)
+    )
+    difference = (
+        "–"
+        if row.difference is None
+        else "0"
+        if exact
+        else _signed(in_unit(row.difference, row.unit))
+    )
+    label = label_of(row.quantity)
+    return (
+        Cell(label[:1].upper() + label[1:], "long", row.quantity),
+        Cell(_speed(row), "quiet"),
+        Cell(sign, "tag", words),
+        Cell(_in(row.published, row.unit), "number"),
+        Cell(theme.model_words(row.model) if row.model else "", "quiet", row.model),
+        Cell(_in(row.computed, row.unit), "number"),
+        Cell(difference, "number"),
+        Cell(share, "number quiet"),
+        Cell(unit_words(row.unit), "quiet"),
+        Cell(row.role, "quiet", row.used_for),
+        Cell(
+            "no tolerance stated"
+            if row.verdict.startswith("differs")
+            else row.verdict.replace(" -", " −"),
+            tone(row),
+            row.source,
+        ),
+    )
+
+
+def tone(row: Comparison) -> str:
+    """``good`` or ``bad`` where a tolerance decides, ``quiet`` where none was stated."""
+    if row.verdict.startswith("within"):
+        return "good"
+    return "bad" if row.verdict.startswith("misses") else "quiet"
+
+
+def _in(value: float | None, unit: str) -> str:
+    return "–" if value is None else number(in_unit(value, unit))
+
+
+def _signed(value: float) -> str:
+    return ("+" if value > 0 else "") + number(value, 3)

@@ -25,25 +25,53 @@ _SPARE = ("#3c7d3f", "#8c6d1f", "#4b5aa8")
 _ORIGIN_MARKS = (("#0f2c57", "circle"), ("#8f4514", "diamond"), ("#15713d", "triangle"))
 
 #: Colours of a series that belongs to no model, in order.
-SERIES = ("#1f5aa6", "#d9772b", "#16877a", "#7a4fa0", "#7b8794", "#a33b53", "#8c6d1f", "#3c7d3f", "#4b5aa8", "#1b2430")
+SERIES = (
+    "#1f5aa6",
+    "#d9772b",
+    "#16877a",
+    "#7a4fa0",
+    "#7b8794",
+    "#a33b53",
+    "#8c6d1f",
+    "#3c7d3f",
+    "#4b5aa8",
+    "#1b2430",
+)
 
 #: Light to dark, for maps of a quantity that starts at zero.
-SEQUENTIAL = ("#ffffff", "#dbe8f4", "#a9cbe6", "#66a3d2", "#2f74b5", "#174a8a", "#3a1752", "#a3263f")
+SEQUENTIAL = (
+    "#ffffff",
+    "#dbe8f4",
+    "#a9cbe6",
+    "#66a3d2",
+    "#2f74b5",
+    "#174a8a",
+    "#3a1752",
+    "#a3263f",
+)
 
 
 def model_colour(model: str) -> str:
     """Colour of a spring model, its own; the same name always gives the same colour."""
-    return spring_model(model).colour if model in registry.words("springs") else _SPARE[sum(map(ord, model)) % len(_SPARE)]
+    return (
+        spring_model(model).colour
+        if model in registry.words("springs")
+        else _SPARE[sum(map(ord, model)) % len(_SPARE)]
+    )
 
 
 def model_words(model: str) -> str:
     """A spring model's name as a reader knows it; any other label without its hyphens."""
-    return spring_model(model).label if model in registry.words("springs") else model.replace("-", " ")
+    return (
+        spring_model(model).label if model in registry.words("springs") else model.replace("-", " ")
+    )
 
 
 @cache
 def origin_style(origin: str) -> tuple[str, str, str, str]:
-    """Short sign, words, colour and mark of what produced a published value, as its source study tells."""
+    """Short sign, words, colour and mark of what produced a published value, as its source study
+    tells.
+    """
     for word in registry.words("sources"):
         source: SourceStudy = registry.find("sources", word)
         if origin in source.origins:
@@ -60,7 +88,9 @@ LABEL_SIDES = {"circle": "top", "diamond": "right", "triangle": "left", "square"
 def mix(first: str, second: str, share: float) -> str:
     """Colour between two ``#rrggbb`` colours; ``share`` 0 gives the first."""
     ends = [[int(text[place : place + 2], 16) for place in (1, 3, 5)] for text in (first, second)]
-    return "#" + "".join(f"{round(one + (two - one) * share):02x}" for one, two in zip(*ends, strict=True))
+    return "#" + "".join(
+        f"{round(one + (two - one) * share):02x}" for one, two in zip(*ends, strict=True)
+    )
 
 
 def ramp(count: int, first: str = "#9fc3e6", last: str = "#12294f") -> tuple[str, ...]:

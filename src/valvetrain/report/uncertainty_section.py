@@ -1,4 +1,6 @@
-"""How firm the headline numbers are: their numerical uncertainty and what the contact constants move, as a table and a page."""
+"""How firm the headline numbers are: their numerical uncertainty and what the contact constants
+move, as a table and a page.
+"""
 
 from __future__ import annotations
 
@@ -10,7 +12,14 @@ from valvetrain.report.words import number, rpm, speed_words
 from valvetrain.solution.definition import label_of
 from valvetrain.solution.display import SHOWN_UNITS
 from valvetrain.solution.quantity import Quantity
-from valvetrain.studies.error_bars import CONTACT_FACTORS, DAMPING_FACTORS, STIFFNESS_FACTORS, Range, Uncertainty, UncertaintyStudy
+from valvetrain.studies.error_bars import (
+    CONTACT_FACTORS,
+    DAMPING_FACTORS,
+    STIFFNESS_FACTORS,
+    Range,
+    Uncertainty,
+    UncertaintyStudy,
+)
 
 #: Share of a value that its numerical uncertainty may be for it to count as firm.
 FIRM = 0.01
@@ -38,22 +47,41 @@ def uncertainty_grid(rows: Sequence[Uncertainty]) -> Grid:
     """One line per quantity, grouped by engine speed and variant."""
     lines: list[tuple[tuple[Cell, ...], tuple[str, ...]]] = []
     for speed, label in dict.fromkeys((row.engine_speed, row.label) for row in rows):
-        words = "Statics and modes" if speed is None else f"Engine speed {speed_words(speed)}{f', {label}' if label else ''}"
+        words = (
+            "Statics and modes"
+            if speed is None
+            else f"Engine speed {speed_words(speed)}{f', {label}' if label else ''}"
+        )
         lines.append(((Cell(words),), ()))
-        lines += [(_cells(row), ()) for row in rows if (row.engine_speed, row.label) == (speed, label)]
-    stiffness, damping = (CONTACT_FACTORS,) * 2 if any(row.label for row in rows) else (STIFFNESS_FACTORS, DAMPING_FACTORS)
-    ranges = (f"contact {word} × {least:g} to {most:g}" for word, (least, most) in (("stiffness", stiffness), ("damping", damping)))
+        lines += [
+            (_cells(row), ()) for row in rows if (row.engine_speed, row.label) == (speed, label)
+        ]
+    stiffness, damping = (
+        (CONTACT_FACTORS,) * 2
+        if any(row.label for row in rows)
+        else (STIFFNESS_FACTORS, DAMPING_FACTORS)
+    )
+    ranges = (
+        f"contact {word} × {least:g} to {most:g}"
+        for word, (least, most) in (("stiffness", stiffness), ("damping", damping))
+    )
     return Grid((*_HEADERS, *ranges), tuple(lines))
 
 
 def firmness(rows: Sequence[Uncertainty]) -> str:
     """How many numbers are firm to :data:`FIRM`, and which are the least so, in a sentence."""
-    share = {row: abs(row.numerical / row.value) for row in rows if row.value != 0 and Quantity(row.quantity).unit != "rad"}
+    share = {
+        row: abs(row.numerical / row.value)
+        for row in rows
+        if row.value != 0 and Quantity(row.quantity).unit != "rad"
+    }
     loose = sorted((row for row in share if share[row] > FIRM), key=lambda row: -share[row])
     firm = f"{len(share) - len(loose)} of {len(share)} numbers that are not zero are firm to {100 * FIRM:g} %"
     if not loose:
         return f"{firm}."
-    named = [f"{label_of(row.quantity)}{_whose(row)} {_per_cent(share[row])} %" for row in loose[:3]]
+    named = [
+        f"{label_of(row.quantity)}{_whose(row)} {_per_cent(share[row])} %" for row in loose[:3]
+    ]
     return f"{firm}; the least firm: {', '.join(named)}."
 
 
@@ -62,7 +90,11 @@ def _per_cent(share: float) -> str:
 
 
 def _whose(row: Uncertainty) -> str:
-    words = [word for word in (row.label, "" if row.engine_speed is None else speed_words(row.engine_speed)) if word]
+    words = [
+        word
+        for word in (row.label, "" if row.engine_speed is None else speed_words(row.engine_speed))
+        if word
+    ]
     return f" ({', '.join(words)})" if words else ""
 
 
@@ -79,48 +111,90 @@ def uncertainty_table(rows: Sequence[Uncertainty]) -> Table:
     }  # fmt: skip
     speeds = [float("nan") if row.engine_speed is None else rpm(row.engine_speed) for row in rows]
     units = [Quantity(row.quantity).unit for row in rows]
-    variant = (("variant", "", [row.label for row in rows]),) if any(row.label for row in rows) else ()
-    head = (("quantity", "", [row.quantity for row in rows]), *variant, ("engine speed", "rpm", speeds), ("unit", "", units))
+    variant = (
+        (("variant", "", [row.label for row in rows]),) if any(row.label for row in rows) else ()
+    )
+    head = (
+        ("quantity", "", [row.quantity for row in rows]),
+        *variant,
+        ("engine speed", "rpm", speeds),
+        ("unit", "", units),
+    )
     return table(*head, *((name, "", values) for name, values in numbers.items()))
 
 
 def levels_table(study: UncertaintyStudy) -> Table:
-    """Every number (SI) of every run behind the error bars for ``levels.csv``, as :func:`uncertainty_table`."""
-    found = [(level, speed, name, value) for level, by_speed in study.values.items() for speed, numbers in by_speed.items()
-             for name, value in numbers.items()]  # fmt: skip
+    """Every number (SI) of every run behind the error bars for ``levels.csv``, as
+    :func:`uncertainty_table`.
+    """
+    found = [
+        (level, speed, name, value)
+        for level, by_speed in study.values.items()
+        for speed, numbers in by_speed.items()
+        for name, value in numbers.items()
+    ]
     speeds = [float("nan") if speed is None else rpm(speed) for _, speed, _, _ in found]
     names = [name for _, _, name, _ in found]
     return table(
-        ("level", "", [level for level, _, _, _ in found]), ("engine speed", "rpm", speeds), ("quantity", "", names),
-        ("unit", "", [Quantity(name).unit for name in names]), ("value", "", [value for _, _, _, value in found]),
-    )  # fmt: skip
+        ("level", "", [level for level, _, _, _ in found]),
+        ("engine speed", "rpm", speeds),
+        ("quantity", "", names),
+        ("unit", "", [Quantity(name).unit for name in names]),
+        ("value", "", [value for _, _, _, value in found]),
+    )
 
 
 def uncertainty_page(study: UncertaintyStudy) -> Page:
     """The page of ``valvetrain refine``."""
     case = study.record
     failed = (text(words, "alert") for words in study.failures)
-    blocks: tuple[Block, ...] = (text(lead(study.elements_per_coil), "quiet"), uncertainty_grid(study.rows), *failed)
-    meshes = (("elements per coil", ", ".join(map(str, study.elements_per_coil))),) if study.elements_per_coil else ()
+    blocks: tuple[Block, ...] = (
+        text(lead(study.elements_per_coil), "quiet"),
+        uncertainty_grid(study.rows),
+        *failed,
+    )
+    meshes = (
+        (("elements per coil", ", ".join(map(str, study.elements_per_coil))),)
+        if study.elements_per_coil
+        else ()
+    )
     facts = (("case", case.name), *meshes)
     footer = "Angles are cam degrees. Engine speed is crank speed."
     section = Section("uncertainty", "Numbers with error bars", blocks)
-    return Page(f"{case.title or case.name}: uncertainty", "Refinement study", case.description, facts, (section,), footer)
+    return Page(
+        f"{case.title or case.name}: uncertainty",
+        "Refinement study",
+        case.description,
+        facts,
+        (section,),
+        footer,
+    )
 
 
 def _cells(row: Uncertainty) -> tuple[Cell, ...]:
     unit = Quantity(row.quantity).unit
     words, factor = SHOWN_UNITS.get(unit, (unit, 1.0))
-    share = "" if unit == "rad" or row.value == 0 else f"{100 * row.numerical / abs(row.value):.2g} %"
-    order = "–" if row.observed_order is None or row.observed_order < 0.5 else f"{row.observed_order:.1f}"
+    share = (
+        "" if unit == "rad" or row.value == 0 else f"{100 * row.numerical / abs(row.value):.2g} %"
+    )
+    order = (
+        "–"
+        if row.observed_order is None or row.observed_order < 0.5
+        else f"{row.observed_order:.1f}"
+    )
 
     def between(values: Range) -> str:
         low, high = (number(value * factor, 5) for value in values)
         return low if low == high else f"{low} to {high}"
 
     return (
-        Cell(label_of(row.quantity), hint=row.quantity), Cell(number(row.value * factor, 5), "number"),
-        Cell(number(row.numerical * factor, 2), "number"), Cell(share, "number quiet"), Cell(words, "quiet"), Cell(order, "number quiet"),
-        Cell(number(row.extrapolated * factor, 5), "number"), Cell(between(row.contact_stiffness), "number"),
+        Cell(label_of(row.quantity), hint=row.quantity),
+        Cell(number(row.value * factor, 5), "number"),
+        Cell(number(row.numerical * factor, 2), "number"),
+        Cell(share, "number quiet"),
+        Cell(words, "quiet"),
+        Cell(order, "number quiet"),
+        Cell(number(row.extrapolated * factor, 5), "number"),
+        Cell(between(row.contact_stiffness), "number"),
         Cell(between(row.contact_damping), "number"),
-    )  # fmt: skip
+    )

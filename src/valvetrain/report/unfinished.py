@@ -1,4 +1,6 @@
-"""A run while it goes on: each solution is written as it comes, so that a process that is killed loses none that was finished."""
+"""A run while it goes on: each solution is written as it comes, so that a process that is killed
+loses none that was finished.
+"""
 
 from __future__ import annotations
 
@@ -19,8 +21,10 @@ from valvetrain.studies.run_store import LIST, mark_unfinished
 class UnfinishedRun:
     """Keeps solutions as they come, in a folder that ``make_folder`` makes for the first of them.
 
-    ``unfinished-runs.jsonl`` holds a line per solution: label, model, engine speed, status, quantities and, where it keeps channels, its
-    ``file`` (NetCDF); the first holds the ``command_line`` too, words of the command that began it. Nothing here ends a study: what
+    ``unfinished-runs.jsonl`` holds a line per solution: label, model, engine speed, status,
+    quantities and, where it keeps channels, its
+    ``file`` (NetCDF); the first holds the ``command_line`` too, words of the command that began it.
+    Nothing here ends a study: what
     cannot be written is among the ``gaps``.
     """
 

@@ -27,6 +27,8 @@ def percent(share: float) -> str:
 
 
 def quantity_words(name: str) -> str:
-    """A quantity's label as a line begins with it: ``stage_2_peak_cam_angle`` -> ``Stage II peak, cam angle``."""
+    """A quantity's label as a line begins with it: ``stage_2_peak_cam_angle`` -> ``Stage II peak,
+    cam angle``.
+    """
     text = label_of(name)
     return text[:1].upper() + text[1:]

@@ -1,8 +1,11 @@
-"""Files are written whole or not at all; what a killed process left half-written is known by its lock and removed."""
+"""Files are written whole or not at all; what a killed process left half-written is known by its
+lock and removed.
+"""
 
 from __future__ import annotations
 
 import errno
+import hashlib
 import os
 import re
 import tempfile
@@ -26,9 +29,11 @@ _REPEATED = 200
 
 @contextmanager
 def atomic_path(path: str | os.PathLike[str]) -> Iterator[Path]:
-    """Give a temporary name beside ``path``; it becomes ``path`` when the block ends well, else it is removed.
+    """Give a temporary name beside ``path``; it becomes ``path`` when the block ends well, else it
+    is removed.
 
-    Interruption (Ctrl-C) counts as a bad end. What killed processes left in the folder is removed at its first use. Raises
+    Interruption (Ctrl-C) counts as a bad end. What killed processes left in the folder is removed
+    at its first use. Raises
     :class:`InputError` when the folder cannot be written.
     """
     target = Path(path)
@@ -38,7 +43,9 @@ def atomic_path(path: str | os.PathLike[str]) -> Iterator[Path]:
         _sweep_once(str(target.parent.absolute()))
         handle, temporary = _locked_file(target)
     except OSError as error:
-        raise InputError(f"folder '{target.parent}' cannot be written ({error.strerror}); choose another") from error
+        raise InputError(
+            f"folder '{target.parent}' cannot be written ({error.strerror}); choose another"
+        ) from error
     try:
         yield temporary
         os.chmod(temporary, _usual_mode())
@@ -51,19 +58,26 @@ def atomic_path(path: str | os.PathLike[str]) -> Iterator[Path]:
 
 
 def check_target(path: str | os.PathLike[str], where: str = "") -> None:
-    """Refuse, with an :class:`InputError` placed at ``where``, a name under which no file can be written: before the work, not after."""
+    """Refuse, with an :class:`InputError` placed at ``where``, a name under which no file can be
+    written: before the work, not after.
+    """
     target = Path(path)
     _refuse_what_is_no_file(target, where)
     parent = next(place for place in target.absolute().parents if os.path.lexists(place))
     try:
         os.rmdir(tempfile.mkdtemp(prefix=".valvetrain.", dir=parent))
     except OSError as error:
-        raise InputError(f"folder '{str(parent)[:120]}' may not be written to ({error.strerror}); choose another", where) from None
+        raise InputError(
+            f"folder '{str(parent)[:120]}' may not be written to ({error.strerror}); choose another",
+            where,
+        ) from None
 
 
 def write_text(path: str | os.PathLike[str], text: str) -> Path:
     """Write ``text`` (UTF-8, unix line ends) to ``path`` whole or not at all."""
-    return write_bytes(path, text.encode("utf-8", "replace"))  # a name of a file may hold bytes that are no text
+    return write_bytes(
+        path, text.encode("utf-8", "replace")
+    )  # a name of a file may hold bytes that are no text
 
 
 def write_bytes(path: str | os.PathLike[str], content: bytes | memoryview) -> Path:
@@ -74,7 +88,9 @@ def write_bytes(path: str | os.PathLike[str], content: bytes | memoryview) -> Pa
 
 
 def append_whole(handle: int, content: bytes) -> None:
-    """Add ``content`` to the open file ``handle``, whole or not at all. Raises :class:`OSError` when there is no space."""
+    """Add ``content`` to the open file ``handle``, whole or not at all. Raises :class:`OSError`
+    when there is no space.
+    """
     before = os.fstat(handle).st_size
     if os.write(handle, content) < len(content):
         os.ftruncate(handle, before)
@@ -89,7 +105,9 @@ def _refuse_what_is_no_file(target: Path, where: str = "") -> None:
 
 
 def remove_abandoned(folder: Path) -> tuple[Path, ...]:
-    """Remove files that processes which were killed left half-written in ``folder``; those of living ones are locked and stay."""
+    """Remove files that processes which were killed left half-written in ``folder``; those of
+    living ones are locked and stay.
+    """
     removed = []
     with suppress(OSError):
         for path in sorted(folder.iterdir()):
@@ -118,7 +136,8 @@ def is_living(path: Path) -> bool:
 
 
 def lock(handle: int) -> bool:
-    """Lock an open file for as long as this process lives or keeps it open; False where another process has it.
+    """Lock an open file for as long as this process lives or keeps it open; False where another
+    process has it.
 
     True without a lock where there are no such locks.
     """
@@ -134,7 +153,9 @@ def lock(handle: int) -> bool:
 
 
 def _locked_file(target: Path) -> tuple[int, Path]:
-    """A new temporary file beside ``target``, locked; made anew where another process took it for abandoned before it was."""
+    """A new temporary file beside ``target``, locked; made anew where another process took it for
+    abandoned before it was.
+    """
     prefix = "." + os.fsdecode(os.fsencode(target.name)[:_REPEATED]) + "."
     while True:
         handle, name = tempfile.mkstemp(prefix=prefix, suffix=SUFFIX, dir=target.parent)
@@ -154,3 +175,62 @@ def _usual_mode() -> int:
     mask = os.umask(0)
     os.umask(mask)
     return 0o666 & ~mask
+
+
+_MARK, _HEX = b"# blake2b ", 32
+_LINE = re.compile(rb"# blake2b [0-9a-f]{32}\n\Z")
+#: What a cut leaves of the line, from the length on at which chance no longer makes it.
+_CUT = re.compile(rb"# bl(a|ak|ake|ake2|ake2b|ake2b [0-9a-f]{0,32})?\Z")
+
+
+def digest(content: bytes) -> str:
+    """Checksum of some bytes, 32 hexadecimal digits."""
+    return hashlib.blake2b(content, digest_size=_HEX // 2).hexdigest()
+
+
+def closing_line(content: bytes) -> bytes:
+    """The line that ends a result file whose other bytes are ``content``; NetCDF and CSV readers
+    skip it.
+    """
+    return _MARK + digest(content).encode() + b"\n"
+
+
+def close_file(path: Path) -> None:
+    """Append the closing line to a file that is complete but for it."""
+    line = closing_line(path.read_bytes())
+    with path.open("ab") as stream:
+        stream.write(line)
+
+
+def checked_content(path: Path) -> tuple[bytes, bool]:
+    """Bytes of a result file without its closing line, and whether it had one.
+
+    Raises :class:`InputError` where there is no such file, or where its bytes are not those that
+    were written. A file without the line
+    passes: what it holds tells whether it should have one
+    (:func:`valvetrain.solution.metadata.unpack`).
+    """
+    try:
+        if not path.is_file():
+            raise InputError("no such file; check the path", str(path))
+        content = path.read_bytes()
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or "bad path"
+        raise InputError(
+            f"cannot be read ({reason}); check the path and its permissions", str(path)
+        ) from error
+    length = len(_MARK) + _HEX + 1
+    if not _LINE.search(content[-length:]):
+        if _CUT.search(content[-length:]):
+            raise InputError(
+                "was cut short: its closing line is not whole; write it again, or fetch it again",
+                str(path),
+            )
+        return content, False
+    body = content[:-length]
+    if closing_line(body) != content[-length:]:
+        raise InputError(
+            "is damaged: its bytes are not those that were written (checksum); write it again, or fetch it again",
+            str(path),
+        )
+    return body, True

@@ -1,14 +1,142 @@
-"""Names, dimensions, units and words of the channels of a spring run, and the one way to put them together."""
+"""Names, dimensions, units and words of the channels of a spring run, and the one way to put them
+together.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from valvetrain.errors import InputError
-from valvetrain.solution.arrays import ChannelArrays, Variable
+
+if TYPE_CHECKING:
+    import xarray
+
+
+class Variable(NamedTuple):
+    """Dimensions, values (SI) and attributes (``units``, ``long_name``) of one channel or
+    coordinate.
+    """
+
+    dims: tuple[str, ...]
+    values: NDArray[Any]
+    attrs: Mapping[str, Any]
+
+
+@dataclass(frozen=True, eq=False)
+class ChannelArrays:
+    """``variables`` and ``coords``: name -> :class:`Variable`, those of a run first dimension
+    ``sample``; ``attributes`` of the whole.
+    """
+
+    variables: Mapping[str, Variable]
+    coords: Mapping[str, Variable]
+    attributes: Mapping[str, Any] = field(default_factory=dict)
+
+    @cached_property
+    def dataset(self) -> xarray.Dataset:
+        """The same, labelled; the arrays are shared, not copied."""
+        import xarray
+
+        return xarray.Dataset(
+            dict(self.variables), coords=dict(self.coords), attrs=dict(self.attributes)
+        )
+
+    def __reduce__(self) -> tuple[object, ...]:
+        return ChannelArrays, (dict(self.variables), dict(self.coords), dict(self.attributes))
+
+    def __getitem__(self, name: str) -> Variable:
+        return self.variables[name]
+
+    def assign(self, added: Mapping[str, Variable]) -> ChannelArrays:
+        """A copy with ``added`` channels."""
+        return ChannelArrays({**self.variables, **added}, self.coords, self.attributes)
+
+    def at(self, places: Mapping[str, Sequence[int]]) -> ChannelArrays:
+        """A copy with the entries at ``places`` (dimension -> indices) only."""
+
+        def cut(one: Variable) -> Variable:
+            values = one.values
+            for axis, dim in enumerate(one.dims):
+                values = values.take(places[dim], axis) if dim in places else values
+            return one._replace(values=values)
+
+        variables, coords = (
+            {name: cut(one) for name, one in group.items()}
+            for group in (self.variables, self.coords)
+        )
+        return ChannelArrays(variables, coords, self.attributes)
+
+    def along(self, name: str) -> NDArray[Any] | None:
+        """Labels of the second dimension of channel ``name``, such as coil numbers; None where it
+        has none.
+        """
+        dims = self.variables[name].dims[1:]
+        return next(
+            (axis.values for axis in self.coords.values() if dims and axis.dims == dims), None
+        )
+
+
+def arrays_of(channels: xarray.Dataset | ChannelArrays) -> ChannelArrays:
+    """Plain arrays of a labelled dataset, which stays their dataset."""
+    if isinstance(channels, ChannelArrays):
+        return channels
+    named = {
+        str(name): Variable(tuple(map(str, one.dims)), one.values, one.attrs)
+        for name, one in channels.variables.items()
+    }
+    coords = {str(name): named.pop(str(name)) for name in channels.coords}
+    made = ChannelArrays(named, coords, channels.attrs)
+    made.__dict__["dataset"] = channels
+    return made
+
+
+def empty_channels() -> ChannelArrays:
+    """Channels of a run that kept none."""
+    return ChannelArrays(
+        {}, {name: Variable(("sample",), np.zeros(0), {}) for name in ("time", "cam_angle")}
+    )
+
+
+class DatasetField:
+    """Field of a solution that takes a dataset or plain arrays, keeps the arrays as ``arrays`` and
+    gives the dataset.
+    """
+
+    def __get__(self, owner: Any, kind: type) -> xarray.Dataset:
+        if owner is None:
+            raise AttributeError("channels belong to a solution, not to its class")
+        found: xarray.Dataset = owner.arrays.dataset
+        return found
+
+    def __set__(self, owner: Any, channels: xarray.Dataset | ChannelArrays) -> None:
+        arrays = arrays_of(channels)
+        _check(arrays)
+        owner.__dict__["_arrays"] = arrays
+
+
+def _check(arrays: ChannelArrays) -> None:
+    for name in ("time", "cam_angle"):
+        if name not in arrays.coords or arrays.coords[name].dims != ("sample",):
+            raise InputError(
+                f"a solution needs the coordinate '{name}' along its dimension 'sample'; add it"
+            )
+    for label, variable in arrays.variables.items():
+        if not variable.dims or variable.dims[0] != "sample":
+            raise InputError(
+                f"channel '{label}' of a solution must have 'sample' as its first dimension; it has {variable.dims}"
+            )
+        for key in ("units", "long_name"):
+            if key not in variable.attrs:
+                raise InputError(
+                    f"channel '{label}' of a solution lacks the attribute '{key}'; give it"
+                )
+
 
 #: channel -> (dimension after ``sample`` or None, SI unit, words)
 SPRING_CHANNELS: dict[str, tuple[str | None, str, str]] = {
@@ -17,16 +145,28 @@ SPRING_CHANNELS: dict[str, tuple[str | None, str, str]] = {
     "retainer_acceleration": (None, "m/s2", "retainer acceleration, opening positive"),
     "seat_force": (None, "N", "force on the lower seat, compressive positive"),
     "retainer_force": (None, "N", "force on the retainer, compressive positive"),
-    "axial_displacement": ("wire_point", "m", "axial displacement from the installed state, seat to retainer positive"),
+    "axial_displacement": (
+        "wire_point",
+        "m",
+        "axial displacement from the installed state, seat to retainer positive",
+    ),
     "axial_velocity": ("wire_point", "m/s", "axial velocity, seat to retainer positive"),
     "axial_acceleration": ("wire_point", "m/s2", "axial acceleration, seat to retainer positive"),
     "axial_position": ("wire_point", "m", "height of the wire axis above the lower seat"),
     "torsional_moment": ("wire_point", "N m", "torsional moment of the wire"),
     "bending_moment": ("wire_point", "N m", "bending moment of the wire about its outward normal"),
-    "binormal_moment": ("wire_point", "N m", "bending moment of the wire about the binormal, in the coil plane"),
+    "binormal_moment": (
+        "wire_point",
+        "N m",
+        "bending moment of the wire about the binormal, in the coil plane",
+    ),
     "normal_force": ("wire_point", "N", "normal force of the wire, tension positive"),
     "shear_force": ("wire_point", "N", "shear force of the wire"),
-    "coil_gap": ("coil_pair", "m", "gap between a coil and the one below, negative when pressed together"),
+    "coil_gap": (
+        "coil_pair",
+        "m",
+        "gap between a coil and the one below, negative when pressed together",
+    ),
     "coil_contact_force": ("coil_pair", "N", "contact force between a coil and the one below"),
     "guide_force": (None, "N", "sum of the normal forces between the wire and its guide"),
     "contact_status": ("coil_pair", "1", "0 open, 1 near, 2 touching, 3 sliding"),
@@ -41,50 +181,84 @@ SPRING_CHANNELS: dict[str, tuple[str | None, str, str]] = {
 #: Channels between the samples: what the integrator saw.
 FINE: dict[str, tuple[tuple[str, ...], str, str]] = {
     "seat_force_fine": (("subsample",), "N", "seat force at even substeps after each sample"),
-    "retainer_force_fine": (("subsample",), "N", "retainer force at even substeps after each sample"),
+    "retainer_force_fine": (
+        ("subsample",),
+        "N",
+        "retainer force at even substeps after each sample",
+    ),
     "seat_force_highest": ((), "N", "largest seat force on any step up to the next sample"),
     "seat_force_highest_time": ((), "s", "time of the largest seat force up to the next sample"),
     "seat_force_lowest": ((), "N", "least seat force on any step up to the next sample"),
     "seat_force_lowest_time": ((), "s", "time of the least seat force up to the next sample"),
     "retainer_force_highest": ((), "N", "largest retainer force on any step up to the next sample"),
-    "retainer_force_highest_time": ((), "s", "time of the largest retainer force up to the next sample"),
+    "retainer_force_highest_time": (
+        (),
+        "s",
+        "time of the largest retainer force up to the next sample",
+    ),
     "retainer_force_lowest": ((), "N", "least retainer force on any step up to the next sample"),
-    "retainer_force_lowest_time": ((), "s", "time of the least retainer force up to the next sample"),
+    "retainer_force_lowest_time": (
+        (),
+        "s",
+        "time of the least retainer force up to the next sample",
+    ),
     "coil_contact_peak_force": (("coil_pair",), "N", "largest contact force since the last sample"),
 }
 
-#: Suffixes of the channels of an end force on every step: value and time of the largest and of the least up to the next sample.
+#: Suffixes of the channels of an end force on every step: value and time of the largest and of the
+#: least up to the next sample.
 EXTREMES = ("highest", "highest_time", "lowest", "lowest_time")
 
 
 def spring_channels(
-    time: ArrayLike, cam_angle: ArrayLike, values: Mapping[str, ArrayLike], *,
-    coil_number: ArrayLike | None = None, upper_coil: ArrayLike | None = None,
+    time: ArrayLike,
+    cam_angle: ArrayLike,
+    values: Mapping[str, ArrayLike],
+    *,
+    coil_number: ArrayLike | None = None,
+    upper_coil: ArrayLike | None = None,
     extra: Mapping[str, tuple[tuple[str, ...], str, str]] | None = None,
-) -> ChannelArrays:  # fmt: skip
+) -> ChannelArrays:
     """The channels of a spring run from plain arrays.
 
-    ``values``: channel name -> array (sample,) or (sample, wire_point / coil_pair), SI. ``extra`` declares further channels
-    as name -> (dims after ``sample``, unit, words). Raises :class:`InputError` for a name that is not declared.
+    ``values``: channel name -> array (sample,) or (sample, wire_point / coil_pair), SI. ``extra``
+    declares further channels
+    as name -> (dims after ``sample``, unit, words). Raises :class:`InputError` for a name that is
+    not declared.
     """
     declared: dict[str, tuple[tuple[str, ...], str, str]] = {
-        name: ((second,) if second else (), unit, words) for name, (second, unit, words) in SPRING_CHANNELS.items()
+        name: ((second,) if second else (), unit, words)
+        for name, (second, unit, words) in SPRING_CHANNELS.items()
     }
     declared.update(extra or {})
     variables = {}
     for name, array in values.items():
         if name not in declared:
-            raise InputError(f"channel '{name}' is not declared; name it in SPRING_CHANNELS or pass it in extra")
+            raise InputError(
+                f"channel '{name}' is not declared; name it in SPRING_CHANNELS or pass it in extra"
+            )
         dims, unit, long_name = declared[name]
         kind = np.int64 if name == "contact_status" else np.float64
-        variables[name] = Variable(("sample", *dims), np.asarray(array, dtype=kind), {"units": unit, "long_name": long_name})
+        variables[name] = Variable(
+            ("sample", *dims),
+            np.asarray(array, dtype=kind),
+            {"units": unit, "long_name": long_name},
+        )
     coords = {
-        "time": Variable(("sample",), np.asarray(time, dtype=float), {"units": "s", "long_name": "time"}),
-        "cam_angle": Variable(("sample",), np.asarray(cam_angle, dtype=float), {"units": "rad", "long_name": "cam angle, unwrapped"}),
+        "time": Variable(
+            ("sample",), np.asarray(time, dtype=float), {"units": "s", "long_name": "time"}
+        ),
+        "cam_angle": Variable(
+            ("sample",),
+            np.asarray(cam_angle, dtype=float),
+            {"units": "rad", "long_name": "cam angle, unwrapped"},
+        ),
     }
     if coil_number is not None:
         words = {"units": "1", "long_name": "turns from the lower wire tip"}
-        coords["coil_number"] = Variable(("wire_point",), np.asarray(coil_number, dtype=float), words)
+        coords["coil_number"] = Variable(
+            ("wire_point",), np.asarray(coil_number, dtype=float), words
+        )
     if upper_coil is not None:
         words = {"units": "1", "long_name": "coil number of the upper partner"}
         coords["upper_coil"] = Variable(("coil_pair",), np.asarray(upper_coil, dtype=float), words)

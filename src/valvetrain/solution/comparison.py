@@ -9,9 +9,12 @@ from dataclasses import dataclass
 class Comparison:
     """A row of the table computed / published / difference.
 
-    ``engine_speed`` in rad/s of the crank (None where none applies); ``published``, ``computed``, ``difference`` and
-    ``tolerance`` in ``unit``; ``computed`` None when no run gave the quantity; ``tolerance`` None when the source or
-    the task names none. ``origin`` is the published value's (FE, AN, EX), ``role`` calibration, check or prediction; ``used_for`` says
+    ``engine_speed`` in rad/s of the crank (None where none applies); ``published``, ``computed``,
+    ``difference`` and
+    ``tolerance`` in ``unit``; ``computed`` None when no run gave the quantity; ``tolerance`` None
+    when the source or
+    the task names none. ``origin`` is the published value's (FE, AN, EX), ``role`` calibration,
+    check or prediction; ``used_for`` says
     what the published value was used for, ``doubt`` why it cannot be right.
 
     >>> row = Comparison("preload", None, "massless", "FE", "N", 289.0, 288.9, -0.1, "check", 2.0, "agrees")
@@ -36,7 +39,9 @@ class Comparison:
 
     @property
     def relative_difference(self) -> float | None:
-        """Difference over the published value; None where either is missing or the published value is zero."""
+        """Difference over the published value; None where either is missing or the published value
+        is zero.
+        """
         if self.difference is None or self.published == 0:
             return None
         return self.difference / abs(self.published)
@@ -44,7 +49,9 @@ class Comparison:
 
 @dataclass(frozen=True, slots=True)
 class Finding:
-    """A published finding in words beside what was computed: where the source says it, what, what came out, and the verdict on it."""
+    """A published finding in words beside what was computed: where the source says it, what, what
+    came out, and the verdict on it.
+    """
 
     place: str
     statement: str

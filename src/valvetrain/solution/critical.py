@@ -1,4 +1,6 @@
-"""Engine speeds at which a train loses control of its valve, each as the bracket in which it was found."""
+"""Engine speeds at which a train loses control of its valve, each as the bracket in which it was
+found.
+"""
 
 from __future__ import annotations
 
@@ -11,24 +13,36 @@ if TYPE_CHECKING:
     import pandas
 
 #: Kind -> quantity of a study that tells its engine speed, in the order of tables.
-KINDS = {"contact-loss": "contact_loss_engine_speed", "float": "float_engine_speed", "bounce": "bounce_engine_speed"}
+KINDS = {
+    "contact-loss": "contact_loss_engine_speed",
+    "float": "float_engine_speed",
+    "bounce": "bounce_engine_speed",
+}
 RPM = math.pi / 30
 
 
 @dataclass(frozen=True, slots=True)
 class SpeedBracket:
-    """Two engine speeds (rad/s of the crank) between which something changes; no run was made between them."""
+    """Two engine speeds (rad/s of the crank) between which something changes; no run was made
+    between them.
+    """
 
     lower_engine_speed: float
     upper_engine_speed: float
 
     def __str__(self) -> str:
-        low, high = (f"{round(value / RPM, 6):.0f}" for value in (self.lower_engine_speed, self.upper_engine_speed))
+        low, high = (
+            f"{round(value / RPM, 6):.0f}"
+            for value in (self.lower_engine_speed, self.upper_engine_speed)
+        )
         return low if low == high else f"{low}–{high}"
 
     def apart(self, other: SpeedBracket) -> float:
         """Speed (rad/s) between this bracket and ``other``, 0 where they meet or overlap."""
-        gap = max(self.lower_engine_speed - other.upper_engine_speed, other.lower_engine_speed - self.upper_engine_speed)
+        gap = max(
+            self.lower_engine_speed - other.upper_engine_speed,
+            other.lower_engine_speed - self.upper_engine_speed,
+        )
         return max(0.0, gap)
 
 
@@ -36,8 +50,10 @@ class SpeedBracket:
 class Crossing:
     """One change between control kept and lost, found three ways.
 
-    ``from_rest``: every speed started at rest. ``rising``, ``falling``: every speed started from the motion at its neighbour below, or
-    above; None where that motion did not change over within the speeds searched, or could not be carried over.
+    ``from_rest``: every speed started at rest. ``rising``, ``falling``: every speed started from
+    the motion at its neighbour below, or
+    above; None where that motion did not change over within the speeds searched, or could not be
+    carried over.
     """
 
     from_rest: SpeedBracket
@@ -46,20 +62,32 @@ class Crossing:
 
     @property
     def hysteresis(self) -> float:
-        """Speed (rad/s) between the brackets of rising and of falling speed; 0 where they meet, NaN where one of them is missing."""
-        return math.nan if self.rising is None or self.falling is None else self.rising.apart(self.falling)
+        """Speed (rad/s) between the brackets of rising and of falling speed; 0 where they meet, NaN
+        where one of them is missing.
+        """
+        return (
+            math.nan
+            if self.rising is None or self.falling is None
+            else self.rising.apart(self.falling)
+        )
 
 
 @dataclass(frozen=True, slots=True)
 class CriticalSpeed:
-    """What a search over engine speed found of one kind of loss of control; speeds in rad/s of the crank.
+    """What a search over engine speed found of one kind of loss of control; speeds in rad/s of the
+    crank.
 
-    ``kind``: ``contact-loss`` (a contact of the drive opens while the valve is open), ``float`` (the valve runs above its rigid lift by
-    more than ``limit``, in m) or ``bounce`` (it leaves its seat again by more than ``limit``). ``place``: the contact that opens first,
-    ``valve`` or ``seat``. ``begins``: the lowest onset, None where there is none or control is lost already at ``first_engine_speed``.
-    ``ends``: where that stretch of speeds ends, from rest, None where it lasts to ``last_engine_speed``. ``again``: further
+    ``kind``: ``contact-loss`` (a contact of the drive opens while the valve is open), ``float``
+    (the valve runs above its rigid lift by
+    more than ``limit``, in m) or ``bounce`` (it leaves its seat again by more than ``limit``).
+    ``place``: the contact that opens first,
+    ``valve`` or ``seat``. ``begins``: the lowest onset, None where there is none or control is lost
+    already at ``first_engine_speed``.
+    ``ends``: where that stretch of speeds ends, from rest, None where it lasts to
+    ``last_engine_speed``. ``again``: further
     stretches above it, by the
-    lowest and highest speed at which they were seen. ``runs_count``: runs of the search besides the sweep's own.
+    lowest and highest speed at which they were seen. ``runs_count``: runs of the search besides the
+    sweep's own.
     """
 
     label: str
@@ -77,17 +105,29 @@ class CriticalSpeed:
 
     @property
     def engine_speed(self) -> float:
-        """Lowest speed (rad/s) seen to lose control, started at rest: the upper end of the bracket; NaN where none does."""
+        """Lowest speed (rad/s) seen to lose control, started at rest: the upper end of the bracket;
+        NaN where none does.
+        """
         if not self.found:
             return math.nan
-        return self.first_engine_speed if self.begins is None else self.begins.from_rest.upper_engine_speed
+        return (
+            self.first_engine_speed
+            if self.begins is None
+            else self.begins.from_rest.upper_engine_speed
+        )
 
     @property
     def words(self) -> str:
-        """The answer in rpm as tables print it: ``7806–7813 (cam)``, ``below 7000 (cam)``, ``never up to 9000``."""
+        """The answer in rpm as tables print it: ``7806–7813 (cam)``, ``below 7000 (cam)``, ``never
+        up to 9000``.
+        """
         if not self.found:
             return f"never up to {self.last_engine_speed / RPM:.6g}"
-        speeds = f"below {self.first_engine_speed / RPM:.6g}" if self.begins is None else str(self.begins.from_rest)
+        speeds = (
+            f"below {self.first_engine_speed / RPM:.6g}"
+            if self.begins is None
+            else str(self.begins.from_rest)
+        )
         return f"{speeds} ({self.place})" if self.kind == "contact-loss" else speeds
 
 
@@ -110,15 +150,28 @@ class CriticalSpeeds:
         return len(self.rows)
 
     def __repr__(self) -> str:
-        return "\n  ".join(("critical engine speeds (rpm)", *(f"{one.label}, {one.kind}: {one.words}" for one in self.rows)))
+        return "\n  ".join(
+            (
+                "critical engine speeds (rpm)",
+                *(f"{one.label}, {one.kind}: {one.words}" for one in self.rows),
+            )
+        )
 
     def of(self, kind: str, label: str = "") -> CriticalSpeed | None:
-        """The first answer of ``kind`` and, where given, ``label``; None where that was not searched."""
-        return next((one for one in self.rows if one.kind == kind and label in ("", one.label)), None)
+        """The first answer of ``kind`` and, where given, ``label``; None where that was not
+        searched.
+        """
+        return next(
+            (one for one in self.rows if one.kind == kind and label in ("", one.label)), None
+        )
 
     def quantities(self, label: str) -> dict[str, float]:
         """The engine speeds (rad/s) of one label by the names of the quantities, of what was found."""
-        return {KINDS[one.kind]: one.engine_speed for one in self.rows if one.label == label and one.found}
+        return {
+            KINDS[one.kind]: one.engine_speed
+            for one in self.rows
+            if one.label == label and one.found
+        }
 
     @property
     def labels(self) -> tuple[str, ...]:
@@ -126,13 +179,27 @@ class CriticalSpeeds:
         return tuple(dict.fromkeys(one.label for one in self.rows))
 
     def to_pandas(self) -> pandas.DataFrame:
-        """One row per label and kind; speeds in rad/s of the crank, the limit in SI, NaN for what was not found."""
+        """One row per label and kind; speeds in rad/s of the crank, the limit in SI, NaN for what
+        was not found.
+        """
         from valvetrain.solution.display import frame
 
         names = ("from_rest", "rising", "falling")
         ends = ("lower_engine_speed", "upper_engine_speed")
-        brackets = {f"{name}_{end}": [_end(one, name, end) for one in self.rows] for name in names for end in ends}
-        plain = ("label", "kind", "place", "limit", "engine_speed", "first_engine_speed", "last_engine_speed")
+        brackets = {
+            f"{name}_{end}": [_end(one, name, end) for one in self.rows]
+            for name in names
+            for end in ends
+        }
+        plain = (
+            "label",
+            "kind",
+            "place",
+            "limit",
+            "engine_speed",
+            "first_engine_speed",
+            "last_engine_speed",
+        )
         return frame({name: [getattr(one, name) for one in self.rows] for name in plain} | brackets)
 
 

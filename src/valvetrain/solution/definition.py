@@ -1,6 +1,8 @@
-"""What the name of a quantity stands for: the one place where its dimension, shown unit, label and definition are asked.
+"""What the name of a quantity stands for: the one place where its dimension, shown unit, label and
+definition are asked.
 
-The rows themselves stand in the tables that the registry lists under ``quantities``: the general one and one per published study.
+The rows themselves stand in the tables that the registry lists under ``quantities``: the general
+one and one per published study.
 """
 
 from __future__ import annotations
@@ -22,7 +24,8 @@ Sense = Literal["larger is better", "smaller is better", ""]
 Systems = tuple[Literal["spring", "train"], ...]
 Number = TypeVar("Number", float, NDArray[np.float64])
 
-#: Last word of a name -> dimension and unit shown, unless its row says otherwise; a range is of what the word before it says.
+#: Last word of a name -> dimension and unit shown, unless its row says otherwise; a range is of
+#: what the word before it says.
 BY_LAST_WORD: dict[str, tuple[str, str]] = {
     "force": ("force", "N"), "preload": ("force", "N"), "load": ("force", "N"), "angle": ("angle", "deg"), "frequency": ("frequency", "Hz"),
     "velocity": ("velocity", "m/s"), "acceleration": ("acceleration", "m/s^2"), "displacement": ("length", "mm"),
@@ -34,22 +37,28 @@ BY_LAST_WORD: dict[str, tuple[str, str]] = {
 }  # fmt: skip
 #: SI units written otherwise than `valvetrain.units` does.
 _SI_WORDS = {"": "1", "1/s": "Hz", "m/s^2": "m/s2", "N*m": "N m", "N*s": "N s"}
-#: Springs of a nested pair, whose quantities carry the spring's name in front: ``outer_coil_bind_clearance``.
+#: Springs of a nested pair, whose quantities carry the spring's name in front:
+#: ``outer_coil_bind_clearance``.
 NESTED = ("outer", "inner")
 
 
 def si_words(dimension: str) -> str:
-    """SI unit of a word of :data:`valvetrain.units.DIMENSIONS` as answers write it: ``1`` for plain numbers."""
+    """SI unit of a word of :data:`valvetrain.units.DIMENSIONS` as answers write it: ``1`` for plain
+    numbers.
+    """
     unit = DIMENSIONS[dimension].si_unit
     return _SI_WORDS.get(unit, unit)
 
 
 @dataclass(frozen=True, slots=True)
 class QuantityRow:
-    """One quantity, or a family of them where ``name`` is a template: ``mode_{n}_frequency``, ``peak_{place}_contact_force``.
+    """One quantity, or a family of them where ``name`` is a template: ``mode_{n}_frequency``,
+    ``peak_{place}_contact_force``.
 
-    ``dimension``: a word of :data:`valvetrain.units.DIMENSIONS`, empty where a name tells none. ``shown_unit``: what tables print.
-    ``label``: plain words; ``definition``: one sentence; both may repeat the places of the template. ``systems``: which have it in a
+    ``dimension``: a word of :data:`valvetrain.units.DIMENSIONS`, empty where a name tells none.
+    ``shown_unit``: what tables print.
+    ``label``: plain words; ``definition``: one sentence; both may repeat the places of the
+    template. ``systems``: which have it in a
     case, a spring under prescribed motion or a train.
     """
 
@@ -68,29 +77,53 @@ class QuantityRow:
 
 
 def row(
-    name: str, label: str, definition: str, *, sense: Sense = "", systems: Systems = (), dimension: str = "", shown_unit: str | None = None
-) -> QuantityRow:  # fmt: skip
-    """A :class:`QuantityRow` whose dimension and shown unit follow from the last word of ``name`` where they are left out."""
+    name: str,
+    label: str,
+    definition: str,
+    *,
+    sense: Sense = "",
+    systems: Systems = (),
+    dimension: str = "",
+    shown_unit: str | None = None,
+) -> QuantityRow:
+    """A :class:`QuantityRow` whose dimension and shown unit follow from the last word of ``name``
+    where they are left out.
+    """
     usual = _by_last_word(name)
-    return QuantityRow(name, dimension or usual[0], usual[1] if shown_unit is None else shown_unit, label, definition, sense, systems)
+    return QuantityRow(
+        name,
+        dimension or usual[0],
+        usual[1] if shown_unit is None else shown_unit,
+        label,
+        definition,
+        sense,
+        systems,
+    )
 
 
 @cache
 def tables() -> dict[str, tuple[QuantityRow, ...]]:
-    """Every registered table of quantities by its word. Raises :class:`InputError` where two rows bear one name."""
-    found: dict[str, tuple[QuantityRow, ...]] = {word: tuple(find("quantities", word)) for word in words("quantities")}
+    """Every registered table of quantities by its word. Raises :class:`InputError` where two rows
+    bear one name.
+    """
+    found: dict[str, tuple[QuantityRow, ...]] = {
+        word: tuple(find("quantities", word)) for word in words("quantities")
+    }
     owner: dict[str, str] = {}
     for word, rows in found.items():
         for one in rows:
             if one.name in owner:
-                raise InputError(f"quantity '{one.name}' stands in the tables '{owner[one.name]}' and '{word}'; rename or remove one")
+                raise InputError(
+                    f"quantity '{one.name}' stands in the tables '{owner[one.name]}' and '{word}'; rename or remove one"
+                )
             owner[one.name] = word
     return found
 
 
 @cache
 def definition_of(name: str) -> QuantityRow:
-    """The row of ``name``, its template filled; for a name that no table has, one made from its last word.
+    """The row of ``name``, its template filled; for a name that no table has, one made from its
+    last word.
 
     >>> definition_of("mode_2_frequency").label
     'mode 2 frequency'
@@ -101,10 +134,20 @@ def definition_of(name: str) -> QuantityRow:
     for one, pattern in templates:
         if found := pattern.fullmatch(name):
             parts = {key: value.replace("_", " ") for key, value in found.groupdict().items()}
-            return replace(one, name=name, label=one.label.format(**parts), definition=one.definition.format(**parts))
+            return replace(
+                one,
+                name=name,
+                label=one.label.format(**parts),
+                definition=one.definition.format(**parts),
+            )
     first, _, rest = name.partition("_")
     if first in NESTED and (whole := definition_of(rest)).definition:
-        return replace(whole, name=name, label=f"{whole.label}, {first} spring", definition=f"{whole.definition} Of the {first} spring.")
+        return replace(
+            whole,
+            name=name,
+            label=f"{whole.label}, {first} spring",
+            definition=f"{whole.definition} Of the {first} spring.",
+        )
     return row(name, re.sub(r" cam angle$", ", cam angle", name.replace("_", " ")), "")
 
 
@@ -114,32 +157,49 @@ def is_defined(name: str) -> bool:
 
 
 def no_quantity(name: str) -> str:
-    """What is told of a name that no table has: the names nearest to it, those first that have all of its words.
+    """What is told of a name that no table has: the names nearest to it, those first that have all
+    of its words.
 
     >>> no_quantity("float_speed")
     "'float_speed' is no quantity; did you mean float_engine_speed? All names: docs/quantities.md"
     """
     near = near_names(name)
-    told = f"did you mean {_either(near)}? All names: docs/quantities.md" if near else "docs/quantities.md lists their names"
+    told = (
+        f"did you mean {_either(near)}? All names: docs/quantities.md"
+        if near
+        else "docs/quantities.md lists their names"
+    )
     return f"'{name[:60]}' is no quantity; {told}"
 
 
 def not_given(name: str) -> str:
-    """What is told of a quantity that runs which came to their end did not give, with the names nearest to it.
+    """What is told of a quantity that runs which came to their end did not give, with the names
+    nearest to it.
 
     >>> not_given("peak_shear_stress")[:62]
     'no run gave the peak shear stress (peak_shear_stress); near it'
     """
     near = near_names(name)
-    return f"no run gave the {label_of(name)} ({name})" + (f"; near it stands {_either(near)}" if near else "")
+    return f"no run gave the {label_of(name)} ({name})" + (
+        f"; near it stands {_either(near)}" if near else ""
+    )
 
 
 def near_names(name: str) -> tuple[str, ...]:
-    """Up to three names of quantities near to ``name``: those that have all of its words, shortest first, then those of like spelling."""
+    """Up to three names of quantities near to ``name``: those that have all of its words, shortest
+    first, then those of like spelling.
+    """
     exact, templates = _index()
     known = [*exact, *(one.name.replace("{place}", "cam") for one, _ in templates)]
     asked = name[:60].split("_")
-    whole = [one for one in known if all(word in one.split("_") or (word.isdecimal() and re.search(r"\{\w\}", one)) for word in asked)]
+    whole = [
+        one
+        for one in known
+        if all(
+            word in one.split("_") or (word.isdecimal() and re.search(r"\{\w\}", one))
+            for word in asked
+        )
+    ]
     whole.sort(key=lambda one: (one.count("_"), len(one), one))
     found = dict.fromkeys([*whole[:4], *get_close_matches(name[:60], known, n=2, cutoff=0.75)])
     return tuple(one for one in found if one != name)[:3]
@@ -155,13 +215,17 @@ def label_of(name: str) -> str:
 
 
 def shown(name: str, value: Number) -> tuple[Number, str]:
-    """SI ``value`` (a number or an array) of quantity ``name`` in the unit tables print, and that unit (empty for plain numbers)."""
+    """SI ``value`` (a number or an array) of quantity ``name`` in the unit tables print, and that
+    unit (empty for plain numbers).
+    """
     unit = definition_of(name).shown_unit
     return value / unit_factor(unit), unit
 
 
 def angle_name(quantity: str) -> str:
-    """The quantity that tells at which cam angle a peak lies. Raises :class:`InputError` for one without."""
+    """The quantity that tells at which cam angle a peak lies. Raises :class:`InputError` for one
+    without.
+    """
     short = quantity
     for ending in ("_force", "_acceleration", "_velocity", "_displacement", "_lift", "_stress"):
         short = short.removesuffix(ending)
@@ -176,8 +240,12 @@ def angle_name(quantity: str) -> str:
 def _index() -> tuple[dict[str, QuantityRow], tuple[tuple[QuantityRow, re.Pattern[str]], ...]]:
     """Rows by whole name, and templates with their patterns, the one with most fixed letters first."""
     every = [one for rows in tables().values() for one in rows]
-    templates = sorted((one for one in every if "{" in one.name), key=lambda one: -len(fixed_part(one.name)))
-    return {one.name: one for one in every if "{" not in one.name}, tuple((one, pattern_of(one.name)) for one in templates)
+    templates = sorted(
+        (one for one in every if "{" in one.name), key=lambda one: -len(fixed_part(one.name))
+    )
+    return {one.name: one for one in every if "{" not in one.name}, tuple(
+        (one, pattern_of(one.name)) for one in templates
+    )
 
 
 def fixed_part(template: str) -> str:
@@ -186,9 +254,14 @@ def fixed_part(template: str) -> str:
 
 
 def pattern_of(template: str) -> re.Pattern[str]:
-    """Pattern of the names of a template: one letter in braces stands for a number, a word for one or several words."""
+    """Pattern of the names of a template: one letter in braces stands for a number, a word for one
+    or several words.
+    """
     places = re.split(r"\{(\w+)\}", template)
-    words_of = (rf"(?P<{part}>{r'[0-9]+' if len(part) == 1 else r'[a-z0-9]+(?:_[a-z0-9]+)*'})" for part in places[1::2])
+    words_of = (
+        rf"(?P<{part}>{r'[0-9]+' if len(part) == 1 else r'[a-z0-9]+(?:_[a-z0-9]+)*'})"
+        for part in places[1::2]
+    )
     fixed = map(re.escape, places[::2])
     return re.compile("".join(text + next(words_of, "") for text in fixed))
 

@@ -1,4 +1,6 @@
-"""How results show themselves in a terminal or a notebook: units of the field, short text, small tables, frames, quick plots."""
+"""How results show themselves in a terminal or a notebook: units of the field, short text, small
+tables, frames, quick plots.
+"""
 
 from __future__ import annotations
 
@@ -54,23 +56,39 @@ def span(values: Sequence[float] | ArrayLike, unit: str) -> str:
 
 
 def table(caption: str, head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
-    """A small HTML table, every word escaped; what goes beyond :data:`MOST_ROWS` is counted, not shown."""
+    """A small HTML table, every word escaped; what goes beyond :data:`MOST_ROWS` is counted, not
+    shown.
+    """
     top = "".join(f"<th>{escape(word)}</th>" for word in head)
-    body = "".join("<tr>" + "".join(f"<td>{escape(cell)}</td>" for cell in row) + "</tr>" for row in rows[:MOST_ROWS])
-    more = f"<tr><td colspan='{len(head)}'>and {len(rows) - MOST_ROWS} more</td></tr>" if len(rows) > MOST_ROWS else ""
+    body = "".join(
+        "<tr>" + "".join(f"<td>{escape(cell)}</td>" for cell in row) + "</tr>"
+        for row in rows[:MOST_ROWS]
+    )
+    more = (
+        f"<tr><td colspan='{len(head)}'>and {len(rows) - MOST_ROWS} more</td></tr>"
+        if len(rows) > MOST_ROWS
+        else ""
+    )
     title = escape(caption).replace("\n", "<br>")
-    return f"<div>{title}<table><thead><tr>{top}</tr></thead><tbody>{body}{more}</tbody></table></div>"
+    return (
+        f"<div>{title}<table><thead><tr>{top}</tr></thead><tbody>{body}{more}</tbody></table></div>"
+    )
 
 
-def frame(columns: Mapping[str, ArrayLike], index: str = "", units: Mapping[str, str] | None = None) -> pandas.DataFrame:
-    """Columns as a pandas frame, ``index`` the column that numbers the rows, ``units`` kept in its ``attrs``.
+def frame(
+    columns: Mapping[str, ArrayLike], index: str = "", units: Mapping[str, str] | None = None
+) -> pandas.DataFrame:
+    """Columns as a pandas frame, ``index`` the column that numbers the rows, ``units`` kept in its
+    ``attrs``.
 
     Raises :class:`MissingExtraError` where pandas is not installed.
     """
     try:
         import pandas
     except ImportError as error:
-        raise MissingExtraError("to_pandas() needs pandas, which is not installed; install it with 'pip install pandas'") from error
+        raise MissingExtraError(
+            "to_pandas() needs pandas, which is not installed; install it with 'pip install pandas'"
+        ) from error
     made = pandas.DataFrame(dict(columns))
     made.attrs["units"] = dict(units or {})
     return made.set_index(index) if index else made

@@ -12,9 +12,11 @@ Detail = float | int | str | bool
 
 @dataclass(frozen=True)
 class Event:
-    """One event: ``cam_angle`` (rad, unwrapped) and ``time`` (s) of its start, ``duration`` (s), ``size`` in ``unit``.
+    """One event: ``cam_angle`` (rad, unwrapped) and ``time`` (s) of its start, ``duration`` (s),
+    ``size`` in ``unit``.
 
-    Kind ``clash``: size = peak contact force (N); details hold ``impulse`` (N s), ``energy`` (J), ``upper_coil``, ``lower_coil``.
+    Kind ``clash``: size = peak contact force (N); details hold ``impulse`` (N s), ``energy`` (J),
+    ``upper_coil``, ``lower_coil``.
 
     >>> event = Event("clash", cam_angle=4.2, time=0.012, duration=2e-4, size=310.0, unit="N", where="coils 1-2")
     >>> event.kind, event.size
@@ -33,6 +35,19 @@ class Event:
     def __post_init__(self) -> None:
         object.__setattr__(self, "details", MappingProxyType(dict(self.details)))
 
-    def __reduce__(self) -> tuple[object, ...]:  # a mappingproxy does not pickle, and sweeps send results between processes
-        values = (self.kind, self.cam_angle, self.time, self.duration, self.size, self.unit, self.where, dict(self.details))
+    def __reduce__(
+        self,
+    ) -> tuple[
+        object, ...
+    ]:  # a mappingproxy does not pickle, and sweeps send results between processes
+        values = (
+            self.kind,
+            self.cam_angle,
+            self.time,
+            self.duration,
+            self.size,
+            self.unit,
+            self.where,
+            dict(self.details),
+        )
         return Event, values

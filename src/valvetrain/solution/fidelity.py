@@ -1,4 +1,6 @@
-"""Which spring model is good enough where: every model beside a reference over engine speed, both with their numerical error."""
+"""Which spring model is good enough where: every model beside a reference over engine speed, both
+with their numerical error.
+"""
 
 from __future__ import annotations
 
@@ -10,7 +12,8 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     import pandas
 
-#: Verdicts of a model at one speed: within the tolerance, error bars included; beyond it even so; neither can be said, for the bars or
+#: Verdicts of a model at one speed: within the tolerance, error bars included; beyond it even so;
+#: neither can be said, for the bars or
 #: for want of a reference; no value of the model.
 GOOD, POOR, OPEN, MISSING = "good", "poor", "open", "missing"
 RPM = math.pi / 30
@@ -25,7 +28,8 @@ class FidelityRow:
     quantity : name of the quantity
     model : word of the spring model
     engine_speed : crank speed (rad/s)
-    value, error : of the model (NaN: it tells none), and half the width of its numerical error bar: NaN for a model that has none,
+    value, error : of the model (NaN: it tells none), and half the width of its numerical error bar:
+    NaN for a model that has none,
         infinite where the run that should tell it gave no result
     reference, reference_error : the same of the reference
     scale : largest size of the reference over all speeds, to which differences are related
@@ -47,8 +51,13 @@ class FidelityRow:
 
     @property
     def doubt(self) -> float:
-        """Half width of the bar of the difference, as a share of ``scale``: both errors together; a model without one adds none."""
-        return sum(error for error in (self.error, self.reference_error) if not math.isnan(error)) / self.scale
+        """Half width of the bar of the difference, as a share of ``scale``: both errors together; a
+        model without one adds none.
+        """
+        return (
+            sum(error for error in (self.error, self.reference_error) if not math.isnan(error))
+            / self.scale
+        )
 
     def verdict(self, tolerance: float) -> str:
         """``good``, ``poor``, ``open`` or ``missing`` at a tolerance (share of ``scale``)."""
@@ -57,14 +66,22 @@ class FidelityRow:
             return MISSING
         if not math.isfinite(self.reference):
             return OPEN
-        return GOOD if apart + self.doubt <= tolerance else POOR if apart - self.doubt > tolerance else OPEN
+        return (
+            GOOD
+            if apart + self.doubt <= tolerance
+            else POOR
+            if apart - self.doubt > tolerance
+            else OPEN
+        )
 
 
 @dataclass(frozen=True, slots=True)
 class Reach:
-    """Up to which engine speed a model is good enough for a quantity (rad/s of the crank, None where it never is).
+    """Up to which engine speed a model is good enough for a quantity (rad/s of the crank, None
+    where it never is).
 
-    ``good_to``: the last speed of the unbroken good ones from the lowest; ``poor_from``: the first at which it is poor or has no value.
+    ``good_to``: the last speed of the unbroken good ones from the lowest; ``poor_from``: the first
+    at which it is poor or has no value.
     """
 
     quantity: str
@@ -78,7 +95,9 @@ class Reach:
 
     @property
     def words(self) -> str:
-        """``all``, ``none``, ``open``, ``to 6500`` or ``to 6500, then open`` (never poor): engine speeds in rpm."""
+        """``all``, ``none``, ``open``, ``to 6500`` or ``to 6500, then open`` (never poor): engine
+        speeds in rpm.
+        """
         if self.missing:
             return "not told"
         if self.everywhere:
@@ -97,7 +116,8 @@ class FidelityMap:
     reference : word of the model that the others are judged by
     tolerance : share of the reference's largest value up to which a model is good enough
     rows : by quantity, model and speed
-    costs : model -> seconds of one core per simulated second, as estimates take it; in ascending order of cost
+    costs : model -> seconds of one core per simulated second, as estimates take it; in ascending
+    order of cost
     divided : models whose numerical error was found by dividing them more finely
 
     Examples
@@ -124,8 +144,21 @@ class FidelityMap:
         """All rows with difference, doubt and verdict."""
         import pandas
 
-        kept = ("quantity", "model", "engine_speed", "value", "error", "reference", "reference_error", "difference", "doubt")
-        found = [{name: getattr(row, name) for name in kept} | {"verdict": row.verdict(self.tolerance)} for row in self.rows]
+        kept = (
+            "quantity",
+            "model",
+            "engine_speed",
+            "value",
+            "error",
+            "reference",
+            "reference_error",
+            "difference",
+            "doubt",
+        )
+        found = [
+            {name: getattr(row, name) for name in kept} | {"verdict": row.verdict(self.tolerance)}
+            for row in self.rows
+        ]
         return pandas.DataFrame(found, columns=[*kept, "verdict"])
 
     @property
@@ -152,10 +185,29 @@ class FidelityMap:
         poor = next((place for place, one in enumerate(told) if one in (POOR, MISSING)), None)
         known = [row for row in rows if math.isfinite(row.difference)]
         worst = max(known, key=lambda row: abs(row.difference), default=None)
-        size, doubt = (math.nan, math.nan) if worst is None else (abs(worst.difference), worst.doubt)
-        good_to, poor_from = rows[first - 1].engine_speed if first else None, None if poor is None else rows[poor].engine_speed
-        return Reach(quantity, model, good_to, poor_from, bool(rows) and first == len(rows), size, doubt, bool(rows) and not known)
+        size, doubt = (
+            (math.nan, math.nan) if worst is None else (abs(worst.difference), worst.doubt)
+        )
+        good_to, poor_from = (
+            rows[first - 1].engine_speed if first else None,
+            None if poor is None else rows[poor].engine_speed,
+        )
+        return Reach(
+            quantity,
+            model,
+            good_to,
+            poor_from,
+            bool(rows) and first == len(rows),
+            size,
+            doubt,
+            bool(rows) and not known,
+        )
 
     def cheapest(self, quantity: str) -> str:
-        """The cheapest model that is good enough for a quantity at every speed, the reference where none is."""
-        return next((model for model in self.models if self.reach(quantity, model).everywhere), self.reference)
+        """The cheapest model that is good enough for a quantity at every speed, the reference where
+        none is.
+        """
+        return next(
+            (model for model in self.models if self.reach(quantity, model).everywhere),
+            self.reference,
+        )

@@ -36,7 +36,9 @@ class Gaps:
         """Name a gap."""
         self._sentences.append(sentence)
 
-    def part(self, name: str, instead: Part, build: Callable[P, Part], /, *args: P.args, **more: P.kwargs) -> Part:
+    def part(
+        self, name: str, instead: Part, build: Callable[P, Part], /, *args: P.args, **more: P.kwargs
+    ) -> Part:
         """What ``build(*args)`` gives; where it fails, ``instead``, and the gap is named."""
         try:
             return build(*args, **more)

@@ -19,8 +19,17 @@ Part = TypeVar("Part")
 FORMAT_VERSION = 1
 
 
-def pack(kind: str, *, status: Status, provenance: Provenance | None = None, events: tuple[Event, ...] = (), **more: Any) -> str:
-    """JSON text with the result's ``kind`` (solution, static-curve, modal-result) and its words and events."""
+def pack(
+    kind: str,
+    *,
+    status: Status,
+    provenance: Provenance | None = None,
+    events: tuple[Event, ...] = (),
+    **more: Any,
+) -> str:
+    """JSON text with the result's ``kind`` (solution, static-curve, modal-result) and its words and
+    events.
+    """
     content = {
         "format": f"valvetrain {kind}", "version": FORMAT_VERSION, "checksum": "blake2b", "status": _fields(status),
         "provenance": None if provenance is None else _fields(provenance), "events": [_fields(event) for event in events], **more,
@@ -29,9 +38,11 @@ def pack(kind: str, *, status: Status, provenance: Provenance | None = None, eve
 
 
 def unpack(text: str, kind: str, where: str, closed: bool) -> dict[str, Any]:
-    """The content of :func:`pack` with its objects rebuilt; ``closed``: whether the file ends in a checksum that is right.
+    """The content of :func:`pack` with its objects rebuilt; ``closed``: whether the file ends in a
+    checksum that is right.
 
-    Raises :class:`InputError` when it is not a ``kind`` of this package, and when it should have a checksum and has none.
+    Raises :class:`InputError` when it is not a ``kind`` of this package, and when it should have a
+    checksum and has none.
     """
     try:
         content: dict[str, Any] = json.loads(text)
@@ -39,16 +50,27 @@ def unpack(text: str, kind: str, where: str, closed: bool) -> dict[str, Any]:
         if not isinstance(found, str) or type(version) is not int:
             raise ValueError("format and version are no word and no number")
     except (ValueError, KeyError, TypeError, RecursionError) as error:
-        raise InputError(f"is not a valvetrain {kind} file; give one that this package wrote", where) from error
+        raise InputError(
+            f"is not a valvetrain {kind} file; give one that this package wrote", where
+        ) from error
     if found != f"valvetrain {kind}":
-        raise InputError(f"holds a {found[:40]}, not a valvetrain {kind}; open it as what it is", where)
+        raise InputError(
+            f"holds a {found[:40]}, not a valvetrain {kind}; open it as what it is", where
+        )
     if version > FORMAT_VERSION:
-        raise InputError(f"was written by a newer valvetrain (file version {version}); update the package", where)
+        raise InputError(
+            f"was written by a newer valvetrain (file version {version}); update the package", where
+        )
     if content.get("checksum") and not closed:
-        raise InputError("is damaged, or was rewritten by another program: its closing checksum is missing; write it again", where)
+        raise InputError(
+            "is damaged, or was rewritten by another program: its closing checksum is missing; write it again",
+            where,
+        )
     try:
         content["status"] = _made(Status, content["status"])
-        content["provenance"] = None if content["provenance"] is None else _made(Provenance, content["provenance"])
+        content["provenance"] = (
+            None if content["provenance"] is None else _made(Provenance, content["provenance"])
+        )
         if not isinstance(content["events"], list):
             _refuse("events")
         content["events"] = tuple(_made(Event, event) for event in content["events"])
@@ -58,7 +80,9 @@ def unpack(text: str, kind: str, where: str, closed: bool) -> dict[str, Any]:
         if not all(map(_FITS["float"], content["quantities"].values())):
             _refuse("quantities")
     except (KeyError, TypeError, ValueError) as error:
-        raise InputError(f"is damaged: its description cannot be read ({error}); write it again", where) from error
+        raise InputError(
+            f"is damaged: its description cannot be read ({error}); write it again", where
+        ) from error
     return content
 
 
@@ -67,7 +91,10 @@ _FITS: dict[str, Callable[[Any], bool]] = {
     "str": lambda value: isinstance(value, str),
     "float": lambda value: isinstance(value, (int, float)) and not isinstance(value, bool),
     "tuple": lambda value: isinstance(value, list) and all(isinstance(one, str) for one in value),
-    "Mapping": lambda value: isinstance(value, dict) and all(isinstance(one, (str, int, float, type(None))) for one in value.values()),
+    "Mapping": lambda value: (
+        isinstance(value, dict)
+        and all(isinstance(one, (str, int, float, type(None))) for one in value.values())
+    ),
 }
 
 
@@ -76,7 +103,9 @@ def _refuse(name: str) -> None:
 
 
 def _made(kind: type[Part], content: Any) -> Part:
-    """An object from its stored fields; ValueError, TypeError or KeyError where one is unknown, missing or of another type."""
+    """An object from its stored fields; ValueError, TypeError or KeyError where one is unknown,
+    missing or of another type.
+    """
     if not isinstance(content, dict):
         raise ValueError(f"a {kind.__name__.lower()} is missing")
     for entry in fields(kind):  # type: ignore[arg-type]  # every one is a dataclass
@@ -88,7 +117,9 @@ def _made(kind: type[Part], content: Any) -> Part:
 
 def _fields(item: Any) -> dict[str, Any]:
     named = {entry.name: getattr(item, entry.name) for entry in fields(item)}
-    return {name: dict(value) if isinstance(value, Mapping) else value for name, value in named.items()}
+    return {
+        name: dict(value) if isinstance(value, Mapping) else value for name, value in named.items()
+    }
 
 
 def _plain(value: Any) -> Any:

@@ -5,19 +5,18 @@ from __future__ import annotations
 import io
 import os
 import warnings
+from collections.abc import Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, BinaryIO
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from valvetrain.errors import InputError
 from valvetrain.solution import metadata
-from valvetrain.solution.arrays import ChannelArrays, Variable
-from valvetrain.solution.atomic import write_bytes
-from valvetrain.solution.checksum import checked_content, closing_line
-from valvetrain.solution.modal import ModalResult
-from valvetrain.solution.netcdf_layout import write_arrays
+from valvetrain.solution.atomic import checked_content, closing_line, write_bytes
+from valvetrain.solution.channels import ChannelArrays, Variable
+from valvetrain.solution.modes import ModalResult
 from valvetrain.solution.provenance import Provenance
 from valvetrain.solution.read_apart import tried_apart
 from valvetrain.solution.rebuilt import DAMAGED, refuse_claims, solution_of
@@ -27,13 +26,67 @@ from valvetrain.solution.static import Buckling, Leaning, StaticCurve
 if TYPE_CHECKING:
     import xarray
 
+
+def write_arrays(target: Path | BinaryIO, arrays: ChannelArrays, texts: Mapping[str, str]) -> None:
+    """Write channels, their coordinates and ``texts`` (name -> words) to a new file or into memory;
+    no value is marked as missing.
+    """
+    import h5netcdf
+    import h5py
+
+    variables = {**arrays.variables, **arrays.coords}
+    on_variables, on_file = _coordinate_words(arrays)
+    with h5netcdf.File(target, "w", invalid_netcdf=None, decode_vlen_strings=True) as file:
+        file.dimensions = {
+            dim: size
+            for one in variables.values()
+            for dim, size in zip(one.dims, one.values.shape, strict=True)
+        }
+        for key, words in {**arrays.attributes, **on_file}.items():
+            file.attrs[key] = words
+        for name, one in variables.items():
+            values, attributes = _stored(one)
+            made = file.create_variable(name, one.dims, values.dtype)
+            for key, words in {**attributes, **on_variables.get(name, {})}.items():
+                made.attrs[key] = words
+            made[...] = values
+        for name, text in texts.items():
+            file.create_variable(name, (), h5py.string_dtype())[...] = text
+
+
+def _coordinate_words(arrays: ChannelArrays) -> tuple[dict[str, dict[str, str]], dict[str, str]]:
+    """The attribute ``coordinates`` of each channel, and that of the file for coordinates along
+    which no channel lies (CF 1.11, 5).
+    """
+    plain = {name: set(one.dims) for name, one in arrays.coords.items() if name not in one.dims}
+    found = {
+        label: sorted(name for name, dims in plain.items() if dims <= set(one.dims))
+        for label, one in arrays.variables.items()
+    }
+    left = sorted(plain.keys() - {name for names in found.values() for name in names})
+    on_file = {"coordinates": " ".join(left)} if left else {}
+    return {
+        label: {"coordinates": " ".join(names)} for label, names in found.items() if names
+    }, on_file
+
+
+def _stored(one: Variable) -> tuple[np.ndarray[Any, Any], Mapping[str, Any]]:
+    """Values and attributes as the format has them: it knows no truth values."""
+    if one.values.dtype.kind == "b":
+        return one.values.astype(np.int8), {**one.attrs, "dtype": "bool"}
+    return one.values, one.attrs
+
+
 _METADATA = "valvetrain_metadata"
-_UNREADABLE = "cannot be read as NetCDF, it is another kind of file or was cut short; write it again"
+_UNREADABLE = (
+    "cannot be read as NetCDF, it is another kind of file or was cut short; write it again"
+)
 _PathLike = str | os.PathLike[str]
 
 
 def save_netcdf(solution: Solution, path: _PathLike) -> Path:
-    """Write a solution with its events, status, statistics, quantities and provenance; whole or not at all.
+    """Write a solution with its events, status, statistics, quantities and provenance; whole or not
+    at all.
 
     Parameters
     ----------
@@ -57,9 +110,14 @@ def save_netcdf(solution: Solution, path: _PathLike) -> Path:
     True
     """
     text = metadata.pack(
-        "solution", status=solution.status, provenance=solution.provenance, events=solution.events, statistics=dict(solution.statistics),
-        quantities=dict(solution.quantities), **({"gaps": list(solution.gaps)} if solution.gaps else {}),
-    )  # fmt: skip
+        "solution",
+        status=solution.status,
+        provenance=solution.provenance,
+        events=solution.events,
+        statistics=dict(solution.statistics),
+        quantities=dict(solution.quantities),
+        **({"gaps": list(solution.gaps)} if solution.gaps else {}),
+    )
     return _write(solution.arrays, text, path)
 
 
@@ -89,11 +147,23 @@ def load_netcdf(path: _PathLike) -> Solution:
     return solution_of(dataset, content, str(path))
 
 
-def save_static_curve(curve: StaticCurve, path: _PathLike, provenance: Provenance | None = None) -> Path:
+def save_static_curve(
+    curve: StaticCurve, path: _PathLike, provenance: Provenance | None = None
+) -> Path:
     """Write a static curve; whole or not at all."""
-    buckling = None if curve.buckling is None else (curve.buckling.compression, curve.buckling.height, curve.buckling.force)
+    buckling = (
+        None
+        if curve.buckling is None
+        else (curve.buckling.compression, curve.buckling.height, curve.buckling.force)
+    )
     leaning = None if curve.leaning is None else (curve.leaning.compression, curve.leaning.force)
-    text = metadata.pack("static-curve", status=curve.status, provenance=provenance, buckling=buckling, leaning=leaning)
+    text = metadata.pack(
+        "static-curve",
+        status=curve.status,
+        provenance=provenance,
+        buckling=buckling,
+        leaning=leaning,
+    )
     return _write(_static_arrays(curve), text, path)
 
 
@@ -101,14 +171,21 @@ def load_static_curve(path: _PathLike) -> StaticCurve:
     """Read what :func:`save_static_curve` wrote; :class:`InputError` for any other file."""
     dataset, content = _read(path, "static-curve")
     arrays = _arrays(dataset, _CURVE, str(path))
-    buckling, leaning = (_numbers(content, name, count, str(path)) for name, count in (("buckling", 3), ("leaning", 2)))
+    buckling, leaning = (
+        _numbers(content, name, count, str(path))
+        for name, count in (("buckling", 3), ("leaning", 2))
+    )
     return StaticCurve(
-        **arrays, status=content["status"], buckling=None if buckling is None else Buckling(*buckling),
+        **arrays,
+        status=content["status"],
+        buckling=None if buckling is None else Buckling(*buckling),
         leaning=None if leaning is None else Leaning(*leaning),
-    )  # fmt: skip
+    )
 
 
-def save_modal_result(result: ModalResult, path: _PathLike, provenance: Provenance | None = None) -> Path:
+def save_modal_result(
+    result: ModalResult, path: _PathLike, provenance: Provenance | None = None
+) -> Path:
     """Write a modal result; whole or not at all."""
     text = metadata.pack(
         "modal-result",
@@ -126,16 +203,26 @@ def load_modal_result(path: _PathLike) -> ModalResult:
     dataset, content = _read(path, "modal-result")
     where, arrays = str(path), _arrays(dataset, _MODES, str(path))
     modes = _numbers(content, "axial_modes", None, where) or ()
-    if not all(isinstance(mode, int) and 0 <= mode < len(arrays["natural_frequency"]) for mode in modes):
-        raise InputError(f"{DAMAGED} 'axial_modes' names modes that it does not hold; write it again", where)
+    if not all(
+        isinstance(mode, int) and 0 <= mode < len(arrays["natural_frequency"]) for mode in modes
+    ):
+        raise InputError(
+            f"{DAMAGED} 'axial_modes' names modes that it does not hold; write it again", where
+        )
     told = [
-        _numbers({name: [value]}, name, 1, where) for name in ("compression", "attached_mass") if (value := content.get(name)) is not None
+        _numbers({name: [value]}, name, 1, where)
+        for name in ("compression", "attached_mass")
+        if (value := content.get(name)) is not None
     ]
     if content.get("compression") is None or None in told:
         raise InputError(f"{DAMAGED} 'compression' is missing; write it again", where)
-    return ModalResult(compression=content["compression"], **arrays, axial_modes=tuple(modes), status=content["status"],
+    return ModalResult(
+        compression=content["compression"],
+        **arrays,
+        axial_modes=tuple(modes),
+        status=content["status"],
         attached_mass=content.get("attached_mass"),
-    )  # fmt: skip
+    )
 
 
 def _static_arrays(curve: StaticCurve) -> ChannelArrays:
@@ -143,14 +230,26 @@ def _static_arrays(curve: StaticCurve) -> ChannelArrays:
         {
             "force": _labelled(("step",), curve.force, "N", "spring force"),
             "stiffness": _labelled(("step",), curve.stiffness, "N/m", "tangent stiffness"),
-            "coil_gap": _labelled(("step", "coil_pair"), curve.coil_gap, "m", "gap between a coil and the one below"),
-            "coil_contact_force": _labelled(("step", "coil_pair"), curve.coil_contact_force, "N", "coil contact force"),
-            "axial_position": _labelled(("step", "wire_point"), curve.axial_position, "m", "height above the lower seat"),
+            "coil_gap": _labelled(
+                ("step", "coil_pair"), curve.coil_gap, "m", "gap between a coil and the one below"
+            ),
+            "coil_contact_force": _labelled(
+                ("step", "coil_pair"), curve.coil_contact_force, "N", "coil contact force"
+            ),
+            "axial_position": _labelled(
+                ("step", "wire_point"), curve.axial_position, "m", "height above the lower seat"
+            ),
         },
         {
-            "compression": _labelled(("step",), curve.compression, "m", "compression from the free length"),
-            "upper_coil": _labelled(("coil_pair",), curve.upper_coil, "1", "coil number of the upper partner"),
-            "coil_number": _labelled(("wire_point",), curve.coil_number, "1", "turns from the lower wire tip"),
+            "compression": _labelled(
+                ("step",), curve.compression, "m", "compression from the free length"
+            ),
+            "upper_coil": _labelled(
+                ("coil_pair",), curve.upper_coil, "1", "coil number of the upper partner"
+            ),
+            "coil_number": _labelled(
+                ("wire_point",), curve.coil_number, "1", "turns from the lower wire tip"
+            ),
         },
     )
 
@@ -158,11 +257,21 @@ def _static_arrays(curve: StaticCurve) -> ChannelArrays:
 def _modal_arrays(result: ModalResult) -> ChannelArrays:
     return ChannelArrays(
         {
-            "natural_frequency": _labelled(("mode",), result.natural_frequency, "Hz", "natural frequency"),
-            "shape": _labelled(("mode", "wire_point", "axis"), result.shape, "1", "mode shape, x y z"),
-            "axial_transmission": _labelled(("mode",), result.axial_transmission, "1", "axial force transmission residue"),
+            "natural_frequency": _labelled(
+                ("mode",), result.natural_frequency, "Hz", "natural frequency"
+            ),
+            "shape": _labelled(
+                ("mode", "wire_point", "axis"), result.shape, "1", "mode shape, x y z"
+            ),
+            "axial_transmission": _labelled(
+                ("mode",), result.axial_transmission, "1", "axial force transmission residue"
+            ),
         },
-        {"coil_number": _labelled(("wire_point",), result.coil_number, "1", "turns from the lower wire tip")},
+        {
+            "coil_number": _labelled(
+                ("wire_point",), result.coil_number, "1", "turns from the lower wire tip"
+            )
+        },
     )
 
 
@@ -171,7 +280,9 @@ def _labelled(dims: tuple[str, ...], values: ArrayLike, unit: str, words: str) -
 
 
 def _write(arrays: ChannelArrays, text: str, path: _PathLike) -> Path:
-    """Made in memory first: a disk that is full then stops a plain write, not the library of the format."""
+    """Made in memory first: a disk that is full then stops a plain write, not the library of the
+    format.
+    """
     with io.BytesIO() as memory:
         write_arrays(memory, arrays, {_METADATA: text})
         image = memory.getvalue()
@@ -190,10 +301,14 @@ def _read(path: _PathLike, kind: str) -> tuple[xarray.Dataset, dict[str, Any]]:
         dataset = dataset if text is None else _plain_attributes(dataset.drop_vars(_METADATA))
     except InputError:
         raise
-    except Exception as error:  # the libraries below raise many kinds for bytes that make no sense to them
+    except (
+        Exception
+    ) as error:  # the libraries below raise many kinds for bytes that make no sense to them
         raise InputError(_UNREADABLE, where) from error
     if not isinstance(text, str):
-        raise InputError(f"is not a valvetrain {kind} file; give one that this package wrote", where)
+        raise InputError(
+            f"is not a valvetrain {kind} file; give one that this package wrote", where
+        )
     return dataset, metadata.unpack(text, kind, where, closed)
 
 
@@ -202,7 +317,10 @@ def dataset_of(path: Path) -> xarray.Dataset:
     import xarray
 
     refuse_claims(path)
-    with warnings.catch_warnings(action="ignore"), xarray.open_dataset(path, engine="h5netcdf", decode_cf=False) as opened:
+    with (
+        warnings.catch_warnings(action="ignore"),
+        xarray.open_dataset(path, engine="h5netcdf", decode_cf=False) as opened,
+    ):
         return opened.load()
 
 
@@ -219,10 +337,18 @@ _MODES = {
 
 
 def _arrays(dataset: xarray.Dataset, due: dict[str, tuple[str, ...]], where: str) -> dict[str, Any]:
-    """The arrays that are due; :class:`InputError` where one is missing, has other dimensions or holds no numbers."""
+    """The arrays that are due; :class:`InputError` where one is missing, has other dimensions or
+    holds no numbers.
+    """
     for name, dims in due.items():
-        if name not in dataset.variables or dataset[name].dims != dims or dataset[name].dtype.kind != "f":
-            raise InputError(f"{DAMAGED} '{name}' is missing or is no row of numbers; write it again", where)
+        if (
+            name not in dataset.variables
+            or dataset[name].dims != dims
+            or dataset[name].dtype.kind != "f"
+        ):
+            raise InputError(
+                f"{DAMAGED} '{name}' is missing or is no row of numbers; write it again", where
+            )
     return {name: np.asarray(dataset[name].values) for name in due}
 
 
@@ -231,7 +357,11 @@ def _numbers(content: dict[str, Any], name: str, count: int | None, where: str) 
     found = content.get(name)
     if found is None:
         return None
-    if not isinstance(found, list) or count not in (None, len(found)) or not all(type(one) in (int, float) for one in found):
+    if (
+        not isinstance(found, list)
+        or count not in (None, len(found))
+        or not all(type(one) in (int, float) for one in found)
+    ):
         raise InputError(f"{DAMAGED} '{name}' is no row of numbers; write it again", where)
     return found
 

@@ -19,10 +19,14 @@ Option = float | int | str | bool | None
 class Provenance:
     """What makes a result repeatable.
 
-    ``engine_speed`` in rad/s of the crank (0 where none applies). ``created_at`` is given by the caller (ISO 8601, or
-    empty), so that equal inputs give equal content. ``citations`` are whole references, papers behind this run. ``label`` names the run
-    within its study (the model's word where nothing else tells runs apart); ``system``: ``prescribed-spring`` or ``train``; ``springs``:
-    the springs in the slot, ``("spring",)`` or ``("outer", "inner")``, whose names stand before channels of a nested pair.
+    ``engine_speed`` in rad/s of the crank (0 where none applies). ``created_at`` is given by the
+    caller (ISO 8601, or
+    empty), so that equal inputs give equal content. ``citations`` are whole references, papers
+    behind this run. ``label`` names the run
+    within its study (the model's word where nothing else tells runs apart); ``system``:
+    ``prescribed-spring`` or ``train``; ``springs``:
+    the springs in the slot, ``("spring",)`` or ``("outer", "inner")``, whose names stand before
+    channels of a nested pair.
     """
 
     case_name: str
@@ -49,23 +53,57 @@ class Provenance:
 
     def __reduce__(self) -> tuple[object, ...]:
         return Provenance, (
-            self.case_name, self.model, self.engine_speed, self.case_digest, self.package_version, self.python_version,
-            dict(self.dependencies), dict(self.options), self.created_at, self.citations, self.label, self.spring_set, self.system,
+            self.case_name,
+            self.model,
+            self.engine_speed,
+            self.case_digest,
+            self.package_version,
+            self.python_version,
+            dict(self.dependencies),
+            dict(self.options),
+            self.created_at,
+            self.citations,
+            self.label,
+            self.spring_set,
+            self.system,
             self.springs,
-        )  # fmt: skip
+        )
 
 
 def collect_provenance(
-    case_name: str, model: str, *, engine_speed: float = 0.0, case_digest: str = "", options: Mapping[str, Option] | None = None,
-    created_at: str = "", citations: Iterable[str] = (), label: str = "", spring_set: str = "", system: str = "",
+    case_name: str,
+    model: str,
+    *,
+    engine_speed: float = 0.0,
+    case_digest: str = "",
+    options: Mapping[str, Option] | None = None,
+    created_at: str = "",
+    citations: Iterable[str] = (),
+    label: str = "",
+    spring_set: str = "",
+    system: str = "",
     springs: tuple[str, ...] = ("spring",),
-) -> Provenance:  # fmt: skip
-    """Provenance with the versions of this package, of Python and of :data:`DEPENDENCIES` filled in."""
+) -> Provenance:
+    """Provenance with the versions of this package, of Python and of :data:`DEPENDENCIES` filled
+    in.
+    """
     versions = {name: version for name in DEPENDENCIES if (version := _version(name))}
     return Provenance(
-        case_name, model, engine_speed, case_digest, _version("valvetrain"), platform.python_version(),
-        versions, options or {}, created_at, tuple(citations), label, spring_set, system, springs,
-    )  # fmt: skip
+        case_name,
+        model,
+        engine_speed,
+        case_digest,
+        _version("valvetrain"),
+        platform.python_version(),
+        versions,
+        options or {},
+        created_at,
+        tuple(citations),
+        label,
+        spring_set,
+        system,
+        springs,
+    )
 
 
 @cache

@@ -1,4 +1,6 @@
-"""Named numbers: the key under which a computed value meets a published one, and a mapping of them that is easy to ask."""
+"""Named numbers: the key under which a computed value meets a published one, and a mapping of them
+that is easy to ask.
+"""
 
 from __future__ import annotations
 
@@ -20,7 +22,8 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class Quantity:
-    """A named scalar: ``engine_speed`` of the crank (rad/s, "5600 rpm", pint; None where none applies) and ``label`` of the run.
+    """A named scalar: ``engine_speed`` of the crank (rad/s, "5600 rpm", pint; None where none
+    applies) and ``label`` of the run.
 
     >>> Quantity("peak_seat_force", "2000 rpm", "massless").unit
     'N'
@@ -32,7 +35,9 @@ class Quantity:
 
     if TYPE_CHECKING:  # what may be given is wider than what is kept
 
-        def __init__(self, name: str, engine_speed: Given | None = None, label: str = "") -> None: ...
+        def __init__(
+            self, name: str, engine_speed: Given | None = None, label: str = ""
+        ) -> None: ...
 
     def __post_init__(self) -> None:
         keep_si(self, f"quantity '{self.name}'", engine_speed="angular speed")
@@ -48,15 +53,19 @@ def unit_of(name: str) -> str:
     return definition_of(name).si_unit
 
 
-def named(values: Mapping[str, float], engine_speed: float | None, label: str) -> dict[Quantity, float]:
+def named(
+    values: Mapping[str, float], engine_speed: float | None, label: str
+) -> dict[Quantity, float]:
     """Plain names made :class:`Quantity` of one run."""
     return {Quantity(name, engine_speed, label): value for name, value in values.items()}
 
 
 class Quantities(Mapping[Quantity, float]):
-    """Read-only mapping of :class:`Quantity` to SI values; a plain name serves where it is unique: ``quantities["preload"]``.
+    """Read-only mapping of :class:`Quantity` to SI values; a plain name serves where it is unique:
+    ``quantities["preload"]``.
 
-    Raises :class:`KeyError` for what was not computed and :class:`InputError` for a name that several runs gave and for a slip of units.
+    Raises :class:`KeyError` for what was not computed and :class:`InputError` for a name that
+    several runs gave and for a slip of units.
 
     >>> quantities = Quantities({Quantity("preload"): 301.5, Quantity("peak_seat_force", 586.43, "massless"): 820.0})
     >>> quantities["preload"]
@@ -77,17 +86,26 @@ class Quantities(Mapping[Quantity, float]):
             if key in self._values:
                 return self._values[key]
             near = (one for one in self._values if (one.name, one.label) == (key.name, key.label))
-            same = next((one for one in near if same_speed(one.engine_speed, key.engine_speed)), key)
+            same = next(
+                (one for one in near if same_speed(one.engine_speed, key.engine_speed)), key
+            )
             if same not in self._values and key.engine_speed is not None:
-                si(key.engine_speed, "engine_speed", f"quantity '{key.name}'")  # a speed that no run has may be a slip of units
+                si(
+                    key.engine_speed, "engine_speed", f"quantity '{key.name}'"
+                )  # a speed that no run has may be a slip of units
             return self._values[same]
         found = [one for one in self._values if one.name == key]
         if len(found) == 1:
             return self._values[found[0]]
         if not found:
             raise KeyError(key)
-        runs = ", ".join(f"{one.label} at {(one.engine_speed or 0.0) * 9.549296585513721:.6g} rpm" for one in found[:4])
-        raise InputError(f"'{key}' was computed {len(found)} times ({runs}); ask with Quantity(name, engine_speed, label), or use of_run()")
+        runs = ", ".join(
+            f"{one.label} at {(one.engine_speed or 0.0) * 9.549296585513721:.6g} rpm"
+            for one in found[:4]
+        )
+        raise InputError(
+            f"'{key}' was computed {len(found)} times ({runs}); ask with Quantity(name, engine_speed, label), or use of_run()"
+        )
 
     def __iter__(self) -> Iterator[Quantity]:
         return iter(self._values)
@@ -100,18 +118,29 @@ class Quantities(Mapping[Quantity, float]):
         return len(self._values)
 
     def __repr__(self) -> str:
-        lines = [f"Quantities: {len(self._values)} values of {len({key.name for key in self._values})} names"]
+        lines = [
+            f"Quantities: {len(self._values)} values of {len({key.name for key in self._values})} names"
+        ]
         for key in list(self._values)[:4]:
             run = _run_words(key)
-            lines.append(f"{key.name} {words(self._values[key], key.unit)}{f' ({run})' if run else ''}")
-        return "\n  ".join([*lines, f"and {len(self._values) - 4} more"] if len(self._values) > 4 else lines)
+            lines.append(
+                f"{key.name} {words(self._values[key], key.unit)}{f' ({run})' if run else ''}"
+            )
+        return "\n  ".join(
+            [*lines, f"and {len(self._values) - 4} more"] if len(self._values) > 4 else lines
+        )
 
     def _repr_html_(self) -> str:
-        rows = [(key.name, _run_words(key), words(value, key.unit)) for key, value in self._values.items()]
+        rows = [
+            (key.name, _run_words(key), words(value, key.unit))
+            for key, value in self._values.items()
+        ]
         return table(repr(self).partition("\n")[0], ("quantity", "run", "value"), rows)
 
     def to_pandas(self) -> pandas.DataFrame:
-        """One row per value (SI): quantity, label, engine_speed (rad/s of the crank, missing where none applies), value, unit."""
+        """One row per value (SI): quantity, label, engine_speed (rad/s of the crank, missing where
+        none applies), value, unit.
+        """
         keys = list(self._values)
         columns: dict[str, ArrayLike] = {
             "quantity": [key.name for key in keys], "label": [key.label for key in keys],
@@ -125,21 +154,37 @@ class Quantities(Mapping[Quantity, float]):
 
     def at_rest(self, label: str | None = None) -> dict[str, float]:
         """Name -> value of what has no engine speed, of one ``label`` where given."""
-        return {key.name: value for key, value in self._values.items() if key.engine_speed is None and label in (None, key.label)}
+        return {
+            key.name: value
+            for key, value in self._values.items()
+            if key.engine_speed is None and label in (None, key.label)
+        }
 
     def of_run(self, label: str, engine_speed: Given) -> dict[str, float]:
-        """Name -> value of the run of ``label`` at ``engine_speed`` (of the crank: rad/s, "5600 rpm" or a pint quantity)."""
-        wanted = known_speed(engine_speed, (key.engine_speed for key in self._values if key.engine_speed is not None))
+        """Name -> value of the run of ``label`` at ``engine_speed`` (of the crank: rad/s, "5600
+        rpm" or a pint quantity).
+        """
+        wanted = known_speed(
+            engine_speed, (key.engine_speed for key in self._values if key.engine_speed is not None)
+        )
         mine = ((key, value) for key, value in self._values.items() if key.label == label)
-        return {key.name: value for key, value in mine if key.engine_speed is not None and same_speed(key.engine_speed, wanted)}
+        return {
+            key.name: value
+            for key, value in mine
+            if key.engine_speed is not None and same_speed(key.engine_speed, wanted)
+        }
 
 
 def _run_words(key: Quantity) -> str:
-    return ", ".join(filter(None, (key.label, words(key.engine_speed, "rad/s") if key.engine_speed else "")))
+    return ", ".join(
+        filter(None, (key.label, words(key.engine_speed, "rad/s") if key.engine_speed else ""))
+    )
 
 
 def known_speed(given: Given, known: Iterable[float]) -> float:
-    """A crank speed (rad/s) as :func:`valvetrain.units.si` reads it; an SI number that is one of those ``known`` is never a slip."""
+    """A crank speed (rad/s) as :func:`valvetrain.units.si` reads it; an SI number that is one of
+    those ``known`` is never a slip.
+    """
     if not isinstance(given, str) and not hasattr(given, "to_base_units"):
         own = next((speed for speed in known if same_speed(speed, float(given))), None)
         if own is not None:
@@ -148,7 +193,9 @@ def known_speed(given: Given, known: Iterable[float]) -> float:
 
 
 def same_speed(one: float | None, other: float | None) -> bool:
-    """Whether two crank speeds (rad/s) are the same but for rounding; None is the same as None only."""
+    """Whether two crank speeds (rad/s) are the same but for rounding; None is the same as None
+    only.
+    """
     if one is None or other is None:
         return one is other
     return abs(one - other) <= 1e-7 * max(abs(one), abs(other))

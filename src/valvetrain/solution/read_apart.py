@@ -1,4 +1,6 @@
-"""Files that no checksum vouches for are tried in a process of its own: the library of the format may never come back from them."""
+"""Files that no checksum vouches for are tried in a process of its own: the library of the format
+may never come back from them.
+"""
 
 from __future__ import annotations
 
@@ -17,48 +19,67 @@ from typing import Any, NoReturn
 
 from valvetrain.errors import InputError
 
-#: Bytes of memory and seconds of the processor that trying one file may take, and bytes for each of which a second is added.
+#: Bytes of memory and seconds of the processor that trying one file may take, and bytes for each of
+#: which a second is added.
 MOST_MEMORY, MOST_SECONDS, BYTES_A_SECOND = 4_000_000_000, 10, 50_000_000
 #: Seconds of the clock for each of the processor: the machine may be busy.
 _PATIENCE = 6
 #: Seconds before a process that a full machine did not start is tried again.
 _PAUSES = (0.5, 3.0)
-#: How a trial ends: the reader came back, or has its own words for the file; it asked for too much; it raised anything else; it was ended.
+#: How a trial ends: the reader came back, or has its own words for the file; it asked for too much;
+#: it raised anything else; it was ended.
 _READ, _TOO_LARGE, _UNREADABLE, _ENDED = 0, 3, 4, -1
 #: What a trial says once the reader is there: what ends it from then on is the file's doing.
 _BEGUN = b"begun"
 
 
 def tried_apart(reader: str, path: Path, where: str, unreadable: str) -> None:
-    """Call a reader (``module:function``, of one path) in a process of its own, and refuse the file that it does not come back from.
+    """Call a reader (``module:function``, of one path) in a process of its own, and refuse the file
+    that it does not come back from.
 
-    What the reader finds is not handed on, nor an :class:`InputError` of its own: the caller calls it again, now that it is known to end.
-    Raises :class:`InputError` for bytes that end or hang the process or ask for more than :data:`MOST_MEMORY`, with the sentence
-    ``unreadable`` for those at which the reader raises anything else, and where no such process can be started.
+    What the reader finds is not handed on, nor an :class:`InputError` of its own: the caller calls
+    it again, now that it is known to end.
+    Raises :class:`InputError` for bytes that end or hang the process or ask for more than
+    :data:`MOST_MEMORY`, with the sentence
+    ``unreadable`` for those at which the reader raises anything else, and where no such process can
+    be started.
     """
     seconds = MOST_SECONDS + path.stat().st_size // BYTES_A_SECOND
     tried = in_a_new_process(reader, path, seconds)
     end = tried if isinstance(tried, int) else in_a_fork(reader, path, seconds)
     if end is None:
-        raise InputError(f"is not read, for files of others are tried in a process of their own, and {no_interpreter(str(tried))}", where)
+        raise InputError(
+            f"is not read, for files of others are tried in a process of their own, and {no_interpreter(str(tried))}",
+            where,
+        )
     if end == _TOO_LARGE:
-        raise InputError(f"is damaged: reading it asks for more than {MOST_MEMORY / 1e9:g} GB; write it again", where)
+        raise InputError(
+            f"is damaged: reading it asks for more than {MOST_MEMORY / 1e9:g} GB; write it again",
+            where,
+        )
     if end == _UNREADABLE:
         raise InputError(unreadable, where)
     if end != _READ:
-        raise InputError("is damaged: the library of the format does not come back from reading it; write it again", where)
+        raise InputError(
+            "is damaged: the library of the format does not come back from reading it; write it again",
+            where,
+        )
 
 
 def no_interpreter(reason: str = "") -> str:
-    """Why no process of Python can be started here, and what to do; ``reason``: how the one that was tried ended."""
+    """Why no process of Python can be started here, and what to do; ``reason``: how the one that
+    was tried ended.
+    """
     python, told = str(sys.executable)[-80:], f" ({reason})" if reason else ""
     return f"'{python}' (sys.executable) does not start as a Python that finds the reader{told}; set it to one, or use the command line"
 
 
 def in_a_new_process(reader: str, path: Path, seconds: int) -> int | str:
-    """How the trial ended; in words where it did not begin: no interpreter, or one that does not find the reader.
+    """How the trial ended; in words where it did not begin: no interpreter, or one that does not
+    find the reader.
 
-    A process that the system could not start or ended before it began, as a full machine does, is tried again a moment later.
+    A process that the system could not start or ended before it began, as a full machine does, is
+    tried again a moment later.
     """
     end = _in_a_new_process(reader, path, seconds)
     for pause in _PAUSES:
@@ -74,11 +95,24 @@ class _Passing(str):
 
 
 def _in_a_new_process(reader: str, path: Path, seconds: int) -> int | str:
-    command = [sys.executable, "-P", "-c", f"from {__name__} import serve; serve()", reader, str(path.absolute()), str(seconds)]
+    command = [
+        sys.executable,
+        "-P",
+        "-c",
+        f"from {__name__} import serve; serve()",
+        reader,
+        str(path.absolute()),
+        str(seconds),
+    ]
     try:
         done = subprocess.run(
-            command, timeout=_PATIENCE * seconds, env=apart_environment(), check=False, stdin=subprocess.DEVNULL, capture_output=True
-        )  # fmt: skip
+            command,
+            timeout=_PATIENCE * seconds,
+            env=apart_environment(),
+            check=False,
+            stdin=subprocess.DEVNULL,
+            capture_output=True,
+        )
     except subprocess.TimeoutExpired as late:
         return _ENDED if late.stdout == _BEGUN else f"not ready after {_PATIENCE * seconds} s"
     except OSError as error:
@@ -91,11 +125,16 @@ def _in_a_new_process(reader: str, path: Path, seconds: int) -> int | str:
     if done.returncode < 0:
         return _Passing(f"ended by signal {-done.returncode} before it began")
     last = done.stderr.decode(errors="replace").strip().splitlines()[-1:]
-    return "".join(char if char.isprintable() else " " for char in last[0][:120]) if last else f"ended with status {done.returncode}"
+    return (
+        "".join(char if char.isprintable() else " " for char in last[0][:120])
+        if last
+        else f"ended with status {done.returncode}"
+    )
 
 
 def in_a_fork(reader: str, path: Path, seconds: int) -> int | None:
-    """As in a new process, in a copy of this one, which needs no interpreter; None where it would not be safe.
+    """As in a new process, in a copy of this one, which needs no interpreter; None where it would
+    not be safe.
 
     Other threads hold locks that nobody would open in the copy; a system without forks has none.
     """
@@ -105,7 +144,9 @@ def in_a_fork(reader: str, path: Path, seconds: int) -> int | None:
         function = _function(reader)
     except ImportError:
         return None
-    with warnings.catch_warnings(action="ignore"):  # threads of the numerical libraries, which hold no locks now
+    with warnings.catch_warnings(
+        action="ignore"
+    ):  # threads of the numerical libraries, which hold no locks now
         child = os.fork()
     if not child:
         _try(function, path, seconds)
@@ -120,13 +161,22 @@ def in_a_fork(reader: str, path: Path, seconds: int) -> int | None:
 
 
 def apart_environment() -> dict[str, str]:
-    """Variables of such a process: paths of the caller, so that a format of another package is found; no plugins of HDF5, one thread."""
+    """Variables of such a process: paths of the caller, so that a format of another package is
+    found; no plugins of HDF5, one thread.
+    """
     paths = os.pathsep.join(os.path.abspath(part or ".") for part in sys.path)
-    return os.environ | {"PYTHONPATH": paths, "HDF5_PLUGIN_PRELOAD": "::", "OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1"}
+    return os.environ | {
+        "PYTHONPATH": paths,
+        "HDF5_PLUGIN_PRELOAD": "::",
+        "OPENBLAS_NUM_THREADS": "1",
+        "OMP_NUM_THREADS": "1",
+    }
 
 
 def serve() -> None:
-    """The other side: read the file that the arguments name, under bounds, and tell by the exit status whether that ended."""
+    """The other side: read the file that the arguments name, under bounds, and tell by the exit
+    status whether that ended.
+    """
     reader, path, seconds = sys.argv[1:4]
     function = _function(reader)
     os.write(1, _BEGUN)
@@ -158,17 +208,26 @@ def _try(function: Any, path: Path, seconds: int) -> NoReturn:
 def _mapped() -> int:
     """Bytes that this process has mapped before it reads, where the system tells."""
     with suppress(OSError, ValueError):
-        return int(Path("/proc/self/statm").read_text(encoding="ascii").split()[0]) * os.sysconf("SC_PAGE_SIZE")
+        return int(Path("/proc/self/statm").read_text(encoding="ascii").split()[0]) * os.sysconf(
+            "SC_PAGE_SIZE"
+        )
     return 0
 
 
 def bound_process(memory: int, seconds: int) -> None:
-    """Bound memory (bytes) and processor time (s) of this process, where the system can; never above a bound that it has already."""
+    """Bound memory (bytes) and processor time (s) of this process, where the system can; never
+    above a bound that it has already.
+    """
     with suppress(ImportError):
         import resource
 
         for name, most in (("RLIMIT_AS", memory), ("RLIMIT_CPU", seconds), ("RLIMIT_CORE", 0)):
             with suppress(AttributeError, ValueError, OSError):
                 kind = getattr(resource, name)
-                least = min([most, *(own for own in resource.getrlimit(kind) if own != resource.RLIM_INFINITY)])
+                least = min(
+                    [
+                        most,
+                        *(own for own in resource.getrlimit(kind) if own != resource.RLIM_INFINITY),
+                    ]
+                )
                 resource.setrlimit(kind, (least, least))

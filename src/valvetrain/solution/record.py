@@ -1,4 +1,6 @@
-"""What may be shown of a case after its parts are built: words, sources, published values. Nothing is computed from it."""
+"""What may be shown of a case after its parts are built: words, sources, published values. Nothing
+is computed from it.
+"""
 
 from __future__ import annotations
 
@@ -13,12 +15,17 @@ Role = Literal["calibration", "check", "prediction"]
 class PublishedValue:
     """One published number to compare with.
 
-    ``quantity``: name from docs/quantities.md. ``value``: SI. ``unit``: the unit to show it in. ``model``: what produced it
-    in the source (such as ``solid finite elements``). ``origin``: the place in the source. ``role``: ``calibration`` for a value that
-    unknown numbers of the case were found or chosen by, ``check`` for one that was known then and not used, ``prediction`` for one that
+    ``quantity``: name from docs/quantities.md. ``value``: SI. ``unit``: the unit to show it in.
+    ``model``: what produced it
+    in the source (such as ``solid finite elements``). ``origin``: the place in the source.
+    ``role``: ``calibration`` for a value that
+    unknown numbers of the case were found or chosen by, ``check`` for one that was known then and
+    not used, ``prediction`` for one that
     must not be used; ``used_for``: what it was used for, in words; ``doubt``: why the number
-    cannot be right, where its source contradicts it. ``engine_speed`` in rad/s of the crank, None for statics and modes.
-    ``tolerance``: allowed absolute difference (SI), None where none is stated. ``relation``: how firmly the source states it.
+    cannot be right, where its source contradicts it. ``engine_speed`` in rad/s of the crank, None
+    for statics and modes.
+    ``tolerance``: allowed absolute difference (SI), None where none is stated. ``relation``: how
+    firmly the source states it.
     """
 
     quantity: str
@@ -49,9 +56,12 @@ class CaseValue:
 class CaseRecord:
     """The words of a case: what a result says of its origin.
 
-    ``study``: word of the published study the case re-runs (empty for a case of one's own). ``changed``: key paths that were set from
-    outside the file; a changed case no longer speaks of published numbers. ``text``: the resolved case file (TOML), from which the case
-    is read again. ``citations``: whole references. ``points``: coil numbers of the study's points on the wire, where the case tells them.
+    ``study``: word of the published study the case re-runs (empty for a case of one's own).
+    ``changed``: key paths that were set from
+    outside the file; a changed case no longer speaks of published numbers. ``text``: the resolved
+    case file (TOML), from which the case
+    is read again. ``citations``: whole references. ``points``: coil numbers of the study's points
+    on the wire, where the case tells them.
     """
 
     name: str

@@ -9,10 +9,14 @@ from dataclasses import dataclass
 class RestPoint:
     """A spring at rest at one compression; SI, None where the model or the spring does not tell.
 
-    ``compression`` from the free length (m), ``height`` between the seats (m), ``force`` (N), ``stiffness`` dF/dx (N/m).
-    ``nominal_shear_stress``: by EN 13906-1 from the force; ``shear_stress`` and ``equivalent_stress``: the largest at the inner fibre along
-    the wire, from its section loads (Pa). On the retainer by the wire: ``torque`` about the axis (N m, positive where it would turn the
-    retainer the way the wire rises), ``moment`` across the axis about the middle of its plane (N m), ``side_force`` (N); ``rotation`` of a
+    ``compression`` from the free length (m), ``height`` between the seats (m), ``force`` (N),
+    ``stiffness`` dF/dx (N/m).
+    ``nominal_shear_stress``: by EN 13906-1 from the force; ``shear_stress`` and
+    ``equivalent_stress``: the largest at the inner fibre along
+    the wire, from its section loads (Pa). On the retainer by the wire: ``torque`` about the axis (N
+    m, positive where it would turn the
+    retainer the way the wire rises), ``moment`` across the axis about the middle of its plane (N
+    m), ``side_force`` (N); ``rotation`` of a
     retainer that may turn (rad, as ``torque``).
     """
 

@@ -1,4 +1,6 @@
-"""The one result object of a run: labelled channels, events, named quantities, status, statistics, provenance."""
+"""The one result object of a run: labelled channels, events, named quantities, status, statistics,
+provenance.
+"""
 
 from __future__ import annotations
 
@@ -12,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from valvetrain.errors import InputError
-from valvetrain.solution.arrays import ChannelArrays, DatasetField, Variable, empty_channels
+from valvetrain.solution.channels import ChannelArrays, DatasetField, Variable, empty_channels
 from valvetrain.solution.display import Figure, frame, plotted, span, table, words
 from valvetrain.solution.event import Event
 from valvetrain.solution.provenance import Provenance
@@ -29,10 +31,13 @@ Array = NDArray[np.float64]
 class Solution:
     """What one run computed; see docs/architecture.md for channel names.
 
-    ``channels`` is an :class:`xarray.Dataset` whose variables all start with dimension ``sample`` and carry ``units`` and
-    ``long_name``, with coordinates ``time`` (s) and ``cam_angle`` (rad, unwrapped) along it; a reduced solution has none.
+    ``channels`` is an :class:`xarray.Dataset` whose variables all start with dimension ``sample``
+    and carry ``units`` and
+    ``long_name``, with coordinates ``time`` (s) and ``cam_angle`` (rad, unwrapped) along it; a
+    reduced solution has none.
     ``quantities``: named numbers (SI) found by :func:`valvetrain.quantities.evaluate.evaluate`;
-    ``gaps``: a sentence per part of them that could not be found. Raises :class:`InputError` when a channel breaks that rule.
+    ``gaps``: a sentence per part of them that could not be found. Raises :class:`InputError` when a
+    channel breaks that rule.
 
     >>> from valvetrain.solution.channels import spring_channels
     >>> channels = spring_channels(time=[0.0, 0.01], cam_angle=[0.0, 2.0], values={"seat_force": [310.0, 620.0]})
@@ -58,7 +63,15 @@ class Solution:
         object.__setattr__(self, "statistics", MappingProxyType(dict(self.statistics)))
 
     def __reduce__(self) -> tuple[object, ...]:
-        return Solution, (self.arrays, self.events, self.status, dict(self.statistics), self.provenance, dict(self.quantities), self.gaps)
+        return Solution, (
+            self.arrays,
+            self.events,
+            self.status,
+            dict(self.statistics),
+            self.provenance,
+            dict(self.quantities),
+            self.gaps,
+        )
 
     @property
     def arrays(self) -> ChannelArrays:
@@ -83,11 +96,15 @@ class Solution:
 
     @property
     def springs(self) -> tuple[str, ...]:
-        """Names of the springs in the slot, outer first; those of a nested pair stand before their channels (:meth:`channel_of`)."""
+        """Names of the springs in the slot, outer first; those of a nested pair stand before their
+        channels (:meth:`channel_of`).
+        """
         return self.provenance.springs
 
     def channel_of(self, spring: str, name: str) -> str:
-        """Name of a channel of one spring: ``outer_coil_gap`` of a nested pair, ``coil_gap`` of a single spring."""
+        """Name of a channel of one spring: ``outer_coil_gap`` of a nested pair, ``coil_gap`` of a
+        single spring.
+        """
         return f"{spring}_{name}" if len(self.springs) > 1 else name
 
     @property
@@ -110,10 +127,14 @@ class Solution:
         return all(name in self.arrays.variables for name in names)
 
     def channel(self, name: str) -> Array:
-        """Values of one channel, first axis ``sample``, SI; :class:`InputError` names those that exist."""
+        """Values of one channel, first axis ``sample``, SI; :class:`InputError` names those that
+        exist.
+        """
         if name not in self.arrays.variables:
             known = ", ".join(self.arrays.variables)
-            raise InputError(f"this {self.model or 'unnamed'} run has no channel '{name}'; it has {known}")
+            raise InputError(
+                f"this {self.model or 'unnamed'} run has no channel '{name}'; it has {known}"
+            )
         return np.asarray(self.arrays.variables[name].values)
 
     def unit(self, name: str) -> str:
@@ -123,34 +144,60 @@ class Solution:
     def identical(self, other: Solution) -> bool:
         """True when every value, label, attribute, event and word of ``other`` is the same."""
         words = ("events", "status", "statistics", "provenance", "quantities", "gaps")
-        return all(getattr(self, name) == getattr(other, name) for name in words) and bool(self.channels.identical(other.channels))
+        return all(getattr(self, name) == getattr(other, name) for name in words) and bool(
+            self.channels.identical(other.channels)
+        )
 
-    def with_found(self, events: Iterable[Event], quantities: Mapping[str, float], gaps: Iterable[str] | None = None) -> Solution:
+    def with_found(
+        self,
+        events: Iterable[Event],
+        quantities: Mapping[str, float],
+        gaps: Iterable[str] | None = None,
+    ) -> Solution:
         """A copy with events, named quantities and ``gaps`` (None: those there are)."""
         named = self.gaps if gaps is None else tuple(gaps)
-        return Solution(self.arrays, tuple(events), self.status, self.statistics, self.provenance, quantities, named)
+        return Solution(
+            self.arrays,
+            tuple(events),
+            self.status,
+            self.statistics,
+            self.provenance,
+            quantities,
+            named,
+        )
 
     def with_channels(self, added: Mapping[str, Variable]) -> Solution:
         """A copy with further channels."""
         return replace(self, channels=self.arrays.assign(added))
 
     def reduced(self) -> Solution:
-        """The same run without its channels: events, quantities, status, statistics and provenance stay."""
+        """The same run without its channels: events, quantities, status, statistics and provenance
+        stay.
+        """
         return replace(self, channels=empty_channels())
 
     def __repr__(self) -> str:
         lines = [self._head()]
         if len(self.time):
             angle = span(self.cam_angle, "rad").replace("deg", "deg of the cam")
-            lines.append(f"{len(self.time)} samples, {angle}; {len(self.arrays.variables)} channels")
-        for name in [one for one in ("seat_force", "retainer_force", "valve_lift") if self.has(one)][:2]:
+            lines.append(
+                f"{len(self.time)} samples, {angle}; {len(self.arrays.variables)} channels"
+            )
+        for name in [
+            one for one in ("seat_force", "retainer_force", "valve_lift") if self.has(one)
+        ][:2]:
             lines.append(f"{name} {span(self.channel(name), self.unit(name))}")
         if self.events:
             kinds = Counter(event.kind for event in self.events)
             lines.append(f"events: {', '.join(f'{count} {kind}' for kind, count in kinds.items())}")
         if self.quantities:
-            named = [f"{name} {words(value, unit_of(name))}" for name, value in list(self.quantities.items())[:3]]
-            lines.append(f"quantities ({len(self.quantities)}): {', '.join(named)}{', ...' if len(self.quantities) > 3 else ''}")
+            named = [
+                f"{name} {words(value, unit_of(name))}"
+                for name, value in list(self.quantities.items())[:3]
+            ]
+            lines.append(
+                f"quantities ({len(self.quantities)}): {', '.join(named)}{', ...' if len(self.quantities) > 3 else ''}"
+            )
         if self.gaps:
             lines.append(f"{len(self.gaps)} not found: {self.gaps[0]}")
         return "\n  ".join(lines)
@@ -164,22 +211,31 @@ class Solution:
         return f"Solution of {self.provenance.case_name or 'a case'}, {self.label or 'unnamed model'}{speed}: {self.status.sentence()}"
 
     def to_pandas(self) -> pandas.DataFrame:
-        """Channels (SI) by time (s) as a frame, a channel over wire points or coil pairs one column each: ``coil_gap[3.5]``.
+        """Channels (SI) by time (s) as a frame, a channel over wire points or coil pairs one column
+        each: ``coil_gap[3.5]``.
 
-        ``attrs["units"]`` holds the units. A reduced solution gives no rows; its numbers stand in ``quantities``.
+        ``attrs["units"]`` holds the units. A reduced solution gives no rows; its numbers stand in
+        ``quantities``.
         """
         columns: dict[str, Array] = {"time": self.time, "cam_angle": self.cam_angle}
         units = {"time": "s", "cam_angle": "rad"}
         for label, channel in self.arrays.variables.items():
-            values, coils = np.asarray(channel.values).reshape(len(self.time), -1), self.arrays.along(label)
+            values, coils = (
+                np.asarray(channel.values).reshape(len(self.time), -1),
+                self.arrays.along(label),
+            )
             places = coils if coils is not None else np.arange(values.shape[1])
-            names = [f"{label}[{place:g}]" for place in places] if len(channel.dims) > 1 else [label]
+            names = (
+                [f"{label}[{place:g}]" for place in places] if len(channel.dims) > 1 else [label]
+            )
             columns |= dict(zip(names, values.T, strict=True))
             units |= dict.fromkeys(names, channel.attrs["units"])
         return frame(columns, "time", units)
 
     def plot(self) -> Figure:
-        """Spring forces and valve lift over the cam angle as a plotly figure; :class:`InputError` for a reduced solution."""
+        """Spring forces and valve lift over the cam angle as a plotly figure; :class:`InputError`
+        for a reduced solution.
+        """
         return plotted("plot_solution", self)
 
     def cite(self) -> tuple[str, ...]:

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from valvetrain.errors import InputError
 from valvetrain.solution.display import Figure, frame, plotted, span, table, words
-from valvetrain.solution.modal import ModalResult
+from valvetrain.solution.modes import ModalResult
 from valvetrain.solution.rest_point import RestPoint
 from valvetrain.solution.status import COMPLETED, Status
 from valvetrain.units import Given, si
@@ -24,7 +24,9 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, slots=True)
 class Buckling:
-    """Where a spring under rising compression buckles: ``compression`` from the free length and ``height`` (m), ``force`` (N)."""
+    """Where a spring under rising compression buckles: ``compression`` from the free length and
+    ``height`` (m), ``force`` (N).
+    """
 
     compression: float
     height: float
@@ -33,7 +35,8 @@ class Buckling:
 
 @dataclass(frozen=True, slots=True)
 class Leaning:
-    """A spring in a guide: ``compression`` from the free length (m) at which its wire first touches a wall, and ``force``, the sum of the
+    """A spring in a guide: ``compression`` from the free length (m) at which its wire first touches
+    a wall, and ``force``, the sum of the
     normal forces there (N) at the end of the curve."""
 
     compression: float
@@ -44,11 +47,16 @@ class Leaning:
 class StaticCurve:
     """Static curve from the free state; SI, shapes beside the names.
 
-    ``compression`` (step) m, ``force`` (step) N, ``stiffness`` (step) N/m tangent; ``coil_gap`` (step, coil_pair) m and
-    ``coil_contact_force`` (step, coil_pair) N with ``upper_coil`` (coil_pair); ``axial_position`` (step, wire_point) m
-    with ``coil_number`` (wire_point). Arrays that a model does not compute have zero pairs or points. ``path``: the same curve on
-    points that do not depend on the number of steps, the installed state among them; what is asked between the points is read there.
-    ``buckling``: None where the spring stands all the way, or the model cannot tell; ``leaning``: None where it touches no guide.
+    ``compression`` (step) m, ``force`` (step) N, ``stiffness`` (step) N/m tangent; ``coil_gap``
+    (step, coil_pair) m and
+    ``coil_contact_force`` (step, coil_pair) N with ``upper_coil`` (coil_pair); ``axial_position``
+    (step, wire_point) m
+    with ``coil_number`` (wire_point). Arrays that a model does not compute have zero pairs or
+    points. ``path``: the same curve on
+    points that do not depend on the number of steps, the installed state among them; what is asked
+    between the points is read there.
+    ``buckling``: None where the spring stands all the way, or the model cannot tell; ``leaning``:
+    None where it touches no guide.
 
     >>> import numpy as np
     >>> steps, none = np.linspace(0, 8e-3, 9), np.zeros((9, 0))
@@ -81,28 +89,45 @@ class StaticCurve:
         }  # fmt: skip
         for name, shape in expected.items():
             if np.shape(getattr(self, name)) != shape:
-                raise InputError(f"{name} of a static curve must have shape {shape}; it has {np.shape(getattr(self, name))}")
+                raise InputError(
+                    f"{name} of a static curve must have shape {shape}; it has {np.shape(getattr(self, name))}"
+                )
 
     def __repr__(self) -> str:
         reach = f"{span(self.compression, 'm')} in {len(self.compression)} steps, {span(self.force, 'N')}"
         lines = [f"StaticCurve: {reach}, {self.status.sentence()}"]
         if len(self.compression):
             pairs = f"; {len(self.upper_coil)} coil pairs" if len(self.upper_coil) else ""
-            lines.append(f"stiffness {words(self.stiffness[0], 'N/m')} first, {words(self.stiffness[-1], 'N/m')} last{pairs}")
+            lines.append(
+                f"stiffness {words(self.stiffness[0], 'N/m')} first, {words(self.stiffness[-1], 'N/m')} last{pairs}"
+            )
         return "\n  ".join(lines)
 
     def _repr_html_(self) -> str:
         count = len(self.compression)
         chosen = np.unique(np.linspace(0, count - 1, min(count, 12)).astype(int))
-        numbers = zip(self.compression[chosen], self.force[chosen], self.stiffness[chosen], strict=True)
-        rows = [(words(one, "m"), words(force, "N"), words(rate, "N/m")) for one, force, rate in numbers]
+        numbers = zip(
+            self.compression[chosen], self.force[chosen], self.stiffness[chosen], strict=True
+        )
+        rows = [
+            (words(one, "m"), words(force, "N"), words(rate, "N/m")) for one, force, rate in numbers
+        ]
         return table(repr(self), ("compression", "force", "stiffness"), rows)
 
     def to_pandas(self) -> pandas.DataFrame:
-        """Force, stiffness, gaps and contact forces of the coils (SI) by compression (m); ``attrs["units"]`` holds the units."""
-        columns: dict[str, Array] = {"compression": self.compression, "force": self.force, "stiffness": self.stiffness}
+        """Force, stiffness, gaps and contact forces of the coils (SI) by compression (m);
+        ``attrs["units"]`` holds the units.
+        """
+        columns: dict[str, Array] = {
+            "compression": self.compression,
+            "force": self.force,
+            "stiffness": self.stiffness,
+        }
         units = {"compression": "m", "force": "N", "stiffness": "N/m"}
-        for name, unit, values in (("coil_gap", "m", self.coil_gap), ("coil_contact_force", "N", self.coil_contact_force)):
+        for name, unit, values in (
+            ("coil_gap", "m", self.coil_gap),
+            ("coil_contact_force", "N", self.coil_contact_force),
+        ):
             names = [f"{name}[{coil:g}]" for coil in self.upper_coil]
             columns |= dict(zip(names, np.asarray(values).T, strict=True))
             units |= dict.fromkeys(names, unit)
@@ -113,12 +138,16 @@ class StaticCurve:
         return plotted("plot_static_curve", self)
 
     def force_at(self, compression: Given) -> float:
-        """Force (N) at a compression (m, "7.5 mm" or a pint quantity), a cubic of force and slope between the points of ``path``.
+        """Force (N) at a compression (m, "7.5 mm" or a pint quantity), a cubic of force and slope
+        between the points of ``path``.
 
         Raises :class:`InputError` outside the curve.
         """
         known, place = self._place(compression)
-        low = min(max(int(np.searchsorted(known.compression, place)) - 1, 0), max(len(known.compression) - 2, 0))
+        low = min(
+            max(int(np.searchsorted(known.compression, place)) - 1, 0),
+            max(len(known.compression) - 2, 0),
+        )
         pair = slice(low, low + 2)
         ends, force, slope = known.compression[pair], known.force[pair], known.stiffness[pair]
         if len(ends) < 2 or not np.all(np.isfinite(slope)):
@@ -126,15 +155,20 @@ class StaticCurve:
         span = float(ends[1] - ends[0])
         t = (place - float(ends[0])) / span
         bend = span * (slope - (force[1] - force[0]) / span)
-        return float(force[0] + t * (force[1] - force[0]) + t * (1 - t) * ((1 - t) * bend[0] - t * bend[1]))
+        return float(
+            force[0] + t * (force[1] - force[0]) + t * (1 - t) * ((1 - t) * bend[0] - t * bend[1])
+        )
 
     def stiffness_at(self, compression: Given) -> float:
-        """Tangent stiffness (N/m) at a compression, as :meth:`force_at`, straight between the points of ``path``."""
+        """Tangent stiffness (N/m) at a compression, as :meth:`force_at`, straight between the
+        points of ``path``.
+        """
         known, place = self._place(compression)
         return float(np.interp(place, known.compression, known.stiffness))
 
     def compression_at(self, force: Given) -> float:
-        """Least compression (m) of a spring that carries a ``force`` (N, "400 N" or a pint quantity), between points as :meth:`force_at`.
+        """Least compression (m) of a spring that carries a ``force`` (N, "400 N" or a pint
+        quantity), between points as :meth:`force_at`.
 
         Raises :class:`InputError` for a force that the curve does not reach.
         """
@@ -142,7 +176,9 @@ class StaticCurve:
         above = np.flatnonzero(known.force >= load)
         if load < known.force[0] or not len(above):
             reach = f"{known.force[0]:g} to {known.force.max():g} N"
-            raise InputError(f"a force of {load:g} N lies outside the static curve ({reach}); compute it further")
+            raise InputError(
+                f"a force of {load:g} N lies outside the static curve ({reach}); compute it further"
+            )
         if above[0] == 0:
             return float(known.compression[0])
         low, high = known.compression[above[0] - 1 : above[0] + 1].tolist()
@@ -156,13 +192,17 @@ class StaticCurve:
         first, last = float(self.compression[0]), float(self.compression[-1])
         if not first - 1e-12 <= compression <= last + 1e-12:
             reach = f"{first * 1e3:g} to {last * 1e3:g} mm"
-            raise InputError(f"compression {compression * 1e3:g} mm lies outside the static curve ({reach}); compute it further")
+            raise InputError(
+                f"compression {compression * 1e3:g} mm lies outside the static curve ({reach}); compute it further"
+            )
         return self.path or self, compression
 
 
 @dataclass(frozen=True, eq=False)
 class StaticStress:
-    """Stress at the inner fibre over compression: ``compression`` (n,) m, ``coil_number`` (p,), ``shear`` and ``equivalent`` (n, p) Pa."""
+    """Stress at the inner fibre over compression: ``compression`` (n,) m, ``coil_number`` (p,),
+    ``shear`` and ``equivalent`` (n, p) Pa.
+    """
 
     compression: Array
     coil_number: Array
@@ -171,16 +211,22 @@ class StaticStress:
 
     def shear_at(self, compression: Array) -> Array:
         """Shear (m, p) Pa at compressions (m,) m, straight between the steps and level beyond them."""
-        return np.stack([np.interp(compression, self.compression, column) for column in self.shear.T], axis=-1)
+        return np.stack(
+            [np.interp(compression, self.compression, column) for column in self.shear.T], axis=-1
+        )
 
 
 @dataclass(frozen=True, eq=False)
 class SpringAtRest:
-    """One installed spring by one model at rest: ``spring`` names the spring, ``model`` what computed it.
+    """One installed spring by one model at rest: ``spring`` names the spring, ``model`` what
+    computed it.
 
-    ``curve``: static curve from the free state; ``modes``: natural frequencies about the installed state; ``stress``: stress over
-    compression; each None where the model does not give it. ``facts``: mesh and cost in words; ``wall_time`` (s).
-    ``installed``: the installed state; ``points``: those asked for. ``stress_per_force``: nominal shear by EN 13906-1 (Pa per N).
+    ``curve``: static curve from the free state; ``modes``: natural frequencies about the installed
+    state; ``stress``: stress over
+    compression; each None where the model does not give it. ``facts``: mesh and cost in words;
+    ``wall_time`` (s).
+    ``installed``: the installed state; ``points``: those asked for. ``stress_per_force``: nominal
+    shear by EN 13906-1 (Pa per N).
     """
 
     spring: str

@@ -5,7 +5,17 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 #: Every way a run can end (docs/architecture.md).
-STATUS_CODES = ("completed", "not-converged", "diverged", "coil-bind", "solid", "buckled", "refused", "interrupted", "worker-lost")
+STATUS_CODES = (
+    "completed",
+    "not-converged",
+    "diverged",
+    "coil-bind",
+    "solid",
+    "buckled",
+    "refused",
+    "interrupted",
+    "worker-lost",
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -26,7 +36,9 @@ class Status:
 
     def __post_init__(self) -> None:
         if self.code not in STATUS_CODES:
-            raise ValueError(f"status code '{self.code}' is unknown; use one of {', '.join(STATUS_CODES)}")
+            raise ValueError(
+                f"status code '{self.code}' is unknown; use one of {', '.join(STATUS_CODES)}"
+            )
 
     @property
     def completed(self) -> bool:
@@ -38,9 +50,15 @@ class Status:
         if self.completed and not self.message:
             return "completed"
         place = f" at {self.where}" if self.where else ""
-        if self.where and not self.time and self.code in ("not-converged", "diverged"):  # of a spring at rest
+        if (
+            self.where and not self.time and self.code in ("not-converged", "diverged")
+        ):  # of a spring at rest
             return f"{self.code}: {self.message}, at {self.where}{f'; {self.remedy}' if self.remedy else ''}"
-        timeless = self.completed or self.code in ("refused", "buckled", "worker-lost") or (self.code == "interrupted" and not self.time)
+        timeless = (
+            self.completed
+            or self.code in ("refused", "buckled", "worker-lost")
+            or (self.code == "interrupted" and not self.time)
+        )
         when = "" if timeless else f", at time {self.time:.6g} s{place}"
         remedy = f"; {self.remedy}" if self.remedy else ""
         return f"{self.code}: {self.message}{when}{remedy}"

@@ -15,7 +15,14 @@ from valvetrain.solution.critical import CriticalSpeeds
 from valvetrain.solution.display import Figure, plotted, table, words
 from valvetrain.solution.fidelity import FidelityMap
 from valvetrain.solution.provenance import Provenance
-from valvetrain.solution.quantity import Quantities, Quantity, known_speed, named, same_speed, unit_of
+from valvetrain.solution.quantity import (
+    Quantities,
+    Quantity,
+    known_speed,
+    named,
+    same_speed,
+    unit_of,
+)
 from valvetrain.solution.record import CaseRecord
 from valvetrain.solution.result import Solution
 from valvetrain.solution.static import SpringAtRest
@@ -29,7 +36,9 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, slots=True)
 class LiftEvent:
-    """Main lift event of the cam: from ``start`` to ``end`` (cam rad, end after start, within one turn of the cam's zero)."""
+    """Main lift event of the cam: from ``start`` to ``end`` (cam rad, end after start, within one
+    turn of the cam's zero).
+    """
 
     start: float
     end: float
@@ -39,10 +48,14 @@ class LiftEvent:
 class Study:
     """Points times models -> solutions, with what follows from them.
 
-    ``command``: ``run``, ``compare`` or ``sweep``. ``solutions``: one per run, reduced in a sweep. ``rest``: springs at rest.
-    ``still``: quantities that belong to no run, by label (empty: of the case). ``comparisons``, ``findings`` and ``notes`` speak of
-    published numbers and are empty for a case of one's own. ``critical_speeds``: what a sweep of a train searched. ``lift_event``: None
-    without lift or where it spans the cam's zero. ``gaps``: a sentence per part of the answer, of no single run, that failed.
+    ``command``: ``run``, ``compare`` or ``sweep``. ``solutions``: one per run, reduced in a sweep.
+    ``rest``: springs at rest.
+    ``still``: quantities that belong to no run, by label (empty: of the case). ``comparisons``,
+    ``findings`` and ``notes`` speak of
+    published numbers and are empty for a case of one's own. ``critical_speeds``: what a sweep of a
+    train searched. ``lift_event``: None
+    without lift or where it spans the cam's zero. ``gaps``: a sentence per part of the answer, of
+    no single run, that failed.
     ``fidelity``: models beside a reference, where they were compared.
 
     >>> study = Study(CaseRecord("own-spring"), still={"": {"preload": 301.5}})
@@ -70,16 +83,28 @@ class Study:
 
     def __repr__(self) -> str:
         found = self.quantities
-        lines = [f"Study of {self.record.name} ({self.command}): {len(self.solutions) or 'no'} run{'s' * (len(self.solutions) != 1)}"]
+        lines = [
+            f"Study of {self.record.name} ({self.command}): {len(self.solutions) or 'no'} run{'s' * (len(self.solutions) != 1)}"
+        ]
         if self.solutions:
             speeds = [words(one, "rad/s") for one in self.engine_speeds]
-            reach = ", ".join(speeds) if len(speeds) < 4 else f"{len(speeds)} engine speeds, {speeds[0]} to {speeds[-1]}"
+            reach = (
+                ", ".join(speeds)
+                if len(speeds) < 4
+                else f"{len(speeds)} engine speeds, {speeds[0]} to {speeds[-1]}"
+            )
             lines.append(f"{', '.join(self.labels)}; {reach}")
         if found:
-            first = [f"{key.name} {words(value, key.unit)}" for key, value in list(found.items())[:3]]
-            lines.append(f"quantities ({len(found)}): {', '.join(first)}{', ...' if len(found) > 3 else ''}")
+            first = [
+                f"{key.name} {words(value, key.unit)}" for key, value in list(found.items())[:3]
+            ]
+            lines.append(
+                f"quantities ({len(found)}): {', '.join(first)}{', ...' if len(found) > 3 else ''}"
+            )
         if self.comparisons or self.findings:
-            lines.append(f"{len(self.comparisons)} comparisons with published values, {len(self.findings)} findings")
+            lines.append(
+                f"{len(self.comparisons)} comparisons with published values, {len(self.findings)} findings"
+            )
         if self.failures:
             lines.append(f"{len(self.failures)} not completed: {self.failures[0]}")
         return "\n  ".join(lines)
@@ -87,18 +112,31 @@ class Study:
     def _repr_html_(self) -> str:
         names = list(dict.fromkeys(name for run in self.solutions for name in run.quantities))[:5]
         rows = [
-            (run.label, words(run.engine_speed, "rad/s"), run.status.code,
-             *(words(run.quantities[name], unit_of(name)) if name in run.quantities else "" for name in names))
+            (
+                run.label,
+                words(run.engine_speed, "rad/s"),
+                run.status.code,
+                *(
+                    words(run.quantities[name], unit_of(name)) if name in run.quantities else ""
+                    for name in names
+                ),
+            )
             for run in self.solutions
-        ]  # fmt: skip
-        return table(repr(self), ("run", "engine speed", "status", *(name.replace("_", " ") for name in names)), rows)
+        ]
+        return table(
+            repr(self),
+            ("run", "engine speed", "status", *(name.replace("_", " ") for name in names)),
+            rows,
+        )
 
     def to_pandas(self) -> pandas.DataFrame:
         """All named numbers (SI), one row each: quantity, label, engine_speed (rad/s), value, unit."""
         return self.quantities.to_pandas()
 
     def plot(self) -> Figure:
-        """Seat force of every run over the cam angle, or in a sweep peak forces over engine speed, as a plotly figure."""
+        """Seat force of every run over the cam angle, or in a sweep peak forces over engine speed,
+        as a plotly figure.
+        """
         return plotted("plot_study", self)
 
     @property
@@ -122,41 +160,61 @@ class Study:
         return Quantities(found)
 
     def solution(self, label: str = "", engine_speed: Given | None = None) -> Solution:
-        """The run of ``label`` at ``engine_speed`` (rad/s, "5600 rpm" or a pint quantity), each left out where not needed to tell.
+        """The run of ``label`` at ``engine_speed`` (rad/s, "5600 rpm" or a pint quantity), each
+        left out where not needed to tell.
 
         Raises :class:`InputError` when none or several runs fit.
         """
         wanted = None if engine_speed is None else known_speed(engine_speed, self.engine_speeds)
         fits = [
-            run for run in self.solutions
-            if (not label or run.label == label) and (wanted is None or same_speed(run.engine_speed, wanted))
-        ]  # fmt: skip
+            run
+            for run in self.solutions
+            if (not label or run.label == label)
+            and (wanted is None or same_speed(run.engine_speed, wanted))
+        ]
         if len(fits) != 1:
-            known = "; ".join(f"{run.label} at {run.engine_speed * 30 / np.pi:.6g} rpm" for run in self.solutions[:8])
+            known = "; ".join(
+                f"{run.label} at {run.engine_speed * 30 / np.pi:.6g} rpm"
+                for run in self.solutions[:8]
+            )
             raise InputError(f"{len(fits) or 'no'} runs fit '{label}'; name one of: {known}")
         return fits[0]
 
     def runs(self, label: str) -> tuple[Solution, ...]:
         """The runs of one label by engine speed."""
-        return tuple(sorted((run for run in self.solutions if run.label == label), key=lambda run: run.engine_speed))
+        return tuple(
+            sorted(
+                (run for run in self.solutions if run.label == label),
+                key=lambda run: run.engine_speed,
+            )
+        )
 
     def series(self, label: str, quantity: str) -> tuple[Array, Array]:
         """Engine speeds (rad/s) and one quantity (SI) over them, NaN where a run does not give it."""
         runs = self.runs(label)
-        return np.array([run.engine_speed for run in runs]), np.array([run.quantities.get(quantity, np.nan) for run in runs])
+        return np.array([run.engine_speed for run in runs]), np.array(
+            [run.quantities.get(quantity, np.nan) for run in runs]
+        )
 
     def at_rest(self, model: str = "", spring: str = "") -> SpringAtRest | None:
         """The first spring at rest by ``model`` and name, either left out where it does not matter."""
-        return next((one for one in self.rest if model in ("", one.model) and spring in ("", one.spring)), None)
+        return next(
+            (one for one in self.rest if model in ("", one.model) and spring in ("", one.spring)),
+            None,
+        )
 
     @property
     def over_speed(self) -> bool:
-        """Whether its runs are points of curves over engine speed: a sweep, or the turns of a run-up."""
+        """Whether its runs are points of curves over engine speed: a sweep, or the turns of a
+        run-up.
+        """
         return self.command in ("sweep", "run-up", "fidelity")
 
     @property
     def failures(self) -> tuple[str, ...]:
-        """A sentence per part that did not complete; in a sweep motion that does not settle is a finding, not a failure."""
+        """A sentence per part that did not complete; in a sweep motion that does not settle is a
+        finding, not a failure.
+        """
         accepted = ("completed", "not-converged") if self.over_speed else ("completed",)
         found = []
         for one in self.rest:
@@ -167,9 +225,22 @@ class Study:
         missing: dict[tuple[str, str], list[str]] = {}
         for run in self.solutions:
             if run.status.code not in accepted:
-                ended.setdefault((run.label, run.status.sentence()), []).append(f"{run.engine_speed * 30 / np.pi:.6g}")
+                ended.setdefault((run.label, run.status.sentence()), []).append(
+                    f"{run.engine_speed * 30 / np.pi:.6g}"
+                )
         for run in self.solutions:
             for gap in run.gaps:
-                missing.setdefault((run.label, gap), []).append(f"{run.engine_speed * 30 / np.pi:.6g}")
-        found += [f"{label} at {', '.join(speeds)} rpm, {gap}" for (label, gap), speeds in missing.items()]
-        return (*found, *self.gaps, *(f"{label} at {', '.join(speeds)} rpm: {words}" for (label, words), speeds in ended.items()))
+                missing.setdefault((run.label, gap), []).append(
+                    f"{run.engine_speed * 30 / np.pi:.6g}"
+                )
+        found += [
+            f"{label} at {', '.join(speeds)} rpm, {gap}" for (label, gap), speeds in missing.items()
+        ]
+        return (
+            *found,
+            *self.gaps,
+            *(
+                f"{label} at {', '.join(speeds)} rpm: {words}"
+                for (label, words), speeds in ended.items()
+            ),
+        )

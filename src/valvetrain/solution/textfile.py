@@ -1,4 +1,6 @@
-"""Solutions as CSV text: a description, a header with units, one row per sample, a closing line; read back without loss."""
+"""Solutions as CSV text: a description, a header with units, one row per sample, a closing line;
+read back without loss.
+"""
 
 from __future__ import annotations
 
@@ -11,9 +13,8 @@ import numpy as np
 
 from valvetrain.errors import InputError
 from valvetrain.solution import metadata
-from valvetrain.solution.arrays import ChannelArrays, Variable
-from valvetrain.solution.atomic import atomic_path
-from valvetrain.solution.checksum import checked_content, close_file
+from valvetrain.solution.atomic import atomic_path, checked_content, close_file
+from valvetrain.solution.channels import ChannelArrays, Variable
 from valvetrain.solution.rebuilt import DAMAGED, solution_of
 from valvetrain.solution.result import Solution
 
@@ -26,7 +27,8 @@ _MARK = "# valvetrain solution as CSV; the next line describes it, the one after
 def save_csv(solution: Solution, path: str | os.PathLike[str]) -> Path:
     """Write a solution as one wide table of text; whole or not at all.
 
-    Channels with a second dimension take one column per wire point or coil pair, named with its coil number. Floats are
+    Channels with a second dimension take one column per wire point or coil pair, named with its
+    coil number. Floats are
     written with as many digits as it takes to read the same number back.
 
     Parameters
@@ -53,18 +55,38 @@ def save_csv(solution: Solution, path: str | os.PathLike[str]) -> Path:
     arrays = solution.arrays
     every = {**arrays.coords, **arrays.variables}
     rows = {name: one for name, one in every.items() if one.dims[:1] == ("sample",)}
-    places = {name: {"name": name, "shape": list(one.values.shape[1:]), "coord": name in arrays.coords} for name, one in rows.items()}
+    places = {
+        name: {"name": name, "shape": list(one.values.shape[1:]), "coord": name in arrays.coords}
+        for name, one in rows.items()
+    }
     layout = [_described(one) | places[name] for name, one in rows.items()]
-    still = {name: _described(one) | {"values": one.values.tolist()} for name, one in every.items() if name not in rows}
+    still = {
+        name: _described(one) | {"values": one.values.tolist()}
+        for name, one in every.items()
+        if name not in rows
+    }
     text = metadata.pack(
-        "solution", status=solution.status, provenance=solution.provenance, events=solution.events,
-        statistics=dict(solution.statistics), quantities=dict(solution.quantities), columns=layout, constants=still,
-        attributes=dict(arrays.attributes), **({"gaps": list(solution.gaps)} if solution.gaps else {}),
-    )  # fmt: skip
+        "solution",
+        status=solution.status,
+        provenance=solution.provenance,
+        events=solution.events,
+        statistics=dict(solution.statistics),
+        quantities=dict(solution.quantities),
+        columns=layout,
+        constants=still,
+        attributes=dict(arrays.attributes),
+        **({"gaps": list(solution.gaps)} if solution.gaps else {}),
+    )
     header = [label for name in rows for label in _column_labels(arrays, name)]
-    blocks = [one.values.reshape(len(one.values), int(np.prod(one.values.shape[1:]))) for one in rows.values()]
+    blocks = [
+        one.values.reshape(len(one.values), int(np.prod(one.values.shape[1:])))
+        for one in rows.values()
+    ]
     count = len(solution.time)
-    with atomic_path(path) as temporary, temporary.open("w", encoding="utf-8", newline="\n") as stream:
+    with (
+        atomic_path(path) as temporary,
+        temporary.open("w", encoding="utf-8", newline="\n") as stream,
+    ):
         stream.write(f"{_MARK}\n# {_no_formula(text)}\n{','.join(header)}\n")
         stream.writelines(f"{_row(blocks, row)}\n" for row in range(count))
         stream.write(f"# end of {count} rows\n")
@@ -100,16 +122,22 @@ def load_csv(path: str | os.PathLike[str]) -> Solution:
         body, closed = checked_content(Path(path))
         lines = body.decode("utf-8").split("\n")
     except UnicodeDecodeError as error:
-        raise InputError("is not a text file; give a CSV file that this package wrote", where) from error
+        raise InputError(
+            "is not a text file; give a CSV file that this package wrote", where
+        ) from error
     if lines[0] != _MARK or len(lines) < 5:
-        raise InputError("is not a valvetrain solution in CSV; give one that this package wrote", where)
+        raise InputError(
+            "is not a valvetrain solution in CSV; give one that this package wrote", where
+        )
     if lines[-1] != "" or lines[-2] != f"# end of {len(lines) - 5} rows":
         raise InputError("was cut short: its closing line is missing; write it again", where)
     content = metadata.unpack(lines[1][2:], "solution", where, closed)
     try:
         dataset = _dataset(content, lines[3:-2])
     except (KeyError, TypeError, ValueError, AttributeError, OverflowError, MemoryError) as error:
-        raise InputError(f"{DAMAGED} its rows do not fit its description ({error}); write it again", where) from error
+        raise InputError(
+            f"{DAMAGED} its rows do not fit its description ({error}); write it again", where
+        ) from error
     return solution_of(dataset, content, where)
 
 
@@ -120,11 +148,15 @@ def _no_formula(text: str) -> str:
 
 def _row(blocks: list[np.ndarray[Any, Any]], row: int) -> str:
     """One row of all blocks; the list writes its numbers as ``repr`` does, faster than one by one."""
-    return repr([value for block in blocks for value in block[row].tolist()])[1:-1].replace(", ", ",")
+    return repr([value for block in blocks for value in block[row].tolist()])[1:-1].replace(
+        ", ", ","
+    )
 
 
 def _column_labels(arrays: ChannelArrays, name: str) -> list[str]:
-    """Column names of one channel or coordinate, with unit and, where there is a second dimension, the coil number."""
+    """Column names of one channel or coordinate, with unit and, where there is a second dimension,
+    the coil number.
+    """
     one = arrays.coords.get(name) or arrays.variables[name]
     unit = one.attrs.get("units", "1")
     if len(one.dims) == 1:
@@ -140,7 +172,9 @@ def _described(one: Variable) -> dict[str, Any]:
 
 
 def _number_type(word: object) -> np.dtype[Any]:
-    """The type of that name; ValueError for one of words or of any length, which would make room as it claims."""
+    """The type of that name; ValueError for one of words or of any length, which would make room as
+    it claims.
+    """
     found = np.dtype(word if isinstance(word, str) else "")
     if found.kind not in "biuf":
         raise ValueError(f"'{found}' is no type of numbers")
@@ -152,12 +186,22 @@ def _dataset(content: dict[str, Any], lines: list[str]) -> xarray.Dataset:
 
     columns = content["columns"]
     widths = [int(np.prod(column["shape"])) for column in columns]
-    table = np.array(",".join(lines).split(",") if lines else [], dtype=float).reshape(len(lines), sum(widths))
+    table = np.array(",".join(lines).split(",") if lines else [], dtype=float).reshape(
+        len(lines), sum(widths)
+    )
     variables: dict[str, tuple[object, ...]] = {}
     coords: dict[str, tuple[object, ...]] = {}
     for column, block in zip(columns, np.split(table, np.cumsum(widths)[:-1], axis=1), strict=True):
         array = block.reshape(len(lines), *column["shape"]).astype(_number_type(column["type"]))
-        (coords if column["coord"] else variables)[column["name"]] = (column["dims"], array, column["attributes"])
+        (coords if column["coord"] else variables)[column["name"]] = (
+            column["dims"],
+            array,
+            column["attributes"],
+        )
     for name, entry in content["constants"].items():
-        coords[name] = (entry["dims"], np.array(entry["values"], dtype=_number_type(entry["type"])), entry["attributes"])
+        coords[name] = (
+            entry["dims"],
+            np.array(entry["values"], dtype=_number_type(entry["type"])),
+            entry["attributes"],
+        )
     return xarray.Dataset(variables, coords=coords, attrs=content["attributes"])

@@ -1,4 +1,6 @@
-"""Gu, Hou, Keating and Ye (2021): a beehive valve spring with coil collisions, by finite elements, a modal model and head tests."""
+"""Gu, Hou, Keating and Ye (2021): a beehive valve spring with coil collisions, by finite elements,
+a modal model and head tests.
+"""
 
 from __future__ import annotations
 
@@ -16,7 +18,12 @@ from valvetrain.solution.result import Solution
 from valvetrain.solution.study import Study
 from valvetrain.sources.contract import Origin, SourceStudy
 from valvetrain.sources.gu2021_collisions import collision_quantities, separation_angle
-from valvetrain.sources.gu2021_nodes import acceleration_quantities, coils_of, displacement_quantities, velocity_quantities
+from valvetrain.sources.gu2021_nodes import (
+    acceleration_quantities,
+    coils_of,
+    displacement_quantities,
+    velocity_quantities,
+)
 from valvetrain.sources.gu2021_stages import RATTLE, rattle, stage_quantities
 
 SOLID, MODAL, TEST = "solid finite elements", "analytical modal", "engine head test"
@@ -26,9 +33,11 @@ ORIGINS = {
     MODAL: Origin("AN", "analytical modal model"),
     TEST: Origin("EX", "engine head test"),
 }
-#: Collisions repeat with the period of the first mode where their distance is within this share of it.
+#: Collisions repeat with the period of the first mode where their distance is within this share of
+#: it.
 PERIOD_SHARE = 0.05
-#: A vibration stands where the source says within this angle (rad); it is there where it is this many times that of the modal model.
+#: A vibration stands where the source says within this angle (rad); it is there where it is this
+#: many times that of the modal model.
 PLACE, CLEARLY = np.radians(10.0), 3.0
 STAGE_1 = ("stage_1_minimum_force", "stage_1_maximum_force")
 SPIKE = "stage_3_peak_force"
@@ -36,7 +45,9 @@ Printed = Mapping[str, PublishedValue]
 
 
 def quantities(solution: Solution, frame: Frame) -> dict[str, float]:
-    """Forces by stage, motion of nodes 1 and 2, and collisions of coils 1 and 2 (docs/quantities.md); what is not covered is absent."""
+    """Forces by stage, motion of nodes 1 and 2, and collisions of coils 1 and 2
+    (docs/quantities.md); what is not covered is absent.
+    """
     if len(solution.time) < 3 or not solution.has("seat_force"):
         return {}
     cycle = reported_cycle(solution)
@@ -44,9 +55,13 @@ def quantities(solution: Solution, frame: Frame) -> dict[str, float]:
     separation = separation_angle(cycle, surge_frequency)
     found = stage_quantities(cycle, separation, event) if event is not None else {}
     coils = coils_of(frame.points)
-    found |= displacement_quantities(cycle, event, coils[2]) | velocity_quantities(cycle, event, coils[2])
+    found |= displacement_quantities(cycle, event, coils[2]) | velocity_quantities(
+        cycle, event, coils[2]
+    )
     if cycle.whole:
-        found |= acceleration_quantities(cycle, separation, coils) | collision_quantities(cycle, separation, surge_frequency, event)
+        found |= acceleration_quantities(cycle, separation, coils) | collision_quantities(
+            cycle, separation, surge_frequency, event
+        )
     return found
 
 
@@ -54,13 +69,26 @@ def findings(study: Study) -> tuple[Finding, ...]:
     """What the printed values say in common beside what the finite-element runs of this study say."""
     found: list[Finding] = []
     for run in study.runs("finite-element"):
-        printed = {(one.model, one.quantity): one for one in study.record.published if same_speed(one.engine_speed, run.engine_speed)}
+        printed = {
+            (one.model, one.quantity): one
+            for one in study.record.published
+            if same_speed(one.engine_speed, run.engine_speed)
+        }
         solid = {quantity: one for (model, quantity), one in printed.items() if model == SOLID}
         spike = printed.get((MODAL, SPIKE))
-        modal = next((one for one in study.runs("modal-varied") if same_speed(one.engine_speed, run.engine_speed)), None)
+        modal = next(
+            (
+                one
+                for one in study.runs("modal-varied")
+                if same_speed(one.engine_speed, run.engine_speed)
+            ),
+            None,
+        )
         found += [*_period(run, solid), *_two_maxima(run, solid)]
         if modal:
-            found += _spikes(run, modal, solid, spike) if spike else _rattle(run, modal, solid, study)
+            found += (
+                _spikes(run, modal, solid, spike) if spike else _rattle(run, modal, solid, study)
+            )
     return tuple(found)
 
 
@@ -70,12 +98,19 @@ def _rpm(run: Solution) -> str:
 
 def _period(run: Solution, solid: Printed) -> tuple[Finding, ...]:
     """Collisions once per period of the first mode, where the paper prints their distance."""
-    ratio, interval = (run.quantities.get(f"clash_interval_{word}") for word in ("to_mode_1_period_ratio", "cam_angle"))
+    ratio, interval = (
+        run.quantities.get(f"clash_interval_{word}")
+        for word in ("to_mode_1_period_ratio", "cam_angle")
+    )
     printed = solid.get("clash_interval_cam_angle")
     if printed is None or ratio is None or interval is None:
         return ()
     words = f"{np.degrees(interval):.1f} cam degrees apart, {ratio:.3f} periods of the first mode"
-    verdict = "agrees" if abs(ratio - 1) <= PERIOD_SHARE else f"not seen: {ratio - 1:+.0%} from one period"
+    verdict = (
+        "agrees"
+        if abs(ratio - 1) <= PERIOD_SHARE
+        else f"not seen: {ratio - 1:+.0%} from one period"
+    )
     statement = f"{_rpm(run)}: coils 1 and 2 meet every {np.degrees(printed.value):.1f} cam degrees, the period of the first mode"
     return (Finding(printed.source, statement, words, verdict),)
 
@@ -88,15 +123,31 @@ def _two_maxima(run: Solution, solid: Printed) -> tuple[Finding, ...]:
     first, valley, second = (solid[name].value for name in names)
     statement = f"{_rpm(run)}: two force maxima in Stage II, {first:.0f} N and {second:.0f} N with {valley:.0f} N between"
     if not set(names) <= set(run.quantities):
-        return (Finding(solid[names[0]].source, statement, f"one maximum of {run.quantities['stage_2_peak_force']:.0f} N", "not seen"),)
+        return (
+            Finding(
+                solid[names[0]].source,
+                statement,
+                f"one maximum of {run.quantities['stage_2_peak_force']:.0f} N",
+                "not seen",
+            ),
+        )
     ours = [run.quantities[name] for name in names]
     same = (ours[2] > ours[0]) == (second > first)
     words = f"{ours[0]:.0f} N and {ours[2]:.0f} N with {ours[1]:.0f} N between"
-    return (Finding(solid[names[0]].source, statement, words, "agrees" if same else "two maxima, but the other one is higher"),)
+    return (
+        Finding(
+            solid[names[0]].source,
+            statement,
+            words,
+            "agrees" if same else "two maxima, but the other one is higher",
+        ),
+    )
 
 
 def _rattle(run: Solution, modal: Solution, solid: Printed, study: Study) -> tuple[Finding, ...]:
-    """High-frequency vibration early in Stage III by finite elements and in the test, where the paper says the modal model misses it."""
+    """High-frequency vibration early in Stage III by finite elements and in the test, where the
+    paper says the modal model misses it.
+    """
     printed, event = solid.get("stage_3_peak_cam_angle"), study.lift_event
     if printed is None or event is None:
         return ()
@@ -118,8 +169,12 @@ def _rattle(run: Solution, modal: Solution, solid: Printed, study: Study) -> tup
     return (Finding(printed.source, statement, words, verdict),)
 
 
-def _spikes(run: Solution, modal: Solution, solid: Printed, spike: PublishedValue) -> tuple[Finding, ...]:
-    """The spike of Stage III by finite elements and by the modal model, where the paper prints both."""
+def _spikes(
+    run: Solution, modal: Solution, solid: Printed, spike: PublishedValue
+) -> tuple[Finding, ...]:
+    """The spike of Stage III by finite elements and by the modal model, where the paper prints
+    both.
+    """
     printed, here, there = solid.get(SPIKE), run.quantities.get(SPIKE), modal.quantities.get(SPIKE)
     if printed is None or here is None or not there:
         return ()
@@ -129,12 +184,16 @@ def _spikes(run: Solution, modal: Solution, solid: Printed, spike: PublishedValu
     if (ours > 1) == (theirs > 1):
         verdict = f"the sign holds: {ours:.2f} times the modal model's, printed {theirs:.2f}"
     else:
-        verdict = f"the other way round here: {ours:.2f} times the modal model's, printed {theirs:.2f}"
+        verdict = (
+            f"the other way round here: {ours:.2f} times the modal model's, printed {theirs:.2f}"
+        )
     return (Finding(printed.source, statement, f"{here:.0f} N and {there:.0f} N", verdict),)
 
 
 def notes(study: Study) -> tuple[str, ...]:
-    """Where the paper's numbers contradict each other, and how far the predictions of this study stand from them."""
+    """Where the paper's numbers contradict each other, and how far the predictions of this study
+    stand from them.
+    """
     return tuple(note for note in (_stage_1_note(study), _violence_note(study)) if note)
 
 
@@ -144,12 +203,18 @@ def _stage_1_note(study: Study) -> str:
     preload = next((one.value for one in printed if one.quantity == "preload"), None)
     told = []
     for run in study.runs("finite-element"):
-        theirs = [one.value for one in printed if one.quantity in STAGE_1 and same_speed(one.engine_speed, run.engine_speed)]
+        theirs = [
+            one.value
+            for one in printed
+            if one.quantity in STAGE_1 and same_speed(one.engine_speed, run.engine_speed)
+        ]
         ours = [run.quantities[name] for name in STAGE_1 if name in run.quantities]
         if preload is None or len(theirs) < 2 or len(ours) < 2:
             continue
         mean, own = sum(theirs) / 2, sum(ours) / 2
-        told.append(f"{_rpm(run)} {abs(mean - preload):.0f} N {'below' if mean < preload else 'above'} it ({mean:.0f} N, here {own:.0f} N)")
+        told.append(
+            f"{_rpm(run)} {abs(mean - preload):.0f} N {'below' if mean < preload else 'above'} it ({mean:.0f} N, here {own:.0f} N)"
+        )
     if not told:
         return ""
     return (
@@ -159,22 +224,40 @@ def _stage_1_note(study: Study) -> str:
 
 
 def _violence_note(study: Study) -> str:
-    """Middle ratio of computed to published spike force and coil velocities of Stage III, by engine speed."""
+    """Middle ratio of computed to published spike force and coil velocities of Stage III, by engine
+    speed.
+    """
     told = []
     for run in study.runs("finite-element"):
         shares = [
             run.quantities[one.quantity] / one.value
             for one in study.record.published
-            if one.model == SOLID and same_speed(one.engine_speed, run.engine_speed) and one.relation != "at-most" and one.value
-            and "stage_3" in one.quantity and one.quantity.endswith(("_force", "_velocity")) and one.quantity in run.quantities
-        ]  # fmt: skip
+            if one.model == SOLID
+            and same_speed(one.engine_speed, run.engine_speed)
+            and one.relation != "at-most"
+            and one.value
+            and "stage_3" in one.quantity
+            and one.quantity.endswith(("_force", "_velocity"))
+            and one.quantity in run.quantities
+        ]
         if len(shares) > 1:
             told.append(f"{np.median(shares):.2f} at {_rpm(run)} ({len(shares)} values)")
-    return f"Spike force and coil velocities of Stage III, computed over published, middle of all: {', '.join(told)}." if told else ""
+    return (
+        f"Spike force and coil velocities of Stage III, computed over published, middle of all: {', '.join(told)}."
+        if told
+        else ""
+    )
 
 
 SPEC = SourceStudy(
-    "gu2021", quantities, findings=findings, notes=notes, counterparts=COUNTERPARTS, origins=ORIGINS, counted=("clash", "stage_1_peak"),
-    window_names=dict(zip(WINDOWS, ("Stage I", "Stage II", "Stage III"), strict=True)), point_names={1.0: "node 1", 2.0: "node 2"},
+    "gu2021",
+    quantities,
+    findings=findings,
+    notes=notes,
+    counterparts=COUNTERPARTS,
+    origins=ORIGINS,
+    counted=("clash", "stage_1_peak"),
+    window_names=dict(zip(WINDOWS, ("Stage I", "Stage II", "Stage III"), strict=True)),
+    point_names={1.0: "node 1", 2.0: "node 2"},
     identification="valvetrain.sources.gu2021_identification:SPEC",
-)  # fmt: skip
+)

@@ -1,4 +1,6 @@
-"""Motion of the wire at the ends of coils 1 and 2 in the quantities of the beehive study: its nodes 1 and 2."""
+"""Motion of the wire at the ends of coils 1 and 2 in the quantities of the beehive study: its nodes
+1 and 2.
+"""
 
 from __future__ import annotations
 
@@ -18,8 +20,12 @@ def coils_of(points: Sequence[tuple[str, float]]) -> dict[int, float]:
     return {node: told.get(f"node_{node}", float(node)) for node in (1, 2)}
 
 
-def displacement_quantities(cycle: Cycle, event: LiftEvent | None, coil: float = 2.0) -> dict[str, float]:
-    """Displacement of node 2 (at ``coil``), zero where coil 2 touches coil 1 (m), and the closing of these coils in Stage II."""
+def displacement_quantities(
+    cycle: Cycle, event: LiftEvent | None, coil: float = 2.0
+) -> dict[str, float]:
+    """Displacement of node 2 (at ``coil``), zero where coil 2 touches coil 1 (m), and the closing
+    of these coils in Stage II.
+    """
     found: dict[str, float] = {}
     lift_off = cycle.at_coil("coil_gap", coil)
     if lift_off is not None and np.all(np.isfinite(lift_off)):
@@ -30,7 +36,10 @@ def displacement_quantities(cycle: Cycle, event: LiftEvent | None, coil: float =
             early = lift_off[in_stage(cycle, event, 1)]
             found["node_2_stage_1_maximum_displacement"] = float(np.max(early))
             found["node_2_stage_1_displacement_range"] = float(np.ptp(early))
-    moved, force = cycle.at_coil("axial_displacement", coil), cycle.at_coil("coil_contact_force", coil)
+    moved, force = (
+        cycle.at_coil("axial_displacement", coil),
+        cycle.at_coil("coil_contact_force", coil),
+    )
     if event is not None and moved is not None and force is not None:
         closing = np.flatnonzero(in_stage(cycle, event, 2) & (force > 0))
         if len(closing):
@@ -38,8 +47,12 @@ def displacement_quantities(cycle: Cycle, event: LiftEvent | None, coil: float =
     return found
 
 
-def velocity_quantities(cycle: Cycle, event: LiftEvent | None, coil: float = 2.0) -> dict[str, float]:
-    """Extremes of the velocity of node 2 (at ``coil``; m/s) by stage, its rebound after the main collision and what follows."""
+def velocity_quantities(
+    cycle: Cycle, event: LiftEvent | None, coil: float = 2.0
+) -> dict[str, float]:
+    """Extremes of the velocity of node 2 (at ``coil``; m/s) by stage, its rebound after the main
+    collision and what follows.
+    """
     velocity = cycle.at_coil("axial_velocity", coil)
     if velocity is None or event is None:
         return {}
@@ -53,7 +66,9 @@ def velocity_quantities(cycle: Cycle, event: LiftEvent | None, coil: float = 2.0
             found[f"node_2_stage_{stage}_{word}_velocity"] = float(velocity[index])
             found[f"node_2_stage_{stage}_{word}_velocity_cam_angle"] = float(cycle.cam_angle[index])
     if "node_2_stage_1_maximum_velocity" in found:
-        found["node_2_stage_1_velocity_range"] = found["node_2_stage_1_maximum_velocity"] - found["node_2_stage_1_minimum_velocity"]
+        found["node_2_stage_1_velocity_range"] = (
+            found["node_2_stage_1_maximum_velocity"] - found["node_2_stage_1_minimum_velocity"]
+        )
     if "node_2_stage_3_minimum_velocity" in found:
         found |= _rebound(cycle, velocity, event)
     return found
@@ -77,8 +92,12 @@ def _rebound(cycle: Cycle, velocity: Array, event: LiftEvent) -> dict[str, float
     }
 
 
-def acceleration_quantities(cycle: Cycle, separation: float, coils: Mapping[int, float]) -> dict[str, float]:
-    """Largest accelerations of nodes 1 and 2 (at ``coils``; m/s2), signed, of separate collisions, with their angles."""
+def acceleration_quantities(
+    cycle: Cycle, separation: float, coils: Mapping[int, float]
+) -> dict[str, float]:
+    """Largest accelerations of nodes 1 and 2 (at ``coils``; m/s2), signed, of separate collisions,
+    with their angles.
+    """
     found: dict[str, float] = {}
     for node, coil in coils.items():
         values = cycle.at_coil("axial_acceleration", coil)

@@ -1,6 +1,8 @@
-"""Stages of the beehive study (gu2021, section 3.3) and the forces it names by them: Stage I before, II in, III after the lift event.
+"""Stages of the beehive study (gu2021, section 3.3) and the forces it names by them: Stage I
+before, II in, III after the lift event.
 
-What the event is follows from the lift law of the case; the stages of the paper are 0 to 127, 127 to 233 and 233 to 360 cam degrees.
+What the event is follows from the lift law of the case; the stages of the paper are 0 to 127, 127
+to 233 and 233 to 360 cam degrees.
 """
 
 from __future__ import annotations
@@ -17,15 +19,19 @@ from valvetrain.solution.study import LiftEvent
 
 #: A peak of Stage I stands out by this share of the stage's force range.
 STAGE_1_SHARE = 0.25
-#: The two maxima of Stage II stand out by this share of the stage's force range; ripples of coil contact stay below a third of it.
+#: The two maxima of Stage II stand out by this share of the stage's force range; ripples of coil
+#: contact stay below a third of it.
 STAGE_2_SHARE = 0.02
-#: Both lie above this share of the stage's force range: a ripple on its rising or falling flank is no maximum of the lifted valve.
+#: Both lie above this share of the stage's force range: a ripple on its rising or falling flank is
+#: no maximum of the lifted valve.
 STAGE_2_HEIGHT = 0.5
-#: The spike of Stage III stands out by this share of the cycle's force range, so a ripple on the falling flank is none.
+#: The spike of Stage III stands out by this share of the cycle's force range, so a ripple on the
+#: falling flank is none.
 STAGE_3_SHARE = 0.01
 #: A second spike stands out by this share of the main one's height over the median force after it.
 SECOND_SPIKE_SHARE = 0.15
-#: Above this frequency (Hz), four times the first mode's, nothing but contact of coils moves the force.
+#: Above this frequency (Hz), four times the first mode's, nothing but contact of coils moves the
+#: force.
 RATTLE = 2500.0
 
 
@@ -40,7 +46,8 @@ def covers_stage(cycle: Cycle, event: LiftEvent, stage: int) -> bool:
 
 
 def stage_quantities(cycle: Cycle, separation: float, event: LiftEvent) -> dict[str, float]:
-    """All force quantities of the stages that the run covers, by their names in docs/quantities.md; SI, angles rad.
+    """All force quantities of the stages that the run covers, by their names in docs/quantities.md;
+    SI, angles rad.
 
     ``separation``: least distance (cam rad) of two collisions.
     """
@@ -61,7 +68,11 @@ def stage_1(cycle: Cycle, force: Array, event: LiftEvent) -> dict[str, float]:
     """Range of the force in Stage I and the angles of the peaks that stand out of it."""
     inside = in_stage(cycle, event, 1)
     low, high = float(np.min(force[inside])), float(np.max(force[inside]))
-    found = {"stage_1_minimum_force": low, "stage_1_maximum_force": high, "stage_1_force_range": high - low}
+    found = {
+        "stage_1_minimum_force": low,
+        "stage_1_maximum_force": high,
+        "stage_1_force_range": high - low,
+    }
     # The cycle is periodic: seen twice, a peak next to 0 degrees has a left side as well.
     count = len(force)
     twice = np.concatenate((force, force)) if cycle.whole else force
@@ -73,7 +84,9 @@ def stage_1(cycle: Cycle, force: Array, event: LiftEvent) -> dict[str, float]:
 
 
 def stage_2(cycle: Cycle, force: Array, event: LiftEvent) -> dict[str, float]:
-    """Largest force of Stage II; where it has two maxima, both and the valley between; the force at its end."""
+    """Largest force of Stage II; where it has two maxima, both and the valley between; the force at
+    its end.
+    """
     inside = np.flatnonzero(in_stage(cycle, event, 2))
     part, angle = force[inside], cycle.cam_angle[inside]
     top = int(np.argmax(part))
@@ -90,7 +103,9 @@ def stage_2(cycle: Cycle, force: Array, event: LiftEvent) -> dict[str, float]:
 
 
 def _two_peaks(part: Array) -> tuple[int, int] | None:
-    """The two most prominent maxima in order of angle, or None where only one stands out in the upper half of the forces."""
+    """The two most prominent maxima in order of angle, or None where only one stands out in the
+    upper half of the forces.
+    """
     spread = float(np.ptp(part))
     peaks = prominent_peaks(part, max(STAGE_2_SHARE * spread, 1e-12))
     peaks = peaks[part[peaks] > float(part.min()) + STAGE_2_HEIGHT * spread]
@@ -109,7 +124,8 @@ def seat_force_name(cycle: Cycle) -> str:
 def spike_index(cycle: Cycle, force: Array, event: LiftEvent) -> int:
     """Sample of the largest force maximum of Stage III; without one, of its largest force.
 
-    A maximum, not the largest value: at low speed the falling flank of the lift event reaches into Stage III.
+    A maximum, not the largest value: at low speed the falling flank of the lift event reaches into
+    Stage III.
     """
     inside = np.flatnonzero(in_stage(cycle, event, 3))
     part = force[inside]
@@ -119,20 +135,31 @@ def spike_index(cycle: Cycle, force: Array, event: LiftEvent) -> int:
 
 
 def stage_3(cycle: Cycle, force: Array, separation: float, event: LiftEvent) -> dict[str, float]:
-    """The spike after the event, force and angle, and the next collision's spike at least ``separation`` (rad) later."""
+    """The spike after the event, force and angle, and the next collision's spike at least
+    ``separation`` (rad) later.
+    """
     top = spike_index(cycle, force, event)
-    found = {"stage_3_peak_force": float(force[top]), "stage_3_peak_cam_angle": float(cycle.cam_angle[top])}
+    found = {
+        "stage_3_peak_force": float(force[top]),
+        "stage_3_peak_cam_angle": float(cycle.cam_angle[top]),
+    }
     later = np.flatnonzero(cycle.window(float(cycle.cam_angle[top]) + separation, 2 * np.pi))
     if len(later) > 2:
         part = force[later]
-        peaks = prominent_peaks(part, max(SECOND_SPIKE_SHARE * float(force[top] - np.median(part)), 1e-12))
+        peaks = prominent_peaks(
+            part, max(SECOND_SPIKE_SHARE * float(force[top] - np.median(part)), 1e-12)
+        )
         if len(peaks):
-            found["stage_3_second_peak_cam_angle"] = float(cycle.cam_angle[later[peaks[np.argmax(part[peaks])]]])
+            found["stage_3_second_peak_cam_angle"] = float(
+                cycle.cam_angle[later[peaks[np.argmax(part[peaks])]]]
+            )
     return found
 
 
 def rattle(solution: Solution, event: LiftEvent) -> tuple[float, float] | None:
-    """Largest size (N) in Stage III of the seat force above :data:`RATTLE`, and its cam angle (rad); None for too few or uneven samples."""
+    """Largest size (N) in Stage III of the seat force above :data:`RATTLE`, and its cam angle
+    (rad); None for too few or uneven samples.
+    """
     if len(solution.time) < 3 or not solution.has("seat_force"):
         return None
     cycle, force = reported_cycle(solution), solution.channel("seat_force")
@@ -150,15 +177,25 @@ def rattle(solution: Solution, event: LiftEvent) -> tuple[float, float] | None:
 
 
 def _stage_3_in_bandwidths(cycle: Cycle, event: LiftEvent) -> dict[str, float]:
-    """Height (N) of the Stage III spike at the highest instant known and below 10 and 20 kHz, where the run's samples allow it."""
+    """Height (N) of the Stage III spike at the highest instant known and below 10 and 20 kHz, where
+    the run's samples allow it.
+    """
     found: dict[str, float] = {}
     if cycle.solution.has("seat_force_fine"):
         told = cycle.solution.has("seat_force_highest")
-        highest = cycle.channel("seat_force_highest") if told else cycle.channel("seat_force_fine").max(axis=1)
-        found["stage_3_every_instant_peak_force"] = float(highest[spike_index(cycle, highest, event)])
+        highest = (
+            cycle.channel("seat_force_highest")
+            if told
+            else cycle.channel("seat_force_fine").max(axis=1)
+        )
+        found["stage_3_every_instant_peak_force"] = float(
+            highest[spike_index(cycle, highest, event)]
+        )
     for cutoff in BANDWIDTHS:
         force = filtered_force(cycle.solution, cutoff, seat_force_name(cycle))
         if force is not None:
             part = force[cycle.samples]
-            found[f"stage_3_below_{cutoff / 1e3:.0f}_khz_peak_force"] = float(part[spike_index(cycle, part, event)])
+            found[f"stage_3_below_{cutoff / 1e3:.0f}_khz_peak_force"] = float(
+                part[spike_index(cycle, part, event)]
+            )
     return found

@@ -1,4 +1,6 @@
-"""A student study of a diesel's cam, pushrod and rocker in a commercial multibody tool: stock against performance valve springs."""
+"""A student study of a diesel's cam, pushrod and rocker in a commercial multibody tool: stock
+against performance valve springs.
+"""
 
 from __future__ import annotations
 
@@ -14,8 +16,12 @@ from valvetrain.solution.study import Study
 from valvetrain.sources.contract import Origin, SourceStudy
 
 PRINTED, CLOSED_FORM = "as printed", "closed form of the source"
-ORIGINS = {PRINTED: Origin("MB", "multibody study"), CLOSED_FORM: Origin("CF", "closed form of the source")}
-#: Numbers that the source prints in its formulas: contact (N/mm^1.5, N s/mm, mm), masses of valve, rocker and pushrod (kg), two loads of
+ORIGINS = {
+    PRINTED: Origin("MB", "multibody study"),
+    CLOSED_FORM: Origin("CF", "closed form of the source"),
+}
+#: Numbers that the source prints in its formulas: contact (N/mm^1.5, N s/mm, mm), masses of valve,
+#: rocker and pushrod (kg), two loads of
 #: each spring (N) and the lift between them (m).
 CONTACT_STIFFNESS, CONTACT_DAMPING, CONTACT_DEPTH = 1e5, 49.92, 0.02
 MASSES = (0.03049, 0.10634, 0.17362)
@@ -24,20 +30,28 @@ STOCK_RATE, RATE = ((high - low) / 8.5e-3 for low, high in ((195.81, 378.27), (3
 LONGEST_ARM = 0.06
 #: Printed and computed lift losses agree within this share.
 LOSS_FIT = 0.25
-#: A printed force fits a computed one within this share, and a change below a third of it is next to nothing.
+#: A printed force fits a computed one within this share, and a change below a third of it is next
+#: to nothing.
 FIT = 0.08
 
 Runs = Mapping[str, Solution]
 
 
 def runs_of(study: Study) -> dict[str, Solution]:
-    """The run of every label at the engine speed of the published values, else at its lowest, where it gave numbers."""
-    speed = next((value.engine_speed for value in study.record.published if value.engine_speed is not None), None)
+    """The run of every label at the engine speed of the published values, else at its lowest, where
+    it gave numbers.
+    """
+    speed = next(
+        (value.engine_speed for value in study.record.published if value.engine_speed is not None),
+        None,
+    )
     chosen = {}
     for label in study.labels:
         series = [run for run in study.runs(label) if run.quantities]
         if series:
-            chosen[label] = next((run for run in series if same_speed(run.engine_speed, speed)), series[0])
+            chosen[label] = next(
+                (run for run in series if same_speed(run.engine_speed, speed)), series[0]
+            )
     return chosen
 
 
@@ -47,12 +61,18 @@ def number(run: Solution, name: str) -> float:
 
 
 def study_quantities(study: Study) -> dict[Quantity, float]:
-    """Numbers that the published values ask for, by their published names (SI): from the runs without seat load, and closed forms."""
+    """Numbers that the published values ask for, by their published names (SI): from the runs
+    without seat load, and closed forms.
+    """
     runs = runs_of(study)
     stock, performance = runs.get("stock, as printed"), runs.get("performance, as printed")
     found = named(closed_forms(), None, "")
     if runs:
-        found |= named({"cam_turn_frequency": next(iter(runs.values())).engine_speed / 2 / (2 * math.pi)}, None, "")
+        found |= named(
+            {"cam_turn_frequency": next(iter(runs.values())).engine_speed / 2 / (2 * math.pi)},
+            None,
+            "",
+        )
     if stock is None or performance is None:
         return found
     nose, lift = "nose_cam_contact_force", "peak_valve_lift"
@@ -66,7 +86,11 @@ def study_quantities(study: Study) -> dict[Quantity, float]:
     }  # fmt: skip
     if "performance, as printed, zeta 1" in runs:
         values[f"performance_damped_{nose}"] = number(runs["performance, as printed, zeta 1"], nose)
-    return found | named({name: value for name, value in values.items() if np.isfinite(value)}, stock.engine_speed, "")
+    return found | named(
+        {name: value for name, value in values.items() if np.isfinite(value)},
+        stock.engine_speed,
+        "",
+    )
 
 
 def closed_forms() -> dict[str, float]:
@@ -74,22 +98,42 @@ def closed_forms() -> dict[str, float]:
     mass = sum(MASSES)
     lumped = math.sqrt(RATE / mass)
     return {
-        "stock_spring_rate": STOCK_RATE, "performance_spring_rate": RATE, "lumped_mass": mass, "lumped_angular_speed": lumped,
+        "stock_spring_rate": STOCK_RATE,
+        "performance_spring_rate": RATE,
+        "lumped_mass": mass,
+        "lumped_angular_speed": lumped,
         "contact_formula_force": (CONTACT_STIFFNESS + CONTACT_DAMPING) * CONTACT_DEPTH**1.5,
-        "lumped_natural_frequency": lumped / (2 * math.pi), "critical_damping": 2 * math.sqrt(RATE * mass),
-    }  # fmt: skip
+        "lumped_natural_frequency": lumped / (2 * math.pi),
+        "critical_damping": 2 * math.sqrt(RATE * mass),
+    }
 
 
 def _rise(after: float, before: float) -> float:
-    """Share by which a force rises; NaN where there was none (a train that floats carries nothing at the nose)."""
+    """Share by which a force rises; NaN where there was none (a train that floats carries nothing
+    at the nose).
+    """
     return after / before - 1 if before > 0 else math.nan
 
 
 def findings(study: Study) -> tuple[Finding, ...]:
-    """The findings in words that this set of runs can answer; of a train that carries nothing at the nose the source does not speak."""
-    runs = {label: run for label, run in runs_of(study).items() if number(run, "nose_cam_contact_force") > 0}
+    """The findings in words that this set of runs can answer; of a train that carries nothing at
+    the nose the source does not speak.
+    """
+    runs = {
+        label: run
+        for label, run in runs_of(study).items()
+        if number(run, "nose_cam_contact_force") > 0
+    }
     printed = {value.quantity: value.value for value in study.record.published}
-    return tuple(one for one in (_stiffer_spring(runs, printed), _lift_loss(runs, printed), _damping(runs, printed)) if one is not None)
+    return tuple(
+        one
+        for one in (
+            _stiffer_spring(runs, printed),
+            _lift_loss(runs, printed),
+            _damping(runs, printed),
+        )
+        if one is not None
+    )
 
 
 def _stiffer_spring(runs: Runs, printed: Mapping[str, float]) -> Finding | None:
@@ -103,14 +147,21 @@ def _stiffer_spring(runs: Runs, printed: Mapping[str, float]) -> Finding | None:
     else:
         verdict = "agrees" if abs(rise - told) <= FIT else f"the sign holds, the rise is {rise:.0%}"
     words = f"with the seat load {forces[0]:.0f} N and {forces[1]:.0f} N, {'up' if rise > 0 else 'down'} {abs(rise):.0%}"
-    return Finding("section 7", f"contact force up about {told:.0%} with the stiffer spring, peak at the cam nose", words, verdict)
+    return Finding(
+        "section 7",
+        f"contact force up about {told:.0%} with the stiffer spring, peak at the cam nose",
+        words,
+        verdict,
+    )
 
 
 def _lift_loss(runs: Runs, printed: Mapping[str, float]) -> Finding | None:
     told = 1e3 * printed.get("performance_lift_difference_displacement", math.nan)
     if not {"stock", "performance"} <= set(runs) or not told > 0:
         return None
-    loss = [1e3 * number(runs[label], "lift_loss_displacement") for label in ("stock", "performance")]
+    loss = [
+        1e3 * number(runs[label], "lift_loss_displacement") for label in ("stock", "performance")
+    ]
     more = loss[1] - loss[0]
     if not math.isfinite(more):
         return None
@@ -120,13 +171,22 @@ def _lift_loss(runs: Runs, printed: Mapping[str, float]) -> Finding | None:
     else:
         share = more / told - 1
         words += f", {more:.3f} mm more"
-        verdict = "agrees" if abs(share) <= LOSS_FIT else f"{'smaller' if share < 0 else 'larger'} than printed; the sign holds"
-    return Finding("section 5.2", f"the performance spring gives about {told:.1f} mm less lift", words, verdict)
+        verdict = (
+            "agrees"
+            if abs(share) <= LOSS_FIT
+            else f"{'smaller' if share < 0 else 'larger'} than printed; the sign holds"
+        )
+    return Finding(
+        "section 5.2", f"the performance spring gives about {told:.1f} mm less lift", words, verdict
+    )
 
 
 def _damping(runs: Runs, printed: Mapping[str, float]) -> Finding | None:
     labels = ("performance", "performance, zeta 0.5", "performance, zeta 1")
-    told = [printed.get(f"performance_{word}nose_cam_contact_force", math.nan) for word in ("", "damped_")]
+    told = [
+        printed.get(f"performance_{word}nose_cam_contact_force", math.nan)
+        for word in ("", "damped_")
+    ]
     if not set(labels) <= set(runs) or not all(np.isfinite(told)):
         return None
     nose = [number(runs[label], "nose_cam_contact_force") for label in labels]
@@ -148,8 +208,21 @@ def _damping(runs: Runs, printed: Mapping[str, float]) -> Finding | None:
 
 def notes(study: Study) -> tuple[str, ...]:
     """Where the source's numbers do not fit together, told with what came out here."""
-    runs, printed = runs_of(study), {value.quantity: value.value for value in study.record.published}
-    return tuple(one for one in (_seat_load(runs, printed), _formula(printed), _damper(runs), _rocker(runs, printed), _surge(runs)) if one)
+    runs, printed = (
+        runs_of(study),
+        {value.quantity: value.value for value in study.record.published},
+    )
+    return tuple(
+        one
+        for one in (
+            _seat_load(runs, printed),
+            _formula(printed),
+            _damper(runs),
+            _rocker(runs, printed),
+            _surge(runs),
+        )
+        if one
+    )
 
 
 def _seat_load(runs: Runs, printed: Mapping[str, float]) -> str:
@@ -159,12 +232,18 @@ def _seat_load(runs: Runs, printed: Mapping[str, float]) -> str:
         bare, whole = (runs.get(label) for label in (f"{spring}, as printed", spring))
         if force is None or bare is None or whole is None:
             return ""
-        told.append((force, number(bare, "nose_cam_contact_force"), number(whole, "nose_cam_contact_force")))
+        told.append(
+            (force, number(bare, "nose_cam_contact_force"), number(whole, "nose_cam_contact_force"))
+        )
     fits = [sum(abs(row[place] / row[0] - 1) <= FIT for row in told) for place in (1, 2)]
     if fits == [2, 0]:
         words = "fit springs without their seat load"
     else:
-        words = "fit springs with their seat load" if fits == [0, 2] else "fit neither springs with nor springs without their seat load"
+        words = (
+            "fit springs with their seat load"
+            if fits == [0, 2]
+            else "fit neither springs with nor springs without their seat load"
+        )
     numbers = [" and ".join(f"{row[place]:.0f}" for row in told) for place in range(3)]
     return f"The peak contact forces printed ({numbers[0]} N) {words}: without it {numbers[1]} N came out, with it {numbers[2]} N."
 
@@ -180,10 +259,15 @@ def _formula(printed: Mapping[str, float]) -> str:
 
 
 def _damper(runs: Runs) -> str:
-    free, damped = (runs.get(label) for label in ("performance, as printed", "performance, as printed, zeta 1"))
+    free, damped = (
+        runs.get(label) for label in ("performance, as printed", "performance, as printed, zeta 1")
+    )
     if free is None or damped is None or not damped.has("valve_velocity"):
         return ""
-    damping, velocity = closed_forms()["critical_damping"], float(np.max(np.abs(damped.channel("valve_velocity"))))
+    damping, velocity = (
+        closed_forms()["critical_damping"],
+        float(np.max(np.abs(damped.channel("valve_velocity")))),
+    )
     change = _rise(number(damped, "nose_cam_contact_force"), number(free, "nose_cam_contact_force"))
     if not math.isfinite(change):
         return ""
@@ -217,7 +301,9 @@ def _rocker(runs: Runs, printed: Mapping[str, float]) -> str:
         f"it would need a valve arm of at least {arm * 1e3:.0f} mm even if the valve never rested: no rocker has that."
     )
     as_rpm = number(run, "peak_lever_speed") / (np.degrees(rate) * math.pi / 30)
-    return told + (f" Read as rpm it would be {6 * np.degrees(rate):.0f} deg/s." if 0.7 < as_rpm < 1.4 else "")
+    return told + (
+        f" Read as rpm it would be {6 * np.degrees(rate):.0f} deg/s." if 0.7 < as_rpm < 1.4 else ""
+    )
 
 
 def _surge(runs: Runs) -> str:
@@ -225,8 +311,18 @@ def _surge(runs: Runs) -> str:
     surge = runs["performance"].quantities.get("surge_frequency") if "performance" in runs else None
     if surge is None:
         return ""
-    words = "no surge frequency" if abs(surge / lumped - 1) > 0.5 else "near the surge frequency by chance"
+    words = (
+        "no surge frequency"
+        if abs(surge / lumped - 1) > 0.5
+        else "near the surge frequency by chance"
+    )
     return f"{lumped:.0f} Hz is the lumped mass on the spring rate, {words}: the spring's own lies at {surge:.0f} Hz."
 
 
-SPEC = SourceStudy("multibody4b17", study_quantities=study_quantities, findings=findings, notes=notes, origins=ORIGINS)
+SPEC = SourceStudy(
+    "multibody4b17",
+    study_quantities=study_quantities,
+    findings=findings,
+    notes=notes,
+    origins=ORIGINS,
+)

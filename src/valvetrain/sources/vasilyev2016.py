@@ -1,4 +1,6 @@
-"""Vasilyev, Bakhracheva and Storojakov (2016): a valve gear with nested springs as single masses, chains of six masses and rods."""
+"""Vasilyev, Bakhracheva and Storojakov (2016): a valve gear with nested springs as single masses,
+chains of six masses and rods.
+"""
 
 from __future__ import annotations
 
@@ -28,7 +30,11 @@ Runs = Mapping[str, Solution]
 def findings(study: Study) -> tuple[Finding, ...]:
     """The findings in words that this set of runs can answer."""
     runs = {label: study.runs(label)[0] for label in study.labels}
-    runs = {label: run for label, run in runs.items() if run.quantities and run.has(FORCE, "rigid_valve_lift")}
+    runs = {
+        label: run
+        for label, run in runs.items()
+        if run.quantities and run.has(FORCE, "rigid_valve_lift")
+    }
     found = [build(runs, lash) for lash in LASHES for build in (_second_half, _split, _sections)]
     return tuple(one for one in found if one is not None)
 
@@ -49,8 +55,17 @@ def _second_half(runs: Runs, lash: str) -> Finding | None:
         f"root mean square difference of the lever's force on the valve {first:.1f} N while opening, {second:.1f} N while closing "
         f"(lash {lash})"
     )
-    verdict = "agrees" if second > first else "not seen with these assumed parts: the two models differ more while opening"
-    return Finding("section 4", "six masses and rods differ most in the second half, towards the seat", words, verdict)
+    verdict = (
+        "agrees"
+        if second > first
+        else "not seen with these assumed parts: the two models differ more while opening"
+    )
+    return Finding(
+        "section 4",
+        "six masses and rods differ most in the second half, towards the seat",
+        words,
+        verdict,
+    )
 
 
 def _split(runs: Runs, lash: str) -> Finding | None:
@@ -64,23 +79,37 @@ def _split(runs: Runs, lash: str) -> Finding | None:
     if far > MARKED * near:
         verdict = "agrees"
     else:
-        verdict = "weaker here" if far > near else "not seen: the single mass is as near to the rods"
-    return Finding("section 4", "how a spring is split into masses changes the result markedly", words, verdict)
+        verdict = (
+            "weaker here" if far > near else "not seen: the single mass is as near to the rods"
+        )
+    return Finding(
+        "section 4", "how a spring is split into masses changes the result markedly", words, verdict
+    )
 
 
 def _sections(runs: Runs, lash: str) -> Finding | None:
     pair, finite = _pair(runs, lash), runs.get(f"finite elements, lash {lash}")
     if pair is None or finite is None:
         return None
-    peaks = [1e3 * run.quantities.get("outer_mean_peak_section_displacement", math.nan) for run in (*pair, finite)]
+    peaks = [
+        1e3 * run.quantities.get("outer_mean_peak_section_displacement", math.nan)
+        for run in (*pair, finite)
+    ]
     if not np.all(np.isfinite(peaks)):
         return None
     words = f"{peaks[0]:.2f} mm (six masses), {peaks[1]:.2f} mm (rod), {peaks[2]:.2f} mm (finite elements) at lash {lash}"
-    return Finding("figure 3", "mean peak displacement of the outer spring's sections", words, "no printed value to compare with")
+    return Finding(
+        "figure 3",
+        "mean peak displacement of the outer spring's sections",
+        words,
+        "no printed value to compare with",
+    )
 
 
 def _rms(one: Solution, other: Solution, window: NDArray[np.bool_]) -> float:
-    """Root mean square difference (N) of the force on the valve over samples of ``one``; the other may have any number of samples."""
+    """Root mean square difference (N) of the force on the valve over samples of ``one``; the other
+    may have any number of samples.
+    """
     mine, theirs = one.channel(FORCE), other.channel(FORCE)
     if len(theirs) != len(mine):
         theirs = np.interp(one.cam_angle, other.cam_angle, theirs, period=2 * np.pi)
@@ -95,7 +124,14 @@ def notes(study: Study) -> tuple[str, ...]:
             "The source prints no mass, spring datum, lift or curve value: its figures 3 and 4 cannot be compared number by number. "
             "Springs follow a service manual as recalled, masses and geometry are assumed (see the case file)."
         )
-    surge = next((run.quantities["surge_frequency"] for run in study.solutions if "surge_frequency" in run.quantities), None)
+    surge = next(
+        (
+            run.quantities["surge_frequency"]
+            for run in study.solutions
+            if "surge_frequency" in run.quantities
+        ),
+        None,
+    )
     if surge is not None:
         found.append(
             f"The source's term 2 mu / omega dU/dphi is a mass-proportional damping of {2 * FRICTION:.0f} 1/s at mu = {FRICTION:.0f} 1/s: "

@@ -1,19 +1,30 @@
 """Compiled step of a chain of masses with unilateral coil contact. Free of allocation.
 
-``integers`` = [n inner masses, p contacts, r of them in the regular run, e with a fixed end, 1 where the ends pull, then p upper and p
-lower nodes, then first node, length and place in the weights of the rows of those e, which are the last]; nodes 0 = seat, n + 1 =
-retainer. In the run both nodes count up by one and the fraction is constant, so its overlaps are one vectorised loop. Ends that do not
-pull are open while their element is longer than free: it then carries neither elastic nor damping force.
-``parameters`` = [initial compression (m), mass damping (1/s), stiffness damping (s), contact damping time (s)],
-stiffness (n + 1), masses (n), inverse masses (n), then per contact gap, stiffness, fraction (p each), weights of the end rows.
-``state`` = positions (n), velocities (n), dissipated energy, then scratch of all nodes (n + 2 each): forces, positions, velocities
-at the half step before, predicted velocities; then per contact (p each) overlap, damping impulse of the last step, list of the closed.
+``integers`` = [n inner masses, p contacts, r of them in the regular run, e with a fixed end, 1
+where the ends pull, then p upper and p
+lower nodes, then first node, length and place in the weights of the rows of those e, which are the
+last]; nodes 0 = seat, n + 1 =
+retainer. In the run both nodes count up by one and the fraction is constant, so its overlaps are
+one vectorised loop. Ends that do not
+pull are open while their element is longer than free: it then carries neither elastic nor damping
+force.
+``parameters`` = [initial compression (m), mass damping (1/s), stiffness damping (s), contact
+damping time (s)],
+stiffness (n + 1), masses (n), inverse masses (n), then per contact gap, stiffness, fraction (p
+each), weights of the end rows.
+``state`` = positions (n), velocities (n), dissipated energy, then scratch of all nodes (n + 2
+each): forces, positions, velocities
+at the half step before, predicted velocities; then per contact (p each) overlap, damping impulse of
+the last step, list of the closed.
 
-Damping works on w = v + (h/2) a, v the half-step velocity and a the acceleration by elastic and contact forces: second order, and stable
-as long as h**2 K < 4 and h C < 2 (mass-scaled), for the energy then falls by h w C (w - h C w / 2) a step. A contact's loss is booked
+Damping works on w = v + (h/2) a, v the half-step velocity and a the acceleration by elastic and
+contact forces: second order, and stable
+as long as h**2 K < 4 and h C < 2 (mass-scaled), for the energy then falls by h w C (w - h C w / 2)
+a step. A contact's loss is booked
 half at the rate before and half at the rate after the kick.
 
-Each vectorised loop is a small function of its own that slices the whole arrays and holds no branch.
+Each vectorised loop is a small function of its own that slices the whole arrays and holds no
+branch.
 """
 
 from __future__ import annotations
@@ -27,7 +38,8 @@ HEADER = 4
 INTEGER_HEADER = 5
 #: Sums may be reordered (vectorised); nothing that hides a NaN.
 FAST = {"reassoc", "contract", "nsz"}
-#: No reference counting (nothing is allocated): a slice that lives across a call or a branch would pay for it atomically.
+#: No reference counting (nothing is allocated): a slice that lives across a call or a branch would
+#: pay for it atomically.
 KERNEL: dict[str, Any] = {"cache": True, "error_model": "numpy", "_nrt": False}
 BRANCH: dict[str, Any] = {**KERNEL, "forceinline": True}
 LOOP: dict[str, Any] = {**BRANCH, "fastmath": FAST}
@@ -39,7 +51,9 @@ def state_size(masses: int, contacts: int) -> int:
 
 
 def overlap_place(masses: int) -> int:
-    """Place in the state of the overlaps (m) of the contacts; their damping impulses (N s) of the last step follow."""
+    """Place in the state of the overlaps (m) of the contacts; their damping impulses (N s) of the
+    last step follow.
+    """
     return 6 * masses + 9
 
 
@@ -47,7 +61,11 @@ def overlap_place(masses: int) -> int:
 def _place_nodes(integers, state, top, top_velocity):
     """Positions and velocities of all nodes, ends included, and no forces."""
     n = integers[0]
-    forces, positions, velocities = state[2 * n + 1 : 3 * n + 3], state[3 * n + 4 : 4 * n + 4], state[4 * n + 6 : 5 * n + 6]
+    forces, positions, velocities = (
+        state[2 * n + 1 : 3 * n + 3],
+        state[3 * n + 4 : 4 * n + 4],
+        state[4 * n + 6 : 5 * n + 6],
+    )
     inner, rates = state[:n], state[n : 2 * n]
     for i in range(n + 2):
         forces[i] = 0.0
@@ -64,7 +82,11 @@ def _element_forces(parameters, integers, state):
     """Add the elastic net force of the elements to every node, towards the seat."""
     n = integers[0]
     lower, upper = parameters[HEADER : HEADER + n], parameters[HEADER + 1 : HEADER + n + 1]
-    below, here, above = state[3 * n + 3 : 4 * n + 3], state[3 * n + 4 : 4 * n + 4], state[3 * n + 5 : 4 * n + 5]
+    below, here, above = (
+        state[3 * n + 3 : 4 * n + 3],
+        state[3 * n + 4 : 4 * n + 4],
+        state[3 * n + 5 : 4 * n + 5],
+    )
     inner = state[2 * n + 2 : 3 * n + 2]
     for i in range(n):
         inner[i] += upper[i] * (above[i] - here[i]) - lower[i] * (here[i] - below[i])
@@ -88,7 +110,9 @@ def _loosen(parameters, integers, state):
 
 @njit(**BRANCH)
 def _loosen_damping(parameters, integers, state):
-    """Take back what the dampers of the end elements pull beyond their elastic force; returns the power lost too much."""
+    """Take back what the dampers of the end elements pull beyond their elastic force; returns the
+    power lost too much.
+    """
     n, lost = integers[0], 0.0
     rate = state[5 * n + 8] - state[5 * n + 7]
     damping = parameters[2] * parameters[HEADER] * rate
@@ -122,9 +146,19 @@ def _element_damping(parameters, integers, state, time_step):
     """Add the element damping forces to every node; returns the power lost."""
     n, beta = integers[0], parameters[2]
     lower, upper = parameters[HEADER : HEADER + n], parameters[HEADER + 1 : HEADER + n + 1]
-    below, here, above = state[5 * n + 7 : 6 * n + 7], state[5 * n + 8 : 6 * n + 8], state[5 * n + 9 : 6 * n + 9]
-    inner, inverse = state[2 * n + 2 : 3 * n + 2], parameters[HEADER + 2 * n + 1 : HEADER + 3 * n + 1]
-    first, last = beta * parameters[HEADER] * state[5 * n + 8], beta * parameters[HEADER + n] * (state[6 * n + 8] - state[6 * n + 7])
+    below, here, above = (
+        state[5 * n + 7 : 6 * n + 7],
+        state[5 * n + 8 : 6 * n + 8],
+        state[5 * n + 9 : 6 * n + 9],
+    )
+    inner, inverse = (
+        state[2 * n + 2 : 3 * n + 2],
+        parameters[HEADER + 2 * n + 1 : HEADER + 3 * n + 1],
+    )
+    first, last = (
+        beta * parameters[HEADER] * state[5 * n + 8],
+        beta * parameters[HEADER + n] * (state[6 * n + 8] - state[6 * n + 7]),
+    )
     state[2 * n + 1] += first
     state[3 * n + 2] -= last
     lost = last * (state[6 * n + 8] - state[6 * n + 7])
@@ -142,8 +176,16 @@ def _regular_overlaps(parameters, integers, state):
     n, p, run = integers[0], integers[1], integers[2]
     start, depth_at = HEADER + 3 * n + 1, 6 * n + 9
     gaps, depths = parameters[start : start + run], state[depth_at : depth_at + run]
-    share, first, second = parameters[start + 2 * p], integers[INTEGER_HEADER] - 1, integers[INTEGER_HEADER + p] - 1
-    upper, lower, next_lower = state[first : first + run], state[second : second + run], state[second + 1 : second + 1 + run]
+    share, first, second = (
+        parameters[start + 2 * p],
+        integers[INTEGER_HEADER] - 1,
+        integers[INTEGER_HEADER + p] - 1,
+    )
+    upper, lower, next_lower = (
+        state[first : first + run],
+        state[second : second + run],
+        state[second + 1 : second + 1 + run],
+    )
     for c in range(run):
         depths[c] = upper[c] - (1.0 - share) * lower[c] - share * next_lower[c] - gaps[c]
 
@@ -165,8 +207,15 @@ def _across(parameters, integers, state, at, c):
         start, e = INTEGER_HEADER + 2 * p + end, integers[3]
         weight = HEADER + 3 * integers[0] + 1 + 3 * p + integers[start + 2 * e]
         return _row_dot(parameters, state, weight, at + integers[start], integers[start + e])
-    lower, share = at + integers[INTEGER_HEADER + p + c], parameters[HEADER + 3 * integers[0] + 1 + 2 * p + c]
-    return state[at + integers[INTEGER_HEADER + c]] - state[lower] - share * (state[lower + 1] - state[lower])
+    lower, share = (
+        at + integers[INTEGER_HEADER + p + c],
+        parameters[HEADER + 3 * integers[0] + 1 + 2 * p + c],
+    )
+    return (
+        state[at + integers[INTEGER_HEADER + c]]
+        - state[lower]
+        - share * (state[lower + 1] - state[lower])
+    )
 
 
 @njit(**BRANCH)
@@ -175,11 +224,17 @@ def _press(parameters, integers, state, c, force):
     n, p, end = integers[0], integers[1], c - integers[1] + integers[3]
     if end >= 0:
         start, e = INTEGER_HEADER + 2 * p + end, integers[3]
-        node, weight = 2 * n + 1 + integers[start], HEADER + 3 * n + 1 + 3 * p + integers[start + 2 * e]
+        node, weight = (
+            2 * n + 1 + integers[start],
+            HEADER + 3 * n + 1 + 3 * p + integers[start + 2 * e],
+        )
         for i in range(integers[start + e]):
             state[node + i] -= parameters[weight + i] * force
         return
-    lower, share = 2 * n + 1 + integers[INTEGER_HEADER + p + c], parameters[HEADER + 3 * n + 1 + 2 * p + c]
+    lower, share = (
+        2 * n + 1 + integers[INTEGER_HEADER + p + c],
+        parameters[HEADER + 3 * n + 1 + 2 * p + c],
+    )
     state[2 * n + 1 + integers[INTEGER_HEADER + c]] -= force
     state[lower] += (1.0 - share) * force
     if share > 0.0:
@@ -188,11 +243,15 @@ def _press(parameters, integers, state, c, force):
 
 @njit(**BRANCH)
 def _contact_forces(parameters, integers, state):
-    """Elastic contact forces; lists the contacts that are closed or were so a step ago and returns their number."""
+    """Elastic contact forces; lists the contacts that are closed or were so a step ago and returns
+    their number.
+    """
     n, p = integers[0], integers[1]
     start, depth_at = HEADER + 3 * n + 1, 6 * n + 9
     for c in range(integers[2], p):
-        state[depth_at + c] = _across(parameters, integers, state, 3 * n + 3, c) - parameters[start + c]
+        state[depth_at + c] = (
+            _across(parameters, integers, state, 3 * n + 3, c) - parameters[start + c]
+        )
     closed = 0
     for c in range(p):
         depth = state[depth_at + c]
@@ -206,7 +265,9 @@ def _contact_forces(parameters, integers, state):
 
 @njit(**BRANCH)
 def _contact_damping(parameters, integers, state, closed, time_step):
-    """Damping forces of the ``closed`` contacts, never adhesive; returns the energy lost in them since the last step."""
+    """Damping forces of the ``closed`` contacts, never adhesive; returns the energy lost in them
+    since the last step.
+    """
     n, p = integers[0], integers[1]
     start, depth_at, lost = HEADER + 3 * n + 1, 6 * n + 9, 0.0
     for k in range(closed):
@@ -214,7 +275,9 @@ def _contact_damping(parameters, integers, state, closed, time_step):
         depth, damping = state[depth_at + c], 0.0
         if depth > 0.0:
             stiffness = parameters[start + p + c]
-            damping = stiffness * max(-depth, parameters[3] * _across(parameters, integers, state, 5 * n + 7, c))
+            damping = stiffness * max(
+                -depth, parameters[3] * _across(parameters, integers, state, 5 * n + 7, c)
+            )
             _press(parameters, integers, state, c, damping)
         if time_step > 0.0:
             rate = _across(parameters, integers, state, 4 * n + 5, c)
@@ -239,7 +302,11 @@ def _kick_and_drift(parameters, integers, state, half, time_step):
 def _mass_damping_loss(parameters, integers, state, half):
     """Energy that the two half dampings took, from the velocities before and after the kick."""
     n, lost = integers[0], 0.0
-    masses, before, after = parameters[HEADER + n + 1 : HEADER + 2 * n + 1], state[4 * n + 6 : 5 * n + 6], state[n : 2 * n]
+    masses, before, after = (
+        parameters[HEADER + n + 1 : HEADER + 2 * n + 1],
+        state[4 * n + 6 : 5 * n + 6],
+        state[n : 2 * n],
+    )
     for i in range(n):
         kicked = after[i] / half
         lost += masses[i] * (before[i] * before[i] + kicked * kicked)

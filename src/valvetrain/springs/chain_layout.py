@@ -1,6 +1,8 @@
-"""Flat layout of a chain of masses along the wire: local stiffness, masses and real gaps from one spring definition.
+"""Flat layout of a chain of masses along the wire: local stiffness, masses and real gaps from one
+spring definition.
 
-A section at coil number u moves by w(u) towards the seat, from the free state. Local rate of dn turns:
+A section at coil number u moves by w(u) towards the seat, from the free state. Local rate of dn
+turns:
 1/dk = 64 R**3 dn / (G d**4) (torsion of the wire); masses from the wire's volume.
 """
 
@@ -21,12 +23,17 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class CoilContacts:
-    """Unilateral contacts of a chain of N elements (nodes 0 = seat ... N = retainer), arrays of shape (p,).
+    """Unilateral contacts of a chain of N elements (nodes 0 = seat ... N = retainer), arrays of
+    shape (p,).
 
-    ``upper`` node meets the wire between nodes ``lower`` and ``lower + 1`` (share ``fraction`` towards the latter) when the free
-    ``gap`` (m) is used up; ``stiffness`` in N/m; ``upper_coil`` is the coil number of the upper partner (0 for
-    contacts with the seat plane, the total turns for those with the retainer). The last contacts of the list, as many as ``end_rows``
-    (e, N + 1) has rows, join the wire to a fixed end: there overlap is row . node positions less the gap (``springs.chain_ends``).
+    ``upper`` node meets the wire between nodes ``lower`` and ``lower + 1`` (share ``fraction``
+    towards the latter) when the free
+    ``gap`` (m) is used up; ``stiffness`` in N/m; ``upper_coil`` is the coil number of the upper
+    partner (0 for
+    contacts with the seat plane, the total turns for those with the retainer). The last contacts of
+    the list, as many as ``end_rows``
+    (e, N + 1) has rows, join the wire to a fixed end: there overlap is row . node positions less
+    the gap (``springs.chain_ends``).
     """
 
     upper: NDArray[np.int64]
@@ -43,12 +50,16 @@ class CoilContacts:
         return len(self.end_rows)
 
     def spans(self) -> tuple[NDArray[np.int64], Array]:
-        """The end rows without their zeros: first node, length and place in the weights (3 e,), weights."""
+        """The end rows without their zeros: first node, length and place in the weights (3 e,),
+        weights.
+        """
         filled = [np.flatnonzero(row) for row in self.end_rows]
         first = np.array([nodes[0] for nodes in filled], dtype=np.int64)
         length = np.array([nodes[-1] + 1 for nodes in filled], dtype=np.int64) - first
         weights = [row[a : a + n] for row, a, n in zip(self.end_rows, first, length, strict=True)]
-        return np.concatenate((first, length, np.cumsum(length) - length)), np.concatenate((np.zeros(0), *weights))
+        return np.concatenate((first, length, np.cumsum(length) - length)), np.concatenate(
+            (np.zeros(0), *weights)
+        )
 
     @property
     def count(self) -> int:
@@ -56,20 +67,29 @@ class CoilContacts:
         return len(self.gap)
 
     def regular(self, inner: int) -> int:
-        """Length of the leading run of contacts among nodes 1 .. ``inner``, both counting up by one at a constant fraction."""
+        """Length of the leading run of contacts among nodes 1 .. ``inner``, both counting up by one
+        at a constant fraction.
+        """
         if not self.count or self.lower[0] < 1 or self.upper[0] > inner:
             return 0
-        steady = (np.diff(self.upper) == 1) & (np.diff(self.lower) == 1) & (np.abs(np.diff(self.fraction)) < 1e-9)
+        steady = (
+            (np.diff(self.upper) == 1)
+            & (np.diff(self.lower) == 1)
+            & (np.abs(np.diff(self.fraction)) < 1e-9)
+        )
         steady &= (self.upper[1:] <= inner) & (self.lower[1:] < inner)
         return self.count if np.all(steady) else int(np.argmin(steady)) + 1
 
 
-NO_CONTACTS = CoilContacts(np.zeros(0, np.int64), np.zeros(0, np.int64), np.zeros(0), np.zeros(0), np.zeros(0), np.zeros(0))
+NO_CONTACTS = CoilContacts(
+    np.zeros(0, np.int64), np.zeros(0, np.int64), np.zeros(0), np.zeros(0), np.zeros(0), np.zeros(0)
+)
 
 
 @dataclass(frozen=True, eq=False)
 class ChainLayout:
-    """Chain of N elements: ``stiffness`` (N,) N/m, inner ``masses`` (N - 1,) kg, ``coil_number`` (N + 1,) of all nodes.
+    """Chain of N elements: ``stiffness`` (N,) N/m, inner ``masses`` (N - 1,) kg, ``coil_number`` (N
+    + 1,) of all nodes.
 
     ``seat_mass`` and ``retainer_mass`` (kg): half of the end elements plus the inactive wire there.
     """
@@ -83,9 +103,13 @@ class ChainLayout:
 
     def __post_init__(self) -> None:
         if len(self.stiffness) < 2:
-            raise InputError("a chain needs at least two elements (one inner mass); raise the number of masses")
+            raise InputError(
+                "a chain needs at least two elements (one inner mass); raise the number of masses"
+            )
         if not (np.all(self.stiffness > 0) and np.all(self.masses > 0)):
-            raise InputError("every element and mass of a chain must be positive; check wire, coil diameter and density")
+            raise InputError(
+                "every element and mass of a chain must be positive; check wire, coil diameter and density"
+            )
 
     @property
     def rate(self) -> float:
@@ -93,8 +117,12 @@ class ChainLayout:
         return float(1 / np.sum(1 / self.stiffness))
 
 
-def chain_from_definition(spring: SpringDefinition, elements: int, contact_stiffness: float) -> ChainLayout:
-    """Chain of ``elements`` equal turns between the fixed ends; ``contact_stiffness`` in N/m per m of wire, 0 for no coil contact."""
+def chain_from_definition(
+    spring: SpringDefinition, elements: int, contact_stiffness: float
+) -> ChainLayout:
+    """Chain of ``elements`` equal turns between the fixed ends; ``contact_stiffness`` in N/m per m
+    of wire, 0 for no coil contact.
+    """
     if elements < 2:
         raise InputError(f"a chain of {elements} elements has no inner mass; give at least 2")
     first, last = spring.free_coils
@@ -102,36 +130,59 @@ def chain_from_definition(spring: SpringDefinition, elements: int, contact_stiff
     middle = np.concatenate(([first], (coil[:-1] + coil[1:]) / 2, [last]))
     lumps = _wire_mass(spring, middle)
     held = _wire_mass(spring, np.array([0.0, first, last, spring.total_coils]))
-    contacts = coil_contacts(spring, coil, contact_stiffness) if contact_stiffness > 0 else NO_CONTACTS
+    contacts = (
+        coil_contacts(spring, coil, contact_stiffness) if contact_stiffness > 0 else NO_CONTACTS
+    )
     return ChainLayout(
-        1 / local_compliance(spring, coil), lumps[1:-1], coil, float(lumps[0] + held[0]), float(lumps[-1] + held[2]), contacts
+        1 / local_compliance(spring, coil),
+        lumps[1:-1],
+        coil,
+        float(lumps[0] + held[0]),
+        float(lumps[-1] + held[2]),
+        contacts,
     )
 
 
-def uniform_chain(rate: float, mass: float, elements: int, inactive_mass: float = 0.0) -> ChainLayout:
-    """Uniform chain of a spring card: ``rate`` N/m, ``mass`` kg spread evenly, half an element's mass on either end."""
+def uniform_chain(
+    rate: float, mass: float, elements: int, inactive_mass: float = 0.0
+) -> ChainLayout:
+    """Uniform chain of a spring card: ``rate`` N/m, ``mass`` kg spread evenly, half an element's
+    mass on either end.
+    """
     if elements < 2:
         raise InputError(f"a chain of {elements} elements has no inner mass; give at least 2")
     if not (rate > 0 and mass > 0):
-        raise InputError(f"a chain needs a positive rate and mass; the card gives {rate} N/m and {mass} kg")
+        raise InputError(
+            f"a chain needs a positive rate and mass; the card gives {rate} N/m and {mass} kg"
+        )
     lump = mass / elements
     return ChainLayout(
-        np.full(elements, rate * elements), np.full(elements - 1, lump), np.linspace(0, 1, elements + 1), lump / 2, lump / 2 + inactive_mass
+        np.full(elements, rate * elements),
+        np.full(elements - 1, lump),
+        np.linspace(0, 1, elements + 1),
+        lump / 2,
+        lump / 2 + inactive_mass,
     )
 
 
 def local_compliance(spring: SpringDefinition, coil: Array) -> Array:
-    """Compliance (m/N) of each interval of ``coil`` (n + 1,) -> (n,): integral of 64 R**3 / (G d**4) over the turns."""
+    """Compliance (m/N) of each interval of ``coil`` (n + 1,) -> (n,): integral of 64 R**3 / (G
+    d**4) over the turns.
+    """
     points, weights = _gauss(coil)
     radius, wire = spring.mean_diameter.value(points) / 2, spring.wire_diameter.value(points)
-    found: Array = np.sum(weights * 64 * radius**3 / (spring.material.shear_modulus * wire**4), axis=1)
+    found: Array = np.sum(
+        weights * 64 * radius**3 / (spring.material.shear_modulus * wire**4), axis=1
+    )
     return found
 
 
 def _wire_mass(spring: SpringDefinition, coil: Array) -> Array:
     points, weights = _gauss(coil)
     area = np.pi / 4 * spring.wire_diameter.value(points) ** 2
-    found: Array = np.sum(weights * spring.material.density * area * spring.line_speed(points), axis=1)
+    found: Array = np.sum(
+        weights * spring.material.density * area * spring.line_speed(points), axis=1
+    )
     return found
 
 
@@ -142,7 +193,9 @@ def _gauss(coil: Array) -> tuple[Array, Array]:
 
 
 def axial_clearance(spring: SpringDefinition, coil: Array) -> Array:
-    """Axial travel (m) until the wire at ``coil`` rests on the wire one turn below; infinite where they pass each other."""
+    """Axial travel (m) until the wire at ``coil`` rests on the wire one turn below; infinite where
+    they pass each other.
+    """
     rise = spring.axial_position(coil) - spring.axial_position(coil - 1)
     shift = (spring.mean_diameter.value(coil) - spring.mean_diameter.value(coil - 1)) / 2
     wire = (spring.wire_diameter.value(coil) + spring.wire_diameter.value(coil - 1)) / 2
@@ -154,12 +207,18 @@ def axial_clearance(spring: SpringDefinition, coil: Array) -> Array:
 def coil_contacts(spring: SpringDefinition, coil: Array, contact_stiffness: float) -> CoilContacts:
     """All contacts of the chain with nodes at ``coil``: neighbouring coils, lower seat, retainer."""
     width, last_node = coil[1] - coil[0], len(coil) - 1
-    held = coil[-1] + width * np.arange(1, int(np.floor((spring.total_coils - coil[-1]) / width + 1e-9)) + 1)
+    held = coil[-1] + width * np.arange(
+        1, int(np.floor((spring.total_coils - coil[-1]) / width + 1e-9)) + 1
+    )
     places = np.concatenate((coil[1:], held))
     nodes = np.minimum(np.arange(1, len(places) + 1), last_node)
     line = contact_stiffness * width * spring.line_speed(places)
     # Neighbours: partners below the lower fixed end move with the seat (node 0).
-    pairs = (places >= 1.0) & (places - 1 < coil[-1] - 1e-9) & ((places < coil[-1] - 1e-9) | (places - 1 > coil[0] + 1e-9))
+    pairs = (
+        (places >= 1.0)
+        & (places - 1 < coil[-1] - 1e-9)
+        & ((places < coil[-1] - 1e-9) | (places - 1 > coil[0] + 1e-9))
+    )
     partner = np.clip((places - 1 - coil[0]) / width, 0.0, last_node)
     lower = np.minimum(np.floor(partner + 1e-9).astype(np.int64), last_node - 1)
     fraction = np.clip(partner - lower, 0.0, 1.0)
@@ -174,7 +233,10 @@ def coil_contacts(spring: SpringDefinition, coil: Array, contact_stiffness: floa
     wire = spring.wire_diameter.value(inner)
     above = np.maximum(spring.axial_position(inner) - wire / 2 - spring.lower_seat_height, 0.0)
     below = np.maximum(spring.upper_seat_height - spring.axial_position(inner) - wire / 2, 0.0)
-    rows += [(i + 1, 0, 0.0, above[i], stiffness[i], 0.0) for i in np.flatnonzero((inner < 1.0) | spring.telescopes(inner))]
+    rows += [
+        (i + 1, 0, 0.0, above[i], stiffness[i], 0.0)
+        for i in np.flatnonzero((inner < 1.0) | spring.telescopes(inner))
+    ]
     # The retainer meets the section at inner node i + 1 from above.
     rows += [
         (last_node, i + 1, 0.0, below[i], stiffness[i], spring.total_coils)
@@ -183,13 +245,19 @@ def coil_contacts(spring: SpringDefinition, coil: Array, contact_stiffness: floa
     return _with_ends(spring, coil, rows)
 
 
-def _with_ends(spring: SpringDefinition, coil: Array, rows: Sequence[tuple[float, ...]]) -> CoilContacts:
+def _with_ends(
+    spring: SpringDefinition, coil: Array, rows: Sequence[tuple[float, ...]]
+) -> CoilContacts:
     """The contacts in order, those of a free wire with a fixed end last and with their own rows."""
     if not rows:
         return NO_CONTACTS
     last = len(coil) - 1
     column = [np.array(values) for values in zip(*rows, strict=True)]
-    upper, lower, fraction = column[0].astype(np.int64), column[1].astype(np.int64), column[2].astype(float)
+    upper, lower, fraction = (
+        column[0].astype(np.int64),
+        column[1].astype(np.int64),
+        column[2].astype(float),
+    )
     gap, stiffness, upper_coil = (values.astype(float) for values in column[3:])
     on_seat = (lower == 0) & (fraction == 0.0) & (upper < last)
     under_retainer = (upper == last) & ~((lower == 0) & (fraction == 0.0))
@@ -200,8 +268,16 @@ def _with_ends(spring: SpringDefinition, coil: Array, rows: Sequence[tuple[float
     order = np.argsort(on_seat | under_retainer, kind="stable")
     held = np.flatnonzero(on_seat | under_retainer)
     ends = [wire_lift_row(spring, coil, float(free[i]), from_below=bool(on_seat[i])) for i in held]
-    bending = bending_compliance(spring, free[held], np.where(on_seat[held], free[held] - coil[0], coil[-1] - free[held]))
+    bending = bending_compliance(
+        spring, free[held], np.where(on_seat[held], free[held] - coil[0], coil[-1] - free[held])
+    )
     stiffness[held] = 1 / (1 / stiffness[held] + bending)
     return CoilContacts(
-        upper[order], lower[order], fraction[order], gap[order], stiffness[order], upper_coil[order], np.array(ends).reshape(-1, last + 1)
+        upper[order],
+        lower[order],
+        fraction[order],
+        gap[order],
+        stiffness[order],
+        upper_coil[order],
+        np.array(ends).reshape(-1, last + 1),
     )

@@ -1,4 +1,6 @@
-"""Static equilibrium of a chain with unilateral contact: Newton on a convex piecewise quadratic energy, with line search."""
+"""Static equilibrium of a chain with unilateral contact: Newton on a convex piecewise quadratic
+energy, with line search.
+"""
 
 from __future__ import annotations
 
@@ -9,9 +11,13 @@ from valvetrain.springs.chain_layout import Array, ChainLayout
 
 
 def contact_depths(layout: ChainLayout, nodes: Array) -> Array:
-    """Overlap (m, negative when open) of every contact for node positions (N + 1,), compressive from the free state."""
+    """Overlap (m, negative when open) of every contact for node positions (N + 1,), compressive
+    from the free state.
+    """
     c = layout.contacts
-    depth = nodes[c.upper] - nodes[c.lower] * (1 - c.fraction) - nodes[c.lower + 1] * c.fraction - c.gap
+    depth = (
+        nodes[c.upper] - nodes[c.lower] * (1 - c.fraction) - nodes[c.lower + 1] * c.fraction - c.gap
+    )
     if c.ends:
         depth[-c.ends :] = c.end_rows @ nodes - c.gap[-c.ends :]
     return depth
@@ -51,11 +57,14 @@ def stiffness_matrix(layout: ChainLayout, closed: Array) -> Array:
 def potential(layout: ChainLayout, nodes: Array) -> tuple[float, float]:
     """Elastic energy of the elements and of the contacts (J)."""
     depth = np.maximum(contact_depths(layout, nodes), 0.0)
-    return float(layout.stiffness @ np.diff(nodes) ** 2 / 2), float(layout.contacts.stiffness @ depth**2 / 2)
+    return float(layout.stiffness @ np.diff(nodes) ** 2 / 2), float(
+        layout.contacts.stiffness @ depth**2 / 2
+    )
 
 
 def solve_static(layout: ChainLayout, compression: float, iterations: int = 200) -> Array:
-    """Node positions (N + 1,) at rest when the retainer is ``compression`` (m) below its free height.
+    """Node positions (N + 1,) at rest when the retainer is ``compression`` (m) below its free
+    height.
 
     Raises :class:`InputError` when no equilibrium is found (never seen: the energy is convex).
     """
@@ -73,25 +82,34 @@ def solve_static(layout: ChainLayout, compression: float, iterations: int = 200)
         move = np.zeros_like(nodes)
         move[1:-1] = np.linalg.solve(matrix[1:-1, 1:-1], -residual)
         nodes = nodes + _line_search(layout, nodes, move, float(residual @ move[1:-1])) * move
-    raise InputError(f"no static state of the chain at {1e3 * compression:.3f} mm compression; lower the contact stiffness")
+    raise InputError(
+        f"no static state of the chain at {1e3 * compression:.3f} mm compression; lower the contact stiffness"
+    )
 
 
 def _line_search(layout: ChainLayout, nodes: Array, move: Array, slope: float) -> float:
     start, step = sum(potential(layout, nodes)), 1.0
-    while step > 1e-6 and sum(potential(layout, nodes + step * move)) > start + 1e-4 * step * slope + 1e-15 * abs(start):
+    while step > 1e-6 and sum(
+        potential(layout, nodes + step * move)
+    ) > start + 1e-4 * step * slope + 1e-15 * abs(start):
         step /= 2
     return step
 
 
 def static_curve(layout: ChainLayout, compressions: Array) -> tuple[Array, Array]:
-    """Force (N) and tangent rate (N/m) at each compression (m) from the free state; coils close where the gaps say."""
+    """Force (N) and tangent rate (N/m) at each compression (m) from the free state; coils close
+    where the gaps say.
+    """
     force, rate = np.zeros(len(compressions)), np.zeros(len(compressions))
     for i, compression in enumerate(compressions):
         nodes = solve_static(layout, float(compression))
         depth = contact_depths(layout, nodes)
         matrix = stiffness_matrix(layout, (depth > 0).astype(float))
         rows = contact_rows(layout)
-        force[i] = (element_matrix(layout) @ nodes + (layout.contacts.stiffness * np.maximum(depth, 0.0)) @ rows)[-1]
+        force[i] = (
+            element_matrix(layout) @ nodes
+            + (layout.contacts.stiffness * np.maximum(depth, 0.0)) @ rows
+        )[-1]
         inner = np.linalg.solve(matrix[1:-1, 1:-1], matrix[1:-1, -1])
         rate[i] = matrix[-1, -1] - matrix[-1, 1:-1] @ inner
     return force, rate

@@ -1,24 +1,34 @@
 """The one contract of all spring models that stand between seat and retainer.
 
-Written for the finite-element rod (a large internal state); the massless spring is the case with no unknown.
-A model is a frozen object; its values travel in one flat ``state`` array. Objects build flat arrays once, then the train's
+Written for the finite-element rod (a large internal state); the massless spring is the case with no
+unknown.
+A model is a frozen object; its values travel in one flat ``state`` array. Objects build flat arrays
+once, then the train's
 compiled loop calls ``kernel`` at every step and never sees the object.
 
 Stepping (explicit leapfrog shared by everything that moves in a train)::
 
-    retainer_force, seat_force = kernel(parameters, integers, state, retainer_displacement, retainer_velocity, time_step)
+    retainer_force, seat_force = kernel(parameters, integers, state, retainer_displacement,
+    retainer_velocity, time_step)
 
-* ``retainer_displacement`` (m) at t_n, measured from the INSTALLED position, compressive positive (= valve lift when the
-  retainer moves with the valve); ``retainer_velocity`` (m/s) is the best value known at the call (the half-step velocity of the
+* ``retainer_displacement`` (m) at t_n, measured from the INSTALLED position, compressive positive
+  (= valve lift when the
+  retainer moves with the valve); ``retainer_velocity`` (m/s) is the best value known at the call
+  (the half-step velocity of the
   leapfrog is good enough; it enters damping and rubbing only).
-* The kernel computes both end forces at t_n (N, compressive positive, preload included) from the internal positions at t_n,
-  then kicks and drifts its unknowns in place to t_(n+1). ``time_step == 0``: forces only; positions, velocities and
+* The kernel computes both end forces at t_n (N, compressive positive, preload included) from the
+  internal positions at t_n,
+  then kicks and drifts its unknowns in place to t_(n+1). ``time_step == 0``: forces only;
+  positions, velocities and
   bookkeeping stay as they are (scratch behind them may be written).
-* ``state[:unknowns]`` are positions at t_n, ``state[unknowns:2 * unknowns]`` velocities at t_(n-1/2); what follows
+* ``state[:unknowns]`` are positions at t_n, ``state[unknowns:2 * unknowns]`` velocities at
+  t_(n-1/2); what follows
   (histories, the dissipated energy) is bookkeeping of the model and no part of a periodicity test.
-* A train with step h first asks ``model.with_time_step(h)`` for the model adapted to that step (a wave rod chooses its grid; all
+* A train with step h first asks ``model.with_time_step(h)`` for the model adapted to that step (a
+  wave rod chooses its grid; all
   others answer themselves), then uses THAT model's arrays.
-* The spring's share of mass that moves with the retainer (``retainer_mass``) is carried by the train, never by the kernel:
+* The spring's share of mass that moves with the retainer (``retainer_mass``) is carried by the
+  train, never by the kernel:
   the force on a retainer with acceleration A is ``retainer_force + retainer_mass() * A``.
 """
 
@@ -45,7 +55,9 @@ class EndForces(NamedTuple):
 
 
 class SpringEnergy(NamedTuple):
-    """Energies (J); ``elastic`` counts from the model's own zero, so only differences matter between models."""
+    """Energies (J); ``elastic`` counts from the model's own zero, so only differences matter
+    between models.
+    """
 
     kinetic: float
     elastic: float
@@ -54,7 +66,9 @@ class SpringEnergy(NamedTuple):
 
     @property
     def potential(self) -> float:
-        """Elastic plus contact energy (J); its derivative by the retainer displacement is the retainer force."""
+        """Elastic plus contact energy (J); its derivative by the retainer displacement is the
+        retainer force.
+        """
         return self.elastic + self.contact
 
     @property
@@ -71,9 +85,12 @@ def _empty() -> Array:
 class SpringOutputs:
     """What a spring shows at one instant; SI units.
 
-    ``coil_number`` (n,): turns from the lower wire tip of each section; ``axial_displacement`` (n,): motion of the section from the
-    installed state along z (seat to retainer, so compression is negative). ``upper_coil`` (p,), ``coil_gap`` (p,),
-    ``coil_contact_force`` (p,): coil pairs by the coil number of the upper partner. Empty where the model has none.
+    ``coil_number`` (n,): turns from the lower wire tip of each section; ``axial_displacement``
+    (n,): motion of the section from the
+    installed state along z (seat to retainer, so compression is negative). ``upper_coil`` (p,),
+    ``coil_gap`` (p,),
+    ``coil_contact_force`` (p,): coil pairs by the coil number of the upper partner. Empty where the
+    model has none.
     """
 
     retainer_force: float
@@ -88,11 +105,15 @@ class SpringOutputs:
 
 @dataclass(frozen=True, eq=False)
 class ContactWatch:
-    """Where in a state the contacts of the coils stand, so that a compiled loop can write them down without knowing the model.
+    """Where in a state the contacts of the coils stand, so that a compiled loop can write them down
+    without knowing the model.
 
-    ``stretches`` (r, 2): first entry and length of each stretch of the state that is written, one after the other.
-    ``interval``: target spacing (s) of the record. ``read(record, spacing, time_step)``: of the pairs that touch in a record (n, entries)
-    at a spacing (s) of a run with that step (s), their places (p,) in the row of all pairs by coil number, the coil numbers (p,) of their
+    ``stretches`` (r, 2): first entry and length of each stretch of the state that is written, one
+    after the other.
+    ``interval``: target spacing (s) of the record. ``read(record, spacing, time_step)``: of the
+    pairs that touch in a record (n, entries)
+    at a spacing (s) of a run with that step (s), their places (p,) in the row of all pairs by coil
+    number, the coil numbers (p,) of their
     upper partners, force (N) and stored energy (J), both (p, n).
     """
 
@@ -108,27 +129,36 @@ class ContactWatch:
 
 @runtime_checkable
 class WatchedSpring(Protocol):
-    """A spring model whose coil contacts can be recorded inside the loop; None where this spring has none."""
+    """A spring model whose coil contacts can be recorded inside the loop; None where this spring
+    has none.
+    """
 
     def contact_watch(self) -> ContactWatch | None: ...
 
 
 @runtime_checkable
 class LargeSpring(Protocol):
-    """A spring model whose inner state is too large for many samples and for an accelerated search of the periodic state."""
+    """A spring model whose inner state is too large for many samples and for an accelerated search
+    of the periodic state.
+    """
 
     def prepare(self) -> None:
         """Find once what all runs of this model share, before threads do."""
         ...
 
-    def place_retainer(self, state: Array, retainer_displacement: float, travel_since: float) -> None:
-        """Say in a recorded ``state`` where the retainer stood when its positions were taken: ``travel_since`` (m) before
+    def place_retainer(
+        self, state: Array, retainer_displacement: float, travel_since: float
+    ) -> None:
+        """Say in a recorded ``state`` where the retainer stood when its positions were taken:
+        ``travel_since`` (m) before
         ``retainer_displacement`` (m)."""
         ...
 
 
 def contact_watch_of(spring: object) -> ContactWatch | None:
-    """The watch of a spring model, None where its kind or this spring has no coil contacts to record."""
+    """The watch of a spring model, None where its kind or this spring has no coil contacts to
+    record.
+    """
     return spring.contact_watch() if isinstance(spring, WatchedSpring) else None
 
 
@@ -171,22 +201,40 @@ class SpringModel(Protocol):
         ...
 
     def stable_time_step(self) -> float:
-        """Largest stable leapfrog step (s) of the model between fixed ends, contacts closed; infinite where there is none."""
+        """Largest stable leapfrog step (s) of the model between fixed ends, contacts closed;
+        infinite where there is none.
+        """
         ...
 
-    def energy(self, state: Array, retainer_displacement: float, retainer_velocity: float = 0.0, time_step: float = 0.0) -> SpringEnergy:
-        """Energies (J); ``time_step`` > 0 brings the half-step velocities to the time of the positions (second order)."""
+    def energy(
+        self,
+        state: Array,
+        retainer_displacement: float,
+        retainer_velocity: float = 0.0,
+        time_step: float = 0.0,
+    ) -> SpringEnergy:
+        """Energies (J); ``time_step`` > 0 brings the half-step velocities to the time of the
+        positions (second order).
+        """
         ...
 
-    def force(self, state: Array, retainer_displacement: float, retainer_velocity: float = 0.0) -> EndForces:
-        """Both end forces (N); at zero velocities the retainer force is the derivative of the potential energy."""
+    def force(
+        self, state: Array, retainer_displacement: float, retainer_velocity: float = 0.0
+    ) -> EndForces:
+        """Both end forces (N); at zero velocities the retainer force is the derivative of the
+        potential energy.
+        """
         ...
 
     def tangent(self, state: Array, retainer_displacement: float) -> float:
-        """Derivative (N/m) of the retainer force by the retainer displacement, internal positions fixed."""
+        """Derivative (N/m) of the retainer force by the retainer displacement, internal positions
+        fixed.
+        """
         ...
 
-    def outputs(self, state: Array, retainer_displacement: float, retainer_velocity: float = 0.0) -> SpringOutputs:
+    def outputs(
+        self, state: Array, retainer_displacement: float, retainer_velocity: float = 0.0
+    ) -> SpringOutputs:
         """Section motion, coil gaps and forces of this instant."""
         ...
 

@@ -35,7 +35,8 @@ class Card(Protocol):
 
 @dataclass(frozen=True)
 class EquivalentSpring:
-    """Uniform spring of ``rate`` (N/m), ``preload`` (N), vibrating ``active_mass`` (kg) and ``inactive_mass`` (kg) on the retainer.
+    """Uniform spring of ``rate`` (N/m), ``preload`` (N), vibrating ``active_mass`` (kg) and
+    ``inactive_mass`` (kg) on the retainer.
 
     >>> spring = EquivalentSpring(rate=30e3, preload=250.0, active_mass=0.04)
     >>> round(spring.surge_frequency)  # half the root of rate over mass, in Hz
@@ -49,33 +50,54 @@ class EquivalentSpring:
     name: str = "spring"
 
     def __post_init__(self) -> None:
-        keep_si(self, f"spring '{self.name}'", rate="spring_rate", preload="force", active_mass="mass", inactive_mass="mass")
+        keep_si(
+            self,
+            f"spring '{self.name}'",
+            rate="spring_rate",
+            preload="force",
+            active_mass="mass",
+            inactive_mass="mass",
+        )
         if not self.rate > 0:
-            raise InputError(f"rate of spring '{self.name}' is {self.rate} N/m; give a positive rate")
+            raise InputError(
+                f"rate of spring '{self.name}' is {self.rate} N/m; give a positive rate"
+            )
         if not self.active_mass > 0:
-            raise InputError(f"mass of spring '{self.name}' is {self.active_mass} kg; a vibrating spring needs a positive mass")
+            raise InputError(
+                f"mass of spring '{self.name}' is {self.active_mass} kg; a vibrating spring needs a positive mass"
+            )
         check_masses(self.name, self.preload, self.active_mass, 0.0, self.inactive_mass)
 
     @classmethod
     def from_card(cls, card: Card, name: str = "spring") -> EquivalentSpring:
         """All of the card's mass vibrates. Raises :class:`InputError` when the card tells no mass."""
         if card.mass is None:
-            raise InputError(f"spring card '{name}' gives no mass; add it, or use the massless spring")
+            raise InputError(
+                f"spring card '{name}' gives no mass; add it, or use the massless spring"
+            )
         return cls(card.rate, card.preload, card.mass, name=name)
 
     @classmethod
     def from_definition(cls, spring: SpringDefinition, precompression: Given) -> EquivalentSpring:
-        """Same tangent rate, preload and first surge frequency as the wire at its installed state, coils that touch kept closed.
+        """Same tangent rate, preload and first surge frequency as the wire at its installed state,
+        coils that touch kept closed.
 
-        Equal first frequency fixes the mass (rate / (4 f1**2)): for a cylindrical spring the wire's own, for a beehive the mass that
+        Equal first frequency fixes the mass (rate / (4 f1**2)): for a cylindrical spring the wire's
+        own, for a beehive the mass that
         vibrates. Turns resting on the retainer count as inactive.
         """
-        precompression = si(precompression, "compression", f"precompression of spring '{spring.name}'")
+        precompression = si(
+            precompression, "compression", f"precompression of spring '{spring.name}'"
+        )
         layout = reduction_chain(spring)
         force, rate = static_curve(layout, np.array([precompression]))
         first = float(MultiMassSpring(layout, precompression).frequencies(0.0, 1)[0])
         nodes = solve_static(layout, precompression)
-        riding = layout.masses[nodes[1:-1] > 0.999 * precompression] if precompression > 0 else np.zeros(0)
+        riding = (
+            layout.masses[nodes[1:-1] > 0.999 * precompression]
+            if precompression > 0
+            else np.zeros(0)
+        )
         mass, held = float(rate[0]) / (4 * first**2), float(layout.retainer_mass + riding.sum())
         return cls(float(rate[0]), float(force[0]), mass, held, spring.name)
 
@@ -101,7 +123,9 @@ class EquivalentSpring:
 def reduction_chain(spring: SpringDefinition) -> ChainLayout:
     """Fine chain of the wire used to reduce a definition."""
     first, last = spring.free_coils
-    return chain_from_definition(spring, max(2, round((last - first) * REDUCTION_MESH)), CONTACT_STIFFNESS)
+    return chain_from_definition(
+        spring, max(2, round((last - first) * REDUCTION_MESH)), CONTACT_STIFFNESS
+    )
 
 
 def free_range(layout: ChainLayout, precompression: float) -> tuple[int, int]:
@@ -124,8 +148,10 @@ def free_range(layout: ChainLayout, precompression: float) -> tuple[int, int]:
 class InstalledGaps:
     """Gaps of the free wire at the installed state, arrays over its places.
 
-    ``turns`` (n,) coil numbers and ``flow`` (n,) the share 0..1 of compliance passed there (in which a wave runs uniformly).
-    ``upper_coil`` (p,) coil number of the upper partner of each gap ``gap`` (p,) in m; it meets the wire one turn below. Places beyond
+    ``turns`` (n,) coil numbers and ``flow`` (n,) the share 0..1 of compliance passed there (in
+    which a wave runs uniformly).
+    ``upper_coil`` (p,) coil number of the upper partner of each gap ``gap`` (p,) in m; it meets the
+    wire one turn below. Places beyond
     ``turns`` lie on the seat or on the retainer and move with them.
     """
 
@@ -140,14 +166,20 @@ class InstalledGaps:
 
 
 def installed_gaps(spring: SpringDefinition, precompression: float) -> InstalledGaps:
-    """Gaps of ``spring`` at ``precompression`` (m) by the static chain, coils closed where they touch."""
+    """Gaps of ``spring`` at ``precompression`` (m) by the static chain, coils closed where they
+    touch.
+    """
     layout = reduction_chain(spring)
     low, high = free_range(layout, precompression)
     nodes, contacts = solve_static(layout, precompression), layout.contacts
     turns = layout.coil_number[low : high + 1]
     flow = np.concatenate(([0.0], np.cumsum(1 / layout.stiffness[low:high])))
     # A turn resting on the seat or carried by the retainer can only meet one that is free.
-    real = (contacts.upper_coil > turns[0]) & (contacts.upper_coil - 1 < turns[-1]) & (contacts.upper_coil < spring.total_coils)
+    real = (
+        (contacts.upper_coil > turns[0])
+        & (contacts.upper_coil - 1 < turns[-1])
+        & (contacts.upper_coil < spring.total_coils)
+    )
     coil, gap = contacts.upper_coil[real], np.maximum(-contact_depths(layout, nodes)[real], 0.0)
     order = np.argsort(coil)
     return InstalledGaps(turns, flow / flow[-1], coil[order], gap[order])

@@ -1,4 +1,6 @@
-"""Finite-element rod as a spring model: geometrically exact rod along the wire, with clash between all coils."""
+"""Finite-element rod as a spring model: geometrically exact rod along the wire, with clash between
+all coils.
+"""
 
 from __future__ import annotations
 
@@ -10,14 +12,18 @@ from pydantic import Field
 
 from valvetrain.cosserat.buffer import RodDynamics
 from valvetrain.errors import InputError
-from valvetrain.parameters.installed_spring import InstalledSpring
+from valvetrain.parameters.installed_spring import InstalledSpring, SpringOptions
 from valvetrain.parameters.schema_types import Length, PositiveTime
-from valvetrain.parameters.spring_options import SpringOptions
-from valvetrain.solution.modal import ModalResult
+from valvetrain.solution.modes import ModalResult
 from valvetrain.solution.rest_point import RestPoint
 from valvetrain.solution.static import SpringAtRest, StaticCurve
 from valvetrain.springs.finite_element_model import RodModel
-from valvetrain.springs.finite_element_rest import curve_over, equilibrium_at, modal_result, rest_point
+from valvetrain.springs.finite_element_rest import (
+    curve_over,
+    equilibrium_at,
+    modal_result,
+    rest_point,
+)
 from valvetrain.springs.spec import SpringModelSpec
 from valvetrain.springs.wire_from_card import wire_from_card
 from valvetrain.units import Given, si
@@ -25,7 +31,8 @@ from valvetrain.units import Given, si
 
 @dataclass(frozen=True, eq=False)
 class FiniteElementRod(RodModel):
-    """Rod model of ``definition`` installed at ``precompression`` (m from the free state); its fields are those of :class:`RodModel`.
+    """Rod model of ``definition`` installed at ``precompression`` (m from the free state); its
+    fields are those of :class:`RodModel`.
 
     >>> import valvetrain as vt
     >>> rod = vt.FiniteElementRod(vt.cylindrical("4 mm", "24 mm", total_coils=8, free_length="52 mm"), 7e-3, elements_per_coil=12)
@@ -34,13 +41,18 @@ class FiniteElementRod(RodModel):
     """
 
     def static_curve(self, largest_compression: Given, steps: int = 64) -> StaticCurve:
-        """Force and tangent stiffness from the free state to ``largest_compression`` (m, "8 mm"), in even ``steps``, coils closing.
+        """Force and tangent stiffness from the free state to ``largest_compression`` (m, "8 mm"),
+        in even ``steps``, coils closing.
 
-        Raises :class:`InputError` for a compression that is not positive or at which the coils are solid, and for less than one step.
+        Raises :class:`InputError` for a compression that is not positive or at which the coils are
+        solid, and for less than one step.
         """
         reach = si(largest_compression, "compression", "largest_compression")
         if not reach > 0:
-            raise InputError(f"a static curve needs a positive compression; it is {reach * 1e3:g} mm", "largest_compression")
+            raise InputError(
+                f"a static curve needs a positive compression; it is {reach * 1e3:g} mm",
+                "largest_compression",
+            )
         if steps < 1:
             raise InputError(f"a static curve takes one step or more; steps is {steps}", "steps")
         if self.dynamics.contact_stiffness > 0:
@@ -48,11 +60,14 @@ class FiniteElementRod(RodModel):
         return curve_over(self, np.linspace(0.0, reach, steps + 1))[0]
 
     def static_point(self, compression: Given) -> RestPoint:
-        """Force, stiffness, stress and what acts on the retainer at a ``compression`` (m, "8 mm"); errors as :meth:`static_curve`."""
+        """Force, stiffness, stress and what acts on the retainer at a ``compression`` (m, "8 mm");
+        errors as :meth:`static_curve`.
+        """
         return rest_point(self, equilibrium_at(self, si(compression, "compression", "compression")))
 
     def modes(self, count: int = 24, attached_mass: Given | None = None) -> ModalResult:
-        """The lowest ``count`` modes about the installed state: both ends fixed, or with ``attached_mass`` (kg, "50 g"; 0 for a free end)
+        """The lowest ``count`` modes about the installed state: both ends fixed, or with
+        ``attached_mass`` (kg, "50 g"; 0 for a free end)
         on a retainer that moves along the axis.
 
         Raises :class:`InputError` for a negative mass, and for less than one mode.
@@ -61,7 +76,9 @@ class FiniteElementRod(RodModel):
             raise InputError(f"one mode or more can be asked for; count is {count}", "count")
         mass = None if attached_mass is None else si(attached_mass, "mass", "attached_mass")
         if mass is not None and mass < 0:
-            raise InputError(f"an attached mass is zero or more; it is {mass:g} kg", "attached_mass")
+            raise InputError(
+                f"an attached mass is zero or more; it is {mass:g} kg", "attached_mass"
+            )
         return modal_result(self, count, mass)
 
 
@@ -69,30 +86,57 @@ class FiniteElementOptions(SpringOptions):
     """Options of the geometrically exact rod."""
 
     card_only: ClassVar[tuple[str, ...]] = ("card_lift",)
-    elements_per_coil: int = Field(default=24, ge=4, le=1000, description="elements along one turn of the wire")
-    curvature_correction: bool = Field(default=True, description="stiffness of the section corrected for the curvature of the bar")
-    time_step: PositiveTime | None = Field(default=None, description="time step; without it the stability limit decides")
-    card_lift: Length = Field(default=0.012, description="lift up to which the coils of a wire made from a card stay apart")
+    elements_per_coil: int = Field(
+        default=24, ge=4, le=1000, description="elements along one turn of the wire"
+    )
+    curvature_correction: bool = Field(
+        default=True, description="stiffness of the section corrected for the curvature of the bar"
+    )
+    time_step: PositiveTime | None = Field(
+        default=None, description="time step; without it the stability limit decides"
+    )
+    card_lift: Length = Field(
+        default=0.012,
+        description="lift up to which the coils of a wire made from a card stay apart",
+    )
 
 
-def _make(spring: InstalledSpring, options: FiniteElementOptions, rest: SpringAtRest | None) -> FiniteElementRod:
+def _make(
+    spring: InstalledSpring, options: FiniteElementOptions, rest: SpringAtRest | None
+) -> FiniteElementRod:
     wire, precompression, seats = spring.wire, spring.precompression, str(spring.seats)
     if wire is None:
         assert spring.card is not None
         wire, precompression = wire_from_card(spring.card, options.card_lift)
         seats = "clamps"
     dynamics = RodDynamics(
-        mass_damping=spring.damping.mass_damping, stiffness_damping=spring.damping.stiffness_damping,
-        contact_stiffness=spring.contact.stiffness, contact_damping_time=spring.contact.damping_time,
-    )  # fmt: skip
+        mass_damping=spring.damping.mass_damping,
+        stiffness_damping=spring.damping.stiffness_damping,
+        contact_stiffness=spring.contact.stiffness,
+        contact_damping_time=spring.contact.damping_time,
+    )
     return FiniteElementRod(
-        wire, precompression, options.elements_per_coil, dynamics, options.curvature_correction, seats, options.time_step,
-        pulls=spring.pulls, guide=spring.guide, retainer_rotation=spring.retainer_rotation,
-    )  # fmt: skip
+        wire,
+        precompression,
+        options.elements_per_coil,
+        dynamics,
+        options.curvature_correction,
+        seats,
+        options.time_step,
+        pulls=spring.pulls,
+        guide=spring.guide,
+        retainer_rotation=spring.retainer_rotation,
+    )
 
 
 SPEC = SpringModelSpec(
-    "finite-element", "finite-element rod", "#1f5aa6", FiniteElementOptions, _make, shows=("sections", "clash", "stress"),
-    processor_time=12.0, knows="geometrically exact wire, all coils in contact, seats, stress, buckling, guides",
+    "finite-element",
+    "finite-element rod",
+    "#1f5aa6",
+    FiniteElementOptions,
+    _make,
+    shows=("sections", "clash", "stress"),
+    processor_time=12.0,
+    knows="geometrically exact wire, all coils in contact, seats, stress, buckling, guides",
     leaves_out="contact patches across the wire, friction on guides",
-)  # fmt: skip
+)

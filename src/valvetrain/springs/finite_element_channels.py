@@ -11,16 +11,22 @@ from valvetrain.cosserat import quaternion as quat
 from valvetrain.cosserat.mesh import RodMesh
 from valvetrain.cosserat.state import RodState
 from valvetrain.cosserat.transient import RodTransient
-from valvetrain.solution.arrays import ChannelArrays
-from valvetrain.solution.channels import EXTREMES, FINE, spring_channels
+from valvetrain.solution.channels import EXTREMES, FINE, ChannelArrays, spring_channels
 from valvetrain.springs.finite_element_model import POINTS_PER_COIL, RodModel
 
 Array = NDArray[np.float64]
 
-#: A gap (m) below which coils count as near, and the sliding speed (m/s) from which touching coils count as sliding.
+#: A gap (m) below which coils count as near, and the sliding speed (m/s) from which touching coils
+#: count as sliding.
 NEAR_GAP, SLIDING_VELOCITY = 1e-4, 0.01
 
-SECTION_LOADS = ("torsional_moment", "bending_moment", "binormal_moment", "normal_force", "shear_force")
+SECTION_LOADS = (
+    "torsional_moment",
+    "bending_moment",
+    "binormal_moment",
+    "normal_force",
+    "shear_force",
+)
 
 
 def wire_points(total_coils: float) -> Array:
@@ -48,7 +54,9 @@ def _cubic(vertices: Array, coil: Array) -> Array:
 
 
 def section_interpolation(mesh: RodMesh, coil: Array) -> Array:
-    """The same for section loads, which end where the wire becomes inactive: rows of inactive wire are zero, stencils stay on free wire."""
+    """The same for section loads, which end where the wire becomes inactive: rows of inactive wire
+    are zero, stencils stay on free wire.
+    """
     step = mesh.coil_number[1] - mesh.coil_number[0]
     free = slice(mesh.first, mesh.last + 1)
     ends = mesh.coil_number[mesh.first], mesh.coil_number[mesh.last]
@@ -59,15 +67,23 @@ def section_interpolation(mesh: RodMesh, coil: Array) -> Array:
 
 
 def static_section_loads(model: RodModel, states: Sequence[RodState]) -> dict[str, Array]:
-    """Section loads (N m, N; states, wire points) of equilibria of the rod, by the names of their channels."""
+    """Section loads (N m, N; states, wire points) of equilibria of the rod, by the names of their
+    channels.
+    """
     mesh = model.mesh
     at = section_interpolation(mesh, wire_points(model.definition.total_coils))
-    strains = _strains(mesh, np.stack([state.position for state in states]), np.stack([state.frame for state in states]))
+    strains = _strains(
+        mesh,
+        np.stack([state.position for state in states]),
+        np.stack([state.frame for state in states]),
+    )
     return {name: strains[name] @ at.T for name in SECTION_LOADS}
 
 
 def rod_channels(model: RodModel, run: RodTransient, cam_speed: float) -> ChannelArrays:
-    """All channels of docs/architecture.md for a rod run; cam angle is cam_speed (rad/s) times time."""
+    """All channels of docs/architecture.md for a rod run; cam angle is cam_speed (rad/s) times
+    time.
+    """
     return _channels(model, run, cam_speed, True)
 
 
@@ -81,15 +97,23 @@ def _channels(model: RodModel, run: RodTransient, cam_speed: float, whole: bool)
     coil = wire_points(model.definition.total_coils)
     height, speed = run.position[..., 2], run.velocity[..., 2]
     upper_coil, pairs, pair_of = _pairs(model)
-    gaps = np.stack([model.statics.gaps(position) for position in np.ascontiguousarray(run.position)])
+    gaps = np.stack(
+        [model.statics.gaps(position) for position in np.ascontiguousarray(run.position)]
+    )
     values = {
         "valve_lift": run.displacement - model.precompression,
-        "retainer_velocity": -speed[:, -1] if mesh.vertices > mesh.last else np.gradient(run.displacement, run.time),
+        "retainer_velocity": -speed[:, -1]
+        if mesh.vertices > mesh.last
+        else np.gradient(run.displacement, run.time),
         "seat_force": run.seat_force,
         "retainer_force": run.retainer_force,
         "coil_gap": _least(gaps[:, :, pairs].min(axis=1), pair_of, len(upper_coil)),
-        "coil_contact_force": _sum(run.contact_force.sum(axis=1)[:, pairs], pair_of, len(upper_coil)),
-        "coil_contact_peak_force": _sum(run.contact_peak.sum(axis=1)[:, pairs], pair_of, len(upper_coil)),
+        "coil_contact_force": _sum(
+            run.contact_force.sum(axis=1)[:, pairs], pair_of, len(upper_coil)
+        ),
+        "coil_contact_peak_force": _sum(
+            run.contact_peak.sum(axis=1)[:, pairs], pair_of, len(upper_coil)
+        ),
         "work_done": run.work_done,
         "energy_dissipated": run.energy_dissipated + run.contact_loss,
     }
@@ -101,30 +125,52 @@ def _channels(model: RodModel, run: RodTransient, cam_speed: float, whole: bool)
         axial_velocity = speed @ at.T
         elastic, contact = _energies(model, strains, gaps, run)
         values |= {
-            "axial_displacement": (height - installed.position[:, 2]) @ at.T, "axial_velocity": axial_velocity,
-            "axial_acceleration": np.diff(axial_velocity, axis=0, prepend=axial_velocity[:1]) / interval,
-            "axial_position": height @ at.T - model.definition.lower_seat_height, "kinetic_energy": _kinetic(mesh, run),
-            "elastic_energy": elastic, "contact_energy": contact,
-        }  # fmt: skip
+            "axial_displacement": (height - installed.position[:, 2]) @ at.T,
+            "axial_velocity": axial_velocity,
+            "axial_acceleration": np.diff(axial_velocity, axis=0, prepend=axial_velocity[:1])
+            / interval,
+            "axial_position": height @ at.T - model.definition.lower_seat_height,
+            "kinetic_energy": _kinetic(mesh, run),
+            "elastic_energy": elastic,
+            "contact_energy": contact,
+        }
         values["contact_status"] = _status(values, run, mesh, pairs, pair_of, len(upper_coil))
         on_wire = section_interpolation(mesh, coil)
         values |= {name: strains[name] @ on_wire.T for name in SECTION_LOADS}
     dense = (len(run.dense_time) - 1) // max(1, len(run.time) - 1) if len(run.time) > 1 else 1
-    for name, series in (("seat_force_fine", run.dense_seat_force), ("retainer_force_fine", run.dense_retainer_force)):
+    for name, series in (
+        ("seat_force_fine", run.dense_seat_force),
+        ("retainer_force_fine", run.dense_retainer_force),
+    ):
         padded = np.concatenate([series, np.repeat(series[-1:], dense - 1)])
         values[name] = padded[: len(run.time) * dense].reshape(len(run.time), dense)
-    for column, name in enumerate(f"{end}_force_{kind}" for end in ("seat", "retainer") for kind in EXTREMES):
+    for column, name in enumerate(
+        f"{end}_force_{kind}" for end in ("seat", "retainer") for kind in EXTREMES
+    ):
         values[name] = run.extremes[:, column]
-    return spring_channels(run.time, cam_speed * run.time, values, coil_number=coil if whole else None, upper_coil=upper_coil, extra=FINE)
+    return spring_channels(
+        run.time,
+        cam_speed * run.time,
+        values,
+        coil_number=coil if whole else None,
+        upper_coil=upper_coil,
+        extra=FINE,
+    )
 
 
 def pair_values(model: RodModel, gaps: Array) -> tuple[Array, Array, Array]:
-    """Upper coil numbers (p,), smallest gap (m) and elastic contact force (N), both (steps, p), from gaps (steps, groups, nv)."""
+    """Upper coil numbers (p,), smallest gap (m) and elastic contact force (N), both (steps, p),
+    from gaps (steps, groups, nv).
+    """
     mesh = model.mesh
     upper_coil, pairs, pair_of = _pairs(model)
     overlap = np.maximum(-np.where(np.isfinite(gaps), gaps, 0.0), 0.0)
     pressed = model.dynamics.contact_stiffness * np.sum(mesh.contact.length * overlap, axis=1)
-    return upper_coil, _least(gaps[:, :, pairs].min(axis=1), pair_of, len(upper_coil)), _sum(pressed[:, pairs], pair_of, len(upper_coil))
+    return (
+        upper_coil,
+        _least(gaps[:, :, pairs].min(axis=1), pair_of, len(upper_coil)),
+        _sum(pressed[:, pairs], pair_of, len(upper_coil)),
+    )
 
 
 def _pairs(model: RodModel) -> tuple[Array, NDArray[np.int64], NDArray[np.int64]]:
@@ -147,7 +193,9 @@ def _least(values: Array, pair_of: NDArray[np.int64], count: int) -> Array:
 
 
 def _strains(mesh: RodMesh, position: Array, frame: Array) -> dict[str, Array]:
-    """Section moments (N m) and forces (N) on the vertices (ns, nv), elastic part, and the stored energies (J)."""
+    """Section moments (N m) and forces (N) on the vertices (ns, nv), elastic part, and the stored
+    energies (J).
+    """
     _, vector = quat.relative_vector(frame[:, :-1], frame[:, 1:])
     bend = 2 * vector - mesh.rest_bend
     moment = mesh.bend_stiffness * bend
@@ -156,20 +204,33 @@ def _strains(mesh: RodMesh, position: Array, frame: Array) -> dict[str, Array]:
     force = mesh.stretch_stiffness[1:-1] * stretch
     on_vertices = np.zeros(moment.shape)
     on_vertices[:, 1:-1] = 0.5 * (force[:, 1:] + force[:, :-1])
-    on_vertices[:, mesh.first], on_vertices[:, mesh.last] = force[:, mesh.first], force[:, mesh.last - 1]
-    energy = 0.5 * np.sum(moment * bend, axis=(1, 2)) + 0.5 * np.sum(force * stretch * mesh.edge_length[1:-1, None], axis=(1, 2))
+    on_vertices[:, mesh.first], on_vertices[:, mesh.last] = (
+        force[:, mesh.first],
+        force[:, mesh.last - 1],
+    )
+    energy = 0.5 * np.sum(moment * bend, axis=(1, 2)) + 0.5 * np.sum(
+        force * stretch * mesh.edge_length[1:-1, None], axis=(1, 2)
+    )
     return {
-        "bending_moment": moment[..., 0], "binormal_moment": moment[..., 1], "torsional_moment": moment[..., 2],
-        "normal_force": on_vertices[..., 2], "shear_force": np.hypot(on_vertices[..., 0], on_vertices[..., 1]), "energy": energy,
-    }  # fmt: skip
+        "bending_moment": moment[..., 0],
+        "binormal_moment": moment[..., 1],
+        "torsional_moment": moment[..., 2],
+        "normal_force": on_vertices[..., 2],
+        "shear_force": np.hypot(on_vertices[..., 0], on_vertices[..., 1]),
+        "energy": energy,
+    }
 
 
-def _energies(model: RodModel, strains: dict[str, Array], gaps: Array, run: RodTransient) -> tuple[Array, Array]:
+def _energies(
+    model: RodModel, strains: dict[str, Array], gaps: Array, run: RodTransient
+) -> tuple[Array, Array]:
     mesh, stiffness = model.mesh, model.dynamics.contact_stiffness
     overlap = np.maximum(-np.where(np.isfinite(gaps), gaps, 0.0), 0.0)
     contact = 0.5 * stiffness * np.sum(mesh.contact.length * overlap**2, axis=(1, 2))
     height = run.position[..., 2]
-    depth = np.maximum(mesh.lower_seat_limit - height, 0.0) + np.maximum(height - (mesh.upper_seat_limit - run.displacement[:, None]), 0.0)
+    depth = np.maximum(mesh.lower_seat_limit - height, 0.0) + np.maximum(
+        height - (mesh.upper_seat_limit - run.displacement[:, None]), 0.0
+    )
     if mesh.guide is not None:
         contact = contact + mesh.guide.energy(run.position, mesh.node_length)
     return strains["energy"], contact + 0.5 * stiffness * (depth**2 @ mesh.node_length)
@@ -178,12 +239,19 @@ def _energies(model: RodModel, strains: dict[str, Array], gaps: Array, run: RodT
 def _kinetic(mesh: RodMesh, run: RodTransient) -> Array:
     moving = slice(mesh.first + 1, mesh.last)
     turning = 0.5 * np.sum(mesh.edge_inertia * run.spin**2, axis=(1, 2))
-    found: Array = 0.5 * np.sum(run.velocity[:, moving] ** 2, axis=2) @ mesh.node_mass[moving] + turning
+    found: Array = (
+        0.5 * np.sum(run.velocity[:, moving] ** 2, axis=2) @ mesh.node_mass[moving] + turning
+    )
     return found
 
 
 def _status(
-    values: dict[str, Array], run: RodTransient, mesh: RodMesh, pairs: NDArray[np.int64], pair_of: NDArray[np.int64], count: int
+    values: dict[str, Array],
+    run: RodTransient,
+    mesh: RodMesh,
+    pairs: NDArray[np.int64],
+    pair_of: NDArray[np.int64],
+    count: int,
 ) -> Array:
     offset = mesh.contact.offset
     relative = run.velocity[:, pairs] - run.velocity[:, pairs - offset]

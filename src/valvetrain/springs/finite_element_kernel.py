@@ -1,4 +1,6 @@
-"""Stepping of the finite-element rod inside a train: the contract's one signature around the rod's own step."""
+"""Stepping of the finite-element rod inside a train: the contract's one signature around the rod's
+own step.
+"""
 
 from __future__ import annotations
 
@@ -23,7 +25,8 @@ from valvetrain.cosserat.time_stepping import (
 # Tail of the state behind the rod's buffer.
 TRAVEL, COUNTER, WATCHED, LOST, STRETCH = SIZE, SIZE + 1, SIZE + 2, SIZE + 3, SIZE + 4
 STATE_SIZE = STRETCH + 2 * STRETCHES
-#: Places in the parameters: precompression and whether it pulls first, then the numbers of the time integration and the contact places.
+#: Places in the parameters: precompression and whether it pulls first, then the numbers of the time
+#: integration and the contact places.
 NUMBERS, NUMBER_COUNT = 2, 10
 
 
@@ -41,7 +44,9 @@ def advance_rod(parameters, integers, state, retainer_displacement, retainer_vel
         fastest = fastest_vertex(buffer, np.uint64(0), np.uint64(integers[VERTICES]))
         reach = 2.0 * (min(fastest, 1e3) + 2.0) * WATCH_STEPS * numbers[DT] + WATCH_MARGIN
         state[WATCHED] = watch_contacts(buffer, integers, reach, stretches)
-    retainer, seat = forces_now(buffer, integers, numbers, places, stretches, int(state[WATCHED]), compression)
+    retainer, seat = forces_now(
+        buffer, integers, numbers, places, stretches, int(state[WATCHED]), compression
+    )
     if time_step > 0.0:
         state[LOST] += kick_and_drift(buffer, integers, numbers)
         state[COUNTER] += 1.0

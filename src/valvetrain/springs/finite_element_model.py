@@ -1,4 +1,6 @@
-"""The finite-element rod behind the contract of spring models: its mesh, states, forces and contacts."""
+"""The finite-element rod behind the contract of spring models: its mesh, states, forces and
+contacts.
+"""
 
 from __future__ import annotations
 
@@ -18,11 +20,17 @@ from valvetrain.cosserat.state import RodState
 from valvetrain.cosserat.static import Equilibrium, RodStatics, compress
 from valvetrain.cosserat.turning import TurningStatics
 from valvetrain.errors import InputError
-from valvetrain.parameters.guide import Guide
-from valvetrain.parameters.installed_spring import ROTATIONS
+from valvetrain.parameters.installed_spring import ROTATIONS, Guide
 from valvetrain.parameters.spring import SpringDefinition
 from valvetrain.springs import finite_element_kernel as stepping
-from valvetrain.springs.contract import WATCH_INTERVAL, Array, ContactWatch, EndForces, SpringEnergy, SpringOutputs
+from valvetrain.springs.contract import (
+    WATCH_INTERVAL,
+    Array,
+    ContactWatch,
+    EndForces,
+    SpringEnergy,
+    SpringOutputs,
+)
 from valvetrain.units import keep_si
 
 _SCRATCH = threading.local()
@@ -34,9 +42,12 @@ POINTS_PER_COIL = 8
 class RodModel:
     """Rod model of ``definition`` installed at ``precompression`` (m from the free state).
 
-    ``time_step`` (s) is set by :meth:`with_time_step`; None means the stable step. Where it does not pull (``pulls``) its end forces in a
-    train stop at zero; its inactive coils stay on their seats. ``guide``: bore or rod that the wire may lean on.
-    ``retainer_rotation``: ``fixed``, or ``free`` about the axis at rest; in motion the retainer keeps the angle at which it is installed.
+    ``time_step`` (s) is set by :meth:`with_time_step`; None means the stable step. Where it does
+    not pull (``pulls``) its end forces in a
+    train stop at zero; its inactive coils stay on their seats. ``guide``: bore or rod that the wire
+    may lean on.
+    ``retainer_rotation``: ``fixed``, or ``free`` about the axis at rest; in motion the retainer
+    keeps the angle at which it is installed.
     """
 
     definition: SpringDefinition
@@ -54,9 +65,13 @@ class RodModel:
     def __post_init__(self) -> None:
         keep_si(self, f"spring '{self.name}'", precompression="compression", time_step="time")
         if not self.precompression >= 0:
-            raise InputError(f"precompression of spring '{self.name}' is {self.precompression} m; give zero or a positive length")
+            raise InputError(
+                f"precompression of spring '{self.name}' is {self.precompression} m; give zero or a positive length"
+            )
         if self.seats not in ("planes", "clamps"):
-            raise InputError(f"seats '{self.seats}' of spring '{self.definition.name}' is unknown; use planes or clamps")
+            raise InputError(
+                f"seats '{self.seats}' of spring '{self.definition.name}' is unknown; use planes or clamps"
+            )
         if self.dynamics.contact_stiffness > 0:
             self.definition.refuse_solid(self.precompression)
         if self.guide is not None:
@@ -70,12 +85,22 @@ class RodModel:
     def mesh(self) -> RodMesh:
         """The stress-free rod."""
         touching = self.dynamics.contact_stiffness > 0
-        mesh = mesh_spring(self.definition, self.elements_per_coil, curvature_correction=self.curvature_correction, contact=touching)
+        mesh = mesh_spring(
+            self.definition,
+            self.elements_per_coil,
+            curvature_correction=self.curvature_correction,
+            contact=touching,
+        )
         if self.seats == "clamps":
             nothing = np.full(mesh.vertices, np.inf)
             mesh = replace(mesh, lower_seat_limit=-nothing, upper_seat_limit=nothing)
         if self.guide is not None:
-            mesh = replace(mesh, guide=walls(mesh.wire_diameter, self.guide.bore, self.guide.rod, self.guide.stiffness))
+            mesh = replace(
+                mesh,
+                guide=walls(
+                    mesh.wire_diameter, self.guide.bore, self.guide.rod, self.guide.stiffness
+                ),
+            )
         return mesh
 
     @cached_property
@@ -87,18 +112,25 @@ class RodModel:
     @cached_property
     def _turned(self) -> RodStatics:
         """As ``statics``, the retainer at the angle that it has."""
-        return RodStatics(self.mesh, self.dynamics.contact_stiffness) if self.statics.turns else self.statics
+        return (
+            RodStatics(self.mesh, self.dynamics.contact_stiffness)
+            if self.statics.turns
+            else self.statics
+        )
 
     @cached_property
     def installed(self) -> Equilibrium:
-        """Static equilibrium at the precompression. Raises :class:`InputError` when the spring cannot be compressed so far."""
+        """Static equilibrium at the precompression. Raises :class:`InputError` when the spring
+        cannot be compressed so far.
+        """
         return self._equilibrium(0.0)
 
     def _equilibrium(self, retainer_displacement: float) -> Equilibrium:
         compression = self.precompression + retainer_displacement
         if compression == 0.0:
             return self.statics.solve(RodState(self.mesh.position, self.mesh.frame), 0.0)
-        # Every other state is reached from the installed one, so that the answer does not depend on what was asked before.
+        # Every other state is reached from the installed one, so that the answer does not depend on
+        # what was asked before.
         away = retainer_displacement != 0.0
         start, statics = (self.installed.state, self._turned) if away else (None, self.statics)
         result = compress(statics, [compression], start)[-1]
@@ -111,7 +143,9 @@ class RodModel:
 
     @property
     def unknowns(self) -> int:
-        """Entries of the position rows of the flat buffer (vertex positions and edge frames, pads included)."""
+        """Entries of the position rows of the flat buffer (vertex positions and edge frames, pads
+        included).
+        """
         return 7 * STRIDE
 
     @property
@@ -125,7 +159,9 @@ class RodModel:
     @cached_property
     def _numbers(self) -> tuple[Array, NDArray[np.int64]]:
         integers, numbers, places = stepping_numbers(self.mesh, self.dynamics, self._step)
-        return np.concatenate(([self.precompression, float(self.pulls)], numbers, places.ravel())), integers
+        return np.concatenate(
+            ([self.precompression, float(self.pulls)], numbers, places.ravel())
+        ), integers
 
     def parameters(self) -> Array:
         return self._numbers[0].copy()
@@ -142,11 +178,17 @@ class RodModel:
         return model
 
     def initial_state(self, retainer_displacement: float) -> Array:
-        equilibrium = self.installed if retainer_displacement == 0.0 else self._equilibrium(retainer_displacement)
+        equilibrium = (
+            self.installed
+            if retainer_displacement == 0.0
+            else self._equilibrium(retainer_displacement)
+        )
         return self._filled(equilibrium, retainer_displacement)
 
     def static_forces(self, retainer_displacements: Array) -> Array:
-        """Retainer force (N) at rest at each displacement (m), each from its neighbour's equilibrium: a third of the Newton steps."""
+        """Retainer force (N) at rest at each displacement (m), each from its neighbour's
+        equilibrium: a third of the Newton steps.
+        """
         found, start = np.zeros(len(retainer_displacements)), self.installed.state
         for place, displacement in enumerate(retainer_displacements.tolist()):
             result = compress(self._turned, [self.precompression + displacement], start)[-1]
@@ -158,7 +200,9 @@ class RodModel:
 
     def _filled(self, equilibrium: Equilibrium, retainer_displacement: float) -> Array:
         state = np.zeros(stepping.STATE_SIZE)
-        state[: stepping.TRAVEL] = fill_buffer(self.mesh, equilibrium.state, self.dynamics, self._step)
+        state[: stepping.TRAVEL] = fill_buffer(
+            self.mesh, equilibrium.state, self.dynamics, self._step
+        )
         state[stepping.TRAVEL] = self.precompression + retainer_displacement
         return state
 
@@ -173,24 +217,44 @@ class RodModel:
         """Solve the installed state and the stable step."""
         _ = self.installed, self._stable
 
-    def place_retainer(self, state: Array, retainer_displacement: float, travel_since: float) -> None:
+    def place_retainer(
+        self, state: Array, retainer_displacement: float, travel_since: float
+    ) -> None:
         state[stepping.TRAVEL] = self.precompression + retainer_displacement - travel_since
 
     def rod_state(self, state: Array, retainer_displacement: float) -> RodState:
-        """Positions and frames in a flat ``state``, the retainer moved to ``retainer_displacement`` (m)."""
+        """Positions and frames in a flat ``state``, the retainer moved to ``retainer_displacement``
+        (m).
+        """
         count, compression = self.mesh.vertices, self.precompression + retainer_displacement
         position = np.stack([row(state, name, count) for name in "XYZ"], axis=1)
         position[self.mesh.last :, 2] -= compression - state[stepping.TRAVEL]
         frame = np.stack([row(state, f"Q{n}", count + 1) for n in range(4)], axis=1)
         return RodState(position, frame / np.linalg.norm(frame, axis=1)[:, None], compression)
 
-    def energy(self, state: Array, retainer_displacement: float, retainer_velocity: float = 0.0, time_step: float = 0.0) -> SpringEnergy:
+    def energy(
+        self,
+        state: Array,
+        retainer_displacement: float,
+        retainer_velocity: float = 0.0,
+        time_step: float = 0.0,
+    ) -> SpringEnergy:
         """Energies (J); contact energy is counted with the elastic one."""
         later = state
         if time_step > 0:
             later = state.copy()
-            self.kernel(self.parameters(), self.integers(), later, retainer_displacement, retainer_velocity, time_step)
-        masses, inertia = self.mesh.node_mass[self.mesh.first + 1 : self.mesh.last], self.mesh.edge_inertia
+            self.kernel(
+                self.parameters(),
+                self.integers(),
+                later,
+                retainer_displacement,
+                retainer_velocity,
+                time_step,
+            )
+        masses, inertia = (
+            self.mesh.node_mass[self.mesh.first + 1 : self.mesh.last],
+            self.mesh.edge_inertia,
+        )
         kinetic = 0.0
         for name in ("VX", "VY", "VZ"):
             mean = (row(state, name, self.mesh.last) + row(later, name, self.mesh.last)) / 2
@@ -198,19 +262,28 @@ class RodModel:
         for axis, name in enumerate(("W1", "W2", "W3")):
             mean = (row(state, name, len(inertia)) + row(later, name, len(inertia))) / 2
             kinetic += 0.5 * float(inertia[:, axis] @ mean**2)
-        elastic, *_ = self.statics.assemble(self.rod_state(state, retainer_displacement), with_tangent=False)
-        return SpringEnergy(kinetic, float(elastic), 0.0, float(state[stepping.LOST] + self._contact_loss(state)))
+        elastic, *_ = self.statics.assemble(
+            self.rod_state(state, retainer_displacement), with_tangent=False
+        )
+        return SpringEnergy(
+            kinetic, float(elastic), 0.0, float(state[stepping.LOST] + self._contact_loss(state))
+        )
 
     def _contact_loss(self, state: Array) -> float:
         return float(sum(row(state, name, self.mesh.vertices).sum() for name in ("LOSS", "LOSSb")))
 
-    def force(self, state: Array, retainer_displacement: float, retainer_velocity: float = 0.0) -> EndForces:
-        # the state is over a megabyte: a fresh copy per call costs more in page faults than the forces do
+    def force(
+        self, state: Array, retainer_displacement: float, retainer_velocity: float = 0.0
+    ) -> EndForces:
+        # the state is over a megabyte: a fresh copy per call costs more in page faults than the
+        # forces do
         work: Array | None = getattr(_SCRATCH, "state", None)
         if work is None:
             work = _SCRATCH.state = np.empty(stepping.STATE_SIZE)
         np.copyto(work, state)
-        return EndForces(*self.kernel(*self._numbers, work, retainer_displacement, retainer_velocity, 0.0))
+        return EndForces(
+            *self.kernel(*self._numbers, work, retainer_displacement, retainer_velocity, 0.0)
+        )
 
     def tangent(self, state: Array, retainer_displacement: float) -> float:
         matrix = self.statics.tangent(self.rod_state(state, retainer_displacement))
@@ -218,9 +291,13 @@ class RodModel:
         held[6 * self.mesh.last + 2 :: 6] = 1.0
         rod = self.rod_state(state, retainer_displacement)
         seat = rod.position[:, 2] > self.mesh.upper_seat_limit - rod.compression
-        return float(held @ (matrix @ held)) + self.dynamics.contact_stiffness * float(self.mesh.node_length @ seat)
+        return float(held @ (matrix @ held)) + self.dynamics.contact_stiffness * float(
+            self.mesh.node_length @ seat
+        )
 
-    def outputs(self, state: Array, retainer_displacement: float, retainer_velocity: float = 0.0) -> SpringOutputs:
+    def outputs(
+        self, state: Array, retainer_displacement: float, retainer_velocity: float = 0.0
+    ) -> SpringOutputs:
         rod, count = self.rod_state(state, retainer_displacement), self.mesh.vertices
         forces = self.force(state, retainer_displacement, retainer_velocity)
         gaps = self.statics.gaps(rod.position)
@@ -229,22 +306,32 @@ class RodModel:
         overlap = np.maximum(-np.where(points, gaps, 0.0), 0.0)
         pressed = self.dynamics.contact_stiffness * np.sum(line * overlap, axis=0)
         return SpringOutputs(
-            *forces, coil_number=self.mesh.coil_number, axial_displacement=rod.position[:, 2] - self.installed.state.position[:, 2],
-            axial_velocity=row(state, "VZ", count).copy(), upper_coil=self.mesh.coil_number[pairs],
-            coil_gap=np.min(gaps[:, pairs], axis=0), coil_contact_force=pressed[pairs],
-        )  # fmt: skip
+            *forces,
+            coil_number=self.mesh.coil_number,
+            axial_displacement=rod.position[:, 2] - self.installed.state.position[:, 2],
+            axial_velocity=row(state, "VZ", count).copy(),
+            upper_coil=self.mesh.coil_number[pairs],
+            coil_gap=np.min(gaps[:, pairs], axis=0),
+            coil_contact_force=pressed[pairs],
+        )
 
     @cached_property
     def coil_pairs(self) -> tuple[Array, NDArray[np.int64]]:
-        """Upper coil numbers of the pairs in which contacts are told, at every eighth of a turn, and the pair of each vertex (-1: none)."""
-        points, pair_of = np.any(self.mesh.contact.points, axis=0), np.full(self.mesh.vertices, -1, dtype=np.int64)
+        """Upper coil numbers of the pairs in which contacts are told, at every eighth of a turn,
+        and the pair of each vertex (-1: none).
+        """
+        points, pair_of = (
+            np.any(self.mesh.contact.points, axis=0),
+            np.full(self.mesh.vertices, -1, dtype=np.int64),
+        )
         bins = np.round(self.mesh.coil_number[points] * POINTS_PER_COIL).astype(np.int64)
         used = np.unique(bins)
         pair_of[points] = np.searchsorted(used, bins)
         return used / POINTS_PER_COIL, pair_of
 
     def contact_watch(self) -> ContactWatch | None:
-        """Impulse since the start and stored energy of every contact point; forces are means over the record's spacing,
+        """Impulse since the start and stored energy of every contact point; forces are means over
+        the record's spacing,
         which is wider than that of others: a rod has many points."""
         upper_coil, pair_of = self.coil_pairs
         vertices = np.flatnonzero(pair_of >= 0)
@@ -252,25 +339,43 @@ class RodModel:
             return None
         first, count = vertices[0], vertices[-1] + 1 - vertices[0]
         groups = ("", "b")[: self.mesh.contact.groups]
-        rows = [int(ROW[name + group]) + first for name in ("IMPULSE", "STORED") for group in groups]
+        rows = [
+            int(ROW[name + group]) + first for name in ("IMPULSE", "STORED") for group in groups
+        ]
 
-        def read(record: Array, spacing: float, time_step: float) -> tuple[NDArray[np.int64], Array, Array, Array]:
+        def read(
+            record: Array, spacing: float, time_step: float
+        ) -> tuple[NDArray[np.int64], Array, Array, Array]:
             impulses = len(groups) * count
             met = np.flatnonzero(record[-1, :impulses] > record[0, :impulses])
             pair = pair_of[first + met % count]
             touched = np.unique(pair)
-            force, energy = np.zeros((len(touched), len(record))), np.zeros((len(touched), len(record)))
-            for entry, row_of in zip(met.tolist(), np.searchsorted(touched, pair).tolist(), strict=True):
+            force, energy = (
+                np.zeros((len(touched), len(record))),
+                np.zeros((len(touched), len(record))),
+            )
+            for entry, row_of in zip(
+                met.tolist(), np.searchsorted(touched, pair).tolist(), strict=True
+            ):
                 force[row_of] += record[:, entry]
                 energy[row_of] += record[:, impulses + entry]
             force[:, 1:] = np.diff(force, axis=1) / spacing
-            force[:, 0] = force[:, min(1, len(record) - 1)]  # a coil that rests at the start shall not seem to come down
+            force[:, 0] = force[
+                :, min(1, len(record) - 1)
+            ]  # a coil that rests at the start shall not seem to come down
             return touched, upper_coil[touched], force, energy
 
-        return ContactWatch(np.array([[place, count] for place in rows], dtype=np.int64), 2 * WATCH_INTERVAL, read)
+        return ContactWatch(
+            np.array([[place, count] for place in rows], dtype=np.int64), 2 * WATCH_INTERVAL, read
+        )
 
     def retainer_mass(self) -> float:
         """Inactive wire on the retainer and half the last element (kg)."""
         upper = self.definition.free_coils[1]
-        held = self.definition.integrate_along_wire(self.definition.wire_diameter, 2, (upper, self.definition.total_coils))
-        return float(np.pi / 4 * self.definition.material.density * held + self.mesh.node_mass[self.mesh.last])
+        held = self.definition.integrate_along_wire(
+            self.definition.wire_diameter, 2, (upper, self.definition.total_coils)
+        )
+        return float(
+            np.pi / 4 * self.definition.material.density * held
+            + self.mesh.node_mass[self.mesh.last]
+        )

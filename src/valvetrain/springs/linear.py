@@ -1,4 +1,6 @@
-"""A spring between a fixed seat and its retainer as matrices about one state: inner motion first, the retainer last."""
+"""A spring between a fixed seat and its retainer as matrices about one state: inner motion first,
+the retainer last.
+"""
 
 from __future__ import annotations
 
@@ -19,15 +21,21 @@ MODES = 8
 
 @dataclass(frozen=True, eq=False)
 class SpringMatrices:
-    """``masses`` (n + 1,) kg and ``stiffness`` (n + 1, n + 1) N/m of n inner unknowns and the retainer's displacement, which is last."""
+    """``masses`` (n + 1,) kg and ``stiffness`` (n + 1, n + 1) N/m of n inner unknowns and the
+    retainer's displacement, which is last.
+    """
 
     masses: Array
     stiffness: Array
 
 
-def spring_matrices(model: SpringModel, installed: InstalledSpring | None, retainer_displacement: float) -> SpringMatrices:
-    """A spring about rest at ``retainer_displacement`` (m): a chain by its own masses with touching coils kept together, a model without
-    inner motion by its tangent, any other by the modes of the uniform spring of equal rate, mass and first frequency."""
+def spring_matrices(
+    model: SpringModel, installed: InstalledSpring | None, retainer_displacement: float
+) -> SpringMatrices:
+    """A spring about rest at ``retainer_displacement`` (m): a chain by its own masses with touching
+    coils kept together, a model without
+    inner motion by its tangent, any other by the modes of the uniform spring of equal rate, mass
+    and first frequency."""
     if isinstance(model, MultiMassSpring):
         return _chain(model, retainer_displacement)
     if isinstance(model, ModalUniform):
@@ -52,4 +60,6 @@ def _modal(model: ModalUniform) -> SpringMatrices:
     stiffness[:-1, :-1] = np.diag(each)
     stiffness[:-1, -1] = stiffness[-1, :-1] = -each * shares
     stiffness[-1, -1] = rate + each @ shares**2
-    return SpringMatrices(np.append(each / model.circular_frequencies**2, model.retainer_mass()), stiffness)
+    return SpringMatrices(
+        np.append(each / model.circular_frequencies**2, model.retainer_mass()), stiffness
+    )

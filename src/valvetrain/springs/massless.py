@@ -1,6 +1,7 @@
 """Springs without inner motion: linear, and a force table k(x) taken from a static curve.
 
-Their inertia is a stated share of the wire's mass that moves with the retainer: one third in the static shape (Rayleigh).
+Their inertia is a stated share of the wire's mass that moves with the retainer: one third in the
+static shape (Rayleigh).
 """
 
 from __future__ import annotations
@@ -14,9 +15,8 @@ from numpy.typing import NDArray
 from pydantic import Field
 
 from valvetrain.errors import InputError
-from valvetrain.parameters.installed_spring import InstalledSpring
+from valvetrain.parameters.installed_spring import InstalledSpring, Share, SpringOptions
 from valvetrain.parameters.spring import SpringDefinition
-from valvetrain.parameters.spring_options import Share, SpringOptions
 from valvetrain.solution.static import SpringAtRest
 from valvetrain.springs import massless_kernels
 from valvetrain.springs.chain_statics import static_curve
@@ -29,9 +29,11 @@ from valvetrain.units import keep_si, si_each
 
 @dataclass(frozen=True)
 class MasslessSpring:
-    """Force = preload + rate * displacement (N, N/m); ``effective_mass_fraction`` of ``active_mass`` moves with the retainer.
+    """Force = preload + rate * displacement (N, N/m); ``effective_mass_fraction`` of
+    ``active_mass`` moves with the retainer.
 
-    ``inactive_mass`` (kg): end coils bonded to the retainer. ``pulls``: ends fixed, else the spring is loose where it would pull.
+    ``inactive_mass`` (kg): end coils bonded to the retainer. ``pulls``: ends fixed, else the spring
+    is loose where it would pull.
     Raises :class:`InputError` for impossible values.
 
     >>> spring = MasslessSpring(30e3, 250.0)
@@ -48,10 +50,25 @@ class MasslessSpring:
     pulls: bool = True
 
     def __post_init__(self) -> None:
-        keep_si(self, f"spring '{self.name}'", rate="spring_rate", preload="force", active_mass="mass", inactive_mass="mass")
+        keep_si(
+            self,
+            f"spring '{self.name}'",
+            rate="spring_rate",
+            preload="force",
+            active_mass="mass",
+            inactive_mass="mass",
+        )
         if not self.rate > 0:
-            raise InputError(f"rate of spring '{self.name}' is {self.rate} N/m; give a positive rate")
-        check_masses(self.name, self.preload, self.active_mass, self.effective_mass_fraction, self.inactive_mass)
+            raise InputError(
+                f"rate of spring '{self.name}' is {self.rate} N/m; give a positive rate"
+            )
+        check_masses(
+            self.name,
+            self.preload,
+            self.active_mass,
+            self.effective_mass_fraction,
+            self.inactive_mass,
+        )
 
     @property
     def unknowns(self) -> int:
@@ -66,7 +83,9 @@ class MasslessSpring:
 
     @property
     def _free(self) -> float:
-        """Displacement (m) at which a spring that cannot pull is loose; below all others for one that can."""
+        """Displacement (m) at which a spring that cannot pull is loose; below all others for one
+        that can.
+        """
         return -np.inf if self.pulls else -self.preload / self.rate
 
     def integers(self) -> NDArray[np.int64]:
@@ -81,19 +100,29 @@ class MasslessSpring:
     def stable_time_step(self) -> float:
         return float("inf")
 
-    def energy(self, state: Array, retainer_displacement: float, retainer_velocity: float = 0.0, time_step: float = 0.0) -> SpringEnergy:
+    def energy(
+        self,
+        state: Array,
+        retainer_displacement: float,
+        retainer_velocity: float = 0.0,
+        time_step: float = 0.0,
+    ) -> SpringEnergy:
         """Elastic energy counted from the installed position."""
         x = max(retainer_displacement, self._free)
         return SpringEnergy(0.0, self.preload * x + self.rate * x**2 / 2, 0.0)
 
-    def force(self, state: Array, retainer_displacement: float, retainer_velocity: float = 0.0) -> EndForces:
+    def force(
+        self, state: Array, retainer_displacement: float, retainer_velocity: float = 0.0
+    ) -> EndForces:
         force = self.preload + self.rate * max(retainer_displacement, self._free)
         return EndForces(force, force)
 
     def tangent(self, state: Array, retainer_displacement: float) -> float:
         return self.rate if retainer_displacement >= self._free else 0.0
 
-    def outputs(self, state: Array, retainer_displacement: float, retainer_velocity: float = 0.0) -> SpringOutputs:
+    def outputs(
+        self, state: Array, retainer_displacement: float, retainer_velocity: float = 0.0
+    ) -> SpringOutputs:
         return SpringOutputs(*self.force(state, retainer_displacement))
 
     def retainer_mass(self) -> float:
@@ -103,9 +132,11 @@ class MasslessSpring:
 
 @dataclass(frozen=True)
 class MasslessTable:
-    """Static curve as a spring: force (N) over displacement from the installed position (m), joined by straight lines.
+    """Static curve as a spring: force (N) over displacement from the installed position (m), joined
+    by straight lines.
 
-    Straight lines keep the force continuous and the energy exact; beyond the table the last slopes go on, down to no force unless the
+    Straight lines keep the force continuous and the energy exact; beyond the table the last slopes
+    go on, down to no force unless the
     spring ``pulls``.
 
     >>> spring = MasslessTable((0.0, 5e-3, 10e-3), (250.0, 400.0, 600.0))
@@ -127,11 +158,17 @@ class MasslessTable:
         object.__setattr__(self, "forces", si_each(self.forces, "force", where))
         keep_si(self, f"spring '{self.name}'", active_mass="mass", inactive_mass="mass")
         if len(self.displacements) != len(self.forces) or len(self.forces) < 2:
-            raise InputError(f"static curve of spring '{self.name}' needs at least two points, each with displacement and force")
+            raise InputError(
+                f"static curve of spring '{self.name}' needs at least two points, each with displacement and force"
+            )
         if np.any(np.diff(self.displacements) <= 0) or np.any(np.diff(self.forces) <= 0):
-            raise InputError(f"static curve of spring '{self.name}' must rise in displacement and force; sort it and remove repeats")
+            raise InputError(
+                f"static curve of spring '{self.name}' must rise in displacement and force; sort it and remove repeats"
+            )
         preload = float(np.interp(0.0, self.displacements, self.forces))
-        check_masses(self.name, preload, self.active_mass, self.effective_mass_fraction, self.inactive_mass)
+        check_masses(
+            self.name, preload, self.active_mass, self.effective_mass_fraction, self.inactive_mass
+        )
 
     @property
     def unknowns(self) -> int:
@@ -149,7 +186,9 @@ class MasslessTable:
 
     @cached_property
     def _free(self) -> float:
-        """Displacement (m) at which a spring that cannot pull is loose; below all others for one that can."""
+        """Displacement (m) at which a spring that cannot pull is loose; below all others for one
+        that can.
+        """
         if self.pulls:
             return -np.inf
         index, slope = self._segment(float(np.interp(0.0, self.forces, self.displacements)))
@@ -165,7 +204,13 @@ class MasslessTable:
         return float("inf")
 
     def _segment(self, displacement: float) -> tuple[int, float]:
-        index = int(np.clip(np.searchsorted(self.displacements, displacement, side="right") - 1, 0, len(self.forces) - 2))
+        index = int(
+            np.clip(
+                np.searchsorted(self.displacements, displacement, side="right") - 1,
+                0,
+                len(self.forces) - 2,
+            )
+        )
         rise = self.forces[index + 1] - self.forces[index]
         return index, rise / (self.displacements[index + 1] - self.displacements[index])
 
@@ -176,20 +221,34 @@ class MasslessTable:
         step = displacement - x[index]
         return float(areas[index] + f[index] * step + slope * step**2 / 2)
 
-    def energy(self, state: Array, retainer_displacement: float, retainer_velocity: float = 0.0, time_step: float = 0.0) -> SpringEnergy:
+    def energy(
+        self,
+        state: Array,
+        retainer_displacement: float,
+        retainer_velocity: float = 0.0,
+        time_step: float = 0.0,
+    ) -> SpringEnergy:
         """Elastic energy counted from the installed position: the area under the curve."""
-        return SpringEnergy(0.0, self._work(max(retainer_displacement, self._free)) - self._work(0.0), 0.0)
+        return SpringEnergy(
+            0.0, self._work(max(retainer_displacement, self._free)) - self._work(0.0), 0.0
+        )
 
-    def force(self, state: Array, retainer_displacement: float, retainer_velocity: float = 0.0) -> EndForces:
+    def force(
+        self, state: Array, retainer_displacement: float, retainer_velocity: float = 0.0
+    ) -> EndForces:
         index, slope = self._segment(retainer_displacement)
         force = self.forces[index] + slope * (retainer_displacement - self.displacements[index])
         force = force if self.pulls else max(force, 0.0)
         return EndForces(force, force)
 
     def tangent(self, state: Array, retainer_displacement: float) -> float:
-        return self._segment(retainer_displacement)[1] if retainer_displacement >= self._free else 0.0
+        return (
+            self._segment(retainer_displacement)[1] if retainer_displacement >= self._free else 0.0
+        )
 
-    def outputs(self, state: Array, retainer_displacement: float, retainer_velocity: float = 0.0) -> SpringOutputs:
+    def outputs(
+        self, state: Array, retainer_displacement: float, retainer_velocity: float = 0.0
+    ) -> SpringOutputs:
         return SpringOutputs(*self.force(state, retainer_displacement))
 
     def retainer_mass(self) -> float:
@@ -205,15 +264,19 @@ def massless_table(
     effective_mass_fraction: float = RAYLEIGH_FRACTION,
     pulls: bool = True,
 ) -> MasslessTable:
-    """Massless spring with the static curve of the wire, coils closing, from ``-precompression`` to ``maximum_lift`` (m from installed).
+    """Massless spring with the static curve of the wire, coils closing, from ``-precompression`` to
+    ``maximum_lift`` (m from installed).
 
-    ``effective_mass_fraction`` of the vibrating mass moves with the retainer, with the inactive coils.
+    ``effective_mass_fraction`` of the vibrating mass moves with the retainer, with the inactive
+    coils.
     """
     if not (maximum_lift > 0 and points >= 3):
         raise InputError(
             f"static curve of spring '{spring.name}' needs a positive lift and 3 points or more; it got {maximum_lift} m, {points}"
         )
-    compressions = np.unique(np.append(np.linspace(0.0, precompression + maximum_lift, points), precompression))
+    compressions = np.unique(
+        np.append(np.linspace(0.0, precompression + maximum_lift, points), precompression)
+    )
     forces, _ = static_curve(reduction_chain(spring), compressions)
     whole = EquivalentSpring.from_definition(spring, precompression)
     displacements = tuple((compressions - precompression).tolist())
@@ -224,18 +287,44 @@ def massless_table(
 class MasslessOptions(SpringOptions):
     """Options of the massless spring."""
 
-    effective_mass_fraction: Share = Field(default=RAYLEIGH_FRACTION, description="share of the spring's mass that moves with the retainer")
+    effective_mass_fraction: Share = Field(
+        default=RAYLEIGH_FRACTION,
+        description="share of the spring's mass that moves with the retainer",
+    )
 
 
-def _make(spring: InstalledSpring, options: MasslessOptions, rest: SpringAtRest | None) -> MasslessSpring | MasslessTable:
+def _make(
+    spring: InstalledSpring, options: MasslessOptions, rest: SpringAtRest | None
+) -> MasslessSpring | MasslessTable:
     if spring.card is not None:
         card = spring.card
-        return MasslessSpring(card.rate, card.preload, card.mass or 0.0, options.effective_mass_fraction, pulls=spring.pulls)
+        return MasslessSpring(
+            card.rate,
+            card.preload,
+            card.mass or 0.0,
+            options.effective_mass_fraction,
+            pulls=spring.pulls,
+        )
     assert spring.wire is not None and spring.room is not None
-    return massless_table(spring.wire, spring.precompression, 0.98 * spring.room, 97, options.effective_mass_fraction, spring.pulls)
+    return massless_table(
+        spring.wire,
+        spring.precompression,
+        0.98 * spring.room,
+        97,
+        options.effective_mass_fraction,
+        spring.pulls,
+    )
 
 
 SPEC = SpringModelSpec(
-    "massless", "massless spring", "#7b8794", MasslessOptions, _make, needs_mass=False, processor_time=0.05, damped=False,
-    knows="rate or static curve k(x), share of its mass on the valve", leaves_out="surge, clash",
-)  # fmt: skip
+    "massless",
+    "massless spring",
+    "#7b8794",
+    MasslessOptions,
+    _make,
+    needs_mass=False,
+    processor_time=0.05,
+    damped=False,
+    knows="rate or static curve k(x), share of its mass on the valve",
+    leaves_out="surge, clash",
+)

@@ -1,8 +1,10 @@
-"""Modal spring of fixed stiffness: the static shape moving with the retainer plus any number of surge modes.
+"""Modal spring of fixed stiffness: the static shape moving with the retainer plus any number of
+surge modes.
 
 Equations 1, 2 and 5 of Gu, Hou, Keating and Ye (2021) in the time domain. With
 U = x xi + sum q_n sin(n pi xi) (xi = 0 at the seat, 1 at the retainer) mode n obeys
-q'' + 2 z w q' + w**2 q = -c x'', c = 2 (-1)**(n+1) / (n pi). Stepping p = q + c x removes x'' and leaves exact bookkeeping:
+q'' + 2 z w q' + w**2 q = -c x'', c = 2 (-1)**(n+1) / (n pi). Stepping p = q + c x removes x'' and
+leaves exact bookkeeping:
 the retainer feels k x - sum c kappa q and the residual mass that the modes do not carry.
 """
 
@@ -16,8 +18,7 @@ from numpy.typing import NDArray
 from pydantic import Field
 
 from valvetrain.errors import InputError
-from valvetrain.parameters.installed_spring import InstalledSpring
-from valvetrain.parameters.spring_options import SpringOptions
+from valvetrain.parameters.installed_spring import InstalledSpring, SpringOptions
 from valvetrain.solution.static import SpringAtRest
 from valvetrain.springs import modal_kernels
 from valvetrain.springs.contract import Array, EndForces, Kernel, SpringEnergy, SpringOutputs
@@ -31,11 +32,14 @@ SECTIONS = 25
 
 @dataclass(frozen=True)
 class ModalUniform:
-    """``modes`` surge modes of ``spring``; ``natural_frequencies`` (Hz) replace those of the uniform bar, n f1, where given.
+    """``modes`` surge modes of ``spring``; ``natural_frequencies`` (Hz) replace those of the
+    uniform bar, n f1, where given.
 
-    ``damping_ratio`` acts on every mode's departure from the static shape (the source's zeta), ``stiffness_damping`` (s) adds
+    ``damping_ratio`` acts on every mode's departure from the static shape (the source's zeta),
+    ``stiffness_damping`` (s) adds
     w * s / 2 to it; ``mass_damping`` (1/s) acts on the absolute modal velocity. Where it
-    does not pull (``pulls``) its end forces stop at zero; its modes, which are those of fixed ends, go on. Residual inertia and inactive
+    does not pull (``pulls``) its end forces stop at zero; its modes, which are those of fixed ends,
+    go on. Residual inertia and inactive
     coils move with the retainer.
 
     >>> import valvetrain as vt
@@ -54,20 +58,37 @@ class ModalUniform:
     pulls: bool = True
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "natural_frequencies", si_each(self.natural_frequencies, "frequency", "natural_frequencies"))
-        keep_si(self, f"modal spring '{self.spring.name}'", mass_damping="damping rate", stiffness_damping="time")
+        object.__setattr__(
+            self,
+            "natural_frequencies",
+            si_each(self.natural_frequencies, "frequency", "natural_frequencies"),
+        )
+        keep_si(
+            self,
+            f"modal spring '{self.spring.name}'",
+            mass_damping="damping rate",
+            stiffness_damping="time",
+        )
         label = f"modal spring '{self.spring.name}'"
         if self.modes < 1:
             raise InputError(f"{label} has {self.modes} modes; give at least 1")
         if self.natural_frequencies and len(self.natural_frequencies) != self.modes:
-            raise InputError(f"{label} has {self.modes} modes but {len(self.natural_frequencies)} frequencies; give one per mode")
-        if self.natural_frequencies and (min(self.natural_frequencies) <= 0 or np.any(np.diff(self.natural_frequencies) <= 0)):
+            raise InputError(
+                f"{label} has {self.modes} modes but {len(self.natural_frequencies)} frequencies; give one per mode"
+            )
+        if self.natural_frequencies and (
+            min(self.natural_frequencies) <= 0 or np.any(np.diff(self.natural_frequencies) <= 0)
+        ):
             raise InputError(f"frequencies of {label} must be positive and rising")
         for key in ("damping_ratio", "mass_damping", "stiffness_damping"):
             if not getattr(self, key) >= 0:
-                raise InputError(f"{key} of {label} is {getattr(self, key)}; give zero or a positive number")
+                raise InputError(
+                    f"{key} of {label} is {getattr(self, key)}; give zero or a positive number"
+                )
         if np.max(self.ratios) >= 1:
-            raise InputError(f"damping of {label} exceeds critical in its highest mode; lower stiffness_damping or take fewer modes")
+            raise InputError(
+                f"damping of {label} exceeds critical in its highest mode; lower stiffness_damping or take fewer modes"
+            )
 
     @property
     def numbers(self) -> Array:
@@ -107,9 +128,20 @@ class ModalUniform:
 
     def parameters(self) -> Array:
         per_mode = np.column_stack(
-            (self.shares, self.circular_frequencies, self.ratios, self.modal_stiffness, self.spring.rate * np.pi * self.numbers)
+            (
+                self.shares,
+                self.circular_frequencies,
+                self.ratios,
+                self.modal_stiffness,
+                self.spring.rate * np.pi * self.numbers,
+            )
         )
-        return np.concatenate(([self.spring.preload, self.spring.rate, self.mass_damping, float(not self.pulls)], per_mode.ravel()))
+        return np.concatenate(
+            (
+                [self.spring.preload, self.spring.rate, self.mass_damping, float(not self.pulls)],
+                per_mode.ravel(),
+            )
+        )
 
     def integers(self) -> NDArray[np.int64]:
         return np.array([self.modes], dtype=np.int64)
@@ -123,24 +155,51 @@ class ModalUniform:
         return state
 
     def stable_time_step(self) -> float:
-        """2 / highest circular frequency (s): the modes themselves are exact, their coupling to the train is not."""
+        """2 / highest circular frequency (s): the modes themselves are exact, their coupling to the
+        train is not.
+        """
         return float(2 / self.circular_frequencies[-1])
 
     def _departures(self, state: Array, displacement: float) -> Array:
         return state[: self.modes] - self.shares * displacement
 
-    def energy(self, state: Array, retainer_displacement: float, retainer_velocity: float = 0.0, time_step: float = 0.0) -> SpringEnergy:
-        """Elastic energy counted from the installed position; the residual mass belongs to the valve."""
-        departure, velocity = self._departures(state, retainer_displacement), state[self.modes : 2 * self.modes]
+    def energy(
+        self,
+        state: Array,
+        retainer_displacement: float,
+        retainer_velocity: float = 0.0,
+        time_step: float = 0.0,
+    ) -> SpringEnergy:
+        """Elastic energy counted from the installed position; the residual mass belongs to the
+        valve.
+        """
+        departure, velocity = (
+            self._departures(state, retainer_displacement),
+            state[self.modes : 2 * self.modes],
+        )
         omega = self.circular_frequencies
         if time_step > 0:
             relative = velocity - self.shares * retainer_velocity
-            velocity = velocity - time_step / 2 * (omega**2 * departure + 2 * self.ratios * omega * relative + self.mass_damping * velocity)
-        static = self.spring.preload * retainer_displacement + self.spring.rate * retainer_displacement**2 / 2
+            velocity = velocity - time_step / 2 * (
+                omega**2 * departure
+                + 2 * self.ratios * omega * relative
+                + self.mass_damping * velocity
+            )
+        static = (
+            self.spring.preload * retainer_displacement
+            + self.spring.rate * retainer_displacement**2 / 2
+        )
         kinetic = np.sum(self.modal_stiffness / omega**2 * velocity**2) / 2
-        return SpringEnergy(float(kinetic), float(static + self.modal_stiffness @ departure**2 / 2), 0.0, float(state[2 * self.modes]))
+        return SpringEnergy(
+            float(kinetic),
+            float(static + self.modal_stiffness @ departure**2 / 2),
+            0.0,
+            float(state[2 * self.modes]),
+        )
 
-    def force(self, state: Array, retainer_displacement: float, retainer_velocity: float = 0.0) -> EndForces:
+    def force(
+        self, state: Array, retainer_displacement: float, retainer_velocity: float = 0.0
+    ) -> EndForces:
         departure = self._departures(state, retainer_displacement)
         relative = state[self.modes : 2 * self.modes] - self.shares * retainer_velocity
         pull = departure + 2 * self.ratios / self.circular_frequencies * relative
@@ -152,19 +211,28 @@ class ModalUniform:
     def tangent(self, state: Array, retainer_displacement: float) -> float:
         return float(self.spring.rate + self.modal_stiffness @ self.shares**2)
 
-    def outputs(self, state: Array, retainer_displacement: float, retainer_velocity: float = 0.0) -> SpringOutputs:
+    def outputs(
+        self, state: Array, retainer_displacement: float, retainer_velocity: float = 0.0
+    ) -> SpringOutputs:
         """``coil_number`` is the share 0..1 of the active length."""
         share = np.linspace(0.0, 1.0, SECTIONS)
         shapes = np.sin(np.pi * np.outer(share, self.numbers))
         velocity = state[self.modes : 2 * self.modes] - self.shares * retainer_velocity
-        shift = share * retainer_displacement + shapes @ self._departures(state, retainer_displacement)
+        shift = share * retainer_displacement + shapes @ self._departures(
+            state, retainer_displacement
+        )
         return SpringOutputs(
-            *self.force(state, retainer_displacement, retainer_velocity), share, -shift, -(share * retainer_velocity + shapes @ velocity)
+            *self.force(state, retainer_displacement, retainer_velocity),
+            share,
+            -shift,
+            -(share * retainer_velocity + shapes @ velocity),
         )
 
     def retainer_mass(self) -> float:
         """A third of the active mass less what the modes carry, plus the inactive coils (kg)."""
-        carried = float(np.sum(self.modal_stiffness / self.circular_frequencies**2 * self.shares**2))
+        carried = float(
+            np.sum(self.modal_stiffness / self.circular_frequencies**2 * self.shares**2)
+        )
         return max(self.spring.active_mass / 3 - carried, 0.0) + self.spring.inactive_mass
 
 
@@ -174,15 +242,28 @@ class ModalUniformOptions(SpringOptions):
     modes: int = Field(default=5, ge=1, le=500, description="natural modes taken along")
 
 
-def _make(spring: InstalledSpring, options: ModalUniformOptions, rest: SpringAtRest | None) -> ModalUniform:
+def _make(
+    spring: InstalledSpring, options: ModalUniformOptions, rest: SpringAtRest | None
+) -> ModalUniform:
     damping = spring.damping
     return ModalUniform(
-        EquivalentSpring.from_installed(spring), options.modes, mass_damping=damping.mass_damping,
-        stiffness_damping=damping.stiffness_damping, pulls=spring.pulls,
-    )  # fmt: skip
+        EquivalentSpring.from_installed(spring),
+        options.modes,
+        mass_damping=damping.mass_damping,
+        stiffness_damping=damping.stiffness_damping,
+        pulls=spring.pulls,
+    )
 
 
 SPEC = SpringModelSpec(
-    "modal-uniform", "modal model", "#b0891e", ModalUniformOptions, _make, shows=("sections",), processor_time=0.2,
-    knows="surge modes of a uniform spring of equal rate, mass and first frequency", leaves_out="clash, change of rate", citation="gu2021",
-)  # fmt: skip
+    "modal-uniform",
+    "modal model",
+    "#b0891e",
+    ModalUniformOptions,
+    _make,
+    shows=("sections",),
+    processor_time=0.2,
+    knows="surge modes of a uniform spring of equal rate, mass and first frequency",
+    leaves_out="clash, change of rate",
+    citation="gu2021",
+)

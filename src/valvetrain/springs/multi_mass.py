@@ -1,4 +1,6 @@
-"""Multi-mass spring: a chain of masses along the wire with unilateral clash between all neighbouring coils."""
+"""Multi-mass spring: a chain of masses along the wire with unilateral clash between all
+neighbouring coils.
+"""
 
 from __future__ import annotations
 
@@ -11,13 +13,19 @@ from numpy.typing import NDArray
 from pydantic import Field
 
 from valvetrain.errors import InputError
-from valvetrain.parameters.installed_spring import InstalledSpring
+from valvetrain.parameters.installed_spring import InstalledSpring, SpringOptions
 from valvetrain.parameters.spring import SpringDefinition
-from valvetrain.parameters.spring_options import SpringOptions
 from valvetrain.solution.static import SpringAtRest
 from valvetrain.springs import chain_kernels, chain_statics
 from valvetrain.springs.chain_layout import ChainLayout, chain_from_definition, uniform_chain
-from valvetrain.springs.contract import WATCH_INTERVAL, Array, ContactWatch, EndForces, SpringEnergy, SpringOutputs
+from valvetrain.springs.contract import (
+    WATCH_INTERVAL,
+    Array,
+    ContactWatch,
+    EndForces,
+    SpringEnergy,
+    SpringOutputs,
+)
 from valvetrain.springs.spec import SpringModelSpec
 from valvetrain.units import Given, keep_si, si
 
@@ -29,9 +37,12 @@ CONTACT_DAMPING_TIME = 1e-6
 class MultiMassSpring:
     """Chain ``layout`` installed at ``precompression`` (m from the free state).
 
-    ``mass_damping`` (1/s) acts on the absolute velocity, ``stiffness_damping`` (s) inside the elements, ``contact_damping_time`` (s)
-    is damping over stiffness of a coil contact (never adhesive). Where it does not pull (``pulls``), an end element longer than free is
-    open: the spring has left its seat or its retainer. Half the last element and the upper inactive coils move with the retainer.
+    ``mass_damping`` (1/s) acts on the absolute velocity, ``stiffness_damping`` (s) inside the
+    elements, ``contact_damping_time`` (s)
+    is damping over stiffness of a coil contact (never adhesive). Where it does not pull
+    (``pulls``), an end element longer than free is
+    open: the spring has left its seat or its retainer. Half the last element and the upper inactive
+    coils move with the retainer.
 
     >>> import valvetrain as vt
     >>> problem = vt.build("job-t")
@@ -49,38 +60,72 @@ class MultiMassSpring:
     pulls: bool = True
 
     def __post_init__(self) -> None:
-        keep_si(self, f"spring '{self.name}'", precompression="compression", mass_damping="damping rate", stiffness_damping="time",
-                contact_damping_time="time")  # fmt: skip
+        keep_si(
+            self,
+            f"spring '{self.name}'",
+            precompression="compression",
+            mass_damping="damping rate",
+            stiffness_damping="time",
+            contact_damping_time="time",
+        )
         for key in ("precompression", "mass_damping", "stiffness_damping", "contact_damping_time"):
             if not getattr(self, key) >= 0:
-                raise InputError(f"{key} of spring '{self.name}' is {getattr(self, key)}; give zero or a positive number")
+                raise InputError(
+                    f"{key} of spring '{self.name}' is {getattr(self, key)}; give zero or a positive number"
+                )
 
     @classmethod
     def from_definition(
-        cls, spring: SpringDefinition, precompression: Given, *, masses_per_coil: int = 12,
-        contact_stiffness: float = CONTACT_STIFFNESS, **options: Any,
-    ) -> MultiMassSpring:  # fmt: skip
-        """From the wire: ``masses_per_coil`` elements per turn; ``contact_stiffness`` in N/m per m of wire (0: coils pass through)."""
+        cls,
+        spring: SpringDefinition,
+        precompression: Given,
+        *,
+        masses_per_coil: int = 12,
+        contact_stiffness: float = CONTACT_STIFFNESS,
+        **options: Any,
+    ) -> MultiMassSpring:
+        """From the wire: ``masses_per_coil`` elements per turn; ``contact_stiffness`` in N/m per m
+        of wire (0: coils pass through).
+        """
         if masses_per_coil < 1 or masses_per_coil != int(masses_per_coil):
-            raise InputError(f"masses_per_coil of spring '{spring.name}' is {masses_per_coil}; give a whole number, 12 is usual")
+            raise InputError(
+                f"masses_per_coil of spring '{spring.name}' is {masses_per_coil}; give a whole number, 12 is usual"
+            )
         compression = si(precompression, "compression", f"precompression of spring '{spring.name}'")
         if contact_stiffness > 0:
             spring.refuse_solid(compression)
         first, last = spring.free_coils
-        layout = chain_from_definition(spring, max(2, round((last - first) * masses_per_coil)), contact_stiffness)
+        layout = chain_from_definition(
+            spring, max(2, round((last - first) * masses_per_coil)), contact_stiffness
+        )
         return cls(layout, compression, **options)
 
     @classmethod
     def from_card(
-        cls, rate: Given, preload: Given, mass: Given, *, elements: int = 5, inactive_mass: float = 0.0, **options: Any
+        cls,
+        rate: Given,
+        preload: Given,
+        mass: Given,
+        *,
+        elements: int = 5,
+        inactive_mass: float = 0.0,
+        **options: Any,
     ) -> MultiMassSpring:
-        """From rate (N/m), preload (N) and mass (kg): uniform, without coil gaps (a card does not tell them).
+        """From rate (N/m), preload (N) and mass (kg): uniform, without coil gaps (a card does not
+        tell them).
 
-        Five elements are the published chain of 6 masses, one of them fixed and one moving with the valve.
+        Five elements are the published chain of 6 masses, one of them fixed and one moving with the
+        valve.
         """
-        rate, preload, mass = si(rate, "spring_rate", "rate"), si(preload, "force", "preload"), si(mass, "mass", "mass")
+        rate, preload, mass = (
+            si(rate, "spring_rate", "rate"),
+            si(preload, "force", "preload"),
+            si(mass, "mass", "mass"),
+        )
         if not preload >= 0:
-            raise InputError(f"preload of the spring card is {preload} N; give zero or a positive force")
+            raise InputError(
+                f"preload of the spring card is {preload} N; give zero or a positive force"
+            )
         return cls(uniform_chain(rate, mass, elements, inactive_mass), preload / rate, **options)
 
     @property
@@ -94,9 +139,25 @@ class MultiMassSpring:
     @cached_property
     def _parameters(self) -> Array:
         c = self.layout.contacts
-        head = [self.precompression, self.mass_damping, self.stiffness_damping, self.contact_damping_time]
+        head = [
+            self.precompression,
+            self.mass_damping,
+            self.stiffness_damping,
+            self.contact_damping_time,
+        ]
         masses, weights = self.layout.masses, c.spans()[1]
-        return np.concatenate((head, self.layout.stiffness, masses, 1 / masses, c.gap, c.stiffness, c.fraction, weights))
+        return np.concatenate(
+            (
+                head,
+                self.layout.stiffness,
+                masses,
+                1 / masses,
+                c.gap,
+                c.stiffness,
+                c.fraction,
+                weights,
+            )
+        )
 
     def parameters(self) -> Array:
         return self._parameters.copy()
@@ -125,21 +186,30 @@ class MultiMassSpring:
     def _time_step(self) -> float:
         root = 1 / np.sqrt(self.layout.masses)
         elements = chain_statics.element_matrix(self.layout)[1:-1, 1:-1]
-        closed = chain_statics.stiffness_matrix(self.layout, np.ones(self.layout.contacts.count))[1:-1, 1:-1]
+        closed = chain_statics.stiffness_matrix(self.layout, np.ones(self.layout.contacts.count))[
+            1:-1, 1:-1
+        ]
         damped = self.stiffness_damping * elements + self.contact_damping_time * (closed - elements)
-        stiff, lossy = (float(np.linalg.eigvalsh(root[:, None] * m * root)[-1]) for m in (closed, damped))
-        # Damping works on predicted velocities, so the two limits stand apart: h^2 K < 4 and h C < 2 (mass-scaled).
+        stiff, lossy = (
+            float(np.linalg.eigvalsh(root[:, None] * m * root)[-1]) for m in (closed, damped)
+        )
+        # Damping works on predicted velocities, so the two limits stand apart: h^2 K < 4 and h C <
+        # 2 (mass-scaled).
         return float(min(2 / np.sqrt(stiff), 2 / lossy if lossy > 0 else np.inf))
 
     def stable_time_step(self) -> float:
         return self._time_step
 
     def frequencies(self, retainer_displacement: float, count: int = 3) -> Array:
-        """First ``count`` natural frequencies (Hz), both ends fixed, about the static state; touching coils stay closed."""
+        """First ``count`` natural frequencies (Hz), both ends fixed, about the static state;
+        touching coils stay closed.
+        """
         nodes = chain_statics.solve_static(self.layout, self.precompression + retainer_displacement)
         closed = (chain_statics.contact_depths(self.layout, nodes) > 0).astype(float)
         root = 1 / np.sqrt(self.layout.masses)
-        matrix = root[:, None] * chain_statics.stiffness_matrix(self.layout, closed)[1:-1, 1:-1] * root
+        matrix = (
+            root[:, None] * chain_statics.stiffness_matrix(self.layout, closed)[1:-1, 1:-1] * root
+        )
         found: Array = np.sqrt(np.linalg.eigvalsh(matrix)[:count]) / (2 * np.pi)
         return found
 
@@ -148,70 +218,124 @@ class MultiMassSpring:
         return chain_statics.contact_rows(self.layout)
 
     def _nodes(self, state: Array, retainer_displacement: float) -> Array:
-        return np.concatenate(([0.0], state[: self.unknowns], [self.precompression + retainer_displacement]))
+        return np.concatenate(
+            ([0.0], state[: self.unknowns], [self.precompression + retainer_displacement])
+        )
 
     def _velocities(self, state: Array, retainer_velocity: float) -> Array:
-        return np.concatenate(([0.0], state[self.unknowns : 2 * self.unknowns], [retainer_velocity]))
+        return np.concatenate(
+            ([0.0], state[self.unknowns : 2 * self.unknowns], [retainer_velocity])
+        )
 
     def _node_forces(self, nodes: Array, velocities: Array) -> tuple[Array, Array]:
         """Force on every node (N, towards the seat) and force of every contact."""
         layout = self.layout
         push = layout.stiffness * (np.diff(nodes) + self.stiffness_damping * np.diff(velocities))
         rows, depth = self._contact_rows, chain_statics.contact_depths(layout, nodes)
-        push_back = layout.contacts.stiffness * (depth + self.contact_damping_time * (rows @ velocities))
+        push_back = layout.contacts.stiffness * (
+            depth + self.contact_damping_time * (rows @ velocities)
+        )
         contact = np.where(depth > 0, np.maximum(push_back, 0.0), 0.0)
         if not self.pulls:
             for end in (0, -1):
                 push[end] = max(push[end], 0.0) if np.diff(nodes)[end] > 0 else 0.0
         return np.append(push, 0.0) - np.concatenate(([0.0], push)) - contact @ rows, contact
 
-    def energy(self, state: Array, retainer_displacement: float, retainer_velocity: float = 0.0, time_step: float = 0.0) -> SpringEnergy:
+    def energy(
+        self,
+        state: Array,
+        retainer_displacement: float,
+        retainer_velocity: float = 0.0,
+        time_step: float = 0.0,
+    ) -> SpringEnergy:
         """Elastic energy counted from the free state; the end masses belong to the valve."""
-        nodes, velocities = self._nodes(state, retainer_displacement), self._velocities(state, retainer_velocity)
+        nodes, velocities = (
+            self._nodes(state, retainer_displacement),
+            self._velocities(state, retainer_velocity),
+        )
         speed = velocities[1:-1]
         if time_step > 0:
-            kick = self._node_forces(nodes, velocities)[0][1:-1] / self.layout.masses - self.mass_damping * speed
+            kick = (
+                self._node_forces(nodes, velocities)[0][1:-1] / self.layout.masses
+                - self.mass_damping * speed
+            )
             speed = speed + time_step / 2 * kick
         elastic, contact = chain_statics.potential(self.layout, nodes)
         if not self.pulls:
-            elastic -= sum(self.layout.stiffness[end] * min(np.diff(nodes)[end], 0.0) ** 2 / 2 for end in (0, -1))
-        return SpringEnergy(float(self.layout.masses @ speed**2 / 2), elastic, contact, float(state[2 * self.unknowns]))
+            elastic -= sum(
+                self.layout.stiffness[end] * min(np.diff(nodes)[end], 0.0) ** 2 / 2
+                for end in (0, -1)
+            )
+        return SpringEnergy(
+            float(self.layout.masses @ speed**2 / 2),
+            elastic,
+            contact,
+            float(state[2 * self.unknowns]),
+        )
 
-    def force(self, state: Array, retainer_displacement: float, retainer_velocity: float = 0.0) -> EndForces:
-        forces, _ = self._node_forces(self._nodes(state, retainer_displacement), self._velocities(state, retainer_velocity))
+    def force(
+        self, state: Array, retainer_displacement: float, retainer_velocity: float = 0.0
+    ) -> EndForces:
+        forces, _ = self._node_forces(
+            self._nodes(state, retainer_displacement), self._velocities(state, retainer_velocity)
+        )
         return EndForces(float(-forces[-1]), float(forces[0]))
 
     def tangent(self, state: Array, retainer_displacement: float) -> float:
-        if not self.pulls and self.precompression + retainer_displacement <= state[self.unknowns - 1]:
-            return replace(self, pulls=True).tangent(state, retainer_displacement) - float(self.layout.stiffness[-1])
+        if (
+            not self.pulls
+            and self.precompression + retainer_displacement <= state[self.unknowns - 1]
+        ):
+            return replace(self, pulls=True).tangent(state, retainer_displacement) - float(
+                self.layout.stiffness[-1]
+            )
         depth = chain_statics.contact_depths(self.layout, self._nodes(state, retainer_displacement))
         last = self._contact_rows[:, -1]
-        return float(self.layout.stiffness[-1] + self.layout.contacts.stiffness * (depth > 0) @ last**2)
+        return float(
+            self.layout.stiffness[-1] + self.layout.contacts.stiffness * (depth > 0) @ last**2
+        )
 
     @cached_property
     def _installed(self) -> Array:
         return chain_statics.solve_static(self.layout, self.precompression)
 
-    def outputs(self, state: Array, retainer_displacement: float, retainer_velocity: float = 0.0) -> SpringOutputs:
-        nodes, velocities = self._nodes(state, retainer_displacement), self._velocities(state, retainer_velocity)
+    def outputs(
+        self, state: Array, retainer_displacement: float, retainer_velocity: float = 0.0
+    ) -> SpringOutputs:
+        nodes, velocities = (
+            self._nodes(state, retainer_displacement),
+            self._velocities(state, retainer_velocity),
+        )
         forces, contact = self._node_forces(nodes, velocities)
         return SpringOutputs(
-            float(-forces[-1]), float(forces[0]), self.layout.coil_number, self._installed - nodes, -velocities,
-            self.layout.contacts.upper_coil, -chain_statics.contact_depths(self.layout, nodes), contact,
-        )  # fmt: skip
+            float(-forces[-1]),
+            float(forces[0]),
+            self.layout.coil_number,
+            self._installed - nodes,
+            -velocities,
+            self.layout.contacts.upper_coil,
+            -chain_statics.contact_depths(self.layout, nodes),
+            contact,
+        )
 
     def contact_watch(self) -> ContactWatch | None:
-        """Overlap and damping impulse of every contact, which the kernel leaves behind the positions and velocities."""
+        """Overlap and damping impulse of every contact, which the kernel leaves behind the
+        positions and velocities.
+        """
         contacts = self.layout.contacts
         if not contacts.count:
             return None
         order = np.argsort(contacts.upper_coil, kind="stable")
         stiffness = contacts.stiffness[order]
 
-        def read(record: Array, spacing: float, time_step: float) -> tuple[NDArray[np.int64], Array, Array, Array]:
+        def read(
+            record: Array, spacing: float, time_step: float
+        ) -> tuple[NDArray[np.int64], Array, Array, Array]:
             touched = np.flatnonzero(np.max(record[:, : contacts.count], axis=0)[order] > 0)
             chosen, pushed = order[touched], stiffness[touched, None]
-            overlap, impulse = (np.ascontiguousarray(record[:, first + chosen].T) for first in (0, contacts.count))
+            overlap, impulse = (
+                np.ascontiguousarray(record[:, first + chosen].T) for first in (0, contacts.count)
+            )
             np.maximum(overlap, 0.0, out=overlap)
             force = pushed * overlap
             energy = 0.5 * force * overlap
@@ -219,7 +343,9 @@ class MultiMassSpring:
             return touched, contacts.upper_coil[chosen], force, energy
 
         first = chain_kernels.overlap_place(self.unknowns)
-        return ContactWatch(np.array([[first, 2 * contacts.count]], dtype=np.int64), WATCH_INTERVAL, read)
+        return ContactWatch(
+            np.array([[first, 2 * contacts.count]], dtype=np.int64), WATCH_INTERVAL, read
+        )
 
     def retainer_mass(self) -> float:
         """Half the last element plus the wire of the upper inactive coils (kg)."""
@@ -231,11 +357,17 @@ class MultiMassOptions(SpringOptions):
 
     wire_only: ClassVar[tuple[str, ...]] = ("masses_per_coil",)
     card_only: ClassVar[tuple[str, ...]] = ("elements",)
-    masses_per_coil: int = Field(default=12, ge=1, le=2000, description="masses along one turn of the wire")
-    elements: int = Field(default=5, ge=1, le=2000, description="elements of the chain made from a card")
+    masses_per_coil: int = Field(
+        default=12, ge=1, le=2000, description="masses along one turn of the wire"
+    )
+    elements: int = Field(
+        default=5, ge=1, le=2000, description="elements of the chain made from a card"
+    )
 
 
-def _make(spring: InstalledSpring, options: MultiMassOptions, rest: SpringAtRest | None) -> MultiMassSpring:
+def _make(
+    spring: InstalledSpring, options: MultiMassOptions, rest: SpringAtRest | None
+) -> MultiMassSpring:
     damping: dict[str, Any] = {
         "mass_damping": spring.damping.mass_damping, "stiffness_damping": spring.damping.stiffness_damping,
         "contact_damping_time": spring.contact.damping_time, "pulls": spring.pulls,
@@ -243,15 +375,28 @@ def _make(spring: InstalledSpring, options: MultiMassOptions, rest: SpringAtRest
     if spring.card is not None:
         card = spring.card
         assert card.mass is not None
-        return MultiMassSpring.from_card(card.rate, card.preload, card.mass, elements=options.elements, **damping)
+        return MultiMassSpring.from_card(
+            card.rate, card.preload, card.mass, elements=options.elements, **damping
+        )
     assert spring.wire is not None
     return MultiMassSpring.from_definition(
-        spring.wire, spring.precompression, masses_per_coil=options.masses_per_coil, contact_stiffness=spring.contact.stiffness, **damping
+        spring.wire,
+        spring.precompression,
+        masses_per_coil=options.masses_per_coil,
+        contact_stiffness=spring.contact.stiffness,
+        **damping,
     )
 
 
 SPEC = SpringModelSpec(
-    "multi-mass", "multi-mass chain", "#7a4fa0", MultiMassOptions, _make, shows=("sections", "clash"), processor_time=0.5,
-    knows="chain along the wire, clash between all coils from the real gaps", leaves_out="lateral and torsional motion",
+    "multi-mass",
+    "multi-mass chain",
+    "#7a4fa0",
+    MultiMassOptions,
+    _make,
+    shows=("sections", "clash"),
+    processor_time=0.5,
+    knows="chain along the wire, clash between all coils from the real gaps",
+    leaves_out="lateral and torsional motion",
     citation="vasilyev2016",
-)  # fmt: skip
+)

@@ -32,10 +32,13 @@ RUBBING_SECTIONS = 24
 
 @dataclass(frozen=True, slots=True)
 class RadialRubbing:
-    """Coulomb friction of two interfering springs: ``normal_force`` (N) in all, spread evenly over the active length.
+    """Coulomb friction of two interfering springs: ``normal_force`` (N) in all, spread evenly over
+    the active length.
 
-    Each section pair at the same share of the active length feels at most ``coefficient`` times its part of the normal force,
-    against its axial slip; it sticks below that. The normal force is an input (such as a damper spring's press fit): radial
+    Each section pair at the same share of the active length feels at most ``coefficient`` times its
+    part of the normal force,
+    against its axial slip; it sticks below that. The normal force is an input (such as a damper
+    spring's press fit): radial
     motion of the coils is not modelled.
     """
 
@@ -45,14 +48,18 @@ class RadialRubbing:
     def __post_init__(self) -> None:
         for key in ("coefficient", "normal_force"):
             if not (np.isfinite(getattr(self, key)) and getattr(self, key) >= 0):
-                raise InputError(f"{key} of the rubbing of nested springs is {getattr(self, key)}; give zero or a positive number")
+                raise InputError(
+                    f"{key} of the rubbing of nested springs is {getattr(self, key)}; give zero or a positive number"
+                )
 
 
 @dataclass(frozen=True, eq=False)
 class NestedSprings:
-    """``outer`` and ``inner`` side by side between the same seat and retainer: forces, energies and masses on the retainer add.
+    """``outer`` and ``inner`` side by side between the same seat and retainer: forces, energies and
+    masses on the retainer add.
 
-    ``rubbing`` needs both members to be multi-mass or rod models. Raises :class:`InputError` otherwise.
+    ``rubbing`` needs both members to be multi-mass or rod models. Raises :class:`InputError`
+    otherwise.
 
     >>> import valvetrain as vt
     >>> pair = NestedSprings(vt.MasslessSpring(30e3, 250.0), vt.MasslessSpring(10e3, 80.0))
@@ -66,7 +73,9 @@ class NestedSprings:
     name: str = "nested"
 
     def __post_init__(self) -> None:
-        if self.rubbing is not None and any(_sections(member) is None for member in (self.outer, self.inner)):
+        if self.rubbing is not None and any(
+            _sections(member) is None for member in (self.outer, self.inner)
+        ):
             raise InputError(
                 "rubbing of nested springs needs sections that move: choose multi-mass or wave-rod for both, or leave rubbing out"
             )
@@ -90,18 +99,25 @@ class NestedSprings:
         """Section numbers (s, 2) and inverse masses (s, 2) of the pairs that rub."""
         if self.rubbing is None:
             return np.zeros((0, 2), np.int64), np.zeros((0, 2))
-        (outer_share, outer_mass), (inner_share, inner_mass) = _sections(self.outer), _sections(self.inner)  # type: ignore[misc]
+        (outer_share, outer_mass), (inner_share, inner_mass) = (
+            _sections(self.outer),
+            _sections(self.inner),
+        )  # type: ignore[misc]
         count = min(RUBBING_SECTIONS, len(inner_share))
         inner = np.unique(np.round(np.linspace(0, len(inner_share) - 1, count)).astype(np.int64))
         outer = np.argmin(np.abs(outer_share[None, :] - inner_share[inner, None]), axis=1)
-        return np.column_stack((outer, inner)), np.column_stack((1 / outer_mass[outer], 1 / inner_mass[inner]))
+        return np.column_stack((outer, inner)), np.column_stack(
+            (1 / outer_mass[outer], 1 / inner_mass[inner])
+        )
 
     def parameters(self) -> Array:
         pairs, inverse = self._pairs
         limit = 0.0
         if self.rubbing is not None:
             limit = self.rubbing.coefficient * self.rubbing.normal_force / len(pairs)
-        return np.concatenate(([limit], self.outer.parameters(), self.inner.parameters(), inverse.ravel()))
+        return np.concatenate(
+            ([limit], self.outer.parameters(), self.inner.parameters(), inverse.ravel())
+        )
 
     @cached_property
     def _outer_size(self) -> int:
@@ -111,17 +127,31 @@ class NestedSprings:
         pairs, _ = self._pairs
         outer, inner = self.outer.integers(), self.inner.integers()
         values = [len(member.parameters()) for member in self.members]
-        head = [self.outer.unknowns, self.inner.unknowns, *values, len(outer), len(inner), len(pairs), self._outer_size]
+        head = [
+            self.outer.unknowns,
+            self.inner.unknowns,
+            *values,
+            len(outer),
+            len(inner),
+            len(pairs),
+            self._outer_size,
+        ]
         return np.concatenate((head, pairs.ravel(), outer, inner)).astype(np.int64)
 
     def with_time_step(self, time_step: float) -> NestedSprings:
-        return replace(self, outer=self.outer.with_time_step(time_step), inner=self.inner.with_time_step(time_step))
+        return replace(
+            self,
+            outer=self.outer.with_time_step(time_step),
+            inner=self.inner.with_time_step(time_step),
+        )
 
     def initial_state(self, retainer_displacement: float) -> Array:
         return self.joined([member.initial_state(retainer_displacement) for member in self.members])
 
     def joined(self, buffers: Sequence[Array]) -> Array:
-        """The state of the pair from those of its members, outer first; what rubbing dissipated counts from zero."""
+        """The state of the pair from those of its members, outer first; what rubbing dissipated
+        counts from zero.
+        """
         pairs = list(zip(buffers, self.members, strict=True))
         positions = [buffer[: member.unknowns] for buffer, member in pairs]
         velocities = [buffer[member.unknowns : 2 * member.unknowns] for buffer, member in pairs]
@@ -131,7 +161,10 @@ class NestedSprings:
         """Copies of the members' buffers with the current positions and velocities."""
         n, m = self.outer.unknowns, self.inner.unknowns
         start = 2 * (n + m) + 1
-        outer, inner = state[start : start + self._outer_size].copy(), state[start + self._outer_size :].copy()
+        outer, inner = (
+            state[start : start + self._outer_size].copy(),
+            state[start + self._outer_size :].copy(),
+        )
         outer[:n], outer[n : 2 * n] = state[:n], state[n + m : 2 * n + m]
         inner[:m], inner[m : 2 * m] = state[n : n + m], state[2 * n + m : 2 * (n + m)]
         return outer, inner
@@ -139,7 +172,13 @@ class NestedSprings:
     def stable_time_step(self) -> float:
         return min(member.stable_time_step() for member in self.members)
 
-    def energy(self, state: Array, retainer_displacement: float, retainer_velocity: float = 0.0, time_step: float = 0.0) -> SpringEnergy:
+    def energy(
+        self,
+        state: Array,
+        retainer_displacement: float,
+        retainer_velocity: float = 0.0,
+        time_step: float = 0.0,
+    ) -> SpringEnergy:
         parts = [
             member.energy(own, retainer_displacement, retainer_velocity, time_step)
             for member, own in zip(self.members, self.split(state), strict=True)
@@ -147,17 +186,26 @@ class NestedSprings:
         kinetic, elastic, contact, dissipated = (sum(column) for column in zip(*parts, strict=True))
         return SpringEnergy(kinetic, elastic, contact, dissipated + float(state[2 * self.unknowns]))
 
-    def force(self, state: Array, retainer_displacement: float, retainer_velocity: float = 0.0) -> EndForces:
+    def force(
+        self, state: Array, retainer_displacement: float, retainer_velocity: float = 0.0
+    ) -> EndForces:
         outer, inner = self.split(state)
         first = self.outer.force(outer, retainer_displacement, retainer_velocity)
         second = self.inner.force(inner, retainer_displacement, retainer_velocity)
         return EndForces(first.retainer + second.retainer, first.seat + second.seat)
 
     def tangent(self, state: Array, retainer_displacement: float) -> float:
-        return sum(member.tangent(own, retainer_displacement) for member, own in zip(self.members, self.split(state), strict=True))
+        return sum(
+            member.tangent(own, retainer_displacement)
+            for member, own in zip(self.members, self.split(state), strict=True)
+        )
 
-    def outputs(self, state: Array, retainer_displacement: float, retainer_velocity: float = 0.0) -> SpringOutputs:
-        """Sections of the outer spring with the forces of both; :meth:`member_outputs` gives each alone."""
+    def outputs(
+        self, state: Array, retainer_displacement: float, retainer_velocity: float = 0.0
+    ) -> SpringOutputs:
+        """Sections of the outer spring with the forces of both; :meth:`member_outputs` gives each
+        alone.
+        """
         outer, _ = self.member_outputs(state, retainer_displacement, retainer_velocity)
         both = self.force(state, retainer_displacement, retainer_velocity)
         return replace(outer, retainer_force=both.retainer, seat_force=both.seat)
@@ -175,7 +223,11 @@ class NestedSprings:
     def contact_watch(self) -> ContactWatch | None:
         """That of the outer spring, whose sections stand for the pair."""
         outer = contact_watch_of(self.outer)
-        return None if outer is None else replace(outer, stretches=outer.stretches + np.array([2 * self.unknowns + 1, 0]))
+        return (
+            None
+            if outer is None
+            else replace(outer, stretches=outer.stretches + np.array([2 * self.unknowns + 1, 0]))
+        )
 
     def retainer_mass(self) -> float:
         """Sum of both members' masses on the retainer (kg)."""
@@ -183,7 +235,9 @@ class NestedSprings:
 
 
 def _sections(model: SpringModel) -> tuple[Array, Array] | None:
-    """Share 0..1 of the active length and mass (kg) of every inner section, or None where a model has no sections."""
+    """Share 0..1 of the active length and mass (kg) of every inner section, or None where a model
+    has no sections.
+    """
     if isinstance(model, WaveRod):
         return np.arange(1, model.cells) / model.cells, np.full(model.cells - 1, model.cell_mass)
     layout: ChainLayout | None = None

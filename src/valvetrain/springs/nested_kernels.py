@@ -15,16 +15,22 @@ OPTIONS: dict[str, Any] = {"cache": True, "error_model": "numpy", "_nrt": False}
 
 @njit(**OPTIONS)
 def _rub(parameters, integers, state, outer_at, inner_at, time_step):
-    """Friction impulse between each inner section and its nearest outer one: what stops the slip, at most mu N h; returns the loss.
+    """Friction impulse between each inner section and its nearest outer one: what stops the slip,
+    at most mu N h; returns the loss.
 
-    Sections are taken in turn. The members have drifted already, so positions follow the impulse: friction between kick and drift
-    widens the stable step, friction after the drift would narrow it by up to sqrt(2) and blow up a rod at Courant number one.
+    Sections are taken in turn. The members have drifted already, so positions follow the impulse:
+    friction between kick and drift
+    widens the stable step, friction after the drift would narrow it by up to sqrt(2) and blow up a
+    rod at Courant number one.
     """
     outer, inner, pairs = integers[0], integers[1], integers[6]
     partner, inverse = INTEGER_HEADER, HEADER + integers[2] + integers[3]
     limit, lost = parameters[0] * time_step, 0.0
     for j in range(pairs):
-        first, second = outer_at + outer + integers[partner + 2 * j], inner_at + inner + integers[partner + 2 * j + 1]
+        first, second = (
+            outer_at + outer + integers[partner + 2 * j],
+            inner_at + inner + integers[partner + 2 * j + 1],
+        )
         light, heavy = parameters[inverse + 2 * j], parameters[inverse + 2 * j + 1]
         slip = state[first] - state[second]
         impulse = slip / (light + heavy)
@@ -46,16 +52,22 @@ def _copy(state, source, target, count):
 
 @lru_cache(maxsize=32)
 def nested_kernel(outer_kernel: Any, inner_kernel: Any) -> Any:
-    """Kernel of a pair, built from the kernels of its members (one compiled function per pair of kinds).
+    """Kernel of a pair, built from the kernels of its members (one compiled function per pair of
+    kinds).
 
-    ``parameters`` = [friction limit per section (N), outer's, inner's, inverse masses of the section pairs (1/kg)].
-    ``integers`` = [unknowns outer, inner, parameters outer, inner, integers outer, inner, section pairs,
+    ``parameters`` = [friction limit per section (N), outer's, inner's, inverse masses of the
+    section pairs (1/kg)].
+    ``integers`` = [unknowns outer, inner, parameters outer, inner, integers outer, inner, section
+    pairs,
     length of outer's buffer, pairs of section numbers, outer's, inner's].
-    ``state`` = positions outer, inner, velocities outer, inner, rubbing loss, outer's buffer, inner's buffer.
+    ``state`` = positions outer, inner, velocities outer, inner, rubbing loss, outer's buffer,
+    inner's buffer.
     """
 
     @njit(**{**OPTIONS, "cache": False})
-    def advance_nested(parameters, integers, state, retainer_displacement, retainer_velocity, time_step):
+    def advance_nested(
+        parameters, integers, state, retainer_displacement, retainer_velocity, time_step
+    ):
         n, m, pairs = integers[0], integers[1], integers[6]
         outer_values, inner_values, outer_counts = integers[2], integers[3], integers[4]
         counts = INTEGER_HEADER + 2 * pairs
@@ -66,16 +78,26 @@ def nested_kernel(outer_kernel: Any, inner_kernel: Any) -> Any:
         _copy(state, n, inner_at, m)
         _copy(state, 2 * n + m, inner_at + m, m)
         retainer, seat = outer_kernel(
-            parameters[HEADER : HEADER + outer_values], integers[counts : counts + outer_counts], state[outer_at:inner_at],
-            retainer_displacement, retainer_velocity, time_step,
-        )  # fmt: skip
+            parameters[HEADER : HEADER + outer_values],
+            integers[counts : counts + outer_counts],
+            state[outer_at:inner_at],
+            retainer_displacement,
+            retainer_velocity,
+            time_step,
+        )
         more, below = inner_kernel(
-            parameters[HEADER + outer_values : HEADER + outer_values + inner_values], integers[counts + outer_counts :], state[inner_at:],
-            retainer_displacement, retainer_velocity, time_step,
-        )  # fmt: skip
+            parameters[HEADER + outer_values : HEADER + outer_values + inner_values],
+            integers[counts + outer_counts :],
+            state[inner_at:],
+            retainer_displacement,
+            retainer_velocity,
+            time_step,
+        )
         if time_step > 0.0:
             if pairs > 0:
-                state[2 * (n + m)] += _rub(parameters, integers, state, outer_at, inner_at, time_step)
+                state[2 * (n + m)] += _rub(
+                    parameters, integers, state, outer_at, inner_at, time_step
+                )
             _copy(state, outer_at, 0, n)
             _copy(state, outer_at + n, n + m, n)
             _copy(state, inner_at, n, m)

@@ -1,4 +1,6 @@
-"""What the registry holds of a spring model: its word, options, needs, and how it is made from an installed spring."""
+"""What the registry holds of a spring model: its word, options, needs, and how it is made from an
+installed spring.
+"""
 
 from __future__ import annotations
 
@@ -9,8 +11,7 @@ from typing import Annotated, Any
 from pydantic import Strict, TypeAdapter, ValidationError
 
 from valvetrain.errors import InputError
-from valvetrain.parameters.installed_spring import InstalledSpring
-from valvetrain.parameters.spring_options import SpringOptions
+from valvetrain.parameters.installed_spring import InstalledSpring, SpringOptions
 from valvetrain.registry import find
 from valvetrain.solution.static import SpringAtRest
 from valvetrain.springs.contract import SpringModel
@@ -24,10 +25,14 @@ class NoOptions(SpringOptions):
 class SpringModelSpec:
     """One fidelity of a spring as studies, reports and documents know it.
 
-    ``make(installed, options, rest)`` builds the model; ``options`` is the typed table of its options; ``rest`` the spring at rest by
-    the finite-element rod, given where ``needs_rest``. ``wire_only``: why a card does not serve, empty where it does. ``needs_mass``:
-    whether a card must tell its mass. ``no_motion``: why the model does not run in time, empty where it does. ``shows``: what beyond
-    the end forces (``sections``, ``clash``, ``stress``). ``damped``: whether the damping of the spring has an effect.
+    ``make(installed, options, rest)`` builds the model; ``options`` is the typed table of its
+    options; ``rest`` the spring at rest by
+    the finite-element rod, given where ``needs_rest``. ``wire_only``: why a card does not serve,
+    empty where it does. ``needs_mass``:
+    whether a card must tell its mass. ``no_motion``: why the model does not run in time, empty
+    where it does. ``shows``: what beyond
+    the end forces (``sections``, ``clash``, ``stress``). ``damped``: whether the damping of the
+    spring has an effect.
     ``processor_time``: seconds of one core per simulated second, for estimates.
     """
 
@@ -58,14 +63,18 @@ class SpringModelSpec:
         return ""
 
     def build(self, spring: InstalledSpring, rest: SpringAtRest | None = None) -> SpringModel:
-        """The model of an installed spring. Raises :class:`InputError` where it cannot stand for it, or for options it does not take."""
+        """The model of an installed spring. Raises :class:`InputError` where it cannot stand for
+        it, or for options it does not take.
+        """
         reason = self.why_not(spring)
         if reason:
             raise InputError(reason)
         return self.make(spring, self.read_options(spring.options_of(self.word)), rest)
 
     def read_options(self, values: Mapping[str, Any]) -> SpringOptions:
-        """The model's options with defaults filled in; values are SI, as a case holds them. Raises :class:`InputError` for others."""
+        """The model's options with defaults filled in; values are SI, as a case holds them. Raises
+        :class:`InputError` for others.
+        """
         unknown = [name for name in values if name not in self.options.model_fields]
         if unknown:
             known = ", ".join(self.options.model_fields) or "no options"
@@ -78,13 +87,20 @@ class SpringModelSpec:
                     TypeAdapter(kind).validate_python(value)
                 except ValidationError as error:
                     words = error.errors()[0]["msg"].removeprefix("Input should be ")
-                    raise InputError(f"{name} of a {self.word} spring is {value!r}; it should be {words}") from error
+                    raise InputError(
+                        f"{name} of a {self.word} spring is {value!r}; it should be {words}"
+                    ) from error
         return self.options.model_construct(**values)
 
 
 def spring_model(word: str, where: str = "") -> SpringModelSpec:
-    """The entry of a spring model by its word. Raises :class:`InputError` with the nearest word for an unknown one."""
+    """The entry of a spring model by its word. Raises :class:`InputError` with the nearest word for
+    an unknown one.
+    """
     spec = find("springs", word, where)
     if not isinstance(spec, SpringModelSpec):
-        raise InputError(f"what is registered as spring model '{word}' is no SpringModelSpec; repair the package that brings it", where)
+        raise InputError(
+            f"what is registered as spring model '{word}' is no SpringModelSpec; repair the package that brings it",
+            where,
+        )
     return spec

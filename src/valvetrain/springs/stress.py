@@ -1,8 +1,11 @@
 """Stress of round spring wire at the inner and outer fibre, from the section loads of a rod run.
 
-Torsion and direct shear carry the curvature of the bar, bending in the coil plane its own. The published factors hold for an axial
-force, where torsional moment T and shear force V belong together (T = V D / 2); they are split into a share of T and a share of V,
-so that a dynamic state, where the two part, is covered as well (docs/decisions/0030-stress-of-the-wire.md).
+Torsion and direct shear carry the curvature of the bar, bending in the coil plane its own. The
+published factors hold for an axial
+force, where torsional moment T and shear force V belong together (T = V D / 2); they are split into
+a share of T and a share of V,
+so that a dynamic state, where the two part, is covered as well
+(docs/decisions/0030-stress-of-the-wire.md).
 """
 
 from __future__ import annotations
@@ -15,7 +18,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from valvetrain.errors import InputError
 from valvetrain.parameters.spring import SpringDefinition
-from valvetrain.solution.arrays import Variable
+from valvetrain.solution.channels import Variable
 from valvetrain.solution.result import Solution
 
 Array = NDArray[np.float64]
@@ -49,32 +52,44 @@ def wahl(index: Array) -> Array:
     return (4 * index - 1) / (4 * index - 4) + 0.615 / index
 
 
-#: Word -> factor at the inner fibre over the index; the outer fibre is the same law at minus the index, with the centre on its far side.
-CURVATURE_FACTORS: Mapping[str, Callable[[Array], Array]] = {"bergstraesser": bergstraesser, "goehner": goehner, "wahl": wahl}
+#: Word -> factor at the inner fibre over the index; the outer fibre is the same law at minus the
+#: index, with the centre on its far side.
+CURVATURE_FACTORS: Mapping[str, Callable[[Array], Array]] = {
+    "bergstraesser": bergstraesser,
+    "goehner": goehner,
+    "wahl": wahl,
+}
 DEFAULT_FACTOR = "bergstraesser"
 #: Places along the free turns at which the nominal stress is looked for.
 NOMINAL_SAMPLES = 4001
 
 
 def shear_stress_factor(curvature: str, index: ArrayLike, fibre: str = "inner") -> Array:
-    """Shear at a fibre over 8 F D / (pi d^3) under an axial force F; ``index`` D/d, ``fibre`` inner or outer.
+    """Shear at a fibre over 8 F D / (pi d^3) under an axial force F; ``index`` D/d, ``fibre`` inner
+    or outer.
 
     Raises :class:`InputError` for an unknown factor or fibre, or an index of 1 or less.
     """
     if curvature not in CURVATURE_FACTORS:
-        raise InputError(f"curvature factor '{curvature}' is unknown; use {', '.join(CURVATURE_FACTORS)} or none")
+        raise InputError(
+            f"curvature factor '{curvature}' is unknown; use {', '.join(CURVATURE_FACTORS)} or none"
+        )
     if fibre not in ("inner", "outer"):
         raise InputError(f"fibre '{fibre}' is unknown; use inner or outer")
     ratio = np.asarray(index, dtype=float)
     if not np.all(ratio > 1):
-        raise InputError(f"a spring index of {float(np.min(ratio)):g} has no coil; the mean diameter must exceed the wire diameter")
+        raise InputError(
+            f"a spring index of {float(np.min(ratio)):g} has no coil; the mean diameter must exceed the wire diameter"
+        )
     return CURVATURE_FACTORS[curvature](ratio if fibre == "inner" else -ratio)
 
 
 def bending_stress_factor(index: ArrayLike, fibre: str = "inner") -> Array:
-    """Stress over 32 M / (pi d^3) of a round bar bent in the plane of its curvature: (4w^2 - w - 1) / (4w (w - 1)) at the inner fibre.
+    """Stress over 32 M / (pi d^3) of a round bar bent in the plane of its curvature: (4w^2 - w - 1)
+    / (4w (w - 1)) at the inner fibre.
 
-    Wahl's form of the Winkler-Bach curved bar; the outer fibre is the same law at minus the index (wahl1963).
+    Wahl's form of the Winkler-Bach curved bar; the outer fibre is the same law at minus the index
+    (wahl1963).
     """
     w = np.asarray(index, dtype=float) * (1.0 if fibre == "inner" else -1.0)
     return (4 * w**2 - w - 1) / (4 * w * (w - 1))
@@ -90,34 +105,49 @@ class FibreFactors:
     tension: Array
 
 
-def fibre_factors(definition: SpringDefinition, coil: Array, fibre: str, curvature: str | None = DEFAULT_FACTOR) -> FibreFactors:
-    """Stress per load at coil numbers ``coil`` (n,); ``curvature`` None leaves out curvature and direct shear alike: 16 T / (pi d^3)."""
+def fibre_factors(
+    definition: SpringDefinition, coil: Array, fibre: str, curvature: str | None = DEFAULT_FACTOR
+) -> FibreFactors:
+    """Stress per load at coil numbers ``coil`` (n,); ``curvature`` None leaves out curvature and
+    direct shear alike: 16 T / (pi d^3).
+    """
     wire, index = definition.wire_diameter.value(coil), definition.index(coil)
     side = 1.0 if fibre == "inner" else -1.0
     torsion, bending, area = 16 / (np.pi * wire**3), 32 / (np.pi * wire**3), np.pi / 4 * wire**2
     if curvature is None:
         return FibreFactors(torsion, np.zeros_like(torsion), side * bending, 1 / area)
     nu = definition.material.poisson_ratio
-    # Saint-Venant's shear at the end of the neutral axis of a straight round bar; 1.23 V / A at nu = 0.3 is Wahl's 0.615 / w.
+    # Saint-Venant's shear at the end of the neutral axis of a straight round bar; 1.23 V / A at nu
+    # = 0.3 is Wahl's 0.615 / w.
     edge = (1 + 2 * nu) / (1 + nu)
     factor = shear_stress_factor(curvature, index, fibre)
     return FibreFactors(
-        torsion * (factor - side * edge / (2 * index)), side * edge / area, side * bending * bending_stress_factor(index, fibre), 1 / area
+        torsion * (factor - side * edge / (2 * index)),
+        side * edge / area,
+        side * bending * bending_stress_factor(index, fibre),
+        1 / area,
     )
 
 
 def wire_stress(
-    loads: Mapping[str, Array], definition: SpringDefinition, coil: Array, curvature: str | None = DEFAULT_FACTOR
+    loads: Mapping[str, Array],
+    definition: SpringDefinition,
+    coil: Array,
+    curvature: str | None = DEFAULT_FACTOR,
 ) -> dict[str, Array]:
-    """All of :data:`STRESS_CHANNELS` (Pa; samples, n) from section loads of these shapes (N m, N) at coil numbers ``coil`` (n,).
+    """All of :data:`STRESS_CHANNELS` (Pa; samples, n) from section loads of these shapes (N m, N)
+    at coil numbers ``coil`` (n,).
 
-    The shear force is taken to act with the torsion, as under an axial force. Raises :class:`InputError` for an unknown factor.
+    The shear force is taken to act with the torsion, as under an axial force. Raises
+    :class:`InputError` for an unknown factor.
     """
     compression = -1.0 if definition.hand == "right" else 1.0
     found: dict[str, Array] = {}
     for fibre in ("inner", "outer"):
         by = fibre_factors(definition, coil, fibre, curvature)
-        shear = compression * by.torsion * loads["torsional_moment"] + by.shear * loads["shear_force"]
+        shear = (
+            compression * by.torsion * loads["torsional_moment"] + by.shear * loads["shear_force"]
+        )
         axial = by.bending * loads["binormal_moment"] + by.tension * loads["normal_force"]
         found[f"{fibre}_fibre_shear_stress"], found[f"{fibre}_fibre_axial_stress"] = shear, axial
         found[f"{fibre}_fibre_equivalent_stress"] = np.sqrt(axial**2 + 3 * shear**2)
@@ -125,24 +155,43 @@ def wire_stress(
 
 
 def nominal_stress_per_force(wire: SpringDefinition) -> float:
-    """Largest of k 8 D / (pi d**3) (Pa per N) over the free turns, k = (w + 0.5) / (w - 0.75), w = D / d (EN 13906-1)."""
+    """Largest of k 8 D / (pi d**3) (Pa per N) over the free turns, k = (w + 0.5) / (w - 0.75), w =
+    D / d (EN 13906-1).
+    """
     coil = np.linspace(*wire.free_coils, NOMINAL_SAMPLES)
     diameter, mean = wire.wire_diameter.value(coil), wire.mean_diameter.value(coil)
     return float(np.max(bergstraesser(mean / diameter) * 8 * mean / (np.pi * diameter**3)))
 
 
-def with_stress(solution: Solution, definition: SpringDefinition, curvature: str | None = DEFAULT_FACTOR) -> Solution:
-    """The solution with the channels of :data:`STRESS_CHANNELS`; what it has is kept, an earlier stress replaced.
+def with_stress(
+    solution: Solution, definition: SpringDefinition, curvature: str | None = DEFAULT_FACTOR
+) -> Solution:
+    """The solution with the channels of :data:`STRESS_CHANNELS`; what it has is kept, an earlier
+    stress replaced.
 
     Raises :class:`InputError` for a model that gives no section loads, or an unknown factor.
     """
     if not solution.has(*LOADS):
-        raise InputError(f"a {solution.model or 'nameless'} run holds no section loads of the wire; run the finite-element model")
+        raise InputError(
+            f"a {solution.model or 'nameless'} run holds no section loads of the wire; run the finite-element model"
+        )
     coil = solution.arrays.coords["coil_number"].values
-    values = wire_stress({name: solution.channel(name) for name in LOADS}, definition, coil, curvature)
+    values = wire_stress(
+        {name: solution.channel(name) for name in LOADS}, definition, coil, curvature
+    )
     factor = curvature or "none"
     added = {
-        name: Variable(("sample", "wire_point"), array, {"units": "Pa", "long_name": STRESS_CHANNELS[name], "curvature_factor": factor})
+        name: Variable(
+            ("sample", "wire_point"),
+            array,
+            {"units": "Pa", "long_name": STRESS_CHANNELS[name], "curvature_factor": factor},
+        )
         for name, array in values.items()
     }
-    return Solution(solution.arrays.assign(added), solution.events, solution.status, solution.statistics, solution.provenance)
+    return Solution(
+        solution.arrays.assign(added),
+        solution.events,
+        solution.status,
+        solution.statistics,
+        solution.provenance,
+    )

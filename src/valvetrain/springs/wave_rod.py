@@ -1,7 +1,10 @@
-"""Equivalent rod: the damped wave equation U'' + 2 mu U' = a**2 U_xixi, on a grid that a wave crosses cell by cell.
+"""Equivalent rod: the damped wave equation U'' + 2 mu U' = a**2 U_xixi, on a grid that a wave
+crosses cell by cell.
 
-With cell length a h (Courant number one) the explicit step IS d'Alembert's solution: a step of the end velocity travels undistorted.
-See docs/decisions/0011-rod-at-unit-courant.md. Source: Vasilyev, Bakhracheva and Storojakov, valve gear model, equations 1 to 3.
+With cell length a h (Courant number one) the explicit step IS d'Alembert's solution: a step of the
+end velocity travels undistorted.
+See docs/decisions/0011-rod-at-unit-courant.md. Source: Vasilyev, Bakhracheva and Storojakov, valve
+gear model, equations 1 to 3.
 """
 
 from __future__ import annotations
@@ -25,7 +28,9 @@ MOST_CELLS = 1000
 
 
 def cells_for_step(wave_speed: float, time_step: float, courant: float) -> int:
-    """Largest number of cells that a step (s) of the train carries at a Courant number up to ``courant``."""
+    """Largest number of cells that a step (s) of the train carries at a Courant number up to
+    ``courant``.
+    """
     if not time_step > 0:
         raise InputError(f"time step {time_step} s of the rod must be positive")
     return int(np.clip(np.floor(courant / (wave_speed * time_step) * (1 + 1e-9)), 3, MOST_CELLS))
@@ -35,8 +40,10 @@ def cells_for_step(wave_speed: float, time_step: float, courant: float) -> int:
 class WaveRod:
     """Uniform rod of ``cells`` cells with the rate, preload and mass of ``spring``.
 
-    ``friction`` mu (1/s) of the wave equation (20 to 30 without a damper). Where it does not pull (``pulls``), an end cell longer than
-    free is open: the rod has left its seat or its retainer. Half a cell and the inactive coils move with the retainer.
+    ``friction`` mu (1/s) of the wave equation (20 to 30 without a damper). Where it does not pull
+    (``pulls``), an end cell longer than
+    free is open: the rod has left its seat or its retainer. Half a cell and the inactive coils move
+    with the retainer.
 
     >>> import valvetrain as vt
     >>> spring = WaveRod(vt.EquivalentSpring(30e3, 250.0, 0.04))
@@ -53,9 +60,13 @@ class WaveRod:
     def __post_init__(self) -> None:
         keep_si(self, f"the rod of spring '{self.spring.name}'", friction="damping rate")
         if self.cells < 3:
-            raise InputError(f"the rod of spring '{self.spring.name}' has {self.cells} cells; give at least 3 (200 is usual)")
+            raise InputError(
+                f"the rod of spring '{self.spring.name}' has {self.cells} cells; give at least 3 (200 is usual)"
+            )
         if not self.friction >= 0:
-            raise InputError(f"friction of the rod of spring '{self.spring.name}' is {self.friction} 1/s; give zero or a positive number")
+            raise InputError(
+                f"friction of the rod of spring '{self.spring.name}' is {self.friction} 1/s; give zero or a positive number"
+            )
 
     @property
     def unknowns(self) -> int:
@@ -77,23 +88,39 @@ class WaveRod:
         return kernel
 
     def parameters(self) -> Array:
-        return np.array([self.spring.preload, self.cell_stiffness, self.cell_mass, 2 * self.friction, self._free])
+        return np.array(
+            [
+                self.spring.preload,
+                self.cell_stiffness,
+                self.cell_mass,
+                2 * self.friction,
+                self._free,
+            ]
+        )
 
     @property
     def _free(self) -> float:
-        """Shortening (m) of an end cell from the installed state at which it opens; below all others where the ends are held."""
+        """Shortening (m) of an end cell from the installed state at which it opens; below all
+        others where the ends are held.
+        """
         return -np.inf if self.pulls else -self.spring.preload / self.cell_stiffness
 
     def integers(self) -> NDArray[np.int64]:
         return np.array([self.unknowns], dtype=np.int64)
 
     def with_time_step(self, time_step: float) -> WaveRod:
-        """The grid whose Courant number at ``time_step`` (s) is as near one from below as whole cells allow."""
+        """The grid whose Courant number at ``time_step`` (s) is as near one from below as whole
+        cells allow.
+        """
         return replace(self, cells=cells_for_step(self.spring.wave_speed, time_step, 1.0))
 
     def initial_state(self, retainer_displacement: float) -> Array:
         state = np.zeros(2 * self.unknowns + 1)
-        shortening = retainer_displacement if self.pulls else max(retainer_displacement, -self.spring.preload / self.spring.rate)
+        shortening = (
+            retainer_displacement
+            if self.pulls
+            else max(retainer_displacement, -self.spring.preload / self.spring.rate)
+        )
         state[: self.unknowns] = shortening * np.arange(1, self.cells) / self.cells
         return state
 
@@ -104,37 +131,69 @@ class WaveRod:
     def _nodes(self, state: Array, displacement: float) -> Array:
         return np.concatenate(([0.0], state[: self.unknowns], [displacement]))
 
-    def energy(self, state: Array, retainer_displacement: float, retainer_velocity: float = 0.0, time_step: float = 0.0) -> SpringEnergy:
+    def energy(
+        self,
+        state: Array,
+        retainer_displacement: float,
+        retainer_velocity: float = 0.0,
+        time_step: float = 0.0,
+    ) -> SpringEnergy:
         """Elastic energy counted from the installed position."""
         n, nodes = self.unknowns, self._nodes(state, retainer_displacement)
         velocity, cells = state[n : 2 * n], np.diff(nodes)
         cells[[0, -1]] = np.maximum(cells[[0, -1]], self._free)
         if time_step > 0:
-            kick = self.cell_stiffness / self.cell_mass * np.diff(cells) - 2 * self.friction * velocity
+            kick = (
+                self.cell_stiffness / self.cell_mass * np.diff(cells) - 2 * self.friction * velocity
+            )
             velocity = velocity + time_step / 2 * kick
         elastic = self.spring.preload * np.sum(cells) + self.cell_stiffness * np.sum(cells**2) / 2
-        return SpringEnergy(float(self.cell_mass * np.sum(velocity**2) / 2), float(elastic), 0.0, float(state[2 * n]))
+        return SpringEnergy(
+            float(self.cell_mass * np.sum(velocity**2) / 2),
+            float(elastic),
+            0.0,
+            float(state[2 * n]),
+        )
 
-    def force(self, state: Array, retainer_displacement: float, retainer_velocity: float = 0.0) -> EndForces:
+    def force(
+        self, state: Array, retainer_displacement: float, retainer_velocity: float = 0.0
+    ) -> EndForces:
         ends = np.maximum([retainer_displacement - state[self.unknowns - 1], state[0]], self._free)
         return EndForces(*(self.spring.preload + self.cell_stiffness * ends).tolist())
 
     def tangent(self, state: Array, retainer_displacement: float) -> float:
-        return self.cell_stiffness if retainer_displacement - state[self.unknowns - 1] >= self._free else 0.0
+        return (
+            self.cell_stiffness
+            if retainer_displacement - state[self.unknowns - 1] >= self._free
+            else 0.0
+        )
 
-    def outputs(self, state: Array, retainer_displacement: float, retainer_velocity: float = 0.0) -> SpringOutputs:
+    def outputs(
+        self, state: Array, retainer_displacement: float, retainer_velocity: float = 0.0
+    ) -> SpringOutputs:
         """``coil_number`` is the share 0..1 of the active length: a uniform rod knows no turns."""
-        velocity = np.concatenate(([0.0], state[self.unknowns : 2 * self.unknowns], [retainer_velocity]))
+        velocity = np.concatenate(
+            ([0.0], state[self.unknowns : 2 * self.unknowns], [retainer_velocity])
+        )
         share = np.linspace(0.0, 1.0, self.cells + 1)
-        return SpringOutputs(*self.force(state, retainer_displacement), share, -self._nodes(state, retainer_displacement), -velocity)
+        return SpringOutputs(
+            *self.force(state, retainer_displacement),
+            share,
+            -self._nodes(state, retainer_displacement),
+            -velocity,
+        )
 
     def retainer_mass(self) -> float:
-        """Half a cell plus the inactive end coils (kg); the rest of the inertia acts through the waves."""
+        """Half a cell plus the inactive end coils (kg); the rest of the inertia acts through the
+        waves.
+        """
         return self.cell_mass / 2 + self.spring.inactive_mass
 
 
 def wave_friction(spring: InstalledSpring, equivalent: EquivalentSpring) -> float:
-    """Friction mu (1/s) of the wave equation that damps the first surge mode as the spring's own damping does: ratio * 2 pi f1."""
+    """Friction mu (1/s) of the wave equation that damps the first surge mode as the spring's own
+    damping does: ratio * 2 pi f1.
+    """
     frequency = equivalent.surge_frequency
     return float(spring.damping.ratio_at(frequency) * 2 * np.pi * frequency)
 
@@ -145,6 +204,14 @@ def _make(spring: InstalledSpring, options: NoOptions, rest: SpringAtRest | None
 
 
 SPEC = SpringModelSpec(
-    "wave-rod", "equivalent rod", "#16877a", NoOptions, _make, shows=("sections",), processor_time=0.5,
-    knows="the wave equation; a step travels undistorted", leaves_out="clash, change of rate while surging", citation="vasilyev2016",
-)  # fmt: skip
+    "wave-rod",
+    "equivalent rod",
+    "#16877a",
+    NoOptions,
+    _make,
+    shows=("sections",),
+    processor_time=0.5,
+    knows="the wave equation; a step travels undistorted",
+    leaves_out="clash, change of rate while surging",
+    citation="vasilyev2016",
+)

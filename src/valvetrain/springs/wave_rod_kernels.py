@@ -8,12 +8,19 @@ from typing import Any
 from valvetrain.compiled import njit
 
 #: Nothing is allocated, so no reference counting; sums may be reordered, nothing that hides a NaN.
-OPTIONS: dict[str, Any] = {"cache": True, "error_model": "numpy", "_nrt": False, "fastmath": {"reassoc", "contract", "nsz"}}
+OPTIONS: dict[str, Any] = {
+    "cache": True,
+    "error_model": "numpy",
+    "_nrt": False,
+    "fastmath": {"reassoc", "contract", "nsz"},
+}
 
 
 @njit(forceinline=True, **OPTIONS)
 def _kick(parameters, integers, state, time_step, half):
-    """Half damping, kick, half damping on the inner nodes 2 .. n - 1; returns twice the energy over the node mass that was lost."""
+    """Half damping, kick, half damping on the inner nodes 2 .. n - 1; returns twice the energy over
+    the node mass that was lost.
+    """
     n = integers[0]
     below, here, above = state[: n - 2], state[1 : n - 1], state[2:n]
     velocities = state[n + 1 : 2 * n - 1]
@@ -44,21 +51,29 @@ def _drift(integers, state, time_step):
 
 @njit(**OPTIONS)
 def advance_rod(parameters, integers, state, retainer_displacement, retainer_velocity, time_step):
-    """``parameters`` = preload (N), cell stiffness (N/m), cell mass (kg), mass damping (1/s), shortening (m) at which
+    """``parameters`` = preload (N), cell stiffness (N/m), cell mass (kg), mass damping (1/s),
+    shortening (m) at which
     an end cell opens; ``integers`` = [n inner nodes, n >= 2].
 
-    ``state`` = displacements from the installed state (n), velocities (n), dissipated energy. Every damping factor is
-    exp(-alpha h / 2) on either side of the kick, so a front decays by exactly exp(-mu t), mu = alpha / 2, at unit Courant number.
+    ``state`` = displacements from the installed state (n), velocities (n), dissipated energy. Every
+    damping factor is
+    exp(-alpha h / 2) on either side of the kick, so a front decays by exactly exp(-mu t), mu =
+    alpha / 2, at unit Courant number.
     """
     n = integers[0]
-    top, bottom = max(retainer_displacement - state[n - 1], parameters[4]), max(state[0], parameters[4])
+    top, bottom = (
+        max(retainer_displacement - state[n - 1], parameters[4]),
+        max(state[0], parameters[4]),
+    )
     retainer, seat = parameters[0] + parameters[1] * top, parameters[0] + parameters[1] * bottom
     if time_step > 0.0:
         half = math.exp(-0.5 * parameters[3] * time_step)
         gain = time_step * parameters[1] / parameters[2]
         first, last = state[1] - state[0] - bottom, top - state[n - 1] + state[n - 2]
         lost = _kick(parameters, integers, state, time_step, half)
-        lost += _kick_end(state, 0, n, gain, first, half) + _kick_end(state, n - 1, n, gain, last, half)
+        lost += _kick_end(state, 0, n, gain, first, half) + _kick_end(
+            state, n - 1, n, gain, last, half
+        )
         _drift(integers, state, time_step)
         state[2 * n] += 0.5 * (1.0 - half * half) * parameters[2] * lost
     return retainer, seat

@@ -1,4 +1,6 @@
-"""Everything that a run builds and finds before it integrates in time, without the run: what is wrong may only show there."""
+"""Everything that a run builds and finds before it integrates in time, without the run: what is
+wrong may only show there.
+"""
 
 from __future__ import annotations
 
@@ -16,30 +18,52 @@ RUBBING = ("follower", "valve")
 
 
 def refuse_speeds(problem: Problem, engine_speeds: Sequence[float]) -> None:
-    """Raise :class:`InputError` for engine speeds (rad/s of the crank) that are not positive, or at which nothing moves."""
+    """Raise :class:`InputError` for engine speeds (rad/s of the crank) that are not positive, or at
+    which nothing moves.
+    """
     if any(not (np.isfinite(speed) and speed > 0) for speed in engine_speeds):
-        raise InputError("every engine speed must be positive; give it as '4200 rpm'", "--engine-speed")
+        raise InputError(
+            "every engine speed must be positive; give it as '4200 rpm'", "--engine-speed"
+        )
     if engine_speeds and not problem.moves:
         remedy = "add a [lift_law] table, or leave the engine speed out for its statics and modes"
-        raise InputError(f"case '{problem.record.name}' holds no lift law, so its spring does not move; {remedy}", "--engine-speed")
+        raise InputError(
+            f"case '{problem.record.name}' holds no lift law, so its spring does not move; {remedy}",
+            "--engine-speed",
+        )
 
 
 def refuse_implausible(problem: Problem, engine_speeds: Sequence[float]) -> None:
-    """Raise :class:`InputError` for a motion or a part that is nonsense, whatever could be computed of it."""
-    gears = {member.label: member.gear.parameters for member in problem.members if member.gear is not None}
+    """Raise :class:`InputError` for a motion or a part that is nonsense, whatever could be computed
+    of it.
+    """
+    gears = {
+        member.label: member.gear.parameters
+        for member in problem.members
+        if member.gear is not None
+    }
     if engine_speeds and problem.moves:
         refuse_implausible_motion(problem.valve_lift, (speed / 2 for speed in engine_speeds))
     for train in gears.values():
-        refuse_implausible_parts({f"train.{part}.friction": getattr(getattr(train, part, None), "friction", 0.0) for part in RUBBING})
+        refuse_implausible_parts(
+            {
+                f"train.{part}.friction": getattr(getattr(train, part, None), "friction", 0.0)
+                for part in RUBBING
+            }
+        )
 
 
 def refusals_before_run(problem: Problem, implausible: bool = False) -> dict[str, str]:
-    """Label -> why the member cannot be integrated, of those that cannot; made by the same parts as a run.
+    """Label -> why the member cannot be integrated, of those that cannot; made by the same parts as
+    a run.
 
-    Springs under prescribed motion are also built as their states at rest need them. Raises :class:`InputError` with what refuses the
+    Springs under prescribed motion are also built as their states at rest need them. Raises
+    :class:`InputError` with what refuses the
     whole run; ``implausible``: nonsense passes.
     """
-    from valvetrain.springs.finite_element import FiniteElementRod  # which a sweep of a train never needs
+    from valvetrain.springs.finite_element import (
+        FiniteElementRod,  # which a sweep of a train never needs
+    )
     from valvetrain.studies.rest import reach_of
 
     refuse_speeds(problem, problem.engine_speeds)
@@ -50,12 +74,16 @@ def refusals_before_run(problem: Problem, implausible: bool = False) -> dict[str
     for member in problem.members:
         if member.refusal:
             found[member.label] = member.refusal
-        elif not member.model.needs_rest and (refusal := make_ready(problem, member, {}, problem.record.study).refusal):
+        elif not member.model.needs_rest and (
+            refusal := make_ready(problem, member, {}, problem.record.study).refusal
+        ):
             found[member.label] = refusal
         for spring in member.springs:
             if spring.wire is None and member.gear is None:
                 assert spring.card is not None
-                problem.model_of("modal-uniform" if spring.card.mass is not None else "massless", spring)
+                problem.model_of(
+                    "modal-uniform" if spring.card.mass is not None else "massless", spring
+                )
             elif spring.wire is not None and (member.gear is None or member.model.needs_rest):
                 rod = problem.model_of("finite-element", spring)
                 if spring.contact.stiffness > 0:

@@ -1,4 +1,6 @@
-"""Linear algebra on one thread while runs are computed: its own threads wait for each other longer than such small matrices take."""
+"""Linear algebra on one thread while runs are computed: its own threads wait for each other longer
+than such small matrices take.
+"""
 
 from __future__ import annotations
 
@@ -12,7 +14,9 @@ _inside = 0
 
 @contextmanager
 def one_thread() -> Iterator[None]:
-    """One thread for the linear algebra of this process and of those it forks, until the last block that asks for it has ended."""
+    """One thread for the linear algebra of this process and of those it forks, until the last block
+    that asks for it has ended.
+    """
     global _inside
     with _LOCK:
         if _inside == 0:

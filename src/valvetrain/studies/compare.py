@@ -1,4 +1,6 @@
-"""A case by several spring models side by side: at rest and in motion, solids among them where they serve."""
+"""A case by several spring models side by side: at rest and in motion, solids among them where they
+serve.
+"""
 
 from __future__ import annotations
 
@@ -21,7 +23,14 @@ from valvetrain.studies.cost import Limits
 from valvetrain.studies.engine import Progress
 from valvetrain.studies.rest import reach_of, rest_by_model
 from valvetrain.studies.run import Finished, run_problem
-from valvetrain.studies.solid import Cancel, SolidMotion, check_motion, rod_motion, solid_motion, solid_rest
+from valvetrain.studies.solid import (
+    Cancel,
+    SolidMotion,
+    check_motion,
+    rod_motion,
+    solid_motion,
+    solid_rest,
+)
 from valvetrain.studies.stopping import StudyStopped
 from valvetrain.studies.workers import result_of
 from valvetrain.system.build import build
@@ -30,37 +39,69 @@ from valvetrain.system.problem import Problem
 
 SOLID = "solid"
 #: Models that are compared when none are named: of a spring alone, of a train.
-SPRING_MODELS = ("massless", "multi-mass", "modal-varied", "wave-rod", "wave-rod-clash", "finite-element")
+SPRING_MODELS = (
+    "massless",
+    "multi-mass",
+    "modal-varied",
+    "wave-rod",
+    "wave-rod-clash",
+    "finite-element",
+)
 TRAIN_MODELS = ("massless", "multi-mass", "modal-uniform", "wave-rod")
-#: Steps of the curves that stand beside a solid: straight lines between them are exact to 0.01 % of the force where coils close.
+#: Steps of the curves that stand beside a solid: straight lines between them are exact to 0.01 % of
+#: the force where coils close.
 FINE_STEPS, STEPS = 160, 64
 
 
 def compare_study(
-    case: Case, *, engine_speeds: Sequence[float] | None = None, spring_models: Sequence[str] = (), spring_sets: Sequence[str] = (),
-    solid: SolidMotion | None = None, workers: int | None = None, progress: Progress | None = None, created_at: str = "",
-    limits: Limits = Limits(), implausible: bool = False,
+    case: Case,
+    *,
+    engine_speeds: Sequence[float] | None = None,
+    spring_models: Sequence[str] = (),
+    spring_sets: Sequence[str] = (),
+    solid: SolidMotion | None = None,
+    workers: int | None = None,
+    progress: Progress | None = None,
+    created_at: str = "",
+    limits: Limits = Limits(),
+    implausible: bool = False,
     finished: Finished | None = None,
-) -> Study:  # fmt: skip
-    """The case by each of ``spring_models`` (a usual choice by default): the study's runs, and every spring at rest by each model.
+) -> Study:
+    """The case by each of ``spring_models`` (a usual choice by default): the study's runs, and
+    every spring at rest by each model.
 
-    ``solid`` asks for a short stretch of motion by solids too. A model that cannot stand for a spring is a status in its runs. Raises
-    :class:`InputError` for what cannot be built and when no model can run, :class:`MissingExtraError` for solids without their solver.
+    ``solid`` asks for a short stretch of motion by solids too. A model that cannot stand for a
+    spring is a status in its runs. Raises
+    :class:`InputError` for what cannot be built and when no model can run,
+    :class:`MissingExtraError` for solids without their solver.
     """
-    chosen = tuple(dict.fromkeys(spring_models)) or _usual_models(case.springs, case.train is not None)
+    chosen = tuple(dict.fromkeys(spring_models)) or _usual_models(
+        case.springs, case.train is not None
+    )
     moving = tuple(word for word in chosen if not spring_model(word, "--spring").no_motion)
     problem = build(case, spring_models=moving or ("finite-element",), spring_sets=spring_sets)
     if problem.kind == TRAIN and len(moving) < len(chosen):
-        raise InputError(f"solid finite elements serve a spring alone, and case '{case.name}' is a train; leave solid out", "--spring")
-    speeds = (problem.engine_speeds if engine_speeds is None else tuple(engine_speeds)) if moving else ()
+        raise InputError(
+            f"solid finite elements serve a spring alone, and case '{case.name}' is a train; leave solid out",
+            "--spring",
+        )
+    speeds = (
+        (problem.engine_speeds if engine_speeds is None else tuple(engine_speeds)) if moving else ()
+    )
     with_solid = SOLID in chosen
     if with_solid and engine_speeds is None and solid is None:
         speeds = ()  # solids stand beside the others at rest; motion is run where it is asked for
     study = run_problem(
-        problem, speeds, workers=workers, progress=None if with_solid else progress, created_at=created_at, command="compare",
-        limits=limits, implausible=implausible,
+        problem,
+        speeds,
+        workers=workers,
+        progress=None if with_solid else progress,
+        created_at=created_at,
+        command="compare",
+        limits=limits,
+        implausible=implausible,
         finished=finished,
-    )  # fmt: skip
+    )
     if problem.kind == TRAIN:
         return study
     lift = float(np.max(problem.valve_lift.lift(np.linspace(0.0, 2 * np.pi, 721))))
@@ -69,10 +110,25 @@ def compare_study(
     gaps, stopped = Gaps(study.gaps), False
     try:
         for spring in problem.springs:
-            _by_each_model(study, problem, spring, chosen, lift, with_solid, solid, progress, (rest, motions, gaps))
+            _by_each_model(
+                study,
+                problem,
+                spring,
+                chosen,
+                lift,
+                with_solid,
+                solid,
+                progress,
+                (rest, motions, gaps),
+            )
     except KeyboardInterrupt:
         stopped = True
-    done = replace(study, rest=tuple(rest) or study.rest, solutions=(*study.solutions, *motions), gaps=gaps.sentences)
+    done = replace(
+        study,
+        rest=tuple(rest) or study.rest,
+        solutions=(*study.solutions, *motions),
+        gaps=gaps.sentences,
+    )
     if stopped:
         raise StudyStopped(done)
     return done
@@ -82,32 +138,63 @@ def _usual_models(springs: tuple[InstalledSpring, ...], in_a_train: bool) -> tup
     """The usual models, of a spring alone those that can stand for it."""
     if in_a_train:
         return TRAIN_MODELS
-    return tuple(word for word in SPRING_MODELS if not any(spring_model(word).why_not(spring) for spring in springs))
+    return tuple(
+        word
+        for word in SPRING_MODELS
+        if not any(spring_model(word).why_not(spring) for spring in springs)
+    )
 
 
 def comparison_reach(spring: InstalledSpring) -> float:
-    """Compression (m) up to which curves stand beside solids: a tenth, or a twentieth of the travel, beyond the installed state."""
+    """Compression (m) up to which curves stand beside solids: a tenth, or a twentieth of the
+    travel, beyond the installed state.
+    """
     assert spring.wire is not None
     travel, installed = spring.wire.free_length - spring.wire.solid_height, spring.precompression
     return float(min(installed + max(0.1 * installed, 0.05 * travel), 0.97 * travel))
 
 
 def _by_each_model(
-    study: Study, problem: Problem, spring: InstalledSpring, chosen: tuple[str, ...], lift: float, with_solid: bool,
-    motion: SolidMotion | None, progress: Progress | None, into: tuple[list[SpringAtRest], list[Solution], Gaps],
-) -> None:  # fmt: skip
-    """One spring at rest by every model that can stand for it, the solid first, then the rod; and the solid's stretch of motion."""
+    study: Study,
+    problem: Problem,
+    spring: InstalledSpring,
+    chosen: tuple[str, ...],
+    lift: float,
+    with_solid: bool,
+    motion: SolidMotion | None,
+    progress: Progress | None,
+    into: tuple[list[SpringAtRest], list[Solution], Gaps],
+) -> None:
+    """One spring at rest by every model that can stand for it, the solid first, then the rod; and
+    the solid's stretch of motion.
+    """
     name, lift_law, (rest, motions, gaps) = problem.record.name, problem.valve_lift, into
-    reach = comparison_reach(spring) if with_solid else reach_of(spring, lift) if spring.wire is not None else spring.precompression + lift
+    reach = (
+        comparison_reach(spring)
+        if with_solid
+        else reach_of(spring, lift)
+        if spring.wire is not None
+        else spring.precompression + lift
+    )
     compressions = np.linspace(0.0, max(reach, 1e-6), (FINE_STEPS if with_solid else STEPS) + 1)
     own = next((one for one in study.rest if one.spring == spring.name), None)
     order = [word for word in ("finite-element", *chosen) if word != SOLID and word in chosen]
-    cancel = Cancel(None if progress is None else lambda reached: progress(min(1.0, max(0.0, reached) / 2), "solid finite elements"))
+    cancel = Cancel(
+        None
+        if progress is None
+        else lambda reached: progress(min(1.0, max(0.0, reached) / 2), "solid finite elements")
+    )
     if motion is not None:
         check_motion(lift_law, motion)
 
     def by(word: str) -> SpringAtRest:
-        return rest_by_model(spring, word, problem.model_of(word, spring, own), compressions, 20 if with_solid else 12)
+        return rest_by_model(
+            spring,
+            word,
+            problem.model_of(word, spring, own),
+            compressions,
+            20 if with_solid else 12,
+        )
 
     found: list[SpringAtRest] = []
     moved: list[Solution] = []
@@ -115,9 +202,13 @@ def _by_each_model(
     with ThreadPoolExecutor(2) as pool:
         try:
             if with_solid:
-                jobs["solid finite elements at rest"] = pool.submit(solid_rest, spring, reach, cancel)
+                jobs["solid finite elements at rest"] = pool.submit(
+                    solid_rest, spring, reach, cancel
+                )
                 if motion is not None:
-                    jobs["motion by solid finite elements"] = pool.submit(solid_motion, name, spring, lift_law, motion, cancel)
+                    jobs["motion by solid finite elements"] = pool.submit(
+                        solid_motion, name, spring, lift_law, motion, cancel
+                    )
             for word in dict.fromkeys(order):
                 if not spring_model(word).why_not(spring):
                     one = gaps.part(f"spring '{spring.name}' at rest by {word}", None, by, word)
@@ -135,5 +226,7 @@ def _by_each_model(
     if moved and "finite-element" in chosen and len(moved[0].time) > 2:
         rod = problem.model_of("finite-element", spring)
         assert isinstance(rod, FiniteElementRod)
-        beside = gaps.part("motion by the rod, as the solid", None, rod_motion, name, rod, lift_law, moved[0])
+        beside = gaps.part(
+            "motion by the rod, as the solid", None, rod_motion, name, rod, lift_law, moved[0]
+        )
         motions += [beside] if beside is not None else []

@@ -11,12 +11,17 @@ from valvetrain.errors import InputError
 
 SECONDS = {"s": 1.0, "min": 60.0, "h": 3600.0, "d": 86400.0}
 BYTES = {"MB": 1e6, "GB": 1e9, "TB": 1e12}
-#: Seconds around a run (states of rest, records, quantities), and bytes of a run kept without its channels.
+#: Seconds around a run (states of rest, records, quantities), and bytes of a run kept without its
+#: channels.
 RUN, REDUCED = 0.03, 40_000.0
 #: Copies of a channel that stand side by side while a run is recorded, evaluated and written.
 COPIES = 2.0
 #: What makes a run, curves and modes, or a refinement large.
-FEWER, FEWER_AT_REST, FEWER_REFINED = "speeds, cycles or unknowns", "steps, modes or unknowns", "speeds, variants or unknowns"
+FEWER, FEWER_AT_REST, FEWER_REFINED = (
+    "speeds, cycles or unknowns",
+    "steps, modes or unknowns",
+    "speeds, variants or unknowns",
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -31,19 +36,31 @@ class Cost:
 
 
 def estimate(
-    *, runs: int, simulated_time: float, processor_time: float, refinement: float = 1.0, own_time: float = 0.0, samples: float = 720.0,
+    *,
+    runs: int,
+    simulated_time: float,
+    processor_time: float,
+    refinement: float = 1.0,
+    own_time: float = 0.0,
+    samples: float = 720.0,
     channels: float = 30.0,
-    workers: int = 1, whole: bool = True,
-) -> Cost:  # fmt: skip
+    workers: int = 1,
+    whole: bool = True,
+) -> Cost:
     """Cost of ``runs`` runs that cover ``simulated_time`` (s) in all, by ``workers`` at a time.
 
-    ``processor_time``: seconds of one core per simulated second with the model's default options; ``refinement``: unknowns over those of
-    the default, which shorten the step alike, so time grows with their square. ``own_time``: the same of what is not the springs.
-    ``samples`` instants of ``channels`` numbers each are recorded per run; of a run that is not kept ``whole`` they are there while it
+    ``processor_time``: seconds of one core per simulated second with the model's default options;
+    ``refinement``: unknowns over those of
+    the default, which shorten the step alike, so time grows with their square. ``own_time``: the
+    same of what is not the springs.
+    ``samples`` instants of ``channels`` numbers each are recorded per run; of a run that is not
+    kept ``whole`` they are there while it
     runs only.
     """
     at_a_time = max(1, min(workers, runs))
-    seconds = (runs * RUN + simulated_time * (own_time + processor_time * refinement**2)) / at_a_time
+    seconds = (
+        runs * RUN + simulated_time * (own_time + processor_time * refinement**2)
+    ) / at_a_time
     record = 8.0 * samples * channels
     return Cost(seconds, (runs * record if whole else runs * REDUCED) + COPIES * record * at_a_time)
 
@@ -57,12 +74,17 @@ class Limits:
 
 
 def read_limits(texts: Sequence[str] | None, where: str = "--limit") -> Limits:
-    """Bounds from such as ``'2 h'`` and ``'8 GB'``, in one text or several. Raises :class:`InputError` for anything else."""
+    """Bounds from such as ``'2 h'`` and ``'8 GB'``, in one text or several. Raises
+    :class:`InputError` for anything else.
+    """
     limits = Limits()
     for text in (part for whole in texts or () for part in whole.split(",")):
         match = re.fullmatch(r"\s*(\d+(?:\.\d+)?)\s*([A-Za-z]+)\s*", text)
         if match is None or match[2] not in (*SECONDS, *BYTES) or float(match[1]) == 0:
-            raise InputError(f"'{text[:40]}' is no bound; write a time such as '2 h' or a memory such as '8 GB'", where)
+            raise InputError(
+                f"'{text[:40]}' is no bound; write a time such as '2 h' or a memory such as '8 GB'",
+                where,
+            )
         if match[2] in SECONDS:
             limits = Limits(float(match[1]) * SECONDS[match[2]], limits.bytes)
         else:
@@ -71,14 +93,20 @@ def read_limits(texts: Sequence[str] | None, where: str = "--limit") -> Limits:
 
 
 def limits_of(limit: str) -> Limits:
-    """Bounds as a program gives them: ``"2 h, 8 GB"``, empty for the usual ones. Raises :class:`InputError` for anything else."""
+    """Bounds as a program gives them: ``"2 h, 8 GB"``, empty for the usual ones. Raises
+    :class:`InputError` for anything else.
+    """
     if not isinstance(limit, str):
-        raise InputError(f"'{str(limit)[:40]}' is no bound; write a time and a memory such as '2 h, 8 GB'", "limit")
+        raise InputError(
+            f"'{str(limit)[:40]}' is no bound; write a time and a memory such as '2 h, 8 GB'",
+            "limit",
+        )
     return read_limits((limit,) if limit else (), "limit")
 
 
 def refuse_cost(cost: Cost, limits: Limits, option: str = "--limit ", fewer: str = FEWER) -> str:
-    """The cost in words. Raises :class:`InputError` with the numbers, what to ask for ``fewer`` of, and the ``option`` that raises the
+    """The cost in words. Raises :class:`InputError` with the numbers, what to ask for ``fewer`` of,
+    and the ``option`` that raises the
     bound, where it is too large."""
     told = f"about {time_words(cost.seconds)} and {memory_words(cost.bytes)}"
     over = []
@@ -110,5 +138,7 @@ def memory_words(size: float) -> str:
 
 def _rounded_up(value: float, units: Mapping[str, float]) -> str:
     """``value`` as the next whole number of the largest unit that leaves at least one."""
-    unit = [name for name, size in units.items() if value >= size or size == min(units.values())][-1]
+    unit = [name for name, size in units.items() if value >= size or size == min(units.values())][
+        -1
+    ]
     return f"{math.ceil(1.05 * value / units[unit])} {unit}"

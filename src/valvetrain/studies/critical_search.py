@@ -1,8 +1,12 @@
-"""The search for critical speeds, on any function that looks at one engine speed: where to look next, brackets, hysteresis.
+"""The search for critical speeds, on any function that looks at one engine speed: where to look
+next, brackets, hysteresis.
 
-What is looked for may hold on several stretches of speed (resonances lose contact at 7800 and not at 8100 rpm), so between two speeds
-that keep control one that does not may hide. An interval is halved as long as its margins could reach zero inside: by the
-steepest slope seen nearby, with a factor, as in S. A. Piyavskii, USSR Comput. Math. Math. Phys. 12 (1972) 57. See decision 0046.
+What is looked for may hold on several stretches of speed (resonances lose contact at 7800 and not
+at 8100 rpm), so between two speeds
+that keep control one that does not may hide. An interval is halved as long as its margins could
+reach zero inside: by the
+steepest slope seen nearby, with a factor, as in S. A. Piyavskii, USSR Comput. Math. Math. Phys. 12
+(1972) 57. See decision 0046.
 """
 
 from __future__ import annotations
@@ -25,7 +29,8 @@ AWAY = 3.0
 
 @dataclass(frozen=True, eq=False)
 class Look:
-    """One engine speed: ``margins`` by kind, positive where control is kept (lost where zero, negative or NaN), the ``places`` where it is
+    """One engine speed: ``margins`` by kind, positive where control is kept (lost where zero,
+    negative or NaN), the ``places`` where it is
     lost, and the motion the run ended on (None where it cannot be carried over)."""
 
     margins: Mapping[str, float]
@@ -39,9 +44,12 @@ class Look:
 
 @dataclass(frozen=True, slots=True)
 class Limit:
-    """How one kind is searched. ``size``: margin of a train far from its limit (None: the largest seen). ``width``: how narrow a
-    stretch, in resolutions, is guarded against where nothing steeper was seen. ``sign``: the kind that announces this one, empty for none;
-    with it kept and the whole margin at both ends of an interval nothing hides between, unless ``within``: this kind is met only where the
+    """How one kind is searched. ``size``: margin of a train far from its limit (None: the largest
+    seen). ``width``: how narrow a
+    stretch, in resolutions, is guarded against where nothing steeper was seen. ``sign``: the kind
+    that announces this one, empty for none;
+    with it kept and the whole margin at both ends of an interval nothing hides between, unless
+    ``within``: this kind is met only where the
     other is (a train floats only where it has lost contact), and so hides where that may hide."""
 
     kind: str
@@ -58,7 +66,13 @@ LookAt = Callable[[float, Any], Look]
 class Search:
     """Looks at speeds from rest, kept in order, and what they say; ``resolution`` in rad/s."""
 
-    def __init__(self, look_at: LookAt, looks: Mapping[float, Look], limits: tuple[Limit, ...], resolution: float) -> None:
+    def __init__(
+        self,
+        look_at: LookAt,
+        looks: Mapping[float, Look],
+        limits: tuple[Limit, ...],
+        resolution: float,
+    ) -> None:
         self._look_at, self._looks = look_at, dict(looks)
         self._speeds = sorted(looks)
         self._limits = {limit.kind: limit for limit in limits}
@@ -86,19 +100,29 @@ class Search:
         return self._looks[engine_speed].lost(kind)
 
     def onset(self, kind: str) -> SpeedBracket | float | None:
-        """Bracket of the lowest onset; the first speed where control is lost there already; None for never."""
+        """Bracket of the lowest onset; the first speed where control is lost there already; None
+        for never.
+        """
         while (middle := self._next(kind)) is not None:
             self.look(middle)
         lost = [place for place, one in enumerate(self._speeds) if self._lost(kind, one)]
         if not lost:
             return None
-        return self._speeds[0] if lost[0] == 0 else SpeedBracket(self._speeds[lost[0] - 1], self._speeds[lost[0]])
+        return (
+            self._speeds[0]
+            if lost[0] == 0
+            else SpeedBracket(self._speeds[lost[0] - 1], self._speeds[lost[0]])
+        )
 
     def end(self, kind: str, engine_speed: float) -> SpeedBracket | None:
-        """Bracket of the end of the stretch that is lost at ``engine_speed``; None where it lasts to the last speed."""
+        """Bracket of the end of the stretch that is lost at ``engine_speed``; None where it lasts
+        to the last speed.
+        """
         while True:
             above = self._speeds[bisect_left(self._speeds, engine_speed) :]
-            kept = next((place for place, one in enumerate(above) if not self._lost(kind, one)), None)
+            kept = next(
+                (place for place, one in enumerate(above) if not self._lost(kind, one)), None
+            )
             if kept is None:
                 return None
             low, high = above[kept - 1], above[kept]
@@ -122,10 +146,15 @@ class Search:
     def crossing(self, kind: str, bracket: SpeedBracket) -> Crossing:
         """The bracket found from rest with those of rising and of falling speed."""
         low, high = bracket.lower_engine_speed, bracket.upper_engine_speed
-        return Crossing(bracket, self._carried(kind, self._away(kind, low, -1), high), self._carried(kind, self._away(kind, high, 1), low))
+        return Crossing(
+            bracket,
+            self._carried(kind, self._away(kind, low, -1), high),
+            self._carried(kind, self._away(kind, high, 1), low),
+        )
 
     def _away(self, kind: str, engine_speed: float, sign: int) -> float:
-        """The nearest speed looked at that lies :data:`AWAY` from a bracket's end on the same side of the change, or that end: just
+        """The nearest speed looked at that lies :data:`AWAY` from a bracket's end on the same side
+        of the change, or that end: just
         beyond a change the motion from rest may not have jumped yet."""
         place, side = bisect_left(self._speeds, engine_speed), self._lost(kind, engine_speed)
         while 0 <= place < len(self._speeds) and self._lost(kind, self._speeds[place]) == side:
@@ -135,10 +164,15 @@ class Search:
         return engine_speed
 
     def _carried(self, kind: str, begin: float, towards: float) -> SpeedBracket | None:
-        """From the motion at ``begin`` on, each speed from the one before, in steps that grow and, since a long one may leave a motion
+        """From the motion at ``begin`` on, each speed from the one before, in steps that grow and,
+        since a long one may leave a motion
         that lives on, come back to one resolution before a change is believed."""
         last = self._speeds[-1 if towards > begin else 0]
-        sign, most, step = math.copysign(1.0, towards - begin), STRIDE * self._resolution, self._resolution / (1 + 1e-9)
+        sign, most, step = (
+            math.copysign(1.0, towards - begin),
+            STRIDE * self._resolution,
+            self._resolution / (1 + 1e-9),
+        )
         first, here = self.look(begin), begin
         side, orbit = first.lost(kind), first.orbit
         while orbit is not None:
@@ -159,25 +193,42 @@ class Search:
         for low, high in zip(self._speeds, self._speeds[1:], strict=False):
             if self._lost(kind, low):
                 return None
-            if high - low > self._resolution and (self._lost(kind, high) or self._may_hide(kind, low, high)):
+            if high - low > self._resolution and (
+                self._lost(kind, high) or self._may_hide(kind, low, high)
+            ):
                 return (low + high) / 2
         return None
 
     def _may_hide(self, kind: str, low: float, high: float) -> bool:
-        """Whether between two speeds that keep control one may not, as far as slopes seen nearby tell."""
+        """Whether between two speeds that keep control one may not, as far as slopes seen nearby
+        tell.
+        """
         limit, ends = self._limits[kind], (self._looks[low], self._looks[high])
         margins = [one.margins[kind] for one in ends]
-        size = max(one.margins[kind] for one in self._looks.values() if one.margins[kind] > 0) if limit.size is None else limit.size
+        size = (
+            max(one.margins[kind] for one in self._looks.values() if one.margins[kind] > 0)
+            if limit.size is None
+            else limit.size
+        )
         if limit.sign and min(margins) >= size and not any(one.lost(limit.sign) for one in ends):
             return limit.within and self._may_hide(limit.sign, low, high)
-        steepness = max(FACTOR * self._steepest(kind, (low + high) / 2), 2 * size / (limit.width * self._resolution))
+        steepness = max(
+            FACTOR * self._steepest(kind, (low + high) / 2),
+            2 * size / (limit.width * self._resolution),
+        )
         return sum(margins) < steepness * (high - low)
 
     def _steepest(self, kind: str, engine_speed: float) -> float:
         """Largest change of the margin per rad/s between neighbours near ``engine_speed``."""
         near = self._speeds[
-            max(0, bisect_left(self._speeds, (1 - NEAR) * engine_speed) - 1) : bisect_left(self._speeds, (1 + NEAR) * engine_speed) + 1
+            max(0, bisect_left(self._speeds, (1 - NEAR) * engine_speed) - 1) : bisect_left(
+                self._speeds, (1 + NEAR) * engine_speed
+            )
+            + 1
         ]
         values = [self._looks[one].margins[kind] for one in near]
-        slopes = [abs(b - a) / (y - x) for a, b, x, y in zip(values, values[1:], near, near[1:], strict=False)]
+        slopes = [
+            abs(b - a) / (y - x)
+            for a, b, x, y in zip(values, values[1:], near, near[1:], strict=False)
+        ]
         return max((slope for slope in slopes if slope == slope), default=0.0)

@@ -1,4 +1,6 @@
-"""Independent runs over threads or processes: their order, and every bit, is the same for any number of workers."""
+"""Independent runs over threads or processes: their order, and every bit, is the same for any
+number of workers.
+"""
 
 from __future__ import annotations
 
@@ -23,16 +25,27 @@ LOST_REMEDY = "take fewer workers if the memory was not enough"
 
 
 def map_points(
-    function: Callable[[Shared, Point], Result], shared: Shared, points: Sequence[Point], workers: int | None = None,
-    processes: bool = False, tell: Callable[[int, int], None] | None = None, *, lost: Callable[[Point], Result] | None = None,
+    function: Callable[[Shared, Point], Result],
+    shared: Shared,
+    points: Sequence[Point],
+    workers: int | None = None,
+    processes: bool = False,
+    tell: Callable[[int, int], None] | None = None,
+    *,
+    lost: Callable[[Point], Result] | None = None,
     finished: Callable[[int, Result], None] | None = None,
-) -> tuple[Result, ...]:  # fmt: skip
-    """``function(shared, point)`` of every point, in order. ``shared`` is handed to each worker once.
+) -> tuple[Result, ...]:
+    """``function(shared, point)`` of every point, in order. ``shared`` is handed to each worker
+    once.
 
-    Threads by default (compiled time integration holds no interpreter lock); ``processes`` where Python itself is the work, and then
-    ``function`` must be importable. ``tell(done, total)`` after each, ``finished(place, result)`` as each comes. A point whose worker is
-    killed is tried again; ``lost(point)`` stands for one that is not to be had. Raises :class:`InputError` for fewer than one worker,
-    :class:`RunFailedError` for a lost point where nothing stands for it, and :class:`PointsStopped` with what is finished.
+    Threads by default (compiled time integration holds no interpreter lock); ``processes`` where
+    Python itself is the work, and then
+    ``function`` must be importable. ``tell(done, total)`` after each, ``finished(place, result)``
+    as each comes. A point whose worker is
+    killed is tried again; ``lost(point)`` stands for one that is not to be had. Raises
+    :class:`InputError` for fewer than one worker,
+    :class:`RunFailedError` for a lost point where nothing stands for it, and :class:`PointsStopped`
+    with what is finished.
     """
     count = worker_count(workers)
     count = min(count, max(len(points), 1))
@@ -55,7 +68,11 @@ def map_points(
 
 
 def _results(
-    function: Callable[[Shared, Point], Result], shared: Shared, points: Sequence[Point], count: int, processes: bool
+    function: Callable[[Shared, Point], Result],
+    shared: Shared,
+    points: Sequence[Point],
+    count: int,
+    processes: bool,
 ) -> Iterator[tuple[int, Any]]:
     if count == 1:
         for place, point in enumerate(points):
@@ -63,14 +80,18 @@ def _results(
             yield place, function(shared, point)
     elif not processes:
         with threads(count) as pool:
-            yield from as_they_come({pool.submit(function, shared, point): place for place, point in enumerate(points)})
+            yield from as_they_come(
+                {pool.submit(function, shared, point): place for place, point in enumerate(points)}
+            )
     else:
         yield from in_processes(function, shared, points, count)
 
 
 @contextmanager
 def threads(count: int) -> Iterator[ThreadPoolExecutor]:
-    """A pool of ``count`` threads; where its block ends by an exception, runs that go on are not waited for."""
+    """A pool of ``count`` threads; where its block ends by an exception, runs that go on are not
+    waited for.
+    """
     pool = ThreadPoolExecutor(max(1, count))
     try:
         yield pool

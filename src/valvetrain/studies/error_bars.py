@@ -1,4 +1,6 @@
-"""Error bars of a refinement: one number with its uncertainty, and all of a case with the runs behind them."""
+"""Error bars of a refinement: one number with its uncertainty, and all of a case with the runs
+behind them.
+"""
 
 from __future__ import annotations
 
@@ -7,9 +9,11 @@ from dataclasses import dataclass
 
 from valvetrain.solution.record import CaseRecord
 
-#: Contact stiffness over the case's (7e9 to 5e10 Pa for 2e10) and contact damping time over the case's (0 to 2 us for 1 us).
+#: Contact stiffness over the case's (7e9 to 5e10 Pa for 2e10) and contact damping time over the
+#: case's (0 to 2 us for 1 us).
 STIFFNESS_FACTORS, DAMPING_FACTORS = (0.35, 2.5), (0.0, 2.0)
-#: Contact stiffness and damping of a train over the case's: contacts between parts of an engine are known to a factor of two.
+#: Contact stiffness and damping of a train over the case's: contacts between parts of an engine are
+#: known to a factor of two.
 CONTACT_FACTORS = (0.5, 2.0)
 Range = tuple[float, float]
 Numbers = Mapping[str, float]
@@ -17,11 +21,15 @@ Numbers = Mapping[str, float]
 
 @dataclass(frozen=True, slots=True)
 class Uncertainty:
-    """One headline number (SI) of the case's own mesh, at ``engine_speed`` (rad/s of the crank; None for statics and modes).
+    """One headline number (SI) of the case's own mesh, at ``engine_speed`` (rad/s of the crank;
+    None for statics and modes).
 
-    ``numerical``: uncertainty from meshes and step. ``observed_order``: None where the series is not monotonic. ``extrapolated``:
-    Richardson value, or the finest one. ``step_part``: what the step alone contributes. ``contact_stiffness`` and ``contact_damping``:
-    least and largest value over the range of each constant, the case's own included. ``label``: variant of a train.
+    ``numerical``: uncertainty from meshes and step. ``observed_order``: None where the series is
+    not monotonic. ``extrapolated``:
+    Richardson value, or the finest one. ``step_part``: what the step alone contributes.
+    ``contact_stiffness`` and ``contact_damping``:
+    least and largest value over the range of each constant, the case's own included. ``label``:
+    variant of a train.
     """
 
     quantity: str
@@ -38,8 +46,10 @@ class Uncertainty:
 
 @dataclass(frozen=True)
 class UncertaintyStudy:
-    """All rows of one case with the meshes behind them (none: a train); ``values`` holds every number by (variant, speed, quantity),
-    the factors what the contact constants of the case were multiplied by; ``runs`` were asked for, of which ``finished`` came to an
+    """All rows of one case with the meshes behind them (none: a train); ``values`` holds every
+    number by (variant, speed, quantity),
+    the factors what the contact constants of the case were multiplied by; ``runs`` were asked for,
+    of which ``finished`` came to an
     end, and ``failures`` tells of each that failed."""
 
     record: CaseRecord

@@ -1,6 +1,8 @@
-"""Numerical uncertainty from three meshes: observed order, Richardson value and grid convergence index.
+"""Numerical uncertainty from three meshes: observed order, Richardson value and grid convergence
+index.
 
-After Roache (1994) and the procedure of Celik et al. (2008); series that do not converge monotonically get the range of the
+After Roache (1994) and the procedure of Celik et al. (2008); series that do not converge
+monotonically get the range of the
 three values times a safety factor of three (Eca and Hoekstra 2014).
 """
 
@@ -14,7 +16,8 @@ from valvetrain.errors import InputError
 
 #: Safety factors of a series with a trusted order and of one without.
 TRUSTED, DOUBTFUL = 1.25, 3.0
-#: Order that the rod and its integrator declare; a series that seems to converge faster is taken to have this one.
+#: Order that the rod and its integrator declare; a series that seems to converge faster is taken to
+#: have this one.
 DECLARED_ORDER = 2.0
 #: Observed orders below this one are not trusted.
 LEAST_ORDER = 0.5
@@ -26,8 +29,10 @@ HIGHEST_ORDER = 20.0
 class GridConvergence:
     """Outcome for one quantity on three meshes, coarse to fine.
 
-    ``observed_order`` is None where the series is not monotonic; ``extrapolated`` the Richardson value, or the finest one where the
-    order is not trusted; ``uncertainty`` that of the coarsest value, ``finest_index`` the index of the finest one (same unit).
+    ``observed_order`` is None where the series is not monotonic; ``extrapolated`` the Richardson
+    value, or the finest one where the
+    order is not trusted; ``uncertainty`` that of the coarsest value, ``finest_index`` the index of
+    the finest one (same unit).
     """
 
     values: tuple[float, float, float]
@@ -38,10 +43,14 @@ class GridConvergence:
     finest_index: float
 
 
-def observed_order(values: tuple[float, float, float], sizes: tuple[float, float, float]) -> float | None:
-    """Order p of values on element ``sizes``, both coarse to fine; None for a series that is not monotonic or stands still.
+def observed_order(
+    values: tuple[float, float, float], sizes: tuple[float, float, float]
+) -> float | None:
+    """Order p of values on element ``sizes``, both coarse to fine; None for a series that is not
+    monotonic or stands still.
 
-    Solves p ln r21 = |ln|e32/e21| + q(p)| of Celik et al. by bisection, as their fixed-point iteration need not converge.
+    Solves p ln r21 = |ln|e32/e21| + q(p)| of Celik et al. by bisection, as their fixed-point
+    iteration need not converge.
     """
     coarse, middle, fine = values
     far, near = coarse - middle, middle - fine
@@ -52,7 +61,9 @@ def observed_order(values: tuple[float, float, float], sizes: tuple[float, float
         return None
 
     def excess(order: float) -> float:
-        """Ratio of the two steps of a series of this order, less that of the values; rises with the order."""
+        """Ratio of the two steps of a series of this order, less that of the values; rises with the
+        order.
+        """
         if abs(order) < 1e-9:
             return float(np.log(second) / np.log(first)) - far / near
         return float(first**order * (second**order - 1) / (first**order - 1)) - far / near
@@ -66,8 +77,11 @@ def observed_order(values: tuple[float, float, float], sizes: tuple[float, float
     return (low + high) / 2
 
 
-def grid_convergence(values: tuple[float, float, float], sizes: tuple[float, float, float]) -> GridConvergence:
-    """Numerical uncertainty of the coarsest of three values; ``sizes`` of their elements, coarse to fine.
+def grid_convergence(
+    values: tuple[float, float, float], sizes: tuple[float, float, float]
+) -> GridConvergence:
+    """Numerical uncertainty of the coarsest of three values; ``sizes`` of their elements, coarse to
+    fine.
 
     Raises :class:`InputError` when the sizes do not fall.
     """
@@ -77,15 +91,22 @@ def grid_convergence(values: tuple[float, float, float], sizes: tuple[float, flo
     if order is None or order < LEAST_ORDER:
         # Data range over the range of sizes, so that a wide set of meshes does not punish itself.
         uncertainty = DOUBTFUL * spread / (sizes[0] / sizes[2] - 1) if spread else 0.0
-        return GridConvergence(values, order, False, fine, max(uncertainty, spread), max(uncertainty, spread))
+        return GridConvergence(
+            values, order, False, fine, max(uncertainty, spread), max(uncertainty, spread)
+        )
     used = min(order, DECLARED_ORDER)
     step = (middle - fine) / ((sizes[1] / sizes[2]) ** used - 1)
     extrapolated = fine - step
-    return GridConvergence(values, order, True, extrapolated, TRUSTED * abs(coarse - extrapolated), TRUSTED * abs(step))
+    return GridConvergence(
+        values, order, True, extrapolated, TRUSTED * abs(coarse - extrapolated), TRUSTED * abs(step)
+    )
 
 
 def two_grids(value: float, finer: float, ratio: float) -> GridConvergence:
-    """Uncertainty of ``value`` from one grid that is ``ratio`` times as fine: the declared order is assumed, and Roache's safety factor
+    """Uncertainty of ``value`` from one grid that is ``ratio`` times as fine: the declared order is
+    assumed, and Roache's safety factor
     of three for two grids is taken."""
     finest = DOUBTFUL * abs(value - finer) / (ratio**DECLARED_ORDER - 1)
-    return GridConvergence((value, value, finer), None, False, finer, finest * ratio**DECLARED_ORDER, finest)
+    return GridConvergence(
+        (value, value, finer), None, False, finer, finest * ratio**DECLARED_ORDER, finest
+    )

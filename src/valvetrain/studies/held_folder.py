@@ -1,4 +1,6 @@
-"""A folder that one command writes into: taken before its work begins, so that two begun at the same moment never mix their files."""
+"""A folder that one command writes into: taken before its work begins, so that two begun at the
+same moment never mix their files.
+"""
 
 from __future__ import annotations
 
@@ -13,9 +15,11 @@ from valvetrain.units.text import clipped
 
 
 def hold_folder(folder: Path) -> Callable[[], None]:
-    """Make ``folder`` and lock it for this process; what gives it back, and removes again what was made and stayed empty.
+    """Make ``folder`` and lock it for this process; what gives it back, and removes again what was
+    made and stayed empty.
 
-    Raises :class:`InputError` where another process that lives has it. Where folders cannot be locked, nothing is.
+    Raises :class:`InputError` where another process that lives has it. Where folders cannot be
+    locked, nothing is.
     """
     made = []
     for path in (folder, *folder.parents):
@@ -34,7 +38,10 @@ def hold_folder(folder: Path) -> Callable[[], None]:
 
     if not lock(handle):
         release()
-        raise InputError(f"another run writes into folder '{clipped(str(folder), 120)}'; wait for it or choose another", "--output")
+        raise InputError(
+            f"another run writes into folder '{clipped(str(folder), 120)}'; wait for it or choose another",
+            "--output",
+        )
     return release
 
 

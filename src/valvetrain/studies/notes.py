@@ -15,7 +15,11 @@ def undamped_notes(members: Iterable[Member]) -> tuple[str, ...]:
     left_out: dict[str, list[str]] = {}
     for member in members:
         for spring in member.springs:
-            if not member.model.damped and (spring.damping.mass_damping or spring.damping.stiffness_damping or spring.damping.ratio):
+            if not member.model.damped and (
+                spring.damping.mass_damping
+                or spring.damping.stiffness_damping
+                or spring.damping.ratio
+            ):
                 names = left_out.setdefault(member.model.word, [])
                 names += [] if spring.name in names else [spring.name]
     return tuple(
@@ -25,12 +29,16 @@ def undamped_notes(members: Iterable[Member]) -> tuple[str, ...]:
 
 
 def ringing_note(members: Iterable[Member]) -> str:
-    """A sentence on the springs to which the case gives no damping although their models have inner motion; empty where there are none."""
+    """A sentence on the springs to which the case gives no damping although their models have inner
+    motion; empty where there are none.
+    """
     names: dict[str, None] = {}
     for member in members:
         for spring in member.springs:
             damping = spring.damping
-            if member.model.damped and not (damping.mass_damping or damping.stiffness_damping or damping.ratio):
+            if member.model.damped and not (
+                damping.mass_damping or damping.stiffness_damping or damping.ratio
+            ):
                 names[repr(spring.name)] = None
     if not names:
         return ""
@@ -43,7 +51,8 @@ def ringing_note(members: Iterable[Member]) -> str:
 
 
 def buckling_notes(problem: Problem) -> tuple[str, ...]:
-    """A sentence on each wire of a train that buckles by the formula before the largest lift and stands in no guide.
+    """A sentence on each wire of a train that buckles by the formula before the largest lift and
+    stands in no guide.
 
     The rod at rest is not solved for a train's run; what it says is a command away.
     """
@@ -51,8 +60,14 @@ def buckling_notes(problem: Problem) -> tuple[str, ...]:
     if problem.kind != TRAIN:
         return ()
     for spring in dict.fromkeys(spring for member in problem.members for spring in member.springs):
-        place = None if spring.wire is None or spring.guide is not None else formula_compression(spring.wire)
-        if place is not None and place < (open_compression := spring.precompression + largest_lift(problem)):
+        place = (
+            None
+            if spring.wire is None or spring.guide is not None
+            else formula_compression(spring.wire)
+        )
+        if place is not None and place < (
+            open_compression := spring.precompression + largest_lift(problem)
+        ):
             found.append(
                 f"Spring '{spring.name}' buckles at {place * 1e3:.4g} mm compression by the formula of EN 13906-1, before the "
                 f"{open_compression * 1e3:.4g} mm at full lift: guide it, or make it shorter or wider; 'valvetrain static' "

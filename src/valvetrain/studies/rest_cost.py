@@ -1,4 +1,6 @@
-"""What springs at rest will cost in time and memory: static curves, states asked for and modes, before anything is built."""
+"""What springs at rest will cost in time and memory: static curves, states asked for and modes,
+before anything is built.
+"""
 
 from __future__ import annotations
 
@@ -17,33 +19,58 @@ from valvetrain.studies.rest_study import WIRE, usual_word
 MOST_COUNTED = 10**12
 #: Points of the path behind every curve, and solutions that the search for a load takes.
 PATH, SEARCH = APPROACH + BEYOND + 1, 12
-#: Seconds per point and finite element where coils lie apart, and where they close one by one; bytes kept of both.
+#: Seconds per point and finite element where coils lie apart, and where they close one by one;
+#: bytes kept of both.
 APART, CLOSING, POINT_BYTES = 22e-6, 65e-6, 130.0
-#: Modes of a rod: seconds per unknown and square of the vectors of the search, of which there are two per mode.
+#: Modes of a rod: seconds per unknown and square of the vectors of the search, of which there are
+#: two per mode.
 MODE, VECTORS = 2.5e-9, 2.0
 #: Seconds per finite element that the modes of a train take to find its two states at rest.
 TRAIN_ROD = 0.03
-#: Chain of masses: seconds per point and mass, seconds per cube and bytes per square of the masses for all its frequencies.
+#: Chain of masses: seconds per point and mass, seconds per cube and bytes per square of the masses
+#: for all its frequencies.
 CHAIN_POINT, CHAIN_CUBE, CHAIN_BYTES = 3e-6, 2.5e-10, 16.0
-#: Seconds around a spring by one model; seconds and bytes of a point of any curve, as it is kept and told.
+#: Seconds around a spring by one model; seconds and bytes of a point of any curve, as it is kept
+#: and told.
 AROUND, TOLD, TOLD_BYTES = 0.1, 1e-4, 2e3
 
 
 def rest_cost(
-    case: Case, spring_models: Sequence[str] = (), *, spring_sets: Sequence[str] = (), steps: int, modes: int = 0, heights: int = 0,
+    case: Case,
+    spring_models: Sequence[str] = (),
+    *,
+    spring_sets: Sequence[str] = (),
+    steps: int,
+    modes: int = 0,
+    heights: int = 0,
     loads: int = 0,
-) -> Cost:  # fmt: skip
-    """Estimated cost of :func:`valvetrain.studies.rest_study.rest_study` with as many ``heights`` and ``loads`` asked for."""
+) -> Cost:
+    """Estimated cost of :func:`valvetrain.studies.rest_study.rest_study` with as many ``heights``
+    and ``loads`` asked for.
+    """
     parts = planned(Asked("static", case, None, (), tuple(spring_sets), 1))
     springs = dict.fromkeys(spring for _, springs in parts for spring in springs)
     points = heights + SEARCH * loads
-    found = (spring_cost(spring, word, steps, modes, points) for spring in springs for word in spring_models or (usual_word(spring),))
-    trains = (_train_modes(spring, word) for models, springs in parts for spring in springs for word in spring_models or models)
+    found = (
+        spring_cost(spring, word, steps, modes, points)
+        for spring in springs
+        for word in spring_models or (usual_word(spring),)
+    )
+    trains = (
+        _train_modes(spring, word)
+        for models, springs in parts
+        for spring in springs
+        for word in spring_models or models
+    )
     return _sum(found) + (_sum(trains) if modes and case.train is not None else Cost())
 
 
-def spring_cost(spring: InstalledSpring, word: str, steps: int, modes: int = 0, points: int = 0) -> Cost:
-    """Estimated cost of one spring by one model: a curve of ``steps``, ``modes`` and as many other ``points``."""
+def spring_cost(
+    spring: InstalledSpring, word: str, steps: int, modes: int = 0, points: int = 0
+) -> Cost:
+    """Estimated cost of one spring by one model: a curve of ``steps``, ``modes`` and as many other
+    ``points``.
+    """
     spec = spring_model(word, "--spring")
     steps = min(steps, MOST_COUNTED)
     told = Cost(AROUND + TOLD * steps, TOLD_BYTES * steps)

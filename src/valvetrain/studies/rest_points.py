@@ -17,7 +17,8 @@ from valvetrain.springs.stress import nominal_stress_per_force
 
 #: Half the travel (m) over which a model without a tangent of its own tells its slope.
 SLOPE_TRAVEL = 1e-6
-#: Share of the way to solid up to which a load is looked for: close to solid the force rises without bound.
+#: Share of the way to solid up to which a load is looked for: close to solid the force rises
+#: without bound.
 NEAR_SOLID = 0.98
 #: Compressions (m) closer than this are one.
 SAME_COMPRESSION = 1e-12
@@ -28,7 +29,11 @@ def point_of(spring: InstalledSpring, model: SpringModel, compression: float) ->
     if isinstance(model, FiniteElementRod) and spring.wire is not None:
         return rest_point(model, equilibrium_at(model, compression))
     force = force_of(spring, model, compression)
-    height = None if spring.installed_height is None else spring.installed_height + spring.precompression - compression
+    height = (
+        None
+        if spring.installed_height is None
+        else spring.installed_height + spring.precompression - compression
+    )
     nominal = None if spring.wire is None else nominal_stress_per_force(spring.wire) * force
     return RestPoint(compression, force, slope_of(spring, model, compression), height, nominal)
 
@@ -42,27 +47,42 @@ def force_of(spring: InstalledSpring, model: SpringModel, compression: float) ->
 
 
 def slope_of(spring: InstalledSpring, model: SpringModel, compression: float) -> float:
-    """Slope of the force (N/m) of a model without a tangent of its own; at the free state that of compressing it."""
+    """Slope of the force (N/m) of a model without a tangent of its own; at the free state that of
+    compressing it.
+    """
     down = min(SLOPE_TRAVEL, max(compression, 0.0))
-    rise = force_of(spring, model, compression + SLOPE_TRAVEL) - force_of(spring, model, compression - down)
+    rise = force_of(spring, model, compression + SLOPE_TRAVEL) - force_of(
+        spring, model, compression - down
+    )
     return rise / (SLOPE_TRAVEL + down)
 
 
 def points_asked(
-    spring: InstalledSpring, model: SpringModel, rest: SpringAtRest, heights: Sequence[float], loads: Sequence[float]
+    spring: InstalledSpring,
+    model: SpringModel,
+    rest: SpringAtRest,
+    heights: Sequence[float],
+    loads: Sequence[float],
 ) -> tuple[RestPoint, ...]:
-    """The spring at ``heights`` (m) between its seats and under ``loads`` (N), each solved for itself, in the order asked for.
+    """The spring at ``heights`` (m) between its seats and under ``loads`` (N), each solved for
+    itself, in the order asked for.
 
-    Raises :class:`InputError` for a height above the free length or at which the coils are solid, a height where none is known, and a
+    Raises :class:`InputError` for a height above the free length or at which the coils are solid, a
+    height where none is known, and a
     load that the spring does not carry before it is all but solid.
     """
-    places = [_at_height(spring, height) for height in heights] + [_under_load(spring, model, rest, load) for load in loads]
+    places = [_at_height(spring, height) for height in heights] + [
+        _under_load(spring, model, rest, load) for load in loads
+    ]
     return tuple(point_of(spring, model, place) for place in places)
 
 
 def _at_height(spring: InstalledSpring, height: float) -> float:
     if spring.installed_height is None:
-        raise InputError(f"the card of spring '{spring.name}' has no installed_height, so heights are not known; use --load", "--height")
+        raise InputError(
+            f"the card of spring '{spring.name}' has no installed_height, so heights are not known; use --load",
+            "--height",
+        )
     free = spring.installed_height + spring.precompression
     compression = free - height
     low = spring.solid_height
@@ -75,7 +95,9 @@ def _at_height(spring: InstalledSpring, height: float) -> float:
     return max(compression, 0.0)
 
 
-def _under_load(spring: InstalledSpring, model: SpringModel, rest: SpringAtRest, load: float) -> float:
+def _under_load(
+    spring: InstalledSpring, model: SpringModel, rest: SpringAtRest, load: float
+) -> float:
     from scipy.optimize import brentq
 
     if load < 0:
@@ -101,6 +123,15 @@ def _under_load(spring: InstalledSpring, model: SpringModel, rest: SpringAtRest,
         if most < load:
             raise InputError(
                 f"spring '{spring.name}' carries {most:.5g} N at {high * 1e3:.4g} mm compression, all but solid; a load of {load:g} N is "
-                "beyond it, give less", "--load",
-            )  # fmt: skip
-    return float(brentq(lambda place: force_of(spring, model, place) - load, low, high, xtol=SAME_COMPRESSION, rtol=1e-13))
+                "beyond it, give less",
+                "--load",
+            )
+    return float(
+        brentq(
+            lambda place: force_of(spring, model, place) - load,
+            low,
+            high,
+            xtol=SAME_COMPRESSION,
+            rtol=1e-13,
+        )
+    )

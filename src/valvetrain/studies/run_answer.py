@@ -1,4 +1,6 @@
-"""The ``run.json`` of a kept run: written with a checksum, read back only where it is what was written and has the shape of one."""
+"""The ``run.json`` of a kept run: written with a checksum, read back only where it is what was
+written and has the shape of one.
+"""
 
 from __future__ import annotations
 
@@ -8,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from valvetrain.errors import InputError
-from valvetrain.solution.checksum import digest
+from valvetrain.solution.atomic import digest
 
 ANSWER = "run.json"
 #: A longer file is no answer of a run.
@@ -23,7 +25,9 @@ def answer_text(answer: Mapping[str, Any]) -> str:
 
 
 def _lines(answer: Mapping[str, Any]) -> str:
-    """JSON with a line for each entry, and for each part of an entry: every level on lines of its own takes ten times as long."""
+    """JSON with a line for each entry, and for each part of an entry: every level on lines of its
+    own takes ten times as long.
+    """
     write = json.JSONEncoder(allow_nan=False).encode
     entries = []
     for key, value in answer.items():
@@ -41,7 +45,8 @@ def _lines(answer: Mapping[str, Any]) -> str:
 def read_answer(folder: Path) -> dict[str, Any]:
     """The ``run.json`` of a folder; empty where there is none, or another program's.
 
-    Raises :class:`InputError` where one is there that is damaged: it cannot be read, was changed since, or lacks what every one has.
+    Raises :class:`InputError` where one is there that is damaged: it cannot be read, was changed
+    since, or lacks what every one has.
     """
     path = folder / ANSWER
     try:
@@ -60,9 +65,16 @@ def read_answer(folder: Path) -> dict[str, Any]:
     except (ValueError, RecursionError):
         same = False
     if not same:
-        raise InputError("is damaged: its numbers are not those that were written (checksum); repeat the run", str(path))
-    if wrong := next((name for name, fits in _SHAPE.items() if name in found and not fits(found[name])), ""):
-        raise InputError(f"is damaged: '{wrong}' is not what a run writes; repeat the run", str(path))
+        raise InputError(
+            "is damaged: its numbers are not those that were written (checksum); repeat the run",
+            str(path),
+        )
+    if wrong := next(
+        (name for name, fits in _SHAPE.items() if name in found and not fits(found[name])), ""
+    ):
+        raise InputError(
+            f"is damaged: '{wrong}' is not what a run writes; repeat the run", str(path)
+        )
     return found
 
 
@@ -87,19 +99,29 @@ def _table_of(fits: Callable[[Any], bool]) -> Callable[[Any], bool]:
 
 
 def _is_measured(item: Any) -> bool:
-    return isinstance(item, dict) and (item.get("value") is None or _is_number(item["value"])) and _is_word(item.get("unit", ""))
+    return (
+        isinstance(item, dict)
+        and (item.get("value") is None or _is_number(item["value"]))
+        and _is_word(item.get("unit", ""))
+    )
 
 
 def _is_run(item: Any) -> bool:
-    if not isinstance(item, dict) or not all(_is_word(item.get(name) or "") for name in ("label", "model")):
+    if not isinstance(item, dict) or not all(
+        _is_word(item.get(name) or "") for name in ("label", "model")
+    ):
         return False
-    return (item.get("engine_speed") is None or _is_measured(item["engine_speed"])) and _are_measured(item.get("quantities", {}))
+    return (
+        item.get("engine_speed") is None or _is_measured(item["engine_speed"])
+    ) and _are_measured(item.get("quantities", {}))
 
 
 def _are_choices(item: Any) -> bool:
     if not isinstance(item, dict):
         return False
-    return _are(_is_number)(item.get("engine_speeds", [])) and _are(_is_word)(item.get("spring_models", []))
+    return _are(_is_number)(item.get("engine_speeds", [])) and _are(_is_word)(
+        item.get("spring_models", [])
+    )
 
 
 _are_measured = _table_of(_is_measured)

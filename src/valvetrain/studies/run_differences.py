@@ -1,4 +1,6 @@
-"""What differs between two kept runs: in their inputs by key path, in their results by quantity and run. Nothing is printed here."""
+"""What differs between two kept runs: in their inputs by key path, in their results by quantity and
+run. Nothing is printed here.
+"""
 
 from __future__ import annotations
 
@@ -18,12 +20,26 @@ NO_RESULT = (
 #: Levels of an answer that are looked into; none that is written has half of them.
 DEEPEST = 24
 #: Fields that tell the items of a list apart.
-TOLD_APART = ("measurement", "key", "quantity", "name", "channel", "label", "model", "spring_set", "source", "event", "kind")
+TOLD_APART = (
+    "measurement",
+    "key",
+    "quantity",
+    "name",
+    "channel",
+    "label",
+    "model",
+    "spring_set",
+    "source",
+    "event",
+    "kind",
+)
 
 
 @dataclass(frozen=True, slots=True)
 class ResultDifference:
-    """A ``quantity`` (SI, ``unit``) of a ``run`` (label and speed; empty for what belongs to none) that is not the same; None: missing."""
+    """A ``quantity`` (SI, ``unit``) of a ``run`` (label and speed; empty for what belongs to none)
+    that is not the same; None: missing.
+    """
 
     quantity: str
     run: str
@@ -43,7 +59,8 @@ class ResultDifference:
 
 
 def input_differences(one: KeptRun, other: KeptRun) -> tuple[tuple[str, Any, Any], ...]:
-    """(key path, value of ``one``, value of ``other``) of all inputs that differ: case, choices, versions; None where a key is missing.
+    """(key path, value of ``one``, value of ``other``) of all inputs that differ: case, choices,
+    versions; None where a key is missing.
 
     Raises :class:`InputError` where the inputs on disk are not those that a run was made from.
     """
@@ -51,11 +68,15 @@ def input_differences(one: KeptRun, other: KeptRun) -> tuple[tuple[str, Any, Any
         check_inputs(run)
     first, second = _inputs_of(one), _inputs_of(other)
     keys = dict.fromkeys((*first, *second))
-    return tuple((key, first.get(key), second.get(key)) for key in keys if first.get(key) != second.get(key))
+    return tuple(
+        (key, first.get(key), second.get(key)) for key in keys if first.get(key) != second.get(key)
+    )
 
 
 def result_differences(one: KeptRun, other: KeptRun) -> tuple[ResultDifference, ...]:
-    """Every number of either run that is not the same in the other: those that both have first, the largest relative one before."""
+    """Every number of either run that is not the same in the other: those that both have first, the
+    largest relative one before.
+    """
     first, second = dict(_numbers(one.answer)), dict(_numbers(other.answer))
     rows = []
     for key in dict.fromkeys((*first, *second)):
@@ -70,7 +91,11 @@ def _inputs_of(run: KeptRun) -> dict[str, Any]:
         values = dict(_leaves(tomllib.loads(run.case_file.read_text("utf-8"))))
     except (OSError, ValueError, RecursionError):
         values = {}
-    about = {"case": run.case, "command": run.answer.get("command"), "choices": run.answer.get("choices")}
+    about = {
+        "case": run.case,
+        "command": run.answer.get("command"),
+        "choices": run.answer.get("choices"),
+    }
     return dict(_leaves(about | {"versions": run.answer.get("versions")})) | values
 
 
@@ -90,20 +115,33 @@ def _leaves(item: Any, path: str = "") -> Iterator[tuple[str, Any]]:
 
 def _numbers(answer: Mapping[str, Any]) -> Iterator[tuple[tuple[str, str], tuple[float, str]]]:
     """(quantity, run in words) -> value and unit, of every named number of a ``run.json``."""
-    for label, values in {"": answer.get("quantities", {}), **answer.get("quantities_by_label", {})}.items():
+    for label, values in {
+        "": answer.get("quantities", {}),
+        **answer.get("quantities_by_label", {}),
+    }.items():
         yield from _quantities(values, label)
     for run in answer.get("runs", ()):
         if isinstance(run, Mapping) and "quantities" in run:
             speed = (run.get("engine_speed") or {}).get("value")
             label = run.get("label") or run.get("model") or ""
-            yield from _quantities(run.get("quantities", {}), label if speed is None else f"{label} at {speed:g} rpm")
+            yield from _quantities(
+                run.get("quantities", {}), label if speed is None else f"{label} at {speed:g} rpm"
+            )
     others = {key: value for key, value in answer.items() if key not in NO_RESULT}
-    runs = [run for run in answer.get("runs", ()) if not (isinstance(run, Mapping) and "quantities" in run)]
+    runs = [
+        run
+        for run in answer.get("runs", ())
+        if not (isinstance(run, Mapping) and "quantities" in run)
+    ]
     yield from _others(others | {"runs": runs}, ())
 
 
-def _others(item: Any, path: tuple[str, ...]) -> Iterator[tuple[tuple[str, str], tuple[float, str]]]:
-    """(last word of the path, those before it) -> value and unit, of every number of an answer that is no quantity of a run."""
+def _others(
+    item: Any, path: tuple[str, ...]
+) -> Iterator[tuple[tuple[str, str], tuple[float, str]]]:
+    """(last word of the path, those before it) -> value and unit, of every number of an answer that
+    is no quantity of a run.
+    """
     if len(path) > DEEPEST:
         return
     if isinstance(item, Mapping):
@@ -120,12 +158,26 @@ def _others(item: Any, path: tuple[str, ...]) -> Iterator[tuple[tuple[str, str],
 
 
 def _names_of(items: list[Any]) -> list[str]:
-    """What tells the items of a list apart: their names, where these do not the engine speed too, else their places from 1."""
-    names = [" ".join(item[key] for key in TOLD_APART if isinstance(item.get(key), str)) if isinstance(item, Mapping) else ""
-             for item in items]  # fmt: skip
+    """What tells the items of a list apart: their names, where these do not the engine speed too,
+    else their places from 1.
+    """
+    names = [
+        " ".join(item[key] for key in TOLD_APART if isinstance(item.get(key), str))
+        if isinstance(item, Mapping)
+        else ""
+        for item in items
+    ]
     speeds = [item.get("engine_speed") if isinstance(item, Mapping) else None for item in items]
-    told = [f"{speed['value']:g} rpm" if isinstance(speed, Mapping) and _is_number(speed.get("value")) else "" for speed in speeds]
-    for some in (names, [f"{name} {speed}".strip() for name, speed in zip(names, told, strict=True)]):
+    told = [
+        f"{speed['value']:g} rpm"
+        if isinstance(speed, Mapping) and _is_number(speed.get("value"))
+        else ""
+        for speed in speeds
+    ]
+    for some in (
+        names,
+        [f"{name} {speed}".strip() for name, speed in zip(names, told, strict=True)],
+    ):
         if len(set(some)) == len(some) and all(some):
             return some
     return [f"{name} {place}".strip() for place, name in enumerate(names, start=1)]
@@ -135,7 +187,9 @@ def _is_number(item: Any) -> bool:
     return isinstance(item, (int, float)) and not isinstance(item, bool)
 
 
-def _quantities(values: Mapping[str, Any], run: str) -> Iterator[tuple[tuple[str, str], tuple[float, str]]]:
+def _quantities(
+    values: Mapping[str, Any], run: str
+) -> Iterator[tuple[tuple[str, str], tuple[float, str]]]:
     for name, item in values.items():
         if isinstance(item, Mapping) and isinstance(item.get("value"), (int, float)):
             yield (name, run), (float(item["value"]), str(item.get("unit", "")))

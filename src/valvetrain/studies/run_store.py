@@ -1,7 +1,10 @@
-"""Runs are kept: each in a folder of its own with its inputs whole, listed, found again and compared. Nothing is printed here.
+"""Runs are kept: each in a folder of its own with its inputs whole, listed, found again and
+compared. Nothing is printed here.
 
-``runs/CASE/DATE-TIME-DIGEST`` holds ``inputs/case.toml`` (the resolved case, from which the run is repeated), the files the case
-names, ``run.json`` (answer, versions, options) and whatever the study wrote. A folder counts as a run once its ``run.json`` is there.
+``runs/CASE/DATE-TIME-DIGEST`` holds ``inputs/case.toml`` (the resolved case, from which the run is
+repeated), the files the case
+names, ``run.json`` (answer, versions, options) and whatever the study wrote. A folder counts as a
+run once its ``run.json`` is there.
 """
 
 from __future__ import annotations
@@ -22,7 +25,15 @@ from typing import Any
 
 from valvetrain.errors import InputError
 from valvetrain.parameters.bounded_file import named_file
-from valvetrain.solution.atomic import SUFFIX, is_abandoned, is_living, lock, remove_abandoned, write_bytes, write_text
+from valvetrain.solution.atomic import (
+    SUFFIX,
+    is_abandoned,
+    is_living,
+    lock,
+    remove_abandoned,
+    write_bytes,
+    write_text,
+)
 from valvetrain.studies.run_answer import ANSWER, answer_text, read_answer
 from valvetrain.units.text import clipped
 
@@ -34,7 +45,9 @@ _RUN_FILE = re.compile(r"run-\d{4,}\.nc")
 
 @dataclass(frozen=True)
 class Inputs:
-    """What a run was made from: name of the case, its resolved file (TOML), the files it names, and the choices made beside it."""
+    """What a run was made from: name of the case, its resolved file (TOML), the files it names, and
+    the choices made beside it.
+    """
 
     case: str
     text: str
@@ -80,7 +93,8 @@ class KeptRun:
 
 
 def collect_inputs(case: str, text: str, folder: Path, choices: Mapping[str, Any]) -> Inputs:
-    """The inputs of a run whose case file lay in ``folder``; files it names are taken along and named by their last part.
+    """The inputs of a run whose case file lay in ``folder``; files it names are taken along and
+    named by their last part.
 
     Raises :class:`InputError` when one of them can no longer be read.
     """
@@ -101,24 +115,33 @@ def collect_inputs(case: str, text: str, folder: Path, choices: Mapping[str, Any
         try:
             content = named_file(folder, named).read_bytes()
         except (OSError, ValueError) as error:
-            raise InputError(f"the file '{named}' that case '{case}' names cannot be read; put it back", case) from error
+            raise InputError(
+                f"the file '{named}' that case '{case}' names cannot be read; put it back", case
+            ) from error
         short = _free_name(Path(named).name, content, side_files)
         side_files[short] = content
         if short != named:
-            (name if isinstance(name, dict) else table)["value" if isinstance(name, dict) else "file"] = short
+            (name if isinstance(name, dict) else table)[
+                "value" if isinstance(name, dict) else "file"
+            ] = short
     return Inputs(case, tomlkit.dumps(document), side_files, choices)
 
 
 def new_folder(inputs: Inputs, created_at: datetime, root: Path = ROOT) -> Path:
-    """Make the folder of a new run, ``root/CASE/DATE-TIME-DIGEST``; one that is there already is never taken.
+    """Make the folder of a new run, ``root/CASE/DATE-TIME-DIGEST``; one that is there already is
+    never taken.
 
     Raises :class:`InputError` when it cannot be made.
     """
-    return _free_folder(root / safe_name(inputs.case), f"{created_at.astimezone(UTC):%Y%m%d-%H%M%S}-{inputs.digest}")
+    return _free_folder(
+        root / safe_name(inputs.case), f"{created_at.astimezone(UTC):%Y%m%d-%H%M%S}-{inputs.digest}"
+    )
 
 
 def unfinished_folder(case: str, created_at: datetime, root: Path = ROOT) -> Path:
-    """Make the folder of a run that goes on; :func:`finish_folder` gives it its name. What killed runs of the case left empty goes."""
+    """Make the folder of a run that goes on; :func:`finish_folder` gives it its name. What killed
+    runs of the case left empty goes.
+    """
     home = root / safe_name(case)
     remove_empty(home)
     return _free_folder(home, f"{created_at.astimezone(UTC):%Y%m%d-%H%M%S}{UNFINISHED}")
@@ -136,7 +159,9 @@ def finish_folder(folder: Path, inputs: Inputs, created_at: datetime, root: Path
 
 
 def mark_unfinished(folder: Path) -> int:
-    """Begin the list of finished runs in ``folder``, locked for as long as this process lives; the open file."""
+    """Begin the list of finished runs in ``folder``, locked for as long as this process lives; the
+    open file.
+    """
     folder.mkdir(parents=True, exist_ok=True)
     refuse_living(folder)
     remove_unfinished(folder)
@@ -151,7 +176,10 @@ def mark_unfinished(folder: Path) -> int:
 def refuse_living(folder: Path) -> None:
     """Refuse, with an :class:`InputError`, a folder into which another run, which lives, writes."""
     if (folder / LIST).is_file() and is_living(folder / LIST):
-        raise InputError(f"another run writes into folder '{clipped(str(folder), 120)}'; wait for it or choose another", "--output")
+        raise InputError(
+            f"another run writes into folder '{clipped(str(folder), 120)}'; wait for it or choose another",
+            "--output",
+        )
 
 
 def remove_unfinished(folder: Path) -> None:
@@ -178,14 +206,21 @@ def whole_lines(path: Path) -> list[bytes]:
 
 
 def remove_empty(home: Path) -> None:
-    """Remove what killed runs left in the folders of a case: half-written files, and folders that hold no finished run."""
+    """Remove what killed runs left in the folders of a case: half-written files, and folders that
+    hold no finished run.
+    """
     with suppress(OSError):
         for folder in home.iterdir():
             if folder.is_symlink() or not folder.is_dir() or (folder / ANSWER).exists():
                 continue
             remove_abandoned(folder)
             rows, left = folder / LIST, [path.name for path in folder.iterdir()]
-            if UNFINISHED in folder.name and left == [LIST] and not rows.stat().st_size and is_abandoned(rows):
+            if (
+                UNFINISHED in folder.name
+                and left == [LIST]
+                and not rows.stat().st_size
+                and is_abandoned(rows)
+            ):
                 rows.unlink()
                 folder.rmdir()
 
@@ -199,42 +234,70 @@ def _free_folder(home: Path, stem: str) -> Path:
         except FileExistsError:
             continue
         except OSError as error:
-            raise InputError(f"folder '{folder}' cannot be made ({error.strerror}); choose another", "--output") from None
+            raise InputError(
+                f"folder '{folder}' cannot be made ({error.strerror}); choose another", "--output"
+            ) from None
     raise InputError(f"'{home}' holds a thousand runs of this second; tidy it up", "--output")
 
 
 def check_folder(folder: Path, kept: bool = False, resumes: str = "") -> None:
-    """Refuse, with an :class:`InputError`, a folder that cannot be written, or, unless runs are ``kept`` in it, one that holds something
+    """Refuse, with an :class:`InputError`, a folder that cannot be written, or, unless runs are
+    ``kept`` in it, one that holds something
     else than an earlier run or, by the file ``resumes``, what is left of one that was cut."""
     shown = clipped(str(folder), 120)
     try:
-        there = next(path for path in (folder.absolute(), *folder.absolute().parents) if os.path.lexists(path) or path.exists())
+        there = next(
+            path
+            for path in (folder.absolute(), *folder.absolute().parents)
+            if os.path.lexists(path) or path.exists()
+        )
         ours = any((folder / name).is_file() for name in (ANSWER, LIST, resumes) if name)
-        foreign = not kept and folder.is_dir() and not ours and any(path for path in folder.iterdir() if not path.name.endswith(SUFFIX))
+        foreign = (
+            not kept
+            and folder.is_dir()
+            and not ours
+            and any(path for path in folder.iterdir() if not path.name.endswith(SUFFIX))
+        )
     except (OSError, ValueError) as error:
         words = getattr(error, "strerror", None) or error
-        raise InputError(f"'{shown}' is no usable folder name ({words}); choose another", "--output") from None
+        raise InputError(
+            f"'{shown}' is no usable folder name ({words}); choose another", "--output"
+        ) from None
     place = clipped(str(there), 120)
     if not there.is_dir():
-        what = "a link that leads nowhere" if there.is_symlink() and not there.exists() else "a file, not a folder"
+        what = (
+            "a link that leads nowhere"
+            if there.is_symlink() and not there.exists()
+            else "a file, not a folder"
+        )
         raise InputError(f"'{place}' is {what}; choose another", "--output")
     try:
-        os.rmdir(tempfile.mkdtemp(prefix=".valvetrain.", dir=there))  # some folders take nothing, whatever their permissions say
+        os.rmdir(
+            tempfile.mkdtemp(prefix=".valvetrain.", dir=there)
+        )  # some folders take nothing, whatever their permissions say
     except OSError as error:
-        raise InputError(f"folder '{place}' may not be written to ({error.strerror}); choose another", "--output") from None
+        raise InputError(
+            f"folder '{place}' may not be written to ({error.strerror}); choose another", "--output"
+        ) from None
     refuse_living(folder)
     if foreign:
-        raise InputError(f"folder '{shown}' holds files that no run wrote; choose an empty or a new one", "--output")
+        raise InputError(
+            f"folder '{shown}' holds files that no run wrote; choose an empty or a new one",
+            "--output",
+        )
 
 
 def keep(folder: Path, inputs: Inputs, answer: Mapping[str, Any]) -> KeptRun:
-    """Write inputs and ``run.json`` (last: it makes the folder a run); files that an earlier run left here and this one did not
+    """Write inputs and ``run.json`` (last: it makes the folder a run); files that an earlier run
+    left here and this one did not
     write again are removed. ``answer["files"]`` are paths relative to the folder."""
     earlier = _read_answer(folder)
     for name, content in inputs.side_files.items():
         write_bytes(folder / CASE_FILE.parent / name, content)
     write_text(folder / CASE_FILE, inputs.text)
-    written = [f"{CASE_FILE.parent.as_posix()}/{name}" for name in ("case.toml", *inputs.side_files)]
+    written = [
+        f"{CASE_FILE.parent.as_posix()}/{name}" for name in ("case.toml", *inputs.side_files)
+    ]
     files = [*dict.fromkeys((*answer.get("files", ()), *written))]
     whole = {**answer, "digest": inputs.digest, "choices": dict(inputs.choices), "files": files}
     _remove(folder, set(map(str, earlier.get("files", ()))) - set(map(str, files)))
@@ -243,22 +306,39 @@ def keep(folder: Path, inputs: Inputs, answer: Mapping[str, Any]) -> KeptRun:
 
 
 def check_inputs(run: KeptRun) -> None:
-    """Raise :class:`InputError` where the inputs of a kept run are not those that it was made from; a run without a digest passes."""
-    names = [str(name) for name in run.answer.get("files", ()) if str(name).startswith(f"{CASE_FILE.parent.as_posix()}/")]
+    """Raise :class:`InputError` where the inputs of a kept run are not those that it was made from;
+    a run without a digest passes.
+    """
+    names = [
+        str(name)
+        for name in run.answer.get("files", ())
+        if str(name).startswith(f"{CASE_FILE.parent.as_posix()}/")
+    ]
     try:
         text = run.case_file.read_bytes().decode()
-        side_files = {Path(name).name: (run.folder / name).read_bytes() for name in names if Path(name).name != CASE_FILE.name}
-        same = Inputs(run.case, text, side_files, run.answer.get("choices", {})).digest == run.digest
+        side_files = {
+            Path(name).name: (run.folder / name).read_bytes()
+            for name in names
+            if Path(name).name != CASE_FILE.name
+        }
+        same = (
+            Inputs(run.case, text, side_files, run.answer.get("choices", {})).digest == run.digest
+        )
     except (OSError, ValueError) as error:
-        raise InputError("the inputs of this run cannot be read; repeat the run", str(run.folder)) from error
+        raise InputError(
+            "the inputs of this run cannot be read; repeat the run", str(run.folder)
+        ) from error
     if run.digest and not same:
         raise InputError(
-            "the inputs in this folder are not those of its run, they were changed or damaged; repeat the run", str(run.folder)
+            "the inputs in this folder are not those of its run, they were changed or damaged; repeat the run",
+            str(run.folder),
         )
 
 
 def link_latest(folder: Path) -> None:
-    """Point ``latest`` beside ``folder`` to it: a link, or where links are not possible a text file with the folder's name."""
+    """Point ``latest`` beside ``folder`` to it: a link, or where links are not possible a text file
+    with the folder's name.
+    """
     link, new = folder.parent / LATEST, folder.parent / f".{LATEST}.{os.getpid()}"
     with suppress(OSError):
         new.unlink(missing_ok=True)
@@ -270,11 +350,17 @@ def link_latest(folder: Path) -> None:
 
 def homes(case: str = "", root: Path = ROOT) -> list[Path]:
     """Folders that hold the runs of a case each: of ``case``, or of all."""
-    return [root / safe_name(case)] if case else sorted(path for path in root.glob("*") if path.is_dir() and not path.is_symlink())
+    return (
+        [root / safe_name(case)]
+        if case
+        else sorted(path for path in root.glob("*") if path.is_dir() and not path.is_symlink())
+    )
 
 
 def kept_runs(case: str = "", root: Path = ROOT) -> tuple[KeptRun, ...]:
-    """Every run under ``root``, newest first, of one ``case`` where given. Folders without a readable ``run.json`` are left out."""
+    """Every run under ``root``, newest first, of one ``case`` where given. Folders without a
+    readable ``run.json`` are left out.
+    """
     found = []
     for home in homes(case, root):
         for folder in home.glob("*"):
@@ -284,7 +370,8 @@ def kept_runs(case: str = "", root: Path = ROOT) -> tuple[KeptRun, ...]:
 
 
 def find_run(name: str, root: Path = ROOT) -> KeptRun:
-    """The run called ``name``: its folder (or a file in it), its digest or the begin of it, ``CASE/latest``, a case, or ``latest``.
+    """The run called ``name``: its folder (or a file in it), its digest or the begin of it,
+    ``CASE/latest``, a case, or ``latest``.
 
     Raises :class:`InputError` when none fits.
     """
@@ -298,19 +385,32 @@ def find_run(name: str, root: Path = ROOT) -> KeptRun:
         return runs[0]
     if last in ("", LATEST) and (mine := [run for run in runs if run.case == case]):
         return mine[0]
-    fits = [run for run in runs if run.folder.name == name or (len(name) >= 4 and run.digest.startswith(name))]
+    fits = [
+        run
+        for run in runs
+        if run.folder.name == name or (len(name) >= 4 and run.digest.startswith(name))
+    ]
     if not fits and (run := run_of_path(root / name)):
         return run
     if not fits:
-        raise InputError(f"there is no run '{name[:80]}' under '{root}'; 'valvetrain runs' lists those there are")
+        raise InputError(
+            f"there is no run '{name[:80]}' under '{root}'; 'valvetrain runs' lists those there are"
+        )
     return fits[0]
 
 
 def run_of_path(path: Path) -> KeptRun | None:
-    """The run that a folder, its ``run.json`` or its case file belongs to; None where there is none. Raises :class:`InputError` where its
+    """The run that a folder, its ``run.json`` or its case file belongs to; None where there is
+    none. Raises :class:`InputError` where its
     ``run.json`` is damaged."""
     try:
-        places = (path, path.parent) if path.name == ANSWER else (path, path.parent.parent) if path.name == CASE_FILE.name else (path,)
+        places = (
+            (path, path.parent)
+            if path.name == ANSWER
+            else (path, path.parent.parent)
+            if path.name == CASE_FILE.name
+            else (path,)
+        )
         for folder in places:
             if folder.name == LATEST and folder.is_file():  # where links are not possible
                 folder = folder.parent / folder.read_text("utf-8").strip()

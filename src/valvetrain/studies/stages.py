@@ -1,4 +1,6 @@
-"""The stages of a refinement, each a set of independent runs, and what is left of them when it is stopped."""
+"""The stages of a refinement, each a set of independent runs, and what is left of them when it is
+stopped.
+"""
 
 from __future__ import annotations
 
@@ -12,7 +14,9 @@ if TYPE_CHECKING:
 
 
 class Stages:
-    """Independent runs of several stages; once one of them is stopped, what it has is handed back and no other begins."""
+    """Independent runs of several stages; once one of them is stopped, what it has is handed back
+    and no other begins.
+    """
 
     def __init__(self) -> None:
         self.stopped = False

@@ -1,6 +1,8 @@
-"""How a study is stopped by a signal: at once, with what is finished in hand, and without the request ever being lost.
+"""How a study is stopped by a signal: at once, with what is finished in hand, and without the
+request ever being lost.
 
-A KeyboardInterrupt that arises within a callback of a compiler or a destructor is dropped by the interpreter, so every request is also
+A KeyboardInterrupt that arises within a callback of a compiler or a destructor is dropped by the
+interpreter, so every request is also
 noted; whoever waits looks at the note.
 """
 
@@ -37,7 +39,9 @@ class PointsStopped(Stopped):
 
 
 class StudyStopped(Stopped):
-    """A study was stopped; ``study`` holds what was finished, the rest as runs of status ``interrupted``."""
+    """A study was stopped; ``study`` holds what was finished, the rest as runs of status
+    ``interrupted``.
+    """
 
     def __init__(self, study: Study) -> None:
         super().__init__("stopped")
@@ -45,7 +49,9 @@ class StudyStopped(Stopped):
 
 
 class RefinementStopped(Stopped):
-    """A refinement was stopped; ``study`` holds the bars whose runs are all there, and the numbers of every run that was finished."""
+    """A refinement was stopped; ``study`` holds the bars whose runs are all there, and the numbers
+    of every run that was finished.
+    """
 
     def __init__(self, study: UncertaintyStudy) -> None:
         super().__init__("stopped")
@@ -64,15 +70,19 @@ def look() -> None:
 
 
 def exit_code(number: int) -> int:
-    """Exit code of a process that signal ``number`` stopped, as shells have it; 130, that of Ctrl-C, for 0."""
+    """Exit code of a process that signal ``number`` stopped, as shells have it; 130, that of
+    Ctrl-C, for 0.
+    """
     return 128 + (number or signal.SIGINT)
 
 
 @contextmanager
 def listening() -> Iterator[None]:
-    """While the block runs, SIGINT, SIGTERM and SIGHUP are noted and raise :class:`Stopped`; a second one ends the process on the spot.
+    """While the block runs, SIGINT, SIGTERM and SIGHUP are noted and raise :class:`Stopped`; a
+    second one ends the process on the spot.
 
-    Only the main thread can listen; elsewhere, and for signals that the caller's parent had ignored, nothing changes.
+    Only the main thread can listen; elsewhere, and for signals that the caller's parent had
+    ignored, nothing changes.
     """
     if threading.current_thread() is not threading.main_thread():
         yield

@@ -1,4 +1,6 @@
-"""Sweeps over engine speed of any system by any spring model: numbers per speed, and where a train loses control."""
+"""Sweeps over engine speed of any system by any spring model: numbers per speed, and where a train
+loses control.
+"""
 
 from __future__ import annotations
 
@@ -17,27 +19,52 @@ from valvetrain.system.build import build
 
 
 def sweep_study(
-    case: Case, engine_speeds: Sequence[float], *, spring_models: Sequence[str] = (), spring_sets: Sequence[str] = (),
-    whole: bool = False, workers: int | None = None, progress: Progress | None = None, created_at: str = "",
-    critical: CriticalOptions | None = CriticalOptions(), finished: Finished | None = None, limits: Limits = Limits(),
+    case: Case,
+    engine_speeds: Sequence[float],
+    *,
+    spring_models: Sequence[str] = (),
+    spring_sets: Sequence[str] = (),
+    whole: bool = False,
+    workers: int | None = None,
+    progress: Progress | None = None,
+    created_at: str = "",
+    critical: CriticalOptions | None = CriticalOptions(),
+    finished: Finished | None = None,
+    limits: Limits = Limits(),
     implausible: bool = False,
-) -> Study:  # fmt: skip
-    """A case over ``engine_speeds`` (rad/s of the crank): solutions, reduced unless ``whole``, and of a train its critical speeds between
+) -> Study:
+    """A case over ``engine_speeds`` (rad/s of the crank): solutions, reduced unless ``whole``, and
+    of a train its critical speeds between
     the lowest and the highest of them (``critical`` None: not searched).
 
-    By default every spring set of a train by its own model, a spring alone by its usual models. Raises :class:`InputError` for no speed
+    By default every spring set of a train by its own model, a spring alone by its usual models.
+    Raises :class:`InputError` for no speed
     at all and for what cannot be built.
     """
     speeds = tuple(sorted({float(speed) for speed in engine_speeds}))
     if not speeds:
-        raise InputError("a sweep needs at least one engine speed; write such as '1000:9000:100 rpm'", "--engine-speed")
+        raise InputError(
+            "a sweep needs at least one engine speed; write such as '1000:9000:100 rpm'",
+            "--engine-speed",
+        )
     sets = tuple(spring_sets) or (tuple(case.train.springs) if case.train is not None else ())
     problem = build(case, spring_models=spring_models, spring_sets=sets)
     try:
-        return _with_critical(run_problem(
-            problem, speeds, workers=workers, progress=progress, created_at=created_at, command="sweep", whole=whole, critical=critical,
-            finished=finished, limits=limits, implausible=implausible,
-        ))  # fmt: skip
+        return _with_critical(
+            run_problem(
+                problem,
+                speeds,
+                workers=workers,
+                progress=progress,
+                created_at=created_at,
+                command="sweep",
+                whole=whole,
+                critical=critical,
+                finished=finished,
+                limits=limits,
+                implausible=implausible,
+            )
+        )
     except StudyStopped as cut:
         raise StudyStopped(_with_critical(cut.study)) from None
 

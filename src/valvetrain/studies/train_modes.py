@@ -8,7 +8,7 @@ import numpy as np
 
 from valvetrain.errors import InputError
 from valvetrain.parameters.loading import AnyCase
-from valvetrain.solution.train_modes import TrainModes
+from valvetrain.solution.modes import TrainModes
 from valvetrain.studies.run import member_rest
 from valvetrain.system.build import build
 from valvetrain.system.problem import Member, Problem
@@ -19,11 +19,16 @@ from valvetrain.system.train_system import TrainSystem
 STATES = {"closed": "valve closed", "full_lift": "full lift"}
 
 
-def train_modes(case: AnyCase, spring_models: Sequence[str] = (), *, spring_sets: Sequence[str] = ()) -> tuple[TrainModes, ...]:
-    """Undamped natural frequencies and modes of a train with its springs, about rest with the valve closed and at full lift.
+def train_modes(
+    case: AnyCase, spring_models: Sequence[str] = (), *, spring_sets: Sequence[str] = ()
+) -> tuple[TrainModes, ...]:
+    """Undamped natural frequencies and modes of a train with its springs, about rest with the valve
+    closed and at full lift.
 
-    Contacts that press at rest count with their stiffness there; one that does not (the lash, valve closed) has none. A multi-mass
-    spring brings its own masses, a massless one its share of mass, any other the modes of the uniform spring of equal rate, mass and
+    Contacts that press at rest count with their stiffness there; one that does not (the lash, valve
+    closed) has none. A multi-mass
+    spring brings its own masses, a massless one its share of mass, any other the modes of the
+    uniform spring of equal rate, mass and
     first frequency.
 
     Parameters
@@ -34,7 +39,8 @@ def train_modes(case: AnyCase, spring_models: Sequence[str] = (), *, spring_sets
 
     Returns
     -------
-    tuple of TrainModes, two per variant: ``state`` closed and full_lift, frequencies (Hz), shapes and shares of kinetic energy
+    tuple of TrainModes, two per variant: ``state`` closed and full_lift, frequencies (Hz), shapes
+    and shares of kinetic energy
 
     Raises
     ------
@@ -56,7 +62,9 @@ def problem_modes(problem: Problem) -> tuple[TrainModes, ...]:
     found: dict[tuple[object, ...], tuple[TrainModes, ...]] = {}
     for member in problem.members:
         if member.gear is None:
-            raise InputError(f"case '{problem.record.name}' holds no train, only springs; its modes are those of the springs")
+            raise InputError(
+                f"case '{problem.record.name}' holds no train, only springs; its modes are those of the springs"
+            )
         key = (member.gear, member.model.word, member.springs)
         if key not in found:
             found[key] = _member_modes(problem, member)
@@ -70,4 +78,7 @@ def _member_modes(problem: Problem, member: Member) -> tuple[TrainModes, ...]:
     top = float(angle[np.argmax(system.mechanism.kinematics.valve_lift(angle))])
     low = float(angle[np.argmin(problem.valve_lift.lift(angle))])
     places = {"closed": low, "full_lift": top}
-    return tuple(modes_of_train(system, member.springs, place, state, member.label) for state, place in places.items())
+    return tuple(
+        modes_of_train(system, member.springs, place, state, member.label)
+        for state, place in places.items()
+    )

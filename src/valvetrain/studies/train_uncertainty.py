@@ -1,4 +1,6 @@
-"""Error bars of trains: step halved twice, finer springs, fewer samples, other contact constants, for every variant of the case."""
+"""Error bars of trains: step halved twice, finer springs, fewer samples, other contact constants,
+for every variant of the case.
+"""
 
 from __future__ import annotations
 
@@ -17,7 +19,13 @@ from valvetrain.solution.result import Solution
 from valvetrain.springs.contract import LargeSpring
 from valvetrain.studies.before_run import refuse_implausible, refuse_speeds
 from valvetrain.studies.engine import LOST, LOST_REMEDY, Progress
-from valvetrain.studies.error_bars import CONTACT_FACTORS, Numbers, Range, Uncertainty, UncertaintyStudy
+from valvetrain.studies.error_bars import (
+    CONTACT_FACTORS,
+    Numbers,
+    Range,
+    Uncertainty,
+    UncertaintyStudy,
+)
 from valvetrain.studies.grid_convergence import grid_convergence, two_grids
 from valvetrain.studies.ready import FAILURES, Plan, Ready, judge, make_ready, provenance_of
 from valvetrain.studies.run import member_rest
@@ -26,13 +34,15 @@ from valvetrain.studies.uncertainty import OWN
 from valvetrain.system.build import build
 from valvetrain.system.problem import Member, Problem
 
-#: Elements, masses or modes of a spring over the case's; step over the usual one; samples per cam turn beside the usual 1440.
+#: Elements, masses or modes of a spring over the case's; step over the usual one; samples per cam
+#: turn beside the usual 1440.
 SPRINGS, STEPS, SAMPLES = (1.5, 2.25), (0.5, 0.25), 720
 #: What is below (SI) is rounding: the surge of a spring without mass.
 ROUNDING = 1e-9
 #: Options of spring models that say how finely a spring is divided.
 DIVISIONS = ("elements", "masses_per_coil", "modes", "elements_per_coil")
-#: The variant that is not run of finite-element springs, whose elements and steps would both be 2.25 times as many.
+#: The variant that is not run of finite-element springs, whose elements and steps would both be
+#: 2.25 times as many.
 TOO_FINE = "springs 3"
 #: Headline numbers of a train; those that a run does not have are left out.
 HEADLINES = (
@@ -46,7 +56,9 @@ HEADLINES = (
 
 @dataclass(frozen=True)
 class _Job:
-    """One run: variant of the study, place of the member, engine speed (rad/s), step over the usual one, samples per cam turn."""
+    """One run: variant of the study, place of the member, engine speed (rad/s), step over the usual
+    one, samples per cam turn.
+    """
 
     variant: str
     place: int
@@ -56,26 +68,41 @@ class _Job:
 
 
 def train_uncertainty(
-    case: Case, engine_speeds: Sequence[float] | None = None, *, workers: int = 2, progress: Progress | None = None,
+    case: Case,
+    engine_speeds: Sequence[float] | None = None,
+    *,
+    workers: int = 2,
+    progress: Progress | None = None,
     implausible: bool = False,
-) -> UncertaintyStudy:  # fmt: skip
-    """Every variant of a train's case at ``engine_speeds`` (rad/s of the crank; None: the case's own), each number with its uncertainty.
+) -> UncertaintyStudy:
+    """Every variant of a train's case at ``engine_speeds`` (rad/s of the crank; None: the case's
+    own), each number with its uncertainty.
 
-    Runs go over ``workers`` processes. A run on finite-element springs takes seconds and a finer one many times as long: those get two
-    grids of each kind instead of three (:func:`two_grids`). A run that fails is one of the ``failures``. Raises :class:`InputError` for
-    a case that cannot be built and what :func:`valvetrain.studies.run.run_study` refuses; :class:`RefinementStopped` when it is stopped.
+    Runs go over ``workers`` processes. A run on finite-element springs takes seconds and a finer
+    one many times as long: those get two
+    grids of each kind instead of three (:func:`two_grids`). A run that fails is one of the
+    ``failures``. Raises :class:`InputError` for
+    a case that cannot be built and what :func:`valvetrain.studies.run.run_study` refuses;
+    :class:`RefinementStopped` when it is stopped.
     """
     problem = build(case)
-    speeds = problem.engine_speeds if engine_speeds is None else tuple(float(speed) for speed in engine_speeds)
+    speeds = (
+        problem.engine_speeds
+        if engine_speeds is None
+        else tuple(float(speed) for speed in engine_speeds)
+    )
     refuse_speeds(problem, speeds)
     if not implausible:
         refuse_implausible(problem, speeds)
     places = range(len(problem.members))
     variants, failures = _all_variants(case, problem)
     jobs = [
-        job for speed in speeds for place in places if place in variants[OWN]
+        job
+        for speed in speeds
+        for place in places
+        if place in variants[OWN]
         for job in _jobs(variants, place, speed, _is_large(problem, place))
-    ]  # fmt: skip
+    ]
 
     def tell(done: int, total: int) -> None:
         if progress is not None:
@@ -85,28 +112,46 @@ def train_uncertainty(
         return {}, f"{problem.members[job.place].label}, {job.variant}: {LOST}; {LOST_REMEDY}"
 
     stages = Stages()
-    found = stages.map(_one, (problem, variants, implausible), jobs, workers, processes=True, tell=tell, lost=lost)
+    found = stages.map(
+        _one, (problem, variants, implausible), jobs, workers, processes=True, tell=tell, lost=lost
+    )
     values: dict[tuple[float, int], dict[str, Numbers]] = {}
     for place, (numbers, failed) in sorted(found.items()):
         job = jobs[place]
         values.setdefault((job.engine_speed, job.place), {})[job.variant] = numbers
         failures += [failed] if failed else []
-    missing = {(job.engine_speed, job.place) for place, job in enumerate(jobs) if place not in found}
+    missing = {
+        (job.engine_speed, job.place) for place, job in enumerate(jobs) if place not in found
+    }
     rows = [
-        row for (speed, place), here in values.items() if (speed, place) not in missing
+        row
+        for (speed, place), here in values.items()
+        if (speed, place) not in missing
         for row in _rows(here, speed, problem.members[place].label)
-    ]  # fmt: skip
+    ]
     whole: dict[str, dict[float | None, Numbers]] = {}
     for (speed, place), here in values.items():
         for name, numbers in here.items():
             whole.setdefault(f"{problem.members[place].label}, {name}", {})[speed] = numbers
-    return stages.closed(UncertaintyStudy(
-        problem.record, (), tuple(rows), whole, tuple(failures), CONTACT_FACTORS, CONTACT_FACTORS, len(jobs), len(found)
-    ))  # fmt: skip
+    return stages.closed(
+        UncertaintyStudy(
+            problem.record,
+            (),
+            tuple(rows),
+            whole,
+            tuple(failures),
+            CONTACT_FACTORS,
+            CONTACT_FACTORS,
+            len(jobs),
+            len(found),
+        )
+    )
 
 
 def _all_variants(case: Case, problem: Problem) -> tuple[dict[str, dict[int, Ready]], list[str]]:
-    """What can run of every variant by the place of its member, and why the others cannot; members that cannot run at all are told once."""
+    """What can run of every variant by the place of its member, and why the others cannot; members
+    that cannot run at all are told once.
+    """
     found: dict[str, dict[int, Ready]] = {OWN: {}}
     failures: list[str] = []
     for name, (other, factor) in _problems(case, problem).items():
@@ -117,7 +162,9 @@ def _all_variants(case: Case, problem: Problem) -> tuple[dict[str, dict[int, Rea
             failures.append(f"{name}: {reason(error)}")
             continue
         for place, member in enumerate(problem.members):
-            if name != OWN and (place not in found[OWN] or (name == TOO_FINE and _is_large(problem, place))):
+            if name != OWN and (
+                place not in found[OWN] or (name == TOO_FINE and _is_large(problem, place))
+            ):
                 continue
             try:
                 ready = _ready(built, place, factor)
@@ -139,9 +186,15 @@ def _problems(case: Case, problem: Problem) -> dict[str, tuple[Problem | Case, f
         found[f"springs {n}"] = problem, factor
     for word in ("stiffness", "damping"):
         for n, factor in enumerate(CONTACT_FACTORS, start=1):
-            contacts = {place: _with(contact, word, factor) for place, contact in case.train.contacts.items()}
+            contacts = {
+                place: _with(contact, word, factor)
+                for place, contact in case.train.contacts.items()
+            }
             if contacts != dict(case.train.contacts):
-                found[f"contact {word} {n}"] = (case.replace(train=case.train.replace(contacts=contacts)), 1.0)
+                found[f"contact {word} {n}"] = (
+                    case.replace(train=case.train.replace(contacts=contacts)),
+                    1.0,
+                )
     return found
 
 
@@ -149,7 +202,11 @@ def _with(contact: ContactParameters, word: str, factor: float) -> ContactParame
     """A contact with another stiffness, or with another damping, which a restitution stands for."""
     values: Mapping[str, Any] = contact.values
     if word == "stiffness":
-        return contact.replace(contact_stiffness=factor * values["contact_stiffness"]) if "contact_stiffness" in values else contact
+        return (
+            contact.replace(contact_stiffness=factor * values["contact_stiffness"])
+            if "contact_stiffness" in values
+            else contact
+        )
     if "damping" in values:
         return contact.replace(damping=factor * values["damping"])
     if 0 < values.get("restitution", 0.0) < 1:
@@ -158,10 +215,14 @@ def _with(contact: ContactParameters, word: str, factor: float) -> ContactParame
 
 
 def _ready(problem: Problem, place: int, factor: float) -> Ready | None:
-    """A member with its springs divided more finely, ready or with its refusal; None where that changes nothing."""
+    """A member with its springs divided more finely, ready or with its refusal; None where that
+    changes nothing.
+    """
     member = problem.members[place]
     if factor != 1.0:
-        finer = replace(member, springs=tuple(divided(member, spring, factor) for spring in member.springs))
+        finer = replace(
+            member, springs=tuple(divided(member, spring, factor) for spring in member.springs)
+        )
         if finer.springs == member.springs:
             return None
         member = finer
@@ -173,7 +234,11 @@ def divided(member: Member, spring: InstalledSpring, factor: float) -> Installed
     word, options = member.model.word, member.model.options
     off = options.card_only if spring.card is None else options.wire_only
     known = member.model.read_options(spring.options_of(word)).model_dump()
-    finer = {key: round(factor * known[key]) for key in DIVISIONS if key in known and key not in off and known[key]}
+    finer = {
+        key: round(factor * known[key])
+        for key in DIVISIONS
+        if key in known and key not in off and known[key]
+    }
     return spring.with_options(word, **finer) if finer else spring
 
 
@@ -182,16 +247,27 @@ def _is_large(problem: Problem, place: int) -> bool:
     return problem.members[place].model.word == "finite-element"
 
 
-def _jobs(variants: Mapping[str, Mapping[int, Ready]], place: int, speed: float, large: bool) -> list[_Job]:
+def _jobs(
+    variants: Mapping[str, Mapping[int, Ready]], place: int, speed: float, large: bool
+) -> list[_Job]:
     if large:
         own = [_Job(OWN, place, speed), _Job("step 2", place, speed, STEPS[0])]
     else:
-        own = [_Job(OWN, place, speed), *(_Job(f"step {n}", place, speed, step) for n, step in enumerate(STEPS, start=2))]
+        own = [
+            _Job(OWN, place, speed),
+            *(_Job(f"step {n}", place, speed, step) for n, step in enumerate(STEPS, start=2)),
+        ]
         own.append(_Job("samples", place, speed, samples=SAMPLES))
-    return own + [_Job(name, place, speed) for name, members in variants.items() if name != OWN and place in members]
+    return own + [
+        _Job(name, place, speed)
+        for name, members in variants.items()
+        if name != OWN and place in members
+    ]
 
 
-def _one(shared: tuple[Problem, Mapping[str, Mapping[int, Ready]], bool], job: _Job) -> tuple[Numbers, str]:
+def _one(
+    shared: tuple[Problem, Mapping[str, Mapping[int, Ready]], bool], job: _Job
+) -> tuple[Numbers, str]:
     """Headline numbers of one run and, where it failed, why."""
     problem, variants, implausible = shared
     ready = variants.get(job.variant, variants[OWN])[job.place]
@@ -202,7 +278,9 @@ def _one(shared: tuple[Problem, Mapping[str, Mapping[int, Ready]], bool], job: _
     if not solution.status.completed:
         return {}, f"{ready.member.label}, {job.variant}: {solution.status.sentence()}"
     names = (*HEADLINES, *(f"cycle_scatter_{name}" for name in HEADLINES))
-    return {name: float(solution.quantities[name]) for name in names if name in solution.quantities}, ""
+    return {
+        name: float(solution.quantities[name]) for name in names if name in solution.quantities
+    }, ""
 
 
 def _solution(problem: Problem, ready: Ready, job: _Job, implausible: bool) -> Solution:
@@ -218,9 +296,13 @@ def _solution(problem: Problem, ready: Ready, job: _Job, implausible: bool) -> S
         chosen = TrainOptions(LARGE_SAMPLES if large else TRAIN_SAMPLES)
         usual = runner(ready.system, job.engine_speed / 2, chosen, rest=ready.rest).time_step
         step = usual * job.step * (1 + 1e-9)
-    options = RunOptions(job.samples, time_step=step, rest=ready.rest, window=ready.window, nose=ready.nose)
+    options = RunOptions(
+        job.samples, time_step=step, rest=ready.rest, window=ready.window, nose=ready.nose
+    )
     provenance = provenance_of(problem, ready.member, job.engine_speed, "")
-    found = run(ready.system, job.engine_speed / 2, Periodic(problem.cycles_to_settle), options, provenance)
+    found = run(
+        ready.system, job.engine_speed / 2, Periodic(problem.cycles_to_settle), options, provenance
+    )
     return judge(ready, found, Plan(implausible=implausible), {})
 
 
@@ -237,24 +319,38 @@ def _rows(values: Mapping[str, Numbers], speed: float, label: str) -> list[Uncer
         if halved is None:
             continue
         one = two_grids(value, halved, 1 / STEPS[0])
-        steps = one if quarter is None else grid_convergence((value, halved, quarter), (1.0, *STEPS))
+        steps = (
+            one if quarter is None else grid_convergence((value, halved, quarter), (1.0, *STEPS))
+        )
         springs = [other for n in (2, 3) if (other := of(f"springs {n}")) is not None]
         sizes = (1.0, 1 / SPRINGS[0], 1 / SPRINGS[1])
         meshes = 0.0
         if springs:
             whole = (
-                grid_convergence((value, springs[0], springs[1]), sizes) if len(springs) == 2 else two_grids(value, springs[0], SPRINGS[0])
+                grid_convergence((value, springs[0], springs[1]), sizes)
+                if len(springs) == 2
+                else two_grids(value, springs[0], SPRINGS[0])
             )
             meshes = whole.uncertainty
-        others = (0.0 if sampled is None else abs(sampled - value)) + values[OWN].get(f"cycle_scatter_{name}", 0.0)
+        others = (0.0 if sampled is None else abs(sampled - value)) + values[OWN].get(
+            f"cycle_scatter_{name}", 0.0
+        )
         ranges: list[Range] = []
         for word in ("contact stiffness", "contact damping"):
             known = [value, *(other for n in (1, 2) if (other := of(f"{word} {n}")) is not None)]
             ranges.append((min(known), max(known)))
         rows.append(
             Uncertainty(
-                name, speed, value, steps.uncertainty + meshes + others, steps.observed_order, steps.extrapolated, steps.uncertainty,
-                ranges[0], ranges[1], label,
+                name,
+                speed,
+                value,
+                steps.uncertainty + meshes + others,
+                steps.observed_order,
+                steps.extrapolated,
+                steps.uncertainty,
+                ranges[0],
+                ranges[1],
+                label,
             )
-        )  # fmt: skip
+        )
     return rows

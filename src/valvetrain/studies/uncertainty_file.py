@@ -1,4 +1,6 @@
-"""The uncertainty that ships with a library case: written once by a script, told with every run of that case."""
+"""The uncertainty that ships with a library case: written once by a script, told with every run of
+that case.
+"""
 
 from __future__ import annotations
 
@@ -28,22 +30,32 @@ _TOLD = (
     ("peak_spring_force", "peak spring force"), ("peak_cam_contact_force", "peak cam force"),
     ("peak_seat_contact_force", "peak seat force"), ("seating_velocity", "seating velocity"),
 )  # fmt: skip
-#: A stored row belongs to a computed value that differs from it by less than this share, or by less than its own uncertainty.
+#: A stored row belongs to a computed value that differs from it by less than this share, or by less
+#: than its own uncertainty.
 SAME = 1e-3
 
 
 def load_uncertainty(record: CaseRecord) -> tuple[Uncertainty, ...]:
-    """Rows that ship with a library case; empty when there is none or the case is not word for word the one that was refined."""
+    """Rows that ship with a library case; empty when there is none or the case is not word for word
+    the one that was refined.
+    """
     return rows_of(_content(record))
 
 
 def rows_of(content: Mapping[str, Mapping[str, Any]]) -> tuple[Uncertainty, ...]:
     """Rows of a file's tables, whatever case they belong to."""
-    return tuple(_row(name, label, numbers) for label, table in content.items() if label != "case" for name, numbers in table.items())
+    return tuple(
+        _row(name, label, numbers)
+        for label, table in content.items()
+        if label != "case"
+        for name, numbers in table.items()
+    )
 
 
 def meshes_of(record: CaseRecord) -> tuple[int, ...]:
-    """Elements per coil of the meshes behind :func:`load_uncertainty`; empty where that has no rows."""
+    """Elements per coil of the meshes behind :func:`load_uncertainty`; empty where that has no
+    rows.
+    """
     return tuple(_content(record).get("case", {}).get("elements_per_coil", ()))
 
 
@@ -67,9 +79,15 @@ def uncertainty_text(study: UncertaintyStudy) -> str:
         "", "[case]", f'digest = "{study.record.digest}"', f"elements_per_coil = [{meshes}]",
     ]  # fmt: skip
     for speed, label in dict.fromkeys((row.engine_speed, row.label) for row in study.rows):
-        lines += ["", f'["{_STILL if speed is None else _rpm(speed)}{_OF + label if label else ""}"]']
+        lines += [
+            "",
+            f'["{_STILL if speed is None else _rpm(speed)}{_OF + label if label else ""}"]',
+        ]
         here = [row for row in study.rows if (row.engine_speed, row.label) == (speed, label)]
-        lines += [f"{row.quantity} = [{', '.join(f'{number:.7g}' for number in _numbers(row))}]" for row in here]
+        lines += [
+            f"{row.quantity} = [{', '.join(f'{number:.7g}' for number in _numbers(row))}]"
+            for row in here
+        ]
     return "\n".join(lines) + "\n"
 
 
@@ -77,13 +95,19 @@ def belongs(row: Uncertainty, quantities: Mapping[Quantity, float]) -> bool:
     """Whether a stored row is about a number of this study: the same within its own uncertainty."""
     labels = (row.label,) if row.label else ("", "finite-element")
     for key, value in quantities.items():
-        if key.name == row.quantity and key.label in labels and same_speed(key.engine_speed, row.engine_speed):
+        if (
+            key.name == row.quantity
+            and key.label in labels
+            and same_speed(key.engine_speed, row.engine_speed)
+        ):
             return abs(value - row.value) <= max(SAME * abs(row.value), row.numerical)
     return False
 
 
 def fresh_uncertainty(study: Study) -> tuple[Uncertainty, ...]:
-    """Stored rows of the study's case that are about numbers it computed; none over speeds, nor where only statics agree with a run."""
+    """Stored rows of the study's case that are about numbers it computed; none over speeds, nor
+    where only statics agree with a run.
+    """
     if study.over_speed:
         return ()
     rows = load_uncertainty(study.record)
@@ -92,17 +116,27 @@ def fresh_uncertainty(study: Study) -> tuple[Uncertainty, ...]:
     return () if study.solutions and all(row.engine_speed is None for row in fresh) else fresh
 
 
-def rows_that_hold(record: CaseRecord, quantities: Mapping[Quantity, float]) -> tuple[Uncertainty, ...]:
-    """Rows of :func:`load_uncertainty` of every engine speed and variant at which all stored numbers come out again among
+def rows_that_hold(
+    record: CaseRecord, quantities: Mapping[Quantity, float]
+) -> tuple[Uncertainty, ...]:
+    """Rows of :func:`load_uncertainty` of every engine speed and variant at which all stored
+    numbers come out again among
     ``quantities``."""
     rows = load_uncertainty(record)
     computed = {key.name for key in quantities}
-    lost = {(row.engine_speed, row.label) for row in rows if row.quantity in computed and not belongs(row, quantities)}
+    lost = {
+        (row.engine_speed, row.label)
+        for row in rows
+        if row.quantity in computed and not belongs(row, quantities)
+    }
     return tuple(row for row in rows if (row.engine_speed, row.label) not in lost)
 
 
-def uncertainty_sentences(record: CaseRecord, engine_speeds: Sequence[float], quantities: Mapping[Quantity, float]) -> tuple[str, ...]:
-    """One sentence per engine speed that was run (rad/s), and per variant of a train: how firm its numbers are.
+def uncertainty_sentences(
+    record: CaseRecord, engine_speeds: Sequence[float], quantities: Mapping[Quantity, float]
+) -> tuple[str, ...]:
+    """One sentence per engine speed that was run (rad/s), and per variant of a train: how firm its
+    numbers are.
 
     Nothing of a speed at which other values came out (``quantities``) than those that were refined.
     """
@@ -110,12 +144,16 @@ def uncertainty_sentences(record: CaseRecord, engine_speeds: Sequence[float], qu
     meshes = ", ".join(map(str, meshes_of(record)))
     run = {round(speed * 30 / math.pi) for speed in engine_speeds}
     for speed, label in dict.fromkeys((row.engine_speed, row.label) for row in rows):
-        here = {row.quantity: row for row in rows if (row.engine_speed, row.label) == (speed, label)}
+        here = {
+            row.quantity: row for row in rows if (row.engine_speed, row.label) == (speed, label)
+        }
         if speed is None or round(speed * 30 / math.pi) not in run:
             continue
         if label:
             parts = [f"{words} {_firm(here[name])}" for name, words in _TOLD if name in here]
-            sentences.append(f"{_rpm(speed)}, {label}, with numerical uncertainty: {'; '.join(parts)}.{_of_division(here)}")
+            sentences.append(
+                f"{_rpm(speed)}, {label}, with numerical uncertainty: {'; '.join(parts)}.{_of_division(here)}"
+            )
         elif "main_clash_below_10_khz_peak_force" in here:
             sentences.append(_clash_sentence(speed, here, meshes))
     return tuple(sentences)
@@ -144,11 +182,18 @@ def _clash_sentence(speed: float, here: Mapping[str, Uncertainty], meshes: str) 
     parts = [
         f"{words} {_firm(here[name])}"
         for name, words in (
-            ("main_clash_below_10_khz_peak_force", "height below 10 kHz"), ("main_clash_below_20_khz_peak_force", "below 20 kHz"),
-            ("main_clash_peak_force", "raw"), ("main_clash_cam_angle", "at"), ("main_clash_impulse", "impulse"),
-        ) if name in here
-    ]  # fmt: skip
-    raw, slow = here["main_clash_peak_force"].contact_stiffness, here["main_clash_below_10_khz_peak_force"].contact_stiffness
+            ("main_clash_below_10_khz_peak_force", "height below 10 kHz"),
+            ("main_clash_below_20_khz_peak_force", "below 20 kHz"),
+            ("main_clash_peak_force", "raw"),
+            ("main_clash_cam_angle", "at"),
+            ("main_clash_impulse", "impulse"),
+        )
+        if name in here
+    ]
+    raw, slow = (
+        here["main_clash_peak_force"].contact_stiffness,
+        here["main_clash_below_10_khz_peak_force"].contact_stiffness,
+    )
     return (
         f"{_rpm(speed)}, main clash of coils 1 and 2, numerical uncertainty from {meshes} elements per coil: "
         f"{'; '.join(parts)}. Contact stiffness from 0.35 to 2.5 times the case's moves the height from "
@@ -161,12 +206,31 @@ def _row(name: str, label: str, numbers: list[float]) -> Uncertainty:
     speed = None if place == _STILL else float(place.split()[0]) * math.pi / 30
     value, numerical, order, extrapolated, step, *ranges = map(float, numbers)
     stiffness, damping = (ranges[0], ranges[1]), (ranges[2], ranges[3])
-    return Uncertainty(name, speed, value, numerical, None if math.isnan(order) else order, extrapolated, step, stiffness, damping, variant)
+    return Uncertainty(
+        name,
+        speed,
+        value,
+        numerical,
+        None if math.isnan(order) else order,
+        extrapolated,
+        step,
+        stiffness,
+        damping,
+        variant,
+    )
 
 
 def _numbers(row: Uncertainty) -> tuple[float, ...]:
     order = math.nan if row.observed_order is None else row.observed_order
-    return (row.value, row.numerical, order, row.extrapolated, row.step_part, *row.contact_stiffness, *row.contact_damping)
+    return (
+        row.value,
+        row.numerical,
+        order,
+        row.extrapolated,
+        row.step_part,
+        *row.contact_stiffness,
+        *row.contact_damping,
+    )
 
 
 def _rpm(engine_speed: float) -> str:

@@ -22,8 +22,10 @@ _BEGUN = re.compile(r"(\d{8}-\d{6})-")
 
 @dataclass(frozen=True)
 class UnfinishedFolder:
-    """``case``, ``created_at`` (UTC, ISO 8601), whether the run ``goes_on`` (else it was killed), how many of its runs are ``finished``,
-    the ``files`` it holds, and the words of the command that began it (none where it was killed before its first run was finished)."""
+    """``case``, ``created_at`` (UTC, ISO 8601), whether the run ``goes_on`` (else it was killed),
+    how many of its runs are ``finished``,
+    the ``files`` it holds, and the words of the command that began it (none where it was killed
+    before its first run was finished)."""
 
     folder: Path
     case: str
@@ -40,7 +42,9 @@ class UnfinishedFolder:
 
 
 def unfinished_runs(case: str = "", root: Path = ROOT) -> tuple[UnfinishedFolder, ...]:
-    """Every folder under ``root`` that a run began and did not finish, newest first, of one ``case`` where given."""
+    """Every folder under ``root`` that a run began and did not finish, newest first, of one
+    ``case`` where given.
+    """
     found = []
     for home in homes(case, root):
         with suppress(OSError):
@@ -52,7 +56,11 @@ def unfinished_runs(case: str = "", root: Path = ROOT) -> tuple[UnfinishedFolder
 
 def _unfinished(folder: Path) -> UnfinishedFolder | None:
     begun, rows = _BEGUN.match(folder.name), folder / LIST
-    if begun is None or (folder / ANSWER).exists() or not (rows.is_file() or UNFINISHED in folder.name):
+    if (
+        begun is None
+        or (folder / ANSWER).exists()
+        or not (rows.is_file() or UNFINISHED in folder.name)
+    ):
         return None
     try:
         created_at = datetime.strptime(begun[1], "%Y%m%d-%H%M%S").replace(tzinfo=UTC).isoformat()
@@ -64,7 +72,9 @@ def _unfinished(folder: Path) -> UnfinishedFolder | None:
     told = tuple(map(str, words)) if isinstance(words, list) else ()
     files = sum(path.is_file() and path.name != LIST for path in folder.iterdir())
     goes_on = rows.is_file() and is_living(rows)
-    return UnfinishedFolder(folder, folder.parent.name, created_at, goes_on, len(lines), files, told)
+    return UnfinishedFolder(
+        folder, folder.parent.name, created_at, goes_on, len(lines), files, told
+    )
 
 
 def _row(line: bytes) -> Mapping[str, Any]:

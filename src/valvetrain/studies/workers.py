@@ -18,7 +18,8 @@ from typing import Any
 from valvetrain.studies.blas_threads import one_thread, stay_on_one_thread
 from valvetrain.studies.stopping import LOOK, look
 
-#: Pools in which a run is tried together with others; after that each is tried alone, so that one that kills its worker is found.
+#: Pools in which a run is tried together with others; after that each is tried alone, so that one
+#: that kills its worker is found.
 TOGETHER = 2
 #: Trials of a run alone before it is given up.
 ALONE = 2
@@ -33,11 +34,18 @@ class Lost:
 
 def start_method() -> str:
     """How worker processes begin: forked where no thread runs, else as fresh interpreters."""
-    return "fork" if "fork" in multiprocessing.get_all_start_methods() and threading.active_count() == 1 else "spawn"
+    return (
+        "fork"
+        if "fork" in multiprocessing.get_all_start_methods() and threading.active_count() == 1
+        else "spawn"
+    )
 
 
-def in_processes(function: Callable[[Any, Any], Any], shared: Any, points: Sequence[Any], count: int) -> Iterator[tuple[int, Any]]:
-    """(place, ``function(shared, point)``) of every point as it is finished, over ``count`` processes; :class:`Lost` for one that is not
+def in_processes(
+    function: Callable[[Any, Any], Any], shared: Any, points: Sequence[Any], count: int
+) -> Iterator[tuple[int, Any]]:
+    """(place, ``function(shared, point)``) of every point as it is finished, over ``count``
+    processes; :class:`Lost` for one that is not
     to be had. What ``function`` raises is raised here."""
     left = dict(enumerate(points))
     with one_thread():
@@ -53,12 +61,20 @@ def in_processes(function: Callable[[Any, Any], Any], shared: Any, points: Seque
                 yield place, Lost()
 
 
-def _finished(function: Any, shared: Any, left: dict[int, Any], count: int) -> Iterator[tuple[int, Any]]:
-    """What one pool finishes of ``left``, which it is taken out of; ends early where a worker is killed."""
+def _finished(
+    function: Any, shared: Any, left: dict[int, Any], count: int
+) -> Iterator[tuple[int, Any]]:
+    """What one pool finishes of ``left``, which it is taken out of; ends early where a worker is
+    killed.
+    """
     context = multiprocessing.get_context(start_method())
-    pool = ProcessPoolExecutor(count, context, initializer=_begin, initargs=(os.getpid(), function, shared))
+    pool = ProcessPoolExecutor(
+        count, context, initializer=_begin, initargs=(os.getpid(), function, shared)
+    )
     try:
-        for place, result in as_they_come({pool.submit(_one, point): place for place, point in left.items()}):
+        for place, result in as_they_come(
+            {pool.submit(_one, point): place for place, point in left.items()}
+        ):
             del left[place]
             yield place, result
         pool.shutdown()
@@ -69,7 +85,8 @@ def _finished(function: Any, shared: Any, left: dict[int, Any], count: int) -> I
 
 
 def as_they_come(jobs: Mapping[Future[Any], int]) -> Iterator[tuple[int, Any]]:
-    """(place, result) of every job as it ends, each handed out once and not kept; looks for a request to stop meanwhile.
+    """(place, result) of every job as it ends, each handed out once and not kept; looks for a
+    request to stop meanwhile.
 
     What a job raises is raised here, that its worker was killed after all others.
     """
@@ -78,7 +95,9 @@ def as_they_come(jobs: Mapping[Future[Any], int]) -> Iterator[tuple[int, Any]]:
     while places:
         done, _ = wait(places, LOOK, FIRST_COMPLETED)
         look()
-        for place, job in sorted(((places.pop(one), one) for one in done), key=lambda pair: pair[0]):
+        for place, job in sorted(
+            ((places.pop(one), one) for one in done), key=lambda pair: pair[0]
+        ):
             try:
                 result = job.result()
             except BrokenProcessPool as error:
@@ -101,7 +120,9 @@ def result_of(job: Future[Any]) -> Any:
 
 
 def _end(pool: ProcessPoolExecutor) -> None:
-    """End a pool, where there is still something to end, without waiting for runs that nobody asks for any more."""
+    """End a pool, where there is still something to end, without waiting for runs that nobody asks
+    for any more.
+    """
     workers = list((getattr(pool, "_processes", None) or {}).values())
     pool.shutdown(wait=False, cancel_futures=True)
     for worker in workers:
@@ -122,8 +143,12 @@ def _one(point: Any) -> Any:
 
 
 def quiet_worker(parent: int) -> None:
-    """Make this worker process leave Ctrl-C to its ``parent`` (process id) and end with it, however that ends."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # it reaches every process of a terminal; the one that answers it is the parent
+    """Make this worker process leave Ctrl-C to its ``parent`` (process id) and end with it, however
+    that ends.
+    """
+    signal.signal(
+        signal.SIGINT, signal.SIG_IGN
+    )  # it reaches every process of a terminal; the one that answers it is the parent
     signal.signal(signal.SIGTERM, signal.SIG_DFL)
     if sys.platform == "linux":
         with suppress(AttributeError, OSError):
@@ -142,9 +167,11 @@ def _end_with_parent() -> None:
 
 
 class StandingPool:
-    """Worker processes that stay for many batches of ``function(shared, point)``; ``count`` 1: this process. Use it as a context.
+    """Worker processes that stay for many batches of ``function(shared, point)``; ``count`` 1: this
+    process. Use it as a context.
 
-    Results stand in the order of the points. A run whose worker is killed is tried again by :func:`in_processes`; what is not to be had
+    Results stand in the order of the points. A run whose worker is killed is tried again by
+    :func:`in_processes`; what is not to be had
     comes back as :class:`Lost`.
     """
 
@@ -165,8 +192,15 @@ class StandingPool:
     def _start(self) -> None:
         if self.count > 1:
             context = multiprocessing.get_context(start_method())
-            self._pool = ProcessPoolExecutor(self.count, context, initializer=_begin, initargs=(os.getpid(), self.function, self.shared))
-            result_of(self._pool.submit(os.getpid))  # begins all of them now, before any thread runs
+            self._pool = ProcessPoolExecutor(
+                self.count,
+                context,
+                initializer=_begin,
+                initargs=(os.getpid(), self.function, self.shared),
+            )
+            result_of(
+                self._pool.submit(os.getpid)
+            )  # begins all of them now, before any thread runs
 
     def __exit__(self, *_: object) -> None:
         if self._pool is not None:
@@ -187,12 +221,16 @@ class StandingPool:
             return
         left = set(range(len(points)))
         try:
-            for place, result in as_they_come({self._pool.submit(_one, point): place for place, point in enumerate(points)}):
+            for place, result in as_they_come(
+                {self._pool.submit(_one, point): place for place, point in enumerate(points)}
+            ):
                 left.discard(place)
                 yield place, result
         except BrokenProcessPool:
             again = sorted(left)
-            for number, result in in_processes(self.function, self.shared, [points[place] for place in again], self.count):
+            for number, result in in_processes(
+                self.function, self.shared, [points[place] for place in again], self.count
+            ):
                 yield again[number], result
             _end(self._pool)
             self._start()

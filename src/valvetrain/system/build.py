@@ -1,4 +1,6 @@
-"""From a case to a problem: every part built once, what cannot work refused with its numbers. The only place that reads a case."""
+"""From a case to a problem: every part built once, what cannot work refused with its numbers. The
+only place that reads a case.
+"""
 
 from __future__ import annotations
 
@@ -16,23 +18,32 @@ from valvetrain.mechanism.contour import monotone_table
 from valvetrain.parameters.case import Case
 from valvetrain.parameters.installed_spring import InstalledSpring, Rubbing, binding_lift
 from valvetrain.parameters.loading import AnyCase, case_of, parse_case
-from valvetrain.parameters.toml_lines import find_line
+from valvetrain.parameters.toml_text import find_line
 from valvetrain.parameters.train import TrainParameters, TrainVariant
 from valvetrain.springs.nested import RadialRubbing
 from valvetrain.springs.spec import SpringModelSpec, spring_model
 from valvetrain.system.problem import Gear, Member, Problem
 
-#: Spring models of a case of one's own that names none: those of a known wire, of a card with and without a mass.
-WIRE_MODELS, CARD_MODELS, BARE_MODELS = ("finite-element", "modal-varied"), ("multi-mass", "modal-uniform"), ("massless",)
+#: Spring models of a case of one's own that names none: those of a known wire, of a card with and
+#: without a mass.
+WIRE_MODELS, CARD_MODELS, BARE_MODELS = (
+    ("finite-element", "modal-varied"),
+    ("multi-mass", "modal-uniform"),
+    ("massless",),
+)
 
 
-def build(case: AnyCase, *, spring_models: Sequence[str] = (), spring_sets: Sequence[str] = ()) -> Problem:
-    """The problem of a case, every part built once: its variants, or one member per spring model (of each spring set) asked for.
+def build(
+    case: AnyCase, *, spring_models: Sequence[str] = (), spring_sets: Sequence[str] = ()
+) -> Problem:
+    """The problem of a case, every part built once: its variants, or one member per spring model
+    (of each spring set) asked for.
 
     Parameters
     ----------
     case : Case, name of a library case, or path of a case file
-    spring_models : words of spring models, such as "multi-mass"; the case's own or the usual ones by default
+    spring_models : words of spring models, such as "multi-mass"; the case's own or the usual ones
+    by default
     spring_sets : names of spring sets of a train
 
     Returns
@@ -41,7 +52,8 @@ def build(case: AnyCase, *, spring_models: Sequence[str] = (), spring_sets: Sequ
 
     Raises
     ------
-    InputError : a case without spring and train, an unknown word, a spring that reaches coil bind within the lift, what parts refuse
+    InputError : a case without spring and train, an unknown word, a spring that reaches coil bind
+    within the lift, what parts refuse
 
     Examples
     --------
@@ -54,11 +66,14 @@ def build(case: AnyCase, *, spring_models: Sequence[str] = (), spring_sets: Sequ
     try:
         return _built(case, spring_models, spring_sets)
     except (ArithmeticError, ValueError) as error:  # numbers at which the parts' formulas end
-        raise InputError(f"the parts of case '{case.name}' cannot be built ({error}); check its numbers and their units") from error
+        raise InputError(
+            f"the parts of case '{case.name}' cannot be built ({error}); check its numbers and their units"
+        ) from error
 
 
 def lift_law_of(case: Case) -> LiftLaw:
-    """The lift law of a case, zero lift where it has none; what it refuses is told with its place in the case file.
+    """The lift law of a case, zero lift where it has none; what it refuses is told with its place
+    in the case file.
 
     Raises :class:`InputError` for numbers that make no law.
     """
@@ -88,47 +103,84 @@ def _built(case: Case, spring_models: Sequence[str], spring_sets: Sequence[str])
     if case.train is not None:
         members = _train_members(case, case.train, law, specs, tuple(dict.fromkeys(spring_sets)))
     elif spring_sets:
-        raise InputError(f"case '{case.name}' is a spring alone and has no spring sets; leave them out", "--spring-set")
+        raise InputError(
+            f"case '{case.name}' is a spring alone and has no spring sets; leave them out",
+            "--spring-set",
+        )
     else:
         members = _spring_members(case, law, specs)
-    operation, event = case.operation, find_lift_event(law if case.lift_law is not None else None, case.lift_law)
+    operation, event = (
+        case.operation,
+        find_lift_event(law if case.lift_law is not None else None, case.lift_law),
+    )
     return Problem(
-        case.record(), members, law, event, operation.engine_speeds, operation.cycles, operation.output_step,
-        case.train.cycles if case.train is not None else None, case.lift_law is not None,
-    )  # fmt: skip
+        case.record(),
+        members,
+        law,
+        event,
+        operation.engine_speeds,
+        operation.cycles,
+        operation.output_step,
+        case.train.cycles if case.train is not None else None,
+        case.lift_law is not None,
+    )
 
 
-def _spring_members(case: Case, law: LiftLaw, specs: tuple[SpringModelSpec, ...]) -> tuple[Member, ...]:
+def _spring_members(
+    case: Case, law: LiftLaw, specs: tuple[SpringModelSpec, ...]
+) -> tuple[Member, ...]:
     if not case.springs:
-        raise InputError(f"case '{case.name}' holds no spring and no train, so there is nothing to run; add a [spring] or [train] table")
-    lift = float(np.max(law.lift(np.linspace(0.0, 2 * np.pi, 721)))) if case.lift_law is not None else 0.0
+        raise InputError(
+            f"case '{case.name}' holds no spring and no train, so there is nothing to run; add a [spring] or [train] table"
+        )
+    lift = (
+        float(np.max(law.lift(np.linspace(0.0, 2 * np.pi, 721))))
+        if case.lift_law is not None
+        else 0.0
+    )
     if sentence := binding_lift(case.springs, lift):
         raise InputError(f"case '{case.name}': {sentence}")
     chosen = specs or tuple(spring_model(word) for word in usual_models(case.springs))
     rubbing = _rubbing(case.rubbing)
-    return tuple(Member(spec.word, spec, case.springs, law, rubbing=rubbing, name=case.name) for spec in chosen)
+    return tuple(
+        Member(spec.word, spec, case.springs, law, rubbing=rubbing, name=case.name)
+        for spec in chosen
+    )
 
 
 def usual_models(springs: tuple[InstalledSpring, ...]) -> tuple[str, ...]:
     """Models of a spring case that names none."""
     if all(spring.wire is not None for spring in springs):
         return WIRE_MODELS
-    return CARD_MODELS if all(spring.wire is not None or (spring.card and spring.card.mass) for spring in springs) else BARE_MODELS
+    return (
+        CARD_MODELS
+        if all(spring.wire is not None or (spring.card and spring.card.mass) for spring in springs)
+        else BARE_MODELS
+    )
 
 
 def _train_members(
-    case: Case, train: TrainParameters, law: LiftLaw, specs: tuple[SpringModelSpec, ...], sets: tuple[str, ...]
+    case: Case,
+    train: TrainParameters,
+    law: LiftLaw,
+    specs: tuple[SpringModelSpec, ...],
+    sets: tuple[str, ...],
 ) -> tuple[Member, ...]:
     if case.lift_law is None:
         raise InputError(f"case '{case.name}' holds no lift law; add a [lift_law] table")
     if specs or sets:
         words = [spec.word for spec in specs] or [train.spring_model]
         variants: tuple[TrainVariant, ...] = tuple(
-            TrainVariant(f"{chosen}, {word}" if len(sets) > 1 else word if specs else chosen, chosen, word)
-            for chosen in sets or (train.spring_set,) for word in words
-        )  # fmt: skip
+            TrainVariant(
+                f"{chosen}, {word}" if len(sets) > 1 else word if specs else chosen, chosen, word
+            )
+            for chosen in sets or (train.spring_set,)
+            for word in words
+        )
     else:
-        variants = train.variants or (TrainVariant(train.spring_model, train.spring_set, train.spring_model),)
+        variants = train.variants or (
+            TrainVariant(train.spring_model, train.spring_set, train.spring_model),
+        )
     gears: dict[TrainParameters, Gear] = {}
     members: list[Member] = []
     for variant in variants:
@@ -148,15 +200,35 @@ def _train_members(
             raise InputError(f"case '{case.name}': {sentence}")
         model = spring_model(own.spring_model, "train.spring_model")
         label = _free_label(variant.label, [member.label for member in members])
-        members.append(Member(label, model, springs, law, chosen, gear, _rubbing(own.rubbing), case.name, variant.note))
+        members.append(
+            Member(
+                label,
+                model,
+                springs,
+                law,
+                chosen,
+                gear,
+                _rubbing(own.rubbing),
+                case.name,
+                variant.note,
+            )
+        )
     return tuple(members)
 
 
 def _free_label(label: str, taken: list[str]) -> str:
     """The label, with a number where another variant bears it: results are told apart by it."""
-    return next(one for n in range(1, len(taken) + 2) if (one := label if n == 1 else f"{label} ({n})") not in taken)
+    return next(
+        one
+        for n in range(1, len(taken) + 2)
+        if (one := label if n == 1 else f"{label} ({n})") not in taken
+    )
 
 
 def _rubbing(rubbing: Rubbing | None) -> RadialRubbing | None:
     rubs = rubbing is not None and rubbing.coefficient > 0 and rubbing.normal_force > 0
-    return RadialRubbing(rubbing.coefficient, rubbing.normal_force) if rubbing is not None and rubs else None
+    return (
+        RadialRubbing(rubbing.coefficient, rubbing.normal_force)
+        if rubbing is not None and rubs
+        else None
+    )

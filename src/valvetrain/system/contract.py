@@ -12,7 +12,9 @@ PRESCRIBED, TRAIN = "prescribed-spring", "train"
 
 @runtime_checkable
 class System(Protocol):
-    """One thing that can be integrated in time; frozen, its state travels apart. Integrators say which systems they serve."""
+    """One thing that can be integrated in time; frozen, its state travels apart. Integrators say
+    which systems they serve.
+    """
 
     @property
     def name(self) -> str: ...
@@ -29,5 +31,7 @@ class System(Protocol):
 
     @property
     def spring_names(self) -> tuple[str, ...]:
-        """``("spring",)``, or ``("outer", "inner")`` of a nested pair; they stand before the channels of a pair."""
+        """``("spring",)``, or ``("outer", "inner")`` of a nested pair; they stand before the
+        channels of a pair.
+        """
         ...

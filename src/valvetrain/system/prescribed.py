@@ -1,4 +1,6 @@
-"""Springs whose retainer is told where to go: a train whose every other part is rigid and in contact."""
+"""Springs whose retainer is told where to go: a train whose every other part is rigid and in
+contact.
+"""
 
 from __future__ import annotations
 
@@ -23,7 +25,9 @@ def names_of(springs: Sequence[object]) -> tuple[str, ...]:
 
 @dataclass(frozen=True)
 class PrescribedSpring:
-    """One spring, or a nested pair, under prescribed motion: the retainer follows ``valve_lift`` from the installed position."""
+    """One spring, or a nested pair, under prescribed motion: the retainer follows ``valve_lift``
+    from the installed position.
+    """
 
     springs: tuple[SpringModel, ...]
     valve_lift: LiftLaw
@@ -31,7 +35,9 @@ class PrescribedSpring:
 
     def __post_init__(self) -> None:
         if not 1 <= len(self.springs) <= 2:
-            raise InputError(f"a valve carries one or two springs (outer, inner); {len(self.springs)} are given")
+            raise InputError(
+                f"a valve carries one or two springs (outer, inner); {len(self.springs)} are given"
+            )
 
     @property
     def kind(self) -> str:
@@ -43,8 +49,15 @@ class PrescribedSpring:
 
     def members(self) -> tuple[PrescribedSpring, ...]:
         """Each spring alone: under prescribed motion the springs of a pair do not feel each other."""
-        return tuple(PrescribedSpring((spring,), self.valve_lift, self.name) for spring in self.springs)
+        return tuple(
+            PrescribedSpring((spring,), self.valve_lift, self.name) for spring in self.springs
+        )
 
     def displacement(self, time: ArrayLike, cam_speed: float, derivative: int = 0) -> Array:
-        """Retainer displacement (m) from the installed position over time (s), or its ``derivative`` (m/s, m/s2)."""
-        return np.asarray(self.valve_lift.lift(cam_speed * np.asarray(time), derivative)) * cam_speed**derivative
+        """Retainer displacement (m) from the installed position over time (s), or its
+        ``derivative`` (m/s, m/s2).
+        """
+        return (
+            np.asarray(self.valve_lift.lift(cam_speed * np.asarray(time), derivative))
+            * cam_speed**derivative
+        )

@@ -22,13 +22,16 @@ from valvetrain.system.train_system import TrainSystem
 
 #: Springs at rest by the installed spring they stand for.
 Rest = Mapping[InstalledSpring, SpringAtRest]
-#: Models by word, installed spring (its options included) and, for models that need it, the spring at rest.
+#: Models by word, installed spring (its options included) and, for models that need it, the spring
+#: at rest.
 BuiltModels = dict[tuple[str, InstalledSpring, SpringAtRest | None], SpringModel]
 
 
 @dataclass(frozen=True, eq=False)
 class Gear:
-    """What moves the springs of a train: its mechanism, the parameters behind it (for kinematics), the gas force over the cam angle."""
+    """What moves the springs of a train: its mechanism, the parameters behind it (for kinematics),
+    the gas force over the cam angle.
+    """
 
     mechanism: AssembledMechanism
     parameters: TrainParameters
@@ -37,7 +40,9 @@ class Gear:
 
 @dataclass(frozen=True, eq=False)
 class Member:
-    """One variant of a problem: which springs by which model, in which train (none: prescribed motion). ``note`` is printed beside."""
+    """One variant of a problem: which springs by which model, in which train (none: prescribed
+    motion). ``note`` is printed beside.
+    """
 
     label: str
     model: SpringModelSpec
@@ -57,10 +62,15 @@ class Member:
     @property
     def refusal(self) -> str:
         """Why the model cannot run here, empty when it can."""
-        return self.model.no_motion or next((reason for spring in self.springs if (reason := self.model.why_not(spring))), "")
+        return self.model.no_motion or next(
+            (reason for spring in self.springs if (reason := self.model.why_not(spring))), ""
+        )
 
-    def system(self, rest: Rest | None = None, built: BuiltModels | None = None) -> PrescribedSpring | TrainSystem:
-        """The member assembled; ``rest`` holds the springs at rest where the model needs them (``model.needs_rest``), ``built`` the
+    def system(
+        self, rest: Rest | None = None, built: BuiltModels | None = None
+    ) -> PrescribedSpring | TrainSystem:
+        """The member assembled; ``rest`` holds the springs at rest where the model needs them
+        (``model.needs_rest``), ``built`` the
         models that stand already (new ones are added).
 
         Raises :class:`InputError` where the model cannot stand for a spring.
@@ -68,19 +78,26 @@ class Member:
         if self.model.no_motion:
             raise InputError(self.model.no_motion)
         models: BuiltModels = {} if built is None else built
-        springs: tuple[SpringModel, ...] = tuple(_once(models, self.model, spring, (rest or {}).get(spring)) for spring in self.springs)
+        springs: tuple[SpringModel, ...] = tuple(
+            _once(models, self.model, spring, (rest or {}).get(spring)) for spring in self.springs
+        )
         if self.rubbing is not None and len(springs) == 2:
             springs = (NestedSprings(springs[0], springs[1], self.rubbing, name=self.model.word),)
         if self.gear is None:
             return PrescribedSpring(springs, self.valve_lift, self.name)
-        return TrainSystem(self.gear.mechanism, springs, self.gear.gas, self.name, self.gear.parameters.crank)
+        return TrainSystem(
+            self.gear.mechanism, springs, self.gear.gas, self.name, self.gear.parameters.crank
+        )
 
 
 @dataclass(frozen=True, eq=False)
 class Problem:
-    """All parts of a case, built once. ``engine_speeds`` in rad/s of the crank; ``cycles`` cam turns of prescribed motion, the last is
-    reported; ``output_step`` (cam rad) between its samples; ``cycles_to_settle`` bounds the search for a train's periodic state;
-    ``moves``: whether there is a lift law; ``built``: the spring models built so far, shared by members and states at rest.
+    """All parts of a case, built once. ``engine_speeds`` in rad/s of the crank; ``cycles`` cam
+    turns of prescribed motion, the last is
+    reported; ``output_step`` (cam rad) between its samples; ``cycles_to_settle`` bounds the search
+    for a train's periodic state;
+    ``moves``: whether there is a lift law; ``built``: the spring models built so far, shared by
+    members and states at rest.
 
     >>> import valvetrain as vt
     >>> problem = vt.build("job-t", spring_models=["massless", "multi-mass"])
@@ -118,12 +135,18 @@ class Problem:
         """Members that ``keep`` says."""
         return tuple(member for member in self.members if keep(member))
 
-    def model_of(self, word: str, spring: InstalledSpring, rest: SpringAtRest | None = None) -> SpringModel:
-        """The model of an installed spring, the one of a member where it runs. Raises :class:`InputError` where it cannot stand for it."""
+    def model_of(
+        self, word: str, spring: InstalledSpring, rest: SpringAtRest | None = None
+    ) -> SpringModel:
+        """The model of an installed spring, the one of a member where it runs. Raises
+        :class:`InputError` where it cannot stand for it.
+        """
         return _once(self.built, spring_model(word), spring, rest)
 
 
-def _once(built: BuiltModels, spec: SpringModelSpec, spring: InstalledSpring, rest: SpringAtRest | None) -> SpringModel:
+def _once(
+    built: BuiltModels, spec: SpringModelSpec, spring: InstalledSpring, rest: SpringAtRest | None
+) -> SpringModel:
     key = (spec.word, spring, rest if spec.needs_rest else None)
     if key not in built:
         built[key] = spec.build(spring, key[2])

@@ -1,4 +1,6 @@
-"""Rigid motion of an assembled train: where every body stands at a valve lift, and the mass that lift feels."""
+"""Rigid motion of an assembled train: where every body stands at a valve lift, and the mass that
+lift feels.
+"""
 
 from __future__ import annotations
 
@@ -19,9 +21,11 @@ FREE_PLACES = ("cam", "seat", "support")
 
 @dataclass(frozen=True)
 class RigidPoses:
-    """Poses of a train whose links are rigid and whose gaps (cam and seat apart) are just closed, over the valve lift.
+    """Poses of a train whose links are rigid and whose gaps (cam and seat apart) are just closed,
+    over the valve lift.
 
-    ``lift`` (p,) in m; ``q`` (p, N) positions; ``reduced_mass`` (p,) in kg: sum of m_i (dq_i / dlift)**2, springs' share included.
+    ``lift`` (p,) in m; ``q`` (p, N) positions; ``reduced_mass`` (p,) in kg: sum of m_i (dq_i /
+    dlift)**2, springs' share included.
     """
 
     valve_lifts: Array
@@ -42,12 +46,18 @@ class RigidPoses:
         return np.asarray(self._splines[0](valve_lift))
 
     def mode(self, valve_lift: ArrayLike, derivative: int = 0) -> Array:
-        """Travel of every coordinate per travel of the valve (..., N), or its derivative by the lift (per m)."""
+        """Travel of every coordinate per travel of the valve (..., N), or its derivative by the
+        lift (per m).
+        """
         return np.asarray(self._splines[1](valve_lift, nu=derivative))
 
     def mass(self, valve_lift: ArrayLike, derivative: int = 0) -> Array:
         """Reduced mass (kg) at the valve or its derivative by the lift (kg/m)."""
-        return np.asarray(self._splines[2].derivative(derivative)(valve_lift) if derivative else self._splines[2](valve_lift))
+        return np.asarray(
+            self._splines[2].derivative(derivative)(valve_lift)
+            if derivative
+            else self._splines[2](valve_lift)
+        )
 
     def weight(self, valve_lift: ArrayLike) -> Array:
         """Constant forces (gravity, holding torque) reduced to the valve (N, opening positive)."""
@@ -55,7 +65,8 @@ class RigidPoses:
 
 
 def rigid_poses(system: TrainSystem, count: int = 41) -> RigidPoses:
-    """Rigid poses from a little below zero lift to a little above the largest. Raises :class:`InputError` when a body is not tied to the
+    """Rigid poses from a little below zero lift to a little above the largest. Raises
+    :class:`InputError` when a body is not tied to the
     valve."""
     kinematics = system.mechanism.kinematics
     top = float(kinematics.maximum_lift + kinematics.lash)
@@ -75,13 +86,17 @@ def rigid_poses(system: TrainSystem, count: int = 41) -> RigidPoses:
     return RigidPoses(lifts, positions, modes, masses, modes @ system.arrays.body[:, 1])
 
 
-def _constraints(system: TrainSystem, q: Array, places: list[int], pins: list[int]) -> tuple[Array, Array]:
+def _constraints(
+    system: TrainSystem, q: Array, places: list[int], pins: list[int]
+) -> tuple[Array, Array]:
     pens, gradients, _ = gap_state(system, q, 0.0)
     matrix = np.vstack([gradients[places], np.eye(len(q))[pins]])
     return pens, matrix
 
 
-def _solve_pose(system: TrainSystem, q: Array, lift: float, places: list[int], pins: list[int], home: Array) -> Array:
+def _solve_pose(
+    system: TrainSystem, q: Array, lift: float, places: list[int], pins: list[int], home: Array
+) -> Array:
     target = np.zeros(len(pins))
     target[0] = lift
     for _ in range(30):
@@ -92,7 +107,9 @@ def _solve_pose(system: TrainSystem, q: Array, lift: float, places: list[int], p
         if np.max(np.abs(change)) < 1e-14:
             break
     if np.max(np.abs(error)) > 1e-9:
-        raise InputError(f"train '{system.name}' finds no rigid pose at {lift * 1e3:.2f} mm of valve lift; check its geometry")
+        raise InputError(
+            f"train '{system.name}' finds no rigid pose at {lift * 1e3:.2f} mm of valve lift; check its geometry"
+        )
     return q
 
 

@@ -1,6 +1,8 @@
-"""Modes of a train with its springs: mass and stiffness about a state of rest, and their eigenvalue problem.
+"""Modes of a train with its springs: mass and stiffness about a state of rest, and their eigenvalue
+problem.
 
-Contacts and links count with their tangents, and with what their forces do as the gaps turn; a spring adds its own inner motion between a
+Contacts and links count with their tangents, and with what their forces do as the gaps turn; a
+spring adds its own inner motion between a
 fixed seat and the retainer. No damping; a contact that does not press has no stiffness.
 """
 
@@ -14,7 +16,7 @@ from numpy.typing import NDArray
 from valvetrain.contact import kernels
 from valvetrain.errors import InputError
 from valvetrain.parameters.installed_spring import InstalledSpring
-from valvetrain.solution.train_modes import TrainModes
+from valvetrain.solution.modes import TrainModes
 from valvetrain.springs.contract import SpringModel
 from valvetrain.springs.linear import SpringMatrices, spring_matrices
 from valvetrain.springs.nested import NestedSprings
@@ -24,7 +26,8 @@ from valvetrain.system.train_rest import static_equilibrium
 from valvetrain.system.train_system import TrainSystem
 
 Array = NDArray[np.float64]
-#: Step (m, rad) of the differences of the gaps' gradients, smooth functions of lengths of centimetres.
+#: Step (m, rad) of the differences of the gaps' gradients, smooth functions of lengths of
+#: centimetres.
 STEP = 1e-6
 #: A stiffness below this share of the largest is what differences leave of zero.
 ROUND_OFF = 1e-9
@@ -33,9 +36,14 @@ UNBALANCED = 1e-3
 
 
 def modes_of_train(
-    system: TrainSystem, installed: Sequence[InstalledSpring] = (), cam_angle: float = 0.0, state: str = "closed", label: str = ""
+    system: TrainSystem,
+    installed: Sequence[InstalledSpring] = (),
+    cam_angle: float = 0.0,
+    state: str = "closed",
+    label: str = "",
 ) -> TrainModes:
-    """Modes about rest at ``cam_angle`` (rad), in order of frequency; ``installed``: the springs behind the system's models, in order.
+    """Modes about rest at ``cam_angle`` (rad), in order of frequency; ``installed``: the springs
+    behind the system's models, in order.
 
     Raises :class:`InputError` for a train that comes to no rest.
     """
@@ -44,29 +52,54 @@ def modes_of_train(
     q = static_equilibrium(system, cam_angle, start)
     left = float(np.max(np.abs(generalised_forces(system, q, cam_angle, system.spring_force))))
     if left > UNBALANCED * max(system.spring_force(float(q[system.arrays.retainer])), 1.0):
-        raise InputError(f"train '{system.name}' comes to no rest ({left:.3g} N or N m are left), so it has no modes; soften its contacts")
+        raise InputError(
+            f"train '{system.name}' comes to no rest ({left:.3g} N or N m are left), so it has no modes; soften its contacts"
+        )
     retainer = system.arrays.retainer
     models = _models(system.springs)
     behind = [*installed, *[None] * (len(models) - len(installed))]
-    springs = [spring_matrices(model, spring, float(q[retainer])) for model, spring in zip(models, behind, strict=True)]
+    springs = [
+        spring_matrices(model, spring, float(q[retainer]))
+        for model, spring in zip(models, behind, strict=True)
+    ]
     masses, stiffness = assembled(system, q, cam_angle, springs)
     root = 1 / np.sqrt(masses)
     values, vectors = np.linalg.eigh(root[:, None] * stiffness * root)
     values[np.abs(values) < ROUND_OFF * values[-1]] = 0.0
     count = len(q)
     pens = gap_state(system, q, cam_angle)[0]
-    contacts = [(one.name, pen > 0) for one, pen in zip(system.mechanism.interactions, pens, strict=True) if one.law.code >= kernels.LINEAR]
-    names = ["spring"] if len(springs) == 1 else [f"{word} spring" for word in ("outer", "inner")[: len(springs)]]
+    contacts = [
+        (one.name, pen > 0)
+        for one, pen in zip(system.mechanism.interactions, pens, strict=True)
+        if one.law.code >= kernels.LINEAR
+    ]
+    names = (
+        ["spring"]
+        if len(springs) == 1
+        else [f"{word} spring" for word in ("outer", "inner")[: len(springs)]]
+    )
     shape, share = _shapes(system, vectors * root[:, None], masses, springs)
     return TrainModes(
-        label or system.name, state, cam_angle, float(q[system.mechanism.index(system.mechanism.valve)]),
-        np.sqrt(np.maximum(values, 0.0)) / (2 * np.pi), system.coordinate_names[:count], (*system.coordinate_names, *names), shape, share,
-        tuple(name for name, pressed in contacts if pressed), tuple(name for name, pressed in contacts if not pressed),
-    )  # fmt: skip
+        label or system.name,
+        state,
+        cam_angle,
+        float(q[system.mechanism.index(system.mechanism.valve)]),
+        np.sqrt(np.maximum(values, 0.0)) / (2 * np.pi),
+        system.coordinate_names[:count],
+        (*system.coordinate_names, *names),
+        shape,
+        share,
+        tuple(name for name, pressed in contacts if pressed),
+        tuple(name for name, pressed in contacts if not pressed),
+    )
 
 
-def assembled(system: TrainSystem, q: Array, cam_angle: float, springs: Sequence[SpringMatrices]) -> tuple[Array, Array]:
-    """Masses (n,) and stiffness (n, n) of the train's coordinates, then of the inner unknowns of every spring."""
+def assembled(
+    system: TrainSystem, q: Array, cam_angle: float, springs: Sequence[SpringMatrices]
+) -> tuple[Array, Array]:
+    """Masses (n,) and stiffness (n, n) of the train's coordinates, then of the inner unknowns of
+    every spring.
+    """
     count, inner = len(q), [len(one.masses) - 1 for one in springs]
     total = count + sum(inner)
     masses, stiffness = np.zeros(total), np.zeros((total, total))
@@ -83,12 +116,17 @@ def assembled(system: TrainSystem, q: Array, cam_angle: float, springs: Sequence
 
 
 def own_stiffness(system: TrainSystem, q: Array, cam_angle: float) -> Array:
-    """Stiffness (n, n) of contacts, links and geometry at rest, springs left out: sum of k g g' and of the forces times dg/dq."""
+    """Stiffness (n, n) of contacts, links and geometry at rest, springs left out: sum of k g g' and
+    of the forces times dg/dq.
+    """
     pens, gradients, _ = gap_state(system, q, cam_angle)
     acting = [k for k, pen in enumerate(pens) if pen > 0 or system.arrays.laws[k] < 0]
     forces, tangents = np.zeros(len(pens)), np.zeros(len(pens))
     for k in acting:
-        forces[k], tangents[k] = law_force(system, k, float(pens[k])), law_tangent(system, k, float(pens[k]))
+        forces[k], tangents[k] = (
+            law_force(system, k, float(pens[k])),
+            law_tangent(system, k, float(pens[k])),
+        )
     found = (gradients.T * tangents) @ gradients
     for place, row in enumerate(STEP * np.eye(len(q))):
         ahead, behind = (gap_state(system, q + side * row, cam_angle)[1] for side in (1, -1))
@@ -98,11 +136,19 @@ def own_stiffness(system: TrainSystem, q: Array, cam_angle: float) -> Array:
 
 def _models(springs: Sequence[SpringModel]) -> list[SpringModel]:
     """Every spring of its own: both members of a nested pair."""
-    return [part for one in springs for part in (one.members if isinstance(one, NestedSprings) else (one,))]
+    return [
+        part
+        for one in springs
+        for part in (one.members if isinstance(one, NestedSprings) else (one,))
+    ]
 
 
-def _shapes(system: TrainSystem, vectors: Array, masses: Array, springs: Sequence[SpringMatrices]) -> tuple[Array, Array]:
-    """Shapes (mode, body) with the largest travel 1, and shares in the kinetic energy (mode, part); ``vectors`` (unknown, mode)."""
+def _shapes(
+    system: TrainSystem, vectors: Array, masses: Array, springs: Sequence[SpringMatrices]
+) -> tuple[Array, Array]:
+    """Shapes (mode, body) with the largest travel 1, and shares in the kinetic energy (mode, part);
+    ``vectors`` (unknown, mode).
+    """
     count = len(system.masses)
     energy = masses[:, None] * vectors**2
     parts, first = [*energy[:count]], count
@@ -110,7 +156,11 @@ def _shapes(system: TrainSystem, vectors: Array, masses: Array, springs: Sequenc
         parts.append(energy[first : first + len(one.masses) - 1].sum(axis=0))
         first += len(one.masses) - 1
     turning = np.array([part.unit == "rad" for part in system.mechanism.coordinates])
-    radius = np.where(turning, np.sqrt(np.where(turning, masses[:count], 1.0) / masses[:count][~turning].mean()), 1.0)
+    radius = np.where(
+        turning,
+        np.sqrt(np.where(turning, masses[:count], 1.0) / masses[:count][~turning].mean()),
+        1.0,
+    )
     travel = np.max(np.abs(vectors[:count]) * radius[:, None], axis=0)
     only_springs = travel < 1e-6 * np.max(np.abs(vectors), axis=0)
     shape = np.where(only_springs, 0.0, vectors[:count] / np.where(only_springs, 1.0, travel))

@@ -1,4 +1,6 @@
-"""A train assembled from a mechanism, its springs and its loads: frozen, flat arrays, no verbs of running or plotting."""
+"""A train assembled from a mechanism, its springs and its loads: frozen, flat arrays, no verbs of
+running or plotting.
+"""
 
 from __future__ import annotations
 
@@ -36,9 +38,12 @@ class WithStaticCurve(Protocol):
 class TrainArrays(NamedTuple):
     """What the compiled loop reads; shapes: n interactions, N coordinates, m tables.
 
-    ``kinds``, ``table_of``, ``laws`` (n,); ``coordinate_of`` (n, 4), -1 for none; ``geometry`` (n, 16); ``law_parameters`` (n, 8);
-    ``memory_of`` (n + 1,): where the memory of each interaction begins in the flat array of all, the last entry being its length;
-    ``friction`` (n, 2) coefficient and slip rate (m/s); ``tables`` (m, nodes, 3); ``body`` (N, 5) mass, constant force, guide damping,
+    ``kinds``, ``table_of``, ``laws`` (n,); ``coordinate_of`` (n, 4), -1 for none; ``geometry`` (n,
+    16); ``law_parameters`` (n, 8);
+    ``memory_of`` (n + 1,): where the memory of each interaction begins in the flat array of all,
+    the last entry being its length;
+    ``friction`` (n, 2) coefficient and slip rate (m/s); ``tables`` (m, nodes, 3); ``body`` (N, 5)
+    mass, constant force, guide damping,
     friction, friction velocity; ``gas`` (1, nodes, 3) N over cam angle.
     """
 
@@ -59,10 +64,13 @@ class TrainArrays(NamedTuple):
 
 @dataclass(frozen=True)
 class TrainSystem:
-    """Equations of motion of one train: M a = constant + gas - sum(gap gradient * law force) - spring force.
+    """Equations of motion of one train: M a = constant + gas - sum(gap gradient * law force) -
+    spring force.
 
-    ``springs``: none, one or two spring models (outer, inner) between the cylinder head and the retainer. ``gas``: (nodes, 3) table of
-    the force (N, opening positive) on the valve over the cam angle, or None. ``crank``: slider that the valve must clear.
+    ``springs``: none, one or two spring models (outer, inner) between the cylinder head and the
+    retainer. ``gas``: (nodes, 3) table of
+    the force (N, opening positive) on the valve over the cam angle, or None. ``crank``: slider that
+    the valve must clear.
     """
 
     mechanism: AssembledMechanism
@@ -73,7 +81,9 @@ class TrainSystem:
 
     def __post_init__(self) -> None:
         if len(self.springs) > 2:
-            raise InputError(f"a valve carries at most two springs (outer, inner); {len(self.springs)} are given")
+            raise InputError(
+                f"a valve carries at most two springs (outer, inner); {len(self.springs)} are given"
+            )
 
     @property
     def kind(self) -> str:
@@ -105,7 +115,9 @@ class TrainSystem:
 
     @cached_property
     def law_kernels(self) -> tuple[LawKernel, ...]:
-        """Kernels of the contact laws that bring their own, each once, in the order of their codes from ``OWN_LAW`` on."""
+        """Kernels of the contact laws that bring their own, each once, in the order of their codes
+        from ``OWN_LAW`` on.
+        """
         found: list[LawKernel] = []
         for interaction in self.mechanism.interactions:
             law = interaction.law
@@ -117,10 +129,14 @@ class TrainSystem:
     def _remembering(self) -> tuple[tuple[int, WithDifferentialMemory], ...]:
         """Laws whose memory belongs to the motion, with the first place of each."""
         pairs = zip(self.arrays.memory_of.tolist(), self.mechanism.interactions, strict=False)
-        return tuple((first, one.law) for first, one in pairs if isinstance(one.law, WithDifferentialMemory))
+        return tuple(
+            (first, one.law) for first, one in pairs if isinstance(one.law, WithDifferentialMemory)
+        )
 
     def differential_memory(self, displacement: float) -> tuple[Integers, Array]:
-        """Places in the flat memory of the laws that belong to the motion, and their sizes in a motion of ``displacement`` (m)."""
+        """Places in the flat memory of the laws that belong to the motion, and their sizes in a
+        motion of ``displacement`` (m).
+        """
         places, scales = [np.zeros(0, dtype=np.int64)], [np.zeros(0)]
         for first, law in self._remembering:
             places.append(np.arange(first, first + law.states))
@@ -134,13 +150,17 @@ class TrainSystem:
 
     def with_springs(self, springs: Sequence[SpringModel]) -> TrainSystem:
         """The same train on other springs; itself where they are the same."""
-        if len(springs) == len(self.springs) and all(new is old for new, old in zip(springs, self.springs, strict=True)):
+        if len(springs) == len(self.springs) and all(
+            new is old for new, old in zip(springs, self.springs, strict=True)
+        ):
             return self
         return replace(self, springs=tuple(springs))
 
     def spring_force(self, displacement: float) -> float:
         """Static force (N) of all springs at a retainer displacement (m)."""
-        return float(sum(s.force(s.initial_state(displacement), displacement).retainer for s in self.springs))
+        return float(
+            sum(s.force(s.initial_state(displacement), displacement).retainer for s in self.springs)
+        )
 
     def spring_forces(self, displacements: Array) -> Array:
         """Static force (N) of all springs at each retainer displacement (m) of a curve, shape kept."""
@@ -149,7 +169,10 @@ class TrainSystem:
             if isinstance(spring, WithStaticCurve):
                 total += spring.static_forces(displacements)
             else:
-                total += [spring.force(spring.initial_state(value), value).retainer for value in displacements.tolist()]
+                total += [
+                    spring.force(spring.initial_state(value), value).retainer
+                    for value in displacements.tolist()
+                ]
         return total
 
 
@@ -157,12 +180,18 @@ def _assemble(system: TrainSystem) -> TrainArrays:
     mechanism = system.mechanism
     count, total = len(mechanism.interactions), len(mechanism.coordinates)
     table_names = list(mechanism.tables)
-    tables = np.stack([mechanism.tables[name] for name in table_names]) if table_names else np.zeros((1, 4, 3))
+    tables = (
+        np.stack([mechanism.tables[name] for name in table_names])
+        if table_names
+        else np.zeros((1, 4, 3))
+    )
     kinds, table_of, laws = (np.zeros(count, dtype=np.int64) for _ in range(3))
     index = np.full((count, COORDINATES_PER_INTERACTION), -1, dtype=np.int64)
     geometry = np.stack([interaction.geometry_row() for interaction in mechanism.interactions])
     law_parameters, friction = np.zeros((count, WIDTH)), np.zeros((count, 2))
-    memory_of = np.cumsum([0, *(interaction.law.states for interaction in mechanism.interactions)], dtype=np.int64)
+    memory_of = np.cumsum(
+        [0, *(interaction.law.states for interaction in mechanism.interactions)], dtype=np.int64
+    )
     for k, interaction in enumerate(mechanism.interactions):
         kinds[k] = interaction.kind
         table_of[k] = table_names.index(interaction.table) if interaction.table else 0
@@ -178,8 +207,23 @@ def _assemble(system: TrainSystem) -> TrainArrays:
     for i, part in enumerate(mechanism.coordinates):
         body[i] = part.mass, part.force, part.damping, part.friction, part.friction_velocity
     body[mechanism.index(mechanism.retainer), 0] += system.spring_mass
-    gas = np.zeros((1, 4, 3)) if system.gas is None else np.ascontiguousarray(system.gas, dtype=float)[None]
+    gas = (
+        np.zeros((1, 4, 3))
+        if system.gas is None
+        else np.ascontiguousarray(system.gas, dtype=float)[None]
+    )
     return TrainArrays(
-        kinds, index, table_of, laws, geometry, law_parameters, memory_of, friction, np.ascontiguousarray(tables, dtype=float), body, gas,
-        -1 if system.gas is None else mechanism.index(mechanism.valve), mechanism.index(mechanism.retainer),
-    )  # fmt: skip
+        kinds,
+        index,
+        table_of,
+        laws,
+        geometry,
+        law_parameters,
+        memory_of,
+        friction,
+        np.ascontiguousarray(tables, dtype=float),
+        body,
+        gas,
+        -1 if system.gas is None else mechanism.index(mechanism.valve),
+        mechanism.index(mechanism.retainer),
+    )

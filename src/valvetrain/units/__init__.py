@@ -1,7 +1,18 @@
-"""Units at the interface: text such as "4.0 mm", quantities and plain SI numbers to SI floats and back; inside all is SI."""
+"""Units at the interface: text such as "4.0 mm", quantities and plain SI numbers to SI floats and
+back; inside all is SI.
+"""
 
 from valvetrain.units.dimensions import DIMENSIONS, Dimension
-from valvetrain.units.given import MOST_SPEEDS, PLAUSIBLE, Given, Window, keep_si, si, si_each, si_speeds
+from valvetrain.units.given import (
+    MOST_SPEEDS,
+    PLAUSIBLE,
+    Given,
+    Window,
+    keep_si,
+    si,
+    si_each,
+    si_speeds,
+)
 from valvetrain.units.text import (
     dimension_of,
     dimension_powers,

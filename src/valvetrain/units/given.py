@@ -1,4 +1,6 @@
-"""What public functions take for a number: SI, text with a unit or a pint quantity; slips of units are refused with the likely meaning."""
+"""What public functions take for a number: SI, text with a unit or a pint quantity; slips of units
+are refused with the likely meaning.
+"""
 
 from __future__ import annotations
 
@@ -23,15 +25,18 @@ from valvetrain.units.text import (
     unit_factor,
 )
 
-#: What a public function takes for a number with a dimension: an SI number (of Python or numpy), text with a unit, a pint quantity.
+#: What a public function takes for a number with a dimension: an SI number (of Python or numpy),
+#: text with a unit, a pint quantity.
 Given = str | SupportsFloat
 
 
 @dataclass(frozen=True, slots=True)
 class Window:
-    """What a named quantity can be: its dimension, the least and largest value (SI) and the unit it is usually given in.
+    """What a named quantity can be: its dimension, the least and largest value (SI) and the unit it
+    is usually given in.
 
-    ``bare_high``: largest value (SI) that is taken without a unit, where an SI number and one in the usual unit are alike.
+    ``bare_high``: largest value (SI) that is taken without a unit, where an SI number and one in
+    the usual unit are alike.
     """
 
     dimension: str
@@ -42,7 +47,8 @@ class Window:
 
 
 _RPM = math.pi / 30
-#: Name of a quantity -> its window, wide enough for any valve spring and valvetrain; beyond it a value is a slip of units.
+#: Name of a quantity -> its window, wide enough for any valve spring and valvetrain; beyond it a
+#: value is a slip of units.
 PLAUSIBLE: dict[str, Window] = {
     "wire_diameter": Window("length", 0.2e-3, 20e-3, "mm"),
     "mean_diameter": Window("length", 3e-3, 200e-3, "mm"),
@@ -70,16 +76,20 @@ _RANGE = re.compile(r"\s*([^:\s]+)\s*:\s*([^:\s]+)\s*:\s*([^:\s]+)(\s+[^:]*)?\Z"
 
 
 def si(value: Given, quantity: str, where: str = "") -> float:
-    """``value`` as an SI float: ``si("22 mm", "mean_diameter") == si(0.022, "mean_diameter") == 0.022``.
+    """``value`` as an SI float: ``si("22 mm", "mean_diameter") == si(0.022, "mean_diameter") ==
+    0.022``.
 
     Parameters
     ----------
-    value : SI number (Python or numpy), text with a unit such as ``"3000 rpm"``, or a pint quantity of any registry.
+    value : SI number (Python or numpy), text with a unit such as ``"3000 rpm"``, or a pint quantity
+    of any registry.
     quantity : name from :data:`PLAUSIBLE`, or of a dimension in :data:`DIMENSIONS`.
     where : place of the value, which leads the message.
 
-    Raises :class:`InputError` for what is no finite number of that dimension and, for a name in :data:`PLAUSIBLE`, for a value that can
-    only be a slip of units. Zero and negative values pass: whether they make sense is for the caller to say.
+    Raises :class:`InputError` for what is no finite number of that dimension and, for a name in
+    :data:`PLAUSIBLE`, for a value that can
+    only be a slip of units. Zero and negative values pass: whether they make sense is for the
+    caller to say.
 
     >>> si("3000 rpm", "engine_speed")
     314.1592653589793
@@ -101,22 +111,29 @@ def si(value: Given, quantity: str, where: str = "") -> float:
 
 
 def si_each(values: str | Iterable[Given], quantity: str, where: str = "") -> tuple[float, ...]:
-    """SI floats of several values, each as for :func:`si`, or of text with one unit for all; errors as :func:`si`.
+    """SI floats of several values, each as for :func:`si`, or of text with one unit for all; errors
+    as :func:`si`.
 
     >>> si_each("3.8, 3.8, 7 mm", "pitch") == si_each(["3.8 mm", 3.8e-3, "7 mm"], "pitch")
     True
     """
     if isinstance(values, str):
         dimension = PLAUSIBLE[quantity].dimension if quantity in PLAUSIBLE else quantity
-        return tuple(si(value, quantity, where) for value in parse_quantities(values, dimension, where))
+        return tuple(
+            si(value, quantity, where) for value in parse_quantities(values, dimension, where)
+        )
     try:
         return tuple(si(value, quantity, where) for value in values)
     except TypeError as error:
-        raise InputError(f"{clipped(repr(values))} is no row of numbers; give a list, such as '1, 2, 3 mm'", where) from error
+        raise InputError(
+            f"{clipped(repr(values))} is no row of numbers; give a list, such as '1, 2, 3 mm'",
+            where,
+        ) from error
 
 
 def keep_si(part: object, owner: str, /, **quantities: str) -> None:
-    """Fields of a frozen dataclass made SI floats as it is made (``__post_init__``): field -> quantity as for :func:`si`, None stays None.
+    """Fields of a frozen dataclass made SI floats as it is made (``__post_init__``): field ->
+    quantity as for :func:`si`, None stays None.
 
     ``owner`` names the part in messages. Errors as :func:`si`.
     """
@@ -125,11 +142,15 @@ def keep_si(part: object, owner: str, /, **quantities: str) -> None:
             object.__setattr__(part, field, si(value, quantity, f"{field} of {owner}"))
 
 
-def si_speeds(values: Given | Iterable[Given], quantity: str = "engine_speed", where: str = "") -> tuple[float, ...]:
+def si_speeds(
+    values: Given | Iterable[Given], quantity: str = "engine_speed", where: str = ""
+) -> tuple[float, ...]:
     """Rotational speeds (rad/s) from one, several or a range, in the order given, each once.
 
-    ``values``: as for :func:`si`, or a sequence or array of such; or text: ``"4200, 5600 rpm"``, ``"1000:9000:100 rpm"`` with both ends.
-    Raises :class:`InputError` as :func:`si`, and for none, for speeds that are not positive and ranges that lead nowhere.
+    ``values``: as for :func:`si`, or a sequence or array of such; or text: ``"4200, 5600 rpm"``,
+    ``"1000:9000:100 rpm"`` with both ends.
+    Raises :class:`InputError` as :func:`si`, and for none, for speeds that are not positive and
+    ranges that lead nowhere.
 
     >>> len(si_speeds("1000:9000:100 rpm"))
     81
@@ -145,7 +166,11 @@ def si_speeds(values: Given | Iterable[Given], quantity: str = "engine_speed", w
             raise InputError(f"there are more than {MOST_SPEEDS} speeds; take a larger step", where)
         speeds = tuple(si(value, quantity, where) for value in items)
     if not speeds or min(speeds) <= 0:
-        fault = f"'{clipped(str(values))}' holds no speed" if not speeds else f"a speed in '{clipped(str(values))}' is not positive"
+        fault = (
+            f"'{clipped(str(values))}' holds no speed"
+            if not speeds
+            else f"a speed in '{clipped(str(values))}' is not positive"
+        )
         raise InputError(f"{fault}; write such as '4200, 5600 rpm'", where)
     return tuple(dict.fromkeys(speeds))
 
@@ -153,25 +178,49 @@ def si_speeds(values: Given | Iterable[Given], quantity: str = "engine_speed", w
 def _speeds_of_text(text: str, quantity: str, where: str) -> tuple[float, ...]:
     if match := _RANGE.match(text):
         unit = match[4] or ""
-        first, last, step = (parse_quantity(f"{part}{unit}", "angular speed", where) for part in match.groups()[:3])
+        first, last, step = (
+            parse_quantity(f"{part}{unit}", "angular speed", where) for part in match.groups()[:3]
+        )
         if not (first > 0 and last >= first and step > 0):
-            raise InputError(f"range '{clipped(text)}' leads nowhere; write first:last:step, rising, as in '1000:9000:500 rpm'", where)
+            raise InputError(
+                f"range '{clipped(text)}' leads nowhere; write first:last:step, rising, as in '1000:9000:500 rpm'",
+                where,
+            )
         if (last - first) / step > MOST_SPEEDS:
-            raise InputError(f"range '{clipped(text)}' holds more than {MOST_SPEEDS} speeds; take a larger step", where)
-        found = [first + step * index for index in range(int((last - first) / step * (1 + 1e-12) + 1e-9) + 1)]
+            raise InputError(
+                f"range '{clipped(text)}' holds more than {MOST_SPEEDS} speeds; take a larger step",
+                where,
+            )
+        found = [
+            first + step * index
+            for index in range(int((last - first) / step * (1 + 1e-12) + 1e-9) + 1)
+        ]
     else:
         found = list(parse_quantities(text, "angular speed", where))
     window = PLAUSIBLE[quantity]
     for value in filter(lambda value: value > 0, found):
-        _refuse_slip(quantity, window, value, format_quantity(value, "rpm"), to_unit(value, "rpm"), False, where)
+        _refuse_slip(
+            quantity,
+            window,
+            value,
+            format_quantity(value, "rpm"),
+            to_unit(value, "rpm"),
+            False,
+            where,
+        )
     return tuple(found)
 
 
 def _plain(value: SupportsFloat, dimension: str, where: str) -> float:
     due = DIMENSIONS[dimension]
-    if isinstance(value, bool) or not hasattr(value, "__float__") or getattr(value, "shape", ()) != ():
+    if (
+        isinstance(value, bool)
+        or not hasattr(value, "__float__")
+        or getattr(value, "shape", ()) != ()
+    ):
         raise InputError(
-            f"{clipped(repr(value))} is no single number; {due.phrase} is needed here, such as '1 {due.usual_unit}'".rstrip(), where
+            f"{clipped(repr(value))} is no single number; {due.phrase} is needed here, such as '1 {due.usual_unit}'".rstrip(),
+            where,
         )
     try:
         return finite(float(value), value, where)
@@ -180,7 +229,9 @@ def _plain(value: SupportsFloat, dimension: str, where: str) -> float:
 
 
 def _base_magnitude(value: Any, where: str) -> tuple[float, str]:
-    """Number and unit of a quantity of any units library that speaks as pint does, in its base units."""
+    """Number and unit of a quantity of any units library that speaks as pint does, in its base
+    units.
+    """
     base = value.to_base_units()
     if getattr(base.magnitude, "shape", ()) != ():
         raise InputError(f"'{clipped(str(value))}' is no single number; give one value", where)
@@ -188,18 +239,29 @@ def _base_magnitude(value: Any, where: str) -> tuple[float, str]:
     return float(base.magnitude), " ".join(unit.split())
 
 
-def _refuse_slip(quantity: str, window: Window, found: float, shown: str, number: float, bare: bool, where: str) -> None:
-    if window.low <= found * (1 + 1e-12) and found <= min(window.high, window.bare_high if bare else math.inf) * (1 + 1e-12):
+def _refuse_slip(
+    quantity: str, window: Window, found: float, shown: str, number: float, bare: bool, where: str
+) -> None:
+    if window.low <= found * (1 + 1e-12) and found <= min(
+        window.high, window.bare_high if bare else math.inf
+    ) * (1 + 1e-12):
         return
     words, usual = quantity.replace("_", " "), format_quantity(found, window.usual_unit)
     if window.low <= found <= window.high:
         remedy = f"did you mean '{number:g} {window.usual_unit}'? If not, write '{usual}'"
         raise InputError(f"{number:g} without a unit is {shown}, {words} {usual}; {remedy}", where)
     factors = ((unit, number * unit_factor(unit)) for unit in _MEANT[window.dimension])
-    meant = next(((unit, value) for unit, value in factors if window.low <= value <= window.high), None)
+    meant = next(
+        ((unit, value) for unit, value in factors if window.low <= value <= window.high), None
+    )
     if meant is None:
         span = f"{format_quantity(window.low, window.usual_unit)} to {format_quantity(window.high, window.usual_unit)}"
         told = shown if shown == usual else f"{shown} ({usual})"
-        raise InputError(f"{told} of {words} lies outside {span}; check the number and its unit", where)
+        raise InputError(
+            f"{told} of {words} lies outside {span}; check the number and its unit", where
+        )
     unit, value = meant
-    raise InputError(f"{shown} of {words} can only be meant as {number:g} {unit}; write {value:.6g} or '{number:g} {unit}'", where)
+    raise InputError(
+        f"{shown} of {words} can only be meant as {number:g} {unit}; write {value:.6g} or '{number:g} {unit}'",
+        where,
+    )

@@ -9,8 +9,7 @@ from functools import lru_cache
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from valvetrain.errors import InputError
-from valvetrain.units.dimensions import DEFINITIONS, DIMENSIONS
-from valvetrain.units.usual import USUAL
+from valvetrain.units.dimensions import DEFINITIONS, DIMENSIONS, USUAL
 
 if TYPE_CHECKING:
     import numpy as np
@@ -22,7 +21,8 @@ _SHOWN_UNITS = (
     "m mm cm um µm in inch thou mil ft N kN lbf kgf N/mm N/m lbf/in kg g lb oz Pa kPa MPa GPa bar psi ksi rad deg "
     "rpm rad/s s ms us min Hz kHz 1/s kg/m^3 g/cm^3 N/mm^2 mm/s m/s mm/s^2 m/s^2 N*s/m N*s/mm J mJ W %"
 ).split()
-# no two neighbours of these patterns take the same characters: a text that fails is then read once, not once per way to share it out
+# no two neighbours of these patterns take the same characters: a text that fails is then read once,
+# not once per way to share it out
 _NUMBER = r"[+-]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][+-]?\d{1,4})?"
 _QUANTITY = re.compile(rf"({_NUMBER})\s*(.*)\Z", re.DOTALL)
 _FACTOR = r"(?:1|[A-Za-zµμ_]+)(?:\s*(?:\^|\*\*)\s*-?\d(?:\.\d{1,3})?)?"
@@ -49,40 +49,63 @@ def _resolve(unit: str) -> tuple[float, tuple[tuple[str, float], ...]]:
     if text in USUAL:
         return USUAL[text]
     if len(text) > 40 or not _UNIT.match(text):
-        raise InputError(f"unit '{clipped(unit)}' cannot be read; write it as in 'N/mm' or 'kg/m^3'")
+        raise InputError(
+            f"unit '{clipped(unit)}' cannot be read; write it as in 'N/mm' or 'kg/m^3'"
+        )
     try:
         quantity: Any = _registry().Quantity(1.0, _registry().parse_units(text)).to_base_units()
     except Exception as error:  # pint raises many kinds for a text it cannot read
         close = difflib.get_close_matches(unit, _SHOWN_UNITS, n=3, cutoff=0.5)
-        hint = "did you mean " + " or ".join(close) + "?" if close else "use one such as mm, N, N/mm, MPa, g, rpm, Hz, deg"
+        hint = (
+            "did you mean " + " or ".join(close) + "?"
+            if close
+            else "use one such as mm, N, N/mm, MPa, g, rpm, Hz, deg"
+        )
         raise InputError(f"unit '{clipped(unit)}' is unknown; {hint}") from error
     # Base units are metre, second, gram, radian: a power of 1000 per mass leads to kilograms.
-    powers = tuple(sorted((name, float(power)) for name, power in quantity.dimensionality.items() if power))
+    powers = tuple(
+        sorted((name, float(power)) for name, power in quantity.dimensionality.items() if power)
+    )
     mass_power = dict(powers).get("[mass]", 0.0)
     return float(quantity.magnitude) * 1e-3**mass_power, powers
 
 
 def unit_factor(unit: str) -> float:
-    """SI value of one ``unit``: ``unit_factor("mm") == 1e-3``. Raises :class:`InputError` for an unknown unit."""
+    """SI value of one ``unit``: ``unit_factor("mm") == 1e-3``. Raises :class:`InputError` for an
+    unknown unit.
+    """
     return _resolve(unit)[0]
 
 
 def dimension_of(unit: str) -> str | None:
-    """Name of the (first) dimension in :data:`DIMENSIONS` that ``unit`` measures; None when it is not among them."""
+    """Name of the (first) dimension in :data:`DIMENSIONS` that ``unit`` measures; None when it is
+    not among them.
+    """
     powers = _resolve(unit)[1]
-    return next((name for name, dimension in DIMENSIONS.items() if _resolve(dimension.si_unit)[1] == powers), None)
+    return next(
+        (
+            name
+            for name, dimension in DIMENSIONS.items()
+            if _resolve(dimension.si_unit)[1] == powers
+        ),
+        None,
+    )
 
 
 def dimension_powers(text: str) -> dict[str, float]:
-    """Powers of the base dimensions of a quantity: ``"2 N/mm"`` gives ``{"[mass]": 1.0, "[time]": -2.0}``; as :func:`parse_quantity`."""
+    """Powers of the base dimensions of a quantity: ``"2 N/mm"`` gives ``{"[mass]": 1.0, "[time]":
+    -2.0}``; as :func:`parse_quantity`.
+    """
     return dict(_resolve(split_quantity(text, None, "")[1])[1])
 
 
 def parse_quantity(text: object, dimension: str | None, where: str = "") -> float:
     """Turn ``text`` ("4.0 mm") into an SI float.
 
-    ``dimension``: a name from :data:`DIMENSIONS`, a unit whose dimension is due ("N/m^1.5"), or None for any.
-    ``where`` leads the message. Raises :class:`InputError` for a bare number where a unit is due, a wrong dimension, an unknown unit
+    ``dimension``: a name from :data:`DIMENSIONS`, a unit whose dimension is due ("N/m^1.5"), or
+    None for any.
+    ``where`` leads the message. Raises :class:`InputError` for a bare number where a unit is due, a
+    wrong dimension, an unknown unit
     and what is no finite number.
     """
     value, unit = split_quantity(text, dimension, where)
@@ -90,18 +113,27 @@ def parse_quantity(text: object, dimension: str | None, where: str = "") -> floa
 
 
 def parse_quantities(text: object, dimension: str | None, where: str = "") -> tuple[float, ...]:
-    """Turn ``"0, 1.5, 3 mm"`` (one unit for all) or a list of quantities into SI floats; as :func:`parse_quantity`."""
+    """Turn ``"0, 1.5, 3 mm"`` (one unit for all) or a list of quantities into SI floats; as
+    :func:`parse_quantity`.
+    """
     if isinstance(text, (list, tuple)):
-        return tuple(parse_quantity(item, dimension, f"{where}[{index}]") for index, item in enumerate(text))
+        return tuple(
+            parse_quantity(item, dimension, f"{where}[{index}]") for index, item in enumerate(text)
+        )
     if not isinstance(text, str) or "," not in text:
         return (parse_quantity(text, dimension, where),)
     *heads, last = (part.strip() for part in text.split(","))
     value, unit = split_quantity(last, dimension, where)
     for head in heads:
         if not re.fullmatch(_NUMBER, head):
-            raise InputError(f"'{clipped(head)}' is no plain number; write the numbers, then one unit, as in '0, 1.5, 3 mm'", where)
+            raise InputError(
+                f"'{clipped(head)}' is no plain number; write the numbers, then one unit, as in '0, 1.5, 3 mm'",
+                where,
+            )
     shown = f"'{clipped(text)}'"
-    return tuple(to_si(number, unit, dimension, shown, where) for number in [*map(float, heads), value])
+    return tuple(
+        to_si(number, unit, dimension, shown, where) for number in [*map(float, heads), value]
+    )
 
 
 def split_quantity(text: object, dimension: str | None, where: str) -> tuple[float, str]:
@@ -110,23 +142,38 @@ def split_quantity(text: object, dimension: str | None, where: str) -> tuple[flo
     usual = due.usual_unit if due else str(dimension)
     phrase = due.phrase if due else f"a quantity in {dimension}"
     if isinstance(text, bool) or not isinstance(text, (int, float, str)):
-        raise InputError(f"{clipped(repr(text))} is no quantity; {phrase} is needed here, such as '1 {usual}'".rstrip(), where)
+        raise InputError(
+            f"{clipped(repr(text))} is no quantity; {phrase} is needed here, such as '1 {usual}'".rstrip(),
+            where,
+        )
     if isinstance(text, (int, float)):
         if dimension == "ratio":
             return finite(float(text) if abs(text) < 1e300 else math.inf, text, where), ""
-        remedy = "write it with its unit" if dimension is None else f"{phrase} is needed here: write '{clipped(repr(text))} {usual}'"
+        remedy = (
+            "write it with its unit"
+            if dimension is None
+            else f"{phrase} is needed here: write '{clipped(repr(text))} {usual}'"
+        )
         raise InputError(f"{clipped(repr(text))} has no unit; {remedy}", where)
     match = _QUANTITY.match(text.strip())
     if match is None:
-        raise InputError(f"'{clipped(text)}' is no quantity; {phrase} is needed here, such as '1 {usual}'".rstrip(), where)
+        raise InputError(
+            f"'{clipped(text)}' is no quantity; {phrase} is needed here, such as '1 {usual}'".rstrip(),
+            where,
+        )
     number, unit = match.groups()
     if unit == "" and dimension not in ("ratio", None, ""):
-        raise InputError(f"'{clipped(text)}' has no unit; {phrase} is needed here: write '{number} {usual}'", where)
+        raise InputError(
+            f"'{clipped(text)}' has no unit; {phrase} is needed here: write '{number} {usual}'",
+            where,
+        )
     return finite(float(number), text, where), unit
 
 
 def to_si(value: float, unit: str, dimension: str | None, shown: str, where: str) -> float:
-    """``value`` in ``unit`` as SI; ``shown`` is how the message names it, else as :func:`parse_quantity`."""
+    """``value`` in ``unit`` as SI; ``shown`` is how the message names it, else as
+    :func:`parse_quantity`.
+    """
     try:
         factor, powers = _resolve(unit)
     except InputError as error:
@@ -135,7 +182,9 @@ def to_si(value: float, unit: str, dimension: str | None, shown: str, where: str
         due = DIMENSIONS.get(dimension)
         if _resolve(due.si_unit if due else dimension)[1] != powers:
             is_what = DIMENSIONS[name].phrase if (name := dimension_of(unit)) else "something else"
-            phrase, usual = (due.phrase, due.usual_unit) if due else (f"a quantity in {dimension}", dimension)
+            phrase, usual = (
+                (due.phrase, due.usual_unit) if due else (f"a quantity in {dimension}", dimension)
+            )
             example = f"such as '1 {usual}'" if usual else "without a unit"
             if re.search(r"\blb\b", unit):
                 example += " (lb is a mass, lbf the force)"

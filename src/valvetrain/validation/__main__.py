@@ -1,4 +1,5 @@
-"""The validation book: all rows of this package run, written as docs/validation.md, failing when a row leaves its tolerance.
+"""The validation book: all rows of this package run, written as docs/validation.md, failing when a
+row leaves its tolerance.
 
 ``python -m valvetrain.validation [--page PATH] [--quick]``.
 """
@@ -17,7 +18,18 @@ from valvetrain.solution.atomic import write_text
 from valvetrain.validation.row import CASES, BookCase, Row
 
 #: Chapters of the book in their order.
-CHAPTERS = ("beams", "springs", "free_ends", "conical", "waves", "stresses", "models", "laws", "followers", "sources")
+CHAPTERS = (
+    "beams",
+    "springs",
+    "free_ends",
+    "conical",
+    "waves",
+    "stresses",
+    "models",
+    "laws",
+    "followers",
+    "sources",
+)
 
 HEAD = """# Validation book
 
@@ -73,7 +85,9 @@ def page(rows: Iterable[Row]) -> str:
 def _summary(by_topic: dict[str, list[Row]]) -> str:
     lines = ["\n| chapter | rows | met | explained misses | fail |\n|---|---|---|---|---|\n"]
     for topic, rows in by_topic.items():
-        counts = [sum(row.status == word for row in rows) for word in ("met", "miss (explained)", "FAILS")]
+        counts = [
+            sum(row.status == word for row in rows) for word in ("met", "miss (explained)", "FAILS")
+        ]
         lines.append(f"| {topic} | {len(rows)} | {counts[0]} | {counts[1]} | {counts[2]} |\n")
     return "".join(lines)
 
@@ -86,7 +100,11 @@ def _line(row: Row) -> str:
     unit = "" if row.unit in ("-", "1") else f" {row.unit}"
     kind = f"{row.source} ({row.kind})" if row.source else row.kind
     missed = row.status == "miss (explained)"
-    band = f"{_number(row.band[0])} to {_number(row.band[1])}" if missed and row.band is not None else ""
+    band = (
+        f"{_number(row.band[0])} to {_number(row.band[1])}"
+        if missed and row.band is not None
+        else ""
+    )
     cells = [
         row.name,
         row.inputs,
@@ -106,7 +124,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Run the book; returns 1 when a row fails."""
     parser = argparse.ArgumentParser(description="Run the validation book.")
     parser.add_argument("--page", type=Path, help="write the page to this file")
-    parser.add_argument("--quick", action="store_true", help="leave out the studies of whole sources")
+    parser.add_argument(
+        "--quick", action="store_true", help="leave out the studies of whole sources"
+    )
     options = parser.parse_args(arguments)
     rows = run_book(quick=options.quick, tell=print)
     failed = [row for row in rows if row.status == "FAILS"]
@@ -114,7 +134,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
         write_text(options.page, page(rows))
     for row in failed:
         numbers = f"expected {row.expected:.6g}, computed {row.computed:.6g} {row.unit}, tolerance {row.tolerance:.3g}"
-        numbers += "" if row.band is None else f", band of the explained miss {row.band[0]:.6g} to {row.band[1]:.6g}"
+        numbers += (
+            ""
+            if row.band is None
+            else f", band of the explained miss {row.band[0]:.6g} to {row.band[1]:.6g}"
+        )
         print(f"FAILS: {row.topic}, {row.name}: {numbers}")
     print(f"{len(rows)} rows, {len(failed)} fail")
     return 1 if failed else 0

@@ -1,4 +1,6 @@
-"""Geometrically exact beam benchmarks: 45-degree bend, roll-up, straight rod to helix, uniform helix under large compression."""
+"""Geometrically exact beam benchmarks: 45-degree bend, roll-up, straight rod to helix, uniform
+helix under large compression.
+"""
 
 from __future__ import annotations
 
@@ -16,7 +18,9 @@ TURNS = 5
 
 
 def _shoot(load: float) -> Array:
-    """Tip displacement (3,) of the 45-degree bend by shooting on the rod's ordinary differential equations."""
+    """Tip displacement (3,) of the 45-degree bend by shooting on the rod's ordinary differential
+    equations.
+    """
     from scipy.integrate import solve_ivp
     from scipy.optimize import fsolve
 
@@ -32,7 +36,15 @@ def _shoot(load: float) -> Array:
 
     def end(moment: Array, force: Array) -> Array:
         span = (0, radius * np.pi / 4)
-        found = solve_ivp(rate, span, np.concatenate([start, moment]), args=(force,), method="DOP853", rtol=1e-9, atol=1e-9)
+        found = solve_ivp(
+            rate,
+            span,
+            np.concatenate([start, moment]),
+            args=(force,),
+            method="DOP853",
+            rtol=1e-9,
+            atol=1e-9,
+        )
         return np.asarray(found.y[:, -1])
 
     moment = np.zeros(3)
@@ -50,7 +62,11 @@ def bend_of_45_degrees() -> list[Row]:
     result = bend_tip(mesh, TipLoads((0.0, 0.0, 600.0)), 12, NewtonOptions(tolerance=1e-4))
     moved, exact = result.state.position[-1] - mesh.position[-1], _shoot(600.0)
     about, rows = "R 100, section 1 x 1, E 1e7, nu 0, force 600, 64 elements", []
-    for axis, name, printed in ((0, "radial", 13.4), (1, "tangential", -23.5), (2, "out of plane", 53.4)):
+    for axis, name, printed in (
+        (0, "radial", 13.4),
+        (1, "tangential", -23.5),
+        (2, "out of plane", 53.4),
+    ):
         value = float(moved[axis])
         rows.append(
             Row(
@@ -85,14 +101,22 @@ def bend_of_45_degrees() -> list[Row]:
 
 @book_case()
 def roll_up_to_a_circle() -> list[Row]:
-    """An end moment 2 pi E I / L rolls a straight cantilever up to a full circle: equilibrium of the free tip next to the closed circle."""
+    """An end moment 2 pi E I / L rolls a straight cantilever up to a full circle: equilibrium of
+    the free tip next to the closed circle.
+    """
     length, bending = 1.0, 2.0
     wire = tube(bending, bending, length)
     mesh = mesh_wire(Helix(0.0, 0.0, wire), length, 48)
     circle = Helix(length / (2 * np.pi), 0.0, wire)
     start = state_on(circle, mesh)
-    # The arc starts at (R, 0, 0) along y and turns about z: moment along z; the clamp is that of the arc.
-    statics = RodStatics(mesh, 0.0, NewtonOptions(tolerance=1e-5), TipLoads(torque=(0.0, 0.0, 2 * np.pi * bending / length)))
+    # The arc starts at (R, 0, 0) along y and turns about z: moment along z; the clamp is that of
+    # the arc.
+    statics = RodStatics(
+        mesh,
+        0.0,
+        NewtonOptions(tolerance=1e-5),
+        TipLoads(torque=(0.0, 0.0, 2 * np.pi * bending / length)),
+    )
     result = statics.solve(start, 0.0)
     place = result.state.position
     gap = float(np.linalg.norm(place[-1] - place[0])) if result.converged else float("nan")
@@ -122,8 +146,12 @@ def roll_up_to_a_circle() -> list[Row]:
     ]
 
 
-def _bent(free: Helix, bent: Helix, length: float, elements: int) -> tuple[RodMesh, Equilibrium, float]:
-    """Mesh, equilibrium near the bent helix with ends fixed there, and the axial torque (N m) at the last end."""
+def _bent(
+    free: Helix, bent: Helix, length: float, elements: int
+) -> tuple[RodMesh, Equilibrium, float]:
+    """Mesh, equilibrium near the bent helix with ends fixed there, and the axial torque (N m) at
+    the last end.
+    """
     mesh = mesh_wire(free, length, elements)
     statics = RodStatics(mesh, options=TIGHT)
     result = statics.solve(state_on(bent, mesh), 0.0)
@@ -136,22 +164,33 @@ def _bent(free: Helix, bent: Helix, length: float, elements: int) -> tuple[RodMe
 
 
 def love_wrench(free: Helix, bent: Helix) -> tuple[float, float]:
-    """Axial force (N, tensile positive) and torque (N m) of a uniform helix bent to another (Love 1927, article 271)."""
+    """Axial force (N, tensile positive) and torque (N m) of a uniform helix bent to another (Love
+    1927, article 271).
+    """
 
     def shape(helix: Helix) -> tuple[float, float]:
         if not helix.radius:
             return 0.0, 0.0
-        return np.cos(helix.lead_angle) ** 2 / helix.radius, np.sin(helix.lead_angle) * np.cos(helix.lead_angle) / helix.radius
+        return np.cos(helix.lead_angle) ** 2 / helix.radius, np.sin(helix.lead_angle) * np.cos(
+            helix.lead_angle
+        ) / helix.radius
 
     (k0, t0), (k, t) = shape(free), shape(bent)
-    a, radius, bending, torsion = bent.lead_angle, bent.radius, float(bent.wire.bending[0]), float(bent.wire.torsion[0])
+    a, radius, bending, torsion = (
+        bent.lead_angle,
+        bent.radius,
+        float(bent.wire.bending[0]),
+        float(bent.wire.torsion[0]),
+    )
     force = torsion * np.cos(a) / radius * (t - t0) - bending * np.sin(a) / radius * (k - k0)
     return float(force), float(torsion * np.sin(a) * (t - t0) + bending * np.cos(a) * (k - k0))
 
 
 @book_case()
 def straight_rod_to_helix() -> list[Row]:
-    """A straight wire bent to a helix of three turns: end force and torque of Kirchhoff's helical equilibrium."""
+    """A straight wire bent to a helix of three turns: end force and torque of Kirchhoff's helical
+    equilibrium.
+    """
     length = 3 * 2 * np.pi / np.cos(0.4)
     wire = tube(1.0, 1.6, length)
     free, bent = Helix(0.0, 0.0, wire), Helix(1.0, 0.4, wire)
@@ -186,7 +225,9 @@ def straight_rod_to_helix() -> list[Row]:
 
 @book_case()
 def helix_under_large_compression() -> list[Row]:
-    """Uniform helix of lead angle 0.25 squeezed to 0.05: Love's force without end rotation, and his lead angle with free rotation."""
+    """Uniform helix of lead angle 0.25 squeezed to 0.05: Love's force without end rotation, and his
+    lead angle with free rotation.
+    """
     from scipy.optimize import brentq
 
     lead, rows = 0.25, []
@@ -194,19 +235,60 @@ def helix_under_large_compression() -> list[Row]:
     for pressed in (0.15, 0.05):
         held = Helix(np.cos(pressed) / np.cos(lead), pressed, free.wire)
         torque = love_wrench(free, held)[1]
-        rows += _love_rows("no end rotation", free, held, torque, 0.01 * abs(torque), "second order; the torque is a small difference")
+        rows += _love_rows(
+            "no end rotation",
+            free,
+            held,
+            torque,
+            0.01 * abs(torque),
+            "second order; the torque is a small difference",
+        )
         radius = brentq(lambda r, a=pressed: love_wrench(free, Helix(r, a, free.wire))[1], 0.8, 1.3)
-        rows += _love_rows("free end rotation", free, Helix(radius, pressed, free.wire), 0.0, 0.002, "0.2 % of E I over the radius")
+        rows += _love_rows(
+            "free end rotation",
+            free,
+            Helix(radius, pressed, free.wire),
+            0.0,
+            0.002,
+            "0.2 % of E I over the radius",
+        )
     return rows
 
 
-def _love_rows(ends: str, free: Helix, bent: Helix, torque: float, tolerance: float, reason: str) -> list[Row]:
-    """Force and torque that hold ``free`` bent to another helix of the same wire; ``tolerance`` (N m) of the torque."""
+def _love_rows(
+    ends: str, free: Helix, bent: Helix, torque: float, tolerance: float, reason: str
+) -> list[Row]:
+    """Force and torque that hold ``free`` bent to another helix of the same wire; ``tolerance`` (N
+    m) of the torque.
+    """
     force = love_wrench(free, bent)[0]
     _, result, found = _bent(free, bent, TURNS * 2 * np.pi / np.cos(free.lead_angle), 48 * TURNS)
-    about, case = "E I 1, G J 0.77, five turns of radius 1, 48 elements per turn", f"lead angle {bent.lead_angle}"
+    about, case = (
+        "E I 1, G J 0.77, five turns of radius 1, 48 elements per turn",
+        f"lead angle {bent.lead_angle}",
+    )
     limit, why, computed = 0.003 * abs(force), "second order: (pi / 48)^2", -result.retainer_force
     return [
-        Row("beams", f"Love's helix, {ends}, force at {case}", "love1927", about, force, computed, "N", limit, why),
-        Row("beams", f"Love's helix, {ends}, torque at {case}", "love1927", about, torque, found, "N m", tolerance, reason),
+        Row(
+            "beams",
+            f"Love's helix, {ends}, force at {case}",
+            "love1927",
+            about,
+            force,
+            computed,
+            "N",
+            limit,
+            why,
+        ),
+        Row(
+            "beams",
+            f"Love's helix, {ends}, torque at {case}",
+            "love1927",
+            about,
+            torque,
+            found,
+            "N m",
+            tolerance,
+            reason,
+        ),
     ]

@@ -1,7 +1,10 @@
-"""Published numbers that this package does not meet: why, and the values that come out instead. A value beyond its band fails the book.
+"""Published numbers that this package does not meet: why, and the values that come out instead. A
+value beyond its band fails the book.
 
-The bands stand about what comes out today: 2 % of a force, 4 % of a velocity, 5 % of a displacement, 8 % of an acceleration, three output
-samples (1.5 degrees) of an angle, 3 % of a number of the trains. They hold a miss where it is: a greater one is not explained.
+The bands stand about what comes out today: 2 % of a force, 4 % of a velocity, 5 % of a
+displacement, 8 % of an acceleration, three output
+samples (1.5 degrees) of an angle, 3 % of a number of the trains. They hold a miss where it is: a
+greater one is not explained.
 """
 
 from __future__ import annotations
@@ -11,7 +14,9 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True, slots=True)
 class Explained:
-    """Why a published number is missed (``why``), and the least and largest value that may come out (``band``, in the unit shown)."""
+    """Why a published number is missed (``why``), and the least and largest value that may come out
+    (``band``, in the unit shown).
+    """
 
     why: str
     band: tuple[float, float] | None
@@ -92,7 +97,10 @@ BANDS: dict[str, dict[str, tuple[float, float]]] = {
         "stage 3 peak force, 8000 rpm (engine head test)": (601.0, 627.0),
     },
     _PHASE: {
-        "node 2 stage 3 minimum velocity cam angle, 5600 rpm (solid finite elements)": (234.5, 237.5),
+        "node 2 stage 3 minimum velocity cam angle, 5600 rpm (solid finite elements)": (
+            234.5,
+            237.5,
+        ),
         "coil 1 2 bounce end cam angle, 5600 rpm (solid finite elements)": (238.5, 241.5),
         "coil 1 2 bounce duration, 5600 rpm (solid finite elements)": (0.117, 0.24),
         "clash 1 cam angle, 5600 rpm (solid finite elements)": (30.5, 33.5),
@@ -111,8 +119,14 @@ BANDS: dict[str, dict[str, tuple[float, float]]] = {
         "stage 3 peak cam angle, 8000 rpm (solid finite elements)": (246.5, 249.5),
         "stage 3 second peak cam angle, 8000 rpm (solid finite elements)": (285.5, 288.5),
         "node 2 maximum displacement cam angle, 8000 rpm (solid finite elements)": (234.0, 237.0),
-        "node 2 stage 3 maximum velocity cam angle, 8000 rpm (solid finite elements)": (231.5, 234.5),
-        "node 2 stage 3 minimum velocity cam angle, 8000 rpm (solid finite elements)": (240.0, 243.0),
+        "node 2 stage 3 maximum velocity cam angle, 8000 rpm (solid finite elements)": (
+            231.5,
+            234.5,
+        ),
+        "node 2 stage 3 minimum velocity cam angle, 8000 rpm (solid finite elements)": (
+            240.0,
+            243.0,
+        ),
         "node 2 rebound velocity cam angle, 8000 rpm (solid finite elements)": (241.0, 244.0),
         "coil 1 2 bounce start cam angle, 8000 rpm (solid finite elements)": (247.0, 250.0),
         "coil 1 2 bounce end cam angle, 8000 rpm (solid finite elements)": (258.0, 261.0),
@@ -130,10 +144,22 @@ BANDS: dict[str, dict[str, tuple[float, float]]] = {
         "node 2 peak acceleration cam angle, 8000 rpm (solid finite elements)": (241.0, 244.0),
         "node 1 peak acceleration, 8000 rpm (solid finite elements)": (-17500000.0, -14800000.0),
         "node 1 peak acceleration cam angle, 8000 rpm (solid finite elements)": (241.5, 244.5),
-        "node 1 second peak acceleration, 8000 rpm (solid finite elements)": (14200000.0, 16700000.0),
-        "node 1 second peak acceleration cam angle, 8000 rpm (solid finite elements)": (355.0, 358.0),
-        "node 1 third peak acceleration, 8000 rpm (solid finite elements)": (-14700000.0, -12400000.0),
-        "node 1 third peak acceleration cam angle, 8000 rpm (solid finite elements)": (318.0, 321.0),
+        "node 1 second peak acceleration, 8000 rpm (solid finite elements)": (
+            14200000.0,
+            16700000.0,
+        ),
+        "node 1 second peak acceleration cam angle, 8000 rpm (solid finite elements)": (
+            355.0,
+            358.0,
+        ),
+        "node 1 third peak acceleration, 8000 rpm (solid finite elements)": (
+            -14700000.0,
+            -12400000.0,
+        ),
+        "node 1 third peak acceleration cam angle, 8000 rpm (solid finite elements)": (
+            318.0,
+            321.0,
+        ),
     },
     _MODAL: {
         "stage 2 peak cam angle, 4200 rpm (analytical modal)": (174.0, 177.0),

@@ -1,4 +1,6 @@
-"""Springs whose ends are not held in every way: a retainer free to turn (Love), a slender spring that buckles."""
+"""Springs whose ends are not held in every way: a retainer free to turn (Love), a slender spring
+that buckles.
+"""
 
 from __future__ import annotations
 
@@ -17,16 +19,33 @@ from valvetrain.validation.wires import Helix, tube
 
 @book_case()
 def retainer_free_to_turn() -> list[Row]:
-    """A helix pressed between plates of which one may turn: Love's helix of no torque has its force and its rotation."""
+    """A helix pressed between plates of which one may turn: Love's helix of no torque has its force
+    and its rotation.
+    """
     wire, diameter, turns, pitch = 1e-3, 24e-3, 10.0, 6e-3
     rod = mesh(spring(wire, diameter, pitch, turns), 48)
-    radius, lead, length = diameter / 2, np.arctan(pitch / (np.pi * diameter)), turns * np.hypot(np.pi * diameter, pitch)
-    bending, torsion = STEEL.youngs_modulus * np.pi / 64 * wire**4, STEEL.shear_modulus * np.pi / 32 * wire**4
-    free, statics, rows = Helix(radius, lead, tube(bending, torsion, length)), TurningStatics(rod), []
+    radius, lead, length = (
+        diameter / 2,
+        np.arctan(pitch / (np.pi * diameter)),
+        turns * np.hypot(np.pi * diameter, pitch),
+    )
+    bending, torsion = (
+        STEEL.youngs_modulus * np.pi / 64 * wire**4,
+        STEEL.shear_modulus * np.pi / 32 * wire**4,
+    )
+    free, statics, rows = (
+        Helix(radius, lead, tube(bending, torsion, length)),
+        TurningStatics(rod),
+        [],
+    )
     about = "d 1, D 24, pitch 6 mm, 10 turns, 48 elements per coil"
     for travel in (12e-3, 36e-3):
         angle = np.arcsin(np.sin(lead) - travel / length)
-        bent = brentq(lambda r, a=angle: love_wrench(free, Helix(r, a, free.wire))[1], 0.8 * radius, 1.3 * radius)
+        bent = brentq(
+            lambda r, a=angle: love_wrench(free, Helix(r, a, free.wire))[1],
+            0.8 * radius,
+            1.3 * radius,
+        )
         force = -love_wrench(free, Helix(bent, angle, free.wire))[0]
         rotation = np.degrees(length * (np.cos(angle) / bent - np.cos(lead) / radius))
         found = compress(statics, [travel])[-1]
@@ -37,13 +56,17 @@ def retainer_free_to_turn() -> list[Row]:
             ("rotation", float(rotation), float(turned), "deg", 0.015),
         ):
             name = f"retainer free to turn, {word} pressed by {1e3 * travel:g} mm"
-            rows.append(Row("springs", name, "love1927", about, expected, computed, unit, limit, why))
+            rows.append(
+                Row("springs", name, "love1927", about, expected, computed, unit, limit, why)
+            )
     return rows
 
 
 @book_case()
 def buckling_limit() -> list[Row]:
-    """Compression at which slender clamped springs leave their axis, beside the formula of EN 13906-1 with nu = 0.5."""
+    """Compression at which slender clamped springs leave their axis, beside the formula of EN
+    13906-1 with nu = 0.5.
+    """
     wire, diameter, ratio = 1e-3, 10e-3, STEEL.shear_modulus / STEEL.youngs_modulus
     rows = []
     for slenderness, turns in ((6.5, 20.0), (8.0, 24.0)):
@@ -56,5 +79,7 @@ def buckling_limit() -> list[Row]:
         about = f"d 1, D 10, L0 {1e3 * length:g} mm, {turns:g} turns, both ends clamped"
         why = "the formula's column has no coils and loads its axis"
         what = f"buckling, compression over free length at L0 / D = {slenderness:g}"
-        rows.append(Row("springs", what, "en13906-1", about, expected, found, "-", 0.006 * expected, why))
+        rows.append(
+            Row("springs", what, "en13906-1", about, expected, found, "-", 0.006 * expected, why)
+        )
     return rows

@@ -18,8 +18,12 @@ from valvetrain.validation.springs import STEEL, mesh
 RATE, PRELOAD, MASS = 30e3, 250.0, 0.05
 ABOUT = "30 N/mm, 50 g"
 
-#: Axial frequencies (Hz) of the free spring and force (N) at 7 mm: Richardson limits of three meshes of quadratic hexahedra.
-SOLID = {"D / d = 5.8": (22e-3, 274.5536, (549.4779, 1058.929, 1469.991)), "D / d = 6": (22.8e-3, 246.6152, (512.152, 986.5889, 1369.954))}
+#: Axial frequencies (Hz) of the free spring and force (N) at 7 mm: Richardson limits of three
+#: meshes of quadratic hexahedra.
+SOLID = {
+    "D / d = 5.8": (22e-3, 274.5536, (549.4779, 1058.929, 1469.991)),
+    "D / d = 6": (22.8e-3, 246.6152, (512.152, 986.5889, 1369.954)),
+}
 
 
 @book_case()
@@ -80,26 +84,53 @@ def wave_rod_impact() -> list[Row]:
 
 @book_case()
 def wave_rod_friction() -> list[Row]:
-    """The friction mu of the wave equation: what is left after each double travel of a struck rod is exp(-mu) of it, per second."""
+    """The friction mu of the wave equation: what is left after each double travel of a struck rod
+    is exp(-mu) of it, per second.
+    """
     friction, velocity, struck = 25.0, 1.0, 40
     rod = WaveRod(EquivalentSpring(RATE, PRELOAD, MASS), 200, friction, pulls=False)
     state, step = rod.initial_state(0.0), rod.stable_time_step()
     parameters, integers, ends = rod.parameters(), rod.integers(), []
     for n in range(400 * 21):
         moving = n < struck
-        ends.append(rod.kernel(parameters, integers, state, velocity * step * min(n, struck), velocity if moving else 0.0, step)[1])
+        ends.append(
+            rod.kernel(
+                parameters,
+                integers,
+                state,
+                velocity * step * min(n, struck),
+                velocity if moving else 0.0,
+                step,
+            )[1]
+        )
     swings = np.array(ends[-400 * 20 :]).reshape(20, 400)
     found = float(np.polyfit(np.arange(20) * 400 * step, np.log(np.ptp(swings, axis=1)), 1)[0])
     why = "one cell of 200"
-    return [Row("models", "wave rod, decay of a pulse by friction", "vasilyev2016", ABOUT, -friction, found, "1/s", 0.005 * friction, why)]
+    return [
+        Row(
+            "models",
+            "wave rod, decay of a pulse by friction",
+            "vasilyev2016",
+            ABOUT,
+            -friction,
+            found,
+            "1/s",
+            0.005 * friction,
+            why,
+        )
+    ]
 
 
 @book_case()
 def rod_against_solid() -> list[Row]:
-    """Force and axial frequencies of short clamped springs by CalculiX 2.20, beside the rod with curvature correction."""
+    """Force and axial frequencies of short clamped springs by CalculiX 2.20, beside the rod with
+    curvature correction.
+    """
     rows = []
     for name, (diameter, force, frequencies) in SOLID.items():
-        definition = SpringDefinition(Constant(3.8e-3), Constant(diameter), Constant(7e-3), 5.0, STEEL, OPEN_END, OPEN_END)
+        definition = SpringDefinition(
+            Constant(3.8e-3), Constant(diameter), Constant(7e-3), 5.0, STEEL, OPEN_END, OPEN_END
+        )
         statics = RodStatics(mesh(definition, curvature=True))
         found = compress(statics, [7e-3])[-1].retainer_force
         rows.append(
@@ -135,7 +166,8 @@ def rod_against_solid() -> list[Row]:
     return rows
 
 
-#: Beehive with coil 2 closing on coil 1: forces (N) at 5.6 and 7 mm by quadratic hexahedra with self-contact (23 859 unknowns).
+#: Beehive with coil 2 closing on coil 1: forces (N) at 5.6 and 7 mm by quadratic hexahedra with
+#: self-contact (23 859 unknowns).
 SOLID_BEEHIVE = {5.6e-3: 234.249, 7e-3: 298.2233}
 
 
@@ -146,7 +178,9 @@ def solid_beehive() -> SpringDefinition:
     return SpringDefinition(
         Constant(wire),
         PiecewiseLinear((0.0, 4.0, 7.0), (22.47e-3, 22.47e-3, 17.31e-3)),
-        PiecewiseLinear((0.0, 0.875, 1.125, 2.0, 3.0, 6.0, 7.0), tuple(wire + c for c in clearances)),
+        PiecewiseLinear(
+            (0.0, 0.875, 1.125, 2.0, 3.0, 6.0, 7.0), tuple(wire + c for c in clearances)
+        ),
         7.0,
         STEEL,
         EndCoil("closed-ground", 0.78, 0.78),
@@ -156,7 +190,9 @@ def solid_beehive() -> SpringDefinition:
 
 @book_case()
 def rod_against_solid_with_contact() -> list[Row]:
-    """Force and stiffness of a beehive whose coil 2 comes to rest on coil 1, by CalculiX and by the rod with coil contact."""
+    """Force and stiffness of a beehive whose coil 2 comes to rest on coil 1, by CalculiX and by the
+    rod with coil contact.
+    """
     statics = RodStatics(mesh_spring(solid_beehive()))
     half, whole = (point.retainer_force for point in compress(statics, list(SOLID_BEEHIVE)))
     below, above = SOLID_BEEHIVE.values()
@@ -165,6 +201,28 @@ def rod_against_solid_with_contact() -> list[Row]:
     why = "contact of round wires along a line, and one mesh of the solid"
     kind: Kind = "independent computation"
     return [
-        Row("models", "beehive with coil contact, force at 7 mm", "", what, above, whole, "N", 0.003 * above, why, kind),
-        Row("models", "beehive with coil contact, stiffness 5.6 to 7 mm", "", what, rate, found, "N/mm", 0.005 * rate, why, kind),
+        Row(
+            "models",
+            "beehive with coil contact, force at 7 mm",
+            "",
+            what,
+            above,
+            whole,
+            "N",
+            0.003 * above,
+            why,
+            kind,
+        ),
+        Row(
+            "models",
+            "beehive with coil contact, stiffness 5.6 to 7 mm",
+            "",
+            what,
+            rate,
+            found,
+            "N/mm",
+            0.005 * rate,
+            why,
+            kind,
+        ),
     ]

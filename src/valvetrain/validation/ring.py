@@ -1,8 +1,12 @@
-"""A close-coiled spring as a round bar bent to a ring, solved on its section: rate and stress that owe nothing to any factor.
+"""A close-coiled spring as a round bar bent to a ring, solved on its section: rate and stress that
+owe nothing to any factor.
 
-Goehner's problem (Timoshenko and Goodier, Theory of Elasticity, article 140): under axial load each section turns and slides along the
-coil's axis alike, tau_z = G R^2 phi_r / r^2 and tau_r = -G R^2 phi_z / r^2 with phi = 0 on the edge of the section and
-phi_rr - 3 phi_r / r + phi_zz = -2 c. Solved here by Ritz's method with polynomials that vanish on the edge.
+Goehner's problem (Timoshenko and Goodier, Theory of Elasticity, article 140): under axial load each
+section turns and slides along the
+coil's axis alike, tau_z = G R^2 phi_r / r^2 and tau_r = -G R^2 phi_z / r^2 with phi = 0 on the edge
+of the section and
+phi_rr - 3 phi_r / r + phi_zz = -2 c. Solved here by Ritz's method with polynomials that vanish on
+the edge.
 """
 
 from __future__ import annotations
@@ -12,9 +16,11 @@ from numpy.typing import NDArray
 
 
 def ring_section(spring_index: float, degree: int = 12) -> tuple[float, float, float]:
-    """Rate over G d^4 / (8 D^3 n), shear stress at the inner and at the outer fibre over 8 F D / (pi d^3), of a bar of this D / d.
+    """Rate over G d^4 / (8 D^3 n), shear stress at the inner and at the outer fibre over 8 F D /
+    (pi d^3), of a bar of this D / d.
 
-    In lengths of the bar's radius, G = 1, c = 1: the centre line has the radius w = D / d, and one turn rises by 2 pi.
+    In lengths of the bar's radius, G = 1, c = 1: the centre line has the radius w = D / d, and one
+    turn rises by 2 pi.
     """
     points, weights = np.polynomial.legendre.leggauss(2 * degree)
     radius, turn = (points + 1) / 2, np.pi * (np.arange(4 * degree) + 0.5) / (2 * degree)
@@ -26,14 +32,19 @@ def ring_section(spring_index: float, degree: int = 12) -> tuple[float, float, f
     stiffness = np.einsum("akpq,bkpq,pq->ab", first, first, area / cube)
     shape = np.array([(1 - x**2 - z**2) * x**i * z**j for i, j in powers])
     amounts = np.linalg.solve(stiffness, 2 * np.einsum("apq,pq->a", shape, area / cube))
-    # The slopes that vanish on the edge by parts: F = integral of phi_r / r^2 = integral of 2 phi / r^3.
+    # The slopes that vanish on the edge by parts: F = integral of phi_r / r^2 = integral of 2 phi /
+    # r^3.
     force = 2 * float(amounts @ np.einsum("apq,pq->a", shape, area / cube))
     plain = 2 * force * spring_index / np.pi
     inner, outer = (
-        float(amounts @ np.array([_slopes(i, j, np.array(side), np.array(0.0))[0] for i, j in powers])) / (spring_index + side) ** 2
+        float(
+            amounts @ np.array([_slopes(i, j, np.array(side), np.array(0.0))[0] for i, j in powers])
+        )
+        / (spring_index + side) ** 2
         for side in (-1.0, 1.0)
     )
-    # c = 1 per rad: the plain spring carries G d^4 / (8 D^3) 2 pi over a turn, and 8 F D / (pi d^3) = 2 F w / pi.
+    # c = 1 per rad: the plain spring carries G d^4 / (8 D^3) 2 pi over a turn, and 8 F D / (pi d^3)
+    # = 2 F w / pi.
     return force / (np.pi / (2 * spring_index**3)), inner / plain, -outer / plain
 
 

@@ -12,11 +12,15 @@ Kind = Literal["closed form", "published", "recalled", "independent computation"
 
 @dataclass(frozen=True, slots=True)
 class Row:
-    """``expected`` and ``computed`` in ``unit``; ``tolerance`` in the same unit, with the reason for it.
+    """``expected`` and ``computed`` in ``unit``; ``tolerance`` in the same unit, with the reason
+    for it.
 
-    ``kind``: how the expected value is known (``recalled``: confirmed by an independent computation, printed source not at hand;
-    ``consistency``: a form of this package's own, so the row shows that two parts agree and not that both are right).
-    ``band``: where a published number is not met and it is known why, the values that may come out instead; ``explanation``: why.
+    ``kind``: how the expected value is known (``recalled``: confirmed by an independent
+    computation, printed source not at hand;
+    ``consistency``: a form of this package's own, so the row shows that two parts agree and not
+    that both are right).
+    ``band``: where a published number is not met and it is known why, the values that may come out
+    instead; ``explanation``: why.
     A value outside both fails, and so does a row that states neither.
     """
 
@@ -56,7 +60,9 @@ class Row:
 
 @dataclass(frozen=True, slots=True)
 class BookCase:
-    """A function of the book that answers one or several rows, and whether it takes more than seconds."""
+    """A function of the book that answers one or several rows, and whether it takes more than
+    seconds.
+    """
 
     name: str
     rows: Callable[[], list[Row]]
@@ -66,7 +72,9 @@ class BookCase:
 CASES: list[BookCase] = []
 
 
-def book_case(*, slow: bool = False) -> Callable[[Callable[[], list[Row]]], Callable[[], list[Row]]]:
+def book_case(
+    *, slow: bool = False
+) -> Callable[[Callable[[], list[Row]]], Callable[[], list[Row]]]:
     """Decorator: enter a function into the book's one list."""
 
     def enter(function: Callable[[], list[Row]]) -> Callable[[], list[Row]]:

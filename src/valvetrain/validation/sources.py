@@ -1,4 +1,6 @@
-"""Every number that the three sources publish, by the runs of their cases: misses are shown, never tuned away."""
+"""Every number that the three sources publish, by the runs of their cases: misses are shown, never
+tuned away.
+"""
 
 from __future__ import annotations
 
@@ -12,12 +14,15 @@ from valvetrain.units import to_unit
 from valvetrain.validation.explained import Explained, explained_miss
 from valvetrain.validation.row import Kind, Row, book_case
 
-#: Agreement asked of a published value whose source or case states no tolerance: 3 degrees of an angle, this share of anything else.
+#: Agreement asked of a published value whose source or case states no tolerance: 3 degrees of an
+#: angle, this share of anything else.
 ANGLE, SHARE = 3.0, 0.03
 
 
 def rows_of(topic: str, key: str, comparisons: Iterable[Comparison]) -> list[Row]:
-    """A row per comparison of one case: met within its tolerance, else within the band of an explained miss, else a failure."""
+    """A row per comparison of one case: met within its tolerance, else within the band of an
+    explained miss, else a failure.
+    """
     return [_row(topic, key, item) for item in comparisons]
 
 
@@ -27,7 +32,10 @@ def _row(topic: str, key: str, item: Comparison) -> Row:
     if item.difference is not None:
         computed = published + float(to_unit(item.difference, item.unit))
     if item.tolerance is not None:
-        tolerance, reason = float(to_unit(item.tolerance, item.unit)), "stated by the source or the case"
+        tolerance, reason = (
+            float(to_unit(item.tolerance, item.unit)),
+            "stated by the source or the case",
+        )
     elif item.unit == "deg":
         tolerance, reason = ANGLE, f"asked of every angle: {ANGLE:g} degrees"
     else:
@@ -37,7 +45,20 @@ def _row(topic: str, key: str, item: Comparison) -> Row:
     name = f"{item.quantity.replace('_', ' ')}{speed}{origin}"
     miss = explained_miss(name) or Explained("", None)
     kind: Kind = "consistency" if item.origin.startswith("closed form") else "published"
-    return Row(topic, name, key, item.role, published, computed, item.unit, tolerance, reason, kind, miss.band, miss.why)
+    return Row(
+        topic,
+        name,
+        key,
+        item.role,
+        published,
+        computed,
+        item.unit,
+        tolerance,
+        reason,
+        kind,
+        miss.band,
+        miss.why,
+    )
 
 
 @book_case(slow=True)
@@ -49,4 +70,6 @@ def beehive_spring() -> list[Row]:
 @book_case(slow=True)
 def pushrod_train() -> list[Row]:
     """The course report on a cam, pushrod and rocker train."""
-    return rows_of("pushrod train", "multibody4b17", run_study(load_case("tdi-pushrod"), workers=1).comparisons)
+    return rows_of(
+        "pushrod train", "multibody4b17", run_study(load_case("tdi-pushrod"), workers=1).comparisons
+    )

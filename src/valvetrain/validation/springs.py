@@ -8,8 +8,7 @@ from valvetrain.cosserat.mesh import RodMesh, mesh_spring
 from valvetrain.cosserat.modes import natural_modes
 from valvetrain.cosserat.state import free_state
 from valvetrain.cosserat.static import RodStatics, compress
-from valvetrain.parameters.curve_forms import Parabola
-from valvetrain.parameters.curves import Constant, Curve, PiecewiseLinear
+from valvetrain.parameters.curves import Constant, Curve, Parabola, PiecewiseLinear
 from valvetrain.parameters.material import Material
 from valvetrain.parameters.spring import OPEN_END, SpringDefinition
 from valvetrain.validation.ring import ring_section
@@ -19,10 +18,14 @@ STEEL = Material("spring steel", 206e9, 79.6e9, 7850.0)
 CLAMPED_HELIX = (393.5, 396.1, 462.8, 525.7, 864.0, 876.9, 914.3, 1037.0, 1310.5, 1363.8)
 
 
-def spring(wire: float, diameter: Curve | float, pitch: float, coils: float, material: Material = STEEL) -> SpringDefinition:
+def spring(
+    wire: float, diameter: Curve | float, pitch: float, coils: float, material: Material = STEEL
+) -> SpringDefinition:
     """Spring of constant pitch clamped at both wire tips; lengths in m."""
     law = Constant(diameter) if isinstance(diameter, float) else diameter
-    return SpringDefinition(Constant(wire), law, Constant(pitch), coils, material, OPEN_END, OPEN_END)
+    return SpringDefinition(
+        Constant(wire), law, Constant(pitch), coils, material, OPEN_END, OPEN_END
+    )
 
 
 def mesh(definition: SpringDefinition, per_coil: int = 24, curvature: bool = False) -> RodMesh:
@@ -72,7 +75,11 @@ def rates_of_shaped_springs() -> list[Row]:
     rows, coil = [], np.linspace(0, turns, 4001)
     for name, law in laws.items():
         cubes = (law.value(coil) / 2) ** 3
-        compliance = 64 / (STEEL.shear_modulus * wire**4) * float(np.sum((cubes[1:] + cubes[:-1]) / 2) * (coil[1] - coil[0]))
+        compliance = (
+            64
+            / (STEEL.shear_modulus * wire**4)
+            * float(np.sum((cubes[1:] + cubes[:-1]) / 2) * (coil[1] - coil[0]))
+        )
         found = rate(mesh(spring(wire, law, pitch, turns)), 1e-4)
         rows.append(
             Row(
@@ -92,7 +99,9 @@ def rates_of_shaped_springs() -> list[Row]:
 
 @book_case()
 def curvature_of_the_bar() -> list[Row]:
-    """Rate of a close-coiled spring beside that of a bar bent to a ring, solved on its section without any factor."""
+    """Rate of a close-coiled spring beside that of a bar bent to a ring, solved on its section
+    without any factor.
+    """
     rows = []
     for index in (4.0, 6.0, 10.0):
         wire, turns = 4e-3, 8.0
@@ -126,7 +135,9 @@ def _flat(wire: float, diameter: float, turns: float) -> SpringDefinition:
 
 @book_case()
 def trial_spring() -> list[Row]:
-    """Rate and first frequency of a usual valve spring without curvature correction, beside bar theory."""
+    """Rate and first frequency of a usual valve spring without curvature correction, beside bar
+    theory.
+    """
     definition = spring(3.8e-3, 22e-3, 7e-3, 5.0)
     rod, plain = mesh(definition), STEEL.shear_modulus * 3.8e-3**4 / (8 * 22e-3**3 * 5)
     return [
@@ -163,7 +174,11 @@ def surge_frequency() -> list[Row]:
     wire, diameter, turns = 1e-3, 12e-3, 30.0
     rod = mesh(spring(wire, diameter, 1.6e-3, turns), 12)
     modes = natural_modes(RodStatics(rod), free_state(rod), 40)
-    expected = wire / (2 * np.pi * turns * diameter**2) * np.sqrt(STEEL.shear_modulus / (2 * STEEL.density))
+    expected = (
+        wire
+        / (2 * np.pi * turns * diameter**2)
+        * np.sqrt(STEEL.shear_modulus / (2 * STEEL.density))
+    )
     found = float(modes.natural_frequency[modes.axial_modes(1)[0]])
     return [
         Row(

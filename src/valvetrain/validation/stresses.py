@@ -37,7 +37,9 @@ def stress_factors() -> list[Row]:
 
 @book_case()
 def stress_from_section_forces() -> list[Row]:
-    """Inner-fibre shear stress from the rod's section forces beside that of a bar bent to a ring under the same load, by no factor."""
+    """Inner-fibre shear stress from the rod's section forces beside that of a bar bent to a ring
+    under the same load, by no factor.
+    """
     rows = []
     for index in (5.0, 8.0):
         wire = 3e-3
@@ -48,7 +50,10 @@ def stress_from_section_forces() -> list[Row]:
         _, vector = quat.relative_vector(result.state.frame[:-1], result.state.frame[1:])
         moment = rod.bend_stiffness * (2 * vector - rod.rest_bend)
         chord = np.diff(result.state.position, axis=0) / rod.edge_length[1:-1, None]
-        strain = np.einsum("nji,nj->ni", quat.to_matrix(result.state.frame[1:-1]), chord) - rod.rest_stretch[1:-1]
+        strain = (
+            np.einsum("nji,nj->ni", quat.to_matrix(result.state.frame[1:-1]), chord)
+            - rod.rest_stretch[1:-1]
+        )
         force = rod.stretch_stiffness[1:-1] * strain
         middle = slice(rod.elements // 2 - 24, rod.elements // 2 + 24)
         loads = {
@@ -58,8 +63,12 @@ def stress_from_section_forces() -> list[Row]:
             "shear_force": np.hypot(force[middle, 0], force[middle, 1]),
         }
         for name in CURVATURE_FACTORS:
-            found = wire_stress(loads, definition, rod.coil_number[middle], name)["inner_fibre_shear_stress"]
-            expected = ring_section(index)[1] * 8 * result.retainer_force * diameter / (np.pi * wire**3)
+            found = wire_stress(loads, definition, rod.coil_number[middle], name)[
+                "inner_fibre_shear_stress"
+            ]
+            expected = (
+                ring_section(index)[1] * 8 * result.retainer_force * diameter / (np.pi * wire**3)
+            )
             rows.append(
                 Row(
                     "stress",

@@ -1,4 +1,6 @@
-"""Waves in long springs and the energy balance of runs: impact force, dynamic stiffness, energy with clash."""
+"""Waves in long springs and the energy balance of runs: impact force, dynamic stiffness, energy
+with clash.
+"""
 
 from __future__ import annotations
 
@@ -53,8 +55,18 @@ def drive_point_stiffness() -> list[Row]:
         reaction = inner @ follow
         # The driven vertex carries half an element of wire, counted in the formula.
         for name, expected, found, slope in (
-            ("drive-point", stiffness * b / np.tan(b), float(reaction[6 * rod.last + 2]), 1 / np.tan(b) - b / np.sin(b) ** 2),
-            ("transfer", stiffness * b / np.sin(b), -float(reaction[6 * rod.first + 2]), (1 - b / np.tan(b)) / np.sin(b)),
+            (
+                "drive-point",
+                stiffness * b / np.tan(b),
+                float(reaction[6 * rod.last + 2]),
+                1 / np.tan(b) - b / np.sin(b) ** 2,
+            ),
+            (
+                "transfer",
+                stiffness * b / np.sin(b),
+                -float(reaction[6 * rod.first + 2]),
+                (1 - b / np.tan(b)) / np.sin(b),
+            ),
         ):
             rows.append(
                 Row(
@@ -74,14 +86,18 @@ def drive_point_stiffness() -> list[Row]:
 
 @book_case()
 def end_impact() -> list[Row]:
-    """One end set in motion at v: force v sqrt(k m) there, twice that where the wave meets the fixed end."""
+    """One end set in motion at v: force v sqrt(k m) there, twice that where the wave meets the
+    fixed end.
+    """
     rod, stiffness, mass = _long_spring()
     velocity, travel = 1.0, np.sqrt(mass / stiffness)
     rise = 0.15 * travel
 
     def motion(time: Array) -> Array:
         phase = np.clip(time / rise, 0, 1)
-        return np.asarray(velocity * np.where(time < rise, rise * (phase**3 - phase**4 / 2), time - rise / 2))
+        return np.asarray(
+            velocity * np.where(time < rise, rise * (phase**3 - phase**4 / 2), time - rise / 2)
+        )
 
     run = simulate(rod, free_state(rod), motion, travel / 200, 400, RodDynamics(mass_damping=1e-9))
     force = velocity * np.sqrt(stiffness * mass)
@@ -116,7 +132,9 @@ def end_impact() -> list[Row]:
 
 @book_case()
 def energy_balance() -> list[Row]:
-    """Work done on the spring less what is stored and lost, over runs with clash, relative to all work that crossed the retainer."""
+    """Work done on the spring less what is stored and lost, over runs with clash, relative to all
+    work that crossed the retainer.
+    """
     rows = []
     for name in ("job-c", "gu2021-beehive"):
         case = load_case(name)
@@ -126,13 +144,20 @@ def energy_balance() -> list[Row]:
         run = simulate(
             model.mesh,
             model.installed.state,
-            _motion(PrescribedSpring((model,), build_lift_law(case.lift_law)), model.precompression, cam_speed),
+            _motion(
+                PrescribedSpring((model,), build_lift_law(case.lift_law)),
+                model.precompression,
+                cam_speed,
+            ),
             np.radians(0.5) / cam_speed,
             1440,
             model.dynamics,
         )
         data = rod_channels(model, run, cam_speed)
-        stored = np.sum([data[part].values for part in ("kinetic_energy", "elastic_energy", "contact_energy")], axis=0)
+        stored = np.sum(
+            [data[part].values for part in ("kinetic_energy", "elastic_energy", "contact_energy")],
+            axis=0,
+        )
         balance = data["work_done"].values - (stored - stored[0]) - data["energy_dissipated"].values
         turned = float(np.abs(np.diff(data["work_done"].values)).sum())
         rows.append(
@@ -151,6 +176,8 @@ def energy_balance() -> list[Row]:
     return rows
 
 
-def _motion(system: PrescribedSpring, precompression: float, cam_speed: float) -> Callable[[Array], Array]:
+def _motion(
+    system: PrescribedSpring, precompression: float, cam_speed: float
+) -> Callable[[Array], Array]:
     """Compression (m) of the spring over time (s)."""
     return lambda time: precompression + system.displacement(time, cam_speed)

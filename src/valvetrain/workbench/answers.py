@@ -1,4 +1,6 @@
-"""What a kept run says: its numbers, figures and tables as its report has them, and beside another run or test data."""
+"""What a kept run says: its numbers, figures and tables as its report has them, and beside another
+run or test data.
+"""
 
 from __future__ import annotations
 
@@ -9,26 +11,40 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
+from valvetrain.compare_test.compare import ModelAgainstTest, compare_study_with_test
+from valvetrain.compare_test.page import compare_test_page
 from valvetrain.errors import InputError
 from valvetrain.parameters.case import Case
 from valvetrain.parameters.loading import read_case
-from valvetrain.report.compare_test_page import compare_test_page
 from valvetrain.report.headlines import TOPICS
 from valvetrain.report.page import render
-from valvetrain.report.read_page import PageFigure, PageMotion, PageSection, PageSentence, PageTable, read_page, sections_of
+from valvetrain.report.read_page import (
+    PageFigure,
+    PageMotion,
+    PageSection,
+    PageSentence,
+    PageTable,
+    read_page,
+    sections_of,
+)
 from valvetrain.report.run_differences import INPUT_HEADS, RESULT_HEADS, input_rows, result_rows
 from valvetrain.solution.definition import is_defined, label_of, shown
 from valvetrain.solution.netcdf import load_netcdf
 from valvetrain.solution.study import Study
-from valvetrain.studies.compare_test import ModelAgainstTest, compare_study_with_test
 from valvetrain.studies.run_differences import input_differences, result_differences
 from valvetrain.studies.run_store import KeptRun
 from valvetrain.system.build import build
-from valvetrain.workbench.kept import Run
-from valvetrain.workbench.names import inside
+from valvetrain.workbench.saved_runs import Run
+from valvetrain.workbench.store import inside
 
 #: Parts of an answer, by the names that pages know them by.
-AnswerFigure, AnswerTable, AnswerSection, AnswerSentence, AnswerMotion = PageFigure, PageTable, PageSection, PageSentence, PageMotion
+AnswerFigure, AnswerTable, AnswerSection, AnswerSentence, AnswerMotion = (
+    PageFigure,
+    PageTable,
+    PageSection,
+    PageSentence,
+    PageMotion,
+)
 #: Largest file of a test (bytes), and rows of a comparison.
 MOST_TEST, MOST_ROWS = 20_000_000, 200
 
@@ -56,7 +72,9 @@ class Number:
 
 @dataclass(frozen=True, eq=False)
 class RunsCompared:
-    """Two runs side by side: ``inputs`` that differ, ``results`` that differ (what is asked first, then the largest difference)."""
+    """Two runs side by side: ``inputs`` that differ, ``results`` that differ (what is asked first,
+    then the largest difference).
+    """
 
     inputs: PageTable
     results: PageTable
@@ -64,7 +82,9 @@ class RunsCompared:
 
 @dataclass(frozen=True, eq=False)
 class Overlaid:
-    """Test data over a run: a ``figure``, ``sentences`` with the verdict, and all ``sections`` of the comparison."""
+    """Test data over a run: a ``figure``, ``sentences`` with the verdict, and all ``sections`` of
+    the comparison.
+    """
 
     figure: PageFigure | None
     sentences: tuple[str, ...]
@@ -78,13 +98,22 @@ def numbers(run: Run) -> list[Number]:
     ----------
     run : a kept run (:meth:`Workspace.run`)
     """
-    place = {name: (row, topic) for row, (name, topic) in enumerate((name, topic) for topic, names in TOPICS.items() for name in names)}
-    found = [_number(name, told, whose, place.get(name, (0, ""))[1]) for whose, name, told in _quantities(run.answer)]
+    place = {
+        name: (row, topic)
+        for row, (name, topic) in enumerate(
+            (name, topic) for topic, names in TOPICS.items() for name in names
+        )
+    }
+    found = [
+        _number(name, told, whose, place.get(name, (0, ""))[1])
+        for whose, name, told in _quantities(run.answer)
+    ]
     return sorted(found, key=lambda one: place.get(one.name, (len(place), ""))[0])
 
 
 def sections(run: Run) -> list[PageSection]:
-    """The sections of a run's report page: answers, force, coils, orders, static curve, modes, stress and so on, as far as it has them.
+    """The sections of a run's report page: answers, force, coils, orders, static curve, modes,
+    stress and so on, as far as it has them.
 
     Empty for a run without a page. Raises :class:`InputError` for a page that is damaged.
     """
@@ -96,7 +125,9 @@ def sections(run: Run) -> list[PageSection]:
 
 def figures(run: Run) -> list[PageFigure]:
     """Every figure of a run, in the order of its page."""
-    return [part for section in sections(run) for part in section.parts if isinstance(part, PageFigure)]
+    return [
+        part for section in sections(run) for part in section.parts if isinstance(part, PageFigure)
+    ]
 
 
 def compare(run_a: Run, run_b: Run) -> RunsCompared:
@@ -109,12 +140,16 @@ def compare(run_a: Run, run_b: Run) -> RunsCompared:
     results = result_rows(result_differences(one, other))[:MOST_ROWS]
     right = tuple(place in (2, 3, 5) for place in range(len(RESULT_HEADS)))
     return RunsCompared(
-        PageTable("Inputs that differ", INPUT_HEADS, tuple(inputs)), PageTable("Results that differ", RESULT_HEADS, tuple(results), right)
+        PageTable("Inputs that differ", INPUT_HEADS, tuple(inputs)),
+        PageTable("Results that differ", RESULT_HEADS, tuple(results), right),
     )
 
 
-def overlay(run: Run, name: str, test_data: bytes, quantity: str = "", channel: int = 0) -> Overlaid:
-    """Measured cycles, or a table of measured values, against the curves of a run, as ``valvetrain compare-test`` tells it.
+def overlay(
+    run: Run, name: str, test_data: bytes, quantity: str = "", channel: int = 0
+) -> Overlaid:
+    """Measured cycles, or a table of measured values, against the curves of a run, as ``valvetrain
+    compare-test`` tells it.
 
     Parameters
     ----------
@@ -125,19 +160,35 @@ def overlay(run: Run, name: str, test_data: bytes, quantity: str = "", channel: 
 
     Raises
     ------
-    InputError : a file that the reader refuses, with its sentence; a quantity or speed that no run has
+    InputError : a file that the reader refuses, with its sentence; a quantity or speed that no run
+    has
     """
     found = against(run, name, test_data, quantity, channel)
     parts = sections_of(render(compare_test_page(found))) if found.runs else ()
     drawn = [part for section in parts for part in section.parts if isinstance(part, PageFigure)]
-    said = tuple(part.words for section in parts if section.key == "verdict" for part in section.parts if isinstance(part, PageSentence))
-    return Overlaid(drawn[0] if drawn else None, said or found.failures or ("no run of this kind completed",), tuple(parts))
+    said = tuple(
+        part.words
+        for section in parts
+        if section.key == "verdict"
+        for part in section.parts
+        if isinstance(part, PageSentence)
+    )
+    return Overlaid(
+        drawn[0] if drawn else None,
+        said or found.failures or ("no run of this kind completed",),
+        tuple(parts),
+    )
 
 
-def against(run: Run, name: str, test_data: bytes, quantity: str = "", channel: int = 0) -> ModelAgainstTest:
+def against(
+    run: Run, name: str, test_data: bytes, quantity: str = "", channel: int = 0
+) -> ModelAgainstTest:
     """The run against the test; arguments and errors as :func:`overlay`."""
     if len(test_data) > MOST_TEST:
-        raise InputError(f"is larger than {MOST_TEST / 1e6:.0f} MB; cut the recording into cycles first", name[:60])
+        raise InputError(
+            f"is larger than {MOST_TEST / 1e6:.0f} MB; cut the recording into cycles first",
+            name[:60],
+        )
     study, case = kept_study(run)
     with tempfile.TemporaryDirectory(prefix="valvetrain-test-") as folder:
         suffix = "".join(char for char in Path(name).suffix[:10] if char.isalnum() or char == ".")
@@ -146,22 +197,39 @@ def against(run: Run, name: str, test_data: bytes, quantity: str = "", channel: 
         try:
             return compare_study_with_test(study, case, path, quantity=quantity, channel=channel)
         except InputError as error:
-            raise InputError(error.reason, error.where.replace(str(path), name[:60]).replace(path.name, name[:60])) from None
+            raise InputError(
+                error.reason,
+                error.where.replace(str(path), name[:60]).replace(path.name, name[:60]),
+            ) from None
 
 
 def kept_study(run: Run) -> tuple[Study, Case]:
     """The study of a kept run with its solutions read from disk, and its case.
 
-    Raises :class:`InputError` for a run without solutions, as a sweep keeps none, and for damaged files.
+    Raises :class:`InputError` for a run without solutions, as a sweep keeps none, and for damaged
+    files.
     """
     case = read_case(run.folder / "inputs" / "case.toml")
-    paths = [run.folder / str(one) for one in run.answer.get("files", ()) if str(one).endswith(".nc")]
-    runs = tuple(load_netcdf(path) for path in paths if not path.name.startswith(("static-", "modes-")) and path.is_file())
+    paths = [
+        run.folder / str(one) for one in run.answer.get("files", ()) if str(one).endswith(".nc")
+    ]
+    runs = tuple(
+        load_netcdf(path)
+        for path in paths
+        if not path.name.startswith(("static-", "modes-")) and path.is_file()
+    )
     if not runs:
-        raise InputError(f"a {run.command} keeps no curves to lay a test over; run the case at the speed of the test", "test")
-    still = {str(name): _values(told) for name, told in run.answer.get("quantities_by_label", {}).items()}
+        raise InputError(
+            f"a {run.command} keeps no curves to lay a test over; run the case at the speed of the test",
+            "test",
+        )
+    still = {
+        str(name): _values(told) for name, told in run.answer.get("quantities_by_label", {}).items()
+    }
     still = {"": _values(run.answer.get("quantities", {}))} | still
-    return Study(case.record(), run.command, runs, still=still, lift_event=build(case).lift_event), case
+    return Study(
+        case.record(), run.command, runs, still=still, lift_event=build(case).lift_event
+    ), case
 
 
 @lru_cache(maxsize=8)
@@ -171,7 +239,11 @@ def _read(page: Path, _: int) -> tuple[PageSection, ...]:
 
 def _values(told: Any) -> dict[str, float]:
     rows = told.items() if isinstance(told, Mapping) else ()
-    return {name: float(one["value"]) for name, one in rows if isinstance(one, Mapping) and isinstance(one.get("value"), (int, float))}
+    return {
+        name: float(one["value"])
+        for name, one in rows
+        if isinstance(one, Mapping) and isinstance(one.get("value"), (int, float))
+    }
 
 
 def _quantities(answer: Mapping[str, Any]) -> Iterator[tuple[str, str, Mapping[str, Any]]]:
@@ -181,7 +253,10 @@ def _quantities(answer: Mapping[str, Any]) -> Iterator[tuple[str, str, Mapping[s
             speed = one.get("engine_speed")
             known = isinstance(speed, Mapping) and isinstance(speed.get("value"), (int, float))
             at = f", {speed['value']:.10g} {speed.get('unit', 'rpm')}" if known else ""
-            yield from ((f"{one.get('label', '')}{at}", name, row) for name, row in _rows(one.get("quantities")))
+            yield from (
+                (f"{one.get('label', '')}{at}", name, row)
+                for name, row in _rows(one.get("quantities"))
+            )
     yield from (("", name, row) for name, row in _rows(answer.get("quantities")))
     for label, told in (answer.get("quantities_by_label") or {}).items():
         yield from ((str(label), name, row) for name, row in _rows(told))
@@ -198,4 +273,11 @@ def _number(name: str, told: Mapping[str, Any], whose: str, topic: str) -> Numbe
     if isinstance(value, (int, float)) and is_defined(name):
         found, unit = shown(name, float(value))
         return Number(name, label_of(name), float(found), unit, whose, topic)
-    return Number(name, label_of(name), float(value) if isinstance(value, (int, float)) else None, unit, whose, topic)
+    return Number(
+        name,
+        label_of(name),
+        float(value) if isinstance(value, (int, float)) else None,
+        unit,
+        whose,
+        topic,
+    )

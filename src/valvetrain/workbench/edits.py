@@ -15,9 +15,11 @@ _PLAIN_FILE = re.compile(r"[^\W_][\w.+ -]*")
 
 
 def with_value(text: str, key: str, text_value: str) -> str:
-    """The case file ``text`` with the value at the dotted ``key``, written as ``--set`` takes it; empty removes the key.
+    """The case file ``text`` with the value at the dotted ``key``, written as ``--set`` takes it;
+    empty removes the key.
 
-    A note on the earlier value (status, source) goes with it. Raises :class:`InputError` for a path that leads nowhere.
+    A note on the earlier value (status, source) goes with it. Raises :class:`InputError` for a path
+    that leads nowhere.
 
     >>> with_value("[spring]\\ntotal_coils = 6 # counted\\n", "spring.total_coils", "7")
     '[spring]\\ntotal_coils = 7 # counted\\n'
@@ -36,16 +38,23 @@ def with_change(text: str, path: str, value: Any) -> str:
             continue
         if head not in table:
             if value is REMOVED:
-                raise InputError("is not in the case, so it cannot be removed; check the key path", path)
+                raise InputError(
+                    "is not in the case, so it cannot be removed; check the key path", path
+                )
             table[head] = {}
         table = table[head]
         if not isinstance(table, (dict, list)):
             place = ".".join(heads[: depth + 1])
-            raise InputError(f"'{place}' is the plain value {str(table)[:40]!r}, which has no '{last}'; set it as a whole", path)
+            raise InputError(
+                f"'{place}' is the plain value {str(table)[:40]!r}, which has no '{last}'; set it as a whole",
+                path,
+            )
     where: Any = _place(table, last, path) if isinstance(table, list) else last
     if value is REMOVED:
         if isinstance(table, dict) and where not in table:
-            raise InputError("is not in the case, so it cannot be removed; check the key path", path)
+            raise InputError(
+                "is not in the case, so it cannot be removed; check the key path", path
+            )
         del table[where]
     else:
         table[where] = value
@@ -53,14 +62,17 @@ def with_change(text: str, path: str, value: Any) -> str:
 
 
 def with_name(text: str, name: str) -> str:
-    """The case file ``text`` with ``name`` as its name, where it tells one; else its folder's name is the case's."""
+    """The case file ``text`` with ``name`` as its name, where it tells one; else its folder's name
+    is the case's.
+    """
     if "name" not in tomllib.loads(text):
         return text
     return with_value(text, "name", f'"{name}"')
 
 
 def refuse_foreign_files(text: str, changes: Mapping[str, Any] | None = None) -> None:
-    """Refuse a case, as it is with ``changes`` (key path -> value), that names a file elsewhere than beside it, whatever reads it later.
+    """Refuse a case, as it is with ``changes`` (key path -> value), that names a file elsewhere
+    than beside it, whatever reads it later.
 
     Raises :class:`InputError` with the name, or where a change leads nowhere.
     """
@@ -73,7 +85,8 @@ def refuse_foreign_files(text: str, changes: Mapping[str, Any] | None = None) ->
         if not _PLAIN_FILE.fullmatch(name) or ".." in name:
             shown = clipped(name, 60)
             raise InputError(
-                f"names the file '{shown}', which is not beside the case; add the file and name it plainly, as in 'lift.csv'", "file"
+                f"names the file '{shown}', which is not beside the case; add the file and name it plainly, as in 'lift.csv'",
+                "file",
             )
 
 
@@ -96,14 +109,18 @@ def named_files(tree: Any) -> list[str]:
 
 
 def opened(text: str) -> Any:
-    """The case file ``text`` as a document whose comments stay. Raises :class:`InputError` for what is no TOML."""
+    """The case file ``text`` as a document whose comments stay. Raises :class:`InputError` for what
+    is no TOML.
+    """
     import tomlkit
     from tomlkit.exceptions import TOMLKitError
 
     try:
         return tomlkit.parse(text)
     except (TOMLKitError, RecursionError, ValueError) as error:
-        raise InputError(f"is not valid TOML: {clipped(str(error), 160)}; correct the text first", "case") from None
+        raise InputError(
+            f"is not valid TOML: {clipped(str(error), 160)}; correct the text first", "case"
+        ) from None
 
 
 def saved(document: Any) -> str:
@@ -115,5 +132,8 @@ def saved(document: Any) -> str:
 
 def _place(table: list[Any], key: str, path: str) -> int:
     if not key.isdecimal() or int(key) >= len(table):
-        raise InputError(f"'{key}' is no place in a list of {len(table)}; name one by its number from 0, such as '0.{key}'", path)
+        raise InputError(
+            f"'{key}' is no place in a list of {len(table)}; name one by its number from 0, such as '0.{key}'",
+            path,
+        )
     return int(key)

@@ -1,4 +1,6 @@
-"""Forms of a case, generated from the typed tables that read it: fields with unit, limits, help and source, and the refusal in place."""
+"""Forms of a case, generated from the typed tables that read it: fields with unit, limits, help and
+source, and the refusal in place.
+"""
 
 from __future__ import annotations
 
@@ -12,19 +14,28 @@ from valvetrain import registry
 from valvetrain.errors import InputError
 from valvetrain.parameters.annotations import split_notes
 from valvetrain.parameters.case import Case, Note
+from valvetrain.parameters.installed_spring import options_table
 from valvetrain.parameters.loading import parse_case
 from valvetrain.parameters.overrides import REMOVED, read_assignment
 from valvetrain.parameters.schema_case import CaseModel, OperationModel
 from valvetrain.parameters.schema_contact import STEEL
-from valvetrain.parameters.schema_installed import CardBlock, CoilContactModel, DampingModel, GuideModel, RubbingModel, WireBlock, is_card
+from valvetrain.parameters.schema_installed import (
+    CardBlock,
+    CoilContactModel,
+    DampingModel,
+    GuideModel,
+    RubbingModel,
+    WireBlock,
+    is_card,
+)
 from valvetrain.parameters.schema_types import StrictModel
-from valvetrain.parameters.spring_options import options_table
 from valvetrain.parameters.train_schema import PARTS, TrainModel
 from valvetrain.workbench.edits import refuse_foreign_files
 from valvetrain.workbench.form_fields import FieldOf, field_of, words_of
 
 FieldKind = Literal["number", "text", "choice", "flag", "curve"]
-#: Spring models whose options a form shows even where the file gives none: the fast one and the rod.
+#: Spring models whose options a form shows even where the file gives none: the fast one and the
+#: rod.
 _USUAL_OPTIONS = ("multi-mass", "finite-element")
 #: Tables of a case that a form leaves to its text.
 _LEFT = ("published", "name", "sources", "remarks", "study")
@@ -39,7 +50,8 @@ class Field:
     ----------
     key : key path, as ``--set`` and :meth:`Workspace.set_value` take it
     label : words of the key
-    kind : ``number`` (with a unit), ``text``, ``choice`` (one of ``choices``), ``flag`` (true, false), ``curve`` (over the coils)
+    kind : ``number`` (with a unit), ``text``, ``choice`` (one of ``choices``), ``flag`` (true,
+    false), ``curve`` (over the coils)
     value_text : as written in the file, empty where it is left out
     unit : usual unit, in which ``limits`` are told
     limits : lowest and highest value in ``unit``, None for none
@@ -49,7 +61,8 @@ class Field:
     default_text : what holds where it is left out
     choices : words of a ``choice``; of a ``text``, suggestions
     number : the value in ``unit``, None where it is no single number
-    slider : lowest value, highest value and step of a slider in ``unit``, None where one makes no sense
+    slider : lowest value, highest value and step of a slider in ``unit``, None where one makes no
+    sense
     """
 
     key: str
@@ -101,7 +114,9 @@ def fields(case: Case | str) -> list[FieldGroup]:
     try:
         tree = tomllib.loads(text)
     except (ValueError, RecursionError) as error:
-        raise InputError(f"is not valid TOML: {str(error)[:160]}; correct the text first", "case") from None
+        raise InputError(
+            f"is not valid TOML: {str(error)[:160]}; correct the text first", "case"
+        ) from None
     bare, notes, _ = split_notes(tree)
     form = _Form(bare, notes)
     return [group for group in form.groups() if group.fields]
@@ -124,14 +139,21 @@ def check(case_text: str, key: str, value_text: str, folder: Path = Path()) -> s
         read_change(case_text, key, value_text, folder)
     except InputError as error:
         place = error.where.rpartition(", ")[2]
-        return error.reason if place in ("", "case") or place == key or key.startswith(f"{place}.") else f"{place}: {error.reason}"
+        return (
+            error.reason
+            if place in ("", "case") or place == key or key.startswith(f"{place}.")
+            else f"{place}: {error.reason}"
+        )
     return None
 
 
-def read_change(case_text: str, key: str, value_text: str, folder: Path = Path(), where: str = "case") -> tuple[str, Any, Case]:
+def read_change(
+    case_text: str, key: str, value_text: str, folder: Path = Path(), where: str = "case"
+) -> tuple[str, Any, Case]:
     """The change as the reader takes it: key path, value, and the changed case.
 
-    A value that only reads as text, such as the title ``24``, is taken as text. Raises :class:`InputError` with the reader's sentence.
+    A value that only reads as text, such as the title ``24``, is taken as text. Raises
+    :class:`InputError` with the reader's sentence.
     """
     path, value = read_assignment(f"{key}={value_text}", key)
     refuse_foreign_files(case_text, {path: value})
@@ -162,7 +184,12 @@ class _Form:
         if "spring" in self.tree:
             yield from self.springs("spring", self.tree["spring"], "Spring")
         if isinstance(self.tree.get("spring"), list):
-            yield self.group("rubbing", "Friction between the springs", RubbingModel, self.tree.get("rubbing", {}))
+            yield self.group(
+                "rubbing",
+                "Friction between the springs",
+                RubbingModel,
+                self.tree.get("rubbing", {}),
+            )
         law = self.tree.get("lift_law")
         if isinstance(law, dict) and law.get("kind") in registry.words("lifts"):
             yield self.group("lift_law", "Lift law", registry.find("lifts", law["kind"]).table, law)
@@ -175,28 +202,55 @@ class _Form:
         yield self.group("train", "Train", TrainModel, table)
         for name, model in PARTS.items():
             if name != "variants" and (name in table or name == "follower"):
-                yield self.group(f"train.{name}", words_of(name).capitalize(), model, table.get(name, {}))
+                yield self.group(
+                    f"train.{name}", words_of(name).capitalize(), model, table.get(name, {})
+                )
         contacts = table.get("contacts")
-        named = {"": contacts} if isinstance(contacts, str) else contacts if isinstance(contacts, dict) else {}
-        yield FieldGroup("train.contacts", "Contacts", tuple(_steel(place, word) for place, word in named.items() if isinstance(word, str)))
+        named = (
+            {"": contacts}
+            if isinstance(contacts, str)
+            else contacts
+            if isinstance(contacts, dict)
+            else {}
+        )
+        yield FieldGroup(
+            "train.contacts",
+            "Contacts",
+            tuple(_steel(place, word) for place, word in named.items() if isinstance(word, str)),
+        )
         for place, one in contacts.items() if isinstance(contacts, dict) else ():
             if isinstance(one, dict) and one.get("law") in registry.words("contacts"):
                 law = registry.find("contacts", one["law"]).table
-                yield self.group(f"train.contacts.{place}", f"Contact at the {words_of(place)}", law, one)
+                yield self.group(
+                    f"train.contacts.{place}", f"Contact at the {words_of(place)}", law, one
+                )
         sets = table.get("springs")
         for name, springs in sets.items() if isinstance(sets, dict) else ():
             yield from self.springs(f"train.springs.{name}", springs, f"Spring set {name}")
-        if isinstance(sets, dict) and any(isinstance(one, list) and len(one) > 1 for one in sets.values()):
-            yield self.group("train.rubbing", "Friction between the springs", RubbingModel, table.get("rubbing", {}))
-        for number, variant in enumerate(table.get("variants", ()) if isinstance(table.get("variants"), list) else ()):
-            yield self.group(f"train.variants.{number}", f"Variant {number + 1}", PARTS["variants"], variant)
+        if isinstance(sets, dict) and any(
+            isinstance(one, list) and len(one) > 1 for one in sets.values()
+        ):
+            yield self.group(
+                "train.rubbing",
+                "Friction between the springs",
+                RubbingModel,
+                table.get("rubbing", {}),
+            )
+        for number, variant in enumerate(
+            table.get("variants", ()) if isinstance(table.get("variants"), list) else ()
+        ):
+            yield self.group(
+                f"train.variants.{number}", f"Variant {number + 1}", PARTS["variants"], variant
+            )
 
     def springs(self, key: str, raw: Any, title: str) -> Iterator[FieldGroup]:
         """Groups of one spring, or of each of two."""
         if isinstance(raw, dict):
             yield from self.spring(key, raw, title)
             return
-        entries = [entry for entry in raw if isinstance(entry, dict)] if isinstance(raw, list) else []
+        entries = (
+            [entry for entry in raw if isinstance(entry, dict)] if isinstance(raw, list) else []
+        )
         for place, entry in enumerate(entries):
             whose = f", {('outer', 'inner')[place]}" if len(entries) == 2 else ""
             yield from self.spring(f"{key}.{place}", entry, f"{title}{whose}")
@@ -205,20 +259,41 @@ class _Form:
         """The block of a spring, its damping, contact, guide and options."""
         by_card = is_card(raw)
         yield self.group(key, title, CardBlock if by_card else WireBlock, raw)
-        yield self.group(f"{key}.damping", f"{title}: damping", DampingModel, raw.get("damping", {}))
-        yield self.group(f"{key}.contact", f"{title}: contact of its coils", CoilContactModel, raw.get("contact", {}))
+        yield self.group(
+            f"{key}.damping", f"{title}: damping", DampingModel, raw.get("damping", {})
+        )
+        yield self.group(
+            f"{key}.contact",
+            f"{title}: contact of its coils",
+            CoilContactModel,
+            raw.get("contact", {}),
+        )
         if not by_card and isinstance(raw.get("guide"), dict):
             yield self.group(f"{key}.guide", f"{title}: guide", GuideModel, raw["guide"])
         given = raw.get("options")
         options: Mapping[str, Any] = given if isinstance(given, dict) else {}
-        for word in dict.fromkeys((*(word for word in options if word in registry.words("springs")), *_USUAL_OPTIONS)):
+        for word in dict.fromkeys(
+            (*(word for word in options if word in registry.words("springs")), *_USUAL_OPTIONS)
+        ):
             table = options_table(word)
             useless = table.wire_only if by_card else table.card_only
             name = _TITLES.get(word, word.replace("-", " "))
-            yield self.group(f"{key}.options.{word}", f"{title}: {name}", table, options.get(word, {}), without=useless)
+            yield self.group(
+                f"{key}.options.{word}",
+                f"{title}: {name}",
+                table,
+                options.get(word, {}),
+                without=useless,
+            )
 
     def group(
-        self, key: str, title: str, model: type[StrictModel], raw: Any, only: tuple[str, ...] = (), without: tuple[str, ...] = ()
+        self,
+        key: str,
+        title: str,
+        model: type[StrictModel],
+        raw: Any,
+        only: tuple[str, ...] = (),
+        without: tuple[str, ...] = (),
     ) -> FieldGroup:
         """The plain values of one table."""
         table: Mapping[str, Any] = raw if isinstance(raw, dict) else {}
@@ -229,7 +304,9 @@ class _Form:
             path = f"{key}.{name}" if key else name
             if (made := field_of(path, name, info, table.get(name))) is not None:
                 sets = self.tree.get("train", {}).get("springs", {}) if name == "spring_set" else {}
-                found.append(_field(replace(made, choices=tuple(sets)) if sets else made, self.source(path)))
+                found.append(
+                    _field(replace(made, choices=tuple(sets)) if sets else made, self.source(path))
+                )
         return FieldGroup(key, title, tuple(found))
 
     def source(self, path: str) -> str:
@@ -254,6 +331,17 @@ def _steel(place: str, word: str) -> Field:
 
 def _field(made: FieldOf, source: str) -> Field:
     return Field(
-        made.key, made.label, made.kind, made.value_text, made.unit, made.limits, made.help, source if made.value_text else "",
-        made.required, made.default_text, made.choices, made.number, made.slider,
-    )  # fmt: skip
+        made.key,
+        made.label,
+        made.kind,
+        made.value_text,
+        made.unit,
+        made.limits,
+        made.help,
+        source if made.value_text else "",
+        made.required,
+        made.default_text,
+        made.choices,
+        made.number,
+        made.slider,
+    )

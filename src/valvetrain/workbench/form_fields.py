@@ -1,4 +1,6 @@
-"""One field of a form from one field of a typed table: what may be written there, in which unit, within which bounds."""
+"""One field of a form from one field of a typed table: what may be written there, in which unit,
+within which bounds.
+"""
 
 from __future__ import annotations
 
@@ -15,14 +17,43 @@ from pydantic.fields import FieldInfo
 from valvetrain import registry
 from valvetrain.errors import InputError
 from valvetrain.parameters.defaults import shown_default
-from valvetrain.parameters.materials import MATERIALS
+from valvetrain.parameters.material import MATERIALS
 from valvetrain.parameters.schema_curves import CurveField
 from valvetrain.parameters.schema_spring import EndField, MaterialField
 from valvetrain.parameters.schema_types import Quantity
 from valvetrain.parameters.spring import EndKind
 from valvetrain.parameters.toml_text import inline
 from valvetrain.units import DIMENSIONS, parse_quantity, to_unit, unit_factor
-from valvetrain.workbench.form_words import HELP, LABELS
+
+#: Last word of a key -> label, where the key's own words are not those of the field.
+LABELS = {
+    "youngs_modulus": "Young's modulus", "poisson_ratio": "Poisson's ratio", "lift_of": "lift of", "zero_of_angle": "zero of the cam angle",
+    "kind": "kind", "law": "contact law", "ends": "both ends",
+}  # fmt: skip
+
+#: Last word of a key -> what it means, where the table that reads it does not say.
+HELP = {
+    "title": "one line above results", "description": "what the case is, on top of its page",
+    "wire_diameter": "diameter of the wire; over the coils where it changes", "mean_diameter": "diameter of the helix of the wire's axis",
+    "outer_diameter": "over the coils, in place of the mean diameter", "pitch": "rise of the wire's axis per turn",
+    "height": "height of the wire's axis over the coil number, in place of the pitch", "total_coils": "all turns, tip to tip",
+    "material": "name of a wire, or a table of its moduli and density", "lower_end": "end at the cylinder head",
+    "upper_end": "end at the retainer",
+    "installed_height": "seat to retainer with the valve closed", "name": "word for the spring",
+    "preload": "force with the valve closed", "rate": "force per compression", "open_load": "force at the open valve",
+    "open_lift": "lift between the two loads", "engine_speeds": "speeds of the crank, twice those of the cam: '4200, 5600 rpm'",
+    "cam_speeds": "speeds of the cam, in place of those of the crank", "kind": "which law or train",
+    "maximum_lift": "largest lift", "opening_start": "where the lift begins", "opening_end": "where the largest lift is reached",
+    "closing_start": "where it is left", "closing_end": "where the valve is closed", "cam_angles": "angles of the stations",
+    "lifts": "lifts at the stations", "file": "table beside the case", "base_radius": "radius of the base circle",
+    "pivot": "point the lever turns about, from the cam centre", "drive_arm": "pivot to the point that the cam or pushrod moves",
+    "inertia": "moment of inertia about the pivot", "mass": "that moves", "stiffness": "force per way",
+    "law": "how a contact presses", "radius": "of the crank", "rod_length": "of the connecting rod",
+    "clearance": "piston to cylinder head at top dead centre", "top_dead_centre": "cam angle of it",
+    "forces": "gas force on the valve head",
+    "label": "word for the variant",
+}  # fmt: skip
+
 
 Kind = Literal["number", "text", "choice", "flag", "curve"]
 #: One number with its unit.
@@ -71,12 +102,24 @@ def field_of(key: str, name: str, info: FieldInfo, value: Any) -> FieldOf | None
     number, unit = None, _unit(form)
     if form.kind in ("number", "curve") and value is not None:
         number, unit = _number(value, form, unit)
-    kind: Kind = "number" if form.kind == "curve" and (value is None or number is not None) else form.kind
+    kind: Kind = (
+        "number" if form.kind == "curve" and (value is None or number is not None) else form.kind
+    )
     limits = _limits(form, unit)
     return FieldOf(
-        key, LABELS.get(name, words_of(name)), kind, written(value), unit, limits, info.description or HELP.get(name, ""),
-        info.is_required(), _default(info), form.choices, number, _slider(number, limits, form.whole),
-    )  # fmt: skip
+        key,
+        LABELS.get(name, words_of(name)),
+        kind,
+        written(value),
+        unit,
+        limits,
+        info.description or HELP.get(name, ""),
+        info.is_required(),
+        _default(info),
+        form.choices,
+        number,
+        _slider(number, limits, form.whole),
+    )
 
 
 def words_of(name: str) -> str:
@@ -137,7 +180,11 @@ def _form(annotation: Any, metadata: tuple[Any, ...]) -> _Form | None:
 def _same(annotation: Any, known: Any, metadata: tuple[Any, ...]) -> bool:
     """Whether an annotation taken apart (its type, and its marks) is a known annotated one."""
     inner, *marks = get_args(known)
-    return annotation == inner and bool(marks) and all(any(mark is one for one in metadata) for mark in marks)
+    return (
+        annotation == inner
+        and bool(marks)
+        and all(any(mark is one for one in metadata) for mark in marks)
+    )
 
 
 _KNOWN: tuple[tuple[Any, _Form], ...] = (
@@ -160,7 +207,9 @@ def _unit(form: _Form) -> str:
 
 
 def _number(value: Any, form: _Form, unit: str) -> tuple[float | None, str]:
-    """A value and its unit: the one it is written in, else the usual one; None where it is no single number or refused."""
+    """A value and its unit: the one it is written in, else the usual one; None where it is no
+    single number or refused.
+    """
     if isinstance(value, bool) or not isinstance(value, (str, int, float)):
         return None, unit
     if form.whole:
@@ -182,12 +231,15 @@ def _rounded(value: float) -> float:
 def _limits(form: _Form, unit: str) -> tuple[float | None, float | None]:
     factor = unit_factor(unit) if unit else 1.0
     low, high = (
-        None if bound is None or (form.dimension is None and unit) else _rounded(bound / factor) for bound in (form.low, form.high)
+        None if bound is None or (form.dimension is None and unit) else _rounded(bound / factor)
+        for bound in (form.low, form.high)
     )
     return low, high
 
 
-def _slider(number: float | None, limits: tuple[float | None, float | None], whole: bool) -> tuple[float, float, float] | None:
+def _slider(
+    number: float | None, limits: tuple[float | None, float | None], whole: bool
+) -> tuple[float, float, float] | None:
     """Half as much to half as much again, in round steps within the limits."""
     if number is None or number == 0 or not math.isfinite(number):
         return None
@@ -202,7 +254,11 @@ def _slider(number: float | None, limits: tuple[float | None, float | None], who
 
 def _default(info: FieldInfo) -> str:
     """What holds where a value is left out, in words."""
-    if info.is_required() or info.default_factory is not None or isinstance(info.default, (BaseModel, dict, list)):
+    if (
+        info.is_required()
+        or info.default_factory is not None
+        or isinstance(info.default, (BaseModel, dict, list))
+    ):
         return ""
     if info.default is None or info.default == "":
         return ""

@@ -1,4 +1,6 @@
-"""One job as a process: its inputs on disk, its progress over a pipe, and what it left, read from what the command printed."""
+"""One job as a process: its inputs on disk, its progress over a pipe, and what it left, read from
+what the command printed.
+"""
 
 from __future__ import annotations
 
@@ -18,9 +20,9 @@ from valvetrain.solution.atomic import is_living, write_bytes, write_text
 from valvetrain.studies.cost import Limits, memory_words, time_words
 from valvetrain.studies.unfinished_runs import unfinished_runs
 from valvetrain.workbench.disk import writing
-from valvetrain.workbench.kept import STUDIES
-from valvetrain.workbench.names import inside
 from valvetrain.workbench.requests import JobRequest, command_words, study_text
+from valvetrain.workbench.saved_runs import STUDIES
+from valvetrain.workbench.store import inside
 from valvetrain.workbench.supervisor import GRACE, MEMORY_UP, TIME_UP, read_progress
 from valvetrain.workbench.workspace import Workspace
 
@@ -42,7 +44,9 @@ class Outcome:
 
 
 def write_inputs(workspace: Workspace, job_id: str, request: JobRequest, text: str) -> None:
-    """Put what a job needs into its folder: the case as it now stands, the files it names, and the study file."""
+    """Put what a job needs into its folder: the case as it now stands, the files it names, and the
+    study file.
+    """
     folder = inside(workspace.jobs_folder, job_id)
     try:
         with writing("the inputs of this job", "job"):
@@ -50,7 +54,9 @@ def write_inputs(workspace: Workspace, job_id: str, request: JobRequest, text: s
                 write_bytes(inside(folder, name), content)
             write_text(folder / f"{request.case}.toml", text)
             if request.kind == "study":
-                write_text(folder / study_file(request.case), study_text(request, f"{request.case}.toml"))
+                write_text(
+                    folder / study_file(request.case), study_text(request, f"{request.case}.toml")
+                )
     except BaseException:
         shutil.rmtree(folder, ignore_errors=True)
         raise
@@ -62,14 +68,18 @@ def study_file(case: str) -> str:
 
 
 def wait_until_left(workspace: Workspace, job_id: str) -> None:
-    """Wait until the process of a job whose server was killed has written what it had; it ends by itself."""
+    """Wait until the process of a job whose server was killed has written what it had; it ends by
+    itself.
+    """
     path, last = workspace.jobs_folder / job_id / LOCK, time.monotonic() + 2 * GRACE
     while path.exists() and is_living(path) and time.monotonic() < last:
         time.sleep(0.1)
 
 
 def settle(workspace: Workspace, job_id: str, state: str, words: str) -> Outcome:
-    """How a job ended that was not watched to its end: a run with what it had, or folders of runs it left."""
+    """How a job ended that was not watched to its end: a run with what it had, or folders of runs
+    it left.
+    """
     answer = _answer(workspace.jobs_folder / job_id)
     if run_id := _run_id(workspace, answer):
         return Outcome(state, f"{words}; what it had finished is kept", run_id)
@@ -86,17 +96,29 @@ class JobProcess:
     limits : longest time (s) and largest memory (bytes)
     """
 
-    def __init__(self, workspace: Workspace, job_id: str, request: JobRequest, workers: int, limits: Limits) -> None:
-        self.workspace, self.job_id, self.request, self.workers, self.limits = workspace, job_id, request, workers, limits
+    def __init__(
+        self, workspace: Workspace, job_id: str, request: JobRequest, workers: int, limits: Limits
+    ) -> None:
+        self.workspace, self.job_id, self.request, self.workers, self.limits = (
+            workspace,
+            job_id,
+            request,
+            workers,
+            limits,
+        )
         self._process: subprocess.Popen[bytes] | None = None
         self._asked = ""
         self._share, self._text, self._begun = 0.0, "starting", 0.0
 
     @property
     def progress(self) -> tuple[float, str, float | None]:
-        """Share of the work done, what is going on, and seconds left (None while nothing can be said)."""
+        """Share of the work done, what is going on, and seconds left (None while nothing can be
+        said).
+        """
         share, begun = self._share, self._begun
-        left = (time.monotonic() - begun) * (1 - share) / share if begun and 0.02 < share < 1 else None
+        left = (
+            (time.monotonic() - begun) * (1 - share) / share if begun and 0.02 < share < 1 else None
+        )
         return share, self._text, left
 
     def cancel(self) -> None:
@@ -110,9 +132,15 @@ class JobProcess:
     def run(self) -> Outcome:
         """Start the process, follow its progress and wait for its end."""
         folder = inside(self.workspace.jobs_folder, self.job_id)
-        name = study_file(self.request.case) if self.request.kind == "study" else f"{self.request.case}.toml"
+        name = (
+            study_file(self.request.case)
+            if self.request.kind == "study"
+            else f"{self.request.case}.toml"
+        )
         kept = f"runs/{STUDIES}/{self.request.case}-{self.job_id}"
-        words = command_words(self.request, f"jobs/{self.job_id}/{name}", self.workers, self.limits, kept)
+        words = command_words(
+            self.request, f"jobs/{self.job_id}/{name}", self.workers, self.limits, kept
+        )
         bounds = [str(self.limits.seconds), str(self.limits.bytes), str(folder / LOCK)]
         reading, writing = os.pipe()
         environment = {
@@ -123,7 +151,10 @@ class JobProcess:
             "OMP_NUM_THREADS": "1",
         }
         try:
-            with (folder / ANSWER).open("wb") as answer, (folder / COMPLAINTS).open("wb") as complaints:
+            with (
+                (folder / ANSWER).open("wb") as answer,
+                (folder / COMPLAINTS).open("wb") as complaints,
+            ):
                 self._process = subprocess.Popen(
                     [*SUPERVISOR, *bounds, *words], cwd=self.workspace.folder, env=environment,
                     stdin=subprocess.PIPE, stdout=answer, stderr=complaints, pass_fds=(writing,), start_new_session=True,
@@ -168,12 +199,20 @@ class JobProcess:
             words = f"was stopped because it took more than {memory_words(self.limits.bytes)}, the largest memory of a job{kept}"
             return Outcome("failed", f"{words}; ask for fewer speeds or elements", run_id, share)
         if self._asked:
-            words = {"cancelled": "was cancelled", "interrupted": "the server ended while this job ran"}[self._asked]
+            words = {
+                "cancelled": "was cancelled",
+                "interrupted": "the server ended while this job ran",
+            }[self._asked]
             return Outcome(self._asked, f"{words}{kept}", run_id, share)
         sentences = [str(words) for words in answer.get("failures", ()) or ()]
         if run_id and (code == 0 or _some_completed(answer)):
             return Outcome("finished", "; ".join(sentences[:3]), run_id, 1.0)
-        return Outcome("failed", _error(answer) or "; ".join(sentences[:3]) or _complaint(folder), run_id, share)
+        return Outcome(
+            "failed",
+            _error(answer) or "; ".join(sentences[:3]) or _complaint(folder),
+            run_id,
+            share,
+        )
 
 
 def _answer(folder: Path) -> dict[str, Any]:
@@ -200,7 +239,9 @@ def _run_id(workspace: Workspace, answer: dict[str, Any]) -> str:
 
 def _some_completed(answer: dict[str, Any]) -> bool:
     """Whether anything of a run that did not wholly complete came out."""
-    runs = [one.get("status", {}).get("code") for one in answer.get("runs", ()) if isinstance(one, dict)]
+    runs = [
+        one.get("status", {}).get("code") for one in answer.get("runs", ()) if isinstance(one, dict)
+    ]
     return "completed" in runs or (not runs and bool(answer.get("springs_at_rest")))
 
 
@@ -216,7 +257,13 @@ def _error(answer: dict[str, Any]) -> str:
 def _complaint(folder: Path) -> str:
     """The last line on standard error."""
     with suppress(OSError):
-        lines = (folder / COMPLAINTS).read_bytes()[-4000:].decode("utf-8", "replace").strip().splitlines()
+        lines = (
+            (folder / COMPLAINTS)
+            .read_bytes()[-4000:]
+            .decode("utf-8", "replace")
+            .strip()
+            .splitlines()
+        )
         if lines:
             return lines[-1][:400]
     return "ended without an answer; start it again"
@@ -225,6 +272,10 @@ def _complaint(folder: Path) -> str:
 def _left(workspace: Workspace, job_id: str) -> str:
     """Words on finished runs that a killed job left in a folder of its own."""
     for one in unfinished_runs(root=workspace.runs_folder):
-        if not one.goes_on and any(job_id in word for word in one.command_line) and one.finished > 1:
+        if (
+            not one.goes_on
+            and any(job_id in word for word in one.command_line)
+            and one.finished > 1
+        ):
             return f"; {one.finished} runs that it had finished lie in {one.folder.relative_to(workspace.folder)}"
     return ""

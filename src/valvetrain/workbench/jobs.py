@@ -1,6 +1,8 @@
-"""Jobs: runs, comparisons, sweeps and studies, each in a process of its own that a server starts, watches, bounds and ends.
+"""Jobs: runs, comparisons, sweeps and studies, each in a process of its own that a server starts,
+watches, bounds and ends.
 
-What a job was asked and how it went stands in the database, so that a closed tab and a server that is started again find it.
+What a job was asked and how it went stands in the database, so that a closed tab and a server that
+is started again find it.
 """
 
 from __future__ import annotations
@@ -17,8 +19,23 @@ from typing import Literal
 from valvetrain.errors import InputError
 from valvetrain.studies.cost import Limits
 from valvetrain.units.text import clipped
-from valvetrain.workbench.job_process import JobProcess, Outcome, settle, wait_until_left, write_inputs
-from valvetrain.workbench.requests import JobKind, JobRequest, changes_of, check_request, cost_of, cost_words, request_json, request_of
+from valvetrain.workbench.job_process import (
+    JobProcess,
+    Outcome,
+    settle,
+    wait_until_left,
+    write_inputs,
+)
+from valvetrain.workbench.requests import (
+    JobKind,
+    JobRequest,
+    changes_of,
+    check_request,
+    cost_of,
+    cost_words,
+    request_json,
+    request_of,
+)
 from valvetrain.workbench.workspace import Workspace
 
 __all__ = ["JobKind", "JobRequest", "JobState", "JobStatus", "Jobs"]
@@ -40,8 +57,10 @@ class JobStatus:
     share : share of the work done, 0 to 1
     text : what is going on
     seconds_left : estimate (s), None while nothing can be said
-    error : sentence where it failed or was interrupted, and on parts that a finished one could not do
-    run_id : the kept run, empty while there is none; a cancelled or interrupted job may have one with what was finished
+    error : sentence where it failed or was interrupted, and on parts that a finished one could not
+    do
+    run_id : the kept run, empty while there is none; a cancelled or interrupted job may have one
+    with what was finished
     created_at, started_at, ended_at : seconds since the epoch, None where not yet
     """
 
@@ -79,12 +98,20 @@ class Jobs:
     """
 
     def __init__(
-        self, workspace: Workspace, most_running: int = 1, most_waiting: int = 8, most_seconds: float = 3600.0,
+        self,
+        workspace: Workspace,
+        most_running: int = 1,
+        most_waiting: int = 8,
+        most_seconds: float = 3600.0,
         most_memory: float = 4e9,
-    ) -> None:  # fmt: skip
+    ) -> None:
         self.workspace, self.limits = workspace, Limits(most_seconds, most_memory)
         self.most_running, self.most_waiting = most_running, most_waiting
-        cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+        cores = (
+            len(os.sched_getaffinity(0))
+            if hasattr(os, "sched_getaffinity")
+            else os.cpu_count() or 1
+        )
         self.workers = max(1, min(4, cores // max(1, most_running)))
         self._changed, self._stopping = threading.Condition(), False
         self._running: dict[str, JobProcess] = {}
@@ -94,29 +121,40 @@ class Jobs:
         self._manager.start()
 
     def submit(self, request: JobRequest) -> str:
-        """Put a job in the queue; its id. Raises :class:`InputError` for a case or choice that is refused, and beyond the bounds."""
+        """Put a job in the queue; its id. Raises :class:`InputError` for a case or choice that is
+        refused, and beyond the bounds.
+        """
         with self.workspace.turn:  # the files beside a case stay those that its text names
             job_id = self._queued(request)
         self._forget()
         return job_id
 
     def estimate(self, request: JobRequest) -> str:
-        """What a job will cost, ``"about 12 s and 35 MB"``. Raises :class:`InputError` where it is refused, with the reason."""
+        """What a job will cost, ``"about 12 s and 35 MB"``. Raises :class:`InputError` where it is
+        refused, with the reason.
+        """
         return self._check(request, self.workspace.text(request.case))
 
     def status(self, job_id: str) -> JobStatus:
         """How a job stands. Raises :class:`InputError` for an unknown id."""
         with self.workspace.store.connected() as base:
-            row = base.execute(f"SELECT {_COLUMNS} FROM jobs WHERE id = ?", (str(job_id),)).fetchone()
+            row = base.execute(
+                f"SELECT {_COLUMNS} FROM jobs WHERE id = ?", (str(job_id),)
+            ).fetchone()
         if row is None:
-            raise InputError(f"there is no job '{clipped(str(job_id), 40)}'; it may have been forgotten", "job")
+            raise InputError(
+                f"there is no job '{clipped(str(job_id), 40)}'; it may have been forgotten", "job"
+            )
         return self._with_progress(JobStatus(*row))
 
     def jobs(self, case: str | None = None, most: int = 50) -> list[JobStatus]:
         """Jobs, newest first; of one case where given."""
         where, given = ("WHERE case_name = ?", (case,)) if case is not None else ("", ())
         with self.workspace.store.connected() as base:
-            rows = base.execute(f"SELECT {_COLUMNS} FROM jobs {where} ORDER BY created_at DESC, id DESC LIMIT ?", (*given, most)).fetchall()
+            rows = base.execute(
+                f"SELECT {_COLUMNS} FROM jobs {where} ORDER BY created_at DESC, id DESC LIMIT ?",
+                (*given, most),
+            ).fetchall()
         return [self._with_progress(JobStatus(*row)) for row in rows]
 
     def request(self, job_id: str) -> JobRequest:
@@ -124,7 +162,9 @@ class Jobs:
         with self.workspace.store.connected() as base:
             row = base.execute("SELECT request FROM jobs WHERE id = ?", (str(job_id),)).fetchone()
         if row is None:
-            raise InputError(f"there is no job '{clipped(str(job_id), 40)}'; it may have been forgotten", "job")
+            raise InputError(
+                f"there is no job '{clipped(str(job_id), 40)}'; it may have been forgotten", "job"
+            )
         return request_of(row["request"])
 
     def cancel(self, job_id: str) -> None:
@@ -136,13 +176,17 @@ class Jobs:
             self._end(job_id, Outcome("cancelled"), ("queued",))
 
     def restart(self, job_id: str) -> str:
-        """Start a job that ended again, as it was asked and with its case as it now stands; the new id."""
+        """Start a job that ended again, as it was asked and with its case as it now stands; the new
+        id.
+        """
         if not self.status(job_id).ended:
             raise InputError("this job has not ended; wait for it, or cancel it", "job")
         return self.submit(self.request(job_id))
 
     def stop(self) -> None:
-        """End the running jobs, which are then shown as interrupted with what they had, and start no more; those that wait stay."""
+        """End the running jobs, which are then shown as interrupted with what they had, and start
+        no more; those that wait stay.
+        """
         with self._changed:
             self._stopping = True
             for process in self._running.values():
@@ -170,9 +214,13 @@ class Jobs:
             if self._stopping:
                 raise InputError("the server is ending; start it again", "job")
             with self.workspace.store.connected() as base:
-                (waiting,) = base.execute("SELECT COUNT(*) FROM jobs WHERE state = 'queued'").fetchone()
+                (waiting,) = base.execute(
+                    "SELECT COUNT(*) FROM jobs WHERE state = 'queued'"
+                ).fetchone()
                 if waiting >= self.most_waiting:
-                    raise InputError(f"{waiting} jobs are waiting already; wait for one, or cancel one", "job")
+                    raise InputError(
+                        f"{waiting} jobs are waiting already; wait for one, or cancel one", "job"
+                    )
                 job_id = f"{time.strftime('%Y%m%d-%H%M%S', time.gmtime())}-{secrets.token_hex(4)}"
                 write_inputs(self.workspace, job_id, request, text)
                 base.execute(
@@ -198,14 +246,21 @@ class Jobs:
                 process = JobProcess(self.workspace, job_id, request, self.workers, self.limits)
                 self._running[job_id] = process
                 with self.workspace.store.connected() as base:
-                    base.execute("UPDATE jobs SET state = 'running', text = '', started_at = ? WHERE id = ?", (time.time(), job_id))
-            thread = threading.Thread(target=self._follow, args=(job_id, process), name=f"job {job_id}", daemon=True)
+                    base.execute(
+                        "UPDATE jobs SET state = 'running', text = '', started_at = ? WHERE id = ?",
+                        (time.time(), job_id),
+                    )
+            thread = threading.Thread(
+                target=self._follow, args=(job_id, process), name=f"job {job_id}", daemon=True
+            )
             self._threads = [one for one in self._threads if one.is_alive()] + [thread]
             thread.start()
 
     def _oldest(self) -> tuple[str, JobRequest] | None:
         with self.workspace.store.connected() as base:
-            row = base.execute("SELECT id, request FROM jobs WHERE state = 'queued' ORDER BY created_at, id LIMIT 1").fetchone()
+            row = base.execute(
+                "SELECT id, request FROM jobs WHERE state = 'queued' ORDER BY created_at, id LIMIT 1"
+            ).fetchone()
         return None if row is None else (row["id"], request_of(row["request"]))
 
     def _follow(self, job_id: str, process: JobProcess) -> None:
@@ -213,7 +268,9 @@ class Jobs:
         try:
             outcome = process.run()
         except Exception as error:  # a fault here must not leave a job running for ever
-            outcome = Outcome("failed", f"could not be started ({type(error).__name__}: {error}); try again")
+            outcome = Outcome(
+                "failed", f"could not be started ({type(error).__name__}: {error}); try again"
+            )
         with self._changed:
             self._end(job_id, outcome, ("running",))
             self._running.pop(job_id, None)
@@ -226,7 +283,16 @@ class Jobs:
             base.execute(
                 f"UPDATE jobs SET state = ?, error = ?, run_id = ?, text = '', seconds_left = NULL, ended_at = ?, "
                 f"share = COALESCE(?, ?) WHERE id = ? AND state IN ({marks})",
-                (outcome.state, outcome.error, outcome.run_id, time.time(), share, outcome.share, job_id, *states),
+                (
+                    outcome.state,
+                    outcome.error,
+                    outcome.run_id,
+                    time.time(),
+                    share,
+                    outcome.share,
+                    job_id,
+                    *states,
+                ),
             )
         if outcome.state == "finished":
             shutil.rmtree(self.workspace.jobs_folder / job_id, ignore_errors=True)
@@ -239,16 +305,22 @@ class Jobs:
         return replace(found, share=share, text=text, seconds_left=left)
 
     def _recover(self) -> None:
-        """Jobs of a server that was killed: interrupted, with what they had once their own processes have ended too."""
+        """Jobs of a server that was killed: interrupted, with what they had once their own
+        processes have ended too.
+        """
         with self.workspace.store.connected() as base:
-            left = [row["id"] for row in base.execute("SELECT id FROM jobs WHERE state = 'running'")]
+            left = [
+                row["id"] for row in base.execute("SELECT id FROM jobs WHERE state = 'running'")
+            ]
             base.execute(
                 "UPDATE jobs SET state = 'interrupted', seconds_left = NULL, text = '', ended_at = ?, "
                 "error = 'the server ended while this job ran; start it again' WHERE state = 'running'",
                 (time.time(),),
             )
         if left:
-            thread = threading.Thread(target=self._settle, args=(left,), name="settling", daemon=True)
+            thread = threading.Thread(
+                target=self._settle, args=(left,), name="settling", daemon=True
+            )
             self._threads.append(thread)
             thread.start()
 
@@ -256,11 +328,15 @@ class Jobs:
         for job_id in left:
             with suppress(InputError, OSError):
                 wait_until_left(self.workspace, job_id)
-                found = settle(self.workspace, job_id, "interrupted", "the server ended while this job ran")
+                found = settle(
+                    self.workspace, job_id, "interrupted", "the server ended while this job ran"
+                )
                 self._end(job_id, found, ("interrupted",))
 
     def _forget(self) -> None:
-        """Forget the oldest ended jobs beyond :data:`MOST_KEPT`, and the inputs of those that nobody will start again."""
+        """Forget the oldest ended jobs beyond :data:`MOST_KEPT`, and the inputs of those that
+        nobody will start again.
+        """
         with self.workspace.store.connected() as base:
             query = "SELECT id FROM jobs WHERE state NOT IN ('queued', 'running') ORDER BY created_at DESC LIMIT -1 OFFSET ?"
             old = [row["id"] for row in base.execute(query, (MOST_KEPT,))]

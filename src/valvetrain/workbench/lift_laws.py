@@ -1,4 +1,6 @@
-"""A lift law of another kind: what both kinds know stays, and what a kind last told comes back when it is chosen again."""
+"""A lift law of another kind: what both kinds know stays, and what a kind last told comes back when
+it is chosen again.
+"""
 
 from __future__ import annotations
 
@@ -19,9 +21,10 @@ from valvetrain.solution.atomic import write_text
 from valvetrain.units.text import clipped
 from valvetrain.workbench.edits import opened, saved
 from valvetrain.workbench.side_files import names_in
-from valvetrain.workbench.start_values import assumed
+from valvetrain.workbench.starts import assumed
 
-#: What a case keeps of the kinds that its lift law had, beside the case; hidden, so that nothing hands it out or takes it for an input.
+#: What a case keeps of the kinds that its lift law had, beside the case; hidden, so that nothing
+#: hands it out or takes it for an input.
 KEPT = ".lift-laws.json"
 #: Larger ones are not read (bytes).
 MOST_KEPT = 100_000_000
@@ -40,24 +43,39 @@ def kind_of(text: str) -> str:
 
 
 def with_law(text: str, kind: str, files: Sequence[str]) -> str:
-    """The case file ``text`` with a lift law of another ``kind``: what both kinds know stays, the rest is assumed to begin with.
+    """The case file ``text`` with a lift law of another ``kind``: what both kinds know stays, the
+    rest is assumed to begin with.
 
-    Notes on the whole law go, and what the zero of its angle means where its numbers do not stay. ``files``: names of the files beside the
-    case, of which a law that reads one gets the first. Raises :class:`InputError` for an unknown kind, and for one that reads a file where
+    Notes on the whole law go, and what the zero of its angle means where its numbers do not stay.
+    ``files``: names of the files beside the
+    case, of which a law that reads one gets the first. Raises :class:`InputError` for an unknown
+    kind, and for one that reads a file where
     there is none.
     """
     document = opened(text)
     if kind not in registry.words("lifts") or "lift_law" not in document:
-        raise InputError(f"kind '{kind[:40]}' of a lift law is unknown; {nearest(kind, registry.words('lifts'))}", "lift_law.kind")
+        raise InputError(
+            f"kind '{kind[:40]}' of a lift law is unknown; {nearest(kind, registry.words('lifts'))}",
+            "lift_law.kind",
+        )
     law, known = _in_one_table(document), registry.find("lifts", kind).table.model_fields
     for name in [name for name in law if name not in known]:
         del law[name]
     law["kind"] = kind
     reads = "file" in known and "file" not in law and "lifts" not in law
     if reads and not files:
-        raise InputError(f"a lift law of kind '{kind}' reads a file; add it below 'Files of this case' first", "lift_law.kind")
-    begun = [name for name in (_OF_FILES if reads else _LAW) if name in known and name not in law and (reads or known[name].is_required())]
-    if "zero_of_angle" in law and (reads or begun or not set(law) - {"kind", "lift_of", "zero_of_angle"}):
+        raise InputError(
+            f"a lift law of kind '{kind}' reads a file; add it below 'Files of this case' first",
+            "lift_law.kind",
+        )
+    begun = [
+        name
+        for name in (_OF_FILES if reads else _LAW)
+        if name in known and name not in law and (reads or known[name].is_required())
+    ]
+    if "zero_of_angle" in law and (
+        reads or begun or not set(law) - {"kind", "lift_of", "zero_of_angle"}
+    ):
         del law["zero_of_angle"]
     if reads:
         law["file"] = files[0]
@@ -67,7 +85,9 @@ def with_law(text: str, kind: str, files: Sequence[str]) -> str:
 
 
 def law_of(text: str) -> str:
-    """The lift law of the case file ``text`` as a text of its own, with its comments where it stands in one table."""
+    """The lift law of the case file ``text`` as a text of its own, with its comments where it
+    stands in one table.
+    """
     tree = {"lift_law": tomllib.loads(text)["lift_law"]}
     found = ""
     with suppress(InputError, AttributeError, LookupError, TypeError, ValueError):
@@ -90,7 +110,10 @@ def with_law_of(text: str, law: str) -> str:
             made = put(text, law)
             if tomllib.loads(made) == due:
                 return made
-    raise InputError("this case is written in a way that takes no other lift law here; change it in the case file itself", "lift_law.kind")
+    raise InputError(
+        "this case is written in a way that takes no other lift law here; change it in the case file itself",
+        "lift_law.kind",
+    )
 
 
 def _spliced(text: str, law: str) -> str:
@@ -115,7 +138,10 @@ def _in_one_table(document: Any) -> Any:
     import tomlkit
 
     law = document["lift_law"]
-    if isinstance(law, (tomlkit.items.Table, tomlkit.items.InlineTable)) and not getattr(law, "is_super_table", bool)():
+    if (
+        isinstance(law, (tomlkit.items.Table, tomlkit.items.InlineTable))
+        and not getattr(law, "is_super_table", bool)()
+    ):
         return law
     del document["lift_law"]
     document["lift_law"] = tomlkit.item(law.unwrap())
@@ -139,13 +165,23 @@ class KeptLaws:
         read: dict[str, dict[str, str]] = {"told": {}, "begun": {}}
         for part, laws in read.items():
             given = found.get(part) if isinstance(found, dict) else None
-            laws.update({str(kind): law for kind, law in (given if isinstance(given, dict) else {}).items() if isinstance(law, str)})
+            laws.update(
+                {
+                    str(kind): law
+                    for kind, law in (given if isinstance(given, dict) else {}).items()
+                    if isinstance(law, str)
+                }
+            )
         self._told, self._begun = read["told"], read["begun"]
 
-    def changed(self, text: str, kind: str, files: Sequence[str], read: Callable[[str], object]) -> str:
-        """The case file ``text`` with a law of ``kind``: what that last told, else what is made of ``text``.
+    def changed(
+        self, text: str, kind: str, files: Sequence[str], read: Callable[[str], object]
+    ) -> str:
+        """The case file ``text`` with a law of ``kind``: what that last told, else what is made of
+        ``text``.
 
-        Of ``files`` the first that reads as one is named. ``read`` reads a case file, or raises :class:`InputError`.
+        Of ``files`` the first that reads as one is named. ``read`` reads a case file, or raises
+        :class:`InputError`.
 
         Raises :class:`InputError` where nothing reads.
         """
@@ -156,15 +192,24 @@ class KeptLaws:
                     read(made)
                 except InputError as error:
                     named = ", ".join(sorted(names_in(made)))
-                    refused = f"'{clipped(named, 60)}': {error.reason}" if named and named not in error.reason else error.reason
+                    refused = (
+                        f"'{clipped(named, 60)}': {error.reason}"
+                        if named and named not in error.reason
+                        else error.reason
+                    )
                 else:
                     return made
         except InputError as error:
             if not refused:
                 raise
-            raise InputError(f"what kind '{kind}' last told reads no more ({refused}); {error.reason}", "lift_law.kind") from None
+            raise InputError(
+                f"what kind '{kind}' last told reads no more ({refused}); {error.reason}",
+                "lift_law.kind",
+            ) from None
         told = f"kind '{kind}' needs more than this lift law tells ({refused})"
-        raise InputError(f"{told}; write its table in the downloaded case, and open that", "lift_law.kind")
+        raise InputError(
+            f"{told}; write its table in the downloaded case, and open that", "lift_law.kind"
+        )
 
     def _texts(self, text: str, kind: str, files: Sequence[str]) -> Iterator[str]:
         """Case files to try, the first that reads being the one."""
@@ -181,7 +226,9 @@ class KeptLaws:
             yield (last := made)
 
     def keep(self, text: str, made: str) -> None:
-        """Keep what the law of the case file ``text`` tells before that of ``made`` takes its place, but where it was only begun."""
+        """Keep what the law of the case file ``text`` tells before that of ``made`` takes its
+        place, but where it was only begun.
+        """
         told, begun = law_of(text), law_of(made)
         if not _same(told, self._begun.get(kind_of(text))):
             self._told[kind_of(text)] = told
@@ -189,7 +236,9 @@ class KeptLaws:
             self._begun.pop(kind_of(made), None)
         else:
             self._begun[kind_of(made)] = begun
-        write_text(self._path, json.dumps({"told": self._told, "begun": self._begun}, ensure_ascii=False))
+        write_text(
+            self._path, json.dumps({"told": self._told, "begun": self._begun}, ensure_ascii=False)
+        )
 
 
 def _same(law: str, other: str | None) -> bool:

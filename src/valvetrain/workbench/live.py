@@ -1,4 +1,6 @@
-"""The fast chain while a slider moves: a worker process that holds the case built and answers with one force curve."""
+"""The fast chain while a slider moves: a worker process that holds the case built and answers with
+one force curve.
+"""
 
 from __future__ import annotations
 
@@ -22,7 +24,8 @@ from valvetrain.parameters.bounded_file import BESIDE_VARIABLE
 _NOTHING: Mapping[str, str] = MappingProxyType({})
 #: Chains that live at a time in one server, and the fast model and the rod.
 MOST_LIVE, FAST, ROD = 4, "multi-mass", "finite-element"
-#: Longest wait (s) for a curve of the chain, the first one compiling included, and for one of the rod; memory of a worker (bytes).
+#: Longest wait (s) for a curve of the chain, the first one compiling included, and for one of the
+#: rod; memory of a worker (bytes).
 LONGEST_CURVE, LONGEST_ROD, MEMORY = 120.0, 300.0, 8e9
 
 
@@ -70,7 +73,9 @@ class LiveChain:
     _living = 0
     _count = threading.Lock()
 
-    def __init__(self, case_text: str, spring_model: str = "", engine_speed: str = "", folder: Path = Path()) -> None:
+    def __init__(
+        self, case_text: str, spring_model: str = "", engine_speed: str = "", folder: Path = Path()
+    ) -> None:
         self.engine_speed = engine_speed
         with LiveChain._count:
             if LiveChain._living >= MOST_LIVE:
@@ -82,15 +87,19 @@ class LiveChain:
         self._chain.begin()
 
     def curve(self, changes: Mapping[str, str] = _NOTHING, engine_speed: str = "") -> LiveResult:
-        """The curve of the case with ``changes`` (key path -> text, as ``--set`` takes them); a refusal is its ``sentence``.
+        """The curve of the case with ``changes`` (key path -> text, as ``--set`` takes them); a
+        refusal is its ``sentence``.
 
-        Blocks for tens of milliseconds; a page calls it in a thread. Of calls that wait, only the last is computed, the others come back
+        Blocks for tens of milliseconds; a page calls it in a thread. Of calls that wait, only the
+        last is computed, the others come back
         ``skipped``.
         """
         return self._chain.ask(changes, engine_speed or self.engine_speed)
 
     def rod(self, changes: Mapping[str, str] = _NOTHING, engine_speed: str = "") -> LiveResult:
-        """The curve by the geometrically exact rod, in seconds; :meth:`cancel` ends it, and so does a new call of :meth:`rod`."""
+        """The curve by the geometrically exact rod, in seconds; :meth:`cancel` ends it, and so does
+        a new call of :meth:`rod`.
+        """
         self._rod.stop()
         return self._rod.ask(changes, engine_speed or self.engine_speed)
 
@@ -116,10 +125,20 @@ class LiveChain:
 
 
 class _Worker:
-    """The process, started at its first use and again after it was ended; ``warm``: it computes a curve before it is asked for one."""
+    """The process, started at its first use and again after it was ended; ``warm``: it computes a
+    curve before it is asked for one.
+    """
 
-    def __init__(self, case_text: str, folder: Path, spring_model: str, longest: float, warm: bool = False) -> None:
-        told = {"case_text": case_text, "folder": str(folder), "spring_model": spring_model, "memory": MEMORY, "warm": warm}
+    def __init__(
+        self, case_text: str, folder: Path, spring_model: str, longest: float, warm: bool = False
+    ) -> None:
+        told = {
+            "case_text": case_text,
+            "folder": str(folder),
+            "spring_model": spring_model,
+            "memory": MEMORY,
+            "warm": warm,
+        }
         self._first = json.dumps(told)
         self._longest, self._process, self._closed = longest, None, False
         self._turn, self._last = threading.Lock(), 0
@@ -137,7 +156,11 @@ class _Worker:
             self._busy = True
             try:
                 assert process.stdin is not None and process.stdout is not None
-                process.stdin.write((json.dumps({"changes": dict(changes), "engine_speed": engine_speed}) + "\n").encode())
+                process.stdin.write(
+                    (
+                        json.dumps({"changes": dict(changes), "engine_speed": engine_speed}) + "\n"
+                    ).encode()
+                )
                 process.stdin.flush()
                 line = _line(process, self._longest)
             except (OSError, ValueError):
@@ -148,8 +171,14 @@ class _Worker:
                 self._end(process)
                 if self._last != mine or self._closed:
                     return LiveResult(skipped=True)
-                words = f"took longer than {self._longest:.0f} s" if line is None else "ended without an answer"
-                return LiveResult(sentence=f"the curve {words}; ask for fewer elements or a higher speed")
+                words = (
+                    f"took longer than {self._longest:.0f} s"
+                    if line is None
+                    else "ended without an answer"
+                )
+                return LiveResult(
+                    sentence=f"the curve {words}; ask for fewer elements or a higher speed"
+                )
             return _result(json.loads(line))
 
     def begin(self) -> None:
@@ -200,7 +229,9 @@ class _Worker:
 
 
 def _line(process: subprocess.Popen[bytes], longest: float) -> bytes | None:
-    """One line of the process's answer; empty where it ended, None where it took longer than that (s)."""
+    """One line of the process's answer; empty where it ended, None where it took longer than that
+    (s).
+    """
     assert process.stdout is not None
     last, found = time.monotonic() + longest, b""
     while not found.endswith(b"\n"):
@@ -216,5 +247,16 @@ def _line(process: subprocess.Popen[bytes], longest: float) -> bytes | None:
 
 def _result(told: Mapping[str, Any]) -> LiveResult:
     angle, force, lift = (tuple(told.get(name, ())) for name in ("angle_deg", "force_N", "lift_mm"))
-    quantities = {words: (float(value), str(unit)) for words, (value, unit) in told.get("quantities", {}).items()}
-    return LiveResult(angle, force, lift, float(told["seconds"]), str(told["sentence"]), quantities, float(told.get("engine_speed", 0.0)))
+    quantities = {
+        words: (float(value), str(unit))
+        for words, (value, unit) in told.get("quantities", {}).items()
+    }
+    return LiveResult(
+        angle,
+        force,
+        lift,
+        float(told["seconds"]),
+        str(told["sentence"]),
+        quantities,
+        float(told.get("engine_speed", 0.0)),
+    )

@@ -1,6 +1,8 @@
-"""The process behind :class:`valvetrain.workbench.live.LiveChain`: it holds the case read and built, and answers line by line.
+"""The process behind :class:`valvetrain.workbench.live.LiveChain`: it holds the case read and
+built, and answers line by line.
 
-A line on standard input is a JSON object with ``changes`` (key path -> text) and ``engine_speed``; a line on standard output the answer.
+A line on standard input is a JSON object with ``changes`` (key path -> text) and ``engine_speed``;
+a line on standard output the answer.
 It ends when its standard input does.
 """
 
@@ -49,7 +51,9 @@ class LiveCase:
         self._built: dict[tuple[tuple[str, str], ...], tuple[Problem, Ready]] = {}
 
     def answer(self, changes: Mapping[str, str], engine_speed: str) -> dict[str, Any]:
-        """The curve of the case with ``changes`` at a crank speed (text; empty: the highest of the case), or a sentence."""
+        """The curve of the case with ``changes`` at a crank speed (text; empty: the highest of the
+        case), or a sentence.
+        """
         begun = time.perf_counter()
         try:
             found = self._curve(changes, engine_speed)
@@ -63,7 +67,11 @@ class LiveCase:
         problem, ready = self._ready(changes)
         if ready.refusal:
             raise InputError(ready.refusal)
-        speeds = si_speeds(engine_speed, "engine_speed", "engine speed") if engine_speed else problem.engine_speeds
+        speeds = (
+            si_speeds(engine_speed, "engine_speed", "engine speed")
+            if engine_speed
+            else problem.engine_speeds
+        )
         if not speeds:
             raise InputError("the case names no engine speed; give one", "engine speed")
         speed = max(speeds)
@@ -73,23 +81,34 @@ class LiveCase:
         if run.status.code not in ("completed", "not-converged"):
             return {"sentence": run.status.sentence()}
         cycle = reported_cycle(run)
-        force, lift = (np.asarray(cycle.channel(name), dtype=float) for name in ("retainer_force", "valve_lift"))
+        force, lift = (
+            np.asarray(cycle.channel(name), dtype=float)
+            for name in ("retainer_force", "valve_lift")
+        )
         peak = int(np.argmax(force))
         degrees = np.degrees(cycle.cam_angle)
         return {
-            "angle_deg": np.round(degrees, 4).tolist(), "force_N": np.round(force, 4).tolist(), "lift_mm": np.round(lift * 1e3, 6).tolist(),
-            "engine_speed": speed * 30 / np.pi, "sentence": "" if run.status.code == "completed" else run.status.sentence(),
+            "angle_deg": np.round(degrees, 4).tolist(),
+            "force_N": np.round(force, 4).tolist(),
+            "lift_mm": np.round(lift * 1e3, 6).tolist(),
+            "engine_speed": speed * 30 / np.pi,
+            "sentence": "" if run.status.code == "completed" else run.status.sentence(),
             "quantities": {
-                "largest force": (float(force[peak]), "N"), "at": (float(degrees[peak]), "deg"),
-                "smallest force": (float(force.min()), "N"), "largest lift": (float(lift.max()) * 1e3, "mm"),
+                "largest force": (float(force[peak]), "N"),
+                "at": (float(degrees[peak]), "deg"),
+                "smallest force": (float(force.min()), "N"),
+                "largest lift": (float(lift.max()) * 1e3, "mm"),
             },
-        }  # fmt: skip
+        }
 
     def _ready(self, changes: Mapping[str, str]) -> tuple[Problem, Ready]:
         key = tuple(sorted(changes.items()))
         if key not in self._built:
             given = dict(read_assignment(f"{path}={text}", path) for path, text in changes.items())
-            problem = build(parse_case(self.case_text, "case", self.folder, "case", given or None), spring_models=(self.spring_model,))
+            problem = build(
+                parse_case(self.case_text, "case", self.folder, "case", given or None),
+                spring_models=(self.spring_model,),
+            )
             member = problem.members[0]
             rest = member_rest(problem, member) if member.gear is not None else {}
             self._built[key] = (problem, make_ready(problem, member, rest, ""))

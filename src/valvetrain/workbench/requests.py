@@ -1,4 +1,6 @@
-"""What a job is asked, checked and put into words of the command line; nothing of it reaches a shell."""
+"""What a job is asked, checked and put into words of the command line; nothing of it reaches a
+shell.
+"""
 
 from __future__ import annotations
 
@@ -43,10 +45,12 @@ class JobRequest:
     kind : ``run``, ``compare``, ``sweep``, ``static``, ``modes`` or ``study``
     case : id of the case; it is taken as it stands when the job is submitted
     spring_models : words of spring models, empty for the case's own
-    engine_speeds : crank speeds as ``--engine-speed`` takes them, ``"4200, 5600 rpm"`` or ``"1000:9000:100 rpm"``; empty for the case's own
+    engine_speeds : crank speeds as ``--engine-speed`` takes them, ``"4200, 5600 rpm"`` or
+    ``"1000:9000:100 rpm"``; empty for the case's own
     spring_sets : spring sets of a train, empty for its own
     settings : values set besides, key path -> text, as ``--set`` takes them
-    options : options of the kind by their long names without dashes, such as ``{"resolution": "10 rpm"}`` of a sweep; ``"true"`` for flags
+    options : options of the kind by their long names without dashes, such as ``{"resolution": "10
+    rpm"}`` of a sweep; ``"true"`` for flags
     study : text of the study file (TOML) of a study, whose ``case`` is replaced by this one
     implausible : let values pass that no valvetrain can have
     """
@@ -75,33 +79,58 @@ class _Asked:
 
 
 def changes_of(request: JobRequest) -> dict[str, Any]:
-    """Key path -> value of the settings, as the command line reads them. Raises :class:`InputError`."""
+    """Key path -> value of the settings, as the command line reads them. Raises
+    :class:`InputError`.
+    """
     return dict(read_assignment(f"{key}={value}", key) for key, value in request.settings.items())
 
 
 def check_request(request: JobRequest, case: Case) -> None:
-    """Refuse, with an :class:`InputError`, what the command line would refuse later, and what it must never be told."""
+    """Refuse, with an :class:`InputError`, what the command line would refuse later, and what it
+    must never be told.
+    """
     if request.kind not in OPTIONS:
-        raise InputError(f"'{clipped(str(request.kind), 20)}' is no kind of job; {nearest(str(request.kind), tuple(OPTIONS))}", "kind")
+        raise InputError(
+            f"'{clipped(str(request.kind), 20)}' is no kind of job; {nearest(str(request.kind), tuple(OPTIONS))}",
+            "kind",
+        )
     for word in request.spring_models:
         find("springs", word)
     for word in request.spring_sets:
         if case.train is None or word not in case.train.springs:
-            raise InputError(f"'{clipped(word, 40)}' is no spring set of this case; choose one of its own", "spring_sets")
+            raise InputError(
+                f"'{clipped(word, 40)}' is no spring set of this case; choose one of its own",
+                "spring_sets",
+            )
     if request.engine_speeds:
         if request.kind not in _MOVING:
-            raise InputError(f"a job of kind {request.kind} has no engine speed; leave it out", "engine_speeds")
+            raise InputError(
+                f"a job of kind {request.kind} has no engine speed; leave it out", "engine_speeds"
+            )
         si_speeds(request.engine_speeds, "engine_speed", "engine_speeds")
     known = OPTIONS[request.kind]
     for name, value in request.options.items():
         if name not in known:
-            raise InputError(f"'{clipped(name, 40)}' is no option of {request.kind}; {nearest(name, known)}", name)
+            raise InputError(
+                f"'{clipped(name, 40)}' is no option of {request.kind}; {nearest(name, known)}",
+                name,
+            )
         if name not in _FLAGS and not _WORD.fullmatch(value):
-            raise InputError(f"'{clipped(value, 40)}' is no value of this option; write such as '10 rpm'", name)
-    texts = (*request.settings, *request.settings.values(), *request.options.values(), request.engine_speeds)
-    if len(request.settings) > MOST_SETTINGS or any(len(text) > LONGEST_WORD or "\0" in text for text in texts):
+            raise InputError(
+                f"'{clipped(value, 40)}' is no value of this option; write such as '10 rpm'", name
+            )
+    texts = (
+        *request.settings,
+        *request.settings.values(),
+        *request.options.values(),
+        request.engine_speeds,
+    )
+    if len(request.settings) > MOST_SETTINGS or any(
+        len(text) > LONGEST_WORD or "\0" in text for text in texts
+    ):
         raise InputError(
-            f"more than {MOST_SETTINGS} values, or one longer than {LONGEST_WORD} characters, are set; edit the case instead", "settings"
+            f"more than {MOST_SETTINGS} values, or one longer than {LONGEST_WORD} characters, are set; edit the case instead",
+            "settings",
         )
     if request.kind == "study":
         tree = _study_tree(request.study)
@@ -109,25 +138,40 @@ def check_request(request: JobRequest, case: Case) -> None:
         refuse_foreign_files(case.text, dict(given) if isinstance(given, dict) else None)
 
 
-def command_words(request: JobRequest, file: str, workers: int, limits: Limits, folder: str) -> list[str]:
-    """Words of the command line; ``file``: the case, or the study file, whose points and answer go to ``folder``."""
-    words = [request.kind, "--json", f"--limit={limits.seconds:.0f} s", f"--limit={limits.bytes / 1e6:.0f} MB"]
+def command_words(
+    request: JobRequest, file: str, workers: int, limits: Limits, folder: str
+) -> list[str]:
+    """Words of the command line; ``file``: the case, or the study file, whose points and answer go
+    to ``folder``.
+    """
+    words = [
+        request.kind,
+        "--json",
+        f"--limit={limits.seconds:.0f} s",
+        f"--limit={limits.bytes / 1e6:.0f} MB",
+    ]
     if request.kind not in ("static", "modes"):
         words.append(f"--workers={workers}")
     if request.kind == "study":
         return [*words, f"--output={folder}", "--", file]
-    words += [f"--spring={word}" for word in request.spring_models] + [f"--spring-set={word}" for word in request.spring_sets]
+    words += [f"--spring={word}" for word in request.spring_models] + [
+        f"--spring-set={word}" for word in request.spring_sets
+    ]
     words += [f"--engine-speed={request.engine_speeds}"] if request.engine_speeds else []
     words += [f"--set={key}={value}" for key, value in request.settings.items()]
     for name, value in request.options.items():
-        words += ([f"--{name}"] if value == "true" else []) if name in _FLAGS else [f"--{name}={value}"]
+        words += (
+            ([f"--{name}"] if value == "true" else []) if name in _FLAGS else [f"--{name}={value}"]
+        )
     words += ["--keep"] if request.kind in ("static", "modes") else []
     words += ["--implausible"] if request.implausible and request.kind != "modes" else []
     return [*words, "--", file]
 
 
 def cost_of(request: JobRequest, case: Case, workers: int) -> Cost:
-    """Estimated cost of a request, as the command line estimates it; of a study, nothing (its own process does)."""
+    """Estimated cost of a request, as the command line estimates it; of a study, nothing (its own
+    process does).
+    """
     from valvetrain.studies.request_cost import request_cost
     from valvetrain.studies.rest_cost import rest_cost
     from valvetrain.studies.rest_study import CURVE_OF_MODES
@@ -135,15 +179,25 @@ def cost_of(request: JobRequest, case: Case, workers: int) -> Cost:
     if request.kind == "study":
         return Cost()
     if request.kind in ("static", "modes"):
-        steps = request.options.get("steps", "24") if request.kind == "static" else str(CURVE_OF_MODES)
+        steps = (
+            request.options.get("steps", "24") if request.kind == "static" else str(CURVE_OF_MODES)
+        )
         count = request.options.get("count", "24") if request.kind == "modes" else "0"
         whole = [int(text) if text.isdecimal() else 0 for text in (steps, count)]
-        return rest_cost(case, request.spring_models, spring_sets=request.spring_sets, steps=whole[0], modes=whole[1])
+        return rest_cost(
+            case,
+            request.spring_models,
+            spring_sets=request.spring_sets,
+            steps=whole[0],
+            modes=whole[1],
+        )
     text = request.engine_speeds or (_SWEEP if request.kind == "sweep" else "")
     speeds = si_speeds(text, "engine_speed", "engine_speeds") if text else None
     asked = _Asked(request.kind, case, speeds, request.spring_models, request.spring_sets, workers)
     sweeps = request.kind == "sweep"
-    return request_cost(asked, not sweeps, sweeps and request.options.get("no-critical-speeds") != "true")
+    return request_cost(
+        asked, not sweeps, sweeps and request.options.get("no-critical-speeds") != "true"
+    )
 
 
 def cost_words(cost: Cost, limits: Limits) -> str:
@@ -162,13 +216,20 @@ def study_text(request: JobRequest, case_file: str) -> str:
 
 def _study_tree(text: str) -> dict[str, Any]:
     if len(text) > LONGEST_STUDY:
-        raise InputError(f"the study file is longer than {LONGEST_STUDY} characters; shorten it", "study")
+        raise InputError(
+            f"the study file is longer than {LONGEST_STUDY} characters; shorten it", "study"
+        )
     try:
         tree = tomllib.loads(text)
     except (ValueError, RecursionError) as error:
-        raise InputError(f"is not valid TOML: {clipped(str(error), 160)}; correct it", "study") from None
+        raise InputError(
+            f"is not valid TOML: {clipped(str(error), 160)}; correct it", "study"
+        ) from None
     if "vary" not in tree or "outputs" not in tree:
-        raise InputError("a study needs outputs and at least one [[vary]] table; add them (docs/studies.md)", "study")
+        raise InputError(
+            "a study needs outputs and at least one [[vary]] table; add them (docs/studies.md)",
+            "study",
+        )
     return tree
 
 

@@ -1,21 +1,85 @@
-"""What stands before every request: address, token, Host and Origin, bounds and headers. Plain ASGI, whatever framework is behind it."""
+"""What stands before every request: address, token, Host and Origin, bounds and headers. Plain
+ASGI, whatever framework is behind it.
+"""
 
 from __future__ import annotations
 
+import base64
 import hashlib
 import hmac
 import ipaddress
+import re
 import secrets
 import time
 from collections import deque
-from collections.abc import Awaitable, Callable, MutableMapping
+from collections.abc import Awaitable, Callable, Iterable, MutableMapping
 from http.cookies import CookieError, SimpleCookie
 from typing import Any
 from urllib.parse import parse_qsl, urlencode, urlsplit
 
 from valvetrain.errors import InputError
-from valvetrain.workbench.security_headers import HEADERS, content_security_policy
 from valvetrain.workbench.settings import ServeSettings
+
+_SCRIPT = re.compile(rb"<script\b([^>]*)>(.*?)</script>", re.DOTALL | re.IGNORECASE)
+_DATA = re.compile(rb"""\btype\s*=\s*["']?application/json""", re.IGNORECASE)
+#: On every answer.
+HEADERS: tuple[tuple[str, str], ...] = (
+    ("x-content-type-options", "nosniff"),
+    ("x-frame-options", "DENY"),
+    ("referrer-policy", "no-referrer"),
+    ("cross-origin-opener-policy", "same-origin"),
+    ("cross-origin-resource-policy", "same-origin"),
+    ("permissions-policy", "camera=(), geolocation=(), microphone=(), payment=(), usb=()"),
+)
+
+
+def content_security_policy(host: str, page: bytes = b"") -> str:
+    """The policy of one answer.
+
+    ``host``: name and port by which the browser called; ``page``: its HTML, of whose own scripts
+    each is let run by its hash, and none
+    that gets into the page later. The framework of the pages compiles its templates in the browser,
+    which takes ``unsafe-eval``, and sets
+    styles on elements.
+
+    >>> "script-src 'self' 'unsafe-eval';" in content_security_policy("127.0.0.1:8420")
+    True
+    """
+    scripts = " ".join(("'self'", "'unsafe-eval'", *script_hashes(page)))
+    return "; ".join(
+        (
+            "default-src 'self'",
+            f"script-src {scripts}",
+            "script-src-attr 'none'",
+            "style-src 'self' 'unsafe-inline'",
+            "img-src 'self' data: blob:",
+            "font-src 'self' data:",
+            "media-src 'self' blob:",
+            "worker-src 'self' blob:",
+            f"connect-src 'self' ws://{host} wss://{host}",
+            "object-src 'none'",
+            "base-uri 'none'",
+            "form-action 'self'",
+            "frame-src 'none'",
+            "frame-ancestors 'none'",
+        )
+    )
+
+
+def script_hashes(page: bytes) -> Iterable[str]:
+    """The hash of each script in a page, as a policy names it.
+
+    >>> list(script_hashes(b"<script>1</script><script src='/a.js'></script>"))
+    ["'sha256-a4ayc/80/OGda4BO/1o/V0etpOqiLx1JwB5S3beHW0s='"]
+    """
+    found = (
+        match[2]
+        for match in _SCRIPT.finditer(page)
+        if match[2].strip() and not _DATA.search(match[1])
+    )
+    digests = (hashlib.sha256(text.replace(b"\r\n", b"\n")).digest() for text in found)
+    return dict.fromkeys(f"'sha256-{base64.b64encode(one).decode()}'" for one in digests)
+
 
 Scope = MutableMapping[str, Any]
 Message = MutableMapping[str, Any]
@@ -23,9 +87,11 @@ Receive = Callable[[], Awaitable[Message]]
 Send = Callable[[Message], Awaitable[None]]
 App = Callable[[Scope, Receive, Send], Awaitable[None]]
 
-#: The cookie that stands for the token, with the port behind it: browsers share cookies between the ports of a host.
+#: The cookie that stands for the token, with the port behind it: browsers share cookies between the
+#: ports of a host.
 COOKIE = "valvetrain"
-#: How long (s) a browser is known, and how many are; wrong tokens in a minute after which none is looked at.
+#: How long (s) a browser is known, and how many are; wrong tokens in a minute after which none is
+#: looked at.
 KNOWN_FOR, MOST_KNOWN, MOST_WRONG = 12 * 3600.0, 256, 20
 #: Largest page that is read for its scripts (bytes).
 _MOST_PAGE = 50_000_000
@@ -55,22 +121,37 @@ def new_token() -> str:
 
 
 def check_settings(settings: ServeSettings) -> ServeSettings:
-    """The settings; raises :class:`InputError` for an address beyond this machine without a token, or a short one."""
+    """The settings; raises :class:`InputError` for an address beyond this machine without a token,
+    or a short one.
+    """
     if not settings.token and not is_loopback(settings.host):
         raise InputError(
-            f"address '{settings.host}' is reached from elsewhere, so it needs a token; leave --token out to get one", "--host"
+            f"address '{settings.host}' is reached from elsewhere, so it needs a token; leave --token out to get one",
+            "--host",
         )
-    if settings.token and (len(settings.token) < 16 or not settings.token.isascii() or not settings.token.isprintable()):
-        raise InputError("a token has at least 16 plain characters; leave --token out to get a random one", "--token")
+    if settings.token and (
+        len(settings.token) < 16 or not settings.token.isascii() or not settings.token.isprintable()
+    ):
+        raise InputError(
+            "a token has at least 16 plain characters; leave --token out to get a random one",
+            "--token",
+        )
     return settings
 
 
 def uvicorn_options(settings: ServeSettings) -> dict[str, Any]:
-    """Options of the server (uvicorn) that belong to safety: bounds of messages and heads, no trust in headers of a proxy, a quick end."""
+    """Options of the server (uvicorn) that belong to safety: bounds of messages and heads, no trust
+    in headers of a proxy, a quick end.
+    """
     return {
-        "proxy_headers": False, "server_header": False, "ws_max_size": settings.most_body, "h11_max_incomplete_event_size": 65_536,
-        "timeout_keep_alive": 30, "timeout_graceful_shutdown": 3, "backlog": 128,
-    }  # fmt: skip
+        "proxy_headers": False,
+        "server_header": False,
+        "ws_max_size": settings.most_body,
+        "h11_max_incomplete_event_size": 65_536,
+        "timeout_keep_alive": 30,
+        "timeout_graceful_shutdown": 3,
+        "backlog": 128,
+    }
 
 
 class Rate:
@@ -102,7 +183,8 @@ class Rate:
 
 
 class Guard:
-    """ASGI middleware that lets through what ``settings`` allow and puts the headers of security on every answer.
+    """ASGI middleware that lets through what ``settings`` allow and puts the headers of security on
+    every answer.
 
     Parameters
     ----------
@@ -128,10 +210,18 @@ class Guard:
 
     async def _socket(self, scope: Scope, receive: Receive, send: Send) -> None:
         heads = _heads(scope)
-        refused = self._refusal(scope, heads, "origin" in heads) or ("" if self._is_known(heads) else "this server asks for its token")
+        refused = self._refusal(scope, heads, "origin" in heads) or (
+            "" if self._is_known(heads) else "this server asks for its token"
+        )
         if refused or self._sockets >= self.settings.most_sessions:
             await receive()
-            await send({"type": "websocket.close", "code": 1008 if refused else 1013, "reason": refused or "too many pages are open"})
+            await send(
+                {
+                    "type": "websocket.close",
+                    "code": 1008 if refused else 1013,
+                    "reason": refused or "too many pages are open",
+                }
+            )
             return
         self._sockets += 1
         try:
@@ -143,7 +233,11 @@ class Guard:
         async def bounded() -> Message:
             message = await receive()
             size = len(message.get("text") or "") + len(message.get("bytes") or b"")
-            return {"type": "websocket.disconnect", "code": 1009} if size > self.settings.most_body else message
+            return (
+                {"type": "websocket.disconnect", "code": 1009}
+                if size > self.settings.most_body
+                else message
+            )
 
         return bounded
 
@@ -152,7 +246,11 @@ class Guard:
         sender = _Sender(send, heads.get("host", ""))
         if scope["method"] not in _METHODS:
             await sender.refuse(405, "this server answers GET, HEAD and POST only")
-        elif refused := self._refusal(scope, heads, scope["method"] in _HARMLESS or "origin" in heads or "sec-fetch-site" in heads):
+        elif refused := self._refusal(
+            scope,
+            heads,
+            scope["method"] in _HARMLESS or "origin" in heads or "sec-fetch-site" in heads,
+        ):
             await sender.refuse(403, refused)
         elif _length(heads) > self.settings.most_body:
             await sender.refuse(413, self._too_large)
@@ -180,7 +278,14 @@ class Guard:
             return message
 
         if sender.wants_page(scope):  # a compressed page cannot be read for its scripts
-            scope = {**scope, "headers": [(name, value) for name, value in scope["headers"] if name.lower() != b"accept-encoding"]}
+            scope = {
+                **scope,
+                "headers": [
+                    (name, value)
+                    for name, value in scope["headers"]
+                    if name.lower() != b"accept-encoding"
+                ],
+            }
         self._requests += 1
         try:
             await self.app(scope, bounded, sender.send)
@@ -190,7 +295,9 @@ class Guard:
             self._requests -= 1
 
     async def _ask(self, scope: Scope, sender: _Sender) -> None:
-        """Of a visitor who is not known: take the token from the address and set the cookie, or refuse."""
+        """Of a visitor who is not known: take the token from the address and set the cookie, or
+        refuse.
+        """
         query = dict(parse_qsl(scope.get("query_string", b"").decode("latin-1")))
         given = query.pop("token", "")
         if given and self._wrong.full:
@@ -206,7 +313,10 @@ class Guard:
         else:
             if given:
                 self._wrong.take()
-            await sender.refuse(401, "this server asks for its token: open the address that 'valvetrain serve' printed")
+            await sender.refuse(
+                401,
+                "this server asks for its token: open the address that 'valvetrain serve' printed",
+            )
 
     def is_token(self, given: str) -> bool:
         """Whether ``given`` is the token, compared in the same time however much of it is right."""
@@ -227,32 +337,49 @@ class Guard:
             mark = SimpleCookie(heads.get("cookie", "")).get(self.cookie)
         except CookieError:
             return False
-        return mark is not None and self._known.get(hashlib.sha256(mark.value.encode()).digest(), 0.0) > time.monotonic()
+        return (
+            mark is not None
+            and self._known.get(hashlib.sha256(mark.value.encode()).digest(), 0.0)
+            > time.monotonic()
+        )
 
     def _refusal(self, scope: Scope, heads: dict[str, str], told: bool) -> str:
-        """Why a request is refused before anything looks at it, empty where not; ``told``: it says where it comes from, or need not."""
+        """Why a request is refused before anything looks at it, empty where not; ``told``: it says
+        where it comes from, or need not.
+        """
         if not self.is_own(heads.get("host", "")):
             return "this server is not called by that name; open the address that 'valvetrain serve' printed"
         if "origin" in heads and not self._same_origin(heads["origin"], heads["host"]):
             return "another site sent this request"
         site, mode = heads.get("sec-fetch-site", "none"), heads.get("sec-fetch-mode", "")
-        if site not in ("none", "same-origin") and not (mode == "navigate" and scope.get("method") == "GET"):
+        if site not in ("none", "same-origin") and not (
+            mode == "navigate" and scope.get("method") == "GET"
+        ):
             return "another site sent this request"
         if not told:
             return "this request does not tell where it comes from"
         return "" if _is_plain(scope) else "this address leads nowhere"
 
     def is_own(self, host: str) -> bool:
-        """Whether a Host header names this server: one of its addresses or names with its port. A name that somebody else's name server
+        """Whether a Host header names this server: one of its addresses or names with its port. A
+        name that somebody else's name server
         leads here (DNS rebinding) does not."""
         try:
             parts = urlsplit(f"//{host}")
             name, port = (parts.hostname or "").lower(), parts.port
         except ValueError:
             return False
-        if not name or "@" in host or "/" in host or port not in (self.settings.port, None if self.settings.port == 80 else -1):
+        if (
+            not name
+            or "@" in host
+            or "/" in host
+            or port not in (self.settings.port, None if self.settings.port == 80 else -1)
+        ):
             return False
-        if name == "localhost" or name in (self.settings.host.lower(), *(own.lower() for own in self.settings.names)):
+        if name == "localhost" or name in (
+            self.settings.host.lower(),
+            *(own.lower() for own in self.settings.names),
+        ):
             return True
         try:
             address = ipaddress.ip_address(name)
@@ -263,7 +390,11 @@ class Guard:
     @staticmethod
     def _same_origin(origin: str, host: str) -> bool:
         parts = urlsplit(origin)
-        return parts.scheme in ("http", "https") and parts.netloc.lower() == host.lower() and not parts.path
+        return (
+            parts.scheme in ("http", "https")
+            and parts.netloc.lower() == host.lower()
+            and not parts.path
+        )
 
 
 class _TooLargeError(Exception):
@@ -289,7 +420,11 @@ class _Sender:
         if message["type"] == "http.response.start":
             heads = {name.lower(): value for name, value in message["headers"]}
             plain = not heads.get(b"content-encoding")
-            if heads.get(b"content-type", b"").startswith(b"text/html") and plain and int(heads.get(b"content-length", b"0")) <= _MOST_PAGE:
+            if (
+                heads.get(b"content-type", b"").startswith(b"text/html")
+                and plain
+                and int(heads.get(b"content-length", b"0")) <= _MOST_PAGE
+            ):
                 self._start = message
                 return
             await self._begin(message, b"")
@@ -305,9 +440,16 @@ class _Sender:
 
     async def _begin(self, message: Message, page: bytes) -> None:
         own = {name.encode() for name, _ in HEADERS} | {b"content-security-policy"}
-        heads = [(name, value) for name, value in message.get("headers", ()) if name.lower() not in own]
+        heads = [
+            (name, value) for name, value in message.get("headers", ()) if name.lower() not in own
+        ]
         heads += [(name.encode(), value.encode()) for name, value in HEADERS]
-        heads.append((b"content-security-policy", content_security_policy(self.host, page).encode("ascii", "replace")))
+        heads.append(
+            (
+                b"content-security-policy",
+                content_security_policy(self.host, page).encode("ascii", "replace"),
+            )
+        )
         self._sent = True
         await self._send({**message, "headers": heads})
 
@@ -316,26 +458,55 @@ class _Sender:
         if self._sent:
             return
         body = f"{sentence[:1].upper()}{sentence[1:]}.\n".encode()
-        plain = [(b"content-type", b"text/plain; charset=utf-8"), (b"content-length", str(len(body)).encode())]
+        plain = [
+            (b"content-type", b"text/plain; charset=utf-8"),
+            (b"content-length", str(len(body)).encode()),
+        ]
         if status in (413, 503):
             plain.append((b"connection", b"close"))
-        await self._begin({"type": "http.response.start", "status": status, "headers": [*plain, (b"cache-control", b"no-store")]}, b"")
+        await self._begin(
+            {
+                "type": "http.response.start",
+                "status": status,
+                "headers": [*plain, (b"cache-control", b"no-store")],
+            },
+            b"",
+        )
         await self._send({"type": "http.response.body", "body": body})
 
     async def redirect(self, place: str, mark: str) -> None:
         """Send the visitor on with a cookie."""
-        heads = [(b"location", place.encode("ascii", "replace")), (b"set-cookie", mark.encode()), (b"cache-control", b"no-store")]
-        await self._begin({"type": "http.response.start", "status": 303, "headers": [*heads, (b"content-length", b"0")]}, b"")
+        heads = [
+            (b"location", place.encode("ascii", "replace")),
+            (b"set-cookie", mark.encode()),
+            (b"cache-control", b"no-store"),
+        ]
+        await self._begin(
+            {
+                "type": "http.response.start",
+                "status": 303,
+                "headers": [*heads, (b"content-length", b"0")],
+            },
+            b"",
+        )
         await self._send({"type": "http.response.body", "body": b""})
 
 
 def _heads(scope: Scope) -> dict[str, str]:
-    """Headers by lower-case name; one that stands twice and must not is spoilt, so that nothing takes it for the other."""
+    """Headers by lower-case name; one that stands twice and must not is spoilt, so that nothing
+    takes it for the other.
+    """
     found: dict[str, str] = {}
     for name, value in scope["headers"]:
         key = name.decode("latin-1").lower()
         text = value.decode("latin-1")
-        found[key] = f"{found[key]}, {text}" if key in found and key != "cookie" else text if key not in found else f"{found[key]}; {text}"
+        found[key] = (
+            f"{found[key]}, {text}"
+            if key in found and key != "cookie"
+            else text
+            if key not in found
+            else f"{found[key]}; {text}"
+        )
     return found
 
 
@@ -351,4 +522,8 @@ def _is_host(host: str) -> bool:
 def _is_plain(scope: Scope) -> bool:
     """Whether a path leads down only: no way up, however it is written, no zero byte, no backslash."""
     path = scope["path"]
-    return ".." not in path.split("/") and not any(sign in path for sign in "\\\0\r\n") and "%" not in path
+    return (
+        ".." not in path.split("/")
+        and not any(sign in path for sign in "\\\0\r\n")
+        and "%" not in path
+    )

@@ -1,17 +1,23 @@
-"""Files that lie beside a case, such as tables of lifts: listed, put there and taken away, none of them larger or more than a bound."""
+"""Files that lie beside a case, such as tables of lifts: listed, put there and taken away, none of
+them larger or more than a bound.
+"""
 
 from __future__ import annotations
 
+import shutil
+import tempfile
 import tomllib
-from collections.abc import Collection, Mapping
-from contextlib import suppress
+from collections.abc import Collection, Iterator, Mapping
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
 
 from valvetrain.errors import InputError
+from valvetrain.solution.atomic import write_bytes, write_text
 from valvetrain.units.text import clipped
+from valvetrain.workbench.disk import writing
 from valvetrain.workbench.edits import named_files
-from valvetrain.workbench.names import inside
+from valvetrain.workbench.store import inside
 
 CASE_FILE = "case.toml"
 #: Bounds of the files beside one case: number, and bytes together.
@@ -43,7 +49,9 @@ def list_files(folder: Path, text: str) -> list[SideFile]:
 
 
 def file_stamps(folder: Path) -> tuple[tuple[str, int, int], ...]:
-    """Name, time of the last change (ns) and bytes of each file beside the case in ``folder``, by name."""
+    """Name, time of the last change (ns) and bytes of each file beside the case in ``folder``, by
+    name.
+    """
     found = []
     for path in sorted(plain_files(folder)):
         with suppress(OSError):  # removed meanwhile
@@ -57,7 +65,10 @@ def plain_files(folder: Path) -> list[Path]:
     return [
         path
         for path in folder.iterdir()
-        if path.name != CASE_FILE and not path.name.startswith(".") and path.is_file() and not path.is_symlink()
+        if path.name != CASE_FILE
+        and not path.name.startswith(".")
+        and path.is_file()
+        and not path.is_symlink()
     ]
 
 
@@ -70,26 +81,43 @@ def names_in(text: str) -> frozenset[str]:
 
 
 def found_file(folder: Path, name: str) -> Path:
-    """The file of that name beside the case in ``folder``. Raises :class:`InputError` where there is none."""
+    """The file of that name beside the case in ``folder``. Raises :class:`InputError` where there
+    is none.
+    """
     path = inside(folder, name)
     if name == CASE_FILE or not path.is_file():
-        raise InputError(f"there is no file '{clipped(name, 60)}' beside this case; it may have been removed", "file")
+        raise InputError(
+            f"there is no file '{clipped(name, 60)}' beside this case; it may have been removed",
+            "file",
+        )
     return path
 
 
-def check_bounds(files: Mapping[str, bytes | int], where: str, new: Collection[str] | None = None) -> None:
-    """Refuse, with an :class:`InputError`, more files beside a case than may be, and names that a case or a job has for its own.
+def check_bounds(
+    files: Mapping[str, bytes | int], where: str, new: Collection[str] | None = None
+) -> None:
+    """Refuse, with an :class:`InputError`, more files beside a case than may be, and names that a
+    case or a job has for its own.
 
-    ``files``: contents, or numbers of bytes, by name; ``new``: those that are put there, whose names are judged; all where left out.
+    ``files``: contents, or numbers of bytes, by name; ``new``: those that are put there, whose
+    names are judged; all where left out.
     """
     for name in files if new is None else new:
         if name.lower().endswith(".toml"):
-            raise InputError(f"'{clipped(name, 60)}' is no file that a case names; a case file is opened on the start page", where)
+            raise InputError(
+                f"'{clipped(name, 60)}' is no file that a case names; a case file is opened on the start page",
+                where,
+            )
         if name.lower() in _OF_JOBS:
-            raise InputError(f"'{name}' is a name that a run has for its own; give the file another", where)
+            raise InputError(
+                f"'{name}' is a name that a run has for its own; give the file another", where
+            )
     size = sum(one if isinstance(one, int) else len(one) for one in files.values())
     if len(files) > MOST_FILES or size > MOST_FILE_BYTES:
-        raise InputError(f"beside a case stand at most {MOST_FILES} files of {MOST_FILE_BYTES / 1e6:.0f} MB; leave this one out", where)
+        raise InputError(
+            f"beside a case stand at most {MOST_FILES} files of {MOST_FILE_BYTES / 1e6:.0f} MB; leave this one out",
+            where,
+        )
 
 
 def not_sent(text: str, sent: Mapping[str, bytes]) -> str:
@@ -100,3 +128,49 @@ def not_sent(text: str, sent: Mapping[str, bytes]) -> str:
     words = " and ".join(f"'{clipped(name, 60)}'" for name in missing[:3])
     what = "which was" if len(missing) == 1 else "which were"
     return f"names {words}, {what} not sent with it; choose the case and the files it names together, then send them at once"
+
+
+#: What their names begin with.
+_SENT, _NEW = "upload-", ".new-"
+
+
+@contextmanager
+def beside(passing: Path, files: Mapping[str, bytes]) -> Iterator[Path]:
+    """A passing folder below ``passing`` with ``files``, where a case that names them is read for
+    the first time.
+    """
+    with writing("what was sent", "upload"):
+        held = tempfile.TemporaryDirectory(prefix=_SENT, dir=passing, ignore_cleanup_errors=True)
+    with held as name:
+        with writing("what was sent", "upload"):
+            for side, content in files.items():
+                inside(Path(name), side).write_bytes(content)
+        yield Path(name)
+
+
+def new_folder(root: Path, name: str, text: str, files: Mapping[str, bytes]) -> None:
+    """Make the folder ``name`` of a case below ``root`` with its ``text`` and ``files``, whole or
+    not at all.
+
+    Raises :class:`InputError` for a name that is taken, and where it cannot be written.
+    """
+    folder = inside(root, name)
+    with (
+        writing(f"the case '{name}'", "name"),
+        tempfile.TemporaryDirectory(prefix=_NEW, dir=root, ignore_cleanup_errors=True) as passing,
+    ):
+        made = Path(passing) / name
+        made.mkdir()
+        for side, content in files.items():
+            write_bytes(inside(made, side), content)
+        write_text(made / CASE_FILE, text)
+        if folder.exists():
+            raise InputError(f"there is a case '{name}' already; choose another name", "name")
+        made.rename(folder)
+
+
+def remove_passing(cases: Path, jobs: Path) -> None:
+    """Remove what a server that was killed left of them among the cases and below the jobs."""
+    for left in (*cases.glob(f"{_NEW}*"), *jobs.glob(f"{_SENT}*")):
+        if not left.is_symlink():
+            shutil.rmtree(left, ignore_errors=True)

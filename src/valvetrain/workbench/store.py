@@ -1,13 +1,19 @@
-"""The database of a workspace: one SQLite file in WAL mode, a connection for each use, so that threads and restarts do not matter."""
+"""The database of a workspace: one SQLite file in WAL mode, a connection for each use, so that
+threads and restarts do not matter.
+"""
 
 from __future__ import annotations
 
+import os
+import re
 import sqlite3
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
 from valvetrain.errors import InputError
+from valvetrain.studies.run_store import safe_name
+from valvetrain.units.text import clipped
 
 DATABASE = "workbench.sqlite"
 _TABLES = """
@@ -44,11 +50,17 @@ class Store:
                 base.execute("PRAGMA journal_mode=WAL")
                 (found,) = base.execute("PRAGMA user_version").fetchone()
                 if found not in (0, _LAYOUT):
-                    raise InputError(f"was written by another version (layout {found}); use that version, or another folder", DATABASE)
+                    raise InputError(
+                        f"was written by another version (layout {found}); use that version, or another folder",
+                        DATABASE,
+                    )
                 base.executescript(_TABLES)
                 base.execute(f"PRAGMA user_version={_LAYOUT}")
         except sqlite3.Error as error:
-            raise InputError(f"cannot be used ({error}); move it away, the cases and runs beside it stay", DATABASE) from None
+            raise InputError(
+                f"cannot be used ({error}); move it away, the cases and runs beside it stay",
+                DATABASE,
+            ) from None
 
     @contextmanager
     def connected(self) -> Iterator[sqlite3.Connection]:
@@ -61,3 +73,82 @@ class Store:
                 yield base
         finally:
             base.close()
+
+
+#: Longest name of a case or a file (characters).
+LONGEST = 60
+_NAME = re.compile(r"[^\W_][\w.+-]*")
+
+
+def case_name(name: str) -> str:
+    """The name of a case as its folder bears it, from what somebody typed or uploaded: ``"My
+    spring.toml"`` becomes ``"My-spring"``.
+
+    Raises :class:`InputError` for a name without letters or digits, or a longer one than
+    :data:`LONGEST`.
+
+    >>> case_name("My spring.toml")
+    'My-spring'
+    """
+    stem = name.strip().removesuffix(".toml")
+    if not re.search(r"[^\W_]", stem):
+        raise InputError(
+            "a case needs a name with a letter or a digit; give one such as my-spring", "name"
+        )
+    if len(stem) > LONGEST:
+        raise InputError(
+            f"'{clipped(stem)}' has {len(stem)} characters; use at most {LONGEST}", "name"
+        )
+    made = safe_name(stem).lstrip("_+")
+    return checked_name(made)
+
+
+def checked_name(name: str) -> str:
+    """``name`` where a file or folder of the workspace may bear it: letters, digits, ``.``, ``+``,
+    ``_`` and ``-``, none of them leading.
+
+    Raises :class:`InputError` for anything else: separators, ``..``, hidden files, zero bytes,
+    reserved words.
+
+    >>> checked_name("spring-2.toml")
+    'spring-2.toml'
+    """
+    plain = (
+        isinstance(name, str)
+        and len(name.encode("utf-8", "replace")) <= 200
+        and _NAME.fullmatch(name) is not None
+    )
+    if not plain or ".." in name or name.endswith(".") or name.split(".")[0].upper() in _RESERVED:
+        raise InputError(
+            f"'{clipped(str(name), 40)}' is no name of a file here; use letters, digits, '-', '_' and '.'",
+            "name",
+        )
+    return name
+
+
+def inside(root: Path, *parts: str) -> Path:
+    """The path ``root/parts...``, each part a :func:`checked_name` and nothing on the way a link.
+
+    Raises :class:`InputError` otherwise, whether or not it exists.
+    """
+    place = root
+    for part in parts:
+        place = place / checked_name(part)
+        if place.is_symlink():
+            raise InputError(
+                f"'{clipped(part, 40)}' is a link, and links are not followed; put the file itself there",
+                "name",
+            )
+    if os.path.commonpath((place.resolve(), root.resolve())) != str(root.resolve()):
+        raise InputError("this name leads out of the workspace; give another", "name")
+    return place
+
+
+#: Names that some systems keep for devices.
+_RESERVED = {
+    "CON",
+    "PRN",
+    "AUX",
+    "NUL",
+    *(f"{device}{n}" for device in ("COM", "LPT") for n in range(1, 10)),
+}

@@ -1,8 +1,11 @@
-"""The process between a server and one job: it runs the command line, bounds its time and memory, and ends it with the server.
+"""The process between a server and one job: it runs the command line, bounds its time and memory,
+and ends it with the server.
 
-``python -m valvetrain.workbench.supervisor SECONDS BYTES LOCK WORD...`` runs ``valvetrain WORD...`` and locks the file LOCK as long as it
+``python -m valvetrain.workbench.supervisor SECONDS BYTES LOCK WORD...`` runs ``valvetrain WORD...``
+and locks the file LOCK as long as it
 lives. Standard input is the lifeline: when it
-ends, because the server closed it or was killed, the job is asked to stop, keeps what it finished, and is killed where it does not obey.
+ends, because the server closed it or was killed, the job is asked to stop, keeps what it finished,
+and is killed where it does not obey.
 Nothing of the package is computed here.
 """
 
@@ -19,7 +22,8 @@ import time
 from contextlib import suppress
 from pathlib import Path
 
-#: What a job is given to write what it finished, once it is asked to stop; time between two looks at the server, and at the memory (s).
+#: What a job is given to write what it finished, once it is asked to stop; time between two looks
+#: at the server, and at the memory (s).
 GRACE, LOOK, WEIGH = 15.0, 0.1, 0.5
 #: What is run: the command line of this package.
 PROGRAM = [sys.executable, "-m", "valvetrain"]
@@ -32,7 +36,9 @@ _PR_SET_PDEATHSIG, _KILL = 1, getattr(signal, "SIGKILL", signal.SIGTERM)
 
 
 def main(words: list[str]) -> int:
-    """Run the command line with ``words[3:]``, at most ``words[0]`` seconds and ``words[1]`` bytes; its exit code or one of those above."""
+    """Run the command line with ``words[3:]``, at most ``words[0]`` seconds and ``words[1]`` bytes;
+    its exit code or one of those above.
+    """
     seconds, memory = float(words[0]), float(words[1])
     held = _locked(words[2])
     begun, asked, reason, weighed = time.monotonic(), 0.0, 0, 0.0
@@ -83,7 +89,9 @@ def _ended(lifeline: int) -> bool:
 
 
 def _bound(memory: float) -> None:
-    """In the new process, before it begins: no more memory than that, no core dumps, and an end with this process."""
+    """In the new process, before it begins: no more memory than that, no core dumps, and an end
+    with this process.
+    """
     import resource
 
     for kind, most in ((resource.RLIMIT_AS, int(memory + RESERVED)), (resource.RLIMIT_CORE, 0)):
@@ -101,7 +109,9 @@ def _kill_group(job: subprocess.Popen[bytes]) -> None:
     for number in _group():
         with suppress(OSError):
             os.kill(number, _KILL)
-    if sys.platform != "linux" and hasattr(os, "killpg"):  # the group is not told, so all of it is asked, but for this process
+    if sys.platform != "linux" and hasattr(
+        os, "killpg"
+    ):  # the group is not told, so all of it is asked, but for this process
         signal.signal(signal.SIGTERM, signal.SIG_IGN)
         with suppress(OSError):
             os.killpg(0, signal.SIGTERM)
@@ -110,7 +120,9 @@ def _kill_group(job: subprocess.Popen[bytes]) -> None:
 
 
 def memory_of_group() -> float:
-    """Bytes of memory that the processes of this group hold, pages they share counted once each; 0 where the system does not tell."""
+    """Bytes of memory that the processes of this group hold, pages they share counted once each; 0
+    where the system does not tell.
+    """
     total = 0.0
     for number in _group():
         with suppress(OSError, ValueError, IndexError):

@@ -1,6 +1,8 @@
-"""The workspace of a workbench: a folder with cases, kept runs and one database, and everything that may be done to them.
+"""The workspace of a workbench: a folder with cases, kept runs and one database, and everything
+that may be done to them.
 
-``cases/NAME/case.toml`` (and the files it names beside it), ``runs/`` as the run store keeps it, ``jobs/`` inputs of jobs that go on,
+``cases/NAME/case.toml`` (and the files it names beside it), ``runs/`` as the run store keeps it,
+``jobs/`` inputs of jobs that go on,
 ``workbench.sqlite``. Cases and runs are plain files that the command line reads too.
 """
 
@@ -27,23 +29,24 @@ from valvetrain.units.text import clipped
 from valvetrain.workbench.disk import writing
 from valvetrain.workbench.edits import refuse_foreign_files, with_change, with_name
 from valvetrain.workbench.form import read_change
-from valvetrain.workbench.kept import Run, RunFiles, delete_kept, file_of, kept_run, list_kept
 from valvetrain.workbench.lift_laws import KEPT, KeptLaws, kind_of
-from valvetrain.workbench.names import case_name, checked_name, inside
-from valvetrain.workbench.passing import beside, new_folder, remove_passing
+from valvetrain.workbench.saved_runs import Run, RunFiles, delete_kept, file_of, kept_run, list_kept
 from valvetrain.workbench.side_files import (
     CASE_FILE,
     SideFile,
+    beside,
     check_bounds,
     file_stamps,
     found_file,
     list_files,
     names_in,
+    new_folder,
     not_sent,
     plain_files,
+    remove_passing,
 )
 from valvetrain.workbench.starts import with_addition
-from valvetrain.workbench.store import Store
+from valvetrain.workbench.store import Store, case_name, checked_name, inside
 
 #: Name of a case in its workspace: that of its folder, and of the case itself.
 CaseId = str
@@ -53,8 +56,12 @@ _Given = ParamSpec("_Given")
 _Found = TypeVar("_Found")
 
 
-def _in_turn(method: Callable[Concatenate[Workspace, _Given], _Found]) -> Callable[Concatenate[Workspace, _Given], _Found]:
-    """One of the methods that check something and then write: no two of them at a time, so that what was checked still holds."""
+def _in_turn(
+    method: Callable[Concatenate[Workspace, _Given], _Found],
+) -> Callable[Concatenate[Workspace, _Given], _Found]:
+    """One of the methods that check something and then write: no two of them at a time, so that
+    what was checked still holds.
+    """
 
     @wraps(method)
     def waiting(self: Workspace, /, *given: _Given.args, **named: _Given.kwargs) -> _Found:
@@ -70,7 +77,8 @@ class CaseCard:
 
     Parameters
     ----------
-    name : what :meth:`Workspace.new_case` takes (library and templates), or the :data:`CaseId` of a case of the workspace
+    name : what :meth:`Workspace.new_case` takes (library and templates), or the :data:`CaseId` of a
+    case of the workspace
     title : one line
     kind : ``library``, ``template`` or ``case``
     holds : tables it has, such as ``spring``, ``lift_law``, ``train``
@@ -100,13 +108,16 @@ class Workspace:
 
     def __init__(self, folder: Path) -> None:
         self.folder = Path(folder).absolute()
-        self.cases_folder, self.runs_folder, self.jobs_folder = (self.folder / name for name in ("cases", "runs", "jobs"))
+        self.cases_folder, self.runs_folder, self.jobs_folder = (
+            self.folder / name for name in ("cases", "runs", "jobs")
+        )
         try:
             for place in (self.folder, self.cases_folder, self.runs_folder, self.jobs_folder):
                 place.mkdir(parents=True, exist_ok=True)
         except OSError as error:
             raise InputError(
-                f"folder '{clipped(str(self.folder), 120)}' cannot be used ({error.strerror}); choose another", "--folder"
+                f"folder '{clipped(str(self.folder), 120)}' cannot be used ({error.strerror}); choose another",
+                "--folder",
             ) from None
         self.store, self.turn = Store(self.folder), threading.RLock()
 
@@ -119,33 +130,60 @@ class Workspace:
         if not lock(handle):
             os.close(handle)
             name = clipped(str(self.folder), 120)
-            raise InputError(f"another server works in '{name}'; stop it, or choose another folder", "--folder")
+            raise InputError(
+                f"another server works in '{name}'; stop it, or choose another folder", "--folder"
+            )
         remove_passing(self.cases_folder, self.jobs_folder)
         return lambda: os.close(handle)
 
     # cases
 
     def library(self) -> list[CaseCard]:
-        """Cases of the library, and templates to begin with, which :meth:`new_case` takes by their names."""
+        """Cases of the library, and templates to begin with, which :meth:`new_case` takes by their
+        names.
+        """
         cards = [CaseCard(one.name, one.title, "library", one.holds) for one in list_cases()]
-        return cards + [CaseCard(kind, f"Template: {words}", "template") for kind, words in KINDS.items()]
+        return cards + [
+            CaseCard(kind, f"Template: {words}", "template") for kind, words in KINDS.items()
+        ]
 
     def cases(self) -> list[CaseCard]:
         """Cases of the workspace, changed last first."""
         with self.store.connected() as base:
-            origins = {row["name"]: row["origin"] for row in base.execute("SELECT name, origin FROM cases")}
+            origins = {
+                row["name"]: row["origin"] for row in base.execute("SELECT name, origin FROM cases")
+            }
         found = []
         for folder in self.cases_folder.iterdir():
             path = folder / CASE_FILE
-            if folder.name.startswith(".") or folder.is_symlink() or path.is_symlink() or not path.is_file():
+            if (
+                folder.name.startswith(".")
+                or folder.is_symlink()
+                or path.is_symlink()
+                or not path.is_file()
+            ):
                 continue
             tree: dict[str, Any] = {}
             with suppress(InputError, OSError, ValueError):
                 tree = parse_toml(path.read_text("utf-8"), folder.name)
-            holds = tuple(key for key in ("spring", "lift_law", "train", "published") if key in tree)
+            holds = tuple(
+                key for key in ("spring", "lift_law", "train", "published") if key in tree
+            )
             at = datetime.fromtimestamp(path.stat().st_mtime, UTC)
             title = clipped(str(tree.get("title", "")), 120)
-            found.append((at, CaseCard(folder.name, title, "case", holds, origins.get(folder.name, ""), f"{at:%Y-%m-%dT%H:%M:%SZ}")))
+            found.append(
+                (
+                    at,
+                    CaseCard(
+                        folder.name,
+                        title,
+                        "case",
+                        holds,
+                        origins.get(folder.name, ""),
+                        f"{at:%Y-%m-%dT%H:%M:%SZ}",
+                    ),
+                )
+            )
         return [card for _, card in sorted(found, key=lambda one: one[0], reverse=True)]
 
     @_in_turn
@@ -156,28 +194,43 @@ class Workspace:
         """
         ours = self._free(name)
         if template_or_library in library_names():
-            text, origin = (LIBRARY / f"{template_or_library}.toml").read_text("utf-8"), f"library case {template_or_library}"
+            text, origin = (
+                (LIBRARY / f"{template_or_library}.toml").read_text("utf-8"),
+                f"library case {template_or_library}",
+            )
             sides = {
                 path.name: path.read_bytes()
                 for path in LIBRARY.iterdir()
                 if path.suffix != ".toml" and path.is_file() and f'"{path.name}"' in text
             }
         else:
-            text, origin = template_text(template_or_library).replace("NAME", ours), f"template {template_or_library}"
+            text, origin = (
+                template_text(template_or_library).replace("NAME", ours),
+                f"template {template_or_library}",
+            )
             sides = {}
         return self._put(ours, with_name(text, ours), origin, sides)
 
-    def upload(self, name: str, content: bytes, side_files: Mapping[str, bytes] | None = None) -> CaseId:
-        """A new case from an uploaded file ``name``; its id, with a number where the name is taken. ``side_files``: files it names.
+    def upload(
+        self, name: str, content: bytes, side_files: Mapping[str, bytes] | None = None
+    ) -> CaseId:
+        """A new case from an uploaded file ``name``; its id, with a number where the name is taken.
+        ``side_files``: files it names.
 
-        Raises :class:`InputError` with the reader's own sentence for what is no case, too large, or names files elsewhere or not sent.
+        Raises :class:`InputError` with the reader's own sentence for what is no case, too large, or
+        names files elsewhere or not sent.
         """
         if len(content) > MOST_BYTES:
-            raise InputError(f"is larger than {MOST_BYTES / 1e6:.3g} MB, so it is no case; give another file", clipped(name, 60))
+            raise InputError(
+                f"is larger than {MOST_BYTES / 1e6:.3g} MB, so it is no case; give another file",
+                clipped(name, 60),
+            )
         try:
             text = content.decode("utf-8-sig")
         except UnicodeDecodeError:
-            raise InputError("is no text file; a case is TOML in UTF-8", clipped(name, 60)) from None
+            raise InputError(
+                "is no text file; a case is TOML in UTF-8", clipped(name, 60)
+            ) from None
         sides = dict(side_files or {})
         refuse_foreign_files(text)
         check_bounds(sides, "upload")
@@ -201,13 +254,17 @@ class Workspace:
         return self.parse(case, self.text(case))
 
     def parse(self, case: CaseId, toml: str, changes: Mapping[str, Any] | None = None) -> Case:
-        """``toml`` as the case would be read, with the files beside it and ``changes``; :class:`InputError` otherwise."""
+        """``toml`` as the case would be read, with the files beside it and ``changes``;
+        :class:`InputError` otherwise.
+        """
         refuse_foreign_files(toml, changes)
         return parse_case(toml, case, self._file(case).parent, case, changes)
 
     @_in_turn
     def replace_text(self, case: CaseId, toml: str) -> None:
-        """Put another text in the place of the case's. Raises :class:`InputError`, and changes nothing, for what is no case."""
+        """Put another text in the place of the case's. Raises :class:`InputError`, and changes
+        nothing, for what is no case.
+        """
         if len(toml.encode("utf-8", "replace")) > MOST_BYTES:
             raise InputError(f"the text is larger than {MOST_BYTES / 1e6:.3g} MB; shorten it", case)
         self.parse(case, toml)
@@ -215,9 +272,11 @@ class Workspace:
 
     @_in_turn
     def set_value(self, case: CaseId, key: str, text_value: str) -> None:
-        """Set a value by its key path as ``--set`` would, empty text removing it; comments of the file stay.
+        """Set a value by its key path as ``--set`` would, empty text removing it; comments of the
+        file stay.
 
-        Raises :class:`InputError` with the reader's sentence, and changes nothing, for a value that is refused.
+        Raises :class:`InputError` with the reader's sentence, and changes nothing, for a value that
+        is refused.
         """
         before = self.text(case)
         path, value, _ = read_change(before, key, text_value, self.case_folder(case), case)
@@ -227,7 +286,8 @@ class Workspace:
 
     @_in_turn
     def add_table(self, case: CaseId, key: str) -> None:
-        """Give a case a table it does not have, with values to begin with (:func:`valvetrain.workbench.starts.additions`).
+        """Give a case a table it does not have, with values to begin with
+        (:func:`valvetrain.workbench.starts.additions`).
 
         Raises :class:`InputError`, and changes nothing, for a table that it may not get.
         """
@@ -235,21 +295,30 @@ class Workspace:
 
     @_in_turn
     def change_law(self, case: CaseId, kind: str) -> None:
-        """Give a case a lift law of another kind: what that kind last told here, else what both kinds know with the rest assumed.
+        """Give a case a lift law of another kind: what that kind last told here, else what both
+        kinds know with the rest assumed.
 
-        Raises :class:`InputError`, and changes nothing, for a kind whose values cannot be told for it.
+        Raises :class:`InputError`, and changes nothing, for a kind whose values cannot be told for
+        it.
         """
         text, kept = self.text(case), KeptLaws(self.case_folder(case))
         if kind_of(text) == kind:
             return
-        made = kept.changed(text, kind, [one.name for one in self.side_files(case)], lambda toml: self.parse(case, toml))
+        made = kept.changed(
+            text,
+            kind,
+            [one.name for one in self.side_files(case)],
+            lambda toml: self.parse(case, toml),
+        )
         with writing("this case", case):
             kept.keep(text, made)
         self._write(case, made)
 
     @_in_turn
     def rename(self, case: CaseId, name: str) -> CaseId:
-        """Give a case another name; the new id. Its earlier runs keep the name they were made under."""
+        """Give a case another name; the new id. Its earlier runs keep the name they were made
+        under.
+        """
         path, ours = self._file(case), self._free(name)
         folder = self.cases_folder / ours
         with writing("this case", case):
@@ -266,7 +335,9 @@ class Workspace:
         """A copy of a case; its id."""
         path = self._file(case)
         ours = self._free(name or case, numbered=not name)
-        self._put(ours, with_name(self.text(case), ours), f"copy of {case}", self.files(path.parent.name))
+        self._put(
+            ours, with_name(self.text(case), ours), f"copy of {case}", self.files(path.parent.name)
+        )
         if (path.parent / KEPT).is_file() and not (path.parent / KEPT).is_symlink():
             with writing("what the copy keeps of its lift laws", ours):
                 write_bytes(self.case_folder(ours) / KEPT, (path.parent / KEPT).read_bytes())
@@ -289,7 +360,9 @@ class Workspace:
         return list_files(self._file(case).parent, self.text(case))
 
     def stamps(self, case: CaseId) -> tuple[tuple[str, int, int], ...]:
-        """Name, time of the last change (ns) and bytes of each file beside a case: another content is another stamp."""
+        """Name, time of the last change (ns) and bytes of each file beside a case: another content
+        is another stamp.
+        """
         return file_stamps(self._file(case).parent)
 
     def side_file(self, case: CaseId, name: str) -> Path:
@@ -300,7 +373,8 @@ class Workspace:
     def attach(self, case: CaseId, name: str, content: bytes) -> None:
         """Put a file (a table of lifts) beside a case, which may then name it.
 
-        Raises :class:`InputError` beyond the bounds, and for another content of a file that the case names, with which it cannot be read.
+        Raises :class:`InputError` beyond the bounds, and for another content of a file that the
+        case names, with which it cannot be read.
         """
         sizes = {one: size for one, _, size in self.stamps(case)}
         check_bounds({**sizes, checked_name(name): len(content)}, name, new=(name,))
@@ -313,10 +387,14 @@ class Workspace:
 
     @_in_turn
     def detach(self, case: CaseId, name: str) -> None:
-        """Remove a file beside a case. Raises :class:`InputError` where there is none, or the case names it."""
+        """Remove a file beside a case. Raises :class:`InputError` where there is none, or the case
+        names it.
+        """
         path = self.side_file(case, name)
         if name in names_in(self.text(case)):
-            raise InputError("the case names this file, so it stays; name another in its place first", name)
+            raise InputError(
+                "the case names this file, so it stays; name another in its place first", name
+            )
         path.unlink(missing_ok=True)
 
     # choices that a page remembers
@@ -324,12 +402,17 @@ class Workspace:
     def remember(self, case: CaseId, key: str, value: str) -> None:
         """Keep a choice made for a case, such as the speeds asked for last."""
         with writing("what this page remembers", case), self.store.connected() as base:
-            base.execute("INSERT OR REPLACE INTO choices VALUES (?, ?, ?)", (case, key[:80], value[:2000]))
+            base.execute(
+                "INSERT OR REPLACE INTO choices VALUES (?, ?, ?)", (case, key[:80], value[:2000])
+            )
 
     def remembered(self, case: CaseId) -> dict[str, str]:
         """Choices kept for a case."""
         with self.store.connected() as base:
-            return {row["key"]: row["value"] for row in base.execute("SELECT key, value FROM choices WHERE name = ?", (case,))}
+            return {
+                row["key"]: row["value"]
+                for row in base.execute("SELECT key, value FROM choices WHERE name = ?", (case,))
+            }
 
     # runs
 
@@ -338,7 +421,9 @@ class Workspace:
         return list_kept(self.runs_folder, case)
 
     def run(self, run_id: str) -> Run:
-        """The run of an id such as ``CASE/20261122-130942-447e4694``. Raises :class:`InputError` where there is none."""
+        """The run of an id such as ``CASE/20261122-130942-447e4694``. Raises :class:`InputError`
+        where there is none.
+        """
         return kept_run(self.runs_folder, run_id)
 
     def delete_run(self, run_id: str) -> None:
@@ -346,9 +431,11 @@ class Workspace:
         delete_kept(self.runs_folder, run_id)
 
     def download(self, run_id: str, kind: RunFiles) -> Path:
-        """The file to hand out: ``case`` (TOML), ``data`` (all files, zip), ``report`` (HTML) or ``csv`` (all tables, zip).
+        """The file to hand out: ``case`` (TOML), ``data`` (all files, zip), ``report`` (HTML) or
+        ``csv`` (all tables, zip).
 
-        The path lies inside the workspace. Raises :class:`InputError` for an unknown run or kind, or a run without such a file.
+        The path lies inside the workspace. Raises :class:`InputError` for an unknown run or kind,
+        or a run without such a file.
         """
         return file_of(self.runs_folder, self.jobs_folder, run_id, kind)
 
@@ -361,16 +448,29 @@ class Workspace:
     def _file(self, case: CaseId) -> Path:
         path = inside(self.cases_folder, case, CASE_FILE)
         if not path.is_file():
-            raise InputError(f"there is no case '{clipped(case, 40)}' here; it may have been renamed or removed", "case")
+            raise InputError(
+                f"there is no case '{clipped(case, 40)}' here; it may have been renamed or removed",
+                "case",
+            )
         return path
 
     def _free(self, name: str, numbered: bool = False) -> CaseId:
         ours = case_name(name)
-        taken = {path.name.lower() for path in self.cases_folder.iterdir() if not path.name.startswith(".")}
+        taken = {
+            path.name.lower()
+            for path in self.cases_folder.iterdir()
+            if not path.name.startswith(".")
+        }
         if len(taken) >= MOST_CASES:
-            raise InputError(f"there are {MOST_CASES} cases here; remove some, or use another folder", "name")
+            raise InputError(
+                f"there are {MOST_CASES} cases here; remove some, or use another folder", "name"
+            )
         if numbered:
-            return next(one for n in range(1, MOST_CASES + 2) if (one := ours if n == 1 else f"{ours}-{n}").lower() not in taken)
+            return next(
+                one
+                for n in range(1, MOST_CASES + 2)
+                if (one := ours if n == 1 else f"{ours}-{n}").lower() not in taken
+            )
         if ours.lower() in taken:
             raise InputError(f"there is a case '{ours}' already; choose another name", "name")
         return ours

@@ -1,1 +1,3 @@
-"""Parts of a user's own package: a spring model, a contact law, a lift law. Each is one file with its SPEC and one entry point."""
+"""Parts of a user's own package: a spring model, a contact law, a lift law. Each is one file with
+its SPEC and one entry point.
+"""

@@ -9,9 +9,8 @@ from numba import njit
 from numpy.typing import NDArray
 from pydantic import Field
 
-from valvetrain.parameters.installed_spring import InstalledSpring
+from valvetrain.parameters.installed_spring import InstalledSpring, SpringOptions
 from valvetrain.parameters.schema_types import PositiveLength, Ratio
-from valvetrain.parameters.spring_options import SpringOptions
 from valvetrain.solution.static import SpringAtRest
 from valvetrain.springs.contract import Array, EndForces, Kernel, SpringEnergy, SpringOutputs
 from valvetrain.springs.equivalent import EquivalentSpring
@@ -28,7 +27,9 @@ def advance(parameters, integers, state, retainer_displacement, retainer_velocit
 
 @dataclass(frozen=True)
 class ProgressiveSpring:
-    """Force = preload + rate x + cubic_rate x**3 (N, N/m, N/m3) at the retainer displacement x; a third of ``mass`` (kg) moves with it."""
+    """Force = preload + rate x + cubic_rate x**3 (N, N/m, N/m3) at the retainer displacement x; a
+    third of ``mass`` (kg) moves with it.
+    """
 
     preload: float
     rate: float
@@ -60,11 +61,21 @@ class ProgressiveSpring:
     def stable_time_step(self) -> float:
         return float("inf")
 
-    def energy(self, state: Array, retainer_displacement: float, retainer_velocity: float = 0.0, time_step: float = 0.0) -> SpringEnergy:
+    def energy(
+        self,
+        state: Array,
+        retainer_displacement: float,
+        retainer_velocity: float = 0.0,
+        time_step: float = 0.0,
+    ) -> SpringEnergy:
         x = retainer_displacement
-        return SpringEnergy(0.0, self.preload * x + self.rate * x**2 / 2 + self.cubic_rate * x**4 / 4, 0.0)
+        return SpringEnergy(
+            0.0, self.preload * x + self.rate * x**2 / 2 + self.cubic_rate * x**4 / 4, 0.0
+        )
 
-    def force(self, state: Array, retainer_displacement: float, retainer_velocity: float = 0.0) -> EndForces:
+    def force(
+        self, state: Array, retainer_displacement: float, retainer_velocity: float = 0.0
+    ) -> EndForces:
         x = retainer_displacement
         force = self.preload + self.rate * x + self.cubic_rate * x**3
         return EndForces(force, force)
@@ -72,7 +83,9 @@ class ProgressiveSpring:
     def tangent(self, state: Array, retainer_displacement: float) -> float:
         return self.rate + 3 * self.cubic_rate * retainer_displacement**2
 
-    def outputs(self, state: Array, retainer_displacement: float, retainer_velocity: float = 0.0) -> SpringOutputs:
+    def outputs(
+        self, state: Array, retainer_displacement: float, retainer_velocity: float = 0.0
+    ) -> SpringOutputs:
         return SpringOutputs(*self.force(state, retainer_displacement))
 
     def retainer_mass(self) -> float:
@@ -82,16 +95,29 @@ class ProgressiveSpring:
 class ProgressiveOptions(SpringOptions):
     """Options of the progressive spring."""
 
-    rise: Ratio = Field(default=0.2, description="share by which the force above the preload exceeds the straight one at the reach")
+    rise: Ratio = Field(
+        default=0.2,
+        description="share by which the force above the preload exceeds the straight one at the reach",
+    )
     reach: PositiveLength = Field(default=0.01, description="lift at which the rise is told")
 
 
-def _make(spring: InstalledSpring, options: ProgressiveOptions, rest: SpringAtRest | None) -> ProgressiveSpring:
+def _make(
+    spring: InstalledSpring, options: ProgressiveOptions, rest: SpringAtRest | None
+) -> ProgressiveSpring:
     plain = EquivalentSpring.from_installed(spring)
-    return ProgressiveSpring(plain.preload, plain.rate, plain.rate * options.rise / options.reach**2, plain.active_mass)
+    return ProgressiveSpring(
+        plain.preload, plain.rate, plain.rate * options.rise / options.reach**2, plain.active_mass
+    )
 
 
 SPEC = SpringModelSpec(
-    "progressive", "progressive spring", "#8c6d31", ProgressiveOptions, _make, knows="a rate that grows with the lift",
-    leaves_out="surge, clash", processor_time=0.05,
-)  # fmt: skip
+    "progressive",
+    "progressive spring",
+    "#8c6d31",
+    ProgressiveOptions,
+    _make,
+    knows="a rate that grows with the lift",
+    leaves_out="surge, clash",
+    processor_time=0.05,
+)

@@ -15,7 +15,9 @@ from valvetrain.parameters.schema_types import Angle, PositiveLength
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Versine:
-    """``maximum_lift (1 - cos(2 pi s)) / 2`` (m) with s from 0 to 1 between ``opening_start`` and ``closing_end`` (cam rad)."""
+    """``maximum_lift (1 - cos(2 pi s)) / 2`` (m) with s from 0 to 1 between ``opening_start`` and
+    ``closing_end`` (cam rad).
+    """
 
     maximum_lift: float
     opening_start: float
@@ -23,7 +25,9 @@ class Versine:
 
     def __post_init__(self) -> None:
         if not 0 < self.closing_end - self.opening_start <= TURN:
-            raise InputError("closing_end must follow opening_start within one cam revolution; correct them")
+            raise InputError(
+                "closing_end must follow opening_start within one cam revolution; correct them"
+            )
 
     @property
     def continuity(self) -> int:
@@ -35,7 +39,10 @@ class Versine:
 
     def lift(self, cam_angle: ArrayLike, derivative: int = 0) -> Array:
         check_derivative(derivative)
-        since, duration = after(self.opening_start, cam_angle), self.closing_end - self.opening_start
+        since, duration = (
+            after(self.opening_start, cam_angle),
+            self.closing_end - self.opening_start,
+        )
         rate = 2 * np.pi / duration
         wave = -np.cos(rate * since + derivative * np.pi / 2) + (1.0 if derivative == 0 else 0.0)
         return np.where(since < duration, self.maximum_lift / 2 * rate**derivative * wave, 0.0)

@@ -1,1 +1,3 @@
-"""The spring and its train in motion: what is drawn, when, in which colours; for the page, for pictures and for films."""
+"""The spring and its train in motion: what is drawn, when, in which colours; for the page, for
+pictures and for films.
+"""

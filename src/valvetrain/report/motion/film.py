@@ -14,9 +14,9 @@ import numpy as np
 
 from valvetrain.errors import InputError, RunFailedError
 from valvetrain.report import theme
-from valvetrain.report.motion.colours import COLOURS
 from valvetrain.report.motion.parts import Array, Variant
 from valvetrain.report.motion.project import colouring_of, flat_shapes, shades
+from valvetrain.report.motion.springs import COLOURS
 from valvetrain.report.words import number, rpm
 from valvetrain.solution.atomic import write_bytes
 
@@ -29,31 +29,47 @@ RATE, LONGEST, WIDEST, NARROWEST, MOST_BYTES = 25, 20.0, 1920, 320, 25_000_000
 ENDINGS = (".gif", ".mp4")
 #: Colours of a GIF, and how much finer the picture is drawn than shown.
 PALETTE, FINER = 255, 2
-_PILLOW = "pictures are drawn by Pillow, which is not installed; install it with: pip install pillow"
+_PILLOW = (
+    "pictures are drawn by Pillow, which is not installed; install it with: pip install pillow"
+)
 _OPENCV = "an MP4 needs OpenCV; install it with: pip install 'valvetrain[film]', or write a GIF"
 
 
 @dataclass(frozen=True, slots=True)
 class FilmRequest:
-    """A film as asked for: ``duration`` (s) of one cam turn, ``picture_width`` (px; height 16:9), ``colour``: key of the colouring."""
+    """A film as asked for: ``duration`` (s) of one cam turn, ``picture_width`` (px; height 16:9),
+    ``colour``: key of the colouring.
+    """
 
     duration: float = 4.0
     picture_width: int = 800
     colour: str = ""
 
     def check(self) -> None:
-        """Raise :class:`InputError` for what lies beyond the bounds and for a colour that no wire has."""
+        """Raise :class:`InputError` for what lies beyond the bounds and for a colour that no wire
+        has.
+        """
         if self.colour and self.colour not in COLOURS:
-            raise InputError(f"there is no colour '{self.colour[:40]}'; use {', '.join(COLOURS)}", "--colour")
+            raise InputError(
+                f"there is no colour '{self.colour[:40]}'; use {', '.join(COLOURS)}", "--colour"
+            )
         if not 1 <= self.duration <= LONGEST:
-            raise InputError(f"a film of {self.duration:g} s is too short or too long; choose 1 to {LONGEST:g} s", "--duration")
+            raise InputError(
+                f"a film of {self.duration:g} s is too short or too long; choose 1 to {LONGEST:g} s",
+                "--duration",
+            )
         if not NARROWEST <= self.picture_width <= WIDEST:
-            raise InputError(f"a film {self.picture_width} px wide is too small or too large; choose {NARROWEST} to {WIDEST}", "--width")
+            raise InputError(
+                f"a film {self.picture_width} px wide is too small or too large; choose {NARROWEST} to {WIDEST}",
+                "--width",
+            )
 
 
 @dataclass(frozen=True, slots=True)
 class Film:
-    """A film that was written: its file, pictures, bytes, and how many times slower than the engine it runs."""
+    """A film that was written: its file, pictures, bytes, and how many times slower than the engine
+    it runs.
+    """
 
     path: Path
     pictures: int
@@ -62,7 +78,9 @@ class Film:
 
 
 def check_ending(path: Path) -> None:
-    """Raise :class:`InputError` for a file that is neither GIF nor MP4, and where what writes it is not installed."""
+    """Raise :class:`InputError` for a file that is neither GIF nor MP4, and where what writes it is
+    not installed.
+    """
     if path.suffix.lower() not in ENDINGS:
         raise InputError(f"a film ends in .gif or .mp4; '{path.name[:60]}' does not", "--output")
     if find_spec("PIL") is None:
@@ -86,7 +104,8 @@ def write_film(variant: Variant, path: Path, request: FilmRequest = FilmRequest(
 
     Raises
     ------
-    InputError : another ending, a missing package, a colouring that the run does not have, bounds; RunFailedError for a film that came out
+    InputError : another ending, a missing package, a colouring that the run does not have, bounds;
+    RunFailedError for a film that came out
     larger than 25 MB
 
     Examples
@@ -117,13 +136,17 @@ def write_film(variant: Variant, path: Path, request: FilmRequest = FilmRequest(
 
 
 def film_frames(variant: Variant, count: int) -> list[int]:
-    """Frames next to ``count`` even steps of the cam; that of the largest force in place of the step next to it."""
+    """Frames next to ``count`` even steps of the cam; that of the largest force in place of the
+    step next to it.
+    """
     wanted = np.arange(count) * 2 * np.pi / count
     found = [int(np.argmin(np.abs(variant.cam_angle - angle))) for angle in wanted]
     if variant.forces:
         force = variant.forces[0]
         peak = float(force.cam_angle[int(np.argmax(force.values))])
-        found[int(np.argmin(np.abs(wanted - peak)))] = int(np.argmin(np.abs(variant.cam_angle - peak)))
+        found[int(np.argmin(np.abs(wanted - peak)))] = int(
+            np.argmin(np.abs(variant.cam_angle - peak))
+        )
     return found
 
 
@@ -148,7 +171,9 @@ def _pictures(variant: Variant, frames: list[int], request: FilmRequest) -> Iter
 
 
 class _Place:
-    """Where things stand in the picture: the view on the left, the forces on the right, in pixels of the finer picture."""
+    """Where things stand in the picture: the view on the left, the forces on the right, in pixels
+    of the finer picture.
+    """
 
     def __init__(self, variant: Variant, size: tuple[int, int]) -> None:
         from PIL import ImageFont
@@ -156,7 +181,10 @@ class _Place:
         self.width, self.height = size
         self.unit = self.height / 100
         self.font, self.small = (ImageFont.load_default(share * self.unit) for share in (3.9, 3.3))
-        ends = [flat_shapes(variant, int(frame)) for frame in np.linspace(0, len(variant.cam_angle) - 1, 13).astype(int)]
+        ends = [
+            flat_shapes(variant, int(frame))
+            for frame in np.linspace(0, len(variant.cam_angle) - 1, 13).astype(int)
+        ]
         every = np.concatenate([one.points for shapes in ends for one in shapes])
         (left, low), (right, high) = every.min(axis=0), every.max(axis=0)
         self.box = (0.02 * self.width, 10 * self.unit, 0.5 * self.width, 84 * self.unit)
@@ -164,7 +192,11 @@ class _Place:
         self.scale = 0.98 * min((x1 - x0) / (right - left), (y1 - y0) / (high - low))
         self.middle = ((left + right) / 2, (low + high) / 2)
         self.plot = (0.59 * self.width, 14 * self.unit, 0.97 * self.width, 72 * self.unit)
-        values = np.concatenate([force.values for force in variant.forces]) if variant.forces else np.array([0.0, 1.0])
+        values = (
+            np.concatenate([force.values for force in variant.forces])
+            if variant.forces
+            else np.array([0.0, 1.0])
+        )
         self.low, self.high = min(0.0, float(values.min())), 1.05 * float(values.max()) or 1.0
 
     def at(self, points: Array) -> list[tuple[float, float]]:
@@ -196,16 +228,31 @@ def _still_parts(draw: ImageDraw, variant: Variant, place: _Place, request: Film
         ((_, y),) = place.in_plot(np.zeros(1), np.array([level]))
         draw.line((x0, y, x1, y), fill=theme.RULE if level == 0 else theme.GRID, width=FINER)
         draw.text((x0 - unit, y), f"{level:g}", fill=theme.MUTED, font=place.small, anchor="rm")
-    draw.text(((x0 + x1) / 2, y1 + 5.4 * unit), "cam angle", fill=theme.MUTED, font=place.small, anchor="ma")
+    draw.text(
+        ((x0 + x1) / 2, y1 + 5.4 * unit),
+        "cam angle",
+        fill=theme.MUTED,
+        font=place.small,
+        anchor="ma",
+    )
     draw.text((x0 - unit, y0 - 4.6 * unit), "N", fill=theme.MUTED, font=place.small, anchor="ra")
     left = x0
     for force in variant.forces:
-        draw.line(place.in_plot(force.cam_angle, force.values), fill=force.colour, width=2 * FINER, joint="curve")
-        draw.text((left, y0 - 5 * unit), force.words, fill=force.colour, font=place.small, anchor="la")
+        draw.line(
+            place.in_plot(force.cam_angle, force.values),
+            fill=force.colour,
+            width=2 * FINER,
+            joint="curve",
+        )
+        draw.text(
+            (left, y0 - 5 * unit), force.words, fill=force.colour, font=place.small, anchor="la"
+        )
         left += draw.textlength(force.words, font=place.small) + 2 * unit
     _scale(draw, variant, place, request.colour)
     slowness = request.duration * variant.engine_speed / (4 * np.pi)
-    words = f"{rpm(variant.engine_speed):.6g} rpm of the crank, 1/{number(slowness, 3)} of real time"
+    words = (
+        f"{rpm(variant.engine_speed):.6g} rpm of the crank, 1/{number(slowness, 3)} of real time"
+    )
     draw.text((x1, 96 * unit), words, fill=theme.MUTED, font=place.small, anchor="rs")
 
 
@@ -219,9 +266,10 @@ def _scale(draw: ImageDraw, variant: Variant, place: _Place, key: str) -> None:
         left, right = (x0 + (x1 - x0) * (part + side) / 128 for side in (0, 1))
         draw.rectangle((left, y, right, y + 2.4 * unit), fill=tuple(int(value) for value in tone))
     for x, anchor, words in (
-        (x0, "la", f"{number(colouring.low, 3)}"), ((x0 + x1) / 2, "ma", f"{colouring.words} ({colouring.unit})"),
+        (x0, "la", f"{number(colouring.low, 3)}"),
+        ((x0 + x1) / 2, "ma", f"{colouring.words} ({colouring.unit})"),
         (x1, "ra", f"{number(colouring.high, 3)}"),
-    ):  # fmt: skip
+    ):
         draw.text((x, y + 3.2 * unit), words, fill=theme.INK, font=place.small, anchor=anchor)
 
 
@@ -231,10 +279,14 @@ def _cursor(draw: ImageDraw, variant: Variant, frame: int, place: _Place) -> Non
     x = x0 + (x1 - x0) * angle / (2 * np.pi)
     draw.line((x, y0, x, y1), fill=theme.INK, width=FINER)
     for force in variant.forces:
-        ((_, y),) = place.in_plot(np.zeros(1), np.array([np.interp(angle, force.cam_angle, force.values)]))
+        ((_, y),) = place.in_plot(
+            np.zeros(1), np.array([np.interp(angle, force.cam_angle, force.values)])
+        )
         size = 0.9 * place.unit
         draw.ellipse((x - size, y - size, x + size, y + size), fill=force.colour)
-    words = f"cam angle {np.degrees(angle):.1f}°   valve lift {1e3 * variant.valve_lift[frame]:.2f} mm"
+    words = (
+        f"cam angle {np.degrees(angle):.1f}°   valve lift {1e3 * variant.valve_lift[frame]:.2f} mm"
+    )
     draw.text((x0, y1 + 12 * place.unit), words, fill=theme.INK, font=place.font, anchor="la")
 
 
@@ -256,7 +308,15 @@ def _gif(pictures: Iterator[Image]) -> bytes:
     palette = sheet.quantize(PALETTE)
     flat = [one.quantize(palette=palette, dither=Image.Dither.NONE) for one in every]
     out = io.BytesIO()
-    flat[0].save(out, "GIF", save_all=True, append_images=flat[1:], duration=1000 // RATE, loop=0, optimize=False)
+    flat[0].save(
+        out,
+        "GIF",
+        save_all=True,
+        append_images=flat[1:],
+        duration=1000 // RATE,
+        loop=0,
+        optimize=False,
+    )
     return out.getvalue()
 
 
@@ -266,7 +326,9 @@ def _mp4(pictures: Iterator[Image]) -> bytes:
         path, writer = Path(folder) / "film.mp4", None
         for picture in pictures:
             if writer is None:
-                writer = cv2.VideoWriter(str(path), cv2.VideoWriter_fourcc(*"mp4v"), RATE, picture.size)
+                writer = cv2.VideoWriter(
+                    str(path), cv2.VideoWriter_fourcc(*"mp4v"), RATE, picture.size
+                )
                 if not writer.isOpened():
                     raise InputError("this OpenCV writes no MP4; write a GIF instead", "--output")
             writer.write(np.asarray(picture)[:, :, ::-1].copy())

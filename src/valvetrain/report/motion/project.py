@@ -2,13 +2,142 @@
 
 from __future__ import annotations
 
+import base64
+import json
 from dataclasses import dataclass
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
-from valvetrain.report.motion.pack import TONES
-from valvetrain.report.motion.parts import Array, Body, Colouring, Places, Shape, SpringDrawing, Variant
+from valvetrain.report.chart import thin
+from valvetrain.report.motion.parts import (
+    Array,
+    Body,
+    Colouring,
+    Moving,
+    Places,
+    Series,
+    Shape,
+    SpringDrawing,
+    Variant,
+    still_frame,
+)
+from valvetrain.report.plotly_chart import in_script
+from valvetrain.report.words import rpm
+
+MM = 1e3
+#: Colour of each part, readable on light and on dark paper.
+TONES = {
+    "cam": "#7d8aa0", "follower": "#a58b62", "lever": "#9a7f9f", "pivot": "#5f6672", "pushrod": "#a58b62", "valve": "#8a9a8e",
+    "retainer": "#9aa6a0", "seat": "#7b7f86",
+}  # fmt: skip
+
+
+def motion_json(moving: Moving) -> str:
+    """The picture as JSON text that may stand inside a script element."""
+    return in_script(json.dumps(motion_data(moving), separators=(",", ":"), ensure_ascii=True))
+
+
+def motion_data(moving: Moving) -> dict[str, Any]:
+    """The picture as plain values: what ``mount(element, data)`` of motion.js takes."""
+    return {
+        "version": 1,
+        "title": moving.title,
+        "notes": list(moving.notes),
+        "variants": [_variant(one) for one in moving.variants],
+    }
+
+
+def _variant(one: Variant) -> dict[str, Any]:
+    return {
+        "label": one.label,
+        "words": one.words,
+        "rpm": rpm(one.engine_speed),
+        "closed": one.closed,
+        "notes": list(one.notes),
+        "start": round(float(np.degrees(one.cam_angle[still_frame(one)])), 4),
+        "angle": single(np.degrees(one.cam_angle)),
+        "lift": single(MM * one.valve_lift),
+        "springs": [_spring(spring) for spring in one.springs],
+        "bodies": [_body(body) for body in one.bodies],
+        "forces": [_series(series) for series in one.forces],
+        "marks": [
+            {
+                "angle": round(float(np.degrees(mark.cam_angle)), 3),
+                "kind": mark.kind,
+                "words": mark.words,
+            }
+            for mark in one.marks
+        ],
+    }
+
+
+def _spring(spring: SpringDrawing) -> dict[str, Any]:
+    scale = max(float(np.abs(spring.displacement).max(initial=0.0)) * MM / 32767, 1e-9)
+    move = np.round(spring.displacement * MM / scale).astype("<i2")
+    return {
+        "name": spring.name,
+        "coil": single(spring.coil),
+        "radius": single(MM * spring.radius),
+        "wire": single(MM * spring.wire_radius),
+        "sign": spring.sign,
+        "rest": single(MM * spring.rest),
+        "move": {"d": _text(move), "scale": scale},
+        "retainer": single(MM * spring.retainer),
+        "seat": [MM * value for value in spring.seat],
+        "direction": spring.direction,
+        "colours": [_colouring(one) for one in spring.colourings],
+    }
+
+
+def _colouring(one: Colouring) -> dict[str, Any]:
+    share = np.clip((one.values - one.low) / (one.high - one.low), 0.0, 1.0)
+    return {
+        "key": one.key,
+        "words": one.words,
+        "unit": one.unit,
+        "low": one.low,
+        "high": one.high,
+        "stops": list(one.stops),
+        "d": _text(np.round(share * 255).astype("u1")),
+    }
+
+
+def _body(body: Body) -> dict[str, Any]:
+    pose = body.pose * (MM, MM, 1.0)
+    fixed = bool(np.all(pose == pose[0]))
+    shapes = [
+        {
+            "kind": one.kind,
+            "points": single(MM * one.points),
+            "depth": [MM * value for value in one.depth],
+        }
+        for one in body.shapes
+    ]
+    return {
+        "name": body.name,
+        "colour": TONES[body.tone],
+        "shapes": shapes,
+        "fixed": fixed,
+        "pose": single(pose[:1] if fixed else pose),
+    }
+
+
+def _series(series: Series) -> dict[str, Any]:
+    x, y = thin(np.degrees(series.cam_angle), series.values)
+    return {"words": series.words, "colour": series.colour, "angle": single(x), "values": single(y)}
+
+
+def single(values: ArrayLike) -> str:
+    """Values in single precision as base64."""
+    return _text(np.asarray(values, dtype="<f4"))
+
+
+def _text(values: Any) -> str:
+    return base64.b64encode(np.ascontiguousarray(values).tobytes()).decode("ascii")
+
 
 #: Directions of view (rad): a spring alone, a train.
 SPRING_VIEW, TRAIN_VIEW = (0.45, 0.3), (0.32, 0.2)
@@ -46,7 +175,7 @@ def flat_shapes(variant: Variant, frame: int, key: str = "", strips: int = 5) ->
     view = TRAIN_VIEW if variant.bodies else SPRING_VIEW
     found: list[Flat] = []
     for body in variant.bodies:
-        found += _body(body, frame, view)
+        found += _body_project(body, frame, view)
     for spring in variant.springs:
         found += _wire(spring, frame, key, view, strips)
         if not variant.bodies:
@@ -57,38 +186,66 @@ def flat_shapes(variant: Variant, frame: int, key: str = "", strips: int = 5) ->
 def colouring_of(variant: Variant, key: str = "") -> Colouring | None:
     """The colouring called ``key``, or the first there is."""
     every = [one for spring in variant.springs for one in spring.colourings]
-    return next((one for one in every if one.key == key), None) if key else (every[0] if every else None)
+    return (
+        next((one for one in every if one.key == key), None)
+        if key
+        else (every[0] if every else None)
+    )
 
 
 def shades(colouring: Colouring, values: Array) -> Array:
     """Colours (..., 3), 0 to 255, of values in the unit of a colouring."""
-    stops = np.array([[int(text[place : place + 2], 16) for place in (1, 3, 5)] for text in colouring.stops], dtype=float)
-    share = np.clip((values - colouring.low) / (colouring.high - colouring.low), 0.0, 1.0) * (len(stops) - 1)
-    return np.stack([np.interp(share, np.arange(len(stops)), stops[:, part]) for part in range(3)], axis=-1)
+    stops = np.array(
+        [[int(text[place : place + 2], 16) for place in (1, 3, 5)] for text in colouring.stops],
+        dtype=float,
+    )
+    share = np.clip((values - colouring.low) / (colouring.high - colouring.low), 0.0, 1.0) * (
+        len(stops) - 1
+    )
+    return np.stack(
+        [np.interp(share, np.arange(len(stops)), stops[:, part]) for part in range(3)], axis=-1
+    )
 
 
 def turned(points: Array, view: tuple[float, float]) -> Array:
     """Points (n, 3) of the plane and its depth as the picture's x, y and distance towards the eye."""
     x, y, z = points.T
     azimuth, elevation = view
-    across, near = x * np.cos(azimuth) - z * np.sin(azimuth), x * np.sin(azimuth) + z * np.cos(azimuth)
-    return np.column_stack([across, y * np.cos(elevation) - near * np.sin(elevation), y * np.sin(elevation) + near * np.cos(elevation)])
+    across, near = (
+        x * np.cos(azimuth) - z * np.sin(azimuth),
+        x * np.sin(azimuth) + z * np.cos(azimuth),
+    )
+    return np.column_stack(
+        [
+            across,
+            y * np.cos(elevation) - near * np.sin(elevation),
+            y * np.sin(elevation) + near * np.cos(elevation),
+        ]
+    )
 
 
 def helix(spring: SpringDrawing, frame: int, coil: Array) -> Array:
     """Axis (n, 3) of the wire in the space of the train at coil numbers (n,), in m."""
     # Ground ends reach beyond seat and retainer; what is left of them lies between the planes.
     room = 0.5 * np.interp(coil, spring.coil, spring.wire_radius)
-    height = np.clip(np.interp(coil, spring.coil, spring.height[frame]), room, spring.retainer[frame] - room)
+    height = np.clip(
+        np.interp(coil, spring.coil, spring.height[frame]), room, spring.retainer[frame] - room
+    )
     radius, turn = np.interp(coil, spring.coil, spring.radius), 2 * np.pi * coil
     u, v = np.cos(spring.direction), np.sin(spring.direction)
     across = radius * np.cos(turn)
-    return np.column_stack([
-        spring.seat[0] + height * u + across * v, spring.seat[1] + height * v - across * u, -spring.sign * radius * np.sin(turn),
-    ])  # fmt: skip
+    return np.column_stack(
+        [
+            spring.seat[0] + height * u + across * v,
+            spring.seat[1] + height * v - across * u,
+            -spring.sign * radius * np.sin(turn),
+        ]
+    )
 
 
-def _wire(spring: SpringDrawing, frame: int, key: str, view: tuple[float, float], strips: int) -> list[Flat]:
+def _wire(
+    spring: SpringDrawing, frame: int, key: str, view: tuple[float, float], strips: int
+) -> list[Flat]:
     """The wire as a ribbon of its own width, in strips across that are lit as a round bar is."""
     first, last = float(spring.coil[0]), float(spring.coil[-1])
     coil = np.linspace(first, last, max(3, int((last - first) * PER_TURN) + 1))
@@ -96,7 +253,10 @@ def _wire(spring: SpringDrawing, frame: int, key: str, view: tuple[float, float]
     along = np.gradient(seen[:, :2], axis=0)
     along /= np.maximum(np.hypot(*along.T), 1e-12)[:, None]
     across = np.column_stack([-along[:, 1], along[:, 0]])
-    colouring = next((one for one in spring.colourings if one.key == key), spring.colourings[0] if spring.colourings else None)
+    colouring = next(
+        (one for one in spring.colourings if one.key == key),
+        spring.colourings[0] if spring.colourings else None,
+    )
     middle = (coil[1:] + coil[:-1]) / 2
     base = (
         np.full((len(middle), 3), 150.0)
@@ -109,10 +269,18 @@ def _wire(spring: SpringDrawing, frame: int, key: str, view: tuple[float, float]
     for low, high in pairwise(edges):
         side = (low + high) / 2
         light = side * (across[:-1] @ LIGHT[:2]) + np.sqrt(1 - side**2) * LIGHT[2]
-        tones = np.clip(base * (0.42 + 0.68 * np.clip(light, 0.0, 1.0))[:, None], 0, 255).round().astype(int).tolist()
+        tones = (
+            np.clip(base * (0.42 + 0.68 * np.clip(light, 0.0, 1.0))[:, None], 0, 255)
+            .round()
+            .astype(int)
+            .tolist()
+        )
         lower, upper = (seen[:, :2] + edge * half * across for edge in (low - 0.04, high + 0.04))
         quads = np.stack([lower[:-1], lower[1:], upper[1:], upper[:-1]], axis=1)
-        found += [Flat(quads[k], (tone[0], tone[1], tone[2]), float(depth[k])) for k, tone in enumerate(tones)]
+        found += [
+            Flat(quads[k], (tone[0], tone[1], tone[2]), float(depth[k]))
+            for k, tone in enumerate(tones)
+        ]
     return found
 
 
@@ -120,29 +288,49 @@ def _discs(spring: SpringDrawing, frame: int, view: tuple[float, float]) -> list
     pose = np.array([[spring.seat[0], spring.seat[1], spring.direction - np.pi / 2]])
     sizes = [1.12 * float(spring.radius[end] + spring.wire_radius[end]) for end in (0, -1)]
     top = float(spring.retainer[frame])
-    profiles = [np.array([[size, low], [size, low + DISC]]) for size, low in ((sizes[0], -DISC), (sizes[1], top))]
-    found = [_body(Body("disc", "seat", (Shape("lathe", profile),), pose), 0, view) for profile in profiles]
+    profiles = [
+        np.array([[size, low], [size, low + DISC]])
+        for size, low in ((sizes[0], -DISC), (sizes[1], top))
+    ]
+    found = [
+        _body_project(Body("disc", "seat", (Shape("lathe", profile),), pose), 0, view)
+        for profile in profiles
+    ]
     # Below all else and above all else: the wire stands between them.
-    return [Flat(one.points, one.colour, side * 1e3 + one.depth) for side, many in zip((-1, 1), found, strict=True) for one in many]
+    return [
+        Flat(one.points, one.colour, side * 1e3 + one.depth)
+        for side, many in zip((-1, 1), found, strict=True)
+        for one in many
+    ]
 
 
-def _body(body: Body, frame: int, view: tuple[float, float]) -> list[Flat]:
+def _body_project(body: Body, frame: int, view: tuple[float, float]) -> list[Flat]:
     x, y, turn = body.pose[min(frame, len(body.pose) - 1)]
-    tone = np.array([int(TONES[body.tone][place : place + 2], 16) for place in (1, 3, 5)], dtype=float)
+    tone = np.array(
+        [int(TONES[body.tone][place : place + 2], 16) for place in (1, 3, 5)], dtype=float
+    )
     c, s = np.cos(turn), np.sin(turn)
     found: list[Flat] = []
     for shape in body.shapes:
         if shape.kind == "extrude":
             for part, z in enumerate(np.linspace(*shape.depth, SLICES)):
                 u, v = shape.points[:: max(1, len(shape.points) // OUTLINE)].T
-                seen = turned(np.column_stack([x + c * u - s * v, y + s * u + c * v, np.full(len(u), z)]), view)
+                seen = turned(
+                    np.column_stack([x + c * u - s * v, y + s * u + c * v, np.full(len(u), z)]),
+                    view,
+                )
                 shade = tone * (1.0 if part == SLICES - 1 else 0.72)
                 found.append(Flat(seen[:, :2], _rgb(shade), float(seen[:, 2].mean())))
             continue
         rings = [_ring(radius, height, x, y, c, s, view) for radius, height in shape.points]
         # The lit end is the widest ring among those nearest to the eye.
-        end = max(range(len(rings)), key=lambda part: (round(float(rings[part][:, 2].mean()), 9), shape.points[part, 0]))
-        found.append(Flat(_hull(rings[end][:, :2]), _rgb(1.12 * tone), float(rings[end][:, 2].mean()) + 1e-6))
+        end = max(
+            range(len(rings)),
+            key=lambda part: (round(float(rings[part][:, 2].mean()), 9), shape.points[part, 0]),
+        )
+        found.append(
+            Flat(_hull(rings[end][:, :2]), _rgb(1.12 * tone), float(rings[end][:, 2].mean()) + 1e-6)
+        )
         for part in range(len(rings) - 1):
             points = np.concatenate([rings[part], rings[part + 1]])
             shade = tone * (0.8 + 0.2 * (part % 2))
@@ -150,10 +338,15 @@ def _body(body: Body, frame: int, view: tuple[float, float]) -> list[Flat]:
     return found
 
 
-def _ring(radius: float, height: float, x: float, y: float, c: float, s: float, view: tuple[float, float]) -> Array:
+def _ring(
+    radius: float, height: float, x: float, y: float, c: float, s: float, view: tuple[float, float]
+) -> Array:
     turn = np.arange(RING) * 2 * np.pi / RING
     u = radius * np.cos(turn)
-    return turned(np.column_stack([x + c * u - s * height, y + s * u + c * height, radius * np.sin(turn)]), view)
+    return turned(
+        np.column_stack([x + c * u - s * height, y + s * u + c * height, radius * np.sin(turn)]),
+        view,
+    )
 
 
 def _hull(points: Array) -> Array:
@@ -179,3 +372,32 @@ def _cross(a: list[float], b: list[float], p: list[float]) -> float:
 def _rgb(values: Array) -> Colour:
     red, green, blue = (round(float(value)) for value in np.clip(values, 0, 255))
     return red, green, blue
+
+
+#: Height (px) of the picture, and room (m) around it.
+HEIGHT, MARGIN = 420, 1e-3
+
+
+def still_svg(variant: Variant, frame: int | None = None, key: str = "") -> str:
+    """An SVG element of one frame (that of the largest force by default), in mm, coloured by
+    ``key`` (the first colouring by default).
+    """
+    place = still_frame(variant) if frame is None else frame
+    shapes = flat_shapes(variant, place, key, 3)
+    every = np.concatenate([one.points for one in shapes])
+    (left, low), (right, high) = every.min(axis=0) - MARGIN, every.max(axis=0) + MARGIN
+    lines = []
+    for one in shapes:
+        x, y = 1e3 * (one.points[:, 0] - left), 1e3 * (high - one.points[:, 1])
+        path = "M" + "L".join(f"{a:.2f} {b:.2f}" for a, b in zip(x, y, strict=True))
+        colour = "#" + "".join(f"{part:02x}" for part in one.colour)
+        lines.append(f'<path d="{path}Z" fill="{colour}" stroke="{colour}"/>')
+    words = f"{variant.words} at cam angle {np.degrees(variant.cam_angle[place]):.1f} degrees"
+    size = f"0 0 {1e3 * (right - left):.2f} {1e3 * (high - low):.2f}"
+    return f'<svg viewBox="{size}" height="{HEIGHT}" role="img" aria-label="{_escaped(words)}" stroke-width=".15">{"".join(lines)}</svg>'
+
+
+def _escaped(words: str) -> str:
+    from html import escape
+
+    return escape(words, quote=True)

@@ -1,4 +1,6 @@
-"""From the runs of a study to what moves: parts, frames, forces and marks of every run that can be drawn."""
+"""From the runs of a study to what moves: parts, frames, forces and marks of every run that can be
+drawn.
+"""
 
 from __future__ import annotations
 
@@ -12,11 +14,16 @@ from valvetrain.errors import InputError
 from valvetrain.parameters.loading import parse_case
 from valvetrain.quantities.cycle import Cycle, is_closed, reported_cycle
 from valvetrain.report import theme
-from valvetrain.report.motion.colours import one_range
-from valvetrain.report.motion.frames import choose_frames
-from valvetrain.report.motion.marks import marks_of
-from valvetrain.report.motion.parts import Array, Moving, Places, Series, SpringDrawing, Variant
-from valvetrain.report.motion.springs import draw_spring
+from valvetrain.report.motion.parts import (
+    Array,
+    Moving,
+    Places,
+    Series,
+    SpringDrawing,
+    Variant,
+    marks_of,
+)
+from valvetrain.report.motion.springs import draw_spring, one_range
 from valvetrain.report.motion.train import TrainDrawing, draw_train
 from valvetrain.report.words import speed_words
 from valvetrain.solution.gaps import reason
@@ -26,21 +33,90 @@ from valvetrain.solution.study import Study
 from valvetrain.system.build import build
 from valvetrain.system.problem import Member, Problem
 
+#: Even steps (cam degrees) tried in turn until they take no more than :data:`EVEN_SHARE` of the
+#: frames;
+#: beyond the last, as many as that share allows.
+STEPS = (0.25, 0.5, 1.0, 2.0)
+EVEN_SHARE = 0.8
+
+
+def choose_frames(
+    cam_angle: Array, most: int, keep: Sequence[int] = (), spans: Sequence[tuple[float, float]] = ()
+) -> Places:
+    """Samples that are drawn, ascending: all where ``most`` allows.
+
+    Parameters
+    ----------
+    cam_angle : (sample,) rad, ascending from 0 to less than one turn
+    most : largest number of frames; what must be kept may exceed it
+    keep : samples that stay whatever happens, such as those of peaks
+    spans : first and last cam angle (rad) of clashes, most wanted first; every sample inside one is
+    drawn until ``most`` is reached
+
+    Returns
+    -------
+    Places (frame,) of the samples
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> turn = np.radians(np.arange(0, 360, 0.5))
+    >>> chosen = choose_frames(turn, 300, keep=[347], spans=[(np.radians(100), np.radians(101))])
+    >>> 347 in chosen, {200, 201, 202} <= set(chosen.tolist()), len(chosen) <= 300
+    (True, True, True)
+    """
+    count = len(cam_angle)
+    if count <= most:
+        return np.arange(count)
+    chosen = {0, count - 1, *(int(place) for place in keep)}
+    chosen |= set(_even(cam_angle, max(1, int(EVEN_SHARE * most))).tolist())
+    for first, last in spans:
+        inside = np.flatnonzero((cam_angle >= first - 1e-9) & (cam_angle <= last + 1e-9)).tolist()
+        room = most - len(chosen)
+        if room <= 0:
+            break
+        new = [place for place in inside if place not in chosen]
+        chosen |= set(new if len(new) <= room else new[:: -(-len(new) // room)])
+    return np.array(sorted(chosen), dtype=np.int64)
+
+
+def _even(cam_angle: Array, most: int) -> Places:
+    """Samples next to even steps of the cam, no more than ``most``."""
+    degrees = np.degrees(cam_angle)
+    for step in STEPS:
+        wanted = np.arange(0.0, 360.0, step)
+        if len(wanted) <= most:
+            break
+    else:
+        wanted = np.linspace(0.0, 360.0, most, endpoint=False)
+    right = np.clip(np.searchsorted(degrees, wanted), 1, len(degrees) - 1)
+    nearer = np.where(wanted - degrees[right - 1] <= degrees[right] - wanted, right - 1, right)
+    return np.unique(nearer)
+
+
 _TURN = 2 * np.pi
-#: Runs in one picture, frames of one run, bytes of what moves in one run and in a whole picture, before they are written as text.
+#: Runs in one picture, frames of one run, bytes of what moves in one run and in a whole picture,
+#: before they are written as text.
 MOST_VARIANTS, MOST_FRAMES, MOST_RUN_BYTES, MOST_BYTES = 4, 1000, 500_000, 1_000_000
 FEWEST_FRAMES = 120
 #: Clashes around which frames stand closer, most wanted first.
 MOST_SPANS = 60
-#: Forces beside the picture: words, channel, colour; the first that a run has of each line, three at most.
-_FORCES = (("spring on retainer", "retainer_force"), ("spring on seat", "seat_force"), ("cam contact", "cam_contact_force"))
+#: Forces beside the picture: words, channel, colour; the first that a run has of each line, three
+#: at most.
+_FORCES = (
+    ("spring on retainer", "retainer_force"),
+    ("spring on seat", "seat_force"),
+    ("cam contact", "cam_contact_force"),
+)
 #: Readable on light and on dark paper.
 _FORCE_COLOURS = ("#3f7fd6", "#d9772b", "#9b6bc4")
 
 
 @dataclass(frozen=True, slots=True)
 class Limits:
-    """Bounds of one picture: ``variants`` drawn, ``frames`` of each, bytes of one run (``run_size``) and of all (``size``)."""
+    """Bounds of one picture: ``variants`` drawn, ``frames`` of each, bytes of one run
+    (``run_size``) and of all (``size``).
+    """
 
     variants: int = MOST_VARIANTS
     frames: int = MOST_FRAMES
@@ -92,17 +168,29 @@ def moving_picture(study: Study, limits: Limits = Limits()) -> Moving | None:
         if failed:
             raise failed[0][1]
         return None
-    notes = [f"{run.label} at {speed_words(run.engine_speed)} could not be drawn: {reason(error)}" for run, error in failed]
+    notes = [
+        f"{run.label} at {speed_words(run.engine_speed)} could not be drawn: {reason(error)}"
+        for run, error in failed
+    ]
     if len(chosen) < len(runs):
-        notes.append(f"{len(chosen)} of {len(runs)} runs are drawn; 'valvetrain animate' draws any of them")
-    title = "Train and spring over the cam turn" if any(one.bodies for one in variants) else "Spring over the cam turn"
+        notes.append(
+            f"{len(chosen)} of {len(runs)} runs are drawn; 'valvetrain animate' draws any of them"
+        )
+    title = (
+        "Train and spring over the cam turn"
+        if any(one.bodies for one in variants)
+        else "Spring over the cam turn"
+    )
     return Moving(title, one_range(tuple(variants)), tuple(notes))
 
 
 def _worth(run: Solution) -> tuple[int, float]:
-    """Which runs are drawn where there are too many: those that know most of their coils, then the fastest."""
+    """Which runs are drawn where there are too many: those that know most of their coils, then the
+    fastest.
+    """
     known = sum(
-        any(str(name).endswith(ending) for name in run.arrays.variables) for ending in ("_shear_stress", "coil_gap", "axial_displacement")
+        any(str(name).endswith(ending) for name in run.arrays.variables)
+        for ending in ("_shear_stress", "coil_gap", "axial_displacement")
     )
     return known, run.engine_speed
 
@@ -113,14 +201,25 @@ def _problem(record: CaseRecord, models: tuple[str, ...], sets: tuple[str, ...])
 
 
 def member_of(record: CaseRecord, run: Solution) -> Member | None:
-    """The variant of the case behind a run: springs, lift law and the parts of its train; None where the case holds none.
+    """The variant of the case behind a run: springs, lift law and the parts of its train; None
+    where the case holds none.
 
     Raises :class:`InputError` where the case cannot be built.
     """
     for models, sets in (((), ()), ((run.model,), (run.spring_set,) if run.spring_set else ())):
         members = _problem(record, models, sets).members
-        found = next((one for one in members if one.label == run.label and one.spring_set == run.spring_set), None)
-        found = found or next((one for one in members if one.model.word == run.model and one.spring_set == run.spring_set), None)
+        found = next(
+            (one for one in members if one.label == run.label and one.spring_set == run.spring_set),
+            None,
+        )
+        found = found or next(
+            (
+                one
+                for one in members
+                if one.model.word == run.model and one.spring_set == run.spring_set
+            ),
+            None,
+        )
         if found is not None:
             return found
     return None
@@ -135,28 +234,49 @@ def _variant(study: Study, run: Solution, size: int, most: int) -> Variant | Non
         return None
     marks = marks_of(run, cycle)
     sample = choose_frames(
-        cycle.cam_angle, min(most, max(FEWEST_FRAMES, size // _bytes_per_frame(run, member))), _peaks(run, cycle), _spans(run)
+        cycle.cam_angle,
+        min(most, max(FEWEST_FRAMES, size // _bytes_per_frame(run, member))),
+        _peaks(run, cycle),
+        _spans(run),
     )
     train = None if member.gear is None else draw_train(member, cycle, sample)
     springs, notes = _springs(study, member, run, cycle, sample, train)
     if not springs and train is None:
         return None
     return Variant(
-        run.label, f"{theme.model_words(run.label)}, {speed_words(run.engine_speed)}", run.engine_speed, sample, cycle.cam_angle[sample],
-        cycle.channel("valve_lift")[sample], springs, train.bodies if train else (), forces_of(run, cycle), marks,
-        (*notes, *(train.notes if train else ())), is_closed(run),
-    )  # fmt: skip
+        run.label,
+        f"{theme.model_words(run.label)}, {speed_words(run.engine_speed)}",
+        run.engine_speed,
+        sample,
+        cycle.cam_angle[sample],
+        cycle.channel("valve_lift")[sample],
+        springs,
+        train.bodies if train else (),
+        forces_of(run, cycle),
+        marks,
+        (*notes, *(train.notes if train else ())),
+        is_closed(run),
+    )
 
 
 def _springs(
-    study: Study, member: Member, run: Solution, cycle: Cycle, sample: Places, train: TrainDrawing | None
+    study: Study,
+    member: Member,
+    run: Solution,
+    cycle: Cycle,
+    sample: Places,
+    train: TrainDrawing | None,
 ) -> tuple[tuple[SpringDrawing, ...], tuple[str, ...]]:
     travel = train.travel if train is not None else cycle.channel("valve_lift")[sample]
     springs: list[SpringDrawing] = []
     notes: tuple[str, ...] = ()
     shared = len(run.springs) < len(member.springs)
-    for name, installed in zip(("outer", "inner") if shared else run.springs, member.springs, strict=False):
-        rest = study.at_rest(run.model, name) or next((one for one in study.rest if one.spring in (name, installed.name)), None)
+    for name, installed in zip(
+        ("outer", "inner") if shared else run.springs, member.springs, strict=False
+    ):
+        rest = study.at_rest(run.model, name) or next(
+            (one for one in study.rest if one.spring in (name, installed.name)), None
+        )
         drawn, told = draw_spring(installed, name, cycle, sample, travel, rest, shared)
         notes += tuple(words for words in told if words not in notes)
         if drawn is not None:
@@ -164,23 +284,34 @@ def _springs(
     if train is not None:
         heights = [float(spring.retainer[0] + travel[0]) for spring in springs]
         springs = [
-            replace(spring, seat=train.seat_of(height), direction=train.axis) for spring, height in zip(springs, heights, strict=True)
+            replace(spring, seat=train.seat_of(height), direction=train.axis)
+            for spring, height in zip(springs, heights, strict=True)
         ]
     return tuple(springs), notes
 
 
 def forces_of(run: Solution, cycle: Cycle) -> tuple[Series, ...]:
-    """Forces on the retainer, on the seat and, in a train, at the cam, over every sample of the cycle."""
+    """Forces on the retainer, on the seat and, in a train, at the cam, over every sample of the
+    cycle.
+    """
     known = [(words, name) for words, name in _FORCES if run.has(name)]
     return tuple(
-        Series(words, colour, cycle.cam_angle, cycle.channel(name)) for (words, name), colour in zip(known, _FORCE_COLOURS, strict=False)
+        Series(words, colour, cycle.cam_angle, cycle.channel(name))
+        for (words, name), colour in zip(known, _FORCE_COLOURS, strict=False)
     )
 
 
 def _peaks(run: Solution, cycle: Cycle) -> list[int]:
-    """Samples of the largest and least of every force, and those before them, and of the largest lift."""
+    """Samples of the largest and least of every force, and those before them, and of the largest
+    lift.
+    """
     found: list[int] = []
-    for name in (*(name for _, name in _FORCES), "seat_force_highest", "retainer_force_highest", "valve_lift"):
+    for name in (
+        *(name for _, name in _FORCES),
+        "seat_force_highest",
+        "retainer_force_highest",
+        "valve_lift",
+    ):
         if run.has(name):
             values: Array = cycle.channel(name)
             found += [int(np.argmax(values)), int(np.argmin(values))]
@@ -192,9 +323,13 @@ def _peaks(run: Solution, cycle: Cycle) -> list[int]:
 
 
 def _spans(run: Solution) -> Sequence[tuple[float, float]]:
-    """Cam angles (rad) from the begin to the end of every clash, and of the moment around its peak, the hardest first."""
+    """Cam angles (rad) from the begin to the end of every clash, and of the moment around its peak,
+    the hardest first.
+    """
     speed, found = run.engine_speed / 2, []
-    for event in sorted((one for one in run.events if one.kind == "clash"), key=lambda one: -one.size)[:MOST_SPANS]:
+    for event in sorted(
+        (one for one in run.events if one.kind == "clash"), key=lambda one: -one.size
+    )[:MOST_SPANS]:
         peak = float(event.details.get("peak_cam_angle", event.cam_angle)) % _TURN
         found.append((peak - np.radians(1.0), peak + np.radians(1.0)))
         first = event.cam_angle % _TURN
@@ -203,7 +338,9 @@ def _spans(run: Solution) -> Sequence[tuple[float, float]]:
 
 
 def _bytes_per_frame(run: Solution, member: Member) -> int:
-    """Bytes that a frame takes at most: two per node for its place, one for each colouring; twelve per rigid body."""
+    """Bytes that a frame takes at most: two per node for its place, one for each colouring; twelve
+    per rigid body.
+    """
     colours = sum(
         any(str(name).endswith(word) for name in run.arrays.variables)
         for word in ("_shear_stress", "coil_gap", "coil_gap", "axial_velocity")
@@ -221,5 +358,7 @@ def _bytes_per_frame(run: Solution, member: Member) -> int:
 def refuse_nothing(moving: Moving | None) -> Moving:
     """The picture. Raises :class:`InputError` where there is none."""
     if moving is None:
-        raise InputError("nothing moves here: the runs hold no channels, or the case has no spring and no train to draw")
+        raise InputError(
+            "nothing moves here: the runs hold no channels, or the case has no spring and no train to draw"
+        )
     return moving

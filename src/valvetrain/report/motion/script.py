@@ -1,4 +1,6 @@
-"""The script of the moving picture as one text: three.js (MIT, see static/three.LICENSE.txt) and motion.js, no module, no network."""
+"""The script of the moving picture as one text: three.js (MIT, see static/three.LICENSE.txt) and
+motion.js, no module, no network.
+"""
 
 from __future__ import annotations
 
@@ -18,15 +20,19 @@ USED = (
 
 @cache
 def motion_script() -> str:
-    """Text of a classic script that sets ``valvetrainMotion.mount(element, data)``; safe inside a script element.
+    """Text of a classic script that sets ``valvetrainMotion.mount(element, data)``; safe inside a
+    script element.
 
-    three.js comes as a module, which an inline script cannot import by name under a strict policy: it is put into a function and the names
+    three.js comes as a module, which an inline script cannot import by name under a strict policy:
+    it is put into a function and the names
     that are used are handed on.
     """
     source = _static("three.module.min.js")
     found = _EXPORT.search(source)
     if found is None:
-        raise RuntimeError("three.module.min.js does not end with its list of names; vendor an unchanged file")
+        raise RuntimeError(
+            "three.module.min.js does not end with its list of names; vendor an unchanged file"
+        )
     inner = dict(_name(entry) for entry in found[1].split(","))
     names = ",".join(f"{name}:{inner[name]}" for name in USED)
     library = f"{source[: found.start()]}\nreturn {{{names}}};"

@@ -1,40 +1,243 @@
-"""A train as it is drawn: every part whose geometry the case holds, to scale, at the coordinates of the solution."""
+"""A train as it is drawn: every part whose geometry the case holds, to scale, at the coordinates of
+the solution.
+"""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
 from valvetrain.integrate.train_channels import position_name
 from valvetrain.mechanism.build import build_mechanism
+from valvetrain.mechanism.gap_kinds import CAM_FLAT
 from valvetrain.mechanism.parts import AssembledMechanism, Interaction
 from valvetrain.mechanism.planar import unit
-from valvetrain.parameters.train import TrainParameters
+from valvetrain.parameters.train import FollowerParameters, TrainParameters
 from valvetrain.quantities.cycle import Cycle
-from valvetrain.report.motion import outlines
-from valvetrain.report.motion.cam_followers import Contact, sliding_follower, turning_pad
+from valvetrain.report.motion import parts as outlines
 from valvetrain.report.motion.parts import Array, Body, Places, Shape
 from valvetrain.report.motion.springs import wire_of
 from valvetrain.system.problem import Member
 
-#: Sizes (m) that no case holds: stem end to retainer, thickness of retainer and seats, radius of pushrod, hub, arm and stem.
-TIP_TO_RETAINER, PLATE, ROD_RADIUS, HUB_RADIUS, ARM_RADIUS, STEM_RADIUS = 4e-3, 3e-3, 4e-3, 6e-3, 3.5e-3, 3.5e-3
+#: Room (m, rad) beyond the travel of the contact, thickness (m) of a pad, height of a tappet over
+#: its half width.
+MARGIN, ARC_MARGIN, PAD, TAPPET_SHARE = 1.5e-3, 0.12, 4e-3, 0.9
+
+
+@dataclass(frozen=True, eq=False)
+class Contact:
+    """The contact of a cam: its interaction, its contour table and the follower's shape."""
+
+    interaction: Interaction
+    table: Array
+    follower: FollowerParameters
+
+    @property
+    def row(self) -> Array:
+        """Geometry row."""
+        return self.interaction.geometry_row()
+
+    @property
+    def turning(self) -> bool:
+        """Whether the follower turns about a pivot."""
+        return bool(self.row[0])
+
+    @property
+    def flat(self) -> bool:
+        """Whether a flat face touches."""
+        return self.interaction.kind == CAM_FLAT
+
+    @property
+    def driven(self) -> str:
+        """Coordinate of the follower."""
+        return self.interaction.coordinates[0]
+
+    @property
+    def sense(self) -> float:
+        """+1 of a cam that turns counter-clockwise."""
+        return float(self.row[10])
+
+    @property
+    def home(self) -> Array:
+        """Arc centre, or point of the face, at zero lift (x, y in m)."""
+        row = self.row
+        return np.array(row[1:3] + (row[3:5] if self.turning else 0.0))
+
+    @property
+    def axis(self) -> Array:
+        """Direction in which a sliding follower moves."""
+        return np.array(self.row[3:5])
+
+    def lobe(self) -> Array:
+        """Outline (point, 2) of the cam in its own frame."""
+        return outlines.lobe_outline(
+            self.interaction.kind, self.row, self.table, self.follower.radius
+        )
+
+    @cached_property
+    def slopes(self) -> tuple[float, float]:
+        """Least and largest slope of the contour by the cam angle: of a flat face the place of the
+        contact (m), of an arc its tangent.
+        """
+        slope = self.table[:, 1] if self.flat else self.table[:, 1] / self.table[:, 0]
+        return float(np.min(self.sense * slope)), float(np.max(self.sense * slope))
+
+    def half_width(self) -> float:
+        """Half width (m) that a sliding follower needs."""
+        if self.flat:
+            tangent = np.array([-self.axis[1], self.axis[0]])
+            offset = float(self.home @ tangent)
+            return max(abs(-low - offset) for low in self.slopes) + MARGIN
+        sine = np.sin(np.arctan(max(abs(low) for low in self.slopes)))
+        return (
+            float(min(self.follower.radius * 0.98, self.follower.radius * sine + MARGIN))
+            if self.follower.radius
+            else 4e-3
+        )
+
+    def tappet_height(self) -> float:
+        """Height (m) of a tappet from its contact to the valve, which no case holds."""
+        return TAPPET_SHARE * self.half_width() + 6e-3
+
+
+def sliding_follower(
+    contact: Contact, moved: Array, name: str, cam_width: float, height: float | None
+) -> Body:
+    """A tappet: flat face, dome, roller in a fork or knife edge; the body's y axis leads away from
+    the cam.
+    """
+    follower, half = contact.follower, contact.half_width()
+    tall = contact.tappet_height() if height is None else height
+    axis = contact.axis
+    pose = np.column_stack(
+        [
+            contact.home + moved[:, None] * axis,
+            np.full(len(moved), np.arctan2(axis[1], axis[0]) - np.pi / 2),
+        ]
+    )
+    shapes: tuple[Shape, ...]
+    if contact.flat and follower.tilt == 0:
+        shapes = (outlines.disc(half, 0.0, tall),)
+    elif contact.flat:
+        lean = np.tan(follower.tilt)
+        # The face leans in the body's frame, where the y axis is the axis of the tappet.
+        shapes = (
+            outlines.plate(
+                np.array([[-half, -half * lean], [half, half * lean], [half, tall], [-half, tall]]),
+                half,
+            ),
+        )
+    elif follower.shape == "roller":
+        fork = np.array(
+            [
+                [-0.6 * half, 0.0],
+                [0.6 * half, 0.0],
+                [half, follower.radius + tall],
+                [-half, follower.radius + tall],
+            ]
+        )
+        shapes = (
+            outlines.plate(outlines.circle(follower.radius), 0.4 * cam_width),
+            outlines.plate(fork, 0.5 * cam_width),
+        )
+    elif follower.radius:
+        turn = np.linspace(0.0, np.arcsin(min(half / follower.radius, 1.0)), 16)
+        dome = [
+            (float(follower.radius * np.sin(one)), float(-follower.radius * np.cos(one)))
+            for one in turn
+        ]
+        top = max(tall, dome[-1][1] + 1e-3) if height is not None else tall
+        shapes = (outlines.turned(*dome, (half, top), (0.0, top)),)
+    else:
+        shapes = (
+            outlines.turned(
+                (0.0, 0.0),
+                (half, 1.5 * half),
+                (half, max(tall, 2 * half)),
+                (0.0, max(tall, 2 * half)),
+            ),
+        )
+    return Body(name, "follower", shapes, pose)
+
+
+def turning_pad(
+    contact: Contact, turned: Array, cam_angle: Array, depth: float, hub: float
+) -> tuple[Shape, ...]:
+    """Pad or roller of a lever in the lever's frame (origin at the pivot), and the bar that carries
+    it.
+    """
+    row, follower = contact.row, contact.follower
+    arm, none = np.array(row[3:5]), np.zeros(2)
+    if follower.shape == "roller":
+        rim = outlines.circle(follower.radius, (float(arm[0]), float(arm[1])))
+        return outlines.plate(rim, 1.3 * depth), outlines.plate(
+            outlines.bar(none, hub, arm, 0.6 * follower.radius), depth
+        )
+    if contact.flat:
+        low, high = sorted(-value for value in contact.slopes)
+        normal = float(row[8])
+        tangent = np.array([-np.sin(normal), np.cos(normal)])
+        offset = float(contact.home @ tangent)
+        pad = outlines.face(arm, normal, low - offset - MARGIN, high - offset + MARGIN, PAD)
+        return outlines.plate(pad, 1.2 * depth), outlines.plate(
+            outlines.bar(none, hub, pad.mean(axis=0), PAD / 2), depth
+        )
+    where = contact_direction(contact, turned, cam_angle)
+    middle, reach = float(where.min() + where.max()) / 2, float(np.ptp(where)) / 2 + ARC_MARGIN
+    pad = outlines.crescent(arm, follower.radius, middle - reach, middle + reach, PAD)
+    foot = arm + (follower.radius - PAD / 2) * np.array([np.cos(middle), np.sin(middle)])
+    return outlines.plate(pad, 1.2 * depth), outlines.plate(
+        outlines.bar(none, hub, foot, PAD / 2), depth
+    )
+
+
+def contact_direction(contact: Contact, turned: Array, cam_angle: Array) -> Array:
+    """Direction (frame,) in a lever's frame, unwrapped, from the arc's centre to the cam: where on
+    its arc the pad is touched.
+    """
+    row = contact.row
+    turn = row[5] * turned
+    x = row[1] + np.cos(turn) * row[3] - np.sin(turn) * row[4]
+    y = row[2] + np.sin(turn) * row[3] + np.cos(turn) * row[4]
+    polar = np.arctan2(y, x)
+    away = np.mod(polar - row[9] + np.pi, 2 * np.pi) - np.pi
+    chi = np.mod(cam_angle - contact.sense * away, 2 * np.pi)
+    nodes = np.arange(len(contact.table)) * 2 * np.pi / len(contact.table)
+    pitch, slope = (
+        np.interp(chi, nodes, contact.table[:, column], period=2 * np.pi) for column in (0, 1)
+    )
+    # The pitch curve's normal leads from the cam to the centre; the contact lies the other way.
+    normal = polar - np.arctan2(-contact.sense * slope, pitch)
+    found: Array = np.unwrap(normal + np.pi - turn)
+    return found
+
+
+#: Sizes (m) that no case holds: stem end to retainer, thickness of retainer and seats, radius of
+#: pushrod, hub, arm and stem.
+TIP_TO_RETAINER, PLATE, ROD_RADIUS, HUB_RADIUS, ARM_RADIUS, STEM_RADIUS = (
+    4e-3,
+    3e-3,
+    4e-3,
+    6e-3,
+    3.5e-3,
+    3.5e-3,
+)
 #: Radius (m) of a tip that the case takes for a point.
 POINTED = 1e-6
 #: Where no spring is drawn: outer radius and installed height (m) of the space for one.
 NO_SPRING = (14e-3, 40e-3)
 TO_SCALE = "To scale: lobe, follower arc or face, lever arms and pivot, pushrod length, springs, lash, lift and every gap."
-NOT_TOLD = (
-    "Of usual size, for no case holds them: tappet and pushrod diameters, stem, head, hub, arms, the place of the spring on the stem."
-)
+NOT_TOLD = "Of usual size, for no case holds them: tappet and pushrod diameters, stem, head, hub, arms, the place of the spring on the stem."
 
 
 @dataclass(frozen=True, eq=False)
 class TrainDrawing:
-    """Bodies over the frames; ``travel`` (frame,): retainer displacement (m) towards the seat; ``axis`` (rad): from seat to retainer;
+    """Bodies over the frames; ``travel`` (frame,): retainer displacement (m) towards the seat;
+    ``axis`` (rad): from seat to retainer;
     ``retainer``: the closed valve's retainer plane on the axis of the stem (x, y in m)."""
 
     bodies: tuple[Body, ...]
@@ -60,14 +263,17 @@ def draw_train(member: Member, cycle: Cycle, sample: Places) -> TrainDrawing:
 
     Returns
     -------
-    The bodies with their poses; coordinates come from the channels of the run, those that it does not hold from rigid kinematics
+    The bodies with their poses; coordinates come from the channels of the run, those that it does
+    not hold from rigid kinematics
     """
     assert member.gear is not None
     train = member.gear.parameters
     mechanism = member.gear.mechanism if train.model == "planar" else _planar(train, member)
     q, notes = coordinates(mechanism, cycle, sample)
     if train.model != "planar":
-        notes += (f"a {train.model} train knows no geometry: its parts are drawn as those of the planar train at the same coordinates",)
+        notes += (
+            f"a {train.model} train knows no geometry: its parts are drawn as those of the planar train at the same coordinates",
+        )
     angle = cycle.cam_angle[sample]
     still = np.zeros((len(angle), 3))
     cam = mechanism.interactions[mechanism.interaction_index("cam")]
@@ -82,11 +288,21 @@ def draw_train(member: Member, cycle: Cycle, sample: Places) -> TrainDrawing:
     travel, lift = q[mechanism.retainer], q[mechanism.valve]
     bodies += _valve(train, member, tip, travel, lift)
     retainer = (tip[0] + TIP_TO_RETAINER * stem[0], tip[1] + TIP_TO_RETAINER * stem[1])
-    return TrainDrawing(tuple(bodies), travel, train.valve.opening_direction + math.pi, retainer, (TO_SCALE, NOT_TOLD, *notes))
+    return TrainDrawing(
+        tuple(bodies),
+        travel,
+        train.valve.opening_direction + math.pi,
+        retainer,
+        (TO_SCALE, NOT_TOLD, *notes),
+    )
 
 
-def coordinates(mechanism: AssembledMechanism, cycle: Cycle, sample: Places) -> tuple[dict[str, Array], tuple[str, ...]]:
-    """Every coordinate (m or rad) of a planar mechanism over the frames by name, and a note where rigid kinematics stand in."""
+def coordinates(
+    mechanism: AssembledMechanism, cycle: Cycle, sample: Places
+) -> tuple[dict[str, Array], tuple[str, ...]]:
+    """Every coordinate (m or rad) of a planar mechanism over the frames by name, and a note where
+    rigid kinematics stand in.
+    """
     found: dict[str, Array] = {}
     missing: list[str] = []
     drive = mechanism.kinematics.drive(cycle.cam_angle[sample])
@@ -97,14 +313,26 @@ def coordinates(mechanism: AssembledMechanism, cycle: Cycle, sample: Places) -> 
             found[part.name] = cycle.channel(name)[sample]
         else:
             missing.append(part.name)
-            rigid = lift if part.name.startswith("valve") else np.zeros_like(lift) if part.name == "support" else drive
-            found[part.name] = rigid if part.name != "pushrod" and part.name != "pushrod top" else drive
+            rigid = (
+                lift
+                if part.name.startswith("valve")
+                else np.zeros_like(lift)
+                if part.name == "support"
+                else drive
+            )
+            found[part.name] = (
+                rigid if part.name != "pushrod" and part.name != "pushrod top" else drive
+            )
     words = f"the run does not hold the motion of {', '.join(missing)}, drawn as rigid parts move"
     return found, ((words,) if missing else ())
 
 
-def stem_end(train: TrainParameters, mechanism: AssembledMechanism, contact: Contact) -> tuple[float, float]:
-    """End of the closed valve's stem (x, y in m): below the lever's tip by its radius and the lash, or below the tappet."""
+def stem_end(
+    train: TrainParameters, mechanism: AssembledMechanism, contact: Contact
+) -> tuple[float, float]:
+    """End of the closed valve's stem (x, y in m): below the lever's tip by its radius and the lash,
+    or below the tappet.
+    """
     nx, ny = unit(train.valve.opening_direction)
     tip = mechanism.interactions[mechanism.interaction_index("valve tip")]
     row = tip.geometry_row()
@@ -126,7 +354,13 @@ def _support(interaction: Interaction, q: Mapping[str, Array], frames: int) -> A
     return q[name] if name else np.zeros(frames)
 
 
-def _levers(train: TrainParameters, mechanism: AssembledMechanism, contact: Contact, q: Mapping[str, Array], angle: Array) -> list[Body]:
+def _levers(
+    train: TrainParameters,
+    mechanism: AssembledMechanism,
+    contact: Contact,
+    q: Mapping[str, Array],
+    angle: Array,
+) -> list[Body]:
     """The lever as one body, or its two halves where it bends."""
     if train.lever is None:
         return []
@@ -145,13 +379,19 @@ def _levers(train: TrainParameters, mechanism: AssembledMechanism, contact: Cont
     driving, driven = tip.coordinates[0], next(name for name in ("lever",) if name in q)
 
     def pose(name: str) -> Array:
-        return np.column_stack([row[1] + row[6] * support, row[2] + row[7] * support, row[5] * q[name]])
+        return np.column_stack(
+            [row[1] + row[6] * support, row[2] + row[7] * support, row[5] * q[name]]
+        )
 
     pin = outlines.plate(outlines.circle(0.45 * HUB_RADIUS), 1.6 * depth)
     pivot = Body("pivot", "pivot", (pin,), pose(driven))
     if driving == driven:
         return [Body("lever", "lever", (*drive_shapes, *tip_shapes), pose(driven)), pivot]
-    return [Body("lever", "lever", drive_shapes, pose(driven)), Body("lever tip", "lever", tip_shapes, pose(driving)), pivot]
+    return [
+        Body("lever", "lever", drive_shapes, pose(driven)),
+        Body("lever tip", "lever", tip_shapes, pose(driving)),
+        pivot,
+    ]
 
 
 def _followers(train: TrainParameters, contact: Contact, q: Mapping[str, Array]) -> list[Body]:
@@ -159,13 +399,18 @@ def _followers(train: TrainParameters, contact: Contact, q: Mapping[str, Array])
         return []
     height = None
     if train.pushrod is not None:
-        height = max(float(np.dot(np.array(train.pushrod.lower_end) - contact.home, contact.axis)), 2 * ROD_RADIUS)
+        height = max(
+            float(np.dot(np.array(train.pushrod.lower_end) - contact.home, contact.axis)),
+            2 * ROD_RADIUS,
+        )
     name = "tappet" if contact.driven == "tappet" else "pushrod foot"
     return [sliding_follower(contact, q[contact.driven], name, train.cam.width, height)]
 
 
 def _pushrod(mechanism: AssembledMechanism, q: Mapping[str, Array]) -> list[Body]:
-    """The rod between its ball in the tappet and that of the rocker; its own compression shortens it."""
+    """The rod between its ball in the tappet and that of the rocker; its own compression shortens
+    it.
+    """
     if "pushrod" not in q:
         return []
     joint = mechanism.interactions[mechanism.interaction_index("rocker")]
@@ -182,10 +427,17 @@ def _pushrod(mechanism: AssembledMechanism, q: Mapping[str, Array]) -> list[Body
     return [Body("pushrod", "pushrod", (rod,), np.column_stack([foot, direction]))]
 
 
-def _valve(train: TrainParameters, member: Member, tip: tuple[float, float], travel: Array, lift: Array) -> list[Body]:
-    """Stem with retainer, head, and the seats of springs and valve; the stem lies along the body's y axis."""
+def _valve(
+    train: TrainParameters, member: Member, tip: tuple[float, float], travel: Array, lift: Array
+) -> list[Body]:
+    """Stem with retainer, head, and the seats of springs and valve; the stem lies along the body's
+    y axis.
+    """
     springs = spring_rooms(member, float(np.max(travel, initial=0.0)))
-    radius, length = max(one.outer for one in springs), TIP_TO_RETAINER + max(one.height for one in springs)
+    radius, length = (
+        max(one.outer for one in springs),
+        TIP_TO_RETAINER + max(one.height for one in springs),
+    )
     stem = min(STEM_RADIUS, 0.5 * min(one.inner for one in springs))
     head, crown = length + 0.8 * radius, 0.95 * radius
     nx, ny = unit(train.valve.opening_direction)
@@ -205,7 +457,12 @@ def _valve(train: TrainParameters, member: Member, tip: tuple[float, float], tra
     )  # fmt: skip
     bodies = [
         Body("valve stem", "valve", (outlines.disc(stem, 0.0, head - 4e-3),), pose(travel)),
-        Body("retainer", "retainer", (outlines.disc(radius + 1e-3, TIP_TO_RETAINER - PLATE, TIP_TO_RETAINER, stem),), pose(travel)),
+        Body(
+            "retainer",
+            "retainer",
+            (outlines.disc(radius + 1e-3, TIP_TO_RETAINER - PLATE, TIP_TO_RETAINER, stem),),
+            pose(travel),
+        ),
         Body("valve head", "valve", (poppet,), pose(lift)),
         Body("valve seat", "seat", (ring,), still),
     ]
@@ -227,13 +484,20 @@ class SpringRoom:
 
 
 def spring_rooms(member: Member, valve_lift: float) -> tuple[SpringRoom, ...]:
-    """Room of every spring of a member that is drawn, or a usual one; ``valve_lift`` (m) as for ``wire_of``."""
+    """Room of every spring of a member that is drawn, or a usual one; ``valve_lift`` (m) as for
+    ``wire_of``.
+    """
     found = []
     for spring in member.springs:
         wire, precompression, _ = wire_of(spring, valve_lift)
         if wire is not None:
             coil = np.linspace(0.0, wire.total_coils, 65)
             outer, thick = wire.outer_diameter(coil) / 2, wire.wire_diameter.value(coil)
-            room = SpringRoom(spring.name, float(outer.max()), float((outer - thick).min()), wire.free_length - precompression)
+            room = SpringRoom(
+                spring.name,
+                float(outer.max()),
+                float((outer - thick).min()),
+                wire.free_length - precompression,
+            )
             found.append(room)
     return tuple(found) or (SpringRoom("spring", NO_SPRING[0], 0.7 * NO_SPRING[0], NO_SPRING[1]),)

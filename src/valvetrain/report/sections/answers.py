@@ -1,10 +1,11 @@
-"""First on the page: what a user asks of his spring, one card per question, and the largest clashes by name."""
+"""First on the page: what a user asks of his spring, one card per question, and the largest clashes
+by name.
+"""
 
 from __future__ import annotations
 
 import numpy as np
 
-from valvetrain.report.figures.common import looks
 from valvetrain.report.headlines import (
     NAMED_CLASHES,
     TOPICS,
@@ -17,28 +18,40 @@ from valvetrain.report.headlines import (
     largest_clash_rows,
 )
 from valvetrain.report.page import Block, Card, Cards, Cell, Details, Grid, SectionSpec, text
+from valvetrain.report.run_charts import looks
 from valvetrain.report.words import number, rpm, speed_words, unit_words
 from valvetrain.solution.event import Event
 from valvetrain.solution.study import Study
 
 #: Runs that stand side by side in one table; more stand below each other, a table per question.
 BESIDE = 8
-#: Runs of which several clashes are listed at once; of more the largest of each, and the others behind a word to click.
+#: Runs of which several clashes are listed at once; of more the largest of each, and the others
+#: behind a word to click.
 OPEN_LISTS = 2
 _CLASH_HEADERS = ("coils", "cam angle (deg)", "impulse (mN s)", "energy (mJ)", "peak force (N)")
 
 
 def blocks(study: Study) -> tuple[Block, ...]:
-    """What failed, the answers in the order of :data:`TOPICS`, what must be known of them, then the clashes of each run."""
+    """What failed, the answers in the order of :data:`TOPICS`, what must be known of them, then the
+    clashes of each run.
+    """
     rows = headline_rows(study)
     across = _columns(study)
     topics = {topic: [row for row in rows if row.topic == topic] for topic in TOPICS}
     if len(across) <= BESIDE:
-        cards = [_beside(study, across, {topic: found for topic, found in topics.items() if found})] if rows else []
+        cards = (
+            [_beside(study, across, {topic: found for topic, found in topics.items() if found})]
+            if rows
+            else []
+        )
     else:
         cards = [_below(topic, across, found) for topic, found in topics.items() if found]
     failed = tuple(text(words, "alert") for words in study.failures)
-    own = () if study.comparisons or study.findings else tuple(text(words, "note") for words in study.notes)
+    own = (
+        ()
+        if study.comparisons or study.findings
+        else tuple(text(words, "note") for words in study.notes)
+    )
     return (*failed, *((Cards(tuple(cards)),) if cards else ()), *own, *_clashes(study))
 
 
@@ -68,7 +81,11 @@ def _beside(study: Study, across: list[str], topics: dict[str, list[HeadlineRow]
 def _below(topic: str, across: list[str], rows: list[HeadlineRow]) -> Card:
     """One question, a run per line, those without any value left out."""
     values = list(zip(*map(_values, rows), strict=True))
-    lines = [(run, cells) for run, cells in zip(across, values, strict=True) if any(cell != "–" for cell in cells)]
+    lines = [
+        (run, cells)
+        for run, cells in zip(across, values, strict=True)
+        if any(cell != "–" for cell in cells)
+    ]
     return Card(topic, tuple(_name(row.words, row.unit) for row in rows), tuple(lines))
 
 
@@ -84,25 +101,37 @@ def _values(row: HeadlineRow) -> tuple[str, ...]:
 
 
 def _clashes(study: Study) -> tuple[Block, ...]:
-    """The largest clashes open: several of one run or two, else one of each; all that are named of many runs behind a word to click."""
+    """The largest clashes open: several of one run or two, else one of each; all that are named of
+    many runs behind a word to click.
+    """
     known = looks(study)
     found = [
         (f"{known[run.label].words}, {speed_words(run.engine_speed)}", clashes_of(run))
-        for label in study.labels for run in study.runs(label) if not study.over_speed
-    ]  # fmt: skip
+        for label in study.labels
+        for run in study.runs(label)
+        if not study.over_speed
+    ]
     found = [(words, events) for words, events in found if events]
     if not found:
         return ()
     rows: list[tuple[tuple[Cell, ...], tuple[str, ...]]] = []
     for words, events in found:
-        rows.append(((Cell(f"{words}: {min(len(events), NAMED_CLASHES)} of {len(events)} clashes"),), ()))
+        rows.append(
+            ((Cell(f"{words}: {min(len(events), NAMED_CLASHES)} of {len(events)} clashes"),), ())
+        )
         rows += [(_clash_cells(event), ()) for event in events[:NAMED_CLASHES]]
-    several = Grid(_CLASH_HEADERS, tuple(rows), caption="Largest coil clashes by energy; the cam angle is that of the first touch.")
+    several = Grid(
+        _CLASH_HEADERS,
+        tuple(rows),
+        caption="Largest coil clashes by energy; the cam angle is that of the first touch.",
+    )
     if len(found) <= OPEN_LISTS:
         return (several,)
     first = tuple(((Cell(words), *_clash_cells(events[0])), ()) for words, events in found)
     largest = Grid(
-        ("largest clash", *_CLASH_HEADERS), first, caption="Largest coil clash of each run; the cam angle is that of first touch."
+        ("largest clash", *_CLASH_HEADERS),
+        first,
+        caption="Largest coil clash of each run; the cam angle is that of first touch.",
     )
     return (largest, Details(f"The {NAMED_CLASHES} largest clashes of each run", (several,)))
 

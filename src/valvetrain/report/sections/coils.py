@@ -6,21 +6,34 @@ import numpy as np
 
 from valvetrain.quantities.cycle import reported_cycle
 from valvetrain.report import theme
-from valvetrain.report.chart import Chart, HeatMap, Line, Panel, thin
-from valvetrain.report.figures.common import ANGLE_LABEL, Array, by_speed, event_bands, looks
-from valvetrain.report.page import Block, SectionSpec, Tabs, figure_or_gap
-from valvetrain.report.words import speed_words
+from valvetrain.report.chart import Chart, HeatMap, Layer, Line, Panel, thin
+from valvetrain.report.page import (
+    Block,
+    Cell,
+    Details,
+    Grid,
+    SectionSpec,
+    Tabs,
+    figure_or_gap,
+    text,
+)
+from valvetrain.report.run_charts import ANGLE_LABEL, Array, by_speed, event_bands, looks
+from valvetrain.report.words import number, speed_words
+from valvetrain.solution.definition import label_of, shown
 from valvetrain.solution.result import Solution
 from valvetrain.solution.study import Study
 
-MOST_COLUMNS, MOST_ROWS, MOST_LINES = 720, 160, 16
+MOST_COLUMNS, COILS_MOST_ROWS, MOST_LINES = 720, 160, 16
 #: Runs of one engine speed whose figures stand below each other; more stand behind tabs.
 MOST_OPEN = 2
 #: What is drawn of the wire, the first that a run has.
-_HEIGHTS = (("axial_position", "height of the wire above its seat (mm)"), ("axial_displacement", "displacement from installed (mm)"))
+_HEIGHTS = (
+    ("axial_position", "height of the wire above its seat (mm)"),
+    ("axial_displacement", "displacement from installed (mm)"),
+)
 
 
-def blocks(study: Study) -> tuple[Block, ...]:
+def coils_blocks(study: Study) -> tuple[Block, ...]:
     """Coil positions (or displacements) and clash map of each run and spring, by engine speed."""
     known = looks(study)
 
@@ -29,11 +42,23 @@ def blocks(study: Study) -> tuple[Block, ...]:
         for number, run in enumerate(runs, start=1):
             found: tuple[Block, ...] = ()
             for spring in run.springs:
-                whose = f"{known[run.label].words}, {spring} spring" if len(run.springs) > 1 else known[run.label].words
+                whose = (
+                    f"{known[run.label].words}, {spring} spring"
+                    if len(run.springs) > 1
+                    else known[run.label].words
+                )
                 title, place = f"{whose}, {speed_words(engine_speed)}", f"{key}-{number}-{spring}"
                 for name, build in (("Coil motion", position_chart), ("Clash map", clash_chart)):
                     words = f"{name}: {title}"
-                    found += figure_or_gap(words, build, study, run, spring, f"{name.split()[0].lower()}-{place}", words)
+                    found += figure_or_gap(
+                        words,
+                        build,
+                        study,
+                        run,
+                        spring,
+                        f"{name.split()[0].lower()}-{place}",
+                        words,
+                    )
             if found:
                 items.append((known[run.label].words, found))
         if len(items) > MOST_OPEN and len(study.engine_speeds) == 1:
@@ -44,7 +69,9 @@ def blocks(study: Study) -> tuple[Block, ...]:
 
 
 def along(run: Solution, channel: str) -> tuple[Array, Array] | None:
-    """Places along the wire (coil number) and a channel (sample, place) over the reported cycle, SI; None without it."""
+    """Places along the wire (coil number) and a channel (sample, place) over the reported cycle,
+    SI; None without it.
+    """
     if not run.has(channel) or run.channel(channel).ndim != 2 or run.channel(channel).shape[1] == 0:
         return None
     places = run.arrays.along(channel)
@@ -52,8 +79,14 @@ def along(run: Solution, channel: str) -> tuple[Array, Array] | None:
 
 
 def position_chart(study: Study, run: Solution, spring: str, key: str, title: str) -> Chart | None:
-    """Height of the wire, or its displacement where no height is told (mm), at even distances along the spring."""
-    known = ((found, words) for name, words in _HEIGHTS if (found := along(run, run.channel_of(spring, name))) is not None)
+    """Height of the wire, or its displacement where no height is told (mm), at even distances along
+    the spring.
+    """
+    known = (
+        (found, words)
+        for name, words in _HEIGHTS
+        if (found := along(run, run.channel_of(spring, name))) is not None
+    )
     first = next(known, None)
     if first is None:
         return None
@@ -62,27 +95,69 @@ def position_chart(study: Study, run: Solution, spring: str, key: str, title: st
     wanted = np.linspace(places.min(), places.max(), min(MOST_LINES, len(places)))
     chosen = np.unique([int(np.argmin(np.abs(places[order] - place))) for place in wanted])
     lines = []
-    for number, (place, colour) in enumerate(zip(order[chosen], theme.ramp(len(chosen)), strict=True)):
+    for number, (place, colour) in enumerate(
+        zip(order[chosen], theme.ramp(len(chosen)), strict=True)
+    ):
         direct = f"{places[place]:.3g}" if number % 5 == 0 and words == _HEIGHTS[0][1] else ""
         x, y = thin(angle, values[:, place] * 1e3)
-        lines.append(Line(x, y, f"coil number {places[place]:.3g}", colour, 1.2, in_legend=False, direct=direct))
-    panel = Panel(ANGLE_LABEL, words, tuple(lines), bands=event_bands(study), x_range=(0, 360), x_step=30)
-    told = "coil number at the right" if words == _HEIGHTS[0][1] else "light at the seat, dark at the retainer"
-    caption = f"Wire at even distances along the spring, {told}. Waves run up and down between the coils."
+        lines.append(
+            Line(
+                x,
+                y,
+                f"coil number {places[place]:.3g}",
+                colour,
+                1.2,
+                in_legend=False,
+                direct=direct,
+            )
+        )
+    panel = Panel(
+        ANGLE_LABEL, words, tuple(lines), bands=event_bands(study), x_range=(0, 360), x_step=30
+    )
+    told = (
+        "coil number at the right"
+        if words == _HEIGHTS[0][1]
+        else "light at the seat, dark at the retainer"
+    )
+    caption = (
+        f"Wire at even distances along the spring, {told}. Waves run up and down between the coils."
+    )
     return Chart(key, title, caption, (panel,), height=400, legend=False)
 
 
 def clash_chart(study: Study, run: Solution, spring: str, key: str, title: str) -> Chart | None:
-    """Force between coils (N) by cam angle and place along the wire; cells hold the largest force, so that thinning loses no clash."""
+    """Force between coils (N) by cam angle and place along the wire; cells hold the largest force,
+    so that thinning loses no clash.
+    """
     found = along(run, run.channel_of(spring, "coil_contact_force"))
     if found is None:
         return None
     order = np.argsort(found[0])
-    coil, force, angle = found[0][order], found[1].T[order], np.degrees(reported_cycle(run).cam_angle)
+    coil, force, angle = (
+        found[0][order],
+        found[1].T[order],
+        np.degrees(reported_cycle(run).cam_angle),
+    )
     force, angle = _largest(force, 1, MOST_COLUMNS), _middle(angle, MOST_COLUMNS)
-    heat = HeatMap(angle, _middle(coil, MOST_ROWS), _largest(force, 0, MOST_ROWS), "contact force", "N", y_words="coil")
-    bands = tuple(type(band)(band.first, band.last, band.words, False) for band in event_bands(study))
-    panel = Panel(ANGLE_LABEL, "coil number of the upper coil", (heat,), bands=bands, x_range=(0, 360), x_step=30)
+    heat = HeatMap(
+        angle,
+        _middle(coil, COILS_MOST_ROWS),
+        _largest(force, 0, COILS_MOST_ROWS),
+        "contact force",
+        "N",
+        y_words="coil",
+    )
+    bands = tuple(
+        type(band)(band.first, band.last, band.words, False) for band in event_bands(study)
+    )
+    panel = Panel(
+        ANGLE_LABEL,
+        "coil number of the upper coil",
+        (heat,),
+        bands=bands,
+        x_range=(0, 360),
+        x_step=30,
+    )
     caption = "Where, when and how hard a coil presses on the one below: long stretches are coils at rest, short ones clashes."
     return Chart(key, title, caption, (panel,), height=380, legend=False)
 
@@ -100,4 +175,167 @@ def _middle(values: np.ndarray, most: int) -> np.ndarray:
     return np.add.reduceat(values, starts) / np.diff(np.append(starts, len(values)))
 
 
-SPEC = SectionSpec("coils", "Motion of the coils", blocks)
+COILS_SPEC = SectionSpec("coils", "Motion of the coils", coils_blocks)
+
+
+SHEAR = "inner_fibre_shear_stress"
+NAMES = (
+    "peak_shear_stress", "minimum_shear_stress", "peak_shear_stress_coil_number", "peak_equivalent_stress",
+    "largest_amplitude_shear_stress",
+    "largest_amplitude_mean_shear_stress", "quasi_static_peak_shear_stress", "quasi_static_amplitude_shear_stress",
+    "dynamic_to_static_stress_ratio", "nominal_peak_shear_stress", "nominal_minimum_shear_stress",
+)  # fmt: skip
+_LEAD = "Shear at the inner fibre: torsion and direct shear with the curvature of the wire. No stress concentration under coil contacts."
+
+
+def stress_blocks(study: Study) -> tuple[Block, ...]:
+    """Figures by engine speed, then the named numbers, one column per run."""
+    known = looks(study)
+
+    def at(engine_speed: float, runs: list[Solution], key: str) -> tuple[Block, ...]:
+        found: tuple[Block, ...] = ()
+        for place, run in enumerate(runs, start=1):
+            for spring in run.springs:
+                whose = (
+                    f"{known[run.label].words}, {spring} spring"
+                    if len(run.springs) > 1
+                    else known[run.label].words
+                )
+                title = f"Wire stress: {whose}, {speed_words(engine_speed)}"
+                found += figure_or_gap(
+                    title, stress_chart, study, run, spring, f"{key}-{place}-{spring}", title
+                )
+        return found
+
+    figures = by_speed(study, "stress", at)
+    runs = [run for run in study.solutions if any(name in run.quantities for name in NAMES)]
+    if study.over_speed or not runs:
+        return figures
+    rows = []
+    for name in (name for name in NAMES if any(name in run.quantities for run in runs)):
+        words, unit = label_of(name), shown(name, 1.0)[1]
+        values = [
+            shown(name, run.quantities[name])[0] if name in run.quantities else None for run in runs
+        ]
+        cells = (
+            Cell(f"{words[:1].upper()}{words[1:]}", "", name),
+            Cell(unit, "quiet"),
+            *(Cell(number(value), "number") for value in values),
+        )
+        rows.append((cells, ()))
+    headers = (
+        "",
+        "unit",
+        *(f"{known[run.label].words}, {speed_words(run.engine_speed)}" for run in runs),
+    )
+    return (text(_LEAD, "quiet"), *figures, Grid(headers, tuple(rows)))
+
+
+def stress_chart(study: Study, run: Solution, spring: str, key: str, title: str) -> Chart | None:
+    """Largest and least shear along the wire, and the worst point over one cam cycle (MPa), beside
+    those of the static curve.
+    """
+    found = along(run, run.channel_of(spring, SHEAR))
+    if found is None:
+        return None
+    (coil, shear), cycle = found, reported_cycle(run)
+    angle, worst = np.degrees(cycle.cam_angle), int(np.argmax(shear.max(axis=0)))
+    dynamic, slow, words = (
+        theme.model_colour(run.model),
+        theme.model_colour("massless"),
+        "static curve at the same lift",
+    )
+    first: list[Layer] = [
+        Line(coil, shear.max(axis=0) * 1e-6, "largest", dynamic),
+        Line(coil, shear.min(axis=0) * 1e-6, "least", theme.mix(dynamic, "#ffffff", 0.5)),
+    ]
+    second: list[Layer] = [
+        Line(*thin(angle, shear[:, worst] * 1e-6), "largest", dynamic, in_legend=False)
+    ]
+    rest = next(
+        (one for one in study.rest if one.spring == spring and one.stress is not None), None
+    )
+    if rest is not None and rest.stress is not None and run.has("valve_lift"):
+        still = rest.stress.shear_at(rest.precompression + cycle.channel("valve_lift")) * 1e-6
+        near = int(np.argmin(np.abs(rest.stress.coil_number - coil[worst])))
+        first.insert(0, Line(rest.stress.coil_number, still.max(axis=0), words, slow, 1.4, "dash"))
+        second.insert(0, Line(*thin(angle, still[:, near]), words, slow, 1.4, "dash"))
+    place = f"At coil number {coil[worst]:.3g}"
+    panels = (
+        Panel("coil number from the seat", "shear stress (MPa)", tuple(first), "Along the wire"),
+        Panel(
+            ANGLE_LABEL,
+            "shear stress (MPa)",
+            tuple(second),
+            place,
+            event_bands(study),
+            x_range=(0, 360),
+            x_step=60,
+        ),
+    )
+    return Chart(
+        key,
+        title,
+        "Shear stress at the inner fibre of the wire over the reported cycle.",
+        panels,
+        2,
+        330,
+    )
+
+
+STRESS_SPEC = SectionSpec("stress", "Wire stress", stress_blocks)
+
+
+#: Rows up to which the table stands open.
+OPEN_ROWS = 24
+EVENTS_MOST_ROWS = 400
+HEADERS = (
+    "run",
+    "engine speed",
+    "event",
+    "place",
+    "cam angle (deg)",
+    "duration (ms)",
+    "size",
+    "unit",
+    "cause",
+)
+
+
+def events_blocks(study: Study) -> tuple[Block, ...]:
+    """A table with filters by run and kind; a sweep's events are in its file."""
+    if study.over_speed:
+        return ()
+    known, rows = looks(study), []
+    for run in study.solutions:
+        for event in run.events:
+            if event.kind != "clash":
+                words, speed = known[run.label].words, speed_words(run.engine_speed)
+                angle = float(np.degrees(event.cam_angle)) % 360
+                numbers = [
+                    Cell(number(value), "number")
+                    for value in (angle, event.duration * 1e3, event.size)
+                ]
+                cause = Cell(str(event.details.get("cause", "")), "quiet long")
+                cells = (
+                    Cell(words),
+                    Cell(speed, "number"),
+                    Cell(event.kind),
+                    Cell(event.where),
+                    *numbers,
+                    Cell(event.unit, "quiet"),
+                    cause,
+                )
+                rows.append((cells, (words, speed, event.kind)))
+    if not rows:
+        return ()
+    caption = (
+        ""
+        if len(rows) <= EVENTS_MOST_ROWS
+        else f"The first {EVENTS_MOST_ROWS} of {len(rows)}; all of them are in events.csv."
+    )
+    grid = Grid(HEADERS, tuple(rows[:EVENTS_MOST_ROWS]), ("run", "engine speed", "event"), caption)
+    return (grid,) if len(rows) <= OPEN_ROWS else (Details(f"{len(rows)} events", (grid,)),)
+
+
+EVENTS_SPEC = SectionSpec("events", "Seating and losses of contact", events_blocks)

@@ -1,11 +1,19 @@
-"""Which spring model is good enough where: verdicts by quantity, and maps of the differences over engine speed."""
+"""Which spring model is good enough where: verdicts by quantity, and maps of the differences over
+engine speed.
+"""
 
 from __future__ import annotations
 
 import math
 
 from valvetrain.report import theme
-from valvetrain.report.fidelity_words import fidelity_notes, reach_rows, reason_for, share, speed_axis
+from valvetrain.report.fidelity_words import (
+    fidelity_notes,
+    reach_rows,
+    reason_for,
+    share,
+    speed_axis,
+)
 from valvetrain.report.page import Block, Cell, Grid, SectionSpec, Tabs, text
 from valvetrain.solution.definition import label_of
 from valvetrain.solution.fidelity import GOOD, MISSING, OPEN, POOR, FidelityMap, FidelityRow
@@ -28,7 +36,11 @@ def blocks(study: Study) -> tuple[Block, ...]:
 def _recommended(found: FidelityMap) -> Grid:
     rows = tuple(
         (
-            (Cell(row.words), Cell(theme.model_words(row.cheapest), "", row.cheapest), Cell(reason_for(found, row.quantity), "quiet long")),
+            (
+                Cell(row.words),
+                Cell(theme.model_words(row.cheapest), "", row.cheapest),
+                Cell(reason_for(found, row.quantity), "quiet long"),
+            ),
             (),
         )
         for row in reach_rows(found)
@@ -39,18 +51,37 @@ def _recommended(found: FidelityMap) -> Grid:
 def _reaches(found: FidelityMap) -> Grid:
     costs, reference = dict(found.costs), dict(found.costs)[found.reference]
     rows = [
-        ((Cell(row.words), *(Cell(cell, "number good" if cell == "all" else "number") for cell in row.cells)), ())
+        (
+            (
+                Cell(row.words),
+                *(Cell(cell, "number good" if cell == "all" else "number") for cell in row.cells),
+            ),
+            (),
+        )
         for row in reach_rows(found)
     ]
     rows.append(
-        ((Cell("Time of a run, the reference's being 1"), *(Cell(f"{costs[m] / reference:.2g}", "number") for m in found.models)), ())
+        (
+            (
+                Cell("Time of a run, the reference's being 1"),
+                *(Cell(f"{costs[m] / reference:.2g}", "number") for m in found.models),
+            ),
+            (),
+        )
     )
-    return Grid(("good enough (rpm)", *(theme.model_words(model) for model in found.models)), tuple(rows))
+    return Grid(
+        ("good enough (rpm)", *(theme.model_words(model) for model in found.models)), tuple(rows)
+    )
 
 
 def _maps(found: FidelityMap) -> tuple[Block, ...]:
-    """A table per quantity: difference to the reference by model and engine speed, in the tone of its verdict."""
-    maps = tuple((label_of(name)[:1].upper() + label_of(name)[1:], (_map(found, name),)) for name in found.quantities)
+    """A table per quantity: difference to the reference by model and engine speed, in the tone of
+    its verdict.
+    """
+    maps = tuple(
+        (label_of(name)[:1].upper() + label_of(name)[1:], (_map(found, name),))
+        for name in found.quantities
+    )
     return (Tabs(maps, "fidelity-map"),) if len(maps) > 1 else maps[0][1]
 
 
@@ -63,7 +94,9 @@ def _map(found: FidelityMap, name: str) -> Grid:
         f"{label_of(name)[:1].upper() + label_of(name)[1:]}: difference to {theme.model_words(found.reference)} in per cent of its largest "
         "value, by engine speed (rpm). Green: good enough; red: not; grey: the error bars leave it open."
     )
-    return Grid(("model", *(f"{speed:.6g}" for speed in speed_axis(found))), tuple(rows), caption=caption)
+    return Grid(
+        ("model", *(f"{speed:.6g}" for speed in speed_axis(found))), tuple(rows), caption=caption
+    )
 
 
 def _cell(row: FidelityRow, verdict: str) -> Cell:

@@ -1,4 +1,6 @@
-"""Figures of one source, the beehive spring of gu2021: force by stages with published values, spikes close up, nodes 1 and 2."""
+"""Figures of one source, the beehive spring of gu2021: force by stages with published values,
+spikes close up, nodes 1 and 2.
+"""
 
 from __future__ import annotations
 
@@ -8,8 +10,15 @@ from valvetrain.quantities.cycle import reported_cycle
 from valvetrain.quantities.filters import fine_filtered, fine_series
 from valvetrain.report import theme
 from valvetrain.report.chart import Band, Chart, Layer, Line, Marks, Panel, thin
-from valvetrain.report.figures.common import ANGLE_LABEL, Array, by_speed, looks, over_angle, told_by_source
 from valvetrain.report.page import Block, SectionSpec, figure_or_gap
+from valvetrain.report.run_charts import (
+    ANGLE_LABEL,
+    Array,
+    by_speed,
+    looks,
+    over_angle,
+    told_by_source,
+)
 from valvetrain.report.words import number, speed_words
 from valvetrain.solution.quantity import same_speed
 from valvetrain.solution.record import PublishedValue
@@ -19,7 +28,8 @@ from valvetrain.sources.gu2021_nodes import coils_of
 
 STUDY = "gu2021"
 SPIKE_BANDWIDTH = 10e3
-#: The close-up begins this far (cam deg) before the end of the lift event and ends this far after it.
+#: The close-up begins this far (cam deg) before the end of the lift event and ends this far after
+#: it.
 SPIKE_REACH = (8.0, 87.0)
 #: Channel -> (word of a published name, unit shown, factor).
 MOTIONS = {
@@ -30,16 +40,24 @@ _NODES = {1: theme.SERIES[4], 2: theme.SERIES[0]}
 
 
 def blocks(study: Study) -> tuple[Block, ...]:
-    """Nothing for any other case, nor where the run is not that of the source: changed values, other speeds or models."""
+    """Nothing for any other case, nor where the run is not that of the source: changed values,
+    other speeds or models.
+    """
     if study.record.study != STUDY or study.lift_event is None or not told_by_source(study):
         return ()
 
     def at(engine_speed: float, runs: list[Solution], key: str) -> tuple[Block, ...]:
         speed = speed_words(engine_speed)
-        found = figure_or_gap(f"Force by stages at {speed}", force_chart, study, runs, engine_speed, f"{key}-force")
-        found += figure_or_gap(f"Stage III at {speed}", spike_chart, study, runs, engine_speed, f"{key}-spikes")
+        found = figure_or_gap(
+            f"Force by stages at {speed}", force_chart, study, runs, engine_speed, f"{key}-force"
+        )
+        found += figure_or_gap(
+            f"Stage III at {speed}", spike_chart, study, runs, engine_speed, f"{key}-spikes"
+        )
         for place, run in enumerate(runs, start=1):
-            found += figure_or_gap(f"Nodes at {speed}", node_chart, study, run, f"{key}-nodes-{place}")
+            found += figure_or_gap(
+                f"Nodes at {speed}", node_chart, study, run, f"{key}-nodes-{place}"
+            )
         return found
 
     return by_speed(study, "gu2021", at)
@@ -48,26 +66,47 @@ def blocks(study: Study) -> tuple[Block, ...]:
 def event_degrees(study: Study) -> tuple[float, float]:
     """Start and end of the lift event in cam degrees (zeros without one)."""
     event = study.lift_event
-    return (0.0, 0.0) if event is None else (float(np.degrees(event.start)), float(np.degrees(event.end)))
+    return (
+        (0.0, 0.0)
+        if event is None
+        else (float(np.degrees(event.start)), float(np.degrees(event.end)))
+    )
 
 
 def stage_bands(study: Study, worded: bool = True) -> tuple[Band, ...]:
     """The source's three stages; the second is the lift event."""
     edges = (0.0, *event_degrees(study), 360.0)
     names = ("Stage I", "Stage II", "Stage III")
-    return tuple(Band(edges[n], edges[n + 1], names[n] if worded else "", shaded=n == 1) for n in range(3))
+    return tuple(
+        Band(edges[n], edges[n + 1], names[n] if worded else "", shaded=n == 1) for n in range(3)
+    )
 
 
 def published_forces(study: Study, engine_speed: float) -> list[tuple[PublishedValue, float]]:
-    """Published forces with their cam angle (deg): their own, else the one that another origin prints for the same quantity."""
-    values = [value for value in study.record.published if same_speed(value.engine_speed, engine_speed)]
-    angles = {(value.model, value.quantity): value.value for value in values if value.quantity.endswith("_cam_angle")}
+    """Published forces with their cam angle (deg): their own, else the one that another origin
+    prints for the same quantity.
+    """
+    values = [
+        value for value in study.record.published if same_speed(value.engine_speed, engine_speed)
+    ]
+    angles = {
+        (value.model, value.quantity): value.value
+        for value in values
+        if value.quantity.endswith("_cam_angle")
+    }
     found = []
     for value in values:
         if value.quantity.startswith("stage_") and value.quantity.endswith("_force"):
             wanted = value.quantity.removesuffix("_force") + "_cam_angle"
             whose = [value.model, *(model for model, name in angles if name == wanted)]
-            angle = next((float(np.degrees(angles[model, wanted])) for model in whose if (model, wanted) in angles), None)
+            angle = next(
+                (
+                    float(np.degrees(angles[model, wanted]))
+                    for model in whose
+                    if (model, wanted) in angles
+                ),
+                None,
+            )
             if value.quantity == "stage_2_end_force":
                 angle = event_degrees(study)[1]
             if angle is not None:
@@ -81,7 +120,10 @@ def _marks(found: list[tuple[PublishedValue, float]], factor: float = 1.0) -> li
         mine = [(value, angle) for value, angle in found if value.model == origin]
         sign, words, colour, symbol = theme.origin_style(origin)
         labels = tuple(f"{sign} {number(value.value * factor)}" for value, _ in mine)
-        x, y = np.array([angle for _, angle in mine]), np.array([value.value * factor for value, _ in mine])
+        x, y = (
+            np.array([angle for _, angle in mine]),
+            np.array([value.value * factor for value, _ in mine]),
+        )
         marks.append(Marks(x, y, words, colour, symbol, labels))
     return marks
 
@@ -97,17 +139,36 @@ def force_chart(study: Study, runs: list[Solution], engine_speed: float, key: st
     for run in runs:
         found = over_angle(run, "seat_force")
         if found is not None:
-            lines.append(Line(*thin(*found), known[run.label].words, known[run.label].colour, 1.6, known[run.label].dash))
+            lines.append(
+                Line(
+                    *thin(*found),
+                    known[run.label].words,
+                    known[run.label].colour,
+                    1.6,
+                    known[run.label].dash,
+                )
+            )
     if not lines:
         return None
     layers: tuple[Layer, ...] = (*_last(lines), *_marks(published_forces(study, engine_speed)))
-    panel = Panel(ANGLE_LABEL, "force on the lower seat (N)", layers, bands=stage_bands(study), x_range=(0, 360), x_step=30)
+    panel = Panel(
+        ANGLE_LABEL,
+        "force on the lower seat (N)",
+        layers,
+        bands=stage_bands(study),
+        x_range=(0, 360),
+        x_step=30,
+    )
     caption = "Stages of the source; open marks are its values: FE solid finite elements, AN analytical modal model, EX engine head test."
-    return Chart(key, f"Force by stages at {speed_words(engine_speed)}", caption, (panel,), height=430)
+    return Chart(
+        key, f"Force by stages at {speed_words(engine_speed)}", caption, (panel,), height=430
+    )
 
 
 def spike_series(study: Study, run: Solution) -> tuple[Array, Array, Array] | None:
-    """Cam angle (deg), force as finely as the run holds it and below 10 kHz (N; nan where samples are too few), about the event's end."""
+    """Cam angle (deg), force as finely as the run holds it and below 10 kHz (N; nan where samples
+    are too few), about the event's end.
+    """
     if not run.has("seat_force") or study.lift_event is None:
         return None
     end, cycle = event_degrees(study)[1], reported_cycle(run)
@@ -115,8 +176,14 @@ def spike_series(study: Study, run: Solution) -> tuple[Array, Array, Array] | No
     _, angle, values = fine_series(run)
     smooth = fine_filtered(run, SPIKE_BANDWIDTH) if run.has("coil_contact_force") else None
     degrees = np.degrees(angle - turn)
-    near = (degrees >= end - SPIKE_REACH[0] - 1e-9) & (degrees <= min(end + SPIKE_REACH[1], 360.0) + 1e-9)
-    return degrees[near], values[near], np.full(int(near.sum()), np.nan) if smooth is None else smooth[near]
+    near = (degrees >= end - SPIKE_REACH[0] - 1e-9) & (
+        degrees <= min(end + SPIKE_REACH[1], 360.0) + 1e-9
+    )
+    return (
+        degrees[near],
+        values[near],
+        np.full(int(near.sum()), np.nan) if smooth is None else smooth[near],
+    )
 
 
 def spike_chart(study: Study, runs: list[Solution], engine_speed: float, key: str) -> Chart | None:
@@ -129,7 +196,11 @@ def spike_chart(study: Study, runs: list[Solution], engine_speed: float, key: st
             if np.any(np.isfinite(found[2])):
                 # Darker than the raw line, so that the two part where they lie on each other.
                 dark = theme.mix(look.colour, theme.INK, 0.75)
-                lines.append(Line(*thin(found[0], found[2]), f"{look.words}, below 10 kHz", dark, 1.4, "dash"))
+                lines.append(
+                    Line(
+                        *thin(found[0], found[2]), f"{look.words}, below 10 kHz", dark, 1.4, "dash"
+                    )
+                )
     if not lines:
         return None
     end = event_degrees(study)[1]
@@ -144,7 +215,9 @@ def spike_chart(study: Study, runs: list[Solution], engine_speed: float, key: st
 
 
 def node_chart(study: Study, run: Solution, key: str) -> Chart | None:
-    """Motion of the wire at the ends of coils 1 and 2, published extremes marked; None for a run without wire points."""
+    """Motion of the wire at the ends of coils 1 and 2, published extremes marked; None for a run
+    without wire points.
+    """
     cycle = reported_cycle(run)
     panels: list[Panel] = []
     angle, coils = np.degrees(cycle.cam_angle), coils_of(study.record.points)
@@ -153,22 +226,43 @@ def node_chart(study: Study, run: Solution, key: str) -> Chart | None:
         for node, colour in _NODES.items():
             values = cycle.at_coil(channel, coils[node])
             # In the source the displacement of node 2 counts from where coil 2 touches coil 1.
-            gap = cycle.at_coil("coil_gap", coils[2]) if (channel, node) == ("axial_displacement", 2) else None
+            gap = (
+                cycle.at_coil("coil_gap", coils[2])
+                if (channel, node) == ("axial_displacement", 2)
+                else None
+            )
             values = gap if gap is not None and np.all(np.isfinite(gap)) else values
             if values is not None:
                 place = f"end of coil {node}" if coils[node] == node else f"coil {coils[node]:g}"
-                layers.append(Line(*thin(angle, values * factor), f"node {node} ({place})", colour, width=1.3))
+                layers.append(
+                    Line(*thin(angle, values * factor), f"node {node} ({place})", colour, width=1.3)
+                )
         if layers:
             layers += _marks(_published_motion(study, run.engine_speed, word), factor)
             bands = stage_bands(study, worded=not panels)
-            panels.append(Panel(ANGLE_LABEL, f"{word} ({unit})", tuple(layers), bands=bands, x_range=(0, 360), x_step=30))
+            panels.append(
+                Panel(
+                    ANGLE_LABEL,
+                    f"{word} ({unit})",
+                    tuple(layers),
+                    bands=bands,
+                    x_range=(0, 360),
+                    x_step=30,
+                )
+            )
     title = f"Nodes 1 and 2: {looks(study)[run.label].words}, {speed_words(run.engine_speed)}"
     caption = "Axial motion, seat to retainer positive. Node 2 counts from where coil 2 touches coil 1, node 1 from the installed state."
     return Chart(key, title, caption, tuple(panels), height=720) if panels else None
 
 
-def _published_motion(study: Study, engine_speed: float, word: str) -> list[tuple[PublishedValue, float]]:
-    values = {(value.model, value.quantity): value for value in study.record.published if same_speed(value.engine_speed, engine_speed)}
+def _published_motion(
+    study: Study, engine_speed: float, word: str
+) -> list[tuple[PublishedValue, float]]:
+    values = {
+        (value.model, value.quantity): value
+        for value in study.record.published
+        if same_speed(value.engine_speed, engine_speed)
+    }
     found = []
     for (model, name), value in values.items():
         angle = values.get((model, f"{name}_cam_angle"))

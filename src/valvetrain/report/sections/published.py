@@ -1,4 +1,6 @@
-"""Computed beside given values, only where there are any: one dot plot, one table with filters, findings, notes behind them."""
+"""Computed beside given values, only where there are any: one dot plot, one table with filters,
+findings, notes behind them.
+"""
 
 from __future__ import annotations
 
@@ -8,15 +10,25 @@ import numpy as np
 
 from valvetrain.report import theme
 from valvetrain.report.chart import Chart, Layer, Line, Marks, Panel, Rule
-from valvetrain.report.comparison_grid import comparison_grid
-from valvetrain.report.page import Block, Cell, Grid, SectionSpec, figure_or_gap, prose
+from valvetrain.report.page import (
+    Block,
+    Cell,
+    Details,
+    Grid,
+    SectionSpec,
+    figure_or_gap,
+    prose,
+    text,
+)
+from valvetrain.report.table import comparison_grid
+from valvetrain.report.uncertainty_section import firmness, lead, uncertainty_grid
 from valvetrain.report.words import in_unit, number, speed_words, unit_words
 from valvetrain.solution.comparison import Comparison
 from valvetrain.solution.definition import label_of
 from valvetrain.solution.quantity import same_speed
 from valvetrain.solution.study import Study
 from valvetrain.studies.error_bars import Uncertainty
-from valvetrain.studies.uncertainty_file import load_uncertainty
+from valvetrain.studies.uncertainty_file import fresh_uncertainty, load_uncertainty, meshes_of
 
 #: Ends of the ratio axis; what lies beyond stands at the end as a triangle, its number on hover.
 AXIS = (0.5, 1.5)
@@ -24,45 +36,88 @@ AXIS = (0.5, 1.5)
 NAMED_ROWS = 40
 
 
-def blocks(study: Study) -> tuple[Block, ...]:
+def published_blocks(study: Study) -> tuple[Block, ...]:
     """Nothing for a study without comparisons, findings and notes."""
     found: list[Block] = []
     if study.comparisons:
         found += figure_or_gap("Computed over given values", ratio_chart, study)
         found.append(comparison_grid(study.comparisons))
     if study.findings:
-        rows = tuple((tuple(Cell(words) for words in (one.place, one.statement, one.computed, one.verdict)), ()) for one in study.findings)
-        found.append(Grid(("place in the source", "finding of the source", "computed here", "verdict"), rows))
+        rows = tuple(
+            (
+                tuple(
+                    Cell(words) for words in (one.place, one.statement, one.computed, one.verdict)
+                ),
+                (),
+            )
+            for one in study.findings
+        )
+        found.append(
+            Grid(("place in the source", "finding of the source", "computed here", "verdict"), rows)
+        )
     return (*found, *prose(study.notes, "Notes on these values")) if found else ()
 
 
 def ratios(rows: tuple[Comparison, ...]) -> list[tuple[Comparison, float]]:
-    """Rows with their computed over given value, by engine speed; those without either, or with a given zero, are left out."""
-    known = [(row, row.computed / row.published) for row in rows if row.computed is not None and row.published]
-    return sorted(((row, ratio) for row, ratio in known if np.isfinite(ratio)), key=lambda pair: pair[0].engine_speed or 0.0)
+    """Rows with their computed over given value, by engine speed; those without either, or with a
+    given zero, are left out.
+    """
+    known = [
+        (row, row.computed / row.published)
+        for row in rows
+        if row.computed is not None and row.published
+    ]
+    return sorted(
+        ((row, ratio) for row, ratio in known if np.isfinite(ratio)),
+        key=lambda pair: pair[0].engine_speed or 0.0,
+    )
 
 
 def ratio_chart(study: Study) -> Chart | None:
-    """One row per given value: computed over given, bars for stated tolerance and numerical uncertainty; None without a ratio."""
+    """One row per given value: computed over given, bars for stated tolerance and numerical
+    uncertainty; None without a ratio.
+    """
     known = ratios(study.comparisons)[::-1]  # the first stands on top
     if not known:
         return None
     height = np.arange(len(known), dtype=float)
-    unsure = {(row.quantity, round(row.engine_speed or 0.0, 3)): row for row in load_uncertainty(study.record) if not row.label}
-    allowed = [None if row.tolerance is None else row.tolerance / abs(row.published) for row, _ in known]
+    unsure = {
+        (row.quantity, round(row.engine_speed or 0.0, 3)): row
+        for row in load_uncertainty(study.record)
+        if not row.label
+    }
+    allowed = [
+        None if row.tolerance is None else row.tolerance / abs(row.published) for row, _ in known
+    ]
     layers: list[Layer] = [
         *_spans("stated tolerance", theme.RULE, 5.0, [(1.0, half) for half in allowed]),
-        *_spans("numerical uncertainty", theme.MUTED, 1.6, [(ratio, _half(row, unsure)) for row, ratio in known]),
+        *_spans(
+            "numerical uncertainty",
+            theme.MUTED,
+            1.6,
+            [(ratio, _half(row, unsure)) for row, ratio in known],
+        ),
         *_dots(known, height),
     ]
     named = len(known) <= NAMED_ROWS
-    sides = [label_of(row.quantity) for row, _ in known] if named else _group_words([row for row, _ in known])
-    words_at = tuple((float(place), words) for place, words in zip(height, sides, strict=True) if words)
+    sides = (
+        [label_of(row.quantity) for row, _ in known]
+        if named
+        else _group_words([row for row, _ in known])
+    )
+    words_at = tuple(
+        (float(place), words) for place, words in zip(height, sides, strict=True) if words
+    )
     span = (-1.0, float(len(known)))
     panel = Panel(
-        "computed / given value (ratio)", "one row per value", tuple(layers), rules=(Rule("x", 1.0),), x_range=AXIS, y_range=span,
+        "computed / given value (ratio)",
+        "one row per value",
+        tuple(layers),
+        rules=(Rule("x", 1.0),),
+        x_range=AXIS,
+        y_range=span,
         y_words=words_at,
-    )  # fmt: skip
+    )
     left = len(study.comparisons) - len(known)
     caption = "Each mark is a computed value over the given one; name, engine speed and source show on it. Triangles stand beyond the axis."
     caption += f" {left} values without a ratio stand in the table only." if left else ""
@@ -70,11 +125,21 @@ def ratio_chart(study: Study) -> Chart | None:
     return Chart("ratios", "Computed over given values", caption, (panel,), height=size)
 
 
-def _spans(words: str, colour: str, width: float, spans: list[tuple[float, float | None]]) -> list[Line]:
+def _spans(
+    words: str, colour: str, width: float, spans: list[tuple[float, float | None]]
+) -> list[Line]:
     """Level strokes of half width about a centre, one per row where a half width is known."""
     known = [(place, centre, half) for place, (centre, half) in enumerate(spans) if half]
-    x = np.array([[centre - half, centre + half, np.nan] for _, centre, half in known]).clip(*AXIS).ravel()
-    return [Line(x, np.repeat([float(place) for place, _, _ in known], 3), words, colour, width)] if known else []
+    x = (
+        np.array([[centre - half, centre + half, np.nan] for _, centre, half in known])
+        .clip(*AXIS)
+        .ravel()
+    )
+    return (
+        [Line(x, np.repeat([float(place) for place, _, _ in known], 3), words, colour, width)]
+        if known
+        else []
+    )
 
 
 def _dots(known: list[tuple[Comparison, float]], height: np.ndarray) -> list[Marks]:
@@ -85,32 +150,86 @@ def _dots(known: list[tuple[Comparison, float]], height: np.ndarray) -> list[Mar
         for outside in (False, True):
             mine = np.array([row.origin == origin for row, _ in known]) & (beyond == outside)
             chosen = [known[place] for place in np.flatnonzero(mine)]
-            x, hints = np.array([ratio for _, ratio in chosen]).clip(*AXIS), tuple(_hint(row, ratio) for row, ratio in chosen)
+            x, hints = (
+                np.array([ratio for _, ratio in chosen]).clip(*AXIS),
+                tuple(_hint(row, ratio) for row, ratio in chosen),
+            )
             alone = outside and not (found and found[-1].colour == colour)
-            name, sign = (f"{words}, beyond", "triangle") if outside else (words, "square" if symbol == "triangle" else symbol)
+            name, sign = (
+                (f"{words}, beyond", "triangle")
+                if outside
+                else (words, "square" if symbol == "triangle" else symbol)
+            )
             if chosen:
-                found.append(Marks(x, height[mine], name, colour, sign, in_legend=not outside or alone, filled=True, size=7, hints=hints))
+                found.append(
+                    Marks(
+                        x,
+                        height[mine],
+                        name,
+                        colour,
+                        sign,
+                        in_legend=not outside or alone,
+                        filled=True,
+                        size=7,
+                        hints=hints,
+                    )
+                )
     return found
 
 
 def _hint(row: Comparison, ratio: float) -> str:
     speed = "at rest" if row.engine_speed is None else speed_words(row.engine_speed)
-    computed, given = (number(in_unit(value, row.unit)) for value in (row.computed or 0.0, row.published))
+    computed, given = (
+        number(in_unit(value, row.unit)) for value in (row.computed or 0.0, row.published)
+    )
     source = row.source or row.origin
     return f"{label_of(row.quantity)}, {speed}: computed {computed}, given {given} {unit_words(row.unit)}, ratio {ratio:.3f}; {source}"
 
 
 def _half(row: Comparison, unsure: Mapping[tuple[str, float], Uncertainty]) -> float | None:
-    """Half width of the numerical uncertainty as a share of the given value, where one was computed for this number."""
+    """Half width of the numerical uncertainty as a share of the given value, where one was computed
+    for this number.
+    """
     held = unsure.get((row.quantity, round(row.engine_speed or 0.0, 3)))
-    fits = held is not None and row.model == "finite-element" and same_speed(held.engine_speed, row.engine_speed)
+    fits = (
+        held is not None
+        and row.model == "finite-element"
+        and same_speed(held.engine_speed, row.engine_speed)
+    )
     return abs(held.numerical / row.published) if held is not None and fits else None
 
 
 def _group_words(rows: list[Comparison]) -> list[str]:
     """The engine speed, at the first row (from the top) of each."""
-    words = ["at rest" if row.engine_speed is None else speed_words(row.engine_speed) for row in rows]
-    return [word if place == len(words) - 1 or words[place + 1] != word else "" for place, word in enumerate(words)]
+    words = [
+        "at rest" if row.engine_speed is None else speed_words(row.engine_speed) for row in rows
+    ]
+    return [
+        word if place == len(words) - 1 or words[place + 1] != word else ""
+        for place, word in enumerate(words)
+    ]
 
 
-SPEC = SectionSpec("published", "Computed and given values", blocks)
+PUBLISHED_SPEC = SectionSpec("published", "Computed and given values", published_blocks)
+
+
+#: Rows of a table beyond which it is folded, so that the figures below stay near.
+ONE_SCREEN = 30
+
+
+def uncertainty_blocks(study: Study) -> tuple[Block, ...]:
+    """Nothing for a case that was changed, one of one's own, or numbers that another version or
+    other engine speeds gave.
+    """
+    rows, fresh = load_uncertainty(study.record), fresh_uncertainty(study)
+    if not fresh:
+        return ()
+    left = f"{len(rows) - len(fresh)} stored rows are left out: this run computes other values or other speeds."
+    notes = (text(left, "note"),) if len(fresh) < len(rows) else ()
+    grid: Block = uncertainty_grid(fresh)
+    if len(fresh) > ONE_SCREEN:
+        grid = Details(f"All {len(fresh)} numbers with their error bars", (grid,))
+    return (text(firmness(fresh)), grid, text(lead(meshes_of(study.record)), "quiet"), *notes)
+
+
+UNCERTAINTY_SPEC = SectionSpec("uncertainty", "Numbers with error bars", uncertainty_blocks)

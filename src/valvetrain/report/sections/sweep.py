@@ -1,4 +1,6 @@
-"""Over engine speed: forces, clash, surge, seating and lift by label, and the order map of the surge."""
+"""Over engine speed: forces, clash, surge, seating and lift by label, and the order map of the
+surge.
+"""
 
 from __future__ import annotations
 
@@ -6,14 +8,113 @@ import re
 
 import numpy as np
 
+from valvetrain.quantities.cycle import reported_cycle
+from valvetrain.quantities.spectrum import order_spectrum
 from valvetrain.report import theme
-from valvetrain.report.chart import Chart, HeatMap, Layer, Line, Marks, Panel
-from valvetrain.report.figures.common import MOST_LINES, Array, looks
-from valvetrain.report.page import Block, SectionSpec, Tabs, figure_or_gap
-from valvetrain.report.sections.orders import surge_orders
-from valvetrain.report.words import rpm
+from valvetrain.report.chart import Chart, HeatMap, Layer, Line, Marks, Panel, Rule
+from valvetrain.report.critical_words import critical_notes, critical_rows, searched
+from valvetrain.report.page import Block, Cell, Grid, SectionSpec, Tabs, figure_or_gap, text
+from valvetrain.report.run_charts import MOST_LINES, Array, bars, looks, panels_chart, runs_at
+from valvetrain.report.words import number, rpm, speed_words
 from valvetrain.solution.definition import label_of, shown
+from valvetrain.solution.result import Solution
 from valvetrain.solution.study import Study
+
+LARGEST_ORDER = 40
+
+
+def orders_blocks(study: Study) -> tuple[Block, ...]:
+    """One figure, a panel per engine speed."""
+    return figure_or_gap("Cam orders of the spring force", order_chart, study)
+
+
+def dynamic_orders(run: Solution) -> tuple[Array, Array] | None:
+    """Cam orders and amplitudes (N, 0 to peak) of the retainer force less its value at rest at the
+    same lift; None without a whole cycle.
+
+    Quantities ``surge_order_n_force`` are taken where the run gives them, so that page and numbers
+    are the same.
+    """
+    named = {
+        n: run.quantities[f"surge_order_{n}_force"]
+        for n in range(1, LARGEST_ORDER + 1)
+        if f"surge_order_{n}_force" in run.quantities
+    }
+    if named:
+        return np.array(list(named), dtype=float), np.array(list(named.values()))
+    if not run.has("retainer_force", "static_retainer_force") or not reported_cycle(run).whole:
+        return None
+    force = run.arrays["retainer_force"]
+    dynamic = force._replace(values=force.values - run.channel("static_retainer_force"))
+    spectrum = order_spectrum(
+        reported_cycle(run.with_channels({"dynamic": dynamic})), "dynamic", LARGEST_ORDER
+    )
+    return spectrum.order[1:], spectrum.amplitude[1:]
+
+
+def surge_orders(study: Study, run: Solution) -> dict[str, float]:
+    """Words -> cam order of the surge frequencies that are known of a run."""
+    found = {}
+    places = (run.quantities, *(study.still.get(label, {}) for label in (run.label, run.model, "")))
+    for name in ("surge_frequency", *(f"{spring}_surge_frequency" for spring in run.springs)):
+        value = next((one[name] for one in places if name in one), None)
+        if value is not None and run.engine_speed > 0:
+            whose = name.removesuffix("surge_frequency").replace("_", " ")
+            found[f"{whose}surge {number(value)} Hz"] = value * 4 * np.pi / run.engine_speed
+    return found
+
+
+def order_chart(study: Study) -> Chart | None:
+    """Bars of the dynamic force per cam order; None where no run gives them."""
+    known, panels = looks(study), []
+    for engine_speed in study.engine_speeds:
+        found = [
+            (run, *given)
+            for run in runs_at(study, engine_speed)
+            if (given := dynamic_orders(run)) is not None
+        ]
+        for start in range(0, len(found), MOST_LINES):
+            part = found[start : start + MOST_LINES]
+            layers: list[Layer] = []
+            for place, (run, orders, sizes) in enumerate(part):
+                x, y = bars(orders, sizes, place, len(part))
+                layers.append(
+                    Line(
+                        x,
+                        y,
+                        known[run.label].words,
+                        known[run.label].colour,
+                        max(2.0, 8.0 / len(part)),
+                    )
+                )
+            last = max(float(orders.max()) for _, orders, _ in part)
+            marks = {
+                round(order, 3): words
+                for run, _, _ in part
+                for words, order in surge_orders(study, run).items()
+                if order <= last
+            }
+            rules = tuple(Rule("x", order, words) for order, words in list(marks.items())[:3])
+            tall = max(float(np.nanmax(sizes)) for _, _, sizes in part)
+            y_label, span = "dynamic spring force (N, 0 to peak)", (0.0, 1.12 * tall or 1.0)
+            panels.append(
+                Panel(
+                    "cam order (oscillations per cam turn)",
+                    y_label,
+                    tuple(layers),
+                    speed_words(engine_speed),
+                    (),
+                    rules,
+                    (0.0, last + 1),
+                    span,
+                )
+            )
+    caption = "Force on the retainer less its value at rest at the same lift, by cam order; dotted: order of the surge frequency."
+    return panels_chart("orders", "Cam orders of the spring force", caption, panels, 260)
+
+
+ORDERS_SPEC = SectionSpec("orders", "Cam orders", orders_blocks)
+
 
 #: Drawn over engine speed, those that a study gives.
 CURVES = (
@@ -26,7 +127,7 @@ LEAST_SPEEDS = 3
 _ORDER = re.compile(r"surge_order_(\d+)_force")
 
 
-def blocks(study: Study) -> tuple[Block, ...]:
+def sweep_blocks(study: Study) -> tuple[Block, ...]:
     """Curves, then an order map per label."""
     if len(study.engine_speeds) < LEAST_SPEEDS:
         return ()
@@ -36,7 +137,9 @@ def blocks(study: Study) -> tuple[Block, ...]:
         found = figure_or_gap(title, order_map, study, label, f"order-map-{place}", title)
         if found:
             maps.append((known[label].words, found))
-    tabs: tuple[Block, ...] = (maps[0][1] if maps else ()) if len(maps) < 2 else (Tabs(tuple(maps), "order-map"),)
+    tabs: tuple[Block, ...] = (
+        (maps[0][1] if maps else ()) if len(maps) < 2 else (Tabs(tuple(maps), "order-map"),)
+    )
     return (*figure_or_gap("Over engine speed", sweep_chart, study), *tabs)
 
 
@@ -44,14 +147,21 @@ def sweep_chart(study: Study) -> Chart | None:
     """One panel per quantity, a line per label; open marks where the motion did not settle."""
     panels = []
     for name in CURVES:
-        given = [label for label in study.labels if np.any(np.isfinite(study.series(label, name)[1]))]
-        panels += [_panel(study, name, given[start : start + MOST_LINES]) for start in range(0, len(given), MOST_LINES)]
+        given = [
+            label for label in study.labels if np.any(np.isfinite(study.series(label, name)[1]))
+        ]
+        panels += [
+            _panel(study, name, given[start : start + MOST_LINES])
+            for start in range(0, len(given), MOST_LINES)
+        ]
     if not panels:
         return None
     caption = "Each engine speed on its own. Open marks: the motion did not repeat there, its last cycle is shown."
     if study.command == "run-up":
         caption = "One value per cam turn, at its mean engine speed: the envelope of the run-up."
-    return Chart("sweep", "Over engine speed", caption, tuple(panels), 2, 240 * (-(-len(panels) // 2)) + 30)
+    return Chart(
+        "sweep", "Over engine speed", caption, tuple(panels), 2, 240 * (-(-len(panels) // 2)) + 30
+    )
 
 
 def _panel(study: Study, name: str, labels: list[str]) -> Panel:
@@ -62,38 +172,88 @@ def _panel(study: Study, name: str, labels: list[str]) -> Panel:
         values, unit = shown(name, values)
         x, look = np.array([rpm(speed) for speed in speeds]), known[label]
         layers.append(Line(x, values, look.words, look.colour, 1.6, look.dash))
-        restless = np.array([not run.status.completed for run in study.runs(label)]) & np.isfinite(values)
+        restless = np.array([not run.status.completed for run in study.runs(label)]) & np.isfinite(
+            values
+        )
         if restless.any():
-            layers.append(Marks(x[restless], values[restless], f"{look.words}, not settled", look.colour, size=6, in_legend=False))
-    return Panel("engine speed (rpm)", f"{label_of(name)} ({unit})" if unit else label_of(name), tuple(layers))
+            layers.append(
+                Marks(
+                    x[restless],
+                    values[restless],
+                    f"{look.words}, not settled",
+                    look.colour,
+                    size=6,
+                    in_legend=False,
+                )
+            )
+    return Panel(
+        "engine speed (rpm)",
+        f"{label_of(name)} ({unit})" if unit else label_of(name),
+        tuple(layers),
+    )
 
 
 def order_table(study: Study, label: str) -> tuple[Array, Array, Array]:
-    """Engine speeds (rad/s), cam orders and amplitudes (N; order, speed) of a label, nan where a run does not give one."""
+    """Engine speeds (rad/s), cam orders and amplitudes (N; order, speed) of a label, nan where a
+    run does not give one.
+    """
     runs = study.runs(label)
-    orders = sorted({int(found[1]) for run in runs for name in run.quantities if (found := _ORDER.fullmatch(name))})
-    sizes = [[run.quantities.get(f"surge_order_{order}_force", np.nan) for run in runs] for order in orders]
-    return np.array([run.engine_speed for run in runs]), np.array(orders, dtype=float), np.array(sizes).reshape(len(orders), len(runs))
+    orders = sorted(
+        {
+            int(found[1])
+            for run in runs
+            for name in run.quantities
+            if (found := _ORDER.fullmatch(name))
+        }
+    )
+    sizes = [
+        [run.quantities.get(f"surge_order_{order}_force", np.nan) for run in runs]
+        for order in orders
+    ]
+    return (
+        np.array([run.engine_speed for run in runs]),
+        np.array(orders, dtype=float),
+        np.array(sizes).reshape(len(orders), len(runs)),
+    )
 
 
 def order_map(study: Study, label: str, key: str, title: str) -> Chart | None:
-    """Surge amplitude (N) over engine speed and cam order, surge lines over it, thin lines of equal frequency in Hz."""
+    """Surge amplitude (N) over engine speed and cam order, surge lines over it, thin lines of equal
+    frequency in Hz.
+    """
     speeds, orders, sizes = order_table(study, label)
     if len(orders) < 2 or len(speeds) < 2:
         return None
     x, top = np.array([rpm(speed) for speed in speeds]), float(orders[-1]) + 0.5
     hertz = orders[:, None] * (speeds / (4 * np.pi))[None, :]
-    heat = HeatMap(x, orders, np.nan_to_num(sizes), "surge amplitude", "N", y_words="cam order", second=hertz, second_unit="Hz")
+    heat = HeatMap(
+        x,
+        orders,
+        np.nan_to_num(sizes),
+        "surge amplitude",
+        "N",
+        y_words="cam order",
+        second=hertz,
+        second_unit="Hz",
+    )
     layers: list[Layer] = [heat]
     fine = np.linspace(speeds[0], speeds[-1], 200)
     for value in _round_steps(float(hertz.max())):
         layers.append(_frequency_line(fine, value, top, f"{value:g} Hz", "#7b8794", 0.9, "dot"))
     surges = {
-        words: order * run.engine_speed / (4 * np.pi) for run in study.runs(label) for words, order in surge_orders(study, run).items()
+        words: order * run.engine_speed / (4 * np.pi)
+        for run in study.runs(label)
+        for words, order in surge_orders(study, run).items()
     }
     for words, value in surges.items():
-        layers.append(_frequency_line(fine, value, top, words.partition("surge")[0] + "surge", theme.ALERT, 1.8, "dash"))
-    panel = Panel("engine speed (rpm)", "cam order", tuple(layers), x_range=(x[0], x[-1]), y_range=(0.5, top))
+        layers.append(
+            _frequency_line(
+                fine, value, top, words.partition("surge")[0] + "surge", theme.ALERT, 1.8, "dash"
+            )
+        )
+    panel = Panel(
+        "engine speed (rpm)", "cam order", tuple(layers), x_range=(x[0], x[-1]), y_range=(0.5, top)
+    )
     caption = (
         "Amplitude (0 to peak) of the spring force less its value at rest at the same lift, by cam order. Dashed: surge frequency; dotted: "
         "lines of equal frequency. Ridges rise where a cam order meets the surge."
@@ -101,11 +261,22 @@ def order_map(study: Study, label: str, key: str, title: str) -> Chart | None:
     return Chart(key, title, caption, (panel,), height=440, legend=False)
 
 
-def _frequency_line(speeds: Array, frequency: float, top: float, words: str, colour: str, width: float, dash: str) -> Line:
+def _frequency_line(
+    speeds: Array, frequency: float, top: float, words: str, colour: str, width: float, dash: str
+) -> Line:
     """Cam order of ``frequency`` (Hz) over engine speed (rad/s), drawn up to order ``top``, in rpm."""
     order = frequency * 4 * np.pi / speeds
     inside = order <= top
-    return Line(speeds[inside] * 30 / np.pi, order[inside], words, colour, width, dash, in_legend=False, direct=words)
+    return Line(
+        speeds[inside] * 30 / np.pi,
+        order[inside],
+        words,
+        colour,
+        width,
+        dash,
+        in_legend=False,
+        direct=words,
+    )
 
 
 def _round_steps(top: float) -> list[float]:
@@ -115,4 +286,29 @@ def _round_steps(top: float) -> list[float]:
     return [float(step * n) for n in range(1, 9) if step * n < top]
 
 
-SPEC = SectionSpec("sweep", "Over engine speed", blocks)
+SWEEP_SPEC = SectionSpec("sweep", "Over engine speed", sweep_blocks)
+
+
+def critical_blocks(study: Study) -> tuple[Block, ...]:
+    """A table of critical speeds, a column per label, and how they were searched."""
+    if not searched(study) or not len(study.critical_speeds):
+        return ()
+    known, labels = looks(study), study.labels
+    rows = tuple(
+        (
+            (
+                Cell(row.words if row.main else f"\u2003{row.words}"),
+                *(Cell(cell, "number") for cell in row.cells),
+            ),
+            (),
+        )
+        for row in critical_rows(study, labels)
+    )
+    headers = (
+        "engine speed (rpm)",
+        *(known[label].words if label in known else label for label in labels),
+    )
+    return (Grid(headers, rows), *(text(words, "note") for words in critical_notes(study)))
+
+
+CRITICAL_SPEC = SectionSpec("critical-speeds", "Critical speeds", critical_blocks)

@@ -30,7 +30,9 @@ POLL_INTERVAL = 0.2
 
 @dataclass(frozen=True)
 class SolverOutput:
-    """Texts of the result files (``fields`` only when asked for), the end of the run and its wall time (s)."""
+    """Texts of the result files (``fields`` only when asked for), the end of the run and its wall
+    time (s).
+    """
 
     printed: str
     fields: str
@@ -39,7 +41,9 @@ class SolverOutput:
 
 
 def find_solver() -> str:
-    """Path of ``ccx`` (environment variable CCX, else the PATH); :class:`MissingExtraError` with the install command."""
+    """Path of ``ccx`` (environment variable CCX, else the PATH); :class:`MissingExtraError` with
+    the install command.
+    """
     names = [given] if (given := os.environ.get("CCX")) else SOLVER_NAMES
     found = next((path for name in names if (path := shutil.which(name))), None)
     if found is None:
@@ -48,17 +52,32 @@ def find_solver() -> str:
 
 
 def run_deck(
-    deck: str, *, time_limit: float = 300.0, threads: int = 1, read_fields: bool = False, watch: Watch | None = None
+    deck: str,
+    *,
+    time_limit: float = 300.0,
+    threads: int = 1,
+    read_fields: bool = False,
+    watch: Watch | None = None,
 ) -> SolverOutput:
-    """Run ``deck`` and return what was written; a failed run is a status, with the solver's own reason.
+    """Run ``deck`` and return what was written; a failed run is a status, with the solver's own
+    reason.
 
-    ``watch`` is told the solver time reached, again and again; what it raises stops the solver and is raised here.
-    Raises :class:`MissingExtraError` without ``ccx`` and :class:`InputError` for a time limit or threads below zero.
+    ``watch`` is told the solver time reached, again and again; what it raises stops the solver and
+    is raised here.
+    Raises :class:`MissingExtraError` without ``ccx`` and :class:`InputError` for a time limit or
+    threads below zero.
     """
     if not time_limit > 0 or threads < 1:
-        raise InputError(f"a time limit of {time_limit:g} s on {threads} threads runs nothing; give a positive limit and at least 1 thread")
+        raise InputError(
+            f"a time limit of {time_limit:g} s on {threads} threads runs nothing; give a positive limit and at least 1 thread"
+        )
     solver = find_solver()
-    environment = {**os.environ, "OMP_NUM_THREADS": str(threads), "CCX_NPROC_STIFFNESS": str(threads), "CCX_NPROC_RESULTS": str(threads)}
+    environment = {
+        **os.environ,
+        "OMP_NUM_THREADS": str(threads),
+        "CCX_NPROC_STIFFNESS": str(threads),
+        "CCX_NPROC_RESULTS": str(threads),
+    }
     with work_folder() as folder:
         Path(folder, "job.inp").write_text(deck, encoding="ascii")
         started = time.perf_counter()
@@ -67,11 +86,17 @@ def run_deck(
         if status is None:
             status = _judge(log)
         printed = _text(folder, "job.dat")
-        return SolverOutput(printed, _text(folder, "job.frd") if read_fields else "", status, elapsed)
+        return SolverOutput(
+            printed, _text(folder, "job.frd") if read_fields else "", status, elapsed
+        )
 
 
-def _execute(solver: str, folder: str, environment: dict[str, str], time_limit: float, watch: Watch | None) -> tuple[Status | None, str]:
-    """Run to the end or the limit; a status already known (time ran out, signal) or None, and the log."""
+def _execute(
+    solver: str, folder: str, environment: dict[str, str], time_limit: float, watch: Watch | None
+) -> tuple[Status | None, str]:
+    """Run to the end or the limit; a status already known (time ran out, signal) or None, and the
+    log.
+    """
     with Path(folder, "job.log").open("wb") as log:
         process = start([solver, "job"], folder, environment, log)
         try:
@@ -88,7 +113,9 @@ def _execute(solver: str, folder: str, environment: dict[str, str], time_limit: 
     return Status("not-converged", f"CalculiX gave up: {reason}", remedy=REMEDY), words
 
 
-def _wait(process: subprocess.Popen[bytes], folder: str, time_limit: float, watch: Watch | None) -> int | None:
+def _wait(
+    process: subprocess.Popen[bytes], folder: str, time_limit: float, watch: Watch | None
+) -> int | None:
     """The exit code, or None where the limit (s) is over first."""
     end = time.perf_counter() + time_limit
     while (left := end - time.perf_counter()) > 0:
@@ -112,17 +139,27 @@ def _time_reached(folder: str) -> float:
 def _judge(log: str) -> Status:
     if "Job finished" in log:
         return COMPLETED
-    return Status("not-converged", f"CalculiX ended early: {_reason(log) or 'it gave no reason'}", remedy=REMEDY)
+    return Status(
+        "not-converged",
+        f"CalculiX ended early: {_reason(log) or 'it gave no reason'}",
+        remedy=REMEDY,
+    )
 
 
 def _reason(log: str) -> str:
-    """The solver's own words: its first error line with the line that continues it, or the last warning of divergence."""
+    """The solver's own words: its first error line with the line that continues it, or the last
+    warning of divergence.
+    """
     lines = [line.strip() for line in log.splitlines()]
     for number, line in enumerate(lines):
         if line.startswith("*ERROR"):
             follow = lines[number + 1] if number + 1 < len(lines) else ""
             return " ".join(f"{line.removeprefix('*ERROR').lstrip(': ')} {follow}".split())
-    told = [line for line in lines if "divergence" in line or "too many" in line.lower() or "smaller than minimum" in line]
+    told = [
+        line
+        for line in lines
+        if "divergence" in line or "too many" in line.lower() or "smaller than minimum" in line
+    ]
     return told[-1] if told else ""
 
 

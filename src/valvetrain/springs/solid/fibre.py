@@ -18,7 +18,8 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class FibreStress:
-    """Stress (Pa) along a fibre: ``shear`` between wire direction and circumference of the section, ``axial`` along the wire.
+    """Stress (Pa) along a fibre: ``shear`` between wire direction and circumference of the section,
+    ``axial`` along the wire.
 
     ``coil`` (points,) coil numbers; ``equivalent`` after von Mises.
     """
@@ -29,22 +30,31 @@ class FibreStress:
     equivalent: Array
 
     def mean_shear(self, first: float, last: float) -> float:
-        """Mean of the shear (Pa) between two coil numbers; whole turns average out what varies once around."""
+        """Mean of the shear (Pa) between two coil numbers; whole turns average out what varies once
+        around.
+        """
         if not self.coil[0] <= first < last <= self.coil[-1]:
-            raise InputError(f"coils {first:g} to {last:g} are not within {self.coil[0]:g} to {self.coil[-1]:g}; choose a stretch inside")
+            raise InputError(
+                f"coils {first:g} to {last:g} are not within {self.coil[0]:g} to {self.coil[-1]:g}; choose a stretch inside"
+            )
         fine = np.linspace(first, last, 2001)
         return float(np.trapezoid(np.interp(fine, self.coil, self.shear), fine) / (last - first))
 
 
-def fibre_stress(mesh: SolidMesh, displacement: NodalField, stress: NodalField, x: float = -1.0, y: float = 0.0) -> FibreStress:
-    """Stress on the fibre nearest to section place (x, y) of the unit disc; (-1, 0) is the inner fibre, (1, 0) the outer."""
+def fibre_stress(
+    mesh: SolidMesh, displacement: NodalField, stress: NodalField, x: float = -1.0, y: float = 0.0
+) -> FibreStress:
+    """Stress on the fibre nearest to section place (x, y) of the unit disc; (-1, 0) is the inner
+    fibre, (1, 0) the outer.
+    """
     from scipy.interpolate import CubicSpline
 
     nodes = mesh.fibre(x, y)
     coil = mesh.coil[nodes]
     moved = mesh.coordinates + np.nan_to_num(displacement.dense(len(mesh.coordinates))) / MILLIMETRE
     middle = _middle(mesh, moved, coil)
-    # Direction of the wire, not of its fibre: the inner one climbs steeper, and would count a share of the axial stress as shear.
+    # Direction of the wire, not of its fibre: the inner one climbs steeper, and would count a share
+    # of the axial stress as shear.
     tangent = CubicSpline(coil, middle)(coil, 1)
     tangent /= np.linalg.norm(tangent, axis=-1, keepdims=True)
     across = moved[nodes] - middle
@@ -55,11 +65,14 @@ def fibre_stress(mesh: SolidMesh, displacement: NodalField, stress: NodalField, 
     shear = np.einsum("ni,nij,nj->n", tangent, tensor, around)
     axial = np.einsum("ni,nij,nj->n", tangent, tensor, tangent)
     deviator = tensor - np.eye(3) * np.trace(tensor, axis1=1, axis2=2)[:, None, None] / 3
-    return FibreStress(coil, shear, axial, np.sqrt(1.5 * np.einsum("nij,nij->n", deviator, deviator)))
+    return FibreStress(
+        coil, shear, axial, np.sqrt(1.5 * np.einsum("nij,nij->n", deviator, deviator))
+    )
 
 
 def wire_torque(spring: SpringDefinition, mesh: SolidMesh, coil: Array, reactions: Array) -> Array:
-    """Torsional moment (N m) of the wire at ``coil`` from the printed nodal ``reactions`` (node, x, y, z in N) of the retainer.
+    """Torsional moment (N m) of the wire at ``coil`` from the printed nodal ``reactions`` (node, x,
+    y, z in N) of the retainer.
 
     Equilibrium of the wire above the cut, in the free shape: for small compressions.
     """
@@ -74,15 +87,21 @@ def wire_torque(spring: SpringDefinition, mesh: SolidMesh, coil: Array, reaction
 
 
 def _middle(mesh: SolidMesh, moved: Array, coil: Array) -> Array:
-    """Middle of the section at every coil number: mean of four fibres a quarter turn of the section apart."""
+    """Middle of the section at every coil number: mean of four fibres a quarter turn of the section
+    apart.
+    """
     from scipy.interpolate import CubicSpline
 
     fibres = [mesh.fibre(*place) for place in ((1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0))]
-    found: Array = np.mean([CubicSpline(mesh.coil[nodes], moved[nodes])(coil) for nodes in fibres], axis=0)
+    found: Array = np.mean(
+        [CubicSpline(mesh.coil[nodes], moved[nodes])(coil) for nodes in fibres], axis=0
+    )
     return found
 
 
 def _tensor(components: Array) -> Array:
     """Tensors (n, 3, 3) from xx, yy, zz, xy, yz, zx."""
     xx, yy, zz, xy, yz, zx = components.T
-    return np.stack([np.stack([xx, xy, zx], -1), np.stack([xy, yy, yz], -1), np.stack([zx, yz, zz], -1)], -2)
+    return np.stack(
+        [np.stack([xx, xy, zx], -1), np.stack([xy, yy, yz], -1), np.stack([zx, yz, zz], -1)], -2
+    )

@@ -16,7 +16,8 @@ _NODE, _FIRST, _WIDTH = slice(3, 13), 13, 12
 
 @dataclass(frozen=True)
 class NodalField:
-    """One field: ``name`` (DISP, STRESS, ...), solver ``time``, ``nodes`` numbered from 1, ``values`` (nodes, components).
+    """One field: ``name`` (DISP, STRESS, ...), solver ``time``, ``nodes`` numbered from 1,
+    ``values`` (nodes, components).
 
     Stress components stand in the order xx, yy, zz, xy, yz, zx (MPa); displacements in mm.
     """
@@ -51,9 +52,21 @@ def read_fields(text: str) -> list[NodalField]:
             components += 0 if line[5:13].strip() == "ALL" else 1
         elif name and mark.startswith(" -1"):
             nodes.append(int(line[_NODE]))
-            values.append([float(line[_FIRST + _WIDTH * i : _FIRST + _WIDTH * (i + 1)]) for i in range(components)])
+            values.append(
+                [
+                    float(line[_FIRST + _WIDTH * i : _FIRST + _WIDTH * (i + 1)])
+                    for i in range(components)
+                ]
+            )
         elif name and mark.startswith(" -3"):
-            fields.append(NodalField(name, time, np.array(nodes, dtype=np.int64), np.array(values).reshape(len(nodes), components)))
+            fields.append(
+                NodalField(
+                    name,
+                    time,
+                    np.array(nodes, dtype=np.int64),
+                    np.array(values).reshape(len(nodes), components),
+                )
+            )
             name = ""
     return fields
 

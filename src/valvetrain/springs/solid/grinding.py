@@ -1,4 +1,6 @@
-"""Cuts the sections of ground end turns flat at the seat plane by moving section nodes, never by cutting elements."""
+"""Cuts the sections of ground end turns flat at the seat plane by moving section nodes, never by
+cutting elements.
+"""
 
 from __future__ import annotations
 
@@ -15,7 +17,9 @@ Array = NDArray[np.float64]
 LEAST_THICKNESS = 0.1
 
 
-def ground_section(spring: SpringDefinition, coil: float, upright: float, section: SectionMesh) -> Array:
+def ground_section(
+    spring: SpringDefinition, coil: float, upright: float, section: SectionMesh
+) -> Array:
     """Nodes (n, 2) of ``section`` at ``coil`` with everything beyond the seat planes moved inside.
 
     ``upright`` is the z component of the section's upward axis (cosine of the helix angle).
@@ -40,7 +44,9 @@ def _checked(level: float, coil: float, spring: SpringDefinition) -> float:
 
 
 def _cut_below(section: SectionMesh, nodes: Array, level: float) -> Array:
-    """Disc nodes mapped onto the part of the disc above y = level, ray by ray from the middle of that part."""
+    """Disc nodes mapped onto the part of the disc above y = level, ray by ray from the middle of
+    that part.
+    """
     rim = float(np.max(np.hypot(*nodes.T)))
     level, middle = level / rim, (1 + level / rim) / 2
     angle, share = np.arctan2(nodes[:, 1], nodes[:, 0]), np.hypot(nodes[:, 0], nodes[:, 1]) / rim
@@ -54,12 +60,20 @@ def _cut_below(section: SectionMesh, nodes: Array, level: float) -> Array:
 
 
 def _straightened(section: SectionMesh, mapped: Array, round_side: NDArray[np.bool_]) -> Array:
-    """Edge middles put between their corners, except on edges of the uncut circle: a middle beside a kink folds an element."""
+    """Edge middles put between their corners, except on edges of the uncut circle: a middle beside
+    a kink folds an element.
+    """
     rim = np.zeros(len(mapped), dtype=bool)
     rim[section.quads[section.rim_quads][:, [1, 2, 5]]] = True
     straight = mapped.copy()
     for edge in range(4):
-        first, last, middle = section.quads[:, edge], section.quads[:, (edge + 1) % 4], section.quads[:, 4 + edge]
+        first, last, middle = (
+            section.quads[:, edge],
+            section.quads[:, (edge + 1) % 4],
+            section.quads[:, 4 + edge],
+        )
         keep = rim[middle] & round_side[first] & round_side[last] & round_side[middle]
-        straight[middle] = np.where(keep[:, None], mapped[middle], (mapped[first] + mapped[last]) / 2)
+        straight[middle] = np.where(
+            keep[:, None], mapped[middle], (mapped[first] + mapped[last]) / 2
+        )
     return straight

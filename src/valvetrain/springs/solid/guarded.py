@@ -1,4 +1,6 @@
-"""The solver as a program that ends with this process, however that ends, and work folders that nobody leaves behind."""
+"""The solver as a program that ends with this process, however that ends, and work folders that
+nobody leaves behind.
+"""
 
 from __future__ import annotations
 
@@ -20,14 +22,23 @@ PREFIX, LOCK = "valvetrain-solid-", ".in-use"
 GUARDIAN = Path(__file__).with_name("guardian.py")
 
 
-def start(program: Sequence[str], folder: str, environment: dict[str, str], log: IO[bytes]) -> subprocess.Popen[bytes]:
-    """Start ``program`` in ``folder``, its words in ``log``. Where there are forks, a guardian stands between: it ends with this
-    process, and the program with it. Out of the terminal's group, Ctrl-C reaches neither; :func:`end` ends both."""
+def start(
+    program: Sequence[str], folder: str, environment: dict[str, str], log: IO[bytes]
+) -> subprocess.Popen[bytes]:
+    """Start ``program`` in ``folder``, its words in ``log``. Where there are forks, a guardian
+    stands between: it ends with this
+    process, and the program with it. Out of the terminal's group, Ctrl-C reaches neither;
+    :func:`end` ends both."""
     guard = [sys.executable, "-I", "-S", str(GUARDIAN), folder] if hasattr(os, "fork") else []
     return subprocess.Popen(
-        [*guard, *program], cwd=folder, env=environment, stdin=subprocess.PIPE, stdout=log, stderr=subprocess.STDOUT,
+        [*guard, *program],
+        cwd=folder,
+        env=environment,
+        stdin=subprocess.PIPE,
+        stdout=log,
+        stderr=subprocess.STDOUT,
         start_new_session=bool(guard),
-    )  # fmt: skip
+    )
 
 
 def end(process: subprocess.Popen[bytes], patience: float = 10.0) -> None:

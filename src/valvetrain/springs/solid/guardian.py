@@ -1,7 +1,10 @@
-"""A script that starts a program and sees to it that the program never outlives the process it works for.
+"""A script that starts a program and sees to it that the program never outlives the process it
+works for.
 
-``guardian.py FOLDER PROGRAM ...``: when the pipe on standard input closes, because its master let it go or was killed, the program is
-killed with all that it started, and the work folder removed. It is run by itself and needs the standard library alone.
+``guardian.py FOLDER PROGRAM ...``: when the pipe on standard input closes, because its master let
+it go or was killed, the program is
+killed with all that it started, and the work folder removed. It is run by itself and needs the
+standard library alone.
 """
 
 from __future__ import annotations
@@ -21,7 +24,9 @@ _PR_SET_PDEATHSIG = 1
 def main(folder: str, program: list[str]) -> int:
     """Guard ``program`` in ``folder``; its exit code, negative where a signal ended it."""
     for name in _ASKS:
-        signal.signal(getattr(signal, name), signal.SIG_IGN)  # the master decides; when it ends, so does this
+        signal.signal(
+            getattr(signal, name), signal.SIG_IGN
+        )  # the master decides; when it ends, so does this
     woken, wakes = os.pipe()
     os.set_blocking(wakes, False)
     signal.signal(signal.SIGCHLD, lambda *_: None)
@@ -32,7 +37,9 @@ def main(folder: str, program: list[str]) -> int:
     while True:
         ended, state = os.waitpid(child, os.WNOHANG)
         if ended:
-            with suppress(ProcessLookupError, PermissionError):  # what the program started, where somebody killed the program alone
+            with suppress(
+                ProcessLookupError, PermissionError
+            ):  # what the program started, where somebody killed the program alone
                 os.killpg(child, signal.SIGKILL)
             return os.waitstatus_to_exitcode(state)
         if 0 in select.select([0, woken], [], [], 1.0)[0]:
@@ -45,7 +52,9 @@ def main(folder: str, program: list[str]) -> int:
 
 
 def _become(program: list[str]) -> None:
-    """In the forked process: be the program, in a group of its own, ended by the system where the guardian is killed itself."""
+    """In the forked process: be the program, in a group of its own, ended by the system where the
+    guardian is killed itself.
+    """
     try:
         signal.set_wakeup_fd(-1)
         for name in (*_ASKS, "SIGCHLD"):

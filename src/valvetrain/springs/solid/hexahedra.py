@@ -1,6 +1,8 @@
-"""The 20-node hexahedron: shape functions, Jacobians and volume, to judge a mesh before it is sent to a solver.
+"""The 20-node hexahedron: shape functions, Jacobians and volume, to judge a mesh before it is sent
+to a solver.
 
-Node order of Abaqus and CalculiX: corners of the bottom face 1-4, of the top face 5-8, middles of the bottom edges
+Node order of Abaqus and CalculiX: corners of the bottom face 1-4, of the top face 5-8, middles of
+the bottom edges
 9-12, of the top edges 13-16, of the upright edges 17-20.
 """
 
@@ -23,7 +25,9 @@ NODE_COORDINATES = np.array(
 
 
 def shape_gradients(points: Array, nodes: int = 20) -> Array:
-    """Derivatives of the shape functions by the local coordinates at ``points`` (p, 3): shape (p, nodes, 3), nodes 20 or 8."""
+    """Derivatives of the shape functions by the local coordinates at ``points`` (p, 3): shape (p,
+    nodes, 3), nodes 20 or 8.
+    """
     own = NODE_COORDINATES[:nodes]
     reach = 1.0 + points[:, None, :] * own[None]
     gradients = np.empty((len(points), nodes, 3))
@@ -36,11 +40,15 @@ def shape_gradients(points: Array, nodes: int = 20) -> Array:
             corner = own[None, :, axis] * pair * (total - 2 + reach[..., axis]) / 8
         gradients[..., axis] = corner
         if nodes == 20:
-            gradients[:, 8:, axis] = _edge_gradient(points, own[8:], reach[:, 8:], axis, one, two, along)
+            gradients[:, 8:, axis] = _edge_gradient(
+                points, own[8:], reach[:, 8:], axis, one, two, along
+            )
     return gradients
 
 
-def _edge_gradient(points: Array, own: Array, reach: Array, axis: int, one: int, two: int, along: Array) -> Array:
+def _edge_gradient(
+    points: Array, own: Array, reach: Array, axis: int, one: int, two: int, along: Array
+) -> Array:
     """Derivative along ``axis`` of the edge functions (1 - a^2)(1 + b b_i)(1 + c c_i) / 4."""
     middle = own[:, axis] == 0
     one_middle, two_middle = own[:, one] == 0, own[:, two] == 0
@@ -58,7 +66,9 @@ def gauss_points(order: int = 3) -> tuple[Array, Array]:
 
 
 def jacobian_determinants(coordinates: Array, elements: NDArray[np.int64], points: Array) -> Array:
-    """Determinants (elements, points) of the map from the reference cube; positive everywhere in a usable mesh."""
+    """Determinants (elements, points) of the map from the reference cube; positive everywhere in a
+    usable mesh.
+    """
     gradients = shape_gradients(points, elements.shape[1])
     jacobians = np.einsum("pna,enb->epab", gradients, coordinates[elements])
     found: Array = np.linalg.det(jacobians)

@@ -23,10 +23,13 @@ END_REFINEMENT_LENGTH = 0.08
 class MeshOptions:
     """Mesh of the wire.
 
-    ``elements_per_coil`` along the wire; ``core`` x ``core`` cells and ``rings`` rings over the section;
+    ``elements_per_coil`` along the wire; ``core`` x ``core`` cells and ``rings`` rings over the
+    section;
     ``element_type`` of CalculiX; ``end_refinement`` shortens elements at the clamps by this factor.
-    ``ends``: ``sections`` meshes only the free wire and clamps its two end sections; ``bonded`` meshes the whole wire and
-    bonds every node of the inactive turns to its seat; ``ground`` cuts the end turns flat at the seat planes and bonds the
+    ``ends``: ``sections`` meshes only the free wire and clamps its two end sections; ``bonded``
+    meshes the whole wire and
+    bonds every node of the inactive turns to its seat; ``ground`` cuts the end turns flat at the
+    seat planes and bonds the
     cut faces over the inactive turns (the wire above a bonded face stays elastic).
     """
 
@@ -39,13 +42,21 @@ class MeshOptions:
 
     def __post_init__(self) -> None:
         if self.element_type not in ELEMENT_TYPES:
-            raise InputError(f"solid element '{self.element_type}' is not supported; use one of {', '.join(ELEMENT_TYPES)}")
+            raise InputError(
+                f"solid element '{self.element_type}' is not supported; use one of {', '.join(ELEMENT_TYPES)}"
+            )
         if self.elements_per_coil < 4:
-            raise InputError(f"{self.elements_per_coil} elements per coil cannot follow a helix; give at least 4")
+            raise InputError(
+                f"{self.elements_per_coil} elements per coil cannot follow a helix; give at least 4"
+            )
         if self.end_refinement < 1:
-            raise InputError(f"end_refinement {self.end_refinement} would coarsen the ends; give 1 or more")
+            raise InputError(
+                f"end_refinement {self.end_refinement} would coarsen the ends; give 1 or more"
+            )
         if self.ends not in ("sections", "bonded", "ground"):
-            raise InputError(f"end treatment '{self.ends}' is unknown; use sections, bonded or ground")
+            raise InputError(
+                f"end treatment '{self.ends}' is unknown; use sections, bonded or ground"
+            )
 
     @property
     def quadratic(self) -> bool:
@@ -54,7 +65,9 @@ class MeshOptions:
 
 
 def layer_coils(spring: SpringDefinition, options: MeshOptions) -> Array:
-    """Coil numbers of the element boundaries along the wire, increasing; always holds both ends of the free wire."""
+    """Coil numbers of the element boundaries along the wire, increasing; always holds both ends of
+    the free wire.
+    """
     first, last = spring.free_coils
     free = _graded(first, last, options)
     if options.ends == "sections":
@@ -75,7 +88,12 @@ def _graded(first: float, last: float, options: MeshOptions) -> Array:
     fine = np.linspace(first, last, 20001)
     rise = options.end_refinement - 1
     density = options.elements_per_coil * (
-        1 + rise * (np.exp(-(fine - first) / END_REFINEMENT_LENGTH) + np.exp(-(last - fine) / END_REFINEMENT_LENGTH))
+        1
+        + rise
+        * (
+            np.exp(-(fine - first) / END_REFINEMENT_LENGTH)
+            + np.exp(-(last - fine) / END_REFINEMENT_LENGTH)
+        )
     )
     count = np.concatenate(([0.0], np.cumsum(np.diff(fine) * (density[1:] + density[:-1]) / 2)))
     number = max(2, round(float(count[-1])))

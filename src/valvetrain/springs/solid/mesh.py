@@ -16,7 +16,9 @@ Integers = NDArray[np.int64]
 
 @dataclass(frozen=True)
 class FaceSet:
-    """Outer faces of the wire: element numbers (from 0) and their coil number; every face is side 4 of its element."""
+    """Outer faces of the wire: element numbers (from 0) and their coil number; every face is side 4
+    of its element.
+    """
 
     elements: Integers
     coil: Array
@@ -31,9 +33,12 @@ class FaceSet:
 class SolidMesh:
     """Hexahedra of a swept wire.
 
-    ``coordinates`` (n, 3) in m; ``elements`` (m, 20 or 8) numbered from 0; ``coil`` (n,) coil number of each node;
-    ``section`` (n, 2) its place in the unit disc (x outward, y up); ``lower`` and ``upper`` faces of the wire that can
-    meet a neighbouring coil; ``node_sets``: ``seat`` and ``retainer`` (bonded to the seats) and whatever a caller adds.
+    ``coordinates`` (n, 3) in m; ``elements`` (m, 20 or 8) numbered from 0; ``coil`` (n,) coil
+    number of each node;
+    ``section`` (n, 2) its place in the unit disc (x outward, y up); ``lower`` and ``upper`` faces
+    of the wire that can
+    meet a neighbouring coil; ``node_sets``: ``seat`` and ``retainer`` (bonded to the seats) and
+    whatever a caller adds.
     """
 
     coordinates: Array
@@ -61,13 +66,17 @@ class SolidMesh:
         return hexahedra.volume(self.coordinates, self.elements)
 
     def jacobian_quality(self) -> float:
-        """Smallest Jacobian determinant over its element's largest, at the corners and 3 x 3 x 3 Gauss points; > 0 is usable."""
+        """Smallest Jacobian determinant over its element's largest, at the corners and 3 x 3 x 3
+        Gauss points; > 0 is usable.
+        """
         points = np.vstack([hexahedra.gauss_points(3)[0], hexahedra.NODE_COORDINATES[:8]])
         determinants = hexahedra.jacobian_determinants(self.coordinates, self.elements, points)
         return float(np.min(determinants.min(axis=1) / np.abs(determinants).max(axis=1)))
 
     def fibre(self, x: float, y: float) -> Integers:
-        """Nodes along the wire nearest to section place (x, y), ordered by coil number; (-1, 0) is the inner fibre."""
+        """Nodes along the wire nearest to section place (x, y), ordered by coil number; (-1, 0) is
+        the inner fibre.
+        """
         distance = np.hypot(self.section[:, 0] - x, self.section[:, 1] - y)
         nodes = np.flatnonzero(distance < distance.min() + 1e-6)
         return nodes[np.argsort(self.coil[nodes])]

@@ -1,4 +1,6 @@
-"""Rigid seat planes: one bonded block at either end that the end coils beyond their inactive turns can touch."""
+"""Rigid seat planes: one bonded block at either end that the end coils beyond their inactive turns
+can touch.
+"""
 
 from __future__ import annotations
 
@@ -17,7 +19,8 @@ SEAT_REACH = 0.9
 
 @dataclass(frozen=True)
 class SeatPlate:
-    """A rigid block: ``name`` of its surface, node set it moves with, corners (8, 3) in m, the side that faces the wire.
+    """A rigid block: ``name`` of its surface, node set it moves with, corners (8, 3) in m, the side
+    that faces the wire.
 
     ``first`` and ``last``: coil numbers of the free wire that can touch it.
     """
@@ -31,9 +34,11 @@ class SeatPlate:
 
 
 def seat_plates(spring: SpringDefinition, ground: bool) -> tuple[SeatPlate, SeatPlate]:
-    """Blocks under and over ``spring`` whose inner faces are the seat planes, widened to hold the spring.
+    """Blocks under and over ``spring`` whose inner faces are the seat planes, widened to hold the
+    spring.
 
-    ``ground``: the mesh has flat ground faces. A round wire would start inside the plane over the ground turns, so it
+    ``ground``: the mesh has flat ground faces. A round wire would start inside the plane over the
+    ground turns, so it
     meets the plane only beyond them.
     """
     first, last = spring.free_coils
@@ -44,8 +49,22 @@ def seat_plates(spring: SpringDefinition, ground: bool) -> tuple[SeatPlate, Seat
     thick = float(spring.wire_diameter.value(0.0))
     low, high = spring.lower_seat_height, spring.upper_seat_height
     return (
-        SeatPlate("SEATPLANE", "SEAT", _block(half, low - thick, low), "S2", first, min(first + SEAT_REACH, last)),
-        SeatPlate("RETAINERPLANE", "RETAINER", _block(half, high, high + thick), "S1", max(last - SEAT_REACH, first), last),
+        SeatPlate(
+            "SEATPLANE",
+            "SEAT",
+            _block(half, low - thick, low),
+            "S2",
+            first,
+            min(first + SEAT_REACH, last),
+        ),
+        SeatPlate(
+            "RETAINERPLANE",
+            "RETAINER",
+            _block(half, high, high + thick),
+            "S1",
+            max(last - SEAT_REACH, first),
+            last,
+        ),
     )
 
 

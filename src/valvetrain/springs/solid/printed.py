@@ -1,4 +1,6 @@
-"""Reads the printed results (.dat) of CalculiX: total forces, node tables, contact totals and natural frequencies."""
+"""Reads the printed results (.dat) of CalculiX: total forces, node tables, contact totals and
+natural frequencies.
+"""
 
 from __future__ import annotations
 
@@ -10,8 +12,12 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-_HEADING = re.compile(r"^\s*(?P<what>[a-zA-Z][a-zA-Z ]*?) \(.*?\) for set (?P<set>\S+) and time\s+(?P<time>\S+)")
-_CONTACT = re.compile(r"^\s*statistics for slave set (?P<set>\S+?),? master set \S+ and time\s+(?P<time>\S+)")
+_HEADING = re.compile(
+    r"^\s*(?P<what>[a-zA-Z][a-zA-Z ]*?) \(.*?\) for set (?P<set>\S+) and time\s+(?P<time>\S+)"
+)
+_CONTACT = re.compile(
+    r"^\s*statistics for slave set (?P<set>\S+?),? master set \S+ and time\s+(?P<time>\S+)"
+)
 _MODE = re.compile(r"E I G E N V A L U E\s+N U M B E R\s+(\d+)")
 _PARTICIPATION = re.compile(r"P A R T I C I P A T I O N")
 _STEP = re.compile(r"E I G E N V A L U E\s+O U T P U T")
@@ -21,7 +27,9 @@ _MOST_SETS = 64
 
 @dataclass(frozen=True)
 class Table:
-    """One printed block: quantity, node set (upper case), solver time, mode number (0 outside a modal step), rows."""
+    """One printed block: quantity, node set (upper case), solver time, mode number (0 outside a
+    modal step), rows.
+    """
 
     quantity: str
     node_set: str
@@ -33,7 +41,9 @@ class Table:
 
 @dataclass(frozen=True)
 class Printed:
-    """All blocks of a .dat file in order; natural frequencies (Hz) and participation factors (mode, 6) of each modal step."""
+    """All blocks of a .dat file in order; natural frequencies (Hz) and participation factors (mode,
+    6) of each modal step.
+    """
 
     tables: tuple[Table, ...]
     natural_frequencies: tuple[Array, ...]
@@ -41,13 +51,21 @@ class Printed:
 
     def history(self, quantity: str, node_set: str) -> tuple[Array, list[Array]]:
         """Times and rows of every non-modal block of that quantity and set."""
-        found = [table for table in self.tables if (table.quantity, table.node_set, table.mode) == (quantity, node_set, 0)]
+        found = [
+            table
+            for table in self.tables
+            if (table.quantity, table.node_set, table.mode) == (quantity, node_set, 0)
+        ]
         return np.array([table.time for table in found]), [table.rows for table in found]
 
     def modal(self, quantity: str, node_set: str, step: int = -1) -> list[Array]:
         """Rows of every mode of the modal step (-1 the last), in order."""
         wanted = len(self.natural_frequencies) + step + 1 if step < 0 else step + 1
-        return [t.rows for t in self.tables if (t.quantity, t.node_set, t.modal_step) == (quantity, node_set, wanted) and t.mode > 0]
+        return [
+            t.rows
+            for t in self.tables
+            if (t.quantity, t.node_set, t.modal_step) == (quantity, node_set, wanted) and t.mode > 0
+        ]
 
 
 def read_printed(text: str) -> Printed:
@@ -73,11 +91,17 @@ def read_printed(text: str) -> Printed:
             quantity = found.groupdict().get("what", "contact")
             rows, position = _rows(lines, position)
             key = (quantity.strip(), found["set"].rstrip(","))
-            # A static step has no heading of its own: a block that a mode has printed already belongs to the next step.
-            if mode and any((t.quantity, t.node_set, t.mode, t.modal_step) == (*key, mode, len(frequencies)) for t in tables[-_MOST_SETS:]):
+            # A static step has no heading of its own: a block that a mode has printed already
+            # belongs to the next step.
+            if mode and any(
+                (t.quantity, t.node_set, t.mode, t.modal_step) == (*key, mode, len(frequencies))
+                for t in tables[-_MOST_SETS:]
+            ):
                 mode = 0
             if len(rows):
-                tables.append(Table(*key, float(found["time"]), mode, len(frequencies) if mode else 0, rows))
+                tables.append(
+                    Table(*key, float(found["time"]), mode, len(frequencies) if mode else 0, rows)
+                )
     return Printed(tuple(tables), tuple(frequencies), tuple(participation))
 
 
@@ -95,7 +119,9 @@ def _mode_rows(lines: list[str], position: int, width: int) -> tuple[Array, int]
 
 
 def _rows(lines: list[str], position: int) -> tuple[Array, int]:
-    """Numbers up to the next line that holds words; blank lines and contact subtitles between are skipped."""
+    """Numbers up to the next line that holds words; blank lines and contact subtitles between are
+    skipped.
+    """
     rows: list[list[float]] = []
     while position < len(lines):
         numbers = _numbers(lines[position])

@@ -1,6 +1,8 @@
-"""O-grid of quadrilaterals over the unit disc: a bulged square core inside rings, eight nodes per quadrilateral.
+"""O-grid of quadrilaterals over the unit disc: a bulged square core inside rings, eight nodes per
+quadrilateral.
 
-Section coordinates: x points away from the spring axis, y up along the spring; the wire surface is the unit circle.
+Section coordinates: x points away from the spring axis, y up along the spring; the wire surface is
+the unit circle.
 """
 
 from __future__ import annotations
@@ -15,7 +17,8 @@ from valvetrain.errors import InputError
 
 Array = NDArray[np.float64]
 
-#: Radius of the core's corners as a share of the wire radius, and how far its sides bulge (0 square, 1 circle).
+#: Radius of the core's corners as a share of the wire radius, and how far its sides bulge (0
+#: square, 1 circle).
 CORE_RADIUS = 0.62
 CORE_BULGE = 0.55
 
@@ -47,12 +50,16 @@ class SectionMesh:
 
 
 def disc_section(core: int = 2, rings: int = 1, quadratic: bool = True) -> SectionMesh:
-    """O-grid with ``core`` x ``core`` quads inside ``rings`` rings of 4 ``core`` quads, of the area of the unit disc.
+    """O-grid with ``core`` x ``core`` quads inside ``rings`` rings of 4 ``core`` quads, of the area
+    of the unit disc.
 
-    ``quadratic``: whether the quads' sides follow their middles. Raises :class:`InputError` below one core cell or ring.
+    ``quadratic``: whether the quads' sides follow their middles. Raises :class:`InputError` below
+    one core cell or ring.
     """
     if core < 1 or rings < 1:
-        raise InputError(f"a wire section of {core} core cells and {rings} rings is no mesh; give at least 1 of each")
+        raise InputError(
+            f"a wire section of {core} core cells and {rings} rings is no mesh; give at least 1 of each"
+        )
     book = _NodeBook()
     quads = [_numbered(book, _core_map, i, j, core, core) for i in range(core) for j in range(core)]
     around = 4 * core
@@ -63,10 +70,13 @@ def disc_section(core: int = 2, rings: int = 1, quadratic: bool = True) -> Secti
         return float(point[0]), float(point[1])
 
     first_ring = len(quads)
-    quads += [_numbered(book, ring_map, i, j, rings, around) for i in range(rings) for j in range(around)]
+    quads += [
+        _numbered(book, ring_map, i, j, rings, around) for i in range(rings) for j in range(around)
+    ]
     connectivity = np.array(quads, dtype=np.int64)
     nodes = np.array(book.points)
-    # Arcs through three points enclose less than the circle; equal area keeps mass and stiffness of a coarse section.
+    # Arcs through three points enclose less than the circle; equal area keeps mass and stiffness of
+    # a coarse section.
     nodes *= np.sqrt(np.pi / _area(nodes, connectivity, quadratic))
     corner = np.zeros(len(nodes), dtype=bool)
     corner[connectivity[:, :4]] = True
@@ -95,7 +105,14 @@ class _NodeBook:
 _QUAD_STATIONS = ((0, 0), (1, 0), (1, 1), (0, 1), (0.5, 0), (1, 0.5), (0.5, 1), (0, 0.5))
 
 
-def _numbered(book: _NodeBook, patch: Callable[[float, float], tuple[float, float]], i: int, j: int, across: int, along: int) -> list[int]:
+def _numbered(
+    book: _NodeBook,
+    patch: Callable[[float, float], tuple[float, float]],
+    i: int,
+    j: int,
+    across: int,
+    along: int,
+) -> list[int]:
     return [book.number(patch((i + a) / across, (j + b) / along)) for a, b in _QUAD_STATIONS]
 
 
@@ -108,20 +125,34 @@ def _core_map(across: float, along: float) -> tuple[float, float]:
 
 
 def _core_rim(side_position: float) -> tuple[float, float]:
-    """Point of the core's rim; ``side_position`` runs 0..4 counter-clockwise from the lower right corner."""
+    """Point of the core's rim; ``side_position`` runs 0..4 counter-clockwise from the lower right
+    corner.
+    """
     side, step = int(side_position) % 4, side_position % 1.0
     return _core_map(*((1.0, step), (1 - step, 1.0), (0.0, 1 - step), (step, 0.0))[side])
 
 
 def _area(nodes: Array, quads: NDArray[np.int64], quadratic: bool) -> float:
-    """Area inside all sides by Green's theorem; Simpson's rule is exact for a side through three points."""
+    """Area inside all sides by Green's theorem; Simpson's rule is exact for a side through three
+    points.
+    """
     total = 0.0
     for edge in range(4):
         first, last = nodes[quads[:, edge]], nodes[quads[:, (edge + 1) % 4]]
         middle = nodes[quads[:, 4 + edge]] if quadratic else (first + last) / 2
-        start, end, chord = 4 * middle - 3 * first - last, first + 3 * last - 4 * middle, last - first
-        for point, slope, weight in ((first, start, 1 / 6), (middle, chord, 4 / 6), (last, end, 1 / 6)):
-            total += weight * float(np.sum(point[:, 0] * slope[:, 1] - point[:, 1] * slope[:, 0])) / 2
+        start, end, chord = (
+            4 * middle - 3 * first - last,
+            first + 3 * last - 4 * middle,
+            last - first,
+        )
+        for point, slope, weight in (
+            (first, start, 1 / 6),
+            (middle, chord, 4 / 6),
+            (last, end, 1 / 6),
+        ):
+            total += (
+                weight * float(np.sum(point[:, 0] * slope[:, 1] - point[:, 1] * slope[:, 0])) / 2
+            )
     return total
 
 

@@ -1,4 +1,6 @@
-"""Load steps of the deck: static compression, natural frequencies, transient under a prescribed lift."""
+"""Load steps of the deck: static compression, natural frequencies, transient under a prescribed
+lift.
+"""
 
 from __future__ import annotations
 
@@ -14,9 +16,11 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Printout:
-    """What every increment prints: end forces always; ``axis`` motion of the wire axis; ``pairs`` number of contact pairs.
+    """What every increment prints: end forces always; ``axis`` motion of the wire axis; ``pairs``
+    number of contact pairs.
 
-    ``energy``: totals of elastic and kinetic energy (a transient needs them from the first step on); ``fields``: displacement
+    ``energy``: totals of elastic and kinetic energy (a transient needs them from the first step
+    on); ``fields``: displacement
     and stress at the nodes; ``nodal_reactions``: the reaction of every retainer node.
     """
 
@@ -31,7 +35,9 @@ class Printout:
         lines = [f"*NODE PRINT, NSET={name}, TOTALS=ONLY\nRF" for name in ("SEAT", "RETAINER")]
         if self.axis:
             lines.append("*NODE PRINT, NSET=AXIS\nU")
-        lines += [f"*CONTACT PRINT, SLAVE=ABOVE{i}, MASTER=BELOW{i}\nCF" for i in range(1, self.pairs + 1)]
+        lines += [
+            f"*CONTACT PRINT, SLAVE=ABOVE{i}, MASTER=BELOW{i}\nCF" for i in range(1, self.pairs + 1)
+        ]
         if self.energy:
             lines.append("*EL PRINT, ELSET=WIRE, TOTALS=ONLY\nELSE, ELKE")
         if self.nodal_reactions:
@@ -42,15 +48,28 @@ class Printout:
 
 
 def static_step(
-    compression: float, printout: Printout, *, first: float, largest: float, smallest: float = 1e-5, period: float = 1.0, limit: int = 500
+    compression: float,
+    printout: Printout,
+    *,
+    first: float,
+    largest: float,
+    smallest: float = 1e-5,
+    period: float = 1.0,
+    limit: int = 500,
 ) -> str:
-    """Compression (m) reached in one step; ``first``, ``largest``, ``smallest`` increment as shares of the step.
+    """Compression (m) reached in one step; ``first``, ``largest``, ``smallest`` increment as shares
+    of the step.
 
-    First equal to largest equal to smallest asks for fixed increments. ``period`` is the step's length in solver time (s).
+    First equal to largest equal to smallest asks for fixed increments. ``period`` is the step's
+    length in solver time (s).
     """
     one, most, least = (f"{share * period:.10g}" for share in (first, largest, smallest))
     fixed = first == largest == smallest
-    times = f"*STATIC, DIRECT\n{one}, {period:.10g}" if fixed else f"*STATIC\n{one}, {period:.10g}, {least}, {most}"
+    times = (
+        f"*STATIC, DIRECT\n{one}, {period:.10g}"
+        if fixed
+        else f"*STATIC\n{one}, {period:.10g}, {least}, {most}"
+    )
     return (
         f"*STEP, NLGEOM, INC={limit}\n{times}\n*BOUNDARY\nSEAT, 1, 3\nRETAINER, 1, 2\n"
         f"RETAINER, 3, 3, {-compression * MILLIMETRE:.10g}\n{printout.text()}\n*END STEP\n"
@@ -58,7 +77,9 @@ def static_step(
 
 
 def frequency_step(modes: int, printout: Printout, *, preloaded: bool) -> str:
-    """Lowest ``modes`` natural frequencies, about the state the last static step left when ``preloaded``."""
+    """Lowest ``modes`` natural frequencies, about the state the last static step left when
+    ``preloaded``.
+    """
     perturbation = ", PERTURBATION" if preloaded else ""
     clamps = "" if preloaded else "*BOUNDARY\nSEAT, 1, 3\nRETAINER, 1, 3\n"
     return f"*STEP{perturbation}\n*FREQUENCY\n{modes}\n{clamps}{printout.text()}\n*END STEP\n"
@@ -70,8 +91,12 @@ def amplitude_text(name: str, time: Array, value: Array) -> str:
     return f"*AMPLITUDE, NAME={name}\n{rows}\n"
 
 
-def dynamic_step(duration: float, time_step: float, printout: Printout, *, amplitude: str, alpha: float = -0.05) -> str:
-    """Implicit transient (Hilber-Hughes-Taylor, ``alpha``) with the retainer's displacement (mm) in table ``amplitude``."""
+def dynamic_step(
+    duration: float, time_step: float, printout: Printout, *, amplitude: str, alpha: float = -0.05
+) -> str:
+    """Implicit transient (Hilber-Hughes-Taylor, ``alpha``) with the retainer's displacement (mm) in
+    table ``amplitude``.
+    """
     times = f"{time_step:.9e}, {duration:.9e}, {time_step / 1e3:.9e}, {time_step:.9e}"
     return (
         f"*STEP, NLGEOM, INC=100000\n*DYNAMIC, ALPHA={alpha:.4g}\n{times}\n"

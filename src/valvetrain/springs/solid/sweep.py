@@ -19,7 +19,9 @@ CONTACT_ZONE = np.radians(70.0)
 
 
 def section_frames(spring: SpringDefinition, coil: Array) -> tuple[Array, Array]:
-    """Outward and upward section axes (n, 3) at right angles to the wire axis at coil numbers ``coil``."""
+    """Outward and upward section axes (n, 3) at right angles to the wire axis at coil numbers
+    ``coil``.
+    """
     angle = 2 * np.pi * coil
     hand = 1.0 if spring.hand == "right" else -1.0
     radius, growth = spring.mean_diameter.value(coil) / 2, spring.mean_diameter.derivative(coil) / 2
@@ -44,7 +46,12 @@ def sweep_spring(spring: SpringDefinition, options: MeshOptions | None = None) -
     centre, radius = spring.centreline(stations), spring.wire_diameter.value(stations) / 2
     place = np.repeat(section.nodes[None], len(stations), axis=0)
     if options.ends == "ground":
-        place = np.stack([ground_section(spring, u, up[2], section) for u, up in zip(stations, upward, strict=True)])
+        place = np.stack(
+            [
+                ground_section(spring, u, up[2], section)
+                for u, up in zip(stations, upward, strict=True)
+            ]
+        )
     scaled = place * radius[:, None, None]
     grid = centre[:, None] + scaled[..., :1] * outward[:, None] + scaled[..., 1:] * upward[:, None]
     elements = connect_sections(section, len(layers) - 1, reverse=spring.hand == "right")
@@ -54,20 +61,33 @@ def sweep_spring(spring: SpringDefinition, options: MeshOptions | None = None) -
 
 
 def connect_sections(section: SectionMesh, spans: int, reverse: bool) -> Integers:
-    """Twenty-node elements, span after span; nodes are numbered station * section nodes + section node."""
+    """Twenty-node elements, span after span; nodes are numbered station * section nodes + section
+    node.
+    """
     count = len(section.nodes)
     corners, middles = section.quads[:, :4], section.quads[:, 4:]
-    # x (outward) cross y (up) runs against a right-handed wire, so there the bottom face is the farther one.
+    # x (outward) cross y (up) runs against a right-handed wire, so there the bottom face is the
+    # farther one.
     bottom, top = (2, 0) if reverse else (0, 2)
     blocks = []
     for span in range(spans):
         base, middle, lid = ((2 * span + step) * count for step in (bottom, 1, top))
-        blocks.append(np.hstack([corners + base, corners + lid, middles + base, middles + lid, corners + middle]))
+        blocks.append(
+            np.hstack(
+                [corners + base, corners + lid, middles + base, middles + lid, corners + middle]
+            )
+        )
     return np.vstack(blocks)
 
 
 def _finish(
-    spring: SpringDefinition, options: MeshOptions, section: SectionMesh, layers: Array, stations: Array, grid: Array, elements: Integers
+    spring: SpringDefinition,
+    options: MeshOptions,
+    section: SectionMesh,
+    layers: Array,
+    stations: Array,
+    grid: Array,
+    elements: Integers,
 ) -> SolidMesh:
     used = np.unique(elements)
     number = np.full(grid.shape[0] * grid.shape[1], -1, dtype=np.int64)
@@ -88,11 +108,15 @@ def _contact_faces(section: SectionMesh, middle: Array, side: float) -> FaceSet:
     return FaceSet(elements, np.repeat(middle, len(quads)))
 
 
-def _bonded(spring: SpringDefinition, options: MeshOptions, coordinates: Array, coil: Array) -> dict[str, Integers]:
+def _bonded(
+    spring: SpringDefinition, options: MeshOptions, coordinates: Array, coil: Array
+) -> dict[str, Integers]:
     first, last = spring.free_coils
     low, high = coil <= first + 1e-9, coil >= last - 1e-9
     if options.ends == "ground":
         slack = 1e-6 * float(spring.wire_diameter.value(0.0))
-        low = (coil <= max(first, 0.0) + 1e-9) & (coordinates[:, 2] <= spring.lower_seat_height + slack)
+        low = (coil <= max(first, 0.0) + 1e-9) & (
+            coordinates[:, 2] <= spring.lower_seat_height + slack
+        )
         high = (coil >= last - 1e-9) & (coordinates[:, 2] >= spring.upper_seat_height - slack)
     return {"seat": np.flatnonzero(low), "retainer": np.flatnonzero(high)}

@@ -1,6 +1,8 @@
-"""The engine speed up to which a quantity stays within a bound: from below over a grid, closer where it nears the bound, then bisection.
+"""The engine speed up to which a quantity stays within a bound: from below over a grid, closer
+where it nears the bound, then bisection.
 
-What it can miss: a stretch narrower than the grid over which the quantity leaves the bound, where no neighbour on the grid shows a rise
+What it can miss: a stretch narrower than the grid over which the quantity leaves the bound, where
+no neighbour on the grid shows a rise
 towards it. A finer grid finds it.
 """
 
@@ -11,18 +13,22 @@ from dataclasses import dataclass
 
 import numpy as np
 
-#: How a search ended: a bracket was found; the bound is left at the lowest speed already; it is kept up to the highest one.
+#: How a search ended: a bracket was found; the bound is left at the lowest speed already; it is
+#: kept up to the highest one.
 FOUND, BELOW, BEYOND = "found", "below", "beyond"
-#: A rise over its neighbours this many times what a parabola through the three tells is thought possible between them.
+#: A rise over its neighbours this many times what a parabola through the three tells is thought
+#: possible between them.
 CAUTION = 2.0
 Scan = Generator[list[float], list[float], "LimitFound"]
 
 
 @dataclass(frozen=True, slots=True)
 class LimitSearch:
-    """Keep ``quantity`` at or below (``upper``), or at or above, ``bound`` (SI), over ``engine_speeds`` (rad/s, rising).
+    """Keep ``quantity`` at or below (``upper``), or at or above, ``bound`` (SI), over
+    ``engine_speeds`` (rad/s, rising).
 
-    ``resolution`` (rad/s): width of the bracket at the end. ``share``: the bound is this share of what the case has at the lowest speed.
+    ``resolution`` (rad/s): width of the bracket at the end. ``share``: the bound is this share of
+    what the case has at the lowest speed.
     """
 
     quantity: str
@@ -35,7 +41,8 @@ class LimitSearch:
 
 @dataclass(frozen=True, slots=True)
 class LimitFound:
-    """The bracket: the bound is kept up to ``low`` and left at ``high`` (rad/s); ``kind`` says whether there is one.
+    """The bracket: the bound is kept up to ``low`` and left at ``high`` (rad/s); ``kind`` says
+    whether there is one.
 
     ``missed``: where the bound is left at the lowest speed already, by which share of it.
     """
@@ -47,12 +54,16 @@ class LimitFound:
 
     @property
     def value(self) -> float:
-        """The limit speed (rad/s): the highest one at which the bound was seen kept; the lowest looked at where there is none."""
+        """The limit speed (rad/s): the highest one at which the bound was seen kept; the lowest
+        looked at where there is none.
+        """
         return self.high if self.kind == BELOW else self.low
 
 
 def find_limit(limit: LimitSearch) -> Scan:
-    """Ask for values at engine speeds (rad/s), batch by batch; a value that is not there (nan) counts as beyond the bound."""
+    """Ask for values at engine speeds (rad/s), batch by batch; a value that is not there (nan)
+    counts as beyond the bound.
+    """
     sign = 1.0 if limit.upper else -1.0
     known: dict[float, float] = {}
 
@@ -83,21 +94,32 @@ def find_limit(limit: LimitSearch) -> Scan:
 
 
 def _nearing(engine_speeds: list[float], excess: list[float], resolution: float) -> list[float]:
-    """Speeds about the lowest peak inside the bound whose top, as a parabola with some caution tells it, may lie beyond the bound."""
+    """Speeds about the lowest peak inside the bound whose top, as a parabola with some caution
+    tells it, may lie beyond the bound.
+    """
     for place in range(1, len(engine_speeds) - 1):
         before, top, after = excess[place - 1 : place + 2]
         if not (top >= before and top >= after and (top > before or top > after)):
             continue
         left, here, right = engine_speeds[place - 1 : place + 2]
-        if top + CAUTION * _rise(np.array([left, here, right]), np.array([before, top, after])) <= 0:
+        if (
+            top + CAUTION * _rise(np.array([left, here, right]), np.array([before, top, after]))
+            <= 0
+        ):
             continue
-        middles = [0.5 * (one + two) for one, two in ((left, here), (here, right)) if two - one > 2 * resolution]
+        middles = [
+            0.5 * (one + two)
+            for one, two in ((left, here), (here, right))
+            if two - one > 2 * resolution
+        ]
         if middles:
             return middles
     return []
 
 
-def _rise(x: np.ndarray[tuple[int], np.dtype[np.float64]], y: np.ndarray[tuple[int], np.dtype[np.float64]]) -> float:
+def _rise(
+    x: np.ndarray[tuple[int], np.dtype[np.float64]], y: np.ndarray[tuple[int], np.dtype[np.float64]]
+) -> float:
     """How far the top of the parabola through three points lies above the middle one."""
     first, second = np.diff(y) / np.diff(x)
     curvature = (second - first) / (x[2] - x[0])

@@ -1,7 +1,10 @@
-"""The end of a search for one objective: from the best design to the place where its bounds stop it.
+"""The end of a search for one objective: from the best design to the place where its bounds stop
+it.
 
-Straight models of objective and bounds over a shrinking neighbourhood need no slopes. Source: M. J. D. Powell (1994), A direct search
-optimization method that models the objective and constraint functions by linear interpolation (COBYLA); scipy.
+Straight models of objective and bounds over a shrinking neighbourhood need no slopes. Source: M. J.
+D. Powell (1994), A direct search
+optimization method that models the objective and constraint functions by linear interpolation
+(COBYLA); scipy.
 """
 
 from __future__ import annotations
@@ -14,9 +17,11 @@ from valvetrain.studies.optimum.trial import Trial
 
 Array = np.ndarray[tuple[int], np.dtype[np.float64]]
 Look = Callable[[Array], Trial]
-#: First radius of the neighbourhood in shares of the ranges, what it shrinks by, and the radius at which the search ends.
+#: First radius of the neighbourhood in shares of the ranges, what it shrinks by, and the radius at
+#: which the search ends.
 RADIUS, SHRINK, SMALLEST = 0.1, 0.3, 0.003
-#: Bounds are kept with this much to spare, in shares of them, so that what ends on one does not end beyond it.
+#: Bounds are kept with this much to spare, in shares of them, so that what ends on one does not end
+#: beyond it.
 TO_SPARE = 1e-4
 
 
@@ -25,7 +30,8 @@ class _Spent(Exception):
 
 
 def local_search(start: Array, best: Trial, free: Sequence[int], look: Look, budget: int) -> None:
-    """Look at up to ``budget`` designs about ``start`` (d, shares of the ranges), whose trial is ``best``; ``free``: places that may move.
+    """Look at up to ``budget`` designs about ``start`` (d, shares of the ranges), whose trial is
+    ``best``; ``free``: places that may move.
 
     ``look(shares)`` computes a trial, all of its objectives included.
     """
@@ -50,13 +56,26 @@ def local_search(start: Array, best: Trial, free: Sequence[int], look: Look, bud
 
     def objective(point: Array) -> float:
         one = trial_at(point)
-        value = one.objectives[0] if not one.failure and np.isfinite(one.objectives[0]) else best.objectives[0]
+        value = (
+            one.objectives[0]
+            if not one.failure and np.isfinite(one.objectives[0])
+            else best.objectives[0]
+        )
         return float(sign * value / (scale or 1.0)) if np.isfinite(value) else 0.0
 
     def kept(point: Array) -> Array:
         one = trial_at(point)
-        missed = np.full(len(one.missed), 1.0) if one.failure else np.nan_to_num(one.missed, nan=1.0)
-        return np.concatenate([-missed[: len(one.plan.constraints)] - TO_SPARE, -missed[len(one.plan.constraints) :], point, 1.0 - point])
+        missed = (
+            np.full(len(one.missed), 1.0) if one.failure else np.nan_to_num(one.missed, nan=1.0)
+        )
+        return np.concatenate(
+            [
+                -missed[: len(one.plan.constraints)] - TO_SPARE,
+                -missed[len(one.plan.constraints) :],
+                point,
+                1.0 - point,
+            ]
+        )
 
     while used < budget and radius >= SMALLEST:
         before = best
@@ -66,15 +85,27 @@ def local_search(start: Array, best: Trial, free: Sequence[int], look: Look, bud
 
 
 def _around(
-    best: Trial, centre: Array, moving: Array, objective: Callable[[Array], float], kept: Callable[[Array], Array],
-    known: dict[bytes, Trial], radius: float, budget: int,
-) -> tuple[Trial, Array]:  # fmt: skip
+    best: Trial,
+    centre: Array,
+    moving: Array,
+    objective: Callable[[Array], float],
+    kept: Callable[[Array], Array],
+    known: dict[bytes, Trial],
+    radius: float,
+    budget: int,
+) -> tuple[Trial, Array]:
     """One search from the best design; the best of all looked at, and where it lies."""
     from scipy.optimize import minimize
 
     options = {"rhobeg": radius, "tol": radius / 20, "maxiter": max(budget, len(moving) + 3)}
     try:
-        minimize(objective, centre[moving], method="COBYLA", constraints=[{"type": "ineq", "fun": kept}], options=options)
+        minimize(
+            objective,
+            centre[moving],
+            method="COBYLA",
+            constraints=[{"type": "ineq", "fun": kept}],
+            options=options,
+        )
     except _Spent:
         pass
     found = best
@@ -87,7 +118,9 @@ def _around(
 
 
 def _before(one: Trial, other: Trial) -> bool:
-    """Whether a trial is better: feasible before infeasible, then by the objective, or by what is missed."""
+    """Whether a trial is better: feasible before infeasible, then by the objective, or by what is
+    missed.
+    """
     if one.failure or one.feasible != other.feasible:
         return bool(not one.failure and one.feasible)
     if one.feasible:

@@ -1,4 +1,6 @@
-"""What a search looks at in a design: quantities at its runs, speeds up to which a quantity stays within a bound; objectives, bounds."""
+"""What a search looks at in a design: quantities at its runs, speeds up to which a quantity stays
+within a bound; objectives, bounds.
+"""
 
 from __future__ import annotations
 
@@ -8,11 +10,18 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from valvetrain.solution.definition import definition_of, not_given, shown
-from valvetrain.studies.optimum.limit_speed import BELOW, BEYOND, LimitFound, LimitSearch, find_limit
+from valvetrain.studies.optimum.limit_speed import (
+    BELOW,
+    BEYOND,
+    LimitFound,
+    LimitSearch,
+    find_limit,
+)
 from valvetrain.studies.points.plan import Run
 from valvetrain.studies.points.point import Outcome
 
-#: Where a number comes from: springs at rest, runs at the speeds of the file, runs of a search for a limit speed.
+#: Where a number comes from: springs at rest, runs at the speeds of the file, runs of a search for
+#: a limit speed.
 REST, RUNS, LIMIT = "rest", "runs", "limit"
 #: A point that is asked for: which of these, and the run.
 Ask = tuple[str, Run]
@@ -23,9 +32,11 @@ _RPM = np.pi / 30
 
 @dataclass(frozen=True)
 class Measure:
-    """One number of a design: ``quantity`` over ``runs``, the ``over`` (worst, mean) of several, or a limit speed where ``limit`` is given.
+    """One number of a design: ``quantity`` over ``runs``, the ``over`` (worst, mean) of several, or
+    a limit speed where ``limit`` is given.
 
-    ``largest_is_worst`` tells which of several is the worst. ``label``: plain words. ``bounds``: of the limit speed of each run, where they
+    ``largest_is_worst`` tells which of several is the worst. ``label``: plain words. ``bounds``: of
+    the limit speed of each run, where they
     are shares of what the case has; else that of ``limit`` holds for all.
     """
 
@@ -81,7 +92,9 @@ class Objective:
 
 @dataclass(frozen=True)
 class Constraint:
-    """A measure kept at or below (``upper``), or at or above, ``bound`` (SI), ``share`` of what the case has where that is given."""
+    """A measure kept at or below (``upper``), or at or above, ``bound`` (SI), ``share`` of what the
+    case has where that is given.
+    """
 
     measure: Measure
     upper: bool
@@ -96,7 +109,9 @@ class Constraint:
 
 @dataclass(frozen=True)
 class Measured:
-    """Numbers (SI) of measures of one design, nan where there is none; brackets of its limit speeds; ``failure`` in words, else empty."""
+    """Numbers (SI) of measures of one design, nan where there is none; brackets of its limit
+    speeds; ``failure`` in words, else empty.
+    """
 
     values: Mapping[Measure, float]
     limits: Mapping[Measure, tuple[LimitFound, ...]]
@@ -105,7 +120,8 @@ class Measured:
 
 
 def measuring(measures: Sequence[Measure], stop: object = None) -> Answers:
-    """Ask for the points of ``measures`` batch by batch and give their numbers; what a design cannot be is found first, at rest.
+    """Ask for the points of ``measures`` batch by batch and give their numbers; what a design
+    cannot be is found first, at rest.
 
     ``stop(values)`` may say, before the search for limit speeds, that these are not needed.
     """
@@ -116,10 +132,15 @@ def measuring(measures: Sequence[Measure], stop: object = None) -> Answers:
         if not asks:
             continue
         found = dict(zip(asks, (yield asks), strict=True))
-        values |= {one: one.of([found[source, run].values.get(one.quantity, np.nan) for run in one.runs]) for one in here}
+        values |= {
+            one: one.of([found[source, run].values.get(one.quantity, np.nan) for run in one.runs])
+            for one in here
+        }
         for (_, run), outcome in found.items():
             if not outcome.status.completed:
-                return Measured(values, {}, _at(run, outcome.status.sentence()), outcome.status.code)
+                return Measured(
+                    values, {}, _at(run, outcome.status.sentence()), outcome.status.code
+                )
         lacking = [one for one in here if not np.isfinite(values[one])]
         if lacking:
             return Measured(values, {}, not_given(lacking[0].quantity), "incomplete")
@@ -131,15 +152,21 @@ def measuring(measures: Sequence[Measure], stop: object = None) -> Answers:
         for place, run in enumerate(one.runs):
             found_limit, failed = yield from _limit(one, place)
             if failed is not None:
-                return Measured(values, limits, _at(run, failed.status.sentence()), failed.status.code)
+                return Measured(
+                    values, limits, _at(run, failed.status.sentence()), failed.status.code
+                )
             brackets.append(found_limit)
         limits[one] = tuple(brackets)
         values[one] = one.of([bracket.value for bracket in brackets])
     return Measured(values, limits)
 
 
-def _limit(one: Measure, place: int) -> Generator[list[Ask], list[Outcome], tuple[LimitFound, Outcome | None]]:
-    """The bracket of one limit speed; a run that fails at the lowest speed is handed back, a higher one counts as beyond the bound."""
+def _limit(
+    one: Measure, place: int
+) -> Generator[list[Ask], list[Outcome], tuple[LimitFound, Outcome | None]]:
+    """The bracket of one limit speed; a run that fails at the lowest speed is handed back, a higher
+    one counts as beyond the bound.
+    """
     run, search = one.runs[place], find_limit(one.limit_of(place))
     asked = next(search)
     first = True
@@ -148,7 +175,10 @@ def _limit(one: Measure, place: int) -> Generator[list[Ask], list[Outcome], tupl
         if first and not found[0].status.completed:
             return LimitFound(BELOW, 0.0, asked[0]), found[0]
         first = False
-        told = [outcome.values.get(one.quantity, np.nan) if outcome.status.completed else np.nan for outcome in found]
+        told = [
+            outcome.values.get(one.quantity, np.nan) if outcome.status.completed else np.nan
+            for outcome in found
+        ]
         try:
             asked = search.send(told)
         except StopIteration as end:

@@ -1,4 +1,6 @@
-"""An optimisation file: case, what is varied, objectives, constraints, search. TOML in, one typed table out, or one sentence."""
+"""An optimisation file: case, what is varied, objectives, constraints, search. TOML in, one typed
+table out, or one sentence.
+"""
 
 from __future__ import annotations
 
@@ -7,11 +9,18 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BeforeValidator, Field
 
-from valvetrain.parameters.schema_names import Line
-from valvetrain.parameters.schema_types import StrictModel, problem
-from valvetrain.studies.points.study_file import MOST_VARIED, Amount, FileText, VaryModel, Words, text_of_file
+from valvetrain.parameters.schema_types import Line, StrictModel, problem
+from valvetrain.studies.points.study_file import (
+    MOST_VARIED,
+    Amount,
+    FileText,
+    VaryModel,
+    Words,
+    text_of_file,
+)
 
-#: Most objectives and constraints of a file, trials of a search and searches of other seeds: more are taken for a mistake.
+#: Most objectives and constraints of a file, trials of a search and searches of other seeds: more
+#: are taken for a mistake.
 MOST_OBJECTIVES, MOST_CONSTRAINTS, MOST_TRIALS, MOST_SEEDS, MOST_PER_ROUND = 4, 32, 20_000, 20, 256
 #: Engine speeds are told this closely where nobody says otherwise.
 RESOLUTION = "10 rpm"
@@ -21,7 +30,9 @@ Method = Literal["tpe", "nsga2", "cma-es"]
 
 def _speeds(raw: Any) -> Any:
     if not isinstance(raw, (str, list)):
-        raise problem("holds no engine speeds; write such as '4000, 6000 rpm' or '4000:9000:250 rpm'")
+        raise problem(
+            "holds no engine speeds; write such as '4000, 6000 rpm' or '4000:9000:250 rpm'"
+        )
     return raw
 
 
@@ -29,7 +40,9 @@ def _confirmations(raw: Any) -> Any:
     if isinstance(raw, str):
         raw = [word.strip() for word in raw.split(",")]
     if not isinstance(raw, list):
-        raise problem("is no row of models; write such as confirm = ['wave-rod-clash'], or [[confirm]] tables")
+        raise problem(
+            "is no row of models; write such as confirm = ['wave-rod-clash'], or [[confirm]] tables"
+        )
     return [{"spring_model": one} if isinstance(one, str) else one for one in raw]
 
 
@@ -37,7 +50,9 @@ Speeds = Annotated[str | list[Any], BeforeValidator(_speeds)]
 
 
 class LimitSpeedModel(StrictModel):
-    """``limit_speed``: the engine speed up to which a quantity stays within a bound, searched over ``engine_speeds`` from below."""
+    """``limit_speed``: the engine speed up to which a quantity stays within a bound, searched over
+    ``engine_speeds`` from below.
+    """
 
     quantity: str
     at_most: Amount | None = None
@@ -47,7 +62,9 @@ class LimitSpeedModel(StrictModel):
 
 
 class MeasureModel(StrictModel):
-    """What objectives and constraints share: a ``quantity`` or a ``limit_speed``, at which engine speeds, which of several counts."""
+    """What objectives and constraints share: a ``quantity`` or a ``limit_speed``, at which engine
+    speeds, which of several counts.
+    """
 
     quantity: str = ""
     limit_speed: LimitSpeedModel | None = None
@@ -63,15 +80,19 @@ class ObjectiveModel(MeasureModel):
 
 
 class ConstraintModel(MeasureModel):
-    """One ``[[constraint]]`` table: bounds with unit, or ``"1.0 x case"``, that share of what the case itself has."""
+    """One ``[[constraint]]`` table: bounds with unit, or ``"1.0 x case"``, that share of what the
+    case itself has.
+    """
 
     at_most: Amount | None = None
     at_least: Amount | None = None
 
 
 class SearchModel(StrictModel):
-    """The ``[search]`` table. ``per_round`` trials are asked for together, whatever the workers; ``seeds`` searches show their scatter;
-    ``local``: share of the trials that a local search about the best has at the end, of one objective.
+    """The ``[search]`` table. ``per_round`` trials are asked for together, whatever the workers;
+    ``seeds`` searches show their scatter;
+    ``local``: share of the trials that a local search about the best has at the end, of one
+    objective.
     """
 
     method: Method = "tpe"
@@ -83,7 +104,9 @@ class SearchModel(StrictModel):
 
 
 class ConfirmModel(StrictModel):
-    """One ``[[confirm]]`` table: another spring model, or the case with ``changes`` such as a finer mesh, for the best design."""
+    """One ``[[confirm]]`` table: another spring model, or the case with ``changes`` such as a finer
+    mesh, for the best design.
+    """
 
     spring_model: str = ""
     changes: dict[str, Any] = Field(default_factory=dict)
@@ -105,7 +128,9 @@ class OptimumModel(StrictModel):
     constraint: list[ConstraintModel] = Field(default_factory=list, max_length=MOST_CONSTRAINTS)
     vary: list[VaryModel] = Field(min_length=1, max_length=MOST_VARIED)
     search: SearchModel = SearchModel()
-    confirm: Annotated[list[ConfirmModel], BeforeValidator(_confirmations)] = Field(default_factory=list, max_length=8)
+    confirm: Annotated[list[ConfirmModel], BeforeValidator(_confirmations)] = Field(
+        default_factory=list, max_length=8
+    )
 
 
 class OptimumText(FileText[OptimumModel]):
@@ -116,5 +141,7 @@ class OptimumText(FileText[OptimumModel]):
 
 
 def read_optimum_file(path: Path) -> OptimumText:
-    """The optimisation file at ``path``. Raises :class:`InputError`, one sentence with file, line and key."""
+    """The optimisation file at ``path``. Raises :class:`InputError`, one sentence with file, line
+    and key.
+    """
     return OptimumText(text_of_file(path, "optimisation file"), path.name[:60], path.parent)

@@ -1,4 +1,6 @@
-"""Points of designs, each computed once: out to the workers, outcomes into stores on disk as they come."""
+"""Points of designs, each computed once: out to the workers, outcomes into stores on disk as they
+come.
+"""
 
 from __future__ import annotations
 
@@ -35,19 +37,25 @@ class Stream(Protocol):
 
 @dataclass(frozen=True, eq=False)
 class Design:
-    """A design to be measured: ``plans`` by source (those of the case itself, or with what is varied) and its ``values`` (SI)."""
+    """A design to be measured: ``plans`` by source (those of the case itself, or with what is
+    varied) and its ``values`` (SI).
+    """
 
     plans: Mapping[str, StudyPlan]
     values: tuple[float, ...]
 
 
 class Points:
-    """Measures designs side by side, batch by batch; use it as a context. ``computed`` counts the points of this call.
+    """Measures designs side by side, batch by batch; use it as a context. ``computed`` counts the
+    points of this call.
 
-    ``plans``: source and study of points, all there are; points of a source are kept in its folder below ``folder`` (None: in memory).
+    ``plans``: source and study of points, all there are; points of a source are kept in its folder
+    below ``folder`` (None: in memory).
     """
 
-    def __init__(self, plans: Sequence[tuple[str, StudyPlan]], workers: int, dask: str, folder: Path | None) -> None:
+    def __init__(
+        self, plans: Sequence[tuple[str, StudyPlan]], workers: int, dask: str, folder: Path | None
+    ) -> None:
         self.plans = tuple(plans)
         self.places = {id(plan): place for place, (_, plan) in enumerate(self.plans)}
         self.workers, self.dask, self.folder = workers, dask, folder
@@ -59,7 +67,9 @@ class Points:
         try:
             for source, plan in self.plans:
                 if source not in self.stores:
-                    store = PointStore(None if self.folder is None else self.folder / source, plan.wanted.outputs)
+                    store = PointStore(
+                        None if self.folder is None else self.folder / source, plan.wanted.outputs
+                    )
                     self._left.callback(store.close)
                     self.stores[source] = store
             shared = tuple(plan for _, plan in self.plans)
@@ -68,7 +78,9 @@ class Points:
                 self._crew = _Cluster(shared, self.dask, self.workers)
                 self._left.callback(self._crew.close)
             else:
-                self._crew = self._left.enter_context(StandingPool(evaluate_job, shared, self.workers))
+                self._crew = self._left.enter_context(
+                    StandingPool(evaluate_job, shared, self.workers)
+                )
         except BaseException:
             self._left.close()
             raise
@@ -77,15 +89,21 @@ class Points:
     def __exit__(self, *_: object) -> None:
         self._left.close()
 
-    def measure(self, designs: Sequence[Design], measures: Sequence[Measure], stop: Stop | None = None) -> list[Measured]:
-        """The numbers of every design, in order; ``stop(values)`` may spare it the search for limit speeds."""
+    def measure(
+        self, designs: Sequence[Design], measures: Sequence[Measure], stop: Stop | None = None
+    ) -> list[Measured]:
+        """The numbers of every design, in order; ``stop(values)`` may spare it the search for limit
+        speeds.
+        """
         if not measures:
             return [Measured({}, {}) for _ in designs]
         going = {place: measuring(measures, stop) for place in range(len(designs))}
         asked = {place: next(one, None) for place, one in going.items()}
         done: dict[int, Measured] = {}
         while going:
-            outcomes = self._outcomes([(designs[place], ask) for place in going for ask in asked[place] or ()])
+            outcomes = self._outcomes(
+                [(designs[place], ask) for place in going for ask in asked[place] or ()]
+            )
             given = iter(outcomes)
             for place in tuple(going):
                 answer = [next(given) for _ in asked[place] or ()]
@@ -141,4 +159,6 @@ def spread_first(count: int, dimensions: int, seed: int) -> Array:
     """``count`` points (n, d) of the unit cube, one in each row and column of a Latin square."""
     from scipy.stats import qmc
 
-    return np.asarray(qmc.LatinHypercube(dimensions, seed=np.random.default_rng([seed, dimensions])).random(count))
+    return np.asarray(
+        qmc.LatinHypercube(dimensions, seed=np.random.default_rng([seed, dimensions])).random(count)
+    )

@@ -1,4 +1,6 @@
-"""What a search found: its trials, the best designs, what they gain over the case, and how far that can be trusted."""
+"""What a search found: its trials, the best designs, what they gain over the case, and how far that
+can be trusted.
+"""
 
 from __future__ import annotations
 
@@ -19,7 +21,9 @@ AT_END, ACTIVE = 0.01, 0.01
 
 @dataclass(frozen=True, eq=False)
 class Step:
-    """What a small step of one varied quantity does to a design: ``size`` (SI, with its sign), objectives (m,) and feasibility there."""
+    """What a small step of one varied quantity does to a design: ``size`` (SI, with its sign),
+    objectives (m,) and feasibility there.
+    """
 
     place: int
     size: float
@@ -31,7 +35,9 @@ class Step:
 
 @dataclass(frozen=True, eq=False)
 class Confirmed:
-    """A design by another model: what was measured of the case and of the design, against that model's own bounds."""
+    """A design by another model: what was measured of the case and of the design, against that
+    model's own bounds.
+    """
 
     label: str
     plan: OptimumPlan
@@ -41,7 +47,9 @@ class Confirmed:
 
 @dataclass(frozen=True, eq=False)
 class Design:
-    """One of the chosen designs: its ``trial``, why it was ``chosen``, its ``steps`` and confirmations."""
+    """One of the chosen designs: its ``trial``, why it was ``chosen``, its ``steps`` and
+    confirmations.
+    """
 
     trial: Trial
     chosen: str
@@ -51,10 +59,13 @@ class Design:
 
 @dataclass(frozen=True, eq=False)
 class Optimum:
-    """``trials`` of all searches in order, the ``case`` itself first; chosen ``designs``, the best first.
+    """``trials`` of all searches in order, the ``case`` itself first; chosen ``designs``, the best
+    first.
 
-    ``best_by_seed``: objectives (m,) of the best trial of the search of each seed, for one objective; ``computed``: points that this call
-    computed, the others were in its store; ``seconds``: wall time of this call; ``finished``: whether it was not stopped before its end.
+    ``best_by_seed``: objectives (m,) of the best trial of the search of each seed, for one
+    objective; ``computed``: points that this call
+    computed, the others were in its store; ``seconds``: wall time of this call; ``finished``:
+    whether it was not stopped before its end.
 
     >>> import valvetrain as vt
     >>> found = vt.optimise('''
@@ -81,12 +92,16 @@ class Optimum:
 
     @property
     def best(self) -> Design | None:
-        """The best design, of several objectives the balanced one; None where no trial keeps every bound."""
+        """The best design, of several objectives the balanced one; None where no trial keeps every
+        bound.
+        """
         return self.designs[0] if self.designs else None
 
     @cached_property
     def front(self) -> tuple[Trial, ...]:
-        """Feasible trials that no other beats in all objectives, by the first of these; for one objective the best alone."""
+        """Feasible trials that no other beats in all objectives, by the first of these; for one
+        objective the best alone.
+        """
         return tuple(front_of(list(self.trials)))
 
     @property
@@ -95,7 +110,9 @@ class Optimum:
         return sum(one.feasible for one in self.trials)
 
     def history(self, seed: int | None = None) -> Array:
-        """Best feasible objective (SI) after each trial of the search of ``seed`` (the first), of the first objective; nan before any."""
+        """Best feasible objective (SI) after each trial of the search of ``seed`` (the first), of
+        the first objective; nan before any.
+        """
         goal = self.plan.objectives[0]
         wanted = self.seeds[0] if seed is None and self.seeds else seed
         best, found = np.nan, []
@@ -111,10 +128,15 @@ class Optimum:
         """The case with the values of a design."""
         if design.trial is self.case:
             return self.plan.case
-        return vary(self.plan.case, dict(zip(self.plan.varied, map(float, design.trial.values), strict=True)))
+        return vary(
+            self.plan.case,
+            dict(zip(self.plan.varied, map(float, design.trial.values), strict=True)),
+        )
 
     def at_ends(self, trial: Trial) -> tuple[tuple[int, str], ...]:
-        """(place, ``low`` or ``high``) of varied quantities that stand at an end of their range in a design."""
+        """(place, ``low`` or ``high``) of varied quantities that stand at an end of their range in
+        a design.
+        """
         found = []
         for place, (one, value) in enumerate(zip(self.plan.varied, trial.values, strict=True)):
             low, high = (float(end) for end in one.distribution.at([0.0, 1.0]))
@@ -126,12 +148,20 @@ class Optimum:
         return tuple(found)
 
     def active(self, trial: Trial) -> tuple[int, ...]:
-        """Places of the constraints that a design meets with less than a hundredth of the bound to spare."""
-        return tuple(place for place in range(len(self.plan.constraints)) if abs(trial.missed[place]) <= ACTIVE)
+        """Places of the constraints that a design meets with less than a hundredth of the bound to
+        spare.
+        """
+        return tuple(
+            place
+            for place in range(len(self.plan.constraints))
+            if abs(trial.missed[place]) <= ACTIVE
+        )
 
     @property
     def missed_by_least(self) -> tuple[Trial, str] | None:
-        """Where no trial is feasible: the one that misses its bounds by least, and the words of the bound that it misses most."""
+        """Where no trial is feasible: the one that misses its bounds by least, and the words of the
+        bound that it misses most.
+        """
         computed = [one for one in self.trials if not one.failure]
         if not computed:
             return None
@@ -141,13 +171,21 @@ class Optimum:
 
     def __repr__(self) -> str:
         cut = "" if self.finished else ", stopped before its end"
-        lines = [f"search '{self.plan.title}': {len(self.trials)} trials, {self.feasible} feasible{cut}"]
+        lines = [
+            f"search '{self.plan.title}': {len(self.trials)} trials, {self.feasible} feasible{cut}"
+        ]
         if self.best is not None:
-            for goal, value, before in zip(self.plan.objectives, self.best.trial.objectives, self.case.objectives, strict=True):
+            for goal, value, before in zip(
+                self.plan.objectives, self.best.trial.objectives, self.case.objectives, strict=True
+            ):
                 one = goal.measure
-                lines.append(f"  {one.label}: {one.shown(float(value)):.5g} {one.unit}, the case {one.shown(float(before)):.5g} {one.unit}")
+                lines.append(
+                    f"  {one.label}: {one.shown(float(value)):.5g} {one.unit}, the case {one.shown(float(before)):.5g} {one.unit}"
+                )
             for varied, value in zip(self.plan.varied, self.best.trial.values, strict=True):
-                lines.append(f"  {varied.words}: {varied.shown(float(value)):.5g} {varied.unit}".rstrip())
+                lines.append(
+                    f"  {varied.words}: {varied.shown(float(value)):.5g} {varied.unit}".rstrip()
+                )
         return "\n".join(lines)
 
 
@@ -161,7 +199,9 @@ def bound_words(plan: OptimumPlan, place: int) -> str:
     measure = bound.measure
     sign = "at most" if bound.upper else "at least"
     of_case = f" ({bound.share:g} x case)" if bound.share is not None else ""
-    return f"{measure.label} {sign} {measure.shown(bound.bound):.5g} {measure.unit}".rstrip() + of_case
+    return (
+        f"{measure.label} {sign} {measure.shown(bound.bound):.5g} {measure.unit}".rstrip() + of_case
+    )
 
 
 __all__ = ["ACTIVE", "AT_END", "Confirmed", "Design", "Optimum", "Step", "bound_words"]

@@ -1,4 +1,6 @@
-"""A search while it goes on: the case, then rounds of trials, the same whoever computes them and however often it is begun anew."""
+"""A search while it goes on: the case, then rounds of trials, the same whoever computes them and
+however often it is begun anew.
+"""
 
 from __future__ import annotations
 
@@ -28,9 +30,11 @@ from valvetrain.studies.points.plan import StudyPlan
 from valvetrain.studies.points.run_study import seconds_of
 from valvetrain.studies.stopping import Stopped
 
-#: Trials of the first round or rounds, drawn evenly before the search learns; and for each varied quantity.
+#: Trials of the first round or rounds, drawn evenly before the search learns; and for each varied
+#: quantity.
 FIRST, FIRST_EACH = 10, 2
-#: Points of the search for a limit speed beyond those of its grid; seconds that a trial takes besides its points; bytes of one.
+#: Points of the search for a limit speed beyond those of its grid; seconds that a trial takes
+#: besides its points; bytes of one.
 CLOSER, AROUND, TRIAL_BYTES = 10, 0.03, 2e4
 #: What makes a search large.
 FEWER = "trials, speeds or models"
@@ -58,34 +62,56 @@ def estimate_search(plan: OptimumPlan, workers: int) -> SearchEstimate:
     each = _seconds(plan)
     after = (2 * len(plan.varied) + 1) * each
     confirmed = sum(2 * _seconds(one.plan) for one in plan.confirmations)
-    points = sum(len(one.runs) if one.limit is None else len(one.limit.engine_speeds) + CLOSER for one in plan.measures)
-    seconds = trials * AROUND + (trials * each + after * len(plan.objectives) + confirmed) / max(1, workers)
-    return SearchEstimate(trials, Cost(seconds, trials * (TRIAL_BYTES + 500.0 * points) + 1.2e8 * (workers + 1)))
+    points = sum(
+        len(one.runs) if one.limit is None else len(one.limit.engine_speeds) + CLOSER
+        for one in plan.measures
+    )
+    seconds = trials * AROUND + (trials * each + after * len(plan.objectives) + confirmed) / max(
+        1, workers
+    )
+    return SearchEstimate(
+        trials, Cost(seconds, trials * (TRIAL_BYTES + 500.0 * points) + 1.2e8 * (workers + 1))
+    )
 
 
 def _seconds(plan: OptimumPlan) -> float:
     """Seconds of one core for a design."""
-    total = sum(seconds_of(study, run) for source, study in plan.plans.items() if source != "limit" for run in study.runs)
+    total = sum(
+        seconds_of(study, run)
+        for source, study in plan.plans.items()
+        if source != "limit"
+        for run in study.runs
+    )
     for one in plan.measures:
         if one.limit is not None:
             study, speeds = plan.plans["limit"], one.limit.engine_speeds
-            of_grid = sum(seconds_of(study, (speed, *run[1:])) for run in one.runs for speed in speeds)
+            of_grid = sum(
+                seconds_of(study, (speed, *run[1:])) for run in one.runs for speed in speeds
+            )
             total += of_grid * (1 + CLOSER / len(speeds))
     return total
 
 
 def run_search(
-    plan: OptimumPlan, workers: int, dask: str = "", folder: Path | None = None, limits: Limits = Limits(), progress: Progress | None = None
+    plan: OptimumPlan,
+    workers: int,
+    dask: str = "",
+    folder: Path | None = None,
+    limits: Limits = Limits(),
+    progress: Progress | None = None,
 ) -> Optimum:
     """The search of a plan; points that the stores below ``folder`` hold are not computed again.
 
-    Raises :class:`InputError` for a request beyond ``limits``, and :class:`SearchInterrupted` with what was finished when it is stopped.
+    Raises :class:`InputError` for a request beyond ``limits``, and :class:`SearchInterrupted` with
+    what was finished when it is stopped.
     """
     if workers < 1:
         raise InputError(f"workers must be 1 or more; it is {workers}", "--workers")
     refuse_cost(estimate_search(plan, workers).cost, limits, fewer=FEWER)
     for seed in _seeds(plan):
-        searcher_of(plan.search, len(plan.varied), _signs(plan), seed)  # a library that is not installed is said before the first run
+        searcher_of(
+            plan.search, len(plan.varied), _signs(plan), seed
+        )  # a library that is not installed is said before the first run
     return _Search(plan, progress).run(workers, dask, folder)
 
 
@@ -116,7 +142,9 @@ class _Search:
         own = case_plans(self.plan)
         others = [(one.plan, case_plans(one.plan)) for one in self.plan.confirmations]
         plans = [*own.items(), *self.plan.plans.items()]
-        plans += [pair for varied, still in others for pair in (*still.items(), *varied.plans.items())]
+        plans += [
+            pair for varied, still in others for pair in (*still.items(), *varied.plans.items())
+        ]
         with Points(plans, workers, dask, folder) as points:
             try:
                 self.case = self._case(points, self.plan, own)
@@ -125,14 +153,27 @@ class _Search:
                 for seed in self.seeds:
                     self._search(points, seed)
                 made = self._optimum(points.computed, True)
-                designs = [self._looked_at(points, one, place) for place, one in enumerate(made.designs)]
+                designs = [
+                    self._looked_at(points, one, place) for place, one in enumerate(made.designs)
+                ]
                 best = made.designs[0].trial if made.designs else None
-                confirmed = () if best is None else tuple(
-                    self._confirm(points, one.label, varied, still, best)
-                    for one, (varied, still) in zip(self.plan.confirmations, others, strict=True)
-                )  # fmt: skip
+                confirmed = (
+                    ()
+                    if best is None
+                    else tuple(
+                        self._confirm(points, one.label, varied, still, best)
+                        for one, (varied, still) in zip(
+                            self.plan.confirmations, others, strict=True
+                        )
+                    )
+                )
                 designs[:1] = [replace(one, confirmed=confirmed) for one in designs[:1]]
-                return replace(made, designs=tuple(designs), computed=points.computed, seconds=time.perf_counter() - self.begun)
+                return replace(
+                    made,
+                    designs=tuple(designs),
+                    computed=points.computed,
+                    seconds=time.perf_counter() - self.begun,
+                )
             except KeyboardInterrupt:
                 if self.case is None:
                     raise
@@ -141,13 +182,19 @@ class _Search:
     def _case(self, points: Points, plan: OptimumPlan, own: Mapping[str, StudyPlan]) -> Trial:
         """The case as it stands, trial 0, with the bounds that are shares of its numbers."""
         if plan.begins:
-            (begin,) = points.measure([Wanted(own, ())], [one for several in plan.begins.values() for one in several])
+            (begin,) = points.measure(
+                [Wanted(own, ())], [one for several in plan.begins.values() for one in several]
+            )
             if begin.failure:
-                raise InputError(f"the case itself cannot be computed, and a limit speed is a share of its numbers: {begin.failure}")
+                raise InputError(
+                    f"the case itself cannot be computed, and a limit speed is a share of its numbers: {begin.failure}"
+                )
             plan = plan.with_limits(begin.values)
         (measured,) = points.measure([Wanted(own, ())], plan.measures)
         if measured.failure and any(one.share is not None for one in plan.constraints):
-            raise InputError(f"the case itself cannot be computed, and a bound is a share of its numbers: {measured.failure}")
+            raise InputError(
+                f"the case itself cannot be computed, and a bound is a share of its numbers: {measured.failure}"
+            )
         return Trial(0, CASE_SEED, self._nominal(), measured, plan.of_case(measured.values))
 
     def _nominal(self) -> Array:
@@ -183,9 +230,15 @@ class _Search:
             self._local(points, seed, search.trials - done)
 
     def _local_share(self) -> int:
-        """Trials that the local search has, none for several objectives and where nothing can move a little."""
+        """Trials that the local search has, none for several objectives and where nothing can move
+        a little.
+        """
         free = any(isinstance(one.distribution, Uniform) for one in self.plan.varied)
-        return int(self.plan.search.local * self.plan.search.trials) if len(self.plan.objectives) == 1 and free else 0
+        return (
+            int(self.plan.search.local * self.plan.search.trials)
+            if len(self.plan.objectives) == 1 and free
+            else 0
+        )
 
     def _local(self, points: Points, seed: int, budget: int) -> None:
         """About the best design of a seed, or the one that misses its bounds by least."""
@@ -196,10 +249,22 @@ class _Search:
         best = best_of(starts) or min(starts, key=lambda one: (one.total_missed, one.number))
         begin = shares_of(self.plan, best.values)
         assert begin is not None
-        free = [place for place, one in enumerate(self.plan.varied) if isinstance(one.distribution, Uniform)]
-        local_search(begin, best, free, lambda shares: self._round(points, [shares], seed, spare=False)[0], budget)
+        free = [
+            place
+            for place, one in enumerate(self.plan.varied)
+            if isinstance(one.distribution, Uniform)
+        ]
+        local_search(
+            begin,
+            best,
+            free,
+            lambda shares: self._round(points, [shares], seed, spare=False)[0],
+            budget,
+        )
 
-    def _round(self, points: Points, shares: Sequence[Array], seed: int, spare: bool = True) -> list[Trial]:
+    def _round(
+        self, points: Points, shares: Sequence[Array], seed: int, spare: bool = True
+    ) -> list[Trial]:
         """The trials of one round, a few batches of points at a time."""
         plan = self.plan
         # the generations of NSGA-II hold infeasible designs too, with their objectives
@@ -208,7 +273,9 @@ class _Search:
         made = []
         for begin in range(0, len(values), plan.search.per_round):
             part = values[begin : begin + plan.search.per_round]
-            measured = points.measure([Wanted(plan.plans, tuple(map(float, one))) for one in part], plan.measures, stop)
+            measured = points.measure(
+                [Wanted(plan.plans, tuple(map(float, one))) for one in part], plan.measures, stop
+            )
             for one, found in zip(part, measured, strict=True):
                 made.append(Trial(len(self.trials), seed, one, found, plan))
                 self.trials.append(made[-1])
@@ -219,16 +286,35 @@ class _Search:
         if self.progress is not None:
             total = self.plan.search.trials * len(self.seeds) + 1
             one, best = self.plan.objectives[0].measure, best_of(self.trials)
-            words = "none feasible yet" if best is None else f"best {one.shown(float(best.objectives[0])):.5g} {one.unit}".rstrip()
-            self.progress(min(0.97, len(self.trials) / total), f"{len(self.trials) - 1} of {total - 1} trials, {words}")
+            words = (
+                "none feasible yet"
+                if best is None
+                else f"best {one.shown(float(best.objectives[0])):.5g} {one.unit}".rstrip()
+            )
+            self.progress(
+                min(0.97, len(self.trials) / total),
+                f"{len(self.trials) - 1} of {total - 1} trials, {words}",
+            )
 
     def _optimum(self, computed: int, finished: bool) -> Optimum:
         assert self.case is not None
         seconds = time.perf_counter() - self.begun
-        made = Optimum(self.plan, self.case, tuple(self.trials), computed=computed, seconds=seconds, finished=finished, seeds=self.seeds)
+        made = Optimum(
+            self.plan,
+            self.case,
+            tuple(self.trials),
+            computed=computed,
+            seconds=seconds,
+            finished=finished,
+            seeds=self.seeds,
+        )
         by_seed: dict[int, float] = {}
         if len(self.plan.objectives) == 1 and len(self.seeds) > 1:
-            by_seed = {seed: float(found[-1]) for seed in self.seeds if len(found := made.history(seed)) and np.isfinite(found[-1])}
+            by_seed = {
+                seed: float(found[-1])
+                for seed in self.seeds
+                if len(found := made.history(seed)) and np.isfinite(found[-1])
+            }
         return replace(made, best_by_seed=by_seed, designs=chosen_designs(made))
 
     def _looked_at(self, points: Points, one: Design, place: int) -> Design:
@@ -237,25 +323,41 @@ class _Search:
             return one
 
         def measure(values: Sequence[Array]) -> list[Measured]:
-            return points.measure([Wanted(self.plan.plans, tuple(map(float, row))) for row in values], self.plan.measures)
+            return points.measure(
+                [Wanted(self.plan.plans, tuple(map(float, row))) for row in values],
+                self.plan.measures,
+            )
 
         return replace(one, steps=steps_of(self.plan, one.trial, measure))
 
-    def _confirm(self, points: Points, label: str, plan: OptimumPlan, still: Mapping[str, StudyPlan], best: Trial) -> Confirmed:
+    def _confirm(
+        self,
+        points: Points,
+        label: str,
+        plan: OptimumPlan,
+        still: Mapping[str, StudyPlan],
+        best: Trial,
+    ) -> Confirmed:
         """The best design and the case by another model."""
         if self.progress is not None:
             self.progress(0.98, f"confirming by {label}")
         case = self._case(points, plan, still)
         if best.number == 0:
             return Confirmed(label, case.plan, case, case)
-        (measured,) = points.measure([Wanted(plan.plans, tuple(map(float, best.values)))], case.plan.measures)
-        return Confirmed(label, case.plan, case, Trial(best.number, best.seed, best.values, measured, case.plan))
+        (measured,) = points.measure(
+            [Wanted(plan.plans, tuple(map(float, best.values)))], case.plan.measures
+        )
+        return Confirmed(
+            label, case.plan, case, Trial(best.number, best.seed, best.values, measured, case.plan)
+        )
 
 
 def _spared(plan: OptimumPlan) -> Stop:
     """Says of numbers at hand whether a bound is missed already, so that no limit speed is needed."""
 
     def stop(values: Mapping[Measure, float]) -> bool:
-        return any(one.missed(values[one.measure]) > 0 for one in plan.constraints if one.measure in values)
+        return any(
+            one.missed(values[one.measure]) > 0 for one in plan.constraints if one.measure in values
+        )
 
     return stop

@@ -1,7 +1,10 @@
-"""How a search chooses its next designs: in rounds of a fixed size, from nothing but its seed and what it was told.
+"""How a search chooses its next designs: in rounds of a fixed size, from nothing but its seed and
+what it was told.
 
-Sources: J. Bergstra et al. (2011), Algorithms for hyper-parameter optimization (TPE); K. Deb et al., IEEE Trans. Evol. Comput. 6 (2002)
-182 (NSGA-II, and that of two designs the one that misses its bounds by less goes first); N. Hansen and A. Ostermeier, Evol. Comput. 9
+Sources: J. Bergstra et al. (2011), Algorithms for hyper-parameter optimization (TPE); K. Deb et
+al., IEEE Trans. Evol. Comput. 6 (2002)
+182 (NSGA-II, and that of two designs the one that misses its bounds by less goes first); N. Hansen
+and A. Ostermeier, Evol. Comput. 9
 (2001) 159 (CMA-ES). The libraries optuna and cmaes.
 """
 
@@ -24,7 +27,8 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 HINT = "a search needs the library {}, which is not installed; install the extra: pip install 'valvetrain[studies]'"
-#: First spread of CMA-ES and change of its population after which it has come to rest, as shares of the ranges.
+#: First spread of CMA-ES and change of its population after which it has come to rest, as shares of
+#: the ranges.
 FIRST_SPREAD = 0.25
 
 
@@ -32,7 +36,9 @@ class Searcher(Protocol):
     """Chooses points (d,) of the unit cube and learns what came of them."""
 
     def ask(self, count: int, fixed: Sequence[Array] = ()) -> list[Array]:
-        """The next ``count`` points; those of ``fixed`` are taken instead of its own. Fewer, or none, where it has come to rest."""
+        """The next ``count`` points; those of ``fixed`` are taken instead of its own. Fewer, or
+        none, where it has come to rest.
+        """
         ...
 
     def tell(self, trials: Sequence[Trial]) -> None:
@@ -40,8 +46,12 @@ class Searcher(Protocol):
         ...
 
 
-def searcher_of(search: SearchModel, dimensions: int, signs: Sequence[float], seed: int) -> Searcher:
-    """The searcher of a method. Raises :class:`MissingExtraError` where its library is not installed."""
+def searcher_of(
+    search: SearchModel, dimensions: int, signs: Sequence[float], seed: int
+) -> Searcher:
+    """The searcher of a method. Raises :class:`MissingExtraError` where its library is not
+    installed.
+    """
     if search.method == "cma-es":
         return EvolutionSearch(dimensions, signs[0], seed, search.per_round)
     return OptunaSearch(search.method, dimensions, signs, seed, search.per_round)
@@ -71,19 +81,34 @@ def quiet_optuna() -> Iterator[Any]:
 
 
 class OptunaSearch:
-    """TPE or NSGA-II, its sampler made anew for every round from the seed and the number of the round."""
+    """TPE or NSGA-II, its sampler made anew for every round from the seed and the number of the
+    round.
+    """
 
-    def __init__(self, method: str, dimensions: int, signs: Sequence[float], seed: int, per_round: int) -> None:
-        self.method, self.signs, self.seed, self.per_round, self.round = method, tuple(signs), seed, per_round, 0
+    def __init__(
+        self, method: str, dimensions: int, signs: Sequence[float], seed: int, per_round: int
+    ) -> None:
+        self.method, self.signs, self.seed, self.per_round, self.round = (
+            method,
+            tuple(signs),
+            seed,
+            per_round,
+            0,
+        )
         with quiet_optuna() as optuna:
             self._study = optuna.create_study(directions=["minimize"] * len(self.signs))
-            self._axes = {f"{place:03d}": optuna.distributions.FloatDistribution(0.0, 1.0) for place in range(dimensions)}
+            self._axes = {
+                f"{place:03d}": optuna.distributions.FloatDistribution(0.0, 1.0)
+                for place in range(dimensions)
+            }
         self._asked: list[Any] = []
 
     def ask(self, count: int, fixed: Sequence[Array] = ()) -> list[Array]:
         """Points (d,) of the next round."""
         with quiet_optuna() as optuna:
-            self._study.sampler = self._sampler(optuna, int(np.random.SeedSequence([self.seed, self.round]).generate_state(1)[0]))
+            self._study.sampler = self._sampler(
+                optuna, int(np.random.SeedSequence([self.seed, self.round]).generate_state(1)[0])
+            )
             for point in fixed:
                 self._study.enqueue_trial(dict(zip(self._axes, map(float, point), strict=True)))
             self._asked = [self._study.ask(self._axes) for _ in range(len(fixed) or count)]
@@ -91,14 +116,19 @@ class OptunaSearch:
         return [np.array([one.params[name] for name in self._axes]) for one in self._asked]
 
     def tell(self, trials: Sequence[Trial]) -> None:
-        """Objectives of what was computed; the rest, and what could not be, counts as infeasible without a number."""
+        """Objectives of what was computed; the rest, and what could not be, counts as infeasible
+        without a number.
+        """
         with quiet_optuna() as optuna:
             for asked, trial in zip(self._asked, trials, strict=True):
                 asked.set_user_attr("missed", trial.told_missed)
                 if trial.failure or not np.all(np.isfinite(trial.objectives)):
                     self._study.tell(asked, state=optuna.trial.TrialState.PRUNED)
                 else:
-                    costs = [float(sign * value) for sign, value in zip(self.signs, trial.objectives, strict=True)]
+                    costs = [
+                        float(sign * value)
+                        for sign, value in zip(self.signs, trial.objectives, strict=True)
+                    ]
                     self._study.tell(asked, costs)
 
     def _sampler(self, optuna: Any, seed: int) -> Any:
@@ -106,21 +136,34 @@ class OptunaSearch:
             return list(trial.user_attrs["missed"])
 
         if self.method == "nsga2":
-            return optuna.samplers.NSGAIISampler(population_size=self.per_round, seed=seed, constraints_func=missed)
+            return optuna.samplers.NSGAIISampler(
+                population_size=self.per_round, seed=seed, constraints_func=missed
+            )
         return optuna.samplers.TPESampler(
-            seed=seed, multivariate=True, constant_liar=True, n_startup_trials=2, constraints_func=missed
-        )  # fmt: skip
+            seed=seed,
+            multivariate=True,
+            constant_liar=True,
+            n_startup_trials=2,
+            constraints_func=missed,
+        )
 
 
 class EvolutionSearch:
-    """CMA-ES over ranks: feasible designs by their objective, then the others by what they miss, then those that could not be computed."""
+    """CMA-ES over ranks: feasible designs by their objective, then the others by what they miss,
+    then those that could not be computed.
+    """
 
     def __init__(self, dimensions: int, sign: float, seed: int, per_round: int) -> None:
         try:
             import cmaes
         except ImportError as error:
             raise MissingExtraError(HINT.format("cmaes")) from error
-        self.dimensions, self.sign, self.seed, self.per_round = dimensions, sign, seed, max(4, per_round)
+        self.dimensions, self.sign, self.seed, self.per_round = (
+            dimensions,
+            sign,
+            seed,
+            max(4, per_round),
+        )
         self._make: Any = cmaes.CMA
         self._strategy: Any = None
         self._asked: list[Array] = []
@@ -137,22 +180,34 @@ class EvolutionSearch:
         return [np.clip(one[: self.dimensions], 0.0, 1.0) for one in self._asked[:count]]
 
     def tell(self, trials: Sequence[Trial]) -> None:
-        """The ranks of a generation; of the first designs only the best counts, about which the search begins."""
+        """The ranks of a generation; of the first designs only the best counts, about which the
+        search begins.
+        """
         order = sorted(range(len(trials)), key=lambda place: self._key(trials[place]))
         if self._strategy is None:
             self._begin(self._first[order[0]])
             return
         ranks = {place: float(rank) for rank, place in enumerate(order)}
         if len(trials) == len(self._asked):  # a last generation that is cut short teaches nothing
-            self._strategy.tell([(self._asked[place], ranks[place]) for place in range(len(trials))])
+            self._strategy.tell(
+                [(self._asked[place], ranks[place]) for place in range(len(trials))]
+            )
 
     def _begin(self, centre: Array) -> None:
-        """About ``centre``; the library knows two quantities or more, so a second one without effect stands beside one alone."""
+        """About ``centre``; the library knows two quantities or more, so a second one without
+        effect stands beside one alone.
+        """
         count = max(2, self.dimensions)
         mean = np.full(count, 0.5)
         mean[: self.dimensions] = np.clip(centre, 0.02, 0.98)
         box = np.column_stack([np.zeros(count), np.ones(count)])
-        self._strategy = self._make(mean=mean, sigma=FIRST_SPREAD, bounds=box, seed=self.seed, population_size=self.per_round)
+        self._strategy = self._make(
+            mean=mean,
+            sigma=FIRST_SPREAD,
+            bounds=box,
+            seed=self.seed,
+            population_size=self.per_round,
+        )
 
     def _key(self, trial: Trial) -> tuple[int, float]:
         if trial.feasible:

@@ -10,7 +10,9 @@ from valvetrain.studies.points.distributions import Uniform, Values
 
 
 def values_of(plan: OptimumPlan, shares: Array) -> Array:
-    """Values (d, SI) of a point (d,) of the unit cube; a quantity with a list of values takes them in rising order."""
+    """Values (d, SI) of a point (d,) of the unit cube; a quantity with a list of values takes them
+    in rising order.
+    """
     found = []
     for one, share in zip(plan.varied, np.clip(shares, 0.0, 1.0), strict=True):
         levels = one.distribution
@@ -42,7 +44,9 @@ def shares_of(plan: OptimumPlan, values: Array) -> Array | None:
 
 
 def neighbours(plan: OptimumPlan, values: Array, place: int, share: float) -> list[Array]:
-    """The design with one quantity a ``share`` of its range lower and higher, or at the next of its values, those inside the range."""
+    """The design with one quantity a ``share`` of its range lower and higher, or at the next of its
+    values, those inside the range.
+    """
     levels = plan.varied[place].distribution
     if isinstance(levels, Values):
         order = sorted(set(levels.values))
@@ -51,7 +55,11 @@ def neighbours(plan: OptimumPlan, values: Array, place: int, share: float) -> li
     else:
         assert isinstance(levels, Uniform)
         step = share * (levels.high - levels.low)
-        near = [one for one in (values[place] - step, values[place] + step) if levels.low <= one <= levels.high]
+        near = [
+            one
+            for one in (values[place] - step, values[place] + step)
+            if levels.low <= one <= levels.high
+        ]
     found = []
     for value in near:
         row = values.copy()

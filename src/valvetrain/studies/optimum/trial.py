@@ -13,7 +13,8 @@ from valvetrain.studies.optimum.measure import Measured
 from valvetrain.studies.optimum.plan import OptimumPlan
 
 Array = NDArray[np.float64]
-#: What is told of a bound where there is no number, as a share of the bound: beyond any that is computed.
+#: What is told of a bound where there is no number, as a share of the bound: beyond any that is
+#: computed.
 UNKNOWN = 1e6
 #: Stands for the seed of the case, which no search asked for.
 CASE_SEED = -1
@@ -21,7 +22,8 @@ CASE_SEED = -1
 
 @dataclass(frozen=True, eq=False)
 class Trial:
-    """``number`` counts from 0, the case itself; ``values`` (d, SI) of the varied quantities; ``measured``: its numbers; ``seed`` of the
+    """``number`` counts from 0, the case itself; ``values`` (d, SI) of the varied quantities;
+    ``measured``: its numbers; ``seed`` of the
     search that asked for it. ``plan`` tells bounds and directions.
     """
 
@@ -39,20 +41,35 @@ class Trial:
     @cached_property
     def objectives(self) -> Array:
         """Objectives (m,) in SI, nan where they were not computed."""
-        return np.array([self.measured.values.get(one.measure, np.nan) for one in self.plan.objectives])
+        return np.array(
+            [self.measured.values.get(one.measure, np.nan) for one in self.plan.objectives]
+        )
 
     @cached_property
     def constraints(self) -> Array:
         """Values (c,) in SI of what is bounded."""
-        return np.array([self.measured.values.get(one.measure, np.nan) for one in self.plan.constraints])
+        return np.array(
+            [self.measured.values.get(one.measure, np.nan) for one in self.plan.constraints]
+        )
 
     @cached_property
     def missed(self) -> Array:
-        """By how much (c + m,) each bound is missed, in shares of it, negative inside; then 0 for each objective, more where a limit speed
+        """By how much (c + m,) each bound is missed, in shares of it, negative inside; then 0 for
+        each objective, more where a limit speed
         lies below the lowest one searched."""
-        bounds = [one.missed(value) for one, value in zip(self.plan.constraints, self.constraints, strict=True)]
+        bounds = [
+            one.missed(value)
+            for one, value in zip(self.plan.constraints, self.constraints, strict=True)
+        ]
         begins = [
-            max((1e-9 + bracket.missed for bracket in self.measured.limits.get(one.measure, ()) if bracket.kind == BELOW), default=0.0)
+            max(
+                (
+                    1e-9 + bracket.missed
+                    for bracket in self.measured.limits.get(one.measure, ())
+                    if bracket.kind == BELOW
+                ),
+                default=0.0,
+            )
             for one in self.plan.objectives
         ]
         return np.array([*bounds, *begins])
@@ -60,7 +77,11 @@ class Trial:
     @property
     def feasible(self) -> bool:
         """Whether it was computed, all bounds are kept and all objectives are there."""
-        return not self.failure and bool(np.all(self.missed <= 0.0)) and bool(np.all(np.isfinite(self.objectives)))
+        return (
+            not self.failure
+            and bool(np.all(self.missed <= 0.0))
+            and bool(np.all(np.isfinite(self.objectives)))
+        )
 
     @property
     def told_missed(self) -> list[float]:
@@ -91,9 +112,15 @@ def beats(one: Trial, other: Trial) -> bool:
 
 
 def best_of(trials: list[Trial]) -> Trial | None:
-    """The feasible trial with the best first objective, the first of equals; None where there is none."""
+    """The feasible trial with the best first objective, the first of equals; None where there is
+    none.
+    """
     feasible = [one for one in trials if one.feasible]
-    return min(feasible, key=lambda one: (one.plan.objectives[0].sign * one.objectives[0], one.number), default=None)
+    return min(
+        feasible,
+        key=lambda one: (one.plan.objectives[0].sign * one.objectives[0], one.number),
+        default=None,
+    )
 
 
 def front_of(trials: list[Trial]) -> list[Trial]:
@@ -106,7 +133,9 @@ def front_of(trials: list[Trial]) -> list[Trial]:
     kept: list[Trial] = []
     seen: set[bytes] = set()
     for place, one in enumerate(feasible):
-        beaten = np.any(np.all(costs <= costs[place], axis=1) & np.any(costs < costs[place], axis=1))
+        beaten = np.any(
+            np.all(costs <= costs[place], axis=1) & np.any(costs < costs[place], axis=1)
+        )
         key = costs[place].tobytes()
         if not beaten and key not in seen:
             seen.add(key)

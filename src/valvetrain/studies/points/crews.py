@@ -1,4 +1,6 @@
-"""Who computes the points of a study: this process, processes of this machine, or a Dask cluster. The same bits from each."""
+"""Who computes the points of a study: this process, processes of this machine, or a Dask cluster.
+The same bits from each.
+"""
 
 from __future__ import annotations
 
@@ -17,7 +19,13 @@ HINT = "Dask is asked for (--dask) but not installed; install the extra: pip ins
 #: Times that Dask tries a job whose worker is lost, and a job alone after that.
 TRIALS = 3
 #: Classes of dask-jobqueue by the word of their scheduler.
-QUEUES = {"slurm": "SLURMCluster", "pbs": "PBSCluster", "sge": "SGECluster", "lsf": "LSFCluster", "htcondor": "HTCondorCluster"}
+QUEUES = {
+    "slurm": "SLURMCluster",
+    "pbs": "PBSCluster",
+    "sge": "SGECluster",
+    "lsf": "LSFCluster",
+    "htcondor": "HTCondorCluster",
+}
 
 
 class Crew(Protocol):
@@ -28,8 +36,12 @@ class Crew(Protocol):
         """Jobs at a time, as far as it is known."""
         ...
 
-    def run(self, function: Function, shared: Any, jobs: Sequence[Any]) -> Iterator[tuple[int, Any]]:
-        """(place, result) of every job as it is finished; :class:`valvetrain.studies.workers.Lost` for one that is not to be had."""
+    def run(
+        self, function: Function, shared: Any, jobs: Sequence[Any]
+    ) -> Iterator[tuple[int, Any]]:
+        """(place, result) of every job as it is finished; :class:`valvetrain.studies.workers.Lost`
+        for one that is not to be had.
+        """
         ...
 
     def close(self) -> None:
@@ -43,7 +55,9 @@ class LocalCrew:
 
     workers: int
 
-    def run(self, function: Function, shared: Any, jobs: Sequence[Any]) -> Iterator[tuple[int, Any]]:
+    def run(
+        self, function: Function, shared: Any, jobs: Sequence[Any]
+    ) -> Iterator[tuple[int, Any]]:
         if self.workers > 1 and len(jobs) > 1:
             yield from in_processes(function, shared, jobs, min(self.workers, len(jobs)))
             return
@@ -57,9 +71,11 @@ class LocalCrew:
 
 
 class DaskCrew:
-    """A Dask cluster: ``local``, the address of a scheduler, or the word of a queue of dask-jobqueue (``slurm``, ``pbs``).
+    """A Dask cluster: ``local``, the address of a scheduler, or the word of a queue of
+    dask-jobqueue (``slurm``, ``pbs``).
 
-    Raises :class:`MissingExtraError` where Dask, or dask-jobqueue for a queue, is not installed, :class:`InputError` where the scheduler
+    Raises :class:`MissingExtraError` where Dask, or dask-jobqueue for a queue, is not installed,
+    :class:`InputError` where the scheduler
     does not answer.
     """
 
@@ -77,7 +93,8 @@ class DaskCrew:
         except (OSError, TimeoutError, ValueError) as error:
             self._left.close()
             raise InputError(
-                f"no Dask scheduler answers at '{where[:80]}' ({type(error).__name__}); check the address", "--dask"
+                f"no Dask scheduler answers at '{where[:80]}' ({type(error).__name__}); check the address",
+                "--dask",
             ) from error
         self._client: Any = self._left.enter_context(client)
         self._sent: tuple[Any, Any] | None = None
@@ -85,28 +102,47 @@ class DaskCrew:
     def _cluster(self, distributed: Any, where: str, workers: int) -> Any:
         if where == "local":
             made = distributed.LocalCluster(
-                n_workers=workers, threads_per_worker=1, processes=True, dashboard_address=None, protocol="tcp", silence_logs=50
+                n_workers=workers,
+                threads_per_worker=1,
+                processes=True,
+                dashboard_address=None,
+                protocol="tcp",
+                silence_logs=50,
             )
         elif where in QUEUES:
             try:
                 import dask_jobqueue
             except ImportError as error:
-                raise MissingExtraError(f"--dask {where} needs dask-jobqueue; install it: pip install dask-jobqueue") from error
-            made = getattr(dask_jobqueue, QUEUES[where])()  # its settings are those of the site (jobqueue.yaml)
+                raise MissingExtraError(
+                    f"--dask {where} needs dask-jobqueue; install it: pip install dask-jobqueue"
+                ) from error
+            made = getattr(
+                dask_jobqueue, QUEUES[where]
+            )()  # its settings are those of the site (jobqueue.yaml)
             made.scale(workers)
         else:
             return where
         return self._left.enter_context(made)
 
-    def run(self, function: Function, shared: Any, jobs: Sequence[Any]) -> Iterator[tuple[int, Any]]:
+    def run(
+        self, function: Function, shared: Any, jobs: Sequence[Any]
+    ) -> Iterator[tuple[int, Any]]:
         import distributed
 
         client = self._client
         if self._sent is None or self._sent[0] is not shared:
-            # sent once and under a name of its own: by a name made from the content, a batch could lose it to the release of the last
+            # sent once and under a name of its own: by a name made from the content, a batch could
+            # lose it to the release of the last
             self._sent = shared, client.scatter(shared, broadcast=True, hash=False)
         common = self._sent[1]
-        futures = client.map(_one, list(enumerate(jobs)), function=function, shared=common, pure=False, retries=TRIALS)
+        futures = client.map(
+            _one,
+            list(enumerate(jobs)),
+            function=function,
+            shared=common,
+            pure=False,
+            retries=TRIALS,
+        )
         places = {future.key: place for place, future in enumerate(futures)}
         waiting: Any = distributed.as_completed  # untyped
         coming = waiting(futures, loop=client.loop)
@@ -118,7 +154,10 @@ class DaskCrew:
                 error = future.exception() if future.status == "error" else None
                 if error is not None and type(error).__name__ != "KilledWorker":
                     raise error
-                yield place, Lost() if error is not None or future.status != "finished" else future.result()
+                yield (
+                    place,
+                    Lost() if error is not None or future.status != "finished" else future.result(),
+                )
                 future.release()
         finally:
             coming.clear()

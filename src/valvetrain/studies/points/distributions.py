@@ -1,4 +1,6 @@
-"""How a quantity of a case scatters or is stepped through, as the value at a share of its probability."""
+"""How a quantity of a case scatters or is stepped through, as the value at a share of its
+probability.
+"""
 
 from __future__ import annotations
 
@@ -11,7 +13,8 @@ from numpy.typing import ArrayLike, NDArray
 from valvetrain.errors import InputError
 
 Array = NDArray[np.float64]
-#: A tolerance is this many standard deviations where nobody says otherwise, as shops draw their limits.
+#: A tolerance is this many standard deviations where nobody says otherwise, as shops draw their
+#: limits.
 SIGMAS = 3.0
 
 
@@ -38,7 +41,9 @@ def _refuse(found: str) -> None:
 
 
 def _finite(one: object) -> str:
-    bad = next((field.name for field in fields(one) if not np.isfinite(getattr(one, field.name))), "")  # type: ignore[arg-type]
+    bad = next(
+        (field.name for field in fields(one) if not np.isfinite(getattr(one, field.name))), ""
+    )  # type: ignore[arg-type]
     return f"{bad} of a distribution is no finite number; give one" if bad else ""
 
 
@@ -54,13 +59,24 @@ class Uniform:
     high: float
 
     def __post_init__(self) -> None:
-        _refuse(_finite(self) or ("" if self.low < self.high else f"low ({self.low:g}) is not below high ({self.high:g}); swap them"))
+        _refuse(
+            _finite(self)
+            or (
+                ""
+                if self.low < self.high
+                else f"low ({self.low:g}) is not below high ({self.high:g}); swap them"
+            )
+        )
 
     def at(self, share: ArrayLike) -> Array:
         return np.asarray(self.low + (self.high - self.low) * np.asarray(share, dtype=float))
 
     def levels(self, count: int) -> tuple[float, ...]:
-        return tuple(float(value) for value in np.linspace(self.low, self.high, count)) if count > 1 else (self.middle,)
+        return (
+            tuple(float(value) for value in np.linspace(self.low, self.high, count))
+            if count > 1
+            else (self.middle,)
+        )
 
     @property
     def middle(self) -> float:
@@ -69,7 +85,8 @@ class Uniform:
 
 @dataclass(frozen=True, slots=True)
 class Normal:
-    """Gauss about ``mean`` with ``standard_deviation``, cut off at ``low`` and ``high`` where these are finite.
+    """Gauss about ``mean`` with ``standard_deviation``, cut off at ``low`` and ``high`` where these
+    are finite.
 
     >>> round(float(Normal(10.0, 1.0).at(0.975)), 3)
     11.96
@@ -81,15 +98,25 @@ class Normal:
     high: float = np.inf
 
     def __post_init__(self) -> None:
-        if not (np.isfinite(self.mean) and np.isfinite(self.standard_deviation) and self.standard_deviation > 0):
-            raise InputError("a normal distribution has a finite mean and a positive standard deviation; correct them")
+        if not (
+            np.isfinite(self.mean)
+            and np.isfinite(self.standard_deviation)
+            and self.standard_deviation > 0
+        ):
+            raise InputError(
+                "a normal distribution has a finite mean and a positive standard deviation; correct them"
+            )
         if not (self.low < self.high and self._shares()[1] > self._shares()[0]):
-            raise InputError(f"no value of the normal distribution lies between {self.low:g} and {self.high:g}; widen the bounds")
+            raise InputError(
+                f"no value of the normal distribution lies between {self.low:g} and {self.high:g}; widen the bounds"
+            )
 
     def _shares(self) -> tuple[float, float]:
         from scipy.special import ndtr
 
-        low, high = ((bound - self.mean) / self.standard_deviation for bound in (self.low, self.high))
+        low, high = (
+            (bound - self.mean) / self.standard_deviation for bound in (self.low, self.high)
+        )
         return float(ndtr(low)), float(ndtr(high))
 
     def at(self, share: ArrayLike) -> Array:
@@ -110,7 +137,8 @@ class Normal:
 
 @dataclass(frozen=True, slots=True)
 class LogNormal:
-    """The logarithm is normal: half of all values lie below ``median``, two thirds within a factor of ``factor`` about it.
+    """The logarithm is normal: half of all values lie below ``median``, two thirds within a factor
+    of ``factor`` about it.
 
     >>> round(float(LogNormal(2.0, 1.5).at(0.5)), 6)
     2.0
@@ -122,12 +150,16 @@ class LogNormal:
     def __post_init__(self) -> None:
         _refuse(_finite(self))
         if not (self.median > 0 and self.factor > 1):
-            raise InputError("a lognormal distribution has a positive median and a factor above 1; correct them")
+            raise InputError(
+                "a lognormal distribution has a positive median and a factor above 1; correct them"
+            )
 
     def at(self, share: ArrayLike) -> Array:
         from scipy.special import ndtri
 
-        return np.asarray(self.median * self.factor ** np.asarray(ndtri(np.asarray(share, dtype=float))))
+        return np.asarray(
+            self.median * self.factor ** np.asarray(ndtri(np.asarray(share, dtype=float)))
+        )
 
     def levels(self, count: int) -> tuple[float, ...]:
         return _even_shares(self, count)
@@ -150,10 +182,14 @@ class Values:
     def __post_init__(self) -> None:
         object.__setattr__(self, "values", tuple(float(value) for value in self.values))
         if not self.values or not np.all(np.isfinite(self.values)):
-            raise InputError("a list of values holds at least one, and finite numbers only; correct it")
+            raise InputError(
+                "a list of values holds at least one, and finite numbers only; correct it"
+            )
 
     def at(self, share: ArrayLike) -> Array:
-        place = np.minimum((np.asarray(share, dtype=float) * len(self.values)).astype(int), len(self.values) - 1)
+        place = np.minimum(
+            (np.asarray(share, dtype=float) * len(self.values)).astype(int), len(self.values) - 1
+        )
         return np.asarray(np.asarray(self.values)[place])
 
     def levels(self, count: int) -> tuple[float, ...]:

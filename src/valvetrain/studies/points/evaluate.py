@@ -26,20 +26,29 @@ from valvetrain.studies.before_run import refuse_implausible, refuse_speeds
 from valvetrain.studies.engine import LOST, LOST_REMEDY, map_points
 from valvetrain.studies.points.point import Outcome, Point, Wanted
 from valvetrain.studies.points.vary import vary
-from valvetrain.studies.ready import FAILURES, Plan, integrate_point, judge, make_ready, provenance_of
+from valvetrain.studies.ready import (
+    FAILURES,
+    Plan,
+    integrate_point,
+    judge,
+    make_ready,
+    provenance_of,
+)
 from valvetrain.studies.rest import reach_of, rest_by_model
 from valvetrain.studies.run import ready_trains, rest_of_spring, rigid_numbers, train_point
 from valvetrain.system.build import build
 from valvetrain.system.contract import TRAIN
 from valvetrain.system.problem import Member, Problem, Rest
 
-#: Steps of a static curve by a spring model; named numbers come from a path of their own and do not depend on it.
+#: Steps of a static curve by a spring model; named numbers come from a path of their own and do not
+#: depend on it.
 CURVE_STEPS, MODES = 24, 12
 Finished = Callable[[int, Outcome], None]
 
 
 def evaluate(point: Point) -> Outcome:
-    """The numbers of a point; what cannot be built or run is a status with its sentence, never an exception.
+    """The numbers of a point; what cannot be built or run is a status with its sentence, never an
+    exception.
 
     >>> import valvetrain as vt
     >>> point = Point(vt.load_case("job-c"), engine_speed=400.0, spring_model="massless", wanted=Wanted(("peak_spring_force",)))
@@ -53,8 +62,12 @@ def evaluate(point: Point) -> Outcome:
 
 
 def evaluate_case(case: Case, point: Point) -> Outcome:
-    """The numbers of ``case`` at the speed, by the model and set of ``point``. Raises what building and running raises."""
-    models, sets = (tuple(word for word in (text,) if word) for text in (point.spring_model, point.spring_set))
+    """The numbers of ``case`` at the speed, by the model and set of ``point``. Raises what building
+    and running raises.
+    """
+    models, sets = (
+        tuple(word for word in (text,) if word) for text in (point.spring_model, point.spring_set)
+    )
     problem = build(case, spring_models=models, spring_sets=sets)
     if problem.kind != TRAIN and case.lift_law is not None:
         problem = _with_remembered_lift(problem, case.lift_law)
@@ -70,7 +83,11 @@ def evaluate_case(case: Case, point: Point) -> Outcome:
         status, values = _train(problem, member, engine_speed if moves else None, wanted)
     else:
         status, values = _spring(problem, member, engine_speed if moves else None, wanted)
-    chosen = values if not wanted.outputs else {name: values[name] for name in wanted.outputs if name in values}
+    chosen = (
+        values
+        if not wanted.outputs
+        else {name: values[name] for name in wanted.outputs if name in values}
+    )
     return Outcome(status, {name: float(value) for name, value in chosen.items()})
 
 
@@ -82,28 +99,47 @@ def _remembered(law: LiftLawParameters) -> RememberedLift:
 def _with_remembered_lift(problem: Problem, law: LiftLawParameters) -> Problem:
     """The problem with the law of other points, which have asked for the same angles."""
     known = _remembered(law)
-    return replace(problem, valve_lift=known, members=tuple(replace(member, valve_lift=known) for member in problem.members))
+    return replace(
+        problem,
+        valve_lift=known,
+        members=tuple(replace(member, valve_lift=known) for member in problem.members),
+    )
 
 
-def _spring(problem: Problem, member: Member, engine_speed: float | None, wanted: Wanted) -> tuple[Status, dict[str, float]]:
+def _spring(
+    problem: Problem, member: Member, engine_speed: float | None, wanted: Wanted
+) -> tuple[Status, dict[str, float]]:
     """Prescribed motion, as :func:`valvetrain.studies.run.run_study` runs it."""
     lift = float(np.max(problem.valve_lift.lift(np.linspace(0.0, 2 * np.pi, 721))))
     by_rod = (engine_speed is not None and (member.model.needs_rest or not wanted.light)) or (
         wanted.rest and not wanted.rest_model and not wanted.sizes_alone
     )
-    rest: Rest = {spring: rest_of_spring(problem, spring, lift) for spring in member.springs} if by_rod else {}
+    rest: Rest = (
+        {spring: rest_of_spring(problem, spring, lift) for spring in member.springs}
+        if by_rod
+        else {}
+    )
     status, values = COMPLETED, dict[str, float]()
     if engine_speed is not None:
-        ready = make_ready(problem, member, rest if member.model.needs_rest else {}, "" if wanted.light else problem.record.study)
+        ready = make_ready(
+            problem,
+            member,
+            rest if member.model.needs_rest else {},
+            "" if wanted.light else problem.record.study,
+        )
         samples = round(2 * np.pi / problem.output_step)
         plan = Plan("ends" if wanted.light else "all", samples, not wanted.light, problem.cycles)
-        solution = integrate_point(ready, engine_speed, plan, provenance_of(problem, member, engine_speed, ""))
+        solution = integrate_point(
+            ready, engine_speed, plan, provenance_of(problem, member, engine_speed, "")
+        )
         judged = judge(ready, solution, plan, rest)
         status, values = judged.status, dict(judged.quantities)
     return status, values | (_still(problem, member, rest, lift, wanted) if wanted.rest else {})
 
 
-def _still(problem: Problem, member: Member, rest: Rest, lift: float, wanted: Wanted) -> dict[str, float]:
+def _still(
+    problem: Problem, member: Member, rest: Rest, lift: float, wanted: Wanted
+) -> dict[str, float]:
     """Numbers of the springs at rest, those of a nested pair with the name of each in front."""
     found: dict[str, float] = {}
     names = ("",) if len(member.springs) == 1 else ("outer_", "inner_")
@@ -111,21 +147,38 @@ def _still(problem: Problem, member: Member, rest: Rest, lift: float, wanted: Wa
     for name, spring in zip(names, member.springs, strict=True):
         own = size_quantities(spring) if not wanted.outputs else design_quantities(spring)
         if not wanted.sizes_alone:
-            at_rest = _by_model(problem, spring, wanted.rest_model, lift) if wanted.rest_model else rest.get(spring)
-            told = {} if at_rest is None else rest_quantities(at_rest, published) | buckling_quantities(spring, at_rest, lift)
+            at_rest = (
+                _by_model(problem, spring, wanted.rest_model, lift)
+                if wanted.rest_model
+                else rest.get(spring)
+            )
+            told = (
+                {}
+                if at_rest is None
+                else rest_quantities(at_rest, published)
+                | buckling_quantities(spring, at_rest, lift)
+            )
             own |= told
         found |= {name + key: value for key, value in own.items()}
     return found
 
 
 def _by_model(problem: Problem, spring: InstalledSpring, word: str, lift: float) -> SpringAtRest:
-    reach = reach_of(spring, lift) if spring.wire is not None else spring.precompression + max(1.06 * lift, 0.2 * spring.precompression)
+    reach = (
+        reach_of(spring, lift)
+        if spring.wire is not None
+        else spring.precompression + max(1.06 * lift, 0.2 * spring.precompression)
+    )
     model: SpringModel = problem.model_of(word, spring)
     return rest_by_model(spring, word, model, np.linspace(0.0, reach, CURVE_STEPS + 1), MODES)
 
 
-def _train(problem: Problem, member: Member, engine_speed: float | None, wanted: Wanted) -> tuple[Status, dict[str, float]]:
-    """A train to its periodic state, as a run does it, with what rigid theory says and its springs at rest where they are asked for."""
+def _train(
+    problem: Problem, member: Member, engine_speed: float | None, wanted: Wanted
+) -> tuple[Status, dict[str, float]]:
+    """A train to its periodic state, as a run does it, with what rigid theory says and its springs
+    at rest where they are asked for.
+    """
     values: dict[str, float] = {}
     status = COMPLETED
     gaps = Gaps()
@@ -142,7 +195,13 @@ def _train(problem: Problem, member: Member, engine_speed: float | None, wanted:
         values |= _still(problem, member, {}, _train_lift(problem, member), wanted)
     elif wanted.rest and wanted.outputs and not all(name in values for name in wanted.outputs):
         lift = _train_lift(problem, member)
-        values |= _still(problem, member, {spring: rest_of_spring(problem, spring, lift) for spring in member.springs}, lift, wanted)
+        values |= _still(
+            problem,
+            member,
+            {spring: rest_of_spring(problem, spring, lift) for spring in member.springs},
+            lift,
+            wanted,
+        )
     return status, values
 
 
@@ -152,9 +211,13 @@ def _train_lift(problem: Problem, member: Member) -> float:
 
 
 def evaluate_points(
-    points: Sequence[Point], workers: int | None = None, finished: Finished | None = None, tell: Callable[[int, int], None] | None = None
-) -> tuple[Outcome, ...]:  # fmt: skip
-    """Outcomes of ``points``, in order; runs go over processes (None: one per core) and results do not depend on their number.
+    points: Sequence[Point],
+    workers: int | None = None,
+    finished: Finished | None = None,
+    tell: Callable[[int, int], None] | None = None,
+) -> tuple[Outcome, ...]:
+    """Outcomes of ``points``, in order; runs go over processes (None: one per core) and results do
+    not depend on their number.
 
     ``finished(place, outcome)`` as each comes, ``tell(done, total)`` after each. Raises
     :class:`valvetrain.studies.stopping.PointsStopped` with what is finished when it is stopped.
@@ -162,8 +225,20 @@ def evaluate_points(
     cases = tuple(dict.fromkeys(point.case for point in points))
     places = {case: place for place, case in enumerate(cases)}
     shared = (cases, tuple(dict.fromkeys(point.wanted for point in points)))
-    jobs = [(places[p.case], p.values, p.engine_speed, p.spring_model, p.spring_set, shared[1].index(p.wanted)) for p in points]
-    return map_points(_job, shared, jobs, workers, processes=True, tell=tell, finished=finished, lost=_lost)
+    jobs = [
+        (
+            places[p.case],
+            p.values,
+            p.engine_speed,
+            p.spring_model,
+            p.spring_set,
+            shared[1].index(p.wanted),
+        )
+        for p in points
+    ]
+    return map_points(
+        _job, shared, jobs, workers, processes=True, tell=tell, finished=finished, lost=_lost
+    )
 
 
 _Job = tuple[int, tuple[tuple[object, float], ...], float | None, str, str, int]
@@ -171,7 +246,9 @@ _Job = tuple[int, tuple[tuple[object, float], ...], float | None, str, str, int]
 
 def _job(shared: tuple[tuple[Case, ...], tuple[Wanted, ...]], job: _Job) -> Outcome:
     place, values, engine_speed, model, spring_set, wanted = job
-    return evaluate(Point(shared[0][place], values, engine_speed, model, spring_set, shared[1][wanted]))  # type: ignore[arg-type]
+    return evaluate(
+        Point(shared[0][place], values, engine_speed, model, spring_set, shared[1][wanted])
+    )  # type: ignore[arg-type]
 
 
 def _lost(job: _Job) -> Outcome:

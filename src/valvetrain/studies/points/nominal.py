@@ -32,11 +32,15 @@ def nominal(case: Case, varied: Varied) -> float:
     level = getattr(found, "level", None)
     if isinstance(level, float):
         return level
-    raise InputError("stands for several numbers in the case; vary it as = 'factor' or 'offset', or name one of its parts", varied.key)
+    raise InputError(
+        "stands for several numbers in the case; vary it as = 'factor' or 'offset', or name one of its parts",
+        varied.key,
+    )
 
 
 def unit_in_case(case: Case, key: str) -> str:
-    """Unit in which the value of ``key`` is written in the case; empty for a plain number and where the case has no text.
+    """Unit in which the value of ``key`` is written in the case; empty for a plain number and where
+    the case has no text.
 
     >>> import valvetrain as vt
     >>> unit_in_case(vt.load_case("gu2021-beehive"), "spring.precompression")
@@ -57,7 +61,9 @@ def unit_of(text: str) -> str:
 
 
 def _stands(case: Case, key: str) -> tuple[Any, int | None]:
-    """What stands under ``key``, and the place in it where it is a text of several numbers of which one is meant."""
+    """What stands under ``key``, and the place in it where it is a text of several numbers of which
+    one is meant.
+    """
     tree = tree_of(case)
     if tree is None:
         return part_of(case, key), None
@@ -67,8 +73,16 @@ def _stands(case: Case, key: str) -> tuple[Any, int | None]:
             found = found[part]
         elif isinstance(found, list) and part.isdecimal() and int(part) < len(found):
             found = found[int(part)]
-        elif isinstance(found, str) and "," in found and part.isdecimal() and int(part) < len(found.split(",")):
+        elif (
+            isinstance(found, str)
+            and "," in found
+            and part.isdecimal()
+            and int(part) < len(found.split(","))
+        ):
             return found, int(part)
         else:
-            raise InputError("is not in the case, so it has no value to stand about; give low and high, or mean", key)
+            raise InputError(
+                "is not in the case, so it has no value to stand about; give low and high, or mean",
+                key,
+            )
     return found, None

@@ -10,7 +10,8 @@ from valvetrain.parameters.case import Case
 from valvetrain.solution.status import COMPLETED, Status
 from valvetrain.studies.points.varied import ENGINE_SPEED, Varied
 
-#: Quantities that follow from forces at the ends, lift and clashes alone: neither channels of the wire nor its states at rest are needed.
+#: Quantities that follow from forces at the ends, lift and clashes alone: neither channels of the
+#: wire nor its states at rest are needed.
 LIGHT = frozenset((
     "peak_spring_force", "peak_spring_force_cam_angle", "minimum_spring_force", "minimum_spring_force_cam_angle", "peak_retainer_force",
     "minimum_retainer_force", "below_20_khz_peak_spring_force", "below_10_khz_peak_spring_force", "nominal_peak_shear_stress",
@@ -23,7 +24,8 @@ AT_REST = (
     "rigid_", "largest_pitch", "wire_mass", "wire_length", "smallest_i", "largest_index", "largest_outer", "estimated_", "card_",
     "total_coil", "active_coil", "coil_bind_lift", "formula_buckling",
 )  # fmt: skip
-#: Of these, what follows from the sizes of the spring alone, or from its card: no static curve is needed.
+#: Of these, what follows from the sizes of the spring alone, or from its card: no static curve is
+#: needed.
 BY_SIZE = (
     "free_length", "solid_height", "largest_pitch", "solid_force", "solid_nominal_shear_stress", "solid_compression", "wire_mass",
     "wire_length", "smallest_index_ratio", "largest_index_ratio", "largest_outer_diameter", "smallest_inner_diameter", "estimated_rate",
@@ -39,8 +41,10 @@ RIGID = "rigid_"
 class Wanted:
     """Which numbers a point gives.
 
-    ``outputs``: names of quantities (docs/quantities.md); empty for all that there are, which costs most. ``rest_model``: word of the
-    spring model that numbers at rest (preload, rate, frequencies) come from; empty for the finite-element rod, as in a run.
+    ``outputs``: names of quantities (docs/quantities.md); empty for all that there are, which costs
+    most. ``rest_model``: word of the
+    spring model that numbers at rest (preload, rate, frequencies) come from; empty for the
+    finite-element rod, as in a run.
     """
 
     outputs: tuple[str, ...] = ()
@@ -49,7 +53,9 @@ class Wanted:
     @property
     def light(self) -> bool:
         """Whether the forces at the ends and the clashes are enough for the motion."""
-        return bool(self.outputs) and all(name in LIGHT or is_at_rest(name) for name in self.outputs)
+        return bool(self.outputs) and all(
+            name in LIGHT or is_at_rest(name) for name in self.outputs
+        )
 
     @property
     def rest(self) -> bool:
@@ -60,7 +66,9 @@ class Wanted:
     def sizes_alone(self) -> bool:
         """Whether of a spring at rest nothing but its sizes is asked for."""
         still = [name for name in self.outputs if is_at_rest(name)]
-        return bool(self.outputs) and all(_bare(name) in BY_SIZE or name.startswith(RIGID) for name in still)
+        return bool(self.outputs) and all(
+            _bare(name) in BY_SIZE or name.startswith(RIGID) for name in still
+        )
 
     @property
     def rigid(self) -> bool:
@@ -86,7 +94,8 @@ def _bare(name: str) -> str:
 
 @dataclass(frozen=True)
 class Point:
-    """One point: a case, what is varied in it (SI), the engine speed (rad/s of the crank; None for numbers at rest alone), the word of the
+    """One point: a case, what is varied in it (SI), the engine speed (rad/s of the crank; None for
+    numbers at rest alone), the word of the
     spring model and the spring set of a train (empty: the case's own).
 
     >>> import valvetrain as vt
@@ -104,12 +113,17 @@ class Point:
     @property
     def speed(self) -> float | None:
         """Engine speed (rad/s), the varied one where it is varied."""
-        return next((value for varied, value in self.values if varied.key == ENGINE_SPEED), self.engine_speed)
+        return next(
+            (value for varied, value in self.values if varied.key == ENGINE_SPEED),
+            self.engine_speed,
+        )
 
 
 @dataclass(frozen=True)
 class Outcome:
-    """What came out of a point: how it ended, and values (SI) by quantity; a point that failed keeps what it has."""
+    """What came out of a point: how it ended, and values (SI) by quantity; a point that failed
+    keeps what it has.
+    """
 
     status: Status = COMPLETED
     values: Mapping[str, float] = field(default_factory=dict)

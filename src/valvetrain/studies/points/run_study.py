@@ -1,4 +1,6 @@
-"""The engine of studies: points out to a crew, outcomes into the store as they come, round after round of the sampler."""
+"""The engine of studies: points out to a crew, outcomes into the store as they come, round after
+round of the sampler.
+"""
 
 from __future__ import annotations
 
@@ -26,7 +28,8 @@ from valvetrain.studies.request_cost import REST, request_cost
 from valvetrain.studies.stopping import Stopped
 from valvetrain.studies.workers import Lost
 
-#: Jobs that are handed out at a time, so that neither memory nor the wait for any of them grows with the study; points of a job where
+#: Jobs that are handed out at a time, so that neither memory nor the wait for any of them grows
+#: with the study; points of a job where
 #: each is short.
 JOBS, TOGETHER = 512, 8
 #: Seconds of one point below which several go together.
@@ -35,11 +38,17 @@ SHORT = 0.15
 AROUND = 0.012
 #: Bytes of a point that is kept, besides 8 for each of its numbers.
 KEPT = 400.0
-INTERRUPTED = Status("interrupted", "the study was stopped before this point was finished", remedy="start it again to go on")
+INTERRUPTED = Status(
+    "interrupted",
+    "the study was stopped before this point was finished",
+    remedy="start it again to go on",
+)
 
 
 class PointsInterrupted(Stopped):
-    """A study of points was stopped; ``table`` holds all rows, those that were not finished as ``interrupted``."""
+    """A study of points was stopped; ``table`` holds all rows, those that were not finished as
+    ``interrupted``.
+    """
 
     def __init__(self, table: StudyTable) -> None:
         super().__init__("stopped")
@@ -48,7 +57,9 @@ class PointsInterrupted(Stopped):
 
 @dataclass(frozen=True, slots=True)
 class Estimate:
-    """What a study will cost before it starts: points, wall time and memory of all of them, seconds of one."""
+    """What a study will cost before it starts: points, wall time and memory of all of them, seconds
+    of one.
+    """
 
     points: int
     cost: Cost
@@ -58,11 +69,20 @@ class Estimate:
 def estimate_study(plan: StudyPlan, workers: int) -> Estimate:
     """Estimated cost of a plan, from its request alone; of an adaptive one at its bound."""
     draws = len(plan.sampler.first(plan.varied, plan.options))
-    draws = max(draws, int(getattr(plan.options, "count", draws))) if plan.sampler.more.__name__ != "no_more" else draws
+    draws = (
+        max(draws, int(getattr(plan.options, "count", draws)))
+        if plan.sampler.more.__name__ != "no_more"
+        else draws
+    )
     seconds = [seconds_of(plan, run) for run in plan.runs]
     each = sum(seconds) / len(seconds)
-    memory = draws * len(plan.runs) * (KEPT + 8.0 * (len(plan.varied) + len(plan.wanted.outputs))) + 3e7 * workers
-    return Estimate(draws * len(plan.runs), Cost(draws * sum(seconds) / max(1, workers), memory), each)
+    memory = (
+        draws * len(plan.runs) * (KEPT + 8.0 * (len(plan.varied) + len(plan.wanted.outputs)))
+        + 3e7 * workers
+    )
+    return Estimate(
+        draws * len(plan.runs), Cost(draws * sum(seconds) / max(1, workers), memory), each
+    )
 
 
 def seconds_of(plan: StudyPlan, run: Run) -> float:
@@ -70,25 +90,44 @@ def seconds_of(plan: StudyPlan, run: Run) -> float:
     engine_speed, model, spring_set = run
     speeds: tuple[float, ...] = (engine_speed,) if engine_speed is not None else ()
     if not speeds and plan.wanted.motion:  # the engine speed is varied: the slowest takes longest
-        ends = [one.distribution.at([0.01, 0.99]) for one in plan.varied if one.key == "engine_speed"]
+        ends = [
+            one.distribution.at([0.01, 0.99]) for one in plan.varied if one.key == "engine_speed"
+        ]
         speeds = tuple(float(np.min(one)) for one in ends)
-    asked = Asked("run", plan.case, speeds, tuple(filter(None, (model,))), tuple(filter(None, (spring_set,))), 1)
+    asked = Asked(
+        "run",
+        plan.case,
+        speeds,
+        tuple(filter(None, (model,))),
+        tuple(filter(None, (spring_set,))),
+        1,
+    )
     found = request_cost(asked, whole=not plan.wanted.light).seconds if speeds else 0.0
     springs = max(1, len(plan.case.springs))
     if speeds and plan.case.train is None and plan.wanted.light:
         found -= REST * springs
     by_rod = plan.wanted.rest and not plan.wanted.rest_model and not plan.wanted.sizes_alone
-    return max(found, 0.0) + AROUND + (0.6 * springs if by_rod and (not speeds or plan.wanted.light) else 0.0)
+    return (
+        max(found, 0.0)
+        + AROUND
+        + (0.6 * springs if by_rod and (not speeds or plan.wanted.light) else 0.0)
+    )
 
 
 def run_points(
-    plan: StudyPlan, crew: Crew, folder: Path | None = None, limits: Limits = Limits(), progress: Progress | None = None,
+    plan: StudyPlan,
+    crew: Crew,
+    folder: Path | None = None,
+    limits: Limits = Limits(),
+    progress: Progress | None = None,
     told: Callable[[str], None] | None = None,
-) -> StudyTable:  # fmt: skip
+) -> StudyTable:
     """The table of a plan; points that the store in ``folder`` holds are not computed again.
 
-    ``told``: the estimate in words, before the start. Raises :class:`InputError` for a request beyond ``limits`` and where every point of
-    the middle of the distributions is refused, :class:`PointsInterrupted` with the table when it is stopped.
+    ``told``: the estimate in words, before the start. Raises :class:`InputError` for a request
+    beyond ``limits`` and where every point of
+    the middle of the distributions is refused, :class:`PointsInterrupted` with the table when it is
+    stopped.
     """
     begun, estimate = time.perf_counter(), estimate_study(plan, crew.workers)
     words = refuse_cost(estimate.cost, limits)
@@ -105,9 +144,22 @@ class _Engine:
     """One study while it goes on."""
 
     def __init__(
-        self, plan: StudyPlan, crew: Crew, store: PointStore, estimate: Estimate, progress: Progress | None, begun: float
-    ) -> None:  # fmt: skip
-        self.plan, self.crew, self.store, self.estimate, self.progress, self.begun = plan, crew, store, estimate, progress, begun
+        self,
+        plan: StudyPlan,
+        crew: Crew,
+        store: PointStore,
+        estimate: Estimate,
+        progress: Progress | None,
+        begun: float,
+    ) -> None:
+        self.plan, self.crew, self.store, self.estimate, self.progress, self.begun = (
+            plan,
+            crew,
+            store,
+            estimate,
+            progress,
+            begun,
+        )
         self.computed, self.found_there, self.stopped = 0, 0, False
         self.together = 1 if estimate.seconds_each > SHORT else TOGETHER
 
@@ -180,7 +232,13 @@ class _Engine:
             statuses.append(self.store.status(key) if there else INTERRUPTED)
         seconds = time.perf_counter() - self.begun
         return StudyTable(
-            self.plan, np.array(inputs), tuple(runs), np.array(values), tuple(statuses), computed=self.computed, seconds=seconds
+            self.plan,
+            np.array(inputs),
+            tuple(runs),
+            np.array(values),
+            tuple(statuses),
+            computed=self.computed,
+            seconds=seconds,
         )
 
 

@@ -1,4 +1,6 @@
-"""Sobol indices: which share of an output's variance each varied quantity brings, alone and with all it acts together with."""
+"""Sobol indices: which share of an output's variance each varied quantity brings, alone and with
+all it acts together with.
+"""
 
 from __future__ import annotations
 
@@ -14,7 +16,8 @@ from valvetrain.studies.points.plan import Run
 Array = NDArray[np.float64]
 #: Resamples behind an interval, and its ends in per cent.
 RESAMPLES, ENDS = 1000, (2.5, 97.5)
-#: Base rows below which no index is told; a spread (over the size of the mean) below which there is nothing to explain.
+#: Base rows below which no index is told; a spread (over the size of the mean) below which there is
+#: nothing to explain.
 LEAST_ROWS, NO_SPREAD = 8, 1e-9
 #: Base rows that are asked for where fewer cannot tell quantities apart.
 ENOUGH_ROWS = 64
@@ -22,9 +25,11 @@ ENOUGH_ROWS = 64
 
 @dataclass(frozen=True, eq=False)
 class Sensitivity:
-    """Indices of one ``output`` at one ``run`` by varied quantity (d): ``first`` order and ``total``, with 95 % intervals (d, 2).
+    """Indices of one ``output`` at one ``run`` by varied quantity (d): ``first`` order and
+    ``total``, with 95 % intervals (d, 2).
 
-    ``rows``: base rows used; ``dropped``: those left out because a point of them failed; ``sentence``: which quantity makes the spread.
+    ``rows``: base rows used; ``dropped``: those left out because a point of them failed;
+    ``sentence``: which quantity makes the spread.
     """
 
     output: str
@@ -39,10 +44,14 @@ class Sensitivity:
     sentence: str
 
 
-def sensitivity_of(output: str, run: Run, names: Sequence[str], values: Array, seed: int = 1) -> Sensitivity | None:
-    """Indices from ``values`` of the rows of Saltelli's design (A, B, then A with each column of B); nan where a point failed.
+def sensitivity_of(
+    output: str, run: Run, names: Sequence[str], values: Array, seed: int = 1
+) -> Sensitivity | None:
+    """Indices from ``values`` of the rows of Saltelli's design (A, B, then A with each column of
+    B); nan where a point failed.
 
-    First order by Saltelli et al. (2010), total by Jansen (1999), intervals by bootstrap over the base rows. None with fewer than
+    First order by Saltelli et al. (2010), total by Jansen (1999), intervals by bootstrap over the
+    base rows. None with fewer than
     :data:`LEAST_ROWS` whole base rows.
     """
     size = len(names)
@@ -59,7 +68,16 @@ def sensitivity_of(output: str, run: Run, names: Sequence[str], values: Array, s
     intervals = [np.stack([low[kind], high[kind]], axis=1) for kind in (0, 1)]
     sentence = verdict(output, names, total, intervals[1], kept[:2])
     return Sensitivity(
-        output, run, tuple(names), first, total, intervals[0], intervals[1], kept.shape[1], int(np.count_nonzero(~whole)), sentence
+        output,
+        run,
+        tuple(names),
+        first,
+        total,
+        intervals[0],
+        intervals[1],
+        kept.shape[1],
+        int(np.count_nonzero(~whole)),
+        sentence,
     )
 
 
@@ -70,11 +88,15 @@ def indices(parts: Array) -> tuple[Array, Array]:
     variance = np.var(centred[:2])
     if not variance > 0:
         return np.zeros(len(mixed)), np.zeros(len(mixed))
-    return np.mean(b * (mixed - a), axis=1) / variance, 0.5 * np.mean((a - mixed) ** 2, axis=1) / variance
+    return np.mean(b * (mixed - a), axis=1) / variance, 0.5 * np.mean(
+        (a - mixed) ** 2, axis=1
+    ) / variance
 
 
 def verdict(output: str, names: Sequence[str], total: Array, interval: Array, base: Array) -> str:
-    """One sentence: the quantity that makes the spread of an output, those that cannot be told apart, or that there is none."""
+    """One sentence: the quantity that makes the spread of an output, those that cannot be told
+    apart, or that there is none.
+    """
     label = label_of(output)
     if not np.std(base) > NO_SPREAD * max(abs(float(np.mean(base))), 1e-300):
         return f"None of the varied quantities moves the {label}."
@@ -88,7 +110,11 @@ def verdict(output: str, names: Sequence[str], total: Array, interval: Array, ba
     if rivals:
         told = ", ".join(share(place) for place in (leader, *rivals[:3]))
         rows = base.shape[1]
-        more = f" by {rows} base rows; count = {ENOUGH_ROWS * (len(names) + 2)} gives {ENOUGH_ROWS}" if rows < ENOUGH_ROWS else ""
+        more = (
+            f" by {rows} base rows; count = {ENOUGH_ROWS * (len(names) + 2)} gives {ENOUGH_ROWS}"
+            if rows < ENOUGH_ROWS
+            else ""
+        )
         return f"No single quantity makes the spread of the {label}: the shares of {told} cannot be told apart{more}."
     second = f"; next is {share(int(order[1]))}" if len(order) > 1 else ""
     return f"What makes the spread of the {label} is {share(leader)} of its variance{second}."

@@ -1,6 +1,8 @@
-"""Finished points on disk, keyed by the digest of their content: a journal takes each as it comes, and whole chunks take its place.
+"""Finished points on disk, keyed by the digest of their content: a journal takes each as it comes,
+and whole chunks take its place.
 
-A journal line carries a checksum of its own, so that what a killed process left half-written is known; chunks are NetCDF files with a
+A journal line carries a checksum of its own, so that what a killed process left half-written is
+known; chunks are NetCDF files with a
 closing checksum, written whole or not at all. Nothing is ever changed in place.
 """
 
@@ -16,10 +18,17 @@ from typing import Any
 import numpy as np
 
 from valvetrain.errors import InputError
-from valvetrain.solution.arrays import ChannelArrays, Variable
-from valvetrain.solution.atomic import append_whole, check_target, remove_abandoned, write_bytes
-from valvetrain.solution.checksum import checked_content, closing_line, digest
-from valvetrain.solution.netcdf_layout import write_arrays
+from valvetrain.solution.atomic import (
+    append_whole,
+    check_target,
+    checked_content,
+    closing_line,
+    digest,
+    remove_abandoned,
+    write_bytes,
+)
+from valvetrain.solution.channels import ChannelArrays, Variable
+from valvetrain.solution.netcdf import write_arrays
 from valvetrain.solution.status import COMPLETED, STATUS_CODES, Status
 from valvetrain.studies.points.point import Outcome
 
@@ -32,9 +41,11 @@ _TEXT, _FORM = "valvetrain_study_points", 1
 
 
 class PointStore:
-    """The finished points in ``folder`` (None: in memory only) with ``outputs`` in this order; one process at a time.
+    """The finished points in ``folder`` (None: in memory only) with ``outputs`` in this order; one
+    process at a time.
 
-    ``outcome(key)`` reads one, ``add(key, outcome)`` keeps one; ``key in store`` tells whether it is there. Memory: 16 bytes and a place
+    ``outcome(key)`` reads one, ``add(key, outcome)`` keeps one; ``key in store`` tells whether it
+    is there. Memory: 16 bytes and a place
     per point, and the values.
     """
 
@@ -58,7 +69,11 @@ class PointStore:
         """The outcome of a point that is there."""
         place = self._places[key]
         row = self._values[place]
-        values = {name: float(value) for name, value in zip(self.outputs, row, strict=True) if not np.isnan(value)}
+        values = {
+            name: float(value)
+            for name, value in zip(self.outputs, row, strict=True)
+            if not np.isnan(value)
+        }
         return Outcome(self._statuses.get(place, COMPLETED), values)
 
     def row(self, key: bytes) -> np.ndarray[Any, Any]:
@@ -74,7 +89,9 @@ class PointStore:
         row = [float(outcome.values.get(name, np.nan)) for name in self.outputs]
         self._hold(key, row, outcome.status)
         if self.folder is not None and outcome.status.code not in NOT_KEPT:
-            self._journalled.append(key)  # first, so that a chunk has it wherever a signal stops this
+            self._journalled.append(
+                key
+            )  # first, so that a chunk has it wherever a signal stops this
             append_whole(self._handle, _line(key, row, outcome.status))
         if len(self._journalled) >= CHUNK:
             self.flush()
@@ -85,7 +102,12 @@ class PointStore:
             return
         keys = self._journalled
         places = [self._places[key] for key in keys]
-        content = _chunk(keys, self._values[places], [self._statuses.get(place, COMPLETED) for place in places], self.outputs)
+        content = _chunk(
+            keys,
+            self._values[places],
+            [self._statuses.get(place, COMPLETED) for place in places],
+            self.outputs,
+        )
         name = f"chunk-{digest(b''.join(sorted(keys)))}.nc"
         write_bytes(self.folder / name, content)
         os.ftruncate(self._handle, 0)
@@ -146,7 +168,9 @@ def _refuse_second(handle: int, folder: Path) -> None:
     try:
         fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
     except OSError:
-        raise InputError(f"another process works on the points in '{str(folder)[:120]}'; wait for it, or give another folder") from None
+        raise InputError(
+            f"another process works on the points in '{str(folder)[:120]}'; wait for it, or give another folder"
+        ) from None
 
 
 def _line(key: bytes, row: Sequence[float], status: Status) -> bytes:
@@ -168,14 +192,32 @@ def _read_journal(path: Path, outputs: int) -> list[_Row]:
         own = json.loads(text)
         row = [float.fromhex(value) for value in own["values"]]
         if len(row) == outputs:
-            found.append((bytes.fromhex(own["key"]), row, Status(*own["status"]) if "status" in own else COMPLETED))
+            found.append(
+                (
+                    bytes.fromhex(own["key"]),
+                    row,
+                    Status(*own["status"]) if "status" in own else COMPLETED,
+                )
+            )
     return found
 
 
-def _chunk(keys: Sequence[bytes], values: np.ndarray[Any, Any], statuses: Sequence[Status], outputs: Sequence[str]) -> bytes:
+def _chunk(
+    keys: Sequence[bytes],
+    values: np.ndarray[Any, Any],
+    statuses: Sequence[Status],
+    outputs: Sequence[str],
+) -> bytes:
     codes = np.array([STATUS_CODES.index(one.code) for one in statuses], dtype=np.int8)
-    told = {str(n): [one.message, one.time, one.where, one.remedy] for n, one in enumerate(statuses) if one != COMPLETED}
-    text = json.dumps({"form": _FORM, "outputs": list(outputs), "sentences": told, "codes": list(STATUS_CODES)}, sort_keys=True)
+    told = {
+        str(n): [one.message, one.time, one.where, one.remedy]
+        for n, one in enumerate(statuses)
+        if one != COMPLETED
+    }
+    text = json.dumps(
+        {"form": _FORM, "outputs": list(outputs), "sentences": told, "codes": list(STATUS_CODES)},
+        sort_keys=True,
+    )
     arrays = ChannelArrays(
         {
             "key": Variable(("point", "byte"), np.frombuffer(b"".join(keys), dtype=np.uint8).reshape(len(keys), -1), {}),
@@ -190,7 +232,9 @@ def _chunk(keys: Sequence[bytes], values: np.ndarray[Any, Any], statuses: Sequen
 
 
 def _read_chunk(path: Path, outputs: Sequence[str]) -> Iterator[_Row]:
-    """Points of a chunk, none where its outputs are others. Raises :class:`InputError` for a file that is not as it was written."""
+    """Points of a chunk, none where its outputs are others. Raises :class:`InputError` for a file
+    that is not as it was written.
+    """
     import h5py
 
     content, closed = checked_content(path)
@@ -208,9 +252,15 @@ def _read_chunk(path: Path, outputs: Sequence[str]) -> Iterator[_Row]:
             return
         names, sentences = told["codes"], told["sentences"]
         rows = [
-            (keys[n].tobytes(), values[n].tolist(), Status(names[codes[n]], *sentences[str(n)]) if str(n) in sentences else COMPLETED)
+            (
+                keys[n].tobytes(),
+                values[n].tolist(),
+                Status(names[codes[n]], *sentences[str(n)]) if str(n) in sentences else COMPLETED,
+            )
             for n in range(len(keys))
         ]
     except (OSError, ValueError, KeyError, TypeError) as error:
-        raise InputError(f"is no chunk of a study's points ({type(error).__name__}); {remedy}", str(path)) from error
+        raise InputError(
+            f"is no chunk of a study's points ({type(error).__name__}); {remedy}", str(path)
+        ) from error
     yield from rows

@@ -22,27 +22,37 @@ from valvetrain.studies.points.table import Array, StudyTable
 
 
 def study(
-    file: str | os.PathLike[str], *, workers: int | None = None, dask: str = "", output: str | os.PathLike[str] | None = None,
-    limit: str = "", progress: Progress | None = None,
-) -> StudyTable:  # fmt: skip
-    """Points of a study over any quantities of a case: how outputs scatter, what makes them scatter, what lies between.
+    file: str | os.PathLike[str],
+    *,
+    workers: int | None = None,
+    dask: str = "",
+    output: str | os.PathLike[str] | None = None,
+    limit: str = "",
+    progress: Progress | None = None,
+) -> StudyTable:
+    """Points of a study over any quantities of a case: how outputs scatter, what makes them
+    scatter, what lies between.
 
     Parameters
     ----------
     file : path of a study file (docs/studies.md), or its text
     workers : points at a time; results do not depend on it
-    dask : "local", the address of a Dask scheduler or the word of a queue ("slurm", "pbs"); empty for processes of this machine
-    output : folder that keeps finished points, so that a study that was stopped or killed goes on there; nothing is kept by default
+    dask : "local", the address of a Dask scheduler or the word of a queue ("slurm", "pbs"); empty
+    for processes of this machine
+    output : folder that keeps finished points, so that a study that was stopped or killed goes on
+    there; nothing is kept by default
     limit : largest estimated time and memory, such as "2 h, 8 GB"; 10 min and 2 GB by default
     progress : told the share done and what was done
 
     Returns
     -------
-    StudyTable with a row per point: inputs (n, d) and outputs (n, m) in SI, how each ended, Sobol indices and surrogates where asked for
+    StudyTable with a row per point: inputs (n, d) and outputs (n, m) in SI, how each ended, Sobol
+    indices and surrogates where asked for
 
     Raises
     ------
-    InputError : one sentence on what is wrong in the file and where, or on a request that is too large
+    InputError : one sentence on what is wrong in the file and where, or on a request that is too
+    large
     MissingExtraError : Dask or a surrogate is asked for and not installed
 
     Examples
@@ -64,12 +74,23 @@ def study(
     else:
         text = read_study_file(Path(file))
     limits = read_limits((limit,) if limit else (), "limit")
-    return study_of(read_plan(text), available_cores() if workers is None else workers, dask, None if output is None else Path(output),
-                    limits, progress)  # fmt: skip
+    return study_of(
+        read_plan(text),
+        available_cores() if workers is None else workers,
+        dask,
+        None if output is None else Path(output),
+        limits,
+        progress,
+    )
 
 
 def study_of(
-    plan: StudyPlan, workers: int, dask: str = "", folder: Path | None = None, limits: Limits = Limits(), progress: Progress | None = None
+    plan: StudyPlan,
+    workers: int,
+    dask: str = "",
+    folder: Path | None = None,
+    limits: Limits = Limits(),
+    progress: Progress | None = None,
 ) -> StudyTable:
     """The table of a plan, analysed as its kind says; see :func:`study`."""
     if workers < 1:
@@ -88,11 +109,17 @@ def analysed(table: StudyTable) -> StudyTable:
     rows = {run: table.rows_of(run) for run in plan.runs}
     if plan.kind == "tolerance":
         names = [one.words for one in plan.varied]
-        found = [sensitivity_of(name, run, names, _sound(table, name)[rows[run]]) for run in plan.runs for name in table.outputs]
+        found = [
+            sensitivity_of(name, run, names, _sound(table, name)[rows[run]])
+            for run in plan.runs
+            for name in table.outputs
+        ]
         return replace(table, sensitivities=tuple(one for one in found if one is not None))
     if plan.kind == "surrogate":
         made = [
-            surrogate_of(name, run, table.inputs[rows[run]], _sound(table, name)[rows[run]]) for run in plan.runs for name in table.outputs
+            surrogate_of(name, run, table.inputs[rows[run]], _sound(table, name)[rows[run]])
+            for run in plan.runs
+            for name in table.outputs
         ]
         return replace(table, surrogates=tuple(one for one in made if one is not None))
     return table

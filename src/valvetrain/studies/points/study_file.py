@@ -1,4 +1,6 @@
-"""A study file: which case, what is varied and how, what is asked of every point. TOML in, one typed table out, or one sentence."""
+"""A study file: which case, what is varied and how, what is asked of every point. TOML in, one
+typed table out, or one sentence.
+"""
 
 from __future__ import annotations
 
@@ -12,9 +14,8 @@ from pydantic_core import PydanticCustomError
 
 from valvetrain.errors import InputError
 from valvetrain.parameters.bounded_file import bounded_bytes
-from valvetrain.parameters.schema_names import Line
-from valvetrain.parameters.schema_types import StrictModel, first_problem, problem
-from valvetrain.parameters.toml_lines import find_line
+from valvetrain.parameters.schema_types import Line, StrictModel, first_problem, problem
+from valvetrain.parameters.toml_text import find_line
 from valvetrain.studies.points.varied import Operation
 
 #: Most quantities that a study varies.
@@ -25,12 +26,16 @@ Kind = Literal["points", "tolerance", "surrogate"]
 
 def _amount(raw: Any) -> Any:
     if isinstance(raw, bool) or not isinstance(raw, (str, int, float)):
-        raise problem("is no number; write such as '3.77 mm', or a plain number where there is no unit")
+        raise problem(
+            "is no number; write such as '3.77 mm', or a plain number where there is no unit"
+        )
     return raw
 
 
 def _amounts(raw: Any) -> Any:
-    if not isinstance(raw, (str, list)) or (isinstance(raw, list) and not all(isinstance(one, (str, int, float)) for one in raw)):
+    if not isinstance(raw, (str, list)) or (
+        isinstance(raw, list) and not all(isinstance(one, (str, int, float)) for one in raw)
+    ):
         raise problem("is no row of numbers; write such as '3.7, 3.8 mm' or [1, 2, 4]")
     return raw
 
@@ -45,10 +50,13 @@ Words = Annotated[list[str], BeforeValidator(_words)]
 
 
 class VaryModel(StrictModel):
-    """One ``[[vary]]`` table: a key of the case and the values it takes, in exactly one of the ways below.
+    """One ``[[vary]]`` table: a key of the case and the values it takes, in exactly one of the ways
+    below.
 
-    ``values`` one by one; ``low`` and ``high``; ``mean`` and ``standard_deviation``, cut at ``low`` and ``high`` where they are given;
-    ``median`` and ``factor`` of a lognormal one; ``tolerance`` either way of what stands in the case, by ``shape``.
+    ``values`` one by one; ``low`` and ``high``; ``mean`` and ``standard_deviation``, cut at ``low``
+    and ``high`` where they are given;
+    ``median`` and ``factor`` of a lognormal one; ``tolerance`` either way of what stands in the
+    case, by ``shape``.
     """
 
     key: str
@@ -74,7 +82,9 @@ class VaryModel(StrictModel):
             raw = {**raw, "varied": raw["as"]}
             raw.pop("as")
             if raw["varied"] not in ("value", "factor", "offset"):
-                raise problem("is no way to vary a quantity; choose value, factor or offset", ("as",))
+                raise problem(
+                    "is no way to vary a quantity; choose value, factor or offset", ("as",)
+                )
         checked = StrictModel._known_keys.__func__(cls, raw)
         return {"as": checked.pop("varied"), **checked} if "varied" in checked else checked
 
@@ -89,9 +99,16 @@ class VaryModel(StrictModel):
         if not ways and self.low is not None and self.high is not None:
             return "uniform"
         if len(ways) != 1:
-            raise problem("says in " + ("several ways" if ways else "no way") + " what it goes through; give one of values, low and high, "
-                          "mean and standard_deviation, median and factor, tolerance")  # fmt: skip
-        for word, partner, given in (("normal", "standard_deviation", self.standard_deviation), ("lognormal", "factor", self.factor)):
+            raise problem(
+                "says in "
+                + ("several ways" if ways else "no way")
+                + " what it goes through; give one of values, low and high, "
+                "mean and standard_deviation, median and factor, tolerance"
+            )
+        for word, partner, given in (
+            ("normal", "standard_deviation", self.standard_deviation),
+            ("lognormal", "factor", self.factor),
+        ):
             if ways[0] == word and given is None:
                 raise problem(f"'{partner}' is missing; add it", (partner,))
         return ways[0]
@@ -140,7 +157,9 @@ class FileText(Generic[FileModel]):
         except RecursionError:
             raise InputError("the values are nested too deeply; flatten them", where) from None
         except ValueError as error:
-            raise InputError(f"is not valid TOML: {' '.join(str(error).split())[:160]}; correct it there", where) from None
+            raise InputError(
+                f"is not valid TOML: {' '.join(str(error).split())[:160]}; correct it there", where
+            ) from None
         try:
             self.model = kind.model_validate(dict(self.tree))
         except ValidationError as error:
@@ -164,7 +183,9 @@ class FileText(Generic[FileModel]):
             raise self.located(path, str(error)) from None
         except PydanticCustomError as error:
             context = error.context or {}
-            raise self.located((*path, *context.get("path", ())), str(context.get("reason", error))) from None
+            raise self.located(
+                (*path, *context.get("path", ())), str(context.get("reason", error))
+            ) from None
 
 
 class StudyText(FileText[StudyModel]):
@@ -182,7 +203,9 @@ def read_study_file(path: Path) -> StudyText:
 
 
 def text_of_file(path: Path, what: str) -> str:
-    """Text of the TOML file at ``path``, which messages call ``what``. Raises :class:`InputError`, one sentence."""
+    """Text of the TOML file at ``path``, which messages call ``what``. Raises :class:`InputError`,
+    one sentence.
+    """
     try:
         return bounded_bytes(path, what).decode("utf-8-sig")
     except InputError as error:
@@ -190,6 +213,11 @@ def text_of_file(path: Path, what: str) -> str:
     except UnicodeDecodeError:
         raise InputError("is no text file; it is TOML in UTF-8", path.name[:60]) from None
     except FileNotFoundError:
-        raise InputError(f"there is no file '{str(path)[:120]}'; check the path (a {what} ends in .toml)") from None
+        raise InputError(
+            f"there is no file '{str(path)[:120]}'; check the path (a {what} ends in .toml)"
+        ) from None
     except (OSError, ValueError) as error:
-        raise InputError(f"the file cannot be read ({getattr(error, 'strerror', None) or 'bad path'}); check it", path.name[:60]) from None
+        raise InputError(
+            f"the file cannot be read ({getattr(error, 'strerror', None) or 'bad path'}); check it",
+            path.name[:60],
+        ) from None

@@ -26,9 +26,11 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class StudyTable:
-    """``inputs`` (n, d) and ``values`` (n, m), both SI, nan for what a point does not have; ``runs`` and ``statuses`` (n).
+    """``inputs`` (n, d) and ``values`` (n, m), both SI, nan for what a point does not have;
+    ``runs`` and ``statuses`` (n).
 
-    ``sensitivities``: Sobol indices of a study of tolerances, ``surrogates`` of one that asks for them; ``computed``: points that this
+    ``sensitivities``: Sobol indices of a study of tolerances, ``surrogates`` of one that asks for
+    them; ``computed``: points that this
     call computed, the others were in its store; ``seconds``: wall time of this call.
 
     >>> import valvetrain as vt
@@ -70,14 +72,21 @@ class StudyTable:
     @property
     def failures(self) -> tuple[str, ...]:
         """A sentence per row that did not complete: its varied values and its status."""
-        return tuple(f"{self.row_words(row)}: {self.statuses[row].sentence()}" for row in np.flatnonzero(~self.completed).tolist())
+        return tuple(
+            f"{self.row_words(row)}: {self.statuses[row].sentence()}"
+            for row in np.flatnonzero(~self.completed).tolist()
+        )
 
     @property
     def not_given(self) -> tuple[str, ...]:
         """A sentence per output that no completed row has."""
         if not self.completed.any():
             return ()
-        gone = [name for name in self.outputs if not np.isfinite(self.column(name)[self.completed]).any()]
+        gone = [
+            name
+            for name in self.outputs
+            if not np.isfinite(self.column(name)[self.completed]).any()
+        ]
         return tuple(f"{told[0].upper()}{told[1:]}." for told in map(not_given, gone))
 
     def row_words(self, row: int) -> str:
@@ -87,12 +96,16 @@ class StudyTable:
         return ", ".join([*told, *filter(None, [run_words(self.runs[row])])])
 
     def column(self, name: str) -> Array:
-        """Values (n,) in SI of an output, or of a varied quantity by its name. Raises :class:`InputError` for a name of neither."""
+        """Values (n,) in SI of an output, or of a varied quantity by its name. Raises
+        :class:`InputError` for a name of neither.
+        """
         if name in self.outputs:
             return self.values[:, self.outputs.index(name)]
         names = [one.name for one in self.plan.varied]
         if name not in names:
-            raise InputError(f"the study has no '{name[:60]}'; it has {', '.join((*names, *self.outputs))}")
+            raise InputError(
+                f"the study has no '{name[:60]}'; it has {', '.join((*names, *self.outputs))}"
+            )
         return self.inputs[:, names.index(name)]
 
     def rows_of(self, run: Run) -> NDArray[np.int64]:
@@ -100,14 +113,25 @@ class StudyTable:
         return np.flatnonzero([one == run for one in self.runs])
 
     def to_pandas(self) -> pandas.DataFrame:
-        """A frame with inputs, engine speed (rad/s), model, spring set, outputs (all SI) and status; needs pandas."""
+        """A frame with inputs, engine speed (rad/s), model, spring set, outputs (all SI) and
+        status; needs pandas.
+        """
         speeds, models, sets = zip(*self.runs, strict=True) if self.runs else ((), (), ())
-        columns: dict[str, Any] = {one.name: self.inputs[:, place] for place, one in enumerate(self.plan.varied)}
-        columns |= {"engine_speed": np.array(speeds, dtype=float)} if "engine_speed" not in columns else {}
+        columns: dict[str, Any] = {
+            one.name: self.inputs[:, place] for place, one in enumerate(self.plan.varied)
+        }
+        columns |= (
+            {"engine_speed": np.array(speeds, dtype=float)} if "engine_speed" not in columns else {}
+        )
         columns |= {"spring_model": list(models), "spring_set": list(sets)}
         columns |= {name: self.values[:, place] for place, name in enumerate(self.outputs)}
-        units = {one.name: one.si_unit for one in self.plan.varied} | {name: definition_of(name).si_unit for name in self.outputs}
-        return frame(columns | {"status": [one.code for one in self.statuses]}, units={"engine_speed": "rad/s", **units})
+        units = {one.name: one.si_unit for one in self.plan.varied} | {
+            name: definition_of(name).si_unit for name in self.outputs
+        }
+        return frame(
+            columns | {"status": [one.code for one in self.statuses]},
+            units={"engine_speed": "rad/s", **units},
+        )
 
     def __repr__(self) -> str:
         done = int(np.count_nonzero(self.completed))
@@ -116,9 +140,19 @@ class StudyTable:
         for name in self.outputs:
             found = self.column(name)[np.isfinite(self.column(name))]
             if len(found):
-                low, middle, high = (_shown(name, value) for value in np.percentile(found, [5, 50, 95]))
-                lines.append(f"  {label_of(name)}: {middle:.5g} {definition_of(name).shown_unit}, nine in ten {low:.5g} to {high:.5g}")
-        return "\n".join([*lines, *(f"  {one.sentence}" for one in self.sensitivities), *(f"  {one.sentence}" for one in self.surrogates)])
+                low, middle, high = (
+                    _shown(name, value) for value in np.percentile(found, [5, 50, 95])
+                )
+                lines.append(
+                    f"  {label_of(name)}: {middle:.5g} {definition_of(name).shown_unit}, nine in ten {low:.5g} to {high:.5g}"
+                )
+        return "\n".join(
+            [
+                *lines,
+                *(f"  {one.sentence}" for one in self.sensitivities),
+                *(f"  {one.sentence}" for one in self.surrogates),
+            ]
+        )
 
 
 def _shown(name: str, value: float) -> float:

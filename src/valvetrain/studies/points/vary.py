@@ -1,4 +1,6 @@
-"""A case with varied quantities changed: pure, and checked as the case file with those values would be."""
+"""A case with varied quantities changed: pure, and checked as the case file with those values would
+be.
+"""
 
 from __future__ import annotations
 
@@ -16,8 +18,14 @@ from pydantic_core import PydanticCustomError
 from valvetrain.errors import InputError
 from valvetrain.parameters.annotations import split_notes
 from valvetrain.parameters.case import Case, Note
-from valvetrain.parameters.curve_forms import WeightedSum, add_curves
-from valvetrain.parameters.curves import Constant, FunctionCurve, PiecewiseLinear, Table
+from valvetrain.parameters.curves import (
+    Constant,
+    FunctionCurve,
+    PiecewiseLinear,
+    Table,
+    WeightedSum,
+    add_curves,
+)
 from valvetrain.parameters.schema_case import CaseModel
 from valvetrain.parameters.schema_types import first_problem
 from valvetrain.studies.points.tree import set_in_tree
@@ -35,10 +43,13 @@ class _Template:
 
 
 def vary(case: Case, values: Mapping[Varied, float]) -> Case:
-    """The case with the varied quantities at ``values`` (SI), as its file with those values would give it.
+    """The case with the varied quantities at ``values`` (SI), as its file with those values would
+    give it.
 
-    A case that was made or changed in a program, so that its text no longer tells it, takes the key paths of :meth:`Case.replace`
-    (``springs.0.precompression``). Raises :class:`InputError`, one sentence, for a key that is not there and for a case that cannot exist.
+    A case that was made or changed in a program, so that its text no longer tells it, takes the key
+    paths of :meth:`Case.replace`
+    (``springs.0.precompression``). Raises :class:`InputError`, one sentence, for a key that is not
+    there and for a case that cannot exist.
 
     >>> import valvetrain as vt
     >>> thinner = vary(vt.load_case("gu2021-beehive"), {Varied("spring.wire_diameter", "mm"): 3.7e-3})
@@ -50,19 +61,32 @@ def vary(case: Case, values: Mapping[Varied, float]) -> Case:
     own = {varied: float(value) for varied, value in values.items() if varied.key != ENGINE_SPEED}
     if not own:
         return case
-    told = "".join(f"# changed: {varied.name} = {value!r} {varied.si_unit}".rstrip() + "\n" for varied, value in own.items())
+    told = "".join(
+        f"# changed: {varied.name} = {value!r} {varied.si_unit}".rstrip() + "\n"
+        for varied, value in own.items()
+    )
     names = tuple(dict.fromkeys((*case.changed, *(varied.name for varied in own))))
     template = _template(case)
     made = _changed_case(case, own) if template is None else _from_tree(case, template, own)
-    return replace(made, published=case.published, notes=case.notes, text=case.text + told, changed=names)
+    return replace(
+        made, published=case.published, notes=case.notes, text=case.text + told, changed=names
+    )
 
 
 def _from_tree(case: Case, template: _Template, values: Mapping[Varied, float]) -> Case:
     tree = copy.deepcopy(template.bare)
     for varied, value in values.items():
-        if varied.key.partition(".")[0] not in ("spring", "lift_law", "operation", "train", "rubbing", "points"):
+        if varied.key.partition(".")[0] not in (
+            "spring",
+            "lift_law",
+            "operation",
+            "train",
+            "rubbing",
+            "points",
+        ):
             raise InputError(
-                "is no quantity that moves anything; vary one of spring, lift_law, operation, train, rubbing or points", varied.key
+                "is no quantity that moves anything; vary one of spring, lift_law, operation, train, rubbing or points",
+                varied.key,
             )
         set_in_tree(tree, varied, value)
     return _read(case, tree, template.notes)
@@ -70,15 +94,21 @@ def _from_tree(case: Case, template: _Template, values: Mapping[Varied, float]) 
 
 def _read(case: Case, tree: dict[str, Any], notes: dict[str, Note]) -> Case:
     try:
-        return CaseModel.model_validate(tree).build(case.name, Path(), notes, case.text, case.changed)
+        return CaseModel.model_validate(tree).build(
+            case.name, Path(), notes, case.text, case.changed
+        )
     except ValidationError as error:
         path, reason = first_problem(error)
         raise InputError(reason, ".".join(map(str, path))) from None
     except PydanticCustomError as error:
         context = error.context or {}
-        raise InputError(str(context.get("reason", error)), ".".join(map(str, context.get("path", ())))) from None
+        raise InputError(
+            str(context.get("reason", error)), ".".join(map(str, context.get("path", ())))
+        ) from None
     except ArithmeticError as error:
-        raise InputError(f"the numbers of the case are too large or too small to compute with ({error}); check them") from error
+        raise InputError(
+            f"the numbers of the case are too large or too small to compute with ({error}); check them"
+        ) from error
 
 
 @lru_cache(maxsize=16)
@@ -108,7 +138,9 @@ def _changed_case(case: Case, values: Mapping[Varied, float]) -> Case:
 
 
 def part_of(item: Any, path: str) -> Any:
-    """The part of a case under a key path of :meth:`Case.replace`. Raises :class:`InputError` where there is none."""
+    """The part of a case under a key path of :meth:`Case.replace`. Raises :class:`InputError` where
+    there is none.
+    """
     for key in path.split("."):
         found = item.get(key) if isinstance(item, Mapping) else None
         if isinstance(item, tuple) and key.isdecimal() and int(key) < len(item):
@@ -117,7 +149,10 @@ def part_of(item: Any, path: str) -> Any:
             values = getattr(item, "values", None)
             found = getattr(item, key, values.get(key) if isinstance(values, Mapping) else None)
         if found is None:
-            raise InputError(f"the case has no '{key[:60]}' there; its text does not tell it, so keys are those of Case.replace", path)
+            raise InputError(
+                f"the case has no '{key[:60]}' there; its text does not tell it, so keys are those of Case.replace",
+                path,
+            )
         item = found
     return item
 
@@ -125,7 +160,9 @@ def part_of(item: Any, path: str) -> Any:
 def _moved(before: Any, varied: Varied, value: float) -> Any:
     """A number, a row of numbers or a curve multiplied by or shifted by ``value``."""
     if isinstance(before, bool):
-        raise InputError(f"is no number, so it has no {varied.operation}; vary its value", varied.key)
+        raise InputError(
+            f"is no number, so it has no {varied.operation}; vary its value", varied.key
+        )
     if isinstance(before, (int, float)):
         return before * value if varied.operation == "factor" else before + value
     if isinstance(before, tuple):
@@ -134,10 +171,14 @@ def _moved(before: Any, varied: Varied, value: float) -> Any:
         if varied.operation == "factor":
             return add_curves(Constant(0.0), before, value)
         return add_curves(before, Constant(value))
-    raise InputError(f"is no number and no curve, so it has no {varied.operation}; vary its value", varied.key)
+    raise InputError(
+        f"is no number and no curve, so it has no {varied.operation}; vary its value", varied.key
+    )
 
 
 def tree_of(case: Case) -> dict[str, Any] | None:
-    """The bare tree of the case's text, not to be changed; None where the text does not tell the case."""
+    """The bare tree of the case's text, not to be changed; None where the text does not tell the
+    case.
+    """
     template = _template(case)
     return None if template is None else template.bare

@@ -1,4 +1,6 @@
-"""The pages of the workbench in the browser, with NiceGUI (docs/decisions/0073-pages-with-nicegui.md)."""
+"""The pages of the workbench in the browser, with NiceGUI
+(docs/decisions/0073-pages-with-nicegui.md).
+"""
 
 from __future__ import annotations
 
@@ -35,8 +37,11 @@ def start(workspace: Workspace, jobs: Jobs, settings: ServeSettings) -> None:
     try:
         from nicegui import app, ui
     except ImportError:
-        raise MissingExtraError('the pages need NiceGUI; install with pip install "valvetrain[serve]"') from None
-    from valvetrain.workbench.pages import assets, routes
+        raise MissingExtraError(
+            'the pages need NiceGUI; install with pip install "valvetrain[serve]"'
+        ) from None
+    from valvetrain.workbench.pages import frame as assets
+    from valvetrain.workbench.pages import routes
     from valvetrain.workbench.pages.desk import Desk
     from valvetrain.workbench.safety import Guard, uvicorn_options
 
@@ -45,10 +50,25 @@ def start(workspace: Workspace, jobs: Jobs, settings: ServeSettings) -> None:
     app.add_middleware(Guard, settings=settings)
     app.on_startup(assets.warm)
     app.on_shutdown(desk.close)
-    shown: str | bool = settings.first_page.removeprefix(settings.address.rstrip("/")) if settings.open_page else False
+    shown: str | bool = (
+        settings.first_page.removeprefix(settings.address.rstrip("/"))
+        if settings.open_page
+        else False
+    )
     with suppress(KeyboardInterrupt):
         ui.run(
-            host=settings.host, port=settings.port, title="valvetrain", favicon=ICON, dark=False, language="en-US", reload=False,
-            show=shown, tailwind=False, show_welcome_message=False, reconnect_timeout=30.0, gzip_middleware_factory=None,
-            uvicorn_logging_level="warning", **uvicorn_options(settings),
-        )  # fmt: skip
+            host=settings.host,
+            port=settings.port,
+            title="valvetrain",
+            favicon=ICON,
+            dark=False,
+            language="en-US",
+            reload=False,
+            show=shown,
+            tailwind=False,
+            show_welcome_message=False,
+            reconnect_timeout=30.0,
+            gzip_middleware_factory=None,
+            uvicorn_logging_level="warning",
+            **uvicorn_options(settings),
+        )

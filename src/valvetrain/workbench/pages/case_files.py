@@ -37,7 +37,15 @@ class CaseFiles:
                 self.refusal = tag("div")
                 hint = "A table of lifts, for instance: name it in the lift law, as in 'lift.csv'."
                 address = f"/upload/file?case={quote(case)}"
-                Upload("side-file", "Add a file", hint, address, "", desk.settings.most_upload, self.changed)
+                Upload(
+                    "side-file",
+                    "Add a file",
+                    hint,
+                    address,
+                    "",
+                    desk.settings.most_upload,
+                    self.changed,
+                )
         self.fill(files)
 
     def show(self) -> None:
@@ -66,8 +74,17 @@ class CaseFiles:
         """One file: what it is called, how large it is, and what may be done with it."""
         with tag("li"):
             link(file.name, f"/case-file/{quote(self.case)}/{quote(file.name)}", download="")
-            tag("span", f"{size_words(file.size)}{', named by the case' if file.is_named else ''}", "hint")
-            button("Remove", lambda: self.remove(file.name), "button small", aria_label=f"Remove {file.name}")
+            tag(
+                "span",
+                f"{size_words(file.size)}{', named by the case' if file.is_named else ''}",
+                "hint",
+            )
+            button(
+                "Remove",
+                lambda: self.remove(file.name),
+                "button small",
+                aria_label=f"Remove {file.name}",
+            )
 
     async def changed(self) -> None:
         """A file came or went."""

@@ -1,4 +1,6 @@
-"""The page of a case: its form, a slider, what to run, how the job stands, and the results as soon as they are there."""
+"""The page of a case: its form, a slider, what to run, how the job stands, and the results as soon
+as they are there.
+"""
 
 from __future__ import annotations
 
@@ -16,19 +18,34 @@ from valvetrain.parameters.case import Case
 from valvetrain.workbench import form
 from valvetrain.workbench.form import FieldGroup
 from valvetrain.workbench.jobs import JobStatus
-from valvetrain.workbench.kept import Run
 from valvetrain.workbench.live import LiveResult
 from valvetrain.workbench.pages.case_files import CaseFiles
 from valvetrain.workbench.pages.desk import Desk
-from valvetrain.workbench.pages.elements import Form, Handler, JobPanel, Order, Results, Slider, button, link, tag
-from valvetrain.workbench.pages.forms import ENGINE_SPEED, engine_speed, shown_additions, shown_groups, sliding
+from valvetrain.workbench.pages.elements import (
+    Form,
+    Handler,
+    JobPanel,
+    Order,
+    Results,
+    Slider,
+    button,
+    link,
+    live_lines,
+    live_numbers,
+    tag,
+)
+from valvetrain.workbench.pages.forms import (
+    ENGINE_SPEED,
+    engine_speed,
+    shown_additions,
+    shown_groups,
+    sliding,
+)
 from valvetrain.workbench.pages.frame import frame
-from valvetrain.workbench.pages.html import sentence_of
-from valvetrain.workbench.pages.job_words import job_shown
-from valvetrain.workbench.pages.live_chart import live_lines, live_numbers
+from valvetrain.workbench.pages.html import job_shown, sentence_of
 from valvetrain.workbench.pages.orders import choices_for, models_for, request_of
-from valvetrain.workbench.pages.run_list import run_table
-from valvetrain.workbench.pages.run_view import earlier, run_head
+from valvetrain.workbench.pages.runs import earlier, run_head, run_table
+from valvetrain.workbench.saved_runs import Run
 from valvetrain.workbench.starts import additions, removable
 from valvetrain.workbench.workspace import CaseId
 
@@ -63,7 +80,9 @@ def missing_page(title: str, sentence: str) -> None:
 
 
 class CasePage:
-    """One visit of a case's page; what it shows stands in the workspace, so that a reload or another tab finds the same."""
+    """One visit of a case's page; what it shows stands in the workspace, so that a reload or
+    another tab finds the same.
+    """
 
     def __init__(self, desk: Desk, case: CaseId, text: str, read: Case) -> None:
         self.desk, self.case, self.text, self.read = desk, case, text, read
@@ -73,7 +92,8 @@ class CasePage:
         self.looks = -1
         self.line = asyncio.Lock()
 
-    # -- layout ----------------------------------------------------------------------------------------------------------
+    # -- layout
+    # ----------------------------------------------------------------------------------------------------------
 
     def build(self) -> None:
         """Make the page."""
@@ -83,15 +103,29 @@ class CasePage:
             with tag("div", classes="split"):
                 tag("h1", self.read.title or self.case)
                 with tag("div", classes="row"):
-                    link("Download the case", f"/download-case/{self.case}", "button small", download="")
+                    link(
+                        "Download the case",
+                        f"/download-case/{self.case}",
+                        "button small",
+                        download="",
+                    )
                     button("Copy of the case", self.copy, "button small")
             tag("p", f"Case {self.case}. Changes are kept as you make them.", "said")
             with tag("div", classes="bench"):
                 with tag("section", classes="inputs", aria_labelledby="inputs-title"):
                     tag("h2", "Case", id="inputs-title")
                     shown, more = self.shown(groups)
-                    changes: dict[str, Handler] = {"change": self.change, "add": self.add, "remove": self.remove}
-                    self.form = Form(shown, more, [one["key"] for one in shown if one["key"]][:OPEN_GROUPS], changes)
+                    changes: dict[str, Handler] = {
+                        "change": self.change,
+                        "add": self.add,
+                        "remove": self.remove,
+                    }
+                    self.form = Form(
+                        shown,
+                        more,
+                        [one["key"] for one in shown if one["key"]][:OPEN_GROUPS],
+                        changes,
+                    )
                     self.beside = CaseFiles(self.desk, self.case, self.refresh)
                 with tag("div", classes="outputs"):
                     handlers: dict[str, Handler] = {
@@ -102,7 +136,9 @@ class CasePage:
                         "keep": self.keep,
                     }
                     quantities = sliding(groups)
-                    self.order = Order(choices_for(self.read, quantities, kept), self.estimate, self.start)
+                    self.order = Order(
+                        choices_for(self.read, quantities, kept), self.estimate, self.start
+                    )
                     self.panel = JobPanel(self.cancel, self.again)
                     self.slider = Slider([*engine_speed(self.read), *quantities], "", handlers)
                     self.head = tag("div", classes="run-head")
@@ -110,7 +146,8 @@ class CasePage:
                     self.list = tag("div", classes="run-list")
         ui.timer(LOOK, self.look)
 
-    # -- the form --------------------------------------------------------------------------------------------------------
+    # -- the form
+    # --------------------------------------------------------------------------------------------------------
 
     async def change(self, event: events.GenericEventArguments) -> None:
         """A field was changed: taken, or refused in its place."""
@@ -124,7 +161,9 @@ class CasePage:
         return await self.done(lambda: self.desk.put(self.case, key, value), key)
 
     async def done(self, change: Callable[[], None], key: str) -> str:
-        """Make a change to the case, after those asked for before and beside what the pages do; the refusal, empty where it was made."""
+        """Make a change to the case, after those asked for before and beside what the pages do; the
+        refusal, empty where it was made.
+        """
         async with self.line:
             try:
                 await asyncio.to_thread(change)
@@ -136,19 +175,27 @@ class CasePage:
     async def add(self, event: events.GenericEventArguments) -> None:
         """A table is to be added."""
         key = str(event.args["key"])
-        self.form.answer(key, await self.done(lambda: self.desk.workspace.add_table(self.case, key), key))
+        self.form.answer(
+            key, await self.done(lambda: self.desk.workspace.add_table(self.case, key), key)
+        )
 
     async def remove(self, event: events.GenericEventArguments) -> None:
         """A table is to be removed."""
         key = str(event.args["key"])
-        self.form.answer(key, await self.done(lambda: self.desk.workspace.set_value(self.case, key, ""), key))
+        self.form.answer(
+            key, await self.done(lambda: self.desk.workspace.set_value(self.case, key, ""), key)
+        )
 
     def shown(self, groups: list[FieldGroup]) -> tuple[list[dict[str, Any]], list[dict[str, str]]]:
         """Groups of the form, and tables that may be added, as its script takes them."""
-        return shown_groups(groups, self.files(), removable(self.read, self.text)), shown_additions(additions(self.read, self.text))
+        return shown_groups(groups, self.files(), removable(self.read, self.text)), shown_additions(
+            additions(self.read, self.text)
+        )
 
     async def after_changes(self, ask: Callable[[], str]) -> str:
-        """Ask for something once the changes that were asked for before are made; it goes on beside what the pages do."""
+        """Ask for something once the changes that were asked for before are made; it goes on beside
+        what the pages do.
+        """
         async with self.line:
             return await asyncio.to_thread(ask)
 
@@ -174,11 +221,14 @@ class CasePage:
     async def copy(self) -> None:
         """A copy of the case, and its page."""
         try:
-            ui.navigate.to(f"/case/{await self.after_changes(lambda: self.desk.workspace.duplicate(self.case))}")
+            ui.navigate.to(
+                f"/case/{await self.after_changes(lambda: self.desk.workspace.duplicate(self.case))}"
+            )
         except ValvetrainError as error:
             ui.notify(sentence_of(error))
 
-    # -- the slider --------------------------------------------------------------------------------------------------------
+    # -- the slider
+    # --------------------------------------------------------------------------------------------------------
 
     async def begin(self) -> None:
         """The list of quantities is opened: the chain is begun meanwhile."""
@@ -197,7 +247,9 @@ class CasePage:
             self.slider.answer([], [], found.sentence or base.sentence)
             return
         self.moved = (value, found)
-        self.slider.answer(live_lines(base, found, None, value), live_numbers(base, found), found.sentence)
+        self.slider.answer(
+            live_lines(base, found, None, value), live_numbers(base, found), found.sentence
+        )
 
     async def rest(self, event: events.GenericEventArguments) -> None:
         """The slider rests: the curve by the rod too."""
@@ -211,7 +263,10 @@ class CasePage:
         if moved is None or not base.angle_deg or not found.angle_deg:
             self.slider.rod_answer([], "" if found.skipped else found.sentence)
             return
-        self.slider.rod_answer(live_lines(base, moved, found, value), f"The rod took {found.seconds:.1f} s. {found.sentence}".strip())
+        self.slider.rod_answer(
+            live_lines(base, moved, found, value),
+            f"The rod took {found.seconds:.1f} s. {found.sentence}".strip(),
+        )
 
     def moving(self) -> None:
         """The slider moves again: a rod that runs is ended."""
@@ -222,10 +277,13 @@ class CasePage:
     async def keep(self, event: events.GenericEventArguments) -> None:
         """Put the value of the slider into the case."""
         key, value = str(event.args["key"]), str(event.args["value"])
-        if refusal := await self.put("operation.engine_speeds" if key == ENGINE_SPEED else key, value):
+        if refusal := await self.put(
+            "operation.engine_speeds" if key == ENGINE_SPEED else key, value
+        ):
             self.slider.answer([], [], refusal)
 
-    # -- jobs ----------------------------------------------------------------------------------------------------------------
+    # -- jobs
+    # ----------------------------------------------------------------------------------------------------------------
 
     async def estimate(self, event: events.GenericEventArguments) -> None:
         """What the choice would cost, or why it cannot be run."""
@@ -252,9 +310,13 @@ class CasePage:
         place = "sweep" if wish.get("kind") == "sweep" else "speeds"
         with suppress(ValvetrainError):
             self.desk.workspace.remember(self.case, place, str(wish.get("speeds", "")))
-            self.desk.workspace.remember(self.case, "models", ",".join(map(str, wish.get("models", ()))))
+            self.desk.workspace.remember(
+                self.case, "models", ",".join(map(str, wish.get("models", ())))
+            )
             if wish.get("sets"):
-                self.desk.workspace.remember(self.case, "sets", json.dumps(list(map(str, wish["sets"]))))
+                self.desk.workspace.remember(
+                    self.case, "sets", json.dumps(list(map(str, wish["sets"])))
+                )
         self.looks = -1
 
     def cancel(self) -> None:
@@ -280,7 +342,12 @@ class CasePage:
             self.job = newest
             self.panel.show(job_shown(newest))
             self.order.tell(busy=newest is not None and not newest.ended)
-        if newest is not None and newest.ended and newest.run_id and newest.run_id != self.shown_run:
+        if (
+            newest is not None
+            and newest.ended
+            and newest.run_id
+            and newest.run_id != self.shown_run
+        ):
             self.results.show(f"/part/{newest.run_id}")
             await asyncio.sleep(0.02)  # its figures first, then what stands around them
             await self.show_run(newest.run_id)
@@ -290,7 +357,9 @@ class CasePage:
     async def show_run(self, run_id: str) -> None:
         """Show a run, the newest of the case where none is named, with the earlier ones below it."""
         runs = await asyncio.to_thread(self.desk.workspace.runs, self.case)
-        chosen: Run | None = next((one for one in runs if one.run_id == run_id), None) or next(iter(runs), None)
+        chosen: Run | None = next((one for one in runs if one.run_id == run_id), None) or next(
+            iter(runs), None
+        )
         self.shown_run = run_id or (chosen.run_id if chosen is not None else "none")
         if chosen is None:
             return

@@ -2,19 +2,85 @@
 
 from __future__ import annotations
 
+import json
+import re
 from collections.abc import Mapping, Sequence
 from typing import Any
 from urllib.parse import quote
 
 from valvetrain.errors import InputError
 from valvetrain.workbench import answers
-from valvetrain.workbench.kept import Run
 from valvetrain.workbench.pages.desk import Desk
 from valvetrain.workbench.pages.elements import Results, tag
 from valvetrain.workbench.pages.frame import frame
 from valvetrain.workbench.pages.html import figure_html, grid_of
-from valvetrain.workbench.pages.reports import report_figures
-from valvetrain.workbench.pages.run_list import models_of, name_of, speeds_of
+from valvetrain.workbench.pages.runs import models_of, name_of, speeds_of
+from valvetrain.workbench.saved_runs import Run
+
+_DATA = re.compile(
+    r'<script type="application/json" id="(?:data|motion)-([^"]*)">[^<]*</script>\n?'
+)
+_FIGURE = re.compile(r'<script type="application/json" id="data-([^"]*)">([^<]*)</script>')
+#: Pictures for readers without scripts.
+_WITHOUT_SCRIPTS = re.compile(r"<noscript>.*?</noscript>\n?", re.DOTALL)
+_CHART = re.compile(r'data-chart="([^"]*)"')
+#: Sections that are seen first, whose figures come with them.
+FIRST = ("answers", "force", "verdict")
+#: Largest report that is read for its sections (bytes).
+MOST_REPORT = 200_000_000
+
+
+def report_part(run: Run) -> str:
+    """Sections of a run's report, with the data of the figures that are seen first, for a page that
+    has its style and script.
+
+    Raises :class:`InputError` for a run without a report.
+    """
+    sections, data = _taken_apart(run)
+    first = _seen_first(sections)
+    return (
+        sections + "\n" + "".join(match[0] for match in _DATA.finditer(data) if match[1] in first)
+    )
+
+
+def report_rest(run: Run) -> str:
+    """The data of the other figures and moving pictures."""
+    sections, data = _taken_apart(run)
+    first = _seen_first(sections)
+    return "".join(match[0] for match in _DATA.finditer(data) if match[1] not in first)
+
+
+def _taken_apart(run: Run) -> tuple[str, str]:
+    """The sections of a report, and the data that stand between them and its scripts."""
+    text = _report(run)
+    start, end = text.find('<section id="'), text.rfind("\n<footer>")
+    if start < 0 or end < start:
+        raise InputError("the report of this run has no sections; run it again", run.run_id)
+    scripts = text.find("\n<script>", end)
+    return _WITHOUT_SCRIPTS.sub("", text[start:end]), text[
+        end : scripts if scripts > 0 else len(text)
+    ]
+
+
+def _seen_first(sections: str) -> set[str]:
+    """Keys of the figures of the sections that are seen first."""
+    parts = sections.split('<section id="')[1:]
+    shown = [part for part in parts if part.partition('"')[0] in FIRST] or parts[:2]
+    return {key for part in shown for key in _CHART.findall(part)}
+
+
+def report_figures(run: Run) -> dict[str, dict[str, Any]]:
+    """Figures of a run's report by their keys, each with data and layouts."""
+    found = {key: json.loads(content) for key, content in _FIGURE.findall(_report(run))}
+    return {key: figure for key, figure in found.items() if "data" in figure}
+
+
+def _report(run: Run) -> str:
+    page = run.page
+    if page is None or page.stat().st_size > MOST_REPORT:
+        raise InputError("this run wrote no report; run it again", run.run_id)
+    return page.read_text(encoding="utf-8")
+
 
 #: Figures that are laid over each other, those that both runs have.
 FIGURES = {
@@ -29,10 +95,17 @@ def compare_page(desk: Desk, a: str, b: str) -> None:
     with frame("Compare", "/compare"):
         tag("h1", "Compare two runs")
         if len(runs) < 2:
-            tag("p", "There are fewer than two runs yet. Run a case, change a value, run it again.", "said")
+            tag(
+                "p",
+                "There are fewer than two runs yet. Run a case, change a value, run it again.",
+                "said",
+            )
             return
         with tag("form", classes="row end compare", action="/compare", method="get"):
-            for name, words, chosen in (("a", "Run A", a or runs[1].run_id), ("b", "Run B", b or runs[0].run_id)):
+            for name, words, chosen in (
+                ("a", "Run A", a or runs[1].run_id),
+                ("b", "Run B", b or runs[0].run_id),
+            ):
                 _choice(name, words, chosen, runs)
             tag("button", "Compare", "button main", type="submit")
         if a and b:
@@ -45,7 +118,12 @@ def _choice(name: str, words: str, chosen: str, runs: Sequence[Run]) -> None:
         with tag("select", id=f"run-{name}", name=name):
             for run in runs:
                 selected = "selected" if run.run_id == chosen else None
-                tag("option", f"{name_of(run)}: {models_of(run)}, {speeds_of(run)}", value=run.run_id, selected=selected)
+                tag(
+                    "option",
+                    f"{name_of(run)}: {models_of(run)}, {speeds_of(run)}",
+                    value=run.run_id,
+                    selected=selected,
+                )
 
 
 def comparison_part(desk: Desk, a: str, b: str) -> str:
@@ -56,14 +134,23 @@ def comparison_part(desk: Desk, a: str, b: str) -> str:
     found = answers.compare(one, other)
     first, second = _figures(one), _figures(other)
     drawn = [
-        figure_html(f"both-{key}", title, "Solid: run A. Dashed: run B.", over(first[key], second[key]))
-        for key, title in FIGURES.items() if key in first and key in second
-    ]  # fmt: skip
-    return "".join((
-        grid_of("inputs-differ", "Inputs that differ", found.inputs, "The inputs are the same."),
-        f'<section id="curves"><h2>Curves</h2>{"".join(drawn)}</section>' if drawn else "",
-        grid_of("results-differ", "Results that differ", found.results, "The results are the same."),
-    ))  # fmt: skip
+        figure_html(
+            f"both-{key}", title, "Solid: run A. Dashed: run B.", over(first[key], second[key])
+        )
+        for key, title in FIGURES.items()
+        if key in first and key in second
+    ]
+    return "".join(
+        (
+            grid_of(
+                "inputs-differ", "Inputs that differ", found.inputs, "The inputs are the same."
+            ),
+            f'<section id="curves"><h2>Curves</h2>{"".join(drawn)}</section>' if drawn else "",
+            grid_of(
+                "results-differ", "Results that differ", found.results, "The results are the same."
+            ),
+        )
+    )
 
 
 def _figures(run: Run) -> dict[str, dict[str, Any]]:
@@ -74,18 +161,25 @@ def _figures(run: Run) -> dict[str, dict[str, Any]]:
 
 
 def over(first: Mapping[str, Any], second: Mapping[str, Any]) -> dict[str, Any]:
-    """The figure ``first`` with the lines of ``second`` dashed over it; axes reach as far as both need."""
+    """The figure ``first`` with the lines of ``second`` dashed over it; axes reach as far as both
+    need.
+    """
     lines = [
         {**trace, "name": f"{trace.get('name', '')}, B", "line": {**trace["line"], "dash": "dash"}}
-        for trace in second["data"] if trace.get("mode") == "lines" and _axis(trace) in first["layout"]
-    ]  # fmt: skip
+        for trace in second["data"]
+        if trace.get("mode") == "lines" and _axis(trace) in first["layout"]
+    ]
     made = {**first, "data": [*first["data"], *lines]}
     for layout in ("layout", "narrow"):
         made[layout] = {
-            key: {**value, "range": _reach(value.get("range"), second[layout].get(key, {}).get("range"))}
-            if key.startswith("yaxis") and isinstance(value, dict) else value
+            key: {
+                **value,
+                "range": _reach(value.get("range"), second[layout].get(key, {}).get("range")),
+            }
+            if key.startswith("yaxis") and isinstance(value, dict)
+            else value
             for key, value in first[layout].items()
-        }  # fmt: skip
+        }
     return made
 
 

@@ -21,7 +21,8 @@ MOST_TRIES = 3
 
 @dataclass
 class OpenChain:
-    """A chain, the text of the case as it now stands, stamps of the files beside it, what was changed since the chain was built, and the
+    """A chain, the text of the case as it now stands, stamps of the files beside it, what was
+    changed since the chain was built, and the
     curve of the case."""
 
     chain: LiveChain
@@ -42,7 +43,8 @@ class Desk:
     _lock: threading.Lock = field(default_factory=threading.Lock)
 
     def put(self, case: CaseId, key: str, value: str) -> None:
-        """Set a value of a case; a chain that holds the case is told of the change, and need not be begun anew.
+        """Set a value of a case; a chain that holds the case is told of the change, and need not be
+        begun anew.
 
         Raises :class:`InputError`, and changes nothing, for a value that is refused.
         """
@@ -56,7 +58,9 @@ class Desk:
             found.text, found.base = text, None
 
     def chain(self, case: CaseId) -> tuple[OpenChain, LiveResult]:
-        """The chain of a case as it stands, begun where there is none, and its curve; blocks for seconds then."""
+        """The chain of a case as it stands, begun where there is none, and its curve; blocks for
+        seconds then.
+        """
         with self._lock:
             text, stamps = self.workspace.text(case), self.workspace.stamps(case)
             found = self.chains.pop(case, None)
@@ -65,7 +69,9 @@ class Desk:
                 found = None
             if found is None:
                 self._close_oldest()
-                found = OpenChain(LiveChain(text, folder=self.workspace.case_folder(case)), text, stamps)
+                found = OpenChain(
+                    LiveChain(text, folder=self.workspace.case_folder(case)), text, stamps
+                )
             self.chains[case] = found
             for _ in range(MOST_TRIES):
                 if found.base is None or found.base.skipped:  # another tab asked at the same moment
@@ -79,12 +85,16 @@ class Desk:
     async def moved(self, case: CaseId, key: str, value: str) -> tuple[LiveResult, LiveResult]:
         """The curve of a case, and that by the chain with ``value`` at ``key``."""
         opened, base = await asyncio.to_thread(self.chain, case)
-        return base, await asyncio.to_thread(opened.chain.curve, *moved_to(opened.changes, key, value))
+        return base, await asyncio.to_thread(
+            opened.chain.curve, *moved_to(opened.changes, key, value)
+        )
 
     async def by_rod(self, case: CaseId, key: str, value: str) -> tuple[LiveResult, LiveResult]:
         """The curve of a case by the chain, and that by the rod with ``value`` at ``key``."""
         opened, base = await asyncio.to_thread(self.chain, case)
-        return base, await asyncio.to_thread(opened.chain.rod, *moved_to(opened.changes, key, value))
+        return base, await asyncio.to_thread(
+            opened.chain.rod, *moved_to(opened.changes, key, value)
+        )
 
     def close(self) -> None:
         """End all chains."""

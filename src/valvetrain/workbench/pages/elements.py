@@ -5,17 +5,96 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
+import numpy as np
 from nicegui import ui
 from nicegui.elements.mixins.text_element import TextElement
 
-from valvetrain.report.chart import Line
-from valvetrain.workbench.pages.live_chart import live_figure, live_key
+from valvetrain.parameters.words import number
+from valvetrain.report import theme
+from valvetrain.report.chart import Chart, Line, Panel
+from valvetrain.report.plotly_chart import to_json
+from valvetrain.report.run_charts import ANGLE_LABEL
+from valvetrain.workbench.live import LiveResult
+
+#: The model that answers while the slider moves, and the one that answers when it rests.
+QUICK, SLOW = "multi-mass", "finite-element"
+
+
+def live_lines(
+    base: LiveResult, moved: LiveResult | None, rod: LiveResult | None, words: str = ""
+) -> list[Line]:
+    """Lines of the figure; ``words``: where the quantity was moved to."""
+    lines = [_line(base, "the case", theme.MUTED, "dash")]
+    if moved is not None and moved.angle_deg:
+        lines.append(
+            _line(moved, f"{words}, {theme.model_words(QUICK)}", theme.model_colour(QUICK))
+        )
+    if rod is not None and rod.angle_deg:
+        lines.append(_line(rod, f"{words}, {theme.model_words(SLOW)}", theme.model_colour(SLOW)))
+    return lines
+
+
+def live_figure(lines: Sequence[Line]) -> str:
+    """The figure as JSON."""
+    forces = np.concatenate([line.y for line in lines])
+    low, high = float(forces.min()), float(forces.max())
+    room = 0.06 * (high - low or 1.0)
+    panel = Panel(
+        ANGLE_LABEL,
+        "force on the retainer (N)",
+        tuple(lines),
+        x_range=(0, 360),
+        x_step=30,
+        y_range=(low - room, high + room),
+    )
+    return to_json(Chart("live", "Spring force", "", (panel,), height=300, legend=False))
+
+
+def live_key(lines: Sequence[Line]) -> list[dict[str, str]]:
+    """What each line is, for the key below the figure."""
+    return [
+        {"words": line.name, "colour": line.colour, "dash": "6 4" if line.dash == "dash" else ""}
+        for line in lines
+    ]
+
+
+def live_numbers(base: LiveResult, moved: LiveResult | None) -> list[dict[str, str]]:
+    """Numbers of the moved case with the change from the case itself."""
+    seen = moved if moved is not None and moved.quantities else base
+    found = []
+    for words, (value, unit) in seen.quantities.items():
+        change = (
+            value - base.quantities[words][0]
+            if seen is not base and words in base.quantities
+            else 0.0
+        )
+        told = (
+            f"{unit} ({'+' if change > 0 else '−'}{number(abs(change), 3)})"
+            if abs(change) > 1e-9 * abs(value)
+            else unit
+        )
+        found.append({"label": words[:1].upper() + words[1:], "value": number(value), "unit": told})
+    return found
+
+
+def _line(result: LiveResult, name: str, colour: str, dash: str = "solid") -> Line:
+    return Line(
+        np.asarray(result.angle_deg),
+        np.asarray(result.force_N),
+        name,
+        colour,
+        1.7 if dash == "solid" else 1.3,
+        dash,
+    )
+
 
 Handler = Callable[..., Any]
 
 
 def tag(name: str, /, words: str = "", classes: str = "", **attributes: str | None) -> ui.element:
-    """An HTML element ``name`` holding ``words``; an underscore in the name of an attribute stands for a hyphen, None leaves it out."""
+    """An HTML element ``name`` holding ``words``; an underscore in the name of an attribute stands
+    for a hyphen, None leaves it out.
+    """
     made = TextElement(tag=name, text=words) if words else ui.element(name)
     if classes:
         made.classes(classes)
@@ -25,7 +104,9 @@ def tag(name: str, /, words: str = "", classes: str = "", **attributes: str | No
     return made
 
 
-def button(words: str, on_click: Handler, classes: str = "button", **attributes: str | None) -> ui.element:
+def button(
+    words: str, on_click: Handler, classes: str = "button", **attributes: str | None
+) -> ui.element:
     """A button."""
     return tag("button", words, classes, type="button", **attributes).on("click", on_click, args=[])
 
@@ -40,30 +121,46 @@ class Theme(ui.element, component="theme.js"):
 
 
 class Form(ui.element, component="form.js"):
-    """The form of a case: ``groups`` of fields and ``additions`` as :mod:`valvetrain.workbench.pages.forms` gives them."""
+    """The form of a case: ``groups`` of fields and ``additions`` as
+    :mod:`valvetrain.workbench.pages.forms` gives them.
+    """
 
     def __init__(
-        self, groups: Sequence[Mapping[str, Any]], additions: Sequence[Mapping[str, str]], opened: Sequence[str], on: Mapping[str, Handler]
+        self,
+        groups: Sequence[Mapping[str, Any]],
+        additions: Sequence[Mapping[str, str]],
+        opened: Sequence[str],
+        on: Mapping[str, Handler],
     ) -> None:
         super().__init__()
-        self.props["groups"], self.props["additions"], self.props["open"] = list(groups), list(additions), list(opened)
+        self.props["groups"], self.props["additions"], self.props["open"] = (
+            list(groups),
+            list(additions),
+            list(opened),
+        )
         for event, handler in on.items():
             self.on(event, handler)
 
-    def show(self, groups: Sequence[Mapping[str, Any]], additions: Sequence[Mapping[str, str]]) -> None:
+    def show(
+        self, groups: Sequence[Mapping[str, Any]], additions: Sequence[Mapping[str, str]]
+    ) -> None:
         """Other fields or values."""
         self.props["groups"], self.props["additions"] = list(groups), list(additions)
         self.update()
 
     def answer(self, key: str, sentence: str) -> None:
-        """The refusal of what was typed for ``key``, or of the table that was to be added or removed; empty where it was taken."""
+        """The refusal of what was typed for ``key``, or of the table that was to be added or
+        removed; empty where it was taken.
+        """
         self.run_method("answer", key, sentence)
 
 
 class Slider(ui.element, component="slider.js"):
     """One quantity on a slider, with the curve that follows it."""
 
-    def __init__(self, quantities: Sequence[Mapping[str, Any]], engine_speed: str, on: Mapping[str, Handler]) -> None:
+    def __init__(
+        self, quantities: Sequence[Mapping[str, Any]], engine_speed: str, on: Mapping[str, Handler]
+    ) -> None:
         super().__init__()
         self.props["quantities"], self.props["speed"] = list(quantities), engine_speed
         for event, handler in on.items():
@@ -74,9 +171,13 @@ class Slider(ui.element, component="slider.js"):
         self.props["quantities"], self.props["speed"] = list(quantities), engine_speed
         self.update()
 
-    def answer(self, lines: Sequence[Line], numbers: Sequence[Mapping[str, str]], sentence: str) -> None:
+    def answer(
+        self, lines: Sequence[Line], numbers: Sequence[Mapping[str, str]], sentence: str
+    ) -> None:
         """What the chain answered: lines (none where it was overtaken), numbers, or a sentence."""
-        self.run_method("answer", live_figure(lines) if lines else "", live_key(lines), list(numbers), sentence)
+        self.run_method(
+            "answer", live_figure(lines) if lines else "", live_key(lines), list(numbers), sentence
+        )
 
     def rod_answer(self, lines: Sequence[Line], sentence: str) -> None:
         """What the rod answered."""
@@ -116,7 +217,9 @@ class JobPanel(ui.element, component="job.js"):
 
 
 class Results(ui.element, component="results.js"):
-    """The sections of a run, asked for from ``source`` (an address of this server); ``whole``: all below each other, no tabs."""
+    """The sections of a run, asked for from ``source`` (an address of this server); ``whole``: all
+    below each other, no tabs.
+    """
 
     def __init__(self, source: str = "", whole: bool = False) -> None:
         super().__init__()
@@ -133,10 +236,26 @@ class Upload(ui.element, component="upload.js"):
     """A file to send to ``url``; ``many``: several together."""
 
     def __init__(
-        self, field: str, label: str, hint: str, url: str, accept: str, most: int, on_done: Handler | None = None, many: bool = False
+        self,
+        field: str,
+        label: str,
+        hint: str,
+        url: str,
+        accept: str,
+        most: int,
+        on_done: Handler | None = None,
+        many: bool = False,
     ) -> None:
         super().__init__()
-        told = {"field": field, "label": label, "hint": hint, "url": url, "accept": accept, "most": most, "many": many}
+        told = {
+            "field": field,
+            "label": label,
+            "hint": hint,
+            "url": url,
+            "accept": accept,
+            "most": most,
+            "many": many,
+        }
         for key, value in told.items():
             self.props[key] = value
         if on_done is not None:

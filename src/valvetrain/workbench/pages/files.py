@@ -17,12 +17,10 @@ from starlette.exceptions import HTTPException
 from valvetrain.errors import InputError, ValvetrainError
 from valvetrain.units.text import clipped
 from valvetrain.workbench.answers import against
-from valvetrain.workbench.kept import Run
-from valvetrain.workbench.kept_tests import KeptTest, keep_test, read_test
-from valvetrain.workbench.pages.compare_page import comparison_part
+from valvetrain.workbench.pages.compare_page import comparison_part, report_part, report_rest
 from valvetrain.workbench.pages.desk import Desk
 from valvetrain.workbench.pages.html import test_part
-from valvetrain.workbench.pages.reports import report_part, report_rest
+from valvetrain.workbench.saved_runs import KeptTest, Run, keep_test, read_test
 from valvetrain.workbench.side_files import CASE_FILE, MOST_FILES
 
 #: Comparisons with a test that are kept while the server runs.
@@ -30,9 +28,11 @@ MOST_OVERLAYS = 20
 
 
 class Overlays:
-    """Comparisons of runs with tests as HTML; the last :data:`MOST_OVERLAYS` are kept, so that a page that opens again has them at once.
+    """Comparisons of runs with tests as HTML; the last :data:`MOST_OVERLAYS` are kept, so that a
+    page that opens again has them at once.
 
-    Each is kept for the content it was made of: a test that takes the place of another is never shown with the comparison of that.
+    Each is kept for the content it was made of: a test that takes the place of another is never
+    shown with the comparison of that.
     """
 
     def __init__(self) -> None:
@@ -40,17 +40,25 @@ class Overlays:
         self._turn = threading.Lock()
 
     def lay(self, run: Run, name: str, content: bytes) -> KeptTest:
-        """Lay a test over a run and keep it with the run. Raises :class:`InputError` with the reason why it cannot be."""
+        """Lay a test over a run and keep it with the run. Raises :class:`InputError` with the
+        reason why it cannot be.
+        """
         found = against(run, Path(name).name, content)
         if not found.runs:
-            raise InputError("; ".join(found.failures) or "no run of this kind completed; run the case at the speed of the test", "test")
+            raise InputError(
+                "; ".join(found.failures)
+                or "no run of this kind completed; run the case at the speed of the test",
+                "test",
+            )
         made = test_part(found)
         kept = keep_test(run, name, content)
         self._keep(kept, content, made)
         return kept
 
     def part(self, run: Run, name: str) -> str:
-        """The comparison with a test that was laid over a run. Raises :class:`InputError` where there is none, or it cannot be read."""
+        """The comparison with a test that was laid over a run. Raises :class:`InputError` where
+        there is none, or it cannot be read.
+        """
         test, content = read_test(run, name)
         with self._turn:
             found = self._made.get((test.path, sha256(content).digest()))
@@ -119,7 +127,9 @@ def register(app: FastAPI, desk: Desk) -> None:
     @app.post("/upload/test")
     async def upload_test(request: Request, run: str, name: str) -> Response:
         content = await request.body()
-        return await _answered(lambda: {"test": overlays.lay(desk.workspace.run(run), name, content).name})
+        return await _answered(
+            lambda: {"test": overlays.lay(desk.workspace.run(run), name, content).name}
+        )
 
     @app.post("/upload/file")
     async def upload_file(request: Request, case: str, name: str) -> Response:
@@ -132,7 +142,9 @@ def register(app: FastAPI, desk: Desk) -> None:
             name, content, sides = await _sent_case(request)
         except ValvetrainError as error:
             return _refused(error)
-        return await _answered(lambda: {"open": f"/case/{desk.workspace.upload(name, content, sides)}"})
+        return await _answered(
+            lambda: {"open": f"/case/{desk.workspace.upload(name, content, sides)}"}
+        )
 
 
 def _attached(desk: Desk, case: str, name: str, content: bytes) -> str:
@@ -159,16 +171,26 @@ def _missing(error: ValvetrainError) -> Response:
 async def _sent_case(request: Request) -> tuple[str, bytes, dict[str, bytes]]:
     """Name and content of the case file that was sent, and the files sent with it.
 
-    Raises :class:`InputError` for more files than may lie beside a case, and where none or several of them are case files.
+    Raises :class:`InputError` for more files than may lie beside a case, and where none or several
+    of them are case files.
     """
     try:
         async with request.form(max_files=MOST_FILES + 1, max_fields=1) as form:
-            sent = [(one.filename or "", await one.read()) for _, one in form.multi_items() if isinstance(one, UploadFile)]
+            sent = [
+                (one.filename or "", await one.read())
+                for _, one in form.multi_items()
+                if isinstance(one, UploadFile)
+            ]
     except HTTPException as error:
-        raise InputError(f"what was sent cannot be read ({clipped(str(error.detail), 80)}); choose the files again", "upload") from None
+        raise InputError(
+            f"what was sent cannot be read ({clipped(str(error.detail), 80)}); choose the files again",
+            "upload",
+        ) from None
     cases = sent if len(sent) == 1 else [one for one in sent if one[0].lower().endswith(".toml")]
     if len(cases) != 1:
-        raise InputError(f"{len(sent)} files were sent, of which {len(cases)} are case files; choose one .toml file and what it names")
+        raise InputError(
+            f"{len(sent)} files were sent, of which {len(cases)} are case files; choose one .toml file and what it names"
+        )
     ((name, content),) = cases
     return Path(name).name, content, {other: held for other, held in sent if other != name}
 

@@ -15,13 +15,21 @@ from valvetrain.workbench.starts import Addition
 ENGINE_SPEED = "engine_speed"
 
 
-def shown_groups(groups: Sequence[FieldGroup], files: Sequence[str] = (), removed: Collection[str] = ()) -> list[dict[str, Any]]:
+def shown_groups(
+    groups: Sequence[FieldGroup], files: Sequence[str] = (), removed: Collection[str] = ()
+) -> list[dict[str, Any]]:
     """Groups of fields with words, for the script of the form.
 
-    ``files``: names that a field for a file suggests; ``removed``: keys of the tables that may be taken away.
+    ``files``: names that a field for a file suggests; ``removed``: keys of the tables that may be
+    taken away.
     """
     return [
-        {"key": group.key, "title": group.title, "fields": [_shown(field, files) for field in group.fields], "goes": group.key in removed}
+        {
+            "key": group.key,
+            "title": group.title,
+            "fields": [_shown(field, files) for field in group.fields],
+            "goes": group.key in removed,
+        }
         for group in groups
         if group.fields
     ]
@@ -35,10 +43,18 @@ def shown_additions(found: Sequence[Addition]) -> list[dict[str, str]]:
 def _shown(field: Field, files: Sequence[str]) -> dict[str, Any]:
     choices = files if field.key.endswith(".file") else field.choices
     return {
-        "key": field.key, "label": _head(field.label), "kind": field.kind, "text": field.value_text, "unit": field.unit,
-        "limits": limit_words(field), "help": field.help, "source": field.source, "required": field.required,
-        "usual": field.default_text, "choices": list(choices),
-    }  # fmt: skip
+        "key": field.key,
+        "label": _head(field.label),
+        "kind": field.kind,
+        "text": field.value_text,
+        "unit": field.unit,
+        "limits": limit_words(field),
+        "help": field.help,
+        "source": field.source,
+        "required": field.required,
+        "usual": field.default_text,
+        "choices": list(choices),
+    }
 
 
 def _head(words: str) -> str:
@@ -52,7 +68,11 @@ def limit_words(field: Field) -> str:
     if low is None and high is None:
         return ""
     if low is None or high is None:
-        return f"{number(low)}{unit if low else ''} or more" if low is not None else f"at most {number(high)}{unit}"
+        return (
+            f"{number(low)}{unit if low else ''} or more"
+            if low is not None
+            else f"at most {number(high)}{unit}"
+        )
     return f"{number(low)} to {number(high)}{unit}"
 
 
@@ -60,18 +80,41 @@ def sliding(groups: Sequence[FieldGroup]) -> list[dict[str, Any]]:
     """Quantities that a slider may move: place, words, unit, value, ends and step."""
     return [
         {
-            "key": field.key, "label": _head(field.label), "group": group.title, "unit": field.unit, "value": field.number,
-            "low": field.slider[0], "high": field.slider[1], "step": field.slider[2],
+            "key": field.key,
+            "label": _head(field.label),
+            "group": group.title,
+            "unit": field.unit,
+            "value": field.number,
+            "low": field.slider[0],
+            "high": field.slider[1],
+            "step": field.slider[2],
         }
-        for group in groups for field in group.fields if field.slider is not None and field.number is not None
-    ]  # fmt: skip
+        for group in groups
+        for field in group.fields
+        if field.slider is not None and field.number is not None
+    ]
 
 
 def engine_speed(case: Case) -> list[dict[str, Any]]:
-    """The engine speed as a quantity of the slider, about the highest speed of the case; nothing where it names none."""
+    """The engine speed as a quantity of the slider, about the highest speed of the case; nothing
+    where it names none.
+    """
     speeds = case.operation.engine_speeds
     if not speeds:
         return []
     value = round(rpm(max(speeds)))
-    ends = {"low": 50.0 * round(value * 0.3 / 50), "high": 50.0 * round(value * 1.5 / 50), "step": 10.0}
-    return [{"key": ENGINE_SPEED, "label": "Engine speed", "group": "Operation", "unit": "rpm", "value": float(value), **ends}]
+    ends = {
+        "low": 50.0 * round(value * 0.3 / 50),
+        "high": 50.0 * round(value * 1.5 / 50),
+        "step": 10.0,
+    }
+    return [
+        {
+            "key": ENGINE_SPEED,
+            "label": "Engine speed",
+            "group": "Operation",
+            "unit": "rpm",
+            "value": float(value),
+            **ends,
+        }
+    ]

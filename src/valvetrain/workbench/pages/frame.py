@@ -2,14 +2,83 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import asyncio
+import hashlib
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from functools import cache
+from importlib import resources
 
+from fastapi import FastAPI, HTTPException
+from fastapi.responses import Response
 from nicegui import ui
 from nicegui.context import context
 
-from valvetrain.workbench.pages.assets import address
+from valvetrain.report.motion.script import motion_script
+from valvetrain.report.page import page_script, page_style, plotly_script
 from valvetrain.workbench.pages.elements import Theme, link, tag
+
+_KINDS = {"css": "text/css; charset=utf-8", "js": "text/javascript; charset=utf-8"}
+
+
+@cache
+def content(name: str) -> bytes:
+    """The content of an asset; KeyError for another name."""
+    made: dict[str, Callable[[], str]] = {
+        "page.css": page_style,
+        "page.js": page_script,
+        "plotly.js": plotly_script,
+        "motion.js": motion_script,
+        "workbench.css": _own_style,
+    }
+    return made[name]().encode()
+
+
+@cache
+def address(name: str) -> str:
+    """Where an asset is asked for; it changes with the content, so that a browser may keep it."""
+    return f"/assets/{hashlib.sha256(content(name)).hexdigest()[:12]}/{name}"
+
+
+def register(app: FastAPI) -> None:
+    """Add the addresses of all assets."""
+
+    @app.get("/assets/{digest}/{name}")
+    def asset(digest: str, name: str) -> Response:
+        try:
+            whole = content(name)
+        except KeyError:
+            raise HTTPException(404) from None
+        headers = {"Cache-Control": "public, max-age=31536000, immutable"}
+        return Response(whole, media_type=_KINDS[name.rpartition(".")[2]], headers=headers)
+
+
+def _own_style() -> str:
+    return (
+        resources.files("valvetrain.workbench.pages")
+        .joinpath("static", "workbench.css")
+        .read_text(encoding="utf-8")
+    )
+
+
+async def warm() -> None:
+    """Make ready, while nobody waits for it, what the first pages need: assets, and the tables
+    behind forms.
+    """
+    await asyncio.to_thread(_make_ready)
+
+
+def _make_ready() -> None:
+    from valvetrain.parameters.loading import load_case
+    from valvetrain.workbench.form import fields
+    from valvetrain.workbench.pages.orders import choices_for
+
+    case = load_case("job-c")
+    fields(case)
+    choices_for(case, (), {})
+    for name in ("page.css", "workbench.css", "page.js", "plotly.js", "motion.js"):
+        address(name)
+
 
 #: Places of the navigation: words and address.
 PLACES = (("Start", "/"), ("Runs", "/runs"), ("Compare", "/compare"))
@@ -45,11 +114,15 @@ window.valvetrainDrawing = new Promise(function (done) {
 
 @contextmanager
 def frame(title: str, here: str = "", figures: bool = True) -> Iterator[None]:
-    """A page with ``title``; what is made inside stands in its main part. ``figures``: it draws some."""
+    """A page with ``title``; what is made inside stands in its main part. ``figures``: it draws
+    some.
+    """
     ui.page_title(f"{title} - valvetrain")
     drawing = _LATER % ", ".join(f'"{address(name)}"' for name in ("plotly.js", "motion.js"))
     scripts = f'<script defer src="{address("page.js")}"></script>{drawing}' if figures else ""
-    styles = "".join(f'<link rel="stylesheet" href="{address(name)}">' for name in ("page.css", "workbench.css"))
+    styles = "".join(
+        f'<link rel="stylesheet" href="{address(name)}">' for name in ("page.css", "workbench.css")
+    )
     ui.add_head_html(_HEAD + styles + scripts)
     with context.client.layout:
         top = tag("header", classes="top")

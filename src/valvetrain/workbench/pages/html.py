@@ -8,12 +8,13 @@ from dataclasses import replace
 from html import escape
 from typing import Any
 
+from valvetrain.compare_test.compare import ModelAgainstTest
+from valvetrain.compare_test.page import compare_test_page
 from valvetrain.errors import InputError, ValvetrainError
-from valvetrain.report.compare_test_page import compare_test_page
 from valvetrain.report.page import Block, Cell, Grid, Section, render_part, text
 from valvetrain.report.plotly_chart import in_script
 from valvetrain.report.read_page import PageTable
-from valvetrain.studies.compare_test import ModelAgainstTest
+from valvetrain.workbench.jobs import JobStatus
 
 
 def size_words(count: int) -> str:
@@ -22,12 +23,22 @@ def size_words(count: int) -> str:
     >>> size_words(812), size_words(20_480), size_words(3_200_000)
     ('812 bytes', '20 kB', '3.2 MB')
     """
-    return f"{count} bytes" if count < 1000 else f"{count / 1e3:.0f} kB" if count < 999_500 else f"{count / 1e6:.1f} MB"
+    return (
+        f"{count} bytes"
+        if count < 1000
+        else f"{count / 1e3:.0f} kB"
+        if count < 999_500
+        else f"{count / 1e6:.1f} MB"
+    )
 
 
 def sentence_of(error: ValvetrainError, key: str = "") -> str:
     """An error as a sentence; at the field of ``key`` the place is not told again."""
-    text = error.reason if key and isinstance(error, InputError) and error.where.endswith(key) else str(error)
+    text = (
+        error.reason
+        if key and isinstance(error, InputError) and error.where.endswith(key)
+        else str(error)
+    )
     return text[:1].upper() + text[1:] + ("" if text.endswith((".", "?")) else ".")
 
 
@@ -43,7 +54,9 @@ def figure_html(key: str, title: str, caption: str, plotly: Mapping[str, Any]) -
 
 def grid_of(key: str, title: str, table: PageTable | None, otherwise: str = "") -> str:
     """A table as a section; ``otherwise``: the sentence in its place where it has no rows."""
-    blocks: tuple[Block, ...] = (grid(table),) if table is not None and table.rows else (text(otherwise, "quiet"),)
+    blocks: tuple[Block, ...] = (
+        (grid(table),) if table is not None and table.rows else (text(otherwise, "quiet"),)
+    )
     return render_part([Section(key, title, blocks)])
 
 
@@ -51,7 +64,13 @@ def grid(table: PageTable) -> Grid:
     """A table of the report's kind."""
     right = table.right or (False,) * len(table.headers)
     rows = tuple(
-        (tuple(Cell(words, "number" if place < len(right) and right[place] else "") for place, words in enumerate(row)), ())
+        (
+            tuple(
+                Cell(words, "number" if place < len(right) and right[place] else "")
+                for place, words in enumerate(row)
+            ),
+            (),
+        )
         for row in table.rows
     )
     return Grid(table.headers, rows, caption=table.title)
@@ -60,5 +79,65 @@ def grid(table: PageTable) -> Grid:
 def test_part(found: ModelAgainstTest) -> str:
     """Test data over a run, as ``valvetrain compare-test`` shows them."""
     if not found.runs:
-        return render_part([Section("test", "Test", tuple(text(words, "alert") for words in found.failures))])
-    return render_part([replace(section, key=f"test-{section.key}") for section in compare_test_page(found).sections])
+        return render_part(
+            [Section("test", "Test", tuple(text(words, "alert") for words in found.failures))]
+        )
+    return render_part(
+        [
+            replace(section, key=f"test-{section.key}")
+            for section in compare_test_page(found).sections
+        ]
+    )
+
+
+_TITLES = {
+    "run": "Run",
+    "compare": "Comparison of models",
+    "sweep": "Sweep",
+    "study": "Study",
+    "static": "Static curve",
+    "modes": "Modes",
+}
+_TONES = {"finished": "good", "failed": "bad", "cancelled": "warn", "interrupted": "warn"}
+
+
+def left_words(seconds: float | None) -> str:
+    """Words on the time left; empty while nothing can be said."""
+    if seconds is None:
+        return ""
+    return (
+        f"about {max(seconds, 1):.0f} s left"
+        if seconds < 90
+        else f"about {seconds / 60:.0f} min left"
+    )
+
+
+def job_shown(job: JobStatus | None) -> dict[str, Any] | None:
+    """A job for its panel; None for none."""
+    if job is None:
+        return None
+    going = not job.ended
+    parts = (
+        (f"{100 * job.share:.0f} %", job.text, left_words(job.seconds_left))
+        if going and job.state == "running"
+        else (job.text,)
+    )
+    words = ", ".join(part for part in parts if part) if going else job.error
+    if job.state == "cancelled" and not words:
+        words = (
+            "Cancelled. What was finished is kept."
+            if job.run_id
+            else "Cancelled before anything was finished."
+        )
+    if job.state == "queued":
+        words = words or "Waits for the job before it."
+    return {
+        "id": job.job_id,
+        "title": _TITLES.get(job.kind, job.kind),
+        "state": job.state,
+        "tone": _TONES.get(job.state, ""),
+        "going": going,
+        "percent": round(100 * job.share),
+        "words": words,
+        "again": job.state in ("failed", "cancelled", "interrupted"),
+    }

@@ -31,34 +31,53 @@ LEAST_POINTS, MOST_POINTS = 2, 200
 
 def springs_of(case: Case) -> tuple[InstalledSpring, ...]:
     """Every spring of a case, those of a train's sets included."""
-    return case.springs if case.train is None else tuple(spring for one in case.train.springs.values() for spring in one)
+    return (
+        case.springs
+        if case.train is None
+        else tuple(spring for one in case.train.springs.values() for spring in one)
+    )
 
 
 def models_for(case: Case, chosen: Sequence[str] = ()) -> list[dict[str, Any]]:
-    """Spring models that can run the case: word, words, what they know; ``chosen`` or else the usual first one is ticked."""
+    """Spring models that can run the case: word, words, what they know; ``chosen`` or else the
+    usual first one is ticked.
+    """
     springs = springs_of(case)
     fit = [spec for spec in map(spring_model, registry.words("springs")) if _fits(spec, springs)]
     words = [spec.word for spec in fit]
-    ticked = [word for word in chosen if word in words] or [word for word in (FIRST_MODEL, *usual_models(springs)) if word in words][:1]
+    ticked = [word for word in chosen if word in words] or [
+        word for word in (FIRST_MODEL, *usual_models(springs)) if word in words
+    ][:1]
     return [
-        {"word": spec.word, "label": spec.label, "hint": f"knows {spec.knows}; leaves out {spec.leaves_out}", "chosen": spec.word in ticked}
+        {
+            "word": spec.word,
+            "label": spec.label,
+            "hint": f"knows {spec.knows}; leaves out {spec.leaves_out}",
+            "chosen": spec.word in ticked,
+        }
         for spec in fit
     ]
 
 
 def _fits(spec: SpringModelSpec, springs: tuple[InstalledSpring, ...]) -> bool:
-    return not spec.no_motion and bool(springs) and not any(spec.why_not(spring) for spring in springs)
+    return (
+        not spec.no_motion and bool(springs) and not any(spec.why_not(spring) for spring in springs)
+    )
 
 
 def sets_for(case: Case, kept: str = "") -> list[dict[str, Any]]:
-    """Spring sets to choose from, where a train has more than one: word and whether it is ticked; ``kept``: those chosen last (JSON)."""
+    """Spring sets to choose from, where a train has more than one: word and whether it is ticked;
+    ``kept``: those chosen last (JSON).
+    """
     names = [] if case.train is None else list(case.train.springs)
     if case.train is None or len(names) < 2:
         return []
     last: Any = None
     with suppress(ValueError, RecursionError):
         last = json.loads(kept)
-    ticked = [name for name in names if isinstance(last, list) and name in last] or [case.train.spring_set or names[0]]
+    ticked = [name for name in names if isinstance(last, list) and name in last] or [
+        case.train.spring_set or names[0]
+    ]
     return [{"word": name, "chosen": name in ticked} for name in names]
 
 
@@ -66,21 +85,29 @@ def outputs_for(case: Case) -> list[dict[str, str]]:
     """Quantities that a study may tell."""
     topics = _SPRING_TOPICS if case.train is None else (*_SPRING_TOPICS, *_TRAIN_TOPICS)
     names = [name for topic in topics for name in TOPICS[topic]]
-    return [{"name": name, "label": label_of(name)[:1].upper() + label_of(name)[1:]} for name in names]
+    return [
+        {"name": name, "label": label_of(name)[:1].upper() + label_of(name)[1:]} for name in names
+    ]
 
 
-def choices_for(case: Case, quantities: Sequence[Mapping[str, Any]], kept: Mapping[str, str]) -> dict[str, Any]:
+def choices_for(
+    case: Case, quantities: Sequence[Mapping[str, Any]], kept: Mapping[str, str]
+) -> dict[str, Any]:
     """All that the page offers; ``kept``: what was chosen last."""
     own = ", ".join(f"{rpm(speed):.10g}" for speed in case.operation.engine_speeds)
     return {
-        "models": models_for(case, kept.get("models", "").split(",")), "sets": sets_for(case, kept.get("sets", "")),
-        "speeds": kept.get("speeds") or (f"{own} rpm" if own else "4000 rpm"), "sweep": kept.get("sweep") or SWEEP,
-        "quantities": list(quantities), "outputs": outputs_for(case),
-    }  # fmt: skip
+        "models": models_for(case, kept.get("models", "").split(",")),
+        "sets": sets_for(case, kept.get("sets", "")),
+        "speeds": kept.get("speeds") or (f"{own} rpm" if own else "4000 rpm"),
+        "sweep": kept.get("sweep") or SWEEP,
+        "quantities": list(quantities),
+        "outputs": outputs_for(case),
+    }
 
 
 def request_of(case: str, wish: Mapping[str, Any]) -> JobRequest:
-    """The request of what was chosen on the page; ``sets`` are told where the train has more than one.
+    """The request of what was chosen on the page; ``sets`` are told where the train has more than
+    one.
 
     Raises :class:`InputError` for a choice that is missing.
     """
@@ -97,12 +124,16 @@ def request_of(case: str, wish: Mapping[str, Any]) -> JobRequest:
     return JobRequest("study", case, study=_study(case, models, sets, speeds, wish))
 
 
-def _study(case: str, models: tuple[str, ...], sets: tuple[str, ...], speeds: str, wish: Mapping[str, Any]) -> str:
+def _study(
+    case: str, models: tuple[str, ...], sets: tuple[str, ...], speeds: str, wish: Mapping[str, Any]
+) -> str:
     key, points = str(wish.get("key", "")), wish.get("points")
     if not key:
         raise InputError("no quantity to vary is chosen; choose one", "quantity varied")
     if not isinstance(points, (int, float)) or not LEAST_POINTS <= points <= MOST_POINTS:
-        raise InputError(f"the number of points is to be from {LEAST_POINTS} to {MOST_POINTS}", "points")
+        raise InputError(
+            f"the number of points is to be from {LEAST_POINTS} to {MOST_POINTS}", "points"
+        )
     ends = {"low": str(wish.get("low", "")).strip(), "high": str(wish.get("high", "")).strip()}
     vary = "".join(f"{name} = {_quoted(value)}\n" for name, value in ends.items())
     asked = f"engine_speeds = {json.dumps(speeds)}\n" if speeds else ""

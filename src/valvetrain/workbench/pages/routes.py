@@ -2,14 +2,102 @@
 
 from __future__ import annotations
 
+import asyncio
+from collections.abc import Sequence
+
 from nicegui import app, ui
 
-from valvetrain.workbench.pages import assets, files
+from valvetrain.errors import ValvetrainError
+from valvetrain.workbench.pages import files
+from valvetrain.workbench.pages import frame as assets
 from valvetrain.workbench.pages.case_page import case_page
 from valvetrain.workbench.pages.compare_page import compare_page
 from valvetrain.workbench.pages.desk import Desk
-from valvetrain.workbench.pages.home import home_page
+from valvetrain.workbench.pages.elements import Upload, link, tag
+from valvetrain.workbench.pages.frame import frame
+from valvetrain.workbench.pages.html import sentence_of
 from valvetrain.workbench.pages.run_page import run_page, runs_page
+from valvetrain.workbench.pages.runs import run_table
+from valvetrain.workbench.workspace import CaseCard
+
+_HOLDS = {
+    "spring": "spring",
+    "lift_law": "lift law",
+    "train": "train",
+    "published": "published values",
+}
+#: Runs listed on the first page.
+MOST_RUNS = 6
+
+
+def home_page(desk: Desk) -> None:
+    """The first page."""
+    with frame("Start", "/", figures=False):
+        tag("h1", "What do you want to look at?")
+        tag(
+            "p",
+            "Choose a case to begin with, or open a case file. Every value can be changed. Nothing leaves this machine.",
+            "intro",
+        )
+        mine = desk.workspace.cases()
+        if mine:
+            tag("h2", "Your cases")
+            with tag("ul", classes="cases"):
+                for card in mine:
+                    with tag("li"), link("", f"/case/{card.name}"):
+                        _words(card.title or card.name, card.name if card.title else card.origin)
+        known = desk.workspace.library()
+        tag("h2", "Begin with a template")
+        _choices(desk, [card for card in known if card.kind == "template"])
+        tag("h2", "Begin with a case of the library")
+        _choices(desk, [card for card in known if card.kind == "library"])
+        with tag("div", classes="panel"):
+            tag("h2", "Open a case file")
+            most = desk.settings.most_upload
+            hint = "A .toml file, as 'valvetrain new' writes it, and with it the tables that it names: choose them together."
+            Upload("case-file", "Case file", hint, "/upload/case", "", most, many=True)
+        runs = desk.workspace.runs()[:MOST_RUNS]
+        if runs:
+            tag("h2", "Last runs")
+            run_table(runs)
+            link("All runs", "/runs")
+
+
+def _choices(desk: Desk, cards: Sequence[CaseCard]) -> None:
+    with tag("ul", classes="cases"):
+        for card in cards:
+            with (
+                tag("li"),
+                tag("button", type="button", data_source=card.name).on(
+                    "click", lambda one=card: begin(desk, one), args=[]
+                ),
+            ):
+                title = card.title.removeprefix("Template: ")
+                _words(
+                    title[:1].upper() + title[1:],
+                    ", ".join(_HOLDS.get(one, one) for one in card.holds) or "template",
+                )
+
+
+def _words(title: str, more: str) -> None:
+    tag("strong", title)
+    tag("span", more)
+
+
+async def begin(desk: Desk, card: CaseCard) -> None:
+    """Make a case of a template or of a library case, under the first free name, and open it."""
+    taken = {one.name.lower() for one in desk.workspace.cases()}
+    stem = f"my-{card.name}" if card.kind == "template" else card.name
+    name = next(
+        one
+        for n in range(1, len(taken) + 2)
+        if (one := stem if n == 1 else f"{stem}-{n}").lower() not in taken
+    )
+    try:
+        ui.navigate.to(f"/case/{await asyncio.to_thread(desk.workspace.new_case, name, card.name)}")
+    except ValvetrainError as error:
+        ui.notify(sentence_of(error))
+
 
 #: How long a page waits for its case to be read (s): tables of lifts may be large.
 LONGEST_READING = 300.0

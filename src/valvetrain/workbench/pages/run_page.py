@@ -2,14 +2,102 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+from urllib.parse import quote
+
 from valvetrain.errors import ValvetrainError
 from valvetrain.workbench.pages.case_page import missing_page
 from valvetrain.workbench.pages.desk import Desk
-from valvetrain.workbench.pages.elements import Results, tag
+from valvetrain.workbench.pages.elements import Results, Upload, button, tag
 from valvetrain.workbench.pages.frame import frame
-from valvetrain.workbench.pages.run_list import run_table
-from valvetrain.workbench.pages.run_tests import RunTests
-from valvetrain.workbench.pages.run_view import run_head
+from valvetrain.workbench.pages.html import sentence_of, size_words
+from valvetrain.workbench.pages.runs import run_head, run_table
+from valvetrain.workbench.saved_runs import Run, kept_tests, remove_test
+
+if TYPE_CHECKING:
+    from nicegui.events import GenericEventArguments
+
+
+class RunTests:
+    """The panel of one visit: the tests that are kept with a run, one of which is shown.
+
+    Parameters
+    ----------
+    desk : workspace and bounds
+    run : the run
+    """
+
+    def __init__(self, desk: Desk, run: Run) -> None:
+        self.desk, self.run, self.shown = desk, run, ""
+        with tag("div", classes="panel"):
+            tag("h2", "Test data over this run")
+            hint = "Measured cycles (.csv, .nc) as 'valvetrain rig' writes them, or a table of values. It stays with the run."
+            address = f"/upload/test?run={quote(run.run_id)}"
+            Upload(
+                "test-file",
+                "File of a test",
+                hint,
+                address,
+                "",
+                desk.settings.most_upload,
+                self.arrived,
+            )
+            self.list = tag("ul", classes="files")
+            self.refusal = tag("div")
+            self.over = Results(whole=True)
+        self.show()
+
+    def arrived(self, event: GenericEventArguments) -> None:
+        """A test was sent: it is shown."""
+        self.show(str(event.args["test"]))
+
+    def show(self, name: str = "", refusal: str = "") -> None:
+        """Show the test of that name, the newest where there is none, and the list of all."""
+        tests = kept_tests(self.run)
+        chosen = next((one for one in tests if one.name == name), None) or next(iter(tests), None)
+        self.shown = chosen.name if chosen is not None else ""
+        self.list.clear()
+        with self.list:
+            for one in tests:
+                self.row(one.name, one.size, len(tests) > 1)
+        self.refusal.clear()
+        with self.refusal:
+            if refusal:
+                tag("p", refusal, "refusal", role="alert")
+        place = (
+            ""
+            if chosen is None
+            else f"/part-test/{quote(self.run.run_id)}/{quote(chosen.name)}?at={chosen.changed}"
+        )
+        self.over.show(place)
+
+    def row(self, name: str, size: int, several: bool) -> None:
+        """One test; ``several``: there are others to show in its place."""
+        with tag("li"):
+            tag("span", name)
+            tag("span", size_words(size), "hint")
+            with tag("span", classes="row"):
+                if several:
+                    pressed = "true" if name == self.shown else "false"
+                    button(
+                        "Show",
+                        lambda: self.show(name),
+                        "button small",
+                        aria_label=f"Show {name}",
+                        aria_pressed=pressed,
+                    )
+                button(
+                    "Remove", lambda: self.remove(name), "button small", aria_label=f"Remove {name}"
+                )
+
+    def remove(self, name: str) -> None:
+        """Take a test away from the run."""
+        refusal = ""
+        try:
+            remove_test(self.run, name)
+        except ValvetrainError as error:
+            refusal = sentence_of(error, "test")
+        self.show("" if name == self.shown else self.shown, refusal)
 
 
 def run_page(desk: Desk, run_id: str) -> None:

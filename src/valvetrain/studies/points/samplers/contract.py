@@ -1,4 +1,6 @@
-"""What every sampler answers: where in the unit cube the first points of a study lie, and where the next ones, once those are known."""
+"""What every sampler answers: where in the unit cube the first points of a study lie, and where the
+next ones, once those are known.
+"""
 
 from __future__ import annotations
 
@@ -30,22 +32,31 @@ class CountedOptions(SamplerOptions):
     """Options of samplers that draw a number of points."""
 
     count: int = Field(default=COUNT, ge=1, le=MOST_POINTS, description="points drawn")
-    seed: int = Field(default=1, ge=0, le=2**31, description="seed of the random numbers; the same seed gives the same points")
+    seed: int = Field(
+        default=1,
+        ge=0,
+        le=2**31,
+        description="seed of the random numbers; the same seed gives the same points",
+    )
 
 
 First = Callable[[Sequence[Varied], SamplerOptions], Array]
 More = Callable[[Sequence[Varied], SamplerOptions, Array, Array], Array]
 
 
-def no_more(varied: Sequence[Varied], options: SamplerOptions, points: Array, values: Array) -> Array:
+def no_more(
+    varied: Sequence[Varied], options: SamplerOptions, points: Array, values: Array
+) -> Array:
     """A sampler that knows all its points from the start."""
     return np.zeros((0, len(varied)))
 
 
 @dataclass(frozen=True, slots=True)
 class SamplerSpec:
-    """A sampler: ``first`` gives points (n, d) in SI; ``more``, told all points and the first output of each (nan where it failed), those
-    that follow, none at the end. ``independent``: its points are draws from the distributions, so that their percentiles mean something.
+    """A sampler: ``first`` gives points (n, d) in SI; ``more``, told all points and the first
+    output of each (nan where it failed), those
+    that follow, none at the end. ``independent``: its points are draws from the distributions, so
+    that their percentiles mean something.
     """
 
     word: str
@@ -64,14 +75,19 @@ class SamplerSpec:
         known = tuple(self.options.model_fields)
         for key in given:
             if key not in known:
-                raise InputError(f"sampler {self.word} has no option '{key[:40]}'; {nearest(key, known)}", f"points.{key[:40]}")
+                raise InputError(
+                    f"sampler {self.word} has no option '{key[:40]}'; {nearest(key, known)}",
+                    f"points.{key[:40]}",
+                )
         try:
             return self.options.model_validate(given)
         except ValidationError as error:
             first = error.errors(include_url=False)[0]
             place = ".".join(str(part) for part in first["loc"])
-            raise InputError(f"{str(first['input'])[:40]!r} does not fit: {first['msg'][:1].lower()}{first['msg'][1:]}; correct it",
-                             f"points.{place}") from None  # fmt: skip
+            raise InputError(
+                f"{str(first['input'])[:40]!r} does not fit: {first['msg'][:1].lower()}{first['msg'][1:]}; correct it",
+                f"points.{place}",
+            ) from None
 
 
 def sampler(word: str, where: str = "points.sampler") -> SamplerSpec:
@@ -84,4 +100,6 @@ def spread(varied: Sequence[Varied], shares: Array) -> Array:
     """Points (n, d) in SI of shares (n, d) in the unit cube, each column by its distribution."""
     # half of the last bit off either end, where a distribution without bounds is infinite
     inside = np.clip(shares, 2.0**-53, 1 - 2.0**-53)
-    return np.column_stack([one.distribution.at(inside[:, place]) for place, one in enumerate(varied)])
+    return np.column_stack(
+        [one.distribution.at(inside[:, place]) for place, one in enumerate(varied)]
+    )

@@ -6,7 +6,13 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from valvetrain.studies.points.samplers.contract import Array, CountedOptions, SamplerOptions, SamplerSpec, spread
+from valvetrain.studies.points.samplers.contract import (
+    Array,
+    CountedOptions,
+    SamplerOptions,
+    SamplerSpec,
+    spread,
+)
 from valvetrain.studies.points.varied import Varied
 
 

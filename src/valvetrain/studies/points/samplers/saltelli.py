@@ -1,4 +1,6 @@
-"""The design behind Sobol indices: two samples A and B, and A with one column of B at a time (Saltelli et al. 2010, table 2)."""
+"""The design behind Sobol indices: two samples A and B, and A with one column of B at a time
+(Saltelli et al. 2010, table 2).
+"""
 
 from __future__ import annotations
 
@@ -7,19 +9,35 @@ from collections.abc import Sequence
 import numpy as np
 from pydantic import Field
 
-from valvetrain.studies.points.samplers.contract import MOST_POINTS, Array, CountedOptions, SamplerOptions, SamplerSpec, spread
+from valvetrain.studies.points.samplers.contract import (
+    MOST_POINTS,
+    Array,
+    CountedOptions,
+    SamplerOptions,
+    SamplerSpec,
+    spread,
+)
 from valvetrain.studies.points.samplers.sobol import sequence
 from valvetrain.studies.points.varied import Varied
 
 
 class SaltelliOptions(CountedOptions):
-    """Options of the design; ``count`` is that of all points, of which the largest power of two of base rows is made."""
+    """Options of the design; ``count`` is that of all points, of which the largest power of two of
+    base rows is made.
+    """
 
-    count: int = Field(default=1024, ge=8, le=MOST_POINTS, description="points at most: base rows times (quantities + 2)")
+    count: int = Field(
+        default=1024,
+        ge=8,
+        le=MOST_POINTS,
+        description="points at most: base rows times (quantities + 2)",
+    )
 
 
 def base_rows(count: int, dimensions: int) -> int:
-    """Base rows of a design of ``count`` points at most: a power of two, for then the sequence is balanced; at least 2."""
+    """Base rows of a design of ``count`` points at most: a power of two, for then the sequence is
+    balanced; at least 2.
+    """
     return int(max(2, 2 ** int(np.floor(np.log2(max(2, count // (dimensions + 2)))))))
 
 
@@ -33,4 +51,6 @@ def _first(varied: Sequence[Varied], options: SamplerOptions) -> Array:
     return spread(varied, np.concatenate([a, b, *mixed]))
 
 
-SPEC = SamplerSpec("saltelli", "Saltelli's design for Sobol indices", SaltelliOptions, _first, independent=True)
+SPEC = SamplerSpec(
+    "saltelli", "Saltelli's design for Sobol indices", SaltelliOptions, _first, independent=True
+)

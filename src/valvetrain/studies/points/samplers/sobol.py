@@ -1,4 +1,6 @@
-"""Sobol's sequence, scrambled: fills the space evenly for any number of points; a power of two is best (Owen 1998)."""
+"""Sobol's sequence, scrambled: fills the space evenly for any number of points; a power of two is
+best (Owen 1998).
+"""
 
 from __future__ import annotations
 
@@ -6,7 +8,13 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from valvetrain.studies.points.samplers.contract import Array, CountedOptions, SamplerOptions, SamplerSpec, spread
+from valvetrain.studies.points.samplers.contract import (
+    Array,
+    CountedOptions,
+    SamplerOptions,
+    SamplerSpec,
+    spread,
+)
 from valvetrain.studies.points.varied import Varied
 
 
@@ -15,7 +23,9 @@ def sequence(dimensions: int, count: int, seed: int) -> Array:
     from scipy.stats import qmc
 
     power = max(0, int(np.ceil(np.log2(count))))
-    drawn = qmc.Sobol(dimensions, scramble=True, seed=np.random.default_rng(seed)).random_base2(power)
+    drawn = qmc.Sobol(dimensions, scramble=True, seed=np.random.default_rng(seed)).random_base2(
+        power
+    )
     return np.asarray(drawn[:count])
 
 

@@ -1,0 +1,458 @@
+"""Model against test: a case run at the speed of a test, its curve or numbers beside the measured
+ones, and whether it is adequate.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from valvetrain import registry
+from valvetrain.compare_test.adequacy import LEVEL, ring_weights
+from valvetrain.compare_test.comparison import (
+    CloserRow,
+    RunAgainstTest,
+    SharedErrors,
+    Stage,
+    against_cycles,
+    against_values,
+    closer,
+    read_shared,
+)
+from valvetrain.compare_test.reader import (
+    AnyTest,
+    at_speeds,
+    check_unit,
+    few_notes,
+    likeness_notes,
+    read_test,
+    rpm_words,
+    whole_cycles,
+)
+from valvetrain.errors import InputError
+from valvetrain.measured.cycles import MeasuredCycles
+from valvetrain.measured.sensor import Sensor
+from valvetrain.measured.value_table import ValueTable
+from valvetrain.parameters.case import Case
+from valvetrain.parameters.loading import AnyCase, case_of
+from valvetrain.quantities.traces import Active, trace_of
+from valvetrain.quantities.windows import WINDOWS, window_bounds
+from valvetrain.solution.display import table
+from valvetrain.solution.quantity import same_speed
+from valvetrain.solution.result import Solution
+from valvetrain.solution.study import Study
+from valvetrain.studies.api import simulate
+from valvetrain.studies.engine import Progress
+from valvetrain.system.build import build
+from valvetrain.system.problem import Problem
+from valvetrain.units import Given, si
+
+
+@dataclass(frozen=True, eq=False)
+class ModelAgainstTest:
+    """What a test says of a model.
+
+    ``runs`` stand by how near they are, the nearest first; ``closer`` compares each with the
+    nearest. ``study``: the computation;
+    ``test``: as it was compared (whole cycles). ``notes``: what was found or assumed on the way;
+    ``failures``: a sentence
+    per run that did not complete.
+
+    >>> import valvetrain as vt
+    >>> angle = np.linspace(0.0, 2 * np.pi, 180, endpoint=False)
+    >>> level = MeasuredCycles("valve_lift", "m", angle, np.full((1, 180), 1e-3), cam_speed=150.0)
+    >>> found = vt.compare_with_test("job-t", level, spring_models=["massless"])
+    >>> found.verdict
+    'One cycle shows no scatter, so there is no F-test; give two or more repeats.'
+    """
+
+    study: Study
+    test: MeasuredCycles | ValueTable
+    runs: tuple[RunAgainstTest, ...]
+    closer: tuple[CloserRow, ...] = ()
+    notes: tuple[str, ...] = ()
+    failures: tuple[str, ...] = ()
+
+    @property
+    def best(self) -> RunAgainstTest:
+        """The nearest run. Raises :class:`InputError` where none completed."""
+        if not self.runs:
+            raise InputError(
+                f"no run completed, so there is nothing to compare; {'; '.join(self.failures)[:200]}"
+            )
+        return self.runs[0]
+
+    @property
+    def verdict(self) -> str:
+        """The verdict on the nearest run in one sentence."""
+        words = self.best.sentence
+        return f"{words[:1].upper()}{words[1:]}."
+
+    @property
+    def quantity(self) -> str:
+        """What was measured, empty for a table of several."""
+        return self.test.quantity if isinstance(self.test, MeasuredCycles) else ""
+
+    def run(self, label: str = "") -> RunAgainstTest:
+        """The run of that label, the nearest for none. Raises :class:`InputError` for one that is
+        not there.
+        """
+        fits = [one for one in self.runs if label in ("", one.label)]
+        if not fits:
+            raise InputError(
+                f"no run is called '{label[:40]}'; there are {', '.join(one.label for one in self.runs) or 'none'}"
+            )
+        return fits[0]
+
+    def __repr__(self) -> str:
+        lines = [
+            f"ModelAgainstTest: {self.study.record.name} against {self.test!r}",
+            *(one.sentence for one in self.runs),
+        ]
+        return "\n  ".join([*lines, *(f"not completed: {one}" for one in self.failures)])
+
+    def _repr_html_(self) -> str:
+        told = [(one.label, one.adequacy) for one in self.runs]
+        rows = [
+            (label, f"{test.ratio:.3g}", f"{test.p_value:.2g}") if test else (label, "", "")
+            for label, test in told
+        ]
+        return table(repr(self), ("model", "F", "p"), rows)
+
+
+def compare_with_test(
+    case: AnyCase,
+    test: AnyTest,
+    *,
+    quantity: str = "",
+    channel: int = 0,
+    engine_speed: Given | None = None,
+    spring_models: Sequence[str] = (),
+    spring_sets: Sequence[str] = (),
+    sensor: Sensor | None = None,
+    fitted: int = 0,
+    shared: str | Sequence[str] = (),
+    level: float = LEVEL,
+    workers: int | None = None,
+    progress: Progress | None = None,
+    limit: str = "",
+    implausible: bool = False,
+) -> ModelAgainstTest:
+    """A case against measured cycles, or against a table of measured values: errors, events, bands
+    and Fisher's test of adequacy.
+
+    Parameters
+    ----------
+    case : Case, name of a library case, or path of a case file
+    test : MeasuredCycles, ValueTable, or the file of either
+    quantity : name of the curve of the model, where the file calls it otherwise
+    channel : which channel of a file that holds several, from 1; 0 for the only one, or the one of
+    that quantity
+    engine_speed : speed of the crank where the test does not state it, "4200 rpm", rad/s or a pint
+    quantity
+    spring_models : words of spring models, compared side by side; the case's own by default
+    spring_sets : names of spring sets of a train
+    sensor : gauge of the test, through which the model is seen before it is compared
+    fitted : parameters of the model that were found from this test
+    shared : standard deviations of errors that all cycles share, "2 N, 0.5 %, 0.1 deg": of the
+    zero, the calibration, the angle
+    level : share of adequate models that the test may refute
+    workers, progress, limit, implausible : as for :func:`simulate`
+
+    Returns
+    -------
+    ModelAgainstTest
+
+    Raises
+    ------
+    InputError : a file that cannot be read, a quantity that no run tells, a unit that does not fit,
+    no speed, one sentence each
+
+    Examples
+    --------
+    >>> import valvetrain as vt
+    >>> angle = np.linspace(0.0, 2 * np.pi, 360, endpoint=False)
+    >>> forces = vt.simulate("job-t", "3000 rpm", spring_models=["multi-mass"]).solutions[0]
+    >>> last = np.interp(angle + 2 * np.pi, forces.cam_angle, forces.channel("seat_force"))
+    >>> drawn = last + np.random.default_rng(1).normal(0.0, 5.0, (8, 360))
+    >>> cycles = MeasuredCycles("spring_force", "N", angle, drawn, cam_speed=157.07963267948966, synthetic=True)
+    >>> vt.compare_with_test("job-t", cycles, spring_models=["multi-mass"]).best.adequacy.adequate
+    True
+    """
+    chosen = case_of(case)
+    asked = _asked(chosen, test, quantity, channel, engine_speed, sensor, fitted, shared, level)
+    study = simulate(
+        chosen,
+        tuple(f"{speed!r} rad/s" for speed in asked.engine_speeds),
+        spring_models=spring_models,
+        spring_sets=spring_sets,
+        workers=workers,
+        progress=progress,
+        limit=limit,
+        implausible=implausible,
+    )
+    return _answer(
+        study,
+        asked,
+        active_wire(build(chosen, spring_models=spring_models, spring_sets=spring_sets)),
+    )
+
+
+def compare_study_with_test(
+    study: Study,
+    case: AnyCase,
+    test: AnyTest,
+    *,
+    quantity: str = "",
+    channel: int = 0,
+    engine_speed: Given | None = None,
+) -> ModelAgainstTest:
+    """As :func:`compare_with_test`, with runs that are there already: those of ``study``, which
+    were made from ``case``.
+
+    Raises :class:`InputError` likewise, and where no run is at the speed of the test.
+    """
+    chosen = case_of(case)
+    asked = _asked(chosen, test, quantity, channel, engine_speed, None, 0, (), LEVEL)
+    near = tuple(
+        run
+        for run in study.solutions
+        if any(same_speed(run.engine_speed, speed) for speed in asked.engine_speeds)
+    )
+    if not near:
+        told = ", ".join(rpm_words(speed) for speed in asked.engine_speeds)
+        raise InputError(
+            f"the test is at {told}, and none of the runs is; run the case at that speed", "test"
+        )
+    problem = build(chosen)
+    if not {run.label for run in near} <= {member.label for member in problem.members}:
+        models, sets = (
+            [*dict.fromkeys(word for run in near if (word := getattr(run, name)))]
+            for name in ("model", "spring_set")
+        )
+        problem = build(chosen, spring_models=models, spring_sets=sets)
+    return _answer(replace(study, solutions=near), asked, active_wire(problem))
+
+
+@dataclass(frozen=True)
+class _Asked:
+    """A test as it is compared, at which speeds (rad/s of the crank) and how."""
+
+    test: MeasuredCycles | ValueTable
+    engine_speeds: tuple[float, ...]
+    notes: tuple[str, ...]
+    shared: SharedErrors
+    sensor: Sensor | None
+    fitted: int
+    level: float
+
+
+def _asked(
+    case: Case,
+    test: AnyTest,
+    quantity: str,
+    channel: int,
+    engine_speed: Given | None,
+    sensor: Sensor | None,
+    fitted: int,
+    shared: str | Sequence[str],
+    level: float,
+) -> _Asked:
+    """What is asked, checked."""
+    own = read_test(test, quantity, channel)
+    if not 0 < level < 1:
+        raise InputError(f"the level {level!r:.20} is no chance; give one such as 0.05", "level")
+    if isinstance(fitted, bool) or not isinstance(fitted, int) or fitted < 0:
+        raise InputError(
+            f"'{fitted!s:.20}' is no number of fitted parameters; give 0, 1, 2 ...", "fitted"
+        )
+    asked = None if engine_speed is None else si(engine_speed, "engine_speed", "engine_speed")
+    own, speeds, notes = at_speeds(case, own, asked)
+    known = SharedErrors()
+    if shared and isinstance(own, ValueTable):
+        raise InputError(
+            "a table states the scatter of each value; put what they share into it, or leave it out",
+            "shared",
+        )
+    if isinstance(own, MeasuredCycles):
+        known = read_shared(shared, own.unit)
+    if sensor is not None and isinstance(own, ValueTable):
+        raise InputError(
+            "a table holds named quantities; give those of a bandwidth, such as below_10_khz_peak_spring_force",
+            "sensor",
+        )
+    return _Asked(own, speeds, notes, known, sensor, fitted, level)
+
+
+def _answer(study: Study, asked: _Asked, active: Mapping[str, Active]) -> ModelAgainstTest:
+    if isinstance(asked.test, ValueTable):
+        return _with_values(
+            study, asked.test, asked.engine_speeds, asked.fitted, asked.level, asked.notes, active
+        )
+    return _with_cycles(
+        study,
+        asked.test,
+        asked.sensor,
+        asked.fitted,
+        asked.level,
+        asked.notes,
+        active,
+        asked.shared,
+    )
+
+
+def active_wire(problem: Problem) -> dict[str, Active]:
+    """Label of a run -> coil numbers between which the wire of each of its springs is active."""
+    return {
+        member.label: {
+            spring.name: (
+                wire.lower_end.inactive_coils,
+                wire.total_coils - wire.upper_end.inactive_coils,
+            )
+            for spring in member.springs
+            if (wire := spring.wire) is not None
+        }
+        for member in problem.members
+    }
+
+
+def _completed(study: Study) -> tuple[list[Solution], tuple[str, ...]]:
+    """Runs that tell a curve, and a sentence on each of the others."""
+    good = [run for run in study.solutions if run.status.completed and len(run.time) > 2]
+    lost = [run for run in study.solutions if run not in good]
+    return good, tuple(
+        f"{run.label} at {rpm_words(run.engine_speed)}: {run.status.sentence()}" for run in lost
+    )
+
+
+def _with_cycles(
+    study: Study,
+    test: MeasuredCycles,
+    sensor: Sensor | None,
+    fitted: int,
+    level: float,
+    notes: tuple[str, ...],
+    active: Mapping[str, Active],
+    shared: SharedErrors,
+) -> ModelAgainstTest:
+    whole = whole_cycles(test)
+    runs, failures = _completed(study)
+    told, silent = _that_tell(runs, whole, active)
+    if silent:
+        notes = (
+            *notes,
+            f"the test gives {whole.quantity}, of which {', '.join(silent)} gives nothing; it is left out",
+        )
+    stages = _stages(study)
+    found = [
+        against_cycles(run, whole, stages, sensor, fitted, level, active.get(run.label, {}), shared)
+        for run in told
+    ]
+    found.sort(key=lambda one: one.agreement.rms if one.agreement is not None else math.inf)
+    weights, _ = ring_weights(whole.cam_angle)
+    rows = tuple(
+        closer(found[0], other, whole.values, weights, (found[0].curve, other.curve))
+        for other in found[1:]
+        if found[0].curve is not None and other.curve is not None
+    )
+    if shared:
+        notes = (
+            *notes,
+            f"all cycles are taken to share errors of {shared.words(whole.unit)} (standard deviations), beside their scatter",
+        )
+    said = (*notes, *whole.notes, *few_notes(len(whole.values)), *likeness_notes(whole))
+    return ModelAgainstTest(study, whole, tuple(found), rows, said, failures)
+
+
+def _that_tell(
+    runs: Sequence[Solution], test: MeasuredCycles, active: Mapping[str, Active]
+) -> tuple[list[Solution], list[str]]:
+    """Runs that tell the curve of the test, and labels of the others. Raises :class:`InputError`
+    where none does, or the unit differs.
+    """
+    told, refused = [], []
+    for run in runs:
+        try:
+            trace = trace_of(run, test.quantity, active.get(run.label, {}))
+        except InputError as error:
+            refused.append((run.label, error))
+            continue
+        check_unit(trace, test)
+        told.append(run)
+    if refused and not told:
+        raise refused[-1][1]
+    return told, [label for label, _ in refused]
+
+
+def _stages(study: Study) -> tuple[Stage, ...]:
+    """Stretches before, in and after the lift event, by the names that the study of the case gives
+    them.
+    """
+    if study.lift_event is None:
+        return ()
+    event, names = study.lift_event, {}
+    if study.record.study and study.record.study in registry.words("sources"):
+        names = registry.find("sources", study.record.study).window_names
+    return tuple((names.get(word, word), *window_bounds(event, word)) for word in WINDOWS)
+
+
+def _with_values(
+    study: Study,
+    test: ValueTable,
+    speeds: tuple[float, ...],
+    fitted: int,
+    level: float,
+    notes: tuple[str, ...],
+    active: Mapping[str, Active],
+) -> ModelAgainstTest:
+    runs, failures = _completed(study)
+    found, said = [], list(notes) + list(test.notes)
+    for label in dict.fromkeys(run.label for run in runs):
+        mine = {
+            speed: run
+            for speed in speeds
+            for run in runs
+            if run.label == label and same_speed(run.engine_speed, speed)
+        }
+        if any(one.engine_speed not in mine for one in test.values):
+            said.append(f"{label} did not complete at every speed of the table and is left out")
+            continue
+        still = {
+            **study.still.get("", {}),
+            **study.still.get(mine[test.values[0].engine_speed].spring_set, {}),
+        }
+        found.append(against_values(mine, still, test.values, fitted, level, active.get(label, {})))
+    missing = sorted(
+        {row.quantity for one in found for row in one.values if not math.isfinite(row.model)}
+    )
+    if missing:
+        said.append(
+            f"not computed by every run, so left out where it is missing: {', '.join(missing)}"
+        )
+    found.sort(key=lambda one: math.inf if one.adequacy is None else one.adequacy.ratio)
+    rows: tuple[CloserRow, ...] = ()
+    if test.repeats > 1 and found:
+        matrix = np.array([one.repeats for one in test.values]).T
+        curves = [
+            np.array([row.model for row in one.values if row.kind == "value"]) for one in found
+        ]
+        known = np.all(np.isfinite(curves), axis=0)
+        even = np.full(int(known.sum()), 1 / max(1, int(known.sum())))
+        rows = tuple(
+            closer(found[0], other, matrix[:, known], even, (curves[0][known], curve[known]))
+            for other, curve in zip(found[1:], curves[1:], strict=True)
+            if known.any()
+        )
+        said += (
+            ["two repeats do not show how far values move together; they count as independent"]
+            if test.repeats == 2
+            else []
+        )
+    elif test.repeats == 1:
+        said.append(
+            "stated scatters count as independent errors of each value; an error they share, as of a calibration, is not in them"
+        )
+    return ModelAgainstTest(study, test, tuple(found), rows, tuple(said), failures)

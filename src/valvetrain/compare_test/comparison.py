@@ -1,0 +1,479 @@
+"""One run against a test: its curve against measured cycles, its numbers against measured values."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.special import stdtr
+
+from valvetrain.compare_test.adequacy import (
+    FEWEST,
+    AdequacyTest,
+    DifferenceBand,
+    adequacy_test,
+    difference_band,
+    p_words,
+    ring_weights,
+)
+from valvetrain.compare_test.events import (
+    Agreement,
+    EventRow,
+    agreement,
+    extreme_rows,
+    interval_row,
+    scatter_of_mean,
+    spike_rows,
+)
+from valvetrain.errors import InputError
+from valvetrain.measured.cycles import MeasuredCycles
+from valvetrain.measured.sensor import Sensor
+from valvetrain.measured.value_table import MeasuredValue
+from valvetrain.parameters.words import number
+from valvetrain.quantities.compare import pair_angles
+from valvetrain.quantities.traces import WHOLE, Active, trace_of
+from valvetrain.solution.definition import angle_name
+from valvetrain.solution.result import Solution
+from valvetrain.units import dimension_of, dimension_powers, parse_quantity
+from valvetrain.units.text import split_quantity
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True)
+class SharedErrors:
+    """Standard deviations of what all cycles share: ``offset`` (unit of the quantity, SI), ``gain``
+    (a share), ``cam_angle`` (rad).
+
+    >>> SharedErrors(offset=2.0, gain=0.01).words("N")
+    'offset 2 N, gain 1 %'
+    """
+
+    offset: float = 0.0
+    gain: float = 0.0
+    cam_angle: float = 0.0
+
+    def __bool__(self) -> bool:
+        return max(self.offset, self.gain, self.cam_angle) > 0
+
+    def shapes(self, cam_angle: Array, curve: Array) -> Array:
+        """Standard deviation of each error along the turn, (errors, angles): level, in step with
+        ``curve`` and with its slope.
+        """
+        around = np.concatenate([cam_angle[-1:] - 2 * np.pi, cam_angle, cam_angle[:1] + 2 * np.pi])
+        slope = np.gradient(np.concatenate([curve[-1:], curve, curve[:1]]), around)[1:-1]
+        rows = [self.offset * np.ones(len(curve)), self.gain * curve, self.cam_angle * slope]
+        return np.array([row for row in rows if np.any(row)]).reshape(-1, len(curve))
+
+    def words(self, unit: str, factor: float = 1.0) -> str:
+        """The errors in words, the offset in ``unit``, which is ``factor`` of the SI unit."""
+        told = [
+            f"offset {self.offset * factor:.3g} {unit}" if self.offset else "", f"gain {100 * self.gain:.3g} %" if self.gain else "",
+            f"angle {math.degrees(self.cam_angle):.3g} cam deg" if self.cam_angle else "",
+        ]  # fmt: skip
+        return ", ".join(filter(None, told))
+
+
+def read_shared(texts: str | Sequence[str], unit: str) -> SharedErrors:
+    """Errors from texts such as ``"2 N, 0.5 %, 0.1 deg"``; ``unit``: SI unit of the quantity.
+
+    Raises :class:`InputError` for an amount that is neither of the quantity, nor a share, nor an
+    angle, or given twice.
+    """
+    listed = [
+        part.strip()
+        for text in ([texts] if isinstance(texts, str) else texts)
+        for part in text.split(",")
+        if part.strip()
+    ]
+    found: dict[str, float] = {}
+    for part in listed:
+        _, own = split_quantity(part, None, "shared")
+        if own == "%":
+            key = "gain"
+        elif dimension_powers(f"1 {own}".strip()) == dimension_powers(
+            f"1 {'' if unit == '1' else unit}".strip()
+        ):
+            key = "offset"
+        elif own and dimension_of(own) == "angle":
+            key = "cam_angle"
+        else:
+            raise InputError(
+                f"'{part[:40]}' is no error of a quantity in {unit or 'no unit'}; give an offset, a share in %, an angle",
+                "shared",
+            )
+        if key in found:
+            raise InputError(
+                f"'{part[:40]}' is the second {key.replace('_', ' ')}; give one standard deviation of each kind",
+                "shared",
+            )
+        found[key] = parse_quantity(part, None, "shared")
+        if not found[key] > 0:
+            raise InputError(
+                f"'{part[:40]}' is no standard deviation; give it above zero", "shared"
+            )
+    return SharedErrors(**found)
+
+
+#: A test without stated errors of calibration.
+NONE_SHARED = SharedErrors()
+#: Begin and end (cam rad) of a stretch of the turn, and its name.
+Stage = tuple[str, float, float]
+_TURN = 2 * math.pi
+#: A cam angle that is counted through a cycle.
+_COUNTED = re.compile(r"(.+)_\d+_cam_angle")
+
+
+@dataclass(frozen=True, slots=True)
+class StageRow:
+    """Errors within a stretch of the turn, SI: ``bias``, ``rms`` of model less test, ``bias_error``
+    its standard error over the repeats
+    (NaN for one), and the ``share_outside`` of its angles at which the band leaves no difference
+    out."""
+
+    name: str
+    first: float
+    last: float
+    bias: float
+    rms: float
+    bias_error: float
+    share_outside: float
+
+
+@dataclass(frozen=True, slots=True)
+class ValueRow:
+    """One measured value beside the model's, SI, shown in ``unit``. ``scatter``: standard deviation
+    of the test's value (of the mean, where
+    it has repeats); ``model`` is NaN where the run does not tell it; ``kind`` says whether it is an
+    angle of a value."""
+
+    quantity: str
+    unit: str
+    engine_speed: float
+    model: float
+    test: float
+    scatter: float
+    kind: Literal["value", "angle"] = "value"
+
+    @property
+    def difference(self) -> float:
+        """Model less test; angles the short way round."""
+        off = self.model - self.test
+        return (off + math.pi) % _TURN - math.pi if self.unit == "deg" else off
+
+    @property
+    def in_scatters(self) -> float:
+        """Difference in units of the scatter."""
+        return self.difference / self.scatter
+
+
+@dataclass(frozen=True, eq=False)
+class RunAgainstTest:
+    """One run against the test. ``curve`` at the angles of the test, ``agreement``, ``band``,
+    ``events`` and ``stages`` belong to measured
+    cycles, ``values`` to a table; ``adequacy`` is None where ``without`` says why there is no
+    F-test."""
+
+    label: str
+    model: str
+    adequacy: AdequacyTest | None
+    without: str = ""
+    curve: Array | None = None
+    agreement: Agreement | None = None
+    band: DifferenceBand | None = None
+    events: tuple[EventRow, ...] = ()
+    stages: tuple[StageRow, ...] = ()
+    values: tuple[ValueRow, ...] = ()
+
+    @property
+    def sentence(self) -> str:
+        """The verdict on this run in one sentence."""
+        return self.without if self.adequacy is None else self.adequacy.sentence(self.label)
+
+
+@dataclass(frozen=True, slots=True)
+class CloserRow:
+    """Two runs beside each other: their mean squares from the test, and Student's t of the
+    difference over the repeats with its chance
+    (both NaN for one repeat)."""
+
+    first: str
+    second: str
+    first_square: float
+    second_square: float
+    student: float
+    p_value: float
+
+    @property
+    def sentence(self) -> str:
+        """Which is closer, in one sentence."""
+        near, far = (
+            (self.first, self.second)
+            if self.first_square <= self.second_square
+            else (self.second, self.first)
+        )
+        ratio = max(self.first_square, self.second_square) / max(
+            min(self.first_square, self.second_square), 1e-300
+        )
+        words = f"the mean square of {far} is {number(ratio, 3)} times that of {near}"
+        if not math.isfinite(self.p_value):
+            return f"{words}; one repeat does not show whether that is more than chance"
+        if self.p_value < 0.05:
+            return f"{near} is closer to the test than {far}: {words}, beyond the scatter of the repeats (paired t, {p_words(self.p_value)})"
+        return f"the test does not separate {near} from {far}: {words}, within their scatter (paired t, {p_words(self.p_value)})"
+
+
+def against_cycles(
+    run: Solution,
+    cycles: MeasuredCycles,
+    stages: Sequence[Stage],
+    sensor: Sensor | None,
+    fitted: int,
+    level: float,
+    active: Active = WHOLE,
+    shared: SharedErrors = NONE_SHARED,
+) -> RunAgainstTest:
+    """A run against whole ``cycles`` (no value missing). Raises :class:`InputError` for a curve
+    that the run does not tell.
+    """
+    trace = trace_of(run, cycles.quantity, active)
+    if sensor is not None:
+        trace = trace.through(sensor)
+    curve, values, angle = trace.at(cycles.cam_angle), cycles.values, cycles.cam_angle
+    weights, even = ring_weights(angle)
+    common = shared.shapes(angle, curve)
+    band = difference_band(values, curve, level, common) if len(values) >= FEWEST else None
+    adequacy, without = None, ""
+    try:
+        adequacy = adequacy_test(
+            values,
+            curve,
+            weights,
+            ring=even,
+            fitted=fitted,
+            level=level,
+            shared=tuple((common**2 @ weights).tolist()),
+        )
+    except InputError as error:
+        without = error.reason
+    events: list[EventRow] = []
+    everywhere, drawn = np.ones(len(angle), dtype=bool), scatter_of_mean(values)
+    for name, sign in (("largest", 1.0), ("least", -1.0)) if not stages else ():
+        events += extreme_rows(name, angle, values, curve, drawn, everywhere, sign)
+    rows = []
+    for name, first, last in stages:
+        inside = (angle % _TURN >= first) & (angle % _TURN < last)
+        if inside.sum() > 2:
+            for word, sign in (("largest", 1.0), ("least", -1.0)):
+                events += extreme_rows(f"{name}, {word}", angle, values, curve, drawn, inside, sign)
+            rows.append(_stage(name, first, last, curve, values, weights, inside, band))
+    spikes = spike_rows(angle, values, curve, drawn)
+    events += spikes
+    after = stages[-1][1:] if len(stages) > 1 else (0.0, _TURN)
+    interval = interval_row(spikes, after[0], after[1])
+    events += [] if interval is None else [interval]
+    events = [_with_shared(one, shared) for one in events]
+    agreed = agreement(angle, values, curve, weights, even)
+    return RunAgainstTest(
+        run.label, run.model, adequacy, without, curve, agreed, band, tuple(events), tuple(rows)
+    )
+
+
+def _with_shared(one: EventRow, shared: SharedErrors) -> EventRow:
+    """An event with what all repeats share: of its angle, or of its value, where the slope is
+    nought.
+    """
+    if "interval" in one.name:
+        return one
+    return replace(
+        one,
+        shared=shared.cam_angle
+        if one.dimension == "angle"
+        else math.hypot(shared.offset, shared.gain * one.test),
+    )
+
+
+def _stage(
+    name: str,
+    first: float,
+    last: float,
+    curve: Array,
+    values: Array,
+    weights: Array,
+    inside: NDArray[np.bool_],
+    band: DifferenceBand | None,
+) -> StageRow:
+    shares = weights[inside] / weights[inside].sum()
+    off = curve[inside] - values[:, inside].mean(axis=0)
+    single = (curve[inside] - values[:, inside]) @ shares
+    error = float(np.std(single, ddof=1)) / math.sqrt(len(single)) if len(single) > 1 else math.nan
+    outside = math.nan if band is None else float(shares @ band.outside[inside])
+    return StageRow(
+        name, first, last, float(shares @ off), math.sqrt(float(shares @ off**2)), error, outside
+    )
+
+
+def against_values(
+    runs: Mapping[float, Solution],
+    still: Mapping[str, float],
+    values: Sequence[MeasuredValue],
+    fitted: int,
+    level: float,
+    active: Active = WHOLE,
+) -> RunAgainstTest:
+    """Runs of one label, by crank speed (rad/s, as in ``values``), against a table."""
+    first = next(iter(runs.values()))
+    told = [_model_of(runs[one.engine_speed], still, one, active) for one in values]
+    partners = counted_partners(values, {speed: run.quantities for speed, run in runs.items()})
+    told = [(partners.get(place, model), angle) for place, (model, angle) in enumerate(told)]
+    rows: list[ValueRow] = []
+    for one, (model, place) in zip(values, told, strict=True):
+        rows.append(
+            ValueRow(one.quantity, one.unit, one.engine_speed, model, one.value, _error(one))
+        )
+        if math.isfinite(one.angle_scatter) and math.isfinite(one.cam_angle):
+            rows.append(
+                ValueRow(
+                    one.quantity,
+                    "deg",
+                    one.engine_speed,
+                    place,
+                    one.cam_angle,
+                    one.angle_scatter,
+                    "angle",
+                )
+            )
+    adequacy, without = None, ""
+    try:
+        adequacy = _adequacy(values, [model for model, _ in told], rows, fitted, level)
+    except InputError as error:
+        without = error.reason
+    return RunAgainstTest(first.label, first.model, adequacy, without, values=tuple(rows))
+
+
+def counted_partners(
+    values: Sequence[MeasuredValue], named: Mapping[float, Mapping[str, float]]
+) -> dict[int, float]:
+    """Place of every measured angle that is counted through a cycle, ``clash_3_cam_angle``, and the
+    model's that meets it: one more early
+    on would shift the count of all that follow, so they meet in their order round the circle."""
+    families: dict[tuple[float, str], list[int]] = {}
+    for place, one in enumerate(values):
+        if (found := _COUNTED.fullmatch(one.quantity)) is not None:
+            families.setdefault((one.engine_speed, found[1]), []).append(place)
+    partners: dict[int, float] = {}
+    for (speed, word), places in families.items():
+        places.sort(key=lambda place: values[place].value)
+        mine = [
+            value
+            for name, value in named[speed].items()
+            if (found := _COUNTED.fullmatch(name)) and found[1] == word
+        ]
+        met = pair_angles([values[place].value for place in places], mine)
+        partners |= {
+            place: math.nan if one is None else one for place, one in zip(places, met, strict=True)
+        }
+    return partners
+
+
+def _error(one: MeasuredValue) -> float:
+    """Standard deviation of the value: stated, or of the mean of its repeats."""
+    count = len(one.repeats)
+    return one.scatter if count < 2 else float(np.std(one.repeats, ddof=1)) / math.sqrt(count)
+
+
+def _adequacy(
+    values: Sequence[MeasuredValue],
+    told: Sequence[float],
+    rows: Sequence[ValueRow],
+    fitted: int,
+    level: float,
+) -> AdequacyTest:
+    """With repeats Fisher's test over values of one unit; with stated scatters the mean square of
+    what the rows are off by in these.
+    """
+    if len(values[0].repeats) > 1:
+        known = np.isfinite(told)
+        if not known.any():
+            raise InputError(
+                "the run has none of these values, so there is no F-test; docs/quantities.md lists what it has"
+            )
+        if len({one.unit for one in values}) > 1:
+            raise InputError(
+                "values in several units have no common variance, so there is no F-test; give a table per unit"
+            )
+        matrix = np.array([one.repeats for one in values])[known].T
+        return adequacy_test(matrix, np.array(told)[known], fitted=fitted, level=level)
+    off = np.array([row.in_scatters for row in rows if math.isfinite(row.model)])
+    if not len(off):
+        raise InputError(
+            "the run has none of these values, so there is no test; docs/quantities.md lists what it has"
+        )
+    count = len(off)
+    return AdequacyTest(float(np.mean(off**2)), 1.0, 0, count, float(count), fitted, level)
+
+
+def _model_of(
+    run: Solution, still: Mapping[str, float], one: MeasuredValue, active: Active
+) -> tuple[float, float]:
+    """Value of the run for a measured one and the cam angle of it; NaN where it does not tell."""
+    named = {**still, **run.quantities}
+    if one.quantity in named:
+        place = math.nan
+        if math.isfinite(one.cam_angle):
+            try:
+                place = named.get(angle_name(one.quantity), math.nan)
+            except InputError:
+                place = math.nan
+        return named[one.quantity], place
+    kind, _, rest = one.quantity.partition("_")
+    try:
+        trace = trace_of(run, rest if kind in ("peak", "least") and rest else one.quantity, active)
+    except InputError:
+        return math.nan, math.nan
+    if kind in ("peak", "least") and rest:
+        top = int(np.argmax(trace.values) if kind == "peak" else np.argmin(trace.values))
+        return float(trace.values[top]), float(trace.cam_angle[top])
+    if not math.isfinite(one.cam_angle):
+        return math.nan, math.nan
+    return float(trace.at(np.array([one.cam_angle]))[0]), math.nan
+
+
+def closer(
+    one: RunAgainstTest,
+    other: RunAgainstTest,
+    values: Array,
+    weights: Array,
+    curves: tuple[Array, Array],
+) -> CloserRow:
+    """Two runs against repeats (repeats, places): the difference of their squares is told by every
+    repeat, so Student's t judges it.
+    """
+    first, second = curves
+    mean = values.mean(axis=0)
+    squares = [float(weights @ (curve - mean) ** 2) for curve in (first, second)]
+    single = ((first - values) ** 2 - (second - values) ** 2) @ weights
+    repeats = len(values)
+    if repeats < 2:
+        return CloserRow(one.label, other.label, squares[0], squares[1], math.nan, math.nan)
+    error = float(np.std(single, ddof=1)) / math.sqrt(repeats)
+    student = (
+        float(np.mean(single)) / error
+        if error > 0
+        else math.copysign(math.inf, float(np.mean(single)))
+    )
+    if not np.any(single):
+        student = 0.0
+    return CloserRow(
+        one.label,
+        other.label,
+        squares[0],
+        squares[1],
+        student,
+        2 * float(stdtr(repeats - 1, -abs(student))),
+    )

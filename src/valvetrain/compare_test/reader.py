@@ -1,0 +1,249 @@
+"""The test that a model is compared with: its file, its speed and unit, and what its repeats let be
+said.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from valvetrain.errors import InputError
+from valvetrain.measured.cycles import HDF5_MARK, MeasuredCycles, read_cycles
+from valvetrain.measured.tables import read_content, text_of
+from valvetrain.measured.value_table import ValueTable, is_value_table, read_value_table
+from valvetrain.parameters.case import Case
+from valvetrain.parameters.words import number
+from valvetrain.quantities.traces import Trace
+from valvetrain.solution.quantity import same_speed
+from valvetrain.system.build import build
+from valvetrain.units import dimension_powers
+
+#: Measured cycles or a table of values, or the file that holds them.
+AnyTest = MeasuredCycles | ValueTable | str | Path
+#: Speeds that differ by less than this share are the same test.
+SAME_SPEED = 1e-3
+#: Most cycles, and most of their values in all.
+MOST_CYCLES, MOST_VALUES = 2000, 10_000_000
+#: Repeats below which the count of independent angles leans on scatter being alike at all angles.
+FEW = 4
+#: Largest file of a test, the bytes of it that tell what it is, and the largest number that is a
+#: measured one.
+_MOST_BYTES, _BEGINNING, _MOST_SIZE = 500_000_000, 1 << 16, 1e30
+
+
+def read_test(test: AnyTest, quantity: str = "", channel: int = 0) -> MeasuredCycles | ValueTable:
+    """The test in a file, by content. ``channel``: which of several, from 1 (0: the one of that
+    ``quantity``, or the only one);
+    ``quantity``: what it is compared with where the file calls it otherwise.
+
+    Raises :class:`InputError` where it is not told which channel is meant."""
+    found: tuple[MeasuredCycles | ValueTable, ...]
+    if isinstance(test, (MeasuredCycles, ValueTable)):
+        found = (test,)
+    else:
+        path = Path(test)
+        found = (read_value_table(path),) if _holds_values(path) else read_cycles(path)
+    cycles = [one for one in found if isinstance(one, MeasuredCycles)]
+    if len(cycles) < len(found):
+        return found[0]
+    if not 0 <= channel <= len(cycles):
+        raise InputError(
+            f"the test holds {len(cycles)} channels, numbered from 1; correct the number", "channel"
+        )
+    fits = (
+        [cycles[channel - 1]]
+        if channel
+        else [one for one in cycles if quantity in ("", one.quantity)] or cycles
+    )
+    if len(fits) != 1:
+        names = ", ".join(
+            f"{place} {one.quantity}" for place, one in enumerate(cycles[:20], start=1)
+        )
+        raise InputError(
+            f"the test holds {len(cycles)} channels ({names}); say which by its number", "channel"
+        )
+    return replace(fits[0], quantity=quantity or fits[0].quantity)
+
+
+def _holds_values(path: Path) -> bool:
+    """Whether a file begins as a table of values does."""
+    content = read_content(path, _MOST_BYTES, "file of a test")
+    if content.startswith(HDF5_MARK):
+        return False
+    try:
+        return is_value_table(text_of(content[:_BEGINNING], path.name))
+    except InputError:
+        return False
+
+
+def at_speeds(
+    case: Case, test: MeasuredCycles | ValueTable, asked: float | None
+) -> tuple[MeasuredCycles | ValueTable, tuple[float, ...], tuple[str, ...]]:
+    """The test with the crank speeds (rad/s) that are run for it in every row of a table, these
+    speeds, and what is to be said of them.
+
+    ``asked``: the speed to run whatever the test tells. Raises :class:`InputError` where no speed,
+    or more than one, can be meant.
+    """
+    own = build(case).engine_speeds
+    told = (
+        [one.engine_speed for one in test.values]
+        if isinstance(test, ValueTable)
+        else [2 * test.cam_speed]
+    )
+    notes: list[str] = []
+    if asked is not None:
+        off = [speed for speed in told if speed > 0 and abs(speed / asked - 1) > SAME_SPEED]
+        if off and isinstance(test, ValueTable):
+            raise InputError(
+                f"the table gives the speeds of its values, {rpm_words(off[0])} among them; leave it out",
+                "engine_speed",
+            )
+        if off:
+            notes.append(
+                f"the test ran at {rpm_words(off[0])} and the model at {rpm_words(asked)}: the speed is part of the difference"
+            )
+        silent = asked
+    elif 0.0 in told:
+        if len(own) != 1:
+            known = ", ".join(map(rpm_words, own)) or "none"
+            raise InputError(
+                f"the test does not state its speed and the case has {known}; give the engine speed",
+                "engine_speed",
+            )
+        silent = own[0]
+        notes.append(
+            f"the test does not state its speed; the model ran at the case's {rpm_words(silent)}"
+        )
+    else:
+        silent = 0.0
+    run = {speed: asked or _nearest(own, speed) or silent for speed in told}
+    for speed in sorted(run):
+        if (
+            asked is None
+            and own
+            and not any(abs(speed - one) <= SAME_SPEED * one for one in (*own, 0.0))
+        ):
+            known = ", ".join(map(rpm_words, own))
+            notes.append(
+                f"the test ran at {rpm_words(speed)}, the case names {known}: the model ran at the speed of the test"
+            )
+    if isinstance(test, ValueTable):
+        test = replace(
+            test,
+            values=tuple(replace(one, engine_speed=run[one.engine_speed]) for one in test.values),
+        )
+    return test, tuple(sorted(set(run.values()))), tuple(notes)
+
+
+def _nearest(own: tuple[float, ...], speed: float) -> float:
+    """The case's own speed where it is that of the test but for rounding, else that of the test."""
+    return next((one for one in own if same_speed(one, speed)), speed)
+
+
+def rpm_words(engine_speed: float) -> str:
+    """A crank speed (rad/s) as notes say it."""
+    return f"{engine_speed * 30 / math.pi:.6g} rpm of the crank"
+
+
+def whole_cycles(cycles: MeasuredCycles) -> MeasuredCycles:
+    """Cycles without missing values: those that lack more than half of their angles are left out,
+    then angles that any cycle lacks.
+
+    Raises :class:`InputError` where fewer than 8 angles are left, and for more cycles than are
+    compared.
+    """
+    if len(cycles.values) > MOST_CYCLES or cycles.values.size > MOST_VALUES:
+        raise InputError(
+            f"the test holds {len(cycles.values)} cycles of {len(cycles.cam_angle)} angles; give at most {MOST_CYCLES} cycles and "
+            f"{MOST_VALUES // 1_000_000} million values, such as every tenth cycle"
+        )
+    if np.nanmax(np.abs(cycles.values), initial=0.0) > _MOST_SIZE:
+        raise InputError(
+            f"{cycles.source or cycles.quantity} holds numbers beyond {_MOST_SIZE:g}, which nobody measures; correct them"
+        )
+    cycles = _one_turn(cycles)
+    known = np.isfinite(cycles.values)
+    if known.all():
+        return cycles
+    kept = known.mean(axis=1) > 0.5
+    angles = known[kept].all(axis=0) if kept.any() else np.zeros(len(cycles.cam_angle), dtype=bool)
+    if angles.sum() < 8:
+        raise InputError(
+            f"{cycles.source or cycles.quantity}: fewer than 8 angles were measured in every cycle; leave out cycles with many gaps"
+        )
+    said = []
+    if not kept.all():
+        said.append(
+            f"{int((~kept).sum())} cycles lack more than half of their angles and are left out"
+        )
+    if not angles.all():
+        said.append(
+            f"{int((~angles).sum())} of {len(angles)} angles were not measured in every cycle and are left out"
+        )
+    return replace(
+        cycles,
+        cam_angle=cycles.cam_angle[angles],
+        values=np.ascontiguousarray(cycles.values[kept][:, angles]),
+        notes=(*cycles.notes, *said),
+    )
+
+
+def _one_turn(cycles: MeasuredCycles) -> MeasuredCycles:
+    """The same from the cam's zero on, without a last angle that is the first again. Raises
+    :class:`InputError` for more than one turn.
+    """
+    over = float(cycles.cam_angle[-1] - cycles.cam_angle[0]) - 2 * math.pi
+    if over > 1e-6:
+        raise InputError(
+            f"{cycles.source or cycles.quantity}: the angles go over {math.degrees(over) + 360:.6g} degrees, a turn of the cam has 360; "
+            "give cam angles, half of the crank's"
+        )
+    count = len(cycles.cam_angle) - (over > -1e-6)
+    angle = cycles.cam_angle[:count] % (2 * math.pi)
+    order = np.argsort(angle, kind="stable")
+    return replace(cycles, cam_angle=angle[order], values=cycles.values[:, :count][:, order])
+
+
+def few_notes(repeats: int) -> tuple[str, ...]:
+    """What so few repeats cannot tell."""
+    if repeats >= FEW or repeats < 2:
+        return ()
+    return (
+        f"{repeats} repeats hardly show how the scatter varies along the angle: where it is alike at all angles the verdict holds, "
+        f"where it is not it refutes too readily; {FEW} repeats or more do not need this",
+    )
+
+
+def likeness_notes(test: MeasuredCycles) -> tuple[str, ...]:
+    """Whether cycles resemble the one before them, so that they are fewer repeats than they seem."""
+    residuals = test.values - test.values.mean(axis=0)
+    own = float(np.sum(residuals**2))
+    count = len(residuals)
+    if count < 6 or not own > 0:
+        return ()
+    likeness = float(np.sum(residuals[1:] * residuals[:-1])) / own * count / (count - 1) + 1 / (
+        count - 1
+    )
+    single = np.sum(residuals**2, axis=1)
+    spread = math.sqrt(float(np.sum((residuals @ residuals.T) ** 2) - np.sum(single**2))) / own
+    if likeness < 3 * spread / math.sqrt(count):
+        return ()
+    fewer = max(1.0, count * (1 - likeness) / (1 + likeness))
+    return (
+        f"successive cycles are alike (correlation {number(likeness, 2)}), so {count} cycles count about as much as {fewer:.0f} separate "
+        "ones and the test refutes too readily; give cycles further apart",
+    )
+
+
+def check_unit(trace: Trace, test: MeasuredCycles) -> None:
+    """Raises :class:`InputError` unless model and test have one unit."""
+    plain = [{"N m": "N*m", "1": ""}.get(unit, unit) for unit in (trace.unit, test.unit)]
+    if dimension_powers(f"1 {plain[0]}".strip()) != dimension_powers(f"1 {plain[1]}".strip()):
+        raise InputError(
+            f"the test gives {test.quantity} in {test.unit or 'no unit'}, the model in {trace.unit}; correct the unit or the quantity",
+            "unit",
+        )

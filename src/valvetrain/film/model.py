@@ -1,0 +1,298 @@
+"""A film of a spring laid over the model: displacements of the same coil sections from a run at the
+speed of the film.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from valvetrain.cam.build import build_lift_law
+from valvetrain.errors import InputError
+from valvetrain.film.cycles import TURN, Lift, mean_of, segments
+from valvetrain.film.result import CoilMotion
+from valvetrain.film.surge import SurgeFit, alias_of, fit_surge
+from valvetrain.parameters.case import Case
+from valvetrain.parameters.installed_spring import InstalledSpring
+from valvetrain.parameters.loading import AnyCase, case_of
+from valvetrain.quantities.cycle import reported_cycle
+from valvetrain.solution.result import Solution
+from valvetrain.springs.equivalent import EquivalentSpring, installed_gaps
+from valvetrain.studies.api import simulate
+
+Array = NDArray[np.float64]
+#: Steps (turns) in which the place of the first coil along the wire is looked for.
+STEP = 0.02
+#: How far (cam deg) the zero of a film may be off that a lift alone tells.
+SHIFTED = 8.0
+#: Multiples of the first surge frequency that are held against half the frame rate.
+MULTIPLES = 5
+
+
+@dataclass(frozen=True, eq=False)
+class FilmedModel:
+    """A run beside a film; SI, displacements positive towards the seat from rest in the dwell.
+
+    ``turns`` (coils,): coil numbers from the lower tip of the wire; ``quantities``: the names that
+    these
+    curves have in a run, such as outer_coil_2_60_displacement; ``shift`` (rad) by which the run's
+    cam angle was moved to the film's;
+    ``cam_angle`` (angles,) rad; ``displacement`` (angles, coils) m;
+    ``peaks`` (coils,) m; ``apart`` (coils,) m, root mean square of the film's mean less the model;
+    ``surge``: decay of the model as the
+    same film would show it; ``surge_frequency`` (Hz) of the case's spring between fixed ends. Made
+    by :func:`film_over_model`.
+
+    >>> [name for name in FilmedModel.__dataclass_fields__ if name in ("turns", "peaks", "apart")]
+    ['turns', 'peaks', 'apart']
+    """
+
+    case: str
+    model: str
+    spring: str
+    turns: Array
+    quantities: tuple[str, ...]
+    shift: float
+    cam_angle: Array
+    displacement: Array
+    peaks: Array
+    apart: Array
+    surge: SurgeFit | None
+    surge_frequency: float
+    notes: tuple[str, ...]
+
+
+def lift_of_case(case: AnyCase) -> Lift:
+    """The lift (m) of a case over the cam angle (rad). Raises :class:`InputError` for a case
+    without one.
+    """
+    found = case_of(case)
+    if found.lift_law is None:
+        raise InputError(
+            f"case '{found.name}' has no lift law, so it gives no phase; add a [lift_law] table or use a marker",
+            "--case",
+        )
+    law = build_lift_law(found.lift_law)
+    return lambda cam_angle: np.asarray(law.lift(cam_angle), dtype=float)
+
+
+def film_over_model(
+    motion: CoilMotion,
+    case: AnyCase,
+    spring_model: str = "",
+    spring: str = "",
+    first_turn: float | None = None,
+) -> FilmedModel:
+    """The case run at the cam speed of a film, and its coil sections held against the film's.
+
+    Parameters
+    ----------
+    motion : from :func:`coil_motion`, of a turning cam
+    case : Case, name of a library case, or path of a case file
+    spring_model : word of the spring model; where empty the usual one of a spring alone, of a train
+    finite elements or, of cards, the chain
+    spring : name of the filmed spring; the first (outer) one where empty
+    first_turn : coil number (turns from the lower tip) of the film's first coil; found by least
+    squares of the motion where not told
+
+    Returns
+    -------
+    FilmedModel
+
+    Raises
+    ------
+    InputError : a free decay, a case that cannot be run, a model without displacements of the wire,
+    an unknown spring
+
+    Examples
+    --------
+    >>> film_over_model(None, "vaz-ohc")
+    Traceback (most recent call last):
+    valvetrain.errors.InputError: a film laid over a run needs the motion over the cam angle; give
+    that of a turning cam
+    """
+    if motion is None or motion.phase is None or motion.dwell is None:
+        raise InputError(
+            "a film laid over a run needs the motion over the cam angle; give that of a turning cam"
+        )
+    found = case_of(case)
+    run = _run(found, 2 * motion.phase.cam_speed, spring_model)
+    name = spring or run.springs[0]
+    if name not in run.springs:
+        raise InputError(
+            f"spring '{name[:40]}' is unknown; the case has {', '.join(run.springs)}",
+            "--filmed-spring",
+        )
+    parts = (
+        found.springs if found.train is None else found.train.spring_parts(run.spring_set or None)
+    )
+    part = parts[run.springs.index(name)]
+    angle, coil, moved = _moved(run, name, part)
+    rest = moved[np.mod(angle - motion.dwell[0], TURN) < motion.dwell[1] - motion.dwell[0]].mean(
+        axis=0
+    )
+    moved = rest - moved
+    grid, measured = (
+        motion.cycles[0].cam_angle,
+        np.stack([mean_of(one.values) for one in motion.cycles], axis=1),
+    )
+    first, shift, notes = _aligned(
+        measured, grid, (angle, coil, moved), first_turn, motion.phase.zero_by != "told"
+    )
+    angle = angle + shift
+    turns = first + np.arange(motion.coils, dtype=float)
+    prefix = f"{name}_" if len(run.springs) > 1 else ""
+    names = tuple(f"{prefix}coil_{turn:.2f}_displacement".replace(".", "_") for turn in turns)
+    fine = _at(moved, coil, turns)
+    shown = _on(grid, angle, fine)
+    apart = np.sqrt(np.nanmean((measured - shown) ** 2, axis=0))
+    frequency = EquivalentSpring.from_installed(part).surge_frequency
+    return FilmedModel(
+        found.name,
+        run.model,
+        name,
+        turns,
+        names,
+        shift,
+        grid,
+        shown,
+        fine.max(axis=0),
+        apart,
+        _filmed(motion, angle, fine),
+        frequency,
+        (*notes, *alias_words(frequency, motion.seen.frame_rate)),
+    )
+
+
+def _run(case: Case, engine_speed: float, spring_model: str) -> Solution:
+    models, sets = ((spring_model,) if spring_model else ()), tuple[str, ...]()
+    if (
+        not models and case.train is not None
+    ):  # the variants of a train may begin with springs that have no coils
+        wires = [
+            name
+            for name, springs in case.train.springs.items()
+            if all(one.wire is not None for one in springs)
+        ]
+        models, sets = (("finite-element",), tuple(wires[:1])) if wires else (("multi-mass",), ())
+    run = simulate(case, [engine_speed], spring_models=models, spring_sets=sets).solutions[0]
+    if not run.status.completed:
+        raise InputError(
+            f"case '{case.name}' did not run at the speed of the film: {run.status.message}",
+            "--case",
+        )
+    return run
+
+
+def _moved(run: Solution, spring: str, part: InstalledSpring) -> tuple[Array, Array, Array]:
+    """Cam angle (samples,), coil numbers (points,) and displacement (samples, points) of the
+    reported cycle, seat to retainer positive.
+    """
+    channel = run.channel_of(spring, "axial_displacement")
+    coil = run.arrays.along(channel) if run.has(channel) else None
+    if coil is None:
+        raise InputError(
+            f"the model {run.model} has no displacement of coils; choose one such as multi-mass or finite-element",
+            "--spring",
+        )
+    if np.max(coil) <= 1 + 1e-9:  # models of a uniform bar count the share of the compliance passed
+        if part.wire is None:
+            raise InputError(
+                f"spring '{spring}' is a card without turns, so its coils are not known; give its wire",
+                "--case",
+            )
+        gaps = installed_gaps(part.wire, part.precompression)
+        coil = np.interp(coil, gaps.flow, gaps.turns)
+    cycle = reported_cycle(run)
+    order = np.argsort(coil)
+    return cycle.cam_angle, np.asarray(coil)[order], cycle.channel(channel)[:, order]
+
+
+def _at(moved: Array, coil: Array, turns: Array) -> Array:
+    """Displacements at coil numbers; beyond the free wire it lies on the seat or on the retainer
+    and moves with it.
+    """
+    place = np.interp(turns, coil, np.arange(len(coil)))
+    low = np.minimum(place.astype(int), len(coil) - 2)
+    share = place - low
+    return np.asarray(moved[:, low] * (1 - share) + moved[:, low + 1] * share)
+
+
+def _on(at: Array, angle: Array, moved: Array) -> Array:
+    """Columns of a turn at other cam angles."""
+    return np.stack([np.interp(at, angle, one, period=TURN) for one in moved.T], axis=1)
+
+
+def _aligned(
+    measured: Array,
+    grid: Array,
+    run: tuple[Array, Array, Array],
+    told: float | None,
+    free_zero: bool,
+) -> tuple[float, float, tuple[str, ...]]:
+    """Coil number of the first highlight (neighbours on one side of the spring lie one turn apart)
+    and shift (rad) of the run's cam angle
+    where the film's zero follows from a lift alone: least squares of the motion."""
+    angle, coil, moved = run
+    count, known = measured.shape[1], np.isfinite(measured)
+
+    def misfit(first: float, shift: float) -> float:
+        left = measured - _on(
+            grid, angle + shift, _at(moved, coil, first + np.arange(count, dtype=float))
+        )
+        return float(np.sum(left[known] ** 2))
+
+    firsts = np.arange(coil[0] - 1.0, coil[-1] - count + 2.0 + 1e-9, STEP)
+    first, shift = told if told is not None else 0.0, 0.0
+    for _ in range(2 if free_zero else 1):
+        if told is None:
+            first = float(min(firsts, key=lambda one: misfit(float(one), shift)))
+        if free_zero:
+            tried = shift + np.radians(np.arange(-SHIFTED, SHIFTED + 1e-9, 0.25))
+            values = np.array([misfit(first, float(one)) for one in tried])
+            best = int(np.clip(np.argmin(values), 1, len(values) - 2))
+            left, middle, right = values[best - 1 : best + 2]
+            bend = left - 2 * middle + right
+            shift = float(
+                tried[best]
+                + (0.5 * (left - right) / bend * (tried[1] - tried[0]) if bend > 0 else 0.0)
+            )
+    notes: tuple[str, ...] = (
+        ()
+        if told is not None
+        else (
+            f"coil 1 is turn {first:.2f} of the wire, where the run moves most as the film does; give the turn where it is known",
+        )
+    )
+    if free_zero:
+        notes += (
+            f"the run was moved by {np.degrees(shift):+.2f} cam deg to move with the film, whose zero follows from the lift alone",
+        )
+    return first, shift, notes
+
+
+def _filmed(motion: CoilMotion, angle: Array, moved: Array) -> SurgeFit | None:
+    """The decay of the run at the frames of the film, so that frame rate and window do the same to
+    both.
+    """
+    assert motion.phase is not None and motion.dwell is not None
+    return fit_surge(
+        _on(motion.phase.cam_angle, angle, moved),
+        segments(motion.phase.cam_angle, motion.seen.number, motion.dwell),
+        motion.seen.frame_rate,
+    )
+
+
+def alias_words(surge_frequency: float, frame_rate: float) -> tuple[str, ...]:
+    """A sentence where surge lines of a spring lie above half the frame rate."""
+    lines = [surge_frequency * order for order in range(1, MULTIPLES + 1)]
+    high = [(line, alias_of(line, frame_rate)) for line in lines if line > 0.5 * frame_rate]
+    if not high:
+        return ()
+    told = ", ".join(f"{line:.4g} Hz at {shown:.4g} Hz" for line, shown in high)
+    return (
+        f"surge lines of the case's spring above half the frame rate ({0.5 * frame_rate:g} Hz) are mirrored below it: {told}, as far as it "
+        "is a uniform bar; a damping ratio found there is of the mirrored frequency",
+    )

@@ -1,0 +1,123 @@
+"""What a film tells of a spring."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from valvetrain.film.cycles import SPOKEN_OF, TURN, CamPhase, CoilPeak
+from valvetrain.film.space_time import SpaceTime
+from valvetrain.film.surge import SurgeFit
+from valvetrain.measured.cycles import MeasuredCycles
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class CoilMotion:
+    """What a film tells of a spring. Coils are counted from the seat; displacements are positive
+    towards it, from rest in the dwell.
+
+    Parameters
+    ----------
+    seen : the space-time picture behind it
+    places, spread : highlights (frames, coils) px from the start of the line, camera drift taken
+    off, and standard deviations
+    merged : (frames, coils), where neighbouring highlights ran into each other
+    displacement : (frames, coils) m
+    phase : cam angle of every frame; None for a free decay
+    cycles : per coil its displacement over the cam angle, one row a turn; empty for a free decay
+    peaks : per coil its largest displacement a turn with scatter
+    dwell : cam angles (rad) of the closed valve
+    surge : fitted decay; None where the dwell is too short
+    spectrum_frequency, spectrum_amplitude : spectrum of the whole film, Hz and m
+    metres_per_pixel, scale_spread : scale and its standard deviation
+    drift : (frames,) px that was taken off
+    notes : what was found or done, a sentence each
+
+    >>> [name for name in CoilMotion.__dataclass_fields__ if name in ("displacement", "cycles", "peaks")]
+    ['displacement', 'cycles', 'peaks']
+    """
+
+    seen: SpaceTime
+    places: Array
+    spread: Array
+    merged: NDArray[np.bool_]
+    displacement: Array
+    phase: CamPhase | None
+    cycles: tuple[MeasuredCycles, ...]
+    peaks: tuple[CoilPeak, ...]
+    dwell: tuple[float, float] | None
+    surge: SurgeFit | None
+    spectrum_frequency: Array
+    spectrum_amplitude: Array
+    metres_per_pixel: float
+    scale_spread: float
+    drift: Array
+    notes: tuple[str, ...]
+
+    @property
+    def time(self) -> Array:
+        """Time (s) of every frame."""
+        return self.seen.time
+
+    @property
+    def coils(self) -> int:
+        """Number of tracked coils."""
+        return int(self.places.shape[1])
+
+    def __repr__(self) -> str:
+        frames = len(self.places)
+        speed = (
+            "free decay"
+            if self.phase is None
+            else f"{30 * self.phase.cam_speed / np.pi:.1f} rpm of the cam"
+        )
+        return f"CoilMotion of {self.seen.name}: {self.coils} coils in {frames} frames, {speed}"
+
+
+def drift_words(drift: Array, still: int | None) -> tuple[str, ...]:
+    """How far the camera moved, and by which coil (from 0) that was told."""
+    if still is None:
+        return (
+            "no coil stands still, so a shift of the camera cannot be separated from the spring's motion and stays in it",
+        )
+    reach = float(np.ptp(drift))
+    if reach < SPOKEN_OF:
+        return ()
+    return (
+        f"the camera drifted by {reach:.2g} px over the film, as coil {still + 1} shows that stands still; this was taken off",
+    )
+
+
+def turn_words(cam_angle: Array) -> tuple[str, ...]:
+    """What few turns leave open."""
+    shown = float(cam_angle[-1] - cam_angle[0]) / TURN
+    if shown >= 2.0:
+        return ()
+    words = f"the film shows {shown:.2f} turns of the cam, so peaks have no scatter"
+    return (words + (", and a peak outside them is not seen" if shown < 1.0 else ""),)
+
+
+def surge_words(surge: SurgeFit, frame_rate: float, exposure: float | None) -> tuple[str, ...]:
+    """What frame rate and exposure do to the lines."""
+    half, notes = 0.5 * frame_rate, []
+    high = [one for one in surge.lines if one.natural_frequency > 0.8 * half]
+    for one in high:
+        notes.append(
+            f"the line at {one.natural_frequency:.4g} Hz lies near half the frame rate ({half:g} Hz) and may be one of "
+            f"{frame_rate - one.natural_frequency:.4g} Hz mirrored there; film faster to tell"
+        )
+    if exposure is not None:
+        lost = [
+            (one.natural_frequency, 1 - float(np.sinc(one.natural_frequency * exposure)))
+            for one in surge.lines
+        ]
+        notes += [
+            f"motion blur lowers the swing at {line:.4g} Hz by {100 * share:.2g} %"
+            for line, share in lost
+            if share > 0.005
+        ]
+    return tuple(notes)

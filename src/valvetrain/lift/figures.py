@@ -1,0 +1,248 @@
+"""Figures of the trade of a lobe, each with its standard deviation: durations, lobe centre, area,
+ramp velocities, overlap.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from valvetrain.errors import InputError
+from valvetrain.measured.lift_smoothing import DEGREE, SmoothedLift
+
+Array = NDArray[np.float64]
+#: Lifts (m) at which durations are told: 0.050 in of cam cards and 1 mm of makers' books; the first
+#: gives the lobe centre.
+HEIGHTS = (0.050 * 25.4e-3, 1e-3)
+#: Lift (m) at which ramp velocities are told where no lash is given: 0.006 in, the advertised
+#: height of cam cards.
+RAMP_HEIGHT = 0.006 * 25.4e-3
+#: Stations of the grid on which figures are read, and number of draws behind a standard deviation.
+STATIONS, DRAWS = 8001, 200
+
+
+@dataclass(frozen=True, slots=True)
+class LiftFigure:
+    """One figure: ``value`` and its ``spread`` (standard deviation), both SI, ``unit`` to show them
+    in and ``words`` for people.
+    """
+
+    name: str
+    words: str
+    value: float
+    spread: float
+    unit: str
+
+
+def lift_figures(
+    smoothed: SmoothedLift, heights: Sequence[float] = (), lash: float = RAMP_HEIGHT, seed: int = 0
+) -> tuple[LiftFigure, ...]:
+    """Figures of one lobe.
+
+    Parameters
+    ----------
+    smoothed : from :func:`smooth_lift`
+    heights : lifts (m) at which durations are told besides 0.050 in and 1 mm
+    lash : lift (m) at which the velocities of the ramps are told
+    seed : of the draws behind the standard deviations
+
+    Returns
+    -------
+    One LiftFigure each; angles in cam rad, velocities in m/rad, accelerations in m/rad2, the area
+    in m rad
+
+    Raises
+    ------
+    InputError : a height at or above the peak lift
+
+    Examples
+    --------
+    >>> import valvetrain as vt
+    >>> angles = np.radians(np.arange(90.0, 271.0))
+    >>> lobe = vt.smooth_lift(angles, 9e-3 * np.clip(1 - ((angles - np.pi) / np.radians(60)) ** 2, 0, None) ** 3, noise=1e-7)
+    >>> {one.name: round(one.value * 1e3, 2) for one in lift_figures(lobe)}["peak_lift"]
+    9.0
+    """
+    grid = np.linspace(*smoothed.event, STATIONS)
+    every = np.vstack([smoothed.coefficients, smoothed.draws(DRAWS, seed)])
+    curves = [_curves(smoothed, every, grid, derivative) for derivative in range(4)]
+    peak = float(curves[0][0].max())
+    levels = {_height_words(height): height for height in (*HEIGHTS, *heights)}
+    for words, height in levels.items():
+        if not 0 < height < peak:
+            if height in HEIGHTS:
+                continue
+            raise InputError(
+                f"a duration at {words} was asked for, but the lobe rises {1e3 * peak:.3f} mm; ask below it",
+                "heights",
+            )
+    found = [
+        _figure("peak_lift", "peak lift", curves[0].max(axis=1), "mm"),
+        _figure("nose_angle", "angle of peak lift", _peak(grid, curves[0]), "deg"),
+    ]
+    for words, height in levels.items():
+        if height < peak:
+            opening, closing = crossings(grid, curves[0], height)
+            if height == HEIGHTS[0]:
+                found.append(
+                    _figure(
+                        "lobe_centre",
+                        "lobe centre, midway between its flanks at 0.050 in",
+                        (opening + closing) / 2,
+                        "deg",
+                    )
+                )
+            found.append(
+                _figure(
+                    f"duration_at_{_key(words)}", f"duration at {words}", closing - opening, "deg"
+                )
+            )
+            found.append(
+                _figure(f"opening_at_{_key(words)}", f"opening at {words}", opening, "deg")
+            )
+            found.append(
+                _figure(f"closing_at_{_key(words)}", f"closing at {words}", closing, "deg")
+            )
+    found.append(
+        _figure(
+            "lift_area",
+            "area under the lift",
+            np.asarray(np.trapezoid(curves[0], grid, axis=1)),
+            "mm deg",
+        )
+    )
+    if lash < peak:
+        at = _height_words(lash)
+        for side, word, angle in zip(
+            ("opening", "closing"),
+            ("opening", "closing"),
+            crossings(grid, curves[0], lash),
+            strict=True,
+        ):
+            values = np.array(
+                [np.interp(one, grid, curve) for one, curve in zip(angle, curves[1], strict=True)]
+            )
+            found.append(
+                _figure(
+                    f"{side}_ramp_velocity",
+                    f"ramp velocity, {word}, at {at}",
+                    np.abs(values),
+                    "mm/deg",
+                )
+            )
+    found += [
+        _figure("largest_velocity", "largest velocity, opening", curves[1].max(axis=1), "mm/deg"),
+        _figure("least_velocity", "largest velocity, closing", -curves[1].min(axis=1), "mm/deg"),
+        _figure("largest_acceleration", "largest acceleration", curves[2].max(axis=1), "mm/deg2"),
+        _figure(
+            "nose_acceleration",
+            "least acceleration, over the nose",
+            curves[2].min(axis=1),
+            "mm/deg2",
+        ),
+        _figure(
+            "largest_jerk", "largest jerk, either way", np.abs(curves[3]).max(axis=1), "mm/deg3"
+        ),
+    ]
+    return tuple(found)
+
+
+def pair_figures(
+    intake: SmoothedLift, exhaust: SmoothedLift, heights: Sequence[float] = (), seed: int = 0
+) -> tuple[LiftFigure, ...]:
+    """Lobe separation (cam rad) and overlap (crank rad) at 0.050 in, 1 mm and ``heights`` (m) of
+    two lobes on one zero of the angle.
+    """
+    ends: dict[str, dict[float, tuple[Array, Array]]] = {}
+    for name, lift, own_seed in (("intake", intake, seed), ("exhaust", exhaust, seed + 1)):
+        grid = np.linspace(*lift.event, STATIONS)
+        curves = _curves(lift, np.vstack([lift.coefficients, lift.draws(DRAWS, own_seed)]), grid, 0)
+        ends[name] = {
+            height: crossings(grid, curves, height)
+            for height in (*HEIGHTS, *heights)
+            if height < curves[0].max()
+        }
+        if HEIGHTS[0] not in ends[name]:
+            raise InputError(
+                f"the {name} lobe rises {1e3 * float(curves[0].max()):.3f} mm, so it has no lobe centre at 0.050 in; check its unit"
+            )
+    centre = {name: np.asarray(found[HEIGHTS[0]]).mean(axis=0) for name, found in ends.items()}
+    turn = 2 * np.pi
+    ahead = np.round((centre["intake"] - centre["exhaust"])[0] / turn) * turn
+    figures = [
+        _figure(
+            "lobe_separation",
+            "lobe separation",
+            np.abs(centre["intake"] - centre["exhaust"] - ahead),
+            "deg",
+        )
+    ]
+    for height in (*HEIGHTS, *heights):
+        if all(height in found for found in ends.values()):
+            words = _height_words(height)
+            lap = 2 * (ends["exhaust"][height][1] + ahead - ends["intake"][height][0])
+            figures.append(
+                _figure(f"overlap_at_{_key(words)}", f"overlap at {words}, crank", lap, "deg")
+            )
+    return tuple(figures)
+
+
+def crossings(grid: Array, curves: Array, height: float) -> tuple[Array, Array]:
+    """Where each of ``curves`` (curves, stations) first rises through ``height`` and last falls
+    through it, in the unit of ``grid``.
+    """
+    above = curves > height
+    first, last = np.argmax(above, axis=1), curves.shape[1] - 1 - np.argmax(above[:, ::-1], axis=1)
+    row = np.arange(len(curves))
+
+    def between(left: NDArray[np.int64]) -> Array:
+        left = np.clip(left, 0, curves.shape[1] - 2)
+        low, high = curves[row, left], curves[row, left + 1]
+        share = np.where(high == low, 0.0, (height - low) / np.where(high == low, 1.0, high - low))
+        return np.asarray(grid[left] + np.clip(share, 0.0, 1.0) * (grid[left + 1] - grid[left]))
+
+    return between(first - 1), between(last)
+
+
+def _curves(lift: SmoothedLift, coefficients: Array, grid: Array, derivative: int) -> Array:
+    from scipy.interpolate import BSpline
+
+    found: Array = np.ascontiguousarray(
+        BSpline(lift.knots, coefficients.T, DEGREE)(grid, nu=derivative).T
+    )
+    return found
+
+
+def _peak(grid: Array, curves: Array) -> Array:
+    """Angles of the largest value of each curve, by the parabola through its three highest
+    stations.
+    """
+    place = np.clip(np.argmax(curves, axis=1), 1, curves.shape[1] - 2)
+    row = np.arange(len(curves))
+    left, top, right = (curves[row, place + step] for step in (-1, 0, 1))
+    bend = left - 2 * top + right
+    share = np.where(bend < 0, 0.5 * (left - right) / np.where(bend < 0, bend, -1.0), 0.0)
+    return np.asarray(grid[place] + np.clip(share, -1.0, 1.0) * (grid[1] - grid[0]))
+
+
+def _figure(name: str, words: str, values: Array, unit: str) -> LiftFigure:
+    return LiftFigure(name, words, float(values[0]), float(np.std(values[1:])), unit)
+
+
+_NAMED: Mapping[float, str] = {HEIGHTS[0]: "0.050 in", RAMP_HEIGHT: "0.006 in"}
+
+
+def _height_words(height: float) -> str:
+    return _NAMED.get(height, f"{1e3 * height:.6g} mm")
+
+
+def _key(words: str) -> str:
+    return (
+        words.replace("0.050 in", "50_thou")
+        .replace("0.006 in", "6_thou")
+        .replace(" ", "_")
+        .replace(".", "p")
+    )

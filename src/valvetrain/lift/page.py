@@ -1,0 +1,413 @@
+"""The page of measured lifts: what the table means, figures of the trade, lift and derivatives with
+their bands.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from valvetrain import registry
+from valvetrain.errors import InputError
+from valvetrain.lift.band import CarriedSpread, LiftBandStudy
+from valvetrain.lift.figures import LiftFigure
+from valvetrain.measured.lift_file import MeasuredLift
+from valvetrain.measured.lift_formats import LiftFormat, LiftTable
+from valvetrain.measured.lift_smoothing import BAND, SmoothedLift
+from valvetrain.parameters.case import Case
+from valvetrain.parameters.lift_law import LiftLawParameters
+from valvetrain.parameters.loading import parse_case
+from valvetrain.parameters.toml_text import resolved, toml_text
+from valvetrain.report import theme
+from valvetrain.report.chart import Chart, Layer, Line, Marks, Panel, thin
+from valvetrain.report.page import Block, Cell, Figure, Grid, Page, Section, text
+from valvetrain.report.words import number, speed_words, unit_words
+from valvetrain.solution.atomic import write_bytes, write_text
+from valvetrain.solution.definition import definition_of, label_of, shown
+from valvetrain.units import unit_factor
+
+#: Derivative -> label of its axis and factor from SI.
+AXES = (
+    ("lift (mm)", 1e3), ("velocity (mm/deg)", 1e3 * np.pi / 180), ("acceleration (mm/deg²)", 1e3 * (np.pi / 180) ** 2),
+    ("jerk (mm/deg³)", 1e3 * (np.pi / 180) ** 3),
+)  # fmt: skip
+#: Quantities of a run that are shown with the spread that the lift gives them, in this order.
+CARRIED = (
+    "peak_spring_force", "minimum_spring_force", "peak_cam_contact_force", "minimum_open_cam_contact_force", "peak_seat_contact_force",
+    "seating_velocity", "bounce_height", "clash_energy", "surge_amplitude_force", "peak_valve_acceleration", "peak_shear_stress",
+    "rigid_contact_loss_engine_speed", "contact_loss_engine_speed", "float_engine_speed", "bounce_engine_speed",
+)  # fmt: skip
+
+
+@dataclass(frozen=True, eq=False)
+class LobeResult:
+    """One lobe: as measured, smoothed, and its figures."""
+
+    measured: MeasuredLift
+    smoothed: SmoothedLift
+    figures: tuple[LiftFigure, ...]
+
+
+def lift_page(
+    title: str,
+    lobes: Sequence[LobeResult],
+    pair: Sequence[LiftFigure],
+    carried: LiftBandStudy | None,
+) -> Page:
+    """The whole page of one or two lobes; ``pair``: overlap and separation; ``carried``: what the
+    noise does to a case.
+    """
+    sections = [
+        Section(
+            f"figures-{one.measured.name}",
+            f"Figures of the {_whose(one)}",
+            (figure_grid(one.figures),),
+        )
+        for one in lobes
+    ]
+    if pair:
+        sections.append(Section("pair", "Both lobes", (figure_grid(pair),)))
+    for one in lobes:
+        drawn = (Figure(derivatives_chart(one)), Figure(residuals_chart(one)))
+        sections.append(
+            Section(f"curves-{one.measured.name}", f"Lift and derivatives, {_whose(one)}", drawn)
+        )
+    if carried is not None:
+        sections.append(
+            Section(
+                "carried",
+                "What the noise of the lift does to forces and speeds",
+                carried_blocks(carried),
+            )
+        )
+    sections += [
+        Section(
+            f"table-{one.measured.name}",
+            f"What the table of the {_whose(one)} means",
+            answer_blocks(one),
+        )
+        for one in lobes
+    ]
+    first = lobes[0]
+    facts = (
+        ("stations", ", ".join(str(len(one.measured.lifts)) for one in lobes)),
+        ("noise of a station", ", ".join(f"{1e6 * one.smoothed.noise:.2g} µm" for one in lobes)),
+        ("lift of", f"the {first.measured.lift_of}"), ("zero of the angle", first.measured.zero),
+    )  # fmt: skip
+    lead = (
+        "The curves are the law behind the measured stations. The bands hold 95 % of the laws that these stations allow; where a band is "
+        "wide, the table leaves it open."
+    )
+    return Page(title, "Measured lift", lead, facts, tuple(sections), "Angles are cam degrees.")
+
+
+def _whose(one: LobeResult) -> str:
+    name = one.measured.name
+    return f"{'' if name == 'lift' else name + ' '}{one.measured.lift_of} lift"
+
+
+def figure_rows(figures: Sequence[LiftFigure]) -> list[tuple[str, str, str, str]]:
+    """Words, value, twice the standard deviation and unit of each figure, in the units of the
+    trade.
+    """
+    rows = []
+    for figure in figures:
+        factor = 1 / _factor(figure.unit)
+        value, spread = figure.value * factor, BAND * figure.spread * factor
+        digits = max(0, min(6, 1 - int(np.floor(np.log10(spread))))) if spread > 0 else 4
+        rows.append(
+            (
+                figure.words,
+                f"{value:.{digits}f}",
+                f"±{spread:.{digits}f}",
+                _UNIT_WORDS.get(figure.unit, figure.unit),
+            )
+        )
+    return rows
+
+
+_UNIT_WORDS = {"mm/deg2": "mm/deg²", "mm/deg3": "mm/deg³"}
+
+
+def _factor(unit: str) -> float:
+    degree = np.pi / 180
+    return {"mm deg": 1e-3 * degree, "mm/deg2": 1e-3 / degree**2, "mm/deg3": 1e-3 / degree**3}.get(
+        unit
+    ) or unit_factor(unit)
+
+
+def figure_grid(figures: Sequence[LiftFigure]) -> Grid:
+    """Figures with their 95 % intervals."""
+    rows = tuple(
+        (
+            (
+                Cell(words[:1].upper() + words[1:]),
+                Cell(value, "number"),
+                Cell(spread, "number quiet"),
+                Cell(unit),
+            ),
+            (),
+        )
+        for words, value, spread, unit in figure_rows(figures)
+    )
+    return Grid(("figure", "value", "95 % of laws within", ""), rows)
+
+
+def derivatives_chart(one: LobeResult) -> Chart:
+    """Lift, velocity, acceleration and jerk above each other, each with its band; the stations on
+    the lift.
+    """
+    lift, colour = one.smoothed, theme.SERIES[0]
+    grid = np.linspace(*lift.event, 1501)
+    degrees = np.degrees(grid)
+    reach = (float(degrees[0]), float(degrees[-1]))
+    panels = []
+    for derivative, (label, factor) in enumerate(AXES):
+        mean, spread = (
+            lift.lift(grid, derivative) * factor,
+            BAND * lift.spread(grid, derivative) * factor,
+        )
+        layers: list[Layer] = [
+            Line(
+                *thin(degrees, mean - spread),
+                "95 % band",
+                theme.MUTED,
+                0.9,
+                "solid",
+                derivative == 0,
+            ),
+            Line(
+                *thin(degrees, mean + spread),
+                "95 % band",
+                theme.MUTED,
+                0.9,
+                "solid",
+                in_legend=False,
+            ),
+            Line(
+                *thin(degrees, mean),
+                "law behind the stations",
+                colour,
+                1.6,
+                in_legend=derivative == 0,
+            ),
+        ]
+        if derivative == 0:
+            stations = 1e3 * (one.measured.lifts - lift.base)
+            layers.append(
+                Marks(
+                    np.degrees(one.measured.cam_angles),
+                    stations,
+                    "station",
+                    theme.INK,
+                    size=3.0,
+                    filled=True,
+                )
+            )
+        panels.append(Panel("cam angle (cam degrees)", label, tuple(layers), x_range=reach))
+    caption = "Derivatives by the cam angle. Bands are 1.96 standard deviations either way, which hold 95 %."
+    return Chart(
+        f"derivatives-{one.measured.name}",
+        "Lift, velocity, acceleration and jerk",
+        caption,
+        tuple(panels),
+        1,
+        900,
+    )
+
+
+def residuals_chart(one: LobeResult) -> Chart:
+    """What each station leaves: noise looks like noise, a slip of the probe does not."""
+    lift = one.smoothed
+    limit = BAND * lift.noise * 1e6
+    angles = np.degrees(lift.cam_angles)
+    reach = (float(angles[0]), float(angles[-1]))
+    layers: tuple[Layer, ...] = (
+        Marks(
+            angles,
+            1e6 * lift.residuals,
+            "station minus law",
+            theme.SERIES[0],
+            size=4.0,
+            filled=True,
+        ),
+        Line(
+            np.array(reach), np.array([limit, limit]), "95 % of the noise", theme.MUTED, 1.0, "dash"
+        ),
+        Line(
+            np.array(reach),
+            np.array([-limit, -limit]),
+            "",
+            theme.MUTED,
+            1.0,
+            "dash",
+            in_legend=False,
+        ),
+    )
+    panel = Panel("cam angle (cam degrees)", "station minus law (µm)", layers, x_range=reach)
+    caption = "Stations of the event. One in twenty lies outside by chance; a run of them on one side is a fault of the table."
+    return Chart(
+        f"residuals-{one.measured.name}", "What the stations leave", caption, (panel,), 1, 300
+    )
+
+
+def answer_blocks(one: LobeResult) -> tuple[Block, ...]:
+    """Every question that the table raised, its answer and who gave it; what was found in it."""
+    told = {"file": "said by the file", "asked": "as asked", "assumed": "assumed"}
+    rows = tuple(
+        (
+            (
+                Cell(answer.question.replace("_", " ")),
+                Cell(answer.answer),
+                Cell(told[answer.by], "tag"),
+            ),
+            (told[answer.by],),
+        )
+        for answer in one.measured.answers
+    )
+    notes = (*one.measured.notes, *lift_notes(one))
+    return (
+        Grid(("question", "answer", "by"), rows),
+        *(text(note[:1].upper() + note[1:] + ".", "note") for note in notes),
+    )
+
+
+def lift_notes(one: LobeResult) -> tuple[str, ...]:
+    """Sentences on base circle, noise and stations outside their band."""
+    lift = one.smoothed
+    notes = [f"the noise of a station is {1e6 * lift.noise:.2g} µm (standard deviation)"]
+    if lift.base or lift.runout:
+        notes.append(
+            f"the base circle stood at {1e6 * lift.base:.3g} µm, scattering by {1e6 * lift.runout:.2g} µm, and was set to zero"
+        )
+    far = np.flatnonzero(np.abs(lift.residuals) > 4 * lift.noise)
+    if len(far):
+        worst = far[np.argmax(np.abs(lift.residuals[far]))]
+        notes.append(
+            f"{len(far)} stations lie more than four standard deviations off the law, the worst at "
+            f"{np.degrees(lift.cam_angles[worst]):.4g} cam deg by {1e6 * lift.residuals[worst]:.3g} µm; look at them"
+        )
+    if lift.widened:
+        notes.append(
+            "the band asked for is tighter than the noise, so the law follows stations more closely than they deserve"
+        )
+    return tuple(notes)
+
+
+def carried_rows(carried: LiftBandStudy) -> list[CarriedSpread]:
+    """The quantities of :data:`CARRIED` that the study has, by quantity."""
+    return [one for name in CARRIED for one in carried.spreads if one.quantity == name]
+
+
+def carried_words(one: CarriedSpread) -> tuple[str, str, str, str, str]:
+    """Quantity, run, value, 95 % interval and unit of a carried spread as people read them."""
+    unit = unit_words(definition_of(one.quantity).shown_unit)
+    value, spread = (
+        float(shown(one.quantity, number_)[0]) for number_ in (one.value, BAND * one.spread)
+    )
+    run = one.label + (
+        ""
+        if one.engine_speed is None
+        else f"{', ' if one.label else ''}{speed_words(one.engine_speed)}"
+    )
+    return label_of(one.quantity), run, number(value, 4), f"±{number(spread, 2)}", unit
+
+
+def carried_blocks(carried: LiftBandStudy) -> tuple[Block, ...]:
+    """Table of forces and speeds with the interval that the noise of the lift gives them."""
+    rows = []
+    for one in carried_rows(carried):
+        words, run, value, spread, unit = carried_words(one)
+        cells = (
+            Cell(words[:1].upper() + words[1:]),
+            Cell(run),
+            Cell(value, "number"),
+            Cell(spread, "number quiet"),
+            Cell(unit),
+        )
+        rows.append(((*cells, Cell(str(one.draws), "number quiet")), ()))
+    grid = Grid(("quantity", "run", "mean law", "95 % of laws within", "", "laws"), tuple(rows))
+    return (grid, *(text(sentence, "alert") for sentence in carried.failures))
+
+
+#: Cam degrees between the rows of the curves.
+STEP = 0.25
+
+
+def lift_parameters(
+    lobe: LobeResult, noise: float | None = None, band: float | None = None
+) -> LiftLawParameters:
+    """The measured law of a lobe as a case says it."""
+    values = {
+        "cam_angles": tuple(map(float, lobe.measured.cam_angles)), "lifts": tuple(map(float, lobe.measured.lifts)), "noise": noise or 0.0,
+        "band": band or 0.0, "draw": 0,
+    }  # fmt: skip
+    return LiftLawParameters("measured", values, lobe.measured.lift_of, lobe.measured.zero)  # type: ignore[arg-type]
+
+
+def lift_case(name: str, lobe: LobeResult) -> Case:
+    """A case that holds nothing but the lift of ``lobe``; its text can be put into any case file."""
+    text = toml_text({"name": name, **resolved({"lift_law": {}}, lift_parameters(lobe))})
+    return parse_case(text, name)
+
+
+def write_lift(lobes: Sequence[LobeResult], folder: Path) -> list[Path]:
+    """``lift.csv`` (or ``intake.csv``, ``exhaust.csv``): lift to jerk and standard deviations; and
+    the lift as part of a case file.
+    """
+    files = []
+    for lobe in lobes:
+        name = lobe.measured.name
+        first, last = np.degrees(lobe.smoothed.event)
+        degrees = np.arange(np.ceil(first / STEP), np.floor(last / STEP) + 1) * STEP
+        angles = np.radians(degrees)
+        columns, heads = [degrees], ["cam angle [deg]"]
+        for derivative, (quantity, unit) in enumerate(
+            (
+                ("lift", "mm"),
+                ("velocity", "mm/rad"),
+                ("acceleration", "mm/rad2"),
+                ("jerk", "mm/rad3"),
+            )
+        ):
+            heads += [f"{quantity} [{unit}]", f"standard deviation of {quantity} [{unit}]"]
+            columns += [
+                1e3 * lobe.smoothed.lift(angles, derivative),
+                1e3 * lobe.smoothed.spread(angles, derivative),
+            ]
+        lines = [
+            ",".join(heads),
+            *(",".join(f"{value:.9g}" for value in row) for row in np.column_stack(columns)),
+        ]
+        files.append(write_text(folder / f"{name}.csv", "\n".join(lines) + "\n"))
+        files.append(
+            write_text(
+                folder / f"{name}.toml",
+                toml_text(resolved({"lift_law": {}}, lift_parameters(lobe))),
+            )
+        )
+    return files
+
+
+def write_table(lobes: Sequence[LobeResult], path: Path, form: str) -> Path:
+    """The smoothed lifts at whole cam degrees in one of the forms. Raises :class:`InputError` for a
+    form that cannot be written.
+    """
+    found: LiftFormat = registry.find("lift_formats", form, "--write-form")
+    if found.write is None:
+        raise InputError(f"lifts are not written in the form '{form}'; use columns", "--write-form")
+    first = min(lobe.smoothed.event[0] for lobe in lobes)
+    degrees = np.ceil(np.degrees(first)) - 1 + np.arange(360.0)
+    lifts = np.column_stack([lobe.smoothed.lift(np.radians(degrees)) for lobe in lobes])
+    lead = lobes[0].measured
+    table = LiftTable(
+        np.radians(degrees),
+        lifts,
+        tuple(lobe.measured.name for lobe in lobes),
+        lead.lift_of,
+        lead.zero,
+    )
+    return write_bytes(path, found.write(table))

@@ -1,0 +1,407 @@
+"""Tables of lifts from files: the form found by content, the questions answered, velocity columns
+held against the lift.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from itertools import pairwise
+from pathlib import Path
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from valvetrain import registry
+from valvetrain.errors import InputError
+from valvetrain.measured.lift_formats import COLUMN_WORDS, LiftColumns, LiftFormat
+from valvetrain.measured.tables import read_content
+from valvetrain.units import dimension_of, unit_factor
+
+Array = NDArray[np.float64]
+#: Who answered a question: the file itself, the user, or nobody (then it is said to be assumed).
+Teller = Literal["file", "asked", "assumed"]
+
+
+@dataclass(frozen=True, slots=True)
+class Answer:
+    """One question that every table of lifts raises, its answer and who gave it."""
+
+    question: str
+    answer: str
+    by: Teller
+
+
+@dataclass(frozen=True, eq=False)
+class MeasuredLift:
+    """Lifts (m) of one lobe at cam angles (rad), both (stations,), rising in angle, before any
+    smoothing.
+
+    ``name``: lift, intake or exhaust. ``lift_of``: valve or tappet. ``form``: word of the format
+    the file had. ``answers``: what the
+    stations mean and who said so. ``notes``: sentences on what was found in the file, such as a
+    velocity column that agrees.
+
+    >>> lift = MeasuredLift("lift", np.radians([100.0, 101.0]), np.array([0.0, 1e-4]), "valve", "columns")
+    >>> lift
+    MeasuredLift 'lift' of the valve: 2 stations, 100 to 101 cam deg, peak 0.1000 mm
+    """
+
+    name: str
+    cam_angles: Array
+    lifts: Array
+    lift_of: str
+    form: str
+    zero: str = ""
+    answers: tuple[Answer, ...] = ()
+    notes: tuple[str, ...] = ()
+
+    def __repr__(self) -> str:
+        first, last = np.degrees(self.cam_angles[[0, -1]])
+        return (
+            f"MeasuredLift '{self.name}' of the {self.lift_of}: {len(self.lifts)} stations, {first:g} to {last:g} cam deg, "
+            f"peak {1e3 * self.lifts.max():.4f} mm"
+        )
+
+
+#: Question -> its possible answers; angles and lengths are told in ``lift_unit`` and the like.
+CHOICES = {
+    "angle_of": ("cam", "crank"), "lift_of": ("valve", "tappet"), "angle_unit": ("deg", "rad"), "zero": ("file", "nose"),
+    "direction": ("forward", "reversed"),
+}  # fmt: skip
+#: What is assumed where nobody answers, and said to be.
+ASSUMED = {"angle_unit": "deg", "zero": "file", "direction": "forward"}
+#: Question -> how it reads in a refusal.
+QUESTIONS = {
+    "angle_of": "whether its angles are of the cam or the crank", "lift_of": "whose lift it is, the valve's or the tappet's",
+    "lift_unit": "the unit of its lifts, such as mm or inch", "peak_lift": "the largest lift that its fractions mean",
+    "duration": "the angle from the first to the last of its fractions", "opening": "the angle at which it begins",
+}  # fmt: skip
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LiftAnswers:
+    """Answers to what a table of lifts leaves open; empty ones are left to the file.
+
+    Parameters
+    ----------
+    angle_of : ``cam`` or ``crank``; two crank revolutions are one of the cam
+    lift_of : ``valve`` or ``tappet``
+    angle_unit : ``deg`` (assumed) or ``rad``
+    lift_unit : any unit of length, such as ``mm``, ``inch``, ``thou``
+    zero : ``file`` (assumed) keeps the angles of the table, ``nose`` puts zero at the place of
+    largest lift
+    direction : ``forward`` (assumed): the cam turns with rising angle; ``reversed``: against it, so
+    the table is mirrored
+    columns : what each column is, of angle, lift, intake, exhaust, velocity, acceleration and
+    ignore; needed beyond two columns
+        that the headings do not name
+    peak_lift, duration, opening : of a table of fractions: m; rad of the angle meant by
+    ``angle_of``, length of the event and its begin
+
+    >>> LiftAnswers(angle_of="cam", lift_of="tappet", lift_unit="inch").given("lift_unit")
+    'inch'
+    """
+
+    angle_of: str = ""
+    lift_of: str = ""
+    angle_unit: str = ""
+    lift_unit: str = ""
+    zero: str = ""
+    direction: str = ""
+    columns: tuple[str, ...] = field(default=())
+    peak_lift: float | None = None
+    duration: float | None = None
+    opening: float | None = None
+
+    def __post_init__(self) -> None:
+        for question, choices in CHOICES.items():
+            given = getattr(self, question)
+            if given and given not in choices:
+                raise InputError(
+                    f"{question} is {' or '.join(choices)}, not '{given[:40]}'; give one of them",
+                    question,
+                )
+        if self.lift_unit and dimension_of(self.lift_unit) != "length":
+            raise InputError(
+                f"lift_unit '{self.lift_unit[:40]}' is no length; use one such as mm or inch",
+                "lift_unit",
+            )
+        for word in self.columns:
+            if word not in COLUMN_WORDS:
+                raise InputError(
+                    f"a column is one of {', '.join(COLUMN_WORDS)}, not '{word[:40]}'; correct the list",
+                    "columns",
+                )
+
+    def given(self, question: str) -> Any:
+        """The answer to one question, None or empty where it is open."""
+        return getattr(self, question)
+
+
+#: Larger files are no tables of lifts.
+MOST_BYTES = 5_000_000
+TURN = 2 * np.pi
+#: Columns that are lifts.
+LOBES = ("lift", "intake", "exhaust")
+
+
+def read_lift(file: str | Path, answers: LiftAnswers | None = None) -> tuple[MeasuredLift, ...]:
+    """The lobes in a file of lifts, as measured.
+
+    Parameters
+    ----------
+    file : text of columns, s96, fractions of lift, or a workbook; the content decides, not the name
+    answers : what the file does not say itself, such as ``LiftAnswers(angle_of="cam",
+    lift_of="tappet", lift_unit="mm")``
+
+    Returns
+    -------
+    One MeasuredLift per lobe, cam rad and m, with every answer and who gave it
+
+    Raises
+    ------
+    InputError : a file that cannot be read, a line that is no row, and one sentence with all
+    questions that are left open
+
+    Examples
+    --------
+    >>> import pathlib, tempfile
+    >>> file = pathlib.Path(tempfile.mkdtemp(), "own.txt")
+    >>> rows = [f"{angle}; {max(0, 9 - angle * angle / 400)}" for angle in range(-80, 81)]
+    >>> _ = file.write_text(chr(10).join(["crank angle [deg]; valve lift [mm]", *rows]))
+    >>> read_lift(file)[0]
+    MeasuredLift 'lift' of the valve: 161 stations, -40 to 40 cam deg, peak 9.0000 mm
+    """
+    path = Path(file)
+    return lifts_in(
+        read_content(path, MOST_BYTES, "table of lifts"), path.name, answers or LiftAnswers()
+    )
+
+
+def lifts_in(content: bytes, name: str, answers: LiftAnswers) -> tuple[MeasuredLift, ...]:
+    """The lobes in the ``content`` of a file called ``name``; as :func:`read_lift`."""
+    form = next(
+        (word for word in registry.words("lift_formats") if _format(word).recognise(content, name)),
+        None,
+    )
+    if form is None:
+        raise InputError(
+            f"'{name[:80]}' is neither text nor a workbook; export the table of lifts as text (CSV) or XLSX"
+        )
+    found = _format(form).read(content, name)
+    known = _Known(found, answers)
+    columns = _columns(found, answers, name)
+    open_questions = known.still_open()
+    if open_questions:
+        listed = "; ".join(f"{QUESTIONS[question]} ({question})" for question in open_questions)
+        raise InputError(f"{name[:80]} does not say {listed}; answer it", open_questions[0])
+    angles, scale, notes = _cam_angles(found, columns, known), known.lift_scale(found, columns), []
+    _check_angles(angles, name)
+    if angles[0] > angles[-1]:
+        angles, rows = angles[::-1], found.rows[::-1]
+    else:
+        rows = found.rows
+    lobes = {word: rows[:, place] * scale for place, word in enumerate(columns) if word in LOBES}
+    for word in ("velocity", "acceleration"):
+        if word in columns:
+            notes.append(
+                _held_against(
+                    rows[:, columns.index(word)], word, angles, next(iter(lobes.values()))
+                )
+            )
+    if "ignore" in columns:
+        notes.append(
+            f"left out as asked: column {', '.join(str(place + 1) for place, word in enumerate(columns) if word == 'ignore')}"
+        )
+    return tuple(
+        _oriented(lobe, angles, lifts, form, known, tuple(notes)) for lobe, lifts in lobes.items()
+    )
+
+
+def _format(word: str) -> LiftFormat:
+    found: LiftFormat = registry.find("lift_formats", word)
+    return found
+
+
+@dataclass
+class _Known:
+    """Answers as they are found, the user's before the file's, and who gave them."""
+
+    found: LiftColumns
+    given: LiftAnswers
+    told: dict[str, Answer] = field(default_factory=dict)
+
+    def answer(self, question: str) -> str:
+        if question not in self.told:
+            asked, said = self.given.given(question), self.found.said.get(question, "")
+            if asked and said and asked != said:
+                raise InputError(
+                    f"{question} is {asked} as asked, but the file says {said}; leave the answer out or correct the file",
+                    question,
+                )
+            by, word = (
+                ("asked", asked)
+                if asked
+                else ("file", said)
+                if said
+                else ("assumed", ASSUMED.get(question, ""))
+            )
+            self.told[question] = Answer(question, word, by)  # type: ignore[arg-type]
+        return self.told[question].answer
+
+    def still_open(self) -> list[str]:
+        fractions = self.found.said.get("lift_unit") == "1"
+        needed = ["angle_of", "lift_of"] + (
+            ["peak_lift", "duration", "opening"] if fractions else []
+        )
+        missing = [
+            question
+            for question in needed
+            if not self.given.given(question)
+            and self.given.given(question) != 0.0
+            and not self.found.said.get(question)
+        ]
+        lifts = [
+            unit
+            for unit, word in zip(self.found.units, self.found.columns, strict=True)
+            if word in LOBES
+        ]
+        if not fractions and not self.given.lift_unit and not any(lifts):
+            missing.append("lift_unit")
+        return missing
+
+    def lift_scale(self, found: LiftColumns, columns: tuple[str, ...]) -> float:
+        if found.said.get("lift_unit") == "1":
+            assert self.given.peak_lift is not None
+            return self.given.peak_lift
+        said = next(
+            (
+                unit
+                for unit, word in zip(found.units, columns, strict=True)
+                if word in LOBES and unit
+            ),
+            "",
+        )
+        if self.given.lift_unit and said and unit_factor(said) != unit_factor(self.given.lift_unit):
+            raise InputError(
+                f"lift_unit is {self.given.lift_unit} as asked, but the file says {said}; leave the answer out",
+                "lift_unit",
+            )
+        unit = self.given.lift_unit or said
+        self.told["lift_unit"] = Answer(
+            "lift_unit", unit, "asked" if self.given.lift_unit else "file"
+        )
+        return unit_factor(unit)
+
+
+def _columns(found: LiftColumns, answers: LiftAnswers, name: str) -> tuple[str, ...]:
+    """What each column is, refusing what nobody names."""
+    count = found.rows.shape[1]
+    columns = answers.columns or found.columns
+    if len(columns) != count:
+        raise InputError(
+            f"{name[:80]} has {count} columns, but columns names {len(columns)}; name each, with 'ignore' for others",
+            "columns",
+        )
+    unknown = [str(place + 1) for place, word in enumerate(columns) if not word]
+    if unknown:
+        raise InputError(
+            f"{name[:80]} has {count} columns and does not say what column {', '.join(unknown)} is; name all of them as columns, such as "
+            "'angle, lift, velocity' (or ignore)",
+            "columns",
+        )
+    for word in set(columns) - {"ignore"}:
+        if columns.count(word) > 1:
+            raise InputError(
+                f"{name[:80]} has two columns of {word}; name them intake and exhaust, or ignore one",
+                "columns",
+            )
+    if "angle" not in columns or not set(columns) & set(LOBES):
+        raise InputError(
+            f"{name[:80]} needs a column of angles and one of lifts; name them as columns",
+            "columns",
+        )
+    return columns
+
+
+def _cam_angles(found: LiftColumns, columns: tuple[str, ...], known: _Known) -> Array:
+    """Cam angles (rad) of the rows, in their order."""
+    raw = found.rows[:, columns.index("angle")]
+    ratio = 0.5 if known.answer("angle_of") == "crank" else 1.0
+    if found.said.get("lift_unit") == "1":
+        given = known.given
+        assert given.duration is not None and given.opening is not None
+        return np.asarray((given.opening + raw * given.duration) * ratio)
+    said = found.units[columns.index("angle")]
+    if said in ("deg", "rad") and not known.given.angle_unit:
+        known.told["angle_unit"] = Answer("angle_unit", said, "file")
+    unit = known.answer("angle_unit")
+    return np.asarray(raw * unit_factor(unit) * ratio)
+
+
+def _check_angles(angles: Array, name: str) -> None:
+    steps = np.diff(angles)
+    if not (np.all(steps > 0) or np.all(steps < 0)):
+        sign = 1.0 if angles[-1] > angles[0] else -1.0
+        place = next(
+            index for index, (one, two) in enumerate(pairwise(sign * angles)) if two <= one
+        )
+        raise InputError(
+            f"the angles of {name[:80]} do not run one way at row {place + 2} ({np.degrees(angles[place + 1]):g} cam deg); correct it"
+        )
+    if len(angles) < 8:
+        raise InputError(
+            f"{name[:80]} holds {len(angles)} stations; a table of lifts needs eight or more"
+        )
+    if abs(angles[-1] - angles[0]) > TURN * (1 + 1e-9):
+        raise InputError(
+            f"{name[:80]} spans more than one cam revolution; say angle_of = 'crank' or cut it",
+            "angle_of",
+        )
+
+
+def _held_against(values: Array, word: str, angles: Array, lifts: Array) -> str:
+    """A sentence on how a velocity or acceleration column fits the derivative of the lift; it is
+    not used otherwise.
+    """
+    slope = np.gradient(lifts, angles)
+    if word == "acceleration":
+        slope = np.gradient(slope, angles)
+    size = float(np.dot(slope, slope))
+    scale = float(np.dot(values, slope)) / size if size else 0.0
+    apart = float(
+        np.sqrt(np.mean((values - scale * slope) ** 2)) / max(float(np.abs(values).max()), 1e-300)
+    )
+    verdict = "agrees with" if scale > 0 and apart < 0.05 else "does not fit"
+    return f"the {word} column {verdict} the derivative of the lift (rms {100 * apart:.1f} % of its peak) and is not used"
+
+
+def _oriented(
+    lobe: str, angles: Array, lifts: Array, form: str, known: _Known, notes: tuple[str, ...]
+) -> MeasuredLift:
+    if known.answer("direction") == "reversed":
+        angles, lifts = -angles[::-1], lifts[::-1]
+    zero = known.answer("zero")
+    if zero == "nose":
+        angles = angles - _nose(angles, lifts)
+    words = "at the nose of the lobe" if zero == "nose" else "as in the file"
+    known.answer("angle_of"), known.answer("lift_of")
+    order = ("lift_of", "lift_unit", "angle_of", "angle_unit", "zero", "direction")
+    answers = tuple(known.told[question] for question in order if question in known.told)
+    return MeasuredLift(
+        lobe,
+        np.ascontiguousarray(angles),
+        np.ascontiguousarray(lifts),
+        known.answer("lift_of"),
+        form,
+        words,
+        answers,
+        notes,
+    )
+
+
+def _nose(angles: Array, lifts: Array) -> float:
+    """Angle midway between the flanks at 90 % of the largest lift, which noise moves least."""
+    high = np.flatnonzero(lifts >= 0.9 * lifts.max())
+    return float((angles[high[0]] + angles[high[-1]]) / 2)

@@ -1,0 +1,359 @@
+"""What a form of lift files answers: whether a content is its own, what it holds, how it is
+written.
+"""
+
+from __future__ import annotations
+
+import io
+import re
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from valvetrain.errors import InputError
+from valvetrain.measured.tables import UNIT_WORDS, TextTable, read_text_table, text_of
+
+Array = NDArray[np.float64]
+#: Words that a column may carry.
+COLUMN_WORDS = ("angle", "lift", "intake", "exhaust", "velocity", "acceleration", "ignore")
+
+
+@dataclass(frozen=True, eq=False)
+class LiftColumns:
+    """What a file holds, before any question is answered.
+
+    ``form``: word of the format. ``rows`` (stations, columns) in the file's own units. ``columns``:
+    a word of :data:`COLUMN_WORDS` per
+    column, empty where the file does not tell. ``units``: one per column, likewise. ``said``:
+    questions that the file itself answers,
+    such as ``{"angle_of": "crank"}``. ``headings``: its lines of words.
+    """
+
+    form: str
+    rows: Array
+    columns: tuple[str, ...]
+    units: tuple[str, ...]
+    said: Mapping[str, str] = field(default_factory=dict)
+    headings: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class LiftTable:
+    """Lifts (m) at cam angles (rad) as a writer takes them; ``names`` of the lobes, one column of
+    ``lifts`` (stations, lobes) each.
+    """
+
+    cam_angles: Array
+    lifts: Array
+    names: tuple[str, ...]
+    lift_of: str
+    zero: str
+
+
+@dataclass(frozen=True, slots=True)
+class LiftFormat:
+    """A form of lift files. ``recognise(content, name)`` looks at the content alone (the name is
+    for messages);
+    ``write`` may be missing."""
+
+    words: str
+    recognise: Callable[[bytes, str], bool]
+    read: Callable[[bytes, str], LiftColumns]
+    write: Callable[[LiftTable], bytes] | None = None
+
+
+#: Words of a heading -> what the column is; the first that fits.
+_MEANINGS = (
+    (r"acc|beschl|mm/deg2|mm/deg\^2", "acceleration"), (r"vel|geschw|speed|mm/deg|in/deg", "velocity"),
+    (r"intake|inlet|einlass", "intake"),
+    (r"exhaust|auslass|outlet", "exhaust"), (r"lift|hub|displacement|rise", "lift"),
+    (r"angle|deg|winkel|theta|crank|cam|°|rotation", "angle"),
+)  # fmt: skip
+
+
+def recognise_columns(content: bytes, name: str) -> bool:
+    """Whether it is text at all."""
+    return b"\0" not in content or content[:2] in (b"\xff\xfe", b"\xfe\xff")
+
+
+def read_columns(content: bytes, name: str) -> LiftColumns:
+    """The columns of a text, with what its headings say of them."""
+    return from_table(read_text_table(text_of(content, name), name), "columns")
+
+
+def from_table(table: TextTable, form: str) -> LiftColumns:
+    """Columns with the meaning that headings give them, and what the headings say of crank, cam,
+    valve and tappet.
+    """
+    columns = tuple(_meaning(name) for name in table.names)
+    units = tuple(_unit(unit) for unit in table.units)
+    whole = (
+        "angle" in columns
+        and set(columns) & {"lift", "intake", "exhaust"}
+        and len(set(columns)) == len(columns)
+    )
+    if table.rows.shape[1] == 2 and not whole:
+        columns, units = (
+            ("angle", "lift"),
+            tuple(unit if unit in fits else "" for unit, fits in zip(units, _FITTING, strict=True)),
+        )
+    said: dict[str, str] = {}
+    words = " ".join((*table.names, *table.units, *table.headings)).lower()
+    for question, choices in (("angle_of", ("crank", "cam")), ("lift_of", ("valve", "tappet"))):
+        found = [word for word in choices if re.search(_CHOICES[word], words)]
+        if len(found) == 1:
+            said[question] = found[0]
+    return LiftColumns(form, table.rows, columns, units, said, table.headings)
+
+
+#: Units that an angle and a lift can have.
+_FITTING = (("deg", "rad"), ("mm", "inch", "thou", "m", "cm", "um"))
+#: Words of headings by which a question is answered; where both answers occur the heading does not
+#: tell.
+_CHOICES = {
+    "crank": r"\bcrank\b|°\s*kw\b|\bkw\b|degca\b|\bca\b|crankshaft",
+    "cam": r"\bcam(shaft)?\s*(angle|deg|rotation|°)|°\s*nw\b|\bnw\b|°\s*cam\b|deg\s*cam",
+    "valve": r"\bvalve\s*lift", "tappet": r"\b(tappet|lobe|cam|follower|lifter)\s*lift",
+}  # fmt: skip
+
+
+def _meaning(name: str) -> str:
+    return (
+        next((word for pattern, word in _MEANINGS if re.search(pattern, name.lower())), "")
+        if name
+        else ""
+    )
+
+
+def _unit(unit: str) -> str:
+    return UNIT_WORDS.get(unit.lower().strip(), "")
+
+
+def write_columns(table: LiftTable) -> bytes:
+    """Comma-separated text that says all it means: cam degrees and mm."""
+    out = io.StringIO()
+    out.write(f"# {table.lift_of} lift over the cam angle; zero of the angle: {table.zero}\n")
+    out.write(
+        ",".join(
+            [
+                "cam angle [deg]",
+                *(f"{_lobe(name)}{table.lift_of} lift [mm]" for name in table.names),
+            ]
+        )
+        + "\n"
+    )
+    rows = np.column_stack([np.degrees(table.cam_angles), 1e3 * table.lifts])
+    out.writelines(",".join(f"{value:.6f}" for value in row) + "\n" for row in rows)
+    return out.getvalue().encode()
+
+
+def _lobe(name: str) -> str:
+    return f"{name} " if name in ("intake", "exhaust") else ""
+
+
+COLUMNS_SPEC = LiftFormat("columns of a text", recognise_columns, read_columns, write_columns)
+
+
+def recognise_fractions(content: bytes, name: str) -> bool:
+    """Whether two columns run from (0, 0) over a largest lift of 1 to (1, 0)."""
+    if b"\0" in content:
+        return False
+    try:
+        rows = read_text_table(text_of(content, name), name).rows
+    except InputError:
+        return False
+    if rows.shape[1] != 2 or len(rows) < 5:
+        return False
+    place, lift = rows.T
+    ends = (
+        abs(place[0]) < 1e-6
+        and abs(place[-1] - 1) < 1e-6
+        and abs(lift[0]) < 0.02
+        and abs(lift[-1]) < 0.02
+    )
+    return bool(
+        ends and np.all(np.diff(place) > 0) and abs(lift.max() - 1) < 1e-3 and lift.min() > -0.02
+    )
+
+
+def read_fractions(content: bytes, name: str) -> LiftColumns:
+    """The fractions; peak lift, duration and opening angle have to be told."""
+    table = read_text_table(text_of(content, name), name)
+    said = {"angle_unit": "1", "lift_unit": "1"}
+    return LiftColumns("fractions", table.rows, ("angle", "lift"), ("", ""), said, table.headings)
+
+
+def write_fractions(table: LiftTable) -> bytes:
+    """Fractions of the largest lift over fractions of the event. Raises :class:`InputError` for two
+    lobes.
+    """
+    if table.lifts.shape[1] != 1:
+        raise InputError("fractions of lift hold one lobe; write each lobe to its own file")
+    up = np.flatnonzero(table.lifts[:, 0] > 0)
+    first, last = max(int(up[0]) - 1, 0), min(int(up[-1]) + 1, len(table.lifts) - 1)
+    angles, lifts = (
+        table.cam_angles[first : last + 1],
+        np.clip(table.lifts[first : last + 1, 0], 0.0, None),
+    )
+    lifts = np.concatenate([[0.0], lifts[1:-1], [0.0]])
+    out = io.StringIO()
+    out.write("fraction of duration,fraction of lift\n")
+    for place, lift in zip(
+        (angles - angles[0]) / (angles[-1] - angles[0]), lifts / lifts.max(), strict=True
+    ):
+        out.write(f"{place:.6f},{lift:.6f}\n")
+    return out.getvalue().encode()
+
+
+FRACTIONS_SPEC = LiftFormat(
+    "fractions of lift", recognise_fractions, read_fractions, write_fractions
+)
+
+
+TURN, REPEATED = 360, 36
+
+
+def recognise_s96(content: bytes, name: str) -> bool:
+    """Whether the text holds 396 rows of one number."""
+    if b"\0" in content:
+        return False
+    try:
+        return read_text_table(text_of(content, name), name).rows.shape == (TURN + REPEATED, 1)
+    except InputError:
+        return False
+
+
+def read_s96(content: bytes, name: str) -> LiftColumns:
+    """The 360 lifts at whole cam degrees; its unit is not in the file.
+
+    Raises :class:`InputError` when the last 36 rows neither repeat the first ones nor rest where
+    they do.
+    """
+    table = read_text_table(text_of(content, name), name)
+    lifts, again = table.rows[:TURN, 0], table.rows[TURN:, 0]
+    allowed = 0.01 * float(np.ptp(lifts)) + 1e-12
+    repeats = np.all(np.abs(again - lifts[:REPEATED]) <= allowed)
+    rests = np.all(np.abs(again - lifts[0]) <= allowed) and abs(lifts[0] - lifts[-1]) <= allowed
+    if not (repeats or rests):
+        raise InputError(
+            f"the last {REPEATED} rows of {name} neither repeat its first ones nor lie on the base circle; export it again"
+        )
+    rows = np.column_stack([np.arange(TURN, dtype=float), lifts])
+    said = {"angle_unit": "deg", "angle_of": "cam"}
+    return LiftColumns("s96", rows, ("angle", "lift"), ("deg", ""), said, table.headings)
+
+
+def write_s96(table: LiftTable) -> bytes:
+    """One lift (mm) a line at whole cam degrees from 0, the first 36 repeated at the end. Raises
+    :class:`InputError` for two lobes.
+    """
+    if table.lifts.shape[1] != 1:
+        raise InputError("the s96 form holds one lobe; write each lobe to its own file")
+    grid = np.radians(np.arange(TURN, dtype=float))
+    angles = np.mod(table.cam_angles, 2 * np.pi)
+    order = np.argsort(angles)
+    lifts = np.interp(grid, angles[order], table.lifts[order, 0], period=2 * np.pi)
+    return ("\n".join(f"{1e3 * lift:.6f}" for lift in (*lifts, *lifts[:REPEATED])) + "\n").encode()
+
+
+S96_SPEC = LiftFormat("s96 of cam analysers", recognise_s96, read_s96, write_s96)
+
+
+#: How files of workbooks begin: a zip archive, an OLE container.
+_MARKS = (b"PK\x03\x04", b"\xd0\xcf\x11\xe0")
+#: A sheet beyond these is no table of lifts.
+MOST_ROWS, MOST_COLUMNS = 200_000, 60
+_EXTRA = "install the extra 'measure' (pip install 'valvetrain[measure]')"
+
+
+def recognise_workbook(content: bytes, name: str) -> bool:
+    """Whether the content begins as a workbook does."""
+    return content.startswith(_MARKS)
+
+
+def read_workbook(content: bytes, name: str) -> LiftColumns:
+    """Columns of the first sheet with numbers. Raises :class:`InputError` where the extra is
+    missing or no sheet holds a table.
+    """
+    try:
+        from python_calamine import CalamineError, CalamineWorkbook
+    except ImportError as error:
+        raise InputError(
+            f"'{name[:80]}' is a workbook, which needs python-calamine; {_EXTRA}"
+        ) from error
+    try:
+        book = CalamineWorkbook.from_filelike(io.BytesIO(content))
+        sheets = [(title, book.get_sheet_by_name(title)) for title in book.sheet_names]
+        tables = [
+            (title, sheet.to_python(skip_empty_area=True))
+            for title, sheet in sheets
+            if _fits(sheet)
+        ]
+    except (CalamineError, ValueError, OSError) as error:
+        raise InputError(
+            f"'{name[:80]}' is no workbook that can be read; save it again or export the table as text"
+        ) from error
+    for title, cells in tables:
+        text = "\n".join(line for row in cells if (line := _line(row)))
+        try:
+            return from_table(
+                read_text_table(text, f"sheet '{str(title)[:40]}' of {name}"), "workbook"
+            )
+        except InputError as error:
+            fault = error
+            if any(
+                isinstance(cell, float | int) and not isinstance(cell, bool)
+                for row in cells
+                for cell in row
+            ):
+                raise
+    raise InputError(
+        f"no sheet of '{name[:80]}' holds rows of numbers; put the table on a sheet of its own"
+    ) from (fault if tables else None)
+
+
+def _fits(sheet: object) -> bool:
+    return getattr(sheet, "height", 0) <= MOST_ROWS and getattr(sheet, "width", 0) <= MOST_COLUMNS
+
+
+def _line(row: Sequence[object]) -> str:
+    cells = [
+        repr(float(cell))
+        if isinstance(cell, float | int)
+        else str(cell).replace("\t", " ").replace("\n", " ").strip()
+        for cell in row
+    ]
+    while cells and not cells[-1]:
+        cells.pop()
+    return "\t".join(cells)
+
+
+def write_workbook(table: LiftTable) -> bytes:
+    """One sheet with headings: cam degrees and mm. Raises :class:`InputError` where the extra is
+    missing.
+    """
+    try:
+        import xlsxwriter
+    except ImportError as error:
+        raise InputError(f"writing a workbook needs xlsxwriter; {_EXTRA}") from error
+    out = io.BytesIO()
+    with xlsxwriter.Workbook(out, {"in_memory": True}) as book:
+        sheet = book.add_worksheet("lift")
+        sheet.write_row(
+            0,
+            0,
+            [
+                "cam angle [deg]",
+                *(f"{name} {table.lift_of} lift [mm]".strip() for name in table.names),
+            ],
+        )
+        for place, row in enumerate(
+            np.column_stack([np.degrees(table.cam_angles), 1e3 * table.lifts]), start=1
+        ):
+            sheet.write_row(place, 0, [float(value) for value in row])
+    return out.getvalue()
+
+
+WORKBOOK_SPEC = LiftFormat("workbook", recognise_workbook, read_workbook, write_workbook)

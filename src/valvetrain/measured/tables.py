@@ -1,0 +1,263 @@
+"""Columns of numbers in a text of any form: separators, decimal commas, headings, units in
+headings.
+"""
+
+from __future__ import annotations
+
+import codecs
+import re
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from valvetrain.errors import InputError
+from valvetrain.parameters.bounded_file import bounded_bytes
+
+Array = NDArray[np.float64]
+#: A number as tables write it, once its line is parted at every mark that may stand between or
+#: within numbers; a comma may be decimal.
+_NUMBER = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eEdD][-+]?\d+)?")
+_STRONG = re.compile(r"[;\t|,]")
+_MARKS = re.compile(r"[;\t|,\s]+")
+#: Blanks in a row beyond these tell nothing; a heading longer than this names no columns.
+_BLANKS, LONGEST_HEADING = re.compile(r"(\s{8})\s+"), 1000
+#: Lines above the numbers among which the names of the columns are looked for.
+HEADINGS = 100
+#: Marks that begin a line of words.
+COMMENTS = ("#", "%", "!", "//", "*", "'", '"')
+#: Most columns of a table of lifts; more is another kind of file.
+MOST_COLUMNS = 12
+
+
+@dataclass(frozen=True, eq=False)
+class TextTable:
+    """``rows`` (rows, columns) of numbers, the ``headings`` (lines of words before them) and names
+    of columns with their units.
+
+    ``names`` and ``units`` have one entry a column, empty where the headings do not tell.
+    ``first_line``: number of the line the rows
+    begin on, from 1.
+    """
+
+    rows: Array
+    headings: tuple[str, ...]
+    names: tuple[str, ...]
+    units: tuple[str, ...]
+    first_line: int
+
+
+def read_text_table(text: str, name: str, most_columns: int = MOST_COLUMNS) -> TextTable:
+    """The table of numbers in ``text``; lines of words may stand before it and, marked as comments,
+    in it.
+
+    Semicolons, tabs, bars, commas or blanks part the columns; a decimal comma is read where
+    something else does. ``name`` of the file
+    is for messages. Raises :class:`InputError` naming the line that is not as long as the others or
+    not numbers.
+    """
+    headings: list[str] = []
+    lines: list[tuple[int, str]] = []
+    for number, line in enumerate(text.splitlines(), start=1):
+        words = _BLANKS.sub(r"\1", line.strip())
+        if not words:
+            continue
+        if words.startswith(COMMENTS) or not _is_row(words):
+            if lines and not words.startswith(COMMENTS):
+                raise InputError(
+                    f"line {number} of {name} is no row of numbers: '{words[:40]}'; correct it or mark it with #"
+                )
+            headings.append(words.lstrip("#%!/*'\" ").rstrip("'\""))
+            continue
+        lines.append((number, words))
+    if not lines:
+        raise InputError(
+            f"{name} holds no row of numbers; export the table as text with one station a line"
+        )
+    split = _splitter([words for _, words in lines])
+    rows = [_row(split, words, number, name) for number, words in lines]
+    width = len(rows[0])
+    for (number, _), row in zip(lines, rows, strict=True):
+        if len(row) != width:
+            raise InputError(
+                f"line {number} of {name} has {len(row)} numbers, the first row {width}; make the rows alike"
+            )
+    if width > most_columns:
+        what = "a table of lifts" if most_columns == MOST_COLUMNS else "a table of channels"
+        raise InputError(f"{name} has {width} columns; {what} has at most {most_columns}")
+    values = np.array(rows, dtype=float)
+    if not np.all(np.isfinite(values)):
+        raise InputError(
+            f"{name} holds a number beyond all bounds in line {lines[int(np.argmin(np.isfinite(values).all(axis=1)))][0]}"
+        )
+    names, units = _columns(headings, width)
+    return TextTable(values, tuple(headings), names, units, lines[0][0])
+
+
+def _is_row(words: str) -> bool:
+    """Whether a line holds numbers and marks alone; in one pass, whatever stands in it."""
+    parts = [part for part in _MARKS.split(words) if part]
+    return bool(parts) and all(map(_NUMBER.fullmatch, parts))
+
+
+def _splitter(lines: list[str]) -> Callable[[str], list[float]]:
+    return partial(_cut, parting_mark(lines))
+
+
+def parting_mark(lines: list[str]) -> str:
+    """Pattern of what parts the columns: the strongest mark that stands in most lines; a comma is
+    decimal where another one is.
+    """
+    sample = lines[:200]
+    for pattern, mark in (
+        (";", ";"),
+        ("\t", "\t"),
+        (r"\|", r"\|"),
+        (r",\s", r",\s+"),
+        (r"[\d.,]\s+[-+.,\d]", r"\s+"),
+    ):
+        if 2 * sum(re.search(pattern, line) is not None for line in sample) > len(sample):
+            return mark
+    if any("," in line for line in sample) and not _decimal_commas_alone(sample):
+        return ","
+    return r"[;\t|]"
+
+
+def _row(split: Callable[[str], list[float]], words: str, number: int, name: str) -> list[float]:
+    try:
+        return split(words)
+    except ValueError as error:
+        raise InputError(
+            f"line {number} of {name} is not parted as the others are: '{words[:40]}'; make the rows alike"
+        ) from error
+
+
+def _cut(mark: str, line: str) -> list[float]:
+    return [
+        float(part.strip().replace(",", ".").replace("D", "e").replace("d", "e"))
+        for part in re.split(mark, line.strip(",;| \t"))
+    ]
+
+
+def _decimal_commas_alone(sample: list[str]) -> bool:
+    """One column of numbers with decimal commas: at most one comma a line and no point anywhere."""
+    return all(line.count(",") <= 1 and "." not in line for line in sample) and any(
+        "," not in line for line in sample
+    )
+
+
+def _columns(headings: list[str], width: int) -> tuple[tuple[str, ...], tuple[str, ...]]:
+    """Names and units of the columns from the last heading that has as many parts; a row of units
+    may follow the names.
+    """
+    for place in range(len(headings) - 1, max(-1, len(headings) - 1 - HEADINGS), -1):
+        parts = _parts(headings[place], width) if len(headings[place]) <= LONGEST_HEADING else None
+        if parts is None:
+            continue
+        names, units = zip(*(_name_and_unit(part) for part in parts), strict=True)
+        alike = place > 0 and bool(_STRONG.search(headings[place - 1])) == bool(
+            _STRONG.search(headings[place])
+        )
+        above = _parts(headings[place - 1], width) if alike else None
+        known = sum(
+            map(_is_unit, parts)
+        )  # a unit that nobody has heard of makes the others no names
+        if above is not None and 2 * known >= width and known > sum(map(_is_unit, above)):
+            return tuple(above), tuple(part.strip("[]() ") for part in parts)
+        return tuple(names), tuple(units)
+    return ("",) * width, ("",) * width
+
+
+def _parts(heading: str, width: int) -> list[str] | None:
+    for pattern in (r"[;\t|]", r",", r"\s{2,}", r"\s+"):
+        parts = [part.strip().strip('"') for part in re.split(pattern, heading.strip())]
+        if len(parts) == width and all(parts):
+            return parts
+    return None
+
+
+def _name_and_unit(part: str) -> tuple[str, str]:
+    found = re.fullmatch(r"(.*?)\s*(?:[\[(]\s*([^\])]*?)\s*[\])]|\bin\s+(\S+)|/\s*(\S+))\s*", part)
+    return (
+        (part, "")
+        if found is None
+        else (found[1].strip(), (found[2] or found[3] or found[4] or "").strip())
+    )
+
+
+def _is_unit(part: str) -> bool:
+    word = part.strip("[]() ")
+    return word.lower() in UNIT_WORDS or word in _OTHER_UNITS
+
+
+#: Units as headings write them -> how this package writes them.
+UNIT_WORDS = {
+    "deg": "deg", "degree": "deg", "degrees": "deg", "°": "deg", "grad": "deg", "degca": "deg", "deg ca": "deg", "°ca": "deg",
+    "°cam": "deg", "degcam": "deg", "deg cam": "deg", "°crank": "deg", "deg crank": "deg", "°kw": "deg", "°nw": "deg", "rad": "rad",
+    "mm": "mm", "in": "inch", "inch": "inch", "inches": "inch", '"': "inch", "thou": "thou", "mil": "thou", "m": "m", "cm": "cm",
+    "um": "um", "µm": "um", "micron": "um", "mm/deg": "mm/deg", "in/deg": "inch/deg",
+}  # fmt: skip
+#: Units of recordings besides.
+_OTHER_UNITS = {
+    "s", "sec", "ms", "us", "µs", "Hz", "rpm", "1/min", "N", "kN", "lbf", "kgf", "V", "mV", "mV/V", "A", "um/m", "µm/m", "ustrain", "1",
+    "m/s", "mm/s", "m/s2", "m/s^2", "g", "Pa", "kPa", "MPa", "bar", "psi", "-", "°C", "degC", "ft", "in/s", "ft/s", "mm/s2", "mm/s^2",
+    "lb", "lbs", "kg", "Nm", "N m", "N*m", "N·m", "ft-lb", "lbf ft", "N/mm", "lbf/in", "min", "ns", "kHz", "rad/s", "deg/s", "mA", "mbar",
+    "K", "C", "F", "°F", "degF", "%",
+}  # fmt: skip
+
+
+#: Byte marks at the beginning of a text -> its coding; the longer one first.
+_MARKS_content = (
+    (codecs.BOM_UTF8, "utf-8-sig"),
+    (codecs.BOM_UTF16_LE, "utf-16"),
+    (codecs.BOM_UTF16_BE, "utf-16"),
+)
+
+
+def read_content(path: Path, most_bytes: int, noun: str) -> bytes:
+    """Content of a regular file of at most ``most_bytes``; ``noun`` says what was looked for.
+
+    Raises :class:`InputError` for a missing, empty, larger or special file (a device, a pipe).
+    """
+    shown = path.name[:80] or str(path)[:80]
+    try:
+        content = bounded_bytes(path, noun, most_bytes)
+    except InputError as error:
+        raise InputError(f"{noun} '{shown}' {error.reason}") from None
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", "") or "the name is no file name"
+        raise InputError(
+            f"{noun} '{shown}' cannot be read: {reason.lower()}; check the name and the folder"
+        ) from error
+    if not content.strip():
+        raise InputError(f"'{shown}' is empty; export the {noun} again")
+    return content
+
+
+def text_of(content: bytes, name: str) -> str:
+    """The text in ``content``: UTF-8 or 16 by its mark, else UTF-8, else Windows' western coding.
+    Raises :class:`InputError` for bytes.
+    """
+    for mark, coding in _MARKS_content:
+        if content.startswith(mark):
+            return _decoded(content, coding, name)
+    if b"\0" in content:
+        raise InputError(
+            f"'{name[:80]}' is no text; export the table as text (CSV) or as a workbook (XLSX)"
+        )
+    try:
+        return content.decode("utf-8")
+    except UnicodeDecodeError:
+        return _decoded(content, "cp1252", name)
+
+
+def _decoded(content: bytes, coding: str, name: str) -> str:
+    try:
+        return content.decode(coding)
+    except UnicodeDecodeError as error:
+        raise InputError(
+            f"'{name[:80]}' is no text; export the table as text (CSV) or as a workbook (XLSX)"
+        ) from error

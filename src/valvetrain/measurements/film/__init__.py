@@ -1,1 +1,0 @@
-"""Films of a valve spring: frames, the space-time picture along a line, tracked highlights, surge."""

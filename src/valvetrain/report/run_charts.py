@@ -1,0 +1,209 @@
+"""What figures share: the look of a label, a channel over the cam angle, panels by engine speed."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from valvetrain.quantities.cycle import reported_cycle
+from valvetrain.report import theme
+from valvetrain.report.chart import Band, Chart, Layer, Line, Panel, thin
+from valvetrain.report.page import Block, Tabs
+from valvetrain.report.words import speed_words
+from valvetrain.solution.display import SHOWN_UNITS
+from valvetrain.solution.quantity import same_speed
+from valvetrain.solution.result import Solution
+from valvetrain.solution.study import Study
+
+Array = NDArray[np.float64]
+ANGLE_LABEL = "cam angle (cam degrees)"
+#: SI unit of a channel -> unit shown and factor: those of all results, but a turning speed over the
+#: cycle is that of a lever.
+CHANNEL_UNITS = {**SHOWN_UNITS, "rad/s": ("deg/s", 180 / np.pi), "m/s2": ("m/s²", 1.0)}
+STILL_WORDS = "at rest, same lift"
+#: Lines in one panel before it is parted.
+MOST_LINES = 4
+
+
+@dataclass(frozen=True, slots=True)
+class Look:
+    """How the lines of one label are drawn and what they are called."""
+
+    colour: str
+    dash: str
+    words: str
+
+
+def told_by_source(study: Study) -> bool:
+    """Whether what the source of a case says is about these runs: always for a case of one's own,
+    else where values were compared.
+    """
+    return not study.record.study or bool(study.comparisons or study.findings)
+
+
+def looks(study: Study) -> dict[str, Look]:
+    """Label -> look: colour by model (by label where models do not tell them apart), dash by spring
+    set.
+    """
+    first = {
+        label: next(run for run in study.solutions if run.label == label) for label in study.labels
+    }
+    sets = list(dict.fromkeys(run.spring_set for run in first.values()))
+    dashes = ("solid", "dashdot", "dot")
+    found = {
+        label: Look(
+            theme.model_colour(run.model),
+            dashes[sets.index(run.spring_set) % 3],
+            _words(label, run),
+        )
+        for label, run in first.items()
+    }
+    if len({(look.colour, look.dash) for look in found.values()}) == len(found) and (
+        len(found) > 1 or run_is_model(first)
+    ):
+        return found
+    return {
+        label: Look(theme.SERIES[n % len(theme.SERIES)], "solid", _words(label, run))
+        for n, (label, run) in enumerate(first.items())
+    }
+
+
+def run_is_model(first: dict[str, Solution]) -> bool:
+    """Whether labels are the words of models."""
+    return all(label == run.model for label, run in first.items())
+
+
+def _words(label: str, run: Solution) -> str:
+    return theme.model_words(label) if label == run.model else label
+
+
+def drawable(run: Solution) -> bool:
+    """True for a run that keeps its channels and has something of a cycle."""
+    return bool(run.arrays.variables) and len(run.time) > 4
+
+
+def runs_at(study: Study, engine_speed: float) -> list[Solution]:
+    """Runs that can be drawn at one engine speed (rad/s)."""
+    return [
+        run
+        for run in study.solutions
+        if same_speed(run.engine_speed, engine_speed) and drawable(run)
+    ]
+
+
+def over_angle(run: Solution, channel: str) -> tuple[Array, Array] | None:
+    """Cam angle (deg, from 0) and a channel (SI) over the reported cycle; None where the run has no
+    such channel.
+    """
+    if not drawable(run) or not run.has(channel):
+        return None
+    cycle = reported_cycle(run)
+    return np.degrees(cycle.cam_angle), cycle.channel(channel)
+
+
+def unit_of_channel(run: Solution, channel: str) -> tuple[str, float]:
+    """Unit in which a channel is shown, and the factor from SI."""
+    unit = run.unit(channel)
+    return CHANNEL_UNITS.get(unit, (unit, 1.0))
+
+
+def event_bands(study: Study) -> tuple[Band, ...]:
+    """The main lift event, shaded."""
+    event = study.lift_event
+    return (
+        ()
+        if event is None
+        else (Band(float(np.degrees(event.start)), float(np.degrees(event.end)), "lift event"),)
+    )
+
+
+def angle_panels(
+    study: Study,
+    runs: Sequence[Solution],
+    channel: str,
+    name: str,
+    title: str = "",
+    still: str = "",
+    still_words: str = STILL_WORDS,
+) -> list[Panel]:
+    """A channel over the cam angle, one line per run, at most :data:`MOST_LINES` a panel;
+    ``still``: a channel beside it, dashed, once.
+    """
+    known, panels, label = looks(study), [], name
+    shown = [(run, *found) for run in runs if (found := over_angle(run, channel)) is not None]
+    for start in range(0, len(shown), MOST_LINES):
+        layers: list[Layer] = []
+        part = shown[start : start + MOST_LINES]
+        for run, angle, values in part:
+            unit, factor = unit_of_channel(run, channel)
+            label, look = f"{name} ({unit})" if unit else name, known[run.label]
+            layers.append(
+                Line(*thin(angle, values * factor), look.words, look.colour, 1.5, look.dash)
+            )
+        beside = next(
+            (run for run, _, _ in part if still and over_angle(run, still) is not None), None
+        )
+        slow = None if beside is None else over_angle(beside, still)
+        if beside is not None and slow is not None:
+            x, y = thin(slow[0], slow[1] * unit_of_channel(beside, still)[1])
+            layers.insert(0, Line(x, y, still_words, theme.MUTED, 1.2, "dash"))
+        panels.append(
+            Panel(
+                ANGLE_LABEL,
+                label,
+                tuple(layers),
+                title,
+                event_bands(study),
+                x_range=(0, 360),
+                x_step=30,
+            )
+        )
+    return panels
+
+
+def panels_chart(
+    key: str, title: str, caption: str, panels: Sequence[Panel], height: int = 240
+) -> Chart | None:
+    """Panels one above the other, or in two columns where there are more than three; None without
+    panels.
+    """
+    if not panels:
+        return None
+    columns = 1 if len(panels) <= 3 else 2
+    rows = -(-len(panels) // columns)
+    return Chart(
+        key,
+        title,
+        caption,
+        tuple(panels),
+        columns,
+        height * rows + 70,
+        any(len(panel.layers) > 1 for panel in panels),
+    )
+
+
+def by_speed(
+    study: Study, key: str, blocks_at: Callable[[float, list[Solution], str], tuple[Block, ...]]
+) -> tuple[Block, ...]:
+    """Blocks of each engine speed, behind tabs where there are several; ``blocks_at`` takes speed,
+    its runs and a part of a key.
+    """
+    items = []
+    for place, engine_speed in enumerate(study.engine_speeds):
+        runs = runs_at(study, engine_speed)
+        blocks = blocks_at(engine_speed, runs, f"{key}-{place + 1}") if runs else ()
+        if blocks:
+            items.append((speed_words(engine_speed), blocks))
+    return (items[0][1] if items else ()) if len(items) < 2 else (Tabs(tuple(items), key),)
+
+
+def bars(x: Array, y: Array, place: int, count: int) -> tuple[Array, Array]:
+    """Strokes at ``x`` moved aside, so that those of ``count`` series stand side by side; see
+    :func:`valvetrain.report.chart.stems`.
+    """
+    from valvetrain.report.chart import stems
+
+    return stems(np.asarray(x, dtype=float) + 0.7 * ((place + 0.5) / count - 0.5), y)

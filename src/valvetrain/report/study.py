@@ -1,0 +1,534 @@
+"""Writes the folder of a study: data files first, then the one page that shows them; each whole or
+not at all.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, replace
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from valvetrain.errors import InputError, RunFailedError
+from valvetrain.registry import find, words
+from valvetrain.report.chart import Chart
+from valvetrain.report.earlier_files import remove_earlier
+from valvetrain.report.files import FreeNames
+from valvetrain.report.page import (
+    Block,
+    Details,
+    Figure,
+    Page,
+    Section,
+    SectionSpec,
+    Tabs,
+    charts,
+    gap,
+    gaps_of,
+    prose,
+    render,
+    sentences,
+)
+from valvetrain.report.run_charts import looks, told_by_source
+from valvetrain.report.sections.sweep import order_table
+from valvetrain.report.svg_chart import svg
+from valvetrain.report.table import Table, comparison_table, table
+from valvetrain.report.words import rpm
+from valvetrain.solution.atomic import write_text
+from valvetrain.solution.definition import definition_of, label_of, shown
+from valvetrain.solution.gaps import Gaps, reason
+from valvetrain.solution.modes import ModalResult
+from valvetrain.solution.netcdf import save_modal_result, save_netcdf, save_static_curve
+from valvetrain.solution.result import Solution
+from valvetrain.solution.static import StaticCurve
+from valvetrain.solution.study import Study
+from valvetrain.solution.textfile import save_csv
+
+#: Command -> word above the title.
+_KICKERS = {
+    "run": "Run",
+    "compare": "Comparison of models",
+    "sweep": "Sweep over engine speed",
+    "run-up": "Run-up",
+}
+#: Sentences of a case's description that stand on top of its page.
+_LEAD_SENTENCES = 2
+_MOST_SPEEDS = 6
+
+
+def study_page(study: Study) -> Page:
+    """The whole page of a study, whatever was studied; a section without blocks is left out, one
+    that fails is named in its place.
+
+    Parameters
+    ----------
+    study : what ``simulate``, ``compare`` or ``sweep`` gave
+
+    Returns
+    -------
+    Page with title, facts and sections, which :func:`write_study` writes as HTML
+
+    Raises
+    ------
+    InputError : a section added by another package that cannot be loaded
+
+    Examples
+    --------
+    >>> import valvetrain as vt
+    >>> page = vt.study_page(vt.simulate("job-t", "2000 rpm", spring_models=["massless"]))
+    >>> len(page.sections) > 3
+    True
+    """
+    sections = tuple(
+        section
+        for word in words("sections")
+        if (section := _section(find("sections", word), study)) is not None
+    )
+    record, gaps = study.record, Gaps()
+    by_source = gaps.part("what the source tells of the case", False, told_by_source, study)
+    told = sentences(record.description) if by_source else []
+    facts = gaps.part("facts below the title", (), _facts, study)
+    lead, more = " ".join(told[:_LEAD_SENTENCES]), tuple(told[_LEAD_SENTENCES:])
+    if more and sections:
+        about = Section(
+            "about", "About the case", prose((" ".join(told),), "The whole description")
+        )
+        sections = (*sections[:-1], about, sections[-1])
+    zero = f" Zero of the cam angle: {record.zero_of_angle}." if record.zero_of_angle else ""
+    footer = (
+        "Cam angles are cam degrees, engine speed is that of the crank."
+        + zero
+        + " Compressive forces and opening lift are positive."
+    )
+    if gaps.sentences:
+        sections = (
+            Section("missing", "What is missing", tuple(gap(words) for words in gaps.sentences)),
+            *sections,
+        )
+    return _unique_keys(
+        Page(
+            record.title or record.name,
+            _KICKERS.get(study.command, study.command),
+            lead,
+            facts,
+            sections,
+            footer,
+        )
+    )
+
+
+def _section(spec: SectionSpec, study: Study) -> Section | None:
+    try:
+        blocks = spec.blocks(study)
+    except Exception as error:  # one section must not cost the page
+        blocks = (gap(f"The section '{spec.title}' could not be drawn: {reason(error)}"),)
+    return Section(spec.key, spec.title, blocks) if blocks else None
+
+
+def _facts(study: Study) -> tuple[tuple[str, str], ...]:
+    speeds, known = study.engine_speeds, looks(study)
+    names = [look.words for look in known.values()]
+    mark = "; " if any("," in name for name in names) else ", "
+    listed = ", ".join(f"{rpm(speed):.10g}" for speed in speeds)
+    if len(speeds) > _MOST_SPEEDS:
+        listed = f"{len(speeds)} from {rpm(speeds[0]):.10g} to {rpm(speeds[-1]):.10g}"
+    ended = sum(run.status.completed for run in study.solutions)
+    word = (
+        "turns of a run-up"
+        if study.command == "run-up"
+        else "settled"
+        if study.command == "sweep"
+        else "completed"
+    )
+    facts = {
+        "case": study.record.name, "engine speed": f"{listed} rpm" if speeds else "",
+        "springs by": mark.join(names), "changed": ", ".join(study.record.changed),
+        "runs": f"{ended} of {len(study.solutions)} {word}" if study.solutions else "none run",
+    }  # fmt: skip
+    return tuple((name, value) for name, value in facts.items() if value)
+
+
+def _unique_keys(page: Page) -> Page:
+    """Keys of charts and sections name elements and files, so each stands once."""
+    seen: set[str] = set()
+
+    def unique(key: str) -> str:
+        free = next(
+            name
+            for n in range(1, len(seen) + 2)
+            if (name := key if n == 1 else f"{key}-{n}") not in seen
+        )
+        seen.add(free)
+        return free
+
+    def renamed(blocks: tuple[Block, ...]) -> tuple[Block, ...]:
+        found: list[Block] = []
+        for block in blocks:
+            if isinstance(block, Figure):
+                block = Figure(replace(block.chart, key=unique(block.chart.key)))
+            elif isinstance(block, Tabs):
+                block = Tabs(
+                    tuple((label, renamed(inner)) for label, inner in block.items), block.key
+                )
+            elif isinstance(block, Details):
+                block = Details(block.summary, renamed(block.blocks))
+            found.append(block)
+        return tuple(found)
+
+    taken: set[str] = set()
+    sections = []
+    for section in page.sections:
+        key = next(
+            name
+            for n in range(1, len(taken) + 2)
+            if (name := section.key if n == 1 else f"{section.key}-{n}") not in taken
+        )
+        taken.add(key)
+        sections.append(Section(key, section.title, renamed(section.blocks)))
+    return replace(page, sections=tuple(sections))
+
+
+#: Wire points of the CSV files, in turns; the NetCDF files hold every one.
+CSV_SPACING = 0.5
+
+
+@dataclass(frozen=True, slots=True)
+class StudyFiles:
+    """What was written: the page (None where none was asked for), data files and pictures;
+    ``gaps``: a sentence per part that was not.
+    """
+
+    folder: Path
+    page: Path | None
+    data: tuple[Path, ...]
+    figures: tuple[Path, ...] = ()
+    gaps: tuple[str, ...] = ()
+
+
+def write_study(
+    study: Study, folder: str | os.PathLike[str], page: bool = True, figures: bool = False
+) -> StudyFiles:
+    """Write the data files of a study and, on request, its page and pictures.
+
+    Parameters
+    ----------
+    study : what ``simulate``, ``compare`` or ``sweep`` gave
+    folder : made if absent; files of an earlier study there that nobody changed are removed
+    page : write report.html, one file that needs no network
+    figures : write every chart of the page as an SVG picture too
+
+    Returns
+    -------
+    StudyFiles with the paths: folder, page (None without), data, figures
+
+    Raises
+    ------
+    InputError : a folder that cannot be written; RunFailedError where the disk took some files
+    only, with their names
+
+    Examples
+    --------
+    >>> import valvetrain as vt
+    >>> study = vt.simulate("job-t", "2000 rpm", spring_models=["massless"])
+    >>> written = vt.write_study(study, "results", page=False)
+    >>> sorted(file.name for file in written.data)[:3]
+    ['massless-2000rpm.csv', 'massless-2000rpm.nc', 'modes-job-t-finite-element.csv']
+    """
+    files = write_parts(study, Path(folder), page, figures)
+    if files.gaps:
+        raise RunFailedError(
+            f"not all of the study could be written to '{folder}', the rest is there: {'; '.join(files.gaps)}"
+        )
+    return files
+
+
+def write_parts(
+    study: Study,
+    target: Path,
+    page: bool = True,
+    figures: bool = False,
+    written_before: Callable[[Solution], Path | None] = lambda _: None,
+) -> StudyFiles:
+    """As :func:`write_study`; a part that fails is named among the ``gaps`` and costs no other.
+
+    ``written_before`` gives the file that a solution was written to as it came, which then only
+    takes its name.
+    """
+    names, gaps = FreeNames(), Gaps()
+    data: list[Path] = []
+
+    def write(name: str, function: Callable[..., Path], *given: Any) -> None:
+        found = gaps.part(f"file '{name}' could not be written", None, function, *given)
+        data.extend([found] if found is not None else [])
+
+    try:
+        target.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise InputError(
+            f"folder '{target}' cannot be written ({error.strerror}); choose another"
+        ) from error
+    for run in study.solutions:
+        if run.arrays.variables and len(run.time):
+            stem = names.free(f"{run.label}-{rpm(run.engine_speed):.10g}rpm")
+            write(f"{stem}.nc", _named, run, target / f"{stem}.nc", written_before)
+            write(
+                f"{stem}.csv",
+                lambda run, path: save_csv(at_wire_points(run, CSV_SPACING), path),
+                run,
+                target / f"{stem}.csv",
+            )
+    _write_rest(study, target, names, write)
+    for words, build in _tables(study, names).items():
+        content = gaps.part(f"table '{words}'", None, build)
+        if content is not None and len(content):
+            write(
+                f"{words}.csv",
+                lambda content, path: write_text(path, content.csv()),
+                content,
+                target / f"{words}.csv",
+            )
+    written: Path | None = None
+    pictures: tuple[Path, ...] = ()
+    if page:
+        whole = gaps.part("report page", None, study_page, study)
+        for words in gaps_of(whole) if whole is not None else ():
+            gaps.add(f"report page: {words}")
+        if whole is not None:
+            written, pictures = gaps.part(
+                "report page", (None, ()), write_page, whole, target, "report.html", figures, gaps
+            )
+    gaps.part(
+        "list of files",
+        (),
+        remove_earlier,
+        target,
+        "report",
+        (*data, *pictures, *((written,) if written else ())),
+    )
+    return StudyFiles(target, written, tuple(data), pictures, gaps.sentences)
+
+
+def _named(run: Solution, path: Path, written_before: Callable[[Solution], Path | None]) -> Path:
+    """A NetCDF file of the run under its name: the one written as it came, where there is one."""
+    before = written_before(run)
+    if before is None:
+        return save_netcdf(run, path)
+    os.replace(before, path)
+    return path
+
+
+def _tables(study: Study, names: FreeNames) -> dict[str, Callable[[], Table]]:
+    """Tables of numbers by the name of their file."""
+    tables: dict[str, Callable[[], Table]] = {
+        "quantities": partial(quantity_table, study),
+        "events": partial(event_table, study),
+    }
+    if len(study.fidelity):
+        tables["fidelity"] = partial(fidelity_table, study)
+    if study.comparisons:
+        tables["comparison"] = partial(comparison_table, study.comparisons)
+    for label in study.labels if study.over_speed else ():
+        tables[names.free(f"sweep-{label}")] = partial(sweep_table, study, label)
+        tables[names.free(f"orders-{label}")] = partial(orders_table, study, label)
+    return tables
+
+
+def fidelity_table(study: Study) -> Table:
+    """Every model beside the reference, quantity by quantity and speed by speed, SI."""
+    found = study.fidelity
+    words = {
+        name: np.array([getattr(row, name) for row in found], dtype=object)
+        for name in ("quantity", "model")
+    }
+    numbers = {
+        name: [getattr(row, name) for row in found]
+        for name in ("value", "error", "reference", "reference_error", "difference", "doubt")
+    }
+    return table(
+        *((name, "", values) for name, values in words.items()),
+        ("engine speed", "rpm", [rpm(row.engine_speed) for row in found]),
+        *(
+            (name.replace("_", " "), "1" if name in ("difference", "doubt") else "SI", values)
+            for name, values in numbers.items()
+        ),
+        ("verdict", "", np.array([row.verdict(found.tolerance) for row in found], dtype=object)),
+    )
+
+
+def orders_table(study: Study, label: str) -> Table:
+    """Sizes (N) of the cam orders of one label over the engine speed (rpm); no rows without orders."""
+    speeds, orders, sizes = order_table(study, label)
+    columns = [(f"order {order:g}", "N", row) for order, row in zip(orders, sizes, strict=True)]
+    return table(
+        ("engine speed", "rpm", [rpm(speed) for speed in speeds] if len(orders) else []), *columns
+    )
+
+
+def write_page(
+    page: Page,
+    folder: Path,
+    name: str = "report.html",
+    figures: bool = True,
+    gaps: Gaps | None = None,
+) -> tuple[Path, tuple[Path, ...]]:
+    """Write a page and, where ``figures`` are asked for, each of its charts as SVG; a chart that
+    fails is left out (the page names it).
+    """
+    pictures = []
+    told = gaps or Gaps()
+    for chart in charts(page) if figures else ():
+        picture = told.part(f"picture '{chart.key}.svg'", None, _picture, chart, folder)
+        pictures += [picture] if picture is not None else []
+    return write_text(folder / name, render(page, gaps)), tuple(pictures)
+
+
+def _picture(chart: Chart, folder: Path) -> Path:
+    return write_text(folder / "figures" / f"{chart.key}.svg", svg(chart))
+
+
+def at_wire_points(solution: Solution, spacing: float) -> Solution:
+    """The solution with the wire points nearest to every ``spacing`` turns only, of each spring;
+    unchanged without wire points.
+    """
+    places: dict[str, list[int]] = {}
+    for coordinate in solution.arrays.coords.values():
+        dimension = coordinate.dims[0] if len(coordinate.dims) == 1 else ""
+        if dimension.endswith("wire_point") and dimension not in places and len(coordinate.values):
+            coils = np.asarray(coordinate.values, dtype=float)
+            wanted: Iterable[float] = (
+                np.arange(np.ceil(coils.min() / spacing), np.floor(coils.max() / spacing) + 1)
+                * spacing
+            )
+            places[dimension] = sorted(
+                {int(np.argmin(np.abs(coils - coil))) for coil in wanted}
+            ) or [0]
+    return replace(solution, channels=solution.arrays.at(places)) if places else solution
+
+
+def _write_rest(study: Study, folder: Path, names: FreeNames, write: Callable[..., None]) -> None:
+    """Static curve, modes and mode shapes of every spring at rest, NetCDF and CSV each."""
+    for one in study.rest:
+        whose = f"{one.spring}-{one.model}"
+        if one.curve is not None:
+            stem = names.free(f"static-{whose}")
+            write(
+                f"{stem}.nc", save_static_curve, one.curve, folder / f"{stem}.nc", study.provenance
+            )
+            write(
+                f"{stem}.csv",
+                lambda curve, path: write_text(path, static_table(curve).csv()),
+                one.curve,
+                folder / f"{stem}.csv",
+            )
+        if one.modes is not None:
+            stem = names.free(f"modes-{whose}")
+            write(
+                f"{stem}.nc", save_modal_result, one.modes, folder / f"{stem}.nc", study.provenance
+            )
+            write(
+                f"{stem}.csv",
+                lambda modes, path: write_text(path, frequency_table(modes).csv()),
+                one.modes,
+                folder / f"{stem}.csv",
+            )
+
+
+def static_table(curve: StaticCurve) -> Table:
+    """``compression`` (mm), ``force`` (N), ``stiffness`` (N/mm), ``closed turns`` (turns of wire
+    lying on the turn below).
+    """
+    pairs = curve.coil_gap.shape[1]
+    span = float(np.ptp(curve.upper_coil)) / max(pairs - 1, 1) if pairs else 0.0
+    closed = np.sum(curve.coil_contact_force > 0, axis=1) * span
+    return table(
+        ("compression", "mm", curve.compression * 1e3),
+        ("force", "N", np.asarray(curve.force)),
+        ("stiffness", "N/mm", curve.stiffness * 1e-3),
+        ("closed turns", "", closed.astype(float)),
+    )
+
+
+def frequency_table(result: ModalResult) -> Table:
+    """``natural frequency`` (Hz), ``transmission`` (size of the axial force-transmission residue,
+    largest 1) and ``axial`` of all modes.
+    """
+    residue = np.abs(np.asarray(result.axial_transmission, dtype=float))
+    axial = np.isin(np.arange(len(residue)), result.axial_modes)
+    share = residue / max(float(residue.max(initial=0.0)), 1e-300)
+    return table(
+        ("natural frequency", "Hz", np.asarray(result.natural_frequency)),
+        ("transmission", "", share),
+        ("axial", "", axial),
+    )
+
+
+def quantity_table(study: Study) -> Table:
+    """Every named number in SI: ``label``, ``engine speed`` (rpm; empty where none applies),
+    ``quantity``, ``value``, ``unit``.
+    """
+    items = list(study.quantities.items())
+    speeds = [None if key.engine_speed is None else rpm(key.engine_speed) for key, _ in items]
+    words = {"label": [key.label for key, _ in items], "quantity": [key.name for key, _ in items]}
+    units = [definition_of(key.name).si_unit for key, _ in items]
+    return table(
+        ("label", "", np.array(words["label"], dtype=object)),
+        ("engine speed", "rpm", np.array(speeds, dtype=object)),
+        ("quantity", "", np.array(words["quantity"], dtype=object)),
+        ("value", "SI", np.array([float(value) for _, value in items])),
+        ("unit", "", np.array(units, dtype=object)),
+    )
+
+
+def event_table(study: Study) -> Table:
+    """Every event of every run, details included where they are told."""
+    rows = [
+        (
+            run.label,
+            rpm(run.engine_speed),
+            event.kind,
+            event.where,
+            float(np.degrees(event.cam_angle) % 360),
+            event.duration * 1e3,
+            event.size,
+            event.unit,
+            event.details.get("lower_coil"),
+            event.details.get("upper_coil"),
+            event.details.get("impulse"),
+            event.details.get("energy"),
+            event.details.get("cause", ""),
+        )
+        for run in study.solutions
+        for event in run.events
+    ]
+    names = (
+        ("label", ""), ("engine speed", "rpm"), ("event", ""), ("place", ""), ("cam angle", "deg"), ("duration", "ms"), ("size", ""),
+        ("unit", ""), ("lower coil", ""), ("upper coil", ""), ("impulse", "N s"), ("energy", "J"), ("cause", ""),
+    )  # fmt: skip
+    return table(
+        *(
+            (name, unit, np.array([row[place] for row in rows], dtype=object))
+            for place, (name, unit) in enumerate(names)
+        )
+    )
+
+
+def sweep_table(study: Study, label: str) -> Table:
+    """All quantities of one label over the engine speed in the units shown; cam orders stand in a
+    table of their own.
+    """
+    runs = study.runs(label)
+    names = [
+        name
+        for name in dict.fromkeys(name for run in runs for name in run.quantities)
+        if not name.startswith("surge_order_")
+    ]
+    columns = [("engine speed", "rpm", np.array([rpm(run.engine_speed) for run in runs]))]
+    columns.append(("status", "", np.array([run.status.code for run in runs], dtype=object)))
+    for name in names:
+        values, unit = shown(name, study.series(label, name)[1])
+        columns.append((label_of(name), unit, values))
+    return table(*columns)

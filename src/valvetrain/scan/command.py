@@ -1,0 +1,263 @@
+"""``valvetrain scan``: a point cloud or mesh of a spring in, its definition out, and its design
+beside it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from valvetrain.cli.options import (
+    JsonOption,
+    OpenOption,
+    OutputOption,
+    QuietOption,
+    SpeedOption,
+    SpringOption,
+    WorkersOption,
+    asks,
+    read_engine_speeds,
+    read_models,
+    read_workers,
+    take_folder,
+)
+from valvetrain.cli.study_command import Kept, keep_run, show_page
+from valvetrain.errors import InputError
+
+if TYPE_CHECKING:
+    from rich.console import Console
+
+    from valvetrain.scan.compare import ScanComparison
+    from valvetrain.scan.result import ScannedSpring
+
+
+def register(app: typer.Typer) -> None:
+    """Add the command."""
+    app.command("scan")(scan)
+
+
+def scan(
+    file: Annotated[
+        Path,
+        typer.Argument(
+            metavar="FILE",
+            help="Point cloud or mesh: PLY, STL, OBJ or text with x, y, z; read by content.",
+        ),
+    ],
+    unit: Annotated[
+        str,
+        asks(
+            "--unit",
+            "UNIT",
+            "Unit of the coordinates, such as mm, m or inch, where the file gives none.",
+        ),
+    ] = "",
+    material: Annotated[
+        str,
+        asks("--material", "NAME", "Wire by name (default: the design's, else EN 10270-2 VDSiCr)."),
+    ] = "",
+    name: Annotated[
+        str, typer.Option("--name", metavar="NAME", help="Name of the spring in the results.")
+    ] = "spring",
+    turn_over: Annotated[
+        bool,
+        typer.Option(
+            "--turn-over", help="Swap the ends: the end taken as upper becomes the lower one."
+        ),
+    ] = False,
+    points: Annotated[
+        int,
+        typer.Option(
+            "--points", metavar="N", help="Largest number of points in the fit, drawn evenly."
+        ),
+    ] = 100_000,
+    design: Annotated[
+        str | None,
+        asks("--design", "CASE", "Case of the design: curves, statics, modes, runs beside it."),
+    ] = None,
+    engine_speed: SpeedOption = None,
+    spring: SpringOption = None,
+    output: OutputOption = None,
+    workers: WorkersOption = None,
+    open_page: OpenOption = False,
+    as_json: JsonOption = False,
+    quiet: QuietOption = False,
+) -> None:
+    """Spring definition from a 3-D scan: wire axis, section, diameter and pitch with their scatter;
+    compared with its design.
+    """
+    from valvetrain.cli.progress import announce_compilation, busy, progress_bar
+    from valvetrain.parameters.loading import load_case
+    from valvetrain.parameters.material import material_by_name
+    from valvetrain.scan.reconstruct import spring_from_scan
+
+    take_folder(output)
+    if design is None and (engine_speed is not None or spring):
+        raise InputError(
+            "speeds are run with the lift of a design; name its case with --design", "--design"
+        )
+    if design is not None and turn_over:
+        raise InputError(
+            "with a design the scan stands as its curves do; leave --turn-over out", "--turn-over"
+        )
+    if design is not None and material:
+        raise InputError(
+            "with a design the wire is of its material; leave --material out", "--material"
+        )
+    speeds, models, case = (
+        read_engine_speeds(engine_speed),
+        read_models(spring),
+        None if design is None else load_case(design),
+    )
+    if case is not None:
+        from valvetrain.scan.compare import compare_scan, design_spring
+
+        design_spring(case)
+    steel = material_by_name(material) if material else None
+    created_at, count = datetime.now(UTC).replace(microsecond=0), read_workers(workers)
+    with busy("fitting the wire to the points"):
+        found = spring_from_scan(
+            file, unit=unit, material=steel, name=name, turn_over=turn_over, points=points
+        )
+    compared = None
+    if case is not None:
+        announce_compilation("statics")
+        with progress_bar("design and scan") as report:
+            compared = compare_scan(
+                found,
+                case,
+                speeds,
+                spring_models=models or ("finite-element",),
+                workers=count,
+                progress=report,
+            )
+    _deliver(
+        _Asked(name, output, created_at, open_page), compared.scan if compared else found, compared
+    )
+
+
+@dataclass(frozen=True)
+class _Asked:
+    """Where an answer goes."""
+
+    name: str
+    output: Path | None
+    created_at: datetime
+    open_page: bool
+
+
+def _deliver(asked: _Asked, found: ScannedSpring, compared: ScanComparison | None) -> None:
+    """Keep the folder (page, spring, curves, run.json) and tell."""
+    from valvetrain.cli.outcome import Outcome, deliver
+    from valvetrain.cli.progress import busy
+    from valvetrain.parameters.loading import parse_case
+    from valvetrain.report.page import render
+    from valvetrain.scan.page import scan_page, scan_text, write_scan
+    from valvetrain.solution.atomic import write_text
+
+    text = scan_text(found, None if compared is None else compared.cases[1].springs[0])
+    data = _data(found, compared)
+    pages: list[Path] = []
+
+    def fill(folder: Path) -> list[Path]:
+        pages.append(write_text(folder / "report.html", render(scan_page(found, compared))))
+        return [*write_scan(found, folder, text), *pages]
+
+    with busy("writing files"):
+        kept = Kept("scan", parse_case(text, "scan"), asked.output, asked.created_at)
+        folder, files = keep_run(kept, text, {"name": asked.name}, data, fill)
+    if asked.open_page:
+        show_page(pages[0])
+    data |= {"folder": str(folder), "files": files, "page": str(pages[0])}
+    deliver(
+        Outcome(
+            data,
+            lambda console: _show(console, found, compared, folder, pages[0]),
+            () if compared is None else compared.failures,
+        )
+    )
+
+
+def _data(found: ScannedSpring, compared: ScanComparison | None) -> dict[str, Any]:
+    """The JSON answer, SI."""
+
+    def spread(pair: tuple[float, float]) -> dict[str, float]:
+        return {"value": pair[0], "standard_deviation": pair[1]}
+
+    curves, section, wire = found.curves, found.section, found.definition
+    data: dict[str, Any] = {
+        "command": "scan", "case": "", "completed": compared is None or not compared.failures, "form": found.form, "unit": found.unit,
+        "points_read": found.points_read, "points_fitted": found.points_fitted, "points_on_wire": found.points_on_wire,
+        "noise": found.noise, "hand": found.hand, "total_coils": spread(found.total_coils), "free_length": spread(found.free_length),
+        "wire_diameter": spread(section.diameter), "ovate": section.ovate, "long_axis": spread(section.long_axis),
+        "short_axis": spread(section.short_axis), "inclination": section.inclination,
+        "axis": {"point": found.axis_point.tolist(), "direction": found.axis_direction.tolist()},
+        "ends": {
+            word: {"kind": end.kind, "ground_coils": coil.ground_coils, "face_points": end.face_points, "face_lean": end.face_lean}
+            for word, end, coil in (("lower", found.lower_end, wire.lower_end), ("upper", found.upper_end, wire.upper_end))
+        },
+        "curves": {
+            key: getattr(curves, key).tolist()
+            for key in ("coil", "mean_diameter", "mean_diameter_spread", "height", "height_spread", "pitch", "pitch_spread", "centre_line")
+        },
+        "turns": [dict(zip(("coil", "wire_diameter", "standard_deviation", "points"), row, strict=True)) for row in section.turns.tolist()],
+        "notes": list(found.notes),
+    }  # fmt: skip
+    if compared is not None:
+        data["design"] = compared.cases[0].name
+        data["compared"] = [
+            {
+                "quantity": one.quantity,
+                "label": one.label,
+                "engine_speed": one.engine_speed,
+                "design": one.design,
+                "scan": one.scanned,
+            }
+            for one in compared.numbers
+        ]
+        data["failures"] = list(compared.failures)
+    return data
+
+
+def _show(
+    console: Console,
+    found: ScannedSpring,
+    compared: ScanComparison | None,
+    folder: Path,
+    page: Path,
+) -> None:
+    from valvetrain.cli.tables import plain_table
+    from valvetrain.scan.page import compared_rows, scan_rows
+
+    console.print(f"{found!r}", soft_wrap=True)
+    console.print(
+        f"read as {found.form} in {found.unit}: {found.points_read} points, {found.points_on_wire} on the wire",
+        soft_wrap=True,
+    )
+    console.print()
+    rows = [
+        (words, value, spread and f"±{spread}", unit)
+        for words, value, spread, unit in scan_rows(found)
+    ]
+    console.print(plain_table(("", "value", "95 %", ""), rows, right=(1, 2)))
+    console.print()
+    if compared is not None:
+        console.print(
+            plain_table(
+                ("", "run", "design", "scan", "", "difference"),
+                compared_rows(compared),
+                right=(2, 3, 5),
+            )
+        )
+        console.print()
+    for note in found.notes:
+        console.print(f"{note[:1].upper()}{note[1:]}.", soft_wrap=True)
+    console.print()
+    console.print(
+        f"the spring for a case file: {folder / 'spring.toml'}; curves: {folder / 'curves.csv'}; page: {page}",
+        soft_wrap=True,
+    )

@@ -1,0 +1,325 @@
+"""A scanned spring beside its design: the same analyses of both, side by side."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from valvetrain.errors import InputError
+from valvetrain.parameters.case import Case
+from valvetrain.parameters.installed_spring import InstalledSpring
+from valvetrain.parameters.loading import AnyCase, case_of
+from valvetrain.parameters.spring import EndCoil, SpringDefinition
+from valvetrain.scan.definition import turned_over
+from valvetrain.scan.result import ScannedSpring
+from valvetrain.solution.modes import ModalResult
+from valvetrain.solution.static import SpringAtRest
+from valvetrain.solution.study import Study
+from valvetrain.springs.spec import spring_model
+from valvetrain.studies.api import Speeds, simulate
+from valvetrain.studies.engine import Progress
+from valvetrain.studies.rest_study import rest_study
+
+Array = NDArray[np.float64]
+#: Natural frequencies that are sought, and axial ones that are compared.
+MODES, AXIAL = 24, 3
+#: Share by which the frequency of a mode may differ from the design's.
+ALIKE = 0.15
+#: How notes begin on what a scan alone assumes and a design tells.
+ASSUMED = ("a scan does not give the material", "the ground turns of the")
+#: Quantities of springs at rest that are compared, in this order.
+AT_REST = (
+    "preload", "installed_rate", "free_length", "installed_height", "coil_bind_lift", "solid_height", "active_coil_count",
+    "estimated_surge_frequency",
+)  # fmt: skip
+
+
+@dataclass(frozen=True, slots=True)
+class ComparedNumber:
+    """One quantity of the design and of the scanned spring, SI; ``engine_speed`` (rad/s) None where
+    it belongs to none.
+    """
+
+    quantity: str
+    label: str
+    engine_speed: float | None
+    design: float
+    scanned: float
+
+
+@dataclass(frozen=True, eq=False)
+class ScanComparison:
+    """A scanned spring beside its design.
+
+    ``scan``: standing as the design does; ``cases``, ``rest`` and ``runs``: design first, then
+    scanned; ``runs`` None without speeds;
+    ``numbers``: what both have.
+
+    >>> ComparedNumber("preload", "", None, design=288.9, scanned=288.6).scanned
+    288.6
+    """
+
+    scan: ScannedSpring
+    cases: tuple[Case, Case]
+    rest: tuple[Study, Study]
+    runs: tuple[Study, Study] | None
+    numbers: tuple[ComparedNumber, ...]
+
+    @property
+    def failures(self) -> tuple[str, ...]:
+        """A sentence per run that did not complete."""
+        studies = (*self.rest, *(self.runs or ()))
+        words = ("design", "scan") * 2
+        return tuple(
+            f"{word}: {one}"
+            for word, study in zip(words, studies, strict=False)
+            for one in study.failures
+        )
+
+    def number(
+        self, quantity: str, label: str = "", engine_speed: float | None = None
+    ) -> ComparedNumber:
+        """The one of ``quantity``; ``label`` and ``engine_speed`` (rad/s) where needed. Raises
+        :class:`InputError` unless one fits.
+        """
+        fits = [
+            one
+            for one in self.numbers
+            if one.quantity == quantity
+            and label in ("", one.label)
+            and engine_speed in (None, one.engine_speed)
+        ]
+        if len(fits) != 1:
+            raise InputError(
+                f"{len(fits) or 'no'} values of '{quantity[:60]}' fit; name its label and engine speed"
+            )
+        return fits[0]
+
+    def __repr__(self) -> str:
+        return f"ScanComparison of '{self.scan.source}' with '{self.cases[0].name}': {len(self.numbers)} quantities of both"
+
+
+def compare_scan(
+    scan: ScannedSpring,
+    design: AnyCase,
+    engine_speeds: Speeds | None = None,
+    *,
+    spring_models: Sequence[str] = ("finite-element",),
+    workers: int | None = None,
+    progress: Progress | None = None,
+) -> ScanComparison:
+    """The analyses of a design with its own spring and with the scanned one: static curve, natural
+    frequencies, runs at engine speeds.
+
+    The scanned spring takes material, damping, contacts, seats and options of the design's, and
+    stands at the same height between the
+    seats; its inactive turns reach as far beyond the ground ones as the design's do. It is turned
+    over where the design asks for it.
+
+    Parameters
+    ----------
+    scan : what :func:`spring_from_scan` found
+    design : Case, name or path of a case with one spring known by its wire
+    engine_speeds : speeds of the crank, "5600 rpm", rad/s or pint quantities; nothing is run
+    without any
+    spring_models : words of the spring models that run
+    workers : runs at a time; results do not depend on it
+    progress : told the share done and what was done
+
+    Returns
+    -------
+    ScanComparison
+
+    Raises
+    ------
+    InputError : a design without a wire or with two springs, a scanned spring that is too short for
+    the installed height
+
+    Examples
+    --------
+    >>> import valvetrain as vt
+    >>> import pathlib, tempfile
+    >>> import numpy as np
+    >>> draw = np.random.default_rng(1)
+    >>> turn, around = draw.uniform(0, 6, 4000), draw.uniform(0, 6.2832, 4000)  # the spring of job-t: 4 mm, 24 mm, 7.5 mm per turn
+    >>> radius = 12 + 2 * np.cos(around)
+    >>> spring = np.column_stack([radius * np.cos(6.2832 * turn), radius * np.sin(6.2832 * turn), 7.5 * turn + 2 * np.sin(around)])
+    >>> file = pathlib.Path(tempfile.mkdtemp(), "scan.xyz")
+    >>> np.savetxt(file, spring + draw.normal(0, 0.03, spring.shape), fmt="%.4f")
+    >>> coarse = {"springs.0.options": {"finite-element": {"elements_per_coil": 8}}}
+    >>> found = compare_scan(vt.spring_from_scan(file, unit="mm"), vt.load_case("job-t").replace(coarse))
+    >>> one = found.number("preload")
+    >>> bool(abs(one.scanned / one.design - 1) < 0.02)
+    True
+    """
+    case = replace(case_of(design), published=())
+    installed = design_spring(case)
+    assert installed.wire is not None
+    upright = stands_as(scan, installed.wire)
+    scanned = replace(
+        case,
+        springs=(as_installed(upright, installed),),
+        title=f"{case.title or case.name}, as scanned",
+    )
+    cases = (case, scanned)
+
+    def told(share: float, done: float, words: str) -> None:
+        if progress is not None:
+            progress(share + 0.5 * done, words)
+
+    rest = tuple(rest_study(one, command="modes", modes=MODES, implausible=True) for one in cases)
+    runs = None
+    if engine_speeds is not None:
+        for word in spring_models:
+            spring_model(word, "--spring")
+        runs = tuple(
+            simulate(
+                one,
+                engine_speeds,
+                spring_models=spring_models,
+                workers=workers,
+                progress=lambda done, words, first=0.5 * place: told(first, done, words),
+            )  # type: ignore[misc]
+            for place, one in enumerate(cases)
+        )
+    numbers = (
+        *_at_rest(cases, rest[0], rest[1]),
+        *(() if runs is None else _in_motion(runs[0], runs[1])),
+    )
+    notes = tuple(one for one in upright.notes if not one.startswith(ASSUMED))
+    upright = replace(
+        upright,
+        notes=(
+            *notes,
+            f"material, damping, contacts and inactive turns are those of the design '{case.name}'",
+        ),
+    )
+    return ScanComparison(
+        upright, cases, (rest[0], rest[1]), None if runs is None else (runs[0], runs[1]), numbers
+    )
+
+
+def design_spring(case: Case) -> InstalledSpring:
+    """The one spring of a design, known by its wire; raises :class:`InputError` for any other case."""
+    case.require_spring()
+    if len(case.springs) != 1:
+        raise InputError(
+            f"design '{case.name}' has {len(case.springs)} springs; give a case with the one that was scanned",
+            "--design",
+        )
+    return case.springs[0]
+
+
+def stands_as(scan: ScannedSpring, design: SpringDefinition) -> ScannedSpring:
+    """The scan on the end that makes its curves those of the design as nearly as may be."""
+    other = turned_over(scan)
+    return min((scan, other), key=lambda one: _apart(one.definition, design))
+
+
+def _apart(wire: SpringDefinition, design: SpringDefinition) -> float:
+    share = np.linspace(0.05, 0.95, 200)
+    apart = [
+        getattr(wire, law).value(share * wire.total_coils)
+        - getattr(design, law).value(share * design.total_coils)
+        for law in ("mean_diameter", "pitch")
+    ]
+    return float(sum(np.mean(one**2) for one in apart))
+
+
+def as_installed(scan: ScannedSpring, design: InstalledSpring) -> InstalledSpring:
+    """The scanned wire in the place of the design's. Raises :class:`InputError` where it is too
+    short for the installed height.
+    """
+    wire, height = design.wire, design.installed_height
+    assert wire is not None and height is not None
+    compression = scan.free_length[0] - height
+    if compression < -1e-6:
+        raise InputError(
+            f"the scanned spring is {1e3 * scan.free_length[0]:.2f} mm long, shorter than the {1e3 * height:.2f} mm between the seats of "
+            "the design; check the unit of the scan or give another design",
+            "--design",
+        )
+    ends = [
+        _end(own, other)
+        for own, other in (
+            (scan.definition.lower_end, wire.lower_end),
+            (scan.definition.upper_end, wire.upper_end),
+        )
+    ]
+    own = scan.definition.replace(
+        material=wire.material, name=wire.name, lower_end=ends[0], upper_end=ends[1]
+    )
+    return replace(design, wire=own, precompression=max(compression, 0.0))
+
+
+def _end(own: EndCoil, other: EndCoil) -> EndCoil:
+    beyond = (
+        other.inactive_coils - other.ground_coils if "ground" in own.kind else other.inactive_coils
+    )
+    inactive = own.ground_coils + beyond if "ground" in own.kind else beyond
+    return EndCoil(own.kind, float(np.clip(inactive, 0.0, 3.0)), own.ground_coils)
+
+
+def _at_rest(cases: tuple[Case, Case], design: Study, scanned: Study) -> list[ComparedNumber]:
+    from valvetrain.quantities.design import design_quantities
+
+    found = []
+    values = [
+        design_quantities(case.springs[0]) | _of_curve(study.rest[0], case.springs[0])
+        for case, study in zip(cases, (design, scanned), strict=True)
+    ]
+    for name in AT_REST:
+        if all(name in one for one in values):
+            found.append(ComparedNumber(name, "", None, values[0][name], values[1][name]))
+    modes = [study.rest[0].modes for study in (design, scanned)]
+    if modes[0] is not None and modes[1] is not None:
+        for place, frequency in enumerate(modes[0].axial_frequencies[:AXIAL].tolist()):
+            other = _same_mode(frequency, modes[1])
+            if other is not None:
+                found.append(
+                    ComparedNumber(f"mode_{place + 1}_frequency", "", None, frequency, other)
+                )
+    return found
+
+
+def _same_mode(frequency: float, modes: ModalResult) -> float | None:
+    """Of the modes near a frequency (Hz) the one that carries most of a push from end to end; which
+    is called axial is a threshold.
+    """
+    near = np.flatnonzero(np.abs(modes.natural_frequency / frequency - 1) < ALIKE)
+    return (
+        float(modes.natural_frequency[near[np.argmax(np.abs(modes.axial_transmission[near]))]])
+        if len(near)
+        else None
+    )
+
+
+def _of_curve(rest: SpringAtRest, spring: InstalledSpring) -> dict[str, float]:
+    curve, at = rest.curve, spring.precompression
+    if curve is None or not len(curve.compression) or at > curve.compression[-1]:
+        return {}
+    known = curve.path or curve
+    return {
+        "preload": curve.force_at(at),
+        "installed_rate": float(np.interp(at, known.compression, known.stiffness)),
+    }
+
+
+def _in_motion(design: Study, scanned: Study) -> list[ComparedNumber]:
+    """Quantities of runs that both have, by speed and model."""
+    other = {
+        (key.name, key.label, key.engine_speed): value for key, value in scanned.quantities.items()
+    }
+    found = []
+    for key, value in design.quantities.items():
+        place = key.name, key.label, key.engine_speed
+        if key.engine_speed is not None and place in other:
+            found.append(
+                ComparedNumber(
+                    key.name, key.label, key.engine_speed, float(value), float(other[place])
+                )
+            )
+    return found

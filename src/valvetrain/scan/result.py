@@ -1,0 +1,117 @@
+"""What a scan tells of a spring: curves over the coil number with their scatter, section, ends, and
+the spring definition.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from valvetrain.parameters.spring import SpringDefinition
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class ScanCurves:
+    """Curves of a scanned spring over the ``coil`` number from the lower tip; SI, arrays (k,), each
+    with its standard deviation.
+
+    ``height``: of the wire axis above the lower seat plane; ``pitch``: its rise per turn.
+    """
+
+    coil: Array
+    mean_diameter: Array
+    mean_diameter_spread: Array
+    height: Array
+    height_spread: Array
+    pitch: Array
+    pitch_spread: Array
+    centre_line: Array
+
+
+@dataclass(frozen=True, eq=False)
+class WireSection:
+    """Section of the wire in the plane normal to it, SI.
+
+    ``diameter``: of the round wire that stands for it, with standard deviation; ``long_axis``,
+    ``short_axis``: of the ellipse, equal for
+    a round wire; ``inclination`` (rad) of the long axis from the radius; ``turns``: coil, mean
+    diameter, its standard deviation and
+    points of each turn (k, 4); ``shown``: some points, along the radius and along the axis of the
+    spring, (n, 2).
+    """
+
+    diameter: tuple[float, float]
+    long_axis: tuple[float, float]
+    short_axis: tuple[float, float]
+    inclination: float
+    turns: Array
+    shown: Array
+
+    @property
+    def ovate(self) -> bool:
+        """Whether an ellipse fits better than a circle by more than chance."""
+        return self.long_axis != self.short_axis
+
+
+@dataclass(frozen=True, slots=True)
+class ScannedEnd:
+    """One end: ``kind`` as of an end coil, ``face_points`` on its ground face (0: none),
+    ``face_lean`` (rad) against the axis, scatter of
+    the tip in turns."""
+
+    kind: str
+    face_points: int
+    face_lean: float
+    tip_spread: float
+
+
+@dataclass(frozen=True, eq=False)
+class ScannedSpring:
+    """A spring out of a scan, made by :func:`spring_from_scan`; SI.
+
+    ``definition``: the spring for a case; ``curves``, ``section``, ``lower_end`` and ``upper_end``:
+    what was measured; ``total_coils`` and
+    ``free_length`` with standard deviations; ``axis_point`` and ``axis_direction``: in the file's
+    frame, towards the upper end; ``noise``:
+    standard deviation of a point from the surface; ``residuals``: distances of the points from it
+    (n,); ``points_read``,
+    ``points_fitted``, ``points_on_wire``; ``shown``: some points in the file's frame (n, 3);
+    ``notes``: what was found or assumed.
+
+    >>> ScannedEnd("closed-ground", 900, 0.01, 0.002).kind
+    'closed-ground'
+    """
+
+    source: str
+    form: str
+    unit: str
+    definition: SpringDefinition
+    curves: ScanCurves
+    section: WireSection
+    lower_end: ScannedEnd
+    upper_end: ScannedEnd
+    total_coils: tuple[float, float]
+    free_length: tuple[float, float]
+    axis_point: Array
+    axis_direction: Array
+    noise: float
+    residuals: Array
+    points_read: int
+    points_fitted: int
+    points_on_wire: int
+    shown: Array
+    notes: tuple[str, ...]
+
+    @property
+    def hand(self) -> str:
+        """Right or left."""
+        return self.definition.hand
+
+    def __repr__(self) -> str:
+        wire, turns = 1e3 * self.section.diameter[0], self.total_coils[0]
+        shape = f"{self.definition.hand} hand, {turns:.2f} turns of {wire:.2f} mm wire, free length {1e3 * self.free_length[0]:.2f} mm"
+        return f"ScannedSpring '{self.definition.name}': {shape}; noise {1e6 * self.noise:.0f} um"

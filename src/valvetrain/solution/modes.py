@@ -1,0 +1,179 @@
+"""Modes of a spring about a compressed state."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from valvetrain.errors import InputError
+from valvetrain.solution.display import Figure, frame, plotted, table, words
+from valvetrain.solution.status import COMPLETED, Status
+
+if TYPE_CHECKING:
+    import pandas
+
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class ModalResult:
+    """All modes found about the state at ``compression`` (m).
+
+    ``natural_frequency`` (mode) Hz, ascending; ``shape`` (mode, wire_point, 3), largest component
+    1, z along the spring;
+    ``coil_number`` (wire_point); ``axial_transmission`` (mode): force-transmission residue, how
+    much of an axial push at
+    one end each mode carries to the other; ``axial_modes``: indices of the axial modes, ascending
+    in frequency.
+    ``attached_mass`` (kg) moves along the axis with the retainer, 0 for a free end; None: both ends
+    are fixed.
+
+    >>> import numpy as np
+    >>> result = ModalResult(8e-3, np.array([430.0, 610.0]), np.zeros((2, 5, 3)), np.linspace(0, 6, 5), np.array([0.9, 0.0]), (0,))
+    >>> result.axial_frequencies.tolist()
+    [430.0]
+    """
+
+    compression: float
+    natural_frequency: Array
+    shape: Array
+    coil_number: Array
+    axial_transmission: Array
+    axial_modes: tuple[int, ...]
+    status: Status = COMPLETED
+    attached_mass: float | None = None
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "axial_modes", tuple(int(index) for index in self.axial_modes))
+        modes, points = len(self.natural_frequency), len(self.coil_number)
+        for name, shape in {"shape": (modes, points, 3), "axial_transmission": (modes,)}.items():
+            if np.shape(getattr(self, name)) != shape:
+                raise InputError(
+                    f"{name} of a modal result must have shape {shape}; it has {np.shape(getattr(self, name))}"
+                )
+        if any(not 0 <= index < modes for index in self.axial_modes):
+            raise InputError(
+                f"axial_modes of a modal result must lie between 0 and {modes - 1}; they are {self.axial_modes}"
+            )
+
+    @property
+    def axial_frequencies(self) -> Array:
+        """Natural frequencies (Hz) of the axial modes, ascending."""
+        return np.asarray(self.natural_frequency)[list(self.axial_modes)]
+
+    def __repr__(self) -> str:
+        first = ", ".join(f"{one:.5g}" for one in self.axial_frequencies[:6])
+        more = ", ..." if len(self.axial_modes) > 6 else ""
+        lines = [
+            f"ModalResult at {words(self.compression, 'm')} compression, {len(self.shape)} modes, {self.status.sentence()}"
+        ]
+        return "\n  ".join(
+            [*lines, f"{len(self.axial_modes)} axial: {first}{more} Hz"] if first else lines
+        )
+
+    def _repr_html_(self) -> str:
+        kinds = [
+            "axial" if index in self.axial_modes else ""
+            for index in range(len(self.natural_frequency))
+        ]
+        numbers = zip(self.natural_frequency, self.axial_transmission, kinds, strict=True)
+        rows = [
+            (str(number), words(one, "Hz"), f"{share:.3g}", kind)
+            for number, (one, share, kind) in enumerate(numbers, start=1)
+        ]
+        return table(repr(self), ("mode", "natural frequency", "axial transmission", ""), rows)
+
+    def to_pandas(self) -> pandas.DataFrame:
+        """One row per mode: natural frequency (Hz), axial transmission, whether it is axial."""
+        numbers = np.arange(1, len(self.natural_frequency) + 1)
+        columns = {
+            "mode": numbers, "natural_frequency": self.natural_frequency, "axial_transmission": self.axial_transmission,
+            "axial": np.isin(numbers - 1, self.axial_modes),
+        }  # fmt: skip
+        return frame(columns, "mode", {"natural_frequency": "Hz", "axial_transmission": "1"})
+
+    def plot(self) -> Figure:
+        """Axial displacement of the axial modes over the coils as a plotly figure."""
+        return plotted("plot_modes", self)
+
+
+@dataclass(frozen=True, eq=False)
+class TrainModes:
+    """Undamped modes of a train with its springs about rest at ``cam_angle`` (rad) and
+    ``valve_lift`` (m).
+
+    ``natural_frequency`` (mode,) Hz, ascending; 0 of a body that an open contact leaves free.
+    ``parts``: bodies of the train, then its
+    springs. ``shape`` (mode, body): displacement (m) or turn (rad) of every body, the largest
+    travel 1 where a turn counts by its radius
+    of gyration; zero of a mode that only a spring moves in. ``energy_share`` (mode, part): share of
+    each part in the kinetic energy.
+    ``closed``, ``open``: contacts that press there, and those that do not and count for nothing.
+
+    >>> import valvetrain as vt
+    >>> found = vt.train_modes("tdi-pushrod", spring_models=["massless"], spring_sets=["stock"])[0]
+    >>> isinstance(found, TrainModes), bool(found.natural_frequency[-1] > 1000)
+    (True, True)
+    """
+
+    label: str
+    state: str
+    cam_angle: float
+    valve_lift: float
+    natural_frequency: Array
+    bodies: tuple[str, ...]
+    parts: tuple[str, ...]
+    shape: Array
+    energy_share: Array
+    closed: tuple[str, ...] = ()
+    open: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        modes = len(self.natural_frequency)
+        for name, shape in {
+            "shape": (modes, len(self.bodies)),
+            "energy_share": (modes, len(self.parts)),
+        }.items():
+            if np.shape(getattr(self, name)) != shape:
+                raise InputError(
+                    f"{name} of the modes of a train must have shape {shape}; it has {np.shape(getattr(self, name))}"
+                )
+
+    def moving(self, mode: int, least: float = 0.15) -> str:
+        """Parts that carry ``least`` of the kinetic energy of a mode (from 0) or more, most first:
+        ``valve 62 %, spring 30 %``.
+        """
+        shares = self.energy_share[mode]
+        order = [
+            place for place in np.argsort(-shares, kind="stable").tolist() if shares[place] >= least
+        ] or [int(np.argmax(shares))]
+        return ", ".join(
+            f"{self.parts[place]} {shares[place]:.0%}".replace("%", " %") for place in order
+        )
+
+    def __repr__(self) -> str:
+        first = ", ".join(f"{one:.5g}" for one in self.natural_frequency[:6])
+        more = ", ..." if len(self.natural_frequency) > 6 else ""
+        return f"TrainModes of {self.label}, {self.state}, {words(self.valve_lift, 'm')} of lift\n  {first}{more} Hz"
+
+    def _repr_html_(self) -> str:
+        rows = [
+            (str(place + 1), words(one, "Hz"), self.moving(place))
+            for place, one in enumerate(self.natural_frequency)
+        ]
+        return table(repr(self), ("mode", "natural frequency", "moving"), rows)
+
+    def to_pandas(self) -> pandas.DataFrame:
+        """One row per mode: natural frequency (Hz), and the share of every part in the kinetic
+        energy.
+        """
+        columns = {
+            "mode": np.arange(1, len(self.natural_frequency) + 1),
+            "natural_frequency": self.natural_frequency,
+        }
+        columns |= {part: self.energy_share[:, place] for place, part in enumerate(self.parts)}
+        return frame(columns, "mode", {"natural_frequency": "Hz"} | dict.fromkeys(self.parts, "1"))

@@ -1,0 +1,493 @@
+"""A spring definition behind a table of forces: active turns and a pitch law whose coils close
+where the table says, with intervals.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import least_squares
+
+from valvetrain.errors import InputError
+from valvetrain.measured.force_height import FEWEST, ForceHeight
+from valvetrain.parameters.constructors import RAMP
+from valvetrain.parameters.curves import Constant, PiecewiseLinear
+from valvetrain.parameters.installed_spring import InstalledSpring
+from valvetrain.parameters.spring import EndCoil, SpringDefinition
+from valvetrain.spring_card.card import (
+    POSSIBLE_INACTIVE,
+    CatalogueCard,
+    SpringLoad,
+    Winding,
+    first_winding,
+)
+from valvetrain.spring_card.fit import forces_at
+from valvetrain.springs.spec import spring_model
+from valvetrain.studies.rest_points import point_of
+
+Array = NDArray[np.float64]
+Closes = Literal["lower", "upper", "both"]
+#: Places along the wire and forces on which the closing of the coils is computed; stiffness of
+#: closed coils (N/m).
+PLACES, FORCES, CLOSED = 481, 400, 1e8
+#: Corrections by the rod, and the change of its forces (of their largest) below which they end.
+CORRECTIONS, SETTLED = 8, 3e-4
+#: Scatter of a station before it is known, and the least that is believed, as shares of the largest
+#: force.
+FIRST_SCATTER, LEAST_SCATTER = 3e-3, 2e-4
+#: Standard deviations of the rise of the gap from station to station and of the change of that
+#: rise, in wire diameters: what is usual
+#: among progressive springs. They decide where the table does not.
+RISE, BEND = 0.5, 0.15
+#: What a height of a table is true to (m): where the force rises steeply, it decides how well a
+#: station is known.
+HEIGHT_SCATTER = 20e-6
+
+
+@dataclass(frozen=True)
+class PitchLaw:
+    """How numbers become a spring: active turns, the first gap and the steps to the next ones, from
+    the end that closes first.
+    """
+
+    card: CatalogueCard
+    total: float | None
+    ground: float
+    closes: Closes
+    stations: int
+
+    def winding(self, active: float) -> tuple[float, float]:
+        """All turns, and inactive turns at either end."""
+        if self.total is None:
+            return active + 2.0, 1.0
+        return self.total, (self.total - active) / 2
+
+    def gaps(self, steps: Array) -> Array:
+        """Gap (m) at each station along the wire."""
+        rising: Array = np.cumsum(steps)
+        if self.closes == "lower":
+            return rising
+        if self.closes == "upper":
+            return rising[::-1]
+        half = rising[: (self.stations + 1) // 2]
+        return np.concatenate([half, half[::-1][self.stations % 2 :]])
+
+    @property
+    def steps(self) -> int:
+        """Numbers behind the gaps."""
+        return (self.stations + 1) // 2 if self.closes == "both" else self.stations
+
+    def places(self, active: float) -> Array:
+        """Coil numbers (turns) of the stations."""
+        total, inactive = self.winding(active)
+        return np.linspace(inactive + RAMP / 2, total - inactive - RAMP / 2, self.stations)
+
+    def definition(self, numbers: Array) -> SpringDefinition:
+        """The spring of ``numbers``: active turns, then steps of the gaps (m)."""
+        wire = self.card.wire_diameter
+        total, inactive = self.winding(numbers[0])
+        knots = np.concatenate(
+            [
+                [0.0, inactive - RAMP / 2],
+                self.places(numbers[0]),
+                [total - inactive + RAMP / 2, total],
+            ]
+        )
+        pitch = wire + np.concatenate([[0.0, 0.0], self.gaps(numbers[1:]), [0.0, 0.0]])
+        keep = np.append(True, np.diff(knots) > 1e-9)
+        end = EndCoil("closed-ground", inactive, self.ground)
+        return SpringDefinition(
+            Constant(wire),
+            self.card.mean_diameter(total),
+            PiecewiseLinear(tuple(knots[keep]), tuple(pitch[keep])),
+            total,
+            self.card.wire,
+            end,
+            end,
+            name=self.card.name,
+        )
+
+
+def closing_forces(definition: SpringDefinition, heights: Array) -> Array:
+    """Forces (N) at heights (m) of a wire in torsion whose turns close one after the other.
+
+    Under F the wire gives 8 D^3 / (G d^4) F per turn until the turn about a place has used up its
+    gap: x(F) = integral of
+    min(F c(u), gap(u)) du, gap(u) = rise over the turn about u less the wire.
+    """
+    coil = np.linspace(*definition.free_coils, PLACES)
+    low, high = np.maximum(coil - 0.5, 0.0), np.minimum(coil + 0.5, definition.total_coils)
+    wire = definition.wire_diameter.value(coil)
+    gap = np.maximum(
+        definition.axial_position(high) - definition.axial_position(low) - wire * (high - low), 0.0
+    )
+    give = (
+        8
+        * definition.mean_diameter.value(coil) ** 3
+        / (definition.material.shear_modulus * wire**4)
+    )
+    force = np.linspace(0.0, 3 * float(np.max(gap / give)) + 1.0, FORCES)
+    shorter = np.trapezoid(np.minimum(force[:, None] * give, gap), coil, axis=1) + force / CLOSED
+    found: Array = np.interp(definition.free_length - heights, shorter, force)
+    return found
+
+
+def fit_closing(
+    law: PitchLaw, start: Winding, active: float, heights: Array, forces: Array
+) -> tuple[Array, Array, float]:
+    """Numbers of ``law``, their covariance and the scatter (N): least squares on closing coils,
+    with the difference to the rod added.
+
+    Closing coils have slopes everywhere and one best answer, which the rod, whose coils close node
+    after node, has not.
+    """
+    wire, top = law.card.wire_diameter, float(np.max(forces))
+    even = max(
+        (start.free_length - wire * (start.total_coils + 1 - 2 * start.ground))
+        / max(active - RAMP, 0.5),
+        0.05 * wire,
+    )
+    numbers = np.append(active, np.where(np.arange(law.steps) == 0, even, 0.05 * wire))
+    most = 40.0 if law.total is None else law.total - 2 * POSSIBLE_INACTIVE[0]
+    least = 1.0 if law.total is None else max(law.total - 2 * POSSIBLE_INACTIVE[1], 0.6)
+    low, high = (
+        np.append(least, np.full(law.steps, 1e-6 * wire)),
+        np.append(most, np.full(law.steps, 20 * wire)),
+    )
+    numbers = np.clip(numbers, low * 1.001, high * 0.999)
+    scatter, apart = FIRST_SCATTER * top, np.zeros(len(heights))
+    steps = np.append(1e-4, np.full(law.steps, 1e-4 * wire))
+
+    def misses(values: Array) -> Array:
+        rise = values[2:] / wire
+        found = closing_forces(law.definition(values), heights) + apart
+        return np.concatenate(
+            [(found - forces) / np.hypot(scatter, steep), rise / RISE, np.diff(rise) / BEND]
+        )
+
+    def slopes(values: Array) -> Array:
+        here, columns = misses(values), []
+        for place, step in enumerate(steps):
+            away = step if values[place] + step <= high[place] else -step
+            columns.append(
+                (misses(values + np.where(np.arange(len(values)) == place, away, 0.0)) - here)
+                / away
+            )
+        return np.array(columns).T
+
+    steep = HEIGHT_SCATTER * np.gradient(-forces, heights)
+    for number in range(CORRECTIONS):
+        found = least_squares(
+            misses,
+            numbers,
+            jac=slopes,
+            bounds=(low, high),
+            x_scale=np.append(0.1, np.full(law.steps, 0.1 * wire)),
+        )
+        numbers, before = found.x, apart
+        definition = law.definition(numbers)
+        rod = forces_by_rod(definition, heights)
+        left = rod - forces
+        spare = max(len(heights) - len(numbers), 1)
+        scatter = max(float(np.sqrt(left @ left / spare)), LEAST_SCATTER * top)
+        apart = rod - closing_forces(definition, heights)
+        if float(np.max(np.abs(apart - before))) < SETTLED * top:
+            break
+        if number:  # the difference itself swings about its end
+            apart = (apart + before) / 2
+    covariance = np.linalg.pinv(found.jac.T @ found.jac)
+    return numbers, covariance, scatter
+
+
+def forces_by_rod(definition: SpringDefinition, heights: Array) -> Array:
+    """Forces (N) of the rod at heights (m); 0 above the free length, and those of all but closed
+    coils below.
+    """
+    lowest = definition.solid_height + 0.02 * definition.solid_compression
+    asked = np.clip(heights, lowest, definition.free_length)
+    return np.array(forces_at(definition, asked.tolist()))
+
+
+ENDS: tuple[Closes, ...] = ("lower", "upper", "both")
+#: Heights that a fit looks at, most stations of the pitch law and turns to one of them.
+HEIGHTS, STATIONS, TURNS_A_STATION = 36, 7, 0.8
+#: Points of the curve that is shown.
+CURVE = 41
+#: Slope of the table over its first slope from which the coils are taken to be bound.
+BOUND = 5.0
+
+
+@dataclass(frozen=True, eq=False)
+class PitchStations:
+    """The pitch law as it was found: ``coil`` turns from the lower tip, ``pitch`` and its standard
+    deviation ``spread`` (m), each (k,).
+    """
+
+    coil: Array
+    pitch: Array
+    spread: Array
+
+
+@dataclass(frozen=True, eq=False)
+class TesterFit:
+    """A spring that meets a table of forces; SI.
+
+    ``rate`` (N/m) and ``preload`` (N) at the installed height, with standard deviations;
+    ``coil_bind``: height (m), None where the table
+    ends above it. ``by_rod``: (m, 3) heights, forces of the table and of the finite-element rod.
+    ``scatter`` (N): standard deviation of
+    the table about the rod. ``free``: what the table left open. Made by :func:`spring_from_tester`.
+
+    >>> [name for name in TesterFit.__dataclass_fields__ if name in ("rate", "preload", "stations")]
+    ['rate', 'preload', 'stations']
+    """
+
+    table: ForceHeight
+    spring: InstalledSpring
+    active_coils: tuple[float, float]
+    free_length: tuple[float, float]
+    rate: tuple[float, float]
+    preload: tuple[float, float]
+    coil_bind: float | None
+    stations: PitchStations
+    scatter: float
+    by_rod: Array
+    free: tuple[str, ...]
+
+    @property
+    def definition(self) -> SpringDefinition:
+        """The wire."""
+        assert self.spring.wire is not None
+        return self.spring.wire
+
+    def __repr__(self) -> str:
+        turns = f"{self.active_coils[0]:.3f} ± {2 * self.active_coils[1]:.3f} active turns"
+        return f"TesterFit '{self.definition.name}': {turns}, scatter {self.scatter:.2g} N, rod within {self.worst_by_rod:.2g} N"
+
+    @property
+    def worst_by_rod(self) -> float:
+        """Largest difference (N) between the finite-element rod and the table."""
+        return float(np.max(np.abs(self.by_rod[:, 2] - self.by_rod[:, 1])))
+
+
+def spring_from_tester(
+    table: ForceHeight,
+    card: CatalogueCard,
+    closes: Closes = "lower",
+    installed_height: float | None = None,
+) -> TesterFit:
+    """The spring behind a table of a spring tester: active turns and a pitch law, fitted until the
+    finite-element rod has its forces.
+
+    Parameters
+    ----------
+    table : of :func:`read_force_height`
+    card : dimensions of the wire and the coils (:func:`card_of_table` makes one); its loads are not
+    used
+    closes : end whose coils close first; the table cannot tell it, seat and retainer exchanged give
+    the same forces
+    installed_height : at which preload and rate are told, m; the largest height of the table by
+    default
+
+    Returns
+    -------
+    TesterFit
+
+    Raises
+    ------
+    InputError : a table that no spring of this wire and these coils can make
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> heights = np.linspace(50e-3, 38e-3, 13)
+    >>> table = ForceHeight(heights, 40e3 * (55e-3 - heights))
+    >>> fit = spring_from_tester(table, card_of_table(table, wire_diameter=4.2e-3, outer_diameter=30.2e-3))
+    >>> round(fit.active_coils[0], 1), round(fit.rate[0] / 1e3)
+    (4.4, 40)
+    """
+    read_end(closes)
+    height = float(table.heights[0]) if installed_height is None else installed_height
+    if not table.heights[-1] < height <= table.heights[0] * (1 + 1e-9):
+        raise InputError(
+            f"the table holds heights of {table.heights[-1] * 1e3:.4g} to {table.heights[0] * 1e3:.4g} mm, not the installed "
+            f"{height * 1e3:.4g} mm; give one inside",
+            "installed_height",
+        )
+    start = first_winding(card)
+    told = card.total_coils is not None or card.mass is not None or card.solid_height is not None
+    active = start.total_coils - 2 * start.inactive
+    count = int(np.clip(round(active / TURNS_A_STATION), 3, STATIONS))
+    law = PitchLaw(card, start.total_coils if told else None, start.ground, closes, count)
+    chosen = _thinned(_open(table))
+    numbers, covariance, scatter = fit_closing(law, start, active, *chosen)
+    return _result(table, law, numbers, covariance, scatter, height)
+
+
+def read_end(word: str) -> Closes:
+    """The end named by ``word``. Raises :class:`InputError` for another word."""
+    for known in ENDS:
+        if word == known:
+            return known
+    raise InputError(
+        f"closes is lower, upper or both, not '{str(word)[:40]}'; say which end of the spring closes first",
+        "closes",
+    )
+
+
+def card_of_table(table: ForceHeight, **known: object) -> CatalogueCard:
+    """A card of the sizes that are known, with two loads from the low part of a table.
+
+    Parameters
+    ----------
+    table : of :func:`read_force_height`
+    known : what else :class:`CatalogueCard` takes, such as ``wire_diameter="4.2 mm",
+    outer_diameter="30.2 mm"``
+
+    Returns
+    -------
+    CatalogueCard
+
+    Raises
+    ------
+    InputError : a table whose force does not rise, sizes that contradict each other
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> heights = np.linspace(50e-3, 38e-3, 13)
+    >>> table = ForceHeight(heights, 40e3 * (55e-3 - heights))
+    >>> round(card_of_table(table, wire_diameter="4.2 mm", outer_diameter="30.2 mm").rate)
+    40000
+    """
+    forces = table.forces[0] + np.array([0.05, 0.35]) * (table.forces[-1] - table.forces[0])
+    low = (table.forces >= forces[0]) & (table.forces <= forces[1])
+    if np.count_nonzero(low) < 3:
+        low = np.arange(len(table.forces)) < 3
+    slope, offset = np.polyfit(table.heights[low], table.forces[low], 1)
+    if not slope < 0:
+        raise InputError(
+            "the force does not rise as the height falls at the beginning of the table; check it"
+        )
+    loads = [
+        SpringLoad(float(height), float(slope * height + offset))
+        for height in table.heights[low][[0, -1]]
+    ]
+    return CatalogueCard(installed_load=loads[0], open_load=loads[1], **known)  # type: ignore[arg-type]
+
+
+def _slopes(table: ForceHeight) -> tuple[Array, float]:
+    """Slopes (N/m) between the stations, and the first of them."""
+    slopes: Array = -np.diff(table.forces) / np.diff(table.heights)
+    return slopes, float(np.median(slopes[: max(len(slopes) // 4, 2)]))
+
+
+def _open(table: ForceHeight) -> ForceHeight:
+    """The table without its stations in coil bind, whose force tells the tester rather than the
+    spring.
+    """
+    slopes, first = _slopes(table)
+    bound = np.flatnonzero(slopes > BOUND * first)
+    last = int(bound[0]) if len(bound) and bound[0] >= FEWEST else len(slopes)
+    return ForceHeight(table.heights[: last + 1], table.forces[: last + 1])
+
+
+def _thinned(table: ForceHeight) -> tuple[Array, Array]:
+    """Means of heights and forces over even pieces of the travel."""
+    if len(table.heights) <= HEIGHTS:
+        return table.heights, table.forces
+    edges = np.linspace(table.heights[0], table.heights[-1], HEIGHTS + 1)
+    piece = np.clip(np.searchsorted(-edges, -table.heights, side="right") - 1, 0, HEIGHTS - 1)
+    held = np.bincount(piece, minlength=HEIGHTS)
+    sums = [np.bincount(piece, values, HEIGHTS) for values in (table.heights, table.forces)]
+    return sums[0][held > 0] / held[held > 0], sums[1][held > 0] / held[held > 0]
+
+
+def _result(
+    table: ForceHeight,
+    law: PitchLaw,
+    numbers: Array,
+    covariance: Array,
+    scatter: float,
+    height: float,
+) -> TesterFit:
+    definition = law.definition(numbers)
+    spring = InstalledSpring(
+        wire=definition, precompression=max(definition.free_length - height, 0.0)
+    )
+    here = point_of(spring, spring_model("finite-element").build(spring), spring.precompression)
+    moved = []
+    for place, step in enumerate(1e-3 * np.append(1.0, np.full(law.steps, law.card.wire_diameter))):
+        away = np.where(np.arange(len(numbers)) == place, step, 0.0)
+        moved.append((_told(law, numbers + away, height) - _told(law, numbers, height)) / step)
+    spread = np.sqrt(
+        np.maximum(np.einsum("ia,ij,ja->a", np.array(moved), covariance, np.array(moved)), 0.0)
+    )
+    weights = np.array([law.gaps(row) for row in np.eye(law.steps)])
+    stations = PitchStations(
+        law.places(numbers[0]),
+        law.card.wire_diameter + law.gaps(numbers[1:]),
+        np.sqrt(np.maximum(np.einsum("ia,ij,ja->a", weights, covariance[1:, 1:], weights), 0.0)),
+    )
+    lowest = max(
+        float(_open(table).heights[-1]),
+        definition.solid_height + 0.02 * definition.solid_compression,
+    )
+    fine = np.linspace(table.heights[0], lowest, CURVE)
+    force = forces_by_rod(definition, fine)
+    measured = np.interp(-fine, -table.heights, table.forces)
+    bind = _bind(table)
+    return TesterFit(
+        table,
+        spring,
+        (float(numbers[0]), float(np.sqrt(covariance[0, 0]))),
+        (definition.free_length, float(spread[0])),
+        (here.stiffness, float(spread[2])),
+        (here.force, float(spread[1])),
+        bind,
+        stations,
+        scatter,
+        np.column_stack([fine, measured, force]),
+        _left_free(law, bind),
+    )
+
+
+def _told(law: PitchLaw, numbers: Array, height: float) -> Array:
+    """Free length (m), force (N) and rate (N/m) at a height (m) of closing coils."""
+    definition, travel = law.definition(numbers), 0.5e-3
+    low, here, high = closing_forces(
+        definition, np.array([height + travel, height, height - travel])
+    )
+    return np.array([definition.free_length, here, (high - low) / (2 * travel)])
+
+
+def _bind(table: ForceHeight) -> float | None:
+    """Height (m) from which on the table is as stiff as bound coils are; None where it is not."""
+    slopes, first = _slopes(table)
+    steep = slopes > BOUND * first
+    if not steep[-1]:
+        return None
+    return float(table.heights[0 if steep.all() else len(steep) - int(np.argmin(steep[::-1]))])
+
+
+def _left_free(law: PitchLaw, bind: float | None) -> tuple[str, ...]:
+    free = [
+        f"the order of the coils is not in a table of forces: the tight ones are taken to lie at "
+        f"{'both ends' if law.closes == 'both' else 'the ' + law.closes + ' end'}"
+    ]
+    if law.card.material is None:
+        free.append(
+            f"no material is given: G = {law.card.wire.shear_modulus / 1e9:g} GPa of {law.card.wire.name}; 1 % of it is 1 % of the turns"
+        )
+    if law.total is None:
+        free.append(
+            "no turns, mass or solid height are given: one inactive turn at either end is assumed, so mass and bind are open"
+        )
+    if bind is None:
+        free.append(
+            "the table does not reach coil bind, so gaps that never close in it follow from the free length alone"
+        )
+    return tuple(free)

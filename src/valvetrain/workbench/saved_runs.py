@@ -1,0 +1,366 @@
+"""Kept runs of a workspace, as the run store holds them: listed, found, handed out and removed;
+nothing of them is written twice.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+import re
+import shutil
+import threading
+import zipfile
+from collections.abc import Mapping
+from contextlib import suppress
+from dataclasses import dataclass
+from datetime import UTC, datetime
+from functools import lru_cache
+from pathlib import Path
+from typing import Any, Literal
+
+from valvetrain.errors import InputError
+from valvetrain.solution.atomic import atomic_path, write_bytes
+from valvetrain.studies.run_answer import ANSWER, read_answer
+from valvetrain.studies.run_store import CASE_FILE, homes, refuse_living, safe_name
+from valvetrain.units.text import clipped
+from valvetrain.workbench.disk import writing
+from valvetrain.workbench.store import checked_name, inside
+
+RunFiles = Literal["case", "data", "report", "csv"]
+#: Answers of studies of points, which are kept beside the runs.
+STUDIES, STUDY_ANSWER = "studies", "study.json"
+#: Folder of a run in which tests lie that were laid over it; they are none of its results.
+TESTS = "laid-over"
+#: Largest study.json that is read, and largest folder that is handed out (bytes).
+MOST_ANSWER, MOST_HANDED = 50_000_000, 2_000_000_000
+
+
+@dataclass(frozen=True)
+class Run:
+    """A kept run.
+
+    Parameters
+    ----------
+    run_id : ``CASE/DATE-TIME-DIGEST``, the folder below ``runs``
+    folder : where it is
+    case : name of the case it was made from
+    command : ``run``, ``compare``, ``sweep``, ``static``, ``modes``, ``study``, ...
+    created_at : ISO 8601, UTC
+    completed : every part came out
+    failures : a sentence per part that did not
+    title : title of the case
+    models : words of the spring models that ran
+    engine_speeds : crank speeds (rpm)
+    """
+
+    run_id: str
+    folder: Path
+    case: str
+    command: str
+    created_at: str
+    completed: bool
+    failures: tuple[str, ...] = ()
+    title: str = ""
+    models: tuple[str, ...] = ()
+    engine_speeds: tuple[float, ...] = ()
+
+    @property
+    def answer(self) -> Mapping[str, Any]:
+        """The whole ``run.json`` (``study.json`` of a study), as ``--json`` prints it; empty where
+        it has gone.
+        """
+        name = STUDY_ANSWER if self.folder.parent.name == STUDIES else ANSWER
+        try:
+            return _answer(self.folder / name, (self.folder / name).stat().st_mtime_ns)
+        except (OSError, InputError):
+            return {}
+
+    @property
+    def page(self) -> Path | None:
+        """The report page; None where none was written."""
+        path = self.folder / "report.html"
+        return path if path.is_file() and not path.is_symlink() else None
+
+
+def list_kept(root: Path, case: str | None = None) -> list[Run]:
+    """Every kept run below ``root``, newest first, of one ``case`` where given; studies of points
+    too.
+    """
+    found = []
+    for home in homes(root=root):
+        for folder in home.iterdir() if home.name == STUDIES or case in (None, home.name) else ():
+            path = folder / (STUDY_ANSWER if home.name == STUDIES else ANSWER)
+            with suppress(OSError, InputError):
+                if not (folder.is_symlink() or path.is_symlink()):
+                    run = _card(root, folder, path, path.stat().st_mtime_ns)
+                    found += [run] if run is not None and case in (None, run.case) else []
+    return sorted(found, key=lambda run: (run.created_at, run.run_id), reverse=True)
+
+
+def kept_run(root: Path, run_id: str) -> Run:
+    """The run of that id. Raises :class:`InputError` for a name that leads elsewhere, or where
+    there is none.
+    """
+    parts = run_id.split("/") if isinstance(run_id, str) else []
+    if len(parts) != 2:
+        raise InputError(f"'{clipped(str(run_id), 60)}' is no run; choose one of the list", "run")
+    folder = inside(root, *parts)
+    path = inside(folder, STUDY_ANSWER if parts[0] == STUDIES else ANSWER)
+    found = _card(root, folder, path, path.stat().st_mtime_ns) if path.is_file() else None
+    if found is None:
+        raise InputError(
+            f"there is no run '{clipped(run_id, 60)}'; it may have been removed", "run"
+        )
+    return found
+
+
+def delete_kept(root: Path, run_id: str) -> None:
+    """Remove a kept run; the link to the latest run of its case then leads to the newest of those
+    left.
+    """
+    run = kept_run(root, run_id)
+    refuse_living(run.folder)
+    shutil.rmtree(run.folder)
+    latest = run.folder.parent / "latest"
+    if latest.is_symlink() and not latest.exists():
+        latest.unlink(missing_ok=True)
+        left = sorted(
+            path.name
+            for path in run.folder.parent.iterdir()
+            if path.is_dir() and (path / ANSWER).is_file()
+        )
+        if left:
+            with suppress(OSError):
+                os.symlink(left[-1], latest, target_is_directory=True)
+    with suppress(OSError):
+        run.folder.parent.rmdir()
+
+
+def file_of(root: Path, passing: Path, run_id: str, kind: RunFiles) -> Path:
+    """The file to hand out of a run; archives are made below ``passing``."""
+    run = kept_run(root, run_id)
+    if kind == "case":
+        return _there(run.folder / CASE_FILE, run, "case file")
+    if kind == "report":
+        return _there(run.folder / "report.html", run, "report page")
+    if kind not in ("data", "csv"):
+        raise InputError(
+            f"'{clipped(str(kind), 20)}' is none of case, data, report, csv; choose one", "download"
+        )
+    files = [
+        path
+        for path in sorted(run.folder.rglob("*"))
+        if _is_ours(path, run.folder) and (kind == "data" or path.suffix == ".csv")
+    ]
+    if not files:
+        raise InputError(f"run '{run.run_id}' holds no such files; repeat it", "download")
+    if sum(path.stat().st_size for path in files) > MOST_HANDED:
+        raise InputError(
+            f"run '{run.run_id}' is larger than {MOST_HANDED / 1e9:.0f} GB; take it from its folder",
+            "download",
+        )
+    target = passing / "downloads" / f"{safe_name(run.case)}-{run.folder.name}-{kind}.zip"
+    with (
+        atomic_path(target) as temporary,
+        zipfile.ZipFile(temporary, "w", zipfile.ZIP_DEFLATED, compresslevel=1) as archive,
+    ):
+        for path in files:
+            archive.write(path, f"{run.folder.name}/{path.relative_to(run.folder).as_posix()}")
+    return target
+
+
+def _there(path: Path, run: Run, what: str) -> Path:
+    if path.is_symlink() or path.parent.is_symlink() or not path.is_file():
+        raise InputError(f"run '{run.run_id}' has no {what}; repeat it", "download")
+    return path
+
+
+def _is_ours(path: Path, folder: Path) -> bool:
+    """Whether a path is a plain file of the run, reached over no link."""
+    ways = [
+        path,
+        *(parent for parent in path.parents if parent != folder and folder in parent.parents),
+    ]
+    foreign = path.name.startswith(".") or path.relative_to(folder).parts[0] == TESTS
+    return path.is_file() and not foreign and not any(way.is_symlink() for way in ways)
+
+
+@lru_cache(maxsize=32)
+def _answer(path: Path, _: int) -> Mapping[str, Any]:
+    """The answer in a file; empty for another program's. Raises :class:`InputError` for a damaged
+    one.
+    """
+    if path.name == ANSWER:
+        return read_answer(path.parent)
+    try:
+        if path.stat().st_size > MOST_ANSWER:
+            return {}
+        found = json.loads(path.read_text("utf-8"))
+    except (OSError, ValueError, RecursionError):
+        return {}
+    return found if isinstance(found, dict) else {}
+
+
+@lru_cache(maxsize=5000)
+def _card(root: Path, folder: Path, path: Path, changed: int) -> Run | None:
+    """What a list shows of a run; kept until its answer is written anew, so that a long list is not
+    read again and again.
+    """
+    answer = _answer(path, changed)
+    return _run(root, folder, answer) if answer else None
+
+
+def _written_at(folder: Path) -> str:
+    """Time at which the answer of a study was written, ISO 8601 in UTC."""
+    with suppress(OSError):
+        return datetime.fromtimestamp(int((folder / STUDY_ANSWER).stat().st_mtime), UTC).isoformat()
+    return ""
+
+
+def _run(root: Path, folder: Path, answer: Mapping[str, Any]) -> Run:
+    choices = answer.get("choices")
+    asked: Mapping[str, Any] = choices if isinstance(choices, Mapping) else {}
+    speeds = tuple(
+        float(value) for value in asked.get("engine_speeds", ()) if isinstance(value, (int, float))
+    )
+    return Run(
+        folder.relative_to(root).as_posix(),
+        folder,
+        str(answer.get("case", "")),
+        str(answer.get("command", "")),
+        str(answer.get("created_at", "")) or _written_at(folder),
+        bool(answer.get("completed", True)),
+        tuple(map(str, answer.get("failures", ()) or ())),
+        str(answer.get("title", "")),
+        tuple(map(str, asked.get("spring_models", ()))),
+        speeds,
+    )
+
+
+#: Bounds of the tests of one run: files, and bytes together.
+MOST_TESTS, MOST_TESTS_BYTES = 5, 25_000_000
+#: Longest stem of the name of a kept test, and longest ending (characters).
+_STEM, _ENDING = 50, 10
+#: What is checked still holds when it is written: one change of the kept tests at a time.
+_turn = threading.RLock()
+
+
+@dataclass(frozen=True, slots=True)
+class KeptTest:
+    """A file of a test that was laid over a run.
+
+    Parameters
+    ----------
+    name : its name
+    size : bytes
+    changed : time at which it was kept (ns since the epoch)
+    path : where it is
+    """
+
+    name: str
+    size: int
+    changed: int
+    path: Path
+
+
+def kept_tests(run: Run) -> list[KeptTest]:
+    """Tests laid over a run, the newest first."""
+    folder = run.folder / TESTS
+    if folder.is_symlink() or not folder.is_dir():
+        return []
+    found = []
+    with suppress(OSError):  # its last test was removed meanwhile
+        for path in folder.iterdir():
+            if path.is_file() and not path.is_symlink() and not path.name.startswith("."):
+                with suppress(OSError):
+                    told = path.stat()
+                    found.append(KeptTest(path.name, told.st_size, told.st_mtime_ns, path))
+    return sorted(found, key=lambda one: (-one.changed, one.name))
+
+
+def kept_test(run: Run, name: str) -> KeptTest:
+    """The test of that name. Raises :class:`InputError` where there is none."""
+    checked_name(name)
+    for one in kept_tests(run):
+        if one.name == name:
+            return one
+    raise _gone(name)
+
+
+def read_test(run: Run, name: str) -> tuple[KeptTest, bytes]:
+    """The test of that name with its content. Raises :class:`InputError` where there is none, or
+    none any more.
+    """
+    with _turn:
+        found = kept_test(run, name)
+        try:
+            return found, found.path.read_bytes()
+        except OSError:
+            raise _gone(name) from None
+
+
+def kept_name(sent: str) -> str:
+    """The name under which a test that was sent as ``sent`` is kept: that name where a file here
+    may bear it, else one of its own.
+
+    Raises :class:`InputError` for a name of which nothing can be made.
+
+    >>> kept_name("cycles-2.csv"), kept_name("My cycles, no 2.csv")
+    ('cycles-2.csv', 'My-cycles-no-2-ef6dc0ac.csv')
+    """
+    sent = Path(sent).name
+    ending = Path(sent).suffix
+    stem = safe_name(sent.removesuffix(ending).lstrip("_.+- "))
+    ending = "".join(char for char in ending if char.isalnum() or char in "._-")[:_ENDING].rstrip(
+        "."
+    )
+    if len(stem) > _STEM or f"{stem}{ending}" != sent or ".." in sent:
+        digest = hashlib.sha256(sent.encode("utf-8", "replace")).hexdigest()[:8]
+        stem = f"{re.sub(r'[.]{2,}', '.', stem)[: _STEM - 9].rstrip('.-')}-{digest}"
+    return checked_name(f"{stem}{ending}")
+
+
+def keep_test(run: Run, name: str, content: bytes) -> KeptTest:
+    """Keep the file of a test with a run, in place of one that was sent under the same name.
+
+    Parameters
+    ----------
+    run : the run
+    name : name of the file; :func:`kept_name` tells under which it is kept
+    content : its bytes
+
+    Raises
+    ------
+    InputError : beyond the bounds, for a run that goes on, and where it cannot be written
+    """
+    ours = kept_name(name)
+    with _turn:
+        others = [one for one in kept_tests(run) if one.name != ours]
+        if (
+            len(others) >= MOST_TESTS
+            or sum(one.size for one in others) + len(content) > MOST_TESTS_BYTES
+        ):
+            most = f"{MOST_TESTS} tests of {MOST_TESTS_BYTES / 1e6:.0f} MB"
+            raise InputError(
+                f"with a run are kept at most {most}; remove one that is laid over it",
+                clipped(name, 60),
+            )
+        refuse_living(run.folder)
+        with writing("this test", clipped(name, 60)):
+            write_bytes(inside(run.folder, TESTS, ours), content)
+        return kept_test(run, ours)
+
+
+def remove_test(run: Run, name: str) -> None:
+    """Remove a test that was laid over a run. Raises :class:`InputError` where there is none."""
+    with _turn:
+        kept_test(run, name).path.unlink(missing_ok=True)
+        with suppress(OSError):  # where others are left
+            (run.folder / TESTS).rmdir()
+
+
+def _gone(name: str) -> InputError:
+    return InputError(
+        f"there is no test '{clipped(name, 60)}' over this run; it may have been removed", "test"
+    )
