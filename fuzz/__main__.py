@@ -94,7 +94,7 @@ def ask_range(kind: str, seed: int, first: int, last: int, told: Told) -> None:
             assert process.stdout
             lines = process.stdout
             reader = threading.Thread(
-                target=lambda: [told.line(kind, seed, line) for line in lines]
+                target=lambda lines=lines: [told.line(kind, seed, line) for line in lines]
             )
             reader.start()
             seen, since, used = b"", time.monotonic(), 0.0

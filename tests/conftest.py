@@ -13,7 +13,6 @@ for variable in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "NUMBA_NUM_THREADS")
 
 
 import chart_watch  # noqa: E402, F401
-import made_watch  # noqa: E402
 import table_watch  # noqa: E402, F401  before any module takes the functions that these watch
 from package_watch import package_stays_whole  # noqa: E402, F401
 
@@ -27,10 +26,6 @@ FIRST = (
     "test_workbench_files_browser", "test_motion_browser", "test_cli_streams", "test_spring_models",
     "test_train_cli", "test_study_command", "test_workbench_live",
 )  # fmt: skip
-
-
-def pytest_configure(config: pytest.Config) -> None:
-    config.pluginmanager.register(made_watch.Watch())
 
 
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:

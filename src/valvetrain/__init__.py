@@ -1,5 +1,4 @@
-"""case file -> parameters -> Problem (parts, built once) -> System -> integrate -> Solution ->
-quantities -> report
+"""case file -> parameters -> Problem -> System -> integrate -> Solution -> quantities -> report
 
 Dynamics of valve springs and valvetrains. The names below load their packages on first use, so that
 ``import valvetrain`` itself costs next to nothing.

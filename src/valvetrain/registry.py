@@ -25,6 +25,7 @@ KINDS: dict[str, tuple[str, str]] = {
     "sources": ("valvetrain.sources", "source study"),
     "quantities": ("valvetrain.quantities", "table of quantities"),
     "sections": ("valvetrain.sections", "section of the report"),
+    "figures": ("valvetrain.figures", "figure"),
     "commands": ("valvetrain.commands", "command"),
     "lift_formats": ("valvetrain.lift_formats", "form of lift files"),
     "rig_formats": ("valvetrain.rig_formats", "form of recordings"),
@@ -68,6 +69,13 @@ BUILT_IN["springs"] = {
     "wave-rod-clash": "valvetrain.springs.wave_rod_clash:SPEC",
     "finite-element": "valvetrain.springs.finite_element:SPEC",
     "solid": "valvetrain.springs.solid.spec:SPEC",
+}
+#: Kind of result -> the figure that its ``plot()`` draws.
+BUILT_IN["figures"] = {
+    "solution": "valvetrain.report.quick:plot_solution",
+    "study": "valvetrain.report.quick:plot_study",
+    "static_curve": "valvetrain.report.quick:plot_static_curve",
+    "modes": "valvetrain.report.quick:plot_modes",
 }
 BUILT_IN["integrators"] = {
     "train-leapfrog": "valvetrain.integrate.train_leapfrog:SPEC",  # before those that a train never needs, so that they are not loaded

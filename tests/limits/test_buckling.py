@@ -195,7 +195,7 @@ def test_a_spring_that_has_lost_its_rate_within_the_first_window_buckles_there(m
     a mean; no sign changes beyond it.
     """
     free, lost, rate = 0.3, 1e-3, 2e3
-    force = lambda place: rate * min(place, lost) + 0.05 * rate * max(place - lost, 0.0)  # noqa: E731
+    force = lambda place: rate * min(place, lost) + 0.05 * rate * max(place - lost, 0.0)
     path = [
         SimpleNamespace(state=SimpleNamespace(compression=place), retainer_force=force(place))
         for place in np.linspace(0, 0.02, 41)

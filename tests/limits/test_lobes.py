@@ -137,7 +137,7 @@ def test_a_roller_tappet_runs_on_the_straight_flank_of_a_tangent_lobe():
         cam=CamParameters(BASE), follower=FollowerParameters("roller", radius=9e-3, mass=0.05)
     )
     found = curvature_radius_round(build_mechanism(train, law).tables["cam contour"], 9e-3)
-    at = lambda degrees: found[round(degrees * 4)]  # noqa: E731
+    at = lambda degrees: found[round(degrees * 4)]
     assert at(180.0) == pytest.approx(5e-3, rel=1e-4) and at(60.0) == pytest.approx(BASE, rel=1e-4)
     flank = math.degrees(NOSE - (law.half_event + law.half_nose) / 2)
     assert abs(1 / at(flank)) < 0.05  # 1/m

@@ -69,7 +69,7 @@ def test_slow_motion_tends_to_statics_with_the_square_of_the_speed():
     start = compress(statics, [1e-3])[-1].state
     gaps = []
     for duration in (0.02, 0.04):
-        motion = lambda t, d=duration: 1e-3 + 2e-3 * np.sin(np.pi * np.clip(t / d, 0, 1)) ** 4  # noqa: E731
+        motion = lambda t, d=duration: 1e-3 + 2e-3 * np.sin(np.pi * np.clip(t / d, 0, 1)) ** 4
         run = simulate(mesh, start, motion, duration / 40, 40, RodDynamics(mass_damping=300.0))
         static = np.array(
             [compress(statics, [x], start=start)[-1].seat_force for x in run.displacement]

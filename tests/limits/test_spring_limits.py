@@ -172,7 +172,7 @@ def test_modal_oscillator_rings_exactly_at_any_step():
     model = ModalUniform(UNIFORM, 1, damping_ratio=0.05)
     omega, zeta = model.circular_frequencies[0], 0.05
     damped, time_step = omega * np.sqrt(1 - zeta**2), 0.35 * 2 / omega
-    exact = lambda t: 1e-4 * np.exp(-zeta * omega * t) * np.cos(damped * t)  # noqa: E731
+    exact = lambda t: 1e-4 * np.exp(-zeta * omega * t) * np.cos(damped * t)
     state = model.initial_state(0.0)
     state[0], state[1] = exact(0.0), (exact(0.0) - exact(-time_step)) / time_step
     drive(model, state, np.zeros(400), np.zeros(400), time_step)

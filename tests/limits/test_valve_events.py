@@ -66,7 +66,7 @@ def test_crossings_of_a_harmonic_lift_are_its_arc_cosine(height):
 
 def test_a_lift_that_never_stands_there_has_no_events_and_one_over_the_zero_of_the_angle_has():
     assert lift_crossings(LAW.lift, 9e-3) is None
-    turned = lambda angle: LAW.lift(np.asarray(angle) + NOSE)  # noqa: E731
+    turned = lambda angle: LAW.lift(np.asarray(angle) + NOSE)
     opens, closes = lift_crossings(turned, 1e-3)
     assert opens == pytest.approx(math.tau - before_nose(1e-3)) and closes - opens == pytest.approx(
         2 * before_nose(1e-3)

@@ -28,7 +28,7 @@ def second_cycle(case: Case, per_coil: int, cam_speed: float) -> RodTransient:
     )
     assert isinstance(model, FiniteElementRod)
     system = PrescribedSpring((model,), build_lift_law(case.lift_law))
-    motion = lambda time: model.precompression + system.displacement(time, cam_speed)  # noqa: E731
+    motion = lambda time: model.precompression + system.displacement(time, cam_speed)
     interval = np.radians(0.5) / cam_speed
     return simulate(
         model.mesh, model.installed.state, motion, interval, 1440, model.dynamics, discard=720

@@ -46,7 +46,7 @@ def trace(per_coil: int, step: float | None = None, damping: RodDynamics = DYNAM
     """Seat force under a bump of 3 mm in 1 ms and after it."""
     mesh = mesh_spring(SPRING, per_coil, contact=False)
     start = compress(RodStatics(mesh), [2e-3])[-1].state
-    motion = lambda t: 2e-3 + 3e-3 * np.sin(np.pi * np.clip(t / 1e-3, 0, 1)) ** 4  # noqa: E731
+    motion = lambda t: 2e-3 + 3e-3 * np.sin(np.pi * np.clip(t / 1e-3, 0, 1)) ** 4
     return simulate(mesh, start, motion, 1e-5, 200, damping, step).seat_force
 
 

@@ -299,7 +299,7 @@ def test_tables_are_cut_to_their_event():
 def test_beehive_law_keeps_the_published_stages():
     case = load_case("gu2021-beehive")
     law = build_lift_law(case.lift_law)
-    degrees = lambda low, high, count=2001: np.radians(np.linspace(low, high, count))  # noqa: E731
+    degrees = lambda low, high, count=2001: np.radians(np.linspace(low, high, count))
     assert law.continuity >= 2
     for derivative in range(4):
         assert np.all(law.lift(degrees(-90, 90 - 1e-6), derivative) == 0.0)

@@ -132,7 +132,7 @@ def test_march_against_an_independent_integrator(clash):
     mesh, state = prepared(spring, 8, 1e-4, dynamics)
     height = 2.5e-3 if clash else 1e-3
     times = np.linspace(0, 2.4e-4, 49)
-    motion = lambda t: 1e-4 + bump(t, height, 0.0, 2.4e-4)  # noqa: E731
+    motion = lambda t: 1e-4 + bump(t, height, 0.0, 2.4e-4)
     expected = reference(mesh, dynamics, state, motion, times)
     errors = []
     for step in (2e-7, 1e-7):
@@ -189,7 +189,7 @@ def test_the_stable_step_is_stable_and_not_wasteful():
     mesh = mesh_spring(uniform_spring(coils=3.0), 12, contact=False)
     state = compress(RodStatics(mesh), [2e-3])[-1].state
     limit = stable_time_step(mesh, dynamics)
-    motion = lambda t: 2e-3 + bump(t, 1e-3, 0, 2e-4)  # noqa: E731
+    motion = lambda t: 2e-3 + bump(t, 1e-3, 0, 2e-4)
     calm = simulate(mesh, state, motion, 1e-5, 400, dynamics, limit)
     assert calm.completed and np.ptp(calm.seat_force[200:]) < 1.2 * np.ptp(calm.seat_force[:200])
     wild = simulate(
@@ -208,7 +208,7 @@ def test_samples_can_be_discarded():
     dynamics = RodDynamics()
     mesh = mesh_spring(uniform_spring(coils=2.0), 8)
     state = free_state(mesh)
-    motion = lambda t: bump(t, 5e-4, 0, 3e-4)  # noqa: E731
+    motion = lambda t: bump(t, 5e-4, 0, 3e-4)
     whole = simulate(mesh, state, motion, 1e-5, 30, dynamics)
     tail = simulate(mesh, state, motion, 1e-5, 30, dynamics, discard=20)
     assert np.array_equal(tail.seat_force, whole.seat_force[20:])

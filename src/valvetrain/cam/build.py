@@ -14,7 +14,7 @@ def build_lift_law(parameters: LiftLawParameters | None) -> LiftLaw:
     Parameters
     ----------
     parameters : ``case.lift_law``: kind of the law and its numbers (SI: m, cam rad); None for no
-    lift
+        lift
 
     Returns
     -------

@@ -138,8 +138,11 @@ class MeasuredModel(LiftModel):
         lobe = self._read(folder, self.file)
         zero = self.zero_of_angle or lobe.zero
         return LiftLawParameters(
-            "measured", self._values(tuple(lobe.cam_angles), tuple(lobe.lifts)), lobe.lift_of, zero
-        )  # type: ignore[arg-type]
+            "measured",
+            self._values(tuple(lobe.cam_angles), tuple(lobe.lifts)),
+            lobe.lift_of,  # type: ignore[arg-type]
+            zero,
+        )
 
     def _inline(self) -> dict[str, Any]:
         if self.cam_angles is None or self.lifts is None:

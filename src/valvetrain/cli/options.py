@@ -5,12 +5,15 @@ from __future__ import annotations
 import os
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from valvetrain.cli.ending import at_end
 from valvetrain.errors import InputError
+
+if TYPE_CHECKING:
+    from valvetrain.measured.sensor import Sensor
 
 #: Largest count that an option takes; what a smaller one costs decides whether it is too large.
 MOST_COUNTED = 10**9
@@ -256,3 +259,51 @@ def read_models(texts: Sequence[str] | None) -> tuple[str, ...]:
     for word in models:
         find("springs", word, "--spring")
     return models
+
+
+#: Words of --sensor -> what they are.
+SENSOR_KEYS = (
+    "bandwidth", "order", "filter", "zero_phase", "natural_frequency", "mounting_stiffness", "moved_mass", "damping_ratio", "sampling_rate",
+    "resolution",
+)  # fmt: skip
+
+
+def read_sensor(bandwidth: str | None, words: str | None, sampling_rate: str | None) -> Sensor:
+    """The gauge of ``--bandwidth``, ``--sampling-rate`` and ``--sensor 'KEY=VALUE, ...'``. Raises
+    :class:`InputError` for other words.
+    """
+    from valvetrain.measured.sensor import Sensor
+
+    given: dict[str, Any] = {}
+    for part in (words or "").split(","):
+        if not part.strip():
+            continue
+        key, sign, value = (one.strip() for one in part.partition("="))
+        key = key.replace("-", "_").replace(" ", "_")
+        if key not in SENSOR_KEYS or not sign or not value:
+            raise InputError(
+                f"'{part.strip()[:40]}' is no property of a gauge; use KEY=VALUE with {', '.join(SENSOR_KEYS)}",
+                "--sensor",
+            )
+        given[key] = _sensor_value(key, value)
+    for key, text in (("bandwidth", bandwidth), ("sampling_rate", sampling_rate)):
+        if text is not None:
+            if key in given:
+                raise InputError(f"{key} is given twice; give it once", "--sensor")
+            given[key] = text
+    return Sensor(**given)
+
+
+def _sensor_value(key: str, value: str) -> Any:
+    if key == "zero_phase":
+        if value.lower() not in ("yes", "no", "true", "false"):
+            raise InputError(f"zero_phase is yes or no, not '{value[:20]}'", "--sensor")
+        return value.lower() in ("yes", "true")
+    if key in ("order", "damping_ratio", "resolution"):
+        try:
+            return int(value) if key == "order" else float(value)
+        except ValueError as error:
+            raise InputError(
+                f"{key} is a number, not '{value[:20]}'; correct it", "--sensor"
+            ) from error
+    return value

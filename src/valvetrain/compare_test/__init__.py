@@ -1,1 +1,36 @@
-"""."""
+"""A model compared with a test: errors by event, bands of the difference, Fisher's test of adequacy."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from valvetrain.lazy import lazy_names
+
+#: Public name -> module of this package.
+_HOMES = {
+    "compare_with_test": "compare",
+    "compare_study_with_test": "compare",
+    "ModelAgainstTest": "compare",
+    "AdequacyTest": "adequacy",
+    "adequacy_test": "adequacy",
+    "compare_test_page": "page",
+}
+
+__all__ = [
+    "compare_with_test",
+    "compare_study_with_test",
+    "ModelAgainstTest",
+    "AdequacyTest",
+    "adequacy_test",
+    "compare_test_page",
+]
+
+if TYPE_CHECKING:
+    from valvetrain.compare_test.adequacy import AdequacyTest as AdequacyTest
+    from valvetrain.compare_test.adequacy import adequacy_test as adequacy_test
+    from valvetrain.compare_test.compare import ModelAgainstTest as ModelAgainstTest
+    from valvetrain.compare_test.compare import compare_study_with_test as compare_study_with_test
+    from valvetrain.compare_test.compare import compare_with_test as compare_with_test
+    from valvetrain.compare_test.page import compare_test_page as compare_test_page
+else:
+    __getattr__ = lazy_names(__name__, _HOMES)

@@ -39,16 +39,16 @@ class AdequacyTest:
     Parameters
     ----------
     mean_square : mean square of model less mean of repeats, times the number of repeats; square of
-    the unit
+        the unit
     reproducibility : variance between repeats; with stated scatters both are in units of them and
-    this is 1
+        this is 1
     repeats : number of repeats; 0 where scatters are stated
     places : angles or values compared
     independent : how many of them are independent
     fitted : parameters of the model that were found from these values
     level : share of adequate models that the test may refute
     shared : mean square of each error that all repeats share, of calibration or angle, square of
-    the unit
+        the unit
 
     Raises
     ------

@@ -99,9 +99,9 @@ def compare_test(
     of adequacy.
     """
     from valvetrain.cli.case_choice import choose_case, folder_of
+    from valvetrain.cli.options import read_sensor
     from valvetrain.cli.progress import announce_compilation, progress_bar
     from valvetrain.compare_test.compare import compare_with_test
-    from valvetrain.rig.command import read_sensor
 
     take_folder(output)
     gauge = read_sensor(bandwidth, sensor, None) if bandwidth or sensor else None

@@ -150,15 +150,15 @@ def compare_with_test(
     test : MeasuredCycles, ValueTable, or the file of either
     quantity : name of the curve of the model, where the file calls it otherwise
     channel : which channel of a file that holds several, from 1; 0 for the only one, or the one of
-    that quantity
+        that quantity
     engine_speed : speed of the crank where the test does not state it, "4200 rpm", rad/s or a pint
-    quantity
+        quantity
     spring_models : words of spring models, compared side by side; the case's own by default
     spring_sets : names of spring sets of a train
     sensor : gauge of the test, through which the model is seen before it is compared
     fitted : parameters of the model that were found from this test
     shared : standard deviations of errors that all cycles share, "2 N, 0.5 %, 0.1 deg": of the
-    zero, the calibration, the angle
+        zero, the calibration, the angle
     level : share of adequate models that the test may refute
     workers, progress, limit, implausible : as for :func:`simulate`
 
@@ -169,7 +169,7 @@ def compare_with_test(
     Raises
     ------
     InputError : a file that cannot be read, a quantity that no run tells, a unit that does not fit,
-    no speed, one sentence each
+        no speed, one sentence each
 
     Examples
     --------

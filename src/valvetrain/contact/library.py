@@ -23,13 +23,13 @@ def build_contact_law(
     Parameters
     ----------
     name : word of the law: linear, hertz-point, hertz-line, hunt-crossley, lankarani-nikravesh,
-    flores, impact or impact-as-printed
+        flores, impact or impact-as-printed
     stiffness_exponent : n of the N/m**n in which ``contact_stiffness`` is given as a number; None
-    for the law's own
+        for the law's own
     damping_unit : ``N s/m`` or ``s/m``, in which ``damping`` is given as a number; empty for the
-    law's own
+        law's own
     values : numbers of the law, each SI, text with a unit ("60 kN/mm") or a pint quantity:
-    ``contact_stiffness`` (N/m**n),
+        ``contact_stiffness`` (N/m**n),
         ``exponent``, ``damping``, ``restitution``, ``full_damping_depth`` (m), ``reference_force``
         (N), ``reference_velocity`` (m/s)
 

@@ -92,10 +92,10 @@ def film_over_model(
     motion : from :func:`coil_motion`, of a turning cam
     case : Case, name of a library case, or path of a case file
     spring_model : word of the spring model; where empty the usual one of a spring alone, of a train
-    finite elements or, of cards, the chain
+        finite elements or, of cards, the chain
     spring : name of the filmed spring; the first (outer) one where empty
     first_turn : coil number (turns from the lower tip) of the film's first coil; found by least
-    squares of the motion where not told
+        squares of the motion where not told
 
     Returns
     -------
@@ -104,7 +104,7 @@ def film_over_model(
     Raises
     ------
     InputError : a free decay, a case that cannot be run, a model without displacements of the wire,
-    an unknown spring
+        an unknown spring
 
     Examples
     --------

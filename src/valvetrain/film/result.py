@@ -24,7 +24,7 @@ class CoilMotion:
     ----------
     seen : the space-time picture behind it
     places, spread : highlights (frames, coils) px from the start of the line, camera drift taken
-    off, and standard deviations
+        off, and standard deviations
     merged : (frames, coils), where neighbouring highlights ran into each other
     displacement : (frames, coils) m
     phase : cam angle of every frame; None for a free decay

@@ -21,24 +21,24 @@ class FilmSetup:
     Parameters
     ----------
     frame_rate : frames a second of the camera; needed unless the file tells a rate above that of
-    screens
+        screens
     line : the two end points of the line along the spring; found from the picture where not told
     line_width : px across the line that are averaged
     samples_across : samples over that width
     coils : highlights on the line; counted where not told
     seat : end of the line at which the spring stands still, "start" or "end"; the end that moves
-    less where not told
+        less where not told
     scale_points, scale_length : two points and their distance in the plane of the highlights, a
-    length
+        length
     marker, marker_radius : a spot whose brightness marks each cam turn, and its radius in px
     marker_angle : cam angle at which the mark passes, an angle
     cam_speed : of the cam, an angular speed; compared with the marker's or the lift's where these
-    tell it
+        tell it
     first_angle : cam angle of the first frame, where a speed alone tells the phase; an angle
     dwell : cam angles (rad) between which the valve is closed, (first, last), the last one beyond a
-    turn where it wraps
+        turn where it wraps
     free_decay : the cam does not turn; the spring is struck and rings, so the whole film is one
-    decay
+        decay
     first_frame, last_frame : frames that are used, counted from 0
     exposure : time for which a frame is exposed, a time; for what motion blur does to the lines
 

@@ -61,18 +61,18 @@ def identify(
     Parameters
     ----------
     quantities : path of an identification file (docs/identification.md), which says all the rest;
-    or the prior of each quantity by name
+        or the prior of each quantity by name
     measurements : data of a computation of one's own
     evaluate : points (n, quantities) in SI -> for each a mapping of names to numbers (SI), None for
-    one that is impossible
+        one that is impossible
     search : method and its options; those of the file by default
     profiles : quantities whose profile is computed
     folder : where computed points are kept as they come, so that an identification that is started
-    again goes on; none by default
+        again goes on; none by default
     workers : points at a time of a file's case; results do not depend on it
     progress : told the share done and what was done
     limit : largest estimated time and memory, such as "2 h, 8 GB"; 10 min and 2 GB by default, of a
-    file alone
+        file alone
 
     Returns
     -------
@@ -82,7 +82,7 @@ def identify(
     Raises
     ------
     InputError : one sentence on what is wrong with the file or the data, cannot be computed or is
-    too large; MissingExtraError where the
+        too large; MissingExtraError where the
         library of a method is not installed; RunFailedError where a point is lost with its worker
 
     Examples

@@ -95,10 +95,10 @@ def lift_band_study(
     ----------
     case : Case, name or path; its lift law is ``measured``
     engine_speeds : speeds of the crank, "4000 rpm", rad/s or pint quantities; the case's own by
-    default
+        default
     draws : number of laws drawn, 4 or more
     search : engine speeds between which a train's critical speeds are searched too, such as
-    "3000:9000:500 rpm"
+        "3000:9000:500 rpm"
     spring_models, spring_sets : as for :func:`valvetrain.simulate`
     workers : draws at a time; results do not depend on it
     progress : told the share done and what was done
@@ -111,7 +111,7 @@ def lift_band_study(
     Raises
     ------
     InputError : as :func:`valvetrain.simulate`, for a case whose lift was not measured, and for a
-    request beyond the bounds of ``limit``
+        request beyond the bounds of ``limit``
 
     Examples
     --------

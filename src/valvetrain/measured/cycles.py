@@ -34,7 +34,7 @@ class MeasuredCycles:
     Parameters
     ----------
     quantity : what was measured, a name of the table of quantities' traces such as "spring_force"
-    or "valve_lift"
+        or "valve_lift"
     unit : unit of ``values``, SI ("N", "m", "Pa", "m/s", "m/s^2", "1")
     cam_angle : rad of cam, rising by equal steps over one cycle, 2 pi not included, shape (angles,)
     values : shape (cycles, angles); a repeat that was not measured at an angle holds NaN there
@@ -255,7 +255,7 @@ def read_cycles(path: str | Path) -> tuple[MeasuredCycles, ...]:
     Raises
     ------
     InputError : a file that is missing, damaged, cut short, of another kind, or does not say its
-    quantity or unit
+        quantity or unit
 
     Examples
     --------

@@ -64,9 +64,9 @@ def read_force_height(
     ----------
     file : text of columns in any form: height (or compression from the free length) and force
     columns : what each column is, of height, compression, force and ignore; where the headings do
-    not tell
+        not tell
     length_unit, force_unit : units of the columns, such as "mm" and "N"; where the headings do not
-    tell
+        tell
     free_length : m; needed where the table holds compressions
 
     Returns
@@ -76,7 +76,7 @@ def read_force_height(
     Raises
     ------
     InputError : a file that cannot be read, open questions in one sentence, a table that is no
-    spring's
+        spring's
 
     Examples
     --------

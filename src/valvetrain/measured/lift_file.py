@@ -90,14 +90,14 @@ class LiftAnswers:
     angle_unit : ``deg`` (assumed) or ``rad``
     lift_unit : any unit of length, such as ``mm``, ``inch``, ``thou``
     zero : ``file`` (assumed) keeps the angles of the table, ``nose`` puts zero at the place of
-    largest lift
+        largest lift
     direction : ``forward`` (assumed): the cam turns with rising angle; ``reversed``: against it, so
-    the table is mirrored
+        the table is mirrored
     columns : what each column is, of angle, lift, intake, exhaust, velocity, acceleration and
-    ignore; needed beyond two columns
+        ignore; needed beyond two columns
         that the headings do not name
     peak_lift, duration, opening : of a table of fractions: m; rad of the angle meant by
-    ``angle_of``, length of the event and its begin
+        ``angle_of``, length of the event and its begin
 
     >>> LiftAnswers(angle_of="cam", lift_of="tappet", lift_unit="inch").given("lift_unit")
     'inch'
@@ -153,7 +153,7 @@ def read_lift(file: str | Path, answers: LiftAnswers | None = None) -> tuple[Mea
     ----------
     file : text of columns, s96, fractions of lift, or a workbook; the content decides, not the name
     answers : what the file does not say itself, such as ``LiftAnswers(angle_of="cam",
-    lift_of="tappet", lift_unit="mm")``
+        lift_of="tappet", lift_unit="mm")``
 
     Returns
     -------
@@ -162,7 +162,7 @@ def read_lift(file: str | Path, answers: LiftAnswers | None = None) -> tuple[Mea
     Raises
     ------
     InputError : a file that cannot be read, a line that is no row, and one sentence with all
-    questions that are left open
+        questions that are left open
 
     Examples
     --------

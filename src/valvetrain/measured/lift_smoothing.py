@@ -127,7 +127,7 @@ def smooth_lift(
     Parameters
     ----------
     cam_angles, lifts : (stations,) cam rad, rising within one revolution, and m; the base circle on
-    both sides may be part of it
+        both sides may be part of it
     noise : standard deviation (m) of one station; None to find it
     band : (m) by which the mean may leave a station at most; None for no such bound
 
@@ -138,7 +138,7 @@ def smooth_lift(
     Raises
     ------
     InputError : no lift above the base circle, an event cut off, too few stations, a noise that is
-    not positive
+        not positive
 
     Examples
     --------

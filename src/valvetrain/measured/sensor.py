@@ -57,7 +57,7 @@ class Sensor:
     order : of the low-pass, 1 to 8
     filter : ``butterworth`` or ``bessel``
     zero_phase : the rig filters forward and backward, as in ``filtfilt``: no delay, -6 dB at the
-    bandwidth
+        bandwidth
     natural_frequency : of the gauge on its mounting (Hz, or text); or
     mounting_stiffness, moved_mass : N/m and kg, from which it follows: sqrt(k / m) / (2 pi)
     damping_ratio : of that resonance, above 0 to 2; needed with it, such as 0.02 for a bare quartz

@@ -118,7 +118,7 @@ def read_value_table(path: str | Path) -> ValueTable:
     Raises
     ------
     InputError : a file that cannot be read, a row that lacks its unit or its scatter, a number that
-    is none
+        is none
 
     Examples
     --------

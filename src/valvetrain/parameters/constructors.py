@@ -184,18 +184,18 @@ def cylindrical(
     Parameters
     ----------
     wire_diameter, mean_diameter : lengths (m, "4 mm" or a pint quantity); the mean diameter is that
-    of the wire's axis
+        of the wire's axis
     pitch : rise of the wire's axis per turn, a length, between the closed turns; or give the free
-    length
+        length
     total_coils : all turns, tip to tip
     free_length : length of the unloaded spring, in place of the pitch, which then follows
     ends : "closed-ground" (the default), "closed", "open" or "open-ground", both ends; made as in
-    textbooks where the free length is given
+        textbooks where the free length is given
     material : of the wire, :class:`Material`
     closed_coils : turns lying closed at either end, 1 where a pitch is given and nothing else said;
-    0 for open ends
+        0 for open ends
     lower_end, upper_end : :class:`EndCoil`, how the ends meet their seats; left out, closed and
-    ground, or open where ``closed_coils`` is 0
+        ground, or open where ``closed_coils`` is 0
     name : word for the spring in messages and results
 
     Raises
@@ -238,16 +238,16 @@ def conical(
     ----------
     wire_diameter, lower_mean_diameter, upper_mean_diameter : lengths (m, "4 mm" or a pint quantity)
     pitch : rise of the wire's axis per turn, a length, between the closed turns; or give the free
-    length
+        length
     total_coils : all turns, tip to tip
     free_length : length of the unloaded spring, in place of the pitch, which then follows
     ends : "closed-ground" (the default), "closed", "open" or "open-ground", both ends; made as in
-    textbooks where the free length is given
+        textbooks where the free length is given
     material : of the wire, :class:`Material`
     closed_coils : turns lying closed at either end, 1 where a pitch is given and nothing else said;
-    0 for open ends
+        0 for open ends
     lower_end, upper_end : :class:`EndCoil`, how the ends meet their seats; left out, closed and
-    ground, or open where ``closed_coils`` is 0
+        ground, or open where ``closed_coils`` is 0
     name : word for the spring in messages and results
 
     Raises
@@ -290,16 +290,16 @@ def barrel(
     ----------
     wire_diameter, end_mean_diameter, middle_mean_diameter : lengths (m, "4 mm" or a pint quantity)
     pitch : rise of the wire's axis per turn, a length, between the closed turns; or give the free
-    length
+        length
     total_coils : all turns, tip to tip
     free_length : length of the unloaded spring, in place of the pitch, which then follows
     ends : "closed-ground" (the default), "closed", "open" or "open-ground", both ends; made as in
-    textbooks where the free length is given
+        textbooks where the free length is given
     material : of the wire, :class:`Material`
     closed_coils : turns lying closed at either end, 1 where a pitch is given and nothing else said;
-    0 for open ends
+        0 for open ends
     lower_end, upper_end : :class:`EndCoil`, how the ends meet their seats; left out, closed and
-    ground, or open where ``closed_coils`` is 0
+        ground, or open where ``closed_coils`` is 0
     name : word for the spring in messages and results
 
     Raises
@@ -339,16 +339,16 @@ def hourglass(
     ----------
     wire_diameter, end_mean_diameter, middle_mean_diameter : lengths (m, "4 mm" or a pint quantity)
     pitch : rise of the wire's axis per turn, a length, between the closed turns; or give the free
-    length
+        length
     total_coils : all turns, tip to tip
     free_length : length of the unloaded spring, in place of the pitch, which then follows
     ends : "closed-ground" (the default), "closed", "open" or "open-ground", both ends; made as in
-    textbooks where the free length is given
+        textbooks where the free length is given
     material : of the wire, :class:`Material`
     closed_coils : turns lying closed at either end, 1 where a pitch is given and nothing else said;
-    0 for open ends
+        0 for open ends
     lower_end, upper_end : :class:`EndCoil`, how the ends meet their seats; left out, closed and
-    ground, or open where ``closed_coils`` is 0
+        ground, or open where ``closed_coils`` is 0
     name : word for the spring in messages and results
 
     Raises
@@ -401,16 +401,16 @@ def beehive(
     ----------
     wire_diameter, mean_diameter, top_mean_diameter : lengths (m, "4 mm" or a pint quantity)
     taper_from_coil : coil number (turns from the lower tip) from which the mean diameter falls to
-    ``top_mean_diameter``
+        ``top_mean_diameter``
     pitch : curve over the coil number (m per turn), or a length, which holds between one closed
-    turn at either end; or give the free length
+        turn at either end; or give the free length
     total_coils : all turns, tip to tip
     free_length : length of the unloaded spring, in place of the pitch, which then follows
     ends : "closed-ground" (the default), "closed", "open" or "open-ground", both ends; made as in
-    textbooks where the free length is given
+        textbooks where the free length is given
     material : of the wire, :class:`Material`
     lower_end, upper_end : :class:`EndCoil`, how the ends meet their seats; left out, closed and
-    ground
+        ground
     name : word for the spring in messages and results
 
     Raises
@@ -445,11 +445,11 @@ def variable_pitch(
     ----------
     wire_diameter, mean_diameter : lengths (m, "4 mm" or a pint quantity)
     pitch : curve over the coil number (m per turn), or a length, which holds between one closed
-    turn at either end
+        turn at either end
     total_coils : all turns, tip to tip
     material : of the wire, :class:`Material`
     lower_end, upper_end : :class:`EndCoil`, how the ends meet their seats; left out, closed and
-    ground
+        ground
     name : word for the spring in messages and results
 
     Raises

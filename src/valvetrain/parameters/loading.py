@@ -57,7 +57,7 @@ def load_case(
     Parameters
     ----------
     name_or_path : name of a library case (:func:`list_cases`), such as ``gu2021-beehive``, or path
-    of a TOML file
+        of a TOML file
     changes : key path -> value, as a file would hold it: {"spring.wire_diameter": "4.1 mm"}
 
     Returns

@@ -39,7 +39,7 @@ def buckling_compression(
     mean_diameter : D of the wire's axis (m)
     material : its elastic and shear modulus count
     seating_coefficient : nu, 0.5 with both ends fixed parallel and in line, 0.7 with one fixed and
-    one hinged, 1 with both hinged, 2 with
+        one hinged, 1 with both hinged, 2 with
         one fixed and one free
 
     Returns

@@ -228,7 +228,7 @@ def write_study(
     Raises
     ------
     InputError : a folder that cannot be written; RunFailedError where the disk took some files
-    only, with their names
+        only, with their names
 
     Examples
     --------
@@ -282,14 +282,14 @@ def write_parts(
                 target / f"{stem}.csv",
             )
     _write_rest(study, target, names, write)
-    for words, build in _tables(study, names).items():
-        content = gaps.part(f"table '{words}'", None, build)
+    for name, build in _tables(study, names).items():
+        content = gaps.part(f"table '{name}'", None, build)
         if content is not None and len(content):
             write(
-                f"{words}.csv",
+                f"{name}.csv",
                 lambda content, path: write_text(path, content.csv()),
                 content,
-                target / f"{words}.csv",
+                target / f"{name}.csv",
             )
     written: Path | None = None
     pictures: tuple[Path, ...] = ()

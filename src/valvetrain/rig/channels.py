@@ -40,7 +40,7 @@ class RigAnswers:
     Parameters
     ----------
     channels : quantity -> name of its channel, such as ``{"spring_force": "Force 1"}``; by names
-    that tell, where empty
+        that tell, where empty
     encoder : name of the channel of an encoder's angle
     pulses : name of the channel of a toothed wheel or encoder track
     index : name of the channel that marks a place of that wheel
@@ -49,17 +49,17 @@ class RigAnswers:
     teeth, missing : places on the wheel in one turn, and how many of them side by side are cut away
     units : quantity, or ``encoder``, -> unit, where the file does not say it or says it wrongly
     calibration : quantity -> what one unit of its channel stands for, such as ``{"spring_force":
-    "2.5 N"}`` for a bridge in um/m
+        "2.5 N"}`` for a bridge in um/m
     shunt : quantity -> step of the channel with the shunt and the load it stands for, such as
-    ``{"spring_force": "412, 1000 N"}``
+        ``{"spring_force": "412, 1000 N"}``
     zero : quantity -> what it is in the dwell, such as ``{"spring_force": "240 N"}``; a lift is
-    zero there unless told otherwise
+        zero there unless told otherwise
     dwell : first and last cam angle of the dwell; found from the lift, where there is one
     band : Hz, or text; the highest frequency that is kept of every channel, such as the bandwidth
-    of the gauge
+        of the gauge
     angle_count : points of a cam turn; enough for the band, where None
     offset : cam angle of the case at the mark of the rig; found from the lift, where a case is
-    given
+        given
     sampling_rate : 1/s, or text; where the file has no times
     span : first and last time that are used, s or text
     keep_outliers : keep cycles that differ from all others

@@ -23,6 +23,7 @@ from valvetrain.cli.options import (
     asks,
     read_engine_speeds,
     read_models,
+    read_sensor,
     take_folder,
 )
 from valvetrain.cli.study_command import Kept, keep_run, show_page
@@ -31,7 +32,6 @@ from valvetrain.errors import InputError
 if TYPE_CHECKING:
     from rich.console import Console
 
-    from valvetrain.measured.sensor import Sensor
     from valvetrain.parameters.case import Case
     from valvetrain.report.page import Page
     from valvetrain.rig.channels import RigAnswers
@@ -356,13 +356,6 @@ def _show(console: Console, result: RigResult) -> None:
         console.print(f"{sentence[:1].upper()}{sentence[1:]}.", soft_wrap=True)
 
 
-#: Words of --sensor -> what they are.
-_WORDS = (
-    "bandwidth", "order", "filter", "zero_phase", "natural_frequency", "mounting_stiffness", "moved_mass", "damping_ratio", "sampling_rate",
-    "resolution",
-)  # fmt: skip
-
-
 def seen(
     case: str,
     settings: Sequence[str] | None,
@@ -406,44 +399,3 @@ def seen(
         "models": ", ".join(spring_models),
     }
     deliver(chosen.name, chosen.text, page, data, files, show, asked, folder_of(case))
-
-
-def read_sensor(bandwidth: str | None, words: str | None, sampling_rate: str | None) -> Sensor:
-    """The gauge of ``--bandwidth``, ``--sampling-rate`` and ``--sensor 'KEY=VALUE, ...'``. Raises
-    :class:`InputError` for other words.
-    """
-    from valvetrain.measured.sensor import Sensor
-
-    given: dict[str, Any] = {}
-    for part in (words or "").split(","):
-        if not part.strip():
-            continue
-        key, sign, value = (one.strip() for one in part.partition("="))
-        key = key.replace("-", "_").replace(" ", "_")
-        if key not in _WORDS or not sign or not value:
-            raise InputError(
-                f"'{part.strip()[:40]}' is no property of a gauge; use KEY=VALUE with {', '.join(_WORDS)}",
-                "--sensor",
-            )
-        given[key] = _value(key, value)
-    for key, text in (("bandwidth", bandwidth), ("sampling_rate", sampling_rate)):
-        if text is not None:
-            if key in given:
-                raise InputError(f"{key} is given twice; give it once", "--sensor")
-            given[key] = text
-    return Sensor(**given)
-
-
-def _value(key: str, value: str) -> Any:
-    if key == "zero_phase":
-        if value.lower() not in ("yes", "no", "true", "false"):
-            raise InputError(f"zero_phase is yes or no, not '{value[:20]}'", "--sensor")
-        return value.lower() in ("yes", "true")
-    if key in ("order", "damping_ratio", "resolution"):
-        try:
-            return int(value) if key == "order" else float(value)
-        except ValueError as error:
-            raise InputError(
-                f"{key} is a number, not '{value[:20]}'; correct it", "--sensor"
-            ) from error
-    return value

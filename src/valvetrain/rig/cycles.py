@@ -305,11 +305,11 @@ def rig_cycles(
     Parameters
     ----------
     file : recording: text of columns, MDF 4, TDMS, MAT, HDF5 or NetCDF, universal file 58; the
-    content decides, not the name
+        content decides, not the name
     answers : what the file does not say itself, such as ``RigAnswers(angle_of="crank", teeth=60,
-    missing=2)``
+        missing=2)``
     case : Case, name of a library case, or path of a case file, whose valve lift tells what cam
-    angle the rig's mark is
+        angle the rig's mark is
 
     Returns
     -------
@@ -319,7 +319,7 @@ def rig_cycles(
     Raises
     ------
     InputError : a file that cannot be read, one sentence with all questions that are open, a
-    recording without a whole cycle
+        recording without a whole cycle
 
     Examples
     --------

@@ -32,7 +32,7 @@ class RigChannel:
     unit : as the file writes it, empty where it does not
     values : shape (samples,)
     start, step : s; time of the first sample and between samples; step 0 where the file tells no
-    time
+        time
     times : s, shape (samples,), where they are stored one by one
 
     >>> RigChannel("Force 1", "N", np.zeros(100), step=1e-4)

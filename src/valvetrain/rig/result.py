@@ -218,7 +218,7 @@ class RigResult:
     kept : numbers of the cycles (from 0) that are in ``channels``
     outliers : number of a cycle and why it was left out (or would have been)
     offset : cam angle of the case at the mark, rad; ``offset_uncertainty`` its standard uncertainty
-    (rad), 0 where it was stated
+        (rad), 0 where it was stated
     alignment : how the lift told it, None where it did not
     synthetic : the recording was computed
     notes : what was found, assumed and left out, a sentence each

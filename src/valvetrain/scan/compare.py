@@ -124,7 +124,7 @@ def compare_scan(
     scan : what :func:`spring_from_scan` found
     design : Case, name or path of a case with one spring known by its wire
     engine_speeds : speeds of the crank, "5600 rpm", rad/s or pint quantities; nothing is run
-    without any
+        without any
     spring_models : words of the spring models that run
     workers : runs at a time; results do not depend on it
     progress : told the share done and what was done
@@ -136,7 +136,7 @@ def compare_scan(
     Raises
     ------
     InputError : a design without a wire or with two springs, a scanned spring that is too short for
-    the installed height
+        the installed height
 
     Examples
     --------
@@ -181,8 +181,8 @@ def compare_scan(
                 engine_speeds,
                 spring_models=spring_models,
                 workers=workers,
-                progress=lambda done, words, first=0.5 * place: told(first, done, words),
-            )  # type: ignore[misc]
+                progress=lambda done, words, first=0.5 * place: told(first, done, words),  # type: ignore[misc]
+            )
             for place, one in enumerate(cases)
         )
     numbers = (

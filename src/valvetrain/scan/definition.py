@@ -151,8 +151,16 @@ def define(
         )
     hand = "right" if fitted.tube.hand > 0 else "left"
     found = SpringDefinition(
-        law, width, pitch, float(wire.coil[-1]), material, ends[0], ends[1], hand, name
-    )  # type: ignore[arg-type]
+        law,
+        width,
+        pitch,
+        float(wire.coil[-1]),
+        material,
+        ends[0],
+        ends[1],
+        hand,  # type: ignore[arg-type]
+        name,
+    )
     return found, notes
 
 

@@ -118,13 +118,13 @@ def spring_from_scan(
     material : of the wire; EN 10270-2 VDSiCr where none is given
     name : word for the spring
     turn_over : take the other end for the lower one: that is the wider one, else the one with the
-    closer coils, else as the scan lies
+        closer coils, else as the scan lies
     points : most points that are fitted, an even draw from the file that does not depend on their
-    order
+        order
     slices_per_turn : half planes in which sections are looked for at first; the fit does not depend
-    on them
+        on them
     stations_per_turn : pieces a turn of the smooth curves; beyond 8 the fit does not depend on them
-    either
+        either
 
     Returns
     -------

@@ -7,11 +7,11 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from html import escape
-from importlib import import_module
 from typing import TYPE_CHECKING, Protocol
 
 from numpy.typing import ArrayLike
 
+from valvetrain import registry
 from valvetrain.errors import MissingExtraError
 
 if TYPE_CHECKING:
@@ -95,7 +95,6 @@ def frame(
 
 
 def plotted(name: str, item: object) -> Figure:
-    """The figure that ``report.quick`` draws of ``item`` by its function ``name``."""
-    # Bound on first use: results stand below the report and never depend on plotting.
-    figure: Figure = getattr(import_module("valvetrain.report.quick"), name)(item)
+    """The figure of a result that is registered under ``name``, such as ``solution``."""
+    figure: Figure = registry.find("figures", name)(item)
     return figure

@@ -29,7 +29,7 @@ class FidelityRow:
     model : word of the spring model
     engine_speed : crank speed (rad/s)
     value, error : of the model (NaN: it tells none), and half the width of its numerical error bar:
-    NaN for a model that has none,
+        NaN for a model that has none,
         infinite where the run that should tell it gave no result
     reference, reference_error : the same of the reference
     scale : largest size of the reference over all speeds, to which differences are related
@@ -117,7 +117,7 @@ class FidelityMap:
     tolerance : share of the reference's largest value up to which a model is good enough
     rows : by quantity, model and speed
     costs : model -> seconds of one core per simulated second, as estimates take it; in ascending
-    order of cost
+        order of cost
     divided : models whose numerical error was found by dividing them more finely
 
     Examples

@@ -98,7 +98,7 @@ class ModalResult:
 
     def plot(self) -> Figure:
         """Axial displacement of the axial modes over the coils as a plotly figure."""
-        return plotted("plot_modes", self)
+        return plotted("modes", self)
 
 
 @dataclass(frozen=True, eq=False)

@@ -236,7 +236,7 @@ class Solution:
         """Spring forces and valve lift over the cam angle as a plotly figure; :class:`InputError`
         for a reduced solution.
         """
-        return plotted("plot_solution", self)
+        return plotted("solution", self)
 
     def cite(self) -> tuple[str, ...]:
         """References behind this run, the papers to cite with it."""

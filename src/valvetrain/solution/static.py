@@ -135,7 +135,7 @@ class StaticCurve:
 
     def plot(self) -> Figure:
         """Force and stiffness over compression as a plotly figure."""
-        return plotted("plot_static_curve", self)
+        return plotted("static_curve", self)
 
     def force_at(self, compression: Given) -> float:
         """Force (N) at a compression (m, "7.5 mm" or a pint quantity), a cubic of force and slope

@@ -137,7 +137,7 @@ class Study:
         """Seat force of every run over the cam angle, or in a sweep peak forces over engine speed,
         as a plotly figure.
         """
-        return plotted("plot_study", self)
+        return plotted("study", self)
 
     @property
     def engine_speeds(self) -> tuple[float, ...]:

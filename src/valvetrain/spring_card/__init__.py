@@ -1,1 +1,39 @@
-"""."""
+"""Springs from catalogue cards and from tables of a spring tester."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from valvetrain.lazy import lazy_names
+
+#: Public name -> module of this package.
+_HOMES = {
+    "SpringLoad": "card",
+    "CatalogueCard": "card",
+    "spring_from_card": "fit",
+    "SpringFit": "fit",
+    "card_of_table": "tester",
+    "spring_from_tester": "tester",
+    "TesterFit": "tester",
+}
+
+__all__ = [
+    "SpringLoad",
+    "CatalogueCard",
+    "spring_from_card",
+    "SpringFit",
+    "card_of_table",
+    "spring_from_tester",
+    "TesterFit",
+]
+
+if TYPE_CHECKING:
+    from valvetrain.spring_card.card import CatalogueCard as CatalogueCard
+    from valvetrain.spring_card.card import SpringLoad as SpringLoad
+    from valvetrain.spring_card.fit import SpringFit as SpringFit
+    from valvetrain.spring_card.fit import spring_from_card as spring_from_card
+    from valvetrain.spring_card.tester import TesterFit as TesterFit
+    from valvetrain.spring_card.tester import card_of_table as card_of_table
+    from valvetrain.spring_card.tester import spring_from_tester as spring_from_tester
+else:
+    __getattr__ = lazy_names(__name__, _HOMES)

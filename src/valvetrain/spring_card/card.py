@@ -58,7 +58,7 @@ class CatalogueCard:
     wire_diameter, outer_diameter : of the round wire and of the coils, lengths
     installed_load, open_load : :class:`SpringLoad` at two heights, the higher one first
     top_outer_diameter : of a beehive, its narrow end, a length; the coils taper from
-    ``taper_from_coil`` on, half of them where not told
+        ``taper_from_coil`` on, half of them where not told
     solid_height, mass, free_length, total_coils : where the card tells them
     material : of the wire; EN 10270-2 VDSiCr where the card names none
     name : word for the spring

@@ -286,11 +286,11 @@ def spring_from_tester(
     ----------
     table : of :func:`read_force_height`
     card : dimensions of the wire and the coils (:func:`card_of_table` makes one); its loads are not
-    used
+        used
     closes : end whose coils close first; the table cannot tell it, seat and retainer exchanged give
-    the same forces
+        the same forces
     installed_height : at which preload and rate are told, m; the largest height of the table by
-    default
+        default
 
     Returns
     -------
@@ -345,7 +345,7 @@ def card_of_table(table: ForceHeight, **known: object) -> CatalogueCard:
     ----------
     table : of :func:`read_force_height`
     known : what else :class:`CatalogueCard` takes, such as ``wire_diameter="4.2 mm",
-    outer_diameter="30.2 mm"``
+        outer_diameter="30.2 mm"``
 
     Returns
     -------

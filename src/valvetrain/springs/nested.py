@@ -100,9 +100,9 @@ class NestedSprings:
         if self.rubbing is None:
             return np.zeros((0, 2), np.int64), np.zeros((0, 2))
         (outer_share, outer_mass), (inner_share, inner_mass) = (
-            _sections(self.outer),
-            _sections(self.inner),
-        )  # type: ignore[misc]
+            _sections(self.outer),  # type: ignore[misc]
+            _sections(self.inner),  # type: ignore[misc]
+        )
         count = min(RUBBING_SECTIONS, len(inner_share))
         inner = np.unique(np.round(np.linspace(0, len(inner_share) - 1, count)).astype(np.int64))
         outer = np.argmin(np.abs(outer_share[None, :] - inner_share[inner, None]), axis=1)

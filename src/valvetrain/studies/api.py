@@ -55,9 +55,9 @@ def simulate(
     ----------
     case : Case, name of a library case, or path of a case file
     engine_speeds : speeds of the crank, "4200 rpm", rad/s or pint quantities; the case's own by
-    default
+        default
     spring_models : words of spring models, such as "multi-mass"; the case's own or the usual ones
-    by default
+        by default
     spring_sets : names of spring sets of a train
     workers : runs at a time; results do not depend on it
     progress : told the share done and what was done
@@ -71,7 +71,7 @@ def simulate(
     Raises
     ------
     InputError : one sentence on what cannot be built or run, is too large or implausible, and the
-    remedy
+        remedy
 
     Examples
     --------
@@ -118,7 +118,7 @@ def compare(
     ----------
     spring_models : words of spring models; those usual for the case by default
     case, engine_speeds, spring_sets, workers, progress, limit, implausible : as for
-    :func:`simulate`
+        :func:`simulate`
 
     Returns
     -------
@@ -128,7 +128,7 @@ def compare(
     Raises
     ------
     InputError : as :func:`simulate`; MissingExtraError where solid finite elements are asked for
-    and their solver is not installed
+        and their solver is not installed
 
     Examples
     --------
@@ -180,13 +180,13 @@ def sweep(
     Parameters
     ----------
     case, spring_models, spring_sets, workers, progress, limit, implausible : as for
-    :func:`simulate`
+        :func:`simulate`
     engine_speeds : speeds of the crank, "1000:9000:100 rpm" (first:last:step), rad/s or pint
-    quantities
+        quantities
     whole : keep the channels of every solution (megabytes each); without it solutions hold their
-    events and named quantities only
+        events and named quantities only
     critical_speeds : search a train's critical speeds between the lowest and the highest speed, as
-    :func:`critical_speeds` does
+        :func:`critical_speeds` does
     resolution, float_lift, bounce_height : as for :func:`critical_speeds`
 
     Returns
@@ -254,12 +254,12 @@ def critical_speeds(
     Parameters
     ----------
     case, spring_models, spring_sets, workers, progress, limit, implausible : as for
-    :func:`simulate`
+        :func:`simulate`
     engine_speeds : speeds of the crank at which the search begins; it goes on between them where
-    control may be lost
+        control may be lost
     resolution : width of a bracket, "10 rpm", rad/s or a pint quantity
     float_lift : lift above the rigid one beyond which the valve floats, "50 um", m or a pint
-    quantity
+        quantity
     bounce_height : height above the seat beyond which a bounce counts, likewise
 
     Returns
@@ -314,12 +314,12 @@ def static_curve(
     Parameters
     ----------
     spring : a spring of one's own, an installed spring (``case.springs[0]``), or a case with one
-    spring (as for :func:`simulate`)
+        spring (as for :func:`simulate`)
     largest_compression : end of the curve (m, "8 mm" or a pint quantity); by default a little
-    beyond the largest lift of the case, or 80 %
+        beyond the largest lift of the case, or 80 %
         of the way to coil bind where there is no lift
     spring_model : word of the spring model; one that knows the installed state only (a card) holds
-    from there on
+        from there on
     steps : even steps of the curve
     limit, implausible : as for :func:`simulate`
 
@@ -332,7 +332,7 @@ def static_curve(
     Raises
     ------
     InputError : a compression beyond coil bind, several springs in the case, a model that cannot
-    stand for the spring, too many steps
+        stand for the spring, too many steps
 
     Examples
     --------

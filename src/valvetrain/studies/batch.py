@@ -28,7 +28,7 @@ def map_cases(
     Parameters
     ----------
     function : of one case; importable (a module-level function or a partial of one), with results
-    that pickle
+        that pickle
     cases : what the function takes, one after the other
     workers : processes; None for one per core, 1 for this process
     progress : called as ``progress(done, total)`` after each case
@@ -40,7 +40,7 @@ def map_cases(
     Raises
     ------
     InputError : fewer than one worker; what the function raises; RunFailedError where the worker of
-    a case is killed again and again
+        a case is killed again and again
 
     Examples
     --------

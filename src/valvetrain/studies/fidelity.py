@@ -72,13 +72,13 @@ def fidelity(
     ----------
     case, workers, progress, limit, implausible : as for :func:`simulate`
     engine_speeds : speeds of the crank, "1000:9000:500 rpm" (first:last:step), rad/s or pint
-    quantities
+        quantities
     spring_models : models that are judged; all that can run by default
     spring_set : spring set of a train, its own by default
     reference : the model they are judged by; finite elements where the wire is known, else the
-    equivalent rod
+        equivalent rod
     tolerance : share of the reference's largest value over the speeds up to which a model is good
-    enough
+        enough
 
     Returns
     -------

@@ -34,9 +34,9 @@ def refine(
     Parameters
     ----------
     case : Case, name of a library case, or path of a case file; a spring with its wire and a lift
-    law, or a train
+        law, or a train
     engine_speeds : speeds of the crank, "4200 rpm", rad/s or pint quantities; the case's own by
-    default
+        default
     workers : runs at a time; results do not depend on it
     progress : told the share done and what was done
     limit : largest estimated time and memory, such as "2 h, 8 GB"; 10 min and 2 GB by default

@@ -66,7 +66,7 @@ def run_up(
     ----------
     case : Case, name of a library case, or path of a case file; it holds a train
     first_engine_speed, last_engine_speed : of the crank, "1000 rpm", rad/s or a pint quantity; a
-    last one below the first runs down
+        last one below the first runs down
     duration : time between them, "2 s", s or a pint quantity
     spring_models : words of spring models, such as "multi-mass"; the case's own by default
     spring_sets : names of spring sets of the train
@@ -83,7 +83,7 @@ def run_up(
     Raises
     ------
     InputError : a case without a train, speeds or a duration that lead nowhere, what cannot be
-    built, is too large or implausible
+        built, is too large or implausible
 
     Examples
     --------

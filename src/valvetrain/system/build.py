@@ -43,7 +43,7 @@ def build(
     ----------
     case : Case, name of a library case, or path of a case file
     spring_models : words of spring models, such as "multi-mass"; the case's own or the usual ones
-    by default
+        by default
     spring_sets : names of spring sets of a train
 
     Returns
@@ -53,7 +53,7 @@ def build(
     Raises
     ------
     InputError : a case without spring and train, an unknown word, a spring that reaches coil bind
-    within the lift, what parts refuse
+        within the lift, what parts refuse
 
     Examples
     --------

@@ -82,7 +82,7 @@ def si(value: Given, quantity: str, where: str = "") -> float:
     Parameters
     ----------
     value : SI number (Python or numpy), text with a unit such as ``"3000 rpm"``, or a pint quantity
-    of any registry.
+        of any registry.
     quantity : name from :data:`PLAUSIBLE`, or of a dimension in :data:`DIMENSIONS`.
     where : place of the value, which leads the message.
 

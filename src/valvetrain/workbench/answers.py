@@ -11,8 +11,7 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
-from valvetrain.compare_test.compare import ModelAgainstTest, compare_study_with_test
-from valvetrain.compare_test.page import compare_test_page
+from valvetrain.compare_test import ModelAgainstTest, compare_study_with_test, compare_test_page
 from valvetrain.errors import InputError
 from valvetrain.parameters.case import Case
 from valvetrain.parameters.loading import read_case
@@ -161,7 +160,7 @@ def overlay(
     Raises
     ------
     InputError : a file that the reader refuses, with its sentence; a quantity or speed that no run
-    has
+        has
     """
     found = against(run, name, test_data, quantity, channel)
     parts = sections_of(render(compare_test_page(found))) if found.runs else ()

@@ -51,7 +51,7 @@ class Field:
     key : key path, as ``--set`` and :meth:`Workspace.set_value` take it
     label : words of the key
     kind : ``number`` (with a unit), ``text``, ``choice`` (one of ``choices``), ``flag`` (true,
-    false), ``curve`` (over the coils)
+        false), ``curve`` (over the coils)
     value_text : as written in the file, empty where it is left out
     unit : usual unit, in which ``limits`` are told
     limits : lowest and highest value in ``unit``, None for none
@@ -62,7 +62,7 @@ class Field:
     choices : words of a ``choice``; of a ``text``, suggestions
     number : the value in ``unit``, None where it is no single number
     slider : lowest value, highest value and step of a slider in ``unit``, None where one makes no
-    sense
+        sense
     """
 
     key: str

@@ -58,9 +58,9 @@ class JobStatus:
     text : what is going on
     seconds_left : estimate (s), None while nothing can be said
     error : sentence where it failed or was interrupted, and on parts that a finished one could not
-    do
+        do
     run_id : the kept run, empty while there is none; a cancelled or interrupted job may have one
-    with what was finished
+        with what was finished
     created_at, started_at, ended_at : seconds since the epoch, None where not yet
     """
 

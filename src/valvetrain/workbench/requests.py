@@ -46,11 +46,11 @@ class JobRequest:
     case : id of the case; it is taken as it stands when the job is submitted
     spring_models : words of spring models, empty for the case's own
     engine_speeds : crank speeds as ``--engine-speed`` takes them, ``"4200, 5600 rpm"`` or
-    ``"1000:9000:100 rpm"``; empty for the case's own
+        ``"1000:9000:100 rpm"``; empty for the case's own
     spring_sets : spring sets of a train, empty for its own
     settings : values set besides, key path -> text, as ``--set`` takes them
     options : options of the kind by their long names without dashes, such as ``{"resolution": "10
-    rpm"}`` of a sweep; ``"true"`` for flags
+        rpm"}`` of a sweep; ``"true"`` for flags
     study : text of the study file (TOML) of a study, whose ``case`` is replaced by this one
     implausible : let values pass that no valvetrain can have
     """

@@ -78,7 +78,7 @@ class CaseCard:
     Parameters
     ----------
     name : what :meth:`Workspace.new_case` takes (library and templates), or the :data:`CaseId` of a
-    case of the workspace
+        case of the workspace
     title : one line
     kind : ``library``, ``template`` or ``case``
     holds : tables it has, such as ``spring``, ``lift_law``, ``train``

@@ -105,8 +105,8 @@ def write_film(variant: Variant, path: Path, request: FilmRequest = FilmRequest(
     Raises
     ------
     InputError : another ending, a missing package, a colouring that the run does not have, bounds;
-    RunFailedError for a film that came out
-    larger than 25 MB
+        RunFailedError for a film that came out
+        larger than 25 MB
 
     Examples
     --------

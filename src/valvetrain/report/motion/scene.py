@@ -51,7 +51,7 @@ def choose_frames(
     most : largest number of frames; what must be kept may exceed it
     keep : samples that stay whatever happens, such as those of peaks
     spans : first and last cam angle (rad) of clashes, most wanted first; every sample inside one is
-    drawn until ``most`` is reached
+        drawn until ``most`` is reached
 
     Returns
     -------

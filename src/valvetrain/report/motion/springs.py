@@ -47,7 +47,7 @@ def colourings_of(
     coil : (node,) coil numbers drawn
     wire : the spring's wire
     nodes : (node,) place of every node among the channel's wire points, -1 where the model has none
-    (inactive wire)
+        (inactive wire)
     sample : (frame,) samples drawn
 
     Returns
@@ -106,7 +106,7 @@ def slope_stress(
     wire : the spring's wire
     coil : (node,) coil numbers, ascending
     displacement : (frame, node) axial displacement (m) from the installed state, seat to retainer
-    positive
+        positive
     preload : force (N) of the installed spring
 
     Returns
@@ -252,7 +252,7 @@ def draw_spring(
     travel : (frame,) displacement (m) of the retainer towards the seat
     rest : the spring at rest, whose static curve gives the installed shape where the run does not
     shared : springs that rub on each other ran as one, so forces are of both; the run tells the
-    coils of the outer one alone
+        coils of the outer one alone
 
     Returns
     -------

@@ -39,7 +39,7 @@ def coils_blocks(study: Study) -> tuple[Block, ...]:
 
     def at(engine_speed: float, runs: list[Solution], key: str) -> tuple[Block, ...]:
         items: list[tuple[str, tuple[Block, ...]]] = []
-        for number, run in enumerate(runs, start=1):
+        for index, run in enumerate(runs, start=1):
             found: tuple[Block, ...] = ()
             for spring in run.springs:
                 whose = (
@@ -47,7 +47,7 @@ def coils_blocks(study: Study) -> tuple[Block, ...]:
                     if len(run.springs) > 1
                     else known[run.label].words
                 )
-                title, place = f"{whose}, {speed_words(engine_speed)}", f"{key}-{number}-{spring}"
+                title, place = f"{whose}, {speed_words(engine_speed)}", f"{key}-{index}-{spring}"
                 for name, build in (("Coil motion", position_chart), ("Clash map", clash_chart)):
                     words = f"{name}: {title}"
                     found += figure_or_gap(
@@ -95,10 +95,10 @@ def position_chart(study: Study, run: Solution, spring: str, key: str, title: st
     wanted = np.linspace(places.min(), places.max(), min(MOST_LINES, len(places)))
     chosen = np.unique([int(np.argmin(np.abs(places[order] - place))) for place in wanted])
     lines = []
-    for number, (place, colour) in enumerate(
+    for index, (place, colour) in enumerate(
         zip(order[chosen], theme.ramp(len(chosen)), strict=True)
     ):
-        direct = f"{places[place]:.3g}" if number % 5 == 0 and words == _HEIGHTS[0][1] else ""
+        direct = f"{places[place]:.3g}" if index % 5 == 0 and words == _HEIGHTS[0][1] else ""
         x, y = thin(angle, values[:, place] * 1e3)
         lines.append(
             Line(

@@ -31,9 +31,9 @@ def optimise(
     file : path of an optimisation file (docs/optimisation.md), or its text
     workers : points at a time; results do not depend on it
     dask : "local", the address of a Dask scheduler or the word of a queue ("slurm", "pbs"); empty
-    for processes of this machine
+        for processes of this machine
     output : folder that keeps finished points, so that a search that was stopped or killed goes on
-    there; nothing is kept by default
+        there; nothing is kept by default
     limit : largest estimated time and memory, such as "2 h, 8 GB"; 10 min and 2 GB by default
     progress : told the share done and what was done
 
@@ -46,7 +46,7 @@ def optimise(
     Raises
     ------
     InputError : one sentence on what is wrong in the file and where, or on a request that is too
-    large
+        large
     MissingExtraError : the library of the search is not installed
 
     Examples

@@ -42,8 +42,9 @@ def _refuse(found: str) -> None:
 
 def _finite(one: object) -> str:
     bad = next(
-        (field.name for field in fields(one) if not np.isfinite(getattr(one, field.name))), ""
-    )  # type: ignore[arg-type]
+        (field.name for field in fields(one) if not np.isfinite(getattr(one, field.name))),  # type: ignore[arg-type]
+        "",
+    )
     return f"{bad} of a distribution is no finite number; give one" if bad else ""
 
 

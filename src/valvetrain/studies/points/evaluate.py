@@ -247,8 +247,8 @@ _Job = tuple[int, tuple[tuple[object, float], ...], float | None, str, str, int]
 def _job(shared: tuple[tuple[Case, ...], tuple[Wanted, ...]], job: _Job) -> Outcome:
     place, values, engine_speed, model, spring_set, wanted = job
     return evaluate(
-        Point(shared[0][place], values, engine_speed, model, spring_set, shared[1][wanted])
-    )  # type: ignore[arg-type]
+        Point(shared[0][place], values, engine_speed, model, spring_set, shared[1][wanted])  # type: ignore[arg-type]
+    )
 
 
 def _lost(job: _Job) -> Outcome:

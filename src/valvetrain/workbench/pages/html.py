@@ -8,8 +8,7 @@ from dataclasses import replace
 from html import escape
 from typing import Any
 
-from valvetrain.compare_test.compare import ModelAgainstTest
-from valvetrain.compare_test.page import compare_test_page
+from valvetrain.compare_test import ModelAgainstTest, compare_test_page
 from valvetrain.errors import InputError, ValvetrainError
 from valvetrain.report.page import Block, Cell, Grid, Section, render_part, text
 from valvetrain.report.plotly_chart import in_script
