@@ -15,10 +15,11 @@ import numpy as np
 
 from valvetrain.parameters.constructors import cylindrical
 from valvetrain.parameters.spring import OPEN_END
-from valvetrain.springs.solid import axis_motion, steps
+from valvetrain.springs.solid import axis_motion
+from valvetrain.springs.solid import deck as steps
 from valvetrain.springs.solid.jobs import SolidSpring
-from valvetrain.springs.solid.layout import MeshOptions
-from valvetrain.springs.solid.printed import read_printed
+from valvetrain.springs.solid.mesh import MeshOptions
+from valvetrain.springs.solid.results import read_printed
 
 START, VELOCITY, DURATION, INCREMENT = 0.5e-3, 0.05, 20e-3, 1e-3
 

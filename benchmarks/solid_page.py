@@ -44,7 +44,7 @@ so that the rod is checked against them in every test run without the solver.
 ## Use
 
     from valvetrain.parameters.loading import load_case
-    from valvetrain.springs.solid.export import write_mesh
+    from valvetrain.springs.solid.deck import write_mesh
     from valvetrain.springs.solid.spec import SolidOptions, solid_spring
 
     spring = load_case("gu2021-beehive").springs[0]

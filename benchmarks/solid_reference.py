@@ -34,13 +34,17 @@ from valvetrain.parameters.material import OTEVA_90_SC
 from valvetrain.parameters.spring import OPEN_END, EndCoil, SpringDefinition
 from valvetrain.solution.atomic import write_text
 from valvetrain.solution.netcdf import save_netcdf
-from valvetrain.springs.solid import steps
+from valvetrain.springs.solid import deck as steps
 from valvetrain.springs.solid.deck import SolidContact
-from valvetrain.springs.solid.fibre import fibre_stress, wire_torque
-from valvetrain.springs.solid.fields import last_field, read_fields
 from valvetrain.springs.solid.jobs import SolidSpring
-from valvetrain.springs.solid.layout import MeshOptions
-from valvetrain.springs.solid.printed import read_printed
+from valvetrain.springs.solid.mesh import MeshOptions
+from valvetrain.springs.solid.results import (
+    fibre_stress,
+    last_field,
+    read_fields,
+    read_printed,
+    wire_torque,
+)
 from valvetrain.springs.solid.transient import TransientJob, run_transient
 
 STORE = Path("build/solid-reference")

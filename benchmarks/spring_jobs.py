@@ -63,7 +63,7 @@ def _filtered(job: str, trace: list[float], reference: np.ndarray) -> str:
 
 def _low_pass(values: np.ndarray) -> np.ndarray:
     from benchmarks.standard import INTERVAL
-    from valvetrain.quantities.filters import low_pass
+    from valvetrain.quantities.signal import low_pass
 
     return low_pass(INTERVAL * np.arange(len(values)), values, BANDWIDTH)
 

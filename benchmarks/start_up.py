@@ -21,13 +21,13 @@ BATCH = (
     "m, d, e = rod(spring_c(), 12, 'stiffness', True); s([m], [e], motion, INTERVAL, 2, d)"
 )
 TRAIN = (
-    "from valvetrain.studies.run import *; from valvetrain.parameters.loading import load_case as l; "
+    "from valvetrain.runs.run import *; from valvetrain.parameters.loading import load_case as l; "
     "from valvetrain.integrate.train_run import runner; "
     "t = runner(build(l('tdi-pushrod')).members[0].system(), 200.0); t.cycle(t.initial_state())"
 )
 FIRST_STEP = (
-    "from valvetrain.parameters.loading import load_case as l; import valvetrain.cli.main, valvetrain.studies.run; "
-    "m = valvetrain.studies.run.build(l('gu2021-beehive'), spring_models=('finite-element',)).members[0].system().springs[0]; "
+    "from valvetrain.parameters.loading import load_case as l; import valvetrain.cli.main, valvetrain.runs.run; "
+    "m = valvetrain.runs.run.build(l('gu2021-beehive'), spring_models=('finite-element',)).members[0].system().springs[0]; "
     "m.installed; m.stable_time_step()"
 )
 

@@ -20,7 +20,7 @@ from valvetrain.integrate.train_kernel import gaps_and_laws, scratch_of
 from valvetrain.integrate.train_run import TrainOptions, runner
 from valvetrain.integrate.train_tuples import Motion
 from valvetrain.parameters.loading import load_case
-from valvetrain.studies.sweep import sweep_study
+from valvetrain.runs.compare import sweep_study
 from valvetrain.system.build import build
 from valvetrain.system.train_rest import rest_of
 

@@ -24,8 +24,8 @@ def whole() -> dict[str, bytes]:
     from valvetrain.parameters.loading import load_case
     from valvetrain.report.json import study_json
     from valvetrain.report.study import write_study
-    from valvetrain.studies.run import run_study
-    from valvetrain.studies.run_store import collect_inputs, keep
+    from valvetrain.runs.run import run_study
+    from valvetrain.runs.saved_runs import collect_inputs, keep
 
     when = "2026-01-01T00:00:00+00:00"
     with tempfile.TemporaryDirectory() as folder:

@@ -8,7 +8,7 @@ import re
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from valvetrain.parameters.words import number
+from valvetrain.parameters.summary import number
 from valvetrain.solution.definition import label_of, shown
 
 #: The draws about the likeliest point of the joint study, the study of all data, and the case that

@@ -23,16 +23,16 @@ from pathlib import Path
 import numpy as np
 
 from valvetrain.errors import InputError
-from valvetrain.identification.api import identify_request
-from valvetrain.identification.file import Request, read_request
-from valvetrain.identification.result import Identified
+from valvetrain.explore.identification_file import Request, read_request
+from valvetrain.explore.identified import Identified
+from valvetrain.explore.identify import identify_request
 from valvetrain.parameters.lift_law import LiftLawParameters
 from valvetrain.parameters.loading import load_case
 from valvetrain.parameters.writing import write_case_values
+from valvetrain.runs.cost import Limits
+from valvetrain.runs.run import run_study
 from valvetrain.solution.atomic import digest, write_text
 from valvetrain.sources.gu2021_identification import case_values, law_of, spring_of
-from valvetrain.studies.cost import Limits
-from valvetrain.studies.run import run_study
 
 FILE = Path(__file__).resolve().parents[1] / "examples" / "identify-beehive.toml"
 

@@ -27,8 +27,8 @@ from valvetrain.measured.cycles import MeasuredCycles, write_cycles
 from valvetrain.measured.sensor import Sensor
 from valvetrain.parameters.loading import load_case
 from valvetrain.quantities.traces import trace_of
+from valvetrain.runs.api import simulate
 from valvetrain.solution.atomic import write_text
-from valvetrain.studies.api import simulate
 from valvetrain.system.build import build
 
 Array = NDArray[np.float64]

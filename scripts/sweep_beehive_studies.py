@@ -19,14 +19,14 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from valvetrain.identification.branches import even_draws
-from valvetrain.identification.file import Request, read_request
+from valvetrain.explore.draws import even_draws
+from valvetrain.explore.evaluate import evaluate_points
+from valvetrain.explore.identification_file import Request, read_request
+from valvetrain.explore.point import Point, Wanted
 from valvetrain.report import theme
 from valvetrain.report.chart import Chart, Layer, Line, Panel, Rule
 from valvetrain.report.svg_chart import svg
 from valvetrain.solution.atomic import write_text
-from valvetrain.studies.points.evaluate import evaluate_points
-from valvetrain.studies.points.point import Point, Wanted
 
 Array = NDArray[np.float64]
 ROOT = Path(__file__).resolve().parents[1]

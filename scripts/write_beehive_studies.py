@@ -33,9 +33,9 @@ from beehive_sentences import (
 )
 from numpy.typing import NDArray
 
-from valvetrain.identification.file import Request, read_request
-from valvetrain.identification.journal import read_points
-from valvetrain.identification.posterior import Outcome, Posterior
+from valvetrain.explore.identification_file import Request, read_request
+from valvetrain.explore.posterior import Outcome, Posterior
+from valvetrain.explore.solve import read_points
 from valvetrain.report import theme
 from valvetrain.report.chart import Chart, Layer, Line, Marks, Panel, Rule
 from valvetrain.report.svg_chart import svg

@@ -10,7 +10,7 @@ import sys
 from pathlib import Path
 
 import valvetrain as vt
-from valvetrain.report.fidelity_words import reach_rows, share
+from valvetrain.report.run_summary import reach_rows, share
 from valvetrain.solution.fidelity import FidelityMap
 
 PAGE = "fidelity.md"

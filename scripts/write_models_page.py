@@ -17,11 +17,10 @@ from valvetrain.errors import InputError
 from valvetrain.parameters.case import Case
 from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.parameters.loading import load_case
+from valvetrain.runs.compare import compare_study, sweep_study
+from valvetrain.runs.run import run_study
 from valvetrain.solution.study import Study
 from valvetrain.springs.spec import SpringModelSpec, spring_model
-from valvetrain.studies.compare import compare_study
-from valvetrain.studies.run import run_study
-from valvetrain.studies.sweep import sweep_study
 from valvetrain.system.build import build
 
 #: The one speed of all runs (rad/s of the crank), low enough that every train settles soon.

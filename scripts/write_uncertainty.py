@@ -20,12 +20,12 @@ from pathlib import Path
 
 from valvetrain.parameters.case import Case
 from valvetrain.parameters.loading import load_case
+from valvetrain.runs.error_bars import Uncertainty
+from valvetrain.runs.refine import refined
+from valvetrain.runs.run import run_study
+from valvetrain.runs.uncertainty_file import rows_of, uncertainty_text
 from valvetrain.solution.atomic import write_text
 from valvetrain.solution.quantity import same_speed
-from valvetrain.studies.error_bars import Uncertainty
-from valvetrain.studies.refined import refined
-from valvetrain.studies.run import run_study
-from valvetrain.studies.uncertainty_file import rows_of, uncertainty_text
 
 LIBRARY = Path(str(resources.files("valvetrain") / "parameters" / "library"))
 DIGEST = re.compile(r'^digest = "\w*"$', re.MULTILINE)

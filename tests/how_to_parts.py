@@ -17,9 +17,9 @@ from typer.testing import CliRunner
 
 from valvetrain.cli.cases import write_template
 from valvetrain.cli.main import app
-from valvetrain.studies.points.evaluate import evaluate
-from valvetrain.studies.points.plan import read_plan
-from valvetrain.studies.points.study_file import read_study_file
+from valvetrain.explore.evaluate import evaluate
+from valvetrain.explore.plan import read_plan
+from valvetrain.explore.study_file import read_study_file
 from valvetrain.units import unit_factor
 
 ROOT = Path(__file__).resolve().parents[1]

@@ -10,7 +10,7 @@ import numpy as np
 from known_quantities import Known
 from valvetrain.parameters.constructors import OTEVA_90_SC, cylindrical
 from valvetrain.parameters.installed_spring import InstalledSpring
-from valvetrain.quantities.buckling import buckling_quantities
+from valvetrain.quantities.statics import buckling_quantities
 from valvetrain.solution.static import Buckling, Leaning, SpringAtRest, StaticCurve
 
 #: E = 2.6 G, of which textbooks print the constants.

@@ -11,11 +11,11 @@ from train_parts import direct
 from valvetrain.cam.closed_form import Harmonic
 from valvetrain.mechanism.build import build_mechanism
 from valvetrain.parameters.train import CamParameters
+from valvetrain.quantities.cycle import Frame
 from valvetrain.quantities.evaluate import evaluate
-from valvetrain.quantities.frame import Frame
 from valvetrain.quantities.spectrum import surge_engine_speeds
 from valvetrain.quantities.valve_events import rigid_events
-from valvetrain.solution.event import Event
+from valvetrain.solution.status import Event
 
 DEG, THOU = np.pi / 180, 1.27e-3
 

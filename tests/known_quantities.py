@@ -21,18 +21,17 @@ from valvetrain.integrate.train_channels import Scatter
 from valvetrain.parameters.constructors import conical, cylindrical
 from valvetrain.parameters.installed_spring import InstalledSpring, SpringCard
 from valvetrain.parameters.spring import OPEN_END
+from valvetrain.quantities.cycle import Frame
 from valvetrain.quantities.design import design_quantities
 from valvetrain.quantities.evaluate import evaluate
-from valvetrain.quantities.frame import Frame
 from valvetrain.quantities.kinematics import rigid_motion, rigid_quantities
 from valvetrain.quantities.statics import rest_quantities
+from valvetrain.runs.critical_speeds import CriticalOptions, Limit, Look, Search, critical_speed
 from valvetrain.solution.critical import KINDS
-from valvetrain.solution.event import Event
 from valvetrain.solution.modes import ModalResult
 from valvetrain.solution.result import Solution
 from valvetrain.solution.static import SpringAtRest, StaticCurve, StaticStress
-from valvetrain.studies.critical_search import Limit, Look, Search
-from valvetrain.studies.critical_speeds import CriticalOptions, critical_speed
+from valvetrain.solution.status import Event
 
 Known = tuple[Mapping[str, float], dict[str, float | tuple[float, float]]]
 DEG, CAM_RATE = np.pi / 180, ENGINE_SPEED / 2

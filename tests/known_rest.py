@@ -11,8 +11,7 @@ from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.quantities.design import design_quantities
 from valvetrain.quantities.statics import rest_quantities
 from valvetrain.solution.modes import ModalResult
-from valvetrain.solution.rest_point import RestPoint
-from valvetrain.solution.static import SpringAtRest
+from valvetrain.solution.static import RestPoint, SpringAtRest
 
 Known = tuple[dict[str, float], dict[str, float | tuple[float, float]]]
 

@@ -7,10 +7,9 @@ from scipy import signal
 
 from known_quantities import CAM_RATE, DEG, Known, level
 from synthetic_spring import EVENT, bump, clashing_run, run
+from valvetrain.quantities.cycle import Frame
 from valvetrain.quantities.evaluate import evaluate
-from valvetrain.quantities.frame import Frame
-from valvetrain.solution.provenance import Provenance
-from valvetrain.solution.record import CaseRecord, PublishedValue
+from valvetrain.solution.provenance import CaseRecord, Provenance, PublishedValue
 from valvetrain.solution.result import Solution, empty_channels
 from valvetrain.solution.study import Study
 from valvetrain.sources.multibody4b17 import study_quantities

@@ -13,13 +13,11 @@ from synthetic_spring import ENGINE_SPEED, bump
 from valvetrain.solution.channels import spring_channels
 from valvetrain.solution.comparison import Comparison, Finding
 from valvetrain.solution.critical import CriticalSpeed, CriticalSpeeds, Crossing, SpeedBracket
-from valvetrain.solution.event import Event
 from valvetrain.solution.modes import ModalResult
-from valvetrain.solution.provenance import Provenance
-from valvetrain.solution.record import CaseRecord, CaseValue, PublishedValue
+from valvetrain.solution.provenance import CaseRecord, CaseValue, Provenance, PublishedValue
 from valvetrain.solution.result import Solution
 from valvetrain.solution.static import SpringAtRest, StaticCurve, StaticStress
-from valvetrain.solution.status import COMPLETED, Status
+from valvetrain.solution.status import COMPLETED, Event, Status
 from valvetrain.solution.study import LiftEvent, Study
 
 SPEED = ENGINE_SPEED

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
+from valvetrain.quantities.cycle import Frame
 from valvetrain.quantities.evaluate import evaluate
-from valvetrain.quantities.frame import Frame
 from valvetrain.quantities.kinematics import RigidTable
-from valvetrain.solution.event import Event
 from valvetrain.solution.provenance import Provenance
 from valvetrain.solution.result import Solution
+from valvetrain.solution.status import Event
 
 COUNT, CAM_SPEED = 1440, 200.0
 ANGLE = np.arange(COUNT) * 2 * np.pi / COUNT

@@ -8,7 +8,7 @@ import re
 from collections.abc import Iterable, Sequence
 from typing import Any
 
-from valvetrain.cli import tables
+from valvetrain.cli import outcome as tables
 
 #: A number as tables print it: signs, shares, ranges of error bars, angles and counts in brackets.
 NUMBER = re.compile(r"[-+−±~]?[\d.,]+(?:e[-+]?\d+)?(?: ?[%°])?(?: ?±.*)?")

@@ -11,7 +11,7 @@ from collections.abc import Callable
 from datetime import datetime
 from pathlib import Path
 
-from valvetrain.studies.run_store import Inputs, keep, link_latest, new_folder
+from valvetrain.runs.saved_runs import Inputs, keep, link_latest, new_folder
 from valvetrain.workbench.workspace import Workspace
 
 #: Names that nothing of a workspace may bear.

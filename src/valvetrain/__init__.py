@@ -64,11 +64,11 @@ _HOMES = {
     "film_over_model": "film.model",
     "FilmedModel": "film.model",
     # identification
-    "identify": "identification.api",
-    "Identified": "identification.result",
-    "Prior": "identification.prior",
-    "Datum": "identification.datum",
-    "Search": "identification.search",
+    "identify": "explore.identify",
+    "Identified": "explore.identified",
+    "Prior": "explore.prior",
+    "Datum": "explore.data",
+    "Search": "explore.identification_file",
     # springs from cards and from a spring tester
     "SpringLoad": "spring_card.card",
     "CatalogueCard": "spring_card.card",
@@ -103,29 +103,29 @@ _HOMES = {
     # studies
     "build": "system.build",
     "Problem": "system.problem",
-    "simulate": "studies.api",
-    "compare": "studies.api",
-    "sweep": "studies.api",
-    "fidelity": "studies.fidelity",
+    "simulate": "runs.api",
+    "compare": "runs.api",
+    "sweep": "runs.api",
+    "fidelity": "runs.fidelity",
     "FidelityMap": "solution.fidelity",
-    "critical_speeds": "studies.api",
-    "static_curve": "studies.api",
-    "refine": "studies.refined",
-    "buckling_compression": "quantities.buckling",
+    "critical_speeds": "runs.api",
+    "static_curve": "runs.api",
+    "refine": "runs.refine",
+    "buckling_compression": "quantities.statics",
     "Study": "solution.study",
     "simulate_batch": "cosserat.batch",
     "RodBatch": "cosserat.batch",
-    "map_cases": "studies.batch",
-    "study": "studies.points.study",
-    "StudyTable": "studies.points.table",
-    "optimise": "studies.optimum.api",
-    "Optimum": "studies.optimum.result",
-    "run_up": "studies.run_up",
-    "train_modes": "studies.train_modes",
+    "map_cases": "runs.engine",
+    "study": "explore.study",
+    "StudyTable": "explore.table",
+    "optimise": "explore.optimise",
+    "Optimum": "explore.optimum",
+    "run_up": "runs.run_up",
+    "train_modes": "runs.train_modes",
     # results
     "Solution": "solution.result",
     "CriticalSpeeds": "solution.critical",
-    "Event": "solution.event",
+    "Event": "solution.status",
     "Status": "solution.status",
     "StaticCurve": "solution.static",
     "ModalResult": "solution.modes",
@@ -163,16 +163,20 @@ if TYPE_CHECKING:
     from valvetrain.cosserat.batch import simulate_batch as simulate_batch
     from valvetrain.errors import InputError as InputError
     from valvetrain.errors import ValvetrainError as ValvetrainError
+    from valvetrain.explore.data import Datum as Datum
+    from valvetrain.explore.identification_file import Search as Search
+    from valvetrain.explore.identified import Identified as Identified
+    from valvetrain.explore.identify import identify as identify
+    from valvetrain.explore.optimise import optimise as optimise
+    from valvetrain.explore.optimum import Optimum as Optimum
+    from valvetrain.explore.prior import Prior as Prior
+    from valvetrain.explore.study import study as study
+    from valvetrain.explore.table import StudyTable as StudyTable
     from valvetrain.film.model import FilmedModel as FilmedModel
     from valvetrain.film.model import film_over_model as film_over_model
     from valvetrain.film.motion import coil_motion as coil_motion
     from valvetrain.film.result import CoilMotion as CoilMotion
     from valvetrain.film.setup import FilmSetup as FilmSetup
-    from valvetrain.identification.api import identify as identify
-    from valvetrain.identification.datum import Datum as Datum
-    from valvetrain.identification.prior import Prior as Prior
-    from valvetrain.identification.result import Identified as Identified
-    from valvetrain.identification.search import Search as Search
     from valvetrain.lift.band import lift_band_study as lift_band_study
     from valvetrain.lift.figures import lift_figures as lift_figures
     from valvetrain.measured.cycles import MeasuredCycles as MeasuredCycles
@@ -205,7 +209,7 @@ if TYPE_CHECKING:
     from valvetrain.parameters.material import Material as Material
     from valvetrain.parameters.spring import EndCoil as EndCoil
     from valvetrain.parameters.spring import SpringDefinition as SpringDefinition
-    from valvetrain.quantities.buckling import buckling_compression as buckling_compression
+    from valvetrain.quantities.statics import buckling_compression as buckling_compression
     from valvetrain.report.json import study_json as study_json
     from valvetrain.report.study import study_page as study_page
     from valvetrain.report.study import write_study as write_study
@@ -213,13 +217,22 @@ if TYPE_CHECKING:
     from valvetrain.rig.cycles import rig_cycles as rig_cycles
     from valvetrain.rig.gauge import seen_by_sensor as seen_by_sensor
     from valvetrain.rig.result import RigResult as RigResult
+    from valvetrain.runs.api import compare as compare
+    from valvetrain.runs.api import critical_speeds as critical_speeds
+    from valvetrain.runs.api import simulate as simulate
+    from valvetrain.runs.api import static_curve as static_curve
+    from valvetrain.runs.api import sweep as sweep
+    from valvetrain.runs.engine import map_cases as map_cases
+    from valvetrain.runs.fidelity import fidelity as fidelity
+    from valvetrain.runs.refine import refine as refine
+    from valvetrain.runs.run_up import run_up as run_up
+    from valvetrain.runs.train_modes import train_modes as train_modes
     from valvetrain.scan.compare import ScanComparison as ScanComparison
     from valvetrain.scan.compare import compare_scan as compare_scan
     from valvetrain.scan.reconstruct import spring_from_scan as spring_from_scan
     from valvetrain.scan.result import ScannedSpring as ScannedSpring
     from valvetrain.solution.comparison import Comparison as Comparison
     from valvetrain.solution.critical import CriticalSpeeds as CriticalSpeeds
-    from valvetrain.solution.event import Event as Event
     from valvetrain.solution.fidelity import FidelityMap as FidelityMap
     from valvetrain.solution.modes import ModalResult as ModalResult
     from valvetrain.solution.modes import TrainModes as TrainModes
@@ -229,6 +242,7 @@ if TYPE_CHECKING:
     from valvetrain.solution.quantity import Quantity as Quantity
     from valvetrain.solution.result import Solution as Solution
     from valvetrain.solution.static import StaticCurve as StaticCurve
+    from valvetrain.solution.status import Event as Event
     from valvetrain.solution.status import Status as Status
     from valvetrain.solution.study import Study as Study
     from valvetrain.solution.textfile import load_csv as load_csv
@@ -252,20 +266,6 @@ if TYPE_CHECKING:
     from valvetrain.springs.solid.jobs import SolidSpring as SolidSpring
     from valvetrain.springs.wave_rod import WaveRod as WaveRod
     from valvetrain.springs.wave_rod_clash import WaveRodWithClash as WaveRodWithClash
-    from valvetrain.studies.api import compare as compare
-    from valvetrain.studies.api import critical_speeds as critical_speeds
-    from valvetrain.studies.api import simulate as simulate
-    from valvetrain.studies.api import static_curve as static_curve
-    from valvetrain.studies.api import sweep as sweep
-    from valvetrain.studies.batch import map_cases as map_cases
-    from valvetrain.studies.fidelity import fidelity as fidelity
-    from valvetrain.studies.optimum.api import optimise as optimise
-    from valvetrain.studies.optimum.result import Optimum as Optimum
-    from valvetrain.studies.points.study import study as study
-    from valvetrain.studies.points.table import StudyTable as StudyTable
-    from valvetrain.studies.refined import refine as refine
-    from valvetrain.studies.run_up import run_up as run_up
-    from valvetrain.studies.train_modes import train_modes as train_modes
     from valvetrain.system.build import build as build
     from valvetrain.system.problem import Problem as Problem
 else:  # a type checker that saw this would take any name for granted

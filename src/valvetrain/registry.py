@@ -35,21 +35,21 @@ KINDS: dict[str, tuple[str, str]] = {
 #: Kind -> word -> place. The order is the order of tables and menus.
 BUILT_IN: dict[str, dict[str, str]] = {kind: {} for kind in KINDS}
 BUILT_IN["commands"] = {
-    "run": "valvetrain.cli.run:register",
-    "compare": "valvetrain.cli.compare:register",
-    "sweep": "valvetrain.cli.sweep:register",
-    "study": "valvetrain.cli.study:register",
-    "optimise": "valvetrain.cli.optimise:register",
-    "run-up": "valvetrain.cli.run_up:register",
-    "fidelity": "valvetrain.cli.fidelity:register",
+    "run": "valvetrain.cli.run:register_run",
+    "compare": "valvetrain.cli.run:register_compare",
+    "sweep": "valvetrain.cli.run:register_sweep",
+    "study": "valvetrain.explore.study_command:register",
+    "optimise": "valvetrain.explore.optimise_command:register",
+    "run-up": "valvetrain.cli.run:register_run_up",
+    "fidelity": "valvetrain.cli.refine:register_fidelity",
     "static": "valvetrain.cli.static:register",
     "modes": "valvetrain.cli.modes:register",
-    "refine": "valvetrain.cli.refine:register",
-    "runs": "valvetrain.cli.runs:register",
-    "compare-runs": "valvetrain.cli.compare_runs:register",
+    "refine": "valvetrain.cli.refine:register_refine",
+    "runs": "valvetrain.cli.runs:register_runs",
+    "compare-runs": "valvetrain.cli.runs:register_compare_runs",
     "compare-test": "valvetrain.compare_test.command:register",
     "lift": "valvetrain.lift.command:register",
-    "identify": "valvetrain.cli.identify:register",
+    "identify": "valvetrain.explore.identify_command:register",
     "animate": "valvetrain.cli.animate:register",
     "spring-card": "valvetrain.spring_card.command:register",
     "scan": "valvetrain.scan.command:register",
@@ -127,12 +127,12 @@ BUILT_IN["rig_formats"] = {
     "text": "valvetrain.rig.array_formats:TEXT_SPEC",
 }
 BUILT_IN["contacts"] = {
-    "linear": "valvetrain.contact.linear:SPEC",
-    "hertz-point": "valvetrain.contact.hertz_point:SPEC",
-    "hertz-line": "valvetrain.contact.hertz_line:SPEC",
-    "hunt-crossley": "valvetrain.contact.hunt_crossley:SPEC",
-    "lankarani-nikravesh": "valvetrain.contact.lankarani_nikravesh:SPEC",
-    "flores": "valvetrain.contact.flores:SPEC",
+    "linear": "valvetrain.contact.elastic:LINEAR_SPEC",
+    "hertz-point": "valvetrain.contact.elastic:HERTZ_POINT_SPEC",
+    "hertz-line": "valvetrain.contact.elastic:HERTZ_LINE_SPEC",
+    "hunt-crossley": "valvetrain.contact.dissipative:HUNT_CROSSLEY_SPEC",
+    "lankarani-nikravesh": "valvetrain.contact.dissipative:LANKARANI_NIKRAVESH_SPEC",
+    "flores": "valvetrain.contact.dissipative:FLORES_SPEC",
     "impact": "valvetrain.contact.impact:SPEC",
     "impact-as-printed": "valvetrain.contact.impact:AS_PRINTED",
 }
@@ -143,21 +143,21 @@ BUILT_IN["mechanisms"] = {
     "pushrod": "valvetrain.mechanism.pushrod:SPEC",
 }
 BUILT_IN["samplers"] = {
-    "grid": "valvetrain.studies.points.samplers.grid:SPEC",
-    "list": "valvetrain.studies.points.samplers.listed:SPEC",
-    "latin-hypercube": "valvetrain.studies.points.samplers.latin_hypercube:SPEC",
-    "sobol": "valvetrain.studies.points.samplers.sobol:SPEC",
-    "monte-carlo": "valvetrain.studies.points.samplers.monte_carlo:SPEC",
-    "saltelli": "valvetrain.studies.points.samplers.saltelli:SPEC",
-    "adaptive": "valvetrain.studies.points.samplers.adaptive:SPEC",
+    "grid": "valvetrain.explore.samplers:GRID_SPEC",
+    "list": "valvetrain.explore.samplers:LISTED_SPEC",
+    "latin-hypercube": "valvetrain.explore.samplers:LATIN_HYPERCUBE_SPEC",
+    "sobol": "valvetrain.explore.samplers:SOBOL_SPEC",
+    "monte-carlo": "valvetrain.explore.samplers:MONTE_CARLO_SPEC",
+    "saltelli": "valvetrain.explore.samplers:SALTELLI_SPEC",
+    "adaptive": "valvetrain.explore.samplers:ADAPTIVE_SPEC",
 }
 BUILT_IN["sources"] = {
     key: f"valvetrain.sources.{key}:SPEC" for key in ("gu2021", "vasilyev2016", "multibody4b17")
 }
 #: In the order of the page: what answers first, what a paper says only after it.
 BUILT_IN["sections"] = {
-    "answers": "valvetrain.report.sections.answers:SPEC",
-    "fidelity": "valvetrain.report.sections.fidelity:SPEC",
+    "answers": "valvetrain.report.sections.answers:ANSWERS_SPEC",
+    "fidelity": "valvetrain.report.sections.answers:FIDELITY_SPEC",
     "critical-speeds": "valvetrain.report.sections.sweep:CRITICAL_SPEC",
     "sweep": "valvetrain.report.sections.sweep:SWEEP_SPEC",
     "published": "valvetrain.report.sections.published:PUBLISHED_SPEC",

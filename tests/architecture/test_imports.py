@@ -76,7 +76,8 @@ def violations(module: str, tree: ast.Module, is_package: bool = False) -> list[
 def upward_strings(module: str, tree: ast.Module) -> list[str]:
     """Names of modules in strings that lead to a package of the same or a higher level.
 
-    The registry is the one place that names modules in strings; ``valvetrain`` itself loads its public names.
+    The registry is the one place that names modules in strings; ``valvetrain`` itself loads its
+    public names.
     """
     package, found = package_of(module), []
     if package in ("", "registry", "__main__"):

@@ -13,9 +13,9 @@ import pytest
 
 from valvetrain import registry
 from valvetrain.parameters.loading import load_case
+from valvetrain.runs.run import run_study
 from valvetrain.solution.result import Solution
 from valvetrain.springs.spec import spring_model
-from valvetrain.studies.run import run_study
 
 PAGE = Path(__file__).parents[2] / "docs" / "architecture.md"
 SPEED = 2000 * np.pi / 30

@@ -18,12 +18,12 @@ import valvetrain as vt
 from valvetrain.cosserat.batch import simulate_batch
 from valvetrain.parameters.case import Operation
 from valvetrain.parameters.installed_spring import CoilContact, InstalledSpring
-from valvetrain.quantities.buckling import buckling_compression
+from valvetrain.quantities.statics import buckling_compression
+from valvetrain.runs.critical_speeds import read_options
 from valvetrain.solution.static import StaticCurve
 from valvetrain.solution.status import Status
 from valvetrain.spring_card.card import CatalogueCard, SpringLoad
 from valvetrain.springs.solid.jobs import SolidSpring
-from valvetrain.studies.critical_speeds import read_options
 
 SOURCE = Path(vt.__file__).parent
 SPRING = vt.cylindrical("3.8 mm", "22 mm", "7 mm", total_coils=7)

@@ -11,8 +11,8 @@ from datetime import UTC, datetime
 import pytest
 
 from unit.cli_parts import process_environment
+from valvetrain.runs.saved_runs import LIST, unfinished_folder
 from valvetrain.solution import atomic
-from valvetrain.studies.run_store import LIST, unfinished_folder
 
 pytestmark = pytest.mark.skipif(
     atomic.fcntl is None, reason="needs locks that end with their process"

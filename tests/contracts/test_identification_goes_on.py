@@ -20,12 +20,12 @@ import valvetrain as vt
 from architecture.layout import PACKAGE
 from valvetrain.cli.main import app
 from valvetrain.errors import InputError
-from valvetrain.identification.api import identify_request
-from valvetrain.identification.file import parse_request
-from valvetrain.identification.journal import NAME, Journal
-from valvetrain.identification.observe import Observed, numbers_at
-from valvetrain.studies.points.evaluate import evaluate_case
-from valvetrain.studies.points.point import Point, Wanted
+from valvetrain.explore.evaluate import evaluate_case
+from valvetrain.explore.identification_file import parse_request
+from valvetrain.explore.identify import identify_request
+from valvetrain.explore.observe import Observed, numbers_at
+from valvetrain.explore.point import Point, Wanted
+from valvetrain.explore.solve import NAME, Journal
 
 CARD = 'title = "card"\n[spring]\npreload = "250 N"\nrate = "32 N/mm"\nmass = "42 g"\n'
 FILE = """

@@ -28,11 +28,11 @@ from valvetrain.report import study as write
 from valvetrain.report.files import FreeNames
 from valvetrain.report.page import charts, gaps_of, render
 from valvetrain.report.study import write_parts
+from valvetrain.runs.prepared import surge_frequency
+from valvetrain.runs.run import run_study
 from valvetrain.solution.atomic import write_text
-from valvetrain.solution.gaps import Gaps
 from valvetrain.solution.netcdf import load_netcdf
-from valvetrain.studies.ready import surge_frequency
-from valvetrain.studies.run import run_study
+from valvetrain.solution.partial_failures import Gaps
 
 BROKEN = "made to fail"
 #: Functions of the quantities that only ask what a run is, and what they stand for.
@@ -66,7 +66,7 @@ def raw():
     usual = evaluate.evaluate
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(
-            "valvetrain.studies.ready.evaluate",
+            "valvetrain.runs.prepared.evaluate",
             lambda run, frame: seen.append((run, frame)) or usual(run, frame),
         )
         run_study(load_case("job-t"), engine_speeds=(400.0,), spring_models=("multi-mass",))

@@ -17,15 +17,15 @@ from valvetrain.integrate.train_run import TrainOptions, runner
 from valvetrain.parameters.loading import load_case
 from valvetrain.quantities.evaluate import evaluate
 from valvetrain.report.headlines import TOPICS
+from valvetrain.runs.prepared import Plan, judge, make_ready
+from valvetrain.runs.run import run_study
+from valvetrain.runs.train_uncertainty import HEADLINES
+from valvetrain.runs.uncertainty_file import load_uncertainty
 from valvetrain.solution.netcdf import load_netcdf, save_netcdf
 from valvetrain.solution.quantity import same_speed
 from valvetrain.solution.result import Solution
 from valvetrain.springs.equivalent import EquivalentSpring
 from valvetrain.springs.spec import spring_model
-from valvetrain.studies.ready import Plan, judge, make_ready
-from valvetrain.studies.run import run_study
-from valvetrain.studies.train_uncertainty import HEADLINES
-from valvetrain.studies.uncertainty_file import load_uncertainty
 from valvetrain.system.build import build
 from valvetrain.system.prescribed import PrescribedSpring
 

@@ -12,10 +12,10 @@ import pytest
 from numba import njit
 
 from train_parts import KINDS, system
-from valvetrain.contact.flores import Flores
+from valvetrain.contact.dissipative import Flores
+from valvetrain.contact.elastic import LinearContact
 from valvetrain.contact.kernels import OWN_LAW
 from valvetrain.contact.law import OwnLaw
-from valvetrain.contact.linear import LinearContact
 from valvetrain.integrate.train_run import TrainOptions, runner
 from valvetrain.system.train_forces import law_force
 

@@ -14,11 +14,11 @@ import pytest
 from fault_parts import gone, started
 from unit.cli_parts import SMALL, call, wait_until
 from valvetrain.parameters.loading import load_case, parse_case
-from valvetrain.studies import train_uncertainty as trains
-from valvetrain.studies import uncertainty as springs
-from valvetrain.studies.grid_convergence import DOUBTFUL
-from valvetrain.studies.refined import refined
-from valvetrain.studies.stopping import RefinementStopped
+from valvetrain.runs import train_uncertainty as trains
+from valvetrain.runs import uncertainty as springs
+from valvetrain.runs.error_bars import DOUBTFUL
+from valvetrain.runs.refine import refined
+from valvetrain.runs.stopping import RefinementStopped
 
 OWN_MESH = SMALL.replace("elements_per_coil = 6", "elements_per_coil = 8")
 REPORTING = """

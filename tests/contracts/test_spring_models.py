@@ -19,10 +19,10 @@ from valvetrain.cosserat.layout import row
 from valvetrain.integrate.clash import steps_between
 from valvetrain.parameters.installed_spring import InstalledSpring, SpringCard
 from valvetrain.registry import places
+from valvetrain.runs.statics import at_rest
 from valvetrain.springs.contract import SpringModel, contact_watch_of
 from valvetrain.springs.finite_element import FiniteElementRod
 from valvetrain.springs.spec import spring_model
-from valvetrain.studies.rest import at_rest
 
 NAMES = list(MODELS)
 #: The published modal form scales its modes' force with k(x) and keeps their frequencies: where

@@ -11,7 +11,7 @@ import pytest
 
 from valvetrain.mechanism.planar import piston_clearance
 from valvetrain.parameters.loading import load_case
-from valvetrain.studies.run import run_study
+from valvetrain.runs.run import run_study
 
 #: Forces inside elastic parts, whose sizes other tests hold to closed forms
 #: (tests/limits/test_train_dynamics.py).

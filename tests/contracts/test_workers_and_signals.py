@@ -30,11 +30,10 @@ from fault_parts import (
 from unit.cli_parts import SMALL, process, process_environment, wait_until
 from valvetrain.cli.guard import GuardedGroup, interrupted
 from valvetrain.errors import RunFailedError
+from valvetrain.runs.engine import map_cases, map_points, threads
+from valvetrain.runs.stopping import PointsStopped, Stopped, listening
+from valvetrain.runs.workers import result_of
 from valvetrain.springs.solid import guardian
-from valvetrain.studies.batch import map_cases
-from valvetrain.studies.engine import map_points, threads
-from valvetrain.studies.stopping import PointsStopped, Stopped, listening
-from valvetrain.studies.workers import result_of
 
 pytestmark = pytest.mark.skipif(
     not sys.platform.startswith("linux"), reason="finds processes by their environment in /proc"
@@ -71,7 +70,7 @@ def test_a_run_that_always_kills_its_worker_costs_itself_alone(tmp_path):
 
 def test_a_speed_whose_worker_is_killed_is_a_status_and_the_others_are_there(monkeypatch):
     """The status of the whole study: the run of one speed kills every process but this one."""
-    import valvetrain.studies.run as run
+    import valvetrain.runs.run as run
     from valvetrain.parameters.loading import load_case
 
     usual, here = run.train_point, os.getpid()
@@ -83,7 +82,7 @@ def test_a_speed_whose_worker_is_killed_is_a_status_and_the_others_are_there(mon
 
     deadly.__module__, deadly.__qualname__ = run.__name__, "train_point"
     monkeypatch.setattr(run, "train_point", deadly)
-    monkeypatch.setattr("valvetrain.studies.workers.start_method", lambda: "fork")
+    monkeypatch.setattr("valvetrain.runs.workers.start_method", lambda: "fork")
     study = run.run_study(
         load_case("tdi-pushrod"),
         engine_speeds=(150.0, 200.0, 310.0),
@@ -102,7 +101,7 @@ def test_a_speed_whose_worker_is_killed_is_a_status_and_the_others_are_there(mon
 
 def test_workers_end_with_a_parent_that_is_killed(tmp_path):
     code = (
-        "from pathlib import Path; from fault_parts import slow; from valvetrain.studies.engine import map_points\n"
+        "from pathlib import Path; from fault_parts import slow; from valvetrain.runs.engine import map_points\n"
         f"map_points(slow, Path({str(tmp_path)!r}), (1, 2), 2, processes=True)"
     )
     tests = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))

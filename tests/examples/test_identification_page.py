@@ -15,8 +15,8 @@ from typer.testing import CliRunner
 
 from architecture.layout import ROOT
 from valvetrain.cli.main import app
-from valvetrain.identification.measured import FORMS
-from valvetrain.identification.search import METHODS, Search
+from valvetrain.explore.identification_file import METHODS, Search
+from valvetrain.explore.measurements import FORMS
 
 PAGE = (ROOT / "docs" / "identification.md").read_text(encoding="utf-8")
 

@@ -10,7 +10,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from valvetrain.studies.optimum.optimum_file import (
+from valvetrain.explore.designs import Design, Points
+from valvetrain.explore.objective import read_optimum
+from valvetrain.explore.optimum_file import (
     ConfirmModel,
     ConstraintModel,
     LimitSpeedModel,
@@ -20,9 +22,7 @@ from valvetrain.studies.optimum.optimum_file import (
     SearchModel,
     read_optimum_file,
 )
-from valvetrain.studies.optimum.plan import read_optimum
-from valvetrain.studies.optimum.points import Design, Points
-from valvetrain.studies.optimum.run_search import case_plans, estimate_search
+from valvetrain.explore.search import case_plans, estimate_search
 
 ROOT = Path(__file__).parents[2]
 PAGE = (ROOT / "docs" / "optimisation.md").read_text(encoding="utf-8")

@@ -10,9 +10,9 @@ from pathlib import Path
 import pytest
 
 from valvetrain import registry
-from valvetrain.studies.points.evaluate import evaluate
-from valvetrain.studies.points.plan import read_plan
-from valvetrain.studies.points.study_file import StudyModel, StudyText, VaryModel, read_study_file
+from valvetrain.explore.evaluate import evaluate
+from valvetrain.explore.plan import read_plan
+from valvetrain.explore.study_file import StudyModel, StudyText, VaryModel, read_study_file
 
 ROOT = Path(__file__).parents[2]
 PAGE = (ROOT / "docs" / "studies.md").read_text(encoding="utf-8")

@@ -10,7 +10,7 @@ from pydantic import BaseModel
 
 from valvetrain.parameters import train_schema
 from valvetrain.parameters.loading import parse_case
-from valvetrain.studies.run import run_study
+from valvetrain.runs.run import run_study
 
 GUIDE = (Path(__file__).parents[2] / "docs" / "case-files-trains.md").read_text(encoding="utf-8")
 (EXAMPLE,) = re.findall(r"```toml\n(.*?)```", GUIDE, re.DOTALL)

@@ -15,8 +15,8 @@ import numpy as np
 import pytest
 
 from valvetrain.parameters.loading import load_case
+from valvetrain.runs.run import run_study
 from valvetrain.solution.quantity import Quantity
-from valvetrain.studies.run import run_study
 
 RPM = 2 * np.pi / 60
 

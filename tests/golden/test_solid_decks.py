@@ -25,11 +25,10 @@ from valvetrain.parameters.curves import Constant
 from valvetrain.parameters.material import OTEVA_90_SC
 from valvetrain.parameters.spring import OPEN_END, SpringDefinition
 from valvetrain.springs.solid.axis_motion import axis_points, coil_gaps, estimated_rate
-from valvetrain.springs.solid.deck import SolidContact
+from valvetrain.springs.solid.deck import Printout, SolidContact, frequency_step, static_step
 from valvetrain.springs.solid.installed import motion_seconds, statics_seconds
 from valvetrain.springs.solid.jobs import SolidSpring
-from valvetrain.springs.solid.layout import MeshOptions
-from valvetrain.springs.solid.steps import Printout, frequency_step, static_step
+from valvetrain.springs.solid.mesh import MeshOptions
 from valvetrain.springs.solid.transient import TransientJob, transient_deck
 
 KEPT = Path(__file__).parent / "solid_decks.json"

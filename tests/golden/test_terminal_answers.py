@@ -29,14 +29,15 @@ from known_figures import STUDIES
 from synthetic_study import own_study, published_study, record, rod_run, sweep_study, train_run
 from unit.cli_parts import call
 from unit.test_every_table import COMPARED
-from valvetrain.cli import compare_runs, modes, refine, runs, static
+from valvetrain.cli import modes, refine, runs, static
+from valvetrain.cli import runs as compare_runs
 from valvetrain.cli.answers import show_study
 from valvetrain.cli.main import app
+from valvetrain.runs.differences import ResultDifference
+from valvetrain.runs.error_bars import Uncertainty, UncertaintyStudy
+from valvetrain.runs.saved_runs import KeptRun
 from valvetrain.solution.modes import TrainModes
-from valvetrain.solution.rest_point import RestPoint
-from valvetrain.studies.error_bars import Uncertainty, UncertaintyStudy
-from valvetrain.studies.run_differences import ResultDifference
-from valvetrain.studies.run_store import KeptRun
+from valvetrain.solution.static import RestPoint
 
 ANSWERS = Path(__file__).parent / "answers"
 RPM = np.pi / 30

@@ -18,16 +18,17 @@ from valvetrain.cosserat.state import free_state
 from valvetrain.cosserat.static import RodStatics, compress
 from valvetrain.parameters.constructors import OTEVA_90_SC, cylindrical
 from valvetrain.parameters.installed_spring import InstalledSpring
-from valvetrain.quantities.buckling import (
+from valvetrain.quantities.statics import (
     buckling_compression,
     buckling_quantities,
     formula_compression,
+    rest_quantities,
 )
-from valvetrain.quantities.statics import rest_quantities
+from valvetrain.runs import statics as buckling
+from valvetrain.runs import statics as rest
+from valvetrain.runs.statics import at_rest, static_curve
 from valvetrain.solution.status import Status
 from valvetrain.springs.finite_element import FiniteElementRod
-from valvetrain.studies import buckling, rest
-from valvetrain.studies.rest import at_rest, static_curve
 
 LENGTH, WIRE = 0.1, 2e-3
 

@@ -9,8 +9,7 @@ import pytest
 
 from spring_parts import OPEN_SPRING
 from valvetrain.parameters.loading import load_case
-from valvetrain.springs.chain_ends import wire_lift_row
-from valvetrain.springs.chain_layout import chain_from_definition
+from valvetrain.springs.chain_layout import chain_from_definition, wire_lift_row
 from valvetrain.springs.chain_statics import static_curve
 from valvetrain.springs.finite_element import FiniteElementRod
 from valvetrain.springs.multi_mass import MultiMassSpring

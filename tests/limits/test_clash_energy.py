@@ -11,10 +11,10 @@ from valvetrain.cosserat.transient import simulate
 from valvetrain.integrate.clash import PairSeries, blow_impulse, find_clashes, steps_between
 from valvetrain.integrate.leapfrog_kernel import advance
 from valvetrain.parameters.loading import load_case
+from valvetrain.runs.run import run_study
 from valvetrain.springs.chain_layout import ChainLayout, CoilContacts
 from valvetrain.springs.multi_mass import MultiMassSpring
 from valvetrain.springs.spec import spring_model
-from valvetrain.studies.run import run_study
 from valvetrain.system.build import build
 
 #: Rate (N/m) of the element that presses the mass on its stop.

@@ -9,9 +9,8 @@ import math
 import numpy as np
 import pytest
 
-from valvetrain.contact.hertz_point import HertzPoint
-from valvetrain.contact.hunt_crossley import HuntCrossley
-from valvetrain.contact.restitution import rebound
+from valvetrain.contact.dissipative import HuntCrossley, rebound
+from valvetrain.contact.elastic import HertzPoint
 from valvetrain.integrate.train_run import TrainOptions, TrainState, runner
 from valvetrain.integrate.train_steady import steady_train
 from valvetrain.integrate.train_tuples import TRANSITIONS

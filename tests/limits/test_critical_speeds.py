@@ -21,9 +21,9 @@ from valvetrain.integrate.train_run import TrainOptions, runner
 from valvetrain.integrate.train_steady import steady_train
 from valvetrain.mechanism.build import build_mechanism
 from valvetrain.parameters.loading import load_case
+from valvetrain.runs.critical_speeds import Limit, Look, Search
 from valvetrain.solution.critical import Crossing, SpeedBracket
 from valvetrain.springs.massless import MasslessSpring
-from valvetrain.studies.critical_search import Limit, Look, Search
 from valvetrain.system.build import build
 from valvetrain.system.train_system import TrainSystem
 

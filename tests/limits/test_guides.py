@@ -15,9 +15,9 @@ from valvetrain.cosserat.transient import simulate
 from valvetrain.errors import InputError
 from valvetrain.parameters.constructors import cylindrical
 from valvetrain.parameters.installed_spring import Guide, InstalledSpring, SpringCard
+from valvetrain.runs.statics import at_rest, static_curve
 from valvetrain.springs.finite_element import FiniteElementRod
 from valvetrain.springs.finite_element_channels import rod_channels
-from valvetrain.studies.rest import at_rest, static_curve
 
 #: L0/D = 7.2, outer diameter 11.2 mm, inner 8.8 mm; buckles at 18.2 mm where nothing holds it.
 SPRING = cylindrical("1.2 mm", "10 mm", "6 mm", 12, closed_coils=0, name="slender")

@@ -15,7 +15,7 @@ import pytest
 from scipy.stats import norm
 
 import valvetrain as vt
-from valvetrain.report.identification_page import identification_page
+from valvetrain.explore.identification_page import identification_page
 from valvetrain.report.page import render
 
 #: Three linear data of two quantities, with normal priors.

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import valvetrain as vt
-from valvetrain.studies.optimum.limit_speed import BELOW, BEYOND, FOUND, LimitSearch, find_limit
+from valvetrain.explore.measure import BELOW, BEYOND, FOUND, LimitSearch, find_limit
 
 LIGHTEST = """
 case = "job-c"

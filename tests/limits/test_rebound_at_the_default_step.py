@@ -10,12 +10,9 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from valvetrain.contact.flores import Flores
-from valvetrain.contact.hunt_crossley import HuntCrossley
+from valvetrain.contact.dissipative import Flores, HuntCrossley, LankaraniNikravesh, damping_number
+from valvetrain.contact.elastic import LinearContact
 from valvetrain.contact.impact import ImpactContact
-from valvetrain.contact.lankarani_nikravesh import LankaraniNikravesh
-from valvetrain.contact.linear import LinearContact
-from valvetrain.contact.restitution import damping_number
 from valvetrain.integrate.train_run import TrainOptions, TrainState, runner
 from valvetrain.mechanism.gap_kinds import LINEAR
 from valvetrain.mechanism.parts import AssembledMechanism, Coordinate, Interaction

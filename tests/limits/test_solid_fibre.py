@@ -11,14 +11,17 @@ from valvetrain.errors import InputError
 from valvetrain.parameters.curves import Constant
 from valvetrain.parameters.material import OTEVA_90_SC
 from valvetrain.parameters.spring import OPEN_END, SpringDefinition
-from valvetrain.springs.solid import steps
-from valvetrain.springs.solid.fibre import FibreStress, fibre_stress, wire_torque
-from valvetrain.springs.solid.fields import NodalField, read_fields
+from valvetrain.springs.solid import deck as steps
 from valvetrain.springs.solid.jobs import SolidSpring
-from valvetrain.springs.solid.layout import MeshOptions
-from valvetrain.springs.solid.mesh import SolidMesh
-from valvetrain.springs.solid.printed import read_printed
-from valvetrain.springs.solid.sweep import sweep_spring
+from valvetrain.springs.solid.mesh import MeshOptions, SolidMesh, sweep_spring
+from valvetrain.springs.solid.results import (
+    FibreStress,
+    NodalField,
+    fibre_stress,
+    read_fields,
+    read_printed,
+    wire_torque,
+)
 from valvetrain.validation.ring import ring_section
 
 WIRE, INDEX, PITCH = 3.8e-3, 6.0, 7e-3

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 from train_parts import KINDS, LAW, PLACES, contacts, direct, finger, system
-from valvetrain.contact.linear import LinearContact
-from valvetrain.contact.restitution import rebound
+from valvetrain.contact.dissipative import rebound
+from valvetrain.contact.elastic import LinearContact
 from valvetrain.errors import InputError
 from valvetrain.integrate.train_run import TrainOptions, TrainState, runner
 from valvetrain.mechanism.gap_kinds import LINEAR
@@ -110,7 +110,7 @@ def test_damping_is_second_order_and_never_limits_the_step():
 
 @pytest.mark.parametrize("q", [0.2, 1.0, 3.0])
 def test_a_dropped_mass_rebounds_as_hunt_and_crossley_say(q):
-    from valvetrain.contact.hunt_crossley import HuntCrossley
+    from valvetrain.contact.dissipative import HuntCrossley
 
     speed = 0.5
     _, end, record = integrate_in_time(mass_on(HuntCrossley(1e9, q)), 1e-6, -speed, 2e-3, 8000)
@@ -198,7 +198,7 @@ def test_run_up_goes_from_speed_to_speed_and_passes_through_the_steady_states():
 
 def test_nested_springs_that_rub_take_more_energy():
     from valvetrain.parameters.loading import load_case
-    from valvetrain.studies.run import run_study
+    from valvetrain.runs.run import run_study
 
     taken = []
     for rubbing in ({}, {"train.rubbing": {"coefficient": 0.15, "normal_force": "60 N"}}):

@@ -13,19 +13,18 @@ from scipy.optimize import brentq
 from train_parts import LAW, direct
 from valvetrain.mechanism.build import build_mechanism
 from valvetrain.parameters.installed_spring import InstalledSpring, SpringCard
-from valvetrain.parameters.loading import load_case, parse_case
-from valvetrain.parameters.templates import TEMPLATES
+from valvetrain.parameters.loading import TEMPLATES, load_case, parse_case
 from valvetrain.parameters.train import (
     CamParameters,
     ContactParameters,
     FollowerParameters,
     ValveParameters,
 )
+from valvetrain.runs.train_modes import train_modes
 from valvetrain.springs.equivalent import EquivalentSpring
 from valvetrain.springs.massless import MasslessSpring
 from valvetrain.springs.modal_uniform import ModalUniform
 from valvetrain.springs.multi_mass import MultiMassSpring
-from valvetrain.studies.train_modes import train_modes
 from valvetrain.system.train_modes import modes_of_train
 from valvetrain.system.train_system import TrainSystem
 

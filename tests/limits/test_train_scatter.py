@@ -13,7 +13,7 @@ from valvetrain.integrate.train_channels import COMPARED, STEADY_VALVE, cycle_nu
 from valvetrain.integrate.train_run import TrainOptions, runner
 from valvetrain.integrate.train_steady import steady_train
 from valvetrain.parameters.loading import parse_case
-from valvetrain.studies.run import run_study
+from valvetrain.runs.run import run_study
 from valvetrain.system.build import build
 
 RPM = np.pi / 30

@@ -16,13 +16,12 @@ from valvetrain.cam.closed_form import Harmonic
 from valvetrain.integrate.contract import Periodic, RunOptions
 from valvetrain.integrate.run import run
 from valvetrain.mechanism.build import build_mechanism
-from valvetrain.parameters.loading import load_case
-from valvetrain.parameters.templates import TEMPLATES
+from valvetrain.parameters.loading import TEMPLATES, load_case
 from valvetrain.parameters.train import CamParameters
 from valvetrain.quantities.evaluate import evaluate
 from valvetrain.quantities.kinematics import rigid_motion
-from valvetrain.quantities.peaks import ring_peak
 from valvetrain.quantities.run_up import OpenWindow
+from valvetrain.quantities.signal import ring_peak
 from valvetrain.quantities.train_numbers import margin_quantities
 from valvetrain.quantities.valve_events import (
     lift_crossings,
@@ -31,10 +30,10 @@ from valvetrain.quantities.valve_events import (
     run_events,
     sampled_crossings,
 )
-from valvetrain.solution.event import Event
+from valvetrain.runs.prepared import make_ready
 from valvetrain.solution.result import Solution
+from valvetrain.solution.status import Event
 from valvetrain.springs.massless import MasslessSpring
-from valvetrain.studies.ready import make_ready
 from valvetrain.system.build import build
 from valvetrain.system.train_system import TrainSystem
 

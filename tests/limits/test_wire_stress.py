@@ -16,8 +16,7 @@ from valvetrain.parameters.curves import Constant
 from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.parameters.material import OTEVA_90_SC
 from valvetrain.parameters.spring import OPEN_END, SpringDefinition
-from valvetrain.quantities.cycle import reported_cycle
-from valvetrain.quantities.frame import Frame
+from valvetrain.quantities.cycle import Frame, reported_cycle
 from valvetrain.quantities.stress import SHEAR, stress_quantities
 from valvetrain.solution.channels import spring_channels
 from valvetrain.solution.provenance import Provenance

@@ -14,8 +14,8 @@ import valvetrain as vt
 from valvetrain.cli.main import app
 from valvetrain.cosserat.rates import axial_rate
 from valvetrain.cosserat.static import NewtonOptions, RodStatics, compress
+from valvetrain.runs.static_study import rest_study
 from valvetrain.springs.spec import spring_model
-from valvetrain.studies.rest_study import rest_study
 
 NAMED = ("preload", "installed_rate", "stiffness_change_compression", "coil_1_2_installed_gap")
 ELEMENTS = "spring.options.finite-element.elements_per_coil"

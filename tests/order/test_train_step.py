@@ -13,7 +13,7 @@ from valvetrain.integrate.contract import Periodic, RunOptions
 from valvetrain.integrate.run import run
 from valvetrain.integrate.train_run import TrainOptions, runner
 from valvetrain.parameters.loading import load_case
-from valvetrain.studies.ready import Plan, judge, make_ready
+from valvetrain.runs.prepared import Plan, judge, make_ready
 from valvetrain.system.build import build
 
 FIRM = (

@@ -16,7 +16,7 @@ from hypothesis import strategies as st
 
 from architecture.layout import ROOT
 from valvetrain.errors import LONGEST_PLACE, LONGEST_SENTENCE, InputError
-from valvetrain.identification.file import parse_request, read_request
+from valvetrain.explore.identification_file import parse_request, read_request
 from valvetrain.parameters.toml_text import toml_text
 
 PLAIN: dict[str, Any] = {

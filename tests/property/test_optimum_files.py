@@ -9,8 +9,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from valvetrain import InputError
-from valvetrain.studies.optimum.optimum_file import OptimumText, read_optimum_file
-from valvetrain.studies.optimum.plan import read_optimum
+from valvetrain.explore.objective import read_optimum
+from valvetrain.explore.optimum_file import OptimumText, read_optimum_file
 
 FILES = sorted((Path(__file__).parents[2] / "examples").glob("optimise-*.toml"))
 TEXTS = [path.read_text(encoding="utf-8") for path in FILES]

@@ -12,11 +12,10 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
 from valvetrain.solution.channels import spring_channels
-from valvetrain.solution.event import Event
 from valvetrain.solution.netcdf import load_netcdf, save_netcdf
 from valvetrain.solution.provenance import Provenance
 from valvetrain.solution.result import Solution
-from valvetrain.solution.status import STATUS_CODES, Status
+from valvetrain.solution.status import STATUS_CODES, Event, Status
 from valvetrain.solution.textfile import load_csv, save_csv
 
 WORDS = st.text(st.characters(exclude_categories=["Cs"]), max_size=12)

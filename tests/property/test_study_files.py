@@ -9,8 +9,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from valvetrain import InputError
-from valvetrain.studies.points.plan import read_plan
-from valvetrain.studies.points.study_file import StudyText, read_study_file
+from valvetrain.explore.plan import read_plan
+from valvetrain.explore.study_file import StudyText, read_study_file
 
 FILES = sorted((Path(__file__).parents[2] / "examples" / "studies").glob("*.toml"))
 TEXTS = [path.read_text(encoding="utf-8") for path in FILES]

@@ -15,10 +15,10 @@ from valvetrain.cam.build import build_lift_law
 from valvetrain.cam.contract import LiftLaw
 from valvetrain.parameters.loading import load_case, parse_case
 from valvetrain.quantities.cycle import reported_cycle
-from valvetrain.quantities.filters import low_pass
+from valvetrain.quantities.signal import low_pass
+from valvetrain.runs.run import run_study
+from valvetrain.runs.uncertainty_file import load_spread
 from valvetrain.solution.study import Study
-from valvetrain.studies.run import run_study
-from valvetrain.studies.spread import load_spread
 from valvetrain.validation.explained import BANDS
 from valvetrain.validation.sources import rows_of
 

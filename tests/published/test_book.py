@@ -257,7 +257,7 @@ def test_a_fault_in_a_lift_law_turns_rows_red(monkeypatch):
 
 
 def test_a_fault_in_a_contact_law_turns_rows_red(monkeypatch):
-    from valvetrain.contact.hunt_crossley import HuntCrossley
+    from valvetrain.contact.dissipative import HuntCrossley
 
     whole = HuntCrossley.force
     monkeypatch.setattr(

@@ -11,7 +11,7 @@ import pytest
 
 from valvetrain.errors import InputError
 from valvetrain.parameters.constructors import OTEVA_90_SC
-from valvetrain.quantities.buckling import buckling_compression
+from valvetrain.quantities.statics import buckling_compression
 
 #: E = 2.6 G, as A. M. Wahl, Mechanical Springs (1963), has it for steel.
 STEEL = replace(OTEVA_90_SC, youngs_modulus=206e9, shear_modulus=206e9 / 2.6)

@@ -14,9 +14,9 @@ from dataclasses import replace
 import pytest
 
 from architecture.layout import ROOT
-from valvetrain.identification.api import identify_request
-from valvetrain.identification.file import read_request
-from valvetrain.identification.prior import Prior
+from valvetrain.explore.identification_file import read_request
+from valvetrain.explore.identify import identify_request
+from valvetrain.explore.prior import Prior
 
 DENSITY, SHEAR_MODULUS, COIL, TOTAL = 7850.0, 79.5e9, 25e-3, 7.0
 

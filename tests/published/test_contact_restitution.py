@@ -13,15 +13,16 @@ import numpy as np
 import pytest
 from numba import njit
 
-from valvetrain.contact.flores import Flores
-from valvetrain.contact.hertz_line import HertzLine
-from valvetrain.contact.hertz_point import HertzPoint
-from valvetrain.contact.hunt_crossley import HuntCrossley
+from valvetrain.contact.dissipative import (
+    Flores,
+    HuntCrossley,
+    LankaraniNikravesh,
+    damping_number,
+    rebound,
+)
+from valvetrain.contact.elastic import HertzLine, HertzPoint, LinearContact
 from valvetrain.contact.impact import ImpactAsPrinted, ImpactContact
 from valvetrain.contact.kernels import IMPACT_RATE, SLOWEST, contact_force, update_impact
-from valvetrain.contact.lankarani_nikravesh import LankaraniNikravesh
-from valvetrain.contact.linear import LinearContact
-from valvetrain.contact.restitution import damping_number, rebound
 
 
 @njit

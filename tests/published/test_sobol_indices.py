@@ -7,10 +7,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from valvetrain.studies.points.distributions import Uniform
-from valvetrain.studies.points.samplers.contract import sampler
-from valvetrain.studies.points.sensitivity import indices, sensitivity_of
-from valvetrain.studies.points.varied import Varied
+from valvetrain.explore.samplers import sampler
+from valvetrain.explore.sensitivity import indices, sensitivity_of
+from valvetrain.explore.space import Uniform, Varied
 
 NAMES = ("first", "second", "third")
 ANGLES = tuple(Varied(name, distribution=Uniform(-np.pi, np.pi)) for name in NAMES)

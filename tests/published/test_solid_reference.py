@@ -19,7 +19,7 @@ from valvetrain.parameters.curves import Constant, PiecewiseLinear
 from valvetrain.parameters.material import OTEVA_90_SC
 from valvetrain.parameters.spring import OPEN_END, EndCoil, SpringDefinition
 from valvetrain.springs.solid.jobs import SolidSpring
-from valvetrain.springs.solid.layout import MeshOptions
+from valvetrain.springs.solid.mesh import MeshOptions
 from valvetrain.validation.ring import ring_section
 
 DATA = tomllib.loads(Path(__file__).with_name("solid_reference.toml").read_text())

@@ -19,8 +19,8 @@ from pydantic import Field
 
 from valvetrain.cam.contract import LiftSpec
 from valvetrain.cam.closed_form import SinePower
-from valvetrain.contact.hertz_point import HertzPoint
-from valvetrain.contact.spec import ContactSpec
+from valvetrain.contact.elastic import HertzPoint
+from valvetrain.contact.law import ContactSpec
 from valvetrain.parameters.schema_contact import ContactTable
 from valvetrain.parameters.schema_lift import LiftModel
 from valvetrain.parameters.schema_types import Angle, Mass, PositiveLength
@@ -168,9 +168,9 @@ from valvetrain.parameters.loading import load_case, parse_case
 from valvetrain.report.theme import model_colour, model_words
 from valvetrain.springs.contract import SpringModel
 from valvetrain.springs.equivalent import EquivalentSpring
-from valvetrain.studies.compare import compare_study
-from valvetrain.studies.run import run_study
-from valvetrain.studies.sweep import sweep_study
+from valvetrain.runs.compare import compare_study
+from valvetrain.runs.run import run_study
+from valvetrain.runs.compare import sweep_study
 from valvetrain.system.build import build
 
 assert {"progressive"} < set(registry.words("springs")) and {"versine"} < set(registry.words("lifts"))

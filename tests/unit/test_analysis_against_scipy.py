@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 from scipy import signal
 
-from valvetrain.quantities.filters import FILTER_ORDER, low_pass
-from valvetrain.quantities.peaks import prominences, prominent_peaks
+from valvetrain.quantities.signal import FILTER_ORDER, low_pass, prominences, prominent_peaks
 
 
 @pytest.mark.parametrize("size", [3, 5, 50, 721])

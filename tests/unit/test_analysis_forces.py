@@ -7,15 +7,15 @@ import pytest
 
 from synthetic_spring import ENGINE_SPEED, EVENT, bump, clashing_run, run
 from valvetrain.errors import InputError
-from valvetrain.quantities.cycle import reported_cycle
-from valvetrain.quantities.energy import energy_balance
-from valvetrain.quantities.filters import filtered_force, low_pass
-from valvetrain.quantities.main_clash import (
+from valvetrain.quantities.clash import (
     IMPULSE_TIME,
     _vertex,
     find_clash_window,
     main_clash_quantities,
 )
+from valvetrain.quantities.cycle import reported_cycle
+from valvetrain.quantities.forces import energy_balance
+from valvetrain.quantities.signal import filtered_force, low_pass
 from valvetrain.quantities.spectrum import order_spectrum, surge_order
 from valvetrain.sources.gu2021_stages import stage_quantities
 

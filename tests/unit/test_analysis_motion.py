@@ -12,19 +12,18 @@ from synthetic_spring import ENGINE_SPEED, EVENT, bump, run
 from valvetrain.integrate.clash import RECORDED, ClashRule, runs
 from valvetrain.quantities.clash import clash_events
 from valvetrain.quantities.compare import compare, pair_angles
-from valvetrain.quantities.cycle import reported_cycle
-from valvetrain.quantities.frame import Frame
-from valvetrain.quantities.peaks import separate_spikes
+from valvetrain.quantities.cycle import Frame, reported_cycle
+from valvetrain.quantities.signal import separate_spikes
 from valvetrain.quantities.statics import (
     natural_quantities,
     rest_quantities,
     slope_change,
     static_quantities,
 )
-from valvetrain.solution.event import Event
 from valvetrain.solution.modes import ModalResult
 from valvetrain.solution.quantity import Quantity, unit_of
 from valvetrain.solution.static import SpringAtRest, StaticCurve
+from valvetrain.solution.status import Event
 from valvetrain.sources.gu2021 import COUNTERPARTS, SPEC, quantities
 from valvetrain.sources.gu2021_collisions import (
     bounce_quantities,

@@ -12,8 +12,8 @@ import pytest
 from synthetic_spring import ENGINE_SPEED, EVENT, run
 from synthetic_train import ANGLE, CAM_SPEED, found, lift_of, train
 from valvetrain import registry
+from valvetrain.solution.provenance import CaseRecord, PublishedValue
 from valvetrain.solution.quantity import Quantity
-from valvetrain.solution.record import CaseRecord, PublishedValue
 from valvetrain.solution.result import Solution
 from valvetrain.solution.study import Study
 from valvetrain.sources import gu2021, multibody4b17, vasilyev2016

@@ -12,10 +12,9 @@ from valvetrain.cam.build import build_lift_law
 from valvetrain.cam.event import find_lift_event
 from valvetrain.parameters.lift_law import LiftLawParameters
 from valvetrain.parameters.loading import load_case
-from valvetrain.quantities.cycle import reported_cycle
+from valvetrain.quantities.cycle import Frame, reported_cycle
 from valvetrain.quantities.evaluate import evaluate
-from valvetrain.quantities.frame import Frame
-from valvetrain.quantities.windows import WINDOWS, is_covered, window_bounds
+from valvetrain.quantities.signal import WINDOWS, is_covered, window_bounds
 from valvetrain.solution.study import LiftEvent
 from valvetrain.sources.gu2021_stages import stage_quantities
 

@@ -11,10 +11,9 @@ import pytest
 from valvetrain.errors import InputError
 from valvetrain.parameters.loading import load_case
 from valvetrain.parameters.train import TrainParameters
-from valvetrain.studies.batch import available_cores, map_cases
-from valvetrain.studies.engine import map_points
-from valvetrain.studies.run import run_study
-from valvetrain.studies.sweep import sweep_study
+from valvetrain.runs.compare import sweep_study
+from valvetrain.runs.engine import available_cores, map_cases, map_points
+from valvetrain.runs.run import run_study
 
 RPM = math.pi / 30
 

@@ -13,7 +13,7 @@ import pytest
 
 from architecture.layout import ROOT
 from beehive_parts import assert_written_anew
-from valvetrain.identification.journal import Journal
+from valvetrain.explore.solve import Journal
 
 sys.path.insert(0, str(ROOT / "scripts"))
 import write_beehive_studies as script

@@ -17,10 +17,10 @@ from beehive_parts import assert_written_anew
 sys.path.insert(0, str(ROOT / "scripts"))
 import sweep_beehive_studies as script
 
-from valvetrain.identification.file import read_request
-from valvetrain.studies.points.evaluate import evaluate_case
-from valvetrain.studies.points.point import Point, Wanted
-from valvetrain.studies.points.vary import vary
+from valvetrain.explore.evaluate import evaluate_case
+from valvetrain.explore.identification_file import read_request
+from valvetrain.explore.paths import vary
+from valvetrain.explore.point import Point, Wanted
 
 SPEEDS = np.array([4000.0, 5000.0, 6000.0, 7000.0])
 

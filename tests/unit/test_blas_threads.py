@@ -10,10 +10,9 @@ import pytest
 import scipy.linalg  # noqa: F401  its library counts too
 from threadpoolctl import threadpool_info, threadpool_limits
 
-from valvetrain.studies.blas_threads import one_thread
-from valvetrain.studies.engine import map_points
-from valvetrain.studies.points.crews import LocalCrew
-from valvetrain.studies.workers import StandingPool
+from valvetrain.explore.executors import LocalCrew
+from valvetrain.runs.engine import map_points
+from valvetrain.runs.workers import StandingPool, one_thread
 
 
 def counts(*_: object) -> list[int]:
@@ -52,7 +51,7 @@ def in_threads(workers: int) -> list[list[int]]:
 def test_runs_are_computed_with_one_thread_each(asked, workers, method, monkeypatch):
     if method not in multiprocessing.get_all_start_methods():
         pytest.skip("this system starts processes in one way alone")
-    monkeypatch.setattr("valvetrain.studies.workers.start_method", lambda: method)
+    monkeypatch.setattr("valvetrain.runs.workers.start_method", lambda: method)
     found = asked(workers)
     assert len(found) == 3 and all(one and set(one) == {1} for one in found)
 

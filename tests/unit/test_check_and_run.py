@@ -9,8 +9,8 @@ import pytest
 from valvetrain.cli.cases import put_together
 from valvetrain.errors import InputError
 from valvetrain.parameters.loading import library_names, load_case
-from valvetrain.studies.run import run_study
-from valvetrain.studies.run_up import run_up_study
+from valvetrain.runs.run import run_study
+from valvetrain.runs.run_up import run_up_study
 
 FINITE = "spring.options.finite-element"
 #: Case, what is changed in it, and a word of the refusal (empty where nothing is wrong).
@@ -67,8 +67,8 @@ def outcome(function, *given, **named) -> str:
 )
 def test_check_refuses_what_run_refuses(name, changes, words, monkeypatch):
     checked = outcome(lambda: put_together(load_case(name, changes), ()))
-    monkeypatch.setattr("valvetrain.studies.ready.run_to_orbit", reached)
-    monkeypatch.setattr("valvetrain.studies.rest.curve_over", meshed)
+    monkeypatch.setattr("valvetrain.runs.prepared.run_to_orbit", reached)
+    monkeypatch.setattr("valvetrain.runs.statics.curve_over", meshed)
     ran = outcome(lambda: refused_by_all(load_case(name, changes)))
     assert bool(checked) == bool(ran), (checked, ran)
     assert words in checked and checked.isprintable() and len(checked) < 800

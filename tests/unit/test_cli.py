@@ -193,8 +193,8 @@ def test_check_shows_the_units_of_the_field():
 
 def test_static_agrees_with_the_library_and_writes_csv(tmp_path):
     from valvetrain.parameters.loading import load_case
+    from valvetrain.runs.statics import static_curve
     from valvetrain.springs.spec import spring_model
-    from valvetrain.studies.rest import static_curve
 
     result = call(
         "static",
@@ -253,8 +253,8 @@ def test_static_shows_every_spring_of_a_train_by_the_models_asked_for():
 
 def test_modes_agree_with_the_library():
     from valvetrain.parameters.loading import load_case
+    from valvetrain.runs.statics import modal_result
     from valvetrain.springs.spec import spring_model
-    from valvetrain.studies.rest import modal_result
 
     found = json.loads(
         call("modes", *UNIFORM, "--count", "6", "--compression", "3 mm", "--json").stdout

@@ -10,7 +10,7 @@ from unit.cli_parts import call
 from valvetrain.parameters.loading import load_case
 from valvetrain.report.page import render
 from valvetrain.report.study import study_page
-from valvetrain.studies.rest_study import rest_study
+from valvetrain.runs.static_study import rest_study
 
 SLENDER = """
 [spring]

@@ -11,7 +11,7 @@ import pytest
 
 from unit.cli_parts import PUBLISHED, SMALL, call, sentence
 from valvetrain.parameters.loading import parse_case
-from valvetrain.studies.run import run_study
+from valvetrain.runs.run import run_study
 
 
 @pytest.fixture

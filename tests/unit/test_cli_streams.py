@@ -17,8 +17,8 @@ from unit.cli_parts import MODULE, call, process_environment, sentence
 from valvetrain.cli.outcome import mend_streams
 from valvetrain.errors import InputError
 from valvetrain.parameters.loading import LIBRARY
+from valvetrain.runs.saved_runs import check_folder
 from valvetrain.solution.atomic import check_target, write_text
-from valvetrain.studies.run_store import check_folder
 
 pytestmark = pytest.mark.skipif(
     os.name != "posix", reason="streams are closed as a POSIX shell closes them"
@@ -116,7 +116,7 @@ def test_an_error_that_is_none_of_the_reader_keeps_its_code(tmp_path, monkeypatc
         raise BrokenPipeError(32, "Broken pipe")
 
     monkeypatch.setattr(runs, "headline", broken)
-    monkeypatch.setattr("valvetrain.studies.run_store.kept_runs", broken)
+    monkeypatch.setattr("valvetrain.runs.saved_runs.kept_runs", broken)
     assert call("runs", "--folder", str(tmp_path)).exit_code == 1
 
 

@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 
 from valvetrain import registry
+from valvetrain.contact.dissipative import rebound
 from valvetrain.contact.library import build_contact_law
-from valvetrain.contact.restitution import rebound
 from valvetrain.errors import InputError
 from valvetrain.parameters.loading import load_case
-from valvetrain.parameters.words import value_words
+from valvetrain.parameters.summary import value_words
 
 LAWS = registry.words("contacts")
 TABLES = {
@@ -106,8 +106,8 @@ def test_units_of_no_law_are_refused(change, words):
 def test_every_law_runs_in_both_trains_by_one_word(name, springs):
     from valvetrain.integrate.contract import Periodic, RunOptions
     from valvetrain.integrate.run import run
+    from valvetrain.quantities.cycle import Frame
     from valvetrain.quantities.evaluate import evaluate
-    from valvetrain.quantities.frame import Frame
     from valvetrain.quantities.kinematics import rigid_motion
     from valvetrain.system.build import build
 

@@ -11,16 +11,12 @@ from hypothesis import strategies as st
 
 from valvetrain import registry
 from valvetrain.contact import kernels
-from valvetrain.contact.flores import Flores
+from valvetrain.contact.dissipative import Flores, HuntCrossley, LankaraniNikravesh
+from valvetrain.contact.elastic import HertzLine, HertzPoint, LinearContact
 from valvetrain.contact.friction import CoulombFriction
-from valvetrain.contact.hertz_line import HertzLine
-from valvetrain.contact.hertz_point import HertzPoint
-from valvetrain.contact.hunt_crossley import HuntCrossley
 from valvetrain.contact.impact import ImpactAsPrinted, ImpactContact, cubic_step
-from valvetrain.contact.lankarani_nikravesh import LankaraniNikravesh
 from valvetrain.contact.law import ContactLaw
 from valvetrain.contact.library import build_contact_law
-from valvetrain.contact.linear import LinearContact
 from valvetrain.errors import InputError
 
 EXAMPLES = {

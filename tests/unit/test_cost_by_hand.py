@@ -13,8 +13,7 @@ import valvetrain as vt
 from valvetrain.errors import InputError
 from valvetrain.parameters.installed_spring import InstalledSpring, SpringCard
 from valvetrain.parameters.loading import load_case
-from valvetrain.springs.spec import spring_model
-from valvetrain.studies.cost import (
+from valvetrain.runs.cost import (
     COPIES,
     REDUCED,
     RUN,
@@ -25,8 +24,8 @@ from valvetrain.studies.cost import (
     refuse_cost,
     time_words,
 )
-from valvetrain.studies.planned import Asked, unknowns_of
-from valvetrain.studies.request_cost import request_cost
+from valvetrain.runs.request_cost import Asked, request_cost, unknowns_of
+from valvetrain.springs.spec import spring_model
 
 
 @pytest.mark.parametrize(

@@ -15,10 +15,16 @@ from unit.cli_parts import call, sentence
 from valvetrain.errors import InputError
 from valvetrain.lift.band import band_cost
 from valvetrain.parameters.loading import load_case
-from valvetrain.studies.cost import Cost, memory_words
-from valvetrain.studies.planned import Asked
-from valvetrain.studies.request_cost import refine_cost, request_cost, solid_rest_cost
-from valvetrain.studies.rest_cost import MOST_COUNTED, rest_cost, spring_cost
+from valvetrain.runs.cost import Cost, memory_words
+from valvetrain.runs.request_cost import (
+    MOST_COUNTED,
+    Asked,
+    refine_cost,
+    request_cost,
+    rest_cost,
+    solid_rest_cost,
+    spring_cost,
+)
 
 RPM = math.pi / 30
 ELEMENTS, MASSES = (

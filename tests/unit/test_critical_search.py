@@ -11,16 +11,18 @@ import pytest
 
 from valvetrain.errors import InputError
 from valvetrain.parameters.loading import load_case
-from valvetrain.solution.critical import SpeedBracket
-from valvetrain.solution.result import Solution, empty_channels
-from valvetrain.studies import critical_search
-from valvetrain.studies.critical_search import Limit, Look, Search
-from valvetrain.studies.critical_speeds import (
+from valvetrain.runs import critical_speeds as critical_search
+from valvetrain.runs.critical_speeds import (
     CriticalOptions,
+    Limit,
+    Look,
+    Search,
     critical_speed,
     look_of,
     read_options,
 )
+from valvetrain.solution.critical import SpeedBracket
+from valvetrain.solution.result import Solution, empty_channels
 
 KIND = "contact-loss"
 LIMITS = (Limit(KIND, None, 100.0),)

@@ -18,8 +18,12 @@ import xarray
 from synthetic_study import at_rest, rod_run
 from valvetrain.errors import InputError
 from valvetrain.measured.cycles import MeasuredCycles, read_cycles, write_cycles
+from valvetrain.runs.differences import input_differences
+from valvetrain.runs.saved_answer import answer_text, read_answer
+from valvetrain.runs.saved_runs import Inputs, find_run, keep, kept_runs
 from valvetrain.solution import atomic as checksum
 from valvetrain.solution import netcdf, read_apart
+from valvetrain.solution.metadata import refuse_claims
 from valvetrain.solution.netcdf import (
     load_modal_result,
     load_netcdf,
@@ -28,11 +32,7 @@ from valvetrain.solution.netcdf import (
     save_netcdf,
     save_static_curve,
 )
-from valvetrain.solution.rebuilt import refuse_claims
 from valvetrain.solution.textfile import load_csv, save_csv
-from valvetrain.studies.run_answer import answer_text, read_answer
-from valvetrain.studies.run_differences import input_differences
-from valvetrain.studies.run_store import Inputs, find_run, keep, kept_runs
 
 RUN = rod_run(samples=90)
 PROMISE = b'"checksum": "blake2b"'

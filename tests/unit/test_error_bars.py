@@ -6,9 +6,9 @@ from __future__ import annotations
 
 import pytest
 
-from valvetrain.cli.error_bars import NARROW, ErrorBars, fitting
+from valvetrain.cli.published import NARROW, ErrorBars, fitting
 from valvetrain.report.headlines import HeadlineColumn, HeadlineRow
-from valvetrain.studies.error_bars import Uncertainty
+from valvetrain.runs.error_bars import Uncertainty
 
 SPEED = 418.879
 STOCK, OTHER = HeadlineColumn("stock", SPEED), HeadlineColumn("other", SPEED)

@@ -7,7 +7,7 @@ import pytest
 from unit.cli_parts import SMALL, call, sentence
 from valvetrain.cli.options import read_count, read_workers
 from valvetrain.errors import InputError
-from valvetrain.studies.cost import read_limits
+from valvetrain.runs.cost import read_limits
 
 
 @pytest.mark.parametrize(

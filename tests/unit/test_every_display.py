@@ -22,8 +22,8 @@ from valvetrain.report.json import study_json
 from valvetrain.report.study import write_study
 from valvetrain.solution.critical import CriticalSpeed, CriticalSpeeds, Crossing, SpeedBracket
 from valvetrain.solution.display import frame, span, table, words
-from valvetrain.solution.gaps import Gaps
 from valvetrain.solution.modes import ModalResult, TrainModes
+from valvetrain.solution.partial_failures import Gaps
 from valvetrain.solution.provenance import Provenance
 from valvetrain.solution.quantity import Quantities, Quantity
 from valvetrain.solution.result import Solution

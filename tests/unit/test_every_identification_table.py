@@ -8,13 +8,19 @@ from dataclasses import replace
 
 import numpy as np
 
-from valvetrain.identification.conflicts import Conflict
-from valvetrain.identification.datum import Datum
-from valvetrain.identification.information import Information
-from valvetrain.identification.posterior import Unknown
-from valvetrain.identification.prior import Prior
-from valvetrain.identification.result import Branch, Identified, Interval, Predicted, Prediction
-from valvetrain.report.identification_page import identification_page
+from valvetrain.explore.data import Datum
+from valvetrain.explore.draws import Information
+from valvetrain.explore.identification_page import identification_page
+from valvetrain.explore.identified import (
+    Branch,
+    Conflict,
+    Identified,
+    Interval,
+    Predicted,
+    Prediction,
+)
+from valvetrain.explore.posterior import Unknown
+from valvetrain.explore.prior import Prior
 from valvetrain.report.page import Details, Grid, Text
 
 NUMBER = "number"

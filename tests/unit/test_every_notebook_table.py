@@ -13,7 +13,7 @@ import pytest
 
 from unit.test_result_display import RPM, curve, modes, quantities, solution, study
 from valvetrain.compare_test.compare import ModelAgainstTest
-from valvetrain.identification.result import Branch, Identified, Interval
+from valvetrain.explore.identified import Branch, Identified, Interval
 from valvetrain.solution.modes import TrainModes
 
 SHARE = np.array([[0.62, 0.2, 0.18], [0.1, 0.7, 0.2]])

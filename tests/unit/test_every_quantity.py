@@ -49,7 +49,7 @@ def test_a_study_of_trains_tells_the_rigid_numbers_of_each_spring_set():
     where the least contact force is nil.
     """
     from valvetrain.parameters.loading import load_case
-    from valvetrain.studies.run import run_study
+    from valvetrain.runs.run import run_study
 
     done = run_study(
         load_case("vaz-ohc"), engine_speeds=(150.0, 300.0), spring_models=("massless",)

@@ -18,15 +18,14 @@ from valvetrain.parameters.installed_spring import InstalledSpring, SpringCard
 from valvetrain.quantities.cycle import Cycle, reported_cycle
 from valvetrain.report.quick import plot_study
 from valvetrain.report.unfinished import UnfinishedRun
+from valvetrain.runs.solid import SolidMotion, check_motion
 from valvetrain.solution.channels import Variable, spring_channels
 from valvetrain.solution.netcdf import load_netcdf
-from valvetrain.springs.chain_layout import ChainLayout, chain_from_definition
-from valvetrain.springs.masses import check_masses
+from valvetrain.springs.chain_layout import ChainLayout, chain_from_definition, check_masses
 from valvetrain.springs.solid.calculix import run_deck
 from valvetrain.springs.spec import spring_model
 from valvetrain.springs.stress import shear_stress_factor
 from valvetrain.springs.wire_from_card import wire_from_card
-from valvetrain.studies.solid import SolidMotion, check_motion
 
 SPRING = vt.cylindrical("3.8 mm", "22 mm", "7 mm", total_coils=7)
 CARD = SpringCard(rate=30e3, preload=250.0)

@@ -24,7 +24,7 @@ from valvetrain.cam.polydyne import Polydyne
 from valvetrain.cam.ramped import ramped
 from valvetrain.cam.shaped import Shaped
 from valvetrain.cam.spline import Spline, Stations
-from valvetrain.contact.restitution import damping_number, rebound
+from valvetrain.contact.dissipative import damping_number, rebound
 from valvetrain.integrate.contract import RunUp
 from valvetrain.mechanism.contour import table_from_samples
 from valvetrain.mechanism.parts import (
@@ -37,14 +37,14 @@ from valvetrain.mechanism.parts import (
 from valvetrain.parameters.installed_spring import CoilContact, DampingParameters, InstalledSpring
 from valvetrain.parameters.spring import EndCoil
 from valvetrain.parameters.train import FollowerParameters, GasLoad
-from valvetrain.quantities.buckling import buckling_compression
-from valvetrain.quantities.filters import low_pass
+from valvetrain.quantities.signal import low_pass
+from valvetrain.quantities.statics import buckling_compression
+from valvetrain.runs.error_bars import observed_order
 from valvetrain.springs.chain_layout import uniform_chain
 from valvetrain.springs.massless import massless_table
 from valvetrain.springs.nested import RadialRubbing
-from valvetrain.springs.solid.layout import MeshOptions
+from valvetrain.springs.solid.mesh import MeshOptions
 from valvetrain.springs.solid.transient import TransientJob
-from valvetrain.studies.grid_convergence import observed_order
 
 NAN = math.nan
 SPRING = vt.cylindrical("3.8 mm", "22 mm", "7 mm", total_coils=7)

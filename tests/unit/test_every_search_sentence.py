@@ -7,9 +7,16 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from valvetrain.studies.optimum import words as said
-from valvetrain.studies.optimum.limit_speed import BELOW, BEYOND, FOUND, LimitFound, LimitSearch
-from valvetrain.studies.optimum.measure import Measure, Objective
+from valvetrain.explore import optimum_summary as said
+from valvetrain.explore.measure import (
+    BELOW,
+    BEYOND,
+    FOUND,
+    LimitFound,
+    LimitSearch,
+    Measure,
+    Objective,
+)
 
 RPM = np.pi / 30
 MASS = Measure("rest", "wire_mass", (), "wire mass")

@@ -28,12 +28,11 @@ from valvetrain.report.uncertainty_section import (
     uncertainty_page,
     uncertainty_table,
 )
+from valvetrain.runs.error_bars import Uncertainty, UncertaintyStudy
 from valvetrain.solution.comparison import Comparison
-from valvetrain.solution.event import Event
-from valvetrain.solution.record import CaseRecord
-from valvetrain.solution.status import Status
+from valvetrain.solution.provenance import CaseRecord
+from valvetrain.solution.status import Event, Status
 from valvetrain.solution.study import Study
-from valvetrain.studies.error_bars import Uncertainty, UncertaintyStudy
 
 RPM = np.pi / 30
 NAMES = ("finite-element rod", "modal model with varied stiffness")

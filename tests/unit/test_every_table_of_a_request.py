@@ -7,7 +7,7 @@ from __future__ import annotations
 import pytest
 
 from valvetrain.errors import InputError
-from valvetrain.identification.file import parse_request
+from valvetrain.explore.identification_file import parse_request
 
 TEXT = """
 case = "job-t"

@@ -18,9 +18,9 @@ from known_figures import STUDIES
 from synthetic_study import at_rest, own_study, published_study, rod_run, sweep_study
 from unit.test_every_table import COMPARED, four
 from valvetrain.cli.answers import published_words, show_study
+from valvetrain.cli.outcome import quantity_rows, shown_words
 from valvetrain.cli.published import difference_words, short_verdict, show_comparisons, tally
 from valvetrain.cli.runs import headline
-from valvetrain.cli.tables import quantity_rows, shown_words
 
 RPM = np.pi / 30
 
@@ -398,7 +398,7 @@ def test_what_a_case_holds_is_said_in_the_fields_units():
 
 
 def test_sizes_are_said_as_people_say_them():
-    from valvetrain.studies.cost import memory_words, time_words
+    from valvetrain.runs.cost import memory_words, time_words
 
     assert [memory_words(size) for size in (3e5, 4.4e7, 9.99e8, 2.5e9)] == [
         "1 MB",

@@ -13,8 +13,8 @@ from valvetrain.cam import build_lift_law
 from valvetrain.parameters.curves import Constant, FunctionCurve, PiecewiseLinear, Table
 from valvetrain.parameters.lift_law import LiftLawParameters
 from valvetrain.parameters.material import Material
+from valvetrain.parameters.summary import number, value_words, words_at
 from valvetrain.parameters.train import ContactParameters, SupportParameters, ValveParameters
-from valvetrain.parameters.words import number, value_words, words_at
 
 
 @pytest.mark.parametrize(

@@ -10,10 +10,10 @@ import pytest
 
 from valvetrain.quantities.compare import compare, verdict
 from valvetrain.report.table import tone
+from valvetrain.runs.error_bars import Uncertainty
+from valvetrain.runs.uncertainty_file import belongs
 from valvetrain.solution.comparison import Comparison
 from valvetrain.solution.quantity import Quantity, same_speed
-from valvetrain.studies.error_bars import Uncertainty
-from valvetrain.studies.uncertainty_file import belongs
 
 DEG = np.pi / 180
 

@@ -15,17 +15,17 @@ import pytest
 import valvetrain as vt
 from unit.cli_parts import call, sentence
 from valvetrain.errors import InputError
-from valvetrain.report.fidelity_words import fidelity_notes, reach_rows, reason_for
 from valvetrain.report.json import fidelity_object
-from valvetrain.report.sections.fidelity import blocks
+from valvetrain.report.run_summary import fidelity_notes, reach_rows, reason_for
+from valvetrain.report.sections.answers import fidelity_blocks as blocks
+from valvetrain.runs import fidelity as studied
+from valvetrain.runs.fidelity import fidelity_models
+from valvetrain.runs.run import STOPPED, run_problem
+from valvetrain.runs.stopping import StudyStopped
 from valvetrain.solution.fidelity import GOOD, MISSING, OPEN, POOR, RPM, FidelityMap, FidelityRow
-from valvetrain.solution.record import CaseRecord
+from valvetrain.solution.provenance import CaseRecord
 from valvetrain.solution.status import Status
 from valvetrain.solution.study import Study
-from valvetrain.studies import fidelity as studied
-from valvetrain.studies.fidelity import fidelity_models
-from valvetrain.studies.run import STOPPED, run_problem
-from valvetrain.studies.stopping import StudyStopped
 
 SPEEDS = [1000 * RPM, 2000 * RPM, 3000 * RPM]
 

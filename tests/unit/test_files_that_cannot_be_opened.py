@@ -12,8 +12,9 @@ from types import SimpleNamespace
 import pytest
 
 from valvetrain.errors import InputError
+from valvetrain.explore.identification_file import read_request
+from valvetrain.explore.study_file import text_of_file
 from valvetrain.film.frames import open_film
-from valvetrain.identification.file import read_request
 from valvetrain.measured.tables import read_content
 from valvetrain.parameters.loading import load_case
 from valvetrain.parameters.writing import replace_file
@@ -21,7 +22,6 @@ from valvetrain.rig import recording as reader_process
 from valvetrain.rig.recording import read_recording
 from valvetrain.scan.clouds import open_cloud
 from valvetrain.solution.atomic import checked_content
-from valvetrain.studies.points.study_file import text_of_file
 
 #: Reader -> words about a name that is none, nothing there, a folder, an empty file (None: read as
 #: it is).

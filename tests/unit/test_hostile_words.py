@@ -25,7 +25,7 @@ from valvetrain.report.svg_chart import svg
 from valvetrain.report.table import quoted
 from valvetrain.solution.textfile import load_csv, save_csv
 from valvetrain.springs.solid.jobs import SolidSpring
-from valvetrain.springs.solid.layout import MeshOptions
+from valvetrain.springs.solid.mesh import MeshOptions
 
 COMMENT = "<!--<script>"
 BREAKS_OUT = "</script><script>lost()</script>"

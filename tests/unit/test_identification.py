@@ -11,17 +11,14 @@ import numpy as np
 import pytest
 
 from valvetrain.errors import InputError, MissingExtraError
-from valvetrain.identification.datum import Datum
-from valvetrain.identification.evolution import evolution
-from valvetrain.identification.journal import NAME, Journal, read_points
-from valvetrain.identification.least_squares import least_squares
-from valvetrain.identification.multistart import ends_of, linear_draws
-from valvetrain.identification.posterior import Posterior, Unknown
-from valvetrain.identification.prior import Prior
-from valvetrain.identification.profiles import profile
-from valvetrain.identification.search import METHODS, Search
-from valvetrain.identification.solve import solve
-from valvetrain.studies.stopping import Stopped
+from valvetrain.explore.data import Datum
+from valvetrain.explore.ensembles import evolution
+from valvetrain.explore.identification_file import METHODS, Search
+from valvetrain.explore.least_squares import ends_of, least_squares, linear_draws, profile
+from valvetrain.explore.posterior import Posterior, Unknown
+from valvetrain.explore.prior import Prior
+from valvetrain.explore.solve import NAME, Journal, read_points, solve
+from valvetrain.runs.stopping import Stopped
 
 TRUE_RATE, TRUE_MASS = 42e3, 0.05
 LIBRARIES = [

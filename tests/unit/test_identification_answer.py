@@ -12,8 +12,8 @@ import pytest
 import xarray
 
 from unit.cli_parts import call
-from valvetrain.identification.api import identify_request
-from valvetrain.identification.file import parse_request
+from valvetrain.explore.identification_file import parse_request
+from valvetrain.explore.identify import identify_request
 
 CARD = 'title = "card"\n[spring]\npreload = "250 N"\nrate = "32 N/mm"\nmass = "42 g"\n'
 FILE = """

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 import valvetrain as vt
-from valvetrain.identification.file import parse_request
+from valvetrain.explore.identification_file import parse_request
 
 HEAD = """
 case = "job-t"

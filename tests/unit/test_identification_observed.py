@@ -12,18 +12,15 @@ import pytest
 
 import valvetrain as vt
 from valvetrain.errors import InputError
-from valvetrain.identification.api import identify_request
-from valvetrain.identification.datum import Datum
-from valvetrain.identification.file import parse_request
-from valvetrain.identification.journal import Journal
-from valvetrain.identification.observe import Observed, groups_of, numbers_at, numbers_of
-from valvetrain.identification.posterior import Posterior, Unknown
-from valvetrain.identification.prior import Prior
-from valvetrain.identification.search import Search
-from valvetrain.identification.solve import solve
-from valvetrain.identification.sought import Sought, Station
+from valvetrain.explore.data import Datum, Sought, Station
+from valvetrain.explore.identification_file import Search, parse_request
+from valvetrain.explore.identify import identify_request
+from valvetrain.explore.observe import Observed, groups_of, numbers_at, numbers_of
+from valvetrain.explore.posterior import Posterior, Unknown
+from valvetrain.explore.prior import Prior
+from valvetrain.explore.solve import Journal, solve
 from valvetrain.parameters.toml_text import toml_text
-from valvetrain.studies import run
+from valvetrain.runs import run
 
 RPM = math.pi / 30
 WIRE = {

@@ -13,11 +13,11 @@ from types import SimpleNamespace
 import pytest
 
 from unit.cli_parts import SMALL, call
-from valvetrain.cli import keep_rest
+from valvetrain.cli import static as keep_rest
 from valvetrain.cli.outcome import Outcome
 from valvetrain.cli.progress import PROGRESS_VARIABLE, progress_bar, tell_progress
 from valvetrain.report.read_page import read_page
-from valvetrain.studies.run_store import find_run
+from valvetrain.runs.saved_runs import find_run
 
 
 @pytest.fixture

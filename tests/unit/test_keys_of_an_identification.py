@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 from valvetrain.errors import InputError
-from valvetrain.identification.part import LONGEST, Part
+from valvetrain.explore.data import LONGEST, Part
 
 MISSING = object()
 #: Way of taking, what is told beside the key, what the file holds, what is read.

@@ -323,7 +323,7 @@ def test_a_lobe_becomes_the_lift_of_a_case(table):
 def test_a_law_that_does_not_run_makes_the_answer_incomplete():
     from valvetrain.lift.band import LiftBandStudy
     from valvetrain.lift.command import _data
-    from valvetrain.solution.record import CaseRecord
+    from valvetrain.solution.provenance import CaseRecord
     from valvetrain.solution.study import Study
 
     whole = LiftBandStudy(Study(CaseRecord("own")), ())

@@ -10,9 +10,9 @@ import time
 import numpy as np
 import pytest
 
-from valvetrain.identification import lockstep
-from valvetrain.identification.lockstep import Lockstep
-from valvetrain.studies.stopping import PointsStopped, RefinementStopped, Stopped, StudyStopped
+from valvetrain.explore import ensembles as lockstep
+from valvetrain.explore.ensembles import Lockstep
+from valvetrain.runs.stopping import PointsStopped, RefinementStopped, Stopped, StudyStopped
 
 Array = np.ndarray
 

@@ -93,7 +93,7 @@ def test_one_cell_is_found_by_running_it():
 @pytest.mark.long
 @pytest.mark.calculix
 def test_solids_stand_in_a_comparison_of_a_spring_alone():
-    from valvetrain.studies.compare import compare_study
+    from valvetrain.runs.compare import compare_study
 
     case = load_case("clamped-helix", {"spring.options.solid.elements_per_coil": 6})
     study = compare_study(case, spring_models=["solid", "massless"])

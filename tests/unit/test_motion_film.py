@@ -19,7 +19,7 @@ from valvetrain.parameters.loading import load_case
 from valvetrain.report.motion import film
 from valvetrain.report.motion.film import FilmRequest, film_frames, write_film
 from valvetrain.report.motion.scene import Limits, moving_picture
-from valvetrain.studies import run_store
+from valvetrain.runs import saved_runs as run_store
 
 TINY = FilmRequest(1.0, 320)
 

@@ -21,8 +21,8 @@ from valvetrain.quantities.cycle import reported_cycle
 from valvetrain.report.motion.project import motion_json
 from valvetrain.report.motion.scene import Limits, member_of, moving_picture
 from valvetrain.report.motion.train import ARC_MARGIN
+from valvetrain.runs.run import run_study
 from valvetrain.solution.channels import ChannelArrays
-from valvetrain.studies.run import run_study
 
 KINDS = ("direct", "finger", "pushrod", "rocker")
 Numbers = np.ndarray

@@ -19,10 +19,10 @@ import pytest
 
 import valvetrain as vt
 from unit.cli_parts import MODULE, call, process_environment, sentence, wait_until
-from valvetrain.report.optimum_page import optimum_page
-from valvetrain.studies.optimum.kept import write_optuna
-from valvetrain.studies.optimum.run_search import SearchInterrupted
-from valvetrain.studies.optimum.words import _seeds, sentences
+from valvetrain.explore.optimum_files import write_optuna
+from valvetrain.explore.optimum_page import optimum_page
+from valvetrain.explore.optimum_summary import _seeds, sentences
+from valvetrain.explore.search import SearchInterrupted
 
 #: Short runs of the chain: a limit speed, a bound at rest that is a share of the case, one trial in
 #: a few that cannot be built.
@@ -299,7 +299,7 @@ def test_a_search_that_is_stopped_keeps_what_it_has_and_goes_on(tmp_path, monkey
     def interrupted(*_: object) -> None:
         raise SearchInterrupted(held)
 
-    monkeypatch.setattr("valvetrain.studies.optimum.run_search.run_search", interrupted)
+    monkeypatch.setattr("valvetrain.explore.search.run_search", interrupted)
     (tmp_path / "light.toml").write_text(LIGHT)
     answer = call("optimise", str(tmp_path / "light.toml"), "--output", str(tmp_path / "out"))
     assert answer.exit_code == 130 and "start the command again to go on" in answer.stderr

@@ -11,15 +11,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from valvetrain.report.optimum_page import MOST_DESIGNS, optimum_page
+from valvetrain.explore.measure import Measured
+from valvetrain.explore.objective import read_optimum
+from valvetrain.explore.optimum import Optimum, chosen_designs
+from valvetrain.explore.optimum_file import OptimumText
+from valvetrain.explore.optimum_files import case_text
+from valvetrain.explore.optimum_page import MOST_DESIGNS, optimum_page
+from valvetrain.explore.searchers import CASE_SEED, Trial
 from valvetrain.report.page import Grid
-from valvetrain.studies.optimum.after import chosen_designs
-from valvetrain.studies.optimum.kept import case_text
-from valvetrain.studies.optimum.measure import Measured
-from valvetrain.studies.optimum.optimum_file import OptimumText
-from valvetrain.studies.optimum.plan import read_optimum
-from valvetrain.studies.optimum.result import Optimum
-from valvetrain.studies.optimum.trial import CASE_SEED, Trial
 
 FILE = """
 title = "Light and quick"

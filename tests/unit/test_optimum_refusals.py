@@ -8,8 +8,8 @@ import pytest
 
 import valvetrain as vt
 from unit.cli_parts import call, sentence
-from valvetrain.studies.optimum.optimum_file import OptimumText
-from valvetrain.studies.optimum.plan import read_optimum
+from valvetrain.explore.objective import read_optimum
+from valvetrain.explore.optimum_file import OptimumText
 
 FILE = """
 case = "gu2021-beehive"

@@ -7,8 +7,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from valvetrain.explore.measure import CAUTION, _nearing, _rise
 from valvetrain.springs.solid.calculix import _time_reached
-from valvetrain.studies.optimum.limit_speed import CAUTION, _nearing, _rise
 
 
 @pytest.mark.parametrize(

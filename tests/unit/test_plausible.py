@@ -28,9 +28,8 @@ from valvetrain.quantities.plausible import (
     plausible_rest,
     refuse_implausible_motion,
 )
-from valvetrain.solution.rest_point import RestPoint
-from valvetrain.solution.static import Leaning, SpringAtRest, StaticCurve, StaticStress
-from valvetrain.studies.refined import refined
+from valvetrain.runs.refine import refined
+from valvetrain.solution.static import Leaning, RestPoint, SpringAtRest, StaticCurve, StaticStress
 from valvetrain.system.build import build
 
 #: Laws that answer, and whose lift is below the base circle between what they were given.
@@ -132,7 +131,7 @@ def test_a_run_with_a_wire_faster_than_any_is_named_and_keeps_its_numbers():
     (run,) = vt.simulate(case, spring_models=["wave-rod"], implausible=True).solutions
     fastest = float(np.max(np.abs(run.channel("axial_velocity"))))
     assert fastest > 1000 and "above" in implausible(run)
-    from valvetrain.studies.ready import plausible
+    from valvetrain.runs.prepared import plausible
 
     told = plausible(run)
     assert (
@@ -258,7 +257,7 @@ NARROW_WORDS = [word for path, value in NARROW.items() for word in ("--set", f"{
 def test_a_refinement_of_nonsense_is_refused_before_the_work_and_passes_by_an_option(monkeypatch):
     asked = []
     monkeypatch.setattr(
-        "valvetrain.studies.uncertainty.make_ready",
+        "valvetrain.runs.uncertainty.make_ready",
         lambda *given: asked.append(given) or (_ for _ in ()).throw(KeyError),
     )
     case = vt.load_case("job-t", NARROW)
@@ -282,7 +281,7 @@ def test_a_lift_that_no_cam_gives_has_no_static_curve(tmp_path):
 
 def test_a_refinement_keeps_implausible_runs_by_an_option_only(monkeypatch):
     """A spring driven open in four degrees of the cam: its wire is faster than any steel bears."""
-    monkeypatch.setattr("valvetrain.studies.uncertainty.refuse_implausible", lambda *_: None)
+    monkeypatch.setattr("valvetrain.runs.uncertainty.refuse_implausible", lambda *_: None)
     text = (
         SMALL.replace("100 deg", "178 deg")
         .replace("260 deg", "182 deg")

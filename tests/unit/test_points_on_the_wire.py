@@ -11,11 +11,11 @@ import pytest
 
 import valvetrain as vt
 from valvetrain.cli.case_facts import case_facts
+from valvetrain.explore.paths import vary
+from valvetrain.explore.space import Varied
 from valvetrain.quantities.cycle import reported_cycle
 from valvetrain.report.sections.gu2021 import node_chart
 from valvetrain.sources.gu2021_nodes import coils_of
-from valvetrain.studies.points.varied import Varied
-from valvetrain.studies.points.vary import vary
 
 
 def beehive(**points):

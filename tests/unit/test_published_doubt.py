@@ -9,8 +9,8 @@ import re
 from valvetrain.cli.answers import published_words
 from valvetrain.cli.published import short_verdict
 from valvetrain.quantities.compare import compare
+from valvetrain.solution.provenance import PublishedValue
 from valvetrain.solution.quantity import Quantity
-from valvetrain.solution.record import PublishedValue
 
 COMPUTED = {
     Quantity("peak_lever_speed", 400.0, "m"): 50.0,

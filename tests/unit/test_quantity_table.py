@@ -15,7 +15,7 @@ from valvetrain.parameters.loading import library_names, load_case
 from valvetrain.parameters.schema_case import dimension_of_quantity
 from valvetrain.quantities.page import quantities_page
 from valvetrain.registry import BUILT_IN
-from valvetrain.report.words import quantity_words
+from valvetrain.report.text import quantity_words
 from valvetrain.solution import definition
 from valvetrain.solution.definition import (
     definition_of,
@@ -192,7 +192,7 @@ def test_every_published_quantity_of_the_library_is_defined(name):
     [("job-t", "modal-varied"), ("vaz-ohc", "multi-mass"), ("tdi-pushrod", "modal-varied")],
 )
 def test_every_number_of_a_study_is_defined(name, model):
-    from valvetrain.studies.run import run_study
+    from valvetrain.runs.run import run_study
 
     case = load_case(name)
     done = run_study(case, engine_speeds=case.operation.engine_speeds[:1], spring_models=(model,))

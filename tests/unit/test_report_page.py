@@ -32,7 +32,7 @@ from valvetrain.report.page import Page, Section, charts, render, text
 from valvetrain.report.read_page import PageSentence, sections_of
 from valvetrain.report.study import study_page, write_study
 from valvetrain.report.table import comparison_table
-from valvetrain.report.words import number, percent, speed_words, unit_words
+from valvetrain.report.text import number, percent, speed_words, unit_words
 from valvetrain.solution.netcdf import load_modal_result, load_netcdf, load_static_curve
 from valvetrain.solution.quantity import Quantity
 from valvetrain.solution.status import Status

@@ -31,12 +31,12 @@ from valvetrain.report.page import Details, Figure, Grid, Text, charts, render
 from valvetrain.report.sections import coils, published, sweep
 from valvetrain.report.study import study_page
 from valvetrain.report.uncertainty_section import firmness, uncertainty_grid, uncertainty_table
-from valvetrain.solution.record import CaseRecord
+from valvetrain.runs.error_bars import Uncertainty
+from valvetrain.runs.uncertainty_file import load_uncertainty
+from valvetrain.solution.provenance import CaseRecord
 from valvetrain.solution.status import Status
 from valvetrain.solution.study import Study
 from valvetrain.springs.spec import spring_model
-from valvetrain.studies.error_bars import Uncertainty
-from valvetrain.studies.uncertainty_file import load_uncertainty
 
 DEGREES = np.arange(720) / 2
 LIFT = 9e-3 * np.where(np.abs(DEGREES - 180) < 53, np.cos(np.pi * (DEGREES - 180) / 106) ** 2, 0.0)

@@ -17,7 +17,7 @@ from valvetrain.cosserat.static import NewtonOptions, compress
 from valvetrain.errors import InputError
 from valvetrain.parameters.loading import parse_case
 from valvetrain.quantities.design import solid_quantities
-from valvetrain.studies.rest_study import rest_study
+from valvetrain.runs.static_study import rest_study
 
 TEXT = """
 [spring]

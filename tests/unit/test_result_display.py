@@ -15,14 +15,12 @@ from synthetic_spring import bump
 from valvetrain.errors import InputError, MissingExtraError
 from valvetrain.solution.channels import spring_channels
 from valvetrain.solution.display import words
-from valvetrain.solution.event import Event
 from valvetrain.solution.modes import ModalResult
-from valvetrain.solution.provenance import Provenance
+from valvetrain.solution.provenance import CaseRecord, Provenance
 from valvetrain.solution.quantity import Quantities, Quantity
-from valvetrain.solution.record import CaseRecord
 from valvetrain.solution.result import Solution
 from valvetrain.solution.static import StaticCurve
-from valvetrain.solution.status import Status
+from valvetrain.solution.status import Event, Status
 from valvetrain.solution.study import Study
 
 RPM = np.pi / 30

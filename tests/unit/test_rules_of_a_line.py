@@ -16,6 +16,9 @@ import valvetrain as vt
 from valvetrain.cam.closed_form import Harmonic
 from valvetrain.cli import guard
 from valvetrain.errors import InputError
+from valvetrain.explore import search as run_search
+from valvetrain.explore import searchers
+from valvetrain.explore.space import Uniform
 from valvetrain.parameters.train import ContactParameters
 from valvetrain.report.motion.scene import _bytes_per_frame
 from valvetrain.report.motion.springs import _shares
@@ -24,11 +27,9 @@ from valvetrain.rig.channels import RigQuantity
 from valvetrain.rig.cutting import CycleGrid, grid_of, set_to_zero
 from valvetrain.rig.recording import RigChannel
 from valvetrain.rig.shaft import ShaftAngle
+from valvetrain.runs import train_uncertainty, uncertainty
+from valvetrain.runs.solid import SolidMotion, check_motion
 from valvetrain.sources.multibody4b17 import _formula, closed_forms
-from valvetrain.studies import train_uncertainty, uncertainty
-from valvetrain.studies.optimum import run_search, searchers
-from valvetrain.studies.points.distributions import Uniform
-from valvetrain.studies.solid import SolidMotion, check_motion
 
 
 def test_the_printed_contact_formula_by_hand():

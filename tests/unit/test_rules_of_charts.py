@@ -10,11 +10,11 @@ import numpy as np
 import pytest
 
 from valvetrain.compare_test import page as compare_test_page
-from valvetrain.identification.prior import Prior
+from valvetrain.explore import identification_charts
+from valvetrain.explore.identification_charts import _density
+from valvetrain.explore.prior import Prior
 from valvetrain.lift.page import derivatives_chart, residuals_chart
-from valvetrain.report import identification_charts
 from valvetrain.report.chart import Band, Chart, Line, Panel, Rule
-from valvetrain.report.identification_charts import _density
 from valvetrain.report.motion.parts import Body, Colouring, Shape, SpringDrawing
 from valvetrain.report.motion.project import SLICES, _wire
 from valvetrain.report.motion.project import _body_project as _body

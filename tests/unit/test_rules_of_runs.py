@@ -11,18 +11,18 @@ import pytest
 
 import valvetrain as vt
 from valvetrain.errors import InputError
+from valvetrain.explore.paths import set_in_tree
+from valvetrain.explore.space import Varied
 from valvetrain.film.result import surge_words
 from valvetrain.integrate.contract import Cycles, RunOptions
 from valvetrain.integrate.run import run
 from valvetrain.parameters.train_schema import LeverModel
 from valvetrain.quantities.cycle import Cycle
+from valvetrain.runs import solid as of_solids
 from valvetrain.solution.modes import TrainModes
 from valvetrain.solution.status import COMPLETED, Status
 from valvetrain.springs.solid.jobs import axial_modes
 from valvetrain.springs.solid.spec import SolidOptions
-from valvetrain.studies import solid as of_solids
-from valvetrain.studies.points.tree import set_in_tree
-from valvetrain.studies.points.varied import Varied
 from valvetrain.system.prescribed import PrescribedSpring
 
 DEG = np.pi / 180

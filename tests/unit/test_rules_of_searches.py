@@ -11,20 +11,30 @@ import pytest
 from scipy.special import ndtr
 
 from valvetrain.errors import InputError
-from valvetrain.identification import profiles, solve
-from valvetrain.identification.datum import Datum
-from valvetrain.identification.draws import silent
-from valvetrain.identification.least_squares import Peak
-from valvetrain.identification.multistart import _inside
-from valvetrain.identification.posterior import Posterior, Unknown
-from valvetrain.identification.prior import Prior
-from valvetrain.identification.search import Search
+from valvetrain.explore import least_squares as profiles
+from valvetrain.explore import solve
+from valvetrain.explore.data import Datum
+from valvetrain.explore.draws import silent
+from valvetrain.explore.identification_file import Search
+from valvetrain.explore.least_squares import Peak, _inside
+from valvetrain.explore.measure import (
+    BELOW,
+    BEYOND,
+    FOUND,
+    LIMIT,
+    REST,
+    RUNS,
+    LimitSearch,
+    Measure,
+    _limit,
+    measuring,
+)
+from valvetrain.explore.objective import _limit as limit_of_file
+from valvetrain.explore.optimum_file import MeasureModel
+from valvetrain.explore.point import Outcome
+from valvetrain.explore.posterior import Posterior, Unknown
+from valvetrain.explore.prior import Prior
 from valvetrain.solution.status import COMPLETED, Status
-from valvetrain.studies.optimum.limit_speed import BELOW, BEYOND, FOUND, LimitSearch
-from valvetrain.studies.optimum.measure import LIMIT, REST, RUNS, Measure, _limit, measuring
-from valvetrain.studies.optimum.optimum_file import MeasureModel
-from valvetrain.studies.optimum.plan import _limit as limit_of_file
-from valvetrain.studies.points.point import Outcome
 
 BEGIN = np.array([0.25, 3.0])
 

@@ -14,9 +14,9 @@ import pytest
 
 from valvetrain.errors import InputError
 from valvetrain.report.run_differences import result_rows
-from valvetrain.studies.cost import estimate
-from valvetrain.studies.run_differences import input_differences, result_differences
-from valvetrain.studies.run_store import (
+from valvetrain.runs.cost import estimate
+from valvetrain.runs.differences import input_differences, result_differences
+from valvetrain.runs.saved_runs import (
     ANSWER,
     Inputs,
     KeptRun,

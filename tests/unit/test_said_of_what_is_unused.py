@@ -10,9 +10,9 @@ from valvetrain.errors import InputError
 from valvetrain.parameters.constructors import cylindrical
 from valvetrain.parameters.installed_spring import DampingParameters, Guide, InstalledSpring
 from valvetrain.parameters.loading import load_case, parse_case
-from valvetrain.studies.api import static_curve
-from valvetrain.studies.notes import buckling_notes, ringing_note
-from valvetrain.studies.run import run_study
+from valvetrain.runs.api import static_curve
+from valvetrain.runs.notes import buckling_notes, ringing_note
+from valvetrain.runs.run import run_study
 from valvetrain.system.build import build
 
 PAIR = """

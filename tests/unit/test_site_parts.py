@@ -123,9 +123,9 @@ def test_a_name_that_does_not_exist_is_not_let_pass():
     from api_pages import exists
 
     assert (
-        exists("valvetrain.studies.api.sweep")
+        exists("valvetrain.runs.api.sweep")
         and exists("Status")
-        and not exists("valvetrain.studies.api.swep")
+        and not exists("valvetrain.runs.api.swep")
         and not exists("Stattus")
     )
 

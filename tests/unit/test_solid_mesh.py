@@ -12,12 +12,10 @@ from valvetrain.parameters.constructors import conical, cylindrical
 from valvetrain.parameters.curves import Constant
 from valvetrain.parameters.material import OTEVA_90_SC
 from valvetrain.parameters.spring import OPEN_END, EndCoil, SpringDefinition
-from valvetrain.springs.solid import hexahedra
-from valvetrain.springs.solid.deck import _row, _wrapped
-from valvetrain.springs.solid.layout import MeshOptions, layer_coils
-from valvetrain.springs.solid.plates import seat_plates
+from valvetrain.springs.solid import mesh as hexahedra
+from valvetrain.springs.solid.deck import _row, _wrapped, seat_plates
+from valvetrain.springs.solid.mesh import MeshOptions, layer_coils, sweep_spring
 from valvetrain.springs.solid.section import disc_section
-from valvetrain.springs.solid.sweep import sweep_spring
 
 
 @pytest.fixture

@@ -13,13 +13,16 @@ import pytest
 from valvetrain.errors import InputError, MissingExtraError
 from valvetrain.parameters.constructors import cylindrical
 from valvetrain.springs.solid.calculix import find_solver, run_deck
-from valvetrain.springs.solid.deck import SolidContact
-from valvetrain.springs.solid.export import write_mesh
-from valvetrain.springs.solid.fields import last_field, read_fields
+from valvetrain.springs.solid.deck import (
+    Printout,
+    SolidContact,
+    frequency_step,
+    static_step,
+    write_mesh,
+)
 from valvetrain.springs.solid.jobs import SolidSpring, axial_modes
-from valvetrain.springs.solid.layout import MeshOptions
-from valvetrain.springs.solid.printed import read_printed
-from valvetrain.springs.solid.steps import Printout, frequency_step, static_step
+from valvetrain.springs.solid.mesh import MeshOptions
+from valvetrain.springs.solid.results import last_field, read_fields, read_printed
 from valvetrain.springs.solid.transient import MOTION_CONTACT, TransientJob, transient_deck
 
 PRINTED = """
@@ -229,7 +232,7 @@ def test_error_exit_becomes_a_status_with_the_solvers_reason(stand_in, model):
 def test_a_motion_that_fails_is_a_solution_with_a_status(stand_in):
     from valvetrain.cam.build import build_lift_law
     from valvetrain.parameters.loading import load_case
-    from valvetrain.studies.solid import SolidMotion, solid_motion
+    from valvetrain.runs.solid import SolidMotion, solid_motion
 
     work = stand_in("printf ' *ERROR in arpack: no room\n'\nexit 201\n")
     case = load_case("gu2021-beehive")

@@ -11,11 +11,10 @@ import pytest
 from valvetrain.errors import InputError
 from valvetrain.solution.channels import spring_channels
 from valvetrain.solution.comparison import Comparison
-from valvetrain.solution.event import Event
 from valvetrain.solution.modes import ModalResult
 from valvetrain.solution.result import Solution
 from valvetrain.solution.static import StaticCurve
-from valvetrain.solution.status import Status
+from valvetrain.solution.status import Event, Status
 
 
 def test_status_speaks_one_sentence():

@@ -13,12 +13,11 @@ from valvetrain.solution import netcdf, textfile
 from valvetrain.solution import netcdf as netcdf_layout
 from valvetrain.solution.atomic import atomic_path, write_text
 from valvetrain.solution.channels import arrays_of, spring_channels
-from valvetrain.solution.event import Event
 from valvetrain.solution.modes import ModalResult
 from valvetrain.solution.provenance import collect_provenance
 from valvetrain.solution.result import Solution
 from valvetrain.solution.static import StaticCurve
-from valvetrain.solution.status import Status
+from valvetrain.solution.status import Event, Status
 
 PAIRS = (
     (netcdf.save_netcdf, netcdf.load_netcdf, "run.nc"),

@@ -11,19 +11,22 @@ from pathlib import Path
 
 import pytest
 
-from valvetrain.identification.file import read_request
+from valvetrain.explore.identification_file import read_request
 from valvetrain.parameters.loading import LIBRARY, load_case
-from valvetrain.solution.quantity import Quantity, same_speed
-from valvetrain.solution.record import CaseRecord, PublishedValue
-from valvetrain.sources.gu2021_identification import SPEC
-from valvetrain.studies import spread as spread_module
-from valvetrain.studies.error_bars import Uncertainty
-from valvetrain.studies.spread import TOLD, Spread, load_spread, spread_sentences
-from valvetrain.studies.uncertainty_file import (
+from valvetrain.runs import uncertainty_file as spread_module
+from valvetrain.runs.error_bars import Uncertainty
+from valvetrain.runs.uncertainty_file import (
+    TOLD,
+    Spread,
+    load_spread,
     load_uncertainty,
     rows_that_hold,
+    spread_sentences,
     uncertainty_sentences,
 )
+from valvetrain.solution.provenance import CaseRecord, PublishedValue
+from valvetrain.solution.quantity import Quantity, same_speed
+from valvetrain.sources.gu2021_identification import SPEC
 
 ROOT = Path(__file__).resolve().parents[2]
 SCRIPT = runpy.run_path(str(ROOT / "scripts" / "identify_beehive.py"))

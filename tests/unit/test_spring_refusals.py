@@ -16,13 +16,13 @@ from valvetrain.parameters.installed_spring import CoilContact, InstalledSpring,
 from valvetrain.parameters.loading import load_case
 from valvetrain.parameters.material import OTEVA_90_SC
 from valvetrain.parameters.spring import OPEN_END, EndCoil, SpringDefinition
+from valvetrain.quantities.cycle import Frame
 from valvetrain.quantities.evaluate import evaluate
-from valvetrain.quantities.frame import Frame
+from valvetrain.runs.run import run_study
+from valvetrain.runs.statics import at_rest, rest_by_model
 from valvetrain.springs.finite_element import FiniteElementRod
 from valvetrain.springs.multi_mass import MultiMassSpring
 from valvetrain.springs.spec import spring_model
-from valvetrain.studies.rest import at_rest, rest_by_model
-from valvetrain.studies.run import run_study
 
 WIRE = cylindrical("4 mm", "24 mm", "7 mm", 6)
 

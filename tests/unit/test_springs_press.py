@@ -12,14 +12,14 @@ from spring_parts import drive, raised_cosine
 from valvetrain.parameters.constructors import cylindrical
 from valvetrain.parameters.installed_spring import InstalledSpring, SpringCard
 from valvetrain.parameters.loading import load_case
+from valvetrain.runs.prepared import bound
+from valvetrain.runs.run import run_study
 from valvetrain.solution.channels import spring_channels
 from valvetrain.solution.provenance import Provenance
 from valvetrain.solution.result import Solution
 from valvetrain.springs.multi_mass import MultiMassSpring
 from valvetrain.springs.spec import spring_model
 from valvetrain.springs.wave_rod import WaveRod
-from valvetrain.studies.ready import bound
-from valvetrain.studies.run import run_study
 
 CARD = InstalledSpring(card=SpringCard(rate=30e3, preload=60.0, mass=0.05))
 WIRE = InstalledSpring(wire=cylindrical("4 mm", "24 mm", "7 mm", 6), precompression=1e-3)

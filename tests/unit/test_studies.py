@@ -15,11 +15,10 @@ import valvetrain as vt
 from valvetrain import registry
 from valvetrain.errors import InputError
 from valvetrain.parameters.loading import load_case, parse_case
+from valvetrain.runs.compare import compare_study, sweep_study
+from valvetrain.runs.prepared import make_ready
+from valvetrain.runs.run import run_study
 from valvetrain.springs.spec import SpringModelSpec, spring_model
-from valvetrain.studies.compare import compare_study
-from valvetrain.studies.ready import make_ready
-from valvetrain.studies.run import run_study
-from valvetrain.studies.sweep import sweep_study
 from valvetrain.system.build import build
 
 RPM = np.pi / 30
@@ -82,8 +81,8 @@ def counts(monkeypatch) -> Counter[object]:
     """
     from valvetrain.mechanism import build as mechanisms
     from valvetrain.mechanism import parts
+    from valvetrain.runs import prepared as ready
     from valvetrain.springs import finite_element_model
-    from valvetrain.studies import ready
     from valvetrain.system import build as building
 
     found: Counter[object] = Counter()

@@ -16,9 +16,9 @@ import pytest
 
 import valvetrain as vt
 from unit.cli_parts import MODULE, call, hear_interrupts, process_environment, wait_until
-from valvetrain.studies.points.plan import read_plan
-from valvetrain.studies.points.store import PointStore
-from valvetrain.studies.points.study_file import StudyText
+from valvetrain.explore.plan import read_plan
+from valvetrain.explore.store import PointStore
+from valvetrain.explore.study_file import StudyText
 
 #: A grid of short runs; one in four has a lift beyond coil bind.
 GRID = """
@@ -182,7 +182,7 @@ def test_the_digest_of_a_point_changes_with_everything_of_it():
 
 
 def test_the_digest_changes_with_the_source_text_and_the_libraries(monkeypatch):
-    from valvetrain.studies.points import versions
+    from valvetrain.explore import store as versions
 
     before = versions.versions_digest.__wrapped__()
     assert before == versions.versions_digest.__wrapped__()

@@ -15,8 +15,8 @@ import pytest
 
 import valvetrain as vt
 from unit.cli_parts import MODULE, call, process_environment, wait_until
+from valvetrain.explore.executors import DaskCrew
 from valvetrain.solution.status import COMPLETED
-from valvetrain.studies.points.crews import DaskCrew
 
 pytest.importorskip("distributed")
 

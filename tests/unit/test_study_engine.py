@@ -12,12 +12,12 @@ import numpy as np
 import pytest
 
 from valvetrain import InputError
-from valvetrain.studies.cost import Limits
-from valvetrain.studies.points.plan import read_plan
-from valvetrain.studies.points.point import Outcome
-from valvetrain.studies.points.run_study import PointsInterrupted, estimate_study, run_points
-from valvetrain.studies.points.study_file import StudyText
-from valvetrain.studies.workers import Lost
+from valvetrain.explore.experiment import PointsInterrupted, estimate_study, run_points
+from valvetrain.explore.plan import read_plan
+from valvetrain.explore.point import Outcome
+from valvetrain.explore.study_file import StudyText
+from valvetrain.runs.cost import Limits
+from valvetrain.runs.workers import Lost
 
 TEXT = """
 case = "gu2021-beehive"

@@ -11,15 +11,14 @@ import numpy as np
 import pytest
 
 import valvetrain as vt
+from valvetrain.explore.plan import read_plan
+from valvetrain.explore.sensitivity import surrogate_of
+from valvetrain.explore.study import analysed
+from valvetrain.explore.study_file import StudyText
+from valvetrain.explore.study_page import points_csv, points_json, points_page, sentences
+from valvetrain.explore.table import StudyTable
 from valvetrain.report.page import Grid, Text, charts, render
-from valvetrain.report.points_files import points_csv, points_json
-from valvetrain.report.points_page import points_page, sentences
 from valvetrain.solution.status import COMPLETED, Status
-from valvetrain.studies.points.plan import read_plan
-from valvetrain.studies.points.study import analysed
-from valvetrain.studies.points.study_file import StudyText
-from valvetrain.studies.points.surrogate import surrogate_of
-from valvetrain.studies.points.table import StudyTable
 
 TEXT = """
 kind = "{kind}"

@@ -10,13 +10,12 @@ import pytest
 
 from unit.cli_parts import SMALL
 from valvetrain import InputError, load_case, simulate
+from valvetrain.explore.evaluate import evaluate, evaluate_points
+from valvetrain.explore.paths import vary
+from valvetrain.explore.plan import nominal
+from valvetrain.explore.point import LIGHT, Point, Wanted
+from valvetrain.explore.space import ENGINE_SPEED, LogNormal, Normal, Uniform, Values, Varied
 from valvetrain.parameters.loading import parse_case
-from valvetrain.studies.points.distributions import LogNormal, Normal, Uniform, Values
-from valvetrain.studies.points.evaluate import evaluate, evaluate_points
-from valvetrain.studies.points.nominal import nominal
-from valvetrain.studies.points.point import LIGHT, Point, Wanted
-from valvetrain.studies.points.varied import ENGINE_SPEED, Varied
-from valvetrain.studies.points.vary import vary
 
 RPM = math.pi / 30
 BEEHIVE = load_case("gu2021-beehive")
@@ -214,7 +213,7 @@ def test_numbers_at_rest_come_from_the_model_asked_for():
     """Preload and rate are those of ``valvetrain static --spring multi-mass``; without a model
     those of the rod, as in a run.
     """
-    from valvetrain.studies.rest_study import rest_study
+    from valvetrain.runs.static_study import rest_study
 
     case = parse_case(SMALL)
     told = ("preload", "installed_rate", "mode_1_frequency")
@@ -231,7 +230,7 @@ def test_numbers_at_rest_come_from_the_model_asked_for():
 def test_sizes_of_a_spring_need_no_static_curve(monkeypatch):
     wanted = ("free_length", "solid_height")
     whole = evaluate(point(BEEHIVE, "massless", None, (*wanted, "preload")))
-    monkeypatch.setattr("valvetrain.studies.points.evaluate.rest_of_spring", None)
+    monkeypatch.setattr("valvetrain.explore.evaluate.rest_of_spring", None)
     assert evaluate(point(BEEHIVE, "massless", None, wanted)).values == {
         name: whole[name] for name in wanted
     }

@@ -8,9 +8,8 @@ import numpy as np
 import pytest
 
 from valvetrain import InputError, registry
-from valvetrain.studies.points.distributions import LogNormal, Normal, Uniform, Values
-from valvetrain.studies.points.samplers.contract import sampler
-from valvetrain.studies.points.varied import Varied
+from valvetrain.explore.samplers import sampler
+from valvetrain.explore.space import LogNormal, Normal, Uniform, Values, Varied
 
 UNIT = tuple(Varied(name, distribution=Uniform(0.0, 1.0)) for name in "abc")
 

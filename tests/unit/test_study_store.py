@@ -12,9 +12,9 @@ import numpy as np
 import pytest
 
 from valvetrain import InputError
+from valvetrain.explore.point import Outcome
+from valvetrain.explore.store import CHUNK, JOURNAL, PointStore
 from valvetrain.solution.status import COMPLETED, Status
-from valvetrain.studies.points.point import Outcome
-from valvetrain.studies.points.store import CHUNK, JOURNAL, PointStore
 
 OUTPUTS = ("peak_spring_force", "clash_count")
 FAILED = Status("refused", "the coils overlap; thin the wire")

@@ -6,9 +6,9 @@ from __future__ import annotations
 
 import numpy as np
 
+from valvetrain.explore.sensitivity import Surrogate
+from valvetrain.explore.study_charts import surrogate_chart
 from valvetrain.report.chart import Line, Marks
-from valvetrain.report.points_charts import surrogate_chart
-from valvetrain.studies.points.surrogate import Surrogate
 
 
 def test_points_stand_where_their_numbers_say():

@@ -12,8 +12,7 @@ import pytest
 from synthetic_study import at_rest, own_study, rod_run
 from valvetrain.registry import find
 from valvetrain.report.page import Details, Grid, Text
-from valvetrain.solution.provenance import Provenance
-from valvetrain.solution.record import CaseRecord
+from valvetrain.solution.provenance import CaseRecord, Provenance
 from valvetrain.solution.status import Status
 from valvetrain.solution.study import Study
 

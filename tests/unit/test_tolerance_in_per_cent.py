@@ -9,9 +9,9 @@ import pytest
 import valvetrain as vt
 from unit.test_identification_answer import CARD
 from valvetrain.errors import InputError
+from valvetrain.explore.plan import _varied
+from valvetrain.explore.study_file import VaryModel
 from valvetrain.parameters.loading import parse_case
-from valvetrain.studies.points.plan import _varied
-from valvetrain.studies.points.study_file import VaryModel
 
 CASE = parse_case(CARD)
 

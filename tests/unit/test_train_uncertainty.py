@@ -15,14 +15,15 @@ from rich.console import Console
 from valvetrain.cli.answers import show_study
 from valvetrain.parameters.loading import load_case
 from valvetrain.report.json import study_json
+from valvetrain.runs import train_uncertainty as train_uncertainty_module
+from valvetrain.runs import uncertainty as stages
+from valvetrain.runs import uncertainty_file
+from valvetrain.runs.error_bars import CONTACT_FACTORS
+from valvetrain.runs.refine import refined
+from valvetrain.runs.run import run_study
+from valvetrain.runs.train_uncertainty import train_uncertainty
+from valvetrain.runs.uncertainty import OWN
 from valvetrain.solution.definition import is_defined
-from valvetrain.studies import stages, uncertainty_file
-from valvetrain.studies import train_uncertainty as train_uncertainty_module
-from valvetrain.studies.error_bars import CONTACT_FACTORS
-from valvetrain.studies.refined import refined
-from valvetrain.studies.run import run_study
-from valvetrain.studies.train_uncertainty import train_uncertainty
-from valvetrain.studies.uncertainty import OWN
 
 RPM = 2 * np.pi / 60
 

@@ -15,10 +15,16 @@ from fault_parts import gone, started
 from unit.cli_parts import SMALL, call, sentence, wait_until
 from valvetrain.cli.runs import state
 from valvetrain.errors import InputError
+from valvetrain.runs.saved_runs import (
+    LIST,
+    KeptRun,
+    hold_folder,
+    kept_runs,
+    mark_unfinished,
+    whole_lines,
+)
+from valvetrain.runs.unfinished import unfinished_runs
 from valvetrain.solution.atomic import append_whole
-from valvetrain.studies.held_folder import hold_folder
-from valvetrain.studies.run_store import LIST, KeptRun, kept_runs, mark_unfinished, whole_lines
-from valvetrain.studies.unfinished_runs import unfinished_runs
 
 pytestmark = pytest.mark.skipif(
     os.name != "posix", reason="living runs are known by the lock of a POSIX system"

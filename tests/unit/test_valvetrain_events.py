@@ -12,7 +12,7 @@ from valvetrain.integrate.clash import runs
 from valvetrain.quantities.clash import clash_events
 from valvetrain.quantities.train_events import CAUSE_INERTIA, CAUSE_SURGE, CAUSE_VIBRATION
 from valvetrain.quantities.train_numbers import of_kind
-from valvetrain.solution.event import Event
+from valvetrain.solution.status import Event
 
 
 def test_stretches_on_a_line_and_on_a_ring():

@@ -11,7 +11,8 @@ import pytest
 from unit.cli_parts import call
 from unit.test_identification_answer import CARD, FILE
 from unit.test_optimise_command import LIGHT
-from valvetrain.cli import identify, limits
+from valvetrain.cli import limits
+from valvetrain.explore import identify_command as identify
 
 STUDY = """
 case = "card.toml"

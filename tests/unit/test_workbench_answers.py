@@ -20,7 +20,7 @@ from valvetrain.report.json import study_json
 from valvetrain.report.page import Cards, Figure, Grid, Motion, Text, _all, render
 from valvetrain.report.plotly_chart import figure
 from valvetrain.report.read_page import PageFigure, PageMotion, PageSentence, PageTable, sections_of
-from valvetrain.studies.run_store import Inputs, keep
+from valvetrain.runs.saved_runs import Inputs, keep
 from valvetrain.workbench.answers import compare, figures, kept_study, numbers, overlay, sections
 from valvetrain.workbench.workspace import Workspace
 from workbench_parts import SMALL

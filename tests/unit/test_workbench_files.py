@@ -15,7 +15,7 @@ from typing import Any
 import pytest
 
 from valvetrain.errors import InputError
-from valvetrain.studies.run_store import find_run, kept_runs
+from valvetrain.runs.saved_runs import find_run, kept_runs
 from valvetrain.workbench.jobs import Jobs
 from valvetrain.workbench.saved_runs import (
     MOST_TESTS,

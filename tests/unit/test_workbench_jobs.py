@@ -18,7 +18,7 @@ import pytest
 
 from valvetrain.errors import InputError
 from valvetrain.parameters.loading import parse_case
-from valvetrain.studies.cost import Limits
+from valvetrain.runs.cost import Limits
 from valvetrain.workbench import job_process
 from valvetrain.workbench.answers import numbers, sections
 from valvetrain.workbench.jobs import JobRequest, Jobs

@@ -9,11 +9,12 @@ import pytest
 
 from valvetrain.cli.options import read_words
 from valvetrain.errors import InputError
+from valvetrain.explore.plan import read_plan
+from valvetrain.explore.study_file import read_study_file
 from valvetrain.parameters.loading import load_case, parse_case
-from valvetrain.studies import request_cost, rest_cost
-from valvetrain.studies.cost import Cost, Limits
-from valvetrain.studies.points.plan import read_plan
-from valvetrain.studies.points.study_file import read_study_file
+from valvetrain.runs import request_cost
+from valvetrain.runs import request_cost as rest_cost
+from valvetrain.runs.cost import Cost, Limits
 from valvetrain.workbench.pages.orders import choices_for, request_of, sets_for
 from valvetrain.workbench.requests import (
     JobRequest,

@@ -14,7 +14,7 @@ import pytest
 from valvetrain.errors import InputError
 from valvetrain.parameters.bounded_file import BESIDE_VARIABLE
 from valvetrain.parameters.loading import LIBRARY, parse_case
-from valvetrain.studies.run_store import collect_inputs, find_run
+from valvetrain.runs.saved_runs import collect_inputs, find_run
 from valvetrain.workbench.form import read_change
 from valvetrain.workbench.jobs import JobRequest, Jobs
 from valvetrain.workbench.workspace import MOST_CASES, Workspace

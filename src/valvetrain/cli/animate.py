@@ -80,7 +80,7 @@ def animate(
     from valvetrain.cli.outcome import Outcome, deliver, measured
     from valvetrain.cli.progress import busy
     from valvetrain.report.motion.film import FilmRequest, check_ending, write_film
-    from valvetrain.studies.run_store import run_of_path
+    from valvetrain.runs.saved_runs import run_of_path
     from valvetrain.units import parse_quantity
 
     path = _path(output)
@@ -145,7 +145,7 @@ def _computed(
     asked for.
     """
     from valvetrain.cli.progress import busy
-    from valvetrain.studies.api import simulate
+    from valvetrain.runs.api import simulate
     from valvetrain.system.build import build
 
     problem = build(case, spring_models=models, spring_sets=sets)

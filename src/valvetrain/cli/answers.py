@@ -10,12 +10,9 @@ from pathlib import Path
 from textwrap import wrap
 from typing import TYPE_CHECKING
 
-from valvetrain.cli.error_bars import ErrorBars, fitting
-from valvetrain.cli.outcome import PLAIN_WIDTH
-from valvetrain.cli.tables import plain_table
-from valvetrain.parameters.words import number, unit_words
-from valvetrain.report.critical_words import critical_rows, searched
-from valvetrain.report.fidelity_words import reach_rows, reason_for, share
+from valvetrain.cli.outcome import PLAIN_WIDTH, plain_table
+from valvetrain.cli.published import ErrorBars, fitting
+from valvetrain.parameters.summary import number, unit_words
 from valvetrain.report.headlines import (
     HeadlineColumn,
     HeadlineRow,
@@ -23,7 +20,8 @@ from valvetrain.report.headlines import (
     headline_rows,
     largest_clash_rows,
 )
-from valvetrain.report.words import rpm
+from valvetrain.report.run_summary import critical_rows, reach_rows, reason_for, searched, share
+from valvetrain.report.text import rpm
 from valvetrain.solution.critical import KINDS
 from valvetrain.solution.definition import label_of
 
@@ -326,7 +324,7 @@ def _rest_tables(study: Study) -> Iterator[Table]:
 
 
 def _percent(value: float | None, reference: float | None) -> str:
-    from valvetrain.report.words import percent
+    from valvetrain.report.text import percent
 
     return "" if value is None or not reference else percent(value / reference - 1)
 
@@ -368,7 +366,7 @@ def published_words(rows: Sequence[Comparison]) -> str:
     """One sentence: how many published values, the median and the largest difference, and how many
     stated tolerances are met.
     """
-    from valvetrain.report.words import percent, speed_words
+    from valvetrain.report.text import percent, speed_words
 
     known = [
         (abs(row.relative_difference), row)

@@ -36,7 +36,7 @@ def choose_case(
     """
     from valvetrain.parameters.loading import library_names, load_case
     from valvetrain.parameters.overrides import read_assignment
-    from valvetrain.studies.run_store import run_of_path
+    from valvetrain.runs.saved_runs import run_of_path
 
     changes: dict[str, Any] = {}
     options: dict[str, str] = {}
@@ -79,7 +79,7 @@ def _spring_paths(text: str) -> list[str]:
 def folder_of(name: str) -> Path:
     """Folder that files named in the case are looked for in."""
     from valvetrain.parameters.loading import LIBRARY, library_names
-    from valvetrain.studies.run_store import run_of_path
+    from valvetrain.runs.saved_runs import run_of_path
 
     if name in library_names():
         return LIBRARY

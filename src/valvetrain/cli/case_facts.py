@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from valvetrain.parameters.steel_contacts import usual_contacts
-from valvetrain.parameters.words import number, value_words
-from valvetrain.report.words import speed_words
+from valvetrain.parameters.summary import number, value_words
+from valvetrain.report.text import speed_words
 
 if TYPE_CHECKING:
     from valvetrain.parameters.case import Case

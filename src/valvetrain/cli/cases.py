@@ -18,7 +18,7 @@ from valvetrain.cli.options import (
     read_models,
 )
 from valvetrain.errors import InputError
-from valvetrain.parameters.templates import KINDS, template_text
+from valvetrain.parameters.loading import KINDS, template_text
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -71,7 +71,7 @@ def cases(
 
 def _show_cases(console: Console, found: tuple[CaseSummary, ...]) -> None:
     from valvetrain.citations import references
-    from valvetrain.cli.tables import plain_table
+    from valvetrain.cli.outcome import plain_table
 
     def source(keys: tuple[str, ...]) -> str:
         known = (references().get(key.split(",")[0]) for key in keys)
@@ -141,7 +141,7 @@ def put_together(case: Case, models: tuple[str, ...], implausible: bool = False)
 
     ``implausible``: values pass that no valvetrain can have.
     """
-    from valvetrain.studies.before_run import refusals_before_run
+    from valvetrain.runs.notes import refusals_before_run
     from valvetrain.system.build import build, lift_law_of
 
     if case.train is None and not case.springs:
@@ -172,7 +172,7 @@ def _holds(case: Case) -> list[str]:
 def _show_check(
     console: Console, case: Case, facts: list[tuple[str, str]], quantities: dict[str, float]
 ) -> None:
-    from valvetrain.cli.tables import plain_table, quantity_rows
+    from valvetrain.cli.outcome import plain_table, quantity_rows
 
     console.print(f"{case.name}: a valid case with {', '.join(_holds(case))}\n")
     console.print(plain_table(("", ""), facts))

@@ -12,7 +12,7 @@ from typing import Any
 
 from typer.core import TyperGroup
 
-from valvetrain.cli.ending import giving_back
+from valvetrain.cli.options import giving_back
 from valvetrain.cli.outcome import (
     complain,
     error_object,
@@ -23,8 +23,8 @@ from valvetrain.cli.outcome import (
     unread,
 )
 from valvetrain.errors import InputError, MissingExtraError, RunFailedError
-from valvetrain.solution.gaps import TRACEBACK_VARIABLE
-from valvetrain.studies.stopping import exit_code, listening, noted
+from valvetrain.runs.stopping import exit_code, listening, noted
+from valvetrain.solution.partial_failures import TRACEBACK_VARIABLE
 
 WRONG_INPUT, FAILED, INTERRUPTED = 2, 1, 130
 INTERRUPTED_SENTENCE = "interrupted: nothing more is written; start the command again to repeat it"

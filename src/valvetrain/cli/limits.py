@@ -10,7 +10,7 @@ from valvetrain.cli.outcome import tell
 
 if TYPE_CHECKING:
     from valvetrain.cli.study_command import StudyRequest
-    from valvetrain.studies.cost import Cost, Limits
+    from valvetrain.runs.cost import Cost, Limits
 
 #: Estimates above this are printed (s).
 WORTH_SAYING = 20.0
@@ -23,8 +23,8 @@ def refuse_beyond(request: StudyRequest, whole: bool = True, searches: bool = Fa
     ``whole``: whether every run is kept with its channels; ``searches``: whether a train's critical
     speeds are searched as well.
     """
-    from valvetrain.studies.cost import FEWER
-    from valvetrain.studies.request_cost import request_cost
+    from valvetrain.runs.cost import FEWER
+    from valvetrain.runs.request_cost import request_cost
 
     say_cost(request_cost(request, whole, searches), request.limits, FEWER)
 
@@ -33,7 +33,7 @@ def say_cost(cost: Cost, limits: Limits, fewer: str) -> None:
     """Say what a request will cost where it takes a while; raise :class:`InputError` with the
     numbers, and the advice to ask for
     ``fewer`` of what makes it large, where it lies beyond ``limits``."""
-    from valvetrain.studies.cost import refuse_cost
+    from valvetrain.runs.cost import refuse_cost
 
     told = refuse_cost(cost, limits, fewer=fewer)
     if cost.seconds > WORTH_SAYING:

@@ -6,7 +6,6 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from valvetrain.cli.keep_rest import KeepOption
 from valvetrain.cli.options import (
     MOST_COUNTED,
     CaseArgument,
@@ -23,6 +22,7 @@ from valvetrain.cli.options import (
     read_models,
     read_words,
 )
+from valvetrain.cli.static import KeepOption
 from valvetrain.errors import InputError
 
 if TYPE_CHECKING:
@@ -88,9 +88,9 @@ def modes(
     from valvetrain.cli.case_choice import choose_case, folder_of
     from valvetrain.cli.limits import say_cost
     from valvetrain.cli.outcome import deliver
-    from valvetrain.studies.cost import FEWER_AT_REST, read_limits
-    from valvetrain.studies.rest_cost import rest_cost
-    from valvetrain.studies.rest_study import CURVE_OF_MODES
+    from valvetrain.runs.cost import FEWER_AT_REST, read_limits
+    from valvetrain.runs.request_cost import rest_cost
+    from valvetrain.runs.static_study import CURVE_OF_MODES
 
     chosen = choose_case(case, settings, elements_per_coil)
     read_count(count, 1, MOST_COUNTED, "--count")
@@ -134,12 +134,12 @@ def compute_modes(
     None: as installed), ``attached_mass`` (kg)
     on the retainer, 0 for a free end (None: both ends fixed); ``keep``: keep the answer of the case
     whose file lies there."""
-    from valvetrain.cli.keep_rest import kept
     from valvetrain.cli.outcome import Outcome
     from valvetrain.cli.progress import announce_compilation, progress_bar
+    from valvetrain.cli.static import kept
     from valvetrain.report.json import study_json
-    from valvetrain.studies.rest_study import rest_study
-    from valvetrain.studies.train_modes import train_modes
+    from valvetrain.runs.static_study import rest_study
+    from valvetrain.runs.train_modes import train_modes
 
     announce_compilation("statics")
     with progress_bar("modes") as report:
@@ -194,9 +194,9 @@ def _object(modes: TrainModes, count: int) -> dict[str, Any]:
 
 
 def _show_train(console: Console, modes: TrainModes, count: int) -> None:
-    from valvetrain.cli.tables import plain_table
-    from valvetrain.parameters.words import number
-    from valvetrain.studies.train_modes import STATES
+    from valvetrain.cli.outcome import plain_table
+    from valvetrain.parameters.summary import number
+    from valvetrain.runs.train_modes import STATES
 
     names = [
         (str(place + 1), number(float(one), 5), modes.moving(place))
@@ -214,8 +214,8 @@ def _show_train(console: Console, modes: TrainModes, count: int) -> None:
 
 
 def _show(console: Console, study: Study) -> None:
-    from valvetrain.cli.tables import plain_table
-    from valvetrain.parameters.words import number
+    from valvetrain.cli.outcome import plain_table
+    from valvetrain.parameters.summary import number
 
     console.print(study.record.title or study.record.name)
     for one in study.rest:

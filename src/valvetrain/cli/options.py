@@ -3,17 +3,37 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from valvetrain.cli.ending import at_end
 from valvetrain.errors import InputError
 
 if TYPE_CHECKING:
     from valvetrain.measured.sensor import Sensor
+
+
+_HELD: list[ExitStack] = []
+
+
+@contextmanager
+def giving_back() -> Iterator[None]:
+    """Give back at the end of the block what :func:`at_end` was told within it."""
+    with ExitStack() as held:
+        _HELD.append(held)
+        try:
+            yield
+        finally:
+            _HELD.remove(held)
+
+
+def at_end(release: Callable[[], None]) -> None:
+    """Call ``release`` when the command ends."""
+    _HELD[-1].callback(release)
+
 
 #: Largest count that an option takes; what a smaller one costs decides whether it is too large.
 MOST_COUNTED = 10**9
@@ -97,8 +117,7 @@ def take_folder(output: Path | None, resumes: str = "") -> None:
 
     Raises :class:`InputError` for a folder that cannot be used or that another run writes into.
     """
-    from valvetrain.studies.held_folder import hold_folder
-    from valvetrain.studies.run_store import ROOT, check_folder
+    from valvetrain.runs.saved_runs import ROOT, check_folder, hold_folder
 
     check_folder(output or ROOT, kept=output is None, resumes=resumes)
     if output is not None:

@@ -2,17 +2,26 @@
 
 from __future__ import annotations
 
+import math
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
-from valvetrain.cli.tables import plain_table
+from valvetrain.cli.outcome import plain_table
+from valvetrain.parameters.summary import number
+from valvetrain.report.headlines import HeadlineColumn, HeadlineRow
+from valvetrain.solution.definition import shown
+from valvetrain.solution.quantity import same_speed
 
 if TYPE_CHECKING:
     from rich.console import Console
     from rich.table import Table
 
+    from valvetrain.runs.error_bars import Uncertainty
     from valvetrain.solution.comparison import Comparison
+    from valvetrain.solution.study import Study
+
 
 ROLES = {
     "calibration": "calibration: the case was identified by these",
@@ -24,7 +33,7 @@ ROLES = {
 def show_comparisons(console: Console, rows: Sequence[Comparison]) -> None:
     """One block per engine speed and role, then a legend and what became of the stated tolerances."""
     from valvetrain.report import theme
-    from valvetrain.report.words import speed_words
+    from valvetrain.report.text import speed_words
 
     speeds = sorted(
         {row.engine_speed for row in rows}, key=lambda speed: -1.0 if speed is None else speed
@@ -49,7 +58,7 @@ def show_comparisons(console: Console, rows: Sequence[Comparison]) -> None:
 
 def comparison_table(rows: Sequence[Comparison], title: str) -> Table:
     """Quantity, by whom, published, computed, difference, verdict: within 100 columns."""
-    from valvetrain.parameters.words import in_unit, number
+    from valvetrain.parameters.summary import in_unit, number
     from valvetrain.report import theme
     from valvetrain.solution.definition import label_of
 
@@ -84,8 +93,8 @@ def short_unit(unit: str) -> str:
 
 def difference_words(row: Comparison) -> str:
     """In percent of what was published; angles, and what was published as zero, in their unit."""
-    from valvetrain.parameters.words import in_unit, number
-    from valvetrain.report.words import percent
+    from valvetrain.parameters.summary import in_unit, number
+    from valvetrain.report.text import percent
 
     if row.difference is None:
         return "–"
@@ -119,3 +128,74 @@ def tally(rows: Sequence[Comparison], role: str) -> str:
         else "no tolerance was stated"
     )
     return f"{role}: {len(rows)} published values, {met}{missing}"
+
+
+#: Columns of a terminal that every table of a few runs keeps to.
+NARROW = 80
+#: Digits of a value that are shown, and of its bar.
+DIGITS, BAR_DIGITS = 4, 2
+#: Smallest bar that is shown; a power of ten would be as wide as a column.
+LEAST_BAR = 1e-4
+
+
+@dataclass(frozen=True)
+class ErrorBars:
+    """Stored uncertainties by quantity; ``between`` stands around the sign of a bar, None shows
+    none.
+    """
+
+    rows: Mapping[str, Sequence[Uncertainty]] = field(default_factory=dict)
+    between: str | None = " "
+
+    @classmethod
+    def of(cls, study: Study) -> ErrorBars:
+        """Those of the numbers that this study computed."""
+        from valvetrain.runs.uncertainty_file import fresh_uncertainty
+
+        rows: dict[str, list[Uncertainty]] = {}
+        for row in fresh_uncertainty(study):
+            rows.setdefault(row.quantity, []).append(row)
+        return cls(rows)
+
+    def cells(self, row: HeadlineRow, columns: Sequence[HeadlineColumn]) -> list[str]:
+        """The values of a row, each with its bar: ``965 ± 2``."""
+        return [
+            self._cell(value, row, column)
+            for value, column in zip(row.values, columns, strict=True)
+        ]
+
+    def _cell(self, value: float | None, row: HeadlineRow, column: HeadlineColumn) -> str:
+        words = number(value, DIGITS)
+        if (
+            self.between is None
+            or not value
+            or not math.isfinite(value)
+            or column.engine_speed is None
+        ):
+            return words
+        for held in self.rows.get(row.name, ()):
+            if held.label in ("", column.label) and same_speed(
+                held.engine_speed, column.engine_speed
+            ):
+                bar = float(shown(row.name, held.numerical)[0])
+                last = 10.0 ** (math.floor(math.log10(abs(value))) - DIGITS + 1)
+                near = math.isclose(
+                    value, float(shown(row.name, held.value)[0]), rel_tol=1e-3, abs_tol=bar
+                )
+                return (
+                    f"{words}{self.between}±{self.between}{number(bar, BAR_DIGITS)}"
+                    if near and bar >= max(last / 2, LEAST_BAR)
+                    else words
+                )
+        return words
+
+
+def fitting(bars: ErrorBars, width: Callable[[ErrorBars], int]) -> ErrorBars:
+    """The bars as they fit into :data:`NARROW` columns by the ``width`` of their table: with
+    spaces, without, or none at all.
+    """
+    for between in (" ", "", None):
+        found = ErrorBars(bars.rows, between)
+        if width(found) <= NARROW:
+            break
+    return found

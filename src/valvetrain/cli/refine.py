@@ -4,11 +4,12 @@ a train.
 
 from __future__ import annotations
 
+import math
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from datetime import UTC, datetime
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -27,17 +28,18 @@ from valvetrain.cli.options import (
     read_workers,
     take_folder,
 )
+from valvetrain.cli.study_command import StudyRequest, answer_study, study_command
 
 if TYPE_CHECKING:
     from rich.console import Console
 
     from valvetrain.cli.outcome import Outcome
     from valvetrain.parameters.case import Case
-    from valvetrain.studies.cost import Limits
-    from valvetrain.studies.error_bars import UncertaintyStudy
+    from valvetrain.runs.cost import Limits
+    from valvetrain.runs.error_bars import UncertaintyStudy
 
 
-def register(app: typer.Typer) -> None:
+def register_refine(app: typer.Typer) -> None:
     """Add the command."""
     app.command("refine")(refine)
 
@@ -78,8 +80,8 @@ def refine(
     from valvetrain.cli.guard import interrupted
     from valvetrain.cli.limits import say_cost
     from valvetrain.cli.outcome import deliver
-    from valvetrain.studies.cost import FEWER_REFINED, read_limits
-    from valvetrain.studies.request_cost import refine_cost
+    from valvetrain.runs.cost import FEWER_REFINED, read_limits
+    from valvetrain.runs.request_cost import refine_cost
 
     chosen = choose_case(case, settings, elements_per_coil)
     take_folder(output)
@@ -110,8 +112,8 @@ def refine(
 def _refined(request: RefineRequest) -> tuple[UncertaintyStudy, bool]:
     """The study, and whether it was stopped."""
     from valvetrain.cli.progress import announce_compilation, progress_bar
-    from valvetrain.studies.refined import refined
-    from valvetrain.studies.stopping import RefinementStopped
+    from valvetrain.runs.refine import refined
+    from valvetrain.runs.stopping import RefinementStopped
 
     case = request.case
     announce_compilation(*(("train",) if case.train is not None else ("statics", "transient")))
@@ -138,12 +140,12 @@ def _kept(request: RefineRequest, study: UncertaintyStudy, stopped: bool) -> Out
     from valvetrain.cli.study_command import keep_run
     from valvetrain.report.json import uncertainty_object
     from valvetrain.report.study import write_page
+    from valvetrain.report.text import rpm
     from valvetrain.report.uncertainty_section import (
         levels_table,
         uncertainty_page,
         uncertainty_table,
     )
-    from valvetrain.report.words import rpm
     from valvetrain.solution.atomic import write_text
 
     case, engine_speeds = request.case, request.engine_speeds
@@ -175,8 +177,8 @@ def _kept(request: RefineRequest, study: UncertaintyStudy, stopped: bool) -> Out
 
 
 def _show(console: Console, study: UncertaintyStudy, page: str) -> None:
-    from valvetrain.cli.tables import plain_table, shown_words
-    from valvetrain.report.words import speed_words
+    from valvetrain.cli.outcome import plain_table, shown_words
+    from valvetrain.report.text import speed_words
     from valvetrain.solution.definition import label_of
 
     console.print(study.record.title or study.record.name)
@@ -225,3 +227,81 @@ def _show(console: Console, study: UncertaintyStudy, page: str) -> None:
         console.print()
         console.print(plain_table(headers, rows, place, right=(1, 2, 4, 5, 6)))
     console.print(f"\nresults  {page}", soft_wrap=True)
+
+
+#: Crank speeds (rpm) of a comparison that names none: first, last, step.
+USUAL = (1000, 9000, 500)
+
+
+def register_fidelity(app: typer.Typer) -> None:
+    """Add the command."""
+    app.command("fidelity")(fidelity)
+
+
+@study_command
+def fidelity(
+    request: StudyRequest,
+    reference: Annotated[
+        str,
+        typer.Option(
+            "--reference", metavar="MODEL", help="Spring model that the others are judged by."
+        ),
+    ] = "",
+    tolerance: Annotated[
+        str,
+        typer.Option(
+            "--tolerance",
+            metavar="SHARE",
+            help="Largest difference of a model that is good enough.",
+        ),
+    ] = "5 %",
+) -> None:
+    """Which spring model is good enough where: all models over engine speed (default: 1000:9000:500
+    rpm) beside finite elements.
+    """
+    from valvetrain.cli.limits import say_cost
+    from valvetrain.cli.progress import announce_compilation
+    from valvetrain.errors import InputError
+    from valvetrain.runs.cost import FEWER
+    from valvetrain.runs.fidelity import (
+        fidelity_cost,
+        fidelity_models,
+        fidelity_study,
+        refuse_tolerance,
+    )
+    from valvetrain.units import parse_quantity
+
+    if len(request.spring_sets) > 1:
+        raise InputError("models are compared for one spring set; name one", "--spring-set")
+    chosen = request.spring_sets[0] if request.spring_sets else ""
+    first, last, step = USUAL
+    speeds = request.engine_speeds or tuple(
+        value * math.pi / 30 for value in range(first, last + 1, step)
+    )
+    models, share = (
+        fidelity_models(request.case, request.spring_models, chosen, reference),
+        parse_quantity(tolerance, "ratio", "--tolerance"),
+    )
+    refuse_tolerance(share)
+    request = replace(request, engine_speeds=speeds, spring_models=models)
+    say_cost(
+        fidelity_cost(request.case, speeds, models, chosen, request.workers), request.limits, FEWER
+    )
+    announce_compilation("statics", "transient", "train")
+    answer_study(
+        request,
+        lambda report, finished: fidelity_study(
+            request.case,
+            speeds,
+            spring_models=models,
+            spring_set=chosen,
+            tolerance=share,
+            workers=request.workers,
+            progress=report,
+            created_at=request.created_at.isoformat(),
+            finished=finished,
+            limits=request.limits,
+            implausible=request.implausible,
+        ),
+        choices={"reference": models[-1], "tolerance": share},
+    )

@@ -2,13 +2,23 @@
 
 from __future__ import annotations
 
+import math
+import re
+from dataclasses import replace
+from typing import TYPE_CHECKING, Annotated
+
 import typer
 
 from valvetrain.cli.outcome import tell
 from valvetrain.cli.study_command import StudyRequest, answer_study, study_command
+from valvetrain.errors import InputError
+from valvetrain.runs.cost import time_words
+
+if TYPE_CHECKING:
+    from valvetrain.runs.solid import SolidMotion
 
 
-def register(app: typer.Typer) -> None:
+def register_run(app: typer.Typer) -> None:
     """Add the command."""
     app.command("run")(run)
 
@@ -18,7 +28,7 @@ def run(request: StudyRequest) -> None:
     """Run a case at all its engine speeds: answer, data files and a report page."""
     from valvetrain.cli.limits import refuse_beyond
     from valvetrain.cli.progress import announce_compilation
-    from valvetrain.studies.run import run_study
+    from valvetrain.runs.run import run_study
 
     refuse_beyond(request)
     case = request.case
@@ -47,3 +57,309 @@ def run(request: StudyRequest) -> None:
             implausible=request.implausible,
         ),
     )
+
+
+#: Crank speeds (rpm) of a sweep that names none: first, last, step.
+USUAL = (1000, 9000, 100)
+CriticalOption = Annotated[
+    bool,
+    typer.Option(
+        "--no-critical-speeds",
+        help="Do not search where a train loses contact, floats and bounces.",
+    ),
+]
+ResolutionOption = Annotated[
+    str,
+    typer.Option("--resolution", metavar="SPEED", help="Width of the brackets of critical speeds."),
+]
+FloatOption = Annotated[
+    str,
+    typer.Option(
+        "--float-lift", metavar="LIFT", help="Lift above the rigid one beyond which a valve floats."
+    ),
+]
+BounceOption = Annotated[
+    str,
+    typer.Option("--bounce-height", metavar="LIFT", help="Height beyond which a bounce counts."),
+]
+
+
+def register_sweep(app: typer.Typer) -> None:
+    """Add the command."""
+    app.command("sweep")(sweep)
+
+
+@study_command
+def sweep(
+    request: StudyRequest,
+    no_critical_speeds: CriticalOption = False,
+    resolution: ResolutionOption = "10 rpm",
+    float_lift: FloatOption = "0.05 mm",
+    bounce_height: BounceOption = "0.1 mm",
+) -> None:
+    """Sweep a case over engine speed (default: 1000:9000:100 rpm): forces, clash, surge, and where
+    contact is lost.
+    """
+    from valvetrain.cli.limits import refuse_beyond
+    from valvetrain.cli.progress import announce_compilation
+    from valvetrain.runs.compare import sweep_study
+    from valvetrain.runs.critical_speeds import read_options
+
+    critical = read_options(resolution, float_lift, bounce_height)
+    first, last, step = USUAL
+    engine_speeds = request.engine_speeds or tuple(
+        value * math.pi / 30 for value in range(first, last + 1, step)
+    )
+    request = replace(request, engine_speeds=engine_speeds)
+    refuse_beyond(request, whole=False, searches=not no_critical_speeds)
+    announce_compilation("statics", "transient", "train")
+    answer_study(
+        request,
+        lambda report, finished: sweep_study(
+            request.case,
+            engine_speeds,
+            spring_models=request.spring_models,
+            spring_sets=request.spring_sets,
+            workers=request.workers,
+            progress=report,
+            finished=finished,
+            created_at=request.created_at.isoformat(),
+            critical=None if no_critical_speeds else critical,
+            limits=request.limits,
+            implausible=request.implausible,
+        ),
+    )
+
+
+SOLID = "solid"
+SolidElementsOption = Annotated[
+    int | None,
+    typer.Option(
+        "--solid-elements-per-coil",
+        metavar="N",
+        help="Solid elements along a coil (default: 12).",
+        show_default=False,
+    ),
+]
+SolidCoreOption = Annotated[
+    int | None,
+    typer.Option(
+        "--solid-core",
+        metavar="N",
+        help="Solid cells across the section's core (default: 1).",
+        show_default=False,
+    ),
+]
+SolidRingsOption = Annotated[
+    int | None,
+    typer.Option(
+        "--solid-rings",
+        metavar="N",
+        help="Rings of solid cells around the core (default: 1).",
+        show_default=False,
+    ),
+]
+SolidMotionOption = Annotated[
+    str | None,
+    typer.Option(
+        "--solid-motion",
+        metavar="FIRST:LAST",
+        show_default=False,
+        help="Move the spring by the lift law with solid finite elements too, between two cam angles such as '85:105 deg'; takes minutes.",
+    ),
+]
+SolidTimeOption = Annotated[
+    str | None,
+    typer.Option(
+        "--solid-time-limit",
+        metavar="TIME",
+        help="Longest run of the solver, such as '30 min' (default).",
+        show_default=False,
+    ),
+]
+
+
+def register_compare(app: typer.Typer) -> None:
+    """Add the command."""
+    app.command("compare")(compare)
+
+
+@study_command
+def compare(
+    request: StudyRequest,
+    solid_elements_per_coil: SolidElementsOption = None,
+    solid_core: SolidCoreOption = None,
+    solid_rings: SolidRingsOption = None,
+    solid_motion: SolidMotionOption = None,
+    solid_time_limit: SolidTimeOption = None,
+) -> None:
+    """Run a case by several spring models, side by side; a spring alone by solid finite elements
+    too.
+    """
+    from valvetrain.cli.limits import refuse_beyond
+    from valvetrain.cli.progress import announce_compilation
+    from valvetrain.runs.compare import compare_study
+
+    wanted = SOLID in request.spring_models
+    given = (solid_elements_per_coil, solid_core, solid_rings, solid_motion, solid_time_limit)
+    if any(value is not None for value in given) and not wanted:
+        raise InputError(
+            "options of the solid model need the solid model; add --spring finite-element,solid",
+            "--solid-...",
+        )
+    if wanted and request.case.train is not None:
+        name = request.case.name
+        raise InputError(
+            f"solid finite elements run for a spring alone, and case '{name}' is a train; leave solid out",
+            "--spring",
+        )
+    refuse_beyond(request)
+    motion = read_motion(solid_motion, request)
+    if wanted:
+        _tell_cost(request, motion)
+    announce_compilation(
+        *(("train",) if request.case.train is not None else ("statics", "transient"))
+    )
+    answer_study(
+        request,
+        lambda report, finished: compare_study(
+            request.case,
+            engine_speeds=request.engine_speeds,
+            spring_models=request.spring_models,
+            spring_sets=request.spring_sets,
+            solid=motion,
+            workers=request.workers,
+            progress=report,
+            finished=finished,
+            created_at=request.created_at.isoformat(),
+            limits=request.limits,
+            implausible=request.implausible,
+        ),
+    )
+
+
+def read_motion(words: str | None, request: StudyRequest) -> SolidMotion | None:
+    """The stretch of motion between two cam angles from ``'85:105 deg'``; None for None. Raises
+    :class:`InputError`.
+    """
+    if words is None:
+        return None
+    from valvetrain.runs.solid import SolidMotion
+    from valvetrain.units import parse_quantity
+
+    match = re.fullmatch(r"\s*([^:\s]+)\s*:\s*([^:\s]+)\s+(\S+)\s*", words)
+    if match is None:
+        raise InputError(
+            f"'{words[:40]}' is no stretch of motion; write two cam angles such as '85:105 deg'",
+            "--solid-motion",
+        )
+    engine_speeds = request.engine_speeds or request.case.operation.engine_speeds
+    if len(engine_speeds) != 1:
+        count = len(engine_speeds)
+        raise InputError(
+            f"a motion needs one engine speed, not {count}; add such as --engine-speed '4200 rpm'",
+            "--solid-motion",
+        )
+    first, last = (
+        parse_quantity(f"{match[place]} {match[3]}", "angle", "--solid-motion") for place in (1, 2)
+    )
+    return SolidMotion(first, last, engine_speeds[0])
+
+
+def _tell_cost(request: StudyRequest, motion: SolidMotion | None) -> None:
+    """Say what the solids will take, and refuse what lies beyond the bound; a solver that is not
+    there is found out as well.
+    """
+    from valvetrain.cam.build import build_lift_law
+    from valvetrain.runs.cost import Cost, refuse_cost
+    from valvetrain.runs.solid import check_motion, solid_cost, solid_of
+
+    if motion is not None:
+        check_motion(build_lift_law(request.case.lift_law), motion)
+    for spring in request.case.springs:
+        cost = solid_cost(spring, motion)
+        words = f"solid finite elements: {cost.elements} elements, {cost.unknowns} unknowns; statics and modes take about "
+        words += time_words(cost.statics)
+        tell(
+            words
+            if motion is None
+            else f"{words}, the motion of {cost.increments} increments about {time_words(cost.motion)}"
+        )
+        longest = solid_of(spring).time_limit
+        refuse_cost(
+            Cost(min(cost.motion, longest)), request.limits, fewer="solid elements or cam degrees"
+        )
+
+
+def register_run_up(app: typer.Typer) -> None:
+    """Add the command."""
+    app.command("run-up")(run_up)
+
+
+@study_command
+def run_up(
+    request: StudyRequest,
+    first: Annotated[
+        str,
+        typer.Option(
+            "--from", metavar="SPEED", help="Engine speed at the start, in steady motion."
+        ),
+    ] = "1000 rpm",
+    last: Annotated[
+        str,
+        typer.Option(
+            "--to", metavar="SPEED", help="Engine speed at the end; a lower one is a run-down."
+        ),
+    ] = "6000 rpm",
+    duration: Annotated[
+        str, typer.Option("--duration", metavar="TIME", help="Duration of the run-up.")
+    ] = "2 s",
+) -> None:
+    """Accelerate a train through its speeds: envelope of forces, loss of contact and float over
+    engine speed.
+    """
+    from valvetrain.cli.limits import say_cost
+    from valvetrain.cli.options import read_engine_speeds
+    from valvetrain.cli.progress import announce_compilation
+    from valvetrain.runs.cost import FEWER
+    from valvetrain.runs.request_cost import run_up_cost
+    from valvetrain.runs.run_up import run_up_study
+    from valvetrain.units import parse_quantity
+
+    if request.engine_speeds:
+        raise InputError(
+            "a run-up goes --from one speed --to another; leave --engine-speed out",
+            "--engine-speed",
+        )
+    begin, end = (
+        _one(read_engine_speeds(text, where), where)
+        for text, where in ((first, "--from"), (last, "--to"))
+    )
+    seconds = parse_quantity(duration, "time", "--duration")
+    if not seconds > 0:
+        raise InputError(
+            f"the run-up must take a positive time; it takes {seconds:g} s", "--duration"
+        )
+    request = replace(request, command="run-up")
+    say_cost(run_up_cost(request, (begin, end, seconds)), request.limits, FEWER)
+    announce_compilation("train")
+    answer_study(
+        request,
+        lambda report, finished: run_up_study(
+            request.case,
+            (begin, end, seconds),
+            spring_models=request.spring_models,
+            spring_sets=request.spring_sets,
+            workers=request.workers,
+            progress=report,
+            created_at=request.created_at.isoformat(),
+            implausible=request.implausible,
+        ),
+        choices={"first_engine_speed": first, "last_engine_speed": last, "duration": duration},
+    )
+
+
+def _one(speeds: tuple[float, ...] | None, where: str) -> float:
+    if speeds is None or len(speeds) != 1:
+        raise InputError("a run-up has one speed at either end; write such as '6000 rpm'", where)
+    return speeds[0]

@@ -12,8 +12,10 @@ from valvetrain.cli.options import JsonOption, QuietOption
 if TYPE_CHECKING:
     from rich.console import Console
 
-    from valvetrain.studies.run_store import KeptRun
-    from valvetrain.studies.unfinished_runs import UnfinishedFolder
+    from valvetrain.runs.differences import ResultDifference
+    from valvetrain.runs.saved_runs import KeptRun
+    from valvetrain.runs.unfinished import UnfinishedFolder
+
 
 RootOption = Annotated[
     Path, typer.Option("--folder", metavar="FOLDER", help="Folder that runs are kept in.")
@@ -23,10 +25,10 @@ RootOption = Annotated[
 HEADLINES = ("peak_spring_force", "peak_retainer_force", "float_engine_speed", "preload")
 
 #: Rows printed; --json has them all.
-MOST_ROWS = 15
+RUNS_MOST_ROWS = 15
 
 
-def register(app: typer.Typer) -> None:
+def register_runs(app: typer.Typer) -> None:
     """Add the command."""
     app.command("runs")(runs)
 
@@ -44,8 +46,8 @@ def runs(
 ) -> None:
     """List the runs that were kept, newest first, and those that were begun and not finished."""
     from valvetrain.cli.outcome import Outcome, deliver
-    from valvetrain.studies.run_store import kept_runs
-    from valvetrain.studies.unfinished_runs import unfinished_runs
+    from valvetrain.runs.saved_runs import kept_runs
+    from valvetrain.runs.unfinished import unfinished_runs
 
     found, begun = kept_runs(case or "", folder), unfinished_runs(case or "", folder)
     data = {
@@ -121,14 +123,14 @@ def headline(answer: Any) -> dict[str, Any] | None:
 
 
 def _show(console: Console, found: tuple[KeptRun, ...], folder: Path) -> None:
-    from valvetrain.cli.tables import plain_table
+    from valvetrain.cli.outcome import plain_table
     from valvetrain.solution.definition import label_of
 
     if not found:
         console.print(f"no runs under '{folder}'; 'valvetrain run CASE' makes one")
         return
     named = dict.fromkeys(
-        best["quantity"] for run in found[:MOST_ROWS] if (best := headline(run.answer))
+        best["quantity"] for run in found[:RUNS_MOST_ROWS] if (best := headline(run.answer))
     )
     alone = label_of(next(iter(named))) if len(named) == 1 else ""
     headers = (
@@ -141,13 +143,13 @@ def _show(console: Console, found: tuple[KeptRun, ...], folder: Path) -> None:
         "",
         alone.replace(" ", "\n", 1) or "headline",
     )
-    table = plain_table(headers, (_row(run, not alone) for run in found[:MOST_ROWS]))
+    table = plain_table(headers, (_row(run, not alone) for run in found[:RUNS_MOST_ROWS]))
     for place in (0, 1, 2, 3, 6):
         table.columns[place].no_wrap = True
     table.columns[4].min_width = 14
     console.print(table)
-    if len(found) > MOST_ROWS:
-        console.print(f"and {len(found) - MOST_ROWS} older ones; --json has them all")
+    if len(found) > RUNS_MOST_ROWS:
+        console.print(f"and {len(found) - RUNS_MOST_ROWS} older ones; --json has them all")
     console.print(
         "\n'valvetrain compare-runs A B' compares two by digest or folder; 'valvetrain run FOLDER' repeats one.",
         soft_wrap=True,
@@ -155,7 +157,7 @@ def _show(console: Console, found: tuple[KeptRun, ...], folder: Path) -> None:
 
 
 def _row(run: KeptRun, named: bool) -> tuple[str, ...]:
-    from valvetrain.parameters.words import number
+    from valvetrain.parameters.summary import number
     from valvetrain.solution.definition import label_of, shown
 
     choices, best = run.answer.get("choices", {}), headline(run.answer)
@@ -185,12 +187,12 @@ def _row(run: KeptRun, named: bool) -> tuple[str, ...]:
 
 
 def _show_unfinished(console: Console, begun: tuple[UnfinishedFolder, ...]) -> None:
-    from valvetrain.studies.run_store import LIST
+    from valvetrain.runs.saved_runs import LIST
 
     console.print(
-        f"\nbegun and not finished{f', the newest {MOST_ROWS} of {len(begun)}' if len(begun) > MOST_ROWS else ''}:"
+        f"\nbegun and not finished{f', the newest {RUNS_MOST_ROWS} of {len(begun)}' if len(begun) > RUNS_MOST_ROWS else ''}:"
     )
-    for one in begun[:MOST_ROWS]:
+    for one in begun[:RUNS_MOST_ROWS]:
         when, how = one.created_at[5:16].replace("T", " "), "goes on" if one.goes_on else "killed"
         holds = f"{one.finished} finished run{'' if one.finished == 1 else 's'}, {one.files} file{'' if one.files == 1 else 's'}"
         console.print(f"  {when}  {one.case}, {how}: {holds} in '{one.folder}'", soft_wrap=True)
@@ -201,3 +203,84 @@ def _show_unfinished(console: Console, begun: tuple[UnfinishedFolder, ...]) -> N
             f"numbers of finished runs stand in '{LIST}', their channels in run-0001.nc and so on"
         )
         console.print(f"\nOf a killed run {kept}; delete its folder to remove it.", soft_wrap=True)
+
+
+RunArgument = Annotated[
+    str,
+    typer.Argument(
+        help="A run: its folder, its digest, a case (its newest run), CASE/latest or latest."
+    ),
+]
+#: Rows printed; --json has them all.
+COMPARE_RUNS_MOST_ROWS = 30
+
+
+def register_compare_runs(app: typer.Typer) -> None:
+    """Add the command."""
+    app.command("compare-runs")(compare_runs)
+
+
+def compare_runs(
+    a: RunArgument,
+    b: RunArgument,
+    folder: RootOption = Path("runs"),
+    as_json: JsonOption = False,
+    quiet: QuietOption = False,
+) -> None:
+    """Show what differs between two kept runs: inputs by key path, then results, headline numbers
+    first.
+    """
+    from valvetrain.cli.outcome import Outcome, deliver, measured
+    from valvetrain.runs.differences import input_differences, result_differences
+    from valvetrain.runs.saved_runs import find_run
+
+    one, other = find_run(a, folder), find_run(b, folder)
+    inputs, results = input_differences(one, other), result_differences(one, other)
+    data: dict[str, Any] = {
+        "command": "compare-runs", "a": str(one.folder), "b": str(other.folder),
+        "inputs": [{"key": key, "a": first, "b": second} for key, first, second in inputs],
+        "results": [
+            {
+                "quantity": row.quantity, "run": row.run, "a": measured(row.a, row.unit), "b": measured(row.b, row.unit),
+                "difference": measured(row.difference, row.unit),
+            }
+            for row in results
+        ],
+    }  # fmt: skip
+    deliver(
+        Outcome(data, lambda console: _show_compare_runs(console, (one, other), inputs, results))
+    )
+
+
+def _show_compare_runs(
+    console: Console,
+    pair: tuple[KeptRun, KeptRun],
+    inputs: tuple[tuple[str, Any, Any], ...],
+    results: tuple[ResultDifference, ...],
+) -> None:
+    from valvetrain.cli.outcome import plain_table
+    from valvetrain.report.run_differences import INPUT_HEADS, RESULT_HEADS, input_rows, result_rows
+
+    for name, run in zip("AB", pair, strict=True):
+        console.print(f"{name}  {run.folder}", soft_wrap=True)
+    console.print()
+    if inputs:
+        console.print(plain_table(INPUT_HEADS, input_rows(inputs[:COMPARE_RUNS_MOST_ROWS])))
+    else:
+        console.print("the inputs are the same")
+    rows = result_rows(results)
+    console.print()
+    if rows:
+        console.print(plain_table(RESULT_HEADS, rows[:COMPARE_RUNS_MOST_ROWS], right=(2, 3, 5)))
+    elif not results:
+        console.print("the results are the same")
+    left, alone = (
+        max(0, len(inputs) - COMPARE_RUNS_MOST_ROWS) + max(0, len(rows) - COMPARE_RUNS_MOST_ROWS),
+        len(results) - len(rows),
+    )
+    if alone:
+        console.print(
+            f"\n{alone} number{'s stand' if alone > 1 else ' stands'} in one of the two runs only; --json has them"
+        )
+    if left:
+        console.print(f"\nand {left} more differences; --json has them all")

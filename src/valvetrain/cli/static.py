@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
+from dataclasses import replace
+from datetime import UTC, datetime
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from valvetrain.cli.keep_rest import KeepOption
 from valvetrain.cli.options import (
     MOST_COUNTED,
     CaseArgument,
@@ -27,6 +28,7 @@ from valvetrain.cli.options import (
     read_models,
     read_words,
 )
+from valvetrain.cli.study_command import Kept, keep_run
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -34,9 +36,61 @@ if TYPE_CHECKING:
 
     from valvetrain.cli.outcome import Outcome
     from valvetrain.parameters.case import Case
-    from valvetrain.solution.rest_point import RestPoint
-    from valvetrain.solution.static import SpringAtRest
+    from valvetrain.solution.static import RestPoint, SpringAtRest
     from valvetrain.solution.study import Study
+
+
+KeepOption = Annotated[
+    bool,
+    typer.Option(
+        "--keep", help="Keep the answer as runs are kept: data files, report page and inputs."
+    ),
+]
+
+
+def kept(
+    outcome: Outcome, study: Study, case: Case, folder: Path, choices: Mapping[str, Any]
+) -> Outcome:
+    """The outcome with its ``study`` written to a new folder of kept runs; ``folder``: where the
+    case's file lies, ``choices``: what was
+    asked besides."""
+    from valvetrain.cli.progress import busy
+    from valvetrain.report.study import write_parts
+    from valvetrain.solution.partial_failures import Gaps
+
+    gaps, data = Gaps(), dict(outcome.data)
+    pages: list[Path] = []
+
+    def write(target: Path) -> list[Path]:
+        files = write_parts(study, target)
+        pages.extend([files.page] if files.page else [])
+        for sentence in files.gaps:
+            gaps.add(sentence)
+        told = tuple(dict.fromkeys((*outcome.failures, *gaps.sentences)))
+        data.update(completed=not told, failures=list(told))
+        return [*files.data, *pages]
+
+    asked = {**choices, "spring_models": list(dict.fromkeys(one.model for one in study.rest))}
+    request = Kept(study.command, case, None, datetime.now(UTC).replace(microsecond=0), folder)
+    with busy("writing files"):
+        home, files = keep_run(
+            request, study.record.text, asked, data, write, study.provenance, gaps=gaps
+        )
+    told = tuple(dict.fromkeys((*outcome.failures, *gaps.sentences)))
+    data.update(
+        folder=str(home),
+        files=files,
+        page=str(pages[0]) if pages else None,
+        completed=not told,
+        failures=list(told),
+    )
+
+    def show(console: Any) -> None:
+        outcome.show(console)
+        console.print(f"\nkept in {home}", soft_wrap=True)
+
+    return replace(outcome, data=data, show=show, failures=told)
+
 
 #: Most rows of a curve that are printed; the CSV file has them all.
 MOST_ROWS = 30
@@ -103,9 +157,9 @@ def static(
     from valvetrain.cli.case_choice import choose_case, folder_of
     from valvetrain.cli.limits import say_cost
     from valvetrain.cli.outcome import deliver
+    from valvetrain.runs.cost import FEWER_AT_REST, read_limits
+    from valvetrain.runs.request_cost import rest_cost
     from valvetrain.solution.atomic import check_target
-    from valvetrain.studies.cost import FEWER_AT_REST, read_limits
-    from valvetrain.studies.rest_cost import rest_cost
 
     chosen, largest = choose_case(case, settings, elements_per_coil), read_length(to, "--to")
     read_count(steps, 2, MOST_COUNTED, "--steps")
@@ -142,12 +196,11 @@ def compute_static(
     ``heights`` (m) and ``loads`` (N); write
     ``csv`` where asked. ``implausible``: let values pass that no spring can have; ``keep``: folder
     of the case, to keep the answer."""
-    from valvetrain.cli.keep_rest import kept
     from valvetrain.cli.outcome import Outcome
     from valvetrain.cli.progress import announce_compilation, progress_bar
     from valvetrain.report.json import study_json
+    from valvetrain.runs.static_study import rest_study
     from valvetrain.solution.atomic import write_text
-    from valvetrain.studies.rest_study import rest_study
 
     announce_compilation("statics")
     with progress_bar("static curve") as report:
@@ -220,8 +273,8 @@ def _point_tables(points: tuple[RestPoint, ...]) -> Iterator[Table]:
     """The states asked for: the columns of a curve, and what acts on the retainer where it is
     known.
     """
-    from valvetrain.cli.tables import plain_table
-    from valvetrain.parameters.words import number
+    from valvetrain.cli.outcome import plain_table
+    from valvetrain.parameters.summary import number
 
     def rows(fields: tuple[tuple[str, float], ...]) -> list[list[str]]:
         told = [[getattr(point, name) for name, _ in fields] for point in points]
@@ -267,8 +320,8 @@ def _point_tables(points: tuple[RestPoint, ...]) -> Iterator[Table]:
 
 
 def _show(console: Console, study: Study, csv: Path | None) -> None:
-    from valvetrain.cli.tables import plain_table, quantity_rows
-    from valvetrain.parameters.words import number
+    from valvetrain.cli.outcome import plain_table, quantity_rows
+    from valvetrain.parameters.summary import number
 
     console.print(study.record.title or study.record.name)
     for one, quantities in zip(study.rest, study.still.values(), strict=True):

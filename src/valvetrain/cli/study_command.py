@@ -43,18 +43,18 @@ from valvetrain.cli.options import (
 )
 from valvetrain.cli.outcome import complain
 from valvetrain.errors import InputError
-from valvetrain.studies.run_answer import ANSWER
+from valvetrain.runs.saved_answer import ANSWER
 
 if TYPE_CHECKING:
     from valvetrain.cli.outcome import Outcome
     from valvetrain.cli.progress import Report
     from valvetrain.parameters.case import Case
     from valvetrain.report.unfinished import UnfinishedRun
-    from valvetrain.solution.gaps import Gaps
+    from valvetrain.runs.cost import Limits
+    from valvetrain.runs.run import Finished
+    from valvetrain.solution.partial_failures import Gaps
     from valvetrain.solution.provenance import Provenance
     from valvetrain.solution.study import Study
-    from valvetrain.studies.cost import Limits
-    from valvetrain.studies.run import Finished
 
 
 class Named(Protocol):
@@ -187,7 +187,7 @@ def _shared(
     """Read the options that all studies share; :func:`valvetrain.cli.outcome.set_manner` has read
     the last two.
     """
-    from valvetrain.studies.cost import read_limits
+    from valvetrain.runs.cost import read_limits
 
     chosen = choose_case(case, settings, elements_per_coil, more)
     take_folder(output)
@@ -271,8 +271,8 @@ def answer_study(
     from valvetrain.cli.outcome import deliver
     from valvetrain.cli.progress import progress_bar
     from valvetrain.report.unfinished import UnfinishedRun
-    from valvetrain.studies.run_store import unfinished_folder
-    from valvetrain.studies.stopping import StudyStopped
+    from valvetrain.runs.saved_runs import unfinished_folder
+    from valvetrain.runs.stopping import StudyStopped
 
     begun = ("valvetrain", *sys.argv[1:])
     kept = UnfinishedRun(
@@ -320,8 +320,8 @@ def _kept(
     from valvetrain.cli.progress import busy
     from valvetrain.report.json import study_json
     from valvetrain.report.study import write_parts
-    from valvetrain.report.words import rpm
-    from valvetrain.solution.gaps import Gaps
+    from valvetrain.report.text import rpm
+    from valvetrain.solution.partial_failures import Gaps
 
     gaps = Gaps(kept.gaps.sentences)
     none: tuple[str, ...] = ()
@@ -386,9 +386,7 @@ def keep_run(
     on. The folder, and the paths of all files in it; parts that fail are named in ``gaps``.
     """
     from valvetrain.cli.outcome import plain
-    from valvetrain.solution.gaps import Gaps
-    from valvetrain.solution.provenance import collect_provenance
-    from valvetrain.studies.run_store import (
+    from valvetrain.runs.saved_runs import (
         Inputs,
         collect_inputs,
         finish_folder,
@@ -397,6 +395,8 @@ def keep_run(
         new_folder,
         remove_unfinished,
     )
+    from valvetrain.solution.partial_failures import Gaps
+    from valvetrain.solution.provenance import collect_provenance
 
     missing = Gaps() if gaps is None else gaps
     asked = {"command": request.command, **choices}

@@ -1,4 +1,6 @@
-"""A model compared with a test: errors by event, bands of the difference, Fisher's test of adequacy."""
+"""A model compared with a test: errors by event, bands of the difference, Fisher's test of
+adequacy.
+"""
 
 from __future__ import annotations
 

@@ -18,7 +18,7 @@ from scipy.optimize import brentq
 from scipy.special import chdtrc, chdtri, fdtrc, fdtri, stdtr, stdtrit
 
 from valvetrain.errors import InputError
-from valvetrain.parameters.words import number
+from valvetrain.parameters.summary import number
 
 Array = NDArray[np.float64]
 #: Degrees of freedom from which on Fisher's ratio is chi square over its own: they differ by some

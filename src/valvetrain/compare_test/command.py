@@ -176,7 +176,7 @@ def _answer(found: ModelAgainstTest, request: Kept, test: str, open_page: bool) 
 
 
 def _show(console: Console, found: ModelAgainstTest, folder: Path) -> None:
-    from valvetrain.cli.tables import plain_table
+    from valvetrain.cli.outcome import plain_table
     from valvetrain.compare_test import summary as words
     from valvetrain.measured.cycles import MeasuredCycles
 

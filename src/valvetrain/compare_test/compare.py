@@ -38,14 +38,14 @@ from valvetrain.measured.sensor import Sensor
 from valvetrain.measured.value_table import ValueTable
 from valvetrain.parameters.case import Case
 from valvetrain.parameters.loading import AnyCase, case_of
+from valvetrain.quantities.signal import WINDOWS, window_bounds
 from valvetrain.quantities.traces import Active, trace_of
-from valvetrain.quantities.windows import WINDOWS, window_bounds
+from valvetrain.runs.api import simulate
+from valvetrain.runs.engine import Progress
 from valvetrain.solution.display import table
 from valvetrain.solution.quantity import same_speed
 from valvetrain.solution.result import Solution
 from valvetrain.solution.study import Study
-from valvetrain.studies.api import simulate
-from valvetrain.studies.engine import Progress
 from valvetrain.system.build import build
 from valvetrain.system.problem import Problem
 from valvetrain.units import Given, si

@@ -34,7 +34,7 @@ from valvetrain.errors import InputError
 from valvetrain.measured.cycles import MeasuredCycles
 from valvetrain.measured.sensor import Sensor
 from valvetrain.measured.value_table import MeasuredValue
-from valvetrain.parameters.words import number
+from valvetrain.parameters.summary import number
 from valvetrain.quantities.compare import pair_angles
 from valvetrain.quantities.traces import WHOLE, Active, trace_of
 from valvetrain.solution.definition import angle_name

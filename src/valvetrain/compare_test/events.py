@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from scipy.special import stdtrit
 
 from valvetrain.quantities.compare import pair_angles
-from valvetrain.quantities.peaks import prominences, prominent_peaks
+from valvetrain.quantities.signal import prominences, prominent_peaks
 
 Array = NDArray[np.float64]
 Told = Callable[[Array], float]

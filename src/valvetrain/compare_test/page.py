@@ -44,7 +44,7 @@ from valvetrain.report import theme
 from valvetrain.report.chart import Band, Chart, Layer, Line, Marks, Panel, Rule, thin
 from valvetrain.report.page import Block, Cell, Figure, Grid, Page, Section, text
 from valvetrain.report.run_charts import ANGLE_LABEL, Look, looks
-from valvetrain.report.words import quantity_words, speed_words
+from valvetrain.report.text import quantity_words, speed_words
 from valvetrain.solution.atomic import write_text
 
 Array = NDArray[np.float64]

@@ -15,7 +15,7 @@ from valvetrain.measured.cycles import HDF5_MARK, MeasuredCycles, read_cycles
 from valvetrain.measured.tables import read_content, text_of
 from valvetrain.measured.value_table import ValueTable, is_value_table, read_value_table
 from valvetrain.parameters.case import Case
-from valvetrain.parameters.words import number
+from valvetrain.parameters.summary import number
 from valvetrain.quantities.traces import Trace
 from valvetrain.solution.quantity import same_speed
 from valvetrain.system.build import build

@@ -10,7 +10,7 @@ from valvetrain.compare_test.comparison import RunAgainstTest
 from valvetrain.compare_test.events import EventRow
 from valvetrain.measured.cycles import MeasuredCycles
 from valvetrain.measured.value_table import ValueTable
-from valvetrain.report.words import number, quantity_words, rpm, speed_words, unit_words
+from valvetrain.report.text import number, quantity_words, rpm, speed_words, unit_words
 from valvetrain.solution.display import SHOWN_UNITS
 from valvetrain.units import unit_factor
 

@@ -13,8 +13,8 @@ from dataclasses import MISSING, fields
 from typing import Any
 
 from valvetrain import registry
-from valvetrain.contact.restitution import damping_number
-from valvetrain.contact.spec import ContactSpec
+from valvetrain.contact.dissipative import damping_number
+from valvetrain.contact.law import ContactSpec
 from valvetrain.errors import InputError
 from valvetrain.parameters.schema_contact import RESTITUTION, ContactTable
 

@@ -13,13 +13,13 @@ from valvetrain.contact import kernels
 from valvetrain.contact.law import (
     SLOWEST_IMPACT,
     Array,
+    ContactSpec,
     overlap,
     require_exponent,
     require_not_negative,
     require_positive,
     row,
 )
-from valvetrain.contact.spec import ContactSpec
 from valvetrain.parameters.schema_contact import ContactTable
 from valvetrain.parameters.schema_types import Ratio
 

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Protocol, runtime_checkable
+from dataclasses import dataclass
+from typing import Any, Literal, Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from valvetrain.errors import InputError
+from valvetrain.parameters.schema_contact import ContactTable
 
 Array = NDArray[np.float64]
 SLOWEST_IMPACT = 1e-3
@@ -151,3 +153,17 @@ def require_exponent(law: str, exponent: float) -> None:
         raise InputError(
             f"exponent of contact law '{law}' is {exponent}; it must lie between 1 and 3 (1.5 for a Hertz point contact)"
         )
+
+
+@dataclass(frozen=True, slots=True)
+class ContactSpec:
+    """``law``: dataclass of the law, whose fields are its values. ``table``: its table in a case
+    file.
+
+    ``damping_unit``: whether its ``damping`` is c of c d' (N s/m) or q of 1 + q d' (s/m); empty for
+    a law without one.
+    """
+
+    law: type[Any]
+    table: type[ContactTable]
+    damping_unit: Literal["N s/m", "s/m", ""] = ""

@@ -6,8 +6,7 @@ from dataclasses import fields
 
 from valvetrain import registry
 from valvetrain.contact.common_values import law_values
-from valvetrain.contact.law import ContactLaw
-from valvetrain.contact.spec import ContactSpec
+from valvetrain.contact.law import ContactLaw, ContactSpec
 from valvetrain.errors import InputError
 from valvetrain.parameters.schema_contact import written_for
 from valvetrain.parameters.schema_types import Quantity

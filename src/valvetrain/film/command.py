@@ -348,7 +348,7 @@ def _model(request: _Request, motion: CoilMotion, case: Any) -> FilmedModel | No
 
 
 def _show(console: Console, motion: CoilMotion, model: FilmedModel | None, folder: Path) -> None:
-    from valvetrain.cli.tables import plain_table
+    from valvetrain.cli.outcome import plain_table
     from valvetrain.film.page import (
         LINES,
         PEAKS,

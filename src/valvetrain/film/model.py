@@ -18,9 +18,9 @@ from valvetrain.parameters.case import Case
 from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.parameters.loading import AnyCase, case_of
 from valvetrain.quantities.cycle import reported_cycle
+from valvetrain.runs.api import simulate
 from valvetrain.solution.result import Solution
 from valvetrain.springs.equivalent import EquivalentSpring, installed_gaps
-from valvetrain.studies.api import simulate
 
 Array = NDArray[np.float64]
 #: Steps (turns) in which the place of the first coil along the wire is looked for.

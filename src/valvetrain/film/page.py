@@ -20,7 +20,7 @@ from valvetrain.measured.cycles import MeasuredCycles, write_cycles
 from valvetrain.report import theme
 from valvetrain.report.chart import Band, Chart, HeatMap, Layer, Line, Marks, Panel, Rule, thin
 from valvetrain.report.page import Block, Cell, Grid, Page, Section, figure_or_gap, text
-from valvetrain.report.words import number, percent
+from valvetrain.report.text import number, percent
 from valvetrain.solution.atomic import write_text
 
 Array = NDArray[np.float64]

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from valvetrain.integrate.clash_kernels import hardest_blow
-from valvetrain.solution.event import Detail, Event
+from valvetrain.solution.status import Detail, Event
 from valvetrain.springs.contract import ContactWatch
 
 Array = NDArray[np.float64]

@@ -31,9 +31,9 @@ from valvetrain.integrate.leapfrog import (
     run_status,
     turn_change,
 )
-from valvetrain.solution.event import Event
 from valvetrain.solution.provenance import Provenance
 from valvetrain.solution.result import Solution
+from valvetrain.solution.status import Event
 from valvetrain.springs.multi_mass import MultiMassSpring
 from valvetrain.system.contract import System
 from valvetrain.system.prescribed import PrescribedSpring

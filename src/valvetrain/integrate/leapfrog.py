@@ -14,10 +14,9 @@ from valvetrain.integrate.clash import RECORDED, PairSeries, find_clashes, steps
 from valvetrain.integrate.contract import Cycles, Periodic, RunOptions, RunUp, Until
 from valvetrain.integrate.leapfrog_kernel import advance
 from valvetrain.solution.channels import FINE, spring_channels
-from valvetrain.solution.event import Event
 from valvetrain.solution.provenance import Provenance
 from valvetrain.solution.result import Solution
-from valvetrain.solution.status import COMPLETED, Status
+from valvetrain.solution.status import COMPLETED, Event, Status
 from valvetrain.springs.contract import SpringModel, contact_watch_of
 from valvetrain.system.contract import System
 from valvetrain.system.prescribed import PrescribedSpring

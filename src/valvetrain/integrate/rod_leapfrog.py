@@ -13,10 +13,9 @@ from valvetrain.errors import InputError
 from valvetrain.integrate.clash import RECORDED, PairSeries, find_clashes
 from valvetrain.integrate.contract import Cycles, Periodic, RunOptions, RunUp, Until
 from valvetrain.solution.channels import SPRING_CHANNELS, Variable
-from valvetrain.solution.event import Event
 from valvetrain.solution.provenance import Provenance
 from valvetrain.solution.result import Solution
-from valvetrain.solution.status import COMPLETED, Status
+from valvetrain.solution.status import COMPLETED, Event, Status
 from valvetrain.springs.finite_element import FiniteElementRod
 from valvetrain.springs.finite_element_channels import end_channels, rod_channels
 from valvetrain.system.contract import System

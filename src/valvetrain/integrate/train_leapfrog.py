@@ -16,9 +16,9 @@ from valvetrain.integrate.run_up import run_up
 from valvetrain.integrate.train_channels import least_forces, train_channels, train_statistics
 from valvetrain.integrate.train_run import TURN, CycleRecord, TrainOptions, TrainRunner, runner
 from valvetrain.integrate.train_steady import TOLERANCE, SteadyTrain, steady_train
-from valvetrain.solution.event import Event
 from valvetrain.solution.provenance import Provenance
 from valvetrain.solution.result import Solution
+from valvetrain.solution.status import Event
 from valvetrain.springs.contract import LargeSpring, contact_watch_of
 from valvetrain.system.contract import System
 from valvetrain.system.train_rest import TrainRest, rest_of

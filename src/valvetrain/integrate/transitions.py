@@ -16,7 +16,7 @@ from valvetrain.integrate.train_tuples import (
     PLACE,
     RATE,
 )
-from valvetrain.solution.event import Event
+from valvetrain.solution.status import Event
 
 Array = NDArray[np.float64]
 #: Statistic that is 1 where the log holds every opening and closing of a cycle.

@@ -1,4 +1,6 @@
-"""Measured valve lifts: figures of a measured lift, and what its noise does to forces and float speed."""
+"""Measured valve lifts: figures of a measured lift, and what its noise does to forces and float
+speed.
+"""
 
 from __future__ import annotations
 

@@ -14,14 +14,12 @@ from valvetrain.cam.measured import MOST_DRAWS
 from valvetrain.errors import InputError
 from valvetrain.parameters.case import Case
 from valvetrain.parameters.loading import AnyCase, case_of
+from valvetrain.runs.api import Speeds, simulate, sweep
+from valvetrain.runs.cost import Cost, limits_of, refuse_cost
+from valvetrain.runs.engine import Progress, map_points, worker_count
+from valvetrain.runs.request_cost import Asked, request_cost
 from valvetrain.solution.critical import KINDS
 from valvetrain.solution.study import Study
-from valvetrain.studies.api import Speeds, simulate, sweep
-from valvetrain.studies.batch import worker_count
-from valvetrain.studies.cost import Cost, limits_of, refuse_cost
-from valvetrain.studies.engine import Progress, map_points
-from valvetrain.studies.planned import Asked
-from valvetrain.studies.request_cost import request_cost
 from valvetrain.units import si_speeds
 
 #: Draws where nobody says how many: their standard deviation is known to 18 %.

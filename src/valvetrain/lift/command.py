@@ -38,7 +38,7 @@ if TYPE_CHECKING:
     from valvetrain.lift.figures import LiftFigure
     from valvetrain.lift.page import LobeResult
     from valvetrain.measured.lift_file import LiftAnswers
-    from valvetrain.studies.cost import Limits
+    from valvetrain.runs.cost import Limits
 
 
 def register(app: typer.Typer) -> None:
@@ -154,7 +154,7 @@ def lift(
     effect of the noise on forces and float.
     """
     from valvetrain.measured.lift_file import LiftAnswers
-    from valvetrain.studies.cost import read_limits
+    from valvetrain.runs.cost import read_limits
     from valvetrain.units import parse_quantity
 
     take_folder(output)
@@ -306,7 +306,7 @@ def _carried(request: _Request, lobe: LobeResult) -> LiftBandStudy | None:
     from valvetrain.lift.band import FEWER_LAWS, band_cost, lift_band_study
     from valvetrain.lift.page import lift_parameters
     from valvetrain.parameters.loading import load_case
-    from valvetrain.studies.planned import Asked
+    from valvetrain.runs.request_cost import Asked
 
     case = load_case(request.case_name)
     if case.lift_law is not None and case.lift_law.lift_of != lobe.measured.lift_of:
@@ -394,7 +394,7 @@ def _show(
     carried: LiftBandStudy | None,
     folder: Path,
 ) -> None:
-    from valvetrain.cli.tables import plain_table
+    from valvetrain.cli.outcome import plain_table
     from valvetrain.lift.page import carried_rows, carried_words, figure_rows, lift_notes
 
     for one in lobes:

@@ -24,7 +24,7 @@ from valvetrain.parameters.toml_text import resolved, toml_text
 from valvetrain.report import theme
 from valvetrain.report.chart import Chart, Layer, Line, Marks, Panel, thin
 from valvetrain.report.page import Block, Cell, Figure, Grid, Page, Section, text
-from valvetrain.report.words import number, speed_words, unit_words
+from valvetrain.report.text import number, speed_words, unit_words
 from valvetrain.solution.atomic import write_bytes, write_text
 from valvetrain.solution.definition import definition_of, label_of, shown
 from valvetrain.units import unit_factor

@@ -19,9 +19,9 @@ from valvetrain.errors import InputError
 from valvetrain.measured.tables import read_content, text_of
 from valvetrain.solution.atomic import checked_content, closing_line, write_bytes, write_text
 from valvetrain.solution.channels import ChannelArrays, Variable
+from valvetrain.solution.metadata import refuse_claims
 from valvetrain.solution.netcdf import write_arrays
 from valvetrain.solution.read_apart import tried_apart
-from valvetrain.solution.rebuilt import refuse_claims
 from valvetrain.units import DIMENSIONS, dimension_of, parse_quantity, unit_factor
 
 Array = NDArray[np.float64]

@@ -22,7 +22,7 @@ from valvetrain.parameters.installed_spring import (
 from valvetrain.parameters.lift_law import FrozenMapping, LiftLawParameters
 from valvetrain.parameters.spring import SpringDefinition
 from valvetrain.parameters.train import TrainParameters
-from valvetrain.solution.record import CaseRecord, CaseValue, PublishedValue
+from valvetrain.solution.provenance import CaseRecord, CaseValue, PublishedValue
 from valvetrain.units import keep_si, si_speeds
 
 
@@ -163,7 +163,7 @@ class Case:
         paths. Raises :class:`InputError` for a path that does not exist, with the nearest one that
         does, and for a wrong unit.
         """
-        from valvetrain.parameters.words import si_at
+        from valvetrain.parameters.summary import si_at
 
         every = {path: si_at(path, value) for path, value in {**(changes or {}), **fields}.items()}
         result = changed(self, every)
@@ -228,7 +228,7 @@ class Case:
         Keys of works that valvetrain/references.bib does not hold are shown as they are.
         """
         from valvetrain.citations import cite, references
-        from valvetrain.parameters.words import words_at
+        from valvetrain.parameters.summary import words_at
 
         # In the file the springs are [spring], or [[spring]] with places.
         paths = {

@@ -16,7 +16,7 @@ from valvetrain.parameters.schema_lift import LiftModel
 from valvetrain.parameters.schema_spring import EndModel
 from valvetrain.parameters.schema_types import Quantity
 from valvetrain.parameters.spring import EndCoil
-from valvetrain.parameters.words import number
+from valvetrain.parameters.summary import number
 from valvetrain.units import DIMENSIONS, unit_factor
 
 _HEAD = """# Defaults

@@ -33,10 +33,9 @@ from valvetrain.parameters.schema_types import (
     quantity,
     validate_as,
 )
-from valvetrain.parameters.train_card import with_cam_card
-from valvetrain.parameters.train_schema import TrainModel
+from valvetrain.parameters.train_schema import TrainModel, with_cam_card
 from valvetrain.solution.definition import definition_of
-from valvetrain.solution.record import PublishedValue, Role
+from valvetrain.solution.provenance import PublishedValue, Role
 from valvetrain.units import dimension_of, parse_quantity, si
 
 

@@ -4,12 +4,24 @@ the contacts.
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 
 from valvetrain.integrate.clash import RECORDED, ClashRule, PairSeries, find_clashes
-from valvetrain.quantities.cycle import is_closed
-from valvetrain.solution.event import Event
+from valvetrain.quantities.cycle import Array, Cycle, is_closed
+from valvetrain.quantities.forces import within_cycle
+from valvetrain.quantities.signal import (
+    BANDWIDTHS,
+    Index,
+    extreme_series,
+    fine_filtered,
+    fine_series,
+    prominent_peaks,
+)
 from valvetrain.solution.result import Solution
+from valvetrain.solution.status import Event
+from valvetrain.solution.study import LiftEvent
 
 
 def clash_events(solution: Solution, rule: ClashRule = ClashRule()) -> tuple[Event, ...]:
@@ -75,3 +87,168 @@ def clash_numbers(solution: Solution, events: tuple[Event, ...]) -> dict[str, fl
             (float(event.details["impulse"]) for event in clashes), default=0.0
         ),
     }
+
+
+#: A spike stands out by this share of the force range of the run, so that a ripple on the falling
+#: flank is none.
+SPIKE_SHARE = 0.01
+#: The main clash is the first spike after the event that rises above the base circle's force by
+#: this share of the highest one.
+MAIN_SHARE = 0.6
+#: Its window reaches this share of a period of the first mode to either side.
+WINDOW_SHARE = 0.3
+#: Bandwidth (Hz) in which the spike is found and its angle read: raw force has ripples of the
+#: contact on top.
+FINDING_BANDWIDTH = BANDWIDTHS[0]
+#: The impulse is taken over this time (s) either side of the spike: a collision of valve spring
+#: coils takes some 80 us.
+IMPULSE_TIME = 1e-4
+
+
+TURN = 2 * np.pi
+
+
+@dataclass(frozen=True, slots=True)
+class ClashWindow:
+    """Cam angles (rad, within the cycle) between which the main clash lies."""
+
+    first: float
+    last: float
+
+
+@dataclass(frozen=True, eq=False)
+class _Force:
+    """Seat force of the reported cycle as finely as the run holds it: time (s), cam angle (rad),
+    raw and filtered values (N).
+    """
+
+    time: Array
+    cam_angle: Array
+    raw: Array
+    filtered: dict[float, Array]
+    base: float
+
+
+def find_clash_window(
+    cycle: Cycle, surge_frequency: float, lift_event: LiftEvent
+) -> ClashWindow | None:
+    """Window about the main clash of a run; None where no coil meets another or the samples are too
+    coarse. ``surge_frequency`` in Hz.
+    """
+    force = _force(cycle)
+    if force is None:
+        return None
+    late = np.flatnonzero((force.cam_angle >= lift_event.end) & (force.cam_angle < TURN))
+    part = force.filtered[FINDING_BANDWIDTH][late]
+    peaks = prominent_peaks(part, max(SPIKE_SHARE * float(np.ptp(force.raw)), 1e-12))
+    if len(peaks) == 0:
+        return None
+    height = part[peaks] - force.base
+    main = peaks[int(np.flatnonzero(height >= MAIN_SHARE * np.max(height))[0])]
+    centre = float(force.cam_angle[late][main])
+    reach = WINDOW_SHARE * cycle.solution.engine_speed / 2 / surge_frequency
+    window = ClashWindow(max(lift_event.end, centre - reach), min(TURN, centre + reach))
+    return window if _touched(cycle, window) else None
+
+
+def _touched(cycle: Cycle, window: ClashWindow) -> bool:
+    """Whether any coil meets the one below anew within the window; without it a spike is a wave,
+    not a clash.
+    """
+    inside, solution = cycle.window(window.first, window.last), cycle.solution
+    names = [solution.channel_of(spring, "coil_contact_force") for spring in solution.springs]
+    if not any(
+        solution.has(name) for name in names
+    ):  # a run that kept its ends alone still knows its clashes
+        first = float(solution.cam_angle[cycle.samples.start])
+        begun = (event.cam_angle - first for event in solution.events if event.kind == "clash")
+        return any(window.first <= angle <= window.last for angle in begun)
+    pressed = [cycle.channel(name)[inside] > 0 for name in names if solution.has(name)]
+    return any(bool(np.any(force[1:] & ~force[:-1])) for force in pressed)
+
+
+def main_clash_quantities(cycle: Cycle, window: ClashWindow) -> dict[str, float]:
+    """Height raw and in each bandwidth (N), cam angle (rad) and impulse (N s) of the spike in
+    ``window`` (docs/quantities.md).
+
+    The impulse is that of the raw force above the base circle's mean over 0.1 ms either side of the
+    angle: a fixed time, since the
+    width of a spike with ripples on it is no smooth function of the mesh.
+    """
+    force = _force(cycle)
+    if force is None:
+        return {}
+    inside = np.flatnonzero((force.cam_angle >= window.first) & (force.cam_angle <= window.last))
+    if len(inside) < 5:
+        return {}
+    found = {
+        "main_clash_peak_force": max(
+            float(np.max(force.raw[inside])), _on_every_step(cycle, window)
+        )
+    }
+    for bandwidth, values in force.filtered.items():
+        found[f"main_clash_below_{bandwidth / 1e3:.0f}_khz_peak_force"] = float(
+            np.max(values[inside])
+        )
+    found["main_clash_cam_angle"] = _vertex(
+        force.cam_angle, force.filtered[FINDING_BANDWIDTH], inside
+    )
+    found["main_clash_impulse"] = _impulse(force, found["main_clash_cam_angle"])
+    return found
+
+
+def _force(cycle: Cycle) -> _Force | None:
+    if not cycle.whole:
+        return None
+    solution = cycle.solution
+    time, angle, raw = fine_series(solution)
+    filtered = {
+        bandwidth: values
+        for bandwidth in BANDWIDTHS
+        if (values := fine_filtered(solution, bandwidth)) is not None
+    }
+    if len(filtered) < len(BANDWIDTHS):
+        return None
+    mine, begin = within_cycle(cycle, angle)
+    parts = {bandwidth: values[mine] for bandwidth, values in filtered.items()}
+    within = angle[mine] - begin
+    lift = np.interp(within, cycle.cam_angle, cycle.channel("valve_lift"))
+    closed = lift <= 1e-3 * float(np.max(lift))
+    if not np.any(
+        closed
+    ):  # a valve that never comes to its seat has no force to count a spike from
+        return None
+    return _Force(time[mine], within, raw[mine], parts, float(np.mean(raw[mine][closed])))
+
+
+def _on_every_step(cycle: Cycle, window: ClashWindow) -> float:
+    """Largest seat force (N) of every step within ``window``."""
+    angle, values = extreme_series(cycle.solution, "seat_force", "highest")
+    mine, begin = within_cycle(cycle, angle)
+    inside = (angle[mine] - begin >= window.first) & (angle[mine] - begin <= window.last)
+    return float(np.max(values[mine][inside], initial=-np.inf))
+
+
+def _vertex(angle: Array, values: Array, inside: Index) -> float:
+    """Angle of the largest value: vertex of the parabola through it and three neighbours to either
+    side.
+    """
+    top = int(inside[int(np.argmax(values[inside]))])
+    near = slice(max(top - 3, 0), top + 4)
+    place = angle[near] - angle[top]
+    fit = np.polyfit(place, values[near], 2)
+    if not fit[0] < 0:
+        return float(angle[top])
+    return float(angle[top] + np.clip(-fit[1] / (2 * fit[0]), place[0], place[-1]))
+
+
+def _impulse(force: _Force, place: float) -> float:
+    """Integral of the raw force above its base over ``IMPULSE_TIME`` either side of cam angle
+    ``place`` (rad).
+    """
+    steps = np.diff(force.time)
+    above = force.raw - force.base
+    summed = np.concatenate(([0.0], np.cumsum(0.5 * (above[1:] + above[:-1]) * steps)))
+    centre = float(np.interp(place, force.cam_angle, force.time))
+    first, last = np.interp([centre - IMPULSE_TIME, centre + IMPULSE_TIME], force.time, summed)
+    return float(last - first)

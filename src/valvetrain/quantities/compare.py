@@ -8,8 +8,8 @@ from collections.abc import Iterable, Mapping, Sequence
 import numpy as np
 
 from valvetrain.solution.comparison import Comparison
+from valvetrain.solution.provenance import PublishedValue
 from valvetrain.solution.quantity import Quantity, same_speed, unit_of
-from valvetrain.solution.record import PublishedValue
 
 #: A whole turn (rad).
 TURN = 2 * np.pi

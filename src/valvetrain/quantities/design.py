@@ -6,7 +6,7 @@ import numpy as np
 
 from valvetrain.parameters.installed_spring import InstalledSpring, SpringCard
 from valvetrain.parameters.spring import SpringDefinition
-from valvetrain.quantities.buckling import formula_compression
+from valvetrain.quantities.statics import formula_compression
 from valvetrain.springs.stress import bergstraesser
 
 _SAMPLES = 4001

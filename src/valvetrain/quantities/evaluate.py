@@ -5,12 +5,14 @@ from __future__ import annotations
 import numpy as np
 
 from valvetrain import registry
-from valvetrain.quantities.clash import clash_events, clash_numbers
-from valvetrain.quantities.cycle import Cycle, is_closed, reported_cycle
-from valvetrain.quantities.energy import energy_quantities
-from valvetrain.quantities.forces import force_quantities, lift_quantities
-from valvetrain.quantities.frame import Frame
-from valvetrain.quantities.main_clash import find_clash_window, main_clash_quantities
+from valvetrain.quantities.clash import (
+    clash_events,
+    clash_numbers,
+    find_clash_window,
+    main_clash_quantities,
+)
+from valvetrain.quantities.cycle import Cycle, Frame, is_closed, reported_cycle
+from valvetrain.quantities.forces import energy_quantities, force_quantities, lift_quantities
 from valvetrain.quantities.spectrum import surge_quantities
 from valvetrain.quantities.stress import stress_quantities, with_wire_stress
 from valvetrain.quantities.train_events import LOGGED, RigidCycle, rigid_cycle, train_events
@@ -21,9 +23,9 @@ from valvetrain.quantities.train_numbers import (
 )
 from valvetrain.quantities.valve_events import run_events
 from valvetrain.solution.channels import Variable
-from valvetrain.solution.event import Event
-from valvetrain.solution.gaps import Gaps
+from valvetrain.solution.partial_failures import Gaps
 from valvetrain.solution.result import Solution
+from valvetrain.solution.status import Event
 from valvetrain.solution.study import LiftEvent
 
 #: Channels of rigid theory that are added to a train's run -> SI unit and words.

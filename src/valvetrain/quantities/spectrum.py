@@ -8,9 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from valvetrain.quantities.cycle import Cycle
+from valvetrain.quantities.cycle import Cycle, Frame
 from valvetrain.quantities.forces import fine_of_cycle
-from valvetrain.quantities.frame import Frame
 
 Array = NDArray[np.float64]
 #: Cam orders whose amplitude is told.

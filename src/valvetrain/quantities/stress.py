@@ -10,9 +10,8 @@ import numpy as np
 
 from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.parameters.spring import SpringDefinition
-from valvetrain.quantities.cycle import Array, Cycle
+from valvetrain.quantities.cycle import Array, Cycle, Frame
 from valvetrain.quantities.forces import spring_extremes
-from valvetrain.quantities.frame import Frame
 from valvetrain.solution.channels import Variable
 from valvetrain.solution.result import Solution
 from valvetrain.solution.static import StaticStress

@@ -13,10 +13,10 @@ from numpy.typing import NDArray
 from valvetrain.integrate.clash import runs
 from valvetrain.integrate.transitions import CONTACTS_LOGGED
 from valvetrain.quantities.kinematics import RigidTable
-from valvetrain.quantities.peaks import ring_peak, ring_top
+from valvetrain.quantities.signal import ring_peak, ring_top
 from valvetrain.quantities.spans import TURN, Span, shared, span_of, spans_above
-from valvetrain.solution.event import Detail, Event
 from valvetrain.solution.result import Solution
+from valvetrain.solution.status import Detail, Event
 
 Array = NDArray[np.float64]
 

@@ -10,11 +10,11 @@ from collections.abc import Sequence
 import numpy as np
 
 from valvetrain.quantities.kinematics import RigidTable
-from valvetrain.quantities.peaks import ring_peak, ring_value
+from valvetrain.quantities.signal import ring_peak, ring_value
 from valvetrain.quantities.spans import TURN, Span, covered, span_of, spans_above
 from valvetrain.quantities.train_events import SMALLEST_GAP, RigidCycle, lost_spans
-from valvetrain.solution.event import Event
 from valvetrain.solution.result import Solution
+from valvetrain.solution.status import Event
 
 #: Numbers of the integrator that are quantities under the same name, beside every
 #: ``peak_..._force``.

@@ -14,9 +14,9 @@ from numpy.typing import NDArray
 
 from valvetrain.cam.pieces import solve
 from valvetrain.mechanism.rigid import RigidKinematics
-from valvetrain.quantities.peaks import ring_peak
-from valvetrain.solution.event import Event
+from valvetrain.quantities.signal import ring_peak
 from valvetrain.solution.result import Solution
+from valvetrain.solution.status import Event
 
 Array = NDArray[np.float64]
 _TURN = 2 * np.pi

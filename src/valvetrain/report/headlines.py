@@ -8,11 +8,11 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from valvetrain.report.critical_words import critical_rows, searched
-from valvetrain.report.words import number, speed_words
+from valvetrain.report.run_summary import critical_rows, searched
+from valvetrain.report.text import number, speed_words
 from valvetrain.solution.definition import definition_of, label_of, shown
-from valvetrain.solution.event import Event
 from valvetrain.solution.result import Solution
+from valvetrain.solution.status import Event
 from valvetrain.solution.study import Study
 
 #: Topic -> quantities in the order in which they are answered.

@@ -11,22 +11,20 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from valvetrain.errors import InputError
-from valvetrain.report.words import rpm
+from valvetrain.report.text import rpm
+from valvetrain.runs.uncertainty_file import fresh_uncertainty
 from valvetrain.solution.comparison import Comparison
 from valvetrain.solution.critical import CriticalSpeed, Crossing, SpeedBracket
 from valvetrain.solution.definition import definition_of
-from valvetrain.solution.event import Event
 from valvetrain.solution.fidelity import FidelityMap
 from valvetrain.solution.quantity import unit_of
-from valvetrain.solution.rest_point import named
 from valvetrain.solution.result import Solution
-from valvetrain.solution.static import SpringAtRest
-from valvetrain.solution.status import Status
+from valvetrain.solution.static import SpringAtRest, named
+from valvetrain.solution.status import Event, Status
 from valvetrain.solution.study import Study
-from valvetrain.studies.uncertainty_file import fresh_uncertainty
 
 if TYPE_CHECKING:
-    from valvetrain.studies.error_bars import Uncertainty
+    from valvetrain.runs.error_bars import Uncertainty
 
 #: Units of numbers whose names do not tell them; an event's details, options and statistics of a
 #: run, facts of a spring at rest.

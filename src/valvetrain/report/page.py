@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, ParamSpec
 from valvetrain.report import theme
 from valvetrain.report.chart import Chart, legend_entries
 from valvetrain.report.motion.script import motion_script
-from valvetrain.solution.gaps import Gaps, reason
+from valvetrain.solution.partial_failures import Gaps, reason
 
 if TYPE_CHECKING:
     import jinja2

@@ -12,7 +12,7 @@ from valvetrain.quantities.cycle import reported_cycle
 from valvetrain.report import theme
 from valvetrain.report.chart import Band, Chart, Layer, Line, Panel, thin
 from valvetrain.report.page import Block, Tabs
-from valvetrain.report.words import speed_words
+from valvetrain.report.text import speed_words
 from valvetrain.solution.display import SHOWN_UNITS
 from valvetrain.solution.quantity import same_speed
 from valvetrain.solution.result import Solution

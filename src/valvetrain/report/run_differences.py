@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-from valvetrain.parameters.words import number
+from valvetrain.parameters.summary import number
 from valvetrain.report.headlines import TOPICS
-from valvetrain.report.words import percent
+from valvetrain.report.text import percent
+from valvetrain.runs.differences import ResultDifference
 from valvetrain.solution.definition import is_defined, label_of, shown
-from valvetrain.studies.run_differences import ResultDifference
 
 INPUT_HEADS = ("inputs", "A", "B")
 RESULT_HEADS = ("results", "run", "A", "B", "", "difference")

@@ -16,7 +16,6 @@ import numpy as np
 from valvetrain.errors import InputError, RunFailedError
 from valvetrain.registry import find, words
 from valvetrain.report.chart import Chart
-from valvetrain.report.earlier_files import remove_earlier
 from valvetrain.report.files import FreeNames
 from valvetrain.report.page import (
     Block,
@@ -37,12 +36,13 @@ from valvetrain.report.run_charts import looks, told_by_source
 from valvetrain.report.sections.sweep import order_table
 from valvetrain.report.svg_chart import svg
 from valvetrain.report.table import Table, comparison_table, table
-from valvetrain.report.words import rpm
+from valvetrain.report.text import rpm
+from valvetrain.report.unfinished import remove_earlier
 from valvetrain.solution.atomic import write_text
 from valvetrain.solution.definition import definition_of, label_of, shown
-from valvetrain.solution.gaps import Gaps, reason
 from valvetrain.solution.modes import ModalResult
 from valvetrain.solution.netcdf import save_modal_result, save_netcdf, save_static_curve
+from valvetrain.solution.partial_failures import Gaps, reason
 from valvetrain.solution.result import Solution
 from valvetrain.solution.static import StaticCurve
 from valvetrain.solution.study import Study

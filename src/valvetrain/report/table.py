@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from valvetrain.errors import InputError
 from valvetrain.report import theme
 from valvetrain.report.page import Cell, Grid
-from valvetrain.report.words import in_unit, number, percent, rpm, speed_words, unit_words
+from valvetrain.report.text import in_unit, number, percent, rpm, speed_words, unit_words
 from valvetrain.solution.comparison import Comparison
 from valvetrain.solution.definition import label_of
 

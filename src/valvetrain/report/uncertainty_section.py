@@ -8,11 +8,8 @@ from collections.abc import Sequence
 
 from valvetrain.report.page import Block, Cell, Grid, Page, Section, text
 from valvetrain.report.table import Table, table
-from valvetrain.report.words import number, rpm, speed_words
-from valvetrain.solution.definition import label_of
-from valvetrain.solution.display import SHOWN_UNITS
-from valvetrain.solution.quantity import Quantity
-from valvetrain.studies.error_bars import (
+from valvetrain.report.text import number, rpm, speed_words
+from valvetrain.runs.error_bars import (
     CONTACT_FACTORS,
     DAMPING_FACTORS,
     STIFFNESS_FACTORS,
@@ -20,6 +17,9 @@ from valvetrain.studies.error_bars import (
     Uncertainty,
     UncertaintyStudy,
 )
+from valvetrain.solution.definition import label_of
+from valvetrain.solution.display import SHOWN_UNITS
+from valvetrain.solution.quantity import Quantity
 
 #: Share of a value that its numerical uncertainty may be for it to count as firm.
 FIRM = 0.01

@@ -344,7 +344,7 @@ def _answer(
 
 
 def _show(console: Console, result: RigResult) -> None:
-    from valvetrain.cli.tables import plain_table
+    from valvetrain.cli.outcome import plain_table
     from valvetrain.rig.page import HEAD, channel_rows, facts_of, sentences_of
 
     console.print(f"{result!r}", soft_wrap=True)
@@ -384,7 +384,7 @@ def seen(
         return write(found, folder)
 
     def show(console: Console) -> None:
-        from valvetrain.cli.tables import plain_table
+        from valvetrain.cli.outcome import plain_table
         from valvetrain.rig.gauge_page import HEAD, notes_of, seen_rows
 
         console.print(f"Gauge: {sensor_words(sensor)}", soft_wrap=True)

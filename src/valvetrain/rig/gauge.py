@@ -13,10 +13,10 @@ from numpy.typing import NDArray
 from valvetrain.errors import InputError
 from valvetrain.measured.sensor import Seen, Sensor
 from valvetrain.parameters.loading import AnyCase
-from valvetrain.solution.gaps import Gaps
+from valvetrain.runs.prepared import Plan, Ready, integrate_point, make_ready, provenance_of
+from valvetrain.runs.run import member_rest, ready_trains
+from valvetrain.solution.partial_failures import Gaps
 from valvetrain.solution.result import Solution
-from valvetrain.studies.ready import Plan, Ready, integrate_point, make_ready, provenance_of
-from valvetrain.studies.run import member_rest, ready_trains
 from valvetrain.system.build import build
 from valvetrain.system.contract import TRAIN
 from valvetrain.system.problem import Problem

@@ -13,7 +13,7 @@ from valvetrain.report import theme
 from valvetrain.report.chart import Chart, Line, Marks, Panel, thin
 from valvetrain.report.files import FreeNames
 from valvetrain.report.page import Block, Cell, Figure, Grid, Page, Section, text
-from valvetrain.report.words import number, speed_words
+from valvetrain.report.text import number, speed_words
 from valvetrain.rig.gauge import SeenChannel
 from valvetrain.rig.page import shown_unit
 from valvetrain.solution.atomic import write_text

@@ -14,7 +14,7 @@ from valvetrain.measured.cycles import write_cycles
 from valvetrain.report import theme
 from valvetrain.report.chart import Band, Chart, Layer, Line, Panel, Rule, thin
 from valvetrain.report.page import Block, Cell, Figure, Grid, Page, Section, text
-from valvetrain.report.words import number, unit_words
+from valvetrain.report.text import number, unit_words
 from valvetrain.rig.result import RigChannelCycles, RigResult, student
 from valvetrain.solution.atomic import write_text
 from valvetrain.solution.definition import BY_LAST_WORD

@@ -230,7 +230,7 @@ def _show(
     folder: Path,
     page: Path,
 ) -> None:
-    from valvetrain.cli.tables import plain_table
+    from valvetrain.cli.outcome import plain_table
     from valvetrain.scan.page import compared_rows, scan_rows
 
     console.print(f"{found!r}", soft_wrap=True)

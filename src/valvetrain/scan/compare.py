@@ -13,15 +13,15 @@ from valvetrain.parameters.case import Case
 from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.parameters.loading import AnyCase, case_of
 from valvetrain.parameters.spring import EndCoil, SpringDefinition
+from valvetrain.runs.api import Speeds, simulate
+from valvetrain.runs.engine import Progress
+from valvetrain.runs.static_study import rest_study
 from valvetrain.scan.definition import turned_over
 from valvetrain.scan.result import ScannedSpring
 from valvetrain.solution.modes import ModalResult
 from valvetrain.solution.static import SpringAtRest
 from valvetrain.solution.study import Study
 from valvetrain.springs.spec import spring_model
-from valvetrain.studies.api import Speeds, simulate
-from valvetrain.studies.engine import Progress
-from valvetrain.studies.rest_study import rest_study
 
 Array = NDArray[np.float64]
 #: Natural frequencies that are sought, and axial ones that are compared.

@@ -15,7 +15,7 @@ from valvetrain.report import theme
 from valvetrain.report.chart import Chart, Layer, Line, Marks, Panel, stems, thin
 from valvetrain.report.files import spring_text
 from valvetrain.report.page import Block, Cell, Figure, Grid, Page, Section, figure_or_gap, text
-from valvetrain.report.words import number, percent, speed_words, unit_words
+from valvetrain.report.text import number, percent, speed_words, unit_words
 from valvetrain.scan.compare import ComparedNumber, ScanComparison
 from valvetrain.scan.result import ScannedSpring
 from valvetrain.solution.atomic import write_text

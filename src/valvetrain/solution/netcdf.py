@@ -16,10 +16,10 @@ from valvetrain.errors import InputError
 from valvetrain.solution import metadata
 from valvetrain.solution.atomic import checked_content, closing_line, write_bytes
 from valvetrain.solution.channels import ChannelArrays, Variable
+from valvetrain.solution.metadata import DAMAGED, refuse_claims, solution_of
 from valvetrain.solution.modes import ModalResult
 from valvetrain.solution.provenance import Provenance
 from valvetrain.solution.read_apart import tried_apart
-from valvetrain.solution.rebuilt import DAMAGED, refuse_claims, solution_of
 from valvetrain.solution.result import Solution
 from valvetrain.solution.static import Buckling, Leaning, StaticCurve
 

@@ -16,10 +16,9 @@ from numpy.typing import NDArray
 from valvetrain.errors import InputError
 from valvetrain.solution.channels import ChannelArrays, DatasetField, Variable, empty_channels
 from valvetrain.solution.display import Figure, frame, plotted, span, table, words
-from valvetrain.solution.event import Event
 from valvetrain.solution.provenance import Provenance
 from valvetrain.solution.quantity import unit_of
-from valvetrain.solution.status import COMPLETED, Status
+from valvetrain.solution.status import COMPLETED, Event, Status
 
 if TYPE_CHECKING:
     import pandas

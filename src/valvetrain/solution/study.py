@@ -14,7 +14,7 @@ from valvetrain.solution.comparison import Comparison, Finding
 from valvetrain.solution.critical import CriticalSpeeds
 from valvetrain.solution.display import Figure, plotted, table, words
 from valvetrain.solution.fidelity import FidelityMap
-from valvetrain.solution.provenance import Provenance
+from valvetrain.solution.provenance import CaseRecord, Provenance
 from valvetrain.solution.quantity import (
     Quantities,
     Quantity,
@@ -23,7 +23,6 @@ from valvetrain.solution.quantity import (
     same_speed,
     unit_of,
 )
-from valvetrain.solution.record import CaseRecord
 from valvetrain.solution.result import Solution
 from valvetrain.solution.static import SpringAtRest
 from valvetrain.units import Given

@@ -15,7 +15,7 @@ from valvetrain.errors import InputError
 from valvetrain.solution import metadata
 from valvetrain.solution.atomic import atomic_path, checked_content, close_file
 from valvetrain.solution.channels import ChannelArrays, Variable
-from valvetrain.solution.rebuilt import DAMAGED, solution_of
+from valvetrain.solution.metadata import DAMAGED, solution_of
 from valvetrain.solution.result import Solution
 
 if TYPE_CHECKING:

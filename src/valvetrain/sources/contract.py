@@ -11,8 +11,8 @@ from importlib import import_module
 from valvetrain import registry
 from valvetrain.errors import InputError
 from valvetrain.quantities.compare import compare
-from valvetrain.quantities.frame import Frame
-from valvetrain.quantities.windows import Window
+from valvetrain.quantities.cycle import Frame
+from valvetrain.quantities.signal import Window
 from valvetrain.solution.comparison import Finding
 from valvetrain.solution.quantity import Quantities, Quantity
 from valvetrain.solution.result import Solution
@@ -71,7 +71,7 @@ class SourceStudy:
     it. ``origins``: the same -> mark.
     ``counted``: words of its angles that are counted through a cycle. ``window_names``: its names
     of the windows about the lift event
-    (`valvetrain.quantities.windows`); ``point_names``: its names of points on the wire, by coil
+    (`valvetrain.quantities.signal`); ``point_names``: its names of points on the wire, by coil
     number. ``identification``: place
     (``"module:attribute"``) of its :class:`PointsOfSource`, loaded on first use; empty for a study
     that has none.

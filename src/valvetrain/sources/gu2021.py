@@ -8,12 +8,11 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from valvetrain.quantities.cycle import reported_cycle
-from valvetrain.quantities.frame import Frame
-from valvetrain.quantities.windows import WINDOWS
+from valvetrain.quantities.cycle import Frame, reported_cycle
+from valvetrain.quantities.signal import WINDOWS
 from valvetrain.solution.comparison import Finding
+from valvetrain.solution.provenance import PublishedValue
 from valvetrain.solution.quantity import same_speed
-from valvetrain.solution.record import PublishedValue
 from valvetrain.solution.result import Solution
 from valvetrain.solution.study import Study
 from valvetrain.sources.contract import Origin, SourceStudy

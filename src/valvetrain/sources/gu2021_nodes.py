@@ -9,7 +9,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from valvetrain.quantities.cycle import Array, Cycle
-from valvetrain.quantities.peaks import separate_spikes
+from valvetrain.quantities.signal import separate_spikes
 from valvetrain.solution.study import LiftEvent
 from valvetrain.sources.gu2021_stages import covers_stage, in_stage
 

@@ -11,9 +11,16 @@ import numpy as np
 
 from valvetrain.errors import InputError
 from valvetrain.quantities.cycle import Array, Cycle, reported_cycle
-from valvetrain.quantities.filters import BANDWIDTHS, filtered_force, low_pass
-from valvetrain.quantities.peaks import prominences, prominent_peaks
-from valvetrain.quantities.windows import WINDOWS, is_covered, window_bounds
+from valvetrain.quantities.signal import (
+    BANDWIDTHS,
+    WINDOWS,
+    filtered_force,
+    is_covered,
+    low_pass,
+    prominences,
+    prominent_peaks,
+    window_bounds,
+)
 from valvetrain.solution.result import Solution
 from valvetrain.solution.study import LiftEvent
 

@@ -238,7 +238,7 @@ def _deliver(
 
 
 def _show_card(fit: SpringFit, asked: _Asked) -> None:
-    from valvetrain.cli.tables import plain_table
+    from valvetrain.cli.outcome import plain_table
     from valvetrain.spring_card.page import card_page, held_rows, spring_rows
 
     def show(console: Console) -> None:
@@ -259,7 +259,7 @@ def _show_card(fit: SpringFit, asked: _Asked) -> None:
 
 
 def _show_tester(fit: TesterFit, asked: _Asked) -> None:
-    from valvetrain.cli.tables import plain_table
+    from valvetrain.cli.outcome import plain_table
     from valvetrain.spring_card.page import spring_rows, tester_page, tester_rows
 
     def show(console: Console) -> None:

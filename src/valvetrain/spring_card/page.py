@@ -14,7 +14,7 @@ from valvetrain.quantities.design import design_quantities
 from valvetrain.report import theme
 from valvetrain.report.chart import Chart, Layer, Line, Marks, Panel
 from valvetrain.report.page import Block, Cell, Figure, Grid, Page, Section, text
-from valvetrain.report.words import number, percent, unit_words
+from valvetrain.report.text import number, percent, unit_words
 from valvetrain.solution.definition import definition_of, label_of, shown
 from valvetrain.spring_card.card import weight
 from valvetrain.spring_card.fit import Held, SpringFit, forces_at

@@ -17,6 +17,7 @@ from valvetrain.parameters.constructors import RAMP
 from valvetrain.parameters.curves import Constant, PiecewiseLinear
 from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.parameters.spring import EndCoil, SpringDefinition
+from valvetrain.runs.statics import point_of
 from valvetrain.spring_card.card import (
     POSSIBLE_INACTIVE,
     CatalogueCard,
@@ -26,7 +27,6 @@ from valvetrain.spring_card.card import (
 )
 from valvetrain.spring_card.fit import forces_at
 from valvetrain.springs.spec import spring_model
-from valvetrain.studies.rest_points import point_of
 
 Array = NDArray[np.float64]
 Closes = Literal["lower", "upper", "both"]

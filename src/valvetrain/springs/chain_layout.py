@@ -16,7 +16,44 @@ from numpy.typing import NDArray
 
 from valvetrain.errors import InputError
 from valvetrain.parameters.spring import SpringDefinition
-from valvetrain.springs.chain_ends import bending_compliance, wire_lift_row
+
+
+def wire_lift_row(
+    spring: SpringDefinition, coil: Array, place: float, *, from_below: bool
+) -> Array:
+    """Axial travel of the wire at coil number ``place`` towards its fixed end per node travel,
+    shape (N + 1,), nodes at ``coil``.
+
+    ``from_below``: relative to the lower fixed end (twist of the elements below counts), else of
+    the upper end relative to the wire.
+    """
+    edges = np.minimum(coil, place) if from_below else np.maximum(coil, place)
+    turned = 2 * np.pi * np.abs(place - edges)
+    middle = (coil[:-1] + coil[1:]) / 2
+    radius = spring.mean_diameter.value(np.array([place]))[0] / spring.mean_diameter.value(middle)
+    share = (
+        (np.diff(turned) - radius * np.diff(np.sin(turned)))
+        / (2 * np.pi * np.diff(coil))
+        * (-1.0 if from_below else 1.0)
+    )
+    row = np.zeros(len(coil))
+    row[1:] += share
+    row[:-1] -= share
+    return row
+
+
+def bending_compliance(spring: SpringDefinition, place: Array, turns: Array) -> Array:
+    """Axial travel (m/N) of the wire at coil numbers ``place`` by its bending alone, ``turns`` off
+    the clamp, under a force there.
+
+    The moment R sin(psi - phi) about the wire's normal: R**3 (psi/2 - sin(2 psi)/4) / (E I).
+    """
+    psi, radius = 2 * np.pi * turns, spring.mean_diameter.value(place) / 2
+    bending_stiffness = (
+        spring.material.youngs_modulus * np.pi / 64 * spring.wire_diameter.value(place) ** 4
+    )
+    return np.asarray(radius**3 * (psi / 2 - np.sin(2 * psi) / 4) / bending_stiffness)
+
 
 Array = NDArray[np.float64]
 
@@ -281,3 +318,25 @@ def _with_ends(
         upper_coil[order],
         np.array(ends).reshape(-1, last + 1),
     )
+
+
+#: Share of the wire's mass that moves with the retainer in the static shape (Rayleigh).
+RAYLEIGH_FRACTION = 1.0 / 3.0
+
+
+def check_masses(
+    name: str, preload: float, active_mass: float, fraction: float, inactive_mass: float
+) -> None:
+    """Raise :class:`InputError` for a preload or mass no spring has."""
+    if preload < 0:
+        raise InputError(
+            f"preload of spring '{name}' is {preload} N; give zero or a positive force"
+        )
+    if active_mass < 0 or inactive_mass < 0:
+        raise InputError(
+            f"mass of spring '{name}' is {active_mass} kg (fixed ends {inactive_mass} kg); give zero or positive masses"
+        )
+    if not 0 <= fraction <= 1:
+        raise InputError(
+            f"effective_mass_fraction of spring '{name}' is {fraction}; it must lie between 0 and 1 (one third is usual)"
+        )

@@ -10,9 +10,8 @@ import numpy as np
 from valvetrain.errors import InputError
 from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.parameters.spring import SpringDefinition
-from valvetrain.springs.chain_layout import Array, ChainLayout, chain_from_definition
+from valvetrain.springs.chain_layout import Array, ChainLayout, chain_from_definition, check_masses
 from valvetrain.springs.chain_statics import contact_depths, solve_static, static_curve
-from valvetrain.springs.masses import check_masses
 from valvetrain.springs.multi_mass import CONTACT_STIFFNESS, MultiMassSpring
 from valvetrain.units import Given, keep_si, si
 

@@ -15,10 +15,9 @@ from valvetrain.errors import InputError
 from valvetrain.parameters.installed_spring import InstalledSpring, SpringOptions
 from valvetrain.parameters.schema_types import Length, PositiveTime
 from valvetrain.solution.modes import ModalResult
-from valvetrain.solution.rest_point import RestPoint
-from valvetrain.solution.static import SpringAtRest, StaticCurve
+from valvetrain.solution.static import RestPoint, SpringAtRest, StaticCurve
 from valvetrain.springs.finite_element_model import RodModel
-from valvetrain.springs.finite_element_rest import (
+from valvetrain.springs.finite_element_statics import (
     curve_over,
     equilibrium_at,
     modal_result,

@@ -10,7 +10,7 @@ from valvetrain.errors import InputError
 from valvetrain.mechanism.parts import AssembledMechanism
 from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.parameters.train import TrainParameters
-from valvetrain.solution.record import CaseRecord
+from valvetrain.solution.provenance import CaseRecord
 from valvetrain.solution.static import SpringAtRest
 from valvetrain.solution.study import LiftEvent
 from valvetrain.springs.contract import Array, SpringModel

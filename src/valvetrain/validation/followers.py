@@ -14,7 +14,7 @@ from scipy.optimize import brentq
 from valvetrain.cam.arcs import ThreeArc
 from valvetrain.cam.closed_form import Cycloidal, Harmonic
 from valvetrain.cam.contract import LiftLaw
-from valvetrain.contact.hunt_crossley import HuntCrossley
+from valvetrain.contact.dissipative import HuntCrossley
 from valvetrain.integrate.train_run import CycleRecord, TrainOptions, TrainState, runner
 from valvetrain.mechanism.contour import lift_table, monotone_table
 from valvetrain.mechanism.gap_kinds import CAM_LIFT

@@ -9,8 +9,8 @@ from scipy.optimize import brentq
 
 from valvetrain.cosserat.static import compress
 from valvetrain.cosserat.turning import TurningStatics, rotation_of
+from valvetrain.runs.statics import static_curve
 from valvetrain.springs.finite_element import FiniteElementRod
-from valvetrain.studies.rest import static_curve
 from valvetrain.validation.beams import love_wrench
 from valvetrain.validation.row import Row, book_case
 from valvetrain.validation.springs import STEEL, mesh, spring

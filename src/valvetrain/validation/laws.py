@@ -10,7 +10,7 @@ from scipy.optimize import brentq
 
 from valvetrain.cam.closed_form import Cycloidal, Harmonic, ModifiedSine, Polynomial
 from valvetrain.cam.contract import LiftLaw
-from valvetrain.contact.hunt_crossley import HuntCrossley
+from valvetrain.contact.dissipative import HuntCrossley
 from valvetrain.validation.row import Row, book_case
 
 EVENTS = {

@@ -8,8 +8,8 @@ import math
 from collections.abc import Iterable
 
 from valvetrain.parameters.loading import load_case
+from valvetrain.runs.run import run_study
 from valvetrain.solution.comparison import Comparison
-from valvetrain.studies.run import run_study
 from valvetrain.units import to_unit
 from valvetrain.validation.explained import Explained, explained_miss
 from valvetrain.validation.row import Kind, Row, book_case

@@ -27,11 +27,11 @@ from valvetrain.report.read_page import (
     sections_of,
 )
 from valvetrain.report.run_differences import INPUT_HEADS, RESULT_HEADS, input_rows, result_rows
+from valvetrain.runs.differences import input_differences, result_differences
+from valvetrain.runs.saved_runs import KeptRun
 from valvetrain.solution.definition import is_defined, label_of, shown
 from valvetrain.solution.netcdf import load_netcdf
 from valvetrain.solution.study import Study
-from valvetrain.studies.run_differences import input_differences, result_differences
-from valvetrain.studies.run_store import KeptRun
 from valvetrain.system.build import build
 from valvetrain.workbench.saved_runs import Run
 from valvetrain.workbench.store import inside

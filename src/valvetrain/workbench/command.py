@@ -98,7 +98,7 @@ def serve(
     """Serve the workbench: choose or upload a case, change it in forms, run it, watch and compare
     its answers, in a browser.
     """
-    from valvetrain.studies.cost import read_limits
+    from valvetrain.runs.cost import read_limits
     from valvetrain.workbench.safety import check_settings, is_loopback, new_token
     from valvetrain.workbench.settings import ServeSettings
 

@@ -16,13 +16,12 @@ from pathlib import Path
 from typing import Any
 
 from valvetrain.parameters.bounded_file import BESIDE_VARIABLE
+from valvetrain.runs.cost import Limits, memory_words, time_words
+from valvetrain.runs.unfinished import unfinished_runs
 from valvetrain.solution.atomic import is_living, write_bytes, write_text
-from valvetrain.studies.cost import Limits, memory_words, time_words
-from valvetrain.studies.unfinished_runs import unfinished_runs
-from valvetrain.workbench.disk import writing
 from valvetrain.workbench.requests import JobRequest, command_words, study_text
 from valvetrain.workbench.saved_runs import STUDIES
-from valvetrain.workbench.store import inside
+from valvetrain.workbench.store import inside, writing
 from valvetrain.workbench.supervisor import GRACE, MEMORY_UP, TIME_UP, read_progress
 from valvetrain.workbench.workspace import Workspace
 

@@ -17,7 +17,7 @@ from dataclasses import dataclass, replace
 from typing import Literal
 
 from valvetrain.errors import InputError
-from valvetrain.studies.cost import Limits
+from valvetrain.runs.cost import Limits
 from valvetrain.units.text import clipped
 from valvetrain.workbench.job_process import (
     JobProcess,

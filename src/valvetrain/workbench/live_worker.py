@@ -25,9 +25,9 @@ from valvetrain.errors import InputError, ValvetrainError
 from valvetrain.parameters.loading import parse_case
 from valvetrain.parameters.overrides import read_assignment
 from valvetrain.quantities.cycle import reported_cycle
-from valvetrain.solution.gaps import reason
-from valvetrain.studies.ready import Plan, Ready, integrate_point, make_ready, provenance_of
-from valvetrain.studies.run import member_rest
+from valvetrain.runs.prepared import Plan, Ready, integrate_point, make_ready, provenance_of
+from valvetrain.runs.run import member_rest
+from valvetrain.solution.partial_failures import reason
 from valvetrain.system.build import build
 from valvetrain.system.problem import Problem
 from valvetrain.units import si_speeds

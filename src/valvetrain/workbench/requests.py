@@ -16,7 +16,7 @@ from valvetrain.parameters.case import Case
 from valvetrain.parameters.changes import nearest
 from valvetrain.parameters.overrides import read_assignment
 from valvetrain.registry import find
-from valvetrain.studies.cost import Cost, Limits, refuse_cost
+from valvetrain.runs.cost import Cost, Limits, refuse_cost
 from valvetrain.units import si_speeds
 from valvetrain.units.text import clipped
 from valvetrain.workbench.edits import refuse_foreign_files
@@ -172,9 +172,8 @@ def cost_of(request: JobRequest, case: Case, workers: int) -> Cost:
     """Estimated cost of a request, as the command line estimates it; of a study, nothing (its own
     process does).
     """
-    from valvetrain.studies.request_cost import request_cost
-    from valvetrain.studies.rest_cost import rest_cost
-    from valvetrain.studies.rest_study import CURVE_OF_MODES
+    from valvetrain.runs.request_cost import request_cost, rest_cost
+    from valvetrain.runs.static_study import CURVE_OF_MODES
 
     if request.kind == "study":
         return Cost()

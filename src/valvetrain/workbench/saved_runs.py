@@ -20,12 +20,11 @@ from pathlib import Path
 from typing import Any, Literal
 
 from valvetrain.errors import InputError
+from valvetrain.runs.saved_answer import ANSWER, read_answer
+from valvetrain.runs.saved_runs import CASE_FILE, homes, refuse_living, safe_name
 from valvetrain.solution.atomic import atomic_path, write_bytes
-from valvetrain.studies.run_answer import ANSWER, read_answer
-from valvetrain.studies.run_store import CASE_FILE, homes, refuse_living, safe_name
 from valvetrain.units.text import clipped
-from valvetrain.workbench.disk import writing
-from valvetrain.workbench.store import checked_name, inside
+from valvetrain.workbench.store import checked_name, inside, writing
 
 RunFiles = Literal["case", "data", "report", "csv"]
 #: Answers of studies of points, which are kept beside the runs.

@@ -15,9 +15,8 @@ from pathlib import Path
 from valvetrain.errors import InputError
 from valvetrain.solution.atomic import write_bytes, write_text
 from valvetrain.units.text import clipped
-from valvetrain.workbench.disk import writing
 from valvetrain.workbench.edits import named_files
-from valvetrain.workbench.store import inside
+from valvetrain.workbench.store import inside, writing
 
 CASE_FILE = "case.toml"
 #: Bounds of the files beside one case: number, and bytes together.

@@ -22,11 +22,17 @@ from typing import Any, Concatenate, ParamSpec, TypeVar
 from valvetrain.errors import InputError
 from valvetrain.parameters.bounded_file import MOST_BYTES
 from valvetrain.parameters.case import Case
-from valvetrain.parameters.loading import LIBRARY, library_names, list_cases, parse_case, parse_toml
-from valvetrain.parameters.templates import KINDS, template_text
+from valvetrain.parameters.loading import (
+    KINDS,
+    LIBRARY,
+    library_names,
+    list_cases,
+    parse_case,
+    parse_toml,
+    template_text,
+)
 from valvetrain.solution.atomic import lock, write_bytes, write_text
 from valvetrain.units.text import clipped
-from valvetrain.workbench.disk import writing
 from valvetrain.workbench.edits import refuse_foreign_files, with_change, with_name
 from valvetrain.workbench.form import read_change
 from valvetrain.workbench.lift_laws import KEPT, KeptLaws, kind_of
@@ -46,7 +52,7 @@ from valvetrain.workbench.side_files import (
     remove_passing,
 )
 from valvetrain.workbench.starts import with_addition
-from valvetrain.workbench.store import Store, case_name, checked_name, inside
+from valvetrain.workbench.store import Store, case_name, checked_name, inside, writing
 
 #: Name of a case in its workspace: that of its folder, and of the case itself.
 CaseId = str

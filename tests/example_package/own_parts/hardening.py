@@ -14,13 +14,13 @@ from valvetrain.contact.kernels import OWN_LAW
 from valvetrain.contact.law import (
     SLOWEST_IMPACT,
     Array,
+    ContactSpec,
     LawKernel,
     overlap,
     require_not_negative,
     require_positive,
     row,
 )
-from valvetrain.contact.spec import ContactSpec
 from valvetrain.parameters.schema_contact import ContactDamping, ContactTable
 from valvetrain.parameters.schema_types import PositiveLength
 

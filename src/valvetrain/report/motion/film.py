@@ -17,7 +17,7 @@ from valvetrain.report import theme
 from valvetrain.report.motion.parts import Array, Variant
 from valvetrain.report.motion.project import colouring_of, flat_shapes, shades
 from valvetrain.report.motion.springs import COLOURS
-from valvetrain.report.words import number, rpm
+from valvetrain.report.text import number, rpm
 from valvetrain.solution.atomic import write_bytes
 
 if TYPE_CHECKING:

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from valvetrain.mechanism.gap_kinds import CAM_FLAT
 from valvetrain.quantities.cycle import Cycle
-from valvetrain.report.words import number
+from valvetrain.report.text import number
 from valvetrain.solution.definition import angle_name, label_of, shown
 from valvetrain.solution.display import words as shown_words
 from valvetrain.solution.result import Solution

@@ -25,7 +25,7 @@ from valvetrain.report.motion.parts import (
     still_frame,
 )
 from valvetrain.report.plotly_chart import in_script
-from valvetrain.report.words import rpm
+from valvetrain.report.text import rpm
 
 MM = 1e3
 #: Colour of each part, readable on light and on dark paper.

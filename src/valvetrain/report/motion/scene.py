@@ -25,9 +25,9 @@ from valvetrain.report.motion.parts import (
 )
 from valvetrain.report.motion.springs import draw_spring, one_range
 from valvetrain.report.motion.train import TrainDrawing, draw_train
-from valvetrain.report.words import speed_words
-from valvetrain.solution.gaps import reason
-from valvetrain.solution.record import CaseRecord
+from valvetrain.report.text import speed_words
+from valvetrain.solution.partial_failures import reason
+from valvetrain.solution.provenance import CaseRecord
 from valvetrain.solution.result import Solution
 from valvetrain.solution.study import Study
 from valvetrain.system.build import build

@@ -9,7 +9,7 @@ import numpy as np
 from valvetrain.report import theme
 from valvetrain.report.chart import Chart, Layer, Line, Marks, Panel, Rule, thin
 from valvetrain.report.page import Block, Cell, Grid, SectionSpec, figure_or_gap, text
-from valvetrain.report.words import number
+from valvetrain.report.text import number
 from valvetrain.solution.static import SpringAtRest, StaticCurve
 from valvetrain.solution.status import COMPLETED
 from valvetrain.solution.study import Study

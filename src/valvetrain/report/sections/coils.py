@@ -18,7 +18,7 @@ from valvetrain.report.page import (
     text,
 )
 from valvetrain.report.run_charts import ANGLE_LABEL, Array, by_speed, event_bands, looks
-from valvetrain.report.words import number, speed_words
+from valvetrain.report.text import number, speed_words
 from valvetrain.solution.definition import label_of, shown
 from valvetrain.solution.result import Solution
 from valvetrain.solution.study import Study

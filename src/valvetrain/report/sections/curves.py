@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from valvetrain.quantities.energy import energy_balance
+from valvetrain.quantities.forces import energy_balance
 from valvetrain.report import theme
 from valvetrain.report.chart import Chart, Line, Panel, Rule, thin
 from valvetrain.report.motion.project import motion_json, still_svg
@@ -22,8 +22,8 @@ from valvetrain.report.run_charts import (
     runs_at,
     unit_of_channel,
 )
-from valvetrain.report.words import speed_words
-from valvetrain.solution.gaps import reason
+from valvetrain.report.text import speed_words
+from valvetrain.solution.partial_failures import reason
 from valvetrain.solution.result import Solution
 from valvetrain.solution.study import Study
 

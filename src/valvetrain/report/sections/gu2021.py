@@ -7,7 +7,7 @@ from __future__ import annotations
 import numpy as np
 
 from valvetrain.quantities.cycle import reported_cycle
-from valvetrain.quantities.filters import fine_filtered, fine_series
+from valvetrain.quantities.signal import fine_filtered, fine_series
 from valvetrain.report import theme
 from valvetrain.report.chart import Band, Chart, Layer, Line, Marks, Panel, thin
 from valvetrain.report.page import Block, SectionSpec, figure_or_gap
@@ -19,9 +19,9 @@ from valvetrain.report.run_charts import (
     over_angle,
     told_by_source,
 )
-from valvetrain.report.words import number, speed_words
+from valvetrain.report.text import number, speed_words
+from valvetrain.solution.provenance import PublishedValue
 from valvetrain.solution.quantity import same_speed
-from valvetrain.solution.record import PublishedValue
 from valvetrain.solution.result import Solution
 from valvetrain.solution.study import Study
 from valvetrain.sources.gu2021_nodes import coils_of

@@ -9,8 +9,8 @@ from valvetrain.report import theme
 from valvetrain.report.json import unit_of_number
 from valvetrain.report.page import Block, Cell, Details, Grid, Listing, SectionSpec, prose, text
 from valvetrain.report.run_charts import looks, told_by_source
-from valvetrain.report.words import number, speed_words, unit_words
-from valvetrain.solution.record import CaseValue
+from valvetrain.report.text import number, speed_words, unit_words
+from valvetrain.solution.provenance import CaseValue
 from valvetrain.solution.study import Study
 
 

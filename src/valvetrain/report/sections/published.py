@@ -21,14 +21,14 @@ from valvetrain.report.page import (
     text,
 )
 from valvetrain.report.table import comparison_grid
+from valvetrain.report.text import in_unit, number, speed_words, unit_words
 from valvetrain.report.uncertainty_section import firmness, lead, uncertainty_grid
-from valvetrain.report.words import in_unit, number, speed_words, unit_words
+from valvetrain.runs.error_bars import Uncertainty
+from valvetrain.runs.uncertainty_file import fresh_uncertainty, load_uncertainty, meshes_of
 from valvetrain.solution.comparison import Comparison
 from valvetrain.solution.definition import label_of
 from valvetrain.solution.quantity import same_speed
 from valvetrain.solution.study import Study
-from valvetrain.studies.error_bars import Uncertainty
-from valvetrain.studies.uncertainty_file import fresh_uncertainty, load_uncertainty, meshes_of
 
 #: Ends of the ratio axis; what lies beyond stands at the end as a triangle, its number on hover.
 AXIS = (0.5, 1.5)

@@ -12,10 +12,10 @@ from valvetrain.quantities.cycle import reported_cycle
 from valvetrain.quantities.spectrum import order_spectrum
 from valvetrain.report import theme
 from valvetrain.report.chart import Chart, HeatMap, Layer, Line, Marks, Panel, Rule
-from valvetrain.report.critical_words import critical_notes, critical_rows, searched
 from valvetrain.report.page import Block, Cell, Grid, SectionSpec, Tabs, figure_or_gap, text
 from valvetrain.report.run_charts import MOST_LINES, Array, bars, looks, panels_chart, runs_at
-from valvetrain.report.words import number, rpm, speed_words
+from valvetrain.report.run_summary import critical_notes, critical_rows, searched
+from valvetrain.report.text import number, rpm, speed_words
 from valvetrain.solution.definition import label_of, shown
 from valvetrain.solution.result import Solution
 from valvetrain.solution.study import Study

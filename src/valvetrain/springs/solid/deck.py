@@ -7,18 +7,83 @@ printout is also Abaqus syntax.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+import os
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from itertools import pairwise
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from valvetrain.errors import InputError, MissingExtraError
 from valvetrain.parameters.material import Material
 from valvetrain.parameters.spring import SpringDefinition
-from valvetrain.springs.solid.layout import MeshOptions
-from valvetrain.springs.solid.mesh import FaceSet, SolidMesh
-from valvetrain.springs.solid.plates import seat_plates
+from valvetrain.solution.atomic import atomic_path
+from valvetrain.springs.solid.mesh import FaceSet, MeshOptions, SolidMesh
+
+Array = NDArray[np.float64]
+
+#: Free turns next to a fixed end that can reach the seat plane.
+SEAT_REACH = 0.9
+
+
+@dataclass(frozen=True)
+class SeatPlate:
+    """A rigid block: ``name`` of its surface, node set it moves with, corners (8, 3) in m, the side
+    that faces the wire.
+
+    ``first`` and ``last``: coil numbers of the free wire that can touch it.
+    """
+
+    name: str
+    node_set: str
+    corners: Array
+    side: str
+    first: float
+    last: float
+
+
+def seat_plates(spring: SpringDefinition, ground: bool) -> tuple[SeatPlate, SeatPlate]:
+    """Blocks under and over ``spring`` whose inner faces are the seat planes, widened to hold the
+    spring.
+
+    ``ground``: the mesh has flat ground faces. A round wire would start inside the plane over the
+    ground turns, so it
+    meets the plane only beyond them.
+    """
+    first, last = spring.free_coils
+    if not ground:
+        first = max(first, spring.lower_end.ground_coils)
+        last = min(last, spring.total_coils - spring.upper_end.ground_coils)
+    half = 0.75 * float(np.max(spring.outer_diameter(np.linspace(0, spring.total_coils, 257))))
+    thick = float(spring.wire_diameter.value(0.0))
+    low, high = spring.lower_seat_height, spring.upper_seat_height
+    return (
+        SeatPlate(
+            "SEATPLANE",
+            "SEAT",
+            _block(half, low - thick, low),
+            "S2",
+            first,
+            min(first + SEAT_REACH, last),
+        ),
+        SeatPlate(
+            "RETAINERPLANE",
+            "RETAINER",
+            _block(half, high, high + thick),
+            "S1",
+            max(last - SEAT_REACH, first),
+            last,
+        ),
+    )
+
+
+def _block(half: float, bottom: float, top: float) -> Array:
+    square = [(-half, -half), (half, -half), (half, half), (-half, half)]
+    return np.array([(x, y, z) for z in (bottom, top) for x, y in square])
+
 
 #: SI to the deck's units.
 MILLIMETRE, MEGAPASCAL, TONNE_PER_MM3 = 1e3, 1e-6, 1e-12
@@ -163,3 +228,141 @@ def _row(numbers: Iterable[int]) -> str:
 
 def _wrapped(numbers: NDArray[np.int64]) -> str:
     return "\n".join(", ".join(map(str, numbers[i : i + 12])) for i in range(0, len(numbers), 12))
+
+
+@dataclass(frozen=True)
+class Printout:
+    """What every increment prints: end forces always; ``axis`` motion of the wire axis; ``pairs``
+    number of contact pairs.
+
+    ``energy``: totals of elastic and kinetic energy (a transient needs them from the first step
+    on); ``fields``: displacement
+    and stress at the nodes; ``nodal_reactions``: the reaction of every retainer node.
+    """
+
+    axis: bool = False
+    pairs: int = 0
+    fields: bool = False
+    energy: bool = False
+    nodal_reactions: bool = False
+
+    def text(self) -> str:
+        """The output requests of one step."""
+        lines = [f"*NODE PRINT, NSET={name}, TOTALS=ONLY\nRF" for name in ("SEAT", "RETAINER")]
+        if self.axis:
+            lines.append("*NODE PRINT, NSET=AXIS\nU")
+        lines += [
+            f"*CONTACT PRINT, SLAVE=ABOVE{i}, MASTER=BELOW{i}\nCF" for i in range(1, self.pairs + 1)
+        ]
+        if self.energy:
+            lines.append("*EL PRINT, ELSET=WIRE, TOTALS=ONLY\nELSE, ELKE")
+        if self.nodal_reactions:
+            lines.append("*NODE PRINT, NSET=RETAINER\nRF")
+        if self.fields:
+            lines.append("*NODE FILE\nU\n*EL FILE\nS")
+        return "\n".join(lines)
+
+
+def static_step(
+    compression: float,
+    printout: Printout,
+    *,
+    first: float,
+    largest: float,
+    smallest: float = 1e-5,
+    period: float = 1.0,
+    limit: int = 500,
+) -> str:
+    """Compression (m) reached in one step; ``first``, ``largest``, ``smallest`` increment as shares
+    of the step.
+
+    First equal to largest equal to smallest asks for fixed increments. ``period`` is the step's
+    length in solver time (s).
+    """
+    one, most, least = (f"{share * period:.10g}" for share in (first, largest, smallest))
+    fixed = first == largest == smallest
+    times = (
+        f"*STATIC, DIRECT\n{one}, {period:.10g}"
+        if fixed
+        else f"*STATIC\n{one}, {period:.10g}, {least}, {most}"
+    )
+    return (
+        f"*STEP, NLGEOM, INC={limit}\n{times}\n*BOUNDARY\nSEAT, 1, 3\nRETAINER, 1, 2\n"
+        f"RETAINER, 3, 3, {-compression * MILLIMETRE:.10g}\n{printout.text()}\n*END STEP\n"
+    )
+
+
+def frequency_step(modes: int, printout: Printout, *, preloaded: bool) -> str:
+    """Lowest ``modes`` natural frequencies, about the state the last static step left when
+    ``preloaded``.
+    """
+    perturbation = ", PERTURBATION" if preloaded else ""
+    clamps = "" if preloaded else "*BOUNDARY\nSEAT, 1, 3\nRETAINER, 1, 3\n"
+    return f"*STEP{perturbation}\n*FREQUENCY\n{modes}\n{clamps}{printout.text()}\n*END STEP\n"
+
+
+def amplitude_text(name: str, time: Array, value: Array) -> str:
+    """Table of values over step time, to be placed before the first step."""
+    rows = "\n".join(f"{t:.9e}, {v:.9e}" for t, v in zip(time, value, strict=True))
+    return f"*AMPLITUDE, NAME={name}\n{rows}\n"
+
+
+def dynamic_step(
+    duration: float, time_step: float, printout: Printout, *, amplitude: str, alpha: float = -0.05
+) -> str:
+    """Implicit transient (Hilber-Hughes-Taylor, ``alpha``) with the retainer's displacement (mm) in
+    table ``amplitude``.
+    """
+    times = f"{time_step:.9e}, {duration:.9e}, {time_step / 1e3:.9e}, {time_step:.9e}"
+    return (
+        f"*STEP, NLGEOM, INC=100000\n*DYNAMIC, ALPHA={alpha:.4g}\n{times}\n"
+        f"*BOUNDARY\nSEAT, 1, 3\nRETAINER, 1, 2\n*BOUNDARY, AMPLITUDE={amplitude}\nRETAINER, 3, 3, 1.\n{printout.text()}\n*END STEP\n"
+    )
+
+
+#: File ending -> name of the format in meshio.
+FORMATS = {".vtu": "vtu", ".vtk": "vtk", ".msh": "gmsh", ".xdmf": "xdmf", ".med": "med"}
+MESHIO_HINT = "export of solid meshes needs the package meshio, which is not installed: install it with 'pip install \"valvetrain[mesh]\"'"
+
+
+def write_mesh(
+    mesh: SolidMesh,
+    path: str | os.PathLike[str],
+    point_data: Mapping[str, NDArray[np.float64]] | None = None,
+) -> Path:
+    """Write ``mesh`` (m) with its coil number and ``point_data`` (one row per node); the file
+    ending chooses the format.
+
+    Raises :class:`MissingExtraError` without meshio and :class:`InputError` for an ending or data
+    that do not fit.
+    """
+    meshio = _meshio()
+    target = Path(path)
+    form = FORMATS.get(target.suffix.lower())
+    if form is None:
+        raise InputError(
+            f"mesh file '{target.name}' has an ending that names no format; use one of {', '.join(FORMATS)}"
+        )
+    data = {"coil_number": mesh.coil, **(point_data or {})}
+    for name, values in data.items():
+        if len(values) != len(mesh.coordinates):
+            raise InputError(
+                f"point data '{name}' has {len(values)} rows for {len(mesh.coordinates)} nodes; give one row per node"
+            )
+    kind = "hexahedron20" if mesh.quadratic else "hexahedron"
+    content = meshio.Mesh(
+        mesh.coordinates,
+        [(kind, mesh.elements)],
+        point_data={k: np.asarray(v, dtype=float) for k, v in data.items()},
+    )
+    with atomic_path(target) as temporary:
+        meshio.write(temporary, content, file_format=form)
+    return target
+
+
+def _meshio() -> Any:
+    try:
+        import meshio
+    except ImportError as error:
+        raise MissingExtraError(MESHIO_HINT) from error
+    return meshio

@@ -6,9 +6,9 @@ from dataclasses import dataclass
 
 from valvetrain.solution.modes import ModalResult
 from valvetrain.solution.static import StaticCurve
-from valvetrain.springs.solid import steps
+from valvetrain.springs.solid import deck as steps
 from valvetrain.springs.solid.jobs import SolidSpring
-from valvetrain.springs.solid.printed import read_printed
+from valvetrain.springs.solid.results import read_printed
 
 #: Wall time (s) of statics and modes on :data:`REFERENCE_UNKNOWNS` with coils in contact, of one
 #: increment of prescribed motion on them,

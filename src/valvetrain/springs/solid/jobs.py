@@ -15,7 +15,8 @@ from valvetrain.parameters.spring import SpringDefinition
 from valvetrain.solution.modes import ModalResult
 from valvetrain.solution.static import StaticCurve
 from valvetrain.solution.status import Status
-from valvetrain.springs.solid import axis_motion, steps
+from valvetrain.springs.solid import axis_motion
+from valvetrain.springs.solid import deck as steps
 from valvetrain.springs.solid.calculix import SolverOutput, Watch, run_deck
 from valvetrain.springs.solid.deck import (
     MILLIMETRE,
@@ -25,10 +26,8 @@ from valvetrain.springs.solid.deck import (
     model_text,
     seats_text,
 )
-from valvetrain.springs.solid.layout import MeshOptions
-from valvetrain.springs.solid.mesh import SolidMesh
-from valvetrain.springs.solid.printed import Printed, read_printed
-from valvetrain.springs.solid.sweep import sweep_spring
+from valvetrain.springs.solid.mesh import MeshOptions, SolidMesh, sweep_spring
+from valvetrain.springs.solid.results import Printed, read_printed
 from valvetrain.units import Given, si
 
 Array = NDArray[np.float64]

@@ -13,7 +13,7 @@ from valvetrain.solution.static import SpringAtRest
 from valvetrain.springs.contract import SpringModel
 from valvetrain.springs.solid.deck import SolidContact
 from valvetrain.springs.solid.jobs import SolidSpring
-from valvetrain.springs.solid.layout import MeshOptions
+from valvetrain.springs.solid.mesh import MeshOptions
 from valvetrain.springs.spec import SpringModelSpec
 
 NO_MOTION = "solid finite elements serve statics and modes; a cam cycle would take them days (a short stretch: 'valvetrain compare --solid-motion')"

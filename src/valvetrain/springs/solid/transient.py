@@ -16,11 +16,12 @@ from valvetrain.solution.channels import spring_channels
 from valvetrain.solution.provenance import Provenance, collect_provenance
 from valvetrain.solution.result import Solution
 from valvetrain.solution.status import Status
-from valvetrain.springs.solid import axis_motion, steps
+from valvetrain.springs.solid import axis_motion
+from valvetrain.springs.solid import deck as steps
 from valvetrain.springs.solid.calculix import SolverOutput
 from valvetrain.springs.solid.deck import MILLIMETRE, SolidContact
 from valvetrain.springs.solid.jobs import SolidSpring
-from valvetrain.springs.solid.printed import read_printed
+from valvetrain.springs.solid.results import read_printed
 
 Array = NDArray[np.float64]
 

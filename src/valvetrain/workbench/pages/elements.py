@@ -9,7 +9,7 @@ import numpy as np
 from nicegui import ui
 from nicegui.elements.mixins.text_element import TextElement
 
-from valvetrain.parameters.words import number
+from valvetrain.parameters.summary import number
 from valvetrain.report import theme
 from valvetrain.report.chart import Chart, Line, Panel
 from valvetrain.report.plotly_chart import to_json

@@ -6,8 +6,8 @@ from collections.abc import Collection, Sequence
 from typing import Any
 
 from valvetrain.parameters.case import Case
-from valvetrain.parameters.words import number
-from valvetrain.report.words import rpm
+from valvetrain.parameters.summary import number
+from valvetrain.report.text import rpm
 from valvetrain.workbench.form import Field, FieldGroup
 from valvetrain.workbench.starts import Addition
 

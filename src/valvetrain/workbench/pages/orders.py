@@ -12,9 +12,9 @@ from valvetrain import registry
 from valvetrain.errors import InputError
 from valvetrain.parameters.case import Case
 from valvetrain.parameters.installed_spring import InstalledSpring
-from valvetrain.parameters.words import number
+from valvetrain.parameters.summary import number
 from valvetrain.report.headlines import TOPICS
-from valvetrain.report.words import rpm
+from valvetrain.report.text import rpm
 from valvetrain.solution.definition import label_of
 from valvetrain.springs.spec import SpringModelSpec, spring_model
 from valvetrain.system.build import usual_models

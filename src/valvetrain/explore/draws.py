@@ -1,0 +1,257 @@
+"""What a method hands on: weighted points that stand for the posterior, and how it was found."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import redirect_stdout
+from dataclasses import dataclass
+from io import StringIO
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from valvetrain.errors import MissingExtraError
+from valvetrain.explore.posterior import Posterior
+
+Array = NDArray[np.float64]
+#: Told the share done and what was done.
+Report = Callable[[float, str], None]
+
+
+@dataclass(frozen=True, eq=False)
+class Draws:
+    """Points ``work`` (n, quantities) with ``weights`` (n) of sum one, and where known the
+    logarithm of the evidence and its error.
+
+    ``evidence_kind``: how the evidence was found. ``whole``: False where the search was cut short;
+    ``notes``: what a reader should know.
+    """
+
+    work: Array
+    weights: Array
+    log_evidence: float = np.nan
+    evidence_error: float = np.nan
+    evidence_kind: str = ""
+    whole: bool = True
+    notes: tuple[str, ...] = ()
+
+    @property
+    def effective(self) -> float:
+        """Number of equally weighted draws that tell as much (Kish)."""
+        return float(1.0 / np.sum(self.weights**2))
+
+
+def quietly(steps: Iterable[Any]) -> Iterator[Any]:
+    """The steps of a library that prints where it is interrupted: standard output belongs to the
+    answer.
+    """
+    ahead, end = iter(steps), object()
+    while True:
+        with redirect_stdout(StringIO()):
+            step = next(ahead, end)
+        if step is end:
+            return
+        yield step
+
+
+def extra(package: str) -> MissingExtraError:
+    """The error of a package of the extra ``studies`` that is not installed."""
+    return MissingExtraError(
+        f"{package} is not installed; install it with pip install 'valvetrain[studies]'"
+    )
+
+
+def silent(done: float, text: str) -> None:
+    """A report that goes nowhere."""
+
+
+Labels = NDArray[np.int64]
+#: Fall of the log posterior below the lower of two peaks that parts them (a factor of 7), and
+#: points computed between them.
+DIP, BETWEEN = 2.0, 7
+#: Draws that are parted, least share of them in a part, and dimensions of a posterior whose parts
+#: are looked for among fewer draws.
+PARTED, LEAST_SHARE = 1000, 0.03
+
+
+def branches_of_draws(posterior: Posterior, draws: Draws, seed: int = 1) -> Labels:
+    """Number (n) of the branch of each draw, the most probable branch being 0. Raises
+    :class:`MissingExtraError` without scikit-learn.
+    """
+    try:
+        from sklearn.cluster import HDBSCAN
+        from sklearn.neighbors import KNeighborsClassifier
+    except ImportError as error:
+        raise extra("scikit-learn") from error
+    middle = draws.weights @ draws.work
+    deviation = np.sqrt(draws.weights @ (draws.work - middle) ** 2)
+    scaled = (draws.work - middle) / np.where(deviation > 0, deviation, 1.0)
+    chosen, _ = even_draws(draws.weights, min(PARTED, len(draws.work)), seed)
+    if len(chosen) < 4 / LEAST_SHARE:
+        return np.zeros(len(draws.work), dtype=np.int64)
+    found = HDBSCAN(
+        min_cluster_size=max(10, int(LEAST_SHARE * len(chosen))),
+        allow_single_cluster=True,
+        copy=True,
+    ).fit_predict(scaled[chosen])
+    words = sorted(set(found.tolist()) - {-1})
+    if len(words) < 2:
+        return np.zeros(len(draws.work), dtype=np.int64)
+    at = posterior.at(draws.work[chosen]).log_posterior
+    peaks = np.array(
+        [chosen[np.flatnonzero(found == word)[np.argmax(at[found == word])]] for word in words]
+    )
+    joined = joined_peaks(posterior, draws.work[peaks])
+    known = found >= 0
+    labels = np.array([joined[words.index(one)] for one in found[known]])
+    near = KNeighborsClassifier(n_neighbors=min(5, int(known.sum()))).fit(
+        scaled[chosen[known]], labels
+    )
+    return _by_share(np.asarray(near.predict(scaled), dtype=np.int64), draws.weights)
+
+
+def joined_peaks(posterior: Posterior, peaks: Array) -> list[int]:
+    """Number of the branch of each of some peaks (n, quantities): those between which the posterior
+    does not dip share one.
+    """
+    count = len(peaks)
+    owner = list(range(count))
+    pairs = list(itertools.combinations(range(count), 2))
+    if not pairs:
+        return owner
+    shares = np.arange(BETWEEN + 2) / (BETWEEN + 1.0)
+    lines = [peaks[one] + shares[:, None] * (peaks[other] - peaks[one]) for one, other in pairs]
+    at = posterior.at(np.vstack(lines)).log_posterior.reshape(len(pairs), -1)
+    for (one, other), along in zip(pairs, at, strict=True):
+        if not np.min(along[1:-1]) < min(along[0], along[-1]) - DIP:
+            first, second = sorted((owner[one], owner[other]))
+            owner = [first if number == second else number for number in owner]
+    order = list(dict.fromkeys(owner))
+    return [order.index(number) for number in owner]
+
+
+def even_draws(weights: Array, count: int, seed: int) -> tuple[Labels, Labels]:
+    """Places of about ``count`` draws chosen evenly by weight, and how often each was."""
+    steps = (np.arange(max(count, 1)) + np.random.default_rng(seed).random()) / max(count, 1)
+    places, counts = np.unique(
+        np.searchsorted(np.cumsum(weights), steps).clip(0, len(weights) - 1), return_counts=True
+    )
+    return places, counts
+
+
+def _by_share(labels: Labels, weights: Array) -> Labels:
+    """The same parts numbered by their probability."""
+    words = np.unique(labels)
+    share = [weights[labels == word].sum() for word in words]
+    order = words[np.argsort(-np.array(share), kind="stable")].tolist()
+    return np.array([order.index(one) for one in labels.tolist()], dtype=np.int64)
+
+
+#: Posterior correlation beyond which two quantities are one, and information (over the prior's)
+#: that each would have were the other known.
+TWINS, TOLD_ALONE = 0.9, 4.0
+#: Share of the prior's deviation that must be left of one of the two, for a narrow stretch within a
+#: wide prior is knowledge all the same.
+OPEN = 0.4
+#: A quantity is told where the data leave less than this share of the prior's variance.
+UNTOLD = 0.75
+#: Least part of a combination that is named in words.
+NAMED = 0.3
+
+
+@dataclass(frozen=True, eq=False)
+class Information:
+    """``told`` (quantities): share of the prior's variance that the data remove. ``brought``
+    (measurements, quantities): share that each
+    measurement has of all the data's information on a quantity, the others known. ``lost``
+    (measurements, quantities): share by which the
+    variance is smaller than it were without that measurement. ``correlation`` (quantities,
+    quantities) of what is left open;
+    ``warnings``: a sentence per quantity that is not told, and per group that cannot be told
+    apart."""
+
+    measurements: tuple[str, ...]
+    told: Array
+    brought: Array
+    lost: Array
+    correlation: Array
+    warnings: tuple[str, ...]
+
+
+def information_of(posterior: Posterior, jacobian: Array, whole_search: bool = True) -> Information:
+    """From the slopes (used data, quantities) at the likeliest point; without warnings where the
+    search was cut short.
+    """
+    count = jacobian.shape[1]
+    owners = [one.name for one in posterior.used]
+    measurements = tuple(dict.fromkeys(owners))
+    whole: NDArray[Any] = np.linalg.inv(np.eye(count) + jacobian.T @ jacobian)
+    variance = np.diag(whole)
+    lost, brought = np.zeros((len(measurements), count)), np.zeros((len(measurements), count))
+    every = np.sum(jacobian**2, axis=0)
+    for place, name in enumerate(measurements):
+        others = jacobian[[owner != name for owner in owners]]
+        brought[place] = np.sum(
+            jacobian[[owner == name for owner in owners]] ** 2, axis=0
+        ) / np.where(every > 0, every, 1.0)
+        without = np.diag(np.linalg.inv(np.eye(count) + others.T @ others))
+        lost[place] = np.clip(1.0 - variance / without, 0.0, 1.0)
+    correlation = np.asarray(whole / np.sqrt(np.outer(variance, variance)), dtype=np.float64)
+    return Information(
+        measurements,
+        1.0 - variance,
+        brought,
+        lost,
+        correlation,
+        _warnings(posterior.names, jacobian, whole, correlation) if whole_search else (),
+    )
+
+
+def _warnings(
+    names: Sequence[str], jacobian: Array, covariance: NDArray[Any], correlation: NDArray[Any]
+) -> tuple[str, ...]:
+    alone = np.sum(jacobian**2, axis=0)
+    found, spoken = [], set()
+    for one, other in itertools.combinations(range(len(names)), 2):
+        known = alone[one] > TOLD_ALONE and alone[other] > TOLD_ALONE
+        vague = np.sqrt(np.diag(covariance)[[one, other]])
+        if known and abs(correlation[one, other]) > TWINS and vague.max() > OPEN:
+            found.append(_pair(names[one], names[other], correlation[one, other], vague))
+            spoken |= {one, other}
+    values, vectors = np.linalg.eigh(jacobian.T @ jacobian)
+    for value, vector in zip(values, vectors.T, strict=True):
+        large = [
+            place for place in np.argsort(-np.abs(vector)).tolist() if abs(vector[place]) > NAMED
+        ]
+        if (
+            value < 1.0
+            and len(large) > 2
+            and not set(large) <= spoken
+            and all(alone[place] > TOLD_ALONE for place in large)
+        ):
+            words = (
+                ", ".join(f"'{names[place]}'" for place in sorted(large)[:-1])
+                + f" and '{names[sorted(large)[-1]]}'"
+            )
+            found.append(
+                f"the data cannot tell {words} apart: they know combinations of them only, and one is left to the priors"
+            )
+            spoken |= set(large)
+    for place, name in enumerate(names):
+        if place not in spoken and covariance[place, place] > UNTOLD:
+            share = 100 * (1 - covariance[place, place])
+            found.append(
+                f"the data hardly tell '{name}': they remove {max(share, 0.0):.0f} % of the variance of its prior, the rest is the prior"
+            )
+    return tuple(found)
+
+
+def _pair(one: str, other: str, correlation: float, vague: Array) -> str:
+    together, apart = ("sum", "difference") if correlation < 0 else ("difference", "sum")
+    left = ", ".join(f"{100 * part:.0f} %" for part in vague)
+    return (
+        f"the data cannot tell '{one}' and '{other}' apart: they know a kind of {together} of the two, of their {apart} little more than "
+        f"the priors do (correlation {correlation:.3f}; {left} of the priors' deviations are left); measure one of them by itself"
+    )

@@ -1,0 +1,254 @@
+"""One point to its numbers, the same bits as a run of the same case; many points over processes."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from functools import lru_cache
+
+import numpy as np
+
+from valvetrain.cam.build import build_lift_law
+from valvetrain.cam.remembered import RememberedLift
+from valvetrain.errors import InputError
+from valvetrain.explore.paths import vary
+from valvetrain.explore.point import Outcome, Point, Wanted
+from valvetrain.parameters.case import Case
+from valvetrain.parameters.installed_spring import InstalledSpring
+from valvetrain.parameters.lift_law import LiftLawParameters
+from valvetrain.quantities.design import design_quantities, size_quantities
+from valvetrain.quantities.statics import buckling_quantities, rest_quantities
+from valvetrain.runs.engine import LOST, LOST_REMEDY, map_points
+from valvetrain.runs.notes import refuse_implausible, refuse_speeds
+from valvetrain.runs.prepared import (
+    FAILURES,
+    Plan,
+    integrate_point,
+    judge,
+    make_ready,
+    provenance_of,
+)
+from valvetrain.runs.run import ready_trains, rest_of_spring, rigid_numbers, train_point
+from valvetrain.runs.statics import reach_of, rest_by_model
+from valvetrain.solution.partial_failures import Gaps, reason
+from valvetrain.solution.result import Solution
+from valvetrain.solution.static import SpringAtRest
+from valvetrain.solution.status import COMPLETED, Status
+from valvetrain.springs.contract import SpringModel
+from valvetrain.system.build import build
+from valvetrain.system.contract import TRAIN
+from valvetrain.system.problem import Member, Problem, Rest
+
+#: Steps of a static curve by a spring model; named numbers come from a path of their own and do not
+#: depend on it.
+CURVE_STEPS, MODES = 24, 12
+Finished = Callable[[int, Outcome], None]
+
+
+def evaluate(point: Point) -> Outcome:
+    """The numbers of a point; what cannot be built or run is a status with its sentence, never an
+    exception.
+
+    >>> import valvetrain as vt
+    >>> point = Point(vt.load_case("job-c"), engine_speed=400.0, spring_model="massless", wanted=Wanted(("peak_spring_force",)))
+    >>> evaluate(point).status.code
+    'completed'
+    """
+    try:
+        return evaluate_case(vary(point.case, dict(point.values)), point)
+    except FAILURES as error:
+        return Outcome(Status("refused", reason(error)))
+
+
+def evaluate_case(case: Case, point: Point) -> Outcome:
+    """The numbers of ``case`` at the speed, by the model and set of ``point``. Raises what building
+    and running raises.
+    """
+    models, sets = (
+        tuple(word for word in (text,) if word) for text in (point.spring_model, point.spring_set)
+    )
+    problem = build(case, spring_models=models, spring_sets=sets)
+    if problem.kind != TRAIN and case.lift_law is not None:
+        problem = _with_remembered_lift(problem, case.lift_law)
+    member, engine_speed, wanted = problem.members[0], point.speed, point.wanted
+    if member.refusal:
+        raise InputError(member.refusal)
+    moves = engine_speed is not None and wanted.motion and problem.moves
+    if moves:
+        assert engine_speed is not None
+        refuse_speeds(problem, (engine_speed,))
+        refuse_implausible(problem, (engine_speed,))
+    if problem.kind == TRAIN:
+        status, values = _train(problem, member, engine_speed if moves else None, wanted)
+    else:
+        status, values = _spring(problem, member, engine_speed if moves else None, wanted)
+    chosen = (
+        values
+        if not wanted.outputs
+        else {name: values[name] for name in wanted.outputs if name in values}
+    )
+    return Outcome(status, {name: float(value) for name, value in chosen.items()})
+
+
+@lru_cache(maxsize=4)
+def _remembered(law: LiftLawParameters) -> RememberedLift:
+    return RememberedLift(build_lift_law(law))
+
+
+def _with_remembered_lift(problem: Problem, law: LiftLawParameters) -> Problem:
+    """The problem with the law of other points, which have asked for the same angles."""
+    known = _remembered(law)
+    return replace(
+        problem,
+        valve_lift=known,
+        members=tuple(replace(member, valve_lift=known) for member in problem.members),
+    )
+
+
+def _spring(
+    problem: Problem, member: Member, engine_speed: float | None, wanted: Wanted
+) -> tuple[Status, dict[str, float]]:
+    """Prescribed motion, as :func:`valvetrain.runs.run.run_study` runs it."""
+    lift = float(np.max(problem.valve_lift.lift(np.linspace(0.0, 2 * np.pi, 721))))
+    by_rod = (engine_speed is not None and (member.model.needs_rest or not wanted.light)) or (
+        wanted.rest and not wanted.rest_model and not wanted.sizes_alone
+    )
+    rest: Rest = (
+        {spring: rest_of_spring(problem, spring, lift) for spring in member.springs}
+        if by_rod
+        else {}
+    )
+    status, values = COMPLETED, dict[str, float]()
+    if engine_speed is not None:
+        ready = make_ready(
+            problem,
+            member,
+            rest if member.model.needs_rest else {},
+            "" if wanted.light else problem.record.study,
+        )
+        samples = round(2 * np.pi / problem.output_step)
+        plan = Plan("ends" if wanted.light else "all", samples, not wanted.light, problem.cycles)
+        solution = integrate_point(
+            ready, engine_speed, plan, provenance_of(problem, member, engine_speed, "")
+        )
+        judged = judge(ready, solution, plan, rest)
+        status, values = judged.status, dict(judged.quantities)
+    return status, values | (_still(problem, member, rest, lift, wanted) if wanted.rest else {})
+
+
+def _still(
+    problem: Problem, member: Member, rest: Rest, lift: float, wanted: Wanted
+) -> dict[str, float]:
+    """Numbers of the springs at rest, those of a nested pair with the name of each in front."""
+    found: dict[str, float] = {}
+    names = ("",) if len(member.springs) == 1 else ("outer_", "inner_")
+    published = [value.quantity for value in problem.record.published]
+    for name, spring in zip(names, member.springs, strict=True):
+        own = size_quantities(spring) if not wanted.outputs else design_quantities(spring)
+        if not wanted.sizes_alone:
+            at_rest = (
+                _by_model(problem, spring, wanted.rest_model, lift)
+                if wanted.rest_model
+                else rest.get(spring)
+            )
+            told = (
+                {}
+                if at_rest is None
+                else rest_quantities(at_rest, published)
+                | buckling_quantities(spring, at_rest, lift)
+            )
+            own |= told
+        found |= {name + key: value for key, value in own.items()}
+    return found
+
+
+def _by_model(problem: Problem, spring: InstalledSpring, word: str, lift: float) -> SpringAtRest:
+    reach = (
+        reach_of(spring, lift)
+        if spring.wire is not None
+        else spring.precompression + max(1.06 * lift, 0.2 * spring.precompression)
+    )
+    model: SpringModel = problem.model_of(word, spring)
+    return rest_by_model(spring, word, model, np.linspace(0.0, reach, CURVE_STEPS + 1), MODES)
+
+
+def _train(
+    problem: Problem, member: Member, engine_speed: float | None, wanted: Wanted
+) -> tuple[Status, dict[str, float]]:
+    """A train to its periodic state, as a run does it, with what rigid theory says and its springs
+    at rest where they are asked for.
+    """
+    values: dict[str, float] = {}
+    status = COMPLETED
+    gaps = Gaps()
+    speeds = (engine_speed,) if engine_speed is not None else problem.engine_speeds
+    if engine_speed is not None or wanted.rigid:
+        ready, _ = ready_trains(problem, speeds, gaps)
+    if engine_speed is not None:
+        plan = Plan("all", None, True, problem.cycles, problem.cycles_to_settle)
+        solution: Solution = train_point((problem, ready, plan), (0, engine_speed))
+        status, values = solution.status, dict(solution.quantities)
+    if wanted.rigid or (wanted.rest and engine_speed is not None):
+        values |= rigid_numbers(problem, ready, speeds).get(member.spring_set, {})
+    if wanted.rest and (wanted.rest_model or wanted.sizes_alone):
+        values |= _still(problem, member, {}, _train_lift(problem, member), wanted)
+    elif wanted.rest and wanted.outputs and not all(name in values for name in wanted.outputs):
+        lift = _train_lift(problem, member)
+        values |= _still(
+            problem,
+            member,
+            {spring: rest_of_spring(problem, spring, lift) for spring in member.springs},
+            lift,
+            wanted,
+        )
+    return status, values
+
+
+def _train_lift(problem: Problem, member: Member) -> float:
+    assert member.gear is not None
+    return float(member.gear.mechanism.kinematics.maximum_lift)
+
+
+def evaluate_points(
+    points: Sequence[Point],
+    workers: int | None = None,
+    finished: Finished | None = None,
+    tell: Callable[[int, int], None] | None = None,
+) -> tuple[Outcome, ...]:
+    """Outcomes of ``points``, in order; runs go over processes (None: one per core) and results do
+    not depend on their number.
+
+    ``finished(place, outcome)`` as each comes, ``tell(done, total)`` after each. Raises
+    :class:`valvetrain.runs.stopping.PointsStopped` with what is finished when it is stopped.
+    """
+    cases = tuple(dict.fromkeys(point.case for point in points))
+    places = {case: place for place, case in enumerate(cases)}
+    shared = (cases, tuple(dict.fromkeys(point.wanted for point in points)))
+    jobs = [
+        (
+            places[p.case],
+            p.values,
+            p.engine_speed,
+            p.spring_model,
+            p.spring_set,
+            shared[1].index(p.wanted),
+        )
+        for p in points
+    ]
+    return map_points(
+        _job, shared, jobs, workers, processes=True, tell=tell, finished=finished, lost=_lost
+    )
+
+
+_Job = tuple[int, tuple[tuple[object, float], ...], float | None, str, str, int]
+
+
+def _job(shared: tuple[tuple[Case, ...], tuple[Wanted, ...]], job: _Job) -> Outcome:
+    place, values, engine_speed, model, spring_set, wanted = job
+    return evaluate(
+        Point(shared[0][place], values, engine_speed, model, spring_set, shared[1][wanted])  # type: ignore[arg-type]
+    )
+
+
+def _lost(job: _Job) -> Outcome:
+    return Outcome(Status("worker-lost", LOST, remedy=LOST_REMEDY))

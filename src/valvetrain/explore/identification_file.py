@@ -1,0 +1,385 @@
+"""Identification files: TOML in, everything an identification needs or one clear sentence out."""
+
+from __future__ import annotations
+
+import math
+import os
+from dataclasses import dataclass, fields
+from pathlib import Path
+from typing import Literal, get_args
+
+from valvetrain.errors import InputError
+from valvetrain.explore.data import Datum, Part, Sought, same_dimension
+from valvetrain.explore.ensembles import EVALUATIONS, LANES, LIVE_POINTS, PRECISION, STEPS
+from valvetrain.explore.least_squares import SIDE
+from valvetrain.explore.measurements import read_measurement, read_station
+from valvetrain.explore.posterior import Unknown
+from valvetrain.explore.prior import KINDS, Kind, Prior
+from valvetrain.explore.space import Varied
+from valvetrain.parameters.bounded_file import bounded_bytes
+from valvetrain.parameters.case import Case
+from valvetrain.parameters.loading import library_names, load_case, parse_toml
+from valvetrain.registry import find
+from valvetrain.solution.atomic import digest
+from valvetrain.solution.definition import definition_of, no_quantity
+
+Method = Literal["least-squares", "cma-es", "nested", "ensemble"]
+METHODS: tuple[str, ...] = get_args(Method)
+#: Options that take a number of zero or more; all other numbers are positive.
+_FROM_ZERO = {"seed", "draws", "population", "walkers", "difference_step", "keep"}
+#: Most of anything that is counted.
+_MOST = 10_000_000
+
+
+@dataclass(frozen=True)
+class Search:
+    """Method and its options; those of other methods have no effect.
+
+    ``seed`` of all random numbers. Searches for a point (``least-squares``, ``cma-es``): ``starts``
+    tried, of which the ``keep`` likeliest
+    are searched from (0: none but those that are given) for at most ``iterations`` (least squares)
+    or ``evaluations`` each in generations
+    of ``population`` (cma-es; 0: by the number of quantities); ``difference_step`` in standard
+    deviations of the priors (0: follows what
+    the data leave open); ``draws`` of the linearised posterior. ``nested``: ``live_points``,
+    ``lanes`` asked for at once, ``precision`` of
+    the log evidence. ``ensemble``: ``walkers`` (0: by the number of quantities), ``steps``. Raises
+    :class:`InputError` for an unknown
+    method or a number out of range.
+
+    >>> Search("nested", live_points=200).evaluations_of(2) > 1000
+    True
+    """
+
+    method: str = "least-squares"
+    seed: int = 1
+    starts: int = 1
+    keep: int = 1
+    iterations: int = 30
+    difference_step: float = 0.0
+    draws: int = 200
+    evaluations: int = EVALUATIONS
+    population: int = 0
+    live_points: int = LIVE_POINTS
+    lanes: int = LANES
+    precision: float = PRECISION
+    walkers: int = 0
+    steps: int = STEPS
+
+    def __post_init__(self) -> None:
+        if self.method not in METHODS:
+            raise InputError(
+                f"method '{str(self.method)[:40]}' is unknown; use one of {', '.join(METHODS)}",
+                "method",
+            )
+        for one in fields(self)[1:]:
+            value = getattr(self, one.name)
+            whole = one.name not in ("difference_step", "precision")
+            if isinstance(value, bool) or not isinstance(value, int if whole else (int, float)):
+                raise InputError(
+                    f"{one.name} is a {'whole ' if whole else ''}number; it is {str(value)[:40]!r}",
+                    one.name,
+                )
+            if not (0 if one.name in _FROM_ZERO else 1e-9) <= value <= _MOST:
+                raise InputError(
+                    f"{one.name} is {value:g}; give a number above zero and below {_MOST:g}",
+                    one.name,
+                )
+
+    def evaluations_of(self, quantities: int, profiles: int = 0, given: int = 0) -> int:
+        """About how many points will be computed for so many unknown quantities, profiles and
+        ``given`` starts beside those of its own.
+        """
+        slopes, kept = quantities + 1, min(self.keep, self.starts) + given
+        after = slopes + profiles * 2 * SIDE * 4 * (slopes + 4)
+        if (
+            self.method == "nested"
+        ):  # 2.5 nats a quantity to shrink by; chains of some 20 + quantities moves from ten on
+            return (
+                int(
+                    self.live_points
+                    * (2.5 * quantities + 3)
+                    * (3 + 2 * quantities if quantities < 10 else 20 + quantities)
+                )
+                // 2
+                + after
+            )
+        if self.method == "ensemble":
+            return (self.walkers or 4 * quantities + 8) * (self.steps + 2) + after
+        each = (
+            min(self.iterations, 8) * (slopes + 4)
+            if self.method == "least-squares"
+            else self.evaluations + 4 * (slopes + 4)
+        )
+        return (self.starts if self.keep else 0) + kept * each + self.draws + after
+
+
+#: Words of a prior in a file: those of :class:`Prior`, and a normal one whose bounds are meant.
+WORDS = (*KINDS, "truncated-normal")
+_OPERATIONS = ("value", "factor", "offset")
+
+
+@dataclass(frozen=True)
+class Request:
+    """An identification as a file asks for it.
+
+    ``evaluator``: word of a published study that computes points in its own way, empty for the case
+    itself; ``options`` are its numbers.
+    ``from_case``: whether the values of the case are a start too. ``identity``: digest of all that
+    outcomes depend on but the version.
+    """
+
+    name: str
+    title: str
+    case: Case
+    unknowns: tuple[Unknown, ...]
+    varied: tuple[tuple[Varied, ...], ...]
+    data: tuple[Datum, ...]
+    sought: tuple[Sought, ...]
+    search: Search
+    profiles: tuple[str, ...]
+    evaluator: str
+    options: tuple[tuple[str, float], ...]
+    from_case: bool
+    text: str
+    folder: Path
+
+    @property
+    def parts(self) -> tuple[tuple[Sought, ...], tuple[Sought, ...]]:
+        """What is sought of every point, measured under conditions of which something is fitted;
+        and what of the draws alone.
+        """
+        fitted = {one.key for one in self.data if one.used}
+        searched = {one.station for one in self.sought if one.key in fitted}
+        measured = {one.key for one in self.data}
+        first = tuple(one for one in self.sought if one.station in searched and one.key in measured)
+        return first, tuple(one for one in self.sought if one not in first)
+
+    @property
+    def identity(self) -> str:
+        """What the outcome of a point depends on, in 32 digits."""
+        names = tuple(one.name for one in self.unknowns)
+        asked = (
+            self.case.record().digest,
+            self.varied,
+            names,
+            self.parts,
+            self.evaluator,
+            self.options,
+        )
+        return digest(repr(asked).encode())
+
+    @property
+    def digest(self) -> str:
+        """What the answer depends on, in 32 digits."""
+        return digest(
+            repr(
+                (
+                    self.identity,
+                    self.unknowns,
+                    self.data,
+                    self.search,
+                    self.profiles,
+                    self.from_case,
+                )
+            ).encode()
+        )
+
+
+def read_request(path: str | os.PathLike[str]) -> Request:
+    """The identification in a TOML file. Raises :class:`InputError`: one sentence with the place."""
+    file = Path(path)
+    try:
+        text = bounded_bytes(file, "identification file").decode("utf-8-sig")
+    except InputError as error:
+        raise InputError(error.reason, file.name) from None
+    except UnicodeDecodeError:
+        raise InputError("is no text file; an identification is TOML in UTF-8", file.name) from None
+    except FileNotFoundError:
+        raise InputError(f"there is no file '{str(path)[:120]}'; check the path") from None
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or "bad path"
+        raise InputError(
+            f"the file cannot be read ({reason}); check the path and its permissions",
+            file.name[:60],
+        ) from None
+    try:
+        return parse_request(text, file.stem, file.parent)
+    except InputError as error:
+        place = (
+            f"{file.name}, {error.where}"
+            if error.where and not error.where.startswith(file.name)
+            else error.where or file.name
+        )
+        raise InputError(error.reason, place) from None
+    except RecursionError:
+        raise InputError("the tables are nested too deeply; flatten them", file.name) from None
+
+
+def parse_request(text: str, name: str, folder: Path) -> Request:
+    """The identification written in ``text``; ``folder`` is where the files it names are looked
+    for. Errors as :func:`read_request`.
+    """
+    whole = Part(parse_toml(text, ""), "")
+    case = _case(whole, folder)
+    evaluator = whole.text("evaluator", "")
+    options = Part(whole.take("options", {}), "options")
+    numbers = tuple((key, options.plain(key)) for key in list(options.table))
+    if numbers and not evaluator:
+        raise InputError("belongs to an evaluator; name it, or leave the table out", "options")
+    source = (
+        find("sources", evaluator, "evaluator").points_of_identification() if evaluator else None
+    )
+    unknowns, varied = [], []
+    for one, part in whole.parts("quantities"):
+        unknown, keys = _unknown(one, part, bool(evaluator))
+        unknowns.append(unknown)
+        varied.append(keys)
+    if source is not None:
+        source.points(
+            tuple(one.name for one in unknowns), dict(numbers)
+        )  # refuses names and options it does not know
+    found = [
+        pair
+        for one, part in whole.parts("measurements")
+        for pair in read_measurement(one, part, folder, bool(evaluator))
+    ]
+    asked = (
+        [_asked(part) for _, part in whole.parts("predictions")] if whole.has("predictions") else []
+    )
+    whole.take("predictions")
+    search, profiles, from_case = _search(
+        Part(whole.take("search", {}), "search"), tuple(one.name for one in unknowns)
+    )
+    title = whole.text("title", name.replace("_", " "))
+    whole.text("description", "")
+    whole.finish()
+    return Request(
+        name,
+        title,
+        case,
+        tuple(unknowns),
+        tuple(varied),
+        tuple(datum for _, datum in found),
+        tuple(dict.fromkeys([*(one for one, _ in found), *asked])),
+        search,
+        profiles,
+        evaluator,
+        numbers,
+        from_case,
+        text,
+        folder,
+    )
+
+
+def _case(whole: Part, folder: Path) -> Case:
+    name = whole.text("case")
+    changes = Part(whole.take("set", {}), "set").table
+    if name not in library_names() and not Path(name).is_absolute():
+        name = str(folder / name) if name.endswith(".toml") else name
+    try:
+        return load_case(name, changes or None)
+    except InputError as error:
+        raise InputError(error.reason, f"case{', ' + error.where if error.where else ''}") from None
+
+
+def _asked(part: Part) -> Sought:
+    """A number that is computed for the draws although nobody measured it."""
+    station, name = read_station(part), part.text("quantity")
+    part.finish()
+    if not definition_of(name).dimension:
+        raise InputError(no_quantity(name), part.place("quantity"))
+    return Sought(station, "quantity", name)
+
+
+def _unknown(name: str, part: Part, bare: bool) -> tuple[Unknown, tuple[Varied, ...]]:
+    """A quantity with its prior; ``bare``: an evaluator knows it by name, so it has no key of the
+    case.
+    """
+    keys = () if bare else part.texts("key")
+    if not bare and not keys:
+        raise InputError(
+            'is missing; say which value of the case it is, such as key = "spring.wire_diameter"',
+            part.place("key"),
+        )
+    operation = part.text("as", "value", _OPERATIONS)
+    prior, unit = _prior(part)
+    part.finish()
+    try:
+        return Unknown(name, prior, unit), tuple(Varied(key, unit, operation) for key in keys)  # type: ignore[arg-type]
+    except InputError as error:
+        raise InputError(error.reason, part.where) from None
+
+
+def _prior(part: Part) -> tuple[Prior, str]:
+    """The prior of a table and the unit its numbers are written in."""
+    word = part.text("prior", choices=WORDS)
+    kind: Kind = "normal" if word == "truncated-normal" else word  # type: ignore[assignment]
+    source = part.text("source", "")
+    first = (
+        "low" if kind in ("uniform", "log-uniform") else "mean" if kind == "normal" else "median"
+    )
+    middle, unit = part.amount(first)
+    low, high, spread = float("-inf"), float("inf"), float("nan")
+    for key in ("low", "high"):
+        if part.has(key) or kind in ("uniform", "log-uniform"):
+            value, own = part.amount(key)
+            if not same_dimension(own, unit):
+                raise InputError(
+                    f"is in '{own}', the other numbers of the prior in '{unit}'; give all in one unit",
+                    part.place(key),
+                )
+            low, high = (value, high) if key == "low" else (low, value)
+    if word == "truncated-normal" and not (part.has("low") or part.has("high")):
+        raise InputError("is truncated nowhere; give low or high", part.where)
+    if kind == "normal":
+        spread, own = part.amount("standard_deviation")
+        if not same_dimension(own, unit):
+            raise InputError(
+                f"is in '{own}', the mean in '{unit}'; give both in one unit",
+                part.place("standard_deviation"),
+            )
+    elif kind == "lognormal":
+        factor = part.plain("factor")
+        if not 1 < factor < 1e6:
+            raise InputError(
+                "is the factor of one standard deviation about the median; give a number above 1",
+                part.place("factor"),
+            )
+        spread = math.log(factor)
+    try:
+        return Prior(
+            kind, low, high, float("nan") if first == "low" else middle, spread, source
+        ), unit
+    except InputError as error:
+        raise InputError(error.reason, part.where) from None
+
+
+def _search(part: Part, names: tuple[str, ...]) -> tuple[Search, tuple[str, ...], bool]:
+    given = {one.name: part.take(one.name) for one in fields(Search) if part.has(one.name)}
+    if "method" in given:
+        part.text("method", choices=METHODS)
+    profiles, from_case = part.texts("profile"), part.truth("from_case", False)
+    part.taken += [one.name for one in fields(Search)]
+    part.finish()
+    unknown = next((one for one in profiles if one not in names), None)
+    if unknown is not None:
+        raise InputError(
+            f"'{unknown[:40]}' is none of the quantities; name one of {', '.join(names)[:200]}",
+            "search.profile",
+        )
+    if (
+        given.get("keep") == 0
+        and not from_case
+        and given.get("method", "least-squares") in ("least-squares", "cma-es")
+    ):
+        raise InputError(
+            "is 0, so that nothing is searched from; set from_case = true, or keep 1 or more",
+            "search.keep",
+        )
+    try:
+        return Search(**given), profiles, from_case
+    except InputError as error:
+        raise InputError(
+            error.reason, f"search.{error.where}" if error.where else "search"
+        ) from None

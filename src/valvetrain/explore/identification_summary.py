@@ -1,0 +1,160 @@
+"""An identification in words: rows of its tables in the units of the trade, for terminal and page
+alike.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from valvetrain.explore.data import Datum
+from valvetrain.explore.identified import Branch, Conflict, Identified, Predicted, Prediction
+from valvetrain.explore.posterior import Unknown
+from valvetrain.explore.prior import Prior
+from valvetrain.report.text import number, unit_words
+from valvetrain.units import unit_factor
+
+#: Heads of the tables whose rows the functions below give.
+FOUND = ("quantity", "likeliest", "2.5 %", "97.5 %", "", "prior", "told")
+MEASURED = ("measurement", "measured", "±", "computed", "2.5 %", "97.5 %", "", "percentile")
+CONFLICTS = ("missed", "scatters", "met by", "cost", "missed instead")
+PREDICTED = ("not measured", "likeliest", "2.5 %", "50 %", "97.5 %", "")
+#: Percentiles outside these are worth a look.
+ODD = (2.5, 97.5)
+
+
+def shown(value: float, unit: str, digits: int = 5) -> str:
+    """A value (SI) in a unit."""
+    return number(float(value) / unit_factor(unit), digits)
+
+
+def prior_words(prior: Prior, unit: str) -> str:
+    """A prior in one phrase."""
+    low, high = (shown(end, unit, 4) for end in (prior.low, prior.high))
+    if prior.flat:
+        return f"{low} to {high}{', even in its logarithm' if prior.logarithmic else ''}"
+    spread = (
+        f"× {np.exp(prior.spread):.3g}"
+        if prior.logarithmic
+        else f"± {shown(prior.spread, unit, 3)}"
+    )
+    bounds = (
+        "" if not (np.isfinite(prior.low) or np.isfinite(prior.high)) else f" ({low} to {high})"
+    )
+    return f"{shown(prior.centre, unit, 4)} {spread}{bounds}"
+
+
+def found_rows(found: Identified, branch: Branch) -> list[tuple[str, ...]]:
+    """Cells under :data:`FOUND`: each quantity, its interval, its prior and how much of the prior's
+    variance the data remove.
+    """
+    rows = []
+    for place, one in enumerate(found.unknowns):
+        interval, told = branch.quantities[one.name], branch.information.told[place]
+        ends = (shown(value, one.unit) for value in (interval.best, interval.low, interval.high))
+        rows.append(
+            (
+                _words(one.name),
+                *ends,
+                unit_words(one.unit),
+                prior_words(one.prior, one.unit),
+                f"{100 * told:.0f} %",
+            )
+        )
+    return rows
+
+
+def measured_words(one: Predicted) -> tuple[str, ...]:
+    """Cells under :data:`MEASURED`."""
+    datum = one.datum
+    values = (
+        shown(value, datum.unit)
+        for value in (datum.value, datum.scatter, one.best, one.low, one.high)
+    )
+    return (
+        datum_words(datum),
+        *values,
+        unit_words(datum.unit),
+        "–" if np.isnan(one.percentile) else f"{one.percentile:.1f}",
+    )
+
+
+def conflict_words(one: Conflict) -> tuple[str, ...]:
+    """Cells under :data:`CONFLICTS`."""
+    instead = ", ".join(f"{datum_words(datum)} ({off:+.1f})" for datum, off in one.instead) or (
+        "nothing more" if one.meeting else "–"
+    )
+    return (
+        datum_words(one.datum),
+        f"{one.off:+.1f}",
+        f"{one.meeting} points",
+        f"{one.cost:.3g}" if one.meeting else "–",
+        instead,
+    )
+
+
+def prediction_words(one: Prediction) -> tuple[str, ...]:
+    """Cells under :data:`PREDICTED`."""
+    return (
+        _words(one.key),
+        *(shown(value, one.unit) for value in (one.best, one.low, one.middle, one.high)),
+        unit_words(one.unit),
+    )
+
+
+def datum_words(datum: Datum) -> str:
+    """A measurement as a line begins with it; its key where the name does not tell which of several
+    values it is.
+    """
+    words, key = _words(datum.measurement or datum.key), datum.key.replace("_", " ")
+    return words if datum.measurement in ("", datum.key) else f"{words}: {key}"
+
+
+def share_rows(branch: Branch, shares: NDArray[np.float64]) -> list[tuple[str, ...]]:
+    """Measurement by quantity: shares in per cent, a dot for none."""
+    return [
+        (_words(name), *(f"{100 * share:.0f}" if share >= 0.005 else "·" for share in row))
+        for name, row in zip(branch.information.measurements, shares, strict=True)
+    ]
+
+
+def facts(found: Identified) -> tuple[tuple[str, str], ...]:
+    """What a reader wants first."""
+    before = f" and {found.kept} before" if found.kept else ""
+    rows = [
+        ("method", found.method),
+        ("branches", str(len(found.branches))),
+        ("points computed", f"{found.evaluations}{before}"),
+    ]
+    if np.isfinite(found.log_evidence):
+        error = (
+            f" ± {found.evidence_error:.2f}"
+            if np.isfinite(found.evidence_error)
+            else f" ({found.evidence_kind})"
+        )
+        rows.append(("log evidence", f"{found.log_evidence:.2f}{error}"))
+    used = [one for one in found.predicted if one.datum.used]
+    rows.append(("data fitted, compared", f"{len(used)}, {len(found.predicted) - len(used)}"))
+    return tuple(rows)
+
+
+def is_odd(one: Predicted) -> bool:
+    """Whether a measurement lies outside :data:`ODD` of its prediction; one that has no percentile
+    does not.
+    """
+    return one.percentile < ODD[0] or one.percentile > ODD[1]
+
+
+def odd(found: Identified) -> list[Predicted]:
+    """Measurements that lie outside :data:`ODD` of their predictions."""
+    return [one for one in found.predicted if is_odd(one)]
+
+
+def title_of(one: Unknown) -> str:
+    """A quantity with its unit, as an axis has it."""
+    return f"{_words(one.name)}{f' ({unit_words(one.unit)})' if one.unit else ''}"
+
+
+def _words(name: str) -> str:
+    words = name.replace("_", " ")
+    return words[:1].upper() + words[1:]

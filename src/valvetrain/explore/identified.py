@@ -1,0 +1,344 @@
+"""What an identification found: branches with intervals, what the data determine, where each
+measurement lies in its prediction.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from valvetrain.errors import InputError
+from valvetrain.explore.data import Datum
+from valvetrain.explore.draws import Information
+from valvetrain.explore.least_squares import Profile
+from valvetrain.explore.posterior import Outcome, Posterior, Unknown
+from valvetrain.solution.display import table
+
+Array = NDArray[np.float64]
+#: Scatters within which a datum is met.
+MET = 2.0
+#: Points that are looked at together: a curve of many data over many points would fill the memory.
+_TOGETHER = 2000
+#: Values are kept as they were computed: one on a bound may lie beyond it by rounding.
+_ROUNDING = 1e-9
+
+
+@dataclass(frozen=True, slots=True)
+class Conflict:
+    """A fitted ``datum`` that the likeliest point misses by ``off`` scatters, and the likeliest of
+    the computed points that meet it.
+
+    Of a measurement of several values the one that is missed most. ``meeting``: number of computed
+    points within :data:`MET` scatters of
+    it. ``cost``: misfit of the likeliest of them above that of the likeliest point (priors
+    included), NaN where there is none; negative
+    where another branch has the smaller misfit and the smaller probability. ``instead``: data that
+    it misses, by a scatter or more beyond
+    what the likeliest point does, with their scatters, of each measurement the worst. A search goes
+    where the posterior is high, so the
+    cost is what the search found, an upper bound.
+    """
+
+    datum: Datum
+    off: float
+    meeting: int
+    cost: float
+    instead: tuple[tuple[Datum, float], ...]
+
+
+def conflicts_of(
+    posterior: Posterior, best: tuple[Array, Outcome], points: Sequence[tuple[Array, Outcome]]
+) -> tuple[Conflict, ...]:
+    """Conflicts of the likeliest point ``best`` (values in SI, outcome) with the computed
+    ``points``, most missed first.
+
+    Impossible points, and those outside the bounds of the priors, count for none.
+
+    Examples
+    --------
+    >>> from valvetrain.explore.posterior import Unknown
+    >>> from valvetrain.explore.prior import Prior
+    >>> data = (Datum("load", 280.0, 2.0), Datum("same load", 300.0, 2.0), Datum("rate", 40e3, 9e3))
+    >>> posterior = Posterior((Unknown("rate", Prior("uniform", 20e3, 60e3)),), data, lambda points: [])
+    >>> points = [(np.array([rate]), {"load": 7e-3 * rate, "same load": 7e-3 * rate, "rate": rate}) for rate in range(36000, 46000, 100)]
+    >>> one, other = conflicts_of(posterior, points[54], points)
+    >>> one.datum.key, one.instead[0][0].key
+    ('same load', 'load')
+    """
+    own = _deviations(posterior, [best])[0]
+    missed = _worst(
+        posterior.used, {place: float(size) for place, size in enumerate(own) if abs(size) > MET}
+    )
+    if not missed:
+        return ()
+    least = float(_misfits(posterior, np.array([best[0]]), own[None, :])[0])
+    meeting, cheapest = dict.fromkeys(missed, 0), dict.fromkeys(missed, np.inf)
+    others: dict[int, Array] = {}
+    for first in range(0, len(points), _TOGETHER):
+        part = [
+            point
+            for point in points[first : first + _TOGETHER]
+            if point[1] is not None and _inside(posterior, point[0])
+        ]
+        if not part:
+            continue
+        off = _deviations(posterior, part)
+        misfit = _misfits(posterior, np.array([values for values, _ in part]), off)
+        for place in missed:
+            met = np.flatnonzero((np.abs(off[:, place]) <= MET) & np.isfinite(misfit))
+            meeting[place] += len(met)
+            if len(met) and misfit[met].min() < cheapest[place]:
+                row = int(met[np.argmin(misfit[met])])
+                cheapest[place], others[place] = float(misfit[row]), off[row]
+    found = [
+        Conflict(
+            posterior.used[place],
+            off_by,
+            meeting[place],
+            cheapest[place] - least if place in others else np.nan,
+            _instead(posterior.used, own, others[place], place) if place in others else (),
+        )
+        for place, off_by in missed.items()
+    ]
+    return tuple(sorted(found, key=lambda one: -abs(one.off)))
+
+
+def _inside(posterior: Posterior, values: Array) -> bool:
+    """Whether the priors hold a point possible."""
+    return all(
+        one.prior.low - _ROUNDING * abs(one.prior.low)
+        <= value
+        <= one.prior.high + _ROUNDING * abs(one.prior.high)
+        for one, value in zip(posterior.unknowns, values, strict=True)
+    )
+
+
+def _deviations(posterior: Posterior, points: Sequence[tuple[Array, Outcome]]) -> Array:
+    """Misses (points, data) of the fitted data in scatters; NaN where a point lacks one."""
+    told = np.array(
+        [
+            [np.nan if outcome is None else outcome.get(one.key, np.nan) for one in posterior.used]
+            for _, outcome in points
+        ]
+    )
+    return np.column_stack(
+        [one.deviation(told[:, place]) for place, one in enumerate(posterior.used)]
+    )
+
+
+def _misfits(posterior: Posterior, values: Array, off: Array) -> Array:
+    """Sum of squared scaled misses of each point, priors included; NaN for one that lacks a datum."""
+    work = posterior.work_of(values)
+    data = sum(
+        one.residual(one.value + one.scatter * off[:, place]) ** 2
+        for place, one in enumerate(posterior.used)
+    )
+    pulls = sum(one.prior.pull(work[:, place]) ** 2 for place, one in enumerate(posterior.unknowns))
+    return np.asarray(data + pulls, dtype=float)
+
+
+def _worst(data: Sequence[Datum], off: Mapping[int, float]) -> dict[int, float]:
+    """Of each measurement the datum that is missed most, in the order of the data."""
+    worst: dict[str, int] = {}
+    for place, size in off.items():
+        name = data[place].name
+        if name not in worst or abs(size) > abs(off[worst[name]]):
+            worst[name] = place
+    return {place: off[place] for place in sorted(worst.values())}
+
+
+def _instead(
+    data: Sequence[Datum], own: Array, other: Array, met: int
+) -> tuple[tuple[Datum, float], ...]:
+    """What the point ``other`` misses by a scatter or more beyond what the likeliest one does,
+    worst first.
+    """
+    worse = [
+        place
+        for place in range(len(data))
+        if place != met and abs(other[place]) > max(MET, abs(own[place]) + 1.0)
+    ]
+    kept = _worst(data, {place: float(other[place]) for place in worse})
+    return tuple(
+        (data[place], off) for place, off in sorted(kept.items(), key=lambda one: -abs(one[1]))
+    )
+
+
+#: Ends of the intervals that are told (percent).
+LOW, HIGH = 2.5, 97.5
+
+
+@dataclass(frozen=True, slots=True)
+class Interval:
+    """A quantity as it was found (SI): ``best``, at the likeliest point; ``mean``, ``deviation``
+    and the interval that holds 95 %.
+    """
+
+    best: float
+    mean: float
+    deviation: float
+    low: float
+    high: float
+
+
+@dataclass(frozen=True, eq=False)
+class Branch:
+    """A separate part of the posterior with its probability ``share``; ``misfit``: least sum of
+    squared scaled misses, priors included.
+    """
+
+    share: float
+    misfit: float
+    quantities: Mapping[str, Interval]
+    correlation: Array
+    information: Information
+
+
+@dataclass(frozen=True, slots=True)
+class Predicted:
+    """A measurement beside its prediction (SI): computed at the ``best`` point, 2.5, 50 and 97.5 %
+    of the computed values over the
+    posterior, and the ``percentile`` at which the measured value lies among what would be measured
+    (0 to 100)."""
+
+    datum: Datum
+    best: float
+    low: float
+    middle: float
+    high: float
+    percentile: float
+
+
+@dataclass(frozen=True, slots=True)
+class Prediction:
+    """A computed number that nobody measured (SI; shown in ``unit``): at the ``best`` point, and
+    2.5, 50 and 97.5 % over the posterior.
+    """
+
+    key: str
+    unit: str
+    best: float
+    low: float
+    middle: float
+    high: float
+
+
+@dataclass(frozen=True, eq=False)
+class Identified:
+    """The answer of :func:`valvetrain.identify`. SI throughout.
+
+    ``branches``, the most probable first; ``values`` (draw, quantity) with ``weights`` (draw) and
+    ``branch_of`` (draw); ``predicted``:
+    every measurement beside its prediction; ``predictions`` of what was not measured;
+    ``conflicts``: what meeting a missed measurement
+    costs the others; ``computed``: each computed quantity over the draws; ``log_evidence`` with its
+    error (NaN where it was not found);
+    ``notes`` on the search; ``evaluations``: points that were computed, beside those ``kept`` of an
+    earlier start; ``whole``: False where
+    it was cut short.
+
+    >>> import valvetrain as vt
+    >>> found = vt.identify({"rate": vt.Prior("uniform", 20e3, 60e3)}, [vt.Datum("force", 280.0, 2.0)],
+    ...                     lambda points: [{"force": 7e-3 * rate} for (rate,) in points])
+    >>> found
+    Identified by least-squares: 1 branch
+      rate 4e+04 (3.94e+04 to 4.06e+04)
+    >>> round(found.percentile("force"))
+    50
+    """
+
+    method: str
+    unknowns: tuple[Unknown, ...]
+    branches: tuple[Branch, ...]
+    values: Array
+    weights: Array
+    branch_of: NDArray[np.int64]
+    predicted: tuple[Predicted, ...]
+    predictions: tuple[Prediction, ...]
+    computed: Mapping[str, Array]
+    log_evidence: float = np.nan
+    evidence_error: float = np.nan
+    evidence_kind: str = ""
+    profiles: tuple[Profile, ...] = ()
+    notes: tuple[str, ...] = ()
+    evaluations: int = 0
+    kept: int = 0
+    whole: bool = True
+    wall_time: float = field(default=0.0, compare=False)
+    name: str = ""
+    conflicts: tuple[Conflict, ...] = ()
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the quantities that were looked for."""
+        return tuple(one.name for one in self.unknowns)
+
+    @property
+    def best(self) -> Mapping[str, float]:
+        """The likeliest point of the most probable branch, by quantity."""
+        return {name: one.best for name, one in self.branches[0].quantities.items()}
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """Sentences on what the data do not tell, and on the search."""
+        found = [words for branch in self.branches for words in branch.information.warnings]
+        return tuple(dict.fromkeys((*found, *self.notes)))
+
+    def percentile(self, measurement: str) -> float:
+        """Percentile at which a measurement of one value lies. Raises :class:`InputError` unless
+        one of that name has one value.
+        """
+        fits = [one for one in self.predicted if measurement in (one.datum.name, one.datum.key)]
+        if len(fits) != 1:
+            raise InputError(
+                f"{len(fits) or 'no'} measured values are called '{measurement[:60]}'; look through 'predicted'"
+            )
+        return fits[0].percentile
+
+    def __repr__(self) -> str:
+        count = len(self.branches)
+        lines = [f"Identified by {self.method}: {count} branch{'es' * (count > 1)}"]
+        for branch in self.branches:
+            if count > 1:
+                lines.append(f"probability {branch.share:.2f}:")
+            lines += [
+                f"{name} {one.best:.3g} ({one.low:.3g} to {one.high:.3g})"
+                for name, one in branch.quantities.items()
+            ]
+        return "\n  ".join([*lines, *self.warnings])
+
+    def _repr_html_(self) -> str:
+        rows = [
+            (
+                str(number),
+                f"{branch.share:.3f}",
+                name,
+                f"{one.best:.6g}",
+                f"{one.low:.6g}",
+                f"{one.high:.6g}",
+            )
+            for number, branch in enumerate(self.branches, start=1)
+            for name, one in branch.quantities.items()
+        ]
+        return table(
+            repr(self), ("branch", "probability", "quantity", "best", "2.5 %", "97.5 %"), rows
+        )
+
+
+def percentiles(values: Array, weights: Array, shares: tuple[float, ...]) -> tuple[float, ...]:
+    """Weighted percentiles (0 to 100) of values that are not NaN, by the middle of each weight; NaN
+    where there is none.
+    """
+    known = np.isfinite(values) & (weights > 0)
+    if not known.any():
+        return (np.nan,) * len(shares)
+    order = np.argsort(values[known], kind="stable")
+    sorted_values, sorted_weights = values[known][order], weights[known][order]
+    middle = np.cumsum(sorted_weights) - 0.5 * sorted_weights
+    return tuple(
+        float(one)
+        for one in np.interp(np.array(shares) / 100.0, middle / sorted_weights.sum(), sorted_values)
+    )

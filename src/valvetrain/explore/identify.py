@@ -1,0 +1,280 @@
+"""What a program calls: an identification from a file, or of a computation of one's own."""
+
+from __future__ import annotations
+
+import os
+import time
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from valvetrain.errors import InputError
+from valvetrain.explore.data import Datum
+from valvetrain.explore.draws import Report, silent
+from valvetrain.explore.identification_file import Request, Search, read_request
+from valvetrain.explore.identified import Identified
+from valvetrain.explore.observe import CaseEvaluator, Observed, numbers_at, observe
+from valvetrain.explore.plan import nominal
+from valvetrain.explore.posterior import Evaluate, Outcome, Posterior, Unknown
+from valvetrain.explore.prior import Prior
+from valvetrain.explore.solve import Journal, solve
+from valvetrain.explore.store import versions_digest
+from valvetrain.parameters.changes import nearest
+from valvetrain.registry import find
+from valvetrain.runs.cost import Cost, Limits, read_limits, refuse_cost
+from valvetrain.runs.engine import available_cores
+from valvetrain.runs.workers import StandingPool
+
+Array = NDArray[np.float64]
+#: Points of the priors that are tried until one can be computed; bytes of a point that is kept and
+#: of each of its numbers.
+TRIED, POINT_BYTES, NUMBER_BYTES = 40, 1000.0, 150.0
+#: Work (s of each worker) that a kill may cost at most.
+LOST_SECONDS = 5.0
+#: Times a point is timed, for the first may wait for kernels.
+ROUNDS = 3
+#: Told what the request will cost, in words, before it begins, and its seconds.
+TellCost = Callable[[str, float], None]
+
+
+def identify(
+    quantities: Mapping[str, Prior] | str | os.PathLike[str],
+    measurements: Sequence[Datum] = (),
+    evaluate: Evaluate | None = None,
+    *,
+    search: Search = Search(),
+    profiles: Sequence[str] = (),
+    folder: str | os.PathLike[str] | None = None,
+    workers: int | None = None,
+    progress: Report | None = None,
+    limit: str = "",
+) -> Identified:
+    """Quantities that meet measurements, with what is known of them before: their most probable
+    values, intervals and branches.
+
+    Parameters
+    ----------
+    quantities : path of an identification file (docs/identification.md), which says all the rest;
+        or the prior of each quantity by name
+    measurements : data of a computation of one's own
+    evaluate : points (n, quantities) in SI -> for each a mapping of names to numbers (SI), None for
+        one that is impossible
+    search : method and its options; those of the file by default
+    profiles : quantities whose profile is computed
+    folder : where computed points are kept as they come, so that an identification that is started
+        again goes on; none by default
+    workers : points at a time of a file's case; results do not depend on it
+    progress : told the share done and what was done
+    limit : largest estimated time and memory, such as "2 h, 8 GB"; 10 min and 2 GB by default, of a
+        file alone
+
+    Returns
+    -------
+    Identified: branches, intervals, correlations, what the data determine, and the percentile of
+    each measurement in its prediction
+
+    Raises
+    ------
+    InputError : one sentence on what is wrong with the file or the data, cannot be computed or is
+        too large; MissingExtraError where the
+        library of a method is not installed; RunFailedError where a point is lost with its worker
+
+    Examples
+    --------
+    >>> import valvetrain as vt
+    >>> def surge(points):
+    ...     return [{"load": 7e-3 * rate, "surge": 0.5 * (rate / mass) ** 0.5} for rate, mass in points]
+    >>> priors = {"rate": vt.Prior("uniform", 20e3, 60e3), "mass": vt.Prior("normal", centre=0.05, spread=0.01)}
+    >>> found = vt.identify(priors, [vt.Datum("load", 280.0, 2.0), vt.Datum("surge", 447.0, 3.0)], surge)
+    >>> print(f"{found.best['rate']:.0f} N/m, {1e3 * found.best['mass']:.1f} g")
+    40000 N/m, 50.0 g
+    """
+    place = None if folder is None else Path(folder)
+    if isinstance(quantities, Mapping):
+        if evaluate is None:
+            raise InputError(
+                "a computation is missing; give evaluate, or the path of an identification file"
+            )
+        unknowns = tuple(Unknown(name, prior) for name, prior in quantities.items())
+        with Journal(place, repr((unknowns, tuple(measurements)))) as journal:
+            posterior = Posterior(unknowns, tuple(measurements), journal.through(evaluate))
+            return solve(
+                posterior, search, journal, profiles=tuple(profiles), report=progress or silent
+            )
+    request = read_request(quantities)
+    if search != Search():
+        request = replace(request, search=search)
+    return identify_request(
+        replace(request, profiles=tuple(profiles) or request.profiles),
+        folder=place,
+        workers=workers,
+        report=progress or silent,
+        limits=read_limits((limit,) if limit else (), "limit"),
+        option="limit=",
+    )
+
+
+def identify_request(
+    request: Request,
+    *,
+    folder: Path | None = None,
+    workers: int | None = None,
+    report: Report = silent,
+    limits: Limits = Limits(),
+    option: str = "--limit ",
+    tell: TellCost = lambda words, seconds: None,
+) -> Identified:
+    """The identification of a file; arguments as :func:`identify`, ``tell`` is told the estimated
+    cost.
+
+    Raises :class:`InputError` where the estimate is beyond ``limits`` (the message names
+    ``option``) and where nothing can be computed.
+    """
+    count = available_cores() if workers is None else workers
+    if count < 1:
+        raise InputError(f"workers must be 1 or more; it is {count}", "--workers")
+    with (
+        Journal(folder, f"{request.identity} {versions_digest()}") as journal,
+        evaluators_of(request, count) as (evaluate, compare),
+    ):
+        posterior = Posterior(request.unknowns, request.data, journal.through(evaluate))
+        begin = np.array([values_of_case(request)]) if request.from_case else None
+        seconds = _try(request, posterior, evaluate)
+        journal.at_a_time = count * max(1, round(LOST_SECONDS / max(seconds, 1e-6)))
+        points = request.search.evaluations_of(
+            len(request.unknowns), len(request.profiles), int(request.from_case)
+        )
+        left = max(points - len(journal), 0)
+        later = (
+            0.0
+            if compare is None
+            else (request.search.draws + 1)
+            * _timed(compare, posterior.values(posterior.centre[None, :]))
+        )
+        told = refuse_cost(
+            Cost(
+                (left * seconds + later) / count,
+                points * (POINT_BYTES + NUMBER_BYTES * len(request.sought)),
+            ),
+            limits,
+            option,
+        )
+        tell(f"{told} ({left} points of {1e3 * seconds:.3g} ms)", (left * seconds + later) / count)
+        compared = None if compare is None else journal.through(compare, b"compared")
+        return solve(
+            posterior,
+            request.search,
+            journal,
+            begin=begin,
+            profiles=request.profiles,
+            name=request.name,
+            report=report,
+            compare=compared,
+            units={one.key: one.unit for one in request.sought},
+        )
+
+
+@contextmanager
+def evaluators_of(request: Request, workers: int) -> Iterator[tuple[Evaluate, Evaluate | None]]:
+    """What computes the points of a request: its case under the conditions of its measurements, or
+    the evaluator it names; and what
+    computes it under conditions of which nothing is fitted, for the draws alone (None where there
+    are none)."""
+    if request.evaluator:
+        source = find("sources", request.evaluator, "evaluator").points_of_identification()
+        named = source.points(tuple(one.name for one in request.unknowns), dict(request.options))
+        with StandingPool(_of_source, named, workers) as pool:
+            yield lambda points: pool.map([tuple(map(float, point)) for point in points]), None
+        return
+    first, later = request.parts
+    every = tuple(Observed(request.case, request.varied, sought) for sought in (first, later))
+    with StandingPool(observe, every, workers) as pool:
+        yield CaseEvaluator(pool, 0), CaseEvaluator(pool, 1) if later else None
+
+
+def _of_source(evaluate: Callable[[Sequence[float]], Outcome], point: Sequence[float]) -> Outcome:
+    return evaluate(point)
+
+
+def values_of_case(request: Request) -> tuple[float, ...]:
+    """The values (SI) that the case itself holds of the quantities; a factor is one, an offset
+    zero. Raises :class:`InputError` for one
+    that cannot be read from it."""
+    if request.evaluator:
+        source = find("sources", request.evaluator, "evaluator").points_of_identification()
+        return tuple(source.values(tuple(one.name for one in request.unknowns)))
+    try:
+        return tuple(nominal(request.case, row[0]) for row in request.varied)
+    except InputError as error:
+        raise InputError(f"{error.where} {error.reason}", "search.from_case") from None
+
+
+def _try(request: Request, posterior: Posterior, evaluate: Evaluate) -> float:
+    """Seconds of one point. Raises :class:`InputError` where none of several points of the priors
+    can be computed, with the reason of the
+    first, and for a measurement of something that no point tells."""
+    random = np.random.default_rng(request.search.seed)
+    tried = np.vstack(
+        [posterior.centre, posterior.from_shares(random.random((TRIED, len(posterior.unknowns))))]
+    )
+    for place in range(len(tried)):
+        work = tried[place : place + 1]
+        outcome = posterior.at(work).outcomes[0]
+        if outcome is None:
+            if place == 0:
+                _refuse_keys(request, posterior.values(work)[0])
+            continue
+        missing = [one for one in posterior.used if not np.isfinite(outcome.get(one.key, np.nan))]
+        if missing and place < len(tried) - 1:
+            continue
+        if missing:
+            known = tuple(key for key, value in outcome.items() if np.isfinite(value))
+            raise InputError(
+                f"no point gives '{missing[0].key[:80]}'; {nearest(missing[0].key, known)}",
+                f"measurements.{missing[0].name}",
+            )
+        return min(_timed(evaluate, posterior.values(work)) for _ in range(ROUNDS))
+    raise InputError(
+        f"none of {len(tried)} points of the priors can be computed{_why(request, posterior)}"
+    )
+
+
+def _timed(evaluate: Evaluate, point: Array) -> float:
+    begun = time.perf_counter()
+    evaluate(point)
+    return time.perf_counter() - begun
+
+
+def _refuse_keys(request: Request, values: Array) -> None:
+    """Raise where a key or a word is wrong, which no other values mend."""
+    if request.evaluator:
+        return
+    observed = Observed(request.case, request.varied, request.sought)
+    for row, value in zip(observed.varied, values, strict=True):
+        for one in row:
+            try:
+                replace(observed, varied=((one,),)).case_at((float(value),))
+            except InputError as error:
+                if (
+                    "there is no value" in error.reason
+                    or "has no '" in error.reason
+                    or error.where == one.key
+                ):
+                    raise
+
+
+def _why(request: Request, posterior: Posterior) -> str:
+    if request.evaluator:
+        return "; narrow the priors to what is possible"
+    observed = Observed(request.case, request.varied, request.sought)
+    try:
+        case = observed.case_at(posterior.values(posterior.centre[None, :])[0])
+        for station in observed.stations:
+            numbers_at(case, station, observed.sought)
+    except Exception as error:
+        return f", at their middle because: {error}"
+    return "; narrow the priors to what is possible"

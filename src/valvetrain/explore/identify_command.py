@@ -1,0 +1,220 @@
+"""``valvetrain identify``: quantities of a case from measurements, with what is left open."""
+
+from __future__ import annotations
+
+import shutil
+from contextlib import suppress
+from dataclasses import replace
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from valvetrain.cli.limits import WORTH_SAYING
+from valvetrain.cli.options import (
+    JsonOption,
+    LimitOption,
+    OpenOption,
+    OutputOption,
+    QuietOption,
+    WorkersOption,
+    asks,
+    read_words,
+    read_workers,
+    take_folder,
+)
+from valvetrain.cli.study_command import Kept, keep_run, show_page
+from valvetrain.errors import InputError
+
+if TYPE_CHECKING:
+    from rich.console import Console
+
+    from valvetrain.explore.identification_file import Request
+    from valvetrain.explore.identified import Identified
+
+
+def register(app: typer.Typer) -> None:
+    """Add the command."""
+    app.command("identify")(identify)
+
+
+def identify(
+    file: Annotated[
+        Path,
+        typer.Argument(
+            metavar="FILE", help="Identification file: case, quantities with priors, measurements."
+        ),
+    ],
+    method: Annotated[
+        str,
+        asks(
+            "--method", "METHOD", "least-squares, cma-es, nested or ensemble instead of the file's."
+        ),
+    ] = "",
+    seed: Annotated[int | None, asks("--seed", "N", "Seed of all random numbers.")] = None,
+    profile: Annotated[
+        list[str] | None,
+        asks("--profile", "QUANTITIES", "Quantities whose profile is computed; repeatable."),
+    ] = None,
+    output: OutputOption = None,
+    workers: WorkersOption = None,
+    limit: LimitOption = None,
+    open_page: OpenOption = False,
+    as_json: JsonOption = False,
+    quiet: QuietOption = False,
+) -> None:
+    """Identify quantities of a case from measurements: likeliest values, intervals, separate
+    solutions. A cut search is resumed.
+    """
+    from valvetrain.explore.identification_file import read_request
+    from valvetrain.explore.solve import NAME
+    from valvetrain.runs.cost import read_limits
+    from valvetrain.runs.saved_runs import ROOT, safe_name
+
+    take_folder(output, NAME)
+    request = read_request(file)
+    asked: dict[str, Any] = {"method": method} if method else {}
+    if seed is not None:
+        asked["seed"] = seed
+    try:
+        request = replace(
+            request,
+            search=replace(request.search, **asked),
+            profiles=read_words(profile) or request.profiles,
+        )
+    except InputError as error:
+        raise InputError(error.reason, f"--{error.where}") from None
+    points = output or ROOT / safe_name(request.case.name) / f"points-{request.identity[:12]}"
+    kept = Kept(
+        "identify", request.case, output, datetime.now(UTC).replace(microsecond=0), file.parent
+    )
+    _answer(request, kept, points, read_workers(workers), read_limits(limit), open_page)
+
+
+def _answer(
+    request: Request, kept: Kept, points: Path, workers: int, limits: Any, open_page: bool
+) -> None:
+    from valvetrain.cli.guard import interrupted
+    from valvetrain.cli.outcome import Outcome, deliver, tell
+    from valvetrain.cli.progress import busy, progress_bar
+    from valvetrain.explore.identification_page import identification_json, write_identification
+    from valvetrain.explore.identify import identify_request
+    from valvetrain.explore.solve import NAME
+    from valvetrain.solution.atomic import is_abandoned
+
+    def told(words: str, seconds: float) -> None:
+        if seconds > WORTH_SAYING:
+            tell(f"this will take {words}")
+
+    try:
+        with progress_bar(request.name) as report:
+            found = identify_request(
+                request, folder=points, workers=workers, report=report, limits=limits, tell=told
+            )
+    except KeyboardInterrupt:
+        interrupted(
+            f"interrupted: the points computed so far are kept in '{points}'; start the command again to go on"
+        )
+        raise
+    except InputError:
+        with suppress(OSError):  # nothing was computed, so nothing is kept
+            journal = points / NAME
+            if (
+                not kept.output
+                and is_abandoned(journal)
+                and sum(1 for _ in journal.open("rb")) <= 1
+            ):
+                shutil.rmtree(points)
+        raise
+    data = {
+        "command": "identify",
+        "case": request.case.name,
+        **identification_json(found),
+        "completed": found.whole,
+    }
+    if not found.whole:
+        with busy("writing files"):
+            files = [str(path) for path in write_identification(found, points, request.title)]
+        data |= {"folder": str(points), "files": files, "page": files[-1]}
+        deliver(Outcome(data, lambda console: _show(console, found, points)))
+        raise typer.Exit(
+            interrupted(
+                f"interrupted: what was computed is kept in '{points}'; start the command again to go on"
+            )
+        )
+    folder, files = _keep(request, kept, points, found, data)
+    data |= {"folder": str(folder), "files": files, "page": str(folder / "report.html")}
+    if open_page:
+        show_page(folder / "report.html")
+    deliver(Outcome(data, lambda console: _show(console, found, folder)))
+
+
+def _keep(
+    request: Request, kept: Kept, points: Path, found: Identified, data: dict[str, Any]
+) -> tuple[Path, list[str]]:
+    from valvetrain.cli.progress import busy
+    from valvetrain.explore.identification_page import write_identification
+    from valvetrain.explore.solve import NAME
+    from valvetrain.solution.atomic import write_text
+
+    def fill(folder: Path) -> list[Path]:
+        written = [write_text(folder / "identification.toml", request.text)]
+        if folder.resolve() != points.resolve():
+            shutil.move(str(points / NAME), folder / NAME)
+            shutil.rmtree(points, ignore_errors=True)
+        return [*written, folder / NAME, *write_identification(found, folder, request.title)]
+
+    choices = {
+        "identification": request.text,
+        "method": request.search.method,
+        "seed": request.search.seed,
+        "profiles": list(request.profiles),
+    }
+    with busy("writing files"):
+        return keep_run(kept, request.case.record().text, choices, data, fill)
+
+
+def _show(console: Console, found: Identified, folder: Path) -> None:
+    from valvetrain.cli.outcome import plain_table
+    from valvetrain.explore.identification_summary import (
+        CONFLICTS,
+        FOUND,
+        MEASURED,
+        PREDICTED,
+        conflict_words,
+        facts,
+        found_rows,
+        measured_words,
+        prediction_words,
+    )
+
+    for number, branch in enumerate(found.branches, start=1):
+        if len(found.branches) > 1:
+            console.print(f"branch {number}, probability {branch.share:.3f}")
+        console.print(plain_table(FOUND, found_rows(found, branch), right=(1, 2, 3, 6)))
+        console.print()
+    console.print(
+        plain_table(
+            MEASURED, [measured_words(one) for one in found.predicted], right=(1, 2, 3, 4, 5, 7)
+        )
+    )
+    console.print()
+    if found.conflicts:
+        console.print(
+            plain_table(
+                CONFLICTS, [conflict_words(one) for one in found.conflicts], right=(1, 2, 3)
+            )
+        )
+        console.print()
+    if found.predictions:
+        console.print(
+            plain_table(
+                PREDICTED, [prediction_words(one) for one in found.predictions], right=(1, 2, 3, 4)
+            )
+        )
+        console.print()
+    console.print("; ".join(f"{name} {words}" for name, words in facts(found)), soft_wrap=True)
+    for words in found.warnings:
+        console.print(f"{words[:1].upper()}{words[1:]}.", soft_wrap=True)
+    console.print(f"results in {folder}", soft_wrap=True)

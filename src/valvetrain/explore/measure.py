@@ -1,0 +1,304 @@
+"""What a search looks at in a design: quantities at its runs, speeds up to which a quantity stays
+within a bound; objectives, bounds.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Generator, Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from valvetrain.explore.plan import Run
+from valvetrain.explore.point import Outcome
+from valvetrain.solution.definition import definition_of, not_given, shown
+
+#: How a search ended: a bracket was found; the bound is left at the lowest speed already; it is
+#: kept up to the highest one.
+FOUND, BELOW, BEYOND = "found", "below", "beyond"
+#: A rise over its neighbours this many times what a parabola through the three tells is thought
+#: possible between them.
+CAUTION = 2.0
+Scan = Generator[list[float], list[float], "LimitFound"]
+
+
+@dataclass(frozen=True, slots=True)
+class LimitSearch:
+    """Keep ``quantity`` at or below (``upper``), or at or above, ``bound`` (SI), over
+    ``engine_speeds`` (rad/s, rising).
+
+    ``resolution`` (rad/s): width of the bracket at the end. ``share``: the bound is this share of
+    what the case has at the lowest speed.
+    """
+
+    quantity: str
+    upper: bool
+    bound: float
+    engine_speeds: tuple[float, ...]
+    resolution: float
+    share: float | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class LimitFound:
+    """The bracket: the bound is kept up to ``low`` and left at ``high`` (rad/s); ``kind`` says
+    whether there is one.
+
+    ``missed``: where the bound is left at the lowest speed already, by which share of it.
+    """
+
+    kind: str
+    low: float
+    high: float
+    missed: float = 0.0
+
+    @property
+    def value(self) -> float:
+        """The limit speed (rad/s): the highest one at which the bound was seen kept; the lowest
+        looked at where there is none.
+        """
+        return self.high if self.kind == BELOW else self.low
+
+
+def find_limit(limit: LimitSearch) -> Scan:
+    """Ask for values at engine speeds (rad/s), batch by batch; a value that is not there (nan)
+    counts as beyond the bound.
+    """
+    sign = 1.0 if limit.upper else -1.0
+    known: dict[float, float] = {}
+
+    def excess(engine_speed: float) -> float:
+        value = known[engine_speed]
+        return sign * (value - limit.bound) if np.isfinite(value) else np.inf
+
+    for engine_speed in limit.engine_speeds:
+        known[engine_speed] = (yield [engine_speed])[0]
+        if excess(engine_speed) > 0:
+            break
+    while True:
+        order = sorted(known)
+        beyond = next((place for place, one in enumerate(order) if excess(one) > 0), None)
+        if beyond == 0:
+            return LimitFound(BELOW, 0.0, order[0], excess(order[0]) / (abs(limit.bound) or 1.0))
+        near = _nearing(order[:beyond], [excess(one) for one in order[:beyond]], limit.resolution)
+        if near:  # a peak between the points of the grid that may leave the bound
+            known |= dict(zip(near, (yield near), strict=True))
+            continue
+        if beyond is None:
+            return LimitFound(BEYOND, order[-1], np.inf)
+        low, high = order[beyond - 1], order[beyond]
+        if high - low <= limit.resolution * (1 + 1e-9):
+            return LimitFound(FOUND, low, high)
+        middle = 0.5 * (low + high)
+        known[middle] = (yield [middle])[0]
+
+
+def _nearing(engine_speeds: list[float], excess: list[float], resolution: float) -> list[float]:
+    """Speeds about the lowest peak inside the bound whose top, as a parabola with some caution
+    tells it, may lie beyond the bound.
+    """
+    for place in range(1, len(engine_speeds) - 1):
+        before, top, after = excess[place - 1 : place + 2]
+        if not (top >= before and top >= after and (top > before or top > after)):
+            continue
+        left, here, right = engine_speeds[place - 1 : place + 2]
+        if (
+            top + CAUTION * _rise(np.array([left, here, right]), np.array([before, top, after]))
+            <= 0
+        ):
+            continue
+        middles = [
+            0.5 * (one + two)
+            for one, two in ((left, here), (here, right))
+            if two - one > 2 * resolution
+        ]
+        if middles:
+            return middles
+    return []
+
+
+def _rise(
+    x: np.ndarray[tuple[int], np.dtype[np.float64]], y: np.ndarray[tuple[int], np.dtype[np.float64]]
+) -> float:
+    """How far the top of the parabola through three points lies above the middle one."""
+    first, second = np.diff(y) / np.diff(x)
+    curvature = (second - first) / (x[2] - x[0])
+    if curvature >= 0:
+        return 0.0
+    slope = first + curvature * (x[1] - x[0])
+    return float(-(slope**2) / (4 * curvature))
+
+
+#: Where a number comes from: springs at rest, runs at the speeds of the file, runs of a search for
+#: a limit speed.
+REST, RUNS, LIMIT = "rest", "runs", "limit"
+#: A point that is asked for: which of these, and the run.
+Ask = tuple[str, Run]
+Answers = Generator[list[Ask], list[Outcome], "Measured"]
+#: Dimension and shown unit of a limit speed.
+_RPM = np.pi / 30
+
+
+@dataclass(frozen=True)
+class Measure:
+    """One number of a design: ``quantity`` over ``runs``, the ``over`` (worst, mean) of several, or
+    a limit speed where ``limit`` is given.
+
+    ``largest_is_worst`` tells which of several is the worst. ``label``: plain words. ``bounds``: of
+    the limit speed of each run, where they
+    are shares of what the case has; else that of ``limit`` holds for all.
+    """
+
+    source: str
+    quantity: str
+    runs: tuple[Run, ...]
+    label: str
+    largest_is_worst: bool = True
+    over: str = "worst"
+    limit: LimitSearch | None = None
+    bounds: tuple[float, ...] = ()
+
+    def limit_of(self, place: int) -> LimitSearch:
+        """The search for the limit speed of the run at ``place``."""
+        assert self.limit is not None
+        return replace(self.limit, bound=self.bounds[place]) if self.bounds else self.limit
+
+    @property
+    def si_unit(self) -> str:
+        """SI unit of its values."""
+        return "rad/s" if self.limit is not None else definition_of(self.quantity).si_unit
+
+    @property
+    def unit(self) -> str:
+        """Unit in which tables show it."""
+        return "rpm" if self.limit is not None else definition_of(self.quantity).shown_unit
+
+    def shown(self, value: float) -> float:
+        """A value (SI) in the unit of tables."""
+        return value / _RPM if self.limit is not None else float(shown(self.quantity, value)[0])
+
+    def of(self, values: Sequence[float]) -> float:
+        """The number that stands for several runs; nan where one is missing."""
+        if not len(values) or not all(map(np.isfinite, values)):
+            return float("nan")
+        if self.over == "mean":
+            return float(np.mean(values))
+        return float(max(values) if self.largest_is_worst else min(values))
+
+
+@dataclass(frozen=True)
+class Objective:
+    """A measure to be made small or, where ``maximise``, large."""
+
+    measure: Measure
+    maximise: bool
+
+    @property
+    def sign(self) -> float:
+        """Factor that makes smaller better."""
+        return -1.0 if self.maximise else 1.0
+
+
+@dataclass(frozen=True)
+class Constraint:
+    """A measure kept at or below (``upper``), or at or above, ``bound`` (SI), ``share`` of what the
+    case has where that is given.
+    """
+
+    measure: Measure
+    upper: bool
+    bound: float
+    share: float | None = None
+    scale: float = 1.0
+
+    def missed(self, value: float) -> float:
+        """How far a value (SI) lies beyond the bound, in shares of its size; negative inside."""
+        return float((value - self.bound) * (1.0 if self.upper else -1.0) / self.scale)
+
+
+@dataclass(frozen=True)
+class Measured:
+    """Numbers (SI) of measures of one design, nan where there is none; brackets of its limit
+    speeds; ``failure`` in words, else empty.
+    """
+
+    values: Mapping[Measure, float]
+    limits: Mapping[Measure, tuple[LimitFound, ...]]
+    failure: str = ""
+    code: str = "completed"
+
+
+def measuring(measures: Sequence[Measure], stop: object = None) -> Answers:
+    """Ask for the points of ``measures`` batch by batch and give their numbers; what a design
+    cannot be is found first, at rest.
+
+    ``stop(values)`` may say, before the search for limit speeds, that these are not needed.
+    """
+    values: dict[Measure, float] = {}
+    for source in (REST, RUNS, LIMIT):
+        here = [one for one in measures if one.source == source and one.limit is None]
+        asks = list(dict.fromkeys((source, run) for one in here for run in one.runs))
+        if not asks:
+            continue
+        found = dict(zip(asks, (yield asks), strict=True))
+        values |= {
+            one: one.of([found[source, run].values.get(one.quantity, np.nan) for run in one.runs])
+            for one in here
+        }
+        for (_, run), outcome in found.items():
+            if not outcome.status.completed:
+                return Measured(
+                    values, {}, _at(run, outcome.status.sentence()), outcome.status.code
+                )
+        lacking = [one for one in here if not np.isfinite(values[one])]
+        if lacking:
+            return Measured(values, {}, not_given(lacking[0].quantity), "incomplete")
+    if callable(stop) and stop(values):
+        return Measured(values, {})
+    limits: dict[Measure, tuple[LimitFound, ...]] = {}
+    for one in (one for one in measures if one.limit is not None):
+        brackets: list[LimitFound] = []
+        for place, run in enumerate(one.runs):
+            found_limit, failed = yield from _limit(one, place)
+            if failed is not None:
+                return Measured(
+                    values, limits, _at(run, failed.status.sentence()), failed.status.code
+                )
+            brackets.append(found_limit)
+        limits[one] = tuple(brackets)
+        values[one] = one.of([bracket.value for bracket in brackets])
+    return Measured(values, limits)
+
+
+def _limit(
+    one: Measure, place: int
+) -> Generator[list[Ask], list[Outcome], tuple[LimitFound, Outcome | None]]:
+    """The bracket of one limit speed; a run that fails at the lowest speed is handed back, a higher
+    one counts as beyond the bound.
+    """
+    run, search = one.runs[place], find_limit(one.limit_of(place))
+    asked = next(search)
+    first = True
+    while True:
+        found = yield [(LIMIT, (engine_speed, run[1], run[2])) for engine_speed in asked]
+        if first and not found[0].status.completed:
+            return LimitFound(BELOW, 0.0, asked[0]), found[0]
+        first = False
+        told = [
+            outcome.values.get(one.quantity, np.nan) if outcome.status.completed else np.nan
+            for outcome in found
+        ]
+        try:
+            asked = search.send(told)
+        except StopIteration as end:
+            return end.value, None
+
+
+def _at(run: Run, sentence: str) -> str:
+    speed = "" if run[0] is None else f"at {run[0] / _RPM:.6g} rpm: "
+    return f"{speed}{sentence}"
+
+
+__all__ = [
+    "BELOW", "BEYOND", "LIMIT", "REST", "RUNS", "Answers", "Ask", "Constraint", "Measure", "Measured", "Objective", "measuring",
+]  # fmt: skip

@@ -1,0 +1,147 @@
+"""An optimisation file: case, what is varied, objectives, constraints, search. TOML in, one typed
+table out, or one sentence.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+from pydantic import BeforeValidator, Field
+
+from valvetrain.explore.study_file import (
+    MOST_VARIED,
+    Amount,
+    FileText,
+    VaryModel,
+    Words,
+    text_of_file,
+)
+from valvetrain.parameters.schema_types import Line, StrictModel, problem
+
+#: Most objectives and constraints of a file, trials of a search and searches of other seeds: more
+#: are taken for a mistake.
+MOST_OBJECTIVES, MOST_CONSTRAINTS, MOST_TRIALS, MOST_SEEDS, MOST_PER_ROUND = 4, 32, 20_000, 20, 256
+#: Engine speeds are told this closely where nobody says otherwise.
+RESOLUTION = "10 rpm"
+Direction = Literal["minimise", "maximise"]
+Method = Literal["tpe", "nsga2", "cma-es"]
+
+
+def _speeds(raw: Any) -> Any:
+    if not isinstance(raw, (str, list)):
+        raise problem(
+            "holds no engine speeds; write such as '4000, 6000 rpm' or '4000:9000:250 rpm'"
+        )
+    return raw
+
+
+def _confirmations(raw: Any) -> Any:
+    if isinstance(raw, str):
+        raw = [word.strip() for word in raw.split(",")]
+    if not isinstance(raw, list):
+        raise problem(
+            "is no row of models; write such as confirm = ['wave-rod-clash'], or [[confirm]] tables"
+        )
+    return [{"spring_model": one} if isinstance(one, str) else one for one in raw]
+
+
+Speeds = Annotated[str | list[Any], BeforeValidator(_speeds)]
+
+
+class LimitSpeedModel(StrictModel):
+    """``limit_speed``: the engine speed up to which a quantity stays within a bound, searched over
+    ``engine_speeds`` from below.
+    """
+
+    quantity: str
+    at_most: Amount | None = None
+    at_least: Amount | None = None
+    engine_speeds: Speeds
+    resolution: Amount = RESOLUTION
+
+
+class MeasureModel(StrictModel):
+    """What objectives and constraints share: a ``quantity`` or a ``limit_speed``, at which engine
+    speeds, which of several counts.
+    """
+
+    quantity: str = ""
+    limit_speed: LimitSpeedModel | None = None
+    engine_speeds: Speeds | None = None
+    over: Literal["worst", "mean"] = "worst"
+    label: Line = ""
+
+
+class ObjectiveModel(MeasureModel):
+    """One ``[[objective]]`` table."""
+
+    direction: Direction
+
+
+class ConstraintModel(MeasureModel):
+    """One ``[[constraint]]`` table: bounds with unit, or ``"1.0 x case"``, that share of what the
+    case itself has.
+    """
+
+    at_most: Amount | None = None
+    at_least: Amount | None = None
+
+
+class SearchModel(StrictModel):
+    """The ``[search]`` table. ``per_round`` trials are asked for together, whatever the workers;
+    ``seeds`` searches show their scatter;
+    ``local``: share of the trials that a local search about the best has at the end, of one
+    objective.
+    """
+
+    method: Method = "tpe"
+    trials: Annotated[int, Field(ge=1, le=MOST_TRIALS)] = 100
+    per_round: Annotated[int, Field(ge=1, le=MOST_PER_ROUND)] = 8
+    seed: Annotated[int, Field(ge=0, le=2**31)] = 1
+    seeds: Annotated[int, Field(ge=1, le=MOST_SEEDS)] = 1
+    local: Annotated[float, Field(ge=0.0, le=0.9)] = 0.4
+
+
+class ConfirmModel(StrictModel):
+    """One ``[[confirm]]`` table: another spring model, or the case with ``changes`` such as a finer
+    mesh, for the best design.
+    """
+
+    spring_model: str = ""
+    changes: dict[str, Any] = Field(default_factory=dict)
+    label: Line = ""
+
+
+class OptimumModel(StrictModel):
+    """The whole file."""
+
+    title: Line = ""
+    description: Line = ""
+    case: str
+    changes: dict[str, Any] = Field(default_factory=dict)
+    engine_speeds: Speeds | None = None
+    spring_models: Words = Field(default_factory=list)
+    spring_sets: Words = Field(default_factory=list)
+    rest_model: str = ""
+    objective: list[ObjectiveModel] = Field(min_length=1, max_length=MOST_OBJECTIVES)
+    constraint: list[ConstraintModel] = Field(default_factory=list, max_length=MOST_CONSTRAINTS)
+    vary: list[VaryModel] = Field(min_length=1, max_length=MOST_VARIED)
+    search: SearchModel = SearchModel()
+    confirm: Annotated[list[ConfirmModel], BeforeValidator(_confirmations)] = Field(
+        default_factory=list, max_length=8
+    )
+
+
+class OptimumText(FileText[OptimumModel]):
+    """An optimisation file read."""
+
+    def __init__(self, text: str, where: str, folder: Path) -> None:
+        super().__init__(text, where, folder, OptimumModel)
+
+
+def read_optimum_file(path: Path) -> OptimumText:
+    """The optimisation file at ``path``. Raises :class:`InputError`, one sentence with file, line
+    and key.
+    """
+    return OptimumText(text_of_file(path, "optimisation file"), path.name[:60], path.parent)

@@ -1,0 +1,236 @@
+"""Sobol indices: which share of an output's variance each varied quantity brings, alone and with
+all it acts together with.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from valvetrain.errors import InputError, MissingExtraError
+from valvetrain.explore.plan import Run
+from valvetrain.solution.definition import definition_of, label_of, shown
+
+Array = NDArray[np.float64]
+#: Resamples behind an interval, and its ends in per cent.
+RESAMPLES, ENDS = 1000, (2.5, 97.5)
+#: Base rows below which no index is told; a spread (over the size of the mean) below which there is
+#: nothing to explain.
+LEAST_ROWS, NO_SPREAD = 8, 1e-9
+#: Base rows that are asked for where fewer cannot tell quantities apart.
+ENOUGH_ROWS = 64
+
+
+@dataclass(frozen=True, eq=False)
+class Sensitivity:
+    """Indices of one ``output`` at one ``run`` by varied quantity (d): ``first`` order and
+    ``total``, with 95 % intervals (d, 2).
+
+    ``rows``: base rows used; ``dropped``: those left out because a point of them failed;
+    ``sentence``: which quantity makes the spread.
+    """
+
+    output: str
+    run: Run
+    names: tuple[str, ...]
+    first: Array
+    total: Array
+    first_interval: Array
+    total_interval: Array
+    rows: int
+    dropped: int
+    sentence: str
+
+
+def sensitivity_of(
+    output: str, run: Run, names: Sequence[str], values: Array, seed: int = 1
+) -> Sensitivity | None:
+    """Indices from ``values`` of the rows of Saltelli's design (A, B, then A with each column of
+    B); nan where a point failed.
+
+    First order by Saltelli et al. (2010), total by Jansen (1999), intervals by bootstrap over the
+    base rows. None with fewer than
+    :data:`LEAST_ROWS` whole base rows.
+    """
+    size = len(names)
+    parts = values.reshape(size + 2, -1)
+    whole = np.all(np.isfinite(parts), axis=0)
+    kept = parts[:, whole]
+    if kept.shape[1] < LEAST_ROWS:
+        return None
+    first, total = indices(kept)
+    generator, drawn = np.random.default_rng(seed), np.empty((RESAMPLES, 2, size))
+    for place in range(RESAMPLES):
+        drawn[place] = indices(kept[:, generator.integers(0, kept.shape[1], kept.shape[1])])
+    low, high = (np.nanpercentile(drawn, end, axis=0) for end in ENDS)
+    intervals = [np.stack([low[kind], high[kind]], axis=1) for kind in (0, 1)]
+    sentence = verdict(output, names, total, intervals[1], kept[:2])
+    return Sensitivity(
+        output,
+        run,
+        tuple(names),
+        first,
+        total,
+        intervals[0],
+        intervals[1],
+        kept.shape[1],
+        int(np.count_nonzero(~whole)),
+        sentence,
+    )
+
+
+def indices(parts: Array) -> tuple[Array, Array]:
+    """First-order and total indices (d) of outputs ``parts`` (d + 2, n)."""
+    centred = parts - np.mean(parts[:2])
+    a, b, mixed = centred[0], centred[1], centred[2:]
+    variance = np.var(centred[:2])
+    if not variance > 0:
+        return np.zeros(len(mixed)), np.zeros(len(mixed))
+    return np.mean(b * (mixed - a), axis=1) / variance, 0.5 * np.mean(
+        (a - mixed) ** 2, axis=1
+    ) / variance
+
+
+def verdict(output: str, names: Sequence[str], total: Array, interval: Array, base: Array) -> str:
+    """One sentence: the quantity that makes the spread of an output, those that cannot be told
+    apart, or that there is none.
+    """
+    label = label_of(output)
+    if not np.std(base) > NO_SPREAD * max(abs(float(np.mean(base))), 1e-300):
+        return f"None of the varied quantities moves the {label}."
+    order = np.argsort(-total)
+    leader = int(order[0])
+    rivals = [int(place) for place in order[1:] if interval[place, 1] >= interval[leader, 0]]
+
+    def share(place: int) -> str:
+        return f"{names[place]} ({100 * total[place]:.0f} %, {100 * interval[place, 0]:.0f} to {100 * interval[place, 1]:.0f})"
+
+    if rivals:
+        told = ", ".join(share(place) for place in (leader, *rivals[:3]))
+        rows = base.shape[1]
+        more = (
+            f" by {rows} base rows; count = {ENOUGH_ROWS * (len(names) + 2)} gives {ENOUGH_ROWS}"
+            if rows < ENOUGH_ROWS
+            else ""
+        )
+        return f"No single quantity makes the spread of the {label}: the shares of {told} cannot be told apart{more}."
+    second = f"; next is {share(int(order[1]))}" if len(order) > 1 else ""
+    return f"What makes the spread of the {label} is {share(leader)} of its variance{second}."
+
+
+HINT = "a surrogate needs scikit-learn, which is not installed; install the extra: pip install 'valvetrain[studies]'"
+#: Share of the points kept out of the fit; least points that a surrogate is made of; most that it
+#: is fitted to, for its time grows with
+#: the cube of their number.
+KEPT_OUT, LEAST, MOST = 0.2, 12, 1000
+
+
+@dataclass(frozen=True, eq=False)
+class Surrogate:
+    """A Gaussian process for one ``output`` at one ``run``.
+
+    ``error``: root of the mean square error (SI) on the ``kept_out`` points; ``share``: that over
+    their standard deviation; ``covered``:
+    share of them within two standard deviations that the process itself tells; ``predicted`` and
+    ``computed``: their values.
+    """
+
+    output: str
+    run: Run
+    fitted: int
+    kept_out: int
+    error: float
+    share: float
+    covered: float
+    predicted: Array
+    computed: Array
+    centre: Array
+    scale: Array
+    process: Any = field(repr=False)
+
+    @property
+    def sentence(self) -> str:
+        """What its error is, in words."""
+        unit = definition_of(self.output).shown_unit
+        error = float(shown(self.output, self.error)[0])
+        told = f"The surrogate of the {label_of(self.output)} errs by {error:.3g} {unit} (rms) on {self.kept_out} points kept out of its fit"
+        good = "" if self.share < 0.3 else ", so it does not stand for a run"
+        return f"{told}, {100 * self.share:.0f} % of their scatter{good}."
+
+    def predict(self, inputs: ArrayLike) -> tuple[Array, Array]:
+        """Mean and standard deviation (m,) in SI at ``inputs`` (m, d) in SI, in the order of the
+        varied quantities.
+        """
+        points = np.atleast_2d(np.asarray(inputs, dtype=float))
+        if points.shape[1] != len(self.centre):
+            raise InputError(
+                f"the surrogate takes {len(self.centre)} inputs a point; given are {points.shape[1]}"
+            )
+        mean, deviation = self.process.predict((points - self.centre) / self.scale, return_std=True)
+        return np.asarray(mean), np.asarray(deviation)
+
+
+def surrogate_of(
+    output: str, run: Run, inputs: Array, values: Array, seed: int = 1
+) -> Surrogate | None:
+    """Fit a process with a length of its own per quantity to the points (n, d) and ``values`` (n);
+    None with fewer than :data:`LEAST`.
+
+    Raises :class:`MissingExtraError` without scikit-learn.
+    """
+    try:
+        from sklearn.gaussian_process import GaussianProcessRegressor
+        from sklearn.gaussian_process.kernels import RBF, ConstantKernel, WhiteKernel
+    except ImportError as error:
+        raise MissingExtraError(HINT) from error
+    there = np.isfinite(values)
+    points, found = inputs[there], values[there]
+    scale = np.std(points, axis=0)
+    if len(points) < LEAST or not np.std(found) > 0 or not np.all(scale > 0):
+        return None
+    order = np.random.default_rng(seed).permutation(len(points))
+    out = max(2, round(KEPT_OUT * len(points)))
+    kept_out, fitted = order[:out], order[out : out + MOST]
+    centre = np.mean(points, axis=0)
+    cube = (points - centre) / scale
+    kernel = ConstantKernel(1.0, (1e-3, 1e3)) * RBF(
+        np.ones(points.shape[1]), (1e-2, 1e3)
+    ) + WhiteKernel(1e-4, (1e-10, 1.0))
+    process = GaussianProcessRegressor(
+        kernel, normalize_y=True, n_restarts_optimizer=2, random_state=seed
+    )
+    _quiet_fit(process, cube[fitted], found[fitted])
+    mean, deviation = process.predict(cube[kept_out], return_std=True)
+    miss = mean - found[kept_out]
+    error_found = float(np.sqrt(np.mean(miss**2)))
+    covered = float(np.mean(np.abs(miss) <= 2 * deviation))
+    share = error_found / max(float(np.std(found[kept_out])), 1e-300)
+    return Surrogate(
+        output,
+        run,
+        len(fitted),
+        out,
+        error_found,
+        share,
+        covered,
+        np.asarray(mean),
+        found[kept_out],
+        centre,
+        scale,
+        process,
+    )
+
+
+def _quiet_fit(process: Any, points: Array, values: Sequence[float] | Array) -> None:
+    """Fit; that a length reaches its bound is no news to a user: the error on points kept out tells
+    how good it is.
+    """
+    import warnings
+
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        process.fit(points, values)

@@ -1,0 +1,254 @@
+"""Figures of a study of points: every output over every varied quantity, its scatter, maps, shares
+of its variance, surrogates.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from valvetrain.explore.plan import Run
+from valvetrain.explore.sensitivity import Sensitivity, Surrogate
+from valvetrain.explore.table import StudyTable, run_words
+from valvetrain.report import theme
+from valvetrain.report.chart import Chart, HeatMap, Layer, Line, Marks, Panel, Rule
+from valvetrain.report.text import number, unit_words
+from valvetrain.solution.definition import definition_of, shown
+
+Array = NDArray[np.float64]
+#: Dots of one panel, pieces of the line through their means, bars of a histogram, cells of a map
+#: along each axis, height (px) of a row.
+MOST_DOTS, PIECES, BARS, CELLS, ROW = 1500, 12, 30, 41, 250
+#: Estimated shares of a variance beyond this are drawn at it.
+LARGEST_SHARE = 1.2
+PERCENTILES = (5.0, 50.0, 95.0)
+
+
+def output_label(name: str) -> str:
+    """An output with its unit, as an axis bears it."""
+    row = definition_of(name)
+    return f"{row.label} ({unit_words(row.shown_unit)})" if row.shown_unit else row.label
+
+
+def input_label(table: StudyTable, place: int) -> str:
+    """A varied quantity with its unit."""
+    one = table.plan.varied[place]
+    return f"{one.words} ({unit_words(one.unit)})" if one.unit else one.words
+
+
+def shown_input(table: StudyTable, place: int) -> Array:
+    """Values (n,) of a varied quantity in its unit."""
+    return np.array([table.plan.varied[place].shown(value) for value in table.inputs[:, place]])
+
+
+def shown_output(table: StudyTable, name: str) -> Array:
+    """Values (n,) of an output in the unit that tables print, nan where a point did not complete."""
+    return np.asarray(shown(name, np.where(table.completed, table.column(name), np.nan))[0])
+
+
+def scatter_chart(table: StudyTable, name: str, run: Run, key: str) -> Chart | None:
+    """An output over each varied quantity: a dot per point and the mean along it."""
+    rows = table.rows_of(run)
+    y = shown_output(table, name)[rows]
+    if np.count_nonzero(np.isfinite(y)) < 2:
+        return None
+    panels = []
+    for place in range(len(table.plan.varied)):
+        x = shown_input(table, place)[rows]
+        there = np.flatnonzero(np.isfinite(y))
+        few = there[:: max(1, len(there) // MOST_DOTS)]
+        colour = theme.mix(theme.SERIES[0], theme.PAPER, 0.45)
+        layers: list[Layer] = [
+            Marks(x[few], y[few], "point", colour, filled=True, size=4.0, in_legend=place == 0)
+        ]
+        means = _means(x[there], y[there])
+        if means is not None:
+            layers.append(
+                Line(*means, "mean of the points there", theme.SERIES[1], 2.0, in_legend=place == 0)
+            )
+        panels.append(Panel(input_label(table, place), output_label(name), tuple(layers)))
+    columns = min(3, len(panels)) if len(panels) != 4 else 2
+    caption = "A line that rises or falls shows that the output follows this quantity; a cloud about a level line, that it does not."
+    title = f"{definition_of(name).label[:1].upper()}{definition_of(name).label[1:]} over what is varied"
+    return Chart(
+        f"{key}-over",
+        _titled(title, table, run),
+        caption,
+        tuple(panels),
+        columns,
+        ROW * -(-len(panels) // columns) + 60,
+    )
+
+
+def _means(x: Array, y: Array) -> tuple[Array, Array] | None:
+    """Means along x: of each level where there are few, else of pieces with as many points each."""
+    levels = np.unique(x)
+    if len(levels) < 2:
+        return None
+    if len(levels) <= PIECES:
+        return levels, np.array([np.mean(y[x == level]) for level in levels])
+    parts = np.array_split(np.argsort(x, kind="stable"), min(PIECES, max(2, len(x) // 8)))
+    return np.array([np.mean(x[part]) for part in parts]), np.array(
+        [np.mean(y[part]) for part in parts]
+    )
+
+
+def histogram_chart(table: StudyTable, run: Run, key: str) -> Chart | None:
+    """How every output scatters, with its 5th, 50th and 95th percentile."""
+    rows, panels = table.rows_of(run), []
+    for name in table.outputs:
+        found = shown_output(table, name)[rows]
+        found = found[np.isfinite(found)]
+        if len(found) < 3 or not np.ptp(found) > 0:
+            continue
+        counts, edges = np.histogram(found, bins=min(BARS, max(5, int(np.sqrt(len(found))))))
+        x, y = (
+            np.repeat(edges, 2),
+            np.concatenate(([0.0], np.repeat(counts.astype(float), 2), [0.0])),
+        )
+        marks = np.percentile(found, PERCENTILES)
+        rules = tuple(Rule("x", float(at), number(float(at), 4)) for at in marks)
+        line = Line(x, y, "points", theme.SERIES[0], 1.6, in_legend=False)
+        panels.append(
+            Panel(
+                output_label(name),
+                "points",
+                (line,),
+                rules=rules,
+                y_range=(0.0, 1.3 * float(np.max(counts))),
+            )
+        )
+    if not panels:
+        return None
+    columns = min(2, len(panels))
+    caption = "Upright lines: 5 %, half and 95 % of the points lie below."
+    return Chart(
+        f"{key}-scatter",
+        _titled("How the outputs scatter", table, run),
+        caption,
+        tuple(panels),
+        columns,
+        ROW * -(-len(panels) // columns) + 60,
+        False,
+    )
+
+
+def map_chart(table: StudyTable, name: str, run: Run, key: str) -> Chart | None:
+    """An output over two varied quantities as colour, straight between the points."""
+    from scipy.interpolate import griddata
+    from scipy.spatial import QhullError
+
+    rows = table.rows_of(run)
+    z = shown_output(table, name)[rows]
+    x, y = (shown_input(table, place)[rows] for place in (0, 1))
+    there = np.isfinite(z)
+    if np.count_nonzero(there) < 4 or not (
+        np.ptp(x[there]) > 0 and np.ptp(y[there]) > 0 and np.ptp(z[there]) > 0
+    ):
+        return None
+    across, up = (np.linspace(np.min(one[there]), np.max(one[there]), CELLS) for one in (x, y))
+    points = np.column_stack([(x - across[0]) / np.ptp(x[there]), (y - up[0]) / np.ptp(y[there])])[
+        there
+    ]
+    wanted = np.stack(
+        np.meshgrid((across - across[0]) / np.ptp(across), (up - up[0]) / np.ptp(up)), axis=-1
+    )
+    try:
+        found = griddata(points, z[there], wanted, method="linear")
+    except QhullError:  # all points on one line
+        return None
+    least = float(np.min(z[there]))
+    heat = HeatMap(
+        across,
+        up,
+        np.nan_to_num(np.maximum(found - least, 0.0)),
+        f"above {number(least, 4)}",
+        unit_words(definition_of(name).shown_unit),
+        1.0,
+        input_label(table, 1),
+    )
+    dots = Marks(x[~there], y[~there], "point that failed", theme.ALERT, size=6.0, filled=True)
+    layers: tuple[Layer, ...] = (heat, dots) if np.any(~there) else (heat,)
+    panel = Panel(
+        input_label(table, 0),
+        input_label(table, 1),
+        layers,
+        x_range=_ends(across),
+        y_range=_ends(up),
+    )
+    title = f"{definition_of(name).label[:1].upper()}{definition_of(name).label[1:]} over both quantities"
+    caption = f"Colour: what the output is above its least value of {number(least, 4)} {unit_words(definition_of(name).shown_unit)}."
+    return Chart(f"{key}-map", _titled(title, table, run), caption, (panel,), 1, 420)
+
+
+def _ends(axis: Array) -> tuple[float, float]:
+    return float(axis[0]), float(axis[-1])
+
+
+def sensitivity_chart(one: Sensitivity, key: str) -> Chart:
+    """Shares of the variance by varied quantity: alone, and with all it acts together with, each
+    with its interval.
+    """
+    order = np.argsort(one.total)
+    places = np.arange(len(order), dtype=float)
+    layers: list[Layer] = []
+    kinds = (
+        ("with all it acts together with", one.total, one.total_interval, theme.SERIES[0], 0.12),
+        ("alone", one.first, one.first_interval, theme.SERIES[1], -0.12),
+    )
+    for words, values, interval, colour, shift in kinds:
+        for at, place in enumerate(order):
+            ends = 100 * np.clip(interval[place], 0.0, LARGEST_SHARE)
+            layers.append(
+                Line(ends, np.full(2, at + shift), "95 % interval", colour, 1.4, in_legend=False)
+            )
+        layers.append(
+            Marks(
+                100 * np.clip(values[order], 0.0, LARGEST_SHARE),
+                places + shift,
+                words,
+                colour,
+                filled=True,
+                size=8.0,
+            )
+        )
+    names = tuple((float(at), one.names[place]) for at, place in enumerate(order))
+    high = 100 * float(np.clip(np.max(one.total_interval), 1.0, LARGEST_SHARE))
+    panel = Panel(
+        "share of the variance (%)",
+        "",
+        tuple(layers),
+        x_range=(-3.0, high + 3.0),
+        y_range=(-0.6, len(order) - 0.4),
+        y_words=names,
+    )
+    caption = "Lines: 95 % intervals by bootstrap over the base rows. Shares lie between 0 and 100 %; their estimates may miss that a little."
+    words = definition_of(one.output).label
+    told = run_words(one.run)
+    title = f"What makes the spread of the {words}{f', {told}' if told else ''}"
+    return Chart(f"{key}-shares", title, caption, (panel,), 1, 110 + 44 * len(order))
+
+
+def surrogate_chart(one: Surrogate, key: str) -> Chart:
+    """The surrogate beside runs that were kept out of its fit."""
+    computed, predicted = (
+        np.asarray(shown(one.output, values)[0]) for values in (one.computed, one.predicted)
+    )
+    ends = np.array([min(computed.min(), predicted.min()), max(computed.max(), predicted.max())])
+    layers: tuple[Layer, ...] = (
+        Line(ends, ends, "agreement", theme.MUTED, 1.0, "dash"),
+        Marks(
+            computed, predicted, "point kept out of the fit", theme.SERIES[0], filled=True, size=5.0
+        ),
+    )
+    label = output_label(one.output)
+    panel = Panel(
+        f"computed: {label}", "surrogate", layers, x_range=_ends(ends), y_range=_ends(ends)
+    )
+    title = f"Surrogate of the {definition_of(one.output).label}"
+    return Chart(f"{key}-surrogate", title, one.sentence, (panel,), 1, 360)
+
+
+def _titled(title: str, table: StudyTable, run: Run) -> str:
+    words = run_words(run)
+    return f"{title}, {words}" if words else title

@@ -1,0 +1,327 @@
+"""The page of a study of points: what comes out first, then figures, then what failed and what was
+asked.
+"""
+
+from __future__ import annotations
+
+import csv
+import io
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from valvetrain.explore.sensitivity import Sensitivity
+from valvetrain.explore.space import LogNormal, Normal, Uniform, Values, Varied
+from valvetrain.explore.study_charts import (
+    PERCENTILES,
+    histogram_chart,
+    map_chart,
+    scatter_chart,
+    sensitivity_chart,
+    shown_output,
+    surrogate_chart,
+)
+from valvetrain.explore.table import StudyTable, run_words
+from valvetrain.report.page import Block, Cell, Grid, Page, Section, figure_or_gap, render, text
+from valvetrain.report.text import number, unit_words
+from valvetrain.solution.atomic import write_text
+from valvetrain.solution.definition import definition_of
+from valvetrain.solution.partial_failures import Gaps
+
+#: Failed points that are listed; and runs that have figures of their own.
+MOST_FAILURES, MOST_RUNS = 50, 12
+
+
+def points_page(table: StudyTable) -> Page:
+    """The whole page."""
+    plan = table.plan
+    sections = [Section("answers", "What comes out", _answers(table))]
+    for place, run in enumerate(plan.runs[:MOST_RUNS]):
+        key = f"run-{place}"
+        blocks: list[Block] = []
+        for one in (found for found in table.sensitivities if found.run == run):
+            blocks += (
+                *figure_or_gap(one.output, sensitivity_chart, one, f"{key}-{one.output}"),
+                shares_grid(one),
+            )
+        if plan.sampler.independent:
+            blocks += figure_or_gap("scatter", histogram_chart, table, run, key)
+        for name in table.outputs:
+            if len(plan.varied) == 2:
+                blocks += figure_or_gap(name, map_chart, table, name, run, f"{key}-{name}")
+            blocks += figure_or_gap(name, scatter_chart, table, name, run, f"{key}-{name}")
+        for made in (found for found in table.surrogates if found.run == run):
+            blocks += figure_or_gap(made.output, surrogate_chart, made, f"{key}-{made.output}")
+        sections.append(Section(key, run_words(run) or "Points", tuple(blocks)))
+    if len(plan.runs) > MOST_RUNS:
+        sections[0] = Section(
+            "answers",
+            "What comes out",
+            (*sections[0].blocks, text(f"Figures of the first {MOST_RUNS} runs follow.", "note")),
+        )
+    if table.failures:
+        sections.append(Section("failed", "Points that failed", _failed(table)))
+    sections.append(Section("asked", "What was varied", (varied_grid(table),)))
+    done = int(np.count_nonzero(table.completed))
+    facts = (
+        ("case", plan.case.name), ("points", f"{done} of {len(table)} completed"), ("sampler", plan.sampler.words),
+        ("computed now", f"{table.computed} in {table.seconds:.0f} s"),
+    )  # fmt: skip
+    return Page(
+        plan.title,
+        "Study",
+        plan.description,
+        facts,
+        tuple(sections),
+        "Percentiles are of the points that completed.",
+    )
+
+
+def answer_rows(table: StudyTable) -> list[tuple[str, ...]]:
+    """Output, run, least, percentiles, largest and unit, as people read them: the rows of page and
+    terminal.
+    """
+    rows = []
+    for run in table.plan.runs:
+        places = table.rows_of(run)
+        for name in table.outputs:
+            found = shown_output(table, name)[places]
+            found = found[np.isfinite(found)]
+            label = definition_of(name).label
+            values = (
+                [np.min(found), *np.percentile(found, PERCENTILES), np.max(found)]
+                if len(found)
+                else [None] * 5
+            )
+            told = (number(None if value is None else float(value), 5) for value in values)
+            rows.append(
+                (
+                    label[:1].upper() + label[1:],
+                    run_words(run),
+                    *told,
+                    unit_words(definition_of(name).shown_unit),
+                )
+            )
+    return rows
+
+
+#: Heads of :func:`answer_rows`.
+ANSWER_HEADS = ("", "run", "least", "5 %", "half", "95 %", "largest", "")
+
+
+def sentences(table: StudyTable) -> tuple[str, ...]:
+    """What the numbers say: which quantity makes the spread, how good a surrogate is, how many
+    points failed.
+    """
+    failed = int(np.count_nonzero(~table.completed))
+    told = (
+        *(one.sentence for one in table.sensitivities),
+        *(one.sentence for one in table.surrogates),
+    )
+    dropped = max((one.dropped for one in table.sensitivities), default=0)
+    rows = "1 base row was" if dropped == 1 else f"{dropped} base rows were"
+    left = f", and {rows} left out of the shares of variance" if dropped else ""
+    return (
+        *told,
+        *table.not_given,
+        *((f"{failed} of {len(table)} points failed{left}.",) if failed else ()),
+    )
+
+
+def _answers(table: StudyTable) -> tuple[Block, ...]:
+    several = len(table.plan.runs) > 1
+    rows = []
+    for label, run, *values, unit in answer_rows(table):
+        cells = [
+            Cell(label),
+            *([Cell(run)] if several else []),
+            *(Cell(value, "number") for value in values),
+            Cell(unit),
+        ]
+        rows.append((tuple(cells), ()))
+    heads = tuple(head for place, head in enumerate(ANSWER_HEADS) if several or place != 1)
+    heads = ("output", *heads[1:])
+    return (*(text(sentence) for sentence in sentences(table)), Grid(heads, tuple(rows)))
+
+
+def shares_grid(one: Sensitivity) -> Grid:
+    """Shares of an output's variance with their intervals, the largest first."""
+
+    def told(value: float, interval: Any) -> str:
+        return f"{100 * value:.0f} ({100 * interval[0]:.0f} to {100 * interval[1]:.0f})".replace(
+            "-", "−"
+        )
+
+    rows = tuple(
+        (
+            (
+                Cell(one.names[n]),
+                Cell(told(one.total[n], one.total_interval[n]), "number"),
+                Cell(told(one.first[n], one.first_interval[n]), "number"),
+            ),
+            (),
+        )
+        for n in np.argsort(-one.total).tolist()
+    )
+    return Grid(("quantity", "with all it acts together with (%)", "alone (%)"), rows)
+
+
+def _failed(table: StudyTable) -> tuple[Block, ...]:
+    failures = table.failures
+    blocks: list[Block] = [text(f"{sentence}", "alert") for sentence in failures[:MOST_FAILURES]]
+    if len(failures) > MOST_FAILURES:
+        blocks.append(
+            text(f"And {len(failures) - MOST_FAILURES} more; points.csv has them all.", "note")
+        )
+    return tuple(blocks)
+
+
+def varied_grid(table: StudyTable) -> Grid:
+    """What is varied, over what."""
+    rows = tuple(
+        (
+            (
+                Cell(one.words),
+                Cell(one.key),
+                Cell({"value": "its value"}.get(one.operation, one.operation)),
+                Cell(distribution_words(one)),
+            ),
+            (),
+        )
+        for one in table.plan.varied
+    )
+    return Grid(("quantity", "key of the case", "varied by", "over"), rows)
+
+
+def distribution_words(one: Varied) -> str:
+    """A distribution in words, in the unit of its quantity."""
+    unit = unit_words(one.unit)
+
+    def told(value: float) -> str:
+        return f"{number(one.shown(value), 6)} {unit}".strip()
+
+    found = one.distribution
+    if isinstance(found, Uniform):
+        return f"even from {told(found.low)} to {told(found.high)}"
+    if isinstance(found, Normal):
+        bounds = (
+            f", cut at {told(found.low)} and {told(found.high)}"
+            if np.isfinite(found.low) and np.isfinite(found.high)
+            else ""
+        )
+        return f"normal about {told(found.mean)}, standard deviation {told(found.standard_deviation)}{bounds}"
+    if isinstance(found, LogNormal):
+        return f"lognormal about {told(found.median)}, two thirds within a factor of {number(found.factor)}"
+    if isinstance(found, Values) and len(found.values) <= 12:
+        return ", ".join(told(value) for value in found.values)
+    return f"{len(getattr(found, 'values', ()))} values"
+
+
+#: Rows that the JSON answer holds whole; a larger table stands in points.csv.
+MOST_ROWS = 2000
+
+
+def points_json(table: StudyTable) -> dict[str, Any]:
+    """The JSON answer, SI."""
+    plan = table.plan
+    runs = [
+        {"engine_speed": run[0], "spring_model": run[1], "spring_set": run[2]} for run in plan.runs
+    ]
+    places = {run: place for place, run in enumerate(plan.runs)}
+    data: dict[str, Any] = {
+        "case": plan.case.name, "title": plan.title, "kind": plan.kind, "sampler": plan.sampler.word, "points": len(table),
+        "completed_points": int(np.count_nonzero(table.completed)), "computed_now": table.computed, "runs": runs,
+        "varied": [
+            {"name": one.name, "key": one.key, "as": one.operation, "unit": one.si_unit or "1", "label": one.words} for one in plan.varied
+        ],
+        "outputs": {name: {"unit": definition_of(name).si_unit, "percentiles": _percentiles(table, name)} for name in table.outputs},
+        "sensitivities": [
+            {"output": one.output, "run": places[one.run], "rows": one.rows, "dropped": one.dropped, "sentence": one.sentence,
+             "quantities": {
+                 name: {"first": one.first[n], "first_interval": one.first_interval[n], "total": one.total[n],
+                        "total_interval": one.total_interval[n]} for n, name in enumerate(one.names)}}
+            for one in table.sensitivities
+        ],
+        "surrogates": [
+            {"output": one.output, "run": places[one.run], "fitted": one.fitted, "kept_out": one.kept_out, "error": one.error,
+             "error_over_scatter": one.share, "within_two_deviations": one.covered, "sentence": one.sentence} for one in table.surrogates
+        ],
+        "sentences": list(sentences(table)), "failures": list(table.failures[:MOST_ROWS]), "completed": bool(np.all(table.completed)),
+    }  # fmt: skip
+    if len(table) <= MOST_ROWS:
+        data["rows"] = [
+            {
+                "inputs": list(table.inputs[row]),
+                "run": places[table.runs[row]],
+                "outputs": list(table.values[row]),
+                "status": table.statuses[row].code,
+            }
+            for row in range(len(table))
+        ]
+    return data
+
+
+def _percentiles(table: StudyTable, name: str) -> list[dict[str, float | None]]:
+    found = []
+    for run in table.plan.runs:
+        rows = table.rows_of(run)
+        values = table.column(name)[rows][
+            table.completed[rows] & np.isfinite(table.column(name)[rows])
+        ]
+        ends = np.percentile(values, (5, 50, 95)).tolist() if len(values) else [None] * 3
+        found.append(dict(zip(("5", "50", "95"), ends, strict=True)))
+    return found
+
+
+def points_csv(table: StudyTable) -> str:
+    """Every row with all digits, SI; the head tells the units."""
+    stream = io.StringIO()
+    writer = csv.writer(stream, lineterminator="\n")
+    inputs = [f"{one.name} [{one.si_unit or '1'}]" for one in table.plan.varied]
+    outputs = [f"{name} [{definition_of(name).si_unit}]" for name in table.outputs]
+    writer.writerow(
+        [
+            *inputs,
+            "run engine_speed [rad/s]",
+            "spring_model",
+            "spring_set",
+            *outputs,
+            "status",
+            "sentence",
+        ]
+    )
+    for row in range(len(table)):
+        engine_speed, model, spring_set = table.runs[row]
+        values = ["" if np.isnan(value) else repr(float(value)) for value in table.values[row]]
+        status = table.statuses[row]
+        told = "" if status.completed else status.sentence()
+        given = [repr(float(value)) for value in table.inputs[row]]
+        writer.writerow(
+            [
+                *given,
+                "" if engine_speed is None else repr(engine_speed),
+                model,
+                spring_set,
+                *values,
+                status.code,
+                told,
+            ]
+        )
+    return stream.getvalue()
+
+
+def write_points(table: StudyTable, folder: Path, gaps: Gaps) -> tuple[list[Path], Path | None]:
+    """Write table and page into ``folder``; what could not be written stands in ``gaps``. The
+    files, and the page.
+    """
+    files: list[Path] = []
+    data = gaps.part(
+        "file 'points.csv'", None, lambda: write_text(folder / "points.csv", points_csv(table))
+    )
+    page = gaps.part(
+        "report page",
+        None,
+        lambda: write_text(folder / "report.html", render(points_page(table), gaps)),
+    )
+    return [*files, *(path for path in (data, page) if path is not None)], page

@@ -1,0 +1,217 @@
+"""Critical speeds of a sweep as rows of a table, the same in the terminal and on the page."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from valvetrain.report.text import in_unit, number, rpm
+from valvetrain.solution.critical import KINDS, CriticalSpeed
+from valvetrain.solution.definition import definition_of, label_of
+from valvetrain.solution.fidelity import RPM, FidelityMap, Reach
+from valvetrain.solution.study import Study
+from valvetrain.system.contract import TRAIN
+
+NOT_COMPUTED = "not computed"
+#: Ranges of further stretches that are named; of more only how many.
+MOST_AGAIN = 2
+
+
+@dataclass(frozen=True, slots=True)
+class CriticalRow:
+    """One line: the quantity it belongs to, words, and a cell per label (speeds in rpm)."""
+
+    name: str
+    words: str
+    cells: tuple[str, ...]
+    main: bool = False
+
+
+def searched(study: Study) -> bool:
+    """Whether the study is a sweep of a train, of which critical speeds are told or said not to be
+    computed.
+    """
+    return study.command == "sweep" and any(
+        run.provenance.system == TRAIN for run in study.solutions
+    )
+
+
+def critical_rows(study: Study, labels: Sequence[str]) -> list[CriticalRow]:
+    """A line per kind, and below it where control comes back, what rising and falling speed show,
+    and further stretches.
+    """
+    rows = []
+    for kind, name in KINDS.items():
+        found = [study.critical_speeds.of(kind, label) for label in labels]
+        words = label_of(name)
+        main = tuple(NOT_COMPUTED if one is None else one.words for one in found)
+        rows.append(CriticalRow(name, words[:1].upper() + words[1:], main, True))
+        for text, cell in (
+            ("until", _until),
+            ("rising / falling speed", _hysteresis),
+            ("again", _again),
+        ):
+            cells = tuple("" if one is None else cell(one) for one in found)
+            if any(cells):
+                rows.append(CriticalRow(name, text, cells))
+    return rows
+
+
+def critical_notes(study: Study) -> tuple[str, ...]:
+    """What must be known of the numbers: how they were searched."""
+    if not len(study.critical_speeds):
+        return ()
+    one = study.critical_speeds.rows[0]
+    limits = {row.kind: f"{number(in_unit(row.limit, 'mm'))} mm" for row in study.critical_speeds}
+    return (
+        f"Searched from {rpm(one.first_engine_speed):.6g} to {rpm(one.last_engine_speed):.6g} rpm, every speed from rest, and about each "
+        f"change with the motion of the neighbouring speed carried on, rising and falling; brackets of {rpm(one.resolution):.3g} rpm or "
+        f"less. Float: lift more than {limits['float']} above the rigid one with a contact open; bounce: higher than {limits['bounce']}. "
+        "A stretch of speeds that is narrower than the slopes seen beside it suggest can be missed.",
+    )
+
+
+def _until(one: CriticalSpeed) -> str:
+    if not one.found:
+        return ""
+    return (
+        f"{rpm(one.last_engine_speed):.6g} or more" if one.ends is None else str(one.ends.from_rest)
+    )
+
+
+def _hysteresis(one: CriticalSpeed) -> str:
+    """The brackets of rising and falling speed where they are apart by more than the resolution,
+    empty elsewhere.
+    """
+    if one.begins is None:
+        return ""
+    ways = (one.begins.rising, one.begins.falling)
+    same = all(way is not None and way.apart(one.begins.from_rest) <= 0 for way in ways)
+    return "" if same else " / ".join("none" if way is None else str(way) for way in ways)
+
+
+def _again(one: CriticalSpeed) -> str:
+    if len(one.again) > MOST_AGAIN:
+        first, last = rpm(one.again[0].lower_engine_speed), rpm(one.again[-1].upper_engine_speed)
+        return f"{len(one.again)} times, {first:.0f}–{last:.0f}"
+    return ", ".join(map(str, one.again))
+
+
+@dataclass(frozen=True, slots=True)
+class ReachRow:
+    """One quantity: its words, a cell per model, and the cheapest model that is good enough at
+    every speed.
+    """
+
+    quantity: str
+    words: str
+    cells: tuple[str, ...]
+    cheapest: str
+
+
+def reach_rows(found: FidelityMap) -> list[ReachRow]:
+    """A row per quantity: engine speeds (rpm) up to which each model is good enough."""
+    rows = []
+    for name in found.quantities:
+        words = label_of(name)
+        cells = tuple(found.reach(name, model).words for model in found.models)
+        rows.append(ReachRow(name, words[:1].upper() + words[1:], cells, found.cheapest(name)))
+    return rows
+
+
+def share(value: float) -> str:
+    """A share in per cent with two digits that count; empty where there is none."""
+    return (
+        ""
+        if not math.isfinite(value)
+        else f"{100 * value:.2g} %"
+        if abs(value) < 0.995
+        else f"{100 * value:.0f} %"
+    )
+
+
+def reason_for(found: FidelityMap, quantity: str) -> str:
+    """Why the cheapest model is recommended for a quantity, or what keeps each cheaper one from it."""
+    chosen = found.cheapest(quantity)
+    costs = dict(found.costs)
+    if chosen == found.reference:
+        best = min(
+            (found.reach(quantity, model) for model in found.models), key=_miss, default=None
+        )
+        if best is None or not math.isfinite(best.largest):
+            return "no other model tells it"
+        if math.isinf(best.largest_doubt):
+            return f"{best.model} comes nearest, but a finer run that should tell the error gave no result"
+        if best.largest_doubt > best.largest:
+            return f"{best.model} comes nearest, but its error bar, {share(best.largest_doubt)}, is larger than the difference"
+        return f"the nearest, {best.model}, is {_apart(best)} off at worst"
+    reach, ratio = found.reach(quantity, chosen), costs[found.reference] / costs[chosen]
+    return (
+        f"at worst {_apart(reach)} off, in 1/{ratio:.0f} of the time"
+        if ratio >= 2
+        else f"at worst {_apart(reach)} off"
+    )
+
+
+def _apart(reach: Reach) -> str:
+    return share(reach.largest) + (
+        f" ± {share(reach.largest_doubt)}" if reach.largest_doubt > 0 else ""
+    )
+
+
+def _miss(reach: Reach) -> float:
+    return reach.largest if math.isfinite(reach.largest) else math.inf
+
+
+def fidelity_notes(found: FidelityMap) -> tuple[str, ...]:
+    """What must be known of the verdicts."""
+    speeds = [row.engine_speed / RPM for row in found]
+    undivided = [model for model in (*found.models, found.reference) if model not in found.divided]
+    sizes = "; ".join(f"{label_of(name)} {_scale(found, name)}" for name in found.quantities)
+    notes = [
+        f"Good enough: within {share(found.tolerance)} of the largest value of {found.reference} over {min(speeds):.6g} to "
+        f"{max(speeds):.6g} rpm ({sizes}), the numerical error of both included; open: the error bars leave it undecided; "
+        "not told: the model does not know it.",
+        "The bars are the change that 1.5 times as many elements, masses or modes make, with the safety factor of two grids."
+        + (
+            f" Without such a division, and so without a bar of their own: {', '.join(undivided)}."
+            if undivided
+            else ""
+        ),
+        f"The verdicts are about {found.reference}, not about a measurement: what it leaves out, all leave out.",
+    ]
+    untold = {
+        name: sorted(
+            {
+                rpm(row.engine_speed)
+                for row in found
+                if row.quantity == name and not math.isfinite(row.reference)
+            }
+        )
+        for name in found.quantities
+    }
+    if any(untold.values()):
+        places = "; ".join(
+            f"{label_of(name)} at {', '.join(f'{one:.6g}' for one in some)} rpm"
+            for name, some in untold.items()
+            if some
+        )
+        notes.append(f"{found.reference} gave no value, so nothing is said there of: {places}.")
+    unknown = [row for row in found if math.isinf(row.doubt)]
+    if unknown:
+        notes.append(
+            f"{len(unknown)} of {len(found)} error bars are unknown, since the run that should tell them gave no result."
+        )
+    return tuple(notes)
+
+
+def _scale(found: FidelityMap, name: str) -> str:
+    unit = definition_of(name).shown_unit
+    size = next(row.scale for row in found if row.quantity == name)
+    return f"{in_unit(size, unit):.4g} {unit}".strip()
+
+
+def speed_axis(found: FidelityMap) -> list[float]:
+    """Engine speeds (rpm) in order."""
+    return [rpm(speed) for speed in sorted({row.engine_speed for row in found})]

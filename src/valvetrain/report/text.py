@@ -1,0 +1,34 @@
+"""Numbers and names as a reader sees them."""
+
+from __future__ import annotations
+
+import math
+
+from valvetrain.parameters.summary import in_unit as in_unit
+from valvetrain.parameters.summary import number as number
+from valvetrain.parameters.summary import unit_words as unit_words
+from valvetrain.solution.definition import label_of
+
+
+def rpm(engine_speed: float) -> float:
+    """rad/s as revolutions per minute, rounded to what nobody would call rounding."""
+    return round(engine_speed * 30 / math.pi, 6)
+
+
+def speed_words(engine_speed: float) -> str:
+    """An engine speed as text, such as ``5600 rpm``."""
+    return f"{rpm(engine_speed):.10g} rpm"
+
+
+def percent(share: float) -> str:
+    """A share as a signed percentage with one decimal; what rounds to zero has no sign."""
+    text = f"{100 * share:+.1f}"
+    return ("0.0" if float(text) == 0 else text.replace("-", "−")) + " %"
+
+
+def quantity_words(name: str) -> str:
+    """A quantity's label as a line begins with it: ``stage_2_peak_cam_angle`` -> ``Stage II peak,
+    cam angle``.
+    """
+    text = label_of(name)
+    return text[:1].upper() + text[1:]

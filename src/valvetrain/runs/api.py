@@ -1,0 +1,388 @@
+"""What a program calls: simulate, compare, sweep, static_curve. Speeds and cases in the forms
+people write them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from valvetrain.errors import InputError
+from valvetrain.parameters.case import Case
+from valvetrain.parameters.installed_spring import InstalledSpring
+from valvetrain.parameters.loading import AnyCase, case_of
+from valvetrain.parameters.spring import SpringDefinition
+from valvetrain.runs.compare import compare_study, sweep_study
+from valvetrain.runs.cost import FEWER_AT_REST, Limits, limits_of, refuse_cost
+from valvetrain.runs.critical_speeds import read_options
+from valvetrain.runs.engine import Progress, worker_count
+from valvetrain.runs.notes import largest_lift
+from valvetrain.runs.request_cost import Asked, request_cost, spring_cost
+from valvetrain.runs.run import run_study
+from valvetrain.runs.static_study import curve_by_model
+from valvetrain.runs.statics import STEPS
+from valvetrain.solution.critical import CriticalSpeeds
+from valvetrain.solution.static import StaticCurve
+from valvetrain.solution.study import Study
+from valvetrain.system.build import build
+from valvetrain.units import Given, si, si_speeds
+
+#: Engine speeds: ``"4200, 5600 rpm"``, ``"1000:9000:100 rpm"``, one or several numbers (rad/s of
+#: the crank), pint quantities.
+Speeds = Given | Sequence[Given]
+
+
+def simulate(
+    case: AnyCase,
+    engine_speeds: Speeds | None = None,
+    *,
+    spring_models: Sequence[str] = (),
+    spring_sets: Sequence[str] = (),
+    workers: int | None = None,
+    progress: Progress | None = None,
+    limit: str = "",
+    implausible: bool = False,
+) -> Study:
+    """Run a case at its engine speeds, or at those given, by its variants or by the spring models
+    asked for.
+
+    Parameters
+    ----------
+    case : Case, name of a library case, or path of a case file
+    engine_speeds : speeds of the crank, "4200 rpm", rad/s or pint quantities; the case's own by
+        default
+    spring_models : words of spring models, such as "multi-mass"; the case's own or the usual ones
+        by default
+    spring_sets : names of spring sets of a train
+    workers : runs at a time; results do not depend on it
+    progress : told the share done and what was done
+    limit : largest estimated time and memory, such as "2 h, 8 GB"; 10 min and 2 GB by default
+    implausible : let values pass that no valvetrain can have (docs/plausible.md)
+
+    Returns
+    -------
+    Study with one solution per run; a run that fails is a status in it
+
+    Raises
+    ------
+    InputError : one sentence on what cannot be built or run, is too large or implausible, and the
+        remedy
+
+    Examples
+    --------
+    >>> import valvetrain as vt
+    >>> study = vt.simulate("job-t", "2000 rpm", spring_models=["massless"])
+    >>> round(study.solution("massless").quantities["peak_spring_force"])
+    522
+    """
+    limits = _checked(
+        "run",
+        case := case_of(case),
+        speeds := _speeds(engine_speeds),
+        spring_models,
+        spring_sets,
+        workers,
+        limit,
+    )
+    return run_study(
+        case,
+        engine_speeds=speeds,
+        spring_models=spring_models,
+        spring_sets=spring_sets,
+        workers=workers,
+        progress=progress,
+        limits=limits,
+        implausible=implausible,
+    )
+
+
+def compare(
+    case: AnyCase,
+    spring_models: Sequence[str] = (),
+    engine_speeds: Speeds | None = None,
+    *,
+    spring_sets: Sequence[str] = (),
+    workers: int | None = None,
+    progress: Progress | None = None,
+    limit: str = "",
+    implausible: bool = False,
+) -> Study:
+    """A case by several spring models side by side, at rest and in motion.
+
+    Parameters
+    ----------
+    spring_models : words of spring models; those usual for the case by default
+    case, engine_speeds, spring_sets, workers, progress, limit, implausible : as for
+        :func:`simulate`
+
+    Returns
+    -------
+    Study with one solution per model and speed, and in ``rest`` the static curve and frequencies of
+    each spring by each model
+
+    Raises
+    ------
+    InputError : as :func:`simulate`; MissingExtraError where solid finite elements are asked for
+        and their solver is not installed
+
+    Examples
+    --------
+    >>> import valvetrain as vt
+    >>> study = vt.compare("job-t", ["massless", "wave-rod"], "2000 rpm")
+    >>> [round(one.curve.force_at(7e-3)) for one in study.rest]
+    [215, 215]
+    """
+    limits = _checked(
+        "compare",
+        case := case_of(case),
+        speeds := _speeds(engine_speeds),
+        spring_models,
+        spring_sets,
+        workers,
+        limit,
+    )
+    return compare_study(
+        case,
+        engine_speeds=speeds,
+        spring_models=spring_models,
+        spring_sets=spring_sets,
+        workers=workers,
+        progress=progress,
+        limits=limits,
+        implausible=implausible,
+    )
+
+
+def sweep(
+    case: AnyCase,
+    engine_speeds: Speeds = "1000:9000:100 rpm",
+    *,
+    spring_models: Sequence[str] = (),
+    spring_sets: Sequence[str] = (),
+    whole: bool = False,
+    workers: int | None = None,
+    progress: Progress | None = None,
+    critical_speeds: bool = True,
+    resolution: Given = "10 rpm",
+    float_lift: Given = "50 um",
+    bounce_height: Given = "100 um",
+    limit: str = "",
+    implausible: bool = False,
+) -> Study:
+    """A case over engine speed: numbers per speed and, of a train, where it loses contact, floats
+    and bounces.
+
+    Parameters
+    ----------
+    case, spring_models, spring_sets, workers, progress, limit, implausible : as for
+        :func:`simulate`
+    engine_speeds : speeds of the crank, "1000:9000:100 rpm" (first:last:step), rad/s or pint
+        quantities
+    whole : keep the channels of every solution (megabytes each); without it solutions hold their
+        events and named quantities only
+    critical_speeds : search a train's critical speeds between the lowest and the highest speed, as
+        :func:`critical_speeds` does
+    resolution, float_lift, bounce_height : as for :func:`critical_speeds`
+
+    Returns
+    -------
+    Study whose ``series(label, name)`` gives speeds (n,) in rad/s and values (n,) in SI, and whose
+    ``critical_speeds`` what was found
+
+    Raises
+    ------
+    InputError : as :func:`simulate`
+
+    Examples
+    --------
+    >>> import valvetrain as vt
+    >>> study = vt.sweep("job-t", "1000:3000:1000 rpm", spring_models=["massless"])
+    >>> speeds, force = study.series("massless", "peak_spring_force")
+    >>> len(speeds), round(force[0])
+    (3, 522)
+    """
+    speeds = _speeds(engine_speeds)
+    assert speeds is not None
+    critical = read_options(resolution, float_lift, bounce_height) if critical_speeds else None
+    limits = _checked(
+        "sweep",
+        case := case_of(case),
+        speeds,
+        spring_models,
+        spring_sets,
+        workers,
+        limit,
+        whole,
+        critical is not None,
+    )
+    return sweep_study(
+        case,
+        speeds,
+        spring_models=spring_models,
+        spring_sets=spring_sets,
+        whole=whole,
+        workers=workers,
+        progress=progress,
+        critical=critical,
+        limits=limits,
+        implausible=implausible,
+    )
+
+
+def critical_speeds(
+    case: AnyCase,
+    engine_speeds: Speeds = "1000:9000:100 rpm",
+    *,
+    spring_models: Sequence[str] = (),
+    spring_sets: Sequence[str] = (),
+    resolution: Given = "10 rpm",
+    float_lift: Given = "50 um",
+    bounce_height: Given = "100 um",
+    workers: int | None = None,
+    progress: Progress | None = None,
+    limit: str = "",
+    implausible: bool = False,
+) -> CriticalSpeeds:
+    """The engine speeds at which a train first loses contact, floats and bounces, each as a bracket
+    with a run at either end.
+
+    Parameters
+    ----------
+    case, spring_models, spring_sets, workers, progress, limit, implausible : as for
+        :func:`simulate`
+    engine_speeds : speeds of the crank at which the search begins; it goes on between them where
+        control may be lost
+    resolution : width of a bracket, "10 rpm", rad/s or a pint quantity
+    float_lift : lift above the rigid one beyond which the valve floats, "50 um", m or a pint
+        quantity
+    bounce_height : height above the seat beyond which a bounce counts, likewise
+
+    Returns
+    -------
+    CriticalSpeeds, a row per label and kind: brackets from rest, with rising and with falling
+    speed, in rad/s
+
+    Raises
+    ------
+    InputError : as :func:`simulate`, and for a case without a train
+
+    Examples
+    --------
+    >>> import valvetrain as vt
+    >>> vt.critical_speeds("tdi-pushrod", "6800:7600:200 rpm", spring_models=["massless"], spring_sets=["stock"], resolution="50 rpm")
+    critical engine speeds (rpm)
+      massless, contact-loss: 7100–7150 (cam)
+      massless, float: never up to 7600
+      massless, bounce: never up to 7600
+    """
+    found = sweep(
+        case,
+        engine_speeds,
+        spring_models=spring_models,
+        spring_sets=spring_sets,
+        workers=workers,
+        progress=progress,
+        resolution=resolution,
+        float_lift=float_lift,
+        bounce_height=bounce_height,
+        limit=limit,
+        implausible=implausible,
+    )
+    if not len(found.critical_speeds):
+        raise InputError(
+            f"case '{found.record.name}' has no train that runs, so nothing loses contact; give a case with a [train] table"
+        )
+    return found.critical_speeds
+
+
+def static_curve(
+    spring: SpringDefinition | InstalledSpring | AnyCase,
+    largest_compression: Given | None = None,
+    *,
+    spring_model: str = "finite-element",
+    steps: int = STEPS,
+    limit: str = "",
+    implausible: bool = False,
+) -> StaticCurve:
+    """Force and stiffness over compression of one spring from its free state, coils closing.
+
+    Parameters
+    ----------
+    spring : a spring of one's own, an installed spring (``case.springs[0]``), or a case with one
+        spring (as for :func:`simulate`)
+    largest_compression : end of the curve (m, "8 mm" or a pint quantity); by default a little
+        beyond the largest lift of the case, or 80 %
+        of the way to coil bind where there is no lift
+    spring_model : word of the spring model; one that knows the installed state only (a card) holds
+        from there on
+    steps : even steps of the curve
+    limit, implausible : as for :func:`simulate`
+
+    Returns
+    -------
+    StaticCurve of arrays (steps + 1,): compression m, force N, stiffness N/m; shorter, with a
+    status, where no equilibrium is found, and
+    with the status "diverged" where its force is none that a spring can have
+
+    Raises
+    ------
+    InputError : a compression beyond coil bind, several springs in the case, a model that cannot
+        stand for the spring, too many steps
+
+    Examples
+    --------
+    >>> import valvetrain as vt
+    >>> curve = vt.static_curve(vt.cylindrical("3.8 mm", "22 mm", "7 mm", total_coils=7), "8 mm", spring_model="multi-mass")
+    >>> round(curve.force_at("4 mm")), round(curve.force_at("8 mm"))
+    (149, 312)
+    """
+    installed, lift = (
+        InstalledSpring(wire=spring) if isinstance(spring, SpringDefinition) else spring,
+        0.0,
+    )
+    if not isinstance(installed, InstalledSpring):
+        problem = build(installed)
+        if len(problem.springs) > 1:
+            names = ", ".join(f"'{one.name}'" for one in problem.springs)
+            raise InputError(
+                f"case '{problem.record.name}' holds {len(problem.springs)} springs ({names}); give one, such as case.springs[0]"
+            )
+        installed, lift = problem.springs[0], largest_lift(problem)
+    if not (isinstance(steps, (int, np.integer)) and steps >= 1):
+        raise InputError(
+            f"a static curve needs a whole number of steps, one or more; '{str(steps)[:40]}' is none",
+            "steps",
+        )
+    wanted = (
+        None
+        if largest_compression is None
+        else si(largest_compression, "compression", "largest_compression")
+    )
+    limits = limits_of(limit)
+    refuse_cost(spring_cost(installed, spring_model, steps), limits, "limit=", FEWER_AT_REST)
+    return curve_by_model(installed, spring_model, lift, wanted, steps, implausible)
+
+
+def _checked(
+    command: str,
+    case: Case,
+    speeds: tuple[float, ...] | None,
+    models: Sequence[str],
+    sets: Sequence[str],
+    workers: int | None,
+    limit: str,
+    whole: bool = True,
+    searches: bool = False,
+) -> Limits:
+    """The bounds of ``limit``. Raises :class:`InputError` for a request whose estimated cost is
+    beyond them.
+    """
+    limits = limits_of(limit)
+    asked = Asked(command, case, speeds, tuple(models), tuple(sets), worker_count(workers))
+    refuse_cost(request_cost(asked, whole, searches), limits, "limit=")
+    return limits
+
+
+def _speeds(engine_speeds: Speeds | None) -> tuple[float, ...] | None:
+    return None if engine_speeds is None else si_speeds(engine_speeds)

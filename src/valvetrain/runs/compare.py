@@ -1,0 +1,292 @@
+"""A case by several spring models side by side: at rest and in motion, solids among them where they
+serve.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from concurrent.futures import Future, ThreadPoolExecutor
+from dataclasses import replace
+
+import numpy as np
+
+from valvetrain.errors import InputError
+from valvetrain.parameters.case import Case
+from valvetrain.parameters.installed_spring import InstalledSpring
+from valvetrain.runs.cost import Limits
+from valvetrain.runs.critical_speeds import CriticalOptions
+from valvetrain.runs.engine import Progress
+from valvetrain.runs.run import Finished, run_problem
+from valvetrain.runs.solid import (
+    Cancel,
+    SolidMotion,
+    check_motion,
+    rod_motion,
+    solid_motion,
+    solid_rest,
+)
+from valvetrain.runs.statics import reach_of, rest_by_model
+from valvetrain.runs.stopping import StudyStopped
+from valvetrain.runs.workers import result_of
+from valvetrain.solution.partial_failures import Gaps
+from valvetrain.solution.result import Solution
+from valvetrain.solution.static import SpringAtRest
+from valvetrain.solution.study import Study
+from valvetrain.springs.finite_element import FiniteElementRod
+from valvetrain.springs.spec import spring_model
+from valvetrain.system.build import build
+from valvetrain.system.contract import TRAIN
+from valvetrain.system.problem import Problem
+
+SOLID = "solid"
+#: Models that are compared when none are named: of a spring alone, of a train.
+SPRING_MODELS = (
+    "massless",
+    "multi-mass",
+    "modal-varied",
+    "wave-rod",
+    "wave-rod-clash",
+    "finite-element",
+)
+TRAIN_MODELS = ("massless", "multi-mass", "modal-uniform", "wave-rod")
+#: Steps of the curves that stand beside a solid: straight lines between them are exact to 0.01 % of
+#: the force where coils close.
+FINE_STEPS, STEPS = 160, 64
+
+
+def compare_study(
+    case: Case,
+    *,
+    engine_speeds: Sequence[float] | None = None,
+    spring_models: Sequence[str] = (),
+    spring_sets: Sequence[str] = (),
+    solid: SolidMotion | None = None,
+    workers: int | None = None,
+    progress: Progress | None = None,
+    created_at: str = "",
+    limits: Limits = Limits(),
+    implausible: bool = False,
+    finished: Finished | None = None,
+) -> Study:
+    """The case by each of ``spring_models`` (a usual choice by default): the study's runs, and
+    every spring at rest by each model.
+
+    ``solid`` asks for a short stretch of motion by solids too. A model that cannot stand for a
+    spring is a status in its runs. Raises
+    :class:`InputError` for what cannot be built and when no model can run,
+    :class:`MissingExtraError` for solids without their solver.
+    """
+    chosen = tuple(dict.fromkeys(spring_models)) or _usual_models(
+        case.springs, case.train is not None
+    )
+    moving = tuple(word for word in chosen if not spring_model(word, "--spring").no_motion)
+    problem = build(case, spring_models=moving or ("finite-element",), spring_sets=spring_sets)
+    if problem.kind == TRAIN and len(moving) < len(chosen):
+        raise InputError(
+            f"solid finite elements serve a spring alone, and case '{case.name}' is a train; leave solid out",
+            "--spring",
+        )
+    speeds = (
+        (problem.engine_speeds if engine_speeds is None else tuple(engine_speeds)) if moving else ()
+    )
+    with_solid = SOLID in chosen
+    if with_solid and engine_speeds is None and solid is None:
+        speeds = ()  # solids stand beside the others at rest; motion is run where it is asked for
+    study = run_problem(
+        problem,
+        speeds,
+        workers=workers,
+        progress=None if with_solid else progress,
+        created_at=created_at,
+        command="compare",
+        limits=limits,
+        implausible=implausible,
+        finished=finished,
+    )
+    if problem.kind == TRAIN:
+        return study
+    lift = float(np.max(problem.valve_lift.lift(np.linspace(0.0, 2 * np.pi, 721))))
+    rest: list[SpringAtRest] = []
+    motions: list[Solution] = []
+    gaps, stopped = Gaps(study.gaps), False
+    try:
+        for spring in problem.springs:
+            _by_each_model(
+                study,
+                problem,
+                spring,
+                chosen,
+                lift,
+                with_solid,
+                solid,
+                progress,
+                (rest, motions, gaps),
+            )
+    except KeyboardInterrupt:
+        stopped = True
+    done = replace(
+        study,
+        rest=tuple(rest) or study.rest,
+        solutions=(*study.solutions, *motions),
+        gaps=gaps.sentences,
+    )
+    if stopped:
+        raise StudyStopped(done)
+    return done
+
+
+def _usual_models(springs: tuple[InstalledSpring, ...], in_a_train: bool) -> tuple[str, ...]:
+    """The usual models, of a spring alone those that can stand for it."""
+    if in_a_train:
+        return TRAIN_MODELS
+    return tuple(
+        word
+        for word in SPRING_MODELS
+        if not any(spring_model(word).why_not(spring) for spring in springs)
+    )
+
+
+def comparison_reach(spring: InstalledSpring) -> float:
+    """Compression (m) up to which curves stand beside solids: a tenth, or a twentieth of the
+    travel, beyond the installed state.
+    """
+    assert spring.wire is not None
+    travel, installed = spring.wire.free_length - spring.wire.solid_height, spring.precompression
+    return float(min(installed + max(0.1 * installed, 0.05 * travel), 0.97 * travel))
+
+
+def _by_each_model(
+    study: Study,
+    problem: Problem,
+    spring: InstalledSpring,
+    chosen: tuple[str, ...],
+    lift: float,
+    with_solid: bool,
+    motion: SolidMotion | None,
+    progress: Progress | None,
+    into: tuple[list[SpringAtRest], list[Solution], Gaps],
+) -> None:
+    """One spring at rest by every model that can stand for it, the solid first, then the rod; and
+    the solid's stretch of motion.
+    """
+    name, lift_law, (rest, motions, gaps) = problem.record.name, problem.valve_lift, into
+    reach = (
+        comparison_reach(spring)
+        if with_solid
+        else reach_of(spring, lift)
+        if spring.wire is not None
+        else spring.precompression + lift
+    )
+    compressions = np.linspace(0.0, max(reach, 1e-6), (FINE_STEPS if with_solid else STEPS) + 1)
+    own = next((one for one in study.rest if one.spring == spring.name), None)
+    order = [word for word in ("finite-element", *chosen) if word != SOLID and word in chosen]
+    cancel = Cancel(
+        None
+        if progress is None
+        else lambda reached: progress(min(1.0, max(0.0, reached) / 2), "solid finite elements")
+    )
+    if motion is not None:
+        check_motion(lift_law, motion)
+
+    def by(word: str) -> SpringAtRest:
+        return rest_by_model(
+            spring,
+            word,
+            problem.model_of(word, spring, own),
+            compressions,
+            20 if with_solid else 12,
+        )
+
+    found: list[SpringAtRest] = []
+    moved: list[Solution] = []
+    jobs: dict[str, Future[SpringAtRest] | Future[Solution]] = {}
+    with ThreadPoolExecutor(2) as pool:
+        try:
+            if with_solid:
+                jobs["solid finite elements at rest"] = pool.submit(
+                    solid_rest, spring, reach, cancel
+                )
+                if motion is not None:
+                    jobs["motion by solid finite elements"] = pool.submit(
+                        solid_motion, name, spring, lift_law, motion, cancel
+                    )
+            for word in dict.fromkeys(order):
+                if not spring_model(word).why_not(spring):
+                    one = gaps.part(f"spring '{spring.name}' at rest by {word}", None, by, word)
+                    found += [one] if one is not None else []
+            for words, job in jobs.items():
+                result = gaps.part(f"spring '{spring.name}', {words}", None, result_of, job)
+                found[:0] = [result] if isinstance(result, SpringAtRest) else []
+                moved += [result] if isinstance(result, Solution) else []
+        except BaseException:
+            cancel.flag.set()  # the solver's own loop sees it and stops the solver
+            raise
+        finally:
+            rest += found
+            motions += moved
+    if moved and "finite-element" in chosen and len(moved[0].time) > 2:
+        rod = problem.model_of("finite-element", spring)
+        assert isinstance(rod, FiniteElementRod)
+        beside = gaps.part(
+            "motion by the rod, as the solid", None, rod_motion, name, rod, lift_law, moved[0]
+        )
+        motions += [beside] if beside is not None else []
+
+
+def sweep_study(
+    case: Case,
+    engine_speeds: Sequence[float],
+    *,
+    spring_models: Sequence[str] = (),
+    spring_sets: Sequence[str] = (),
+    whole: bool = False,
+    workers: int | None = None,
+    progress: Progress | None = None,
+    created_at: str = "",
+    critical: CriticalOptions | None = CriticalOptions(),
+    finished: Finished | None = None,
+    limits: Limits = Limits(),
+    implausible: bool = False,
+) -> Study:
+    """A case over ``engine_speeds`` (rad/s of the crank): solutions, reduced unless ``whole``, and
+    of a train its critical speeds between
+    the lowest and the highest of them (``critical`` None: not searched).
+
+    By default every spring set of a train by its own model, a spring alone by its usual models.
+    Raises :class:`InputError` for no speed
+    at all and for what cannot be built.
+    """
+    speeds = tuple(sorted({float(speed) for speed in engine_speeds}))
+    if not speeds:
+        raise InputError(
+            "a sweep needs at least one engine speed; write such as '1000:9000:100 rpm'",
+            "--engine-speed",
+        )
+    sets = tuple(spring_sets) or (tuple(case.train.springs) if case.train is not None else ())
+    problem = build(case, spring_models=spring_models, spring_sets=sets)
+    try:
+        return _with_critical(
+            run_problem(
+                problem,
+                speeds,
+                workers=workers,
+                progress=progress,
+                created_at=created_at,
+                command="sweep",
+                whole=whole,
+                critical=critical,
+                finished=finished,
+                limits=limits,
+                implausible=implausible,
+            )
+        )
+    except StudyStopped as cut:
+        raise StudyStopped(_with_critical(cut.study)) from None
+
+
+def _with_critical(study: Study) -> Study:
+    """The study with its critical speeds among the numbers of no single run."""
+    still = {**study.still}
+    for label in study.critical_speeds.labels:
+        still[label] = {**still.get(label, {}), **study.critical_speeds.quantities(label)}
+    return replace(study, still=still)

@@ -1,0 +1,391 @@
+"""What a study will cost in time and memory, from its request alone: before anything is built, for
+the command line and for programs.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from typing import Protocol
+
+from valvetrain.parameters.case import Case
+from valvetrain.parameters.curves import Constant
+from valvetrain.parameters.installed_spring import InstalledSpring
+from valvetrain.registry import words
+from valvetrain.runs.cost import Cost, estimate
+from valvetrain.runs.static_study import WIRE, usual_word
+from valvetrain.runs.statics import APPROACH, BEYOND
+from valvetrain.springs.spec import SpringModelSpec, spring_model
+from valvetrain.system.build import usual_models
+
+#: Options of spring models that set the number of unknowns.
+REFINES = ("elements_per_coil", "masses_per_coil", "elements", "modes")
+#: Chain of masses: its word, masses of a usual wire's (whose time
+#: :attr:`SpringModelSpec.processor_time` tells) and of a card's.
+CARD_CHAIN, CHAIN, MASSES = "multi-mass", 96.0, 5.0
+#: Points along the wire that a model of a wave shows, whatever its options.
+POINTS = 100.0
+#: Coils of a wire that a case does not tell.
+USUAL_COILS = 8.0
+
+
+class Request(Protocol):
+    """What a study was asked for: engine speeds in rad/s of the crank (None: the case's own), words
+    of models and spring sets.
+    """
+
+    @property
+    def command(self) -> str: ...
+    @property
+    def case(self) -> Case: ...
+    @property
+    def engine_speeds(self) -> tuple[float, ...] | None: ...
+    @property
+    def spring_models(self) -> tuple[str, ...]: ...
+    @property
+    def spring_sets(self) -> tuple[str, ...]: ...
+    @property
+    def workers(self) -> int: ...
+
+
+@dataclass(frozen=True, slots=True)
+class Asked:
+    """A request of a program."""
+
+    command: str
+    case: Case
+    engine_speeds: tuple[float, ...] | None
+    spring_models: tuple[str, ...]
+    spring_sets: tuple[str, ...]
+    workers: int
+
+
+def planned(request: Request) -> list[tuple[tuple[str, ...], Sequence[InstalledSpring]]]:
+    """(spring models, installed springs) of every part of the study, as
+    :func:`valvetrain.system.build.build` will choose them.
+    """
+    case, models = request.case, request.spring_models
+    if case.train is None:
+        return [
+            (
+                models
+                or (
+                    words("springs") if request.command == "compare" else usual_models(case.springs)
+                ),
+                case.springs,
+            )
+        ]
+    train, sets = case.train, case.train.springs
+    if request.command == "compare":
+        models = models or words("springs")
+    if request.command == "sweep" and not request.spring_sets:
+        return [(models or (train.spring_model,), springs) for springs in sets.values()]
+    if models or request.spring_sets or not train.variants:
+        chosen = request.spring_sets or (train.spring_set or next(iter(sets), ""),)
+        return [(models or (train.spring_model,), sets.get(name, ())) for name in chosen]
+    return [
+        (
+            (one.spring_model or train.spring_model,),
+            sets.get(one.spring_set or train.spring_set, ()),
+        )
+        for one in train.variants
+    ]
+
+
+def unknowns_of(spec: SpringModelSpec, spring: InstalledSpring) -> tuple[float, float]:
+    """(unknowns over those of a usual spring by the default options, unknowns) of one installed
+    spring by one model.
+    """
+    coils = spring.wire.total_coils if spring.wire is not None else USUAL_COILS
+    options = spring.options_of(spec.word)
+    usual_points = (
+        1.0
+        if any(name in REFINES for name in spec.options.model_fields)
+        or "sections" not in spec.shows
+        else POINTS
+    )
+    ratio, unknowns = (
+        (MASSES / CHAIN, MASSES)
+        if spec.word == CARD_CHAIN and spring.wire is None
+        else (1.0, usual_points)
+    )
+    ratios = [ratio] if ratio < 1.0 else []
+    for name, model_field in spec.options.model_fields.items():
+        if name not in REFINES or not isinstance(model_field.default, int):
+            continue
+        value = float(options.get(name, model_field.default))
+        if spec.word == CARD_CHAIN and (name == "elements") == (spring.wire is not None):
+            continue  # a wire's chain has masses per coil, a card's has elements
+        usual = CHAIN if name == "elements" else float(model_field.default)
+        ratios.append(value / usual)
+        unknowns = max(unknowns, value * (coils if name.endswith("per_coil") else 1.0))
+    return max(ratios, default=1.0), unknowns
+
+
+#: Runs that the search for a train's critical speeds takes besides those of its sweep, of each
+#: member (20 to 115 seen).
+SEARCH_RUNS = 60
+#: Seconds of one core per simulated second that a train takes besides its springs.
+TRAIN_TIME = 0.06
+#: Seconds that the states at rest of a spring alone take; usual step of a spring (s); bytes of a
+#: step while it is run, and as kept.
+REST, STEP, STEP_BYTES, KEPT_BYTES = 0.3, 2e-6, 128.0, 16.0
+#: Runs of a usual mesh and step that take as long as all variants of a refinement, of a spring and
+#: of a train; bytes over those of a run.
+SPRING_VARIANTS, TRAIN_VARIANTS, FINER_BYTES = 8.0, 13.0, 4.0
+#: Solid finite elements: their word, unknowns per element, bytes per unknown, and solver runs of a
+#: spring at rest (its error bar is one).
+SOLID, SOLID_UNKNOWNS, SOLID_BYTES, SOLID_RUNS = "solid", 15.0, 1e4, 2
+#: Runs to which a run-up is counted; so many lie beyond every bound.
+MOST_RUNS = 1_000_000
+#: Cam turns until a train repeats itself, where fewer are not asked for; coils and samples where a
+#: case does not tell.
+USUAL_CYCLES, USUAL_STEP = 20, math.radians(0.5)
+
+
+def request_cost(request: Request, whole: bool = True, searches: bool = False) -> Cost:
+    """Estimated cost of a request: every model at every speed, and :data:`SEARCH_RUNS` of each
+    where critical speeds are searched.
+    """
+    case = request.case
+    engine_speeds = (
+        case.operation.engine_speeds if request.engine_speeds is None else request.engine_speeds
+    )
+    total, chains = _compared_cost(request), list[float]()
+    if not engine_speeds or case.lift_law is None:
+        return total
+    cycles = _cycles(case)
+    total += Cost(REST * max(1, len(case.springs)) * (case.train is None))
+    simulated_time = cycles * sum(4 * math.pi / engine_speed for engine_speed in engine_speeds)
+    samples = 2 * math.pi / (getattr(case.operation, "output_step", None) or USUAL_STEP)
+    for models, springs in planned(request):
+        for model in models:
+            spec = spring_model(model)
+            if spec.no_motion or any(map(spec.why_not, springs)) or not springs:
+                continue  # refused, with its reason, where the parts are built
+            ratios, counts = zip(*(unknowns_of(spec, spring) for spring in springs), strict=True)
+            refinement, unknowns = (
+                math.hypot(*ratios),
+                sum(counts),
+            )  # each spring takes its own time
+            channels = 30 + unknowns * (12 if "stress" in spec.shows else 3)
+            own_time = 0.0 if case.train is None else TRAIN_TIME
+            if (
+                case.train is None
+            ):  # forces are kept at every step, and one run at a time per worker holds its motion too
+                steps = [4 * math.pi / speed / STEP * refinement for speed in engine_speeds]
+                at_a_time = max(1, min(request.workers, len(steps)))
+                total += Cost(
+                    0.0,
+                    STEP_BYTES * max(steps) * at_a_time
+                    + (KEPT_BYTES * sum(steps) if whole else 0.0),
+                )
+            total += estimate(
+                runs=len(engine_speeds),
+                simulated_time=simulated_time,
+                processor_time=spec.processor_time,
+                refinement=refinement,
+                own_time=own_time,
+                samples=samples,
+                channels=channels,
+                workers=request.workers,
+                whole=whole,
+            )
+            if (
+                searches and case.train is not None
+            ):  # one member is one chain of runs, most of them at the upper speeds
+                time = SEARCH_RUNS * cycles * 4 * math.pi / max(engine_speeds)
+                found = estimate(
+                    runs=SEARCH_RUNS,
+                    simulated_time=time,
+                    processor_time=spec.processor_time,
+                    refinement=refinement,
+                    own_time=own_time,
+                )
+                chains.append(found.seconds)
+    if chains:
+        total += Cost(max(max(chains), sum(chains) / max(1, request.workers)))
+    return total
+
+
+def _compared_cost(request: Request) -> Cost:
+    """Of springs at rest by every model that a comparison sets side by side."""
+    total = Cost()
+    if request.command == "compare" and request.case.train is None:
+        from valvetrain.runs.compare import (
+            FINE_STEPS,  # brings the finite-element spring, which a sweep of a train never needs
+        )
+
+        for models, springs in planned(request):
+            for spring in springs:
+                for model in models:
+                    total += (
+                        solid_rest_cost(spring)
+                        if model == SOLID
+                        else spring_cost(spring, model, FINE_STEPS)
+                    )
+    return total
+
+
+def _cycles(case: Case) -> int:
+    if case.train is None:
+        return case.operation.cycles
+    asked = case.train.cycles
+    return USUAL_CYCLES if asked is None else asked if asked > 60 else min(asked, USUAL_CYCLES)
+
+
+def run_up_cost(request: Request, ramp: tuple[float, float, float]) -> Cost:
+    """Estimated cost of a run-up between two crank speeds (rad/s) in a time (s): of as many steady
+    runs as take the same simulated time.
+    """
+    first, last, duration = ramp
+    mean = (first + last) / 2
+    if not (mean > 0 and duration > 0):
+        return Cost()  # refused, with its reason, where it begins
+    runs = max(1, math.ceil(min(duration * mean / (4 * math.pi) / USUAL_CYCLES, MOST_RUNS)))
+    asked = Asked(
+        "run-up",
+        request.case,
+        (mean,) * runs,
+        request.spring_models,
+        request.spring_sets,
+        request.workers,
+    )
+    return request_cost(asked, whole=False)
+
+
+def refine_cost(case: Case, engine_speeds: Sequence[float] | None, workers: int = 1) -> Cost:
+    """Estimated cost of the error bars of a case at ``engine_speeds`` (rad/s of the crank; None:
+    its own).
+    """
+    alone = case.train is None
+    asked = Asked(
+        "run",
+        case,
+        None if engine_speeds is None else tuple(engine_speeds),
+        ("finite-element",) if alone else (),
+        (),
+        workers,
+    )
+    runs = request_cost(asked, whole=False)
+    return Cost(
+        runs.seconds * (SPRING_VARIANTS if alone else TRAIN_VARIANTS), runs.bytes * FINER_BYTES
+    )
+
+
+def solid_rest_cost(spring: InstalledSpring) -> Cost:
+    """Estimated cost of one installed wire at rest by solids: curve, modes and the coarser mesh of
+    the error bar.
+    """
+    from valvetrain.springs.solid.installed import COARSER_MESH, statics_seconds
+
+    options = spring_model(SOLID).read_options(spring.options_of(SOLID)).model_dump()
+    coils = spring.wire.total_coils if spring.wire is not None else USUAL_COILS
+    elements = (
+        coils
+        * options["elements_per_coil"]
+        * (options["core"] ** 2 + 4 * options["core"] * options["rings"])
+    )
+    unknowns = SOLID_UNKNOWNS * elements
+    return Cost(
+        min(COARSER_MESH * statics_seconds(unknowns), SOLID_RUNS * options["time_limit"]),
+        SOLID_BYTES * unknowns,
+    )
+
+
+#: Steps to which a request is counted; so many lie beyond every bound.
+MOST_COUNTED = 10**12
+#: Points of the path behind every curve, and solutions that the search for a load takes.
+PATH, SEARCH = APPROACH + BEYOND + 1, 12
+#: Seconds per point and finite element where coils lie apart, and where they close one by one;
+#: bytes kept of both.
+APART, CLOSING, POINT_BYTES = 22e-6, 65e-6, 130.0
+#: Modes of a rod: seconds per unknown and square of the vectors of the search, of which there are
+#: two per mode.
+MODE, VECTORS = 2.5e-9, 2.0
+#: Seconds per finite element that the modes of a train take to find its two states at rest.
+TRAIN_ROD = 0.03
+#: Chain of masses: seconds per point and mass, seconds per cube and bytes per square of the masses
+#: for all its frequencies.
+CHAIN_POINT, CHAIN_CUBE, CHAIN_BYTES = 3e-6, 2.5e-10, 16.0
+#: Seconds around a spring by one model; seconds and bytes of a point of any curve, as it is kept
+#: and told.
+AROUND, TOLD, TOLD_BYTES = 0.1, 1e-4, 2e3
+
+
+def rest_cost(
+    case: Case,
+    spring_models: Sequence[str] = (),
+    *,
+    spring_sets: Sequence[str] = (),
+    steps: int,
+    modes: int = 0,
+    heights: int = 0,
+    loads: int = 0,
+) -> Cost:
+    """Estimated cost of :func:`valvetrain.runs.static_study.rest_study` with as many ``heights``
+    and ``loads`` asked for.
+    """
+    parts = planned(Asked("static", case, None, (), tuple(spring_sets), 1))
+    springs = dict.fromkeys(spring for _, springs in parts for spring in springs)
+    points = heights + SEARCH * loads
+    found = (
+        spring_cost(spring, word, steps, modes, points)
+        for spring in springs
+        for word in spring_models or (usual_word(spring),)
+    )
+    trains = (
+        _train_modes(spring, word)
+        for models, springs in parts
+        for spring in springs
+        for word in spring_models or models
+    )
+    return _sum(found) + (_sum(trains) if modes and case.train is not None else Cost())
+
+
+def spring_cost(
+    spring: InstalledSpring, word: str, steps: int, modes: int = 0, points: int = 0
+) -> Cost:
+    """Estimated cost of one spring by one model: a curve of ``steps``, ``modes`` and as many other
+    ``points``.
+    """
+    spec = spring_model(word, "--spring")
+    steps = min(steps, MOST_COUNTED)
+    told = Cost(AROUND + TOLD * steps, TOLD_BYTES * steps)
+    if spec.no_motion or spec.why_not(spring):
+        return told
+    unknowns = unknowns_of(spec, spring)[1]
+    if word == WIRE:
+        return told + _rod(spring, unknowns, PATH + steps + 1 + points, modes)
+    if spec.needs_rest:
+        told += _rod(spring, unknowns_of(spring_model(WIRE), spring)[1], PATH, max(modes, 8))
+    if word == CARD_CHAIN:
+        told += Cost(CHAIN_POINT * unknowns * (PATH + steps + 1 + points)) + _chain_modes(spring)
+    return told
+
+
+def _rod(spring: InstalledSpring, elements: float, points: float, modes: int) -> Cost:
+    each = APART if spring.wire is None or isinstance(spring.wire.pitch, Constant) else CLOSING
+    size = 6.0 * elements
+    vectors = min(VECTORS * modes, size)
+    statics = Cost(each * elements * points, POINT_BYTES * elements * points)
+    return statics + Cost(MODE * size * vectors**2, 16.0 * size * vectors)
+
+
+def _chain_modes(spring: InstalledSpring) -> Cost:
+    masses = unknowns_of(spring_model(CARD_CHAIN), spring)[1]
+    return Cost(CHAIN_CUBE * masses**3, CHAIN_BYTES * masses**2)
+
+
+def _train_modes(spring: InstalledSpring, word: str) -> Cost:
+    if word == CARD_CHAIN:
+        return _chain_modes(spring)
+    return Cost(TRAIN_ROD * unknowns_of(spring_model(WIRE), spring)[1]) if word == WIRE else Cost()
+
+
+def _sum(costs: Iterable[Cost]) -> Cost:
+    total = Cost()
+    for cost in costs:
+        total += cost
+    return total

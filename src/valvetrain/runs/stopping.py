@@ -1,0 +1,110 @@
+"""How a study is stopped by a signal: at once, with what is finished in hand, and without the
+request ever being lost.
+
+A KeyboardInterrupt that arises within a callback of a compiler or a destructor is dropped by the
+interpreter, so every request is also
+noted; whoever waits looks at the note.
+"""
+
+from __future__ import annotations
+
+import os
+import signal
+import threading
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from valvetrain.runs.error_bars import UncertaintyStudy
+    from valvetrain.solution.study import Study
+
+#: Time (s) between two looks at the note while something is waited for.
+LOOK = 0.1
+#: Names of the signals that stop a command.
+_SIGNALS = ("SIGINT", "SIGTERM", "SIGHUP")
+_noted: list[int] = []
+
+
+class Stopped(KeyboardInterrupt):
+    """A signal asked to stop."""
+
+
+class PointsStopped(Stopped):
+    """Independent runs were stopped; ``results`` holds those that were finished, by place."""
+
+    def __init__(self, results: Mapping[int, Any]) -> None:
+        super().__init__("stopped")
+        self.results = dict(results)
+
+
+class StudyStopped(Stopped):
+    """A study was stopped; ``study`` holds what was finished, the rest as runs of status
+    ``interrupted``.
+    """
+
+    def __init__(self, study: Study) -> None:
+        super().__init__("stopped")
+        self.study = study
+
+
+class RefinementStopped(Stopped):
+    """A refinement was stopped; ``study`` holds the bars whose runs are all there, and the numbers
+    of every run that was finished.
+    """
+
+    def __init__(self, study: UncertaintyStudy) -> None:
+        super().__init__("stopped")
+        self.study = study
+
+
+def noted() -> int:
+    """The signal that asked to stop, 0 for none."""
+    return _noted[0] if _noted else 0
+
+
+def look() -> None:
+    """Raise :class:`Stopped` where a signal asked to stop."""
+    if _noted:
+        raise Stopped(signal.Signals(_noted[0]).name)
+
+
+def exit_code(number: int) -> int:
+    """Exit code of a process that signal ``number`` stopped, as shells have it; 130, that of
+    Ctrl-C, for 0.
+    """
+    return 128 + (number or signal.SIGINT)
+
+
+@contextmanager
+def listening() -> Iterator[None]:
+    """While the block runs, SIGINT, SIGTERM and SIGHUP are noted and raise :class:`Stopped`; a
+    second one ends the process on the spot.
+
+    Only the main thread can listen; elsewhere, and for signals that the caller's parent had
+    ignored, nothing changes.
+    """
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    owner = os.getpid()
+
+    def stop(number: int, _: Any) -> None:
+        if os.getpid() != owner:  # a forked worker holds this handler until it sets its own
+            os._exit(exit_code(number))
+        _noted.append(number)
+        if len(_noted) > 1:
+            os._exit(exit_code(_noted[0]))
+        raise Stopped(signal.Signals(number).name)
+
+    before: dict[int, Any] = {}
+    for name in _SIGNALS:
+        number = getattr(signal, name, None)
+        if number is not None and signal.getsignal(number) not in (signal.SIG_IGN, None):
+            before[number] = signal.signal(number, stop)
+    try:
+        yield
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)
+        _noted.clear()

@@ -1,1 +1,0 @@
-"""Optimisation: searches of springs and lift laws within bounds on any named quantities."""
