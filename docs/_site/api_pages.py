@@ -13,12 +13,18 @@ import valvetrain
 
 #: Folder -> heading of its page, in the order of reading: what one begins with first.
 FOLDERS = {
-    "studies": "Runs and studies",
+    "runs": "Runs",
     "parameters": "Springs, materials and cases",
     "springs": "Spring models",
     "solution": "Results",
-    "measurements": "Measurements",
-    "identification": "Identification",
+    "explore": "Studies, searches and identification",
+    "compare_test": "Models against tests",
+    "spring_card": "Springs from cards and testers",
+    "lift": "Measured lifts",
+    "rig": "Recordings of test rigs",
+    "film": "Films of a spring",
+    "scan": "Springs from scans",
+    "measured": "Measured data",
     "report": "Reports and files",
     "quantities": "Quantities of results",
     "system": "The problem that is solved",

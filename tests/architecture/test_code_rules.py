@@ -13,7 +13,8 @@ import pytest
 
 from architecture.layout import ROOT, modules, tree_of
 
-LONGEST_FILE = 600
+#: Lines of the longest file that is let in: 400 are meant; a page with its charts, or a table of what every page says, is one idea.
+LONGEST_FILE = {"src": 600, "tests": 750, "examples": 400, "benchmarks": 400}
 #: One quantity, one name: say engine_speed or cam_speed, cam_angle or crank_angle, cam_lift or
 #: valve_lift, natural_frequency ...
 BARE_NAMES = {"speed", "speeds", "angle", "angles", "lift", "frequency", "frequencies", "rpm"}
@@ -203,7 +204,11 @@ def test_files_stay_short():
         str(path.relative_to(ROOT)): len(path.read_text(encoding="utf-8").splitlines())
         for path in paths
     }
-    assert not {path: length for path, length in lengths.items() if length > LONGEST_FILE}
+    assert not {
+        path: length
+        for path, length in lengths.items()
+        if length > LONGEST_FILE[path.split("/")[0]]
+    }
 
 
 @pytest.mark.parametrize(

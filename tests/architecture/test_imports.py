@@ -50,7 +50,7 @@ def violations(module: str, tree: ast.Module, is_package: bool = False) -> list[
         target = package_of(imported.module)
         place = f"{module}:{imported.line} imports {imported.module}"
         allowed = KEPT_IN.get(top, {package})
-        if package in TOOLS and module.endswith(".command"):
+        if package in TOOLS and module.endswith("command"):
             allowed = allowed | {package} if "cli" in allowed else allowed
         if package not in allowed:
             found.append(f"{place}, which belongs to {', '.join(sorted(allowed))}")

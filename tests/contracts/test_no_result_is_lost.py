@@ -181,8 +181,8 @@ def test_a_command_of_which_everything_fails_keeps_its_run(tmp_path, monkeypatch
     for name in parts():
         monkeypatch.setattr(evaluate, name, broken)
     places = (
-        "report.write.study_page", "report.write.quantity_table", "report.write.remove_earlier", "report.json.study_json",
-        "cli.answers._tables", "studies.run.beside_published", "studies.run.closing_quantities", "studies.run._notes",
+        "report.study.study_page", "report.study.quantity_table", "report.study.remove_earlier", "report.json.study_json",
+        "cli.answers._tables", "runs.run.beside_published", "runs.run.closing_quantities", "runs.run._notes",
     )  # fmt: skip
     for place in places:
         monkeypatch.setattr(f"valvetrain.{place}", broken)

@@ -14,8 +14,7 @@ from spring_parts import CLOSED_ENDS, PRECOMPRESSION, SLIM, UNIFORM, build_model
 from train_parts import LAW, direct, system
 from valvetrain.integrate.contract import Cycles, RunOptions
 from valvetrain.integrate.run import run_to_orbit
-from valvetrain.springs.finite_element_statics import carried_state
-from valvetrain.springs.nested import NestedSprings
+from valvetrain.springs.nested import NestedSprings, carried_state
 from valvetrain.springs.wave_rod import WaveRod
 from valvetrain.springs.wave_rod_clash import WaveRodWithClash
 

@@ -124,9 +124,8 @@ def test_loading_a_case_imports_its_own_law_only():
     ]
     assert laws == [
         "valvetrain.cam.contract",
+        "valvetrain.cam.closed_form",
         "valvetrain.cam.flanks",
-        "valvetrain.cam.closed_form",
-        "valvetrain.cam.closed_form",
     ]
 
 

@@ -224,15 +224,15 @@ def test_programs_have_the_bounds_of_the_command_line(name, monkeypatch):
         raise AssertionError("work was begun")
 
     studies = (
-        "api.run_study",
-        "api.compare_study",
-        "api.sweep_study",
-        "refined.refined",
-        "run_up.run_up_study",
-        "fidelity.fidelity_study",
+        "runs.api.run_study",
+        "runs.api.compare_study",
+        "runs.api.sweep_study",
+        "runs.refine.refined",
+        "runs.run_up.run_up_study",
+        "runs.fidelity.fidelity_study",
     )
-    for place in (*studies, "api.curve_by_model", "lift_band.map_points"):
-        monkeypatch.setattr(f"valvetrain.studies.{place}", work)
+    for place in (*studies, "runs.api.curve_by_model", "lift.band.map_points"):
+        monkeypatch.setattr(f"valvetrain.{place}", work)
     fewer = f"ask for fewer {FEWER.get(name, 'speeds, cycles or unknowns')}, or"
     with pytest.raises(
         InputError,

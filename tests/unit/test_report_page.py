@@ -241,7 +241,7 @@ def test_a_section_or_figure_that_fails_is_named_and_the_rest_stands(monkeypatch
         raise ValueError("no such luck")
 
     monkeypatch.setattr(force, "force_chart", broken)
-    monkeypatch.setattr(motion, "SPEC", replace(motion.SPEC, blocks=broken))
+    monkeypatch.setattr(motion, "MOTION_SPEC", replace(motion.MOTION_SPEC, blocks=broken))
     find.__globals__["_load"].cache_clear()
     html = render(study_page(own_study()))
     find.__globals__["_load"].cache_clear()

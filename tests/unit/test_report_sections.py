@@ -387,7 +387,7 @@ def test_the_five_largest_clashes_are_named_and_all_are_counted():
 
 def test_published_values_are_one_dot_plot_and_one_table_with_three_filters():
     study = published_study()
-    blocks = published.SPEC.blocks(study)
+    blocks = published.PUBLISHED_SPEC.blocks(study)
     assert [type(block) for block in blocks] == [Figure, Grid, Grid, Details]
     panel = blocks[0].chart.panels[0]
     marks = [layer for layer in panel.layers if isinstance(layer, Marks)]
@@ -497,7 +497,7 @@ def test_a_long_table_of_error_bars_is_folded(monkeypatch):
         },
     )
     monkeypatch.setattr(uncertainty, "ONE_SCREEN", 3)
-    folded = uncertainty.blocks(study)[1]
+    folded = uncertainty.uncertainty_blocks(study)[1]
     assert (
         isinstance(folded, Details)
         and isinstance(folded.blocks[0], Grid)

@@ -100,7 +100,7 @@ def test_of_a_tdms_file_only_what_is_wanted_is_read(tmp_path, wanted):
         )
     tracemalloc.start()
     try:
-        found = tdms.read(tmp_path / "it.tdms", "it.tdms", wanted)
+        found = tdms.read_tdms(tmp_path / "it.tdms", "it.tdms", wanted)
         peak = tracemalloc.get_traced_memory()[1]
     finally:
         tracemalloc.stop()
@@ -222,7 +222,7 @@ def test_times_of_a_text_count_in_the_unit_of_their_heading(tmp_path, unit):
         + "\n",
         encoding="utf-8",
     )
-    (force,) = text.read(path, path.name, ()).channels
+    (force,) = text.read_text(path, path.name, ()).channels
     assert force.times == pytest.approx(
         3 * TIMES[unit] * np.arange(20)
     ) and force.values == pytest.approx(10.0 + np.arange(20))
@@ -268,7 +268,7 @@ def test_a_temperature_called_t_is_a_channel_like_any_other(name, unit, tmp_path
     of_arrays, _ = channels_of(
         arrays, {name: unit, "time": "ms", "force": "N"}, Budget("own.mat", ())
     )
-    for heat, force in (of_arrays, text.read(path, path.name, ()).channels):
+    for heat, force in (of_arrays, text.read_text(path, path.name, ()).channels):
         assert (heat.name, heat.unit, force.name) == (name, unit, "force")
         assert heat.values == pytest.approx(80.0 + np.arange(20))
         assert all(one.times == pytest.approx(2e-3 * np.arange(20)) for one in (heat, force))
@@ -302,7 +302,7 @@ def test_the_sampling_rate_of_a_text_stands_in_its_heading(tmp_path, line, rate)
         + "\n",
         encoding="utf-8",
     )
-    found = text.read(path, path.name, ("lift",))
+    found = text.read_text(path, path.name, ("lift",))
     assert found.scalars == ({} if rate is None else {"sampling_rate": rate})
     (lift,) = found.channels
     assert (

@@ -103,7 +103,7 @@ def test_other_properties_of_points_are_passed_by(tmp_path):
 
 
 def test_long_files_are_read_in_blocks_and_give_the_same(tmp_path, monkeypatch):
-    monkeypatch.setattr(ply, "AT_A_TIME", 100)
+    monkeypatch.setattr(ply, "PLY_AT_A_TIME", 100)
     monkeypatch.setattr(text_points, "BLOCK", 1000)
     whole = {
         "a.ply": head() + POINTS.astype("<f4").tobytes(),

@@ -11,7 +11,7 @@ from valvetrain.integrate.train_run import TrainRunner, TrainState
 from valvetrain.solution.provenance import Provenance
 from valvetrain.solution.result import Solution
 from valvetrain.springs.contract import SpringModel
-from valvetrain.springs.finite_element_statics import carried_state
+from valvetrain.springs.nested import carried_state
 from valvetrain.system.contract import System
 from valvetrain.system.train_rest import TrainRest
 
