@@ -10,7 +10,7 @@ from __future__ import annotations
 import json
 
 from unit.cli_parts import call
-from valvetrain.parameters.loading import TEMPLATES
+from valvetrain.parameters.templates import TEMPLATES
 
 SHORT = {
     "train.springs.stock.0.total_coils": "3.6", "train.springs.stock.0.installed_height": "15.5 mm", "lift_law.maximum_lift": "2 mm",

@@ -20,8 +20,8 @@ from valvetrain.parameters import (
     schema_spring,
     train_schema,
 )
-from valvetrain.parameters.installed_spring import options_table
 from valvetrain.parameters.schema_types import Quantity
+from valvetrain.parameters.spring_options import options_table
 from valvetrain.units import DIMENSIONS
 
 TABLES = {

@@ -11,7 +11,6 @@ import pytest
 
 from valvetrain import registry
 from valvetrain.cam import build_lift_law
-from valvetrain.parameters.installed_spring import options_table
 from valvetrain.parameters.loading import parse_case
 from valvetrain.parameters.schema_case import OperationModel
 from valvetrain.parameters.schema_installed import (
@@ -22,6 +21,7 @@ from valvetrain.parameters.schema_installed import (
     WireBlock,
 )
 from valvetrain.parameters.schema_lift import LiftModel
+from valvetrain.parameters.spring_options import options_table
 
 GUIDE = (Path(__file__).parents[2] / "docs" / "case-files.md").read_text(encoding="utf-8")
 EXAMPLES = re.findall(r"```toml\n(.*?)```", GUIDE, re.DOTALL)

@@ -24,7 +24,8 @@ if __name__ == "__main__":
 from valvetrain.cam.build import build_lift_law
 from valvetrain.cli.case_facts import case_facts
 from valvetrain.errors import InputError
-from valvetrain.parameters.loading import KINDS, LIBRARY, TEMPLATES, parse_case
+from valvetrain.parameters.loading import LIBRARY, parse_case
+from valvetrain.parameters.templates import KINDS, TEMPLATES
 
 KEPT = Path(__file__).parent / "case_values"
 DOCS = Path(__file__).parents[2] / "docs"

@@ -19,7 +19,8 @@ if __name__ == "__main__":
 
 from known_sums import read, same, sums, write
 from unit.cli_parts import PUBLISHED, SMALL
-from valvetrain.parameters.loading import TEMPLATES, parse_case
+from valvetrain.parameters.loading import parse_case
+from valvetrain.parameters.templates import TEMPLATES
 from valvetrain.report.json import study_json
 from valvetrain.runs.compare import compare_study, sweep_study
 from valvetrain.runs.run import run_study

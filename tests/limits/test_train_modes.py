@@ -13,7 +13,8 @@ from scipy.optimize import brentq
 from train_parts import LAW, direct
 from valvetrain.mechanism.build import build_mechanism
 from valvetrain.parameters.installed_spring import InstalledSpring, SpringCard
-from valvetrain.parameters.loading import TEMPLATES, load_case, parse_case
+from valvetrain.parameters.loading import load_case, parse_case
+from valvetrain.parameters.templates import TEMPLATES
 from valvetrain.parameters.train import (
     CamParameters,
     ContactParameters,

@@ -16,7 +16,8 @@ from valvetrain.cam.closed_form import Harmonic
 from valvetrain.integrate.contract import Periodic, RunOptions
 from valvetrain.integrate.run import run
 from valvetrain.mechanism.build import build_mechanism
-from valvetrain.parameters.loading import TEMPLATES, load_case
+from valvetrain.parameters.loading import load_case
+from valvetrain.parameters.templates import TEMPLATES
 from valvetrain.parameters.train import CamParameters
 from valvetrain.quantities.evaluate import evaluate
 from valvetrain.quantities.kinematics import rigid_motion

@@ -180,7 +180,7 @@ def test_a_card_that_contradicts_itself_is_refused_with_what_is_possible(more, w
 
 
 def test_lash_and_ratio_are_told_once_or_alike():
-    from valvetrain.parameters.loading import TEMPLATES
+    from valvetrain.parameters.templates import TEMPLATES
 
     text = (TEMPLATES / "pushrod.toml").read_text(encoding="utf-8")
     train = parse_case(text.replace('lash = "0 in"', 'lash = "0.010 in"')).train

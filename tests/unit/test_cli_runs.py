@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 from unit.cli_parts import PUBLISHED, SMALL, call, sentence
-from valvetrain.parameters.loading import KINDS
+from valvetrain.parameters.templates import KINDS
 
 QUICK = ("--workers", "1", "--no-report")
 RANGE = ("--engine-speed", "1000:9000:100 rpm")

@@ -15,7 +15,7 @@ import pytest
 import synthetic_study as made
 from valvetrain.cosserat.static import compress
 from valvetrain.errors import InputError
-from valvetrain.integrate.rod_leapfrog import joined
+from valvetrain.integrate.run import joined
 from valvetrain.lift.page import lift_notes
 from valvetrain.parameters.constructors import cylindrical
 from valvetrain.report.json import study_json

@@ -16,7 +16,7 @@ from unit.cli_parts import call, sentence
 from valvetrain.errors import InputError
 from valvetrain.integrate.run_up import turns_of_run_up
 from valvetrain.integrate.train_run import TrainOptions, runner
-from valvetrain.parameters.loading import TEMPLATES
+from valvetrain.parameters.templates import TEMPLATES
 
 ENGINE = str(TEMPLATES / "pushrod.toml")
 RPM = math.pi / 30

@@ -15,7 +15,8 @@ import pytest
 
 from valvetrain.errors import InputError
 from valvetrain.parameters.annotations import split_notes
-from valvetrain.parameters.loading import LIBRARY, TEMPLATES, parse_case
+from valvetrain.parameters.loading import LIBRARY, parse_case
+from valvetrain.parameters.templates import TEMPLATES
 from valvetrain.units import parse_quantity, si_speeds, to_unit
 from valvetrain.workbench.form import Field, check, fields, read_change
 from valvetrain.workbench.pages.forms import engine_speed, sliding

@@ -12,7 +12,8 @@ import tomllib
 import pytest
 
 from valvetrain.errors import InputError
-from valvetrain.parameters.loading import KINDS, LIBRARY, library_names, template_text
+from valvetrain.parameters.loading import LIBRARY, library_names
+from valvetrain.parameters.templates import KINDS, template_text
 from valvetrain.registry import words
 from valvetrain.workbench.lift_laws import KEPT, law_of, with_law, with_law_of
 from valvetrain.workbench.workspace import Workspace

@@ -13,7 +13,8 @@ import numpy as np
 import pytest
 
 from valvetrain.errors import InputError
-from valvetrain.parameters.loading import KINDS, LIBRARY, library_names, parse_case, template_text
+from valvetrain.parameters.loading import LIBRARY, library_names, parse_case
+from valvetrain.parameters.templates import KINDS, template_text
 from valvetrain.runs.api import simulate
 from valvetrain.workbench.edits import with_value
 from valvetrain.workbench.form import fields

@@ -18,7 +18,7 @@ from valvetrain.cli.options import (
     read_models,
 )
 from valvetrain.errors import InputError
-from valvetrain.parameters.loading import KINDS, template_text
+from valvetrain.parameters.templates import KINDS, template_text
 
 if TYPE_CHECKING:
     from rich.console import Console

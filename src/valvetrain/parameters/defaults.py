@@ -9,13 +9,13 @@ from pydantic.fields import FieldInfo
 
 from valvetrain import registry
 from valvetrain.parameters import schema_installed, train_schema
-from valvetrain.parameters.installed_spring import options_table
 from valvetrain.parameters.schema_case import OperationModel
 from valvetrain.parameters.schema_contact import ContactTable
 from valvetrain.parameters.schema_lift import LiftModel
 from valvetrain.parameters.schema_spring import EndModel
 from valvetrain.parameters.schema_types import Quantity
 from valvetrain.parameters.spring import EndCoil
+from valvetrain.parameters.spring_options import options_table
 from valvetrain.parameters.summary import number
 from valvetrain.units import DIMENSIONS, unit_factor
 

@@ -7,15 +7,13 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields, replace
-from typing import Annotated, Any, ClassVar, Literal
+from typing import Annotated, Any, Literal
 
 import numpy as np
 
-from valvetrain import registry
 from valvetrain.errors import InputError
-from valvetrain.parameters.changes import nearest
 from valvetrain.parameters.lift_law import FrozenMapping
-from valvetrain.parameters.schema_types import StrictModel, quantity
+from valvetrain.parameters.schema_types import quantity
 from valvetrain.parameters.spring import SpringDefinition
 from valvetrain.units import keep_si
 
@@ -42,49 +40,6 @@ class SpringCard:
 
 
 Share = Annotated[float, quantity("ratio", low=0.0, high=1.0)]
-
-
-class SpringOptions(StrictModel):
-    """Base of the tables. ``wire_only`` and ``card_only``: keys that have no effect on a spring
-    known the other way.
-    """
-
-    wire_only: ClassVar[tuple[str, ...]] = ()
-    card_only: ClassVar[tuple[str, ...]] = ()
-
-
-def options_table(word: str) -> type[SpringOptions]:
-    """The table of the spring model ``word``. Raises :class:`InputError` for an unknown word, with
-    the nearest.
-    """
-    table: type[SpringOptions] = registry.find("springs", word).options
-    return table
-
-
-def options_problem(
-    options: Mapping[str, Mapping[str, Any]], by_card: bool
-) -> tuple[str, str, str] | None:
-    """Model word, key and reason of the first option that is unknown or has no effect on such a
-    spring; None when all fit.
-    """
-    for word, values in options.items():
-        table = options_table(word)
-        useless: tuple[str, ...] = getattr(table, "wire_only" if by_card else "card_only", ())
-        for key in values:
-            if key not in table.model_fields:
-                return (
-                    word,
-                    key,
-                    f"option '{key[:40]}' of spring model '{word}' is unknown; {nearest(key, tuple(table.model_fields))}",
-                )
-            if key in useless:
-                known_by, other = ("card", "wire") if by_card else ("wire", "card")
-                return (
-                    word,
-                    key,
-                    f"{key} has no effect on a spring known by its {known_by} (it is for a {other}); remove it",
-                )
-    return None
 
 
 #: Share of a given ratio that is stiffness-proportional when the case does not say: the
@@ -321,6 +276,8 @@ class InstalledSpring:
             raise InputError(
                 f"seats '{self.seats}' of spring '{self.name}' is unknown; use planes or clamps"
             )
+        from valvetrain.parameters.spring_options import options_problem
+
         if (wrong := options_problem(self.options, self.card is not None)) is not None:
             raise InputError(wrong[2])
         if self.card is not None and not (self.card.rate > 0 and self.card.preload >= 0):

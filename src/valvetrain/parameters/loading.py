@@ -26,33 +26,6 @@ from valvetrain.parameters.schema_types import LONGEST_NAME, first_problem, prob
 from valvetrain.parameters.toml_text import find_line, resolved, toml_text
 from valvetrain.units.text import clipped
 
-TEMPLATES = Path(__file__).parent.parent / "templates"
-#: Kind -> what it is, in the order of the help.
-KINDS = {
-    "spring": "a spring alone", "direct": "a bucket tappet", "finger": "a finger follower", "rocker": "a rocker over the cam",
-    "pushrod": "a pushrod and rocker",
-}  # fmt: skip
-
-
-def template_text(kind: str) -> str:
-    """The commented case of ``kind`` (a word of :data:`KINDS`), ``NAME.toml`` standing for its
-    file.
-
-    Raises :class:`InputError` for an unknown kind.
-
-    >>> "[spring]" in template_text("spring")
-    True
-    """
-    if kind not in KINDS:
-        from valvetrain.parameters.changes import nearest
-
-        raise InputError(
-            f"there is no template of the kind '{kind[:40]}'; {nearest(kind, tuple(KINDS))}",
-            "--kind",
-        )
-    return (TEMPLATES / f"{kind}.toml").read_text(encoding="utf-8")
-
-
 _FINITE_ELEMENT = "[spring.options.finite-element]"
 #: Table -> key -> where it went; the empty key speaks for the whole table.
 _MOVED: dict[tuple[str, ...], dict[str, str]] = {

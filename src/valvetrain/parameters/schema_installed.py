@@ -18,8 +18,6 @@ from valvetrain.parameters.installed_spring import (
     Guide,
     InstalledSpring,
     Rubbing,
-    options_problem,
-    options_table,
 )
 from valvetrain.parameters.schema_spring import SpringCardModel, SpringModel
 from valvetrain.parameters.schema_types import (
@@ -36,6 +34,7 @@ from valvetrain.parameters.schema_types import (
     quantity,
     validate_as,
 )
+from valvetrain.parameters.spring_options import options_problem, options_table
 
 _CONTACT, _RUBBING = CoilContact(), Rubbing()
 #: Keys that a card alone has, and a wire alone; a wire_diameter says nothing, for a card may have

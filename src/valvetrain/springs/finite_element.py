@@ -12,8 +12,9 @@ from pydantic import Field
 
 from valvetrain.cosserat.buffer import RodDynamics
 from valvetrain.errors import InputError
-from valvetrain.parameters.installed_spring import InstalledSpring, SpringOptions
+from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.parameters.schema_types import Length, PositiveTime
+from valvetrain.parameters.spring_options import SpringOptions
 from valvetrain.solution.modes import ModalResult
 from valvetrain.solution.static import RestPoint, SpringAtRest, StaticCurve
 from valvetrain.springs.finite_element_model import RodModel

@@ -15,8 +15,9 @@ from numpy.typing import NDArray
 from pydantic import Field
 
 from valvetrain.errors import InputError
-from valvetrain.parameters.installed_spring import InstalledSpring, Share, SpringOptions
+from valvetrain.parameters.installed_spring import InstalledSpring, Share
 from valvetrain.parameters.spring import SpringDefinition
+from valvetrain.parameters.spring_options import SpringOptions
 from valvetrain.solution.static import SpringAtRest
 from valvetrain.springs import massless_kernels
 from valvetrain.springs.chain_layout import RAYLEIGH_FRACTION, check_masses

@@ -18,7 +18,8 @@ from numpy.typing import NDArray
 from pydantic import Field
 
 from valvetrain.errors import InputError
-from valvetrain.parameters.installed_spring import InstalledSpring, SpringOptions
+from valvetrain.parameters.installed_spring import InstalledSpring
+from valvetrain.parameters.spring_options import SpringOptions
 from valvetrain.solution.static import SpringAtRest
 from valvetrain.springs import modal_kernels
 from valvetrain.springs.contract import Array, EndForces, Kernel, SpringEnergy, SpringOutputs

@@ -13,8 +13,9 @@ from numpy.typing import NDArray
 from pydantic import Field
 
 from valvetrain.errors import InputError
-from valvetrain.parameters.installed_spring import InstalledSpring, SpringOptions
+from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.parameters.spring import SpringDefinition
+from valvetrain.parameters.spring_options import SpringOptions
 from valvetrain.solution.static import SpringAtRest
 from valvetrain.springs import chain_kernels, chain_statics
 from valvetrain.springs.chain_layout import ChainLayout, chain_from_definition, uniform_chain

@@ -11,7 +11,8 @@ from typing import Annotated, Any
 from pydantic import Strict, TypeAdapter, ValidationError
 
 from valvetrain.errors import InputError
-from valvetrain.parameters.installed_spring import InstalledSpring, SpringOptions
+from valvetrain.parameters.installed_spring import InstalledSpring
+from valvetrain.parameters.spring_options import SpringOptions
 from valvetrain.registry import find
 from valvetrain.solution.static import SpringAtRest
 from valvetrain.springs.contract import SpringModel

@@ -14,7 +14,6 @@ from valvetrain import registry
 from valvetrain.errors import InputError
 from valvetrain.parameters.annotations import split_notes
 from valvetrain.parameters.case import Case, Note
-from valvetrain.parameters.installed_spring import options_table
 from valvetrain.parameters.loading import parse_case
 from valvetrain.parameters.overrides import REMOVED, read_assignment
 from valvetrain.parameters.schema_case import CaseModel, OperationModel
@@ -29,6 +28,7 @@ from valvetrain.parameters.schema_installed import (
     is_card,
 )
 from valvetrain.parameters.schema_types import StrictModel
+from valvetrain.parameters.spring_options import options_table
 from valvetrain.parameters.train_schema import PARTS, TrainModel
 from valvetrain.workbench.edits import refuse_foreign_files
 from valvetrain.workbench.form_fields import FieldOf, field_of, words_of

@@ -17,8 +17,8 @@ from valvetrain.parameters.annotations import split_notes
 from valvetrain.parameters.case import Case
 from valvetrain.parameters.changes import nearest
 from valvetrain.parameters.installed_spring import InstalledSpring
-from valvetrain.parameters.loading import template_text
 from valvetrain.parameters.spring import SpringDefinition
+from valvetrain.parameters.templates import template_text
 from valvetrain.workbench.edits import opened, saved
 
 #: Difference of diameters of nested springs, and of a spring and a bore (m); the gap on either side

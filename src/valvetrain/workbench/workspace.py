@@ -22,15 +22,8 @@ from typing import Any, Concatenate, ParamSpec, TypeVar
 from valvetrain.errors import InputError
 from valvetrain.parameters.bounded_file import MOST_BYTES
 from valvetrain.parameters.case import Case
-from valvetrain.parameters.loading import (
-    KINDS,
-    LIBRARY,
-    library_names,
-    list_cases,
-    parse_case,
-    parse_toml,
-    template_text,
-)
+from valvetrain.parameters.loading import LIBRARY, library_names, list_cases, parse_case, parse_toml
+from valvetrain.parameters.templates import KINDS, template_text
 from valvetrain.solution.atomic import lock, write_bytes, write_text
 from valvetrain.units.text import clipped
 from valvetrain.workbench.edits import refuse_foreign_files, with_change, with_name

@@ -9,8 +9,9 @@ from numba import njit
 from numpy.typing import NDArray
 from pydantic import Field
 
-from valvetrain.parameters.installed_spring import InstalledSpring, SpringOptions
+from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.parameters.schema_types import PositiveLength, Ratio
+from valvetrain.parameters.spring_options import SpringOptions
 from valvetrain.solution.static import SpringAtRest
 from valvetrain.springs.contract import Array, EndForces, Kernel, SpringEnergy, SpringOutputs
 from valvetrain.springs.equivalent import EquivalentSpring

@@ -7,8 +7,9 @@ from __future__ import annotations
 from pydantic import Field
 
 from valvetrain.errors import InputError
-from valvetrain.parameters.installed_spring import InstalledSpring, SpringOptions
+from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.parameters.schema_types import PositiveTime
+from valvetrain.parameters.spring_options import SpringOptions
 from valvetrain.solution.static import SpringAtRest
 from valvetrain.springs.contract import SpringModel
 from valvetrain.springs.solid.deck import SolidContact
