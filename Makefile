@@ -9,19 +9,21 @@ PYTEST := $(ONE_THREAD) $(BIN)/python -m pytest -n auto --maxprocesses 8 --dist 
 
 export PYTHON VENV LOWEST
 
-.PHONY: help run test test-long validate bench identify uncertainty lint docs pins clean environment-run environment-test parts mutants faults fuzz guides workbench
+.PHONY: help run test test-fast test-processor test-long validate bench identify uncertainty lint docs pins clean environment-run environment-test parts mutants faults fuzz guides workbench
 
 help:
 	@echo "make run       set up, then run the published study CASE=$(CASE): table and report"
 	@echo "make test      set up, then run all tests (PYTHON=python3.12: by that interpreter; LOWEST=1: with the lowest versions allowed)"
+	@echo "make test-fast ROOM=springs  the tests that a change of one room (folder of src/valvetrain) can break, about a minute (ARGS=\"--list\")"
+	@echo "make test-processor  tests of limits and orders as another processor would round (OPENBLAS_CORETYPE=Prescott)"
 	@echo "make test-long the tests that make test leaves out for their length (some minutes)"
 	@echo "make validate  the validation book (docs/validation.md) and the tests behind it"
 	@echo "make docs      the documentation site in build/docs, gallery run, any warning a failure"
 	@echo "make bench     measure the speed of the main parts"
 	@echo "make identify  re-run the identification of the published case's unpublished numbers"
 	@echo "make uncertainty  error bars of the published case anew; after make identify or a change of the rod"
-	@echo "make lint      style, format (ruff) and types (mypy)"
-	@echo "make mutants   seed faults into copies of the source and tell the share that the tests notice (ARGS=\"--sample 40\")"
+	@echo "make lint      style, format (ruff) and types (mypy) of the package, benchmarks, scripts, fuzz and mutants"
+	@echo "make mutants   seed faults into copies of the source and tell the share that the tests notice (ARGS=\"--changed\": lines changed since main, a minute; ARGS=\"--sample 40\")"
 	@echo "make faults    kill workers, parents and the solver at random moments, fill the disk; what was lost (ARGS=200: so many faults)"
 	@echo "make fuzz      ask about mutants of cases, runs of mutants and damaged result files (ARGS=1000, or ARGS=\"--files 500\")"
 	@echo "make workbench  measure the workbench in a browser, and its longer tests: finite elements, both widths"
@@ -42,7 +44,10 @@ run: environment-run
 	$(BIN)/valvetrain run $(CASE)
 
 test: environment-test parts
-	$(PYTEST) $(ARGS)
+	$(PYTEST) -o junit_family=xunit1 --junitxml=build/tests/all.xml $(ARGS)
+
+test-fast: environment-test
+	$(ONE_THREAD) $(BIN)/python scripts/test_fast.py $(ROOM) $(ARGS)
 
 validate: environment-test parts
 	$(BIN)/python -m valvetrain.validation --page docs/validation.md
@@ -73,6 +78,10 @@ faults: environment-test
 	nice $(BIN)/python scripts/faults.py $(ARGS)
 	VALVETRAIN_LONG=1 nice $(PYTEST) tests/unit/test_study_dask.py
 
+# Another processor rounds elsewhere: the tests of limits and orders with the kernels of OpenBLAS for one from 2004.
+test-processor: environment-test
+	OPENBLAS_CORETYPE=Prescott $(PYTEST) -m "not slow and not long and not chromium and not calculix" tests/order tests/limits $(ARGS)
+
 test-long: environment-test parts
 	VALVETRAIN_LONG=1 $(PYTEST) -m long $(ARGS)
 
@@ -84,7 +93,7 @@ workbench: environment-test parts
 	VALVETRAIN_LONG=1 $(PYTEST) tests/unit/test_workbench_browser.py
 
 guides: environment-test
-	$(ONE_THREAD) nice $(BIN)/python scripts/write_how_to_pictures.py
+	$(ONE_THREAD) nice $(BIN)/python scripts/write_pages.py how-to
 	VALVETRAIN_LONG=1 nice $(PYTEST) tests/examples/test_how_to.py
 
 pins:

@@ -10,8 +10,10 @@ import statistics
 import sys
 import time
 from collections.abc import Callable
+from typing import Any, TypeVar
 
 import numpy as np
+from numpy.typing import NDArray
 
 from benchmarks.standard import (
     CAM_SPEED,
@@ -27,9 +29,13 @@ from benchmarks.standard import (
     spring_t,
     transient,
 )
+from valvetrain.cosserat.transient import RodTransient
+
+T = TypeVar("T")
+Array = NDArray[np.float64]
 
 
-def timed(work: Callable[[], object], repeats: int) -> tuple[float, float, object]:
+def timed(work: Callable[[], T], repeats: int) -> tuple[float, float, T]:
     """Median wall and CPU time (s) after one call that may compile, and the last result."""
     result = work()
     walls, cpus = [], []
@@ -41,10 +47,10 @@ def timed(work: Callable[[], object], repeats: int) -> tuple[float, float, objec
     return statistics.median(walls), statistics.median(cpus), result
 
 
-def job_transient(job: str, per_coil: int, damping: str, repeats: int) -> dict:
+def job_transient(job: str, per_coil: int, damping: str, repeats: int) -> dict[str, Any]:
     """T or C: mesh, installed state and time integration."""
 
-    def whole():
+    def whole() -> RodTransient:
         return transient(
             *rod(spring_t() if job == "T" else spring_c(), per_coil, damping, job == "C")
         )
@@ -59,7 +65,7 @@ def job_transient(job: str, per_coil: int, damping: str, repeats: int) -> dict:
     }
 
 
-def job_static(per_coil: int, repeats: int) -> dict:
+def job_static(per_coil: int, repeats: int) -> dict[str, Any]:
     """S: 24 steps to 12 mm."""
     from valvetrain.cosserat.static import RodStatics, compress
 
@@ -70,7 +76,7 @@ def job_static(per_coil: int, repeats: int) -> dict:
     return {"wall": wall, "cpu": cpu, "trace": [point.retainer_force for point in path]}
 
 
-def job_modes(per_coil: int, repeats: int) -> dict:
+def job_modes(per_coil: int, repeats: int) -> dict[str, Any]:
     """M: first six frequencies at 0 and at 7 mm."""
     from valvetrain.cosserat.modes import natural_modes
     from valvetrain.cosserat.state import free_state
@@ -78,7 +84,7 @@ def job_modes(per_coil: int, repeats: int) -> dict:
 
     mesh, _, installed = rod(spring_t(), per_coil, "mass", False)
 
-    def both():
+    def both() -> list[Array]:
         return [
             natural_modes(RodStatics(mesh), state, 6).natural_frequency
             for state in (free_state(mesh), installed)
@@ -88,11 +94,11 @@ def job_modes(per_coil: int, repeats: int) -> dict:
     return {"wall": wall, "cpu": cpu, "trace": np.concatenate(found).tolist()}
 
 
-def job_batch(per_coil: int, variants: int, workers: int) -> dict:
+def job_batch(per_coil: int, variants: int, workers: int) -> dict[str, Any]:
     """B: CPU seconds per variant, side by side and one by one, and the wall time over ``workers``
     threads.
     """
-    from valvetrain.cosserat.batch import simulate_batch
+    from valvetrain.cosserat.batch import RodBatch, simulate_batch
     from valvetrain.cosserat.buffer import stable_time_step
 
     built = [
@@ -103,7 +109,7 @@ def job_batch(per_coil: int, variants: int, workers: int) -> dict:
     step = min(stable_time_step(mesh, dynamics) for mesh in meshes)
     samples = REVOLUTIONS * PER_TURN
 
-    def batch(count: int, threads: int):
+    def batch(count: int, threads: int) -> RodBatch:
         return simulate_batch(
             meshes[:count], starts[:count], motion, INTERVAL, samples, dynamics, step, threads
         )
@@ -111,7 +117,7 @@ def job_batch(per_coil: int, variants: int, workers: int) -> dict:
     batch(1, 1)
     few = min(variants, 16)
 
-    def one_by_one():
+    def one_by_one() -> list[Array]:
         return [
             transient(mesh, dynamics, start, step).seat_force
             for mesh, start in zip(meshes[:few], starts[:few], strict=True)
@@ -138,7 +144,7 @@ def job_batch(per_coil: int, variants: int, workers: int) -> dict:
     }
 
 
-def job_chain(repeats: int) -> dict:
+def job_chain(repeats: int) -> dict[str, Any]:
     """The 30 ms of C by the chain of masses with clash."""
     from numba import njit
 
@@ -166,7 +172,7 @@ def job_chain(repeats: int) -> dict:
 
     parameters, integers, forces = model.parameters(), model.integers(), np.zeros(steps + 1)
 
-    def whole():
+    def whole() -> Array:
         integrate_in_time(
             parameters,
             integers,
@@ -183,7 +189,7 @@ def job_chain(repeats: int) -> dict:
     return {"wall": wall, "cpu": cpu, "trace": sampled.tolist(), "steps": steps}
 
 
-def main(options: dict) -> None:
+def main(options: dict[str, Any]) -> None:
     """Run one job and print its result."""
     job, repeats = options["job"], options.get("repeats", 3)
     if job in ("T", "C"):

@@ -7,6 +7,7 @@ import os
 import subprocess
 import sys
 from pathlib import Path
+from typing import Any
 
 PEERS = Path(__file__).parent / "peers"
 #: Module that a peer's interpreter must be able to import.
@@ -14,12 +15,14 @@ MODULES = {"exudyn": "exudyn", "pyelastica": "elastica", "mujoco": "mujoco"}
 ONE_THREAD = {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1", "NUMBA_NUM_THREADS": "1"}
 
 
-def own(options: dict) -> dict:
+def own(options: dict[str, Any]) -> dict[str, Any]:
     """Result of one job of this package."""
     return _result([sys.executable, "-m", "benchmarks.own", json.dumps(options)])
 
 
-def peer(name: str, interpreter: str, options: dict, limit: float = 300.0) -> dict | str:
+def peer(
+    name: str, interpreter: str, options: dict[str, Any], limit: float = 300.0
+) -> dict[str, Any] | str:
     """Result of a peer's job, or the reason why there is none."""
     try:
         return _result(
@@ -47,7 +50,7 @@ def present(name: str, interpreter: str) -> bool:
         return False
 
 
-def _result(command: list[str], limit: float | None = None) -> dict:
+def _result(command: list[str], limit: float | None = None) -> dict[str, Any]:
     run = subprocess.run(
         command,
         env={**os.environ, **ONE_THREAD},

@@ -10,7 +10,8 @@ from pathlib import Path
 
 import numpy as np
 from scipy.interpolate import CubicSpline
-from solid_reference import (
+
+from benchmarks.solid_reference import (
     BEEHIVE_LEVELS,
     LARGE,
     LEVELS,
@@ -22,7 +23,6 @@ from solid_reference import (
     richardson,
     summary,
 )
-
 from valvetrain.cosserat.buffer import RodDynamics
 from valvetrain.cosserat.mesh import mesh_spring
 from valvetrain.cosserat.modes import natural_modes
@@ -39,7 +39,7 @@ HEAD = """# The rod against solid finite elements
 The finite-element rod is a one-dimensional theory. These numbers come from three-dimensional elasticity instead: the wire of the same
 `SpringDefinition`, meshed with hexahedra and solved by CalculiX 2.20 (`ccx`). They are kept in `tests/published/solid_reference.toml`,
 so that the rod is checked against them in every test run without the solver.
-`benchmarks/solid_reference.py` computes them, `benchmarks/solid_page.py` writes this page.
+`python -m benchmarks.solid_reference` computes them, `python -m benchmarks.solid_page` writes this page.
 
 ## Use
 
@@ -378,8 +378,7 @@ LIMITS = """
 - Transient: mass-proportional damping only. Stiffness-proportional damping b of CalculiX 2.20 acts as if the prescribed retainer stood
   still: three turns pulled evenly at 0.05 m/s to 1.5 mm, where the damping of the moving wire should leave the middle of the wire where
   it is and raise the seat force by the share b v / u, have both lowered by that share (b = 1 ms: middle -3.4 %, seat -3.5 %, share 3.3 %;
-  b = 2 ms: -6.6 %, -6.7 %, share 6.7 %), and the printed retainer force is two orders of magnitude too large
-  (`benchmarks/solid_damping.py`). It is therefore not offered.
+  b = 2 ms: -6.6 %, -6.7 %, share 6.7 %), and the printed retainer force is two orders of magnitude too large. It is therefore not offered.
 - In a transient with contact the printed reaction of the inactive turns chatters after the preload; the seat force is taken from the
   retainer's and the axial momentum of the wire.
 - In modes with closed coils the printed reaction of the inactive turns is not usable; the seat's share is taken from the axial momentum.

@@ -1,17 +1,17 @@
 """Computes the solid-element reference numbers that the rod is checked against; run by hand, needs
 ``ccx``.
 
-    python benchmarks/solid_reference.py run CASE LEVEL     one CalculiX run, result kept as JSON in
+    python -m benchmarks.solid_reference run CASE LEVEL     one CalculiX run, result kept as JSON in
     build/solid-reference
-    python benchmarks/solid_reference.py stress LEVEL       inner and outer fibre stress of a
+    python -m benchmarks.solid_reference stress LEVEL       inner and outer fibre stress of a
     three-turn spring on STRESS_LEVELS
-    python benchmarks/solid_reference.py beehive LEVEL      static curve with coils closing, then
+    python -m benchmarks.solid_reference beehive LEVEL      static curve with coils closing, then
     modes, on BEEHIVE_LEVELS
-    python benchmarks/solid_reference.py ends TREATMENT     closed and ground spring with its end
+    python -m benchmarks.solid_reference ends TREATMENT     closed and ground spring with its end
     turns bonded or ground
-    python benchmarks/solid_reference.py ride               transient of the beehive at 8000 rpm on
+    python -m benchmarks.solid_reference ride               transient of the beehive at 8000 rpm on
     the coarse mesh
-    python benchmarks/solid_reference.py write              data file and page from all kept results
+    python -m benchmarks.solid_reference write              data file and page from all kept results
 
 CASE is one of the names in SPRINGS, LEVEL one of LEVELS. One core; minutes at the finest level.
 """
@@ -21,8 +21,9 @@ from __future__ import annotations
 import json
 import sys
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
+from typing import Any, Literal
 
 import numpy as np
 
@@ -73,7 +74,7 @@ def uniform(mean_diameter: float, coils: float = 5.0) -> SpringDefinition:
 
 #: A beehive of the library's kind, fixed here so that a new identification of the library case does
 #: not move the reference.
-BEEHIVE = {
+BEEHIVE: dict[str, Any] = {
     "wire_diameter": 3.867e-3, "total_coils": 7.0, "held_lower": 0.78, "held_upper": 0.83,
     "mean_diameter_coils": [0.0, 4.0, 7.0], "mean_diameter": [22.47e-3, 22.47e-3, 17.31e-3],
     "pitch_coils": [0.0, 0.875, 1.125, 2.0, 3.0, 6.0, 7.0],
@@ -107,7 +108,7 @@ SPRINGS = {
 }  # fmt: skip
 
 
-def run(case: str, level: str) -> dict:
+def run(case: str, level: str) -> dict[str, Any]:
     """One run: modes unloaded, small and large compression, modes there, inner and outer fibre
     stress.
     """
@@ -160,7 +161,7 @@ def run(case: str, level: str) -> dict:
     }
 
 
-def run_stress(level: str) -> dict:
+def run_stress(level: str) -> dict[str, Any]:
     """Fibre stress of three turns at D/d = 6 under 0.1 mm, mean over the middle turn, as a factor
     on 16 T / (pi d^3).
 
@@ -183,6 +184,7 @@ def run_stress(level: str) -> dict:
     force = -float(printed.history("total force", "RETAINER")[1][-1][0, 2])
     reactions = printed.history("forces", "RETAINER")[1][-1]
     displacement, stress = last_field(fields, "DISP"), last_field(fields, "STRESS")
+    assert displacement and stress
     inner, outer = (
         _factor(spring, model, fibre_stress(model.mesh, displacement, stress, x), reactions)
         for x in (-1.0, 1.0)
@@ -207,7 +209,7 @@ def _factor(spring, model, stress, reactions) -> float:
     return float(np.mean(np.abs(np.interp(coil, stress.coil, stress.shear) / nominal)))
 
 
-def run_beehive(level: str) -> dict:
+def run_beehive(level: str) -> dict[str, Any]:
     """The library's beehive with its end turns bonded, self-contact and seat planes, compressed to
     7 mm; modes there.
     """
@@ -248,7 +250,7 @@ def run_beehive(level: str) -> dict:
     }
 
 
-def run_ends(treatment: str) -> dict:
+def run_ends(treatment: Literal["bonded", "ground"]) -> dict[str, Any]:
     """Six-turn closed and ground spring, bonded turns or truly ground and bonded end faces, with
     seat planes and self-contact.
     """
@@ -268,7 +270,7 @@ def run_ends(treatment: str) -> dict:
     }
 
 
-def run_ride() -> dict:
+def run_ride() -> dict[str, Any]:
     """Beehive on its lift law at 8000 rpm from the start of lift past the first clash; mass damping
     only, 40 us increments.
     """
@@ -329,7 +331,7 @@ def richardson(
     return fine + step, abs(step), order
 
 
-def summary(case: str) -> dict:
+def summary(case: str) -> dict[str, Any]:
     """Extrapolated numbers of one uniform spring."""
     found = [
         json.loads((STORE / f"{case}-{level}.json").read_text())
@@ -424,7 +426,7 @@ def toml_text() -> str:
 
 if __name__ == "__main__":
     action, *rest = sys.argv[1:]
-    actions = {
+    actions: dict[str, Callable[..., dict[str, Any]]] = {
         "run": run,
         "stress": run_stress,
         "beehive": run_beehive,

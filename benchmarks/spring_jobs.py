@@ -2,13 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from benchmarks.processes import own, peer, present
 from benchmarks.rows import Row
-from benchmarks.standard import relative_rms, rod, spring_t, transient
+from benchmarks.standard import Array, relative_rms, rod, spring_t, transient
+from valvetrain.cosserat.buffer import RodDynamics
+from valvetrain.cosserat.mesh import RodMesh
+from valvetrain.cosserat.state import RodState
 
 #: Elements per coil of the converged reference.
 REFERENCE = 96
@@ -40,7 +46,7 @@ def measure(interpreter: str, quick: bool = False) -> list[Row]:
     return rows + small_jobs() + batch() + growth()
 
 
-def _transient_row(job: str, per_coil: int, damping: str, reference: np.ndarray) -> Row:
+def _transient_row(job: str, per_coil: int, damping: str, reference: Array) -> Row:
     found = own({"job": job, "per_coil": per_coil, "damping": damping, "repeats": 5})
     return Row(
         f"{job}, {damping} damping",
@@ -54,22 +60,25 @@ def _transient_row(job: str, per_coil: int, damping: str, reference: np.ndarray)
     )
 
 
-def _filtered(job: str, trace: list[float], reference: np.ndarray) -> str:
+def _filtered(job: str, trace: Sequence[float], reference: Array) -> str:
     if job != "C":
         return ""
-    smooth = [_low_pass(np.asarray(values)) for values in (trace, reference)]
+    smooth = [_low_pass(values) for values in (trace, reference)]
     return f"{100 * relative_rms(*smooth):.2f} % below {BANDWIDTH / 1e3:.0f} kHz"
 
 
-def _low_pass(values: np.ndarray) -> np.ndarray:
+def _low_pass(values: ArrayLike) -> Array:
     from benchmarks.standard import INTERVAL
     from valvetrain.quantities.signal import low_pass
 
-    return low_pass(INTERVAL * np.arange(len(values)), values, BANDWIDTH)
+    samples = np.asarray(values, dtype=np.float64)
+    return low_pass(
+        np.asarray(INTERVAL * np.arange(len(samples)), dtype=np.float64), samples, BANDWIDTH
+    )
 
 
 def _peer_rows(
-    interpreter: str, job: str, damping: str, reference: np.ndarray, mine: list[Row]
+    interpreter: str, job: str, damping: str, reference: Array, mine: list[Row]
 ) -> list[Row]:
     rows = []
     for (name, its_job, its_damping), settings in PEER_RUNS.items():
@@ -92,7 +101,7 @@ def _peer_rows(
         ]
         finest = next(
             (np.array(item["trace"]) for item in reversed(results) if not isinstance(item, str)),
-            None,
+            reference,
         )
         for (per_coil, step), result in zip(settings, results, strict=True):
             setting = f"{per_coil} pieces per coil, step {step:.2g} s"
@@ -104,7 +113,7 @@ def _peer_rows(
 
 
 def _peer_row(
-    blank: Row, result: dict, reference: np.ndarray, mine: list[Row], finest: np.ndarray
+    blank: Row, result: dict[str, Any], reference: Array, mine: list[Row], finest: Array
 ) -> Row:
     """Ratio: CPU time over that of this package's cheapest run that is no worse."""
     trace = np.array(result["trace"])
@@ -174,7 +183,9 @@ def growth() -> list[Row]:
     """
     import time
 
-    def cpu(mesh, dynamics, start, step: float, samples: int) -> float:
+    def cpu(
+        mesh: RodMesh, dynamics: RodDynamics, start: RodState, step: float, samples: int
+    ) -> float:
         from benchmarks.standard import INTERVAL, motion
         from valvetrain.cosserat.transient import simulate
 

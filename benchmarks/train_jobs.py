@@ -9,25 +9,30 @@ languages; the same right-hand side as plain Python is timed beside it.
 from __future__ import annotations
 
 import time
+from collections.abc import Callable
+from functools import partial
 
 import numpy as np
 from numba import njit
 from scipy.integrate import solve_ivp
 
-from benchmarks.own import timed
+from benchmarks.own import Array, timed
 from benchmarks.rows import Row
 from valvetrain.integrate.train_kernel import gaps_and_laws, scratch_of
-from valvetrain.integrate.train_run import TrainOptions, runner
+from valvetrain.integrate.train_run import CycleRecord, TrainOptions, TrainRunner, runner
 from valvetrain.integrate.train_tuples import Motion
 from valvetrain.parameters.loading import load_case
 from valvetrain.runs.compare import sweep_study
+from valvetrain.springs.contract import SpringModel
+from valvetrain.springs.multi_mass import MultiMassSpring
 from valvetrain.system.build import build
 from valvetrain.system.train_rest import rest_of
+from valvetrain.system.train_system import TrainSystem
 
-CASE, CYCLES = "tdi-pushrod", 20
+CASE = "tdi-pushrod"
 
 
-@njit(error_model="numpy", _nrt=False)
+@njit(error_model="numpy")
 def _slope(time_now, y, cam_speed, train, memory, chain, scratch, extremes, out):
     """Accelerations of train and spring chain; ``y`` = positions, then velocities, the chain's
     inner masses last.
@@ -77,18 +82,27 @@ def _slope(time_now, y, cam_speed, train, memory, chain, scratch, extremes, out)
         out[i] = v[i]
 
 
-def right_hand_side(system, cam_speed: float, slope=_slope):
+def chain_of(spring: SpringModel) -> MultiMassSpring:
+    """The spring as the chain of masses that these jobs run."""
+    assert isinstance(spring, MultiMassSpring)
+    return spring
+
+
+def right_hand_side(
+    system: TrainSystem, cam_speed: float, slope: Callable[..., None] = _slope
+) -> tuple[Callable[[float, Array], Array], Array]:
     """f(t, y) of a train with one chain spring, and its state at rest."""
-    arrays, spring = system.arrays, system.springs[0]
+    arrays, spring = system.arrays, chain_of(system.springs[0])
     layout, count = spring.layout, len(system.masses)
     chain = np.zeros((len(layout.stiffness), 5))
     chain[:, 0], chain[:-1, 1] = layout.stiffness, layout.masses
     chain[0, 2:] = spring.precompression, spring.mass_damping, spring.stiffness_damping
     interactions, inner = len(arrays.kinds), len(layout.masses)
-    scratch, extremes = scratch_of(interactions, count), np.zeros((interactions, 5))
-    memory = np.zeros(arrays.memory_of[-1]), np.zeros(0, dtype=np.int64), np.zeros(5)
+    states = arrays.memory_of[-1]
+    scratch, extremes = scratch_of(interactions, count, states), np.zeros((interactions, 7))
+    memory = np.zeros(states), np.zeros(0, dtype=np.int64), np.zeros(15)
 
-    def function(time_now, y):
+    def function(time_now: float, y: Array) -> Array:
         out = np.empty(2 * (count + inner))
         slope(time_now, y, cam_speed, arrays, memory, chain, scratch, extremes, out)
         return out
@@ -105,36 +119,37 @@ def measure() -> list[Row]:
     return [*one_run(), sweep()]
 
 
-def one_run() -> list[Row]:
+def one_run(cycles: int = 20, repeats: int = 3) -> list[Row]:
     """R: cam contact force of the last of 20 cycles, errors against a run with a step 30 times
     smaller.
     """
     case = load_case(CASE)
     system, cam_speed = build(case).members[0].system(), case.operation.cam_speeds[0]
+    assert isinstance(system, TrainSystem)
     rest = rest_of(system)
 
-    def run(options: TrainOptions):
+    def run(options: TrainOptions) -> tuple[TrainRunner, CycleRecord]:
         machine = runner(system, cam_speed, options, rest=rest)
         state = machine.initial_state()
-        for _ in range(CYCLES):
+        for _ in range(cycles):
             state, record = machine.cycle(state)
         return machine, record
 
     reference = run(TrainOptions(step_fraction=0.01))[1]
     retainer = system.arrays.retainer
 
-    def error(acceleration) -> float:
+    def error(displacement: Array) -> float:
         exact = reference.q[:, retainer]
-        return float(np.sqrt(np.mean((acceleration - exact) ** 2) / np.mean(exact**2)))
+        return float(np.sqrt(np.mean((displacement - exact) ** 2) / np.mean(exact**2)))
 
     title, masses = (
-        "R, whole train, 20 cycles",
-        len(system.masses) + sum(len(spring.layout.masses) for spring in system.springs),
+        f"R, whole train, {cycles} cycles",
+        len(system.masses) + sum(len(chain_of(spring).layout.masses) for spring in system.springs),
     )
     rows, mine = [], []
     for fraction in (0.35, 0.05):
         wall, cpu, (machine, record) = timed(
-            lambda fraction=fraction: run(TrainOptions(step_fraction=fraction)), 3
+            partial(run, TrainOptions(step_fraction=fraction)), repeats
         )
         mine.append((error(record.q[:, retainer]), cpu))
         rows.append(
@@ -147,16 +162,16 @@ def one_run() -> list[Row]:
                 error=mine[-1][0],
             )
         )
-    function, rest = right_hand_side(system, cam_speed)
+    function, start = right_hand_side(system, cam_speed)
     period = 2 * np.pi / cam_speed
-    at = period * (CYCLES - 1) + reference.cam_angle / cam_speed % period
+    at = period * (cycles - 1) + reference.cam_angle / cam_speed % period
     for method, tolerance in (("RK45", 1e-5), ("DOP853", 1e-7), ("LSODA", 1e-6)):
-        function(0.0, rest)
+        function(0.0, start)
         begun = time.perf_counter(), time.process_time()
         found = solve_ivp(
             function,
-            (0.0, CYCLES * period),
-            rest,
+            (0.0, cycles * period),
+            start,
             method=method,
             rtol=tolerance,
             atol=1e-10,
@@ -176,18 +191,20 @@ def one_run() -> list[Row]:
                 ratio=cpu / min(equal),
             )
         )
-    rows.append(_plain_python(system, cam_speed, title, mine))
+    rows.append(_plain_python(system, cam_speed, title, mine, cycles))
     return rows
 
 
-def _plain_python(system, cam_speed: float, title: str, mine: list[tuple[float, float]]) -> Row:
+def _plain_python(
+    system: TrainSystem, cam_speed: float, title: str, mine: list[tuple[float, float]], cycles: int
+) -> Row:
     """The same with a right-hand side in plain Python, over a hundredth of a cycle and scaled up."""
     function, rest = right_hand_side(system, cam_speed, _slope.py_func)
     period, share = 2 * np.pi / cam_speed, 0.01
     begun = time.perf_counter(), time.process_time()
     found = solve_ivp(function, (0.0, share * period), rest, method="RK45", rtol=1e-5, atol=1e-10)
     wall, cpu = time.perf_counter() - begun[0], time.process_time() - begun[1]
-    scale = CYCLES / share
+    scale = cycles / share
     return Row(
         title,
         "solve_ivp RK45",
@@ -201,7 +218,7 @@ def _plain_python(system, cam_speed: float, title: str, mine: list[tuple[float, 
 def sweep(speeds: int = 200, workers: int = 2) -> Row:
     """W: steady state at 200 engine speeds, second call (compiled kernels on disk)."""
     case = load_case(CASE)
-    engine_speeds = np.linspace(0.3, 1.0, speeds) * case.operation.engine_speeds[0]
+    engine_speeds = (np.linspace(0.3, 1.0, speeds) * case.operation.engine_speeds[0]).tolist()
     sweep_study(case, engine_speeds[:4], spring_sets=("stock",), workers=1, critical=None)
     begun = time.perf_counter()
     found = sweep_study(case, engine_speeds, spring_sets=("stock",), workers=workers, critical=None)

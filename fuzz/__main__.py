@@ -19,8 +19,10 @@ import tempfile
 import threading
 import time
 from collections import Counter
+from collections.abc import Iterable
 from pathlib import Path
 from queue import Empty, Queue
+from typing import Any
 
 from fuzz.questions import KINDS
 from fuzz.worker import SECONDS, ask, generator, write
@@ -51,9 +53,12 @@ class Told:
         self.slowest, self.memory = (0.0, ""), 0
         self.lock = threading.Lock()
 
-    def line(self, kind: str, seed: int, line: str) -> None:
-        """Take one line of a worker."""
-        said = json.loads(line)
+    def read(self, kind: str, seed: int, lines: Iterable[str]) -> None:
+        """Takes the lines of a worker until it ends."""
+        for said in map(json.loads, lines):
+            self._take(kind, seed, said)
+
+    def _take(self, kind: str, seed: int, said: dict[str, Any]) -> None:
         with self.lock:
             if "answer" in said:
                 self.finding(f"{kind}-{seed}-{said['number']}", said["answer"])
@@ -92,10 +97,7 @@ def ask_range(kind: str, seed: int, first: int, last: int, told: Told) -> None:
                 command, stdout=subprocess.PIPE, text=True, cwd=PLACE.parents[1], env=os.environ
             )
             assert process.stdout
-            lines = process.stdout
-            reader = threading.Thread(
-                target=lambda lines=lines: [told.line(kind, seed, line) for line in lines]
-            )
+            reader = threading.Thread(target=told.read, args=(kind, seed, process.stdout))
             reader.start()
             seen, since, used = b"", time.monotonic(), 0.0
             while process.poll() is None:

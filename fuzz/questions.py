@@ -66,8 +66,8 @@ def command(*words: str) -> tuple[int, str]:
     """Exit code of a command, in this process, and what it said on both streams; an error that is
     no sentence is raised.
     """
-    from valvetrain.cli.guard import TRACEBACK_VARIABLE
     from valvetrain.cli.main import app
+    from valvetrain.solution.partial_failures import TRACEBACK_VARIABLE
 
     said, before = io.StringIO(), os.environ.get(TRACEBACK_VARIABLE)
     os.environ[TRACEBACK_VARIABLE] = "1"

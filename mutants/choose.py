@@ -5,9 +5,11 @@ from __future__ import annotations
 import ast
 import random
 import re
+import subprocess
 from collections import defaultdict
 from collections.abc import Iterable
 from functools import cache
+from itertools import islice
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -15,34 +17,53 @@ from mutants.copies import ROOT, compiles
 from mutants.faults import Fault, faults, seeded
 
 SOURCE = ROOT / "src" / "valvetrain"
-#: Tests of pages that are written from tables of modules, and of what is left out of calls.
-PAGES = ("_page.py", "_table.py", "_guide.py", "_words.py", "_left_out.py")
-#: Seconds of tests, as recorded, that are asked at most about one fault: those that enter its
-#: function, those whose file says its name,
-#: the others of the files of the first, all; those of the first and second whose file is called
-#: after the function or its module; golden
-#: numbers and printed pages.
-SECONDS = (90.0, 40.0, 10.0, 30.0, 60.0, 40.0)
+#: Seconds of tests, as recorded, that are run at most about one fault.
+SECONDS = 180.0
+
+
+def by_line(files: Iterable[str]) -> dict[tuple[str, int], list[Fault]]:
+    """File and line -> the faults that can be seeded there."""
+    found: dict[tuple[str, int], list[Fault]] = defaultdict(list)
+    for file in files:
+        for fault in faults(SOURCE, file):
+            found[file, fault.line].append(fault)
+    return found
 
 
 def sample(count: int, seed: int, folders: Iterable[str] = ()) -> list[Fault]:
     """``count`` faults, each on another line: lines of all folders drawn alike, then one fault of
     the line.
     """
-    rng = random.Random(seed)
-    wanted = tuple(folders)
-    by_line: dict[tuple[str, int], list[Fault]] = defaultdict(list)
-    for path in sorted(SOURCE.rglob("*.py")):
-        file = str(path.relative_to(SOURCE))
-        if not wanted or file.split("/")[0] in wanted:
-            for fault in faults(SOURCE, file):
-                by_line[file, fault.line].append(fault)
-    chosen: list[Fault] = []
-    for place in rng.sample(sorted(by_line), len(by_line)):
-        fault = rng.choice(by_line[place])
-        if len(chosen) < count and _is_python(fault):
-            chosen.append(fault)
-    return chosen
+    rng, some = random.Random(seed), tuple(folders)
+    every = (str(path.relative_to(SOURCE)) for path in sorted(SOURCE.rglob("*.py")))
+    lines = by_line(file for file in every if not some or file.split("/")[0] in some)
+    drawn = (rng.choice(lines[one]) for one in rng.sample(sorted(lines), len(lines)))
+    return list(islice(filter(_is_python, drawn), count))
+
+
+def changed(base: str, count: int, seed: int, folders: Iterable[str] = ()) -> list[Fault]:
+    """One fault on each line of the package that differs from a commit, at most ``count``."""
+    command = ["git", "diff", "-U0", "--no-color", base, "--", str(SOURCE)]
+    rng, some, lines, file = random.Random(seed), tuple(folders), set(), ""
+    for line in subprocess.run(
+        command, cwd=ROOT, check=True, capture_output=True, text=True
+    ).stdout.splitlines():
+        if line.startswith("+++ "):
+            file = line.removeprefix("+++ b/").removeprefix("src/valvetrain/")
+        elif hunk := re.match(r"@@ -\S+ \+(\d+)(?:,(\d+))? @@", line):
+            lines |= {(file, int(hunk[1]) + step) for step in range(int(hunk[2] or 1))}
+    touched = {
+        file for file, _ in lines if (SOURCE / file).suffix == ".py" and (SOURCE / file).exists()
+    }
+    sites = by_line(sorted(file for file in touched if not some or file.split("/")[0] in some))
+    drawn = (
+        next(filter(_is_python, rng.sample(sites[one], len(sites[one]))), None)
+        for one in sorted(lines & sites.keys())
+    )
+    found = [fault for fault in drawn if fault is not None]
+    return sorted(
+        rng.sample(found, min(count, len(found))), key=lambda fault: (fault.file, fault.line)
+    )
 
 
 def _is_python(fault: Fault) -> bool:
@@ -162,13 +183,11 @@ def _callers(names: set[str], entered: set[str]) -> set[str]:
 
 
 def tests_for(fault: Fault, trails: dict[str, dict[str, Any]]) -> list[str]:
-    """Tests to ask, the quickest first: those that enter the function, then the others of their
-    files; for a table of a module all.
+    """Tests to run, the quickest first: those that enter the function; of compiled ones and of
+    tables those whose file says the name too.
 
     Of a function that trails see, tests that do not enter it can notice nothing, but for what one
-    test leaves ready for the next of its
-    file; of a compiled one and of what stands outside functions those are asked too whose file says
-    its name.
+    test leaves for the next of its file.
     """
     known = [
         (node, one, file) for file, trail in trails.items() for node, one in trail["tests"].items()
@@ -176,62 +195,36 @@ def tests_for(fault: Fault, trails: dict[str, dict[str, Any]]) -> list[str]:
     entered = {place for _, one, _ in known for place in one["places"]} | {
         place for trail in trails.values() for place in trail["import"]
     }
-    wanted = places(fault, entered)
+    here = places(fault, entered)
     inside = definitions()[fault.file].around(fault.line)
-    head = bool(inside) and fault.line < inside[0].body  # what is left out of its calls
-    exact = bool(inside) and not head and wanted == {f"{fault.file}:{inside[0].whole}"}
+    exact = (
+        bool(inside)
+        and fault.line >= inside[0].body
+        and here == {f"{fault.file}:{inside[0].whole}"}
+    )
     names = {one.name for one in inside if one.name} or definitions()[fault.file].names_at(
         fault.line
     )
-    first = {node for node, one, _ in known if wanted & set(one["places"])}
+    first = {node for node, one, _ in known if here & set(one["places"])}
     near = {file for node, _, file in known if node in first} | {
-        file for file, one in trails.items() if wanted & set(one["import"])
+        file for file, one in trails.items() if here & set(one["import"])
     }
-    spoken = {
-        file
-        for file in trails
-        if set(re.findall(r"\w+", (ROOT / file).read_text(encoding="utf-8"))) & names
-    }
-    spoken |= set() if inside and not head else {file for file in trails if file.endswith(PAGES)}
-    ranks = {
-        node: (0 if node in first else 1 if file in spoken else 2 if file in near else 3)
-        for node, _, file in known
-    }
-    seconds = {node: one["seconds"] for node, one, _ in known}
-    asked = (0, 2) if exact else (0, 1, 2) if inside else (0, 1, 2, 3)
-    spent, chosen = [0.0] * len(SECONDS), []
-    said_here = _words("_".join((Path(fault.file).stem, *names)))
-    alike = {
-        node: len(_words(Path(file).stem) & said_here) if ranks[node] < 2 else 0
-        for node, _, file in known
-    }
-    for node in sorted(
-        ranks, key=lambda node: (_late(node), -alike[node], ranks[node], seconds[node], node)
+    if not exact:
+        near |= {
+            file
+            for file in trails
+            if set(re.findall(r"\w+", (ROOT / file).read_text(encoding="utf-8"))) & names
+        }
+    chosen, spent = [], 0.0
+    for node, one, file in sorted(
+        known, key=lambda item: (_late(item[0]), item[0] not in first, item[1]["seconds"], item[0])
     ):
-        purse = (
-            len(SECONDS) - 1 if _late(node) else len(SECONDS) - 2 if alike[node] else ranks[node]
-        )
-        if (
-            ranks[node] in asked
-            and not (exact and ranks[node] and _late(node))
-            and spent[purse] + seconds[node] <= SECONDS[purse]
-        ):
-            spent[purse] += seconds[node]
+        if (node in first or file in near) and spent + one["seconds"] <= SECONDS:
+            spent += one["seconds"]
             chosen.append(node)
     return chosen
 
 
-def _words(name: str) -> set[str]:
-    """Words of a name, without the ends that make them plural, and without those that say little."""
-    return {word.removesuffix("s") for word in name.lower().split("_") if len(word) > 3} - {
-        "test",
-        "kernel",
-        "term",
-        "value",
-        "every",
-    }
-
-
 def _late(node: str) -> bool:
-    """Golden numbers and printed pages are asked last: what only they notice is told apart."""
+    """Golden numbers and printed pages are run last: what only they notice is counted apart."""
     return node.startswith(("tests/golden/", "tests/examples/"))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import hashlib
 import os
 import shutil
 import subprocess
@@ -26,12 +27,26 @@ def files() -> list[str]:
     return [name for name in listed.stdout.splitlines() if (ROOT / name).is_file()]
 
 
+@cache
+def tree_digest() -> str:
+    """Digest of every file that a sample and its verdicts depend on: sources, tests, examples and
+    this tool.
+    """
+    found = hashlib.sha256()
+    for name in sorted(
+        name for name in files() if name.startswith(("src/", "tests/", "examples/", "mutants/"))
+    ):
+        found.update(name.encode() + b"\0" + (ROOT / name).read_bytes())
+    return found.hexdigest()[:16]
+
+
 def renew(name: str) -> Path:
-    """The copy of that name, equal to the working tree; compiled kernels in it are kept where their
-    sources are the same.
+    """The copy of that name, equal to the working tree, with the tree's compiled kernels; times are
+    kept, by which kernels are stamped.
     """
     copy = PLACE / name
-    wanted = set(files())
+    kernels = [str(path.relative_to(ROOT)) for path in (ROOT / "src").rglob("*.nb[ic]")]
+    wanted = {*files(), *kernels}
     copy.mkdir(parents=True, exist_ok=True)
     for path in [
         path for path in copy.rglob("*") if path.is_file() and "__pycache__" not in path.parts
@@ -40,12 +55,8 @@ def renew(name: str) -> Path:
             path.unlink()
     for file in wanted:
         source, target = ROOT / file, copy / file
-        if (
-            not target.exists() or source.read_bytes() != target.read_bytes()
-        ):  # same text keeps its time, which kernels are stamped by
+        if not target.exists() or source.stat().st_mtime_ns != target.stat().st_mtime_ns:
             target.parent.mkdir(parents=True, exist_ok=True)
-            if target.exists() and target.suffix == ".py":
-                drop_kernels(copy, file.removeprefix("src/"))
             shutil.copy2(source, target)
     return copy
 

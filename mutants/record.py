@@ -9,17 +9,27 @@ import os
 import subprocess
 import sys
 import time
+import xml.etree.ElementTree as ElementTree
 from concurrent.futures import ThreadPoolExecutor
+from functools import cache
 from pathlib import Path
 from typing import Any
 
-from mutants.copies import PLACE
-from mutants.digests import of_trail, of_tree
+from mutants.copies import PLACE, tree_digest
 from mutants.stamp import STAMP
+from valvetrain.compiled import PACKAGE, sources_digest
 
 #: Tests of the code's form, not of what it does, do not count as noticing a fault.
 NOT_COUNTED = ("tests/architecture/",)
 THREADS = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "NUMBA_NUM_THREADS"), "1")
+
+
+@cache
+def kernel_stamp() -> str:
+    """Stamp of the working tree's compiled kernels, so that those copied from it are valid in every
+    copy.
+    """
+    return sources_digest(PACKAGE)
 
 
 def environment(copy: Path) -> dict[str, str]:
@@ -30,7 +40,7 @@ def environment(copy: Path) -> dict[str, str]:
     return (
         os.environ
         | THREADS
-        | {"PYTHONPATH": os.pathsep.join(map(str, places)), STAMP: "source without a fault"}
+        | {"PYTHONPATH": os.pathsep.join(map(str, places)), STAMP: kernel_stamp()}
     )
 
 
@@ -51,36 +61,61 @@ def test_files(copy: Path) -> list[str]:
 
 
 def trails(copy: Path, anew: bool = True, workers: int = 1) -> dict[str, dict[str, Any]]:
-    """Test file -> its trail, from the copy; kept ones serve until the test, its helpers or a
-    function that it entered has changed.
+    """Test file -> its trail, from the copy; stored ones serve while no source and no test has
+    changed.
 
-    Only with ``anew`` is one run again; without, what is kept serves as it is, which can leave
-    tests unasked but shows nothing false.
-    Tests that fail without a fault are named and not asked.
+    Only with ``anew`` is one run again; without, what is stored serves as it is, which can leave
+    tests out but shows nothing false.
+    Tests that fail without a fault are named and not run.
     """
     (PLACE / "trails").mkdir(parents=True, exist_ok=True)
-    wanted = {
+    stored = {
         name: PLACE / "trails" / f"{name.replace('/', '-').removesuffix('.py')}.json"
         for name in test_files(copy)
     }
-    found = {name: json.loads(kept.read_text()) for name, kept in wanted.items() if kept.exists()}
+    found = {name: json.loads(path.read_text()) for name, path in stored.items() if path.exists()}
     if anew:
-        serves = {
-            name
-            for name, trail in found.items()
-            if not trail["failed"] and trail["of"] == of_trail(name, trail)
-        }
-        old = [name for name in wanted if name not in serves]
+        old = [name for name in stored if name not in found or found[name]["tree"] != tree_digest()]
         with ThreadPoolExecutor(workers) as pool:
             fresh = dict(
-                zip(old, pool.map(lambda name: _record(copy, name, wanted[name]), old), strict=True)
+                zip(old, pool.map(lambda name: _record(copy, name, stored[name]), old), strict=True)
             )
         found = {name: trail for name, trail in (found | fresh).items() if trail}
     for trail in found.values():
         for node in trail["failed"]:
-            print(f"{node} fails without a fault, and is not asked", flush=True)
+            print(f"{node} fails without a fault, and is not run", flush=True)
             trail["tests"].pop(node, None)
     return found
+
+
+def baseline(copy: Path, files: list[str], options: list[str]) -> dict[str, float]:
+    """Test -> seconds of some test files on the source without a fault, its kernels compiled; tests
+    that fail are named and left out.
+    """
+    record = copy / "build" / "baseline.xml"
+    command = [
+        sys.executable,
+        "-m",
+        "pytest",
+        *options,
+        "-o",
+        "junit_family=xunit1",
+        f"--junitxml={record}",
+    ]
+    subprocess.run(command, cwd=copy, env=environment(copy), capture_output=True)
+    found: dict[str, float] = {}
+    for case in ElementTree.parse(record).iter("testcase"):
+        node = f"{case.get('file')}::{case.get('name')}"
+        if case.findall("failure") or case.findall("error"):
+            print(f"{node} fails without a fault, and is not run", flush=True)
+        elif not case.findall("skipped"):
+            found[node] = float(case.get("time", 0.0))
+    return {
+        node: seconds
+        for file in files
+        for node, seconds in sorted(found.items(), key=lambda item: item[1])
+        if node.startswith(file)
+    }
 
 
 def _record(copy: Path, name: str, kept: Path, limit: float = 1200.0) -> dict[str, Any]:
@@ -126,7 +161,7 @@ def _record(copy: Path, name: str, kept: Path, limit: float = 1200.0) -> dict[st
         return {}
     trail: dict[str, Any] = json.loads(raw.read_text())
     raw.unlink()
-    whole(kept, json.dumps(trail | {"of": of_trail(name, trail)}))
+    whole(kept, json.dumps(trail | {"tree": tree_digest()}))
     return trail
 
 
@@ -135,31 +170,3 @@ def whole(place: Path, content: str) -> None:
     fresh = place.with_suffix(".new")
     fresh.write_text(content, encoding="utf-8")
     fresh.replace(place)
-
-
-def golden_tests_pass(copy: Path) -> bool:
-    """Whether all golden tests pass on the copy without a fault; asked once for a tree.
-
-    A golden file that is out of date fails with every fault as without, and each would stand as
-    noticed.
-    """
-    passed = PLACE / "golden-passed"
-    if passed.exists() and passed.read_text() == of_tree():
-        return True
-    command = [
-        sys.executable,
-        "-m",
-        "pytest",
-        "-q",
-        "-x",
-        "--tb=short",
-        "-p",
-        "no:cacheprovider",
-        "tests/golden",
-    ]
-    ran = subprocess.run(command, cwd=copy, env=environment(copy), capture_output=True, text=True)
-    if ran.returncode:
-        print(ran.stdout[-3000:], flush=True)
-        return False
-    passed.write_text(of_tree())
-    return True

@@ -17,6 +17,7 @@ import threading
 import time
 from collections.abc import Iterator
 from pathlib import Path
+from types import CodeType
 from typing import Any
 
 import pytest
@@ -28,7 +29,8 @@ class Steps:
     """Functions of the package entered since ``start``."""
 
     def __init__(self, source: str) -> None:
-        self.source, self.codes = source + os.sep, set()
+        self.source = source + os.sep
+        self.codes: set[CodeType] = set()
 
     def note(self, frame: Any, _event: str, _argument: object) -> None:
         """The trace function: one call a function, none a line."""
@@ -41,7 +43,7 @@ class Steps:
 
     def stop(self) -> set[str]:
         sys.settrace(None)
-        threading.settrace(None)  # type: ignore[arg-type]
+        threading.settrace(None)  # type: ignore[arg-type, unused-ignore]
         cut = len(self.source)
         return {
             f"{code.co_filename[cut:]}:{code.co_qualname}"

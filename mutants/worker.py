@@ -19,21 +19,14 @@ import pytest
 from mutants.copies import compiles, drop_kernels, restore_kernels
 from mutants.faults import Fault, seeded
 
-#: What ``tests/made_watch.py`` says, and how long tests are asked after it has (s): one of them may
-#: have an expectation of its own.
-MADE, AFTER = "tests/golden/made", 15.0
-
 
 class Order:
-    """Runs the tests that are asked, in the order of asking, up to the first that fails, and keeps
-    what it says.
-
-    A thing made that is not what is kept of it is noted, and tests are asked on for :data:`AFTER`.
+    """Runs the chosen tests in their order, up to the first that fails, and writes down what it
+    says.
     """
 
     def __init__(self, nodes: list[str], answer: Path) -> None:
         self.rank, self.answer = {node: place for place, node in enumerate(nodes)}, answer
-        self.end = float("inf")
 
     def pytest_sessionstart(self, session: pytest.Session) -> None:
         self.session = session
@@ -46,15 +39,9 @@ class Order:
         )
 
     def pytest_runtest_logreport(self, report: Any) -> None:
-        if report.failed and report.when == "teardown" and MADE in str(report.longrepr):
-            if not self.answer.exists():
-                self.answer.write_text(f"{MADE} | {report.nodeid} | {str(report.longrepr)[:200]}")
-                self.end = time.monotonic() + AFTER
-        elif report.failed:
+        if report.failed:
             self._tell(report.nodeid, report)
             self.session.shouldstop = "noticed"
-        if time.monotonic() > self.end:
-            self.session.shouldstop = "noticed by what is kept alone"
 
     def pytest_collectreport(self, report: Any) -> None:
         if report.failed:

@@ -55,7 +55,7 @@ def entered(arguments: list[str]) -> set[CodeType]:
             raise
     finally:
         sys.setprofile(None)
-        threading.setprofile(None)  # type: ignore[arg-type]
+        threading.setprofile(None)
     return found
 
 

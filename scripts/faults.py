@@ -26,6 +26,7 @@ import time
 from collections import Counter
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))
 from fault_parts import marked, stand_in_solver, started
@@ -65,7 +66,7 @@ class Reference:
 
 def numbers_in(folder: Path) -> dict[tuple[str, str], dict[str, object]]:
     """Quantities of every finished run in a folder, of a whole or an unfinished one."""
-    rows = []
+    rows: list[dict[str, Any]] = []
     for name in ("run.json", "unfinished-runs.jsonl"):
         try:
             text = (folder / name).read_text("utf-8")
@@ -121,7 +122,7 @@ def disturbed(
             time.sleep(0.01)
         target = run.pid if victim == "parent" else _other(victim, run.pid, mark, folder, chance)
         hit = run.poll() is None and target is not None
-        if hit:
+        if hit and target is not None:
             os.kill(target, number)
         if kind == "solid" and victim == "solver" and not hit:
             run.send_signal(signal.SIGTERM)  # it would wait for the solver for ever

@@ -72,7 +72,9 @@ def damping(films: int = 12) -> None:
     for seed in range(1, films + 1):
         marks = drawn.mark_of(300, 2000.0, drawn.CAM_SPEED, drawn.FIRST_ANGLE, drawn.MARK_ANGLE)
         film, _ = drawn.draw(replace(USUAL, seed=seed, camera_drift=1.2), drawn.turning, 300, marks)
-        line = max(vt.coil_motion(film, setup).surge.lines, key=lambda one: one.amplitude)
+        surge = vt.coil_motion(film, setup).surge
+        assert surge is not None
+        line = max(surge.lines, key=lambda one: one.amplitude)
         off = line.natural_frequency - drawn.SURGE, line.damping_ratio / drawn.DAMPING - 1
         rows.append(
             (

@@ -65,7 +65,7 @@ def predict(
     case = load_case("gu2021-beehive")
     try:
         law = law_of(p)
-        values = {
+        shape = {
             name: getattr(law, name)
             for name in (
                 "maximum_lift",
@@ -83,15 +83,17 @@ def predict(
             damping=replace(own.damping, stiffness_share=p["stiffness_share"]),
         )
         case = case.replace(
-            springs=(spring,), lift_law=LiftLawParameters("shaped", values), published=()
+            springs=(spring,), lift_law=LiftLawParameters("shaped", shape), published=()
         )
         study = run_study(case, spring_models=("finite-element",), workers=1)
     except (InputError, ValueError, np.linalg.LinAlgError, RuntimeError):
         return {}
-    told = {
-        q: value for q, value in study.quantities.items() if q.engine_speed and q.name in SPREADS
+    found = study.quantities.items()
+    return {
+        f"{round(q.engine_speed * 30 / np.pi)} {q.name}": value
+        for q, value in found
+        if q.engine_speed and q.name in SPREADS
     }
-    return {f"{round(q.engine_speed * 30 / np.pi)} {q.name}": value for q, value in told.items()}
 
 
 def tell_spread(

@@ -46,7 +46,9 @@ def measure(study: vt.Study, seconds: float) -> dict[str, float]:
     from playwright.sync_api import sync_playwright
 
     begun = time.perf_counter()
-    data = motion_json(moving_picture(study))
+    moving = moving_picture(study)
+    assert moving is not None
+    data = motion_json(moving)
     built = time.perf_counter() - begun
     html = render(Page("motion", "", "", (), (Section("in-motion", "In motion", blocks(study)),)))
     with tempfile.TemporaryDirectory() as folder, sync_playwright() as driver:

@@ -193,7 +193,9 @@ def mark_of(
     """
     angle = cam_speed * np.arange(frames) / frame_rate + first_angle - mark_angle
     apart = np.abs((angle + np.pi) % (2 * np.pi) - np.pi)
-    return np.clip((0.5 * width - apart) / (0.25 * width) + 0.5, 0.0, 1.0)
+    return np.asarray(
+        np.clip((0.5 * width - apart) / (0.25 * width) + 0.5, 0.0, 1.0), dtype=np.float64
+    )
 
 
 def lift(cam_angle: Array) -> Array:
@@ -214,7 +216,10 @@ def turning(time: Array) -> Array:
     since = np.mod(angle - OPEN, 2 * np.pi) / CAM_SPEED
     rate = 2 * np.pi * SURGE
     swing = 0.7 * np.exp(-DAMPING * rate * since) * np.sin(rate * np.sqrt(1 - DAMPING**2) * since)
-    return REST - 1e3 * lift(angle)[:, None] * SHARE + swing[:, None] * np.sin(np.pi * SHARE)
+    return np.asarray(
+        REST - 1e3 * lift(angle)[:, None] * SHARE + swing[:, None] * np.sin(np.pi * SHARE),
+        dtype=np.float64,
+    )
 
 
 def closing(coils: int, wire: float, pitch: float, surge: float) -> Heights:
@@ -250,8 +255,10 @@ def coils_of_case(
     name = run.springs[0]
     coil = run.arrays.coords[f"{name}_coil_number"].values
     moved = run.channel(run.channel_of(name, "axial_displacement"))
+    assert loaded.train is not None
     spring = loaded.train.spring_parts()[0]
     wire = spring.wire
+    assert wire is not None and spring.installed_height is not None
     first, last = wire.free_coils
     if coil[-1] <= 1:  # models of a uniform bar count shares of the compliance
         from valvetrain.springs.equivalent import installed_gaps

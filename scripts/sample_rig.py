@@ -88,7 +88,9 @@ def record(rig: Rig, lift: Callable[[Array], Array], force: Callable[[Array], Ar
     up = (tooth % 1.0) < 0.5
     there = np.floor(tooth) % rig.teeth < rig.teeth - rig.missing
     once = (jittered % TURN) < 0.05
-    return Records(rig, times, forces, lifts, 5.0 * (up & there), 5.0 * once, angle)
+    return Records(
+        rig, times, forces, lifts, np.where(up & there, 5.0, 0.0), np.where(once, 5.0, 0.0), angle
+    )
 
 
 def columns(records: Records) -> list[tuple[str, str, Array]]:

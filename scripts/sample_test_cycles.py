@@ -76,9 +76,9 @@ def coil_table(lash: str, seed: int) -> str:
     table of values.
     """
     case = load_case("vaz-ohc", {"train.lash": lash})
-    asked = {"spring_models": ("finite-element",), "spring_sets": ("nested",)}
-    run = simulate(case, workers=1, **asked).solutions[0]
-    active = active_wire(build(case, **asked))[run.label]
+    models, sets = ("finite-element",), ("nested",)
+    run = simulate(case, spring_models=models, spring_sets=sets, workers=1).solutions[0]
+    active = active_wire(build(case, spring_models=models, spring_sets=sets))[run.label]
     names = [f"outer_section_{place:g}_displacement" for place in SECTIONS]
     peaks = 1e3 * np.array([trace_of(run, name, active).values.max() for name in names])
     drawn = np.random.default_rng(seed)

@@ -25,7 +25,7 @@ from valvetrain.runs.refine import refined
 from valvetrain.runs.run import run_study
 from valvetrain.runs.uncertainty_file import rows_of, uncertainty_text
 from valvetrain.solution.atomic import write_text
-from valvetrain.solution.quantity import same_speed
+from valvetrain.solution.quantity import Quantity, same_speed
 
 LIBRARY = Path(str(resources.files("valvetrain") / "parameters" / "library"))
 DIGEST = re.compile(r'^digest = "\w*"$', re.MULTILINE)
@@ -56,7 +56,7 @@ def restamp(case: Case, workers: int) -> None:
             print(f"{path.name} belongs to the case as it is now; {len(rows)} values compared")
 
 
-def _difference(row: Uncertainty, quantities: dict) -> str:
+def _difference(row: Uncertainty, quantities: dict[Quantity, float]) -> str:
     """What the run says where it is not the stored value; empty where it is."""
     found = [
         value

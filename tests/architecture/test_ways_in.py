@@ -57,7 +57,12 @@ def test_every_link_of_the_readme_leads_to_a_file():
 
 def test_ci_runs_the_tests_by_the_same_command():
     steps = (ROOT / ".ci" / "run").read_text(encoding="utf-8").splitlines()
-    assert steps[-1] == "make test" and "set -euo pipefail" in steps and "make lint" in steps
+    assert (
+        steps[-1] == "make test"
+        and "set -euo pipefail" in steps
+        and "make lint" in steps
+        and "make test-processor" in steps
+    )
 
 
 @pytest.mark.parametrize("path", ["requirements.txt", "requirements-dev.txt"])

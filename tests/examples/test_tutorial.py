@@ -1,21 +1,20 @@
 """Examples: the commands of docs/tutorial.md run as they stand, in order, and print what the page
 shows.
 
-The two sweeps, 20 s together, run with ``make test-long``. ``python scripts/write_tutorial.py``
-writes the page anew.
+The two sweeps, 20 s together, run with ``make test-long``. ``python scripts/write_pages.py
+tutorial`` writes the page anew.
 """
 
 from __future__ import annotations
 
 import contextlib
 import re
-import runpy
 from pathlib import Path
 
 import pytest
+import write_pages
 
 ROOT = Path(__file__).resolve().parents[2]
-SCRIPT = runpy.run_path(str(ROOT / "scripts" / "write_tutorial.py"))
 PAGE = (ROOT / "docs" / "tutorial.md").read_text(encoding="utf-8")
 
 
@@ -24,7 +23,7 @@ def found(folder: Path, wanted=lambda command: True) -> list[tuple[str, str, str
     with contextlib.chdir(folder):
         return [
             (step["command"], step["printed"], printed)
-            for step, printed in SCRIPT["run_page"](PAGE, wanted)
+            for step, printed in write_pages.run_page(PAGE, wanted)
         ]
 
 
@@ -37,7 +36,7 @@ def test_the_quick_commands_print_what_the_page_shows(tmp_path):
 def test_all_commands_print_what_the_page_shows_and_its_pictures_are_drawn_from_them(tmp_path):
     printed = found(tmp_path)
     assert len(printed) == 6 and not [command for command, shown, now in printed if shown != now]
-    for name, picture in SCRIPT["pictures"](tmp_path).items():
+    for name, picture in write_pages.tutorial_pictures(tmp_path).items():
         assert (ROOT / "docs" / "pictures" / name).read_text(encoding="utf-8") == picture, name
 
 
@@ -45,7 +44,7 @@ def test_every_command_of_the_page_is_a_step():
     assert (
         len(re.findall(r"^```bash$", PAGE, re.MULTILINE))
         == 6
-        == sum(bool(one["command"]) for one in SCRIPT["STEP"].finditer(PAGE))
+        == sum(bool(one["command"]) for one in write_pages.STEP.finditer(PAGE))
     )
 
 

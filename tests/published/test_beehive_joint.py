@@ -5,7 +5,6 @@ at three speeds and on a finer mesh.
 from __future__ import annotations
 
 import json
-import sys
 
 import numpy as np
 import pytest
@@ -14,8 +13,12 @@ import valvetrain as vt
 from architecture.layout import ROOT
 from valvetrain.quantities.cycle import reported_cycle
 
-sys.path.insert(0, str(ROOT / "scripts"))
-from write_beehive_studies import KEPT, TARGETS
+#: What the joint study aims at: quantities and the largest relative difference from the published
+#: value.
+TARGETS = (
+    (("stage_2_peak_force", "stage_2_first_peak_force", "stage_2_second_peak_force"), 0.05),
+    (("stage_3_every_instant_peak_force",), 0.2), (("node_2_maximum_displacement",), 0.1),
+)  # fmt: skip
 
 #: Printed by the source: engine speed (rpm), quantity, value (SI); of two values (solid finite
 #: elements, engine head) their middle.
@@ -66,7 +69,7 @@ def found(request, tmp_path_factory):
 
 
 def test_all_that_is_aimed_at_is_met_at_once(found):
-    shares = {name: share for _, names, share in TARGETS for name in names}
+    shares = {name: share for names, share in TARGETS for name in names}
     assert not {
         (speed, name): value
         for speed, name, value in PRINTED
@@ -79,9 +82,9 @@ def test_the_page_names_the_same_values(found):
     peaks by less than 1 %.
     """
     elements, values = found
-    computed = json.loads((ROOT / "docs" / KEPT).read_text(encoding="utf-8"))["joint"]["targets"][
-        "inside"
-    ]["computed"]
+    computed = json.loads(
+        (ROOT / "docs" / "data" / "beehive" / "studies.json").read_text(encoding="utf-8")
+    )["joint"]["targets"]["inside"]["computed"]
     for speed, name, _ in PRINTED:
         value = values[speed, name]
         room = 0.02 if elements == 24 else 0.02 if "stage_2" in name else 0.1

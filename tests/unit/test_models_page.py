@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import importlib.util
 import math
 import re
 from pathlib import Path
 
 import pytest
+import write_pages as tool
 
 import valvetrain
 from valvetrain import registry
@@ -17,20 +17,9 @@ ROOT = Path(__file__).parents[2]
 PAGE = ROOT / "docs" / "models.md"
 
 
-def writer():
-    """The script that writes the page, as a module."""
-    spec = importlib.util.spec_from_file_location(
-        "write_models_page", ROOT / "scripts" / "write_models_page.py"
-    )
-    assert spec is not None and spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
-
-
 @pytest.mark.long
 def test_the_committed_page_is_what_runs():
-    assert PAGE.read_text(encoding="utf-8") == writer().models_page()
+    assert PAGE.read_text(encoding="utf-8") == tool.models_page()
 
 
 def row_of(page: str, case: str) -> list[str]:
@@ -42,8 +31,7 @@ def row_of(page: str, case: str) -> list[str]:
 @pytest.mark.parametrize("case", ["job-c"])
 def test_a_row_of_the_committed_page_is_what_runs(case):
     """One spring alone; the other rows are asked by the long test."""
-    tool = writer()
-    found = row_of(tool.page({case: tool.outcomes(tool.coarse(load_case(case)))}), case)
+    found = row_of(tool.models_text({case: tool.outcomes(tool.coarse(load_case(case)))}), case)
     assert found == row_of(PAGE.read_text(encoding="utf-8"), case) and "all" in found
 
 
@@ -68,7 +56,6 @@ def test_the_page_has_every_case_every_model_and_a_reason_for_every_gap():
 
 
 def test_a_coarse_case_is_the_case():
-    tool = writer()
     for name in ("job-t", "vaz-ohc"):
         case = load_case(name)
         coarse = tool.coarse(case)
@@ -83,7 +70,6 @@ def test_a_coarse_case_is_the_case():
 
 
 def test_one_cell_is_found_by_running_it():
-    tool = writer()
     case = tool.coarse(load_case("tdi-pushrod"))
     found = dict(tool._command(case, "run", ["massless", "wave-rod-clash"]))
     assert found["massless"] == "" and "coil gaps" in found["wave-rod-clash"]

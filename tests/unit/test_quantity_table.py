@@ -106,7 +106,7 @@ def test_a_name_means_exactly_one_row(one):
 
 def test_the_committed_page_is_the_generated_one():
     assert PAGE.read_text(encoding="utf-8") == quantities_page(), (
-        "run python scripts/write_quantities.py"
+        "run python scripts/write_pages.py quantities"
     )
 
 

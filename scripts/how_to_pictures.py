@@ -1,12 +1,9 @@
-"""Draws the pictures of docs/how-to from runs of the package itself.
-
-python scripts/write_how_to_pictures.py          # all of them, a minute or two
-python scripts/write_how_to_pictures.py 03 10    # some of them
+"""Pictures of docs/how-to, drawn from runs of the package itself: ``python scripts/write_pages.py
+how-to``.
 """
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Callable
 from pathlib import Path
 
@@ -547,18 +544,19 @@ PICTURES: dict[str, tuple[str, Callable[[], tuple[str, tuple[Panel, ...]]]]] = {
 }  # fmt: skip
 
 
-def main(wanted: list[str]) -> None:
-    """Draw the pictures of these numbers, all without any."""
-    for number in wanted or PICTURES:
-        name, draw = PICTURES[number]
-        title, panels = draw()
-        columns = 1 if len(panels) == 1 else 2
-        height = 300 * -(-len(panels) // columns) + 60
-        write_text(
-            FOLDER / f"{number}-{name}.svg",
-            svg(Chart(f"how-to-{number}", title, "", panels, columns, height)),
-        )
+def write(number: str) -> None:
+    """Draws the picture of this number."""
+    name, draw = PICTURES[number]
+    title, panels = draw()
+    columns = 1 if len(panels) == 1 else 2
+    height = 300 * -(-len(panels) // columns) + 60
+    write_text(
+        FOLDER / f"{number}-{name}.svg",
+        svg(Chart(f"how-to-{number}", title, "", panels, columns, height)),
+    )
 
 
-if __name__ == "__main__":
-    main(sys.argv[1:])
+def write_all() -> None:
+    """Draws all pictures."""
+    for number in PICTURES:
+        write(number)

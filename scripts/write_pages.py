@@ -1,0 +1,487 @@
+"""Writes the pages and pictures of the documentation that hold what the program computes or prints.
+
+python scripts/write_pages.py quantities plausible     the tables of quantities and of plausible
+values, at once
+python scripts/write_pages.py readme                   README: table of spring models, and its
+picture
+python scripts/write_pages.py models                   docs/models.md: which model runs which case,
+by running all of them
+python scripts/write_pages.py tutorial                 docs/tutorial.md: runs its commands and
+inserts what they print
+python scripts/write_pages.py fidelity                 docs/fidelity.md: three cases by all models,
+ten minutes of one core
+python scripts/write_pages.py model-against-test       two pictures from the sample tests
+python scripts/write_pages.py how-to-03 how-to-10      pictures of docs/how-to; how-to: all of them,
+a minute or two
+"""
+
+from __future__ import annotations
+
+import argparse
+import contextlib
+import csv
+import math
+import os
+import re
+import shlex
+import tempfile
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+from functools import partial
+from pathlib import Path
+
+import how_to_pictures
+import numpy as np
+import sample_test_cycles
+from numpy.typing import NDArray
+
+import valvetrain as vt
+from valvetrain import registry
+from valvetrain.compare_test.compare import compare_with_test
+from valvetrain.compare_test.page import difference_chart, values_chart
+from valvetrain.compare_test.summary import unit_of_test
+from valvetrain.errors import InputError
+from valvetrain.measured.sensor import Sensor
+from valvetrain.parameters.case import Case
+from valvetrain.parameters.installed_spring import InstalledSpring
+from valvetrain.quantities.page import quantities_page
+from valvetrain.quantities.plausible import plausible_page
+from valvetrain.report.chart import Chart, Line, Marks, Panel
+from valvetrain.report.run_charts import looks
+from valvetrain.report.run_summary import reach_rows, share
+from valvetrain.report.svg_chart import svg
+from valvetrain.runs.compare import compare_study, sweep_study
+from valvetrain.runs.run import run_study
+from valvetrain.solution.atomic import write_text
+from valvetrain.solution.fidelity import FidelityMap
+from valvetrain.solution.study import Study
+from valvetrain.springs.spec import spring_model
+from valvetrain.system.build import build
+
+ROOT = Path(__file__).resolve().parents[1]
+DOCS, README = ROOT / "docs", ROOT / "README.md"
+PICTURES = DOCS / "pictures"
+BLUE, RED = "#1f5aa6", "#a33b53"
+Array = NDArray[np.float64]
+
+
+# README
+
+
+README_PICTURE = PICTURES / "beehive-force.svg"
+#: Label of a run -> its name in the picture of the README, and its colour.
+SHOWN = {
+    "finite-element": ("finite-element rod, coils clash", "#c2410c"),
+    "modal-varied": ("modal model, coils pass through", "#2563eb"),
+}
+MODELS_HEAD = "| word | model | what it knows | what it leaves out |\n|---|---|---|---|\n"
+
+
+def models_table() -> str:
+    """The spring models that ship, in the order of the registry, as a table of the README."""
+    specs = [spring_model(word) for word in registry.words("springs")]
+    return MODELS_HEAD + "".join(
+        f"| `{one.word}` | {one.label} | {one.knows} | {one.leaves_out} |\n" for one in specs
+    )
+
+
+def write_readme() -> None:
+    """The table of spring models, and force on the seat (N) over one cam revolution of the beehive
+    at 8000 rpm.
+    """
+    text = README.read_text(encoding="utf-8")
+    write_text(
+        README, re.sub(re.escape(MODELS_HEAD) + r"(?:\|.*\n)*", lambda _: models_table(), text)
+    )
+    study = vt.simulate("gu2021-beehive", "8000 rpm")
+    lines = []
+    for label, (name, colour) in SHOWN.items():
+        (run,) = study.runs(label)
+        angle = np.degrees(run.cam_angle)
+        lines.append(
+            Line(
+                np.round(angle - 360 * np.floor(angle[0] / 360), 2),
+                run.channel("seat_force"),
+                name,
+                colour,
+            )
+        )
+    panel = Panel(
+        "cam angle (deg)", "force on the seat (N)", tuple(lines), x_range=(0.0, 360.0), x_step=45.0
+    )
+    write_text(
+        README_PICTURE,
+        svg(Chart("beehive-force", "Beehive valve spring at 8000 rpm", "", (panel,), height=300)),
+    )
+
+
+# docs/models.md
+
+
+#: The one speed of all runs (rad/s of the crank), low enough that every train settles soon.
+ENGINE_SPEED = 2000 * math.pi / 30
+COMMANDS = ("run", "compare", "sweep")
+NO_LIFT = "the case has no lift law, so nothing moves: `compare` shows statics and modes by every model, `run` by finite elements"
+INTRODUCTION = """# Spring models and shipped cases
+
+Which spring model runs which shipped case under `valvetrain run`, `compare` and `sweep`. Written by `scripts/write_pages.py models` from
+real runs at one engine speed with coarse meshes; a test runs them again and compares. A letter stands for a reason below the table.
+"""
+AFTER = """
+Every model also runs from a program (`valvetrain.simulate`, `compare`, `sweep`) and in a case of one's own, with the same reasons
+where it cannot. What each model knows and leaves out:
+"""
+
+
+def coarse(case: Case) -> Case:
+    """The case with few elements per coil and one cam turn of prescribed motion, which changes
+    numbers and not what can run.
+    """
+
+    def few(springs: tuple[InstalledSpring, ...]) -> tuple[InstalledSpring, ...]:
+        return tuple(
+            spring.with_options("finite-element", elements_per_coil=6) for spring in springs
+        )
+
+    train = case.train
+    if train is not None:
+        train = train.replace(
+            springs={name: few(springs) for name, springs in train.springs.items()}, variants=()
+        )
+    return replace(
+        case, springs=few(case.springs), train=train, operation=replace(case.operation, cycles=1)
+    )
+
+
+def outcomes(case: Case) -> dict[tuple[str, str], str]:
+    """(model word, command) -> empty where it ran, else the reason in a sentence."""
+    words = registry.words("springs")
+    found: dict[tuple[str, str], str] = {}
+    problem = build(case, spring_models=words)
+    still = [member.model.word for member in problem.members if member.model.no_motion]
+    for command in COMMANDS:
+        moving = [word for word in words if word not in still]
+        found |= {(word, command): reason for word, reason in _command(case, command, moving)}
+        found |= {(word, command): _without_motion(case, command, word, moving) for word in still}
+    return found
+
+
+def _without_motion(case: Case, command: str, word: str, moving: list[str]) -> str:
+    """Reason of a model of statics and modes. Solids take minutes: those of a spring alone under
+    compare are run by tests of their own.
+    """
+    if command == "compare" and case.train is None:
+        return ""
+    try:
+        _study(
+            case, command, [ENGINE_SPEED], [*moving[:1], word] if command == "compare" else [word]
+        )
+    except InputError as error:
+        return str(error)
+    return ""
+
+
+def _command(case: Case, command: str, words: list[str]) -> Iterator[tuple[str, str]]:
+    """Word and reason of each model under one command."""
+    speeds = [ENGINE_SPEED] if case.lift_law is not None else []
+    try:
+        study = _study(case, command, speeds, words)
+    except InputError as error:
+        yield from ((word, str(error)) for word in words)
+        return
+    for word in words:
+        runs = [run for run in study.solutions if run.model == word]
+        if runs:
+            run = runs[0]
+            yield word, "" if run.status.completed else run.status.message
+        else:
+            yield word, "" if word in {one.model for one in study.rest} else NO_LIFT
+
+
+def _study(case: Case, command: str, speeds: list[float], words: list[str]) -> Study:
+    if command == "run":
+        return run_study(case, engine_speeds=speeds, spring_models=words, workers=1)
+    if command == "compare":
+        return compare_study(case, engine_speeds=speeds, spring_models=words, workers=1)
+    return sweep_study(
+        case, speeds or [ENGINE_SPEED], spring_models=words, workers=1, critical=None
+    )
+
+
+def models_text(found: dict[str, dict[tuple[str, str], str]]) -> str:
+    """The page of what was found per case."""
+    words = registry.words("springs")
+    notes: dict[str, str] = {}
+
+    def letter(reason: str) -> str:
+        return f"({notes.setdefault(reason, chr(ord('a') + len(notes)))})"
+
+    rows = []
+    for name, outcome in found.items():
+        cells = []
+        for word in words:
+            said = {command: outcome[word, command] for command in COMMANDS}
+            ran = [command for command in COMMANDS if not said[command]]
+            reasons = dict.fromkeys(_plain(reason) for reason in said.values() if reason)
+            text = "all" if len(ran) == len(COMMANDS) else ", ".join(ran)
+            cells.append(
+                " ".join(part for part in (text, *(letter(reason) for reason in reasons)) if part)
+            )
+        rows.append(f"| `{name}` | {' | '.join(cells)} |")
+    head = f"| case | {' | '.join(f'`{word}`' for word in words)} |\n|---|{'---|' * len(words)}\n"
+    below = "".join(
+        f"\n- ({mark}) {reason[0].upper()}{reason[1:]}." for reason, mark in notes.items()
+    )
+    return (
+        f"{INTRODUCTION}\n`all`: all three commands.\n\n{head}"
+        + "\n".join(rows)
+        + f"\n{below}\n{AFTER}\n{_knowledge()}"
+    )
+
+
+def _plain(reason: str) -> str:
+    """A reason without the names of one case."""
+    if "holds no lift law" in reason or "does not move" in reason:
+        return NO_LIFT
+    if "is a train; leave solid out" in reason:
+        return "solids serve a spring alone: their statics and modes under `compare`"
+    if "statics and modes" in reason and "days" in reason:
+        return "solids give statics and modes under `compare`; a cam cycle would take them days"
+    return reason.split("is known by its card only; ")[-1].removeprefix("--spring: ").rstrip(".")
+
+
+def _knowledge() -> str:
+    specs = [spring_model(word) for word in registry.words("springs")]
+    rows = "".join(f"| `{spec.word}` | {spec.knows} | {spec.leaves_out} |\n" for spec in specs)
+    return f"| model | knows | leaves out |\n|---|---|---|\n{rows}"
+
+
+def models_page() -> str:
+    """docs/models.md from real runs."""
+    return models_text(
+        {summary.name: outcomes(coarse(vt.load_case(summary.name))) for summary in vt.list_cases()}
+    )
+
+
+# docs/tutorial.md
+
+
+#: A command with what it prints, or an addition to the case file.
+STEP = re.compile(
+    r"^```bash\n(?P<command>.*?)^```\n\n```text\n(?P<printed>.*?)^```$|^```toml\n(?P<added>.*?)^```$",
+    re.MULTILINE | re.DOTALL,
+)
+
+
+def printed_by(command: str) -> str:
+    """What a command prints on a terminal of 88 columns. Raises RuntimeError where it fails."""
+    from typer.testing import CliRunner
+
+    from valvetrain.cli.main import app
+
+    done = CliRunner(env={"COLUMNS": "88"}).invoke(
+        app, shlex.split(command)[1:], prog_name="valvetrain"
+    )
+    if done.exit_code:
+        raise RuntimeError(f"{command}\n{done.output}")
+    return "\n".join(line.rstrip() for line in done.stdout.strip("\n").splitlines()) + "\n"
+
+
+def run_page(
+    text: str, wanted: Callable[[str], bool] = lambda command: True
+) -> Iterator[tuple[re.Match[str], str]]:
+    """Each command of the page that is ``wanted``, with what it prints, in this folder."""
+    for step in STEP.finditer(text):
+        if step["added"]:
+            file = Path("my-train.toml")
+            file.write_text(
+                f"{file.read_text(encoding='utf-8')}\n{step['added']}", encoding="utf-8"
+            )
+        elif wanted(step["command"]):
+            yield step, printed_by(step["command"])
+
+
+def tutorial_pictures(folder: Path) -> dict[str, str]:
+    """File name -> SVG of the three pictures, from what the commands wrote."""
+    spring = vt.load_case(folder / "spring" / "spring.toml").springs[0]
+    curve = vt.static_curve(spring, "22 mm", spring_model="multi-mass")
+    assert spring.wire is not None
+    height = 1e3 * (spring.wire.free_length - curve.compression)
+    loads = Marks(np.array([1.8, 1.2]) * 25.4, np.array([140.0, 375.0]) * 4.4482216, "card", RED)
+    force = Panel("height (mm)", "force (N)", (Line(height, curve.force, "spring", BLUE), loads))
+
+    run = vt.load_netcdf(next((folder / "run").glob("*.nc")))
+    angle = np.degrees(run.cam_angle - run.cam_angle[0])
+    lift, cam = (
+        Panel(
+            "cam angle (deg)",
+            label,
+            (Line(angle, scale * run.channel(name), "", colour),),
+            x_range=(0, 360),
+            x_step=45,
+        )
+        for label, name, scale, colour in (
+            ("valve lift (mm)", "valve_lift", 1e3, BLUE),
+            ("force on the cam (N)", "cam_contact_force", 1.0, RED),
+        )
+    )
+
+    speeds, least, above_rigid = swept(folder / "sweep" / "sweep-mine.csv")
+    below = Panel(
+        "engine speed (rpm)",
+        "least force on the cam, valve open (N)",
+        (Line(speeds, least, "", RED),),
+    )
+    above = Panel(
+        "engine speed (rpm)",
+        "lift above the rigid one (mm)",
+        (Line(speeds, above_rigid, "", BLUE),),
+    )
+    return {
+        "tutorial-spring.svg": svg(
+            Chart("spring", "The spring of the card", "", (force,), height=300)
+        ),
+        "tutorial-run.svg": svg(
+            Chart("run", "The train at 6500 rpm", "", (lift, cam), height=460, legend=False)
+        ),
+        "tutorial-sweep.svg": svg(
+            Chart(
+                "sweep",
+                "The train over engine speed",
+                "",
+                (below, above),
+                columns=2,
+                height=320,
+                legend=False,
+            )
+        ),
+    }
+
+
+def swept(file: Path) -> tuple[Array, Array, Array]:
+    """Engine speeds (rpm), least force on the cam with the valve open (N) and lift above the rigid
+    one (mm) from the table of a sweep.
+    """
+    with file.open(encoding="utf-8", newline="") as lines:
+        rows = list(csv.DictReader(lines))
+    names = (
+        "engine speed [rpm]",
+        "least cam contact force while open [N]",
+        "lift above the rigid one [mm]",
+    )
+    first, second, third = (np.array([float(row[name]) for row in rows]) for name in names)
+    return first, second, third
+
+
+def write_tutorial() -> None:
+    """Run the page, then write it and its pictures."""
+    page = DOCS / "tutorial.md"
+    text = page.read_text(encoding="utf-8")
+    with tempfile.TemporaryDirectory() as name, contextlib.chdir(name):
+        os.environ["COLUMNS"] = "88"
+        new, end = "", 0
+        for step, printed in run_page(text):
+            start, stop = step.span("printed")
+            new, end = f"{new}{text[end:start]}{printed}", stop
+        drawn = tutorial_pictures(Path(name))
+    write_text(page, new + text[end:])
+    for file, picture in drawn.items():
+        write_text(PICTURES / file, picture)
+
+
+# docs/fidelity.md
+
+
+#: Case -> engine speeds.
+FIDELITY_CASES = {
+    "gu2021-beehive": "3000:9000:500 rpm",
+    "vaz-ohc": "1000:6000:500 rpm",
+    "tdi-pushrod": "1000:8000:500 rpm",
+}
+
+
+def fidelity_table(found: FidelityMap) -> str:
+    """A row per quantity: up to where each model is good enough, and its largest difference in
+    brackets.
+    """
+    lines = [
+        "| within 5 %, rpm | "
+        + " | ".join(f"`{model}`" for model in found.models)
+        + " | cheapest at all speeds |"
+    ]
+    lines.append("|---" * (len(found.models) + 2) + "|")
+    for row in reach_rows(found):
+        reaches = [found.reach(row.quantity, model) for model in found.models]
+        cells = [
+            one.words if one.missing else f"{one.words} ({share(one.largest)})" for one in reaches
+        ]
+        lines.append(f"| {row.words} | " + " | ".join(cells) + f" | `{row.cheapest}` |")
+    return "\n".join(lines)
+
+
+def write_fidelity() -> None:
+    """The table of each case, between its two marks."""
+    page = DOCS / "fidelity.md"
+    text = page.read_text(encoding="utf-8")
+    for case, speeds in FIDELITY_CASES.items():
+        table = fidelity_table(vt.fidelity(case, speeds, limit="1 h").fidelity)
+        begin, end = f"<!-- {case} -->\n", "<!-- end -->"
+        before, _, after = text.partition(begin)
+        text = f"{before}{begin}{table}\n{end}{after.partition(end)[2]}"
+    write_text(page, text)
+
+
+# Pictures of docs/model-against-test.md
+
+
+def write_model_against_test() -> None:
+    """Both pictures, from the sample tests."""
+    with tempfile.TemporaryDirectory() as folder:
+        samples = Path(folder)
+        sample_test_cycles.main(samples)
+        models = ["finite-element", "multi-mass"]
+        force = compare_with_test(
+            "job-t",
+            samples / "spring-force.csv",
+            spring_models=models,
+            sensor=Sensor(bandwidth="8 kHz"),
+        )
+        unit, factor = unit_of_test(force)
+        write_text(
+            PICTURES / "model-less-test.svg",
+            svg(difference_chart(force, force.runs, unit, factor, looks(force.study))),
+        )
+        head = compare_with_test("gu2021-beehive", samples / "engine-head.csv")
+        write_text(PICTURES / "engine-head.svg", svg(values_chart(head, looks(head.study))))
+
+
+#: Name on the command line -> what writes it.
+PAGES: dict[str, Callable[[], object]] = {
+    "quantities": lambda: write_text(DOCS / "quantities.md", quantities_page()),
+    "plausible": lambda: write_text(DOCS / "plausible.md", plausible_page()),
+    "readme": write_readme,
+    "models": lambda: write_text(DOCS / "models.md", models_page()),
+    "tutorial": write_tutorial,
+    "fidelity": write_fidelity,
+    "model-against-test": write_model_against_test,
+    "how-to": how_to_pictures.write_all,
+    **{
+        f"how-to-{number}": partial(how_to_pictures.write, number)
+        for number in how_to_pictures.PICTURES
+    },
+}
+
+
+def main() -> None:
+    """Writes the pages named on the command line."""
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("pages", nargs="+", choices=PAGES, metavar="PAGE", help=", ".join(PAGES))
+    for name in parser.parse_args().pages:
+        PAGES[name]()
+        print(f"wrote {name}")
+
+
+if __name__ == "__main__":
+    main()
