@@ -59,9 +59,10 @@ class Source:
         return self.starts[line - 1] + len(self.lines[line - 1].encode()[:column].decode())
 
     def span(self, node: ast.AST) -> tuple[int, int]:
-        return self.place(node.lineno, node.col_offset), self.place(
-            node.end_lineno, node.end_col_offset
-        )  # type: ignore[attr-defined]
+        return self.place(node.lineno, node.col_offset), self.place(  # type: ignore[attr-defined]
+            node.end_lineno,  # type: ignore[attr-defined]
+            node.end_col_offset,  # type: ignore[attr-defined]
+        )
 
     def of(self, node: ast.AST) -> str:
         first, last = self.span(node)

@@ -31,8 +31,14 @@ def progressive_spring() -> SpringDefinition:
     end = EndCoil("closed-ground", 1.0, 0.5)
     pitch = PiecewiseLinear(TURNS, tuple(1e-3 * value for value in PITCHES))
     return SpringDefinition(
-        4e-3, 24e-3, pitch, 8.0, material_by_name("EN 10270-2 VDSiCr"), end, end
-    )  # type: ignore[arg-type]
+        4e-3,  # type: ignore[arg-type]
+        24e-3,  # type: ignore[arg-type]
+        pitch,
+        8.0,
+        material_by_name("EN 10270-2 VDSiCr"),
+        end,
+        end,
+    )
 
 
 def stations_of_tester(

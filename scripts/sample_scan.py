@@ -207,14 +207,38 @@ def springs() -> dict[str, SpringDefinition]:
         "beehive": beehive,
         "beehive-as-made": as_made(beehive),
         "cylindrical": SpringDefinition(
-            3.6e-3, 24e-3, even, 7.0, steel, ends, ends, "left", "cylindrical"
-        ),  # type: ignore[arg-type]
+            3.6e-3,  # type: ignore[arg-type]
+            24e-3,  # type: ignore[arg-type]
+            even,
+            7.0,
+            steel,
+            ends,
+            ends,
+            "left",
+            "cylindrical",
+        ),
         "progressive": SpringDefinition(
-            4e-3, 24e-3, rising, 8.0, steel, ends, ends, "right", "progressive"
-        ),  # type: ignore[arg-type]
+            4e-3,  # type: ignore[arg-type]
+            24e-3,  # type: ignore[arg-type]
+            rising,
+            8.0,
+            steel,
+            ends,
+            ends,
+            "right",
+            "progressive",
+        ),
         "conical": SpringDefinition(
-            3e-3, law("0 6", "26 18"), tapered, 6.0, steel, ends, ends, "left", "conical"
-        ),  # type: ignore[arg-type]
+            3e-3,  # type: ignore[arg-type]
+            law("0 6", "26 18"),
+            tapered,
+            6.0,
+            steel,
+            ends,
+            ends,
+            "left",
+            "conical",
+        ),
     }
 
 

@@ -22,9 +22,10 @@ from unit.cli_parts import PUBLISHED, SMALL
 from valvetrain.parameters.loading import parse_case
 from valvetrain.parameters.templates import TEMPLATES
 from valvetrain.report.json import study_json
-from valvetrain.runs.compare import compare_study, sweep_study
+from valvetrain.runs.compare import compare_study
 from valvetrain.runs.run import run_study
 from valvetrain.runs.static_study import rest_study
+from valvetrain.runs.sweep import sweep_study
 
 KEPT = Path(__file__).parent / "study_numbers.json"
 #: What differs from one machine, version or run to the next.

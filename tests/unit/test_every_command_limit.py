@@ -85,7 +85,7 @@ def test_a_folder_with_other_files_is_refused_before_any_work(command, tmp_path,
     for place in (
         "run.run_study",
         "compare.compare_study",
-        "compare.sweep_study",
+        "sweep.sweep_study",
         "refine.refined",
     ):
         monkeypatch.setattr(f"valvetrain.runs.{place}", work)

@@ -102,8 +102,8 @@ def sweep(
     """
     from valvetrain.cli.limits import refuse_beyond
     from valvetrain.cli.progress import announce_compilation
-    from valvetrain.runs.compare import sweep_study
     from valvetrain.runs.critical_speeds import read_options
+    from valvetrain.runs.sweep import sweep_study
 
     critical = read_options(resolution, float_lift, bounce_height)
     first, last, step = USUAL

@@ -13,7 +13,7 @@ from valvetrain.parameters.case import Case
 from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.parameters.loading import AnyCase, case_of
 from valvetrain.parameters.spring import SpringDefinition
-from valvetrain.runs.compare import compare_study, sweep_study
+from valvetrain.runs.compare import compare_study
 from valvetrain.runs.cost import FEWER_AT_REST, Limits, limits_of, refuse_cost
 from valvetrain.runs.critical_speeds import read_options
 from valvetrain.runs.engine import Progress, worker_count
@@ -22,6 +22,7 @@ from valvetrain.runs.request_cost import Asked, request_cost, spring_cost
 from valvetrain.runs.run import run_study
 from valvetrain.runs.static_study import curve_by_model
 from valvetrain.runs.statics import STEPS
+from valvetrain.runs.sweep import sweep_study
 from valvetrain.solution.critical import CriticalSpeeds
 from valvetrain.solution.static import StaticCurve
 from valvetrain.solution.study import Study
