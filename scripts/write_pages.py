@@ -60,7 +60,7 @@ from valvetrain.springs.spec import spring_model
 from valvetrain.system.build import build
 
 ROOT = Path(__file__).resolve().parents[1]
-DOCS, README = ROOT / "docs", ROOT / "README.md"
+DOCS, PUBLIC_NAMES = ROOT / "docs", ROOT / "docs" / "public-names.md"
 PICTURES = DOCS / "pictures"
 BLUE, RED = "#1f5aa6", "#a33b53"
 Array = NDArray[np.float64]
@@ -90,9 +90,10 @@ def write_readme() -> None:
     """The table of spring models, and force on the seat (N) over one cam revolution of the beehive
     at 8000 rpm.
     """
-    text = README.read_text(encoding="utf-8")
+    text = PUBLIC_NAMES.read_text(encoding="utf-8")
     write_text(
-        README, re.sub(re.escape(MODELS_HEAD) + r"(?:\|.*\n)*", lambda _: models_table(), text)
+        PUBLIC_NAMES,
+        re.sub(re.escape(MODELS_HEAD) + r"(?:\|.*\n)*", lambda _: models_table(), text),
     )
     study = vt.simulate("gu2021-beehive", "8000 rpm")
     lines = []

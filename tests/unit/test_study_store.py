@@ -136,3 +136,17 @@ def test_a_journal_line_is_text_that_people_can_read(tmp_path):
     filled(tmp_path, [5], close=False)
     line = (tmp_path / JOURNAL).read_text().partition(" ")[2]
     assert [float.fromhex(one) for one in json.loads(line)["values"]] == [5 * math.pi, math.sqrt(5)]
+
+
+def test_points_grow_stale_with_what_computes_and_not_with_pages_and_commands():
+    names = {path.relative_to(PACKAGE).as_posix() for path in computing_sources()}
+    assert {
+        "explore/evaluate.py",
+        "cosserat/step_kernels.py",
+        "runs/run.py",
+        "measured/sensor.py",
+    } <= names
+    assert not {
+        name for name in names if name.startswith(("cli/", "report/", "film/", "workbench/"))
+    }
+    assert "explore/study_page.py" not in names and "explore/study_command.py" not in names

@@ -13,6 +13,7 @@ import io
 import json
 import os
 import platform
+import re
 from collections.abc import Iterator, Mapping, Sequence
 from functools import cache
 from pathlib import Path
@@ -270,8 +271,31 @@ def _read_chunk(path: Path, outputs: Sequence[str]) -> Iterator[_Row]:
     yield from rows
 
 
-#: Packages of this one that show and ask, and compute nothing.
-_SHOW = ("cli", "report", "validation")
+#: Folders that show, read or ask and compute no point: a change there makes no stored point stale.
+_NOT_COMPUTING = (
+    "cli",
+    "report",
+    "validation",
+    "workbench",
+    "lift",
+    "spring_card",
+    "scan",
+    "film",
+    "rig",
+    "compare_test",
+)
+_NOT_COMPUTING_FILES = re.compile(r"_(page|charts|command|summary)\.py$")
+
+
+def computing_sources() -> list[Path]:
+    """Source files whose change can move the numbers of a point, in order."""
+    root = Path(__file__).parents[1]
+    return [
+        path
+        for path in sorted(root.rglob("*.py"))
+        if path.relative_to(root).parts[0] not in _NOT_COMPUTING
+        and not _NOT_COMPUTING_FILES.search(path.name)
+    ]
 
 
 @cache
@@ -279,7 +303,6 @@ def versions_digest() -> str:
     """A digest of all that computes: source text, versions of Python and of the libraries, kind of
     machine.
     """
-    root = Path(__file__).parents[2]
     origin = collect_provenance("", "")
     told = hashlib.blake2b(digest_size=16)
     for words in (
@@ -289,7 +312,6 @@ def versions_digest() -> str:
         platform.machine(),
     ):
         told.update(words.encode() + b"\0")
-    for path in sorted(root.rglob("*.py")):
-        if path.relative_to(root).parts[0] not in _SHOW:
-            told.update(path.read_bytes() + b"\0")
+    for path in computing_sources():
+        told.update(path.read_bytes() + b"\0")
     return told.hexdigest()
