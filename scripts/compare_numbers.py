@@ -43,7 +43,7 @@ Numbers = dict[str, float]
 def cases(folder: Path) -> Iterator[tuple[str, str]]:
     """Name and argument of every case: library, examples, templates written into ``folder``."""
     for name in vt.list_cases():
-        yield name, name
+        yield name.name, name.name
     for path in sorted((ROOT / "examples").glob("*.toml")):
         if not path.name.startswith(("identify", "optimise")):
             yield f"examples/{path.stem}", str(path)

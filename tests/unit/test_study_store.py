@@ -7,13 +7,15 @@ from __future__ import annotations
 import json
 import math
 import os
+from pathlib import Path
 
 import numpy as np
 import pytest
 
+import valvetrain
 from valvetrain import InputError
 from valvetrain.explore.point import Outcome
-from valvetrain.explore.store import CHUNK, JOURNAL, PointStore
+from valvetrain.explore.store import CHUNK, JOURNAL, PointStore, computing_sources
 from valvetrain.solution.status import COMPLETED, Status
 
 OUTPUTS = ("peak_spring_force", "clash_count")
@@ -139,7 +141,10 @@ def test_a_journal_line_is_text_that_people_can_read(tmp_path):
 
 
 def test_points_grow_stale_with_what_computes_and_not_with_pages_and_commands():
-    names = {path.relative_to(PACKAGE).as_posix() for path in computing_sources()}
+    names = {
+        path.relative_to(Path(valvetrain.__file__).parent).as_posix()
+        for path in computing_sources()
+    }
     assert {
         "explore/evaluate.py",
         "cosserat/step_kernels.py",

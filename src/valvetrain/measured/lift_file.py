@@ -152,8 +152,8 @@ def read_lift(file: str | Path, answers: LiftAnswers | None = None) -> tuple[Mea
     Parameters
     ----------
     file : text of columns, s96, fractions of lift, or a workbook; the content decides, not the name
-    answers : what the file does not say itself, such as ``LiftAnswers(angle_of="cam",
-        lift_of="tappet", lift_unit="mm")``
+    answers : what the file does not say itself, such as
+        ``LiftAnswers(angle_of="cam", lift_of="tappet", lift_unit="mm")``
 
     Returns
     -------

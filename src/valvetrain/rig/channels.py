@@ -48,8 +48,8 @@ class RigAnswers:
     angle_of : ``cam`` or ``crank``: the shaft on which encoder, wheel or pulse sit
     teeth, missing : places on the wheel in one turn, and how many of them side by side are cut away
     units : quantity, or ``encoder``, -> unit, where the file does not say it or says it wrongly
-    calibration : quantity -> what one unit of its channel stands for, such as ``{"spring_force":
-        "2.5 N"}`` for a bridge in um/m
+    calibration : quantity -> what one unit of its channel stands for, such as
+        ``{"spring_force": "2.5 N"}`` for a bridge in um/m
     shunt : quantity -> step of the channel with the shunt and the load it stands for, such as
         ``{"spring_force": "412, 1000 N"}``
     zero : quantity -> what it is in the dwell, such as ``{"spring_force": "240 N"}``; a lift is

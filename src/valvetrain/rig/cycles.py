@@ -306,8 +306,8 @@ def rig_cycles(
     ----------
     file : recording: text of columns, MDF 4, TDMS, MAT, HDF5 or NetCDF, universal file 58; the
         content decides, not the name
-    answers : what the file does not say itself, such as ``RigAnswers(angle_of="crank", teeth=60,
-        missing=2)``
+    answers : what the file does not say itself, such as
+        ``RigAnswers(angle_of="crank", teeth=60, missing=2)``
     case : Case, name of a library case, or path of a case file, whose valve lift tells what cam
         angle the rig's mark is
 

@@ -344,8 +344,8 @@ def card_of_table(table: ForceHeight, **known: object) -> CatalogueCard:
     Parameters
     ----------
     table : of :func:`read_force_height`
-    known : what else :class:`CatalogueCard` takes, such as ``wire_diameter="4.2 mm",
-        outer_diameter="30.2 mm"``
+    known : what else :class:`CatalogueCard` takes, such as
+        ``wire_diameter="4.2 mm", outer_diameter="30.2 mm"``
 
     Returns
     -------

@@ -49,8 +49,8 @@ class JobRequest:
         ``"1000:9000:100 rpm"``; empty for the case's own
     spring_sets : spring sets of a train, empty for its own
     settings : values set besides, key path -> text, as ``--set`` takes them
-    options : options of the kind by their long names without dashes, such as ``{"resolution": "10
-        rpm"}`` of a sweep; ``"true"`` for flags
+    options : options of the kind by their long names without dashes, such as
+        ``{"resolution": "10 rpm"}`` of a sweep; ``"true"`` for flags
     study : text of the study file (TOML) of a study, whose ``case`` is replaced by this one
     implausible : let values pass that no valvetrain can have
     """
