@@ -11,6 +11,8 @@ from collections.abc import Iterable
 from functools import cache
 from pathlib import Path
 
+from valvetrain import compiled
+
 ROOT = Path(__file__).resolve().parents[1]
 PLACE = ROOT / "build" / "mutants"
 
@@ -58,7 +60,27 @@ def renew(name: str) -> Path:
         if not target.exists() or source.stat().st_mtime_ns != target.stat().st_mtime_ns:
             target.parent.mkdir(parents=True, exist_ok=True)
             shutil.copy2(source, target)
+    _hold_stamp(copy)
     return copy
+
+
+def _hold_stamp(copy: Path) -> None:
+    """Makes the copy's kernels valid whatever fault its sources hold.
+
+    The package stamps each compiled kernel by the text of all sources of kernels, so that one fault
+    would compile them all again. In the
+    copy the stamp is that of the working tree; the tool itself deletes what a fault can reach
+    (:func:`drop_kernels`).
+    """
+    source = Path(compiled.__file__)
+    target = copy / source.relative_to(ROOT)
+    times, stamp = source.stat(), compiled.sources_digest(compiled.PACKAGE)
+    lines = (
+        "of_sources = sources_digest",
+        f"sources_digest = cache(lambda package: {stamp!r} if package == PACKAGE else of_sources(package))",
+    )
+    target.write_text("\n".join((source.read_text(encoding="utf-8"), *lines, "")), encoding="utf-8")
+    os.utime(target, ns=(times.st_atime_ns, times.st_mtime_ns))
 
 
 def twin_of(base: Path, name: str) -> Path:

@@ -11,37 +11,21 @@ import sys
 import time
 import xml.etree.ElementTree as ElementTree
 from concurrent.futures import ThreadPoolExecutor
-from functools import cache
 from pathlib import Path
 from typing import Any
 
 from mutants.copies import PLACE, tree_digest
-from mutants.stamp import STAMP
-from valvetrain.compiled import PACKAGE, sources_digest
 
 #: Tests of the code's form, not of what it does, do not count as noticing a fault.
 NOT_COUNTED = ("tests/architecture/",)
 THREADS = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "NUMBA_NUM_THREADS"), "1")
 
 
-@cache
-def kernel_stamp() -> str:
-    """Stamp of the working tree's compiled kernels, so that those copied from it are valid in every
-    copy.
-    """
-    return sources_digest(PACKAGE)
-
-
 def environment(copy: Path) -> dict[str, str]:
     """Environment in which a copy's own package is imported, in the processes that its tests start
     too.
     """
-    places = (copy / "src", copy / "mutants" / "child", copy)
-    return (
-        os.environ
-        | THREADS
-        | {"PYTHONPATH": os.pathsep.join(map(str, places)), STAMP: kernel_stamp()}
-    )
+    return os.environ | THREADS | {"PYTHONPATH": f"{copy / 'src'}{os.pathsep}{copy}"}
 
 
 def test_files(copy: Path) -> list[str]:
@@ -125,10 +109,7 @@ def _record(copy: Path, name: str, kept: Path, limit: float = 1200.0) -> dict[st
     begun = time.time()
     kept.unlink(missing_ok=True)
     raw = kept.with_suffix(".raw")
-    more = {
-        "VALVETRAIN_TRAIL": str(raw),
-        "VALVETRAIN_TRAIL_SOURCE": str(copy / "src" / "valvetrain"),
-    }
+    more = {"VALVETRAIN_TRAIL": str(raw)}
     command = [
         sys.executable,
         "-m",

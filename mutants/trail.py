@@ -1,5 +1,4 @@
-"""A pytest plugin: which test enters which functions of the package, in this process and in those
-it starts.
+"""A pytest plugin: which test enters which functions of the package, in its own process.
 
 Active where VALVETRAIN_TRAIL names a file: one JSON object {"import": [places], "tests": {node:
 {"seconds", "places"}}, "failed"}; a place
@@ -21,8 +20,6 @@ from types import CodeType
 from typing import Any
 
 import pytest
-
-CHILDREN = "VALVETRAIN_TRAIL_CHILDREN"
 
 
 class Steps:
@@ -56,12 +53,11 @@ class Trail:
     """Collects the steps of each test; fixtures keep their own."""
 
     def __init__(self, file: Path, source: Path) -> None:
-        self.file, self.children = file, file.with_suffix(".children")
+        self.file = file
         self.steps = Steps(str(source))
         self.tests: dict[str, dict[str, Any]] = {}
         self.fixtures: dict[int, set[str]] = {}
         self.failed: set[str] = set()
-        os.environ[CHILDREN] = str(self.children)
         self.steps.start()
         self.imported: set[str] = set()
 
@@ -83,12 +79,11 @@ class Trail:
     @pytest.hookimpl(wrapper=True)
     def pytest_runtest_protocol(self, item: Any) -> Iterator[None]:
         begun = time.perf_counter()
-        self.children.write_text("")
         self.steps.start()
         try:
             return (yield)
         finally:
-            places = self.steps.stop() | set(self.children.read_text().split())
+            places = self.steps.stop()
             for known in item._fixtureinfo.name2fixturedefs.values():
                 for one in known:
                     places |= self.fixtures.get(id(one), set())
@@ -101,7 +96,6 @@ class Trail:
         self.failed |= {report.nodeid} if report.failed else set()
 
     def pytest_sessionfinish(self) -> None:
-        self.children.unlink(missing_ok=True)
         self.file.write_text(
             json.dumps(
                 {
@@ -119,19 +113,3 @@ def pytest_configure(config: pytest.Config) -> None:
         config.pluginmanager.register(
             Trail(Path(file), Path(config.rootpath) / "src" / "valvetrain")
         )
-
-
-def follow_child() -> None:
-    """For a process that a test starts (called by the ``sitecustomize`` beside): its steps join
-    those of the test.
-    """
-    import atexit
-
-    steps = Steps(str(Path(os.environ["VALVETRAIN_TRAIL_SOURCE"])))
-    steps.start()
-
-    def tell() -> None:
-        with open(os.environ[CHILDREN], "a") as file:
-            file.write("\n".join(steps.stop()) + "\n")
-
-    atexit.register(tell)

@@ -26,6 +26,7 @@ from valvetrain.errors import InputError
 from valvetrain.explore.identification_file import Request, read_request
 from valvetrain.explore.identified import Identified
 from valvetrain.explore.identify import identify_request
+from valvetrain.parameters.installed_spring import DampingParameters
 from valvetrain.parameters.lift_law import LiftLawParameters
 from valvetrain.parameters.loading import load_case
 from valvetrain.parameters.writing import write_case_values
@@ -77,11 +78,12 @@ def predict(
             )
         }
         own = case.springs[0].with_options("finite-element", elements_per_coil=elements_per_coil)
-        spring = replace(
-            own,
-            wire=spring_of(p),
-            damping=replace(own.damping, stiffness_share=p["stiffness_share"]),
+        damping = DampingParameters(
+            ratio=own.damping.ratio,
+            ratio_frequency=own.damping.ratio_frequency,
+            stiffness_share=p["stiffness_share"],
         )
+        spring = replace(own, wire=spring_of(p), damping=damping)
         case = case.replace(
             springs=(spring,), lift_law=LiftLawParameters("shaped", shape), published=()
         )

@@ -46,6 +46,38 @@ def test_every_make_command_of_the_documents_exists():
     assert {"run", "test"} <= promised <= targets
 
 
+def test_everything_that_make_and_the_documents_start_exists():
+    """Scripts, modules and folders of tests in the commands of the Makefile, and scripts that a
+    page or the package names.
+    """
+    assert not [
+        name
+        for name in re.findall(r"(?<!/)\b(?:scripts|tests)/[\w./-]+", MAKEFILE)
+        if not (ROOT / name).exists()
+    ]
+    modules = set(re.findall(r"-m (benchmarks|fuzz|mutants)\b", MAKEFILE))
+    assert modules == {"benchmarks", "fuzz", "mutants"} and all(
+        (ROOT / name / "__main__.py").exists() for name in modules
+    )
+    pages = [
+        path
+        for folder in ("docs", "src")
+        for ending in ("*.md", "*.py")
+        for path in (ROOT / folder).rglob(ending)
+    ]
+    texts = {
+        str(path.relative_to(ROOT)): path.read_text(encoding="utf-8")
+        for path in pages
+        if "decisions" not in path.parts
+    }
+    named = {
+        (page, name)
+        for page, text in texts.items()
+        for name in re.findall(r"\bscripts/\w+\.(?:py|sh)", text)
+    }
+    assert named and not [(page, name) for page, name in named if not (ROOT / name).exists()]
+
+
 def test_every_link_of_the_readme_leads_to_a_file():
     links = [
         link.split("#")[0] for link in re.findall(r"\]\(([^)\s]+)\)", README) if "://" not in link

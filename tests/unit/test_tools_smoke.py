@@ -130,3 +130,32 @@ def test_the_tests_of_a_room_are_chosen():
 def test_the_package_is_counted():
     rooms = {line.split()[0] for line in run("scripts/count_source.py").splitlines()}
     assert {"springs", "sum"} <= rooms
+
+
+def test_the_accuracy_of_scans_and_films_is_measured(tmp_path, capsys):
+    import film_accuracy
+    import measure_scans
+
+    measure_scans.large(tmp_path, 4000)
+    film_accuracy.damping(films=1)
+    printed = capsys.readouterr().out
+    assert "4000 points" in printed and "damping: rms" in printed
+
+
+def test_a_draw_at_the_values_of_the_beehive_is_the_beehive():
+    import identify_beehive
+
+    import valvetrain as vt
+    from valvetrain.sources.gu2021_identification import library_values
+
+    values = library_values()
+    found = identify_beehive.predict(8, list(values), list(values.values()))
+    case = vt.load_case("gu2021-beehive", {"spring.options.finite-element.elements_per_coil": 8})
+    (run,) = vt.simulate(case, "4200 rpm", spring_models=["finite-element"]).solutions
+    for name in ("stage_1_minimum_force", "stage_2_peak_force"):
+        assert found[f"4200 {name}"] == pytest.approx(run.quantities[name], rel=1e-3)
+
+
+@pytest.mark.long
+def test_one_fault_of_a_process_breaks_no_promise():
+    assert "1 faults, 0 of them" in run("scripts/faults.py", "1")

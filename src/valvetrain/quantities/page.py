@@ -13,7 +13,7 @@ from valvetrain.solution.definition import QuantityRow, tables
 _HEAD = """\
 # Named quantities
 
-<!-- Written from the tables of quantities: python scripts/write_quantities.py -->
+<!-- Written from the tables of quantities: python scripts/write_pages.py quantities -->
 
 One name per number, the same in a case's `published` list, in results, in `--json` and in the report. A computed value is found by
 name, engine speed (rad/s of the crank; none for what belongs to no run) and label of the run.

@@ -237,7 +237,7 @@ def plausible_page() -> str:
         "# Plausible values\n",
         "Equations have solutions for numbers that no valvetrain has. Beyond these ranges a request is refused before it is run,",
         "and a run, or a static curve, that reaches one ends with the status `diverged`, its numbers kept. `--implausible`, or",
-        "`implausible=True` in Python, accepts all of them; `scripts/write_plausible.py` writes this page.\n",
+        "`implausible=True` in Python, accepts all of them; `scripts/write_pages.py plausible` writes this page.\n",
         "| | quantity | least | largest | reason |",
         "|---|---|---|---|---|",
     ]
