@@ -16,15 +16,8 @@ from valvetrain.errors import InputError
 from valvetrain.lift.band import band_cost
 from valvetrain.parameters.loading import load_case
 from valvetrain.runs.cost import Cost, memory_words
-from valvetrain.runs.request_cost import (
-    MOST_COUNTED,
-    Asked,
-    refine_cost,
-    request_cost,
-    rest_cost,
-    solid_rest_cost,
-    spring_cost,
-)
+from valvetrain.runs.request_cost import Asked, refine_cost, request_cost, solid_rest_cost
+from valvetrain.runs.static_cost import MOST_COUNTED, rest_cost, spring_cost
 
 RPM = math.pi / 30
 ELEMENTS, MASSES = (

@@ -89,7 +89,7 @@ def modes(
     from valvetrain.cli.limits import say_cost
     from valvetrain.cli.outcome import deliver
     from valvetrain.runs.cost import FEWER_AT_REST, read_limits
-    from valvetrain.runs.request_cost import rest_cost
+    from valvetrain.runs.static_cost import rest_cost
     from valvetrain.runs.static_study import CURVE_OF_MODES
 
     chosen = choose_case(case, settings, elements_per_coil)

@@ -158,7 +158,7 @@ def static(
     from valvetrain.cli.limits import say_cost
     from valvetrain.cli.outcome import deliver
     from valvetrain.runs.cost import FEWER_AT_REST, read_limits
-    from valvetrain.runs.request_cost import rest_cost
+    from valvetrain.runs.static_cost import rest_cost
     from valvetrain.solution.atomic import check_target
 
     chosen, largest = choose_case(case, settings, elements_per_coil), read_length(to, "--to")

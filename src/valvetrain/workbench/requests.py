@@ -172,7 +172,8 @@ def cost_of(request: JobRequest, case: Case, workers: int) -> Cost:
     """Estimated cost of a request, as the command line estimates it; of a study, nothing (its own
     process does).
     """
-    from valvetrain.runs.request_cost import request_cost, rest_cost
+    from valvetrain.runs.request_cost import request_cost
+    from valvetrain.runs.static_cost import rest_cost
     from valvetrain.runs.static_study import CURVE_OF_MODES
 
     if request.kind == "study":
