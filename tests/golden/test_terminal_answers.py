@@ -190,7 +190,11 @@ def kept() -> str:
     pair = one[:2]
     for changed in ((inputs, results), (inputs[:1], ()), ((), results[2:3]), ((), results[:1])):
         texts.append(
-            printed(lambda console, changed=changed: compare_runs._show(console, pair, *changed))
+            printed(
+                lambda console, changed=changed: compare_runs._show_compare_runs(
+                    console, pair, *changed
+                )
+            )
         )
     return "\n====\n".join(texts)
 

@@ -24,7 +24,8 @@ from valvetrain.runs.cost import (
     refuse_cost,
     time_words,
 )
-from valvetrain.runs.request_cost import Asked, request_cost, unknowns_of
+from valvetrain.runs.planned import Asked, unknowns_of
+from valvetrain.runs.request_cost import request_cost
 from valvetrain.springs.spec import spring_model
 
 

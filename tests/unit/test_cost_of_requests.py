@@ -16,7 +16,8 @@ from valvetrain.errors import InputError
 from valvetrain.lift.band import band_cost
 from valvetrain.parameters.loading import load_case
 from valvetrain.runs.cost import Cost, memory_words
-from valvetrain.runs.request_cost import Asked, refine_cost, request_cost, solid_rest_cost
+from valvetrain.runs.planned import Asked
+from valvetrain.runs.request_cost import refine_cost, request_cost, solid_rest_cost
 from valvetrain.runs.static_cost import MOST_COUNTED, rest_cost, spring_cost
 
 RPM = math.pi / 30

@@ -22,7 +22,8 @@ from valvetrain.explore.store import PointStore
 from valvetrain.explore.table import StudyTable
 from valvetrain.runs.cost import Cost, Limits, refuse_cost
 from valvetrain.runs.engine import LOST, LOST_REMEDY, Progress
-from valvetrain.runs.request_cost import REST, Asked, request_cost
+from valvetrain.runs.planned import Asked
+from valvetrain.runs.request_cost import REST, request_cost
 from valvetrain.runs.stopping import Stopped
 from valvetrain.runs.workers import Lost
 from valvetrain.solution.status import Status

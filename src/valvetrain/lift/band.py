@@ -17,7 +17,8 @@ from valvetrain.parameters.loading import AnyCase, case_of
 from valvetrain.runs.api import Speeds, simulate, sweep
 from valvetrain.runs.cost import Cost, limits_of, refuse_cost
 from valvetrain.runs.engine import Progress, map_points, worker_count
-from valvetrain.runs.request_cost import Asked, request_cost
+from valvetrain.runs.planned import Asked
+from valvetrain.runs.request_cost import request_cost
 from valvetrain.solution.critical import KINDS
 from valvetrain.solution.study import Study
 from valvetrain.units import si_speeds

@@ -18,7 +18,8 @@ from valvetrain.runs.cost import FEWER_AT_REST, Limits, limits_of, refuse_cost
 from valvetrain.runs.critical_speeds import read_options
 from valvetrain.runs.engine import Progress, worker_count
 from valvetrain.runs.notes import largest_lift
-from valvetrain.runs.request_cost import Asked, request_cost
+from valvetrain.runs.planned import Asked
+from valvetrain.runs.request_cost import request_cost
 from valvetrain.runs.run import run_study
 from valvetrain.runs.static_cost import spring_cost
 from valvetrain.runs.static_study import curve_by_model

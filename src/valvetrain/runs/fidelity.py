@@ -20,7 +20,8 @@ from valvetrain.parameters.loading import AnyCase, case_of
 from valvetrain.runs.cost import Cost, Limits, limits_of, refuse_cost
 from valvetrain.runs.engine import Progress, worker_count
 from valvetrain.runs.error_bars import two_grids
-from valvetrain.runs.request_cost import Asked, request_cost
+from valvetrain.runs.planned import Asked
+from valvetrain.runs.request_cost import request_cost
 from valvetrain.runs.run import Finished, run_problem
 from valvetrain.runs.stopping import StudyStopped
 from valvetrain.runs.train_uncertainty import divided

@@ -22,8 +22,9 @@ from valvetrain.runs.cost import limits_of, refuse_cost
 from valvetrain.runs.critical_speeds import CriticalOptions
 from valvetrain.runs.engine import Progress, map_points, worker_count
 from valvetrain.runs.notes import refuse_implausible
+from valvetrain.runs.planned import Asked
 from valvetrain.runs.prepared import FAILURES, Plan, Ready, make_ready, provenance_of, unfinished
-from valvetrain.runs.request_cost import Asked, run_up_cost
+from valvetrain.runs.request_cost import run_up_cost
 from valvetrain.runs.run import STOPPED, WORKER_LOST, member_rest
 from valvetrain.runs.stopping import PointsStopped, StudyStopped
 from valvetrain.solution.channels import empty_channels

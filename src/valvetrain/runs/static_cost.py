@@ -8,7 +8,7 @@ from valvetrain.parameters.case import Case
 from valvetrain.parameters.curves import Constant
 from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.runs.cost import Cost
-from valvetrain.runs.request_cost import CARD_CHAIN, Asked, planned, unknowns_of
+from valvetrain.runs.planned import CARD_CHAIN, Asked, planned, unknowns_of
 from valvetrain.runs.static_study import WIRE, usual_word
 from valvetrain.runs.statics import APPROACH, BEYOND
 from valvetrain.springs.spec import spring_model
