@@ -5,6 +5,7 @@ Evidence: the readers of the command line and of study files take what is asked.
 
 from __future__ import annotations
 
+import numpy as np
 import pytest
 
 from valvetrain.cli.options import read_words
@@ -12,9 +13,10 @@ from valvetrain.errors import InputError
 from valvetrain.explore.plan import read_plan
 from valvetrain.explore.study_file import read_study_file
 from valvetrain.parameters.loading import load_case, parse_case
-from valvetrain.runs import request_cost
-from valvetrain.runs import request_cost as rest_cost
 from valvetrain.runs.cost import Cost, Limits
+from valvetrain.runs.planned import Asked
+from valvetrain.runs.request_cost import request_cost
+from valvetrain.runs.static_cost import rest_cost
 from valvetrain.workbench.pages.orders import choices_for, request_of, sets_for
 from valvetrain.workbench.requests import (
     JobRequest,
@@ -99,25 +101,18 @@ def test_chosen_sets_reach_the_study_file(tmp_path):
         ("modes", {"count": "many"}, 24, 0),
     ],
 )
-def test_a_spring_at_rest_is_counted_by_the_steps_and_modes_that_it_asks_for(
-    kind, options, steps, modes, monkeypatch
-):
-    """Steps of a curve, 24 unless told; modes only of a job of modes, 24 unless told, about a curve
-    of 24 steps.
-    """
-    asked = []
-    monkeypatch.setattr(
-        rest_cost,
-        "rest_cost",
-        lambda case, models, **more: asked.append((models, more)) or Cost(7.0, 8.0),
+def test_a_static_job_costs_what_its_steps_and_modes_cost(kind, options, steps, modes):
+    """24 steps of a curve and 24 modes by default; modes only in a job of modes."""
+    request = JobRequest(kind, "one", ("finite-element",), spring_sets=("stock",), options=options)
+    case = load_case("job-t")
+    expected = rest_cost(
+        case, ("finite-element",), spring_sets=("stock",), steps=steps, modes=modes
     )
-    request = JobRequest(kind, "one", ("multi-mass",), spring_sets=("stock",), options=options)
-    assert cost_of(request, load_case("job-t"), 3) == Cost(7.0, 8.0)
-    assert asked == [(("multi-mass",), {"spring_sets": ("stock",), "steps": steps, "modes": modes})]
+    assert cost_of(request, case, 3) == expected
 
 
 @pytest.mark.parametrize(
-    ("kind", "options", "speeds", "counted", "whole", "searches"),
+    ("kind", "options", "speeds", "count", "whole", "searches"),
     [
         ("run", {}, "", None, True, False),
         ("compare", {}, "2000, 3000 rpm", 2, True, False),
@@ -125,30 +120,19 @@ def test_a_spring_at_rest_is_counted_by_the_steps_and_modes_that_it_asks_for(
         ("sweep", {"no-critical-speeds": "true"}, "2000:3000:500 rpm", 3, False, False),
     ],
 )
-def test_what_moves_is_counted_by_its_speeds_and_searches(
-    kind, options, speeds, counted, whole, searches, monkeypatch
-):
+def test_a_moving_job_costs_its_speeds_and_searches(kind, options, speeds, count, whole, searches):
     """A run without speeds by those of its case; a sweep without speeds by 1000 to 9000 rpm in
     hundreds; only a sweep searches.
     """
-    asked = []
-    monkeypatch.setattr(
-        request_cost, "request_cost", lambda one, *more: asked.append((one, more)) or Cost(7.0, 8.0)
-    )
-    assert cost_of(
-        JobRequest(kind, "one", ("massless",), speeds, options=options), load_case("job-t"), 3
-    ) == Cost(7.0, 8.0)
-    ((one, more),) = asked
-    assert (None if one.engine_speeds is None else len(one.engine_speeds)) == counted and more == (
-        whole,
-        searches,
-    )
-    assert (one.command, one.spring_models, one.spring_sets, one.workers) == (
-        kind,
-        ("massless",),
-        (),
-        3,
-    )
+    case = load_case("job-t")
+    lowest, highest = (1000.0, 9000.0) if count == 81 else (2000.0, 3000.0)
+    rpm = None if count is None else np.linspace(lowest, highest, count)
+    engine_speeds = None if rpm is None else tuple(rpm * 2.0 * np.pi / 60.0)
+    asked = Asked(kind, case, engine_speeds, ("massless",), (), 3)
+    expected = request_cost(asked, whole, searches)
+    cost = cost_of(JobRequest(kind, "one", ("massless",), speeds, options=options), case, 3)
+    assert cost.seconds == pytest.approx(expected.seconds)
+    assert cost.bytes == pytest.approx(expected.bytes)
 
 
 def test_a_study_counts_its_own_cost():
