@@ -128,7 +128,8 @@ def test_a_signal_ends_a_server_without_a_traceback(tmp_path, name):
     """
     pytest.importorskip("uvicorn")
     code = (
-        "import sys, uvicorn; from valvetrain.workbench import pages; from valvetrain.cli import serve, main\n"
+        "import signal, sys, uvicorn; from valvetrain.workbench import pages; from valvetrain.cli import serve, main\n"
+        "signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell's background job ignores it\n"
         "async def app(scope, receive, send):\n"
         "    while (await receive())['type'] != 'lifespan.startup': pass\n"
         "    print('serves', flush=True)\n"
