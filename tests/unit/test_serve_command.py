@@ -128,14 +128,13 @@ def test_a_signal_ends_a_server_without_a_traceback(tmp_path, name):
     """
     pytest.importorskip("uvicorn")
     code = (
-        "import signal, sys, uvicorn; from valvetrain.workbench import pages; from valvetrain.cli import serve, main\n"
-        "signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell's background job ignores it\n"
+        "import sys, uvicorn; from valvetrain.workbench import command, pages; from valvetrain.cli import main\n"
         "async def app(scope, receive, send):\n"
         "    while (await receive())['type'] != 'lifespan.startup': pass\n"
         "    print('serves', flush=True)\n"
         "    await send({'type': 'lifespan.startup.complete'}); await receive(); await send({'type': 'lifespan.shutdown.complete'})\n"
         "pages.start = lambda workspace, jobs, settings: uvicorn.run(app, port=settings.port, log_level='error')\n"
-        "serve.find_spec = lambda _: True\n"
+        "command.find_spec = lambda _: True\n"
         "sys.argv = ['valvetrain', 'serve', '--no-open', '--port', '0']; main.main()"
     )
     pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "preexec_fn": hear_interrupts}
