@@ -16,7 +16,7 @@ from fuzz import files, runs, trees
 from valvetrain.errors import InputError
 
 #: A sentence of a refusal is no longer than this.
-LONGEST_SENTENCE = 900
+MAX_SENTENCE_LENGTH = 900
 
 
 class Finding(Exception):
@@ -28,7 +28,7 @@ def sentence(error: InputError) -> str:
     reasonable length.
     """
     words = str(error)
-    if not words or len(words) > LONGEST_SENTENCE:
+    if not words or len(words) > MAX_SENTENCE_LENGTH:
         raise Finding(f"a sentence of {len(words)} characters: {words[:200]!r}")
     if not words.isprintable():
         raise Finding(f"a sentence that is no printable line: {words[:300]!r}")

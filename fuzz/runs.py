@@ -16,7 +16,7 @@ from valvetrain.errors import InputError
 
 #: Estimated time beyond which a mutant is refused (the machine may be several times slower than the
 #: estimate's).
-MOST_TIME = "4 s"
+MAX_TIME = "4 s"
 #: Mutants tried until one can be built.
 TRIES = 12
 
@@ -87,7 +87,7 @@ def ask(content: bytes) -> str:
                 "--workers",
                 "1",
                 "--limit",
-                MOST_TIME,
+                MAX_TIME,
                 "--output",
                 "out",
                 report,

@@ -18,17 +18,17 @@ from valvetrain.film.frames import open_film
 from valvetrain.film.space_time import SightLine, read_space_time
 from valvetrain.film.tracks import track
 
-USUAL = drawn.Scene(columns=10)
-COARSE = replace(USUAL, pixels_per_mm=1.5, rows=60, seat_row=55.5)
+DEFAULT = drawn.Scene(columns=10)
+COARSE = replace(DEFAULT, pixels_per_mm=1.5, rows=60, seat_row=55.5)
 #: Words, scene, frames.
 SCENES = (
-    ("6 px a mm, noise 2.5 of 255, exposed for 0.3 of the time", USUAL, 300), ("noise 8 of 255", replace(USUAL, noise=8.0), 300),
-    ("exposed for 0.9 of the time", replace(USUAL, exposure=0.9), 300), ("lamp dims by 60 %", replace(USUAL, light_drift=0.6), 300),
-    ("lamp 50 deg above the camera", replace(USUAL, lamp=50.0), 300), ("wide, dull glare", replace(USUAL, shine=4.0), 300),
-    ("2.5 px a mm", replace(USUAL, pixels_per_mm=2.5, rows=100, seat_row=92.5), 300), ("1.5 px a mm", replace(COARSE, blur=1.2), 300),
+    ("6 px a mm, noise 2.5 of 255, exposed for 0.3 of the time", DEFAULT, 300), ("noise 8 of 255", replace(DEFAULT, noise=8.0), 300),
+    ("exposed for 0.9 of the time", replace(DEFAULT, exposure=0.9), 300), ("lamp dims by 60 %", replace(DEFAULT, light_drift=0.6), 300),
+    ("lamp 50 deg above the camera", replace(DEFAULT, lamp=50.0), 300), ("wide, dull glare", replace(DEFAULT, shine=4.0), 300),
+    ("2.5 px a mm", replace(DEFAULT, pixels_per_mm=2.5, rows=100, seat_row=92.5), 300), ("1.5 px a mm", replace(COARSE, blur=1.2), 300),
     ("1.5 px a mm, out of focus: glare lines merge", replace(COARSE, blur=2.2), 300),
     ("large: 48 x 800 px, 20 px a mm, 4000 frames a second", replace(
-        USUAL, pixels_per_mm=20.0, rows=800, columns=48, seat_row=750.0, frame_rate=4000.0, blur=1.5), 2000),
+        DEFAULT, pixels_per_mm=20.0, rows=800, columns=48, seat_row=750.0, frame_rate=4000.0, blur=1.5), 2000),
 )  # fmt: skip
 
 
@@ -71,7 +71,9 @@ def damping(films: int = 12) -> None:
     )
     for seed in range(1, films + 1):
         marks = drawn.mark_of(300, 2000.0, drawn.CAM_SPEED, drawn.FIRST_ANGLE, drawn.MARK_ANGLE)
-        film, _ = drawn.draw(replace(USUAL, seed=seed, camera_drift=1.2), drawn.turning, 300, marks)
+        film, _ = drawn.draw(
+            replace(DEFAULT, seed=seed, camera_drift=1.2), drawn.turning, 300, marks
+        )
         surge = vt.coil_motion(film, setup).surge
         assert surge is not None
         line = max(surge.lines, key=lambda one: one.amplitude)

@@ -450,7 +450,7 @@ def spikes() -> tuple[str, tuple[Panel, ...]]:
             in_legend=run is study.solutions[0],
         )
         layers = (line(angle, force, "", theme.model_colour(run.model), width=1.2), marks)
-        panels.append(turn("seat force (N)", *layers, title=theme.model_words(run.model)))
+        panels.append(turn("seat force (N)", *layers, title=theme.model_label(run.model)))
     return "Beehive spring at 8000 rpm: spikes of force and the clashes behind them", tuple(panels)
 
 

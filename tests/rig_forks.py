@@ -17,7 +17,7 @@ from pathlib import Path
 import numpy as np
 
 from valvetrain.errors import InputError
-from valvetrain.rig.recording import MOST_MEMORY, MOST_SECONDS, answered, form_of
+from valvetrain.rig.recording import MAX_MEMORY, MAX_SECONDS, answered, form_of
 from valvetrain.solution.read_apart import bound_process
 
 
@@ -58,7 +58,7 @@ def outcome(content: bytes, name: str) -> str:
         child = os.fork()
         if not child:
             try:
-                bound_process(MOST_MEMORY, MOST_SECONDS)
+                bound_process(MAX_MEMORY, MAX_SECONDS)
                 os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
                 os.dup2(os.open(os.devnull, os.O_WRONLY), 2)
                 answer = answered(path, name, form, (), Path(folder))

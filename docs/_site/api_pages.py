@@ -34,7 +34,7 @@ FOLDERS = {
     "": "Errors and citations",
 }
 #: A name that more programs of the gallery use is not illustrated by them.
-MOST_SHOWN = 8
+MAX_SHOWN = 8
 INTRODUCTION = """All names of ``import valvetrain as vt``, a page per folder of the package. Arguments stand singly, with unit and shape.
 Numbers without a unit are SI: m, N, s, kg, rad, rad/s, Pa. Wherever a dimension is due, a text with a unit such as ``"3000 rpm"`` or a
 quantity of the package pint is as good. What cannot exist is refused by :class:`valvetrain.InputError`, one sentence with the remedy.
@@ -67,7 +67,7 @@ def in_the_gallery(name: str, used: Path) -> str:
     )
     return (
         f".. rubric:: In the gallery\n\n.. minigallery:: valvetrain.{name}\n\n"
-        if 0 < count <= MOST_SHOWN
+        if 0 < count <= MAX_SHOWN
         else ""
     )
 

@@ -76,7 +76,7 @@ _HOMES = {
     "SpringFit": "spring_card.fit",
     "read_force_height": "measured.force_height",
     "ForceHeight": "measured.force_height",
-    "card_of_table": "spring_card.tester",
+    "card_from_table": "spring_card.tester",
     "spring_from_tester": "spring_card.tester",
     "TesterFit": "spring_card.tester",
     # recordings of a test rig
@@ -87,7 +87,7 @@ _HOMES = {
     "read_cycles": "measured.cycles",
     "write_cycles": "measured.cycles",
     "Sensor": "measured.sensor",
-    "seen_by_sensor": "rig.gauge",
+    "sensor_response": "rig.gauge",
     # springs from scans
     "spring_from_scan": "scan.reconstruct",
     "ScannedSpring": "scan.result",
@@ -147,6 +147,9 @@ _HOMES = {
 }
 
 __all__ = ["__version__", *_HOMES]
+
+#: Earlier public names, answered by the new ones with a warning.
+_RENAMED = {"seen_by_sensor": "sensor_response", "card_of_table": "card_from_table"}
 
 if TYPE_CHECKING:
     from valvetrain.cam.build import build_lift_law as build_lift_law
@@ -215,7 +218,7 @@ if TYPE_CHECKING:
     from valvetrain.report.study import write_study as write_study
     from valvetrain.rig.channels import RigAnswers as RigAnswers
     from valvetrain.rig.cycles import rig_cycles as rig_cycles
-    from valvetrain.rig.gauge import seen_by_sensor as seen_by_sensor
+    from valvetrain.rig.gauge import sensor_response as sensor_response
     from valvetrain.rig.result import RigResult as RigResult
     from valvetrain.runs.api import compare as compare
     from valvetrain.runs.api import critical_speeds as critical_speeds
@@ -252,7 +255,7 @@ if TYPE_CHECKING:
     from valvetrain.spring_card.fit import SpringFit as SpringFit
     from valvetrain.spring_card.fit import spring_from_card as spring_from_card
     from valvetrain.spring_card.tester import TesterFit as TesterFit
-    from valvetrain.spring_card.tester import card_of_table as card_of_table
+    from valvetrain.spring_card.tester import card_from_table as card_from_table
     from valvetrain.spring_card.tester import spring_from_tester as spring_from_tester
     from valvetrain.springs.contract import SpringModel as SpringModel
     from valvetrain.springs.equivalent import EquivalentSpring as EquivalentSpring
@@ -271,6 +274,12 @@ if TYPE_CHECKING:
 else:  # a type checker that saw this would take any name for granted
 
     def __getattr__(name: str) -> object:
+        if name in _RENAMED:
+            import warnings
+
+            message = f"valvetrain.{name} is named valvetrain.{_RENAMED[name]} now"
+            warnings.warn(message, DeprecationWarning, stacklevel=2)
+            return __getattr__(_RENAMED[name])
         home = _HOMES.get(name)
         if home is None:
             raise AttributeError(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 #: Longest sentence and longest place (characters): what a stranger wrote is echoed, never in full.
-LONGEST_SENTENCE, LONGEST_PLACE = 700, 300
+MAX_SENTENCE_LENGTH, MAX_LOCATION_LENGTH = 700, 300
 
 
 class ValvetrainError(Exception):
@@ -24,7 +24,10 @@ class InputError(ValvetrainError):
     """
 
     def __init__(self, message: str, where: str = "") -> None:
-        message, where = _readable(message, LONGEST_SENTENCE), _readable(where, LONGEST_PLACE)
+        message, where = (
+            _readable(message, MAX_SENTENCE_LENGTH),
+            _readable(where, MAX_LOCATION_LENGTH),
+        )
         super().__init__(f"{where}: {message}" if where else message)
         self.where = where
         self.reason = message

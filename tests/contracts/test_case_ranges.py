@@ -55,7 +55,7 @@ def adapter(field: Any) -> tuple[TypeAdapter | None, str]:
     try:
         return TypeAdapter(
             kind, config={"arbitrary_types_allowed": True, "strict": True}
-        ), DIMENSIONS[dimension].usual_unit or "" if dimension else ""
+        ), DIMENSIONS[dimension].default_unit or "" if dimension else ""
     except PydanticUserError:
         return None, ""
 

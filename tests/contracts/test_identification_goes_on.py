@@ -24,7 +24,7 @@ from valvetrain.explore.evaluate import evaluate_case
 from valvetrain.explore.identification_file import parse_request
 from valvetrain.explore.identify import identify_request
 from valvetrain.explore.observe import Observed, numbers_at
-from valvetrain.explore.point import Point, Wanted
+from valvetrain.explore.point import Point, PointRequest
 from valvetrain.explore.solve import NAME, Journal
 
 CARD = 'title = "card"\n[spring]\npreload = "250 N"\nrate = "32 N/mm"\nmass = "42 g"\n'
@@ -92,7 +92,7 @@ def test_the_quick_numbers_at_rest_are_those_of_a_run(folder: Path) -> None:
     request = parse_request(FILE.format(method="nested") + seat, "card", folder)
     case = Observed(request.case, request.varied, request.sought).case_at((31e3, 0.044))
     whole = evaluate_case(
-        case, Point(case, wanted=Wanted(("preload", "mode_1_frequency"), "wave-rod"))
+        case, Point(case, wanted=PointRequest(("preload", "mode_1_frequency"), "wave-rod"))
     ).values
     for station in dict.fromkeys(one.station for one in request.sought if one.kind == "quantity"):
         quick = numbers_at(case, station, request.sought)

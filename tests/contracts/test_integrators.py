@@ -86,7 +86,7 @@ TRIALS = {
 
 
 #: Integrators that run only where they are asked for: what serves in their place without a word.
-USUAL = {"hht": "leapfrog"}
+DEFAULT = {"hht": "leapfrog"}
 
 
 def test_every_integrator_that_ships_is_on_trial():
@@ -112,7 +112,7 @@ def test_observed_order_is_the_declared_one(word):
 @pytest.mark.parametrize("word", TRIALS)
 def test_an_integrator_says_what_it_runs_and_refuses_the_rest(word):
     integrator, system = find("integrators", word), TRIALS[word].system
-    assert integrator_for(system, Cycles()).word == USUAL.get(word, word), (
+    assert integrator_for(system, Cycles()).word == DEFAULT.get(word, word), (
         "the first of the registry that serves"
     )
     assert integrator.serves(system, Periodic())

@@ -32,7 +32,7 @@ from valvetrain.runs.prepared import surge_frequency
 from valvetrain.runs.run import run_study
 from valvetrain.solution.atomic import write_text
 from valvetrain.solution.netcdf import load_netcdf
-from valvetrain.solution.partial_failures import Gaps
+from valvetrain.solution.partial_failures import PartialFailures
 
 BROKEN = "made to fail"
 #: Functions of the quantities that only ask what a run is, and what they stand for.
@@ -137,7 +137,7 @@ def test_a_figure_that_fails_is_named_and_the_others_are_drawn(tmp_path, monkeyp
         monkeypatch.setattr(
             write, "svg", lambda chart, bad=key: broken() if chart.key == bad else usual_svg(chart)
         )
-        gaps = Gaps()
+        gaps = PartialFailures()
         html = render(whole, gaps)
         assert len(gaps.sentences) == 1 and key in gaps.sentences[0] and html.count(BROKEN) == 1
     _, pictures = write.write_page(whole, tmp_path, gaps=gaps)
@@ -182,7 +182,7 @@ def test_a_command_of_which_everything_fails_keeps_its_run(tmp_path, monkeypatch
         monkeypatch.setattr(evaluate, name, broken)
     places = (
         "report.study.study_page", "report.study.quantity_table", "report.study.remove_earlier", "report.json.study_json",
-        "cli.answers._tables", "runs.run.beside_published", "runs.run.closing_quantities", "runs.run._notes",
+        "cli.answers._tables", "runs.run.next_to_published", "runs.run.closing_quantities", "runs.run._notes",
     )  # fmt: skip
     for place in places:
         monkeypatch.setattr(f"valvetrain.{place}", broken)

@@ -17,7 +17,7 @@ from valvetrain.integrate.train_run import TrainOptions, runner
 from valvetrain.parameters.loading import load_case
 from valvetrain.quantities.evaluate import evaluate
 from valvetrain.report.headlines import TOPICS
-from valvetrain.runs.prepared import Plan, judge, make_ready
+from valvetrain.runs.prepared import Plan, judge, prepare
 from valvetrain.runs.run import run_study
 from valvetrain.runs.train_uncertainty import HEADLINES
 from valvetrain.runs.uncertainty_file import load_uncertainty
@@ -51,7 +51,7 @@ def solutions(case: str, word: str) -> tuple[Solution, ...]:
     step.
     """
     problem = build(load_case(case), spring_models=(word,))
-    ready, (spring,) = make_ready(problem, problem.members[0], {}, ""), problem.springs
+    ready, (spring,) = prepare(problem, problem.members[0], {}, ""), problem.springs
     frame = replace(
         ready.frame, surge_frequencies=(EquivalentSpring.from_installed(spring).surge_frequency,)
     )
@@ -112,7 +112,7 @@ def test_the_step_that_samples_round_moves_no_headline_number_by_more_than_its_e
     """
     case = load_case("gu2021-beehive")
     problem = build(case, spring_models=("finite-element",))
-    ready, (spring,) = make_ready(problem, problem.members[0], {}, ""), problem.springs
+    ready, (spring,) = prepare(problem, problem.members[0], {}, ""), problem.springs
     frame = replace(
         ready.frame, surge_frequencies=(EquivalentSpring.from_installed(spring).surge_frequency,)
     )
@@ -151,7 +151,7 @@ def test_clashes_do_not_depend_on_the_samples_kept(case, word):
 @pytest.mark.parametrize("word", ["finite-element", "multi-mass"])
 def test_clashes_of_a_train_depend_neither_on_the_samples_nor_on_what_is_kept(word):
     problem = build(load_case("vaz-ohc"), spring_models=(word,))
-    ready = make_ready(problem, problem.members[0], {}, "")
+    ready = prepare(problem, problem.members[0], {}, "")
     cam_speed = problem.engine_speeds[-1] / 2
     time_step = runner(
         ready.system, cam_speed, TrainOptions(max(SAMPLES)), rest=ready.rest
@@ -247,7 +247,7 @@ def test_no_headline_number_of_a_train_depends_on_the_samples_kept(case, label, 
     """
     problem = build(load_case(case, changes))
     member = next(one for one in problem.members if one.label == label)
-    ready, speed = make_ready(problem, member, {}, ""), problem.engine_speeds[-1]
+    ready, speed = prepare(problem, member, {}, ""), problem.engine_speeds[-1]
     step = runner(ready.system, speed / 2, TrainOptions(2880), rest=ready.rest).time_step * (
         1 + 1e-9
     )

@@ -13,7 +13,7 @@ from how_to_parts import FOLDER, PAGES, ROOT, Guide, number_of, rows_of_study
 
 #: Guides whose command takes seconds: asked by make test-long.
 LONG = ("01", "02", "03", "05", "06", "15", "16")
-LARGEST_PICTURE = 60_000
+MAX_PICTURE = 60_000
 QUESTIONS = 20
 
 
@@ -49,7 +49,7 @@ def test_a_guide_has_one_command_one_picture_and_its_parts(path):
     (picture,) = guide.pictures
     assert (
         picture.read_text(encoding="utf-8").startswith("<svg")
-        and picture.stat().st_size < LARGEST_PICTURE
+        and picture.stat().st_size < MAX_PICTURE
     )
     heads = re.findall(r"^## (.*)$", guide.text, re.MULTILINE)
     assert heads == ["How to read it", "What to try next", "Limits"]

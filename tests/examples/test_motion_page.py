@@ -35,11 +35,11 @@ def test_the_commands_of_the_page_know_their_options():
 
 def test_the_bounds_of_the_page_are_those_of_the_code():
     assert (
-        f"1 to {film.LONGEST:g} s, {film.NARROWEST} to {film.WIDEST} px wide, {film.RATE} pictures a second"
+        f"1 to {film.MAX_LENGTH:g} s, {film.NARROWEST} to {film.WIDEST} px wide, {film.RATE} pictures a second"
         in PAGE
     )
     assert (
-        f"at most {film.MOST_BYTES / 1e6:g} MB" in PAGE
-        and f"all where {scene.MOST_RUN_BYTES / 1e3:g} kB allow it" in PAGE
+        f"at most {film.MAX_BYTES / 1e6:g} MB" in PAGE
+        and f"all where {scene.MAX_RUN_BYTES / 1e3:g} kB allow it" in PAGE
     )
     assert f"{outlines.LOBE_POINTS} points of the contour" in PAGE and len(script.USED) == 18

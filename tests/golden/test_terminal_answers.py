@@ -35,7 +35,7 @@ from valvetrain.cli.answers import show_study
 from valvetrain.cli.main import app
 from valvetrain.runs.differences import ResultDifference
 from valvetrain.runs.error_bars import Uncertainty, UncertaintyStudy
-from valvetrain.runs.saved_runs import KeptRun
+from valvetrain.runs.saved_runs import SavedRun
 from valvetrain.solution.modes import TrainModes
 from valvetrain.solution.static import RestPoint
 
@@ -152,7 +152,7 @@ def curves() -> str:
 
 
 def kept() -> str:
-    def run(place: int, value: float | None, **more: Any) -> KeptRun:
+    def run(place: int, value: float | None, **more: Any) -> SavedRun:
         quantities = {} if value is None else {"peak_spring_force": {"value": value, "unit": "N"}}
         choices = {
             "spring_models": ["finite-element", "modal-varied", "massless"][: place % 4],
@@ -167,7 +167,7 @@ def kept() -> str:
             "completed": place != 4,
             "quantities": quantities,
         }
-        return KeptRun(LONG / str(place), answer | more)
+        return SavedRun(LONG / str(place), answer | more)
 
     one = tuple(run(place, 800.0 + place) for place in range(18))
     mixed = (

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from valvetrain.cosserat.transient import simulate
-from valvetrain.integrate.clash import PairSeries, blow_impulse, find_clashes, steps_between
+from valvetrain.integrate.clash import PairSeries, find_clashes, impact_impulse, steps_between
 from valvetrain.integrate.leapfrog_kernel import advance
 from valvetrain.parameters.loading import load_case
 from valvetrain.runs.run import run_study
@@ -175,7 +175,7 @@ def test_a_blow_on_a_load_that_is_there_already_counts_without_it():
     time = np.arange(0, 12e-3, 2e-6)
     inside = (time >= 5e-3) & (time <= 5.12e-3)
     force = 40.0 + np.where(inside, 100 * np.sin(np.pi * (time - 5e-3) / 120e-6), 0.0)
-    assert blow_impulse(time, force) == pytest.approx(100 * 120e-6 * 2 / np.pi, rel=0.01)
+    assert impact_impulse(time, force) == pytest.approx(100 * 120e-6 * 2 / np.pi, rel=0.01)
 
 
 def test_coils_that_lie_down_slowly_give_no_blow():
@@ -184,7 +184,7 @@ def test_coils_that_lie_down_slowly_give_no_blow():
     force = np.interp(time, [0, 10e-3, 30e-3, 40e-3], [0, 60, 60, 0])
     assert (
         np.trapezoid(force, time) == pytest.approx(1.8, rel=1e-3)
-        and blow_impulse(time, force) < 0.01e-3
+        and impact_impulse(time, force) < 0.01e-3
     )
 
 
@@ -203,8 +203,8 @@ def test_the_blow_does_not_know_the_spacing_of_its_record(spacing):
         + 200 * np.exp(-(((fine - 1e-4) / 3e-5) ** 2))
         + 90 * np.exp(-(((fine - 2e-4) / 2e-5) ** 2))
     )
-    assert blow_impulse(time, force) == pytest.approx(blow_impulse(fine, exact), rel=1e-3)
-    assert blow_impulse(time, force) == pytest.approx(
+    assert impact_impulse(time, force) == pytest.approx(impact_impulse(fine, exact), rel=1e-3)
+    assert impact_impulse(time, force) == pytest.approx(
         (200 * 3e-5 + 90 * 2e-5) * np.sqrt(np.pi), rel=0.12
     )
 

@@ -127,10 +127,10 @@ def test_seating_velocity_converges_with_the_step(pushrod_train):
 
 def test_log_and_records_tell_one_story(pushrod_train):
     built, cam_speed = pushrod_train
-    ready = runner(built, cam_speed, TrainOptions(samples=1440, blow_steps=0, window=(1.0, 2.0)))
+    ready = runner(built, cam_speed, TrainOptions(samples=1440, impact_steps=0, window=(1.0, 2.0)))
     # as many samples as steps, none of which is divided: the records hold every step
     ready = runner(
-        built, cam_speed, TrainOptions(samples=ready.steps, blow_steps=0, window=(1.0, 2.0))
+        built, cam_speed, TrainOptions(samples=ready.steps, impact_steps=0, window=(1.0, 2.0))
     )
     _, record = ready.cycle(ready.initial_state())
     inside = (record.cam_angle >= 1.0) & (record.cam_angle <= 2.0)

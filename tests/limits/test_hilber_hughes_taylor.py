@@ -308,7 +308,7 @@ def test_a_long_record_is_kept_at_the_interval_of_the_contacts_and_without_its_s
     leapfrog does.
     """
     problem, speed = vt.build("gu2021-beehive"), 8000 * np.pi / 60
-    monkeypatch.setattr("valvetrain.integrate.hht.LARGEST_RECORD", 10.0)
+    monkeypatch.setattr("valvetrain.integrate.hht.MAX_RECORD", 10.0)
     options = RunOptions(4, 1e-4, integrator="hht")
     found = run(PrescribedSpring((beehive_chain(),), problem.valve_lift), speed, Cycles(1), options)
     assert found.status.completed and "kinetic_energy" not in found.channels.data_vars

@@ -168,7 +168,7 @@ def table():
 
 @pytest.fixture(scope="module")
 def tested(table):
-    card = vt.card_of_table(table, wire_diameter=4e-3, outer_diameter=28e-3, total_coils=8.0)
+    card = vt.card_from_table(table, wire_diameter=4e-3, outer_diameter=28e-3, total_coils=8.0)
     return vt.spring_from_tester(table, card, installed_height=47e-3)
 
 
@@ -204,7 +204,7 @@ def test_the_answer_depends_neither_on_the_stations_of_the_table_nor_on_the_poin
     monkeypatch.setattr(closing_coils, "PLACES", closing_coils.PLACES // 2 + 1)
     monkeypatch.setattr(closing_coils, "FORCES", closing_coils.FORCES // 2)
     half = vt.ForceHeight(table.heights[::2], table.forces[::2])
-    card = vt.card_of_table(half, wire_diameter=4e-3, outer_diameter=28e-3, total_coils=8.0)
+    card = vt.card_from_table(half, wire_diameter=4e-3, outer_diameter=28e-3, total_coils=8.0)
     fit = vt.spring_from_tester(half, card, installed_height=47e-3)
     for name in ("active_coils", "free_length", "rate", "preload"):
         (one, band), (other, wider) = getattr(tested, name), getattr(fit, name)
@@ -227,7 +227,7 @@ def test_a_table_of_an_even_pitch_far_from_bind_tells_no_progression_and_little_
     heights = np.linspace(true.free_length - 2e-3, true.free_length - 10e-3, 12)
     table = vt.ForceHeight(heights, np.array(forces_at(true, heights.tolist())))
     fit = vt.spring_from_tester(
-        table, vt.card_of_table(table, wire_diameter=4.4e-3, outer_diameter=32e-3)
+        table, vt.card_from_table(table, wire_diameter=4.4e-3, outer_diameter=32e-3)
     )
     assert fit.rate[0] == pytest.approx(40.4e3, rel=0.01) and fit.free_length[0] == pytest.approx(
         true.free_length, abs=0.1e-3
@@ -242,7 +242,7 @@ def test_a_table_of_an_even_pitch_far_from_bind_tells_no_progression_and_little_
 
 @pytest.mark.long
 def test_the_end_that_closes_first_is_a_choice_that_turns_the_spring_round(table, tested):
-    card = vt.card_of_table(table, wire_diameter=4e-3, outer_diameter=28e-3, total_coils=8.0)
+    card = vt.card_from_table(table, wire_diameter=4e-3, outer_diameter=28e-3, total_coils=8.0)
     other = vt.spring_from_tester(table, card, "upper", 47e-3)
     assert other.stations.pitch[::-1] == pytest.approx(tested.stations.pitch, abs=0.03e-3)
     assert other.preload[0] == pytest.approx(tested.preload[0], rel=2e-3)

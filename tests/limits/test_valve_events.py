@@ -31,7 +31,7 @@ from valvetrain.quantities.valve_events import (
     run_events,
     sampled_crossings,
 )
-from valvetrain.runs.prepared import make_ready
+from valvetrain.runs.prepared import prepare
 from valvetrain.solution.result import Solution
 from valvetrain.solution.status import Event
 from valvetrain.springs.massless import MasslessSpring
@@ -177,7 +177,7 @@ def test_the_spring_margin_is_that_of_a_mass_on_a_spring():
 def card_runs() -> tuple[Solution, ...]:
     """The pushrod template with massless springs at 5000 rpm, with three numbers of samples."""
     problem = build(load_case(str(TEMPLATES / "pushrod.toml")), spring_models=("massless",))
-    ready = make_ready(problem, problem.members[0], {}, "")
+    ready = prepare(problem, problem.members[0], {}, "")
     cam_speed = 2500 * math.pi / 30
     frame = replace(ready.frame, rigid=ready.motion.table(cam_speed))
     runs = (

@@ -13,7 +13,7 @@ from valvetrain.integrate.contract import Periodic, RunOptions
 from valvetrain.integrate.run import run
 from valvetrain.integrate.train_run import TrainOptions, runner
 from valvetrain.parameters.loading import load_case
-from valvetrain.runs.prepared import Plan, judge, make_ready
+from valvetrain.runs.prepared import Plan, judge, prepare
 from valvetrain.system.build import build
 
 FIRM = (
@@ -28,7 +28,7 @@ FIRM = (
 def prepared(case: str, label: str):
     problem = build(load_case(case))
     member = next(one for one in problem.members if one.label == label)
-    return make_ready(problem, member, {}, problem.record.study), problem.engine_speeds[0]
+    return prepare(problem, member, {}, problem.record.study), problem.engine_speeds[0]
 
 
 def numbers(case: str, label: str, share: float) -> dict[str, float]:
@@ -90,7 +90,7 @@ def test_a_contact_that_is_pressed_presses(parts):
     ready, speed = prepared("tdi-pushrod", "stock")
     samples = parts * runner(ready.system, speed / 2, TrainOptions(), rest=ready.rest).steps
     every = runner(
-        ready.system, speed / 2, TrainOptions(samples, blow_steps=0), rest=ready.rest
+        ready.system, speed / 2, TrainOptions(samples, impact_steps=0), rest=ready.rest
     )  # a record at each step
     state = every.initial_state()
     for _ in range(3):

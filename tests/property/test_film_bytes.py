@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 
 from unit.cli_parts import call
 from valvetrain.errors import InputError
-from valvetrain.film.frames import MOST_PIXELS, open_film, picture_size
+from valvetrain.film.frames import MAX_PIXELS, open_film, picture_size
 from valvetrain.film.motion import coil_motion
 from valvetrain.film.page import film_page
 from valvetrain.film.setup import FilmSetup
@@ -54,7 +54,7 @@ def civil(path):
     """Read to its end, or refused with one sentence."""
     try:
         film = open_film(path)
-        assert film.rows * film.columns <= MOST_PIXELS
+        assert film.rows * film.columns <= MAX_PIXELS
         found = read_space_time(
             film, SightLine((2.0, 2.0), (2.0, 21.0)), 2000.0, (3.0, 3.0), 1.0, 0, None
         )

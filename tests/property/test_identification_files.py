@@ -15,7 +15,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from architecture.layout import ROOT
-from valvetrain.errors import LONGEST_PLACE, LONGEST_SENTENCE, InputError
+from valvetrain.errors import MAX_LOCATION_LENGTH, MAX_SENTENCE_LENGTH, InputError
 from valvetrain.explore.identification_file import parse_request, read_request
 from valvetrain.parameters.toml_text import toml_text
 
@@ -193,7 +193,10 @@ def test_any_value_at_any_place_is_read_or_refused_in_one_sentence(
     try:
         request = read(tree)
     except InputError as error:
-        assert str(error).isprintable() and len(str(error)) <= LONGEST_SENTENCE + LONGEST_PLACE + 2
+        assert (
+            str(error).isprintable()
+            and len(str(error)) <= MAX_SENTENCE_LENGTH + MAX_LOCATION_LENGTH + 2
+        )
     else:
         assert request.unknowns and request.data and len(request.digest) == 32
 

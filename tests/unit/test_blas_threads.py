@@ -10,7 +10,7 @@ import pytest
 import scipy.linalg  # noqa: F401  its library counts too
 from threadpoolctl import threadpool_info, threadpool_limits
 
-from valvetrain.explore.executors import LocalCrew
+from valvetrain.explore.executors import LocalExecutor
 from valvetrain.runs.engine import map_points
 from valvetrain.runs.workers import StandingPool, one_thread
 
@@ -29,7 +29,7 @@ def many():
 
 
 def in_crew(workers: int) -> list[list[int]]:
-    return [found for _, found in LocalCrew(workers).run(counts, None, range(3))]
+    return [found for _, found in LocalExecutor(workers).run(counts, None, range(3))]
 
 
 def in_pool(workers: int) -> list[list[int]]:

@@ -116,7 +116,7 @@ def test_an_error_that_is_none_of_the_reader_keeps_its_code(tmp_path, monkeypatc
         raise BrokenPipeError(32, "Broken pipe")
 
     monkeypatch.setattr(runs, "headline", broken)
-    monkeypatch.setattr("valvetrain.runs.saved_runs.kept_runs", broken)
+    monkeypatch.setattr("valvetrain.runs.saved_runs.list_saved_runs", broken)
     assert call("runs", "--folder", str(tmp_path)).exit_code == 1
 
 

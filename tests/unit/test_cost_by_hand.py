@@ -19,12 +19,12 @@ from valvetrain.runs.cost import (
     RUN,
     Cost,
     Limits,
+    duration_text,
     estimate,
-    memory_words,
+    memory_text,
     refuse_cost,
-    time_words,
 )
-from valvetrain.runs.planned import Asked, unknowns_of
+from valvetrain.runs.planned import RunRequest, unknowns_of
 from valvetrain.runs.request_cost import request_cost
 from valvetrain.springs.spec import spring_model
 
@@ -65,14 +65,14 @@ def test_costs_add_and_nothing_costs_nothing():
     ],
 )
 def test_a_time_as_people_say_it(seconds, told):
-    assert time_words(seconds) == told
+    assert duration_text(seconds) == told
 
 
 @pytest.mark.parametrize(
     ("size", "told"), [(1.0, "1 MB"), (999e6, "999 MB"), (1e9, "1 GB"), (2.34567e9, "2.35 GB")]
 )
 def test_a_memory_as_people_say_it(size, told):
-    assert memory_words(size) == told
+    assert memory_text(size) == told
 
 
 @pytest.mark.parametrize(
@@ -94,7 +94,7 @@ def test_a_request_beyond_its_bounds_names_those_that_would_do(cost, limits, wor
         refuse_cost(cost, limits)
     assert (
         refuse_cost(cost, Limits(1e9, 1e15))
-        == f"about {time_words(cost.seconds)} and {memory_words(cost.bytes)}"
+        == f"about {duration_text(cost.seconds)} and {memory_text(cost.bytes)}"
     )
 
 
@@ -154,7 +154,7 @@ def test_a_spring_alone_costs_its_rest_its_runs_and_every_step_of_its_forces(
     case = load_case("job-c")
     case = case.replace(springs=case.springs * springs)
     found = request_cost(
-        Asked("run", case, (200 * math.pi, 100 * math.pi), ("massless",), (), workers), whole
+        RunRequest("run", case, (200 * math.pi, 100 * math.pi), ("massless",), (), workers), whole
     )
     side = min(workers, 2)
     refinement, channels = math.sqrt(springs), 30 + 3 * springs

@@ -15,10 +15,10 @@ from unit.cli_parts import call, sentence
 from valvetrain.errors import InputError
 from valvetrain.lift.band import band_cost
 from valvetrain.parameters.loading import load_case
-from valvetrain.runs.cost import Cost, memory_words
-from valvetrain.runs.planned import Asked
+from valvetrain.runs.cost import Cost, memory_text
+from valvetrain.runs.planned import RunRequest
 from valvetrain.runs.request_cost import refine_cost, request_cost, solid_rest_cost
-from valvetrain.runs.static_cost import MOST_COUNTED, rest_cost, spring_cost
+from valvetrain.runs.static_cost import MAX_COUNTED, rest_cost, spring_cost
 
 RPM = math.pi / 30
 ELEMENTS, MASSES = (
@@ -79,7 +79,7 @@ def test_an_estimate_grows_with_what_is_asked_for():
     assert spring_cost(spring, "massless", 1000).seconds < 0.1 * base.seconds
     assert spring_cost(spring, "solid", 1000).seconds < 1  # refused where it is built
     assert spring_cost(spring, "finite-element", 10**400) == spring_cost(
-        spring, "finite-element", MOST_COUNTED
+        spring, "finite-element", MAX_COUNTED
     )
     few, many = (refine_cost(load_case("job-t"), [3000 * RPM] * count).seconds for count in (1, 4))
     assert many > 1.5 * few
@@ -93,7 +93,7 @@ def test_solids_are_part_of_what_a_comparison_costs():
     told = solid_rest_cost(case.springs[0])
     assert 29 / 3 < told.seconds < 3 * 29
     asked = [
-        Asked("compare", case, None, (*models, "finite-element"), (), 1)
+        RunRequest("compare", case, None, (*models, "finite-element"), (), 1)
         for models in ((), ("solid",))
     ]
     without, beside = map(request_cost, asked)
@@ -193,12 +193,12 @@ REQUESTS = {
 
 def test_the_band_of_a_lift_costs_its_laws_and_its_searches():
     """18 laws of one run each by one worker, by two, and with a search at each."""
-    asked = Asked("run", measured_job(), (2000 * RPM,), (), (), 1)
+    asked = RunRequest("run", measured_job(), (2000 * RPM,), (), (), 1)
     one = request_cost(asked)
     assert band_cost(asked, 17, None).seconds == pytest.approx(18 * one.seconds)
     assert band_cost(asked, 17, None).bytes == pytest.approx(18 * one.bytes)
     assert band_cost(replace(asked, workers=4), 17, None).seconds == pytest.approx(5 * one.seconds)
-    train = Asked("run", load_case("tdi-pushrod"), (2000 * RPM,), ("massless",), ("stock",), 2)
+    train = RunRequest("run", load_case("tdi-pushrod"), (2000 * RPM,), ("massless",), ("stock",), 2)
     without, searched = band_cost(train, 5, None), band_cost(train, 5, (2000 * RPM, 4000 * RPM))
     alone = replace(train, command="sweep", engine_speeds=(2000 * RPM, 4000 * RPM), workers=1)
     assert searched.seconds - without.seconds == pytest.approx(
@@ -287,7 +287,7 @@ def test_arguments_of_another_kind_are_refused_in_a_sentence(request_of, words):
 
 
 def test_memory_is_told_as_people_say_it():
-    assert [memory_words(size) for size in (1.0, 3e6, 4e9, 2.07e15)] == [
+    assert [memory_text(size) for size in (1.0, 3e6, 4e9, 2.07e15)] == [
         "1 MB",
         "3 MB",
         "4 GB",

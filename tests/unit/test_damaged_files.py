@@ -20,7 +20,7 @@ from valvetrain.errors import InputError
 from valvetrain.measured.cycles import MeasuredCycles, read_cycles, write_cycles
 from valvetrain.runs.differences import input_differences
 from valvetrain.runs.saved_answer import answer_text, read_answer
-from valvetrain.runs.saved_runs import Inputs, find_run, keep, kept_runs
+from valvetrain.runs.saved_runs import Inputs, find_run, keep, list_saved_runs
 from valvetrain.solution import atomic as checksum
 from valvetrain.solution import netcdf, read_apart
 from valvetrain.solution.metadata import refuse_claims
@@ -272,7 +272,7 @@ def without_end(path, words):
 
 def test_a_file_that_the_library_never_ends_to_read_is_refused(tmp_path, monkeypatch, tried):
     monkeypatch.setattr(netcdf, "tried_apart", tried)
-    monkeypatch.setattr(read_apart, "MOST_SECONDS", 3)
+    monkeypatch.setattr(read_apart, "MAX_SECONDS", 3)
     path = save_static_curve(at_rest()[0].curve, tmp_path / "curve.nc")
     without_checksum(path)
     without_end(path, b'{"format"')
@@ -282,7 +282,7 @@ def test_a_file_that_the_library_never_ends_to_read_is_refused(tmp_path, monkeyp
 def test_measured_cycles_come_from_others_and_their_checksum_vouches_for_nothing(
     tmp_path, monkeypatch
 ):
-    monkeypatch.setattr(read_apart, "MOST_SECONDS", 3)
+    monkeypatch.setattr(read_apart, "MAX_SECONDS", 3)
     angles = np.linspace(0.0, 6.0, 24)
     path = write_cycles(
         tmp_path / "cycles.nc",
@@ -383,7 +383,7 @@ def test_a_changed_number_of_a_kept_run_is_damage_and_no_difference(tmp_path, ol
     path.write_bytes(path.read_bytes().replace(old, new, 1))
     with pytest.raises(InputError, match="checksum"):
         find_run(str(path.parent))
-    assert [run.folder.name for run in kept_runs(root=tmp_path)] == ["a"]
+    assert [run.folder.name for run in list_saved_runs(root=tmp_path)] == ["a"]
 
 
 def test_a_run_of_before_the_checksum_is_read(tmp_path):

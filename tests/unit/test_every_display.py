@@ -23,7 +23,7 @@ from valvetrain.report.study import write_study
 from valvetrain.solution.critical import CriticalSpeed, CriticalSpeeds, Crossing, SpeedBracket
 from valvetrain.solution.display import frame, span, table, words
 from valvetrain.solution.modes import ModalResult, TrainModes
-from valvetrain.solution.partial_failures import Gaps
+from valvetrain.solution.partial_failures import PartialFailures
 from valvetrain.solution.provenance import Provenance
 from valvetrain.solution.quantity import Quantities, Quantity
 from valvetrain.solution.result import Solution
@@ -367,7 +367,7 @@ def test_a_gap_says_why():
     def fails(error: Exception) -> None:
         raise error
 
-    gaps = Gaps()
+    gaps = PartialFailures()
     for error in (
         MemoryError(),
         OSError(28, "No space left"),

@@ -18,7 +18,7 @@ from known_figures import STUDIES
 from synthetic_study import at_rest, own_study, published_study, rod_run, sweep_study
 from unit.test_every_table import COMPARED, four
 from valvetrain.cli.answers import published_words, show_study
-from valvetrain.cli.outcome import quantity_rows, shown_words
+from valvetrain.cli.outcome import quantity_rows, shown_text
 from valvetrain.cli.published import difference_words, short_verdict, show_comparisons, tally
 from valvetrain.cli.runs import headline
 
@@ -265,8 +265,8 @@ def test_a_bound_is_told_without_its_distance_and_a_zero_in_its_unit():
 
 def test_numbers_in_the_fields_units():
     assert (
-        shown_words("clash_energy", 0.0123) == ("12.3", "mJ")
-        and shown_words("peak_spring_force", None)[0] == "–"
+        shown_text("clash_energy", 0.0123) == ("12.3", "mJ")
+        and shown_text("peak_spring_force", None)[0] == "–"
     )
     assert quantity_rows({"surge_cam_order": 13.523456, "peak_shear_stress": 551.23456e6}) == [
         ("Surge order", "13.523", ""),
@@ -301,7 +301,7 @@ def test_the_number_that_stands_for_a_kept_run():
 
 
 def test_static_curves_are_printed_thinned_and_written_whole():
-    from valvetrain.cli.static import MOST_ROWS, _show, curve_text
+    from valvetrain.cli.static import MAX_ROWS, _show, curve_text
 
     study = replace(
         own_study(()),
@@ -311,7 +311,7 @@ def test_static_curves_are_printed_thinned_and_written_whole():
     _show(console, study, Path("curve.csv"))
     told = [re.split(r"\s{2,}", line.strip()) for line in console.file.getvalue().splitlines()]
     printed = [line for line in told if line[0][:1].isdigit()]
-    each = next(n for n in range(1, 99) if 40 / n <= MOST_ROWS)
+    each = next(n for n in range(1, 99) if 40 / n <= MAX_ROWS)
     steps = np.linspace(0, 18, 40)[::each]  # the stress of the made-up wire is 41 MPa per mm
     rows = [[x, 41 * x, 41.0, 41 * x] for x in steps] + [[x, 0.98 * 41 * x, 40.18] for x in steps]
     assert [[float(cell) for cell in line] for line in printed] == [
@@ -398,16 +398,16 @@ def test_what_a_case_holds_is_said_in_the_fields_units():
 
 
 def test_sizes_are_said_as_people_say_them():
-    from valvetrain.runs.cost import memory_words, time_words
+    from valvetrain.runs.cost import duration_text, memory_text
 
-    assert [memory_words(size) for size in (3e5, 4.4e7, 9.99e8, 2.5e9)] == [
+    assert [memory_text(size) for size in (3e5, 4.4e7, 9.99e8, 2.5e9)] == [
         "1 MB",
         "44 MB",
         "999 MB",
         "2.5 GB",
     ]
     assert [
-        time_words(size) for size in (0.2, 42.0, 89.0, 91.0, 5399.0, 7200.0, 129599.0, 259200.0)
+        duration_text(size) for size in (0.2, 42.0, 89.0, 91.0, 5399.0, 7200.0, 129599.0, 259200.0)
     ] == [
         "1 s",
         "42 s",

@@ -13,7 +13,7 @@ from valvetrain.cam import build_lift_law
 from valvetrain.parameters.curves import Constant, FunctionCurve, PiecewiseLinear, Table
 from valvetrain.parameters.lift_law import LiftLawParameters
 from valvetrain.parameters.material import Material
-from valvetrain.parameters.summary import number, value_words, words_at
+from valvetrain.parameters.summary import number, value_text, value_text_at
 from valvetrain.parameters.train import ContactParameters, SupportParameters, ValveParameters
 
 
@@ -57,7 +57,7 @@ from valvetrain.parameters.train import ContactParameters, SupportParameters, Va
     ],
 )
 def test_a_value_is_told_with_its_unit(item, key, words):
-    assert value_words(item, key) == words
+    assert value_text(item, key) == words
 
 
 def test_a_value_is_found_by_its_path_and_a_set_of_one_as_a_table():
@@ -65,19 +65,19 @@ def test_a_value_is_found_by_its_path_and_a_set_of_one_as_a_table():
         train=SimpleNamespace(lash=2e-4, springs={"stock": (SimpleNamespace(preload=250.0),)}),
         values={"power": 4},
     )
-    assert words_at(holder, "train.lash") == "0.2 mm" and words_at(holder, "power") == "4"
+    assert value_text_at(holder, "train.lash") == "0.2 mm" and value_text_at(holder, "power") == "4"
     assert (
-        words_at(holder, "train.springs.stock.preload")
-        == words_at(holder, "train.springs.stock.0.preload")
+        value_text_at(holder, "train.springs.stock.preload")
+        == value_text_at(holder, "train.springs.stock.0.preload")
         == "250 N"
     )
     assert (
-        words_at(holder, "train.springs.stock.1.preload")
+        value_text_at(holder, "train.springs.stock.1.preload")
         == ""
-        == words_at(holder, "train.nothing.here")
+        == value_text_at(holder, "train.nothing.here")
     )
     assert (
-        words_at(SimpleNamespace(contact=SimpleNamespace(stiffness=2e10)), "contact.stiffness")
+        value_text_at(SimpleNamespace(contact=SimpleNamespace(stiffness=2e10)), "contact.stiffness")
         == "20000 N/mm²"
     )
 
@@ -103,7 +103,7 @@ def test_every_number_of_a_lift_law_is_told_in_its_unit_and_changed_by_text_with
             continue
         length = "lift" in key or "radius" in key
         unit, factor = ("mm", 1e3) if length else ("deg", 180 / math.pi)
-        assert words_at(case, f"lift_law.{key}") == f"{number(value * factor)} {unit}"
+        assert value_text_at(case, f"lift_law.{key}") == f"{number(value * factor)} {unit}"
         changes[f"lift_law.{key}"] = f"{value * factor!r} {unit}"
     told = case.replace(changes).lift_law
     assert {key: told.values[key] for key in LAWS[kind]} == {

@@ -119,7 +119,7 @@ def test_a_recording_is_of_a_known_form_and_size(tmp_path, monkeypatch):
         InputError, match="'own' is none of firsts, seconds; export the recording in one of them"
     ):
         reader_process.form_of(path, "own")
-    monkeypatch.setattr(reader_process, "MOST_BYTES", 1999)
+    monkeypatch.setattr(reader_process, "MAX_BYTES", 1999)
     with pytest.raises(InputError, match=r"'own' is larger than 1\.999e-06 GB; cut the recording"):
         reader_process.form_of(path, "own")
 

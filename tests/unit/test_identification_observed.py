@@ -12,7 +12,7 @@ import pytest
 
 import valvetrain as vt
 from valvetrain.errors import InputError
-from valvetrain.explore.data import Datum, Sought, Station
+from valvetrain.explore.data import Datum, Station, Target
 from valvetrain.explore.identification_file import Search, parse_request
 from valvetrain.explore.identify import identify_request
 from valvetrain.explore.observe import Observed, groups_of, numbers_at, numbers_of
@@ -66,7 +66,7 @@ def test_peaks_events_and_traces_are_those_of_the_run(tmp_path) -> None:
         numbers_at(
             case,
             request.sought[0].station,
-            [Sought(request.sought[0].station, "event", "seating", 99)],
+            [Target(request.sought[0].station, "event", "seating", 99)],
         ).popitem()[1]
     )
 
@@ -89,7 +89,7 @@ def test_curves_and_loads_are_those_of_the_static_curve(tmp_path) -> None:
         [curve.force_at("4 mm"), curve.force_at("8 mm")], rel=1e-9
     )
     height = request.case.springs[0].wire.free_length - 8e-3
-    load = Sought(Station(None, "multi-mass"), "load", "", height)
+    load = Target(Station(None, "multi-mass"), "load", "", height)
     assert numbers_at(request.case, load.station, [load])[load.key] == pytest.approx(
         curve.force_at("8 mm"), rel=1e-9
     )

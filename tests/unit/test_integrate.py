@@ -62,14 +62,14 @@ def test_the_first_integrator_that_serves_is_taken_and_named(made, until, word):
 def test_an_exact_model_runs_by_the_contract_too_and_gives_the_same():
     """The harmonic solution knows no transient; the leapfrog of the same model comes to it."""
     case = load_case("job-t")
-    from valvetrain.runs.prepared import make_ready
+    from valvetrain.runs.prepared import prepare
     from valvetrain.runs.run import rest_of_spring
     from valvetrain.system.build import build
 
     problem = build(case, spring_models=["modal-varied"])
     (spring,) = problem.springs
     rest = {spring: rest_of_spring(problem, spring, 10e-3)}
-    made = make_ready(problem, problem.members[0], rest, "").system
+    made = prepare(problem, problem.members[0], rest, "").system
     exact = run(made, CAM_SPEED, Cycles(), RunOptions(samples=720))
     stepped = run(
         made,

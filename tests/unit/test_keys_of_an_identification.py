@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 from valvetrain.errors import InputError
-from valvetrain.explore.data import LONGEST, Part
+from valvetrain.explore.data import MAX_LENGTH, Part
 
 MISSING = object()
 #: Way of taking, what is told beside the key, what the file holds, what is read.
@@ -39,7 +39,7 @@ REFUSED: list[tuple[str, tuple[Any, ...], Any, str]] = [
     ("amounts", ("m",), MISSING, "is missing; give key"), ("amounts", ("m",), "1, 2 N", "is a force"), ("amounts", ("m",), [True], ""),
     ("parts", (), MISSING, "there is none; write a table [key.NAME]"), ("parts", (), {}, "there is none"),
     ("parts", (), 3, "write a table"),
-    ("parts", (), {" ": {}}, "is no name"), ("parts", (), {"a" * (LONGEST + 1): {}}, "is no name"),
+    ("parts", (), {" ": {}}, "is no name"), ("parts", (), {"a" * (MAX_LENGTH + 1): {}}, "is no name"),
     ("parts", (), {"a\x07": {}}, "is no name"),
     ("parts", (), {"a": 3}, "write a table"),
 ]  # fmt: skip
@@ -76,10 +76,10 @@ def test_a_refusal_names_the_key(way, told, holds, words, where):
 
 
 def test_tables_below_a_key_stand_by_their_names():
-    found = part({"a": {"x": 1}, "b" * LONGEST: {}}).parts("key")
+    found = part({"a": {"x": 1}, "b" * MAX_LENGTH: {}}).parts("key")
     assert [(name, one.where) for name, one in found] == [
         ("a", "search.key.a"),
-        ("b" * LONGEST, "search.key." + "b" * 40),
+        ("b" * MAX_LENGTH, "search.key." + "b" * 40),
     ]
     assert found[0][1].plain("x") == 1.0
 

@@ -236,7 +236,7 @@ def test_many_stations_share_knots_until_these_are_too_few(monkeypatch):
         0.0,
     )
     monkeypatch.setattr(smoothing, "FIRST_KNOTS", 60)
-    monkeypatch.setattr(smoothing, "MOST_KNOTS", 240)
+    monkeypatch.setattr(smoothing, "MAX_KNOTS", 240)
     few, more = (
         smoothing.smoothed_spline(angles, lifts, 5, deviation) for deviation in (3e-6, 2.7e-6)
     )

@@ -38,7 +38,7 @@ def averaged(square: np.ndarray) -> np.ndarray:
     """Mean of each cell over as many neighbours on either side as there are, its largest one."""
     reach = min(smoothing.WINDOW, (len(square) - 1) // 2)
     found = np.array([square[max(n - reach, 0) : n + reach + 1].mean() for n in range(len(square))])
-    return np.maximum(found / found.max(), smoothing.LEAST_SHARE)
+    return np.maximum(found / found.max(), smoothing.MIN_SHARE)
 
 
 def test_the_scale_is_the_expected_square_of_the_jerk_over_neighbours(fit):

@@ -16,7 +16,7 @@ from valvetrain.explore.objective import read_optimum
 from valvetrain.explore.optimum import Optimum, chosen_designs
 from valvetrain.explore.optimum_file import OptimumText
 from valvetrain.explore.optimum_files import case_text
-from valvetrain.explore.optimum_page import MOST_DESIGNS, optimum_page
+from valvetrain.explore.optimum_page import MAX_DESIGNS, optimum_page
 from valvetrain.explore.searchers import CASE_SEED, Trial
 from valvetrain.report.page import Grid
 
@@ -78,7 +78,7 @@ def test_the_table_of_the_front_marks_the_chosen_designs_and_no_other():
 def test_a_long_front_is_thinned_evenly(designs, listed):
     found = search([(1e3, 1.0), *((10.0 + place, 100.0 + place) for place in range(designs))])
     rows = front_table(found)
-    assert len(found.front) == designs and len(rows) == listed <= MOST_DESIGNS
+    assert len(found.front) == designs and len(rows) == listed <= MAX_DESIGNS
     assert set(np.diff([int(row[0]) for row in rows])) == {-(-designs // listed)}
 
 

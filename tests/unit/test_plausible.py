@@ -257,7 +257,7 @@ NARROW_WORDS = [word for path, value in NARROW.items() for word in ("--set", f"{
 def test_a_refinement_of_nonsense_is_refused_before_the_work_and_passes_by_an_option(monkeypatch):
     asked = []
     monkeypatch.setattr(
-        "valvetrain.runs.uncertainty.make_ready",
+        "valvetrain.runs.uncertainty.prepare",
         lambda *given: asked.append(given) or (_ for _ in ()).throw(KeyError),
     )
     case = vt.load_case("job-t", NARROW)

@@ -15,7 +15,7 @@ from valvetrain.parameters.loading import library_names, load_case
 from valvetrain.parameters.schema_case import dimension_of_quantity
 from valvetrain.quantities.page import quantities_page
 from valvetrain.registry import BUILT_IN
-from valvetrain.report.text import quantity_words
+from valvetrain.report.text import quantity_label
 from valvetrain.solution import definition
 from valvetrain.solution.definition import (
     definition_of,
@@ -120,7 +120,7 @@ def test_labels_of_templates_are_filled():
         label_of("outer_mean_peak_section_displacement") == "mean peak motion of the coils (outer)"
     )
     assert label_of("outer_coil_bind_clearance") == "clearance to coil bind, outer spring"
-    assert quantity_words("peak_spring_force") == "Peak spring force"
+    assert quantity_label("peak_spring_force") == "Peak spring force"
 
 
 def test_values_are_shown_in_the_fields_units():

@@ -68,7 +68,7 @@ def test_the_end_of_a_trial_is_told(reader_of_tests, monkeypatch, end, way):
 @pytest.mark.parametrize("way", ["process", "fork"])
 def test_a_reader_that_waits_for_ever_is_ended_by_the_clock(reader_of_tests, monkeypatch, way):
     """It takes none of the processor's time, which is bounded otherwise."""
-    monkeypatch.setattr(read_apart, "MOST_SECONDS", 1)
+    monkeypatch.setattr(read_apart, "MAX_SECONDS", 1)
     monkeypatch.setattr(read_apart, "_PATIENCE", 1)
     if way == "fork":
         monkeypatch.setattr(read_apart, "in_a_new_process", lambda *_: "not here")
@@ -145,7 +145,7 @@ def test_an_interpreter_that_never_gets_ready_is_waited_for_once(
     slow.write_text('#!/bin/sh\necho x >> "$0.begun"\nsleep 30\n')
     slow.chmod(0o755)
     monkeypatch.setattr(sys, "executable", str(slow))
-    monkeypatch.setattr(read_apart, "MOST_SECONDS", 1)
+    monkeypatch.setattr(read_apart, "MAX_SECONDS", 1)
     monkeypatch.setattr(read_apart, "_PATIENCE", 1)
     with pytest.raises(InputError, match="not ready after 1 s"):
         reader_of_tests("return 1")

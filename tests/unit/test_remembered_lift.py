@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from valvetrain import LiftLaw, build_lift_law, load_case
-from valvetrain.cam.remembered import KEPT, RememberedLift
+from valvetrain.cam.cached import KEPT, RememberedLift
 
 
 def test_answers_are_those_of_the_law_and_few_are_kept():

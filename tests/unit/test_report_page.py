@@ -32,7 +32,7 @@ from valvetrain.report.page import Page, Section, charts, render, text
 from valvetrain.report.read_page import PageSentence, sections_of
 from valvetrain.report.study import study_page, write_study
 from valvetrain.report.table import comparison_table
-from valvetrain.report.text import number, percent, speed_words, unit_words
+from valvetrain.report.text import number, percent, speed_text, unit_text
 from valvetrain.solution.netcdf import load_modal_result, load_netcdf, load_static_curve
 from valvetrain.solution.quantity import Quantity
 from valvetrain.solution.status import Status
@@ -181,7 +181,7 @@ def test_no_two_runs_share_a_file(tmp_path):
         (label, speed) for label in ("x 1", "x/1", "X 1") for speed in near
     }
     assert len({path.name.lower() for path in files.data}) == len(files.data)
-    assert [speed_words(speed) for speed in near] == ["3000.001 rpm", "3000.002 rpm"]
+    assert [speed_text(speed) for speed in near] == ["3000.001 rpm", "3000.002 rpm"]
 
 
 def test_comparison_csv_is_in_the_units_it_names():
@@ -388,4 +388,4 @@ def test_names_and_units_as_printed():
         "−1.2 %",
         "+150.0 %",
     ]
-    assert (unit_words("mm/s^2"), unit_words("us"), unit_words("um")) == ("mm/s²", "µs", "µm")
+    assert (unit_text("mm/s^2"), unit_text("us"), unit_text("um")) == ("mm/s²", "µs", "µm")

@@ -575,11 +575,11 @@ def test_runs_that_end_alike_are_told_once():
 
 def test_models_and_origins_look_as_their_own_entries_say():
     specs = [spring_model(word) for word in words("springs")]
-    assert [(theme.model_words(one.word), theme.model_colour(one.word)) for one in specs] == [
+    assert [(theme.model_label(one.word), theme.model_colour(one.word)) for one in specs] == [
         (one.label, one.colour) for one in specs
     ]
     assert len({one.colour for one in specs}) == len(specs)
-    assert theme.model_words("a-run-of-my-own") == "a run of my own"
+    assert theme.model_label("a-run-of-my-own") == "a run of my own"
     for word in words("sources"):
         origins = find("sources", word).origins
         styles = [theme.origin_style(name) for name in origins]

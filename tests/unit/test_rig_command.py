@@ -198,7 +198,7 @@ def test_what_a_gauge_sees_does_not_depend_on_the_output_samples():
         for step in ("1 deg", "0.25 deg")
     ]
     one, two = (
-        vt.seen_by_sensor(run, vt.Sensor(bandwidth="1 kHz"), ["seat_force"])[0] for run in runs
+        vt.sensor_response(run, vt.Sensor(bandwidth="1 kHz"), ["seat_force"])[0] for run in runs
     )
     assert len(runs[0].time) < len(runs[1].time)
     assert one.seen.peak == pytest.approx(two.seen.peak, rel=2e-4)
@@ -207,7 +207,7 @@ def test_what_a_gauge_sees_does_not_depend_on_the_output_samples():
 def test_a_channel_that_a_run_lacks_is_named():
     (run,) = vt.simulate("job-t", "3000 rpm", spring_models=["massless"]).solutions
     with pytest.raises(vt.InputError, match="the run has no channel 'lift'"):
-        vt.seen_by_sensor(run, vt.Sensor(), ["lift"])
+        vt.sensor_response(run, vt.Sensor(), ["lift"])
 
 
 def test_kept_runs_differ_by_what_was_asked_and_found(folder, tmp_path, monkeypatch):

@@ -19,13 +19,13 @@ from valvetrain.runs.differences import input_differences, result_differences
 from valvetrain.runs.saved_runs import (
     ANSWER,
     Inputs,
-    KeptRun,
+    SavedRun,
     check_folder,
     collect_inputs,
     find_run,
     keep,
-    kept_runs,
     link_latest,
+    list_saved_runs,
     new_folder,
     run_of_path,
 )
@@ -126,7 +126,7 @@ def test_nothing_is_overwritten_and_the_newest_is_linked(tmp_path):
     later = made(tmp_path, inputs, answer(), NOON + timedelta(days=1))
     link = tmp_path / "a-b-c" / "latest"
     assert link.is_symlink() and os.readlink(link) == later.folder.name
-    assert [run.folder.name for run in kept_runs(root=tmp_path)] == [
+    assert [run.folder.name for run in list_saved_runs(root=tmp_path)] == [
         run.folder.name for run in (later, *reversed(runs))
     ]
     assert run_of_path(link).answer == later.answer
@@ -157,7 +157,7 @@ def test_runs_are_found_by_folder_digest_case_and_latest(tmp_path):
     )
     assert {find_run(name, tmp_path).folder for name in names} == {one.folder}
     assert find_run("latest", tmp_path).folder == two.folder
-    assert [run.case for run in kept_runs("other", tmp_path)] == ["other"]
+    assert [run.case for run in list_saved_runs("other", tmp_path)] == ["other"]
     for name in ("zzzz", "", "a\0b", "nowhere/latest"):
         with pytest.raises(InputError):
             find_run(name, tmp_path)
@@ -191,8 +191,8 @@ def test_damaged_runs_are_left_out_of_the_list(tmp_path):
     for name, text in (("empty", ""), ("list", "[]"), ("foreign", "{}")):
         (tmp_path / "mine" / name).mkdir()
         (tmp_path / "mine" / name / ANSWER).write_text(text)
-    assert len(kept_runs(root=tmp_path)) == 1
-    assert kept_runs(root=tmp_path / "nowhere") == ()
+    assert len(list_saved_runs(root=tmp_path)) == 1
+    assert list_saved_runs(root=tmp_path / "nowhere") == ()
 
 
 def test_differences_of_inputs_and_results(tmp_path):
@@ -262,8 +262,8 @@ def test_numbers_that_are_no_runs_differ_too(tmp_path):
     """An identification has no runs: what it found is compared by the names it stands under, how it
     was asked for is not.
     """
-    one = KeptRun(tmp_path, identified(32000.0, 389.0))
-    two = KeptRun(
+    one = SavedRun(tmp_path, identified(32000.0, 389.0))
+    two = SavedRun(
         tmp_path,
         identified(
             33600.0, 398.0, kept_from_before=9, files=[], predictions={"float": {"best": 1.0}}
@@ -287,7 +287,7 @@ def test_numbers_that_are_no_runs_differ_too(tmp_path):
 
 
 def test_other_numbers_keep_their_unit_and_their_name_in_a_list():
-    def swept(speed: float, order: int) -> KeptRun:
+    def swept(speed: float, order: int) -> SavedRun:
         found = {
             "name": "loss of contact",
             "engine_speed": {"value": speed, "unit": "rpm"},
@@ -298,7 +298,7 @@ def test_other_numbers_keep_their_unit_and_their_name_in_a_list():
             for label, level in (("rod", 3.0), ("chain", 4.0))
         ][::order]
         run = {"label": "rod", "quantities": {"preload": {"value": 250.0, "unit": "N"}}}
-        return KeptRun(
+        return SavedRun(
             Path(),
             {"command": "sweep", "runs": [run], "critical_speeds": [found], "crossings": crossing},
         )
@@ -314,7 +314,7 @@ def test_other_numbers_keep_their_unit_and_their_name_in_a_list():
     deep: dict[str, object] = {"last": 1.0}
     for _ in range(200):
         deep = {"more": deep}
-    assert not result_differences(KeptRun(Path(), deep), KeptRun(Path(), {}))
+    assert not result_differences(SavedRun(Path(), deep), SavedRun(Path(), {}))
 
 
 def test_cost_grows_as_the_work_does():

@@ -179,7 +179,7 @@ def test_what_is_no_file_and_what_is_too_large_are_refused(tmp_path, monkeypatch
         open_cloud(tmp_path / "none.ply")
     with pytest.raises(InputError, match="no regular file"):
         open_cloud(tmp_path)
-    monkeypatch.setattr("valvetrain.scan.clouds.MOST_BYTES", 100)
+    monkeypatch.setattr("valvetrain.scan.clouds.MAX_BYTES", 100)
     with pytest.raises(InputError, match="thin the scan out"):
         read(tmp_path, rows().encode(), "scan.xyz")
 

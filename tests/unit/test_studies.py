@@ -16,7 +16,7 @@ from valvetrain import registry
 from valvetrain.errors import InputError
 from valvetrain.parameters.loading import load_case, parse_case
 from valvetrain.runs.compare import compare_study
-from valvetrain.runs.prepared import make_ready
+from valvetrain.runs.prepared import prepare
 from valvetrain.runs.run import run_study
 from valvetrain.runs.sweep import sweep_study
 from valvetrain.springs.spec import SpringModelSpec, spring_model
@@ -193,7 +193,7 @@ def test_a_comparison_builds_every_model_once_for_motion_and_rest(counts):
 def test_ready_members_solutions_and_studies_travel_between_processes(name):
     case = load_case(name, {"train.cycles": 1} if name == "vaz-ohc" else {})
     problem = build(case, spring_models=["multi-mass"])
-    ready = make_ready(problem, problem.members[0], {}, "")
+    ready = prepare(problem, problem.members[0], {}, "")
     again = pickle.loads(pickle.dumps(ready))
     assert again.refusal == "" and again.member.label == ready.member.label
     study = run_study(case, engine_speeds=[2000 * RPM], spring_models=["multi-mass"], workers=1)

@@ -15,7 +15,7 @@ import pytest
 
 import valvetrain as vt
 from unit.cli_parts import MODULE, call, process_environment, wait_until
-from valvetrain.explore.executors import DaskCrew
+from valvetrain.explore.executors import DaskExecutor
 from valvetrain.solution.status import COMPLETED
 
 pytest.importorskip("distributed")
@@ -156,14 +156,14 @@ def test_no_batch_of_many_loses_what_all_of_them_share():
     with distributed.LocalCluster(
         n_workers=1, threads_per_worker=2, processes=False, dashboard_address=None, silence_logs=50
     ) as cluster:
-        crew = DaskCrew(cluster.scheduler_address, 2)
+        executor = DaskExecutor(cluster.scheduler_address, 2)
         try:
             for first in range(12):
-                found = dict(crew.run(tripled, shared, range(first, first + 3)))
+                found = dict(executor.run(tripled, shared, range(first, first + 3)))
                 assert found == {place: 3 * (first + place) for place in range(3)}
-            assert dict(crew.run(tripled, (5, ""), range(2))) == {0: 0, 1: 5}
+            assert dict(executor.run(tripled, (5, ""), range(2))) == {0: 0, 1: 5}
         finally:
-            crew.close()
+            executor.close()
 
 
 def test_a_scheduler_that_is_not_there_is_one_sentence(tmp_path, monkeypatch):

@@ -122,9 +122,9 @@ def test_points_that_a_list_names_twice_are_computed_once():
     text = text.replace('low = "6 mm", high = "8 mm"', 'values = "6, 7, 6 mm"').replace(
         "low = 6.5, high = 7.5", "values = [7, 7, 7]"
     )
-    crew = Instant()
-    table = run_points(read_plan(StudyText(text, "study", Path())), crew)
-    assert len(table) == 3 and crew.points == 2 and np.array_equal(table.values, table.inputs)
+    executor = Instant()
+    table = run_points(read_plan(StudyText(text, "study", Path())), executor)
+    assert len(table) == 3 and executor.points == 2 and np.array_equal(table.values, table.inputs)
 
 
 def test_progress_ends_at_one_and_counts_what_was_there(tmp_path):

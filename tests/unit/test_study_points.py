@@ -13,7 +13,7 @@ from valvetrain import InputError, load_case, simulate
 from valvetrain.explore.evaluate import evaluate, evaluate_points
 from valvetrain.explore.paths import vary
 from valvetrain.explore.plan import nominal
-from valvetrain.explore.point import LIGHT, Point, Wanted
+from valvetrain.explore.point import LIGHT, Point, PointRequest
 from valvetrain.explore.space import ENGINE_SPEED, LogNormal, Normal, Uniform, Values, Varied
 from valvetrain.parameters.loading import parse_case
 
@@ -176,7 +176,12 @@ def test_what_stands_in_the_case_is_found_in_whatever_form():
 
 def point(case, model, engine_speed, outputs=(), values=(), spring_set="", rest_model=""):
     return Point(
-        case, tuple(values), engine_speed, model, spring_set, Wanted(tuple(outputs), rest_model)
+        case,
+        tuple(values),
+        engine_speed,
+        model,
+        spring_set,
+        PointRequest(tuple(outputs), rest_model),
     )
 
 

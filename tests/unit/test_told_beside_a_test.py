@@ -16,7 +16,7 @@ from synthetic_study import SPEED, modal_run, own_study, rod_run
 from valvetrain.compare_test import compare as compare_test
 from valvetrain.compare_test.comparison import SharedErrors
 from valvetrain.compare_test.page import write_compare_test
-from valvetrain.compare_test.summary import words_of_test
+from valvetrain.compare_test.summary import text_of_test
 from valvetrain.measured.cycles import MeasuredCycles
 from valvetrain.measured.value_table import MeasuredValue, ValueTable
 
@@ -159,4 +159,4 @@ def test_a_test_of_cycles_in_one_line(rpm, source, synthetic, said):
     test = MeasuredCycles(
         "spring_force", "N", angle, np.full((3, 8), 500.0), rpm * np.pi / 60, source, synthetic
     )
-    assert words_of_test(SimpleNamespace(test=test)) == said
+    assert text_of_test(SimpleNamespace(test=test)) == said

@@ -9,7 +9,7 @@ import pytest
 
 from train_parts import KINDS, STIFF, contacts, system
 from twins.train_step import integrate_in_time
-from valvetrain.integrate.train_run import BLOW_STEPS, TrainOptions, runner
+from valvetrain.integrate.train_run import IMPACT_STEPS, TrainOptions, runner
 from valvetrain.parameters.train import ContactParameters, SupportParameters, ValveParameters
 from valvetrain.system.train_forces import gap_state
 
@@ -62,7 +62,7 @@ def test_the_loop_equals_its_plain_twin(kind, law):
         changes["contacts"] = contacts() | {
             place: ContactParameters("linear", STIFF.values, 0.12, 0.02) for place in rubs
         }
-    ready = runner(system(KINDS[kind](**changes)), 250.0, TrainOptions(samples=720, blow_steps=0))
+    ready = runner(system(KINDS[kind](**changes)), 250.0, TrainOptions(samples=720, impact_steps=0))
     start = ready.initial_state()
     steps = ready.steps // 2  # through opening and most of the event
     q, v, _ = integrate_in_time(ready, start, steps)
@@ -121,8 +121,8 @@ def test_a_prescribed_step_finer_than_the_usual_divides_a_blow_as_much_more(fine
     """A coarser one divides it as usual; the parts are whole, rounded up, and none stay none."""
     built, usual = system(KINDS["direct"]()), TrainOptions().step_fraction
     still = runner(built, 250.0).rest
-    for asked in (BLOW_STEPS, 3, 0):
-        options = TrainOptions(time_step=usual * still.own_time_step / finer, blow_steps=asked)
+    for asked in (IMPACT_STEPS, 3, 0):
+        options = TrainOptions(time_step=usual * still.own_time_step / finer, impact_steps=asked)
         made = runner(built, 250.0, options, rest=still)
-        assert made.options.blow_steps == math.ceil(round(asked * max(finer, 1.0), 9))
-    assert runner(built, 250.0, rest=still).options.blow_steps == BLOW_STEPS
+        assert made.options.impact_steps == math.ceil(round(asked * max(finer, 1.0), 9))
+    assert runner(built, 250.0, rest=still).options.impact_steps == IMPACT_STEPS

@@ -16,13 +16,13 @@ from valvetrain.integrate.train_tuples import (
     CLOSES,
     HIGHEST,
     HIGHEST_ANGLE,
-    LARGEST_FORCE,
-    LARGEST_GAP,
-    LARGEST_GAP_ANGLE,
-    LEAST_FORCE,
-    LEAST_FORCE_ANGLE,
     LOWEST,
     LOWEST_ANGLE,
+    MAX_FORCE,
+    MAX_GAP,
+    MAX_GAP_ANGLE,
+    MIN_FORCE,
+    MIN_FORCE_ANGLE,
     NOSE_FORCE,
     OPEN_FORCE,
     PEAK_FORCE,
@@ -104,7 +104,7 @@ def test_forces_and_transitions_of_a_contact(unilateral):
     )
     scratch.before[2] = swings(times[1::-1])[0]
     records = SimpleNamespace(extremes=np.zeros((3, 7)), transitions=np.zeros((20, 7)))
-    records.extremes[:, LEAST_FORCE] = math.inf
+    records.extremes[:, MIN_FORCE] = math.inf
     clock = np.zeros(15)
     clock[1], clock[2], clock[11], clock[12] = SPEED, 0.0, STEP, STEP
     motion = SimpleNamespace(counters=np.zeros(6, dtype=int), clock=clock)
@@ -129,7 +129,7 @@ def test_forces_and_transitions_of_a_contact(unilateral):
         (abs(force[largest]), angles[largest])
     )
     least = int(np.argmin(np.where(window, force, np.inf)))
-    assert found[[LEAST_FORCE, LEAST_FORCE_ANGLE]] == pytest.approx((force[least], angles[least]))
+    assert found[[MIN_FORCE, MIN_FORCE_ANGLE]] == pytest.approx((force[least], angles[least]))
     assert found[OPEN_FORCE] == pytest.approx(max(force[window].max(), 0.0))
     assert found[NOSE_FORCE] == pytest.approx(np.interp(nose_at, np.arange(300), force))
     assert (
@@ -149,15 +149,11 @@ def test_forces_and_transitions_of_a_contact(unilateral):
     for first, last, row, after in zip(turns[:-1], turns[1:], rows[:-1], rows[1:], strict=True):
         inside = slice(first + 1, last + 1)
         if row[CLOSES]:
-            assert row[LARGEST_FORCE] == after[LARGEST_FORCE] == pytest.approx(force[inside].max())
+            assert row[MAX_FORCE] == after[MAX_FORCE] == pytest.approx(force[inside].max())
         else:
             place = first + 1 + int(np.argmin(pen[inside]))
-            assert row[[LARGEST_GAP, LARGEST_GAP_ANGLE]] == pytest.approx(
-                (-pen[place], angles[place])
-            )
-            assert after[[LARGEST_GAP, LARGEST_GAP_ANGLE]] == pytest.approx(
-                (-pen[place], angles[place])
-            )
+            assert row[[MAX_GAP, MAX_GAP_ANGLE]] == pytest.approx((-pen[place], angles[place]))
+            assert after[[MAX_GAP, MAX_GAP_ANGLE]] == pytest.approx((-pen[place], angles[place]))
 
 
 def test_the_first_step_of_a_run_moves_no_step_before_and_a_full_log_counts_on():

@@ -17,9 +17,9 @@ from valvetrain.cli.runs import state
 from valvetrain.errors import InputError
 from valvetrain.runs.saved_runs import (
     LIST,
-    KeptRun,
+    SavedRun,
     hold_folder,
-    kept_runs,
+    list_saved_runs,
     mark_unfinished,
     whole_lines,
 )
@@ -82,7 +82,7 @@ def test_folders_of_killed_and_of_living_runs_are_told_apart(tmp_path):
         unfinished_runs("job", tmp_path)[0].folder == odd
         and unfinished_runs("other", tmp_path) == ()
     )
-    assert [run.folder for run in kept_runs(root=tmp_path)] == [whole]
+    assert [run.folder for run in list_saved_runs(root=tmp_path)] == [whole]
 
 
 @pytest.mark.parametrize("command", ["run", "refine"])
@@ -287,4 +287,4 @@ def test_a_run_that_is_killed_is_listed_with_what_it_holds_and_how_to_go_on(tmp_
     ],
 )
 def test_runs_that_were_interrupted_are_told_from_those_that_failed(answer, expected, tmp_path):
-    assert state(KeptRun(tmp_path, answer)) == expected
+    assert state(SavedRun(tmp_path, answer)) == expected

@@ -24,7 +24,7 @@ from valvetrain.units import (
     to_unit,
     unit_factor,
 )
-from valvetrain.units.dimensions import USUAL
+from valvetrain.units.dimensions import DEFAULT
 from valvetrain.units.text import _resolve
 
 # Exact by definition (international inch, pound, standard gravity).
@@ -111,25 +111,25 @@ def test_lists_share_the_unit_at_their_end():
 @pytest.mark.parametrize("name", DIMENSIONS)
 def test_every_usual_unit_has_its_dimension(name):
     dimension = DIMENSIONS[name]
-    assert parse_quantity(f"1 {dimension.usual_unit}".strip(), name) > 0
+    assert parse_quantity(f"1 {dimension.default_unit}".strip(), name) > 0
     assert unit_factor(dimension.si_unit) == pytest.approx(1.0, rel=1e-15)
 
 
-@pytest.mark.parametrize("unit", USUAL)
+@pytest.mark.parametrize("unit", DEFAULT)
 def test_the_table_of_usual_units_holds_the_very_floats_of_pint(unit, monkeypatch):
     """The library that reads every other unit is the oracle; a shipped table must not move a number
     by its last digit.
     """
     told = _resolve.__wrapped__(unit)
     monkeypatch.setattr("valvetrain.units.text.USUAL", {})
-    assert _resolve.__wrapped__(unit) == told == USUAL[unit]
+    assert _resolve.__wrapped__(unit) == told == DEFAULT[unit]
 
 
 def test_every_unit_that_is_proposed_or_ships_is_in_the_table():
     wanted = {dimension.si_unit for dimension in DIMENSIONS.values()} | {
-        dimension.usual_unit for dimension in DIMENSIONS.values()
+        dimension.default_unit for dimension in DIMENSIONS.values()
     }
-    assert wanted - {""} <= USUAL.keys()
+    assert wanted - {""} <= DEFAULT.keys()
 
 
 def test_formatting():
@@ -221,7 +221,7 @@ def test_slips_of_units_are_refused_with_the_likely_meaning(value, quantity, wor
 def test_the_ends_of_every_window_are_inside_it(name):
     window = PLAUSIBLE[name]
     for end in (window.low, window.high):
-        assert si(format_quantity(end, window.usual_unit, None), name) == pytest.approx(end)
+        assert si(format_quantity(end, window.default_unit, None), name) == pytest.approx(end)
     assert si(min(window.high, window.bare_high), name) > 0
 
 

@@ -10,7 +10,7 @@ from valvetrain.integrate.contract import Cycles
 from valvetrain.measured.lift_file import LiftAnswers, read_lift
 from valvetrain.parameters.installed_spring import DampingParameters
 from valvetrain.units import si
-from valvetrain.units.given import PLAUSIBLE
+from valvetrain.units.inputs import PLAUSIBLE
 
 #: Quantity -> SI value of its usual unit, the unit, and the least and largest plausible value in
 #: it.
@@ -33,7 +33,7 @@ def test_a_value_in_its_usual_unit_is_taken_inside_its_window_only(name):
     for value in (0.9 * low, 1.1 * high):
         with pytest.raises(InputError, match="the value"):
             si(f"{value!r} {unit}", name, "the value")
-    assert PLAUSIBLE[name].usual_unit == unit
+    assert PLAUSIBLE[name].default_unit == unit
 
 
 def test_a_run_has_two_cycles_unless_told():

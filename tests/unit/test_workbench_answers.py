@@ -21,7 +21,7 @@ from valvetrain.report.page import Cards, Figure, Grid, Motion, Text, _all, rend
 from valvetrain.report.plotly_chart import figure
 from valvetrain.report.read_page import PageFigure, PageMotion, PageSentence, PageTable, sections_of
 from valvetrain.runs.saved_runs import Inputs, keep
-from valvetrain.workbench.answers import compare, figures, kept_study, numbers, overlay, sections
+from valvetrain.workbench.answers import compare, figures, numbers, overlay, saved_study, sections
 from valvetrain.workbench.workspace import Workspace
 from workbench_parts import SMALL
 
@@ -163,7 +163,7 @@ def test_two_runs_are_compared(runs):
 
 
 def test_a_test_made_from_a_run_is_not_refuted_and_one_shifted_is(runs, tmp_path):
-    study, _ = kept_study(runs[0])
+    study, _ = saved_study(runs[0])
     run = next(
         one
         for one in study.solutions

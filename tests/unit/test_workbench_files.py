@@ -15,16 +15,16 @@ from typing import Any
 import pytest
 
 from valvetrain.errors import InputError
-from valvetrain.runs.saved_runs import find_run, kept_runs
+from valvetrain.runs.saved_runs import find_run, list_saved_runs
 from valvetrain.workbench.jobs import Jobs
 from valvetrain.workbench.saved_runs import (
-    MOST_TESTS,
+    MAX_TESTS,
     keep_test,
-    kept_test,
-    kept_tests,
     remove_test,
+    saved_test,
+    saved_tests,
 )
-from valvetrain.workbench.side_files import MOST_FILES, check_bounds
+from valvetrain.workbench.side_files import MAX_FILES, check_bounds
 from valvetrain.workbench.workspace import Workspace
 from workbench_parts import BAD_NAMES, SMALL, SPRING, TABLE, kept, lifts
 
@@ -214,12 +214,12 @@ def test_every_address_of_files_is_guarded(workspace, client, method, path):
 
 def test_files_beside_a_case_are_bounded(workspace, client):
     case = workspace.upload("small.toml", SMALL.encode())
-    for place in range(MOST_FILES):
+    for place in range(MAX_FILES):
         assert client.post(f"/upload/file?case={case}&name=f{place}.csv", content=b"1").json() == {
             "file": f"f{place}.csv"
         }
     assert (
-        f"at most {MOST_FILES} files"
+        f"at most {MAX_FILES} files"
         in client.post(f"/upload/file?case={case}&name=g.csv", content=b"1").json()["refusal"]
     )
     assert client.post(f"/upload/file?case={case}&name=f0.csv", content=b"2").json() == {
@@ -249,7 +249,7 @@ def test_a_case_and_the_table_it_names_are_sent_together(workspace, client):
     assert client.post("/upload/case", files=[case, ("file", ("../lift.txt", lifts()))]).json()[
         "refusal"
     ]
-    assert client.post("/upload/case", files=[case] * (MOST_FILES + 2)).json()["refusal"]
+    assert client.post("/upload/case", files=[case] * (MAX_FILES + 2)).json()["refusal"]
     assert client.post("/upload/case", content=b"plain").json()["refusal"]
     broken = {
         "content": b"--x\r\nbroken",
@@ -264,10 +264,10 @@ def test_a_test_stays_with_its_run_and_is_none_of_its_results(workspace, client)
     before, run = find_run(run_id, workspace.runs_folder).answer, workspace.run(run_id)
     one = keep_test(run, "cycles-no-2.csv", b"a;b")
     assert one.name == "cycles-no-2.csv" and one.path.read_bytes() == b"a;b"
-    assert keep_test(run, one.name, b"a;b;c").size == 5 and len(kept_tests(run)) == 1
+    assert keep_test(run, one.name, b"a;b;c").size == 5 and len(saved_tests(run)) == 1
     assert (
         find_run(run_id, workspace.runs_folder).answer == before
-        and len(kept_runs(root=workspace.runs_folder)) == 1
+        and len(list_saved_runs(root=workspace.runs_folder)) == 1
     )
     assert [other.run_id for other in workspace.runs()] == [run_id]
     for kind, names in (
@@ -276,17 +276,17 @@ def test_a_test_stays_with_its_run_and_is_none_of_its_results(workspace, client)
     ):
         with zipfile.ZipFile(workspace.download(run_id, kind)) as archive:
             assert {name.rpartition("/")[2] for name in archive.namelist()} == names
-    assert kept_tests(Workspace(workspace.folder).run(run_id)) == kept_tests(run), (
+    assert saved_tests(Workspace(workspace.folder).run(run_id)) == saved_tests(run), (
         "another server finds it"
     )
-    for place in range(MOST_TESTS - 1):
+    for place in range(MAX_TESTS - 1):
         keep_test(run, f"t{place}.csv", b"1")
-    with pytest.raises(InputError, match=f"at most {MOST_TESTS} tests"):
+    with pytest.raises(InputError, match=f"at most {MAX_TESTS} tests"):
         keep_test(run, "more.csv", b"1")
     for name in (*BAD_NAMES, "../quantities.csv", "none.csv"):
         with pytest.raises(InputError):
             remove_test(run, name)
-    for found in kept_tests(run):
+    for found in saved_tests(run):
         remove_test(run, found.name)
     assert not (run.folder / "laid-over").exists()
     with pytest.raises(InputError, match="25 MB"):
@@ -301,14 +301,14 @@ def test_tests_over_a_run_lead_nowhere_else(workspace, client, tmp_path):
     run = workspace.run(run_id)
     os.symlink(tmp_path, run.folder / "laid-over")
     (tmp_path / "secret.csv").write_text("x")
-    assert kept_tests(run) == []
+    assert saved_tests(run) == []
     with pytest.raises(InputError, match="link"):
         keep_test(run, "a.csv", b"1")
     (run.folder / "laid-over").unlink()
     keep_test(run, "a.csv", b"1")
     os.symlink(tmp_path / "secret.csv", run.folder / "laid-over" / "linked.csv")
     with pytest.raises(InputError):
-        kept_test(run, "linked.csv")
+        saved_test(run, "linked.csv")
     for name in ("linked.csv", "../run.json", "%2e%2e%2frun.json", "none.csv"):
         assert client.get(f"/part-test/{run_id}/{name}").status_code in (403, 404)
     answer = client.get(f"/part-test/{run_id}/a.csv")

@@ -63,9 +63,9 @@ def test_a_refusal_is_a_sentence_and_the_next_curve_comes(changes, speed, words)
 
 def test_a_slider_to_and_fro_keeps_what_is_built_and_no_more(monkeypatch):
     case = LiveCase(SMALL, Path(), "massless")
-    for mass in (*range(40, 40 + 2 * live_worker.MOST_BUILT), 40):
+    for mass in (*range(40, 40 + 2 * live_worker.MAX_BUILT), 40):
         assert not case.answer({"spring.mass": f"{mass} g"}, "")["sentence"]
-    assert len(case._built) == live_worker.MOST_BUILT
+    assert len(case._built) == live_worker.MAX_BUILT
 
 
 def test_a_chain_curve_of_the_beehive_takes_less_than_a_tenth_of_a_second():
@@ -158,7 +158,7 @@ def test_a_worker_ends_with_a_server_that_is_killed():
 
 
 def test_sliders_are_bounded(monkeypatch):
-    monkeypatch.setattr(live, "MOST_LIVE", 1)
+    monkeypatch.setattr(live, "MAX_LIVE", 1)
     with LiveChain(SMALL), pytest.raises(InputError, match="1 sliders are in use"):
         LiveChain(SMALL)
     LiveChain(SMALL).close()

@@ -15,10 +15,10 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from valvetrain.errors import InputError
-from valvetrain.workbench import saved_runs as kept_tests
+from valvetrain.workbench import saved_runs as saved_tests
 from valvetrain.workbench.job_process import study_file, write_inputs
 from valvetrain.workbench.jobs import JobRequest, Jobs
-from valvetrain.workbench.saved_runs import keep_test, kept_name, remove_test
+from valvetrain.workbench.saved_runs import keep_test, remove_test, saved_name
 from valvetrain.workbench.store import checked_name
 from valvetrain.workbench.workspace import Workspace
 from workbench_parts import SMALL, SPRING, TABLE, kept, lifts
@@ -52,15 +52,17 @@ def test_two_tests_never_take_the_place_of_each_other(workspace):
         names = [keep_test(run, one, b"1").name, keep_test(run, other, b"22").name]
         assert (
             len({checked_name(name) for name in names}) == 2
-            and len(kept_tests.kept_tests(run)) == 2
+            and len(saved_tests.saved_tests(run)) == 2
         )
-        assert keep_test(run, one, b"333").name == names[0] and len(kept_tests.kept_tests(run)) == 2
-        assert {test.size for test in kept_tests.kept_tests(run)} == {2, 3}
+        assert (
+            keep_test(run, one, b"333").name == names[0] and len(saved_tests.saved_tests(run)) == 2
+        )
+        assert {test.size for test in saved_tests.saved_tests(run)} == {2, 3}
         for name in names:
             remove_test(run, name)
-    assert kept_name("cycles-2.nc") == "cycles-2.nc" and kept_name(f"{stem}-5600-rpm.csv").endswith(
-        ".csv"
-    )
+    assert saved_name("cycles-2.nc") == "cycles-2.nc" and saved_name(
+        f"{stem}-5600-rpm.csv"
+    ).endswith(".csv")
 
 
 def test_a_file_laid_there_by_hand_blocks_no_other(workspace, table):

@@ -8,13 +8,13 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from valvetrain.cli.options import read_words
+from valvetrain.cli.options import read_names
 from valvetrain.errors import InputError
 from valvetrain.explore.plan import read_plan
 from valvetrain.explore.study_file import read_study_file
 from valvetrain.parameters.loading import load_case, parse_case
 from valvetrain.runs.cost import Cost, Limits
-from valvetrain.runs.planned import Asked
+from valvetrain.runs.planned import RunRequest
 from valvetrain.runs.request_cost import request_cost
 from valvetrain.runs.static_cost import rest_cost
 from valvetrain.workbench.pages.orders import choices_for, request_of, sets_for
@@ -63,7 +63,7 @@ def test_chosen_sets_reach_the_command_line(kind):
     check_request(request, train)
     words = command_words(request, "case.toml", 1, Limits(1.0, 1e6), "")
     told = [word.partition("=")[2] for word in words if word.startswith("--spring-set=")]
-    assert read_words(told) == ("stock", "performance")
+    assert read_names(told) == ("stock", "performance")
     assert not [
         word
         for word in command_words(
@@ -128,7 +128,7 @@ def test_a_moving_job_costs_its_speeds_and_searches(kind, options, speeds, count
     lowest, highest = (1000.0, 9000.0) if count == 81 else (2000.0, 3000.0)
     rpm = None if count is None else np.linspace(lowest, highest, count)
     engine_speeds = None if rpm is None else tuple(rpm * 2.0 * np.pi / 60.0)
-    asked = Asked(kind, case, engine_speeds, ("massless",), (), 3)
+    asked = RunRequest(kind, case, engine_speeds, ("massless",), (), 3)
     expected = request_cost(asked, whole, searches)
     cost = cost_of(JobRequest(kind, "one", ("massless",), speeds, options=options), case, 3)
     assert cost.seconds == pytest.approx(expected.seconds)

@@ -22,11 +22,11 @@ from valvetrain.errors import InputError
 from valvetrain.parameters import schema_case as kept_tables
 from valvetrain.parameters.loading import parse_case
 from valvetrain.workbench import lift_laws
-from valvetrain.workbench import saved_runs as kept_tests
+from valvetrain.workbench import saved_runs as saved_tests
 from valvetrain.workbench import side_files as passing
 from valvetrain.workbench import workspace as whole
 from valvetrain.workbench.jobs import Jobs
-from valvetrain.workbench.saved_runs import MOST_TESTS, keep_test, read_test, remove_test
+from valvetrain.workbench.saved_runs import MAX_TESTS, keep_test, read_test, remove_test
 from valvetrain.workbench.workspace import Workspace
 from workbench_parts import SMALL, SPRING, TABLE, kept, lifts
 
@@ -90,10 +90,10 @@ def test_a_file_goes_or_is_named_never_both(workspace, table, monkeypatch):
 
 def test_no_more_tests_are_kept_than_may_be(workspace, monkeypatch):
     run = workspace.run(kept(workspace))
-    for place in range(MOST_TESTS - 1):
+    for place in range(MAX_TESTS - 1):
         keep_test(run, f"t{place}.csv", b"1")
     monkeypatch.setattr(
-        kept_tests, "refuse_living", lambda folder: time.sleep(0.05)
+        saved_tests, "refuse_living", lambda folder: time.sleep(0.05)
     )  # between the check and the writing
     refused = at_once(
         *(lambda place=place: keep_test(run, f"n{place}.csv", b"1") for place in range(3))
@@ -102,14 +102,14 @@ def test_no_more_tests_are_kept_than_may_be(workspace, monkeypatch):
         len([one for one in refused if isinstance(one, InputError)]) == 2
         and refused.count(None) == 1
     )
-    assert len(kept_tests.kept_tests(run)) == MOST_TESTS
+    assert len(saved_tests.saved_tests(run)) == MAX_TESTS
 
 
 def test_a_test_that_has_gone_meanwhile_is_said_to_have_gone(workspace, monkeypatch):
     run = workspace.run(kept(workspace))
     keep_test(run, "a.csv", b"1")
-    found = kept_tests.kept_test(run, "a.csv")
-    monkeypatch.setattr(kept_tests, "kept_test", lambda run, name: found)
+    found = saved_tests.saved_test(run, "a.csv")
+    monkeypatch.setattr(saved_tests, "saved_test", lambda run, name: found)
     remove_test(run, "a.csv")
     with pytest.raises(InputError, match="over this run; it may have been removed"):
         read_test(run, "a.csv")
@@ -117,7 +117,7 @@ def test_a_test_that_has_gone_meanwhile_is_said_to_have_gone(workspace, monkeypa
     listing = Path.iterdir
     keep_test(run, "b.csv", b"1")
     monkeypatch.setattr(Path, "iterdir", lambda self: iter([self / "away.csv", *listing(self)]))
-    assert [one.name for one in kept_tests.kept_tests(run)] == ["b.csv"]
+    assert [one.name for one in saved_tests.saved_tests(run)] == ["b.csv"]
 
 
 def test_a_comparison_is_that_of_the_content_that_lies_there(workspace, monkeypatch):
@@ -238,13 +238,13 @@ def test_a_table_is_read_once_while_it_stays_as_it_is(workspace, table, monkeypa
 
 
 def test_tables_that_are_kept_are_few(tmp_path):
-    for place in range(2 * kept_tables.MOST_KEPT):
+    for place in range(2 * kept_tables.MAX_KEPT):
         peak = 9 + place / 100
         (tmp_path / "lift.txt").write_bytes(lifts(peak))
         assert max(
             parse_case(SPRING + TABLE, "case", tmp_path).lift_law.values["lifts"]
         ) == pytest.approx(peak * 1e-3, rel=1e-4)
-    assert len(kept_tables._kept) <= kept_tables.MOST_KEPT
+    assert len(kept_tables._kept) <= kept_tables.MAX_KEPT
 
 
 # -- a full disk
@@ -292,7 +292,7 @@ def test_a_database_that_cannot_be_written_leaves_no_case(workspace, monkeypatch
 
 def test_a_full_disk_is_said_and_changes_nothing(workspace, table, monkeypatch):
     run, before = workspace.run(kept(workspace)), workspace.text(table)
-    for module in (whole, lift_laws, kept_tests, passing):
+    for module in (whole, lift_laws, saved_tests, passing):
         for name in {"write_text", "write_bytes"} & set(vars(module)):
             monkeypatch.setattr(module, name, full)
     for call in (
@@ -314,7 +314,7 @@ def test_a_full_disk_is_said_and_changes_nothing(workspace, table, monkeypatch):
         workspace.upload("b.toml", SMALL.encode())
     monkeypatch.undo()
     assert workspace.text(table) == before and workspace.files(table) == {"lift.txt": lifts()}
-    assert [card.name for card in workspace.cases()] == [table] and not kept_tests.kept_tests(run)
+    assert [card.name for card in workspace.cases()] == [table] and not saved_tests.saved_tests(run)
 
 
 def test_what_a_killed_server_was_making_is_no_case(workspace):

@@ -12,12 +12,12 @@ import zipfile
 import pytest
 
 from valvetrain.errors import InputError
-from valvetrain.parameters.bounded_file import BESIDE_VARIABLE
+from valvetrain.parameters.bounded_file import SIDE_FILES_VARIABLE
 from valvetrain.parameters.loading import LIBRARY, parse_case
 from valvetrain.runs.saved_runs import collect_inputs, find_run
 from valvetrain.workbench.form import read_change
 from valvetrain.workbench.jobs import JobRequest, Jobs
-from valvetrain.workbench.workspace import MOST_CASES, Workspace
+from valvetrain.workbench.workspace import MAX_CASES, Workspace
 from workbench_parts import BAD_NAMES, SMALL, kept
 
 
@@ -144,7 +144,7 @@ def test_the_process_of_a_job_opens_no_file_elsewhere(tmp_path, monkeypatch, fil
     with pytest.raises(InputError) as opened:
         parse_case(text, "case", tmp_path)
     assert "elsewhere than beside the case" not in str(opened.value)
-    monkeypatch.setenv(BESIDE_VARIABLE, "1")
+    monkeypatch.setenv(SIDE_FILES_VARIABLE, "1")
     with pytest.raises(InputError, match="elsewhere than beside the case"):
         parse_case(text, "case", tmp_path)
     with pytest.raises(InputError):
@@ -275,7 +275,7 @@ def test_a_second_server_and_another_layout_are_refused(workspace):
 
 
 def test_cases_are_bounded(workspace):
-    for place in range(MOST_CASES):
+    for place in range(MAX_CASES):
         (workspace.cases_folder / f"c{place}").mkdir()
-    with pytest.raises(InputError, match=f"there are {MOST_CASES} cases"):
+    with pytest.raises(InputError, match=f"there are {MAX_CASES} cases"):
         workspace.upload("small.toml", SMALL.encode())

@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike
 from pydantic import Field
 
 from valvetrain.cam.contract import Array, LiftSpec
-from valvetrain.cam.flanks import SHARES, USUAL_SHARE, HalfLobe, joined
+from valvetrain.cam.flanks import DEFAULT_SHARE, SHARES, HalfLobe, joined
 from valvetrain.cam.pieces import PeriodicPieces, solve
 from valvetrain.errors import InputError
 from valvetrain.parameters.schema_lift import LiftModel
@@ -144,7 +144,7 @@ class CamCardModel(LiftModel):
 
 
 #: Fullness of the nose: see :class:`HalfLobe`.
-FULLNESS, USUAL_FULLNESS = (-1.0, 1.0), 0.0
+FULLNESS, DEFAULT_FULLNESS = (-1.0, 1.0), 0.0
 #: Least and largest velocity of a ramp (m/rad): 0.0001 and 0.003 in per cam degree.
 VELOCITIES = (RAMP_VELOCITY / 5, RAMP_VELOCITY * 6)
 #: Shortest and longest flank (cam rad).
@@ -243,8 +243,8 @@ class CamCard:
             self.maximum_lift,
             (self.ramp_lift, self.ramp_velocity or RAMP_VELOCITY),
             1.0,
-            USUAL_SHARE,
-            USUAL_FULLNESS,
+            DEFAULT_SHARE,
+            DEFAULT_FULLNESS,
         )
         return self._by_fullness(first)
 

@@ -112,7 +112,7 @@ def _twice(*pulse: float) -> tuple[Powers, float, float]:
 
 
 #: Share of a flank with positive acceleration: least, usual and most.
-SHARES, USUAL_SHARE = (0.08, 0.6), 0.27
+SHARES, DEFAULT_SHARE = (0.08, 0.6), 0.27
 #: 16 u^2 (1 - u)^2: largest value 1, no slope at either end.
 RISEN, GAINED_AT_1, RISEN_AT_1 = _twice(0, 0, 16, -32, 16)
 #: Negative pulse from its start (0) to the nose (1) at fullness 0, 1 (nearly even) and -1 (gathered

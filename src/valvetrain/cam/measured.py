@@ -23,7 +23,7 @@ from valvetrain.parameters.schema_lift import LiftModel, check_angles
 from valvetrain.parameters.schema_types import Angle, Angles, Length, Lengths, guarded, problem
 
 #: Highest number of a draw.
-MOST_DRAWS = 10_000
+MAX_DRAWS = 10_000
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -48,9 +48,9 @@ class Measured:
             raise InputError(
                 f"lifts has {len(self.lifts)} entries but cam_angles {len(self.cam_angles)}; give one lift per angle"
             )
-        if not 0 <= self.draw <= MOST_DRAWS:
+        if not 0 <= self.draw <= MAX_DRAWS:
             raise InputError(
-                f"draw is a whole number from 0 (the mean) to {MOST_DRAWS}; it is {self.draw}",
+                f"draw is a whole number from 0 (the mean) to {MAX_DRAWS}; it is {self.draw}",
                 "draw",
             )
 
@@ -128,7 +128,7 @@ class MeasuredModel(LiftModel):
     draw: int = Field(
         default=0,
         ge=0,
-        le=MOST_DRAWS,
+        le=MAX_DRAWS,
         description="0: the mean; another: one of the laws that the stations allow",
     )
 

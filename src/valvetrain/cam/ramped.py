@@ -9,7 +9,7 @@ from typing import Annotated, Any, Literal
 from pydantic import Field
 
 from valvetrain.cam.contract import LiftSpec
-from valvetrain.cam.flanks import SHARES, USUAL_SHARE, HalfLobe, joined
+from valvetrain.cam.flanks import DEFAULT_SHARE, SHARES, HalfLobe, joined
 from valvetrain.cam.pieces import PeriodicPieces, solve
 from valvetrain.cam.spline import Stations
 from valvetrain.errors import InputError
@@ -58,7 +58,7 @@ def ramped(
             (ramp_states(ramp_lift, length, ramp_blend)[0], length) for length in lengths
         )
         halves = tuple(
-            HalfLobe(maximum_lift, (ramp_lift, velocity), nose - event_start, USUAL_SHARE)
+            HalfLobe(maximum_lift, (ramp_lift, velocity), nose - event_start, DEFAULT_SHARE)
             for velocity, _ in starts
         )
         slowing = halves[0].sizes[1] if nose_acceleration is None else -nose_acceleration

@@ -300,7 +300,7 @@ STATIONS_SPEC = LiftSpec(Stations, StationsModel)
 
 #: Knots at first, and at last; where stations stand closer they share them, and only a deviation
 #: that cannot be met so asks for more.
-FIRST_KNOTS, MOST_KNOTS = 400, 1600
+FIRST_KNOTS, MAX_KNOTS = 400, 1600
 
 
 def smoothed_spline(cam_angles: Array, lifts: Array, degree: int, deviation: float) -> Any:
@@ -311,10 +311,10 @@ def smoothed_spline(cam_angles: Array, lifts: Array, degree: int, deviation: flo
     weight of the jerk
     is found by bisection. Raises :class:`InputError` when no curve between the table and a straight
     base circle is that far away, or none
-    of :data:`MOST_KNOTS` knots that near.
+    of :data:`MAX_KNOTS` knots that near.
     """
     most, nearest = FIRST_KNOTS, 0.0
-    while most <= MOST_KNOTS:
+    while most <= MAX_KNOTS:
         found, nearest = _with_knots(cam_angles, lifts, degree, deviation, most)
         if found is not None:
             return found

@@ -15,7 +15,7 @@ from valvetrain.cli.options import (
     asks,
     read_engine_speeds,
     read_models,
-    read_words,
+    read_names,
 )
 from valvetrain.errors import InputError
 
@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from valvetrain.solution.study import Study
 
 #: Files of a kept run that are looked at.
-MOST_FILES = 200
+MAX_FILES = 200
 
 
 def register(app: typer.Typer) -> None:
@@ -95,7 +95,7 @@ def animate(
         )
     models, sets = (
         read_models([spring] if spring else None),
-        read_words([spring_set] if spring_set else None),
+        read_names([spring_set] if spring_set else None),
     )
     if len(models) > 1 or len(sets) > 1:
         raise InputError(
@@ -177,7 +177,7 @@ def _kept(
     from valvetrain.solution.study import Study
 
     found: list[Solution] = []
-    for path in sorted(folder.glob("*.nc"))[:MOST_FILES]:
+    for path in sorted(folder.glob("*.nc"))[:MAX_FILES]:
         if re.match(r"(static|modes)-", path.name):
             continue
         try:

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 from valvetrain.cli.outcome import PLAIN_WIDTH, plain_table
 from valvetrain.cli.published import ErrorBars, fitting
-from valvetrain.parameters.summary import number, unit_words
+from valvetrain.parameters.summary import number, unit_text
 from valvetrain.report.headlines import (
     HeadlineColumn,
     HeadlineRow,
@@ -150,7 +150,7 @@ def _side_by_side(
     def width(chosen: ErrorBars) -> int:
         lines = [
             headers,
-            *([row.words, unit_words(row.unit), *chosen.cells(row, columns)] for row in told),
+            *([row.words, unit_text(row.unit), *chosen.cells(row, columns)] for row in told),
         ]
         return (
             sum(
@@ -163,7 +163,7 @@ def _side_by_side(
     bars = fitting(bars, width)
     for row in rows:
         if row.name not in ON_PAGE_ONLY:
-            table.add_row(row.words, unit_words(row.unit), *bars.cells(row, columns))
+            table.add_row(row.words, unit_text(row.unit), *bars.cells(row, columns))
         if row.name == "clash_count":
             for words, unit, cells in largest_clash_rows(study, columns):
                 table.add_row(f"  {words}", unit, *cells)
@@ -201,7 +201,7 @@ def _over_speeds(
                 "–" if value is None else _at_speed(value, None if still else speed)
                 for value, speed in pairs
             ]
-            table.add_row(row.words, unit_words(row.unit), *cells)
+            table.add_row(row.words, unit_text(row.unit), *cells)
     speeds = [study.runs(column.label) for column in columns]
     unsettled = [sum(run.status.code == "not-converged" for run in runs) for runs in speeds]
     table.add_row("Engine speeds run", "", *(str(len(runs)) for runs in speeds))
@@ -226,7 +226,7 @@ def _fitting(
 
 def _header(row: HeadlineRow) -> str:
     return (
-        f"{row.words} ({unit_words(row.unit)})".replace("N s)", "N\u00a0s)")
+        f"{row.words} ({unit_text(row.unit)})".replace("N s)", "N\u00a0s)")
         if row.unit
         else row.words
     )
@@ -366,7 +366,7 @@ def published_words(rows: Sequence[Comparison]) -> str:
     """One sentence: how many published values, the median and the largest difference, and how many
     stated tolerances are met.
     """
-    from valvetrain.report.text import percent, speed_words
+    from valvetrain.report.text import percent, speed_text
 
     known = [
         (abs(row.relative_difference), row)
@@ -378,7 +378,7 @@ def published_words(rows: Sequence[Comparison]) -> str:
     text = f"{len(rows)} published value{'s' if len(rows) > 1 else ''}"
     if known:
         worst, row = max(known, key=lambda pair: pair[0])
-        place = "" if row.engine_speed is None else f" at {speed_words(row.engine_speed)}"
+        place = "" if row.engine_speed is None else f" at {speed_text(row.engine_speed)}"
         median = percent(statistics.median(share for share, _ in known)).lstrip("+")
         text += f": median difference {median}, largest {percent(worst).lstrip('+')} ({label_of(row.quantity)}{place})"
     for row in rows:

@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from valvetrain.parameters.steel_contacts import usual_contacts
-from valvetrain.parameters.summary import number, value_words
-from valvetrain.report.text import speed_words
+from valvetrain.parameters.steel_contacts import default_contacts
+from valvetrain.parameters.summary import number, value_text
+from valvetrain.report.text import speed_text
 
 if TYPE_CHECKING:
     from valvetrain.parameters.case import Case
@@ -46,7 +46,7 @@ def case_facts(case: Case) -> list[tuple[str, str]]:
                 ),
             )
         )
-        if said := usual_contacts(train.contacts):
+        if said := default_contacts(train.contacts):
             facts.append(("", said))
         facts += [
             (f"springs '{name}'", "; ".join(map(_short, springs)))
@@ -56,7 +56,7 @@ def case_facts(case: Case) -> list[tuple[str, str]]:
         facts.append(
             (
                 "engine speeds",
-                f"{', '.join(map(speed_words, case.operation.engine_speeds))} of the crank",
+                f"{', '.join(map(speed_text, case.operation.engine_speeds))} of the crank",
             )
         )
     if case.springs:
@@ -138,10 +138,10 @@ def _wire_facts(wire: SpringDefinition) -> list[tuple[str, str]]:
     ]
     return [
         ("spring", f"{wire.name}, {wire.hand}-handed"),
-        ("wire diameter", value_words(wire.wire_diameter, "wire_diameter")),
-        ("mean coil diameter", value_words(wire.mean_diameter, "mean_diameter")),
-        ("pitch", value_words(wire.pitch, "pitch")),
-        ("material", value_words(wire.material, "material")),
+        ("wire diameter", value_text(wire.wire_diameter, "wire_diameter")),
+        ("mean coil diameter", value_text(wire.mean_diameter, "mean_diameter")),
+        ("pitch", value_text(wire.pitch, "pitch")),
+        ("material", value_text(wire.material, "material")),
         ("end coils", "; ".join(ends)),
     ]
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from valvetrain.cli.options import (
-    MOST_COUNTED,
+    MAX_COUNTED,
     CaseArgument,
     ElementsOption,
     JsonOption,
@@ -20,7 +20,7 @@ from valvetrain.cli.options import (
     read_count,
     read_length,
     read_models,
-    read_words,
+    read_names,
 )
 from valvetrain.cli.static import KeepOption
 from valvetrain.errors import InputError
@@ -93,7 +93,7 @@ def modes(
     from valvetrain.runs.static_study import CURVE_OF_MODES
 
     chosen = choose_case(case, settings, elements_per_coil)
-    read_count(count, 1, MOST_COUNTED, "--count")
+    read_count(count, 1, MAX_COUNTED, "--count")
     if free_end and attached_mass is not None:
         raise InputError(
             "a free end has no mass attached; give --free-end or --attached-mass", "--free-end"
@@ -111,7 +111,7 @@ def modes(
             "--attached-mass",
         )
     state = read_length(compression, "--compression")
-    models, sets = read_models(spring), read_words(spring_set)
+    models, sets = read_models(spring), read_names(spring_set)
     say_cost(
         rest_cost(chosen, models, spring_sets=sets, steps=CURVE_OF_MODES, modes=count),
         read_limits(limit),

@@ -36,7 +36,7 @@ def at_end(release: Callable[[], None]) -> None:
 
 
 #: Largest count that an option takes; what a smaller one costs decides whether it is too large.
-MOST_COUNTED = 10**9
+MAX_COUNTED = 10**9
 
 
 def asks(flag: str, metavar: str, words: str) -> Any:
@@ -259,7 +259,7 @@ def read_workers(value: int | None) -> int:
     return min(4, cores)
 
 
-def read_words(texts: Sequence[str] | None) -> tuple[str, ...]:
+def read_names(texts: Sequence[str] | None) -> tuple[str, ...]:
     """Words of a repeatable option whose values may be lists with commas, in order, each once."""
     return tuple(
         dict.fromkeys(
@@ -274,7 +274,7 @@ def read_models(texts: Sequence[str] | None) -> tuple[str, ...]:
     """
     from valvetrain.registry import find
 
-    models = read_words(texts)
+    models = read_names(texts)
     for word in models:
         find("springs", word, "--spring")
     return models

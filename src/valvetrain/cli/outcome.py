@@ -85,8 +85,8 @@ class Manner:
     quiet: bool = False
 
 
-_USUAL = Manner()
-_MANNER: ContextVar[Manner] = ContextVar("manner", default=_USUAL)
+_DEFAULT = Manner()
+_MANNER: ContextVar[Manner] = ContextVar("manner", default=_DEFAULT)
 
 
 def set_manner(words: Sequence[str]) -> None:
@@ -245,12 +245,12 @@ def plain_table(
     return table
 
 
-def shown_words(name: str, value: float | None, digits: int = 5) -> tuple[str, str]:
+def shown_text(name: str, value: float | None, digits: int = 5) -> tuple[str, str]:
     """SI ``value`` of quantity ``name`` as (number, unit) in the field's units."""
-    from valvetrain.parameters.summary import number, unit_words
+    from valvetrain.parameters.summary import number, unit_text
     from valvetrain.solution.definition import definition_of, shown
 
-    unit = unit_words(definition_of(name).shown_unit)
+    unit = unit_text(definition_of(name).shown_unit)
     return ("–" if value is None else number(float(shown(name, value)[0]), digits)), unit
 
 
@@ -259,6 +259,6 @@ def quantity_rows(values: Mapping[str, float]) -> list[tuple[str, str, str]]:
     from valvetrain.solution.definition import label_of
 
     return [
-        (label_of(name)[:1].upper() + label_of(name)[1:], *shown_words(name, value))
+        (label_of(name)[:1].upper() + label_of(name)[1:], *shown_text(name, value))
         for name, value in values.items()
     ]

@@ -33,7 +33,7 @@ ROLES = {
 def show_comparisons(console: Console, rows: Sequence[Comparison]) -> None:
     """One block per engine speed and role, then a legend and what became of the stated tolerances."""
     from valvetrain.report import theme
-    from valvetrain.report.text import speed_words
+    from valvetrain.report.text import speed_text
 
     speeds = sorted(
         {row.engine_speed for row in rows}, key=lambda speed: -1.0 if speed is None else speed
@@ -41,14 +41,14 @@ def show_comparisons(console: Console, rows: Sequence[Comparison]) -> None:
     for speed in speeds:
         for role in dict.fromkeys(row.role for row in rows if row.engine_speed == speed):
             block = [row for row in rows if row.engine_speed == speed and row.role == role]
-            place = "statics and modes" if speed is None else speed_words(speed)
+            place = "statics and modes" if speed is None else speed_text(speed)
             console.print()
             console.print(comparison_table(block, f"{place} ({ROLES.get(role, role)})"))
     origins = dict.fromkeys(row.origin for row in rows)
     console.print()
     for origin in origins:
         model = next(row.model for row in reversed(rows) if row.origin == origin)
-        beside = f", beside our {theme.model_words(model)}" if model else ""
+        beside = f", beside our {theme.model_label(model)}" if model else ""
         console.print(
             f"{theme.origin_style(origin)[0]}  published by {origin or 'its source'}{beside}"
         )
@@ -135,7 +135,7 @@ NARROW = 80
 #: Digits of a value that are shown, and of its bar.
 DIGITS, BAR_DIGITS = 4, 2
 #: Smallest bar that is shown; a power of ten would be as wide as a column.
-LEAST_BAR = 1e-4
+MIN_BAR = 1e-4
 
 
 @dataclass(frozen=True)
@@ -184,7 +184,7 @@ class ErrorBars:
                 )
                 return (
                     f"{words}{self.between}±{self.between}{number(bar, BAR_DIGITS)}"
-                    if near and bar >= max(last / 2, LEAST_BAR)
+                    if near and bar >= max(last / 2, MIN_BAR)
                     else words
                 )
         return words

@@ -177,8 +177,8 @@ def _kept(request: RefineRequest, study: UncertaintyStudy, stopped: bool) -> Out
 
 
 def _show(console: Console, study: UncertaintyStudy, page: str) -> None:
-    from valvetrain.cli.outcome import plain_table, shown_words
-    from valvetrain.report.text import speed_words
+    from valvetrain.cli.outcome import plain_table, shown_text
+    from valvetrain.report.text import speed_text
     from valvetrain.solution.definition import label_of
 
     console.print(study.record.title or study.record.name)
@@ -205,15 +205,15 @@ def _show(console: Console, study: UncertaintyStudy, page: str) -> None:
             trusted = row.observed_order is not None and row.observed_order >= 0.5
             order = f"{row.observed_order:.1f}" if trusted else "–"
             ranges = [
-                " to ".join(dict.fromkeys(shown_words(name, value, 4)[0] for value in values))
+                " to ".join(dict.fromkeys(shown_text(name, value, 4)[0] for value in values))
                 for values in (row.contact_stiffness, row.contact_damping)
             ]
-            value, word = shown_words(name, row.value)
+            value, word = shown_text(name, row.value)
             rows.append(
                 (
                     label_of(name),
                     value,
-                    shown_words(name, row.numerical, 2)[0],
+                    shown_text(name, row.numerical, 2)[0],
                     word,
                     order,
                     *ranges,
@@ -222,7 +222,7 @@ def _show(console: Console, study: UncertaintyStudy, page: str) -> None:
         place = (
             "statics and modes"
             if speed is None
-            else f"{speed_words(speed)}{f', {label}' if label else ''}"
+            else f"{speed_text(speed)}{f', {label}' if label else ''}"
         )
         console.print()
         console.print(plain_table(headers, rows, place, right=(1, 2, 4, 5, 6)))
@@ -230,7 +230,7 @@ def _show(console: Console, study: UncertaintyStudy, page: str) -> None:
 
 
 #: Crank speeds (rpm) of a comparison that names none: first, last, step.
-USUAL = (1000, 9000, 500)
+DEFAULT = (1000, 9000, 500)
 
 
 def register_fidelity(app: typer.Typer) -> None:
@@ -274,7 +274,7 @@ def fidelity(
     if len(request.spring_sets) > 1:
         raise InputError("models are compared for one spring set; name one", "--spring-set")
     chosen = request.spring_sets[0] if request.spring_sets else ""
-    first, last, step = USUAL
+    first, last, step = DEFAULT
     speeds = request.engine_speeds or tuple(
         value * math.pi / 30 for value in range(first, last + 1, step)
     )

@@ -12,7 +12,7 @@ import typer
 from valvetrain.cli.outcome import tell
 from valvetrain.cli.study_command import StudyRequest, answer_study, study_command
 from valvetrain.errors import InputError
-from valvetrain.runs.cost import time_words
+from valvetrain.runs.cost import duration_text
 
 if TYPE_CHECKING:
     from valvetrain.runs.solid import SolidMotion
@@ -60,7 +60,7 @@ def run(request: StudyRequest) -> None:
 
 
 #: Crank speeds (rpm) of a sweep that names none: first, last, step.
-USUAL = (1000, 9000, 100)
+DEFAULT = (1000, 9000, 100)
 CriticalOption = Annotated[
     bool,
     typer.Option(
@@ -106,7 +106,7 @@ def sweep(
     from valvetrain.runs.sweep import sweep_study
 
     critical = read_options(resolution, float_lift, bounce_height)
-    first, last, step = USUAL
+    first, last, step = DEFAULT
     engine_speeds = request.engine_speeds or tuple(
         value * math.pi / 30 for value in range(first, last + 1, step)
     )
@@ -279,11 +279,11 @@ def _tell_cost(request: StudyRequest, motion: SolidMotion | None) -> None:
     for spring in request.case.springs:
         cost = solid_cost(spring, motion)
         words = f"solid finite elements: {cost.elements} elements, {cost.unknowns} unknowns; statics and modes take about "
-        words += time_words(cost.statics)
+        words += duration_text(cost.statics)
         tell(
             words
             if motion is None
-            else f"{words}, the motion of {cost.increments} increments about {time_words(cost.motion)}"
+            else f"{words}, the motion of {cost.increments} increments about {duration_text(cost.motion)}"
         )
         longest = solid_of(spring).time_limit
         refuse_cost(

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from rich.console import Console
 
     from valvetrain.runs.differences import ResultDifference
-    from valvetrain.runs.saved_runs import KeptRun
+    from valvetrain.runs.saved_runs import SavedRun
     from valvetrain.runs.unfinished import UnfinishedFolder
 
 
@@ -25,7 +25,7 @@ RootOption = Annotated[
 HEADLINES = ("peak_spring_force", "peak_retainer_force", "float_engine_speed", "preload")
 
 #: Rows printed; --json has them all.
-RUNS_MOST_ROWS = 15
+RUNS_MAX_ROWS = 15
 
 
 def register_runs(app: typer.Typer) -> None:
@@ -46,10 +46,10 @@ def runs(
 ) -> None:
     """List the runs that were kept, newest first, and those that were begun and not finished."""
     from valvetrain.cli.outcome import Outcome, deliver
-    from valvetrain.runs.saved_runs import kept_runs
+    from valvetrain.runs.saved_runs import list_saved_runs
     from valvetrain.runs.unfinished import unfinished_runs
 
-    found, begun = kept_runs(case or "", folder), unfinished_runs(case or "", folder)
+    found, begun = list_saved_runs(case or "", folder), unfinished_runs(case or "", folder)
     data = {
         "command": "runs",
         "runs": [_run_object(run) for run in found],
@@ -65,7 +65,7 @@ def runs(
     deliver(Outcome(data, show))
 
 
-def _run_object(run: KeptRun) -> dict[str, Any]:
+def _run_object(run: SavedRun) -> dict[str, Any]:
     choices = run.answer.get("choices", {})
     return {
         "created_at": run.created_at,
@@ -92,7 +92,7 @@ def _unfinished_object(one: UnfinishedFolder) -> dict[str, Any]:
     }
 
 
-def state(run: KeptRun) -> str:
+def state(run: SavedRun) -> str:
     """How a kept run ended: ``completed``, ``failed`` or, by a signal, ``interrupted``."""
     if run.answer.get("completed"):
         return "completed"
@@ -122,7 +122,7 @@ def headline(answer: Any) -> dict[str, Any] | None:
     return None
 
 
-def _show(console: Console, found: tuple[KeptRun, ...], folder: Path) -> None:
+def _show(console: Console, found: tuple[SavedRun, ...], folder: Path) -> None:
     from valvetrain.cli.outcome import plain_table
     from valvetrain.solution.definition import label_of
 
@@ -130,7 +130,7 @@ def _show(console: Console, found: tuple[KeptRun, ...], folder: Path) -> None:
         console.print(f"no runs under '{folder}'; 'valvetrain run CASE' makes one")
         return
     named = dict.fromkeys(
-        best["quantity"] for run in found[:RUNS_MOST_ROWS] if (best := headline(run.answer))
+        best["quantity"] for run in found[:RUNS_MAX_ROWS] if (best := headline(run.answer))
     )
     alone = label_of(next(iter(named))) if len(named) == 1 else ""
     headers = (
@@ -143,20 +143,20 @@ def _show(console: Console, found: tuple[KeptRun, ...], folder: Path) -> None:
         "",
         alone.replace(" ", "\n", 1) or "headline",
     )
-    table = plain_table(headers, (_row(run, not alone) for run in found[:RUNS_MOST_ROWS]))
+    table = plain_table(headers, (_row(run, not alone) for run in found[:RUNS_MAX_ROWS]))
     for place in (0, 1, 2, 3, 6):
         table.columns[place].no_wrap = True
     table.columns[4].min_width = 14
     console.print(table)
-    if len(found) > RUNS_MOST_ROWS:
-        console.print(f"and {len(found) - RUNS_MOST_ROWS} older ones; --json has them all")
+    if len(found) > RUNS_MAX_ROWS:
+        console.print(f"and {len(found) - RUNS_MAX_ROWS} older ones; --json has them all")
     console.print(
         "\n'valvetrain compare-runs A B' compares two by digest or folder; 'valvetrain run FOLDER' repeats one.",
         soft_wrap=True,
     )
 
 
-def _row(run: KeptRun, named: bool) -> tuple[str, ...]:
+def _row(run: SavedRun, named: bool) -> tuple[str, ...]:
     from valvetrain.parameters.summary import number
     from valvetrain.solution.definition import label_of, shown
 
@@ -190,9 +190,9 @@ def _show_unfinished(console: Console, begun: tuple[UnfinishedFolder, ...]) -> N
     from valvetrain.runs.saved_runs import LIST
 
     console.print(
-        f"\nbegun and not finished{f', the newest {RUNS_MOST_ROWS} of {len(begun)}' if len(begun) > RUNS_MOST_ROWS else ''}:"
+        f"\nbegun and not finished{f', the newest {RUNS_MAX_ROWS} of {len(begun)}' if len(begun) > RUNS_MAX_ROWS else ''}:"
     )
-    for one in begun[:RUNS_MOST_ROWS]:
+    for one in begun[:RUNS_MAX_ROWS]:
         when, how = one.created_at[5:16].replace("T", " "), "goes on" if one.goes_on else "killed"
         holds = f"{one.finished} finished run{'' if one.finished == 1 else 's'}, {one.files} file{'' if one.files == 1 else 's'}"
         console.print(f"  {when}  {one.case}, {how}: {holds} in '{one.folder}'", soft_wrap=True)
@@ -212,7 +212,7 @@ RunArgument = Annotated[
     ),
 ]
 #: Rows printed; --json has them all.
-COMPARE_RUNS_MOST_ROWS = 30
+COMPARE_RUNS_MAX_ROWS = 30
 
 
 def register_compare_runs(app: typer.Typer) -> None:
@@ -254,7 +254,7 @@ def compare_runs(
 
 def _show_compare_runs(
     console: Console,
-    pair: tuple[KeptRun, KeptRun],
+    pair: tuple[SavedRun, SavedRun],
     inputs: tuple[tuple[str, Any, Any], ...],
     results: tuple[ResultDifference, ...],
 ) -> None:
@@ -265,17 +265,17 @@ def _show_compare_runs(
         console.print(f"{name}  {run.folder}", soft_wrap=True)
     console.print()
     if inputs:
-        console.print(plain_table(INPUT_HEADS, input_rows(inputs[:COMPARE_RUNS_MOST_ROWS])))
+        console.print(plain_table(INPUT_HEADS, input_rows(inputs[:COMPARE_RUNS_MAX_ROWS])))
     else:
         console.print("the inputs are the same")
     rows = result_rows(results)
     console.print()
     if rows:
-        console.print(plain_table(RESULT_HEADS, rows[:COMPARE_RUNS_MOST_ROWS], right=(2, 3, 5)))
+        console.print(plain_table(RESULT_HEADS, rows[:COMPARE_RUNS_MAX_ROWS], right=(2, 3, 5)))
     elif not results:
         console.print("the results are the same")
     left, alone = (
-        max(0, len(inputs) - COMPARE_RUNS_MOST_ROWS) + max(0, len(rows) - COMPARE_RUNS_MOST_ROWS),
+        max(0, len(inputs) - COMPARE_RUNS_MAX_ROWS) + max(0, len(rows) - COMPARE_RUNS_MAX_ROWS),
         len(results) - len(rows),
     )
     if alone:

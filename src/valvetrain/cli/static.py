@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from valvetrain.cli.options import (
-    MOST_COUNTED,
+    MAX_COUNTED,
     CaseArgument,
     ElementsOption,
     ImplausibleOption,
@@ -26,9 +26,9 @@ from valvetrain.cli.options import (
     read_count,
     read_length,
     read_models,
-    read_words,
+    read_names,
 )
-from valvetrain.cli.study_command import Kept, keep_run
+from valvetrain.cli.study_command import SavedRequest, keep_run
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -56,9 +56,9 @@ def kept(
     asked besides."""
     from valvetrain.cli.progress import busy
     from valvetrain.report.study import write_parts
-    from valvetrain.solution.partial_failures import Gaps
+    from valvetrain.solution.partial_failures import PartialFailures
 
-    gaps, data = Gaps(), dict(outcome.data)
+    gaps, data = PartialFailures(), dict(outcome.data)
     pages: list[Path] = []
 
     def write(target: Path) -> list[Path]:
@@ -71,7 +71,9 @@ def kept(
         return [*files.data, *pages]
 
     asked = {**choices, "spring_models": list(dict.fromkeys(one.model for one in study.rest))}
-    request = Kept(study.command, case, None, datetime.now(UTC).replace(microsecond=0), folder)
+    request = SavedRequest(
+        study.command, case, None, datetime.now(UTC).replace(microsecond=0), folder
+    )
     with busy("writing files"):
         home, files = keep_run(
             request, study.record.text, asked, data, write, study.provenance, gaps=gaps
@@ -93,7 +95,7 @@ def kept(
 
 
 #: Most rows of a curve that are printed; the CSV file has them all.
-MOST_ROWS = 30
+MAX_ROWS = 30
 #: Columns of a curve and their units: nominal shear by EN 13906-1, and the largest shear along the
 #: wire where its section loads are known.
 COLUMNS = (
@@ -162,14 +164,14 @@ def static(
     from valvetrain.solution.atomic import check_target
 
     chosen, largest = choose_case(case, settings, elements_per_coil), read_length(to, "--to")
-    read_count(steps, 2, MOST_COUNTED, "--steps")
+    read_count(steps, 2, MAX_COUNTED, "--steps")
     if csv is not None:
         check_target(csv, "--csv")
     heights, loads = (
         read_amounts(height, "length", "--height"),
         read_amounts(load, "force", "--load"),
     )
-    models, sets = read_models(spring), read_words(spring_set)
+    models, sets = read_models(spring), read_names(spring_set)
     cost = rest_cost(
         chosen, models, spring_sets=sets, steps=steps, heights=len(heights), loads=len(loads)
     )
@@ -326,7 +328,7 @@ def _show(console: Console, study: Study, csv: Path | None) -> None:
     console.print(study.record.title or study.record.name)
     for one, quantities in zip(study.rest, study.still.values(), strict=True):
         rows = _rows(one)
-        each = -(-len(rows) // MOST_ROWS)
+        each = -(-len(rows) // MAX_ROWS)
         told = [
             place for place in range(len(COLUMNS)) if any(row[place] is not None for row in rows)
         ]

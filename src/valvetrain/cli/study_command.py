@@ -37,7 +37,7 @@ from valvetrain.cli.options import (
     WorkersOption,
     read_engine_speeds,
     read_models,
-    read_words,
+    read_names,
     read_workers,
     take_folder,
 )
@@ -52,7 +52,7 @@ if TYPE_CHECKING:
     from valvetrain.report.unfinished import UnfinishedRun
     from valvetrain.runs.cost import Limits
     from valvetrain.runs.run import Finished
-    from valvetrain.solution.partial_failures import Gaps
+    from valvetrain.solution.partial_failures import PartialFailures
     from valvetrain.solution.provenance import Provenance
     from valvetrain.solution.study import Study
 
@@ -82,7 +82,7 @@ class KeepRequest(Protocol):
 
 
 @dataclass(frozen=True)
-class Kept:
+class SavedRequest:
     """A request that is no study of runs, for its kept folder."""
 
     command: str
@@ -114,7 +114,7 @@ def keep_points(
     request: PointsRequest,
     write: Callable[[], tuple[list[Path], Path | None]],
     name: str,
-    gaps: Gaps,
+    gaps: PartialFailures,
 ) -> dict[str, Any]:
     """Let ``write`` fill the folder of a study of points, put its ``answer`` beside as ``name``,
     show its page where asked; the answer.
@@ -201,7 +201,7 @@ def _shared(
         "folder": folder_of(case),
         "engine_speeds": speeds,
         "spring_models": read_models(spring),
-        "spring_sets": read_words(spring_set),
+        "spring_sets": read_names(spring_set),
         "workers": read_workers(workers),
         "limits": read_limits(limit),
         "implausible": implausible,
@@ -321,9 +321,9 @@ def _kept(
     from valvetrain.report.json import study_json
     from valvetrain.report.study import write_parts
     from valvetrain.report.text import rpm
-    from valvetrain.solution.partial_failures import Gaps
+    from valvetrain.solution.partial_failures import PartialFailures
 
-    gaps = Gaps(kept.gaps.sentences)
+    gaps = PartialFailures(kept.gaps.sentences)
     none: tuple[str, ...] = ()
     failures = gaps.part("list of failures", none, lambda: study.failures)
     plain: dict[str, Any] = {"case": request.case.name, "failures": list(failures)}
@@ -376,7 +376,7 @@ def keep_run(
     write: Callable[[Path], list[Path]],
     made_by: Provenance | None = None,
     unfinished: Path | None = None,
-    gaps: Gaps | None = None,
+    gaps: PartialFailures | None = None,
 ) -> tuple[Path, list[str]]:
     """Make the folder of a run, let ``write`` fill it, and put inputs (``text``: the resolved case)
     and ``run.json`` beside.
@@ -395,10 +395,10 @@ def keep_run(
         new_folder,
         remove_unfinished,
     )
-    from valvetrain.solution.partial_failures import Gaps
+    from valvetrain.solution.partial_failures import PartialFailures
     from valvetrain.solution.provenance import collect_provenance
 
-    missing = Gaps() if gaps is None else gaps
+    missing = PartialFailures() if gaps is None else gaps
     asked = {"command": request.command, **choices}
     bare = Inputs(request.case.name, text, {}, asked)
     inputs = missing.part(

@@ -25,11 +25,11 @@ from valvetrain.cli.options import (
     WorkersOption,
     asks,
     read_models,
-    read_words,
+    read_names,
     read_workers,
     take_folder,
 )
-from valvetrain.cli.study_command import Kept, keep_run, show_page
+from valvetrain.cli.study_command import SavedRequest, keep_run, show_page
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -115,7 +115,7 @@ def compare_test(
             channel=channel,
             engine_speed=engine_speed,
             spring_models=read_models(spring),
-            spring_sets=read_words(spring_set),
+            spring_sets=read_names(spring_set),
             sensor=gauge,
             fitted=fitted,
             shared=shared,
@@ -127,7 +127,7 @@ def compare_test(
         )
     _answer(
         found,
-        Kept(
+        SavedRequest(
             "compare-test",
             chosen,
             output,
@@ -139,7 +139,7 @@ def compare_test(
     )
 
 
-def _answer(found: ModelAgainstTest, request: Kept, test: str, open_page: bool) -> None:
+def _answer(found: ModelAgainstTest, request: SavedRequest, test: str, open_page: bool) -> None:
     from valvetrain.cli.outcome import Outcome, deliver
     from valvetrain.cli.progress import busy
     from valvetrain.compare_test.page import (
@@ -181,7 +181,7 @@ def _show(console: Console, found: ModelAgainstTest, folder: Path) -> None:
     from valvetrain.measured.cycles import MeasuredCycles
 
     test = found.test
-    console.print(f"test: {words.words_of_test(found)}", soft_wrap=True)
+    console.print(f"test: {words.text_of_test(found)}", soft_wrap=True)
     if test.synthetic:
         console.print(words.SYNTHETIC, soft_wrap=True)
     if not found.runs:

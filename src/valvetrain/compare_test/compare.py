@@ -238,7 +238,7 @@ def compare_study_with_test(
 
 
 @dataclass(frozen=True)
-class _Asked:
+class _Request:
     """A test as it is compared, at which speeds (rad/s of the crank) and how."""
 
     test: MeasuredCycles | ValueTable
@@ -260,7 +260,7 @@ def _asked(
     fitted: int,
     shared: str | Sequence[str],
     level: float,
-) -> _Asked:
+) -> _Request:
     """What is asked, checked."""
     own = read_test(test, quantity, channel)
     if not 0 < level < 1:
@@ -284,10 +284,10 @@ def _asked(
             "a table holds named quantities; give those of a bandwidth, such as below_10_khz_peak_spring_force",
             "sensor",
         )
-    return _Asked(own, speeds, notes, known, sensor, fitted, level)
+    return _Request(own, speeds, notes, known, sensor, fitted, level)
 
 
-def _answer(study: Study, asked: _Asked, active: Mapping[str, Active]) -> ModelAgainstTest:
+def _answer(study: Study, asked: _Request, active: Mapping[str, Active]) -> ModelAgainstTest:
     if isinstance(asked.test, ValueTable):
         return _with_values(
             study, asked.test, asked.engine_speeds, asked.fitted, asked.level, asked.notes, active

@@ -27,11 +27,11 @@ _TURN = 2 * np.pi
 #: the mean.
 SPIKE_SHARE, SPIKE_ERRORS = 0.04, 6.0
 #: Most spikes that are told, the most prominent ones.
-MOST_SPIKES = 8
+MAX_SPIKES = 8
 #: A spike of the model meets one of the test within this angle (rad).
 MEETING = math.radians(20.0)
 #: Draws of the mean's scatter, most numbers they take together, and the seed.
-DRAWS, MOST_DRAWN, SEED = 200, 4_000_000, 20260101
+DRAWS, MAX_DRAWN, SEED = 200, 4_000_000, 20260101
 #: An angle whose standard error is larger than this (rad) is a matter of chance.
 CHANCE = math.radians(10.0)
 
@@ -96,7 +96,7 @@ def scatter_of_mean(values: Array) -> Array:
     repeats, angles = values.shape
     if repeats < 2:
         return np.zeros((0, angles))
-    count = int(np.clip(MOST_DRAWN // angles, 20, DRAWS))
+    count = int(np.clip(MAX_DRAWN // angles, 20, DRAWS))
     weights = np.random.default_rng(SEED).standard_normal((count, repeats)) / math.sqrt(
         repeats * (repeats - 1)
     )
@@ -180,7 +180,7 @@ def spike_rows(cam_angle: Array, values: Array, model: Array, drawn: Array) -> l
         else 0.0
     )
     least = max(SPIKE_SHARE * float(np.ptp(mean)), SPIKE_ERRORS * error)
-    theirs, mine = _spikes(mean, least), _spikes(model, 0.5 * least, 3 * MOST_SPIKES)
+    theirs, mine = _spikes(mean, least), _spikes(model, 0.5 * least, 3 * MAX_SPIKES)
     angles, own = ([float(cam_angle[place]) for place in places] for places in (theirs, mine))
     partners = pair_angles(angles, own) if angles else []
     rows: list[EventRow] = []
@@ -222,7 +222,7 @@ def _around(cam_angle: Array, angle: float, others: list[float]) -> NDArray[np.i
     return found
 
 
-def _spikes(curve: Array, least: float, most: int = MOST_SPIKES) -> list[int]:
+def _spikes(curve: Array, least: float, most: int = MAX_SPIKES) -> list[int]:
     """Places of the most prominent maxima of a ring, in order."""
     count = len(curve)
     start = int(np.argmin(curve))
@@ -256,10 +256,10 @@ def interval_row(rows: list[EventRow], first: float, last: float) -> EventRow | 
 
 
 #: Largest shift that is looked for (rad of cam).
-MOST_SHIFT = math.pi / 4
+MAX_SHIFT = math.pi / 4
 #: Points per step of the angle at which the correlation is first looked up, fewer where these would
 #: be more than the other number.
-_FINER, _MOST_POINTS = 8, 1 << 17
+_FINER, _MAX_POINTS = 8, 1 << 17
 
 
 @dataclass(frozen=True, slots=True)
@@ -326,7 +326,7 @@ def best_shift(model: Array, test: Array) -> float:
     """Angle (rad) by which ``model`` comes later than ``test``, both on the same even ring: where
     their correlation is largest.
 
-    Between the steps the curves are the sums of their harmonics. Within :data:`MOST_SHIFT`; NaN
+    Between the steps the curves are the sums of their harmonics. Within :data:`MAX_SHIFT`; NaN
     where a curve is level.
     """
     count = len(model)
@@ -337,10 +337,10 @@ def best_shift(model: Array, test: Array) -> float:
         count * (np.ptp(test) + 1e-300)
     ):
         return math.nan
-    points = count * max(2, min(_FINER, _MOST_POINTS // count))
+    points = count * max(2, min(_FINER, _MAX_POINTS // count))
     finer = np.fft.irfft(cross, points)
     shifts = np.fft.fftfreq(points) * 2 * np.pi
-    near = np.abs(shifts) <= MOST_SHIFT
+    near = np.abs(shifts) <= MAX_SHIFT
     place = float(shifts[near][np.argmax(finer[near])])
     harmonics = np.arange(len(cross))
     for _ in range(8):

@@ -34,17 +34,17 @@ from valvetrain.compare_test.summary import (
     events_sentence,
     outside_sentence,
     stage_rows,
+    text_of_test,
     unit_of_test,
     value_rows,
     verdict_sentences,
-    words_of_test,
 )
 from valvetrain.measured.cycles import MeasuredCycles
 from valvetrain.report import theme
 from valvetrain.report.chart import Band, Chart, Layer, Line, Marks, Panel, Rule, thin
 from valvetrain.report.page import Block, Cell, Figure, Grid, Page, Section, text
 from valvetrain.report.run_charts import ANGLE_LABEL, Look, looks
-from valvetrain.report.text import quantity_words, speed_words
+from valvetrain.report.text import quantity_label, speed_text
 from valvetrain.solution.atomic import write_text
 
 Array = NDArray[np.float64]
@@ -56,7 +56,7 @@ NEAR = (
     "standard deviation of a cycle, s.e. the standard error of the mean of the cycles."
 )
 #: Most runs whose difference is drawn; tables hold them all.
-MOST_DRAWN = 4
+MAX_DRAWN = 4
 
 
 def compare_test_page(found: ModelAgainstTest) -> Page:
@@ -87,7 +87,7 @@ def compare_test_page(found: ModelAgainstTest) -> Page:
         "Differences are model less test. The test refutes a model where it misses the mean of the repeats by more than their "
         "scatter allows."
     )
-    facts = (("test", words_of_test(found)), ("case", found.study.record.name))
+    facts = (("test", text_of_test(found)), ("case", found.study.record.name))
     return Page(
         found.study.record.title or found.study.record.name,
         "Model against test",
@@ -127,7 +127,7 @@ def _of_cycles(found: ModelAgainstTest) -> list[Section]:
     assert isinstance(test, MeasuredCycles)
     unit, factor = unit_of_test(found)
     known = looks(found.study)
-    drawn = found.runs[:MOST_DRAWN]
+    drawn = found.runs[:MAX_DRAWN]
     sections = [
         Section("overlay", "Model and test", (Figure(overlay_chart(found, test, unit, factor, known)),)),
         Section("difference", "Difference with its band",
@@ -195,7 +195,7 @@ def overlay_chart(
     )
     return Chart(
         "overlay",
-        quantity_words(test.quantity),
+        quantity_label(test.quantity),
         f"Model and {made} over one turn of the cam.",
         (panel,),
         1,
@@ -273,7 +273,7 @@ def _stretches_of(degrees: Array, mask: NDArray[np.bool_]) -> tuple[Array, Array
 
 
 def _axis(found: ModelAgainstTest, unit: str) -> str:
-    words = quantity_words(found.quantity).lower()
+    words = quantity_label(found.quantity).lower()
     return f"{words} ({unit})" if unit else words
 
 
@@ -345,8 +345,8 @@ def values_chart(found: ModelAgainstTest, known: dict[str, Look]) -> Chart:
 
 
 def _short(row: ValueRow, with_speed: bool) -> str:
-    words = quantity_words(row.quantity) + (", angle" if row.kind == "angle" else "")
-    return f"{words}, {speed_words(row.engine_speed)}" if with_speed else words
+    words = quantity_label(row.quantity) + (", angle" if row.kind == "angle" else "")
+    return f"{words}, {speed_text(row.engine_speed)}" if with_speed else words
 
 
 def compare_test_json(found: ModelAgainstTest) -> dict[str, Any]:

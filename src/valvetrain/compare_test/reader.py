@@ -26,12 +26,12 @@ AnyTest = MeasuredCycles | ValueTable | str | Path
 #: Speeds that differ by less than this share are the same test.
 SAME_SPEED = 1e-3
 #: Most cycles, and most of their values in all.
-MOST_CYCLES, MOST_VALUES = 2000, 10_000_000
+MAX_CYCLES, MAX_VALUES = 2000, 10_000_000
 #: Repeats below which the count of independent angles leans on scatter being alike at all angles.
 FEW = 4
 #: Largest file of a test, the bytes of it that tell what it is, and the largest number that is a
 #: measured one.
-_MOST_BYTES, _BEGINNING, _MOST_SIZE = 500_000_000, 1 << 16, 1e30
+_MAX_BYTES, _BEGINNING, _MAX_SIZE = 500_000_000, 1 << 16, 1e30
 
 
 def read_test(test: AnyTest, quantity: str = "", channel: int = 0) -> MeasuredCycles | ValueTable:
@@ -70,7 +70,7 @@ def read_test(test: AnyTest, quantity: str = "", channel: int = 0) -> MeasuredCy
 
 def _holds_values(path: Path) -> bool:
     """Whether a file begins as a table of values does."""
-    content = read_content(path, _MOST_BYTES, "file of a test")
+    content = read_content(path, _MAX_BYTES, "file of a test")
     if content.startswith(HDF5_MARK):
         return False
     try:
@@ -156,14 +156,14 @@ def whole_cycles(cycles: MeasuredCycles) -> MeasuredCycles:
     Raises :class:`InputError` where fewer than 8 angles are left, and for more cycles than are
     compared.
     """
-    if len(cycles.values) > MOST_CYCLES or cycles.values.size > MOST_VALUES:
+    if len(cycles.values) > MAX_CYCLES or cycles.values.size > MAX_VALUES:
         raise InputError(
-            f"the test holds {len(cycles.values)} cycles of {len(cycles.cam_angle)} angles; give at most {MOST_CYCLES} cycles and "
-            f"{MOST_VALUES // 1_000_000} million values, such as every tenth cycle"
+            f"the test holds {len(cycles.values)} cycles of {len(cycles.cam_angle)} angles; give at most {MAX_CYCLES} cycles and "
+            f"{MAX_VALUES // 1_000_000} million values, such as every tenth cycle"
         )
-    if np.nanmax(np.abs(cycles.values), initial=0.0) > _MOST_SIZE:
+    if np.nanmax(np.abs(cycles.values), initial=0.0) > _MAX_SIZE:
         raise InputError(
-            f"{cycles.source or cycles.quantity} holds numbers beyond {_MOST_SIZE:g}, which nobody measures; correct them"
+            f"{cycles.source or cycles.quantity} holds numbers beyond {_MAX_SIZE:g}, which nobody measures; correct them"
         )
     cycles = _one_turn(cycles)
     known = np.isfinite(cycles.values)

@@ -10,7 +10,7 @@ from valvetrain.compare_test.comparison import RunAgainstTest
 from valvetrain.compare_test.events import EventRow
 from valvetrain.measured.cycles import MeasuredCycles
 from valvetrain.measured.value_table import ValueTable
-from valvetrain.report.text import number, quantity_words, rpm, speed_words, unit_words
+from valvetrain.report.text import number, quantity_label, rpm, speed_text, unit_text
 from valvetrain.solution.display import SHOWN_UNITS
 from valvetrain.units import unit_factor
 
@@ -28,15 +28,15 @@ def unit_of_test(found: ModelAgainstTest) -> tuple[str, float]:
         units = {one.unit for one in found.test.values}
         unit = next(iter(units))
         return (
-            (unit_words(unit), 1 / unit_factor(unit))
+            (unit_text(unit), 1 / unit_factor(unit))
             if len(units) == 1 and found.test.repeats > 1
             else ("", 1.0)
         )
     unit, factor = SHOWN_UNITS.get(found.test.unit, (found.test.unit, 1.0))
-    return unit_words(unit), factor
+    return unit_text(unit), factor
 
 
-def words_of_test(found: ModelAgainstTest) -> str:
+def text_of_test(found: ModelAgainstTest) -> str:
     """What the test is, in one line."""
     test = found.test
     made = "synthetic, not measured: " if test.synthetic else ""
@@ -44,7 +44,7 @@ def words_of_test(found: ModelAgainstTest) -> str:
         return f"{made}{len(test.values)} values of {test.source or 'a table'}, {_repeats(test.repeats)}"
     speed = f" at {rpm(2 * test.cam_speed):.6g} rpm of the crank" if test.cam_speed else ""
     return (
-        f"{made}{quantity_words(test.quantity).lower()}, {len(test.values)} cycles of {len(test.cam_angle)} angles{speed}"
+        f"{made}{quantity_label(test.quantity).lower()}, {len(test.values)} cycles of {len(test.cam_angle)} angles{speed}"
         + (f", {test.source}" if test.source else "")
     )
 
@@ -273,14 +273,14 @@ def value_rows(run: RunAgainstTest) -> list[Row]:
     rows: list[Row] = []
     for one in run.values:
         factor = 1 / unit_factor(one.unit)
-        words = quantity_words(one.quantity) + (", angle" if one.kind == "angle" else "")
+        words = quantity_label(one.quantity) + (", angle" if one.kind == "angle" else "")
         rows.append(
             (
                 words,
-                speed_words(one.engine_speed),
+                speed_text(one.engine_speed),
                 number(one.model * factor),
                 number(one.test * factor),
-                unit_words(one.unit),
+                unit_text(one.unit),
                 number(one.scatter * factor, 2),
                 number(one.difference * factor, 3),
                 number(one.in_scatters, 2),
@@ -298,10 +298,10 @@ def outside_sentence(run: RunAgainstTest) -> str:
     if not far:
         return f"All {len(told)} values lie within two scatters of the model."
     worst = max(far, key=lambda one: abs(one.in_scatters))
-    name = quantity_words(worst.quantity) + (", angle" if worst.kind == "angle" else "")
+    name = quantity_label(worst.quantity) + (", angle" if worst.kind == "angle" else "")
     return (
         f"{len(far)} of {len(told)} values lie more than two scatters off {run.label}; the furthest is {name} at "
-        f"{speed_words(worst.engine_speed)}, by {number(abs(worst.in_scatters), 2)}."
+        f"{speed_text(worst.engine_speed)}, by {number(abs(worst.in_scatters), 2)}."
     )
 
 

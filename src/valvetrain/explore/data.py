@@ -100,7 +100,7 @@ class Datum:
 
 
 #: Longest name of a quantity or measurement.
-LONGEST = 80
+MAX_LENGTH = 80
 
 
 class Part:
@@ -203,7 +203,7 @@ class Part:
         if not found.table:
             raise InputError(f"there is none; write a table [{key}.NAME]", self.place(key))
         for name in found.table:
-            if not name.strip() or len(name) > LONGEST or not name.isprintable():
+            if not name.strip() or len(name) > MAX_LENGTH or not name.isprintable():
                 raise InputError(f"'{name[:40]}' is no name; write a short word", found.where)
         return tuple(
             (name, Part(table, f"{found.where}.{name[:40]}")) for name, table in found.table.items()
@@ -244,7 +244,7 @@ class Station:
 
 
 @dataclass(frozen=True, slots=True)
-class Sought:
+class Target:
     """One number: a named ``quantity``; the ``force`` of a spring at a compression ``at`` (m from
     the free state) or its ``load`` at a
     height ``at`` (m between its seats), ``name`` being the spring (empty: the only one); the cam

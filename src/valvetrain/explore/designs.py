@@ -13,7 +13,7 @@ from typing import Any, Protocol
 import numpy as np
 
 from valvetrain.explore.evaluate import evaluate
-from valvetrain.explore.executors import DaskCrew
+from valvetrain.explore.executors import DaskExecutor
 from valvetrain.explore.measure import Ask, Measure, Measured, measuring
 from valvetrain.explore.plan import Array, Run, StudyPlan
 from valvetrain.explore.point import Outcome
@@ -73,12 +73,12 @@ class Points:
                     self._left.callback(store.close)
                     self.stores[source] = store
             shared = tuple(plan for _, plan in self.plans)
-            self._crew: Stream
+            self._executor: Stream
             if self.dask:
-                self._crew = _Cluster(shared, self.dask, self.workers)
-                self._left.callback(self._crew.close)
+                self._executor = _Cluster(shared, self.dask, self.workers)
+                self._left.callback(self._executor.close)
             else:
-                self._crew = self._left.enter_context(
+                self._executor = self._left.enter_context(
                     StandingPool(evaluate_job, shared, self.workers)
                 )
         except BaseException:
@@ -125,7 +125,7 @@ class Points:
             if key[1] not in self.stores[source]:
                 waiting.setdefault(key, (self.places[id(plan)], design.values, run))
         order = list(waiting)
-        for number, result in self._crew.stream([waiting[key] for key in order]):
+        for number, result in self._executor.stream([waiting[key] for key in order]):
             source, digest = order[number]
             lost = Outcome(Status("worker-lost", LOST, remedy=LOST_REMEDY))
             self.stores[source].add(digest, lost if isinstance(result, Lost) else result)
@@ -143,16 +143,16 @@ class _Cluster:
     """The same by a Dask cluster."""
 
     def __init__(self, shared: tuple[StudyPlan, ...], where: str, workers: int) -> None:
-        self.shared, self.crew = shared, DaskCrew(where, workers)
+        self.shared, self.executor = shared, DaskExecutor(where, workers)
 
     def stream(self, jobs: Sequence[Job]) -> Any:
         """(place, outcome) of each job."""
         if jobs:
-            yield from self.crew.run(evaluate_job, self.shared, jobs)
+            yield from self.executor.run(evaluate_job, self.shared, jobs)
 
     def close(self) -> None:
         """Leave the cluster."""
-        self.crew.close()
+        self.executor.close()
 
 
 def spread_first(count: int, dimensions: int, seed: int) -> Array:

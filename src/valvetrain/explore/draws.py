@@ -73,7 +73,7 @@ Labels = NDArray[np.int64]
 DIP, BETWEEN = 2.0, 7
 #: Draws that are parted, least share of them in a part, and dimensions of a posterior whose parts
 #: are looked for among fewer draws.
-PARTED, LEAST_SHARE = 1000, 0.03
+PARTED, MIN_SHARE = 1000, 0.03
 
 
 def branches_of_draws(posterior: Posterior, draws: Draws, seed: int = 1) -> Labels:
@@ -89,10 +89,10 @@ def branches_of_draws(posterior: Posterior, draws: Draws, seed: int = 1) -> Labe
     deviation = np.sqrt(draws.weights @ (draws.work - middle) ** 2)
     scaled = (draws.work - middle) / np.where(deviation > 0, deviation, 1.0)
     chosen, _ = even_draws(draws.weights, min(PARTED, len(draws.work)), seed)
-    if len(chosen) < 4 / LEAST_SHARE:
+    if len(chosen) < 4 / MIN_SHARE:
         return np.zeros(len(draws.work), dtype=np.int64)
     found = HDBSCAN(
-        min_cluster_size=max(10, int(LEAST_SHARE * len(chosen))),
+        min_cluster_size=max(10, int(MIN_SHARE * len(chosen))),
         allow_single_cluster=True,
         copy=True,
     ).fit_predict(scaled[chosen])

@@ -28,7 +28,7 @@ Array = NDArray[np.float64]
 STEPS = 1000
 #: Share of the steps at the beginning that are left out, autocorrelation times that a chain should
 #: hold, most draws that are kept.
-BEGINNING, ENOUGH_TIMES, MOST_DRAWS = 0.4, 50, 4000
+BEGINNING, ENOUGH_TIMES, MAX_DRAWS = 0.4, 50, 4000
 #: Rounds of draws from the prior in which starts that can be computed are looked for.
 ROUNDS = 20
 
@@ -83,7 +83,7 @@ def ensemble(
                 raise
         time = float(np.max(sampler.get_autocorr_time(tol=0)))
     chain = sampler.get_chain(discard=int(BEGINNING * done))
-    thin = max(1, -(-chain.shape[0] * number // MOST_DRAWS))
+    thin = max(1, -(-chain.shape[0] * number // MAX_DRAWS))
     work = chain[::thin].reshape(-1, count)
     notes = []
     if not np.isfinite(time) or (1 - BEGINNING) * done < ENOUGH_TIMES * time:
@@ -189,7 +189,7 @@ def evolution(
 
 
 #: Longest time (s) that the chains of a map that was cut are waited for.
-LONGEST_END = 20.0
+MAX_END = 20.0
 
 
 class _Cut(BaseException):
@@ -289,7 +289,7 @@ class Lockstep:
             # yet not «alive»
             self.turn.wait_for(
                 lambda: all(chain.ended or not chain.inside for chain in chains),
-                timeout=LONGEST_END,
+                timeout=MAX_END,
             )
 
     def _serve(self, chains: list[_Chain]) -> None:

@@ -9,10 +9,10 @@ from functools import lru_cache
 import numpy as np
 
 from valvetrain.cam.build import build_lift_law
-from valvetrain.cam.remembered import RememberedLift
+from valvetrain.cam.cached import RememberedLift
 from valvetrain.errors import InputError
 from valvetrain.explore.paths import vary
-from valvetrain.explore.point import Outcome, Point, Wanted
+from valvetrain.explore.point import Outcome, Point, PointRequest
 from valvetrain.parameters.case import Case
 from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.parameters.lift_law import LiftLawParameters
@@ -25,12 +25,12 @@ from valvetrain.runs.prepared import (
     Plan,
     integrate_point,
     judge,
-    make_ready,
+    prepare,
     provenance_of,
 )
 from valvetrain.runs.run import ready_trains, rest_of_spring, rigid_numbers, train_point
 from valvetrain.runs.statics import reach_of, rest_by_model
-from valvetrain.solution.partial_failures import Gaps, reason
+from valvetrain.solution.partial_failures import PartialFailures, reason
 from valvetrain.solution.result import Solution
 from valvetrain.solution.static import SpringAtRest
 from valvetrain.solution.status import COMPLETED, Status
@@ -50,7 +50,7 @@ def evaluate(point: Point) -> Outcome:
     exception.
 
     >>> import valvetrain as vt
-    >>> point = Point(vt.load_case("job-c"), engine_speed=400.0, spring_model="massless", wanted=Wanted(("peak_spring_force",)))
+    >>> point = Point(vt.load_case("job-c"), engine_speed=400.0, spring_model="massless", wanted=PointRequest(("peak_spring_force",)))
     >>> evaluate(point).status.code
     'completed'
     """
@@ -106,7 +106,7 @@ def _with_remembered_lift(problem: Problem, law: LiftLawParameters) -> Problem:
 
 
 def _spring(
-    problem: Problem, member: Member, engine_speed: float | None, wanted: Wanted
+    problem: Problem, member: Member, engine_speed: float | None, wanted: PointRequest
 ) -> tuple[Status, dict[str, float]]:
     """Prescribed motion, as :func:`valvetrain.runs.run.run_study` runs it."""
     lift = float(np.max(problem.valve_lift.lift(np.linspace(0.0, 2 * np.pi, 721))))
@@ -120,7 +120,7 @@ def _spring(
     )
     status, values = COMPLETED, dict[str, float]()
     if engine_speed is not None:
-        ready = make_ready(
+        ready = prepare(
             problem,
             member,
             rest if member.model.needs_rest else {},
@@ -137,7 +137,7 @@ def _spring(
 
 
 def _still(
-    problem: Problem, member: Member, rest: Rest, lift: float, wanted: Wanted
+    problem: Problem, member: Member, rest: Rest, lift: float, wanted: PointRequest
 ) -> dict[str, float]:
     """Numbers of the springs at rest, those of a nested pair with the name of each in front."""
     found: dict[str, float] = {}
@@ -173,14 +173,14 @@ def _by_model(problem: Problem, spring: InstalledSpring, word: str, lift: float)
 
 
 def _train(
-    problem: Problem, member: Member, engine_speed: float | None, wanted: Wanted
+    problem: Problem, member: Member, engine_speed: float | None, wanted: PointRequest
 ) -> tuple[Status, dict[str, float]]:
     """A train to its periodic state, as a run does it, with what rigid theory says and its springs
     at rest where they are asked for.
     """
     values: dict[str, float] = {}
     status = COMPLETED
-    gaps = Gaps()
+    gaps = PartialFailures()
     speeds = (engine_speed,) if engine_speed is not None else problem.engine_speeds
     if engine_speed is not None or wanted.rigid:
         ready, _ = ready_trains(problem, speeds, gaps)
@@ -243,7 +243,7 @@ def evaluate_points(
 _Job = tuple[int, tuple[tuple[object, float], ...], float | None, str, str, int]
 
 
-def _job(shared: tuple[tuple[Case, ...], tuple[Wanted, ...]], job: _Job) -> Outcome:
+def _job(shared: tuple[tuple[Case, ...], tuple[PointRequest, ...]], job: _Job) -> Outcome:
     place, values, engine_speed, model, spring_set, wanted = job
     return evaluate(
         Point(shared[0][place], values, engine_speed, model, spring_set, shared[1][wanted])  # type: ignore[arg-type]

@@ -27,7 +27,7 @@ QUEUES = {
 }
 
 
-class Crew(Protocol):
+class Executor(Protocol):
     """Computes ``function(shared, job)`` of jobs, each answered once."""
 
     @property
@@ -49,7 +49,7 @@ class Crew(Protocol):
 
 
 @dataclass(frozen=True, slots=True)
-class LocalCrew:
+class LocalExecutor:
     """This process for one worker, else processes of this machine."""
 
     workers: int
@@ -69,7 +69,7 @@ class LocalCrew:
         """Nothing is held."""
 
 
-class DaskCrew:
+class DaskExecutor:
     """A Dask cluster: ``local``, the address of a scheduler, or the word of a queue of
     dask-jobqueue (``slurm``, ``pbs``).
 
@@ -171,6 +171,6 @@ def _one(numbered: tuple[int, Any], *, function: Function, shared: Any) -> Any:
     return function(shared, numbered[1])
 
 
-def crew_of(workers: int, dask: str = "") -> Crew:
+def executor_for(workers: int, dask: str = "") -> Executor:
     """The crew asked for."""
-    return DaskCrew(dask, workers) if dask else LocalCrew(workers)
+    return DaskExecutor(dask, workers) if dask else LocalExecutor(workers)

@@ -15,14 +15,14 @@ import numpy as np
 
 from valvetrain.errors import InputError
 from valvetrain.explore.evaluate import evaluate
-from valvetrain.explore.executors import Crew
+from valvetrain.explore.executors import Executor
 from valvetrain.explore.plan import Array, Run, StudyPlan
 from valvetrain.explore.point import Outcome
 from valvetrain.explore.store import PointStore
 from valvetrain.explore.table import StudyTable
 from valvetrain.runs.cost import Cost, Limits, refuse_cost
 from valvetrain.runs.engine import LOST, LOST_REMEDY, Progress
-from valvetrain.runs.planned import Asked
+from valvetrain.runs.planned import RunRequest
 from valvetrain.runs.request_cost import REST, request_cost
 from valvetrain.runs.stopping import Stopped
 from valvetrain.runs.workers import Lost
@@ -94,7 +94,7 @@ def seconds_of(plan: StudyPlan, run: Run) -> float:
             one.distribution.at([0.01, 0.99]) for one in plan.varied if one.key == "engine_speed"
         ]
         speeds = tuple(float(np.min(one)) for one in ends)
-    asked = Asked(
+    asked = RunRequest(
         "run",
         plan.case,
         speeds,
@@ -116,7 +116,7 @@ def seconds_of(plan: StudyPlan, run: Run) -> float:
 
 def run_points(
     plan: StudyPlan,
-    crew: Crew,
+    executor: Executor,
     folder: Path | None = None,
     limits: Limits = Limits(),
     progress: Progress | None = None,
@@ -129,13 +129,13 @@ def run_points(
     the middle of the distributions is refused, :class:`PointsInterrupted` with the table when it is
     stopped.
     """
-    begun, estimate = time.perf_counter(), estimate_study(plan, crew.workers)
+    begun, estimate = time.perf_counter(), estimate_study(plan, executor.workers)
     words = refuse_cost(estimate.cost, limits)
     if told is not None:
         told(f"{estimate.points} points, {words}")
     store = PointStore(folder, plan.wanted.outputs)
     try:
-        return _Engine(plan, crew, store, estimate, progress, begun).run()
+        return _Engine(plan, executor, store, estimate, progress, begun).run()
     finally:
         store.close()
 
@@ -146,15 +146,15 @@ class _Engine:
     def __init__(
         self,
         plan: StudyPlan,
-        crew: Crew,
+        executor: Executor,
         store: PointStore,
         estimate: Estimate,
         progress: Progress | None,
         begun: float,
     ) -> None:
-        self.plan, self.crew, self.store, self.estimate, self.progress, self.begun = (
+        self.plan, self.executor, self.store, self.estimate, self.progress, self.begun = (
             plan,
-            crew,
+            executor,
             store,
             estimate,
             progress,
@@ -194,15 +194,17 @@ class _Engine:
                 seen.add(key)
                 waiting.append((key, tuple(map(float, values)), places[run]))
             if len(waiting) >= JOBS * self.together:
-                self._hand_out(waiting)
+                self._submit(waiting)
                 waiting, seen = [], set()
-        self._hand_out(waiting)
+        self._submit(waiting)
 
-    def _hand_out(self, waiting: Sequence[tuple[bytes, tuple[float, ...], int]]) -> None:
-        together = max(1, min(self.together, math.ceil(len(waiting) / max(1, self.crew.workers))))
+    def _submit(self, waiting: Sequence[tuple[bytes, tuple[float, ...], int]]) -> None:
+        together = max(
+            1, min(self.together, math.ceil(len(waiting) / max(1, self.executor.workers)))
+        )
         groups = [waiting[first : first + together] for first in range(0, len(waiting), together)]
         jobs = [[(values, run) for _, values, run in group] for group in groups]
-        for place, result in self.crew.run(evaluate_group, self.plan, jobs):
+        for place, result in self.executor.run(evaluate_group, self.plan, jobs):
             lost = Outcome(Status("worker-lost", LOST, remedy=LOST_REMEDY))
             outcomes = [lost] * len(groups[place]) if isinstance(result, Lost) else result
             for (key, _, _), outcome in zip(groups[place], outcomes, strict=True):

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Literal, get_args
 
 from valvetrain.errors import InputError
-from valvetrain.explore.data import Datum, Part, Sought, same_dimension
+from valvetrain.explore.data import Datum, Part, Target, same_dimension
 from valvetrain.explore.ensembles import EVALUATIONS, LANES, LIVE_POINTS, PRECISION, STEPS
 from valvetrain.explore.least_squares import SIDE
 from valvetrain.explore.measurements import read_measurement, read_station
@@ -135,7 +135,7 @@ class Request:
     unknowns: tuple[Unknown, ...]
     varied: tuple[tuple[Varied, ...], ...]
     data: tuple[Datum, ...]
-    sought: tuple[Sought, ...]
+    sought: tuple[Target, ...]
     search: Search
     profiles: tuple[str, ...]
     evaluator: str
@@ -145,7 +145,7 @@ class Request:
     folder: Path
 
     @property
-    def parts(self) -> tuple[tuple[Sought, ...], tuple[Sought, ...]]:
+    def parts(self) -> tuple[tuple[Target, ...], tuple[Target, ...]]:
         """What is sought of every point, measured under conditions of which something is fitted;
         and what of the draws alone.
         """
@@ -283,13 +283,13 @@ def _case(whole: Part, folder: Path) -> Case:
         raise InputError(error.reason, f"case{', ' + error.where if error.where else ''}") from None
 
 
-def _asked(part: Part) -> Sought:
+def _asked(part: Part) -> Target:
     """A number that is computed for the draws although nobody measured it."""
     station, name = read_station(part), part.text("quantity")
     part.finish()
     if not definition_of(name).dimension:
         raise InputError(no_quantity(name), part.place("quantity"))
-    return Sought(station, "quantity", name)
+    return Target(station, "quantity", name)
 
 
 def _unknown(name: str, part: Part, bare: bool) -> tuple[Unknown, tuple[Varied, ...]]:

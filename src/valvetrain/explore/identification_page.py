@@ -48,10 +48,10 @@ from valvetrain.report.page import (
     render,
     text,
 )
-from valvetrain.report.text import unit_words
+from valvetrain.report.text import unit_text
 from valvetrain.solution.atomic import closing_line, write_bytes, write_text
 from valvetrain.solution.channels import ChannelArrays, Variable
-from valvetrain.solution.definition import si_words
+from valvetrain.solution.definition import si_unit_text
 from valvetrain.solution.netcdf import write_arrays
 from valvetrain.units import dimension_of
 
@@ -211,7 +211,7 @@ def _priors(found: Identified) -> Grid:
                 Cell(one.name.replace("_", " ")),
                 Cell(one.prior.kind),
                 Cell(prior_words(one.prior, one.unit)),
-                Cell(unit_words(one.unit)),
+                Cell(unit_text(one.unit)),
                 Cell(one.prior.source, "quiet"),
             ),
             (),
@@ -318,7 +318,7 @@ def si_unit(unit: str) -> str:
     ('N/m', 'rad', '1', 'SI')
     """
     dimension = dimension_of(unit) if unit else None
-    return si_words(dimension) if dimension else "SI"
+    return si_unit_text(dimension) if dimension else "SI"
 
 
 def _by_measurement(

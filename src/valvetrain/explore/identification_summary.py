@@ -11,7 +11,7 @@ from valvetrain.explore.data import Datum
 from valvetrain.explore.identified import Branch, Conflict, Identified, Predicted, Prediction
 from valvetrain.explore.posterior import Unknown
 from valvetrain.explore.prior import Prior
-from valvetrain.report.text import number, unit_words
+from valvetrain.report.text import number, unit_text
 from valvetrain.units import unit_factor
 
 #: Heads of the tables whose rows the functions below give.
@@ -56,7 +56,7 @@ def found_rows(found: Identified, branch: Branch) -> list[tuple[str, ...]]:
             (
                 _words(one.name),
                 *ends,
-                unit_words(one.unit),
+                unit_text(one.unit),
                 prior_words(one.prior, one.unit),
                 f"{100 * told:.0f} %",
             )
@@ -74,7 +74,7 @@ def measured_words(one: Predicted) -> tuple[str, ...]:
     return (
         datum_words(datum),
         *values,
-        unit_words(datum.unit),
+        unit_text(datum.unit),
         "–" if np.isnan(one.percentile) else f"{one.percentile:.1f}",
     )
 
@@ -98,7 +98,7 @@ def prediction_words(one: Prediction) -> tuple[str, ...]:
     return (
         _words(one.key),
         *(shown(value, one.unit) for value in (one.best, one.low, one.middle, one.high)),
-        unit_words(one.unit),
+        unit_text(one.unit),
     )
 
 
@@ -152,7 +152,7 @@ def odd(found: Identified) -> list[Predicted]:
 
 def title_of(one: Unknown) -> str:
     """A quantity with its unit, as an axis has it."""
-    return f"{_words(one.name)}{f' ({unit_words(one.unit)})' if one.unit else ''}"
+    return f"{_words(one.name)}{f' ({unit_text(one.unit)})' if one.unit else ''}"
 
 
 def _words(name: str) -> str:

@@ -20,11 +20,11 @@ from valvetrain.cli.options import (
     QuietOption,
     WorkersOption,
     asks,
-    read_words,
+    read_names,
     read_workers,
     take_folder,
 )
-from valvetrain.cli.study_command import Kept, keep_run, show_page
+from valvetrain.cli.study_command import SavedRequest, keep_run, show_page
 from valvetrain.errors import InputError
 
 if TYPE_CHECKING:
@@ -81,19 +81,19 @@ def identify(
         request = replace(
             request,
             search=replace(request.search, **asked),
-            profiles=read_words(profile) or request.profiles,
+            profiles=read_names(profile) or request.profiles,
         )
     except InputError as error:
         raise InputError(error.reason, f"--{error.where}") from None
     points = output or ROOT / safe_name(request.case.name) / f"points-{request.identity[:12]}"
-    kept = Kept(
+    kept = SavedRequest(
         "identify", request.case, output, datetime.now(UTC).replace(microsecond=0), file.parent
     )
     _answer(request, kept, points, read_workers(workers), read_limits(limit), open_page)
 
 
 def _answer(
-    request: Request, kept: Kept, points: Path, workers: int, limits: Any, open_page: bool
+    request: Request, kept: SavedRequest, points: Path, workers: int, limits: Any, open_page: bool
 ) -> None:
     from valvetrain.cli.guard import interrupted
     from valvetrain.cli.outcome import Outcome, deliver, tell
@@ -151,7 +151,7 @@ def _answer(
 
 
 def _keep(
-    request: Request, kept: Kept, points: Path, found: Identified, data: dict[str, Any]
+    request: Request, kept: SavedRequest, points: Path, found: Identified, data: dict[str, Any]
 ) -> tuple[Path, list[str]]:
     from valvetrain.cli.progress import busy
     from valvetrain.explore.identification_page import write_identification

@@ -23,13 +23,13 @@ from valvetrain.explore.posterior import Outcome, Posterior
 Array = NDArray[np.float64]
 #: Step of a difference in standard deviations of the prior where nothing is known yet, and of what
 #: the data leave once it is.
-FIRST_STEP, LATER_STEP, LEAST_STEP = 0.03, 0.1, 1e-5
+FIRST_STEP, LATER_STEP, MIN_STEP = 0.03, 0.1, 1e-5
 #: Search ends when a step gains less than this share of the misfit, or of one standard deviation
 #: squared.
 GAIN = 1e-3
 #: Dampings that are tried at once, over the last that was best; and the damping at which the search
 #: gives up.
-TRIALS, LEAST_DAMPING, LARGEST_DAMPING = (-2, -1, 0, 1), 1e-9, 1e8
+TRIALS, MIN_DAMPING, MAX_DAMPING = (-2, -1, 0, 1), 1e-9, 1e8
 #: A misfit below this is none.
 NOTHING = 1e-12
 
@@ -80,7 +80,7 @@ def least_squares(
         jacobian = differences(posterior, work, outcome, steps, chosen)
         whole = np.vstack([jacobian, _prior_rows(posterior)])[:, chosen]
         normal, gradient = whole.T @ whole, whole.T @ misses
-        tried = [max(damping, LEAST_DAMPING) * 10.0**power for power in TRIALS]
+        tried = [max(damping, MIN_DAMPING) * 10.0**power for power in TRIALS]
         places = np.tile(work, (len(tried), 1))
         for row, one in zip(places, tried, strict=True):
             row[chosen] -= spread[chosen] * np.linalg.solve(
@@ -95,7 +95,7 @@ def least_squares(
                 best, damping = (place, found, off), one
         if best is None:
             damping *= 100.0
-            if damping > LARGEST_DAMPING or least < NOTHING:
+            if damping > MAX_DAMPING or least < NOTHING:
                 break
             continue
         work, outcome, misses = best
@@ -166,11 +166,11 @@ def _steps(jacobian: Array, posterior: Posterior, chosen: Array) -> Array:
     deviations of the prior.
     """
     told = np.sqrt(np.sum(jacobian**2, axis=0) + 1.0)
-    return np.where(chosen, np.clip(LATER_STEP / told, LEAST_STEP, FIRST_STEP), FIRST_STEP)
+    return np.where(chosen, np.clip(LATER_STEP / told, MIN_STEP, FIRST_STEP), FIRST_STEP)
 
 
 #: Branches of less than this share of the probability are left out.
-LEAST_SHARE = 1e-3
+MIN_SHARE = 1e-3
 #: Share of draws that tell where the linearised posterior is weighted by the true one, below which
 #: it does not hold.
 HOLDS = 0.3
@@ -222,9 +222,7 @@ def ends_of(posterior: Posterior, peaks: list[Peak]) -> Ends:
     shares = np.exp(evidence - evidence.max())
     shares /= shares.sum()
     order = [
-        place
-        for place in np.argsort(-shares, kind="stable").tolist()
-        if shares[place] >= LEAST_SHARE
+        place for place in np.argsort(-shares, kind="stable").tolist() if shares[place] >= MIN_SHARE
     ]
     total = float(evidence.max() + np.log(np.sum(np.exp(evidence - evidence.max()))))
     return Ends(tuple(kept[place] for place in order), shares[order] / shares[order].sum(), total)

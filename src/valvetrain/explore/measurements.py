@@ -11,10 +11,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from valvetrain.errors import InputError
-from valvetrain.explore.data import Datum, Part, Sought, Station
+from valvetrain.explore.data import Datum, Part, Station, Target
 from valvetrain.measured.force_height import column_meaning, column_scale
 from valvetrain.measured.tables import TextTable, read_content, read_text_table, text_of
-from valvetrain.parameters.bounded_file import MOST_BYTES
+from valvetrain.parameters.bounded_file import MAX_BYTES
 from valvetrain.solution.definition import angle_name, definition_of, no_quantity
 from valvetrain.units import parse_quantity, unit_factor
 from valvetrain.units.text import split_quantity
@@ -90,7 +90,7 @@ def curve_file(part: Part, folder: Path) -> tuple[Along, Array, Array]:
 def _table(part: Part, folder: Path) -> tuple[TextTable, str]:
     path = folder / part.text("file")
     table, name = (
-        read_text_table(text_of(read_content(path, MOST_BYTES, "table"), path.name), path.name),
+        read_text_table(text_of(read_content(path, MAX_BYTES, "table"), path.name), path.name),
         path.name[:60],
     )
     if table.rows.shape[1] < 2:
@@ -117,8 +117,8 @@ def _units(
 FORMS = ("quantity", "frequencies", "peak", "event", "channel", "compressions", "heights", "file")
 LAWS = ("normal", "student")
 #: Most data of one measurement.
-MOST_DATA = 5000
-Found = list[tuple[Sought, Datum]]
+MAX_DATA = 5000
+Found = list[tuple[Target, Datum]]
 
 
 def read_measurement(name: str, part: Part, folder: Path, own_names: bool = False) -> Found:
@@ -135,8 +135,8 @@ def read_measurement(name: str, part: Part, folder: Path, own_names: bool = Fals
         )
     station = read_station(part)
     rows = _READERS[form](part, station, folder, own_names)
-    if not 0 < len(rows) <= MOST_DATA:
-        raise InputError(f"holds {len(rows)} numbers; give 1 to {MOST_DATA}", part.where)
+    if not 0 < len(rows) <= MAX_DATA:
+        raise InputError(f"holds {len(rows)} numbers; give 1 to {MAX_DATA}", part.where)
     law = part.text("errors", "normal", LAWS)
     freedom = part.plain("freedom", 4.0)
     used, source = part.truth("fit", True), part.text("source", "")
@@ -163,7 +163,7 @@ def read_station(part: Part) -> Station:
     return Station(speed, part.text("spring_model", ""), part.text("spring_set", ""))
 
 
-Rows = list[tuple[Sought, float, float]]
+Rows = list[tuple[Target, float, float]]
 
 
 def _quantity(part: Part, station: Station, folder: Path, own_names: bool) -> Rows:
@@ -172,7 +172,7 @@ def _quantity(part: Part, station: Station, folder: Path, own_names: bool) -> Ro
     value, unit = part.amount("value", dimension)
     return [
         (
-            Sought(station, "quantity", name),
+            Target(station, "quantity", name),
             value,
             _scatter(part, "scatter", value, dimension if dimension is not None else unit),
         )
@@ -186,7 +186,7 @@ def _frequencies(part: Part, station: Station, folder: Path, own_names: bool) ->
         raise InputError("is no number of a mode; give 1, 2 ...", part.place("first_mode"))
     return [
         (
-            Sought(station, "quantity", f"mode_{number}_frequency"),
+            Target(station, "quantity", f"mode_{number}_frequency"),
             value,
             _scatter(part, "scatter", value, "frequency"),
         )
@@ -205,12 +205,12 @@ def _peak(part: Part, station: Station, folder: Path, own_names: bool) -> Rows:
         raise InputError(error.reason, part.place("peak")) from None
     return [
         (
-            Sought(station, "quantity", name),
+            Target(station, "quantity", name),
             value,
             _scatter(part, "scatter", value, dimension if dimension is not None else unit),
         ),
         (
-            Sought(station, "quantity", place),
+            Target(station, "quantity", place),
             angle,
             _scatter(part, "angle_scatter", angle, "angle"),
         ),
@@ -224,7 +224,7 @@ def _event(part: Part, station: Station, folder: Path, own_names: bool) -> Rows:
         raise InputError("is no number of an event; count from 1", part.place("number"))
     angle = part.amount("cam_angle", "angle")[0] % (2 * np.pi)
     return [
-        (Sought(station, "event", kind, number), angle, _scatter(part, "scatter", angle, "angle"))
+        (Target(station, "event", kind, number), angle, _scatter(part, "scatter", angle, "angle"))
     ]
 
 
@@ -242,7 +242,7 @@ def _channel(part: Part, station: Station, folder: Path, own_names: bool) -> Row
         unit = split_quantity(unit.split(",")[-1].strip(), None, "")[1]
     return [
         (
-            Sought(station, "channel", name, float(angle)),
+            Target(station, "channel", name, float(angle)),
             float(value),
             _scatter(part, "scatter", float(value), unit),
         )
@@ -263,7 +263,7 @@ def _curve(part: Part, station: Station, folder: Path, own_names: bool) -> Rows:
     at_rest = Station(None, station.spring_model, station.spring_set)
     return [
         (
-            Sought(at_rest, "load" if along == "height" else "force", spring, place),
+            Target(at_rest, "load" if along == "height" else "force", spring, place),
             force,
             _scatter(part, "scatter", force, "force"),
         )

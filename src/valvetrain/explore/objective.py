@@ -28,7 +28,7 @@ from valvetrain.explore.optimum_file import (
     SearchModel,
 )
 from valvetrain.explore.plan import Run, StudyPlan, case_of_file, varied_of_file
-from valvetrain.explore.point import Wanted, is_at_rest
+from valvetrain.explore.point import PointRequest, is_at_rest
 from valvetrain.explore.samplers import sampler
 from valvetrain.explore.space import ENGINE_SPEED, Uniform, Values, Varied
 from valvetrain.parameters.case import Case
@@ -196,7 +196,7 @@ def _plans(plan: OptimumPlan, rest_model: str) -> dict[str, StudyPlan]:
     for source in (REST, RUNS, LIMIT):
         here = [one for one in plan.measures if one.source == source]
         if here:
-            wanted = Wanted(tuple(dict.fromkeys(one.quantity for one in here)), rest_model)
+            wanted = PointRequest(tuple(dict.fromkeys(one.quantity for one in here)), rest_model)
             runs = tuple(dict.fromkeys(run for one in here for run in one.runs))
             options = spec.read_options({})
             found[source] = StudyPlan(

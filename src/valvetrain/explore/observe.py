@@ -13,10 +13,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from valvetrain.errors import InputError, RunFailedError
-from valvetrain.explore.data import Sought, Station
+from valvetrain.explore.data import Station, Target
 from valvetrain.explore.evaluate import MODES, evaluate_case
 from valvetrain.explore.paths import vary
-from valvetrain.explore.point import Point, Wanted
+from valvetrain.explore.point import Point, PointRequest
 from valvetrain.explore.posterior import Outcome
 from valvetrain.explore.space import Varied
 from valvetrain.parameters.case import Case
@@ -45,7 +45,7 @@ class Observed:
 
     case: Case
     varied: tuple[tuple[Varied, ...], ...]
-    sought: tuple[Sought, ...]
+    sought: tuple[Target, ...]
 
     @property
     def stations(self) -> tuple[Station, ...]:
@@ -97,16 +97,16 @@ def groups_of(observed: Observed) -> tuple[tuple[int, ...], ...]:
     return tuple(map(tuple, found.values()))
 
 
-def _needs_run(station: Station, sought: Sequence[Sought]) -> bool:
+def _needs_run(station: Station, sought: Sequence[Target]) -> bool:
     """Whether what is sought in motion needs a whole solution."""
     here = [one for one in sought if one.station == station]
     names = tuple(one.name for one in here if one.kind == "quantity")
     return station.engine_speed is not None and (
-        any(one.kind in ("event", "channel") for one in here) or not Wanted(names).light
+        any(one.kind in ("event", "channel") for one in here) or not PointRequest(names).light
     )
 
 
-def numbers_of(case: Case, stations: Sequence[Station], sought: Sequence[Sought]) -> Outcome:
+def numbers_of(case: Case, stations: Sequence[Station], sought: Sequence[Target]) -> Outcome:
     """What is ``sought`` of a case under several conditions, by key; None where one does not run.
     Raises as building and running do.
     """
@@ -133,7 +133,7 @@ def numbers_of(case: Case, stations: Sequence[Station], sought: Sequence[Sought]
     return found
 
 
-def numbers_at(case: Case, station: Station, sought: Sequence[Sought]) -> Outcome:
+def numbers_at(case: Case, station: Station, sought: Sequence[Target]) -> Outcome:
     """What is ``sought`` of a case under one condition, by key; None where it does not run. Raises
     what building and running raises.
     """
@@ -151,7 +151,7 @@ def numbers_at(case: Case, station: Station, sought: Sequence[Sought]) -> Outcom
         found |= _quick(case, station, quantities)
     elif quantities:
         rest = station.spring_model if station.engine_speed is None else ""
-        wanted = Wanted(tuple(dict.fromkeys(one.name for one in quantities)), rest)
+        wanted = PointRequest(tuple(dict.fromkeys(one.name for one in quantities)), rest)
         point = Point(
             case, (), station.engine_speed, station.spring_model, station.spring_set, wanted
         )
@@ -166,7 +166,7 @@ def numbers_at(case: Case, station: Station, sought: Sequence[Sought]) -> Outcom
     return found
 
 
-def _is_quick(one: Sought) -> bool:
+def _is_quick(one: Target) -> bool:
     """Whether a number at rest needs neither the whole static curve nor, by a spring model, the
     rod.
     """
@@ -175,7 +175,7 @@ def _is_quick(one: Sought) -> bool:
     )
 
 
-def _quick(case: Case, station: Station, quantities: Sequence[Sought]) -> dict[str, float]:
+def _quick(case: Case, station: Station, quantities: Sequence[Target]) -> dict[str, float]:
     """Preload and frequencies of the only spring by its model alone, a hundredth of the time that
     all its numbers take.
     """
@@ -212,7 +212,7 @@ def _runs(
 
 
 def _of_run(
-    run: Solution, still: Mapping[str, float], sought: Sequence[Sought]
+    run: Solution, still: Mapping[str, float], sought: Sequence[Target]
 ) -> dict[str, float] | None:
     if not run.status.completed:
         return None
@@ -223,7 +223,7 @@ def _of_run(
     }
 
 
-def _in_run(run: Solution, one: Sought) -> float:
+def _in_run(run: Solution, one: Target) -> float:
     if one.kind == "event":
         angles = sorted(
             event.cam_angle % (2 * np.pi) for event in run.events if event.kind == one.name
@@ -238,7 +238,7 @@ def _in_run(run: Solution, one: Sought) -> float:
     return float(np.interp(one.at % (2 * np.pi), turned[order], values[order], period=2 * np.pi))
 
 
-def _force(problem: Problem, station: Station, one: Sought) -> float:
+def _force(problem: Problem, station: Station, one: Target) -> float:
     spring = _spring(problem, one.name)
     model = problem.model_of(
         station.spring_model or (WIRE if spring.wire is not None else CARD), spring

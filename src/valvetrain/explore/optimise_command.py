@@ -119,9 +119,9 @@ def _written(request: _Request, found: Optimum) -> Any:
     from valvetrain.cli.outcome import Outcome
     from valvetrain.explore.optimum_page import optimum_json, write_optimum
     from valvetrain.explore.optimum_summary import answer
-    from valvetrain.solution.partial_failures import Gaps
+    from valvetrain.solution.partial_failures import PartialFailures
 
-    gaps = Gaps()
+    gaps = PartialFailures()
     data = keep_points(
         "optimise",
         optimum_json(found),

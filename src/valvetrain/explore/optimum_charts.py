@@ -17,7 +17,7 @@ from valvetrain.explore.searchers import Trial
 from valvetrain.explore.space import Varied
 from valvetrain.report import theme
 from valvetrain.report.chart import Chart, Layer, Line, Marks, Panel
-from valvetrain.report.text import unit_words
+from valvetrain.report.text import unit_text
 
 Array = NDArray[np.float64]
 #: Height (px) of a row of panels.
@@ -27,12 +27,12 @@ FEASIBLE, MISSES, CASE, BEST = theme.SERIES[0], theme.RULE, theme.SERIES[1], the
 
 def measure_label(one: Measure) -> str:
     """A measure with its unit, as an axis bears it."""
-    return f"{one.label} ({unit_words(one.unit)})" if one.unit else one.label
+    return f"{one.label} ({unit_text(one.unit)})" if one.unit else one.label
 
 
 def varied_label(one: Varied) -> str:
     """A varied quantity with its unit."""
-    return f"{one.words} ({unit_words(one.unit)})" if one.unit else one.words
+    return f"{one.words} ({unit_text(one.unit)})" if one.unit else one.words
 
 
 def convergence_chart(found: Optimum) -> Chart | None:

@@ -10,7 +10,7 @@ from typing import Annotated, Any, Literal
 from pydantic import BeforeValidator, Field
 
 from valvetrain.explore.study_file import (
-    MOST_VARIED,
+    MAX_VARIED,
     Amount,
     FileText,
     VaryModel,
@@ -21,7 +21,7 @@ from valvetrain.parameters.schema_types import Line, StrictModel, problem
 
 #: Most objectives and constraints of a file, trials of a search and searches of other seeds: more
 #: are taken for a mistake.
-MOST_OBJECTIVES, MOST_CONSTRAINTS, MOST_TRIALS, MOST_SEEDS, MOST_PER_ROUND = 4, 32, 20_000, 20, 256
+MAX_OBJECTIVES, MAX_CONSTRAINTS, MAX_TRIALS, MAX_SEEDS, MAX_PER_ROUND = 4, 32, 20_000, 20, 256
 #: Engine speeds are told this closely where nobody says otherwise.
 RESOLUTION = "10 rpm"
 Direction = Literal["minimise", "maximise"]
@@ -96,10 +96,10 @@ class SearchModel(StrictModel):
     """
 
     method: Method = "tpe"
-    trials: Annotated[int, Field(ge=1, le=MOST_TRIALS)] = 100
-    per_round: Annotated[int, Field(ge=1, le=MOST_PER_ROUND)] = 8
+    trials: Annotated[int, Field(ge=1, le=MAX_TRIALS)] = 100
+    per_round: Annotated[int, Field(ge=1, le=MAX_PER_ROUND)] = 8
     seed: Annotated[int, Field(ge=0, le=2**31)] = 1
-    seeds: Annotated[int, Field(ge=1, le=MOST_SEEDS)] = 1
+    seeds: Annotated[int, Field(ge=1, le=MAX_SEEDS)] = 1
     local: Annotated[float, Field(ge=0.0, le=0.9)] = 0.4
 
 
@@ -124,9 +124,9 @@ class OptimumModel(StrictModel):
     spring_models: Words = Field(default_factory=list)
     spring_sets: Words = Field(default_factory=list)
     rest_model: str = ""
-    objective: list[ObjectiveModel] = Field(min_length=1, max_length=MOST_OBJECTIVES)
-    constraint: list[ConstraintModel] = Field(default_factory=list, max_length=MOST_CONSTRAINTS)
-    vary: list[VaryModel] = Field(min_length=1, max_length=MOST_VARIED)
+    objective: list[ObjectiveModel] = Field(min_length=1, max_length=MAX_OBJECTIVES)
+    constraint: list[ConstraintModel] = Field(default_factory=list, max_length=MAX_CONSTRAINTS)
+    vary: list[VaryModel] = Field(min_length=1, max_length=MAX_VARIED)
     search: SearchModel = SearchModel()
     confirm: Annotated[list[ConfirmModel], BeforeValidator(_confirmations)] = Field(
         default_factory=list, max_length=8

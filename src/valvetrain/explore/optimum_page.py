@@ -20,13 +20,13 @@ from valvetrain.explore.optimum_summary import confirmed_words, sentences
 from valvetrain.explore.searchers import Trial
 from valvetrain.explore.study_page import distribution_words
 from valvetrain.report.page import Block, Cell, Grid, Page, Section, figure_or_gap, render, text
-from valvetrain.report.text import number, percent, unit_words
+from valvetrain.report.text import number, percent, unit_text
 from valvetrain.solution.atomic import write_text
 from valvetrain.solution.definition import definition_of, shown
-from valvetrain.solution.partial_failures import Gaps
+from valvetrain.solution.partial_failures import PartialFailures
 
 #: Designs of a front and failed trials that are listed.
-MOST_DESIGNS, MOST_FAILURES = 40, 8
+MAX_DESIGNS, MAX_FAILURES = 40, 8
 METHODS = {
     "tpe": "tree of Parzen estimators (Optuna)",
     "nsga2": "NSGA-II (Optuna)",
@@ -72,11 +72,11 @@ def optimum_page(found: Optimum) -> Page:
     failed = [one for one in found.trials if one.failure]
     if failed:
         lines: list[Block] = [
-            text(f"Trial {one.number}: {one.failure}", "note") for one in failed[:MOST_FAILURES]
+            text(f"Trial {one.number}: {one.failure}", "note") for one in failed[:MAX_FAILURES]
         ]
-        if len(failed) > MOST_FAILURES:
+        if len(failed) > MAX_FAILURES:
             lines.append(
-                text(f"And {len(failed) - MOST_FAILURES} more; trials.csv has them all.", "note")
+                text(f"And {len(failed) - MAX_FAILURES} more; trials.csv has them all.", "note")
             )
         sections.append(Section("failed", "Trials that could not be computed", tuple(lines)))
     sections.append(Section("asked", "What was asked", _asked(found)))
@@ -120,7 +120,7 @@ def answer_rows(found: Optimum) -> list[tuple[str, ...]]:
                 one.words,
                 number(own if np.isfinite(own) else None, 5),
                 number(there, 5),
-                unit_words(one.unit),
+                unit_text(one.unit),
                 apart,
             )
         )
@@ -148,7 +148,7 @@ def bound_rows(found: Optimum, design: Design) -> list[tuple[str, ...]]:
             (
                 bound_words(found.plan, place),
                 *shown_values,
-                unit_words(one.unit),
+                unit_text(one.unit),
                 percent(-miss),
                 words,
             )
@@ -163,9 +163,9 @@ def step_rows(found: Optimum, design: Design) -> list[tuple[str, ...]]:
     one, rows = found.plan.objectives[0].measure, list[tuple[str, ...]]()
     for step in design.steps:
         varied = found.plan.varied[step.place]
-        size = f"{varied.shown(step.size):+.3g} {unit_words(varied.unit)}".strip().replace("-", "−")
+        size = f"{varied.shown(step.size):+.3g} {unit_text(varied.unit)}".strip().replace("-", "−")
         value, before = float(step.objectives[0]), float(design.trial.objectives[0])
-        unit = unit_words(one.unit)
+        unit = unit_text(one.unit)
         apart = (
             ""
             if not np.isfinite(value)
@@ -192,7 +192,7 @@ def _row(one: Measure, before: float, value: float) -> tuple[str, ...]:
     apart = (
         percent(value / before - 1) if np.isfinite(before) and before and np.isfinite(value) else ""
     )
-    return one.label, _shown(one, before), _shown(one, value), unit_words(one.unit), apart
+    return one.label, _shown(one, before), _shown(one, value), unit_text(one.unit), apart
 
 
 def _shown(one: Measure, value: float) -> str:
@@ -216,14 +216,14 @@ def _front(found: Optimum) -> tuple[Block, ...]:
     heads = (
         "trial",
         *(
-            f"{one.measure.label} ({unit_words(one.measure.unit)})".replace(" ()", "")
+            f"{one.measure.label} ({unit_text(one.measure.unit)})".replace(" ()", "")
             for one in plan.objectives
         ),
-        *(f"{one.words} ({unit_words(one.unit)})".replace(" ()", "") for one in plan.varied),
+        *(f"{one.words} ({unit_text(one.unit)})".replace(" ()", "") for one in plan.varied),
         "",
     )
     chosen = {id(one.trial): one.chosen.partition(":")[0] for one in found.designs}
-    few = found.front[:: max(1, -(-len(found.front) // MOST_DESIGNS))]
+    few = found.front[:: max(1, -(-len(found.front) // MAX_DESIGNS))]
     rows = []
     for trial in few:
         values = [
@@ -297,7 +297,7 @@ def _where(one: Measure) -> str:
         of_case = (
             "" if one.limit.share is None else f" ({one.limit.share:g} x case at {first:.6g} rpm)"
         )
-        kept = f"{'at most' if one.limit.upper else 'at least'} {bounds} {unit_words(definition_of(one.quantity).shown_unit)}{of_case}"
+        kept = f"{'at most' if one.limit.upper else 'at least'} {bounds} {unit_text(definition_of(one.quantity).shown_unit)}{of_case}"
         words = f"{kept}, from {first:.6g} to {last:.6g} rpm, to {one.shown(one.limit.resolution):.3g} rpm"
     else:
         speeds = dict.fromkeys(run[0] for run in one.runs if run[0] is not None)
@@ -309,7 +309,7 @@ def _where(one: Measure) -> str:
 
 
 #: Trials that the JSON answer holds whole; more stand in trials.csv.
-MOST_TRIALS = 2000
+MAX_TRIALS = 2000
 TRIALS, OPTUNA, BEST = "trials.csv", "optuna.db", "best.toml"
 
 
@@ -332,7 +332,7 @@ def optimum_json(found: Optimum) -> dict[str, Any]:
         "best_by_seed": {str(seed): value for seed, value in found.best_by_seed.items()}, "sentences": list(sentences(found)),
         "completed": found.finished and found.best is not None,
     }  # fmt: skip
-    if len(found.trials) <= MOST_TRIALS:
+    if len(found.trials) <= MAX_TRIALS:
         data["rows"] = [_trial(one) for one in found.trials]
     return data
 
@@ -436,7 +436,9 @@ def _write_case(found: Optimum, design: Design, path: Path) -> Path:
     return write_text(path, case_text(found, design))
 
 
-def write_optimum(found: Optimum, folder: Path, gaps: Gaps) -> tuple[list[Path], Path | None]:
+def write_optimum(
+    found: Optimum, folder: Path, gaps: PartialFailures
+) -> tuple[list[Path], Path | None]:
     """Write trials, Optuna study, case files and page into ``folder``; what could not be written
     stands in ``gaps``. Files, and page.
     """

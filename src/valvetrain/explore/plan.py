@@ -18,8 +18,8 @@ from numpy.typing import NDArray
 
 from valvetrain.errors import InputError
 from valvetrain.explore.paths import numbers_of, part_of, tree_of, vary
-from valvetrain.explore.point import Point, Wanted
-from valvetrain.explore.samplers import MOST_POINTS, SamplerOptions, SamplerSpec, sampler
+from valvetrain.explore.point import Point, PointRequest
+from valvetrain.explore.samplers import MAX_POINTS, SamplerOptions, SamplerSpec, sampler
 from valvetrain.explore.space import (
     ENGINE_SPEED,
     SIGMAS,
@@ -135,7 +135,7 @@ class StudyPlan:
     sampler: SamplerSpec
     options: SamplerOptions
     runs: tuple[Run, ...]
-    wanted: Wanted
+    wanted: PointRequest
     description: str = ""
 
     def point(self, values: Iterable[float], run: Run) -> Point:
@@ -219,7 +219,7 @@ def read_plan(text: StudyText) -> StudyPlan:
         raise text.located(
             ("outputs",), "names no quantity; name one or more of docs/quantities.md"
         )
-    wanted = Wanted(tuple(dict.fromkeys(model.outputs)), model.rest_model)
+    wanted = PointRequest(tuple(dict.fromkeys(model.outputs)), model.rest_model)
     for key, word in (
         ("rest_model", model.rest_model),
         *(("spring_models", one) for one in model.spring_models),
@@ -275,7 +275,7 @@ def runs_of(
     engine_speeds: Any,
     case: Case,
     varied: Sequence[Varied],
-    wanted: Wanted,
+    wanted: PointRequest,
     models: Sequence[str],
     sets: Sequence[str],
 ) -> tuple[Run, ...]:
@@ -338,7 +338,7 @@ def _varied(one: VaryModel, case: Case) -> Varied:
     distribution: Distribution
     if one.way == "values":
         distribution = Values(parse_quantities(one.values, dimension, one.key))
-        if len(distribution.values) > MOST_POINTS:
+        if len(distribution.values) > MAX_POINTS:
             raise InputError("has too many values; give fewer", one.key)
     elif one.way == "uniform":
         distribution = Uniform(number(one.low), number(one.high))

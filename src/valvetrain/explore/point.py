@@ -38,7 +38,7 @@ RIGID = "rigid_"
 
 
 @dataclass(frozen=True, slots=True)
-class Wanted:
+class PointRequest:
     """Which numbers a point gives.
 
     ``outputs``: names of quantities (docs/quantities.md); empty for all that there are, which costs
@@ -108,7 +108,7 @@ class Point:
     engine_speed: float | None = None
     spring_model: str = ""
     spring_set: str = ""
-    wanted: Wanted = Wanted()
+    wanted: PointRequest = PointRequest()
 
     @property
     def speed(self) -> float | None:

@@ -19,7 +19,7 @@ from valvetrain.registry import find
 
 Array = NDArray[np.float64]
 #: Points of a study beyond this number are taken for a mistake.
-MOST_POINTS = 1_000_000
+MAX_POINTS = 1_000_000
 #: Places where nobody says otherwise.
 COUNT, LEVELS = 100, 5
 
@@ -33,7 +33,7 @@ class SamplerOptions(BaseModel):
 class CountedOptions(SamplerOptions):
     """Options of samplers that draw a number of points."""
 
-    count: int = Field(default=COUNT, ge=1, le=MOST_POINTS, description="points drawn")
+    count: int = Field(default=COUNT, ge=1, le=MAX_POINTS, description="points drawn")
     seed: int = Field(
         default=1,
         ge=0,
@@ -122,7 +122,7 @@ def _first(varied: Sequence[Varied], options: SamplerOptions) -> Array:
     assert isinstance(options, GridOptions)
     levels = [one.distribution.levels(options.levels) for one in varied]
     count = math.prod(map(len, levels))
-    if count > MOST_POINTS:
+    if count > MAX_POINTS:
         raise InputError(
             f"a grid of {' x '.join(str(len(one)) for one in levels)} has {count:.3g} points; take fewer levels",
             "points.levels",
@@ -209,7 +209,7 @@ class SaltelliOptions(CountedOptions):
     count: int = Field(
         default=1024,
         ge=8,
-        le=MOST_POINTS,
+        le=MAX_POINTS,
         description="points at most: base rows times (quantities + 2)",
     )
 

@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 
 from valvetrain.errors import InputError
-from valvetrain.explore.designs import Design as Wanted
+from valvetrain.explore.designs import Design as PointRequest
 from valvetrain.explore.designs import Points, Stop, spread_first
 from valvetrain.explore.experiment import seconds_of
 from valvetrain.explore.measure import Measure, Measured
@@ -299,14 +299,15 @@ class _Search:
         """The case as it stands, trial 0, with the bounds that are shares of its numbers."""
         if plan.begins:
             (begin,) = points.measure(
-                [Wanted(own, ())], [one for several in plan.begins.values() for one in several]
+                [PointRequest(own, ())],
+                [one for several in plan.begins.values() for one in several],
             )
             if begin.failure:
                 raise InputError(
                     f"the case itself cannot be computed, and a limit speed is a share of its numbers: {begin.failure}"
                 )
             plan = plan.with_limits(begin.values)
-        (measured,) = points.measure([Wanted(own, ())], plan.measures)
+        (measured,) = points.measure([PointRequest(own, ())], plan.measures)
         if measured.failure and any(one.share is not None for one in plan.constraints):
             raise InputError(
                 f"the case itself cannot be computed, and a bound is a share of its numbers: {measured.failure}"
@@ -390,7 +391,9 @@ class _Search:
         for begin in range(0, len(values), plan.search.per_round):
             part = values[begin : begin + plan.search.per_round]
             measured = points.measure(
-                [Wanted(plan.plans, tuple(map(float, one))) for one in part], plan.measures, stop
+                [PointRequest(plan.plans, tuple(map(float, one))) for one in part],
+                plan.measures,
+                stop,
             )
             for one, found in zip(part, measured, strict=True):
                 made.append(Trial(len(self.trials), seed, one, found, plan))
@@ -440,7 +443,7 @@ class _Search:
 
         def measure(values: Sequence[Array]) -> list[Measured]:
             return points.measure(
-                [Wanted(self.plan.plans, tuple(map(float, row))) for row in values],
+                [PointRequest(self.plan.plans, tuple(map(float, row))) for row in values],
                 self.plan.measures,
             )
 
@@ -461,7 +464,7 @@ class _Search:
         if best.number == 0:
             return Confirmed(label, case.plan, case, case)
         (measured,) = points.measure(
-            [Wanted(plan.plans, tuple(map(float, best.values)))], case.plan.measures
+            [PointRequest(plan.plans, tuple(map(float, best.values)))], case.plan.measures
         )
         return Confirmed(
             label, case.plan, case, Trial(best.number, best.seed, best.values, measured, case.plan)

@@ -20,7 +20,7 @@ Array = NDArray[np.float64]
 RESAMPLES, ENDS = 1000, (2.5, 97.5)
 #: Base rows below which no index is told; a spread (over the size of the mean) below which there is
 #: nothing to explain.
-LEAST_ROWS, NO_SPREAD = 8, 1e-9
+MIN_ROWS, NO_SPREAD = 8, 1e-9
 #: Base rows that are asked for where fewer cannot tell quantities apart.
 ENOUGH_ROWS = 64
 
@@ -54,13 +54,13 @@ def sensitivity_of(
 
     First order by Saltelli et al. (2010), total by Jansen (1999), intervals by bootstrap over the
     base rows. None with fewer than
-    :data:`LEAST_ROWS` whole base rows.
+    :data:`MIN_ROWS` whole base rows.
     """
     size = len(names)
     parts = values.reshape(size + 2, -1)
     whole = np.all(np.isfinite(parts), axis=0)
     kept = parts[:, whole]
-    if kept.shape[1] < LEAST_ROWS:
+    if kept.shape[1] < MIN_ROWS:
         return None
     first, total = indices(kept)
     generator, drawn = np.random.default_rng(seed), np.empty((RESAMPLES, 2, size))

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from valvetrain.errors import InputError
-from valvetrain.explore.executors import crew_of
+from valvetrain.explore.executors import executor_for
 from valvetrain.explore.experiment import run_points
 from valvetrain.explore.plan import StudyPlan, read_plan
 from valvetrain.explore.sensitivity import sensitivity_of, surrogate_of
@@ -93,11 +93,11 @@ def study_of(
     """The table of a plan, analysed as its kind says; see :func:`study`."""
     if workers < 1:
         raise InputError(f"workers must be 1 or more; it is {workers}", "--workers")
-    crew = crew_of(workers, dask)
+    executor = executor_for(workers, dask)
     try:
-        table = run_points(plan, crew, folder, limits, progress)
+        table = run_points(plan, executor, folder, limits, progress)
     finally:
-        crew.close()
+        executor.close()
     return analysed(table)
 
 

@@ -12,28 +12,28 @@ from valvetrain.explore.sensitivity import Sensitivity, Surrogate
 from valvetrain.explore.table import StudyTable, run_words
 from valvetrain.report import theme
 from valvetrain.report.chart import Chart, HeatMap, Layer, Line, Marks, Panel, Rule
-from valvetrain.report.text import number, unit_words
+from valvetrain.report.text import number, unit_text
 from valvetrain.solution.definition import definition_of, shown
 
 Array = NDArray[np.float64]
 #: Dots of one panel, pieces of the line through their means, bars of a histogram, cells of a map
 #: along each axis, height (px) of a row.
-MOST_DOTS, PIECES, BARS, CELLS, ROW = 1500, 12, 30, 41, 250
+MAX_DOTS, PIECES, BARS, CELLS, ROW = 1500, 12, 30, 41, 250
 #: Estimated shares of a variance beyond this are drawn at it.
-LARGEST_SHARE = 1.2
+MAX_SHARE = 1.2
 PERCENTILES = (5.0, 50.0, 95.0)
 
 
 def output_label(name: str) -> str:
     """An output with its unit, as an axis bears it."""
     row = definition_of(name)
-    return f"{row.label} ({unit_words(row.shown_unit)})" if row.shown_unit else row.label
+    return f"{row.label} ({unit_text(row.shown_unit)})" if row.shown_unit else row.label
 
 
 def input_label(table: StudyTable, place: int) -> str:
     """A varied quantity with its unit."""
     one = table.plan.varied[place]
-    return f"{one.words} ({unit_words(one.unit)})" if one.unit else one.words
+    return f"{one.words} ({unit_text(one.unit)})" if one.unit else one.words
 
 
 def shown_input(table: StudyTable, place: int) -> Array:
@@ -56,7 +56,7 @@ def scatter_chart(table: StudyTable, name: str, run: Run, key: str) -> Chart | N
     for place in range(len(table.plan.varied)):
         x = shown_input(table, place)[rows]
         there = np.flatnonzero(np.isfinite(y))
-        few = there[:: max(1, len(there) // MOST_DOTS)]
+        few = there[:: max(1, len(there) // MAX_DOTS)]
         colour = theme.mix(theme.SERIES[0], theme.PAPER, 0.45)
         layers: list[Layer] = [
             Marks(x[few], y[few], "point", colour, filled=True, size=4.0, in_legend=place == 0)
@@ -163,7 +163,7 @@ def map_chart(table: StudyTable, name: str, run: Run, key: str) -> Chart | None:
         up,
         np.nan_to_num(np.maximum(found - least, 0.0)),
         f"above {number(least, 4)}",
-        unit_words(definition_of(name).shown_unit),
+        unit_text(definition_of(name).shown_unit),
         1.0,
         input_label(table, 1),
     )
@@ -177,7 +177,7 @@ def map_chart(table: StudyTable, name: str, run: Run, key: str) -> Chart | None:
         y_range=_ends(up),
     )
     title = f"{definition_of(name).label[:1].upper()}{definition_of(name).label[1:]} over both quantities"
-    caption = f"Colour: what the output is above its least value of {number(least, 4)} {unit_words(definition_of(name).shown_unit)}."
+    caption = f"Colour: what the output is above its least value of {number(least, 4)} {unit_text(definition_of(name).shown_unit)}."
     return Chart(f"{key}-map", _titled(title, table, run), caption, (panel,), 1, 420)
 
 
@@ -198,13 +198,13 @@ def sensitivity_chart(one: Sensitivity, key: str) -> Chart:
     )
     for words, values, interval, colour, shift in kinds:
         for at, place in enumerate(order):
-            ends = 100 * np.clip(interval[place], 0.0, LARGEST_SHARE)
+            ends = 100 * np.clip(interval[place], 0.0, MAX_SHARE)
             layers.append(
                 Line(ends, np.full(2, at + shift), "95 % interval", colour, 1.4, in_legend=False)
             )
         layers.append(
             Marks(
-                100 * np.clip(values[order], 0.0, LARGEST_SHARE),
+                100 * np.clip(values[order], 0.0, MAX_SHARE),
                 places + shift,
                 words,
                 colour,
@@ -213,7 +213,7 @@ def sensitivity_chart(one: Sensitivity, key: str) -> Chart:
             )
         )
     names = tuple((float(at), one.names[place]) for at, place in enumerate(order))
-    high = 100 * float(np.clip(np.max(one.total_interval), 1.0, LARGEST_SHARE))
+    high = 100 * float(np.clip(np.max(one.total_interval), 1.0, MAX_SHARE))
     panel = Panel(
         "share of the variance (%)",
         "",

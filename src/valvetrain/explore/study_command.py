@@ -111,9 +111,9 @@ def _written(request: _Request, table: StudyTable) -> Any:
     """The files of a finished study, and its answer."""
     from valvetrain.cli.outcome import Outcome
     from valvetrain.explore.study_page import points_json, write_points
-    from valvetrain.solution.partial_failures import Gaps
+    from valvetrain.solution.partial_failures import PartialFailures
 
-    gaps = Gaps()
+    gaps = PartialFailures()
     data = keep_points(
         "study",
         points_json(table),

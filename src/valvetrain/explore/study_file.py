@@ -19,7 +19,7 @@ from valvetrain.parameters.schema_types import Line, StrictModel, first_problem,
 from valvetrain.parameters.toml_text import find_line
 
 #: Most quantities that a study varies.
-MOST_VARIED = 64
+MAX_VARIED = 64
 #: What is made of the points besides their own numbers.
 Kind = Literal["points", "tolerance", "surrogate"]
 
@@ -141,7 +141,7 @@ class StudyModel(StrictModel):
     outputs: Words
     rest_model: str = ""
     points: PointsModel = PointsModel()
-    vary: list[VaryModel] = Field(min_length=1, max_length=MOST_VARIED)
+    vary: list[VaryModel] = Field(min_length=1, max_length=MAX_VARIED)
 
 
 FileModel = TypeVar("FileModel", bound=StrictModel)

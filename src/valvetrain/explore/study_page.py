@@ -24,20 +24,20 @@ from valvetrain.explore.study_charts import (
 )
 from valvetrain.explore.table import StudyTable, run_words
 from valvetrain.report.page import Block, Cell, Grid, Page, Section, figure_or_gap, render, text
-from valvetrain.report.text import number, unit_words
+from valvetrain.report.text import number, unit_text
 from valvetrain.solution.atomic import write_text
 from valvetrain.solution.definition import definition_of
-from valvetrain.solution.partial_failures import Gaps
+from valvetrain.solution.partial_failures import PartialFailures
 
 #: Failed points that are listed; and runs that have figures of their own.
-MOST_FAILURES, MOST_RUNS = 50, 12
+MAX_FAILURES, MAX_RUNS = 50, 12
 
 
 def points_page(table: StudyTable) -> Page:
     """The whole page."""
     plan = table.plan
     sections = [Section("answers", "What comes out", _answers(table))]
-    for place, run in enumerate(plan.runs[:MOST_RUNS]):
+    for place, run in enumerate(plan.runs[:MAX_RUNS]):
         key = f"run-{place}"
         blocks: list[Block] = []
         for one in (found for found in table.sensitivities if found.run == run):
@@ -54,11 +54,11 @@ def points_page(table: StudyTable) -> Page:
         for made in (found for found in table.surrogates if found.run == run):
             blocks += figure_or_gap(made.output, surrogate_chart, made, f"{key}-{made.output}")
         sections.append(Section(key, run_words(run) or "Points", tuple(blocks)))
-    if len(plan.runs) > MOST_RUNS:
+    if len(plan.runs) > MAX_RUNS:
         sections[0] = Section(
             "answers",
             "What comes out",
-            (*sections[0].blocks, text(f"Figures of the first {MOST_RUNS} runs follow.", "note")),
+            (*sections[0].blocks, text(f"Figures of the first {MAX_RUNS} runs follow.", "note")),
         )
     if table.failures:
         sections.append(Section("failed", "Points that failed", _failed(table)))
@@ -100,7 +100,7 @@ def answer_rows(table: StudyTable) -> list[tuple[str, ...]]:
                     label[:1].upper() + label[1:],
                     run_words(run),
                     *told,
-                    unit_words(definition_of(name).shown_unit),
+                    unit_text(definition_of(name).shown_unit),
                 )
             )
     return rows
@@ -169,10 +169,10 @@ def shares_grid(one: Sensitivity) -> Grid:
 
 def _failed(table: StudyTable) -> tuple[Block, ...]:
     failures = table.failures
-    blocks: list[Block] = [text(f"{sentence}", "alert") for sentence in failures[:MOST_FAILURES]]
-    if len(failures) > MOST_FAILURES:
+    blocks: list[Block] = [text(f"{sentence}", "alert") for sentence in failures[:MAX_FAILURES]]
+    if len(failures) > MAX_FAILURES:
         blocks.append(
-            text(f"And {len(failures) - MOST_FAILURES} more; points.csv has them all.", "note")
+            text(f"And {len(failures) - MAX_FAILURES} more; points.csv has them all.", "note")
         )
     return tuple(blocks)
 
@@ -196,7 +196,7 @@ def varied_grid(table: StudyTable) -> Grid:
 
 def distribution_words(one: Varied) -> str:
     """A distribution in words, in the unit of its quantity."""
-    unit = unit_words(one.unit)
+    unit = unit_text(one.unit)
 
     def told(value: float) -> str:
         return f"{number(one.shown(value), 6)} {unit}".strip()
@@ -219,7 +219,7 @@ def distribution_words(one: Varied) -> str:
 
 
 #: Rows that the JSON answer holds whole; a larger table stands in points.csv.
-MOST_ROWS = 2000
+MAX_ROWS = 2000
 
 
 def points_json(table: StudyTable) -> dict[str, Any]:
@@ -247,9 +247,9 @@ def points_json(table: StudyTable) -> dict[str, Any]:
             {"output": one.output, "run": places[one.run], "fitted": one.fitted, "kept_out": one.kept_out, "error": one.error,
              "error_over_scatter": one.share, "within_two_deviations": one.covered, "sentence": one.sentence} for one in table.surrogates
         ],
-        "sentences": list(sentences(table)), "failures": list(table.failures[:MOST_ROWS]), "completed": bool(np.all(table.completed)),
+        "sentences": list(sentences(table)), "failures": list(table.failures[:MAX_ROWS]), "completed": bool(np.all(table.completed)),
     }  # fmt: skip
-    if len(table) <= MOST_ROWS:
+    if len(table) <= MAX_ROWS:
         data["rows"] = [
             {
                 "inputs": list(table.inputs[row]),
@@ -311,7 +311,9 @@ def points_csv(table: StudyTable) -> str:
     return stream.getvalue()
 
 
-def write_points(table: StudyTable, folder: Path, gaps: Gaps) -> tuple[list[Path], Path | None]:
+def write_points(
+    table: StudyTable, folder: Path, gaps: PartialFailures
+) -> tuple[list[Path], Path | None]:
     """Write table and page into ``folder``; what could not be written stands in ``gaps``. The
     files, and the page.
     """

@@ -20,7 +20,7 @@ from valvetrain.cli.options import (
     read_count,
     take_folder,
 )
-from valvetrain.cli.study_command import Kept, keep_run, show_page
+from valvetrain.cli.study_command import SavedRequest, keep_run, show_page
 from valvetrain.errors import InputError
 
 if TYPE_CHECKING:
@@ -303,7 +303,7 @@ def _answer(request: _Request) -> None:
     }
     with busy("writing files"):
         folder, files = keep_run(
-            Kept("film", case or _Name(name), request.output, request.created_at),
+            SavedRequest("film", case or _Name(name), request.output, request.created_at),
             text,
             choices,
             data,

@@ -16,7 +16,7 @@ Array = NDArray[np.float64]
 TURN = 2 * np.pi
 #: Points between frames at which a peak is looked for, and the longest gap (frames) across which a
 #: motion is drawn.
-FINE, LONGEST_GAP = 16, 2.5
+FINE, MAX_GAP_LENGTH = 16, 2.5
 #: Share of the largest motion below which the valve is taken for closed, and the angle (rad) over
 #: which surge is averaged for it.
 CLOSED, AVERAGED = 0.06, np.radians(24.0)
@@ -70,7 +70,7 @@ def on_grid(cam_angle: Array, moved: Array, turns: list[int], grid: Array) -> Ar
         after = np.clip(np.searchsorted(angle, at), 1, len(angle) - 1)
         near = np.minimum(np.abs(at - angle[after]), np.abs(at - angle[after - 1])) <= step
         inside = (at >= angle[0] - 0.5 * step) & (at <= angle[-1] + 0.5 * step)
-        bridged = angle[after] - angle[after - 1] <= LONGEST_GAP * step
+        bridged = angle[after] - angle[after - 1] <= MAX_GAP_LENGTH * step
         values[row] = np.where(inside & near & bridged, curve(at), np.nan)
     return values
 
@@ -178,7 +178,7 @@ def segments(
 #: that are told from a drift.
 STILL, HARMONICS = 0.15, 8
 #: Highest power of time in a drift, and the smallest one (px) that is spoken of.
-MOST_POWERS, SPOKEN_OF = 5, 0.05
+MAX_POWERS, SPOKEN_OF = 5, 0.05
 
 
 def camera_drift(places: Array, time: Array, cam_angle: Array | None) -> tuple[Array, int | None]:
@@ -194,7 +194,7 @@ def camera_drift(places: Array, time: Array, cam_angle: Array | None) -> tuple[A
         return np.zeros(len(time)), None
     one, good = places[:, still], np.isfinite(places[:, still])
     turns = 0.0 if cam_angle is None else float(cam_angle[-1] - cam_angle[0]) / (2 * np.pi)
-    powers = int(np.clip(1 + turns, 1, MOST_POWERS)) if cam_angle is not None else 3
+    powers = int(np.clip(1 + turns, 1, MAX_POWERS)) if cam_angle is not None else 3
     scaled = 2 * (time - time[0]) / (time[-1] - time[0]) - 1
     slow = np.polynomial.legendre.legvander(scaled, powers)[:, 1:]
     waves = [np.ones((len(time), 1))]

@@ -84,7 +84,7 @@ def _tiff(content: bytes) -> tuple[int, int] | None:
 
 Picture = NDArray[Any]
 #: Larger pictures are no frames of a high-speed film; longer films are cut first.
-MOST_PIXELS, MOST_FRAMES, MOST_PICTURE_BYTES = 16_000_000, 500_000, 200_000_000
+MAX_PIXELS, MAX_FRAMES, MAX_PICTURE_BYTES = 16_000_000, 500_000, 200_000_000
 #: Names of pictures that a folder of frames holds.
 PICTURES = (".png", ".tif", ".tiff", ".jpg", ".jpeg", ".bmp")
 #: Slower films play at the rate of a screen, which is not that of the camera.
@@ -190,7 +190,7 @@ class VideoFilm(Film):
         cv2 = opencv()
         self.clock = []
         with _capture(self.path) as video:
-            while len(self.clock) < MOST_FRAMES:
+            while len(self.clock) < MAX_FRAMES:
                 good, frame = _next(video)
                 if not good or frame is None:
                     return
@@ -215,7 +215,7 @@ def open_film(film: str | os.PathLike[str] | Picture) -> Film:
             film.ndim != 3
             or not all(film.shape)
             or film.dtype.kind not in "uif"
-            or film[0].size > MOST_PIXELS
+            or film[0].size > MAX_PIXELS
         ):
             shape = " x ".join(map(str, film.shape))
             raise InputError(
@@ -265,9 +265,9 @@ def _video(path: Path, shown: str, begin: bytes) -> Film:
         columns, rows = (
             int(video.get(one)) for one in (cv2.CAP_PROP_FRAME_WIDTH, cv2.CAP_PROP_FRAME_HEIGHT)
         )
-        if rows * columns > MOST_PIXELS:
+        if rows * columns > MAX_PIXELS:
             raise InputError(
-                f"'{shown}' claims frames of {columns} x {rows} pixels, more than {MOST_PIXELS / 1e6:g} million; cut the picture"
+                f"'{shown}' claims frames of {columns} x {rows} pixels, more than {MAX_PIXELS / 1e6:g} million; cut the picture"
             )
         good, frame = _next(video)
         if not good or frame is None:
@@ -291,7 +291,7 @@ def _capture(path: Path) -> Iterator[Any]:
     """
     cv2, name = opencv(), "OPENCV_FFMPEG_CAPTURE_OPTIONS"
     before = os.environ.get(name)
-    os.environ[name] = f"max_pixels;{MOST_PIXELS}"
+    os.environ[name] = f"max_pixels;{MAX_PIXELS}"
     try:
         video = cv2.VideoCapture(str(path.resolve()), cv2.CAP_FFMPEG)
     finally:
@@ -323,9 +323,9 @@ def _folder(path: Path, shown: str) -> Film:
         raise InputError(
             f"folder '{shown}' holds no pictures ({', '.join(PICTURES)}); give the folder of the frames or a video file"
         )
-    if len(files) > MOST_FRAMES:
+    if len(files) > MAX_FRAMES:
         raise InputError(
-            f"folder '{shown}' holds {len(files)} pictures, more than {MOST_FRAMES}; split the film"
+            f"folder '{shown}' holds {len(files)} pictures, more than {MAX_FRAMES}; split the film"
         )
     rows, columns = _picture(files[0]).shape
     numbers, notes = _numbers(files)
@@ -371,19 +371,19 @@ def _picture(path: Path) -> Picture:
     cv2, shown = opencv(), path.name[:80]
     try:
         with path.open("rb") as file:
-            content = file.read(MOST_PICTURE_BYTES + 1)
+            content = file.read(MAX_PICTURE_BYTES + 1)
     except OSError as error:
         raise InputError(
             f"frame '{shown}' cannot be read: {str(error.strerror).lower()}"
         ) from error
     size = picture_size(content)
-    if size is None or len(content) > MOST_PICTURE_BYTES:
+    if size is None or len(content) > MAX_PICTURE_BYTES:
         raise InputError(
             f"frame '{shown}' is no PNG, TIFF, JPEG or BMP picture or is damaged; export the frames again"
         )
-    if not 0 < size[0] * size[1] <= MOST_PIXELS:
+    if not 0 < size[0] * size[1] <= MAX_PIXELS:
         raise InputError(
-            f"frame '{shown}' claims {size[1]} x {size[0]} pixels, more than {MOST_PIXELS / 1e6:g} million; cut the picture"
+            f"frame '{shown}' claims {size[1]} x {size[0]} pixels, more than {MAX_PIXELS / 1e6:g} million; cut the picture"
         )
     flags = cv2.IMREAD_GRAYSCALE | cv2.IMREAD_ANYDEPTH | cv2.IMREAD_IGNORE_ORIENTATION
     try:

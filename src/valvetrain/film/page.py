@@ -152,7 +152,7 @@ def peaks_chart(motion: CoilMotion, model: FilmedModel | None) -> Chart | None:
             Line(
                 coil,
                 1e3 * model.peaks,
-                f"model {theme.model_words(model.model)}",
+                f"model {theme.model_label(model.model)}",
                 MODEL,
                 1.4,
                 "dash",
@@ -187,7 +187,7 @@ def overlay_chart(motion: CoilMotion, model: FilmedModel) -> Chart:
             Line(
                 degrees,
                 1e3 * model.displacement[:, coil],
-                f"model {theme.model_words(model.model)}",
+                f"model {theme.model_label(model.model)}",
                 MODEL,
                 1.4,
                 "dash",

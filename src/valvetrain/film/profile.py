@@ -60,7 +60,7 @@ def half_width(row: Array, place: int, prominence: float) -> float:
 #: that this share of frames shows.
 PROMINENCE, BELIEVED = 0.25, 0.15
 #: Most coils of a spring that are tracked.
-MOST_COILS = 40
+MAX_COILS = 40
 #: What a highlight loses that lies as far from its prediction as the next coil, beside 1 for a
 #: highlight that fits.
 MISSED = 0.5
@@ -104,9 +104,9 @@ def find_coils(picture: Array, coils: int | None) -> Found:
                 "coils",
             )
         coils = max(believed)
-    if not 1 <= coils <= MOST_COILS:
+    if not 1 <= coils <= MAX_COILS:
         raise InputError(
-            f"{coils} highlights lie on the line; 1 to {MOST_COILS} are tracked, so shorten it or give their number",
+            f"{coils} highlights lie on the line; 1 to {MAX_COILS} are tracked, so shorten it or give their number",
             "coils",
         )
     enough = np.flatnonzero(counts >= coils)
@@ -166,7 +166,7 @@ def ordered(response: Array, expected: Array, scale: float, apart: int) -> Array
 FINE, AT_ONCE, STEPS = 16, 256, 8
 #: Change (px) of a place at which steps end, how far it may move in one, and the scatter of heights
 #: about the usual one that is expected.
-SETTLED, LARGEST_STEP, HEIGHT_SCATTER = 1e-3, 1.0, 0.3
+SETTLED, MAX_STEP, HEIGHT_SCATTER = 1e-3, 1.0, 0.3
 
 
 @dataclass(frozen=True, eq=False)
@@ -324,7 +324,7 @@ def _some(
             break
         change = np.linalg.solve(normal, right[..., None])[..., 0]
         places = _kept_in_order(
-            places + np.clip(change[:, :coils], -LARGEST_STEP, LARGEST_STEP), least_apart
+            places + np.clip(change[:, :coils], -MAX_STEP, MAX_STEP), least_apart
         )
         heights = np.clip(
             heights + change[:, coils : 2 * coils], 0.05 * light[:, None], 4 * light[:, None]

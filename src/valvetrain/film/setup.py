@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from valvetrain.errors import InputError
-from valvetrain.film.space_time import MARKER_RADIUS, USUAL_WIDTH, Point
+from valvetrain.film.space_time import DEFAULT_WIDTH, MARKER_RADIUS, Point
 from valvetrain.units import Given, keep_si
 
 #: Which end of the line the spring's fixed seat is at.
@@ -54,7 +54,7 @@ class FilmSetup:
 
     frame_rate: float | None = None
     line: tuple[Point, Point] | None = None
-    line_width: float = USUAL_WIDTH
+    line_width: float = DEFAULT_WIDTH
     samples_across: int = 5
     coils: int | None = None
     seat: str = ""
@@ -78,7 +78,7 @@ class FilmSetup:
             *,
             frame_rate: Given | None = None,
             line: tuple[Point, Point] | None = None,
-            line_width: float = USUAL_WIDTH,
+            line_width: float = DEFAULT_WIDTH,
             samples_across: int = 5,
             coils: int | None = None,
             seat: str = "",

@@ -13,12 +13,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from valvetrain.errors import InputError
-from valvetrain.film.frames import MOST_FRAMES, SLOWEST_RATE, Film, Picture
+from valvetrain.film.frames import MAX_FRAMES, SLOWEST_RATE, Film, Picture
 
 Array = NDArray[np.float64]
 Point = tuple[float, float]
 #: Width (px) of a line where none is told, and frames that are looked at to find a line.
-USUAL_WIDTH, LOOKED_AT = 5.0, 120
+DEFAULT_WIDTH, LOOKED_AT = 5.0, 120
 #: Shorter lines hold no spring.
 SHORTEST = 12.0
 
@@ -33,7 +33,7 @@ class SightLine:
 
     start: Point
     end: Point
-    line_width: float = USUAL_WIDTH
+    line_width: float = DEFAULT_WIDTH
     samples_across: int = 5
 
     @property
@@ -125,7 +125,7 @@ def _taps(place: Array, tap: int) -> tuple[NDArray[np.int64], Array]:
     return (low + tap).astype(np.int64), np.where(near <= 1, inner, np.where(near < 2, outer, 0.0))
 
 
-def find_line(film: Film, line_width: float = USUAL_WIDTH, samples_across: int = 5) -> SightLine:
+def find_line(film: Film, line_width: float = DEFAULT_WIDTH, samples_across: int = 5) -> SightLine:
     """A line along the picture where highlights stand above each other, and move, most clearly.
 
     Highlights of coils are bands across the spring, so grey levels change along the spring more
@@ -173,7 +173,7 @@ def _some(film: Film) -> Iterator[Picture]:
 
 #: Grey levels of the picture that are held at most (4 bytes each), and fewest frames of a film that
 #: shows a motion.
-MOST_VALUES, FEWEST_FRAMES = 20_000_000, 16
+MAX_VALUES, MIN_FRAMES = 20_000_000, 16
 #: Step (s) of time stamps below which whole milliseconds are too coarse.
 COARSE = 5e-3
 #: Share of the largest grey level from which a glare is white.
@@ -224,7 +224,7 @@ def read_space_time(
     rate, notes = _rate(film, frame_rate)
     weights = line.weights(film.rows, film.columns)
     spot = None if marker is None else _spot(marker, marker_radius, film.rows, film.columns)
-    end = MOST_FRAMES if last is None else last + 1
+    end = MAX_FRAMES if last is None else last + 1
     rows: list[NDArray[np.float32]] = []
     marks: list[float] = []
     white = 0
@@ -247,15 +247,15 @@ def read_space_time(
         rows.append(profile)
         if spot is not None:
             marks.append(float(grey[spot].mean()))
-        if len(rows) * len(profile) > MOST_VALUES:
+        if len(rows) * len(profile) > MAX_VALUES:
             words = f"'{film.name}' is too long: {len(rows)} frames by {len(profile)} pixels of the line"
             raise InputError(
                 f"{words}; choose part of it with first_frame and last_frame, or a shorter line",
                 "last_frame",
             )
-    if len(rows) < FEWEST_FRAMES:
+    if len(rows) < MIN_FRAMES:
         raise InputError(
-            f"a motion shows in {FEWEST_FRAMES} frames or more, of '{film.name}' only {len(rows)} can be read; give a longer film"
+            f"a motion shows in {MIN_FRAMES} frames or more, of '{film.name}' only {len(rows)} can be read; give a longer film"
         )
     if not (first or last is not None) and 0 < len(rows) < film.claimed - 1:
         notes += (

@@ -12,13 +12,13 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 #: Lines that are looked for at most, and frames of a dwell that tell anything.
-MOST_LINES, FEWEST = 4, 12
+MAX_LINES, FEWEST = 4, 12
 #: Another line must lower the misfit (per number) by more than this share of what the numbers it
 #: takes would by chance.
 WORTH = 1.0
 #: Largest damping ratio that is called a decay of surge, and the lowest frequency in parts of the
 #: frame rate times frames.
-MOST_DAMPING, LOWEST = 0.3, 0.7
+MAX_DAMPING, LOWEST = 0.3, 0.7
 #: Points between frames of the curve that is shown.
 FINE = 8
 #: Normal quantile of a 95 % interval.
@@ -92,7 +92,7 @@ def fit_surge(
     if data.shape[1] == 0 or not np.ptp(data) > 0:
         return None
     best: tuple[float, Array] | None = None
-    for count in range(1, MOST_LINES + 1):
+    for count in range(1, MAX_LINES + 1):
         if 1 + 2 * count > length - 3:
             break
         start = _poles(data - data.mean(axis=0), count, length)
@@ -161,7 +161,7 @@ def _sound(numbers: Array) -> bool:
     apart = np.diff(np.sort(angle))
     return bool(
         np.all((angle > 0) & (angle < np.pi))
-        and np.all(np.abs(decay) < MOST_DAMPING * angle)
+        and np.all(np.abs(decay) < MAX_DAMPING * angle)
         and np.all(apart > 1e-3)
     )
 

@@ -198,7 +198,7 @@ WIDE = 1.6
 #: A place is given up whose standard deviation is larger than this share of the highlight's width.
 LOST = 0.5
 #: Share of such places beyond which a film tells nothing.
-MOST_LOST = 0.5
+MAX_LOST = 0.5
 
 
 @dataclass(frozen=True, eq=False)
@@ -266,7 +266,7 @@ def _told(result: Fit, found: Found, doubt: Array, dim: tuple[int, ...]) -> Trac
     merged[:, 1:] |= close
     spread = np.where(merged, MERGED * spread, spread)
     lost = spread > LOST * found.width
-    if lost.mean() > MOST_LOST:
+    if lost.mean() > MAX_LOST:
         words = "the highlights are too weak or too blurred to follow"
         raise InputError(
             f"{words}; light the spring with one lamp beside the camera, lay the line across the highlights, or give the number of coils",

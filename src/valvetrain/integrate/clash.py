@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from valvetrain.integrate.clash_kernels import hardest_blow
+from valvetrain.integrate.clash_kernels import hardest_impact
 from valvetrain.solution.status import Detail, Event
 from valvetrain.springs.contract import ContactWatch
 
@@ -20,9 +20,9 @@ TURN = 2 * np.pi
 RESTING_ANGLE = TURN / 12
 #: Longest that coils take to give a blow (s): the time within which neighbours that touch belong to
 #: one clash.
-BLOW_TIME = 0.3e-3
+IMPACT_TIME = 0.3e-3
 #: Lengths at which a blow is looked for, as shares of that.
-BLOW_LENGTHS = 2.0 ** (-np.arange(17) / 4)
+IMPACT_LENGTHS = 2.0 ** (-np.arange(17) / 4)
 #: Statistic that says that a solution's clashes were found by the integrator, and on which spacing.
 RECORDED = "contact_record_interval_duration"
 
@@ -44,7 +44,7 @@ class ClashRule:
 
     on_force: float = 1.0
     off_force: float = 0.2
-    merge_time: float = BLOW_TIME
+    merge_time: float = IMPACT_TIME
     rebound_time: float = 10e-6
 
 
@@ -87,10 +87,10 @@ class PairSeries:
         )
 
 
-def blow_impulse(time: Array, force: Array) -> float:
+def impact_impulse(time: Array, force: Array) -> float:
     """Impulse (N s) of the hardest blow in the ``force`` (N) of one contact over even ``time`` (s):
     what it gives within
-    :data:`BLOW_TIME` beyond what it holds.
+    :data:`IMPACT_TIME` beyond what it holds.
 
     The largest over begin and length of the integral of force less holding force, which is the
     greater of its means over that time
@@ -100,11 +100,11 @@ def blow_impulse(time: Array, force: Array) -> float:
     none.
     """
     step = float(time[-1] - time[0]) / (len(time) - 1)
-    reach = BLOW_TIME / step
+    reach = IMPACT_TIME / step
     pad, count = int(np.ceil(reach)) + 1, len(force)
     area = np.concatenate(([0.0], np.cumsum(0.5 * (force[1:] + force[:-1])))) * step
     area = np.concatenate((np.zeros(pad), area, np.full(2 * pad, area[-1])))
-    return float(hardest_blow(area, pad, count, reach, BLOW_LENGTHS))
+    return float(hardest_impact(area, pad, count, reach, IMPACT_LENGTHS))
 
 
 def steps_between(watch: ContactWatch | None, time_step: float) -> int:
@@ -129,7 +129,7 @@ def find_clashes(
     """Events of kind ``clash`` by start time; ``spring``: name to stand in ``where``; ``closed``:
     the series is one closed period.
 
-    Size is the peak of the summed force (N); details: ``impulse`` (N s, see :func:`blow_impulse`),
+    Size is the peak of the summed force (N); details: ``impulse`` (N s, see :func:`impact_impulse`),
     ``energy`` (J, largest energy stored in
     the pressed pairs at one time), ``peak_cam_angle`` (rad, unwrapped), ``upper_coil`` and
     ``lower_coil`` (whole coils counted from 1 at
@@ -245,7 +245,7 @@ def _event(pairs: PairSeries, group: list[_Contact], spring: str) -> Event:
     begin, finish = float(time[start] + time[first]) / 2, float(time[last] + time[end]) / 2
     resting = angle[end] - angle[start] > RESTING_ANGLE
     details: dict[str, Detail] = {
-        "impulse": blow_impulse(time[start : end + 1], summed), "energy": float(np.max(stored)),
+        "impulse": impact_impulse(time[start : end + 1], summed), "energy": float(np.max(stored)),
         "peak_cam_angle": float(angle[top]), "upper_coil": coil, "lower_coil": coil - 1,
         "first_pair": float(min(pairs.places[contact.pair] for contact in group)),
         "last_pair": float(max(pairs.places[contact.pair] for contact in group)),

@@ -13,12 +13,12 @@ Array = NDArray[np.float64]
 
 
 @njit(cache=True, nogil=True)
-def hardest_blow(area, pad, count, reach, lengths):
+def hardest_impact(area, pad, count, reach, lengths):
     """Largest impulse (N s) beyond the holding force, over ``count`` begins and ``lengths`` (shares
     of ``reach`` steps).
 
     ``area`` (pad + count + 2 pad,): integral of the force (N s) at every step, level before and
-    after. See :func:`clash.blow_impulse`.
+    after. See :func:`clash.impact_impulse`.
     """
     back = int(np.floor(-reach))
     back_share = -reach - back

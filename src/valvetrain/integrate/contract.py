@@ -16,7 +16,7 @@ from valvetrain.system.contract import System
 from valvetrain.system.train_rest import TrainRest
 
 #: Longest run-up that is taken for meant.
-MOST_TURNS = 10_000
+MAX_TURNS = 10_000
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,7 +50,7 @@ class RunUp:
     def duration(self, first_cam_speed: float) -> float:
         """Time (s) from ``first_cam_speed`` (rad/s) to the last. Raises :class:`InputError` for an
         acceleration that does not lead there
-        or takes beyond :data:`MOST_TURNS` cam turns."""
+        or takes beyond :data:`MAX_TURNS` cam turns."""
         change = self.last_cam_speed - first_cam_speed
         if not (
             math.isfinite(self.cam_acceleration)
@@ -60,9 +60,9 @@ class RunUp:
             raise InputError(
                 "the cam acceleration of a run-up must lead from its first to its last speed; change its sign or the speeds"
             )
-        if change / self.cam_acceleration * first_cam_speed > MOST_TURNS * 2 * math.pi:
+        if change / self.cam_acceleration * first_cam_speed > MAX_TURNS * 2 * math.pi:
             raise InputError(
-                f"a run-up of more than {MOST_TURNS} cam turns is taken for a mistake; raise the acceleration"
+                f"a run-up of more than {MAX_TURNS} cam turns is taken for a mistake; raise the acceleration"
             )
         return change / self.cam_acceleration
 

@@ -22,8 +22,8 @@ from valvetrain.integrate.chain_forces import ChainForces, Resistance
 from valvetrain.integrate.clash import RECORDED, PairSeries, find_clashes, steps_between
 from valvetrain.integrate.contract import Cycles, Periodic, RunOptions, RunUp, Until
 from valvetrain.integrate.leapfrog import (
-    LARGEST_RECORD,
-    MOST_CYCLES,
+    MAX_CYCLES,
+    MAX_RECORD,
     SAMPLES,
     TOLERANCE,
     TURN,
@@ -82,14 +82,14 @@ class HilberHughesTaylor:
         interval = TURN / cam_speed / samples
         sub = max(1, int(np.ceil(interval / (options.time_step or interval) * (1 - 1e-9))))
         step, count = interval / sub, samples * sub
-        turns, tolerance = until.count if isinstance(until, Cycles) else MOST_CYCLES, 0.0
+        turns, tolerance = until.count if isinstance(until, Cycles) else MAX_CYCLES, 0.0
         if isinstance(until, Periodic):
-            turns, tolerance = until.cycles or MOST_CYCLES, until.tolerance or TOLERANCE
+            turns, tolerance = until.cycles or MAX_CYCLES, until.tolerance or TOLERANCE
         watch = model.contact_watch()
         stepping = _Stepping(self.alpha, ChainForces(model), step, sub, steps_between(watch, step))
         state = model.initial_state(float(system.displacement(0.0, cam_speed)))
         motion = np.zeros(len(model.layout.masses))
-        keep = options.keep != "ends" and 8.0 * len(state) * (samples + 1) < LARGEST_RECORD
+        keep = options.keep != "ends" and 8.0 * len(state) * (samples + 1) < MAX_RECORD
         record, before, change, done, turn = stepping.record(count, 0), np.zeros(0), np.inf, 0, 0
         for turn in range(turns):
             time = step * np.arange(count + 1.0) + turn * samples * interval

@@ -29,11 +29,11 @@ TURN = 2 * np.pi
 #: Samples per cam turn, share of the model's stable step that is used, cam turns until a periodic
 #: motion is given up, and the change of
 #: the end forces per turn, over their span, at which it counts as periodic.
-SAMPLES, STEP_FRACTION, MOST_CYCLES, TOLERANCE = 720, 0.8, 40, 1e-3
+SAMPLES, STEP_FRACTION, MAX_CYCLES, TOLERANCE = 720, 0.8, 40, 1e-3
 #: A record of inner states beyond this size (bytes) is not kept.
-LARGEST_RECORD = 400e6
+MAX_RECORD = 400e6
 #: Forces (N) beyond any spring's: the run has diverged.
-LARGEST_FORCE = 1e7
+MAX_FORCE = 1e7
 
 
 @dataclass(frozen=True)
@@ -71,21 +71,21 @@ class Leapfrog:
         elif isinstance(until, Cycles):
             turns = until.count
         else:
-            turns, tolerance = until.cycles or MOST_CYCLES, until.tolerance or TOLERANCE
+            turns, tolerance = until.cycles or MAX_CYCLES, until.tolerance or TOLERANCE
         state = np.asarray(
             model.initial_state(float(system.displacement(0.0, cam_speed))), dtype=float
         )
         parameters, integers = model.parameters(), model.integers()
-        keep = options.keep != "ends" and 8.0 * len(state) * (samples + 1) < LARGEST_RECORD
+        keep = options.keep != "ends" and 8.0 * len(state) * (samples + 1) < MAX_RECORD
         watch = contact_watch_of(model)
         spacing, pressed = steps_between(watch, step), np.zeros((0, 0))
         rows = (samples * sub - 1) // spacing + 1
         # a run-up's contacts are recorded in all turns, where they fit
         record = watch is not None and (
-            not isinstance(until, RunUp) or 8.0 * watch.entries * rows * turns < LARGEST_RECORD
+            not isinstance(until, RunUp) or 8.0 * watch.entries * rows * turns < MAX_RECORD
         )
         stretches = watch.stretches if watch is not None else np.zeros((0, 2), dtype=np.int64)
-        blows: list[tuple[Array, Array]] = []
+        impacts: list[tuple[Array, Array]] = []
         forces, before, change, done, turn = (
             np.zeros((samples * sub + 1, 2)),
             np.zeros(0),
@@ -126,8 +126,8 @@ class Leapfrog:
             )
             if len(pressed):
                 whole = min(rows, (done + spacing - 1) // spacing)
-                blows = [
-                    *(blows if isinstance(until, RunUp) else []),
+                impacts = [
+                    *(impacts if isinstance(until, RunUp) else []),
                     (time[:-1:spacing][:whole], pressed[:whole]),
                 ]
             kept = (
@@ -166,11 +166,11 @@ class Leapfrog:
             system, model, cam_speed, acceleration, kept, sub, options.keep == "all"
         )
         events: tuple[Event, ...] = ()
-        if blows and watch is not None:
+        if impacts and watch is not None:
             at, found = (
-                blows[0]
-                if len(blows) == 1
-                else (np.concatenate([part[k] for part in blows]) for k in (0, 1))
+                impacts[0]
+                if len(impacts) == 1
+                else (np.concatenate([part[k] for part in impacts]) for k in (0, 1))
             )
             statistics[RECORDED] = spacing * step
             events = find_clashes(

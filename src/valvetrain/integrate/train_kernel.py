@@ -41,9 +41,9 @@ from valvetrain.contact.kernels import (
 )
 from valvetrain.contact.own_law import call_law
 from valvetrain.integrate.spring_slot import write_contacts
-from valvetrain.integrate.train_blows import finest_step, meets_damper, parts_of
 from valvetrain.integrate.train_damping import damp, guide, losses
 from valvetrain.integrate.train_friction import friction_loss, rub
+from valvetrain.integrate.train_impacts import finest_step, meets_damper, parts_of
 from valvetrain.integrate.train_log import (
     close_stretch,
     in_window,

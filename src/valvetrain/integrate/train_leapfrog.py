@@ -29,7 +29,7 @@ Array = NDArray[np.float64]
 SAMPLES, LARGE_SAMPLES = 1440, 720
 #: Most cam turns of the search for the periodic state; the finite-element rod's state (frames among
 #: it) does not mix: few plain turns.
-MOST_CYCLES, FEW_CYCLES, FEW_TOLERANCE = 60, 3, 1e-3
+MAX_CYCLES, FEW_CYCLES, FEW_TOLERANCE = 60, 3, 1e-3
 #: How often the step is cut to a third when a contact hardens beyond what it resolves.
 FINER_STEPS = 2
 
@@ -136,7 +136,7 @@ class TrainLeapfrog:
         start: Orbit | None = None,
     ) -> SteadyTrain:
         """Periodic state; a contact harder than the step resolves is run again with a finer one."""
-        most = until.cycles or (FEW_CYCLES if large else MOST_CYCLES)
+        most = until.cycles or (FEW_CYCLES if large else MAX_CYCLES)
         tolerance = until.tolerance or (FEW_TOLERANCE if large else TOLERANCE)
         for _ in range(FINER_STEPS + 1):
             ready = runner(system, cam_speed, chosen, rest=rest)

@@ -12,13 +12,13 @@ from valvetrain.integrate.train_tuples import (
     CLOSES,
     HIGHEST,
     HIGHEST_ANGLE,
-    LARGEST_FORCE,
-    LARGEST_GAP,
-    LARGEST_GAP_ANGLE,
-    LEAST_FORCE,
-    LEAST_FORCE_ANGLE,
     LOWEST,
     LOWEST_ANGLE,
+    MAX_FORCE,
+    MAX_GAP,
+    MAX_GAP_ANGLE,
+    MIN_FORCE,
+    MIN_FORCE_ANGLE,
     NOSE_FORCE,
     OPEN_FORCE,
     PEAK_ACCELERATION,
@@ -85,9 +85,9 @@ def close_stretch(k, row, touching, scratch, log):
     for place in (scratch.latest[k], row):
         if place >= 0:
             if touching:
-                log[place, LARGEST_FORCE] = scratch.track[k, 2]
+                log[place, MAX_FORCE] = scratch.track[k, 2]
             else:
-                log[place, LARGEST_GAP], log[place, LARGEST_GAP_ANGLE] = (
+                log[place, MAX_GAP], log[place, MAX_GAP_ANGLE] = (
                     scratch.track[k, 0],
                     scratch.track[k, 1],
                 )
@@ -106,8 +106,8 @@ def note_contact(
     if abs(force) > extremes[k, PEAK_FORCE]:
         extremes[k, PEAK_FORCE], extremes[k, PEAK_FORCE_ANGLE] = abs(force), cam_angle
     if inside:
-        if force < extremes[k, LEAST_FORCE]:
-            extremes[k, LEAST_FORCE], extremes[k, LEAST_FORCE_ANGLE] = force, cam_angle
+        if force < extremes[k, MIN_FORCE]:
+            extremes[k, MIN_FORCE], extremes[k, MIN_FORCE_ANGLE] = force, cam_angle
         extremes[k, OPEN_FORCE] = max(extremes[k, OPEN_FORCE], force)
     if nose >= 0.0:
         extremes[k, NOSE_FORCE] = track[k, 3] + nose * (force - track[k, 3])

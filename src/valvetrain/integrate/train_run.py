@@ -15,10 +15,10 @@ from valvetrain.errors import InputError
 from valvetrain.integrate.clash import steps_between
 from valvetrain.integrate.train_tuples import (
     HIGHEST,
-    LEAST_FORCE,
-    LEAST_FORCE_ANGLE,
     LOADS,
     LOWEST,
+    MIN_FORCE,
+    MIN_FORCE_ANGLE,
     NOSE_FORCE,
     OPEN_FORCE,
     PEAK_FORCE,
@@ -49,11 +49,11 @@ units, and a cycle would take minutes.
 """
 
 
-BLOW_STEPS = 16
+IMPACT_STEPS = 16
 """Parts of the rise of a blow; where the step is longer, it is divided for as long as the blow
 lasts.
 """
-LEAST_BLOW = 0.02
+MIN_IMPACT = 0.02
 """Share of the reference force below which a touch is no blow."""
 
 
@@ -65,7 +65,7 @@ class TrainOptions:
     (s) overrides it (rounded so that a
     cycle holds a whole number of steps). ``exchange``: steps per exchange of a partitioned coupling
     (0: all advance together).
-    ``blow_steps``: parts in which the rise of a blow of a contact is taken (0: steps are never
+    ``impact_steps``: parts in which the rise of a blow of a contact is taken (0: steps are never
     divided), more at a finer
     prescribed step.
     ``record_springs``: keep the springs' inner states per sample; ``record_contacts``: write down
@@ -79,7 +79,7 @@ class TrainOptions:
     step_fraction: float = 0.35
     time_step: float | None = None
     exchange: int = 0
-    blow_steps: int = BLOW_STEPS
+    impact_steps: int = IMPACT_STEPS
     record_springs: bool = False
     record_contacts: bool = False
     window: tuple[float, float] = (0.0, TURN)
@@ -232,8 +232,8 @@ class TrainRunner:
             status,
             float(motion.totals[4]),
             extremes[:, PEAK_FORCE_ANGLE],
-            extremes[:, LEAST_FORCE],
-            extremes[:, LEAST_FORCE_ANGLE],
+            extremes[:, MIN_FORCE],
+            extremes[:, MIN_FORCE_ANGLE],
             Transitions.from_log(records.transitions, int(motion.counters[2])),
             (records.pressed_a, records.pressed_b)[:springs],
             spacing * self.time_step,
@@ -297,14 +297,14 @@ class TrainRunner:
                 (rows, recorded_entries(spring) if self.options.record_springs else 0)
             )
         begin, end = self.options.window
-        before, least = state.last_step or self.time_step, LEAST_BLOW * self.rest.reference_force
+        before, least = state.last_step or self.time_step, MIN_IMPACT * self.rest.reference_force
         turning = (state.cam_angle, self.cam_speed, self.cam_acceleration, self.time_step)
         clock = np.array(
             [*turning, *new.held, begin, end - begin, before, before, least, self.options.nose]
         )
         every = self.steps // self.options.samples
         counters = np.array(
-            [self.steps, every, 0, self.options.exchange, spacing, self.options.blow_steps],
+            [self.steps, every, 0, self.options.exchange, spacing, self.options.impact_steps],
             dtype=np.int64,
         )
         addresses = np.array(
@@ -316,7 +316,7 @@ class TrainRunner:
             np.zeros((len(LOADS) if rows else 0, 4)),
             np.zeros((count, 5)),
         )
-        extremes[:, LEAST_FORCE], extremes[:, OPEN_FORCE], bodies[:, PEAK_PLACE] = (
+        extremes[:, MIN_FORCE], extremes[:, OPEN_FORCE], bodies[:, PEAK_PLACE] = (
             np.inf,
             -np.inf,
             -np.inf,
@@ -406,7 +406,7 @@ def runner(
     else:
         step = chosen.time_step
         finer = chosen.step_fraction * still.own_time_step / step
-        chosen = replace(chosen, blow_steps=int(np.ceil(chosen.blow_steps * max(1.0, finer))))
+        chosen = replace(chosen, impact_steps=int(np.ceil(chosen.impact_steps * max(1.0, finer))))
     limit = springs_time_step(system, still.own_time_step)
     if step > limit:
         raise InputError(

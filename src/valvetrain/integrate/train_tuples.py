@@ -20,8 +20,8 @@ TRANSITIONS = 512
     PEAK_FORCE,
     PEAK_FORCE_ANGLE,
     PEAK_PENETRATION,
-    LEAST_FORCE,
-    LEAST_FORCE_ANGLE,
+    MIN_FORCE,
+    MIN_FORCE_ANGLE,
     OPEN_FORCE,
     NOSE_FORCE,
 ) = range(7)
@@ -44,7 +44,7 @@ LOADS = (
 PEAK_PLACE, PEAK_SPEED, PEAK_SPEED_ANGLE, PEAK_ACCELERATION, PEAK_ACCELERATION_ANGLE = range(5)
 """Columns of ``Records.bodies``."""
 
-PLACE, CLOSES, ANGLE, RATE, LARGEST_GAP, LARGEST_GAP_ANGLE, LARGEST_FORCE = range(7)
+PLACE, CLOSES, ANGLE, RATE, MAX_GAP, MAX_GAP_ANGLE, MAX_FORCE = range(7)
 """Columns of ``Records.transitions``."""
 
 
@@ -158,6 +158,6 @@ class Scratch(NamedTuple):
     guides: Array
     bend: Array
     rate: Array
-    blows: Array
+    impacts: Array
     trial: Array
     share: Array

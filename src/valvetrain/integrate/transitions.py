@@ -10,9 +10,9 @@ from numpy.typing import NDArray
 from valvetrain.integrate.train_tuples import (
     ANGLE,
     CLOSES,
-    LARGEST_FORCE,
-    LARGEST_GAP,
-    LARGEST_GAP_ANGLE,
+    MAX_FORCE,
+    MAX_GAP,
+    MAX_GAP_ANGLE,
     PLACE,
     RATE,
 )
@@ -56,9 +56,9 @@ class Transitions:
             rows[:, CLOSES] > 0.5,
             rows[:, ANGLE],
             rows[:, RATE],
-            rows[:, LARGEST_GAP],
-            rows[:, LARGEST_GAP_ANGLE],
-            rows[:, LARGEST_FORCE],
+            rows[:, MAX_GAP],
+            rows[:, MAX_GAP_ANGLE],
+            rows[:, MAX_FORCE],
             max(0, found - len(log)),
         )
 

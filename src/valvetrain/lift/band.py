@@ -10,14 +10,14 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from valvetrain.cam.measured import MOST_DRAWS
+from valvetrain.cam.measured import MAX_DRAWS
 from valvetrain.errors import InputError
 from valvetrain.parameters.case import Case
 from valvetrain.parameters.loading import AnyCase, case_of
 from valvetrain.runs.api import Speeds, simulate, sweep
 from valvetrain.runs.cost import Cost, limits_of, refuse_cost
 from valvetrain.runs.engine import Progress, map_points, worker_count
-from valvetrain.runs.planned import Asked
+from valvetrain.runs.planned import RunRequest
 from valvetrain.runs.request_cost import request_cost
 from valvetrain.solution.critical import KINDS
 from valvetrain.solution.study import Study
@@ -130,10 +130,10 @@ def lift_band_study(
             f"the lift of case '{known.name}' is not measured, so it has no band; give it a [lift_law] of kind 'measured'",
             "lift_law",
         )
-    if not 4 <= draws <= MOST_DRAWS:
-        raise InputError(f"draws is a number from 4 to {MOST_DRAWS}; it is {draws}", "--draws")
+    if not 4 <= draws <= MAX_DRAWS:
+        raise InputError(f"draws is a number from 4 to {MAX_DRAWS}; it is {draws}", "--draws")
     speeds, searched = (None if one is None else si_speeds(one) for one in (engine_speeds, search))
-    asked = Asked(
+    asked = RunRequest(
         "run", known, speeds, tuple(spring_models), tuple(spring_sets), worker_count(workers)
     )
     refuse_cost(band_cost(asked, draws, searched), limits_of(limit), "limit=", FEWER_LAWS)
@@ -161,7 +161,7 @@ def lift_band_study(
     return LiftBandStudy(mean, tuple(spreads), failures)
 
 
-def band_cost(asked: Asked, draws: int, search: Sequence[float] | None) -> Cost:
+def band_cost(asked: RunRequest, draws: int, search: Sequence[float] | None) -> Cost:
     """Estimated cost of ``asked`` with the mean law and so many ``draws``, critical speeds searched
     at ``search`` (rad/s of the crank).
     """

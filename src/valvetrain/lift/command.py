@@ -24,11 +24,11 @@ from valvetrain.cli.options import (
     read_amounts,
     read_engine_speeds,
     read_models,
-    read_words,
+    read_names,
     read_workers,
     take_folder,
 )
-from valvetrain.cli.study_command import Kept, keep_run, show_page
+from valvetrain.cli.study_command import SavedRequest, keep_run, show_page
 from valvetrain.errors import InputError
 
 if TYPE_CHECKING:
@@ -185,7 +185,7 @@ def lift(
         read_engine_speeds(search, "--search"),
         draws,
         read_models(spring),
-        read_words(spring_set),
+        read_names(spring_set),
         write,
         write_form,
         output,
@@ -254,7 +254,11 @@ def _answer(request: _Request) -> None:
             if name not in ("output", "created_at", "open_page")
         }
         folder, files = keep_run(
-            Kept("lift", own, request.output, request.created_at), own.text, choices, data, fill
+            SavedRequest("lift", own, request.output, request.created_at),
+            own.text,
+            choices,
+            data,
+            fill,
         )
         if request.write is not None:
             from valvetrain.lift.page import write_table
@@ -306,7 +310,7 @@ def _carried(request: _Request, lobe: LobeResult) -> LiftBandStudy | None:
     from valvetrain.lift.band import FEWER_LAWS, band_cost, lift_band_study
     from valvetrain.lift.page import lift_parameters
     from valvetrain.parameters.loading import load_case
-    from valvetrain.runs.planned import Asked
+    from valvetrain.runs.planned import RunRequest
 
     case = load_case(request.case_name)
     if case.lift_law is not None and case.lift_law.lift_of != lobe.measured.lift_of:
@@ -317,7 +321,7 @@ def _carried(request: _Request, lobe: LobeResult) -> LiftBandStudy | None:
         )
     law = lift_parameters(lobe, request.noise, request.band)
     carried = case.replace({"lift_law": law})
-    asked = Asked(
+    asked = RunRequest(
         "run",
         carried,
         request.engine_speeds,

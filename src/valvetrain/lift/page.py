@@ -24,7 +24,7 @@ from valvetrain.parameters.toml_text import resolved, toml_text
 from valvetrain.report import theme
 from valvetrain.report.chart import Chart, Layer, Line, Marks, Panel, thin
 from valvetrain.report.page import Block, Cell, Figure, Grid, Page, Section, text
-from valvetrain.report.text import number, speed_words, unit_words
+from valvetrain.report.text import number, speed_text, unit_text
 from valvetrain.solution.atomic import write_bytes, write_text
 from valvetrain.solution.definition import definition_of, label_of, shown
 from valvetrain.units import unit_factor
@@ -304,14 +304,14 @@ def carried_rows(carried: LiftBandStudy) -> list[CarriedSpread]:
 
 def carried_words(one: CarriedSpread) -> tuple[str, str, str, str, str]:
     """Quantity, run, value, 95 % interval and unit of a carried spread as people read them."""
-    unit = unit_words(definition_of(one.quantity).shown_unit)
+    unit = unit_text(definition_of(one.quantity).shown_unit)
     value, spread = (
         float(shown(one.quantity, number_)[0]) for number_ in (one.value, BAND * one.spread)
     )
     run = one.label + (
         ""
         if one.engine_speed is None
-        else f"{', ' if one.label else ''}{speed_words(one.engine_speed)}"
+        else f"{', ' if one.label else ''}{speed_text(one.engine_speed)}"
     )
     return label_of(one.quantity), run, number(value, 4), f"±{number(spread, 2)}", unit
 

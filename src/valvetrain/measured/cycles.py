@@ -188,9 +188,9 @@ def _word(value: object) -> str:
 
 
 #: Larger files are no cycles of a few channels.
-MOST_BYTES = 500_000_000
+MAX_BYTES = 500_000_000
 #: Most cycles (columns) of a text and most of its rows.
-MOST_CYCLES, MOST_ANGLES = 20_000, 100_000
+MAX_CYCLES, MAX_ANGLES = 20_000, 100_000
 _NOUN = "file of measured cycles"
 #: Words behind the mark of a comment that say something.
 _KEYS = ("quantity", "unit", "cam speed", "engine speed", "synthetic", "source", "note")
@@ -267,7 +267,7 @@ def read_cycles(path: str | Path) -> tuple[MeasuredCycles, ...]:
     'm'
     """
     place = Path(path)
-    content = read_content(place, MOST_BYTES, _NOUN)
+    content = read_content(place, MAX_BYTES, _NOUN)
     if content.startswith(HDF5_MARK):
         return netcdf_cycles(place)
     return (_from_text(text_of(content, place.name), place.name[:80]),)
@@ -355,9 +355,9 @@ def _check_row(rows: list[list[float]], number: int, name: str) -> None:
         raise InputError(
             f"line {number} of {name} has {len(rows[-1])} numbers, {due}; make the rows alike"
         )
-    if len(rows) > MOST_ANGLES or len(rows[0]) > MOST_CYCLES + 1:
+    if len(rows) > MAX_ANGLES or len(rows[0]) > MAX_CYCLES + 1:
         raise InputError(
-            f"{name} holds more than {MOST_ANGLES} angles or {MOST_CYCLES} cycles; give fewer"
+            f"{name} holds more than {MAX_ANGLES} angles or {MAX_CYCLES} cycles; give fewer"
         )
     if any(math.isinf(value) for value in rows[-1]):
         raise InputError(f"line {number} of {name} holds a number beyond all bounds; correct it")

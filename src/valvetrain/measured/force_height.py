@@ -15,7 +15,7 @@ from valvetrain.units import dimension_of, unit_factor
 
 Array = NDArray[np.float64]
 #: Larger files are no tables of a spring tester.
-MOST_BYTES = 20_000_000
+MAX_BYTES = 20_000_000
 #: Words of a heading -> what the column is; the first that fits.
 _MEANINGS = (
     (r"force|load|kraft|last\b|\bf\b", "force"), (r"height|length|höhe|hoehe|länge|laenge|\bh\b|\bl\b", "height"),
@@ -89,7 +89,7 @@ def read_force_height(
     """
     path = Path(file)
     table = read_text_table(
-        text_of(read_content(path, MOST_BYTES, "table of a spring tester"), path.name), path.name
+        text_of(read_content(path, MAX_BYTES, "table of a spring tester"), path.name), path.name
     )
     return force_height_in(table, path.name[:80], columns, length_unit, force_unit, free_length)
 

@@ -140,7 +140,7 @@ class LiftAnswers:
 
 
 #: Larger files are no tables of lifts.
-MOST_BYTES = 5_000_000
+MAX_BYTES = 5_000_000
 TURN = 2 * np.pi
 #: Columns that are lifts.
 LOBES = ("lift", "intake", "exhaust")
@@ -175,7 +175,7 @@ def read_lift(file: str | Path, answers: LiftAnswers | None = None) -> tuple[Mea
     """
     path = Path(file)
     return lifts_in(
-        read_content(path, MOST_BYTES, "table of lifts"), path.name, answers or LiftAnswers()
+        read_content(path, MAX_BYTES, "table of lifts"), path.name, answers or LiftAnswers()
     )
 
 

@@ -264,7 +264,7 @@ S96_SPEC = LiftFormat("s96 of cam analysers", recognise_s96, read_s96, write_s96
 #: How files of workbooks begin: a zip archive, an OLE container.
 _MARKS = (b"PK\x03\x04", b"\xd0\xcf\x11\xe0")
 #: A sheet beyond these is no table of lifts.
-MOST_ROWS, MOST_COLUMNS = 200_000, 60
+MAX_ROWS, MAX_COLUMNS = 200_000, 60
 _EXTRA = "install the extra 'measure' (pip install 'valvetrain[measure]')"
 
 
@@ -315,7 +315,7 @@ def read_workbook(content: bytes, name: str) -> LiftColumns:
 
 
 def _fits(sheet: object) -> bool:
-    return getattr(sheet, "height", 0) <= MOST_ROWS and getattr(sheet, "width", 0) <= MOST_COLUMNS
+    return getattr(sheet, "height", 0) <= MAX_ROWS and getattr(sheet, "width", 0) <= MAX_COLUMNS
 
 
 def _line(row: Sequence[object]) -> str:

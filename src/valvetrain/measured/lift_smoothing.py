@@ -27,10 +27,10 @@ TURN = 2 * np.pi
 ROUNDS = 4
 #: Intervals of knots, and angle (rad), on either side over which the scale of the jerk is averaged;
 #: least share of its largest value.
-WINDOW, WINDOW_ANGLE, LEAST_SHARE = 5, np.radians(5), 1e-3
+WINDOW, WINDOW_ANGLE, MIN_SHARE = 5, np.radians(5), 1e-3
 #: Knots at most: where stations stand closer they share them, for what a lobe does within a third
 #: of a degree is in no table.
-MOST_KNOTS = 400
+MAX_KNOTS = 400
 #: Bounds (m) and number of trials of the noise where it is not stated, and of the ratio of the two
 #: variances.
 NOISE_BOUNDS = (1e-9, 1e-3)
@@ -187,8 +187,8 @@ class _Fit:
 
     def __init__(self, angles: Array, lifts: Array, noise: float | None, stated: bool) -> None:
         sites = angles
-        if len(angles) > MOST_KNOTS:
-            sites = angles[np.round(np.linspace(0, len(angles) - 1, MOST_KNOTS)).astype(int)]
+        if len(angles) > MAX_KNOTS:
+            sites = angles[np.round(np.linspace(0, len(angles) - 1, MAX_KNOTS)).astype(int)]
         self.knots = np.concatenate([np.full(DEGREE, sites[0]), sites, np.full(DEGREE, sites[-1])])
         self.count = len(self.knots) - DEGREE - 1
         free = _free(self.count)
@@ -229,7 +229,7 @@ class _Fit:
         per = square.reshape(-1, 4).mean(axis=1)
         kernel = np.ones(2 * min(self.window, (len(per) - 1) // 2) + 1)
         smooth = np.convolve(per, kernel, "same") / np.convolve(np.ones(len(per)), kernel, "same")
-        return np.asarray(np.repeat(np.maximum(smooth / smooth.max(), LEAST_SHARE), 4), dtype=float)
+        return np.asarray(np.repeat(np.maximum(smooth / smooth.max(), MIN_SHARE), 4), dtype=float)
 
 
 def _likeliest(

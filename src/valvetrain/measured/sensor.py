@@ -19,7 +19,7 @@ Complex = NDArray[np.complex128]
 Filter = Literal["butterworth", "bessel"]
 #: Highest order of the low-pass, steps in the shortest period of the gauge, sampling phases that
 #: are tried, most steps of a trace.
-HIGHEST_ORDER, STEPS, PHASES, MOST_STEPS = 8, 40, 32, 20_000_000
+HIGHEST_ORDER, STEPS, PHASES, MAX_STEPS = 8, 40, 32, 20_000_000
 _GIVEN = {
     "bandwidth": "frequency", "sampling_rate": "frequency", "natural_frequency": "frequency", "mounting_stiffness": "stiffness",
     "moved_mass": "mass",
@@ -27,11 +27,11 @@ _GIVEN = {
 
 
 @dataclass(frozen=True)
-class Seen:
+class SensorResponse:
     """What a gauge makes of a trace: ``time`` (s) and ``values`` (unit of the trace), sampled where
     the gauge samples.
 
-    >>> Seen(np.array([0.0, 1.0]), np.array([2.0, 5.0]), 9.0, (4.0, 5.0)).peak
+    >>> SensorResponse(np.array([0.0, 1.0]), np.array([2.0, 5.0]), 9.0, (4.0, 5.0)).peak
     5.0
     """
 
@@ -170,7 +170,9 @@ class Sensor:
         found: Array = np.interp(time, grid, self._through(fine, grid[1] - grid[0], periodic))
         return found
 
-    def seen(self, time: Array, values: Array, phase: float = 0.0, periodic: bool = False) -> Seen:
+    def seen(
+        self, time: Array, values: Array, phase: float = 0.0, periodic: bool = False
+    ) -> SensorResponse:
         """The trace as recorded; ``phase`` (0 to 1, in samples): where the first sample falls.
         Arguments and errors as :meth:`response`.
         """
@@ -179,7 +181,7 @@ class Sensor:
         smooth = self._through(fine, grid[1] - grid[0], periodic)
         if self.sampling_rate is None:
             top = float(np.max(smooth))
-            return Seen(grid, self._rounded(smooth), float(np.max(given)), (top, top))
+            return SensorResponse(grid, self._rounded(smooth), float(np.max(given)), (top, top))
         step = 1 / float(self.sampling_rate)
 
         def sampled(first: float) -> tuple[Array, Array]:
@@ -195,7 +197,7 @@ class Sensor:
                 "the trace is shorter than one sample of the gauge; give a higher sampling rate",
                 "sampling_rate",
             )
-        return Seen(at, out, float(np.max(given)), (min(tops), max(tops)))
+        return SensorResponse(at, out, float(np.max(given)), (min(tops), max(tops)))
 
     def _rounded(self, values: Array) -> Array:
         return np.round(values / self.resolution) * self.resolution if self.resolution else values
@@ -249,7 +251,7 @@ class Sensor:
         even = float(np.max(np.abs(np.diff(time) * (len(time) - 1) / span - 1))) < 1e-6
         share = int(np.ceil(span / (len(time) - 1) / finest - 1e-9))
         parts = (len(time) - 1) * share if even else int(np.ceil(span / max(finest, 1e-300)))
-        if parts > MOST_STEPS:
+        if parts > MAX_STEPS:
             raise InputError(
                 f"the trace would need {parts:.2g} steps for this gauge; cut it, or lower its frequencies",
                 "time",

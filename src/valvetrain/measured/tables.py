@@ -24,13 +24,13 @@ _NUMBER = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eEdD][-+]?\d+)?")
 _STRONG = re.compile(r"[;\t|,]")
 _MARKS = re.compile(r"[;\t|,\s]+")
 #: Blanks in a row beyond these tell nothing; a heading longer than this names no columns.
-_BLANKS, LONGEST_HEADING = re.compile(r"(\s{8})\s+"), 1000
+_BLANKS, MAX_HEADING_LENGTH = re.compile(r"(\s{8})\s+"), 1000
 #: Lines above the numbers among which the names of the columns are looked for.
 HEADINGS = 100
 #: Marks that begin a line of words.
 COMMENTS = ("#", "%", "!", "//", "*", "'", '"')
 #: Most columns of a table of lifts; more is another kind of file.
-MOST_COLUMNS = 12
+MAX_COLUMNS = 12
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,7 +50,7 @@ class TextTable:
     first_line: int
 
 
-def read_text_table(text: str, name: str, most_columns: int = MOST_COLUMNS) -> TextTable:
+def read_text_table(text: str, name: str, most_columns: int = MAX_COLUMNS) -> TextTable:
     """The table of numbers in ``text``; lines of words may stand before it and, marked as comments,
     in it.
 
@@ -86,7 +86,7 @@ def read_text_table(text: str, name: str, most_columns: int = MOST_COLUMNS) -> T
                 f"line {number} of {name} has {len(row)} numbers, the first row {width}; make the rows alike"
             )
     if width > most_columns:
-        what = "a table of lifts" if most_columns == MOST_COLUMNS else "a table of channels"
+        what = "a table of lifts" if most_columns == MAX_COLUMNS else "a table of channels"
         raise InputError(f"{name} has {width} columns; {what} has at most {most_columns}")
     values = np.array(rows, dtype=float)
     if not np.all(np.isfinite(values)):
@@ -154,7 +154,9 @@ def _columns(headings: list[str], width: int) -> tuple[tuple[str, ...], tuple[st
     may follow the names.
     """
     for place in range(len(headings) - 1, max(-1, len(headings) - 1 - HEADINGS), -1):
-        parts = _parts(headings[place], width) if len(headings[place]) <= LONGEST_HEADING else None
+        parts = (
+            _parts(headings[place], width) if len(headings[place]) <= MAX_HEADING_LENGTH else None
+        )
         if parts is None:
             continue
         names, units = zip(*(_name_and_unit(part) for part in parts), strict=True)

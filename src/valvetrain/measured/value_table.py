@@ -20,7 +20,7 @@ from valvetrain.units.text import clipped
 
 Array = NDArray[np.float64]
 #: Larger files, and longer tables, are none of values.
-MOST_BYTES, MOST_ROWS, MOST_REPEATS = 5_000_000, 2000, 200
+MAX_BYTES, MAX_ROWS, MAX_REPEATS = 5_000_000, 2000, 200
 _NOUN = "table of measured values"
 _NAME = re.compile(r"[A-Za-z][A-Za-z0-9_.]{0,119}")
 _HEAD = re.compile(r"(.*?)\s*(?:[\[(]\s*(.*?)\s*[\])])?\s*")
@@ -129,7 +129,7 @@ def read_value_table(path: str | Path) -> ValueTable:
     8.06
     """
     place = Path(path)
-    return values_in(text_of(read_content(place, MOST_BYTES, _NOUN), place.name), place.name[:80])
+    return values_in(text_of(read_content(place, MAX_BYTES, _NOUN), place.name), place.name[:80])
 
 
 def values_in(text: str, name: str) -> ValueTable:
@@ -146,8 +146,8 @@ def values_in(text: str, name: str) -> ValueTable:
         raise InputError(
             f"{name} holds no table of values; write a line of headings 'quantity,unit,value,scatter' and a row a value"
         )
-    if len(lines) > MOST_ROWS + 1:
-        raise InputError(f"{name} holds more than {MOST_ROWS} values; give fewer")
+    if len(lines) > MAX_ROWS + 1:
+        raise InputError(f"{name} holds more than {MAX_ROWS} values; give fewer")
     mark = max(",;\t", key=lines[0][1].count)
     heads = _heads(_cells(lines[0][1], mark, lines[0][0], name), name)
     overall = _speed(said, name)
@@ -201,8 +201,8 @@ def _heads(cells: list[str], name: str) -> list[tuple[str, str]]:
         raise InputError(
             f"{name} needs a column 'unit', and either 'value' with 'scatter' or 'repeat 1', 'repeat 2' and so on; add them"
         )
-    if repeats > MOST_REPEATS:
-        raise InputError(f"{name} has {repeats} repeats; {MOST_REPEATS} are the most")
+    if repeats > MAX_REPEATS:
+        raise InputError(f"{name} has {repeats} repeats; {MAX_REPEATS} are the most")
     return heads
 
 

@@ -11,10 +11,10 @@ from pathlib import Path
 from valvetrain.errors import InputError
 
 #: Larger files hold neither a case nor a lift table (bytes).
-MOST_BYTES = 5_000_000
+MAX_BYTES = 5_000_000
 #: Set to anything, a case may name files beside it only: for cases of strangers (``valvetrain
 #: serve``).
-BESIDE_VARIABLE = "VALVETRAIN_BESIDE"
+SIDE_FILES_VARIABLE = "VALVETRAIN_BESIDE"
 _KINDS = {
     stat.S_IFDIR: "a folder", stat.S_IFIFO: "a pipe", stat.S_IFCHR: "a device", stat.S_IFBLK: "a device", stat.S_IFSOCK: "a socket",
 }  # fmt: skip
@@ -24,13 +24,13 @@ def named_file(folder: Path, name: str) -> Path:
     """The file that a case in ``folder`` names.
 
     Raises :class:`InputError` for one elsewhere than beside the case, or a link, where
-    :data:`BESIDE_VARIABLE` is set.
+    :data:`SIDE_FILES_VARIABLE` is set.
 
     >>> named_file(Path("cases"), "lift.csv").name
     'lift.csv'
     """
     path = folder / name
-    if os.environ.get(BESIDE_VARIABLE) and (
+    if os.environ.get(SIDE_FILES_VARIABLE) and (
         Path(name).name != name or "\\" in name or path.is_symlink()
     ):
         raise InputError(
@@ -39,7 +39,7 @@ def named_file(folder: Path, name: str) -> Path:
     return path
 
 
-def bounded_bytes(path: Path, what: str, most: int = MOST_BYTES) -> bytes:
+def bounded_bytes(path: Path, what: str, most: int = MAX_BYTES) -> bytes:
     """Bytes of the regular file ``path``, at most ``most`` of them; ``what`` it should hold, such
     as "lift table", stands in messages.
 

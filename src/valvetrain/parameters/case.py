@@ -228,7 +228,7 @@ class Case:
         Keys of works that valvetrain/references.bib does not hold are shown as they are.
         """
         from valvetrain.citations import cite, references
-        from valvetrain.parameters.summary import words_at
+        from valvetrain.parameters.summary import value_text_at
 
         # In the file the springs are [spring], or [[spring]] with places.
         paths = {
@@ -243,7 +243,7 @@ class Case:
             remarks=self.remarks,
             published=self.published,
             values=tuple(
-                CaseValue(path, words_at(self, paths[path]), note.status or "", note.source)
+                CaseValue(path, value_text_at(self, paths[path]), note.status or "", note.source)
                 for path, note in self.notes.items()
             ),
             citations=tuple(cite(key) if key in references() else key for key in self.cite()),

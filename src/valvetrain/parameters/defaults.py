@@ -119,7 +119,7 @@ def shown_default(field: FieldInfo) -> str:
             if isinstance(value, int)
             else number(value)
         )
-    unit = DIMENSIONS[dimension].usual_unit
+    unit = DIMENSIONS[dimension].default_unit
     scale = unit_factor(unit) if unit else 1.0
     values = value if isinstance(value, tuple) else (value,)
     return f"{', '.join(number(entry / scale) for entry in values)} {unit}".strip()

@@ -22,7 +22,7 @@ from valvetrain.parameters.case import Case, CaseSummary
 from valvetrain.parameters.changes import nearest
 from valvetrain.parameters.overrides import with_values
 from valvetrain.parameters.schema_case import CaseModel
-from valvetrain.parameters.schema_types import LONGEST_NAME, first_problem, problem
+from valvetrain.parameters.schema_types import MAX_NAME_LENGTH, first_problem, problem
 from valvetrain.parameters.toml_text import find_line, resolved, toml_text
 from valvetrain.units.text import clipped
 
@@ -76,11 +76,11 @@ def refuse_moved(tree: Mapping[str, Any]) -> None:
 LIBRARY = Path(__file__).parent / "library"
 #: Keys of more parts than this (``a.b.c``) are no case's; reading them takes time with the square
 #: of their number.
-MOST_PARTS = 32
+MAX_PARTS = 32
 #: A case, the name of a library case or the path of a case file.
 AnyCase = Case | str | os.PathLike[str]
 _DEEP_KEY = re.compile(
-    rf"""(?<![\w-])(?:(?:[\w-]+|"[^"\n]*"|'[^'\n]*')[ \t]*\.[ \t]*){{{MOST_PARTS}}}(?=[\w"'-])"""
+    rf"""(?<![\w-])(?:(?:[\w-]+|"[^"\n]*"|'[^'\n]*')[ \t]*\.[ \t]*){{{MAX_PARTS}}}(?=[\w"'-])"""
 )
 
 
@@ -143,7 +143,7 @@ def read_case(path: Path, changes: Mapping[str, Any] | None = None) -> Case:
     )  # the name of a case is text, that of its file any bytes
     return parse_case(
         _read_text(path),
-        name=clipped(name, LONGEST_NAME),
+        name=clipped(name, MAX_NAME_LENGTH),
         folder=path.parent,
         where=path.name,
         changes=changes,
@@ -259,7 +259,7 @@ def parse_toml(text: str, where: str) -> dict[str, Any]:
     if (deep := _DEEP_KEY.search(text)) is not None:
         line = text.count("\n", 0, deep.start()) + 1
         raise InputError(
-            f"a key has more than {MOST_PARTS} parts with dots between; write tables",
+            f"a key has more than {MAX_PARTS} parts with dots between; write tables",
             f"{where}, line {line}",
         )
     try:

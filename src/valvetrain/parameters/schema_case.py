@@ -123,7 +123,7 @@ class PublishedModel(StrictModel):
 
 
 #: Laws from files that are kept.
-MOST_KEPT = 8
+MAX_KEPT = 8
 _Key = tuple[type[LiftModel], str, tuple[str, ...], bytes]
 _kept: OrderedDict[_Key, LiftLawParameters] = OrderedDict()
 _turn = threading.Lock()
@@ -144,7 +144,7 @@ def parameters_of(law: LiftModel, folder: Path) -> LiftLawParameters:
     if key is not None and key == _key(law, folder):  # the file stayed the same while it was read
         with _turn:
             _kept[key] = found
-            while len(_kept) > MOST_KEPT:
+            while len(_kept) > MAX_KEPT:
                 _kept.popitem(last=False)
     return found
 

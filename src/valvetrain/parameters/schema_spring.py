@@ -30,11 +30,11 @@ from valvetrain.parameters.schema_types import (
 from valvetrain.parameters.spring import EndCoil, EndKind, SpringDefinition
 
 #: A spring of more turns than this is taken for a mistake, and would cost minutes to check.
-MOST_COILS = 200.0
+MAX_COILS = 200.0
 
 EndTurns = Annotated[float, quantity("ratio", low=0.0, high=3.0)]
 PoissonRatio = Annotated[float, quantity("ratio", low=-1.0, high=0.5)]
-TotalCoils = Annotated[float, quantity("ratio", low=0.0, high=MOST_COILS, open_low=True)]
+TotalCoils = Annotated[float, quantity("ratio", low=0.0, high=MAX_COILS, open_low=True)]
 
 
 class EndModel(StrictModel):
@@ -109,7 +109,7 @@ def _read_material(raw: Any) -> Material:
 
 MaterialField = Annotated[Material, PlainValidator(_read_material)]
 #: Of a card that names no material.
-USUAL_WIRE = material_by_name("EN 10270-2 VDSiCr")
+DEFAULT_MATERIAL = material_by_name("EN 10270-2 VDSiCr")
 EndField = Annotated[EndModel, PlainValidator(_read_end)]
 
 
@@ -345,7 +345,7 @@ class SpringCardModel(StrictModel):
                 "the coils are too narrow for this wire (index below 2); check diameters and units",
                 ("wire_diameter",),
             )
-        material = self.material or USUAL_WIRE
+        material = self.material or DEFAULT_MATERIAL
         by_rate = material.shear_modulus * wire**4 / (8 * mean**3 * rate)
         coils = self.active_coils or by_rate
         if not 0.7 < coils / by_rate < 1.4:

@@ -167,8 +167,8 @@ Force = Annotated[float, quantity("force")]
 Stiffness = Annotated[float, quantity("stiffness", low=0.0, open_low=True)]
 #: Masses (kg) beyond this are slips: the largest valve gears of ships weigh a tenth, and no
 #: equilibrium is found for them in bearable time.
-LARGEST_MASS = 1e3
-Mass = Annotated[float, quantity("mass", low=0.0, high=LARGEST_MASS, open_low=True)]
+MAX_MASS = 1e3
+Mass = Annotated[float, quantity("mass", low=0.0, high=MAX_MASS, open_low=True)]
 Modulus = Annotated[float, quantity("modulus", low=0.0, open_low=True)]
 Density = Annotated[float, quantity("density", low=0.0, open_low=True)]
 Time = Annotated[float, quantity("time", low=0.0)]
@@ -185,7 +185,7 @@ Numbers = Annotated[tuple[float, ...], quantities("ratio")]
 
 
 #: Longest name (a file is called by it), line and text (characters).
-LONGEST_NAME, LONGEST_LINE, LONGEST_TEXT = 80, 1000, 50_000
+MAX_NAME_LENGTH, MAX_LINE_LENGTH, MAX_TEXT_LENGTH = 80, 1000, 50_000
 _CONTROL = {
     "Cc": "a control character",
     "Cs": "half a character",
@@ -236,7 +236,7 @@ def words(most: int, spared: str = "", separators: str = "") -> AfterValidator:
 
 #: A name within a case; the name of a case, by which files are found; one line; a text of several
 #: lines.
-Name = Annotated[str, words(LONGEST_NAME)]
-CaseName = Annotated[str, words(LONGEST_NAME, separators="/\\")]
-Line = Annotated[str, words(LONGEST_LINE)]
-Prose = Annotated[str, words(LONGEST_TEXT, spared="\n\r\t")]
+Name = Annotated[str, words(MAX_NAME_LENGTH)]
+CaseName = Annotated[str, words(MAX_NAME_LENGTH, separators="/\\")]
+Line = Annotated[str, words(MAX_LINE_LENGTH)]
+Prose = Annotated[str, words(MAX_TEXT_LENGTH, spared="\n\r\t")]

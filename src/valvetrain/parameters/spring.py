@@ -20,7 +20,7 @@ OVERLAP_SLACK = 0.02
 #: Turns by which meshes run past both tips, where every curve must still hold a number.
 BEYOND_TIPS = 0.5
 #: Thinner is no wire (m): its mass and stiffness vanish from the numbers of a computer.
-LEAST_LENGTH = 1e-6
+MIN_LENGTH = 1e-6
 
 
 class WireShape(Protocol):
@@ -88,7 +88,7 @@ def check_spring(spring: WireShape) -> None:
         values = law.value(coil)
         _refuse(~(values > 0), coil, spring, f"{label} is not positive; give a positive length")
         _refuse(
-            values < LEAST_LENGTH,
+            values < MIN_LENGTH,
             coil,
             spring,
             f"{label} is less than a micrometre, which no wire is; check its unit",
@@ -177,11 +177,11 @@ def _refuse_jumps(spring: WireShape, coil: np.ndarray) -> None:
 
 EndKind = Literal["closed-ground", "closed", "open", "open-ground"]
 #: Kind -> inactive and ground turns where none are given.
-_USUAL_TURNS: dict[str, tuple[float, float]] = {
+_TYPICAL_TURNS: dict[str, tuple[float, float]] = {
     "closed-ground": (0.75, 0.75), "closed": (0.75, 0.0), "open": (0.0, 0.0), "open-ground": (0.5, 0.25),
 }  # fmt: skip
 #: Stands for the usual turns of the kind; told by identity, so that another nan is still refused.
-_AS_USUAL = float("nan")
+_DEFAULT_MARK = float("nan")
 
 
 @dataclass(frozen=True, slots=True)
@@ -201,18 +201,18 @@ class EndCoil:
     """
 
     kind: EndKind = "closed-ground"
-    inactive_coils: float = _AS_USUAL
-    ground_coils: float = _AS_USUAL
+    inactive_coils: float = _DEFAULT_MARK
+    ground_coils: float = _DEFAULT_MARK
 
     def __post_init__(self) -> None:
-        if self.kind not in _USUAL_TURNS:
+        if self.kind not in _TYPICAL_TURNS:
             raise InputError(
-                f"end coil kind '{self.kind}' is unknown; use {', '.join(_USUAL_TURNS)}"
+                f"end coil kind '{self.kind}' is unknown; use {', '.join(_TYPICAL_TURNS)}"
             )
         for name, turns in zip(
-            ("inactive_coils", "ground_coils"), _USUAL_TURNS[self.kind], strict=True
+            ("inactive_coils", "ground_coils"), _TYPICAL_TURNS[self.kind], strict=True
         ):
-            if getattr(self, name) is _AS_USUAL:
+            if getattr(self, name) is _DEFAULT_MARK:
                 object.__setattr__(self, name, turns)
         if not (0 <= self.inactive_coils <= 3 and 0 <= self.ground_coils <= 3):
             raise InputError(

@@ -90,7 +90,7 @@ def _valued(place: str, contact: ContactParameters, cam: CamParameters) -> Conta
     )
 
 
-def usual_contacts(contacts: Mapping[str, ContactParameters]) -> str:
+def default_contacts(contacts: Mapping[str, ContactParameters]) -> str:
     """One sentence on the contacts whose values are usual ones and not the case's; empty where
     there are none.
     """

@@ -98,7 +98,7 @@ def si_at(path: str, value: Any) -> Any:
     return si(value, _DIMENSIONS.get(keys[-1], dimension), path)
 
 
-def words_at(holder: Any, path: str) -> str:
+def value_text_at(holder: Any, path: str) -> str:
     """The value at a key path below ``holder`` in words; empty where it is kept in another form
     than the file's.
     """
@@ -107,7 +107,7 @@ def words_at(holder: Any, path: str) -> str:
         item = _part(item, key)
         if item is None:
             return ""
-    return value_words(item, keys[-1], _unit_at(keys))
+    return value_text(item, keys[-1], _unit_at(keys))
 
 
 def _part(item: Any, key: str) -> Any:
@@ -124,7 +124,7 @@ def _part(item: Any, key: str) -> Any:
     return values.get(key) if isinstance(values, Mapping) else None
 
 
-def value_words(item: Any, key: str, unit: str = "") -> str:
+def value_text(item: Any, key: str, unit: str = "") -> str:
     """One value as text: numbers and curves in ``unit``, by default the one its key is shown in,
     others in short words.
     """
@@ -169,7 +169,7 @@ def value_words(item: Any, key: str, unit: str = "") -> str:
             if getattr(item, one.name) != _default(one)
         ]
         return ", ".join(
-            f"{name.replace('_', ' ')} {value_words(value, name)}" for name, value in own
+            f"{name.replace('_', ' ')} {value_text(value, name)}" for name, value in own
         )
     return str(getattr(item, "kind", type(item).__name__)).replace("_", " ")
 
@@ -198,7 +198,7 @@ def _contact_words(contact: ContactParameters) -> str:
         elif key == "damping" and (contact.damping_unit or spec.damping_unit) == "s/m":
             shown = f"{number(value)} s/m"
         else:
-            shown = value_words(value, key)
+            shown = value_text(value, key)
         words.append(f"{key.replace('_', ' ')} {shown}")
     return ", ".join(words)
 
@@ -208,7 +208,7 @@ def _shown(value: float, unit: str) -> float:
 
 
 def _number(value: float, unit: str) -> str:
-    return f"{number(_shown(value, unit))} {unit_words(unit)}".strip()
+    return f"{number(_shown(value, unit))} {unit_text(unit)}".strip()
 
 
 def in_unit(value: float, unit: str) -> float:
@@ -237,7 +237,7 @@ def number(value: float | None, digits: int = 4) -> str:
     return text.replace("-", "−")
 
 
-def unit_words(unit: str) -> str:
+def unit_text(unit: str) -> str:
     """A unit as printed: ``mm/s^2`` -> ``mm/s²``, ``us`` -> ``µs``, ``um`` -> ``µm``."""
     return unit.replace("^2", "²").replace("^3", "³").replace("us", "µs").replace("um", "µm")
 

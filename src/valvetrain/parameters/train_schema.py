@@ -13,7 +13,7 @@ from valvetrain.parameters.schema_contact import ContactsField
 from valvetrain.parameters.schema_installed import RubbingModel, SpringField
 from valvetrain.parameters.schema_lift import LiftModel
 from valvetrain.parameters.schema_types import (
-    LARGEST_MASS,
+    MAX_MASS,
     Angle,
     Angles,
     Length,
@@ -47,12 +47,10 @@ from valvetrain.parameters.train import (
 )
 
 #: Moments of inertia (kg m2) beyond this are slips, as masses beyond theirs.
-LARGEST_INERTIA = 1e2
+MAX_INERTIA = 1e2
 Damping = Annotated[float, quantity("damping", low=0.0)]
-Inertia = Annotated[
-    float, quantity("moment of inertia", low=0.0, high=LARGEST_INERTIA, open_low=True)
-]
-NotNegativeMass = Annotated[float, quantity("mass", low=0.0, high=LARGEST_MASS)]
+Inertia = Annotated[float, quantity("moment of inertia", low=0.0, high=MAX_INERTIA, open_low=True)]
+NotNegativeMass = Annotated[float, quantity("mass", low=0.0, high=MAX_MASS)]
 Friction = Annotated[float, quantity("force", low=0.0)]
 Torque = Annotated[float, quantity("moment", low=0.0)]
 LeverRatio = Annotated[float, quantity("ratio", low=0.1, high=10.0)]

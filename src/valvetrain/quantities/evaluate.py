@@ -23,7 +23,7 @@ from valvetrain.quantities.train_numbers import (
 )
 from valvetrain.quantities.valve_events import run_events
 from valvetrain.solution.channels import Variable
-from valvetrain.solution.partial_failures import Gaps
+from valvetrain.solution.partial_failures import PartialFailures
 from valvetrain.solution.result import Solution
 from valvetrain.solution.status import Event
 from valvetrain.solution.study import LiftEvent
@@ -47,7 +47,7 @@ def evaluate(solution: Solution, frame: Frame = Frame()) -> Solution:
     """
     if len(solution.time) < 3 or not _is_finite(solution):
         return solution.with_found((), {})
-    gaps = Gaps(solution.gaps)
+    gaps = PartialFailures(solution.gaps)
     solution = gaps.part("stress of the wire", solution, with_wire_stress, solution, frame)
     cycle = gaps.part("reported cycle", None, reported_cycle, solution)
     rigid = None
@@ -87,7 +87,7 @@ def _meets(frame: Frame) -> bool:
 
 
 def _events(
-    solution: Solution, frame: Frame, rigid: RigidCycle | None, gaps: Gaps
+    solution: Solution, frame: Frame, rigid: RigidCycle | None, gaps: PartialFailures
 ) -> tuple[Event, ...]:
     none: tuple[Event, ...] = ()
     clashes = gaps.part("clashes", none, clash_events, solution) if _meets(frame) else none
@@ -98,7 +98,7 @@ def _events(
 
 
 def _whole_cycle(
-    cycle: Cycle, frame: Frame, events: tuple[Event, ...], gaps: Gaps
+    cycle: Cycle, frame: Frame, events: tuple[Event, ...], gaps: PartialFailures
 ) -> dict[str, float]:
     solution = cycle.solution
     found = gaps.part("forces", {}, force_quantities, cycle) | gaps.part(

@@ -57,7 +57,7 @@ def _range(
 
 
 #: Of the motion that is asked for, by lift law and engine speed.
-LEAST_LIFT = _range(
+MIN_LIFT = _range(
     "the least lift",
     "least_lift",
     -50e-6,
@@ -66,7 +66,7 @@ LEAST_LIFT = _range(
     1e-3,
     "no cam is ground below its base circle by more than run-out",
 )
-LARGEST_LIFT = _range(
+MAX_LIFT = _range(
     "the largest lift",
     "largest_lift",
     0.0,
@@ -93,7 +93,7 @@ ACCELERATION = _range(
     1.0,
     "racing valves reach about 1e5 m/s², and a blow on a cam tears it",
 )
-ASKED = (LEAST_LIFT, LARGEST_LIFT, SPEED, ACCELERATION)
+ASKED = (MIN_LIFT, MAX_LIFT, SPEED, ACCELERATION)
 #: Of parts: a force that holds a part in its guide.
 GUIDE_FRICTION = _range(
     "the friction in a guide",

@@ -16,7 +16,7 @@ from valvetrain.parameters.toml_text import toml_text
 
 #: Bytes of a name's stem, so that endings and the name of a temporary file beside it fit into the
 #: 255 that file systems take.
-LONGEST = 120
+MAX_LENGTH = 120
 
 
 @dataclass
@@ -59,11 +59,11 @@ def _key(name: str) -> str:
 
 
 def _short(words: str, ending: str) -> str:
-    """The words with the ending, cut to :data:`LONGEST` bytes; of long ones the end stays, where
+    """The words with the ending, cut to :data:`MAX_LENGTH` bytes; of long ones the end stays, where
     speed and number stand.
     """
     content = words.encode()
-    room = LONGEST - len(ending)
+    room = MAX_LENGTH - len(ending)
     if len(content) > room:
         half = room // 2
         words = (

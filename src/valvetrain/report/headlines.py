@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from valvetrain.report.run_summary import critical_rows, searched
-from valvetrain.report.text import number, speed_words
+from valvetrain.report.text import number, speed_text
 from valvetrain.solution.definition import definition_of, label_of, shown
 from valvetrain.solution.result import Solution
 from valvetrain.solution.status import Event
@@ -61,7 +61,7 @@ class HeadlineColumn:
         return (
             self.label
             if self.engine_speed is None
-            else f"{self.label}, {speed_words(self.engine_speed)}"
+            else f"{self.label}, {speed_text(self.engine_speed)}"
         )
 
 

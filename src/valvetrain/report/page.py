@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, ParamSpec
 from valvetrain.report import theme
 from valvetrain.report.chart import Chart, legend_entries
 from valvetrain.report.motion.script import motion_script
-from valvetrain.solution.partial_failures import Gaps, reason
+from valvetrain.solution.partial_failures import PartialFailures, reason
 
 if TYPE_CHECKING:
     import jinja2
@@ -275,7 +275,7 @@ def _all(blocks: Sequence[Any]) -> Iterator[Any]:
             yield block
 
 
-def render(page: Page, gaps: Gaps | None = None) -> str:
+def render(page: Page, gaps: PartialFailures | None = None) -> str:
     """The page as one self-contained HTML document, Plotly and data included; ``gaps`` is told the
     figures that cannot be drawn.
     """
@@ -372,7 +372,7 @@ def _css_words(words: str) -> str:
     )
 
 
-def _drawn(chart: Chart, gaps: Gaps | None) -> str:
+def _drawn(chart: Chart, gaps: PartialFailures | None) -> str:
     """The figure as JSON, or the reason why it cannot be drawn, which the page then shows in its
     place.
     """

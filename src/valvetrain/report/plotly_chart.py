@@ -36,10 +36,10 @@ _SIDES = {
 _LEFT, _RIGHT, _BOTTOM, _ABOVE, _BAR = 54, 18, 46, 26, 92
 #: Room in px between panels, and the width in px of a plot area of two columns at its narrowest
 #: (page.js changes over below it).
-_GAP_X, _LEAST_WIDTH = 60, 620
+_GAP_X, _MIN_WIDTH = 60, 620
 #: Letters of a panel's words that one line of a narrow page holds; a title beyond them stands on a
 #: line of its own.
-_MOST_LETTERS = 40
+_MAX_LETTERS = 40
 #: Height in px of a panel on a narrow page, where all stand in one column.
 NARROW_PANEL = 220
 
@@ -103,7 +103,7 @@ def _layout(chart: Chart, columns: int, panel_height: int) -> dict[str, Any]:
     right = (58 if direct else _RIGHT) + (_BAR - _RIGHT if maps and not narrow else 0)
     bottom = _BOTTOM + (60 if maps and narrow else 0)
     parted = narrow and any(
-        panel.title and len(panel.title + panel.y_label) > _MOST_LETTERS for panel in chart.panels
+        panel.title and len(panel.title + panel.y_label) > _MAX_LETTERS for panel in chart.panels
     )
     above = (
         _ABOVE + (16 if any(panel.bands for panel in chart.panels) else 0) + (16 if parted else 0)
@@ -117,11 +117,11 @@ def _layout(chart: Chart, columns: int, panel_height: int) -> dict[str, Any]:
         "height": height,
         "margin": {"l": left, "r": right, "t": above, "b": bottom, "pad": 0},
     }
-    wide = (1 - (columns - 1) * _GAP_X / _LEAST_WIDTH) / columns
+    wide = (1 - (columns - 1) * _GAP_X / _MIN_WIDTH) / columns
     high = (inside - (rows - 1) * gap) / rows / inside
     for index, panel in enumerate(chart.panels):
         row, column = divmod(index, columns)
-        start, top = column * (wide + _GAP_X / _LEAST_WIDTH), 1 - row * (high + gap / inside)
+        start, top = column * (wide + _GAP_X / _MIN_WIDTH), 1 - row * (high + gap / inside)
         x_domain, y_domain = [start, min(start + wide, 1.0)], [max(top - high, 0.0), min(top, 1.0)]
         named = not shared or index == len(chart.panels) - 1
         for heat in (layer for layer in panel.layers if isinstance(layer, HeatMap)):

@@ -18,7 +18,7 @@ from typing import Any
 from valvetrain.errors import InputError
 
 #: Largest page that is read (bytes).
-MOST_BYTES = 200_000_000
+MAX_BYTES = 200_000_000
 _SCRIPT = re.compile(
     r'<script(?: type="application/json" id="(data|motion)-([^"]*)")?[^>]*>(.*?)</script>',
     re.DOTALL,
@@ -104,9 +104,9 @@ def read_page(path: Path) -> tuple[PageSection, ...]:
     Raises :class:`InputError` for a file that cannot be read or is no report page.
     """
     try:
-        if path.stat().st_size > MOST_BYTES:
+        if path.stat().st_size > MAX_BYTES:
             raise InputError(
-                f"is larger than {MOST_BYTES / 1e6:.0f} MB, so it is not read", path.name
+                f"is larger than {MAX_BYTES / 1e6:.0f} MB, so it is not read", path.name
             )
         text = path.read_text("utf-8")
     except (OSError, UnicodeDecodeError) as error:

@@ -12,7 +12,7 @@ from valvetrain.quantities.cycle import reported_cycle
 from valvetrain.report import theme
 from valvetrain.report.chart import Band, Chart, Layer, Line, Panel, thin
 from valvetrain.report.page import Block, Tabs
-from valvetrain.report.text import speed_words
+from valvetrain.report.text import speed_text
 from valvetrain.solution.display import SHOWN_UNITS
 from valvetrain.solution.quantity import same_speed
 from valvetrain.solution.result import Solution
@@ -25,7 +25,7 @@ ANGLE_LABEL = "cam angle (cam degrees)"
 CHANNEL_UNITS = {**SHOWN_UNITS, "rad/s": ("deg/s", 180 / np.pi), "m/s2": ("m/s²", 1.0)}
 STILL_WORDS = "at rest, same lift"
 #: Lines in one panel before it is parted.
-MOST_LINES = 4
+MAX_LINES = 4
 
 
 @dataclass(frozen=True, slots=True)
@@ -77,7 +77,7 @@ def run_is_model(first: dict[str, Solution]) -> bool:
 
 
 def _words(label: str, run: Solution) -> str:
-    return theme.model_words(label) if label == run.model else label
+    return theme.model_label(label) if label == run.model else label
 
 
 def drawable(run: Solution) -> bool:
@@ -129,14 +129,14 @@ def angle_panels(
     still: str = "",
     still_words: str = STILL_WORDS,
 ) -> list[Panel]:
-    """A channel over the cam angle, one line per run, at most :data:`MOST_LINES` a panel;
+    """A channel over the cam angle, one line per run, at most :data:`MAX_LINES` a panel;
     ``still``: a channel beside it, dashed, once.
     """
     known, panels, label = looks(study), [], name
     shown = [(run, *found) for run in runs if (found := over_angle(run, channel)) is not None]
-    for start in range(0, len(shown), MOST_LINES):
+    for start in range(0, len(shown), MAX_LINES):
         layers: list[Layer] = []
-        part = shown[start : start + MOST_LINES]
+        part = shown[start : start + MAX_LINES]
         for run, angle, values in part:
             unit, factor = unit_of_channel(run, channel)
             label, look = f"{name} ({unit})" if unit else name, known[run.label]
@@ -196,7 +196,7 @@ def by_speed(
         runs = runs_at(study, engine_speed)
         blocks = blocks_at(engine_speed, runs, f"{key}-{place + 1}") if runs else ()
         if blocks:
-            items.append((speed_words(engine_speed), blocks))
+            items.append((speed_text(engine_speed), blocks))
     return (items[0][1] if items else ()) if len(items) < 2 else (Tabs(tuple(items), key),)
 
 

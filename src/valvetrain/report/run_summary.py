@@ -9,13 +9,13 @@ from dataclasses import dataclass
 from valvetrain.report.text import in_unit, number, rpm
 from valvetrain.solution.critical import KINDS, CriticalSpeed
 from valvetrain.solution.definition import definition_of, label_of
-from valvetrain.solution.fidelity import RPM, FidelityMap, Reach
+from valvetrain.solution.fidelity import RPM, FidelityMap, ValidSpeedRange
 from valvetrain.solution.study import Study
 from valvetrain.system.contract import TRAIN
 
 NOT_COMPUTED = "not computed"
 #: Ranges of further stretches that are named; of more only how many.
-MOST_AGAIN = 2
+MAX_AGAIN = 2
 
 
 @dataclass(frozen=True, slots=True)
@@ -92,7 +92,7 @@ def _hysteresis(one: CriticalSpeed) -> str:
 
 
 def _again(one: CriticalSpeed) -> str:
-    if len(one.again) > MOST_AGAIN:
+    if len(one.again) > MAX_AGAIN:
         first, last = rpm(one.again[0].lower_engine_speed), rpm(one.again[-1].upper_engine_speed)
         return f"{len(one.again)} times, {first:.0f}–{last:.0f}"
     return ", ".join(map(str, one.again))
@@ -154,13 +154,13 @@ def reason_for(found: FidelityMap, quantity: str) -> str:
     )
 
 
-def _apart(reach: Reach) -> str:
+def _apart(reach: ValidSpeedRange) -> str:
     return share(reach.largest) + (
         f" ± {share(reach.largest_doubt)}" if reach.largest_doubt > 0 else ""
     )
 
 
-def _miss(reach: Reach) -> float:
+def _miss(reach: ValidSpeedRange) -> float:
     return reach.largest if math.isfinite(reach.largest) else math.inf
 
 

@@ -42,7 +42,7 @@ from valvetrain.solution.atomic import write_text
 from valvetrain.solution.definition import definition_of, label_of, shown
 from valvetrain.solution.modes import ModalResult
 from valvetrain.solution.netcdf import save_modal_result, save_netcdf, save_static_curve
-from valvetrain.solution.partial_failures import Gaps, reason
+from valvetrain.solution.partial_failures import PartialFailures, reason
 from valvetrain.solution.result import Solution
 from valvetrain.solution.static import StaticCurve
 from valvetrain.solution.study import Study
@@ -57,7 +57,7 @@ _KICKERS = {
 }
 #: Sentences of a case's description that stand on top of its page.
 _LEAD_SENTENCES = 2
-_MOST_SPEEDS = 6
+_MAX_SPEEDS = 6
 
 
 def study_page(study: Study) -> Page:
@@ -88,7 +88,7 @@ def study_page(study: Study) -> Page:
         for word in words("sections")
         if (section := _section(find("sections", word), study)) is not None
     )
-    record, gaps = study.record, Gaps()
+    record, gaps = study.record, PartialFailures()
     by_source = gaps.part("what the source tells of the case", False, told_by_source, study)
     told = sentences(record.description) if by_source else []
     facts = gaps.part("facts below the title", (), _facts, study)
@@ -134,7 +134,7 @@ def _facts(study: Study) -> tuple[tuple[str, str], ...]:
     names = [look.words for look in known.values()]
     mark = "; " if any("," in name for name in names) else ", "
     listed = ", ".join(f"{rpm(speed):.10g}" for speed in speeds)
-    if len(speeds) > _MOST_SPEEDS:
+    if len(speeds) > _MAX_SPEEDS:
         listed = f"{len(speeds)} from {rpm(speeds[0]):.10g} to {rpm(speeds[-1]):.10g}"
     ended = sum(run.status.completed for run in study.solutions)
     word = (
@@ -258,7 +258,7 @@ def write_parts(
     ``written_before`` gives the file that a solution was written to as it came, which then only
     takes its name.
     """
-    names, gaps = FreeNames(), Gaps()
+    names, gaps = FreeNames(), PartialFailures()
     data: list[Path] = []
 
     def write(name: str, function: Callable[..., Path], *given: Any) -> None:
@@ -373,13 +373,13 @@ def write_page(
     folder: Path,
     name: str = "report.html",
     figures: bool = True,
-    gaps: Gaps | None = None,
+    gaps: PartialFailures | None = None,
 ) -> tuple[Path, tuple[Path, ...]]:
     """Write a page and, where ``figures`` are asked for, each of its charts as SVG; a chart that
     fails is left out (the page names it).
     """
     pictures = []
-    told = gaps or Gaps()
+    told = gaps or PartialFailures()
     for chart in charts(page) if figures else ():
         picture = told.part(f"picture '{chart.key}.svg'", None, _picture, chart, folder)
         pictures += [picture] if picture is not None else []

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from valvetrain.errors import InputError
 from valvetrain.report import theme
 from valvetrain.report.page import Cell, Grid
-from valvetrain.report.text import in_unit, number, percent, rpm, speed_words, unit_words
+from valvetrain.report.text import in_unit, number, percent, rpm, speed_text, unit_text
 from valvetrain.solution.comparison import Comparison
 from valvetrain.solution.definition import label_of
 
@@ -152,7 +152,7 @@ def comparison_grid(rows: Sequence[Comparison]) -> Grid:
 
 
 def _speed(row: Comparison) -> str:
-    return "at rest" if row.engine_speed is None else speed_words(row.engine_speed)
+    return "at rest" if row.engine_speed is None else speed_text(row.engine_speed)
 
 
 def _cells(row: Comparison) -> tuple[Cell, ...]:
@@ -176,11 +176,11 @@ def _cells(row: Comparison) -> tuple[Cell, ...]:
         Cell(_speed(row), "quiet"),
         Cell(sign, "tag", words),
         Cell(_in(row.published, row.unit), "number"),
-        Cell(theme.model_words(row.model) if row.model else "", "quiet", row.model),
+        Cell(theme.model_label(row.model) if row.model else "", "quiet", row.model),
         Cell(_in(row.computed, row.unit), "number"),
         Cell(difference, "number"),
         Cell(share, "number quiet"),
-        Cell(unit_words(row.unit), "quiet"),
+        Cell(unit_text(row.unit), "quiet"),
         Cell(row.role, "quiet", row.used_for),
         Cell(
             "no tolerance stated"

@@ -6,7 +6,7 @@ import math
 
 from valvetrain.parameters.summary import in_unit as in_unit
 from valvetrain.parameters.summary import number as number
-from valvetrain.parameters.summary import unit_words as unit_words
+from valvetrain.parameters.summary import unit_text as unit_text
 from valvetrain.solution.definition import label_of
 
 
@@ -15,7 +15,7 @@ def rpm(engine_speed: float) -> float:
     return round(engine_speed * 30 / math.pi, 6)
 
 
-def speed_words(engine_speed: float) -> str:
+def speed_text(engine_speed: float) -> str:
     """An engine speed as text, such as ``5600 rpm``."""
     return f"{rpm(engine_speed):.10g} rpm"
 
@@ -26,7 +26,7 @@ def percent(share: float) -> str:
     return ("0.0" if float(text) == 0 else text.replace("-", "−")) + " %"
 
 
-def quantity_words(name: str) -> str:
+def quantity_label(name: str) -> str:
     """A quantity's label as a line begins with it: ``stage_2_peak_cam_angle`` -> ``Stage II peak,
     cam angle``.
     """

@@ -60,7 +60,7 @@ def model_colour(model: str) -> str:
     )
 
 
-def model_words(model: str) -> str:
+def model_label(model: str) -> str:
     """A spring model's name as a reader knows it; any other label without its hyphens."""
     return (
         spring_model(model).label if model in registry.words("springs") else model.replace("-", " ")

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 
 from valvetrain.report.page import Block, Cell, Grid, Page, Section, text
 from valvetrain.report.table import Table, table
-from valvetrain.report.text import number, rpm, speed_words
+from valvetrain.report.text import number, rpm, speed_text
 from valvetrain.runs.error_bars import (
     CONTACT_FACTORS,
     DAMPING_FACTORS,
@@ -50,7 +50,7 @@ def uncertainty_grid(rows: Sequence[Uncertainty]) -> Grid:
         words = (
             "Statics and modes"
             if speed is None
-            else f"Engine speed {speed_words(speed)}{f', {label}' if label else ''}"
+            else f"Engine speed {speed_text(speed)}{f', {label}' if label else ''}"
         )
         lines.append(((Cell(words),), ()))
         lines += [
@@ -92,7 +92,7 @@ def _per_cent(share: float) -> str:
 def _whose(row: Uncertainty) -> str:
     words = [
         word
-        for word in (row.label, "" if row.engine_speed is None else speed_words(row.engine_speed))
+        for word in (row.label, "" if row.engine_speed is None else speed_text(row.engine_speed))
         if word
     ]
     return f" ({', '.join(words)})" if words else ""

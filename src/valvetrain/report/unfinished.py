@@ -16,7 +16,7 @@ from valvetrain.runs.saved_runs import LIST as saved_runs_LIST
 from valvetrain.runs.saved_runs import mark_unfinished
 from valvetrain.solution.atomic import append_whole, write_text
 from valvetrain.solution.netcdf import save_netcdf
-from valvetrain.solution.partial_failures import Gaps
+from valvetrain.solution.partial_failures import PartialFailures
 from valvetrain.solution.result import Solution
 
 
@@ -36,7 +36,7 @@ class UnfinishedRun:
         self._handle: int | None = None
         self._files: dict[int, tuple[Solution, str]] = {}
         self.folder: Path | None = None
-        self.gaps = Gaps()
+        self.gaps = PartialFailures()
 
     def add(self, place: int, solution: Solution) -> None:
         """Keep the solution of the run at ``place`` of its study."""

@@ -11,15 +11,15 @@ _HOMES = {
     "rig_cycles": "cycles",
     "RigAnswers": "channels",
     "RigResult": "result",
-    "seen_by_sensor": "gauge",
+    "sensor_response": "gauge",
 }
 
-__all__ = ["rig_cycles", "RigAnswers", "RigResult", "seen_by_sensor"]
+__all__ = ["rig_cycles", "RigAnswers", "RigResult", "sensor_response"]
 
 if TYPE_CHECKING:
     from valvetrain.rig.channels import RigAnswers as RigAnswers
     from valvetrain.rig.cycles import rig_cycles as rig_cycles
-    from valvetrain.rig.gauge import seen_by_sensor as seen_by_sensor
+    from valvetrain.rig.gauge import sensor_response as sensor_response
     from valvetrain.rig.result import RigResult as RigResult
 else:
     __getattr__ = lazy_names(__name__, _HOMES)

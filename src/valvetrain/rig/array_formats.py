@@ -31,7 +31,7 @@ from valvetrain.rig.recording import (
 )
 
 #: A table of more columns is no table of channels.
-MOST_COLUMNS = 64
+MAX_COLUMNS = 64
 #: Units of times -> seconds; files of arrays may count them since a date, which tells nothing here.
 SECONDS = {
     "s": 1.0, "sec": 1.0, "second": 1.0, "seconds": 1.0, "": 1.0, "ms": 1e-3, "milliseconds": 1e-3, "us": 1e-6, "µs": 1e-6, "μs": 1e-6,
@@ -61,7 +61,7 @@ def channels_of(
             scalars[name] = float(np.ravel(values)[0])
         elif values.ndim == 1 or (values.ndim == 2 and 1 in values.shape):
             rows[name] = np.ravel(values).astype(float)
-        elif values.ndim == 2 and min(values.shape) <= MOST_COLUMNS:
+        elif values.ndim == 2 and min(values.shape) <= MAX_COLUMNS:
             table = values if values.shape[0] > values.shape[1] else values.T
             rows |= {
                 f"{name}_{place + 1}": table[:, place].astype(float)
@@ -110,9 +110,9 @@ _NUMBERS = (
     "uint64",
 )
 #: The best compression makes of one byte no more than this many.
-_MOST_EXPANDED = 1100
+_MAX_EXPANDED = 1100
 #: Longest text that may be a unit or a description.
-_LONGEST_TEXT = 500
+_MAX_TEXT = 500
 
 
 def recognise_mat5(head: bytes, name: str) -> bool:
@@ -133,11 +133,11 @@ def read_mat5(path: Path, name: str, wanted: tuple[str, ...]) -> Recording:
     notes = []
     for word, shape, kind in listed:
         count = int(np.prod([int(side) for side in shape], dtype=object)) if shape else 0
-        if count * 1.0 > size * _MOST_EXPANDED:
+        if count * 1.0 > size * _MAX_EXPANDED:
             raise InputError(
                 f"'{name[:80]}' is damaged: '{plain_word(word)}' claims more numbers than its bytes can hold"
             )
-        if kind == "char" and count <= _LONGEST_TEXT:
+        if kind == "char" and count <= _MAX_TEXT:
             texts[word] = " ".join(map(str, np.ravel(_one(io, path, word))))
         elif kind in _NUMBERS and 0 < count:
             budget.take(count)
@@ -198,7 +198,7 @@ NETCDF3_SPEC = RigFormat("NetCDF", recognise_netcdf3, read_netcdf3)
 
 _MARK = b"\x89HDF\r\n\x1a\n"
 #: Groups within groups, members of all groups, and how much the best compression makes of one byte.
-_DEEPEST, _MOST_MEMBERS, _MOST_EXPANDED_hdf5 = 6, 5000, 1100
+_DEEPEST, _MAX_MEMBERS, _MOST_EXPANDED_hdf5 = 6, 5000, 1100
 _SMALL = 65_536
 #: Attributes by which files give a rate (1/s) or a step (s).
 _RATES, _STEPS = (
@@ -257,9 +257,9 @@ class _Found:
         """
         for word in group:
             self.members += 1
-            if self.members > _MOST_MEMBERS:
+            if self.members > _MAX_MEMBERS:
                 raise InputError(
-                    f"'{self.name[:80]}' holds more than {_MOST_MEMBERS} groups and arrays; store the wanted ones alone"
+                    f"'{self.name[:80]}' holds more than {_MAX_MEMBERS} groups and arrays; store the wanted ones alone"
                 )
             name = f"{path}{plain_word(word)}"
             if not isinstance(group.get(word, getlink=True), h5py.HardLink):
@@ -339,7 +339,7 @@ HDF5_SPEC = RigFormat("HDF5", recognise_hdf5, read_hdf5)
 
 
 #: Larger texts are no recordings; of longer ones the first lines tell the form.
-MOST_BYTES, HEAD_LINES = 500_000_000, 400
+MAX_BYTES, HEAD_LINES = 500_000_000, 400
 _RATE = re.compile(
     r"\s*(sampling rate|sample rate|fs|rate)\s*[:=]\s*([\d.]+(?:[eE][+-]?\d+)?)\s*(k?)(?:Hz|1/s|S/s)",
     re.I,
@@ -353,7 +353,7 @@ def recognise_text(head: bytes, name: str) -> bool:
 
 def read_text(path: Path, name: str, wanted: tuple[str, ...]) -> Recording:
     """The columns of the text: times where a heading says so, channels else."""
-    text = text_of(read_content(path, MOST_BYTES, "recording"), name)
+    text = text_of(read_content(path, MAX_BYTES, "recording"), name)
     table = _table(text, name)
     budget = Budget(name, wanted)
     budget.take(table.rows.size)
@@ -400,9 +400,9 @@ def _table(text: str, name: str) -> TextTable:
     """The whole table; its form is found in the first lines and the rest is read by that form."""
     first = "".join(line for _, line in zip(range(HEAD_LINES), io.StringIO(text), strict=False))
     if len(first) == len(text):
-        return read_text_table(text, name, MOST_COLUMNS)
+        return read_text_table(text, name, MAX_COLUMNS)
     try:
-        head = read_text_table(first, name, MOST_COLUMNS)
+        head = read_text_table(first, name, MAX_COLUMNS)
         rows = first.splitlines()[head.first_line - 1 :]
         mark = parting_mark(
             [
@@ -421,7 +421,7 @@ def _table(text: str, name: str) -> TextTable:
         or not np.isfinite(body).all()
     ):
         return read_text_table(
-            text, name, MOST_COLUMNS
+            text, name, MAX_COLUMNS
         )  # line by line, which names the line at fault
     return TextTable(body, head.headings, head.names, head.units, head.first_line)
 

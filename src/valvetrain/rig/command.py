@@ -26,7 +26,7 @@ from valvetrain.cli.options import (
     read_sensor,
     take_folder,
 )
-from valvetrain.cli.study_command import Kept, keep_run, show_page
+from valvetrain.cli.study_command import SavedRequest, keep_run, show_page
 from valvetrain.errors import InputError
 
 if TYPE_CHECKING:
@@ -145,7 +145,7 @@ def rig(
     """
 
     take_folder(output)
-    asked = _Asked(output, open_page, datetime.now(UTC).replace(microsecond=0))
+    asked = _Request(output, open_page, datetime.now(UTC).replace(microsecond=0))
     if file is None:
         if case is None or (bandwidth is None and sensor is None):
             raise InputError(
@@ -236,7 +236,7 @@ class _Named:
 
 
 @dataclass(frozen=True)
-class _Asked:
+class _Request:
     """Where an answer goes."""
 
     output: Path | None
@@ -266,7 +266,7 @@ class _Asked:
             return [*write(folder), *pages]
 
         folder, files = keep_run(
-            Kept("rig", _Named(name), self.output, self.created_at, folder=home),
+            SavedRequest("rig", _Named(name), self.output, self.created_at, folder=home),
             text,
             choices,
             data,
@@ -290,7 +290,7 @@ def _answer(
     case: str | None,
     settings: list[str] | None,
     write: Path | None,
-    asked: _Asked,
+    asked: _Request,
 ) -> None:
     from hashlib import file_digest
 

@@ -97,7 +97,7 @@ GRIDS = (360, 720, 1440, 1800, 2400, 3600, 4800, 7200)
 #: Share of the sampling rate that a recording tells, so that the filter ends below half of it.
 TOLD = 0.4
 #: Most values of one channel over all cycles.
-MOST_VALUES = 50_000_000
+MAX_VALUES = 50_000_000
 #: A cycle is an outlier where its distance to the median cycle is this many times the usual spread
 #: of distances, and this many times
 #: the usual distance; with fewer cycles nobody can tell.
@@ -148,9 +148,9 @@ def grid_of(
         raise InputError(
             f"the recording holds no whole cycle, only {max(turns, 0):.2f} cam turns; give a longer one"
         )
-    if (last - first) * angle_count > MOST_VALUES:
+    if (last - first) * angle_count > MAX_VALUES:
         raise InputError(
-            f"{last - first} cycles of {angle_count} angles are more than {MOST_VALUES:.0e} values; take fewer angles",
+            f"{last - first} cycles of {angle_count} angles are more than {MAX_VALUES:.0e} values; take fewer angles",
             "angle_count",
         )
     grid = np.linspace(0.0, TURN, angle_count, endpoint=False)

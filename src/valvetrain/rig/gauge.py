@@ -11,11 +11,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from valvetrain.errors import InputError
-from valvetrain.measured.sensor import Seen, Sensor
+from valvetrain.measured.sensor import Sensor, SensorResponse
 from valvetrain.parameters.loading import AnyCase
-from valvetrain.runs.prepared import Plan, Ready, integrate_point, make_ready, provenance_of
+from valvetrain.runs.prepared import Plan, PreparedRun, integrate_point, prepare, provenance_of
 from valvetrain.runs.run import member_rest, ready_trains
-from valvetrain.solution.partial_failures import Gaps
+from valvetrain.solution.partial_failures import PartialFailures
 from valvetrain.solution.result import Solution
 from valvetrain.system.build import build
 from valvetrain.system.contract import TRAIN
@@ -52,7 +52,7 @@ class SeenChannel:
     time: Array
     values: Array
     spacing: float
-    seen: Seen
+    seen: SensorResponse
     #: The trace is too coarse for this gauge, so its spikes may lie between the points.
     coarse: bool
 
@@ -68,7 +68,7 @@ class SeenChannel:
         return (low / self.true_peak, high / self.true_peak) if self.true_peak else (1.0, 1.0)
 
 
-def seen_by_sensor(
+def sensor_response(
     solution: Solution, sensor: Sensor, channels: Sequence[str] = ()
 ) -> tuple[SeenChannel, ...]:
     """Channels of a run as a gauge records them.
@@ -91,7 +91,7 @@ def seen_by_sensor(
     --------
     >>> import valvetrain as vt
     >>> (run,) = vt.simulate("job-t", "3000 rpm", spring_models=["multi-mass"]).solutions
-    >>> (one,) = seen_by_sensor(run, Sensor(bandwidth="200 Hz"), ["retainer_force"])
+    >>> (one,) = sensor_response(run, Sensor(bandwidth="200 Hz"), ["retainer_force"])
     >>> one.seen.peak < one.true_peak
     True
     """
@@ -174,10 +174,10 @@ def seen_in_case(
     if not speeds:
         raise InputError("the case names no engine speed; give one", "--engine-speed")
     if problem.kind == TRAIN:
-        ready = ready_trains(problem, speeds, Gaps())[0]
+        ready = ready_trains(problem, speeds, PartialFailures())[0]
     else:
         ready = tuple(
-            make_ready(problem, member, member_rest(problem, member), problem.record.study)
+            prepare(problem, member, member_rest(problem, member), problem.record.study)
             for member in problem.members
         )
     found: list[SeenChannel] = []
@@ -187,11 +187,11 @@ def seen_in_case(
         for one in ready:
             solution = _run(problem, one, speed, need / (1 if problem.kind == TRAIN else STORED))
             if solution.status.code in ("completed", "not-converged"):
-                seen = seen_by_sensor(solution, sensor)
+                seen = sensor_response(solution, sensor)
                 if any(
                     channel.coarse for channel in seen
                 ):  # a model that keeps nothing between its samples
-                    seen = seen_by_sensor(_run(problem, one, speed, need), sensor)
+                    seen = sensor_response(_run(problem, one, speed, need), sensor)
                 found += [channel for channel in seen if np.any(channel.values)]
             else:
                 why = why or solution.status.message
@@ -202,7 +202,7 @@ def seen_in_case(
     return tuple(found)
 
 
-def _run(problem: Problem, ready: Ready, engine_speed: float, samples: float) -> Solution:
+def _run(problem: Problem, ready: PreparedRun, engine_speed: float, samples: float) -> Solution:
     plan = Plan(
         "ends", int(np.clip(samples, FEWEST, MOST)), True, problem.cycles, problem.cycles_to_settle
     )

@@ -13,7 +13,7 @@ from valvetrain.report import theme
 from valvetrain.report.chart import Chart, Line, Marks, Panel, thin
 from valvetrain.report.files import FreeNames
 from valvetrain.report.page import Block, Cell, Figure, Grid, Page, Section, text
-from valvetrain.report.text import number, speed_words
+from valvetrain.report.text import number, speed_text
 from valvetrain.rig.gauge import SeenChannel
 from valvetrain.rig.page import shown_unit
 from valvetrain.solution.atomic import write_text
@@ -30,11 +30,11 @@ HEAD = (
 )
 #: Figures of a page, the channels that lose most first; points of a drawn trace; shares of the
 #: window about the peak.
-MOST_FIGURES, POINTS, WINDOW = 8, 1500, 12
+MAX_FIGURES, POINTS, WINDOW = 8, 1500, 12
 
 
 def _run_of(one: SeenChannel) -> str:
-    return f"{one.label}{', ' if one.label else ''}{speed_words(one.engine_speed)}"
+    return f"{one.label}{', ' if one.label else ''}{speed_text(one.engine_speed)}"
 
 
 def seen_rows(found: Sequence[SeenChannel]) -> list[tuple[str, ...]]:
@@ -102,7 +102,7 @@ def seen_page(title: str, found: Sequence[SeenChannel], sensor: Sensor) -> Page:
         )
         for row in seen_rows(found)
     )
-    worst = sorted(found, key=lambda one: one.share[0])[:MOST_FIGURES]
+    worst = sorted(found, key=lambda one: one.share[0])[:MAX_FIGURES]
     sentences: tuple[Block, ...] = tuple(text(f"{note}.", "note") for note in notes_of(found))
     sections = (
         Section("peaks", "True and recorded peaks", (Grid(HEAD, rows), *sentences)),

@@ -14,7 +14,7 @@ from valvetrain.measured.cycles import write_cycles
 from valvetrain.report import theme
 from valvetrain.report.chart import Band, Chart, Layer, Line, Panel, Rule, thin
 from valvetrain.report.page import Block, Cell, Figure, Grid, Page, Section, text
-from valvetrain.report.text import number, unit_words
+from valvetrain.report.text import number, unit_text
 from valvetrain.rig.result import RigChannelCycles, RigResult, student
 from valvetrain.solution.atomic import write_text
 from valvetrain.solution.definition import BY_LAST_WORD
@@ -35,9 +35,9 @@ def shown_unit(quantity: str, unit: str) -> tuple[str, float]:
         return "µm/m", 1e6
     usual = BY_LAST_WORD.get(quantity.rsplit("_", 1)[-1])
     return (
-        (unit_words(usual[1]), 1 / unit_factor(usual[1]))
+        (unit_text(usual[1]), 1 / unit_factor(usual[1]))
         if usual and usual[1]
-        else ("" if unit == "1" else unit_words(unit), 1.0)
+        else ("" if unit == "1" else unit_text(unit), 1.0)
     )
 
 
@@ -464,7 +464,7 @@ def _amplitudes(values: Array, rate: float) -> tuple[Array, Array]:
 
 
 #: Values of a channel beyond which its cycles are not written as text besides.
-MOST_IN_TEXT = 2_000_000
+MAX_IN_TEXT = 2_000_000
 
 
 def write_rig(result: RigResult, folder: Path) -> list[Path]:
@@ -475,7 +475,7 @@ def write_rig(result: RigResult, folder: Path) -> list[Path]:
     files += [
         write_cycles(folder / f"{one.quantity}.csv", [one])
         for one in result.cycles
-        if one.values.size <= MOST_IN_TEXT
+        if one.values.size <= MAX_IN_TEXT
     ]
     heads, columns = ["cam angle [deg]"], [np.degrees(result.grid.cam_angle)]
     for channel in result.channels:

@@ -170,9 +170,9 @@ def plain_word(value: object) -> str:
 
 
 #: Bytes of memory and seconds (of the processor, of the clock) that reading one file may take.
-MOST_MEMORY, MOST_SECONDS, LONGEST_WAIT = 4_000_000_000, 120, 300
+MAX_MEMORY, MAX_SECONDS, MAX_WAIT = 4_000_000_000, 120, 300
 #: Larger files are not opened.
-MOST_BYTES = 4_000_000_000
+MAX_BYTES = 4_000_000_000
 
 
 def read_recording(path: Path, wanted: tuple[str, ...] = ()) -> Recording:
@@ -208,8 +208,8 @@ def form_of(path: Path, name: str) -> str:
         raise InputError(
             f"recording '{name}' cannot be read: {reason.lower()}; check the name and the folder"
         ) from error
-    if size > MOST_BYTES:
-        raise InputError(f"'{name}' is larger than {MOST_BYTES / 1e9:g} GB; cut the recording")
+    if size > MAX_BYTES:
+        raise InputError(f"'{name}' is larger than {MAX_BYTES / 1e9:g} GB; cut the recording")
     if not head.strip():
         raise InputError(f"'{name}' is empty; export the recording again")
     known = registry.words("rig_formats")
@@ -234,13 +234,13 @@ def _apart(path: Path, name: str, form: str, wanted: tuple[str, ...]) -> Recordi
                 input=asked,
                 text=True,
                 capture_output=True,
-                timeout=LONGEST_WAIT,
+                timeout=MAX_WAIT,
                 env=environment,
                 check=False,
             )
         except subprocess.TimeoutExpired as error:
             raise InputError(
-                f"'{name}' was not read within {LONGEST_WAIT} s; it is damaged or too long, so cut it"
+                f"'{name}' was not read within {MAX_WAIT} s; it is damaged or too long, so cut it"
             ) from error
         except (OSError, TypeError) as error:
             raise InputError(
@@ -281,7 +281,7 @@ def serve() -> None:
     """Read what standard input asks for and put it into the folder named by the first argument: the
     other side of this module.
     """
-    bound_process(MOST_MEMORY, MOST_SECONDS)
+    bound_process(MAX_MEMORY, MAX_SECONDS)
     asked, folder = json.loads(sys.stdin.read()), Path(sys.argv[1])
     answer = answered(
         Path(asked["path"]), asked["name"], asked["form"], tuple(asked["wanted"]), folder

@@ -18,7 +18,7 @@ from valvetrain.runs.cost import FEWER_AT_REST, Limits, limits_of, refuse_cost
 from valvetrain.runs.critical_speeds import read_options
 from valvetrain.runs.engine import Progress, worker_count
 from valvetrain.runs.notes import largest_lift
-from valvetrain.runs.planned import Asked
+from valvetrain.runs.planned import RunRequest
 from valvetrain.runs.request_cost import request_cost
 from valvetrain.runs.run import run_study
 from valvetrain.runs.static_cost import spring_cost
@@ -382,7 +382,7 @@ def _checked(
     beyond them.
     """
     limits = limits_of(limit)
-    asked = Asked(command, case, speeds, tuple(models), tuple(sets), worker_count(workers))
+    asked = RunRequest(command, case, speeds, tuple(models), tuple(sets), worker_count(workers))
     refuse_cost(request_cost(asked, whole, searches), limits, "limit=")
     return limits
 

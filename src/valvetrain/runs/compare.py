@@ -27,7 +27,7 @@ from valvetrain.runs.solid import (
 from valvetrain.runs.statics import reach_of, rest_by_model
 from valvetrain.runs.stopping import StudyStopped
 from valvetrain.runs.workers import result_of
-from valvetrain.solution.partial_failures import Gaps
+from valvetrain.solution.partial_failures import PartialFailures
 from valvetrain.solution.result import Solution
 from valvetrain.solution.static import SpringAtRest
 from valvetrain.solution.study import Study
@@ -75,7 +75,7 @@ def compare_study(
     :class:`InputError` for what cannot be built and when no model can run,
     :class:`MissingExtraError` for solids without their solver.
     """
-    chosen = tuple(dict.fromkeys(spring_models)) or _usual_models(
+    chosen = tuple(dict.fromkeys(spring_models)) or _default_models(
         case.springs, case.train is not None
     )
     moving = tuple(word for word in chosen if not spring_model(word, "--spring").no_motion)
@@ -107,7 +107,7 @@ def compare_study(
     lift = float(np.max(problem.valve_lift.lift(np.linspace(0.0, 2 * np.pi, 721))))
     rest: list[SpringAtRest] = []
     motions: list[Solution] = []
-    gaps, stopped = Gaps(study.gaps), False
+    gaps, stopped = PartialFailures(study.gaps), False
     try:
         for spring in problem.springs:
             _by_each_model(
@@ -134,7 +134,7 @@ def compare_study(
     return done
 
 
-def _usual_models(springs: tuple[InstalledSpring, ...], in_a_train: bool) -> tuple[str, ...]:
+def _default_models(springs: tuple[InstalledSpring, ...], in_a_train: bool) -> tuple[str, ...]:
     """The usual models, of a spring alone those that can stand for it."""
     if in_a_train:
         return TRAIN_MODELS
@@ -163,7 +163,7 @@ def _by_each_model(
     with_solid: bool,
     motion: SolidMotion | None,
     progress: Progress | None,
-    into: tuple[list[SpringAtRest], list[Solution], Gaps],
+    into: tuple[list[SpringAtRest], list[Solution], PartialFailures],
 ) -> None:
     """One spring at rest by every model that can stand for it, the solid first, then the rod; and
     the solid's stretch of motion.

@@ -108,12 +108,12 @@ def refuse_cost(cost: Cost, limits: Limits, option: str = "--limit ", fewer: str
     """The cost in words. Raises :class:`InputError` with the numbers, what to ask for ``fewer`` of,
     and the ``option`` that raises the
     bound, where it is too large."""
-    told = f"about {time_words(cost.seconds)} and {memory_words(cost.bytes)}"
+    told = f"about {duration_text(cost.seconds)} and {memory_text(cost.bytes)}"
     over = []
     if cost.seconds > limits.seconds:
-        over.append((_rounded_up(cost.seconds, SECONDS), time_words(limits.seconds)))
+        over.append((_rounded_up(cost.seconds, SECONDS), duration_text(limits.seconds)))
     if cost.bytes > limits.bytes:
-        over.append((_rounded_up(cost.bytes, BYTES), memory_words(limits.bytes)))
+        over.append((_rounded_up(cost.bytes, BYTES), memory_text(limits.bytes)))
     if over:
         bounds = " and ".join(bound for _, bound in over)
         raised = ", ".join(value for value, _ in over)
@@ -122,7 +122,7 @@ def refuse_cost(cost: Cost, limits: Limits, option: str = "--limit ", fewer: str
     return told
 
 
-def time_words(seconds: float) -> str:
+def duration_text(seconds: float) -> str:
     """A time as people say it."""
     for unit, size in (("d", 86400.0), ("h", 3600.0), ("min", 60.0)):
         if seconds >= 1.5 * size:
@@ -130,7 +130,7 @@ def time_words(seconds: float) -> str:
     return f"{max(1.0, seconds):.0f} s"
 
 
-def memory_words(size: float) -> str:
+def memory_text(size: float) -> str:
     """A memory as people say it."""
     unit, scale = next((one for one in (("TB", 1e12), ("GB", 1e9)) if size >= one[1]), ("MB", 1e6))
     return f"{size / scale:.3g} {unit}" if unit != "MB" else f"{max(1.0, size / scale):.0f} MB"

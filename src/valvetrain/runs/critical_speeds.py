@@ -13,7 +13,7 @@ from typing import Any
 
 from valvetrain.errors import InputError
 from valvetrain.runs.engine import map_points
-from valvetrain.runs.prepared import Plan, Ready, integrate_from, judge, provenance_of
+from valvetrain.runs.prepared import Plan, PreparedRun, integrate_from, judge, provenance_of
 from valvetrain.solution.critical import (
     KINDS,
     CriticalSpeed,
@@ -327,7 +327,7 @@ def look_of(solution: Solution, options: CriticalOptions, orbit: Any = None) -> 
 
 def find_critical_speeds(
     problem: Problem,
-    ready: Sequence[Ready],
+    ready: Sequence[PreparedRun],
     plan: Plan,
     solutions: Sequence[Solution],
     options: CriticalOptions,
@@ -365,7 +365,7 @@ def find_critical_speeds(
 
 
 def _search(
-    shared: tuple[Problem, tuple[Ready, ...], Plan, CriticalOptions], job: _Job
+    shared: tuple[Problem, tuple[PreparedRun, ...], Plan, CriticalOptions], job: _Job
 ) -> tuple[CriticalSpeed, ...]:
     problem, ready, plan, options = shared
     one = ready[job.place]
@@ -416,7 +416,7 @@ def critical_speed(
 
 def _look_at(
     problem: Problem,
-    ready: Ready,
+    ready: PreparedRun,
     plan: Plan,
     options: CriticalOptions,
     engine_speed: float,

@@ -9,7 +9,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from valvetrain.runs.saved_runs import KeptRun, check_inputs
+from valvetrain.runs.saved_runs import SavedRun, check_inputs
 
 #: What an answer tells of how it was asked and made, and what only says its other numbers again.
 NO_RESULT = (
@@ -58,7 +58,7 @@ class ResultDifference:
         return None if self.difference is None or not self.a else self.difference / abs(self.a)
 
 
-def input_differences(one: KeptRun, other: KeptRun) -> tuple[tuple[str, Any, Any], ...]:
+def input_differences(one: SavedRun, other: SavedRun) -> tuple[tuple[str, Any, Any], ...]:
     """(key path, value of ``one``, value of ``other``) of all inputs that differ: case, choices,
     versions; None where a key is missing.
 
@@ -73,7 +73,7 @@ def input_differences(one: KeptRun, other: KeptRun) -> tuple[tuple[str, Any, Any
     )
 
 
-def result_differences(one: KeptRun, other: KeptRun) -> tuple[ResultDifference, ...]:
+def result_differences(one: SavedRun, other: SavedRun) -> tuple[ResultDifference, ...]:
     """Every number of either run that is not the same in the other: those that both have first, the
     largest relative one before.
     """
@@ -86,7 +86,7 @@ def result_differences(one: KeptRun, other: KeptRun) -> tuple[ResultDifference, 
     return tuple(sorted(rows, key=lambda row: (row.difference is None, -abs(row.relative or 0.0))))
 
 
-def _inputs_of(run: KeptRun) -> dict[str, Any]:
+def _inputs_of(run: SavedRun) -> dict[str, Any]:
     try:
         values = dict(_leaves(tomllib.loads(run.case_file.read_text("utf-8"))))
     except (OSError, ValueError, RecursionError):

@@ -72,7 +72,7 @@ TRUSTED, DOUBTFUL = 1.25, 3.0
 #: have this one.
 DECLARED_ORDER = 2.0
 #: Observed orders below this one are not trusted.
-LEAST_ORDER = 0.5
+MIN_ORDER = 0.5
 #: Beyond this size an order says nothing.
 HIGHEST_ORDER = 20.0
 
@@ -140,7 +140,7 @@ def grid_convergence(
     coarse, middle, fine = values
     order = observed_order(values, sizes)
     spread = max(values) - min(values)
-    if order is None or order < LEAST_ORDER:
+    if order is None or order < MIN_ORDER:
         # Data range over the range of sizes, so that a wide set of meshes does not punish itself.
         uncertainty = DOUBTFUL * spread / (sizes[0] / sizes[2] - 1) if spread else 0.0
         return GridConvergence(

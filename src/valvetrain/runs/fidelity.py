@@ -20,7 +20,7 @@ from valvetrain.parameters.loading import AnyCase, case_of
 from valvetrain.runs.cost import Cost, Limits, limits_of, refuse_cost
 from valvetrain.runs.engine import Progress, worker_count
 from valvetrain.runs.error_bars import two_grids
-from valvetrain.runs.planned import Asked
+from valvetrain.runs.planned import RunRequest
 from valvetrain.runs.request_cost import request_cost
 from valvetrain.runs.run import Finished, run_problem
 from valvetrain.runs.stopping import StudyStopped
@@ -133,7 +133,7 @@ def fidelity_cost(
     """Estimated cost: every model at every speed, and once more with :data:`FINER` times the parts."""
     sets = (spring_set,) if spring_set else _own_set(case)
     once = request_cost(
-        Asked("sweep", case, engine_speeds, spring_models, sets, workers), whole=False
+        RunRequest("sweep", case, engine_speeds, spring_models, sets, workers), whole=False
     )
     return Cost((1 + FINER**2) * once.seconds, FINER * once.bytes)
 

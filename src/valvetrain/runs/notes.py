@@ -9,7 +9,7 @@ import numpy as np
 from valvetrain.errors import InputError
 from valvetrain.quantities.plausible import refuse_implausible_motion, refuse_implausible_parts
 from valvetrain.quantities.statics import formula_compression
-from valvetrain.runs.prepared import make_ready
+from valvetrain.runs.prepared import prepare
 from valvetrain.system.contract import TRAIN
 from valvetrain.system.problem import Member, Problem
 
@@ -154,7 +154,7 @@ def refusals_before_run(problem: Problem, implausible: bool = False) -> dict[str
         if member.refusal:
             found[member.label] = member.refusal
         elif not member.model.needs_rest and (
-            refusal := make_ready(problem, member, {}, problem.record.study).refusal
+            refusal := prepare(problem, member, {}, problem.record.study).refusal
         ):
             found[member.label] = refusal
         for spring in member.springs:

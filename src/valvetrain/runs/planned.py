@@ -10,7 +10,7 @@ from valvetrain.parameters.case import Case
 from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.registry import words
 from valvetrain.springs.spec import SpringModelSpec
-from valvetrain.system.build import usual_models
+from valvetrain.system.build import default_models
 
 #: Options of spring models that set the number of unknowns.
 REFINES = ("elements_per_coil", "masses_per_coil", "elements", "modes")
@@ -26,7 +26,7 @@ POINTS = 100.0
 
 
 #: Coils of a wire that a case does not tell.
-USUAL_COILS = 8.0
+TYPICAL_COILS = 8.0
 
 
 class Request(Protocol):
@@ -49,7 +49,7 @@ class Request(Protocol):
 
 
 @dataclass(frozen=True, slots=True)
-class Asked:
+class RunRequest:
     """A request of a program."""
 
     command: str
@@ -70,7 +70,9 @@ def planned(request: Request) -> list[tuple[tuple[str, ...], Sequence[InstalledS
             (
                 models
                 or (
-                    words("springs") if request.command == "compare" else usual_models(case.springs)
+                    words("springs")
+                    if request.command == "compare"
+                    else default_models(case.springs)
                 ),
                 case.springs,
             )
@@ -96,9 +98,9 @@ def unknowns_of(spec: SpringModelSpec, spring: InstalledSpring) -> tuple[float, 
     """(unknowns over those of a usual spring by the default options, unknowns) of one installed
     spring by one model.
     """
-    coils = spring.wire.total_coils if spring.wire is not None else USUAL_COILS
+    coils = spring.wire.total_coils if spring.wire is not None else TYPICAL_COILS
     options = spring.options_of(spec.word)
-    usual_points = (
+    default_points = (
         1.0
         if any(name in REFINES for name in spec.options.model_fields)
         or "sections" not in spec.shows
@@ -107,7 +109,7 @@ def unknowns_of(spec: SpringModelSpec, spring: InstalledSpring) -> tuple[float, 
     ratio, unknowns = (
         (MASSES / CHAIN, MASSES)
         if spec.word == CARD_CHAIN and spring.wire is None
-        else (1.0, usual_points)
+        else (1.0, default_points)
     )
     ratios = [ratio] if ratio < 1.0 else []
     for name, model_field in spec.options.model_fields.items():

@@ -20,9 +20,9 @@ from valvetrain.quantities.kinematics import RigidMotion, rigid_motion
 from valvetrain.quantities.plausible import REMEDY, implausible
 from valvetrain.quantities.signal import ring_top
 from valvetrain.quantities.valve_events import open_window
-from valvetrain.runs.cost import Limits, memory_words
+from valvetrain.runs.cost import Limits, memory_text
 from valvetrain.solution.channels import empty_channels
-from valvetrain.solution.partial_failures import Gaps, reason
+from valvetrain.solution.partial_failures import PartialFailures, reason
 from valvetrain.solution.provenance import Option, Provenance, collect_provenance
 from valvetrain.solution.result import Solution
 from valvetrain.solution.static import SpringAtRest
@@ -64,7 +64,7 @@ class Plan:
 
 
 @dataclass(frozen=True, eq=False)
-class Ready:
+class PreparedRun:
     """A member with everything its runs share; ``refusal`` says why it cannot run, empty when it
     can.
     """
@@ -93,7 +93,7 @@ class Ready:
         )
 
 
-def make_ready(problem: Problem, member: Member, rest: Rest, source: str) -> Ready:
+def prepare(problem: Problem, member: Member, rest: Rest, source: str) -> PreparedRun:
     """The member assembled; what its parts refuse is kept as its ``refusal``."""
     found = tuple(rest[spring] for spring in member.springs if spring in rest)
     # under prescribed motion the springs' states at rest are found beside the first runs, and
@@ -119,11 +119,11 @@ def make_ready(problem: Problem, member: Member, rest: Rest, source: str) -> Rea
             for spring in system.springs:
                 if isinstance(spring, LargeSpring):
                     spring.prepare()
-            return Ready(member, frame, system)
+            return PreparedRun(member, frame, system)
         assert member.gear is not None
         still = rest_of(system)
         motion = rigid_motion(system, member.gear.parameters, rest=still)
-        return Ready(
+        return PreparedRun(
             member,
             replace(frame, valve_lift=system.mechanism.kinematics.valve_lift),
             system,
@@ -131,7 +131,7 @@ def make_ready(problem: Problem, member: Member, rest: Rest, source: str) -> Rea
             motion,
         )
     except FAILURES as error:
-        return Ready(member, frame, refusal=reason(error))
+        return PreparedRun(member, frame, refusal=reason(error))
 
 
 def surge_frequency(spring: InstalledSpring, rest: SpringAtRest | None = None) -> float | None:
@@ -185,14 +185,14 @@ def provenance_of(
 
 
 def integrate_point(
-    ready: Ready, engine_speed: float, plan: Plan, provenance: Provenance
+    ready: PreparedRun, engine_speed: float, plan: Plan, provenance: Provenance
 ) -> Solution:
     """One run in time (rad/s of the crank); a failure of any kind is its status."""
     return integrate_from(ready, engine_speed, plan, provenance)[0]
 
 
 def integrate_from(
-    ready: Ready,
+    ready: PreparedRun,
     engine_speed: float,
     plan: Plan,
     provenance: Provenance,
@@ -230,7 +230,7 @@ def integrate_from(
         ), None
 
 
-def _too_many_steps(ready: Ready, cam_speed: float, plan: Plan) -> Status | None:
+def _too_many_steps(ready: PreparedRun, cam_speed: float, plan: Plan) -> Status | None:
     """Why a run is not begun whose cam turn has more steps than the memory holds; None where it
     fits.
 
@@ -244,7 +244,7 @@ def _too_many_steps(ready: Ready, cam_speed: float, plan: Plan) -> Status | None
         if not steps * STEP_BYTES <= plan.most_bytes:
             words = (
                 f"{spring.name} needs steps of {step:.3g} s, {steps:.3g} in a cam turn, which take about "
-                f"{memory_words(steps * STEP_BYTES)}, beyond the bound of {memory_words(plan.most_bytes)}"
+                f"{memory_text(steps * STEP_BYTES)}, beyond the bound of {memory_text(plan.most_bytes)}"
             )
             remedy = "give a softer coil contact, fewer elements or a higher speed, or raise the bound (--limit, limit=)"
             return Status("refused", words, remedy=remedy)
@@ -297,7 +297,7 @@ def bound(solution: Solution, springs: tuple[InstalledSpring, ...]) -> Solution:
     )
 
 
-def judge(ready: Ready, solution: Solution, plan: Plan, rest: Rest) -> Solution:
+def judge(ready: PreparedRun, solution: Solution, plan: Plan, rest: Rest) -> Solution:
     """The run with events and named quantities, without channels where the plan keeps none."""
     frame = ready.frame
     if rest:
@@ -311,7 +311,7 @@ def judge(ready: Ready, solution: Solution, plan: Plan, rest: Rest) -> Solution:
     if ready.motion is not None:
         frame = replace(frame, rigid=ready.motion.table(solution.engine_speed / 2))
     if len(solution.time):
-        gaps = Gaps()
+        gaps = PartialFailures()
         solution = gaps.part("all numbers", solution, evaluate, solution, frame)
         solution = gaps.part("coil bind", solution, bound, solution, ready.member.springs)
         solution = (

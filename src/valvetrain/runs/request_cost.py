@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from valvetrain.parameters.case import Case
 from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.runs.cost import Cost, estimate
-from valvetrain.runs.planned import USUAL_COILS, Asked, Request, planned, unknowns_of
+from valvetrain.runs.planned import TYPICAL_COILS, Request, RunRequest, planned, unknowns_of
 from valvetrain.springs.spec import spring_model
 
 #: Runs that the search for a train's critical speeds takes besides those of its sweep, of each
@@ -20,7 +20,7 @@ SEARCH_RUNS = 60
 TRAIN_TIME = 0.06
 #: Seconds that the states at rest of a spring alone take; usual step of a spring (s); bytes of a
 #: step while it is run, and as kept.
-REST, STEP, STEP_BYTES, KEPT_BYTES = 0.3, 2e-6, 128.0, 16.0
+REST, STEP, STEP_BYTES, STORED_BYTES = 0.3, 2e-6, 128.0, 16.0
 #: Runs of a usual mesh and step that take as long as all variants of a refinement, of a spring and
 #: of a train; bytes over those of a run.
 SPRING_VARIANTS, TRAIN_VARIANTS, FINER_BYTES = 8.0, 13.0, 4.0
@@ -28,10 +28,10 @@ SPRING_VARIANTS, TRAIN_VARIANTS, FINER_BYTES = 8.0, 13.0, 4.0
 #: spring at rest (its error bar is one).
 SOLID, SOLID_UNKNOWNS, SOLID_BYTES, SOLID_RUNS = "solid", 15.0, 1e4, 2
 #: Runs to which a run-up is counted; so many lie beyond every bound.
-MOST_RUNS = 1_000_000
+MAX_RUNS = 1_000_000
 #: Cam turns until a train repeats itself, where fewer are not asked for; coils and samples where a
 #: case does not tell.
-USUAL_CYCLES, USUAL_STEP = 20, math.radians(0.5)
+TYPICAL_CYCLES, TYPICAL_STEP = 20, math.radians(0.5)
 
 
 def request_cost(request: Request, whole: bool = True, searches: bool = False) -> Cost:
@@ -48,7 +48,7 @@ def request_cost(request: Request, whole: bool = True, searches: bool = False) -
     cycles = _cycles(case)
     total += Cost(REST * max(1, len(case.springs)) * (case.train is None))
     simulated_time = cycles * sum(4 * math.pi / engine_speed for engine_speed in engine_speeds)
-    samples = 2 * math.pi / (getattr(case.operation, "output_step", None) or USUAL_STEP)
+    samples = 2 * math.pi / (getattr(case.operation, "output_step", None) or TYPICAL_STEP)
     for models, springs in planned(request):
         for model in models:
             spec = spring_model(model)
@@ -69,7 +69,7 @@ def request_cost(request: Request, whole: bool = True, searches: bool = False) -
                 total += Cost(
                     0.0,
                     STEP_BYTES * max(steps) * at_a_time
-                    + (KEPT_BYTES * sum(steps) if whole else 0.0),
+                    + (STORED_BYTES * sum(steps) if whole else 0.0),
                 )
             total += estimate(
                 runs=len(engine_speeds),
@@ -122,7 +122,7 @@ def _cycles(case: Case) -> int:
     if case.train is None:
         return case.operation.cycles
     asked = case.train.cycles
-    return USUAL_CYCLES if asked is None else asked if asked > 60 else min(asked, USUAL_CYCLES)
+    return TYPICAL_CYCLES if asked is None else asked if asked > 60 else min(asked, TYPICAL_CYCLES)
 
 
 def run_up_cost(request: Request, ramp: tuple[float, float, float]) -> Cost:
@@ -133,8 +133,8 @@ def run_up_cost(request: Request, ramp: tuple[float, float, float]) -> Cost:
     mean = (first + last) / 2
     if not (mean > 0 and duration > 0):
         return Cost()  # refused, with its reason, where it begins
-    runs = max(1, math.ceil(min(duration * mean / (4 * math.pi) / USUAL_CYCLES, MOST_RUNS)))
-    asked = Asked(
+    runs = max(1, math.ceil(min(duration * mean / (4 * math.pi) / TYPICAL_CYCLES, MAX_RUNS)))
+    asked = RunRequest(
         "run-up",
         request.case,
         (mean,) * runs,
@@ -150,7 +150,7 @@ def refine_cost(case: Case, engine_speeds: Sequence[float] | None, workers: int 
     its own).
     """
     alone = case.train is None
-    asked = Asked(
+    asked = RunRequest(
         "run",
         case,
         None if engine_speeds is None else tuple(engine_speeds),
@@ -171,7 +171,7 @@ def solid_rest_cost(spring: InstalledSpring) -> Cost:
     from valvetrain.springs.solid.installed import COARSER_MESH, statics_seconds
 
     options = spring_model(SOLID).read_options(spring.options_of(SOLID)).model_dump()
-    coils = spring.wire.total_coils if spring.wire is not None else USUAL_COILS
+    coils = spring.wire.total_coils if spring.wire is not None else TYPICAL_COILS
     elements = (
         coils
         * options["elements_per_coil"]

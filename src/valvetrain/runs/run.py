@@ -14,7 +14,7 @@ from valvetrain.errors import InputError, RunFailedError
 from valvetrain.integrate.contract import Keep
 from valvetrain.parameters.case import Case
 from valvetrain.parameters.installed_spring import InstalledSpring
-from valvetrain.parameters.steel_contacts import usual_contacts
+from valvetrain.parameters.steel_contacts import default_contacts
 from valvetrain.quantities.design import closing_quantities
 from valvetrain.quantities.spectrum import surge_engine_speeds
 from valvetrain.quantities.statics import buckling_quantities, rest_quantities
@@ -32,10 +32,10 @@ from valvetrain.runs.notes import (
 from valvetrain.runs.prepared import (
     FAILURES,
     Plan,
-    Ready,
+    PreparedRun,
     integrate_point,
     judge,
-    make_ready,
+    prepare,
     provenance_of,
     unfinished,
 )
@@ -43,7 +43,7 @@ from valvetrain.runs.stopping import PointsStopped, StudyStopped
 from valvetrain.runs.uncertainty_file import spread_sentences, uncertainty_sentences
 from valvetrain.runs.workers import as_they_come, result_of
 from valvetrain.solution.critical import CriticalSpeeds
-from valvetrain.solution.partial_failures import Gaps, reason
+from valvetrain.solution.partial_failures import PartialFailures, reason
 from valvetrain.solution.provenance import collect_provenance
 from valvetrain.solution.quantity import same_speed
 from valvetrain.solution.result import Solution
@@ -133,7 +133,7 @@ def run_problem(
 
     Raises :class:`StudyStopped`, a KeyboardInterrupt, with what is finished when it is stopped.
     """
-    begun, gaps = time.perf_counter(), Gaps()
+    begun, gaps = time.perf_counter(), PartialFailures()
     speeds = tuple(float(speed) for speed in engine_speeds)
     refuse_speeds(problem, speeds)
     problem.must_run()
@@ -199,7 +199,7 @@ def run_problem(
         wall_time=time.perf_counter() - begun,
         critical_speeds=found,
     )
-    study = gaps.part("published values", study, beside_published, study, problem)
+    study = gaps.part("published values", study, next_to_published, study, problem)
     study = replace(study, gaps=gaps.sentences)
     if stopped:
         raise StudyStopped(study)
@@ -215,14 +215,14 @@ def _notes(problem: Problem) -> tuple[str, ...]:
         dict.fromkeys(
             said
             for m in problem.members
-            if m.gear and (said := usual_contacts(m.gear.parameters.contacts))
+            if m.gear and (said := default_contacts(m.gear.parameters.contacts))
         )
     )
     notes += (ringing,) if (ringing := ringing_note(problem.members)) else ()
     return (*notes, *undamped_notes(problem.members), *buckling_notes(problem))
 
 
-def beside_published(study: Study, problem: Problem) -> Study:
+def next_to_published(study: Study, problem: Problem) -> Study:
     """The study beside what was published of its case; a run at other speeds, by other variants, or
     a sweep, speaks of none of it.
     """
@@ -263,7 +263,7 @@ def _run_springs(
     workers: int,
     progress: Progress | None,
     finished: Finished | None,
-    gaps: Gaps,
+    gaps: PartialFailures,
 ) -> tuple[tuple[Solution, ...], tuple[SpringAtRest, ...], dict[str, dict[str, float]], bool]:
     """Prescribed motion, over threads; the springs' states at rest are found while the first runs
     go on. Last: whether it was stopped.
@@ -281,13 +281,13 @@ def _run_springs(
         if progress is not None:
             progress(min(1.0, (1 + len(done)) / (1 + len(points))), text)
 
-    def one(ready: Ready, speed: float) -> Solution:
+    def one(ready: PreparedRun, speed: float) -> Solution:
         return integrate_point(
             ready, speed, plan, provenance_of(problem, ready.member, speed, plan.created_at)
         )
 
-    ready: dict[Member, Ready] = {
-        m: make_ready(problem, m, {}, source) for m in problem.members if not m.model.needs_rest
+    ready: dict[Member, PreparedRun] = {
+        m: prepare(problem, m, {}, source) for m in problem.members if not m.model.needs_rest
     }
     try:
         with threads(workers) as pool:
@@ -307,7 +307,7 @@ def _run_springs(
                     gaps.add(f"spring '{spring.name}' at rest: {reason(error)}")
             tell("springs at rest")
             late = {
-                member: make_ready(problem, member, rest, source)
+                member: prepare(problem, member, rest, source)
                 for member in problem.members
                 if member not in ready
             }
@@ -379,8 +379,8 @@ def rest_of_spring(problem: Problem, spring: InstalledSpring, maximum_lift: floa
 
 
 def ready_trains(
-    problem: Problem, engine_speeds: Sequence[float], gaps: Gaps
-) -> tuple[tuple[Ready, ...], tuple[SpringAtRest, ...]]:
+    problem: Problem, engine_speeds: Sequence[float], gaps: PartialFailures
+) -> tuple[tuple[PreparedRun, ...], tuple[SpringAtRest, ...]]:
     """Every member of a train made ready, what their runs share found once, with the springs at
     rest that their models need.
 
@@ -409,23 +409,25 @@ def ready_trains(
             1.05 * _largest_lift(problem, lift),
         )
         rest |= {spring: found} if found is not None else {}
-    made: dict[Hashable, Ready] = {}
+    made: dict[Hashable, PreparedRun] = {}
     return tuple(_prepared(problem, member, rest, made) for member in problem.members), tuple(
         rest.values()
     )
 
 
-def _prepared(problem: Problem, member: Member, rest: Rest, made: dict[Hashable, Ready]) -> Ready:
+def _prepared(
+    problem: Problem, member: Member, rest: Rest, made: dict[Hashable, PreparedRun]
+) -> PreparedRun:
     """Members whose train and springs agree share system, rest and rigid motion."""
     key = (member.gear, member.model.word, member.springs, member.rubbing)
     if key not in made:
-        made[key] = make_ready(problem, member, rest, problem.record.study)
+        made[key] = prepare(problem, member, rest, problem.record.study)
     return replace(made[key], member=member)
 
 
 def _run_trains(
     problem: Problem,
-    ready: tuple[Ready, ...],
+    ready: tuple[PreparedRun, ...],
     speeds: tuple[float, ...],
     plan: Plan,
     workers: int,
@@ -478,13 +480,13 @@ def _surge_speeds(frequency: float | None, speeds: tuple[float, ...]) -> dict[st
 
 
 def rigid_numbers(
-    problem: Problem, ready: tuple[Ready, ...], engine_speeds: tuple[float, ...]
+    problem: Problem, ready: tuple[PreparedRun, ...], engine_speeds: tuple[float, ...]
 ) -> dict[str, dict[str, float]]:
     """What rigid theory says of each spring set, its valve events, and where its surge meets the
     lift around the ``engine_speeds`` run.
     """
     still: dict[str, dict[str, float]] = {}
-    made: dict[Hashable, Ready] = {
+    made: dict[Hashable, PreparedRun] = {
         (m.gear, m.model.word, m.springs, m.rubbing): one for one in ready for m in (one.member,)
     }
     for one in ready:
@@ -536,7 +538,9 @@ def _largest_lift(problem: Problem, cam_lift: float) -> float:
     return max(lifts, default=cam_lift)
 
 
-def train_point(shared: tuple[Problem, tuple[Ready, ...], Plan], point: ReadyPoint) -> Solution:
+def train_point(
+    shared: tuple[Problem, tuple[PreparedRun, ...], Plan], point: ReadyPoint
+) -> Solution:
     """One run of one member at one engine speed (rad/s)."""
     problem, ready, plan = shared
     place, engine_speed = point

@@ -22,8 +22,8 @@ from valvetrain.runs.cost import limits_of, refuse_cost
 from valvetrain.runs.critical_speeds import CriticalOptions
 from valvetrain.runs.engine import Progress, map_points, worker_count
 from valvetrain.runs.notes import refuse_implausible
-from valvetrain.runs.planned import Asked
-from valvetrain.runs.prepared import FAILURES, Plan, Ready, make_ready, provenance_of, unfinished
+from valvetrain.runs.planned import RunRequest
+from valvetrain.runs.prepared import FAILURES, Plan, PreparedRun, prepare, provenance_of, unfinished
 from valvetrain.runs.request_cost import run_up_cost
 from valvetrain.runs.run import STOPPED, WORKER_LOST, member_rest
 from valvetrain.runs.stopping import PointsStopped, StudyStopped
@@ -42,7 +42,7 @@ from valvetrain.units import Given, si
 #: Speeds of the crank (rad/s), first and last, and time (s) between them.
 Ramp = tuple[float, float, float]
 #: Cam turns that a run-up must hold; its last one is finished beyond the last speed.
-LEAST_TURNS = 1
+MIN_TURNS = 1
 
 
 def run_up(
@@ -96,7 +96,7 @@ def run_up(
         si(first_engine_speed, "engine_speed", "first_engine_speed"), si(last_engine_speed, "engine_speed", "last_engine_speed"),
         si(duration, "time", "duration"),
     )  # fmt: skip
-    asked = Asked(
+    asked = RunRequest(
         "run-up",
         case_of(case),
         None,
@@ -137,7 +137,7 @@ def run_up_study(
             "a run-up goes from one positive engine speed to another in a positive time; correct them",
             "--from",
         )
-    if (turns_count := (first + last) / 2 * duration / (4 * np.pi)) < LEAST_TURNS:
+    if (turns_count := (first + last) / 2 * duration / (4 * np.pi)) < MIN_TURNS:
         raise InputError(
             f"this run-up holds {turns_count:.2g} cam turns, and its values are of whole ones; take a longer time",
             "--duration",
@@ -151,7 +151,7 @@ def run_up_study(
     if not implausible:
         refuse_implausible(problem, (max(first, last),))
     ready = tuple(
-        make_ready(problem, member, member_rest(problem, member), problem.record.study)
+        prepare(problem, member, member_rest(problem, member), problem.record.study)
         for member in problem.members
     )
 
@@ -211,7 +211,7 @@ def run_up_study(
 
 
 def member_turns(
-    shared: tuple[Problem, tuple[Ready, ...], Ramp, str], place: int
+    shared: tuple[Problem, tuple[PreparedRun, ...], Ramp, str], place: int
 ) -> tuple[Solution, ...]:
     """The turns of one member; one that cannot run, or ends early, tells so in the status of its
     last.
@@ -259,7 +259,7 @@ def member_turns(
     return tuple(solutions)
 
 
-def _turns(one: Ready, ramp: Ramp) -> list[tuple[CycleRecord, dict[str, float], float]]:
+def _turns(one: PreparedRun, ramp: Ramp) -> list[tuple[CycleRecord, dict[str, float], float]]:
     """Record, numbers and time (s) of every turn; again with a finer step where a contact hardens
     beyond what the step resolves.
     """

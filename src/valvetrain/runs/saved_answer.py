@@ -14,7 +14,7 @@ from valvetrain.solution.atomic import digest
 
 ANSWER = "run.json"
 #: A longer file is no answer of a run.
-MOST_BYTES = 200_000_000
+MAX_BYTES = 200_000_000
 _CHECKSUM = "checksum"
 
 
@@ -52,7 +52,7 @@ def read_answer(folder: Path) -> dict[str, Any]:
     try:
         if not path.is_file():
             return {}
-        if path.stat().st_size > MOST_BYTES:
+        if path.stat().st_size > MAX_BYTES:
             raise InputError("is too large for the answer of a run; repeat the run", str(path))
         found = json.loads(path.read_text("utf-8"))
     except (OSError, ValueError, RecursionError, MemoryError) as error:

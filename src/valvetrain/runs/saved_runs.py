@@ -65,7 +65,7 @@ class Inputs:
 
 
 @dataclass(frozen=True)
-class KeptRun:
+class SavedRun:
     """A run on disk: its folder and its ``run.json``."""
 
     folder: Path
@@ -287,7 +287,7 @@ def check_folder(folder: Path, kept: bool = False, resumes: str = "") -> None:
         )
 
 
-def keep(folder: Path, inputs: Inputs, answer: Mapping[str, Any]) -> KeptRun:
+def keep(folder: Path, inputs: Inputs, answer: Mapping[str, Any]) -> SavedRun:
     """Write inputs and ``run.json`` (last: it makes the folder a run); files that an earlier run
     left here and this one did not
     write again are removed. ``answer["files"]`` are paths relative to the folder."""
@@ -302,10 +302,10 @@ def keep(folder: Path, inputs: Inputs, answer: Mapping[str, Any]) -> KeptRun:
     whole = {**answer, "digest": inputs.digest, "choices": dict(inputs.choices), "files": files}
     _remove(folder, set(map(str, earlier.get("files", ()))) - set(map(str, files)))
     write_text(folder / ANSWER, answer_text(whole))
-    return KeptRun(folder, whole)
+    return SavedRun(folder, whole)
 
 
-def check_inputs(run: KeptRun) -> None:
+def check_inputs(run: SavedRun) -> None:
     """Raise :class:`InputError` where the inputs of a kept run are not those that it was made from;
     a run without a digest passes.
     """
@@ -357,7 +357,7 @@ def homes(case: str = "", root: Path = ROOT) -> list[Path]:
     )
 
 
-def kept_runs(case: str = "", root: Path = ROOT) -> tuple[KeptRun, ...]:
+def list_saved_runs(case: str = "", root: Path = ROOT) -> tuple[SavedRun, ...]:
     """Every run under ``root``, newest first, of one ``case`` where given. Folders without a
     readable ``run.json`` are left out.
     """
@@ -365,11 +365,11 @@ def kept_runs(case: str = "", root: Path = ROOT) -> tuple[KeptRun, ...]:
     for home in homes(case, root):
         for folder in home.glob("*"):
             if not folder.is_symlink() and (answer := _read_answer(folder)):
-                found.append(KeptRun(folder, answer))
+                found.append(SavedRun(folder, answer))
     return tuple(sorted(found, key=lambda run: (run.created_at, run.folder.name), reverse=True))
 
 
-def find_run(name: str, root: Path = ROOT) -> KeptRun:
+def find_run(name: str, root: Path = ROOT) -> SavedRun:
     """The run called ``name``: its folder (or a file in it), its digest or the begin of it,
     ``CASE/latest``, a case, or ``latest``.
 
@@ -379,7 +379,7 @@ def find_run(name: str, root: Path = ROOT) -> KeptRun:
         raise InputError("a run is called by its folder, its digest, a case or 'latest'; give one")
     if run := run_of_path(Path(name)):
         return run
-    runs = kept_runs(root=root)
+    runs = list_saved_runs(root=root)
     case, _, last = name.partition("/")
     if name == LATEST and runs:
         return runs[0]
@@ -399,7 +399,7 @@ def find_run(name: str, root: Path = ROOT) -> KeptRun:
     return fits[0]
 
 
-def run_of_path(path: Path) -> KeptRun | None:
+def run_of_path(path: Path) -> SavedRun | None:
     """The run that a folder, its ``run.json`` or its case file belongs to; None where there is
     none. Raises :class:`InputError` where its
     ``run.json`` is damaged."""
@@ -415,7 +415,7 @@ def run_of_path(path: Path) -> KeptRun | None:
             if folder.name == LATEST and folder.is_file():  # where links are not possible
                 folder = folder.parent / folder.read_text("utf-8").strip()
             if folder.is_dir() and (answer := read_answer(folder)):
-                return KeptRun(folder, answer)
+                return SavedRun(folder, answer)
     except (OSError, ValueError):
         return None
     return None

@@ -8,13 +8,13 @@ from valvetrain.parameters.case import Case
 from valvetrain.parameters.curves import Constant
 from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.runs.cost import Cost
-from valvetrain.runs.planned import CARD_CHAIN, Asked, planned, unknowns_of
-from valvetrain.runs.static_study import WIRE, usual_word
+from valvetrain.runs.planned import CARD_CHAIN, RunRequest, planned, unknowns_of
+from valvetrain.runs.static_study import WIRE, default_name
 from valvetrain.runs.statics import APPROACH, BEYOND
 from valvetrain.springs.spec import spring_model
 
 #: Steps to which a request is counted; so many lie beyond every bound.
-MOST_COUNTED = 10**12
+MAX_COUNTED = 10**12
 
 
 #: Points of the path behind every curve, and solutions that the search for a load takes.
@@ -58,13 +58,13 @@ def rest_cost(
     """Estimated cost of :func:`valvetrain.runs.static_study.rest_study` with as many ``heights``
     and ``loads`` asked for.
     """
-    parts = planned(Asked("static", case, None, (), tuple(spring_sets), 1))
+    parts = planned(RunRequest("static", case, None, (), tuple(spring_sets), 1))
     springs = dict.fromkeys(spring for _, springs in parts for spring in springs)
     points = heights + SEARCH * loads
     found = (
         spring_cost(spring, word, steps, modes, points)
         for spring in springs
-        for word in spring_models or (usual_word(spring),)
+        for word in spring_models or (default_name(spring),)
     )
     trains = (
         _train_modes(spring, word)
@@ -82,7 +82,7 @@ def spring_cost(
     ``points``.
     """
     spec = spring_model(word, "--spring")
-    steps = min(steps, MOST_COUNTED)
+    steps = min(steps, MAX_COUNTED)
     told = Cost(AROUND + TOLD * steps, TOLD_BYTES * steps)
     if spec.no_motion or spec.why_not(spring):
         return told

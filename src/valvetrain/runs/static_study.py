@@ -73,7 +73,7 @@ def rest_study(
     for installed in problem.springs:
         spring = installed if compression is None else _compressed(installed, compression)
         reach = _reach(spring, lift, largest_compression)
-        words = tuple(spring_models) or (usual_word(spring),)
+        words = tuple(spring_models) or (default_name(spring),)
         rest = None
         for word in words:
             spec = spring_model(word, "--spring")
@@ -130,7 +130,7 @@ def rest_study(
     )
 
 
-def usual_word(spring: InstalledSpring) -> str:
+def default_name(spring: InstalledSpring) -> str:
     """The model that knows a spring at rest best, of what is told of it."""
     return WIRE if spring.wire else CARD if spring.card and spring.card.mass else BARE
 

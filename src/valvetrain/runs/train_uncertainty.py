@@ -25,7 +25,7 @@ from valvetrain.runs.error_bars import (
     two_grids,
 )
 from valvetrain.runs.notes import refuse_implausible, refuse_speeds
-from valvetrain.runs.prepared import FAILURES, Plan, Ready, judge, make_ready, provenance_of
+from valvetrain.runs.prepared import FAILURES, Plan, PreparedRun, judge, prepare, provenance_of
 from valvetrain.runs.run import member_rest
 from valvetrain.runs.uncertainty import OWN, Stages
 from valvetrain.solution.partial_failures import reason
@@ -148,11 +148,13 @@ def train_uncertainty(
     )
 
 
-def _all_variants(case: Case, problem: Problem) -> tuple[dict[str, dict[int, Ready]], list[str]]:
+def _all_variants(
+    case: Case, problem: Problem
+) -> tuple[dict[str, dict[int, PreparedRun]], list[str]]:
     """What can run of every variant by the place of its member, and why the others cannot; members
     that cannot run at all are told once.
     """
-    found: dict[str, dict[int, Ready]] = {OWN: {}}
+    found: dict[str, dict[int, PreparedRun]] = {OWN: {}}
     failures: list[str] = []
     for name, (other, factor) in _problems(case, problem).items():
         found[name] = {}
@@ -214,7 +216,7 @@ def _with(contact: ContactParameters, word: str, factor: float) -> ContactParame
     return contact
 
 
-def _ready(problem: Problem, place: int, factor: float) -> Ready | None:
+def _ready(problem: Problem, place: int, factor: float) -> PreparedRun | None:
     """A member with its springs divided more finely, ready or with its refusal; None where that
     changes nothing.
     """
@@ -226,7 +228,7 @@ def _ready(problem: Problem, place: int, factor: float) -> Ready | None:
         if finer.springs == member.springs:
             return None
         member = finer
-    return make_ready(problem, member, member_rest(problem, member), problem.record.study)
+    return prepare(problem, member, member_rest(problem, member), problem.record.study)
 
 
 def divided(member: Member, spring: InstalledSpring, factor: float) -> InstalledSpring:
@@ -248,7 +250,7 @@ def _is_large(problem: Problem, place: int) -> bool:
 
 
 def _jobs(
-    variants: Mapping[str, Mapping[int, Ready]], place: int, speed: float, large: bool
+    variants: Mapping[str, Mapping[int, PreparedRun]], place: int, speed: float, large: bool
 ) -> list[_Job]:
     if large:
         own = [_Job(OWN, place, speed), _Job("step 2", place, speed, STEPS[0])]
@@ -266,7 +268,7 @@ def _jobs(
 
 
 def _one(
-    shared: tuple[Problem, Mapping[str, Mapping[int, Ready]], bool], job: _Job
+    shared: tuple[Problem, Mapping[str, Mapping[int, PreparedRun]], bool], job: _Job
 ) -> tuple[Numbers, str]:
     """Headline numbers of one run and, where it failed, why."""
     problem, variants, implausible = shared
@@ -283,7 +285,7 @@ def _one(
     }, ""
 
 
-def _solution(problem: Problem, ready: Ready, job: _Job, implausible: bool) -> Solution:
+def _solution(problem: Problem, ready: PreparedRun, job: _Job, implausible: bool) -> Solution:
     from valvetrain.integrate.train_leapfrog import LARGE_SAMPLES
     from valvetrain.integrate.train_leapfrog import SAMPLES as TRAIN_SAMPLES
     from valvetrain.integrate.train_run import TrainOptions, runner

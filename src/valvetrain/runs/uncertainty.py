@@ -33,10 +33,10 @@ from valvetrain.runs.notes import refuse_implausible, refuse_speeds
 from valvetrain.runs.prepared import (
     FAILURES,
     Plan,
-    Ready,
+    PreparedRun,
     integrate_point,
     judge,
-    make_ready,
+    prepare,
     provenance_of,
 )
 from valvetrain.runs.statics import MODES
@@ -225,14 +225,12 @@ def _part(
 
 def _prepare(
     shared: tuple[Problem, tuple[float, ...]], springs: tuple[InstalledSpring, ...]
-) -> tuple[Ready, Numbers]:
+) -> tuple[PreparedRun, Numbers]:
     """The member with other springs, ready to run and named by the surge frequencies given (none:
     its own), and its numbers at rest.
     """
     problem, surge = shared
-    one = make_ready(
-        problem, replace(problem.members[0], springs=springs), {}, problem.record.study
-    )
+    one = prepare(problem, replace(problem.members[0], springs=springs), {}, problem.record.study)
     rods = _rods(one)
     if one.refusal or len(rods) != len(springs):
         raise InputError(
@@ -258,7 +256,7 @@ def _prepare(
 
 def _prepare_or_say(
     shared: tuple[Problem, tuple[float, ...]], variant: tuple[str, tuple[InstalledSpring, ...]]
-) -> tuple[Ready | None, Numbers, str]:
+) -> tuple[PreparedRun | None, Numbers, str]:
     """A named variant as :func:`_prepare` makes it, or why it cannot be made."""
     try:
         return (*_prepare(shared, variant[1]), "")
@@ -266,7 +264,7 @@ def _prepare_or_say(
         return None, {}, f"{variant[0]}: {reason(error)}"
 
 
-def _rods(ready: Ready) -> tuple[FiniteElementRod, ...]:
+def _rods(ready: PreparedRun) -> tuple[FiniteElementRod, ...]:
     return (
         tuple(spring for spring in ready.system.springs if isinstance(spring, FiniteElementRod))
         if ready.system is not None
@@ -274,7 +272,7 @@ def _rods(ready: Ready) -> tuple[FiniteElementRod, ...]:
     )
 
 
-def _run(shared: tuple[Problem, Plan], point: tuple[Ready, float]) -> Solution:
+def _run(shared: tuple[Problem, Plan], point: tuple[PreparedRun, float]) -> Solution:
     (problem, plan), (ready, speed) = shared, point
     return judge(
         ready,
@@ -284,7 +282,9 @@ def _run(shared: tuple[Problem, Plan], point: tuple[Ready, float]) -> Solution:
     )
 
 
-def _variants(base: Ready, refinements: Sequence[float]) -> dict[str, tuple[InstalledSpring, ...]]:
+def _variants(
+    base: PreparedRun, refinements: Sequence[float]
+) -> dict[str, tuple[InstalledSpring, ...]]:
     """Installed springs of every variant but the case's own mesh."""
     springs, rods = base.member.springs, _rods(base)
 
@@ -330,13 +330,13 @@ def _variants(base: Ready, refinements: Sequence[float]) -> dict[str, tuple[Inst
     )
 
 
-def _meshes(base: Ready, refinements: Sequence[float]) -> tuple[int, ...]:
+def _meshes(base: PreparedRun, refinements: Sequence[float]) -> tuple[int, ...]:
     """Elements per coil of the case's own mesh and of the finer ones."""
     own = _rods(base)[0].elements_per_coil
     return (own, *(round(own * ratio) for ratio in refinements[1:]))
 
 
-def _window(base: Ready, solution: Solution) -> ClashWindow | None:
+def _window(base: PreparedRun, solution: Solution) -> ClashWindow | None:
     """The main clash of the case's own mesh: all variants are read within its window."""
     surge, event = base.frame.surge_frequency, base.frame.lift_event
     if surge is None or event is None or len(solution.time) < 3:

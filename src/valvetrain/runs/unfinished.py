@@ -12,7 +12,7 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
-from valvetrain.runs.saved_answer import ANSWER, MOST_BYTES
+from valvetrain.runs.saved_answer import ANSWER, MAX_BYTES
 from valvetrain.runs.saved_runs import LIST, ROOT, UNFINISHED, homes, whole_lines
 from valvetrain.solution.atomic import is_living
 
@@ -66,7 +66,7 @@ def _unfinished(folder: Path) -> UnfinishedFolder | None:
         created_at = datetime.strptime(begun[1], "%Y%m%d-%H%M%S").replace(tzinfo=UTC).isoformat()
     except ValueError:
         return None
-    lines = whole_lines(rows) if rows.is_file() and rows.stat().st_size <= MOST_BYTES else []
+    lines = whole_lines(rows) if rows.is_file() and rows.stat().st_size <= MAX_BYTES else []
     first = _row(lines[0]) if lines else {}
     words = first.get("command_line", ())
     told = tuple(map(str, words)) if isinstance(words, list) else ()

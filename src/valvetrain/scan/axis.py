@@ -22,7 +22,7 @@ TRIED = 4
 #: Share of the usual number of votes from which a section counts.
 LEAST = 0.3
 #: Most points of a half plane that vote.
-MOST_VOTING = 600
+MAX_VOTING = 600
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,7 +52,7 @@ def find_sections(points: Array, wedges: int = WEDGES) -> list[Sections]:
     turn, plane = turn[order], plane[order]
     edges = np.searchsorted(turn, np.linspace(0.0, 1.0, wedges + 1))
     parts = [
-        plane[first:last][:: max(1, (last - first) // MOST_VOTING)]
+        plane[first:last][:: max(1, (last - first) // MAX_VOTING)]
         for first, last in itertools.pairwise(edges)
     ]
     coil = float(high[0])
@@ -162,7 +162,7 @@ NEAR, GROWTH, FARTHEST = 0.3, 0.02, 0.45
 #: goes on.
 GAP, BEHIND = 0.45, 0.25
 #: Fewest turns of a wire that is a spring.
-FEWEST_TURNS = 2.0
+MIN_TURNS = 2.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -181,7 +181,7 @@ class Trace:
 def follow(sections: Sections, wedges: int) -> Trace:
     """The wire through ``sections`` that stand in ``wedges`` half planes.
 
-    Raises :class:`InputError` where they are no wire of :data:`FEWEST_TURNS` turns.
+    Raises :class:`InputError` where they are no wire of :data:`MIN_TURNS` turns.
     """
     plane = np.column_stack([sections.radius, sections.height])
     wedge = np.round(sections.turn * wedges - 0.5).astype(int)
@@ -204,7 +204,7 @@ def follow(sections: Sections, wedges: int) -> Trace:
     places = np.array(sorted(known))
     index = np.array([known[place] for place in places])
     turn = (places + 0.5 * hand) / wedges
-    if turn[-1] - turn[0] < FEWEST_TURNS:
+    if turn[-1] - turn[0] < MIN_TURNS:
         raise InputError(
             f"the wire could be followed over {turn[-1] - turn[0]:.2g} turns only; give more points, less noise or a cloud cleaned of all "
             "but one spring"

@@ -19,9 +19,9 @@ from valvetrain.errors import InputError
 
 Array = NDArray[np.float64]
 #: Bytes read at a time, longest line, and most lines of words before the numbers.
-BLOCK, LONGEST_LINE, MOST_HEADINGS = 4_000_000, 100_000, 100
+BLOCK, MAX_LINE_LENGTH, MAX_HEADINGS = 4_000_000, 100_000, 100
 #: Most columns of a cloud of points.
-MOST_COLUMNS = 100
+MAX_COLUMNS = 100
 _NUMBER = rb"[-+]?(?:\d+(?:[.,]\d*)?|[.,]\d+)(?:[eE][-+]?\d+)?|[-+]?nan"
 _ROW = re.compile(
     rb"\s*(?:%s)(?:\s*[;,\t|]\s*(?:%s)|\s+(?:%s)){2,}\s*[;,|]?\s*" % ((_NUMBER,) * 3), re.I
@@ -39,9 +39,9 @@ def line_blocks(stream: BinaryIO, name: str) -> Iterator[list[bytes]]:
         if not read:
             break
         whole, mark, rest = (rest + read).rpartition(b"\n")
-        if len(rest) > LONGEST_LINE:
+        if len(rest) > MAX_LINE_LENGTH:
             raise InputError(
-                f"'{name}' has a line of more than {LONGEST_LINE} characters, so it is no text of points"
+                f"'{name}' has a line of more than {MAX_LINE_LENGTH} characters, so it is no text of points"
             )
         if mark:
             yield whole.split(b"\n")
@@ -54,7 +54,7 @@ def numbers_in(lines: Sequence[bytes], name: str) -> Array:
     not as the others.
     """
     width = len(lines[0].split())
-    if not 3 <= width <= MOST_COLUMNS:
+    if not 3 <= width <= MAX_COLUMNS:
         raise InputError(
             f"'{name}' has a row of {width} numbers: '{_shown(lines[0])}'; three are needed, x, y and z"
         )
@@ -98,7 +98,7 @@ def columns_of_text(path: Path, name: str, head: bytes) -> tuple[str, Iterator[A
     first = next(
         (k for k, line in enumerate(lines) if _ROW.fullmatch(line.replace(b"\r", b""))), -1
     )
-    if first < 0 or first > MOST_HEADINGS:
+    if first < 0 or first > MAX_HEADINGS:
         raise InputError(
             f"'{name}' holds no rows of x, y and z; export the scan as PLY, STL, OBJ or text with three columns"
         )
@@ -151,7 +151,7 @@ def _rows(path: Path, name: str, skip: int, comma: bytes, places: list[int]) -> 
 
 
 #: Longest head of a file (bytes), most properties of a point, and points taken at a time.
-LONGEST_HEAD, MOST_PROPERTIES, PLY_AT_A_TIME = 65_536, 100, 200_000
+MAX_HEAD_LENGTH, MAX_PROPERTIES, PLY_AT_A_TIME = 65_536, 100, 200_000
 _TYPES = {
     "char": "i1", "int8": "i1", "uchar": "u1", "uint8": "u1", "short": "i2", "int16": "i2", "ushort": "u2", "uint16": "u2",
     "int": "i4", "int32": "i4", "uint": "u4", "uint32": "u4", "float": "f4", "float32": "f4", "double": "f8", "float64": "f8",
@@ -173,7 +173,7 @@ def ply_points(path: Path, name: str, size: int) -> tuple[str, Iterator[Array]]:
     not fit the file of ``size`` bytes.
     """
     with path.open("rb") as stream:
-        head = _head(stream.read(LONGEST_HEAD), name)
+        head = _head(stream.read(MAX_HEAD_LENGTH), name)
     words = [word for word, _ in head.properties]
     if any(axis not in words for axis in "xyz"):
         raise InputError(f"the points of '{name}' have no x, y and z; export the scan again")
@@ -218,7 +218,7 @@ def _head(content: bytes, name: str) -> _Head:
                     )
                 here = word
             case ["property", kind, word] if (
-                here == "vertex" and kind in _TYPES and len(properties) < MOST_PROPERTIES
+                here == "vertex" and kind in _TYPES and len(properties) < MAX_PROPERTIES
             ):
                 properties.append((word, _TYPES[kind]))
             case ["property", *_] if here == "vertex":
@@ -277,7 +277,7 @@ def _text(path: Path, name: str, head: _Head, places: list[int]) -> Iterator[Arr
 
 
 #: Larger files are refused (bytes); triangles of a binary STL taken at a time, and bytes of one.
-MOST_BYTES, CLOUDS_AT_A_TIME, FACET = 20_000_000_000, 100_000, 50
+MAX_BYTES, CLOUDS_AT_A_TIME, FACET = 20_000_000_000, 100_000, 50
 _FACET = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
 
 
@@ -315,8 +315,8 @@ def open_cloud(file: str | Path) -> Cloud:
     size = found.st_size
     if not head.strip():
         raise InputError(f"'{name}' is empty; export the scan again")
-    if size > MOST_BYTES:
-        raise InputError(f"'{name}' is larger than {MOST_BYTES / 1e9:g} GB; thin the scan out")
+    if size > MAX_BYTES:
+        raise InputError(f"'{name}' is larger than {MAX_BYTES / 1e9:g} GB; thin the scan out")
     if re.match(rb"ply\s", head):
         unit, blocks = ply_points(path, name, size)
         return Cloud(name, "PLY", unit, blocks)

@@ -25,7 +25,7 @@ from valvetrain.cli.options import (
     read_workers,
     take_folder,
 )
-from valvetrain.cli.study_command import Kept, keep_run, show_page
+from valvetrain.cli.study_command import SavedRequest, keep_run, show_page
 from valvetrain.errors import InputError
 
 if TYPE_CHECKING:
@@ -136,12 +136,14 @@ def scan(
                 progress=report,
             )
     _deliver(
-        _Asked(name, output, created_at, open_page), compared.scan if compared else found, compared
+        _Request(name, output, created_at, open_page),
+        compared.scan if compared else found,
+        compared,
     )
 
 
 @dataclass(frozen=True)
-class _Asked:
+class _Request:
     """Where an answer goes."""
 
     name: str
@@ -150,7 +152,7 @@ class _Asked:
     open_page: bool
 
 
-def _deliver(asked: _Asked, found: ScannedSpring, compared: ScanComparison | None) -> None:
+def _deliver(asked: _Request, found: ScannedSpring, compared: ScanComparison | None) -> None:
     """Keep the folder (page, spring, curves, run.json) and tell."""
     from valvetrain.cli.outcome import Outcome, deliver
     from valvetrain.cli.progress import busy
@@ -168,7 +170,7 @@ def _deliver(asked: _Asked, found: ScannedSpring, compared: ScanComparison | Non
         return [*write_scan(found, folder, text), *pages]
 
     with busy("writing files"):
-        kept = Kept("scan", parse_case(text, "scan"), asked.output, asked.created_at)
+        kept = SavedRequest("scan", parse_case(text, "scan"), asked.output, asked.created_at)
         folder, files = keep_run(kept, text, {"name": asked.name}, data, fill)
     if asked.open_page:
         show_page(pages[0])

@@ -25,7 +25,7 @@ TELLS = 0.02
 CLOSED = 0.25
 #: Standard deviations and share by which turns of the wire must differ to be more than one wire
 #: diameter.
-VARIED, LEAST_VARIED = 6.0, 5e-3
+VARIED, MIN_VARIED = 6.0, 5e-3
 
 
 @dataclass(frozen=True, eq=False)
@@ -110,7 +110,7 @@ def wire_curve(fitted: FittedSpring, turns: Array, round_: float) -> tuple[Curve
     values, spreads = turns[:, 1], turns[:, 2]
     if len(turns) > 2 and not fitted.ovate:
         far = np.abs(values - 2 * fitted.tube.section[0])
-        if np.count_nonzero((far > VARIED * spreads) & (far > LEAST_VARIED * values)) >= 2:
+        if np.count_nonzero((far > VARIED * spreads) & (far > MIN_VARIED * values)) >= 2:
             return PiecewiseLinear(
                 tuple(turns[:, 0].tolist()), tuple((1e-3 * values).tolist())
             ), True

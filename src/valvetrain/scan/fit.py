@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from valvetrain.errors import InputError
-from valvetrain.scan.axis import FEWEST_TURNS, WEDGES, Frame, find_axis, find_sections, follow
+from valvetrain.scan.axis import MIN_TURNS, WEDGES, Frame, find_axis, find_sections, follow
 from valvetrain.scan.tube import OnWire, Tube, fit_tube, place, start_tube
 
 Array = NDArray[np.float64]
@@ -28,7 +28,7 @@ LEFT_OVER = 0.15
 GAP = 0.3
 #: Largest lean of a ground face against the axis (rad), the usual one, and turns over which faces
 #: are looked for.
-STEEPEST, USUAL_LEAN, FACED = 0.06, 0.005, 1.3
+STEEPEST, TYPICAL_LEAN, FACED = 0.06, 0.005, 1.3
 
 
 @dataclass(frozen=True, eq=False)
@@ -86,7 +86,7 @@ def _plane(points: Array, face: Face, scale: float, noise: float) -> Face | None
         if np.count_nonzero(weight) < FEWEST:
             return None
         matrix = (model * weight[:, None]).T @ model + np.diag(
-            [0.0, (scale / USUAL_LEAN) ** 2, (scale / USUAL_LEAN) ** 2]
+            [0.0, (scale / TYPICAL_LEAN) ** 2, (scale / TYPICAL_LEAN) ** 2]
         )
         values = np.linalg.solve(matrix, (model * weight[:, None]).T @ points[:, 2])
         scale = max(0.7 * scale, noise)
@@ -225,7 +225,7 @@ EARLY = 20_000
 TOLD, CLOSE = 4000, 0.024
 #: Ellipticity, in standard deviations and as a share, from which a section is no longer taken as
 #: round.
-OVATE, LEAST_OVATE = 5.0, 2.5e-3
+OVATE, MIN_OVATE = 5.0, 2.5e-3
 #: Share of the directions about the wire axis that must be seen before a section is taken for
 #: anything but round.
 ALL_AROUND = 0.75
@@ -298,7 +298,7 @@ def fit_spring(points: Array, wedges: int = WEDGES, per_turn: int = PER_TURN) ->
     ovate, other = _section(tube, on, weight, inside, tips, faces)
     if ovate:
         tube, on, weight = other
-    if tips[1] - tips[0] < FEWEST_TURNS:
+    if tips[1] - tips[0] < MIN_TURNS:
         raise InputError(
             f"the wire is seen over {tips[1] - tips[0]:.2g} turns only; give a scan that shows it all the way around"
         )
@@ -355,7 +355,7 @@ def _section(
     along, across = found[0].section[1:]
     spread = np.sqrt(np.diag(found[0].cov)[-2:])
     size = float(np.hypot(along, across))
-    return bool(size > OVATE * float(np.hypot(*spread)) and size > LEAST_OVATE), found
+    return bool(size > OVATE * float(np.hypot(*spread)) and size > MIN_OVATE), found
 
 
 def seen_around(on: OnWire, weight: Array) -> float:

@@ -15,7 +15,7 @@ from valvetrain.report import theme
 from valvetrain.report.chart import Chart, Layer, Line, Marks, Panel, stems, thin
 from valvetrain.report.files import spring_text
 from valvetrain.report.page import Block, Cell, Figure, Grid, Page, Section, figure_or_gap, text
-from valvetrain.report.text import number, percent, speed_words, unit_words
+from valvetrain.report.text import number, percent, speed_text, unit_text
 from valvetrain.scan.compare import ComparedNumber, ScanComparison
 from valvetrain.scan.result import ScannedSpring
 from valvetrain.solution.atomic import write_text
@@ -267,7 +267,7 @@ def motion_chart(found: ScanComparison, engine_speed: float, model: str) -> Char
         layers.append(
             Line(*thin(angle[order], runs[0].channel("seat_force")[order]), word, colour, 1.4, dash)
         )
-    title = f"Spring force at {speed_words(engine_speed)}, {theme.model_words(model)}"
+    title = f"Spring force at {speed_text(engine_speed)}, {theme.model_label(model)}"
     panel = Panel("cam angle (cam degrees)", "force on the cylinder head (N)", tuple(layers))
     return Chart(f"scan-motion-{round(engine_speed * 1000)}-{model}", title, "", (panel,), 1, 380)
 
@@ -365,14 +365,14 @@ def compared_rows(found: ScanComparison) -> list[tuple[str, str, str, str, str, 
 
 def _compared(one: ComparedNumber) -> tuple[str, str, str, str, str, str]:
     design, scanned = (float(shown(one.quantity, value)[0]) for value in (one.design, one.scanned))
-    run = "" if one.engine_speed is None else f"{one.label}, {speed_words(one.engine_speed)}"
+    run = "" if one.engine_speed is None else f"{one.label}, {speed_text(one.engine_speed)}"
     apart = percent(one.scanned / one.design - 1) if one.design else ""
     return (
         label_of(one.quantity),
         run,
         number(design, 4),
         number(scanned, 4),
-        unit_words(definition_of(one.quantity).shown_unit),
+        unit_text(definition_of(one.quantity).shown_unit),
         apart,
     )
 

@@ -89,7 +89,7 @@ def _mixed(points: Array) -> NDArray[np.uint64]:
 #: Extents (mm) that the cloud of a valve spring can have.
 SMALLEST, LARGEST = 4.0, 500.0
 #: Material where none is told, and most points that figures show.
-USUAL_WIRE, SHOWN = "EN 10270-2 VDSiCr", 4000
+DEFAULT_MATERIAL, SHOWN = "EN 10270-2 VDSiCr", 4000
 
 
 def spring_from_scan(
@@ -170,7 +170,7 @@ def spring_from_scan(
     turns = _turn_diameters(fitted, wire)
     try:
         definition, notes = define(
-            fitted, wire, turns, material or material_by_name(USUAL_WIRE), name
+            fitted, wire, turns, material or material_by_name(DEFAULT_MATERIAL), name
         )
     except InputError as error:
         raise InputError(

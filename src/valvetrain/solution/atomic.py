@@ -48,7 +48,7 @@ def atomic_path(path: str | os.PathLike[str]) -> Iterator[Path]:
         ) from error
     try:
         yield temporary
-        os.chmod(temporary, _usual_mode())
+        os.chmod(temporary, _default_mode())
         os.replace(temporary, target)
     except BaseException:
         temporary.unlink(missing_ok=True)
@@ -170,7 +170,7 @@ def _sweep_once(folder: str) -> None:
     remove_abandoned(Path(folder))
 
 
-def _usual_mode() -> int:
+def _default_mode() -> int:
     """The mode a plain ``open`` would give; mkstemp makes files private to their owner."""
     mask = os.umask(0)
     os.umask(mask)

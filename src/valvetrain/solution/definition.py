@@ -42,7 +42,7 @@ _SI_WORDS = {"": "1", "1/s": "Hz", "m/s^2": "m/s2", "N*m": "N m", "N*s": "N s"}
 NESTED = ("outer", "inner")
 
 
-def si_words(dimension: str) -> str:
+def si_unit_text(dimension: str) -> str:
     """SI unit of a word of :data:`valvetrain.units.DIMENSIONS` as answers write it: ``1`` for plain
     numbers.
     """
@@ -73,7 +73,7 @@ class QuantityRow:
     @property
     def si_unit(self) -> str:
         """Unit of the values inside the package and in JSON; ``1`` for plain numbers."""
-        return si_words(self.dimension or "ratio")
+        return si_unit_text(self.dimension or "ratio")
 
 
 def row(
@@ -258,12 +258,12 @@ def pattern_of(template: str) -> re.Pattern[str]:
     or several words.
     """
     places = re.split(r"\{(\w+)\}", template)
-    words_of = (
+    text_of = (
         rf"(?P<{part}>{r'[0-9]+' if len(part) == 1 else r'[a-z0-9]+(?:_[a-z0-9]+)*'})"
         for part in places[1::2]
     )
     fixed = map(re.escape, places[::2])
-    return re.compile("".join(text + next(words_of, "") for text in fixed))
+    return re.compile("".join(text + next(text_of, "") for text in fixed))
 
 
 def _by_last_word(name: str) -> tuple[str, str]:

@@ -22,7 +22,7 @@ SHOWN_UNITS = {
     "m": ("mm", 1e3), "rad": ("deg", 180 / math.pi), "rad/s": ("rpm", 30 / math.pi), "N/m": ("N/mm", 1e-3), "Pa": ("MPa", 1e-6),
     "kg": ("g", 1e3), "J": ("mJ", 1e3), "N s": ("mN s", 1e3), "1": ("", 1.0),
 }  # fmt: skip
-MOST_ROWS = 30
+MAX_ROWS = 30
 
 
 class Figure(Protocol):
@@ -56,17 +56,17 @@ def span(values: Sequence[float] | ArrayLike, unit: str) -> str:
 
 
 def table(caption: str, head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
-    """A small HTML table, every word escaped; what goes beyond :data:`MOST_ROWS` is counted, not
+    """A small HTML table, every word escaped; what goes beyond :data:`MAX_ROWS` is counted, not
     shown.
     """
     top = "".join(f"<th>{escape(word)}</th>" for word in head)
     body = "".join(
         "<tr>" + "".join(f"<td>{escape(cell)}</td>" for cell in row) + "</tr>"
-        for row in rows[:MOST_ROWS]
+        for row in rows[:MAX_ROWS]
     )
     more = (
-        f"<tr><td colspan='{len(head)}'>and {len(rows) - MOST_ROWS} more</td></tr>"
-        if len(rows) > MOST_ROWS
+        f"<tr><td colspan='{len(head)}'>and {len(rows) - MAX_ROWS} more</td></tr>"
+        if len(rows) > MAX_ROWS
         else ""
     )
     title = escape(caption).replace("\n", "<br>")

@@ -76,7 +76,7 @@ class FidelityRow:
 
 
 @dataclass(frozen=True, slots=True)
-class Reach:
+class ValidSpeedRange:
     """Up to which engine speed a model is good enough for a quantity (rad/s of the crank, None
     where it never is).
 
@@ -177,7 +177,7 @@ class FidelityMap:
         rows = (row for row in self.rows if row.quantity == quantity and row.model == model)
         return tuple(sorted(rows, key=lambda row: row.engine_speed))
 
-    def reach(self, quantity: str, model: str) -> Reach:
+    def reach(self, quantity: str, model: str) -> ValidSpeedRange:
         """Where one model is good enough for one quantity."""
         rows = self.of(quantity, model)
         told = [row.verdict(self.tolerance) for row in rows]
@@ -192,7 +192,7 @@ class FidelityMap:
             rows[first - 1].engine_speed if first else None,
             None if poor is None else rows[poor].engine_speed,
         )
-        return Reach(
+        return ValidSpeedRange(
             quantity,
             model,
             good_to,

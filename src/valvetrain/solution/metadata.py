@@ -144,9 +144,9 @@ def _plain(value: Any) -> Any:
 DAMAGED = "is damaged:"
 #: The best compression makes of one byte no more than this many; variables this small are read
 #: whatever is stored of them.
-MOST_EXPANDED, SMALL = 1100, 65_536
+MAX_EXPANDED, SMALL = 1100, 65_536
 #: A result has fewer variables.
-MOST_VARIABLES = 5000
+MAX_VARIABLES = 5000
 _DIMENSION = b"This is a netCDF dimension but not a netCDF variable"
 
 
@@ -161,7 +161,7 @@ def refuse_claims(path: Path) -> None:
 
     whole = path.stat().st_size
     with h5py.File(path, "r") as file:
-        if len(file) > MOST_VARIABLES:
+        if len(file) > MAX_VARIABLES:
             raise InputError(
                 f"claims {len(file)} variables, more than a result has; write it again", str(path)
             )
@@ -178,7 +178,7 @@ def refuse_claims(path: Path) -> None:
             claimed = max(
                 held.nbytes, _chunk_bytes(held) if stored else 0
             )  # one value of a chunk makes room for all of it
-            if stored > whole or claimed > max(SMALL, stored * MOST_EXPANDED):
+            if stored > whole or claimed > max(SMALL, stored * MAX_EXPANDED):
                 raise InputError(
                     f"{DAMAGED} '{name}' claims {claimed:.3g} bytes and holds {stored}; write it again",
                     str(path),
@@ -196,8 +196,8 @@ def solution_of(dataset: xarray.Dataset, content: dict[str, Any], where: str) ->
     Raises :class:`InputError` where channels are no numbers or lack what every channel has.
     """
     for name, variable in dataset.variables.items():
-        words_of = (variable.attrs.get(key, "") for key in ("units", "long_name"))
-        if variable.dtype.kind not in "biuf" or not all(isinstance(word, str) for word in words_of):
+        text_of = (variable.attrs.get(key, "") for key in ("units", "long_name"))
+        if variable.dtype.kind not in "biuf" or not all(isinstance(word, str) for word in text_of):
             raise InputError(
                 f"{DAMAGED} channel '{name}' holds no numbers, or its unit is no word; write it again",
                 where,

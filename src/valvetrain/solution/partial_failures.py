@@ -14,10 +14,10 @@ Part = TypeVar("Part")
 TRACEBACK_VARIABLE = "VALVETRAIN_TRACEBACK"
 
 
-class Gaps:
+class PartialFailures:
     """Collects a sentence per part that failed.
 
-    >>> gaps = Gaps()
+    >>> gaps = PartialFailures()
     >>> gaps.part("share of closed coils", {}, lambda: {"share": 1 / 0})
     {}
     >>> gaps.sentences

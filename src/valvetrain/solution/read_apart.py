@@ -21,7 +21,7 @@ from valvetrain.errors import InputError
 
 #: Bytes of memory and seconds of the processor that trying one file may take, and bytes for each of
 #: which a second is added.
-MOST_MEMORY, MOST_SECONDS, BYTES_A_SECOND = 4_000_000_000, 10, 50_000_000
+MAX_MEMORY, MAX_SECONDS, BYTES_A_SECOND = 4_000_000_000, 10, 50_000_000
 #: Seconds of the clock for each of the processor: the machine may be busy.
 _PATIENCE = 6
 #: Seconds before a process that a full machine did not start is tried again.
@@ -40,11 +40,11 @@ def tried_apart(reader: str, path: Path, where: str, unreadable: str) -> None:
     What the reader finds is not handed on, nor an :class:`InputError` of its own: the caller calls
     it again, now that it is known to end.
     Raises :class:`InputError` for bytes that end or hang the process or ask for more than
-    :data:`MOST_MEMORY`, with the sentence
+    :data:`MAX_MEMORY`, with the sentence
     ``unreadable`` for those at which the reader raises anything else, and where no such process can
     be started.
     """
-    seconds = MOST_SECONDS + path.stat().st_size // BYTES_A_SECOND
+    seconds = MAX_SECONDS + path.stat().st_size // BYTES_A_SECOND
     tried = in_a_new_process(reader, path, seconds)
     end = tried if isinstance(tried, int) else in_a_fork(reader, path, seconds)
     if end is None:
@@ -54,7 +54,7 @@ def tried_apart(reader: str, path: Path, where: str, unreadable: str) -> None:
         )
     if end == _TOO_LARGE:
         raise InputError(
-            f"is damaged: reading it asks for more than {MOST_MEMORY / 1e9:g} GB; write it again",
+            f"is damaged: reading it asks for more than {MAX_MEMORY / 1e9:g} GB; write it again",
             where,
         )
     if end == _UNREADABLE:
@@ -194,7 +194,7 @@ def _try(function: Any, path: Path, seconds: int) -> NoReturn:
     """End this process by how the function takes the file."""
     end = _UNREADABLE
     try:
-        bound_process(MOST_MEMORY + _mapped(), seconds)
+        bound_process(MAX_MEMORY + _mapped(), seconds)
         function(path)
         end = _READ
     except InputError:  # the reader has words for it, and says them again to the caller

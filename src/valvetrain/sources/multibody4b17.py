@@ -27,7 +27,7 @@ CONTACT_STIFFNESS, CONTACT_DAMPING, CONTACT_DEPTH = 1e5, 49.92, 0.02
 MASSES = (0.03049, 0.10634, 0.17362)
 STOCK_RATE, RATE = ((high - low) / 8.5e-3 for low, high in ((195.81, 378.27), (342.66, 605.18)))
 #: Rockers of engines of this size have arms (m) well below this.
-LONGEST_ARM = 0.06
+MAX_ARM_LENGTH = 0.06
 #: Printed and computed lift losses agree within this share.
 LOSS_FIT = 0.25
 #: A printed force fits a computed one within this share, and a change below a third of it is next
@@ -294,7 +294,7 @@ def _rocker(runs: Runs, printed: Mapping[str, float]) -> str:
     # Twice the lift in one turn: no motion of the valve has a lower peak speed.
     arm = lift * cam_speed / math.pi / rate
     told = f"{words} does not fit: {here}, {ratio:.1f} times that. "
-    if ratio < 1 or arm < LONGEST_ARM:
+    if ratio < 1 or arm < MAX_ARM_LENGTH:
         return told + "Another profile or another arm would be needed."
     told += (
         f"To lift the valve {lift * 1e3:.1f} mm and set it down again within one turn of the cam at {cam_speed * 30 / math.pi:.0f} rpm, "

@@ -12,7 +12,7 @@ _HOMES = {
     "CatalogueCard": "card",
     "spring_from_card": "fit",
     "SpringFit": "fit",
-    "card_of_table": "tester",
+    "card_from_table": "tester",
     "spring_from_tester": "tester",
     "TesterFit": "tester",
 }
@@ -22,7 +22,7 @@ __all__ = [
     "CatalogueCard",
     "spring_from_card",
     "SpringFit",
-    "card_of_table",
+    "card_from_table",
     "spring_from_tester",
     "TesterFit",
 ]
@@ -33,7 +33,7 @@ if TYPE_CHECKING:
     from valvetrain.spring_card.fit import SpringFit as SpringFit
     from valvetrain.spring_card.fit import spring_from_card as spring_from_card
     from valvetrain.spring_card.tester import TesterFit as TesterFit
-    from valvetrain.spring_card.tester import card_of_table as card_of_table
+    from valvetrain.spring_card.tester import card_from_table as card_from_table
     from valvetrain.spring_card.tester import spring_from_tester as spring_from_tester
 else:
     __getattr__ = lazy_names(__name__, _HOMES)

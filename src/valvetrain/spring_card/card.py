@@ -16,7 +16,7 @@ from valvetrain.parameters.spring import EndCoil, SpringDefinition
 from valvetrain.units import Given, keep_si
 
 #: Wire of a card that names no material.
-USUAL_WIRE = material_by_name("EN 10270-2 VDSiCr")
+DEFAULT_MATERIAL = material_by_name("EN 10270-2 VDSiCr")
 #: Inactive turns at either end where the card does not tell how many turns there are, ground turns
 #: where no solid height tells.
 INACTIVE, GROUND = TEXTBOOK_TURNS["closed-ground"]
@@ -167,7 +167,7 @@ class CatalogueCard:
     @property
     def wire(self) -> Material:
         """Material of the wire, the usual one where the card names none."""
-        return self.material or USUAL_WIRE
+        return self.material or DEFAULT_MATERIAL
 
     def mean_diameter(self, total_coils: float) -> Curve:
         """Mean coil diameter (m) over the coil number."""

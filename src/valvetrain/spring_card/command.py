@@ -19,7 +19,7 @@ from valvetrain.cli.options import (
     asks,
     take_folder,
 )
-from valvetrain.cli.study_command import Kept, keep_run, show_page
+from valvetrain.cli.study_command import SavedRequest, keep_run, show_page
 from valvetrain.errors import InputError
 
 if TYPE_CHECKING:
@@ -125,7 +125,7 @@ def spring_card(
         "mass": None if mass is None else parse_quantity(mass, "mass", "--mass"), "total_coils": total_coils,
         "material": material_by_name(material) if material else None, "name": name,
     }  # fmt: skip
-    asked = _Asked(name, output, datetime.now(UTC).replace(microsecond=0), open_page)
+    asked = _Request(name, output, datetime.now(UTC).replace(microsecond=0), open_page)
     if table is None:
         from valvetrain.spring_card.fit import spring_from_card
 
@@ -148,7 +148,7 @@ def spring_card(
         )
     from valvetrain.cli.progress import busy
     from valvetrain.measured.force_height import read_force_height
-    from valvetrain.spring_card.tester import card_of_table, read_end, spring_from_tester
+    from valvetrain.spring_card.tester import card_from_table, read_end, spring_from_tester
 
     words = tuple(word.strip() for word in columns.split(",") if word.strip())
     found = read_force_height(
@@ -161,7 +161,7 @@ def spring_card(
     with busy("fitting the spring to the table"):
         fit = spring_from_tester(
             found,
-            card_of_table(found, **known),
+            card_from_table(found, **known),
             read_end(closes),
             length(installed_height, "--installed-height"),
         )
@@ -169,7 +169,7 @@ def spring_card(
 
 
 @dataclass(frozen=True)
-class _Asked:
+class _Request:
     """Where an answer goes."""
 
     name: str
@@ -192,7 +192,7 @@ def _load(text: str | None, flag: str) -> SpringLoad:
 
 
 def _deliver(
-    asked: _Asked,
+    asked: _Request,
     fit: SpringFit | TesterFit,
     page: Page,
     data: dict[str, Any],
@@ -214,7 +214,9 @@ def _deliver(
         return [write_text(folder / "spring.toml", text), *pages]
 
     folder, files = keep_run(
-        Kept("spring-card", parse_case(text, "spring-card"), asked.output, asked.created_at),
+        SavedRequest(
+            "spring-card", parse_case(text, "spring-card"), asked.output, asked.created_at
+        ),
         text,
         {"name": asked.name},
         data,
@@ -237,7 +239,7 @@ def _deliver(
     deliver(Outcome(data, told, ()))
 
 
-def _show_card(fit: SpringFit, asked: _Asked) -> None:
+def _show_card(fit: SpringFit, asked: _Request) -> None:
     from valvetrain.cli.outcome import plain_table
     from valvetrain.spring_card.page import card_page, held_rows, spring_rows
 
@@ -258,7 +260,7 @@ def _show_card(fit: SpringFit, asked: _Asked) -> None:
     _deliver(asked, fit, card_page(fit), data, "from a catalogue card", show)
 
 
-def _show_tester(fit: TesterFit, asked: _Asked) -> None:
+def _show_tester(fit: TesterFit, asked: _Request) -> None:
     from valvetrain.cli.outcome import plain_table
     from valvetrain.spring_card.page import spring_rows, tester_page, tester_rows
 

@@ -29,7 +29,7 @@ MET, TRIALS = 2e-4, 12
 
 
 @dataclass(frozen=True, slots=True)
-class Held:
+class CardDeviation:
     """One number of a card beside that of the spring; SI, ``asked`` None where the card is silent."""
 
     quantity: str
@@ -44,13 +44,13 @@ class SpringFit:
 
     Made by :func:`spring_from_card`.
 
-    >>> Held("rate", 40e3, 40.1e3).found
+    >>> CardDeviation("rate", 40e3, 40.1e3).found
     40100.0
     """
 
     card: CatalogueCard
     spring: InstalledSpring
-    held: tuple[Held, ...]
+    held: tuple[CardDeviation, ...]
     free: tuple[str, ...]
 
     @property
@@ -139,11 +139,14 @@ def _fit(
     height = card.installed_load.height
     rate = (high - low) / (height - card.open_load.height)
     held = (
-        Held("installed_load", card.installed_load.force, low), Held("open_load", card.open_load.force, high),
-        Held("rate", card.rate, rate),
-        Held("solid_height", card.solid_height, definition.solid_height), Held("mass", card.mass, weight(definition)),
-        Held("free_length", card.free_length, definition.free_length), Held("total_coils", card.total_coils, definition.total_coils),
-    )  # fmt: skip
+        CardDeviation("installed_load", card.installed_load.force, low),
+        CardDeviation("open_load", card.open_load.force, high),
+        CardDeviation("rate", card.rate, rate),
+        CardDeviation("solid_height", card.solid_height, definition.solid_height),
+        CardDeviation("mass", card.mass, weight(definition)),
+        CardDeviation("free_length", card.free_length, definition.free_length),
+        CardDeviation("total_coils", card.total_coils, definition.total_coils),
+    )
     spring = InstalledSpring(wire=definition, precompression=definition.free_length - height)
     return SpringFit(card, spring, held, _left_free(card, winding))
 

@@ -14,10 +14,10 @@ from valvetrain.quantities.design import design_quantities
 from valvetrain.report import theme
 from valvetrain.report.chart import Chart, Layer, Line, Marks, Panel
 from valvetrain.report.page import Block, Cell, Figure, Grid, Page, Section, text
-from valvetrain.report.text import number, percent, unit_words
+from valvetrain.report.text import number, percent, unit_text
 from valvetrain.solution.definition import definition_of, label_of, shown
 from valvetrain.spring_card.card import weight
-from valvetrain.spring_card.fit import Held, SpringFit, forces_at
+from valvetrain.spring_card.fit import CardDeviation, SpringFit, forces_at
 from valvetrain.spring_card.tester import TesterFit
 
 Array = NDArray[np.float64]
@@ -36,7 +36,7 @@ LOOKED_AT = (
 POINTS = 15
 
 
-def held_rows(held: Sequence[Held]) -> list[tuple[str, str, str, str, str]]:
+def held_rows(held: Sequence[CardDeviation]) -> list[tuple[str, str, str, str, str]]:
     """Words, what the card asks, what the spring has, unit, and the difference."""
     rows = []
     for one in held:
@@ -57,7 +57,7 @@ def spring_rows(spring: InstalledSpring) -> list[tuple[str, str, str]]:
                 (
                     label_of(name),
                     number(float(shown(name, found[name])[0]), 4),
-                    unit_words(definition_of(name).shown_unit),
+                    unit_text(definition_of(name).shown_unit),
                 )
             )
     return rows

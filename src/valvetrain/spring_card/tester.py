@@ -37,7 +37,7 @@ PLACES, FORCES, CLOSED = 481, 400, 1e8
 CORRECTIONS, SETTLED = 8, 3e-4
 #: Scatter of a station before it is known, and the least that is believed, as shares of the largest
 #: force.
-FIRST_SCATTER, LEAST_SCATTER = 3e-3, 2e-4
+FIRST_SCATTER, MIN_SCATTER = 3e-3, 2e-4
 #: Standard deviations of the rise of the gap from station to station and of the change of that
 #: rise, in wire diameters: what is usual
 #: among progressive springs. They decide where the table does not.
@@ -192,7 +192,7 @@ def fit_closing(
         rod = forces_by_rod(definition, heights)
         left = rod - forces
         spare = max(len(heights) - len(numbers), 1)
-        scatter = max(float(np.sqrt(left @ left / spare)), LEAST_SCATTER * top)
+        scatter = max(float(np.sqrt(left @ left / spare)), MIN_SCATTER * top)
         apart = rod - closing_forces(definition, heights)
         if float(np.max(np.abs(apart - before))) < SETTLED * top:
             break
@@ -285,7 +285,7 @@ def spring_from_tester(
     Parameters
     ----------
     table : of :func:`read_force_height`
-    card : dimensions of the wire and the coils (:func:`card_of_table` makes one); its loads are not
+    card : dimensions of the wire and the coils (:func:`card_from_table` makes one); its loads are not
         used
     closes : end whose coils close first; the table cannot tell it, seat and retainer exchanged give
         the same forces
@@ -305,7 +305,7 @@ def spring_from_tester(
     >>> import numpy as np
     >>> heights = np.linspace(50e-3, 38e-3, 13)
     >>> table = ForceHeight(heights, 40e3 * (55e-3 - heights))
-    >>> fit = spring_from_tester(table, card_of_table(table, wire_diameter=4.2e-3, outer_diameter=30.2e-3))
+    >>> fit = spring_from_tester(table, card_from_table(table, wire_diameter=4.2e-3, outer_diameter=30.2e-3))
     >>> round(fit.active_coils[0], 1), round(fit.rate[0] / 1e3)
     (4.4, 40)
     """
@@ -338,7 +338,7 @@ def read_end(word: str) -> Closes:
     )
 
 
-def card_of_table(table: ForceHeight, **known: object) -> CatalogueCard:
+def card_from_table(table: ForceHeight, **known: object) -> CatalogueCard:
     """A card of the sizes that are known, with two loads from the low part of a table.
 
     Parameters
@@ -360,7 +360,7 @@ def card_of_table(table: ForceHeight, **known: object) -> CatalogueCard:
     >>> import numpy as np
     >>> heights = np.linspace(50e-3, 38e-3, 13)
     >>> table = ForceHeight(heights, 40e3 * (55e-3 - heights))
-    >>> round(card_of_table(table, wire_diameter="4.2 mm", outer_diameter="30.2 mm").rate)
+    >>> round(card_from_table(table, wire_diameter="4.2 mm", outer_diameter="30.2 mm").rate)
     40000
     """
     forces = table.forces[0] + np.array([0.05, 0.35]) * (table.forces[-1] - table.forces[0])

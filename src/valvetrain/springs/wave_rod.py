@@ -24,7 +24,7 @@ from valvetrain.springs.spec import NoOptions, SpringModelSpec
 from valvetrain.units import keep_si
 
 #: More cells than this add cost and no physics: the grid is then finer than any train excites.
-MOST_CELLS = 1000
+MAX_CELLS = 1000
 
 
 def cells_for_step(wave_speed: float, time_step: float, courant: float) -> int:
@@ -33,7 +33,7 @@ def cells_for_step(wave_speed: float, time_step: float, courant: float) -> int:
     """
     if not time_step > 0:
         raise InputError(f"time step {time_step} s of the rod must be positive")
-    return int(np.clip(np.floor(courant / (wave_speed * time_step) * (1 + 1e-9)), 3, MOST_CELLS))
+    return int(np.clip(np.floor(courant / (wave_speed * time_step) * (1 + 1e-9)), 3, MAX_CELLS))
 
 
 @dataclass(frozen=True)

@@ -140,7 +140,7 @@ def _spring_members(
     )
     if sentence := binding_lift(case.springs, lift):
         raise InputError(f"case '{case.name}': {sentence}")
-    chosen = specs or tuple(spring_model(word) for word in usual_models(case.springs))
+    chosen = specs or tuple(spring_model(word) for word in default_models(case.springs))
     rubbing = _rubbing(case.rubbing)
     return tuple(
         Member(spec.word, spec, case.springs, law, rubbing=rubbing, name=case.name)
@@ -148,7 +148,7 @@ def _spring_members(
     )
 
 
-def usual_models(springs: tuple[InstalledSpring, ...]) -> tuple[str, ...]:
+def default_models(springs: tuple[InstalledSpring, ...]) -> tuple[str, ...]:
     """Models of a spring case that names none."""
     if all(spring.wire is not None for spring in springs):
         return WIRE_MODELS

@@ -18,7 +18,7 @@ CURVE_POINTS = 33
 PATIENCE = 25
 #: Largest step (m) of the search: where it holds for LONG_WAY steps in a row the way is long, and
 #: it doubles.
-LARGEST_STEP = 2e-4
+MAX_STEP = 2e-4
 LONG_WAY = 5
 
 
@@ -84,7 +84,7 @@ def static_equilibrium(system: TrainSystem, cam_angle: float, start: Array | Non
     damping = 1e3
     residual = generalised_forces(system, q, cam_angle, spring_force)
     sizes: list[float] = []
-    largest, capped = LARGEST_STEP, 0
+    largest, capped = MAX_STEP, 0
     for _ in range(200):
         size = float(np.sum(residual**2 / scale))
         sizes.append(size)
@@ -104,7 +104,7 @@ def static_equilibrium(system: TrainSystem, cam_angle: float, start: Array | Non
             capped = capped + 1 if share < 1.0 else 0
             largest *= 2.0 if capped > LONG_WAY else 1.0
         else:
-            damping, largest, capped = damping * 10, LARGEST_STEP, 0
+            damping, largest, capped = damping * 10, MAX_STEP, 0
         if float(np.max(np.abs(residual))) < 1e-7 or damping > 1e18:
             break
     return q

@@ -3,8 +3,8 @@ back; inside all is SI.
 """
 
 from valvetrain.units.dimensions import DIMENSIONS, Dimension
-from valvetrain.units.given import (
-    MOST_SPEEDS,
+from valvetrain.units.inputs import (
+    MAX_SPEEDS,
     PLAUSIBLE,
     Given,
     Window,
@@ -24,6 +24,6 @@ from valvetrain.units.text import (
 )
 
 __all__ = [
-    "DIMENSIONS", "Dimension", "Given", "MOST_SPEEDS", "PLAUSIBLE", "Window", "dimension_of", "dimension_powers", "format_quantity",
+    "DIMENSIONS", "Dimension", "Given", "MAX_SPEEDS", "PLAUSIBLE", "Window", "dimension_of", "dimension_powers", "format_quantity",
     "keep_si", "parse_quantities", "parse_quantity", "si", "si_each", "si_speeds", "to_unit", "unit_factor",
 ]  # fmt: skip

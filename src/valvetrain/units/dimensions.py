@@ -14,7 +14,7 @@ class Dimension:
     """A kind of quantity: its SI unit, the unit suggested to users and how it is spoken of."""
 
     si_unit: str
-    usual_unit: str
+    default_unit: str
     phrase: str
 
 
@@ -127,7 +127,7 @@ _BY_POWERS: dict[tuple[float, float, float, float], dict[str, float]] = {
     (1, 0, 2, -2): {"m s^2/rad^2": 1.0},
 }  # fmt: skip
 #: Unit -> SI value of one, and its dimension as ``text`` writes it.
-USUAL: dict[str, tuple[float, tuple[tuple[str, float], ...]]] = {
+DEFAULT: dict[str, tuple[float, tuple[tuple[str, float], ...]]] = {
     unit: (
         value,
         tuple(

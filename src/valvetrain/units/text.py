@@ -9,7 +9,7 @@ from functools import lru_cache
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from valvetrain.errors import InputError
-from valvetrain.units.dimensions import DEFINITIONS, DIMENSIONS, USUAL
+from valvetrain.units.dimensions import DEFAULT, DEFINITIONS, DIMENSIONS
 
 if TYPE_CHECKING:
     import numpy as np
@@ -46,8 +46,8 @@ def _resolve(unit: str) -> tuple[float, tuple[tuple[str, float], ...]]:
         return 1.0, ()
     if text == "%":
         return 0.01, ()
-    if text in USUAL:
-        return USUAL[text]
+    if text in DEFAULT:
+        return DEFAULT[text]
     if len(text) > 40 or not _UNIT.match(text):
         raise InputError(
             f"unit '{clipped(unit)}' cannot be read; write it as in 'N/mm' or 'kg/m^3'"
@@ -139,7 +139,7 @@ def parse_quantities(text: object, dimension: str | None, where: str = "") -> tu
 def split_quantity(text: object, dimension: str | None, where: str) -> tuple[float, str]:
     """Number and unit in ``text``; arguments and errors as :func:`parse_quantity`."""
     due = DIMENSIONS.get(dimension or "ratio", None)
-    usual = due.usual_unit if due else str(dimension)
+    usual = due.default_unit if due else str(dimension)
     phrase = due.phrase if due else f"a quantity in {dimension}"
     if isinstance(text, bool) or not isinstance(text, (int, float, str)):
         raise InputError(
@@ -183,7 +183,7 @@ def to_si(value: float, unit: str, dimension: str | None, shown: str, where: str
         if _resolve(due.si_unit if due else dimension)[1] != powers:
             is_what = DIMENSIONS[name].phrase if (name := dimension_of(unit)) else "something else"
             phrase, usual = (
-                (due.phrase, due.usual_unit) if due else (f"a quantity in {dimension}", dimension)
+                (due.phrase, due.default_unit) if due else (f"a quantity in {dimension}", dimension)
             )
             example = f"such as '1 {usual}'" if usual else "without a unit"
             if re.search(r"\blb\b", unit):

@@ -27,7 +27,7 @@ from valvetrain.validation.springs import mesh, rate, spring
 
 Array = NDArray[np.float64]
 #: Imbalance of the energy books over all work that the runs of these cases come out with.
-USUAL_IMBALANCE = {"job-c": 5e-5, "gu2021-beehive": 8.5e-6}
+TYPICAL_IMBALANCE = {"job-c": 5e-5, "gu2021-beehive": 8.5e-6}
 ABOUT = "d 1, D 12, pitch 1.6 mm, 30 turns clamped, 16 elements per coil"
 
 
@@ -169,7 +169,7 @@ def energy_balance() -> list[Row]:
                 0.0,
                 float(np.abs(balance).max()) / turned,
                 "-",
-                USUAL_IMBALANCE[name] * 3,
+                TYPICAL_IMBALANCE[name] * 3,
                 "three times the usual imbalance of this run",
             )
         )

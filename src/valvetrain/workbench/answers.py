@@ -28,7 +28,7 @@ from valvetrain.report.read_page import (
 )
 from valvetrain.report.run_differences import INPUT_HEADS, RESULT_HEADS, input_rows, result_rows
 from valvetrain.runs.differences import input_differences, result_differences
-from valvetrain.runs.saved_runs import KeptRun
+from valvetrain.runs.saved_runs import SavedRun
 from valvetrain.solution.definition import is_defined, label_of, shown
 from valvetrain.solution.netcdf import load_netcdf
 from valvetrain.solution.study import Study
@@ -45,7 +45,7 @@ AnswerFigure, AnswerTable, AnswerSection, AnswerSentence, AnswerMotion = (
     PageMotion,
 )
 #: Largest file of a test (bytes), and rows of a comparison.
-MOST_TEST, MOST_ROWS = 20_000_000, 200
+MAX_TEST, MAX_ROWS = 20_000_000, 200
 
 
 @dataclass(frozen=True, slots=True)
@@ -134,9 +134,9 @@ def compare(run_a: Run, run_b: Run) -> RunsCompared:
 
     Raises :class:`InputError` where the inputs on disk are not those that a run was made from.
     """
-    one, other = KeptRun(run_a.folder, run_a.answer), KeptRun(run_b.folder, run_b.answer)
-    inputs = input_rows(input_differences(one, other))[:MOST_ROWS]
-    results = result_rows(result_differences(one, other))[:MOST_ROWS]
+    one, other = SavedRun(run_a.folder, run_a.answer), SavedRun(run_b.folder, run_b.answer)
+    inputs = input_rows(input_differences(one, other))[:MAX_ROWS]
+    results = result_rows(result_differences(one, other))[:MAX_ROWS]
     right = tuple(place in (2, 3, 5) for place in range(len(RESULT_HEADS)))
     return RunsCompared(
         PageTable("Inputs that differ", INPUT_HEADS, tuple(inputs)),
@@ -183,12 +183,12 @@ def against(
     run: Run, name: str, test_data: bytes, quantity: str = "", channel: int = 0
 ) -> ModelAgainstTest:
     """The run against the test; arguments and errors as :func:`overlay`."""
-    if len(test_data) > MOST_TEST:
+    if len(test_data) > MAX_TEST:
         raise InputError(
-            f"is larger than {MOST_TEST / 1e6:.0f} MB; cut the recording into cycles first",
+            f"is larger than {MAX_TEST / 1e6:.0f} MB; cut the recording into cycles first",
             name[:60],
         )
-    study, case = kept_study(run)
+    study, case = saved_study(run)
     with tempfile.TemporaryDirectory(prefix="valvetrain-test-") as folder:
         suffix = "".join(char for char in Path(name).suffix[:10] if char.isalnum() or char == ".")
         path = inside(Path(folder), f"test{suffix}")
@@ -202,7 +202,7 @@ def against(
             ) from None
 
 
-def kept_study(run: Run) -> tuple[Study, Case]:
+def saved_study(run: Run) -> tuple[Study, Case]:
     """The study of a kept run with its solutions read from disk, and its case.
 
     Raises :class:`InputError` for a run without solutions, as a sweep keeps none, and for damaged

@@ -24,8 +24,8 @@ if TYPE_CHECKING:
     from valvetrain.workbench.settings import ServeSettings
 
 #: Usual bounds of one job.
-USUAL_LIMITS = ("1 h", "4 GB")
-PORT, USUAL_FOLDER = 8420, Path("workbench")
+DEFAULT_LIMITS = ("1 h", "4 GB")
+PORT, DEFAULT_FOLDER = 8420, Path("workbench")
 MISSING = (
     'the workbench in the browser needs NiceGUI; install it with pip install "valvetrain[serve]"'
 )
@@ -102,7 +102,7 @@ def serve(
     from valvetrain.workbench.safety import check_settings, is_loopback, new_token
     from valvetrain.workbench.settings import ServeSettings
 
-    limits = read_limits((*USUAL_LIMITS, *(limit or ())))
+    limits = read_limits((*DEFAULT_LIMITS, *(limit or ())))
     running, waiting = (
         read_count(most_running, 1, 64, "--most-running"),
         read_count(most_waiting, 0, 1000, "--most-waiting"),
@@ -113,7 +113,7 @@ def serve(
     settings = check_settings(ServeSettings(address, taken, shown, tuple(name or ()), open_page))
     if find_spec("nicegui") is None:
         raise MissingExtraError(MISSING)
-    _serve(folder or USUAL_FOLDER, settings, running, waiting, limits.seconds, limits.bytes)
+    _serve(folder or DEFAULT_FOLDER, settings, running, waiting, limits.seconds, limits.bytes)
 
 
 def _serve(

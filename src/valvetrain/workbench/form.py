@@ -31,12 +31,12 @@ from valvetrain.parameters.schema_types import StrictModel
 from valvetrain.parameters.spring_options import options_table
 from valvetrain.parameters.train_schema import PARTS, TrainModel
 from valvetrain.workbench.edits import refuse_foreign_files
-from valvetrain.workbench.form_fields import FieldOf, field_of, words_of
+from valvetrain.workbench.form_fields import FieldOf, field_of, text_of
 
 FieldKind = Literal["number", "text", "choice", "flag", "curve"]
 #: Spring models whose options a form shows even where the file gives none: the fast one and the
 #: rod.
-_USUAL_OPTIONS = ("multi-mass", "finite-element")
+_DEFAULT_OPTIONS = ("multi-mass", "finite-element")
 #: Tables of a case that a form leaves to its text.
 _LEFT = ("published", "name", "sources", "remarks", "study")
 _TITLES = {"multi-mass": "chain of masses", "finite-element": "finite-element rod"}
@@ -203,7 +203,7 @@ class _Form:
         for name, model in PARTS.items():
             if name != "variants" and (name in table or name == "follower"):
                 yield self.group(
-                    f"train.{name}", words_of(name).capitalize(), model, table.get(name, {})
+                    f"train.{name}", text_of(name).capitalize(), model, table.get(name, {})
                 )
         contacts = table.get("contacts")
         named = (
@@ -222,7 +222,7 @@ class _Form:
             if isinstance(one, dict) and one.get("law") in registry.words("contacts"):
                 law = registry.find("contacts", one["law"]).table
                 yield self.group(
-                    f"train.contacts.{place}", f"Contact at the {words_of(place)}", law, one
+                    f"train.contacts.{place}", f"Contact at the {text_of(place)}", law, one
                 )
         sets = table.get("springs")
         for name, springs in sets.items() if isinstance(sets, dict) else ():
@@ -273,7 +273,7 @@ class _Form:
         given = raw.get("options")
         options: Mapping[str, Any] = given if isinstance(given, dict) else {}
         for word in dict.fromkeys(
-            (*(word for word in options if word in registry.words("springs")), *_USUAL_OPTIONS)
+            (*(word for word in options if word in registry.words("springs")), *_DEFAULT_OPTIONS)
         ):
             table = options_table(word)
             useless = table.wire_only if by_card else table.card_only
@@ -323,7 +323,7 @@ def _steel(place: str, word: str) -> Field:
     """A contact, or all of them, given by one word."""
     key = f"train.contacts.{place}".rstrip(".")
     label, told = (
-        f"contact at the {words_of(place)}" if place else "all contacts",
+        f"contact at the {text_of(place)}" if place else "all contacts",
         "contacts of steel parts of usual size; or tables of laws",
     )
     return Field(key, label, "text", word, help=told, choices=(STEEL,))

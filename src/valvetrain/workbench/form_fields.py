@@ -108,7 +108,7 @@ def field_of(key: str, name: str, info: FieldInfo, value: Any) -> FieldOf | None
     limits = _limits(form, unit)
     return FieldOf(
         key,
-        LABELS.get(name, words_of(name)),
+        LABELS.get(name, text_of(name)),
         kind,
         written(value),
         unit,
@@ -122,10 +122,10 @@ def field_of(key: str, name: str, info: FieldInfo, value: Any) -> FieldOf | None
     )
 
 
-def words_of(name: str) -> str:
+def text_of(name: str) -> str:
     """Words of a key: ``wire_diameter`` -> wire diameter.
 
-    >>> words_of("wire_diameter")
+    >>> text_of("wire_diameter")
     'wire diameter'
     """
     return name.replace("_", " ")
@@ -203,7 +203,7 @@ def _with_registry(key: str, name: str, form: _Form | None) -> _Form | None:
 
 
 def _unit(form: _Form) -> str:
-    return DIMENSIONS[form.dimension].usual_unit if form.dimension is not None else ""
+    return DIMENSIONS[form.dimension].default_unit if form.dimension is not None else ""
 
 
 def _number(value: Any, form: _Form, unit: str) -> tuple[float | None, str]:

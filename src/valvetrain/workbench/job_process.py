@@ -15,8 +15,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from valvetrain.parameters.bounded_file import BESIDE_VARIABLE
-from valvetrain.runs.cost import Limits, memory_words, time_words
+from valvetrain.parameters.bounded_file import SIDE_FILES_VARIABLE
+from valvetrain.runs.cost import Limits, duration_text, memory_text
 from valvetrain.runs.unfinished import unfinished_runs
 from valvetrain.solution.atomic import is_living, write_bytes, write_text
 from valvetrain.workbench.requests import JobRequest, command_words, study_text
@@ -29,7 +29,7 @@ ANSWER, COMPLAINTS, LOCK = "answer.json", "complaints.txt", "lock"
 #: The process that runs the command line.
 SUPERVISOR = [sys.executable, "-m", "valvetrain.workbench.supervisor"]
 #: Largest answer of a command that is read (bytes).
-MOST_ANSWER = 200_000_000
+MAX_ANSWER = 200_000_000
 
 
 @dataclass(frozen=True, slots=True)
@@ -145,7 +145,7 @@ class JobProcess:
         environment = {
             **os.environ,
             "VALVETRAIN_PROGRESS": str(writing),
-            BESIDE_VARIABLE: "1",
+            SIDE_FILES_VARIABLE: "1",
             "OPENBLAS_NUM_THREADS": "1",
             "OMP_NUM_THREADS": "1",
         }
@@ -192,10 +192,10 @@ class JobProcess:
         run_id, share = _run_id(self.workspace, answer), self._share
         kept = "; what it had finished is kept" if run_id else _left(self.workspace, self.job_id)
         if code == TIME_UP:
-            words = f"was stopped after {time_words(self.limits.seconds)}, the longest time of a job{kept}; ask for fewer speeds or models"
+            words = f"was stopped after {duration_text(self.limits.seconds)}, the longest time of a job{kept}; ask for fewer speeds or models"
             return Outcome("failed", words, run_id, share)
         if code == MEMORY_UP:
-            words = f"was stopped because it took more than {memory_words(self.limits.bytes)}, the largest memory of a job{kept}"
+            words = f"was stopped because it took more than {memory_text(self.limits.bytes)}, the largest memory of a job{kept}"
             return Outcome("failed", f"{words}; ask for fewer speeds or elements", run_id, share)
         if self._asked:
             words = {
@@ -218,7 +218,7 @@ def _answer(folder: Path) -> dict[str, Any]:
     """The JSON object that the command printed; empty where there is none."""
     try:
         path = folder / ANSWER
-        if path.stat().st_size > MOST_ANSWER:
+        if path.stat().st_size > MAX_ANSWER:
             return {}
         found = json.loads(path.read_text("utf-8"))
     except (OSError, ValueError, RecursionError):

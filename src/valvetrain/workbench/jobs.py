@@ -42,7 +42,7 @@ __all__ = ["JobKind", "JobRequest", "JobState", "JobStatus", "Jobs"]
 
 JobState = Literal["queued", "running", "finished", "failed", "cancelled", "interrupted"]
 #: Jobs that the database keeps; older ones that have ended are forgotten, their runs stay.
-MOST_KEPT = 1000
+MAX_KEPT = 1000
 _COLUMNS = "id, case_name, kind, state, share, text, seconds_left, error, run_id, created_at, started_at, ended_at"
 
 
@@ -334,12 +334,12 @@ class Jobs:
                 self._end(job_id, found, ("interrupted",))
 
     def _forget(self) -> None:
-        """Forget the oldest ended jobs beyond :data:`MOST_KEPT`, and the inputs of those that
+        """Forget the oldest ended jobs beyond :data:`MAX_KEPT`, and the inputs of those that
         nobody will start again.
         """
         with self.workspace.store.connected() as base:
             query = "SELECT id FROM jobs WHERE state NOT IN ('queued', 'running') ORDER BY created_at DESC LIMIT -1 OFFSET ?"
-            old = [row["id"] for row in base.execute(query, (MOST_KEPT,))]
+            old = [row["id"] for row in base.execute(query, (MAX_KEPT,))]
             base.executemany("DELETE FROM jobs WHERE id = ?", [(one,) for one in old])
         for one in old:
             shutil.rmtree(self.workspace.jobs_folder / one, ignore_errors=True)

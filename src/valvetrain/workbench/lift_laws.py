@@ -27,7 +27,7 @@ from valvetrain.workbench.starts import assumed
 #: hands it out or takes it for an input.
 KEPT = ".lift-laws.json"
 #: Larger ones are not read (bytes).
-MOST_KEPT = 100_000_000
+MAX_KEPT = 100_000_000
 #: Values that the tables of lift laws begin with.
 _LAW = {
     "maximum_lift": "9 mm", "opening_start": "115 deg", "opening_end": "180 deg", "closing_start": "180 deg", "closing_end": "245 deg",
@@ -148,7 +148,7 @@ def _in_one_table(document: Any) -> Any:
     return document["lift_law"]
 
 
-class KeptLaws:
+class CachedLaws:
     """What the kinds of the lift law of a case last told, in a file beside it.
 
     Parameters
@@ -160,7 +160,7 @@ class KeptLaws:
         self._path = folder / KEPT
         found: Any = None
         with suppress(OSError, ValueError, RecursionError):
-            if not self._path.is_symlink() and self._path.stat().st_size <= MOST_KEPT:
+            if not self._path.is_symlink() and self._path.stat().st_size <= MAX_KEPT:
                 found = json.loads(self._path.read_text("utf-8"))
         read: dict[str, dict[str, str]] = {"told": {}, "begun": {}}
         for part, laws in read.items():

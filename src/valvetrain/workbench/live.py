@@ -19,14 +19,14 @@ from types import MappingProxyType
 from typing import Any
 
 from valvetrain.errors import InputError
-from valvetrain.parameters.bounded_file import BESIDE_VARIABLE
+from valvetrain.parameters.bounded_file import SIDE_FILES_VARIABLE
 
 _NOTHING: Mapping[str, str] = MappingProxyType({})
 #: Chains that live at a time in one server, and the fast model and the rod.
-MOST_LIVE, FAST, ROD = 4, "multi-mass", "finite-element"
+MAX_LIVE, FAST, ROD = 4, "multi-mass", "finite-element"
 #: Longest wait (s) for a curve of the chain, the first one compiling included, and for one of the
 #: rod; memory of a worker (bytes).
-LONGEST_CURVE, LONGEST_ROD, MEMORY = 120.0, 300.0, 8e9
+MAX_CURVE_POINTS, MAX_ROD_LENGTH, MEMORY = 120.0, 300.0, 8e9
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,7 +67,7 @@ class LiveChain:
 
     Raises
     ------
-    InputError : more than :data:`MOST_LIVE` at a time
+    InputError : more than :data:`MAX_LIVE` at a time
     """
 
     _living = 0
@@ -78,12 +78,12 @@ class LiveChain:
     ) -> None:
         self.engine_speed = engine_speed
         with LiveChain._count:
-            if LiveChain._living >= MOST_LIVE:
-                raise InputError(f"{MOST_LIVE} sliders are in use; close one of them", "slider")
+            if LiveChain._living >= MAX_LIVE:
+                raise InputError(f"{MAX_LIVE} sliders are in use; close one of them", "slider")
             LiveChain._living += 1
         self._closed = False
-        self._chain = _Worker(case_text, folder, spring_model or FAST, LONGEST_CURVE, warm=True)
-        self._rod = _Worker(case_text, folder, ROD, LONGEST_ROD)
+        self._chain = _Worker(case_text, folder, spring_model or FAST, MAX_CURVE_POINTS, warm=True)
+        self._rod = _Worker(case_text, folder, ROD, MAX_ROD_LENGTH)
         self._chain.begin()
 
     def curve(self, changes: Mapping[str, str] = _NOTHING, engine_speed: str = "") -> LiveResult:
@@ -204,7 +204,7 @@ class _Worker:
         if process is None or process.poll() is not None:
             environment = {
                 **os.environ,
-                BESIDE_VARIABLE: "1",
+                SIDE_FILES_VARIABLE: "1",
                 "OPENBLAS_NUM_THREADS": "1",
                 "OMP_NUM_THREADS": "1",
                 "NUMBA_NUM_THREADS": "1",

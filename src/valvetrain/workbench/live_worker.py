@@ -25,7 +25,7 @@ from valvetrain.errors import InputError, ValvetrainError
 from valvetrain.parameters.loading import parse_case
 from valvetrain.parameters.overrides import read_assignment
 from valvetrain.quantities.cycle import reported_cycle
-from valvetrain.runs.prepared import Plan, Ready, integrate_point, make_ready, provenance_of
+from valvetrain.runs.prepared import Plan, PreparedRun, integrate_point, prepare, provenance_of
 from valvetrain.runs.run import member_rest
 from valvetrain.solution.partial_failures import reason
 from valvetrain.system.build import build
@@ -33,7 +33,7 @@ from valvetrain.system.problem import Problem
 from valvetrain.units import si_speeds
 
 #: Cases built that are kept, changed or not: a slider goes to and fro.
-MOST_BUILT = 8
+MAX_BUILT = 8
 
 
 class LiveCase:
@@ -48,7 +48,7 @@ class LiveCase:
 
     def __init__(self, case_text: str, folder: Path, spring_model: str) -> None:
         self.case_text, self.folder, self.spring_model = case_text, folder, spring_model
-        self._built: dict[tuple[tuple[str, str], ...], tuple[Problem, Ready]] = {}
+        self._built: dict[tuple[tuple[str, str], ...], tuple[Problem, PreparedRun]] = {}
 
     def answer(self, changes: Mapping[str, str], engine_speed: str) -> dict[str, Any]:
         """The curve of the case with ``changes`` at a crank speed (text; empty: the highest of the
@@ -101,7 +101,7 @@ class LiveCase:
             },
         }
 
-    def _ready(self, changes: Mapping[str, str]) -> tuple[Problem, Ready]:
+    def _ready(self, changes: Mapping[str, str]) -> tuple[Problem, PreparedRun]:
         key = tuple(sorted(changes.items()))
         if key not in self._built:
             given = dict(read_assignment(f"{path}={text}", path) for path, text in changes.items())
@@ -111,8 +111,8 @@ class LiveCase:
             )
             member = problem.members[0]
             rest = member_rest(problem, member) if member.gear is not None else {}
-            self._built[key] = (problem, make_ready(problem, member, rest, ""))
-            while len(self._built) > MOST_BUILT:
+            self._built[key] = (problem, prepare(problem, member, rest, ""))
+            while len(self._built) > MAX_BUILT:
                 del self._built[next(iter(self._built))]
         return self._built[key]
 

@@ -32,7 +32,7 @@ _FLAGS = ("no-critical-speeds", "free-end")
 _MOVING = ("run", "compare", "sweep")
 #: Speeds (rpm) of a sweep that names none, as the command has them.
 _SWEEP = "1000:9000:100 rpm"
-MOST_SETTINGS, LONGEST_WORD, LONGEST_STUDY = 100, 2000, 200_000
+MAX_SETTINGS, MAX_WORD_LENGTH, MAX_STUDY_LENGTH = 100, 2000, 200_000
 _WORD = re.compile(r"[^\W_][\w.,:+/ ()-]*")
 
 
@@ -67,7 +67,7 @@ class JobRequest:
 
 
 @dataclass(frozen=True)
-class _Asked:
+class _Request:
     """The part of a request that its cost is estimated from."""
 
     command: str
@@ -125,11 +125,11 @@ def check_request(request: JobRequest, case: Case) -> None:
         *request.options.values(),
         request.engine_speeds,
     )
-    if len(request.settings) > MOST_SETTINGS or any(
-        len(text) > LONGEST_WORD or "\0" in text for text in texts
+    if len(request.settings) > MAX_SETTINGS or any(
+        len(text) > MAX_WORD_LENGTH or "\0" in text for text in texts
     ):
         raise InputError(
-            f"more than {MOST_SETTINGS} values, or one longer than {LONGEST_WORD} characters, are set; edit the case instead",
+            f"more than {MAX_SETTINGS} values, or one longer than {MAX_WORD_LENGTH} characters, are set; edit the case instead",
             "settings",
         )
     if request.kind == "study":
@@ -193,7 +193,9 @@ def cost_of(request: JobRequest, case: Case, workers: int) -> Cost:
         )
     text = request.engine_speeds or (_SWEEP if request.kind == "sweep" else "")
     speeds = si_speeds(text, "engine_speed", "engine_speeds") if text else None
-    asked = _Asked(request.kind, case, speeds, request.spring_models, request.spring_sets, workers)
+    asked = _Request(
+        request.kind, case, speeds, request.spring_models, request.spring_sets, workers
+    )
     sweeps = request.kind == "sweep"
     return request_cost(
         asked, not sweeps, sweeps and request.options.get("no-critical-speeds") != "true"
@@ -215,9 +217,9 @@ def study_text(request: JobRequest, case_file: str) -> str:
 
 
 def _study_tree(text: str) -> dict[str, Any]:
-    if len(text) > LONGEST_STUDY:
+    if len(text) > MAX_STUDY_LENGTH:
         raise InputError(
-            f"the study file is longer than {LONGEST_STUDY} characters; shorten it", "study"
+            f"the study file is longer than {MAX_STUDY_LENGTH} characters; shorten it", "study"
         )
     try:
         tree = tomllib.loads(text)

@@ -92,9 +92,9 @@ App = Callable[[Scope, Receive, Send], Awaitable[None]]
 COOKIE = "valvetrain"
 #: How long (s) a browser is known, and how many are; wrong tokens in a minute after which none is
 #: looked at.
-KNOWN_FOR, MOST_KNOWN, MOST_WRONG = 12 * 3600.0, 256, 20
+KNOWN_FOR, MAX_KNOWN, MAX_WRONG = 12 * 3600.0, 256, 20
 #: Largest page that is read for its scripts (bytes).
-_MOST_PAGE = 50_000_000
+_MAX_PAGE = 50_000_000
 _METHODS = ("GET", "HEAD", "POST", "OPTIONS")
 _HARMLESS = ("GET", "HEAD", "OPTIONS")
 
@@ -196,7 +196,7 @@ class Guard:
         self.app, self.settings = app, check_settings(settings)
         self.cookie = f"{COOKIE}-{settings.port}"
         self._known: dict[bytes, float] = {}
-        self._wrong = Rate(MOST_WRONG, 60.0)
+        self._wrong = Rate(MAX_WRONG, 60.0)
         self._sockets = self._requests = 0
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
@@ -325,7 +325,7 @@ class Guard:
     def _know(self, name: str) -> None:
         now = time.monotonic()
         self._known = {key: until for key, until in self._known.items() if until > now}
-        while len(self._known) >= MOST_KNOWN:
+        while len(self._known) >= MAX_KNOWN:
             del self._known[next(iter(self._known))]
         self._known[hashlib.sha256(name.encode()).digest()] = now + KNOWN_FOR
 
@@ -423,14 +423,14 @@ class _Sender:
             if (
                 heads.get(b"content-type", b"").startswith(b"text/html")
                 and plain
-                and int(heads.get(b"content-length", b"0")) <= _MOST_PAGE
+                and int(heads.get(b"content-length", b"0")) <= _MAX_PAGE
             ):
                 self._start = message
                 return
             await self._begin(message, b"")
         elif message["type"] == "http.response.body" and self._start is not None:
             self._body += message.get("body", b"")
-            if not message.get("more_body") or len(self._body) > _MOST_PAGE:
+            if not message.get("more_body") or len(self._body) > _MAX_PAGE:
                 start, page = self._start, self._body
                 self._start, self._body = None, b""
                 await self._begin(start, page)

@@ -32,7 +32,7 @@ STUDIES, STUDY_ANSWER = "studies", "study.json"
 #: Folder of a run in which tests lie that were laid over it; they are none of its results.
 TESTS = "laid-over"
 #: Largest study.json that is read, and largest folder that is handed out (bytes).
-MOST_ANSWER, MOST_HANDED = 50_000_000, 2_000_000_000
+MAX_ANSWER, MAX_HANDED = 50_000_000, 2_000_000_000
 
 
 @dataclass(frozen=True)
@@ -82,7 +82,7 @@ class Run:
         return path if path.is_file() and not path.is_symlink() else None
 
 
-def list_kept(root: Path, case: str | None = None) -> list[Run]:
+def list_saved(root: Path, case: str | None = None) -> list[Run]:
     """Every kept run below ``root``, newest first, of one ``case`` where given; studies of points
     too.
     """
@@ -97,7 +97,7 @@ def list_kept(root: Path, case: str | None = None) -> list[Run]:
     return sorted(found, key=lambda run: (run.created_at, run.run_id), reverse=True)
 
 
-def kept_run(root: Path, run_id: str) -> Run:
+def saved_run(root: Path, run_id: str) -> Run:
     """The run of that id. Raises :class:`InputError` for a name that leads elsewhere, or where
     there is none.
     """
@@ -114,11 +114,11 @@ def kept_run(root: Path, run_id: str) -> Run:
     return found
 
 
-def delete_kept(root: Path, run_id: str) -> None:
+def delete_saved(root: Path, run_id: str) -> None:
     """Remove a kept run; the link to the latest run of its case then leads to the newest of those
     left.
     """
-    run = kept_run(root, run_id)
+    run = saved_run(root, run_id)
     refuse_living(run.folder)
     shutil.rmtree(run.folder)
     latest = run.folder.parent / "latest"
@@ -138,7 +138,7 @@ def delete_kept(root: Path, run_id: str) -> None:
 
 def file_of(root: Path, passing: Path, run_id: str, kind: RunFiles) -> Path:
     """The file to hand out of a run; archives are made below ``passing``."""
-    run = kept_run(root, run_id)
+    run = saved_run(root, run_id)
     if kind == "case":
         return _there(run.folder / CASE_FILE, run, "case file")
     if kind == "report":
@@ -154,9 +154,9 @@ def file_of(root: Path, passing: Path, run_id: str, kind: RunFiles) -> Path:
     ]
     if not files:
         raise InputError(f"run '{run.run_id}' holds no such files; repeat it", "download")
-    if sum(path.stat().st_size for path in files) > MOST_HANDED:
+    if sum(path.stat().st_size for path in files) > MAX_HANDED:
         raise InputError(
-            f"run '{run.run_id}' is larger than {MOST_HANDED / 1e9:.0f} GB; take it from its folder",
+            f"run '{run.run_id}' is larger than {MAX_HANDED / 1e9:.0f} GB; take it from its folder",
             "download",
         )
     target = passing / "downloads" / f"{safe_name(run.case)}-{run.folder.name}-{kind}.zip"
@@ -193,7 +193,7 @@ def _answer(path: Path, _: int) -> Mapping[str, Any]:
     if path.name == ANSWER:
         return read_answer(path.parent)
     try:
-        if path.stat().st_size > MOST_ANSWER:
+        if path.stat().st_size > MAX_ANSWER:
             return {}
         found = json.loads(path.read_text("utf-8"))
     except (OSError, ValueError, RecursionError):
@@ -238,7 +238,7 @@ def _run(root: Path, folder: Path, answer: Mapping[str, Any]) -> Run:
 
 
 #: Bounds of the tests of one run: files, and bytes together.
-MOST_TESTS, MOST_TESTS_BYTES = 5, 25_000_000
+MAX_TESTS, MAX_TESTS_BYTES = 5, 25_000_000
 #: Longest stem of the name of a kept test, and longest ending (characters).
 _STEM, _ENDING = 50, 10
 #: What is checked still holds when it is written: one change of the kept tests at a time.
@@ -246,7 +246,7 @@ _turn = threading.RLock()
 
 
 @dataclass(frozen=True, slots=True)
-class KeptTest:
+class SavedTest:
     """A file of a test that was laid over a run.
 
     Parameters
@@ -263,7 +263,7 @@ class KeptTest:
     path: Path
 
 
-def kept_tests(run: Run) -> list[KeptTest]:
+def saved_tests(run: Run) -> list[SavedTest]:
     """Tests laid over a run, the newest first."""
     folder = run.folder / TESTS
     if folder.is_symlink() or not folder.is_dir():
@@ -274,38 +274,38 @@ def kept_tests(run: Run) -> list[KeptTest]:
             if path.is_file() and not path.is_symlink() and not path.name.startswith("."):
                 with suppress(OSError):
                     told = path.stat()
-                    found.append(KeptTest(path.name, told.st_size, told.st_mtime_ns, path))
+                    found.append(SavedTest(path.name, told.st_size, told.st_mtime_ns, path))
     return sorted(found, key=lambda one: (-one.changed, one.name))
 
 
-def kept_test(run: Run, name: str) -> KeptTest:
+def saved_test(run: Run, name: str) -> SavedTest:
     """The test of that name. Raises :class:`InputError` where there is none."""
     checked_name(name)
-    for one in kept_tests(run):
+    for one in saved_tests(run):
         if one.name == name:
             return one
     raise _gone(name)
 
 
-def read_test(run: Run, name: str) -> tuple[KeptTest, bytes]:
+def read_test(run: Run, name: str) -> tuple[SavedTest, bytes]:
     """The test of that name with its content. Raises :class:`InputError` where there is none, or
     none any more.
     """
     with _turn:
-        found = kept_test(run, name)
+        found = saved_test(run, name)
         try:
             return found, found.path.read_bytes()
         except OSError:
             raise _gone(name) from None
 
 
-def kept_name(sent: str) -> str:
+def saved_name(sent: str) -> str:
     """The name under which a test that was sent as ``sent`` is kept: that name where a file here
     may bear it, else one of its own.
 
     Raises :class:`InputError` for a name of which nothing can be made.
 
-    >>> kept_name("cycles-2.csv"), kept_name("My cycles, no 2.csv")
+    >>> saved_name("cycles-2.csv"), saved_name("My cycles, no 2.csv")
     ('cycles-2.csv', 'My-cycles-no-2-ef6dc0ac.csv')
     """
     sent = Path(sent).name
@@ -320,27 +320,27 @@ def kept_name(sent: str) -> str:
     return checked_name(f"{stem}{ending}")
 
 
-def keep_test(run: Run, name: str, content: bytes) -> KeptTest:
+def keep_test(run: Run, name: str, content: bytes) -> SavedTest:
     """Keep the file of a test with a run, in place of one that was sent under the same name.
 
     Parameters
     ----------
     run : the run
-    name : name of the file; :func:`kept_name` tells under which it is kept
+    name : name of the file; :func:`saved_name` tells under which it is kept
     content : its bytes
 
     Raises
     ------
     InputError : beyond the bounds, for a run that goes on, and where it cannot be written
     """
-    ours = kept_name(name)
+    ours = saved_name(name)
     with _turn:
-        others = [one for one in kept_tests(run) if one.name != ours]
+        others = [one for one in saved_tests(run) if one.name != ours]
         if (
-            len(others) >= MOST_TESTS
-            or sum(one.size for one in others) + len(content) > MOST_TESTS_BYTES
+            len(others) >= MAX_TESTS
+            or sum(one.size for one in others) + len(content) > MAX_TESTS_BYTES
         ):
-            most = f"{MOST_TESTS} tests of {MOST_TESTS_BYTES / 1e6:.0f} MB"
+            most = f"{MAX_TESTS} tests of {MAX_TESTS_BYTES / 1e6:.0f} MB"
             raise InputError(
                 f"with a run are kept at most {most}; remove one that is laid over it",
                 clipped(name, 60),
@@ -348,13 +348,13 @@ def keep_test(run: Run, name: str, content: bytes) -> KeptTest:
         refuse_living(run.folder)
         with writing("this test", clipped(name, 60)):
             write_bytes(inside(run.folder, TESTS, ours), content)
-        return kept_test(run, ours)
+        return saved_test(run, ours)
 
 
 def remove_test(run: Run, name: str) -> None:
     """Remove a test that was laid over a run. Raises :class:`InputError` where there is none."""
     with _turn:
-        kept_test(run, name).path.unlink(missing_ok=True)
+        saved_test(run, name).path.unlink(missing_ok=True)
         with suppress(OSError):  # where others are left
             (run.folder / TESTS).rmdir()
 

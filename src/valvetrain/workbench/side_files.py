@@ -20,7 +20,7 @@ from valvetrain.workbench.store import inside, writing
 
 CASE_FILE = "case.toml"
 #: Bounds of the files beside one case: number, and bytes together.
-MOST_FILES, MOST_FILE_BYTES = 20, 20_000_000
+MAX_FILES, MAX_FILE_BYTES = 20, 20_000_000
 #: Names of what a job writes beside the case that it was given.
 _OF_JOBS = ("answer.json", "complaints.txt", "lock")
 
@@ -112,9 +112,9 @@ def check_bounds(
                 f"'{name}' is a name that a run has for its own; give the file another", where
             )
     size = sum(one if isinstance(one, int) else len(one) for one in files.values())
-    if len(files) > MOST_FILES or size > MOST_FILE_BYTES:
+    if len(files) > MAX_FILES or size > MAX_FILE_BYTES:
         raise InputError(
-            f"beside a case stand at most {MOST_FILES} files of {MOST_FILE_BYTES / 1e6:.0f} MB; leave this one out",
+            f"beside a case stand at most {MAX_FILES} files of {MAX_FILE_BYTES / 1e6:.0f} MB; leave this one out",
             where,
         )
 

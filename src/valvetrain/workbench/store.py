@@ -76,7 +76,7 @@ class Store:
 
 
 #: Longest name of a case or a file (characters).
-LONGEST = 60
+MAX_LENGTH = 60
 _NAME = re.compile(r"[^\W_][\w.+-]*")
 
 
@@ -85,7 +85,7 @@ def case_name(name: str) -> str:
     spring.toml"`` becomes ``"My-spring"``.
 
     Raises :class:`InputError` for a name without letters or digits, or a longer one than
-    :data:`LONGEST`.
+    :data:`MAX_LENGTH`.
 
     >>> case_name("My spring.toml")
     'My-spring'
@@ -95,9 +95,9 @@ def case_name(name: str) -> str:
         raise InputError(
             "a case needs a name with a letter or a digit; give one such as my-spring", "name"
         )
-    if len(stem) > LONGEST:
+    if len(stem) > MAX_LENGTH:
         raise InputError(
-            f"'{clipped(stem)}' has {len(stem)} characters; use at most {LONGEST}", "name"
+            f"'{clipped(stem)}' has {len(stem)} characters; use at most {MAX_LENGTH}", "name"
         )
     made = safe_name(stem).lstrip("_+")
     return checked_name(made)

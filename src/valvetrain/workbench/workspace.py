@@ -20,7 +20,7 @@ from pathlib import Path
 from typing import Any, Concatenate, ParamSpec, TypeVar
 
 from valvetrain.errors import InputError
-from valvetrain.parameters.bounded_file import MOST_BYTES
+from valvetrain.parameters.bounded_file import MAX_BYTES
 from valvetrain.parameters.case import Case
 from valvetrain.parameters.loading import LIBRARY, library_names, list_cases, parse_case, parse_toml
 from valvetrain.parameters.templates import KINDS, template_text
@@ -28,8 +28,15 @@ from valvetrain.solution.atomic import lock, write_bytes, write_text
 from valvetrain.units.text import clipped
 from valvetrain.workbench.edits import refuse_foreign_files, with_change, with_name
 from valvetrain.workbench.form import read_change
-from valvetrain.workbench.lift_laws import KEPT, KeptLaws, kind_of
-from valvetrain.workbench.saved_runs import Run, RunFiles, delete_kept, file_of, kept_run, list_kept
+from valvetrain.workbench.lift_laws import KEPT, CachedLaws, kind_of
+from valvetrain.workbench.saved_runs import (
+    Run,
+    RunFiles,
+    delete_saved,
+    file_of,
+    list_saved,
+    saved_run,
+)
 from valvetrain.workbench.side_files import (
     CASE_FILE,
     SideFile,
@@ -50,7 +57,7 @@ from valvetrain.workbench.store import Store, case_name, checked_name, inside, w
 #: Name of a case in its workspace: that of its folder, and of the case itself.
 CaseId = str
 #: Most cases of one workspace.
-MOST_CASES = 500
+MAX_CASES = 500
 _Given = ParamSpec("_Given")
 _Found = TypeVar("_Found")
 
@@ -219,9 +226,9 @@ class Workspace:
         Raises :class:`InputError` with the reader's own sentence for what is no case, too large, or
         names files elsewhere or not sent.
         """
-        if len(content) > MOST_BYTES:
+        if len(content) > MAX_BYTES:
             raise InputError(
-                f"is larger than {MOST_BYTES / 1e6:.3g} MB, so it is no case; give another file",
+                f"is larger than {MAX_BYTES / 1e6:.3g} MB, so it is no case; give another file",
                 clipped(name, 60),
             )
         try:
@@ -264,8 +271,8 @@ class Workspace:
         """Put another text in the place of the case's. Raises :class:`InputError`, and changes
         nothing, for what is no case.
         """
-        if len(toml.encode("utf-8", "replace")) > MOST_BYTES:
-            raise InputError(f"the text is larger than {MOST_BYTES / 1e6:.3g} MB; shorten it", case)
+        if len(toml.encode("utf-8", "replace")) > MAX_BYTES:
+            raise InputError(f"the text is larger than {MAX_BYTES / 1e6:.3g} MB; shorten it", case)
         self.parse(case, toml)
         self._write(case, with_name(toml, case))
 
@@ -300,7 +307,7 @@ class Workspace:
         Raises :class:`InputError`, and changes nothing, for a kind whose values cannot be told for
         it.
         """
-        text, kept = self.text(case), KeptLaws(self.case_folder(case))
+        text, kept = self.text(case), CachedLaws(self.case_folder(case))
         if kind_of(text) == kind:
             return
         made = kept.changed(
@@ -417,17 +424,17 @@ class Workspace:
 
     def runs(self, case: CaseId | None = None) -> list[Run]:
         """Kept runs, newest first; of one case where given."""
-        return list_kept(self.runs_folder, case)
+        return list_saved(self.runs_folder, case)
 
     def run(self, run_id: str) -> Run:
         """The run of an id such as ``CASE/20261122-130942-447e4694``. Raises :class:`InputError`
         where there is none.
         """
-        return kept_run(self.runs_folder, run_id)
+        return saved_run(self.runs_folder, run_id)
 
     def delete_run(self, run_id: str) -> None:
         """Remove a kept run with its files."""
-        delete_kept(self.runs_folder, run_id)
+        delete_saved(self.runs_folder, run_id)
 
     def download(self, run_id: str, kind: RunFiles) -> Path:
         """The file to hand out: ``case`` (TOML), ``data`` (all files, zip), ``report`` (HTML) or
@@ -460,14 +467,14 @@ class Workspace:
             for path in self.cases_folder.iterdir()
             if not path.name.startswith(".")
         }
-        if len(taken) >= MOST_CASES:
+        if len(taken) >= MAX_CASES:
             raise InputError(
-                f"there are {MOST_CASES} cases here; remove some, or use another folder", "name"
+                f"there are {MAX_CASES} cases here; remove some, or use another folder", "name"
             )
         if numbered:
             return next(
                 one
-                for n in range(1, MOST_CASES + 2)
+                for n in range(1, MAX_CASES + 2)
                 if (one := ours if n == 1 else f"{ours}-{n}").lower() not in taken
             )
         if ours.lower() in taken:

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from PIL.ImageDraw import ImageDraw
 
 #: Pictures per second, and bounds: seconds, width (px), bytes of the file.
-RATE, LONGEST, WIDEST, NARROWEST, MOST_BYTES = 25, 20.0, 1920, 320, 25_000_000
+RATE, MAX_LENGTH, WIDEST, NARROWEST, MAX_BYTES = 25, 20.0, 1920, 320, 25_000_000
 ENDINGS = (".gif", ".mp4")
 #: Colours of a GIF, and how much finer the picture is drawn than shown.
 PALETTE, FINER = 255, 2
@@ -53,9 +53,9 @@ class FilmRequest:
             raise InputError(
                 f"there is no colour '{self.colour[:40]}'; use {', '.join(COLOURS)}", "--colour"
             )
-        if not 1 <= self.duration <= LONGEST:
+        if not 1 <= self.duration <= MAX_LENGTH:
             raise InputError(
-                f"a film of {self.duration:g} s is too short or too long; choose 1 to {LONGEST:g} s",
+                f"a film of {self.duration:g} s is too short or too long; choose 1 to {MAX_LENGTH:g} s",
                 "--duration",
             )
         if not NARROWEST <= self.picture_width <= WIDEST:
@@ -126,9 +126,9 @@ def write_film(variant: Variant, path: Path, request: FilmRequest = FilmRequest(
     frames = film_frames(variant, count)
     pictures = (picture for picture in _pictures(variant, frames, request))
     content = _gif(pictures) if path.suffix.lower() == ".gif" else _mp4(pictures)
-    if len(content) > MOST_BYTES:
+    if len(content) > MAX_BYTES:
         raise RunFailedError(
-            f"the film takes {len(content) / 1e6:.0f} MB, more than {MOST_BYTES / 1e6:.0f} MB; make it shorter or narrower"
+            f"the film takes {len(content) / 1e6:.0f} MB, more than {MAX_BYTES / 1e6:.0f} MB; make it shorter or narrower"
         )
     write_bytes(path, content)
     turn = 4 * np.pi / variant.engine_speed

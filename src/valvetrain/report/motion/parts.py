@@ -13,7 +13,7 @@ from valvetrain.mechanism.gap_kinds import CAM_FLAT
 from valvetrain.quantities.cycle import Cycle
 from valvetrain.report.text import number
 from valvetrain.solution.definition import angle_name, label_of, shown
-from valvetrain.solution.display import words as shown_words
+from valvetrain.solution.display import words as shown_text
 from valvetrain.solution.result import Solution
 
 Array = NDArray[np.float64]
@@ -143,7 +143,7 @@ class Moving:
 
 _TURN = 2 * np.pi
 #: Clashes and other events in the list.
-MOST_CLASHES, MOST_OTHERS = 12, 12
+MAX_CLASHES, MAX_OTHERS = 12, 12
 #: Peaks on every step of the integration, whose angles are quantities too.
 _PEAKS = ("peak_spring_force", "minimum_spring_force")
 
@@ -155,15 +155,15 @@ def marks_of(run: Solution, cycle: Cycle) -> tuple[Mark, ...]:
     found = _peaks(run, cycle)
     clashes = sorted(
         (event for event in run.events if event.kind == "clash"), key=lambda event: -event.size
-    )[:MOST_CLASHES]
+    )[:MAX_CLASHES]
     for event in clashes:
         at = float(event.details.get("peak_cam_angle", event.cam_angle))
-        words = f"clash {shown_words(event.size, event.unit, 3)}" + (
+        words = f"clash {shown_text(event.size, event.unit, 3)}" + (
             f", {event.where}" if event.where else ""
         )
         found.append(Mark(at % _TURN, "clash", words))
-    for event in [event for event in run.events if event.kind != "clash"][:MOST_OTHERS]:
-        size = f" {shown_words(event.size, event.unit, 3)}" if event.unit else ""
+    for event in [event for event in run.events if event.kind != "clash"][:MAX_OTHERS]:
+        size = f" {shown_text(event.size, event.unit, 3)}" if event.unit else ""
         where = f", {event.where}" if event.where else ""
         found.append(
             Mark(

@@ -25,7 +25,7 @@ from valvetrain.report.motion.parts import (
 )
 from valvetrain.report.motion.springs import draw_spring, one_range
 from valvetrain.report.motion.train import TrainDrawing, draw_train
-from valvetrain.report.text import speed_words
+from valvetrain.report.text import speed_text
 from valvetrain.solution.partial_failures import reason
 from valvetrain.solution.provenance import CaseRecord
 from valvetrain.solution.result import Solution
@@ -97,10 +97,10 @@ def _even(cam_angle: Array, most: int) -> Places:
 _TURN = 2 * np.pi
 #: Runs in one picture, frames of one run, bytes of what moves in one run and in a whole picture,
 #: before they are written as text.
-MOST_VARIANTS, MOST_FRAMES, MOST_RUN_BYTES, MOST_BYTES = 4, 1000, 500_000, 1_000_000
-FEWEST_FRAMES = 120
+MAX_VARIANTS, MAX_FRAMES, MAX_RUN_BYTES, MAX_BYTES = 4, 1000, 500_000, 1_000_000
+MIN_FRAMES = 120
 #: Clashes around which frames stand closer, most wanted first.
-MOST_SPANS = 60
+MAX_SPANS = 60
 #: Forces beside the picture: words, channel, colour; the first that a run has of each line, three
 #: at most.
 _FORCES = (
@@ -118,10 +118,10 @@ class Limits:
     (``run_size``) and of all (``size``).
     """
 
-    variants: int = MOST_VARIANTS
-    frames: int = MOST_FRAMES
-    run_size: int = MOST_RUN_BYTES
-    size: int = MOST_BYTES
+    variants: int = MAX_VARIANTS
+    frames: int = MAX_FRAMES
+    run_size: int = MAX_RUN_BYTES
+    size: int = MAX_BYTES
 
 
 def moving_picture(study: Study, limits: Limits = Limits()) -> Moving | None:
@@ -169,7 +169,7 @@ def moving_picture(study: Study, limits: Limits = Limits()) -> Moving | None:
             raise failed[0][1]
         return None
     notes = [
-        f"{run.label} at {speed_words(run.engine_speed)} could not be drawn: {reason(error)}"
+        f"{run.label} at {speed_text(run.engine_speed)} could not be drawn: {reason(error)}"
         for run, error in failed
     ]
     if len(chosen) < len(runs):
@@ -235,7 +235,7 @@ def _variant(study: Study, run: Solution, size: int, most: int) -> Variant | Non
     marks = marks_of(run, cycle)
     sample = choose_frames(
         cycle.cam_angle,
-        min(most, max(FEWEST_FRAMES, size // _bytes_per_frame(run, member))),
+        min(most, max(MIN_FRAMES, size // _bytes_per_frame(run, member))),
         _peaks(run, cycle),
         _spans(run),
     )
@@ -245,7 +245,7 @@ def _variant(study: Study, run: Solution, size: int, most: int) -> Variant | Non
         return None
     return Variant(
         run.label,
-        f"{theme.model_words(run.label)}, {speed_words(run.engine_speed)}",
+        f"{theme.model_label(run.label)}, {speed_text(run.engine_speed)}",
         run.engine_speed,
         sample,
         cycle.cam_angle[sample],
@@ -317,7 +317,7 @@ def _peaks(run: Solution, cycle: Cycle) -> list[int]:
             found += [int(np.argmax(values)), int(np.argmin(values))]
     for event in run.events:
         at = float(event.details.get("peak_cam_angle", event.cam_angle)) % _TURN
-        if len(found) < MOST_SPANS:
+        if len(found) < MAX_SPANS:
             found.append(int(np.argmin(np.abs(cycle.cam_angle - at))))
     return found
 
@@ -329,7 +329,7 @@ def _spans(run: Solution) -> Sequence[tuple[float, float]]:
     speed, found = run.engine_speed / 2, []
     for event in sorted(
         (one for one in run.events if one.kind == "clash"), key=lambda one: -one.size
-    )[:MOST_SPANS]:
+    )[:MAX_SPANS]:
         peak = float(event.details.get("peak_cam_angle", event.cam_angle)) % _TURN
         found.append((peak - np.radians(1.0), peak + np.radians(1.0)))
         first = event.cam_angle % _TURN

@@ -225,7 +225,7 @@ def _at(values: Array, upper: Array, coil: Array, outside: float) -> Array:
 
 
 #: Nodes per turn that are drawn at most, and of wire on which the model has none.
-MOST_PER_TURN, PER_TURN = 16, 8
+MAX_PER_TURN, PER_TURN = 16, 8
 _CHANNELS = (
     "axial_position", "axial_displacement", "axial_velocity", "inner_fibre_shear_stress", "coil_gap", "coil_contact_force",
     "coil_contact_peak_force",
@@ -426,7 +426,7 @@ def _nodes(
             ),
         )
     chosen = np.unique(
-        np.linspace(0, len(own) - 1, min(len(own), int(turns * MOST_PER_TURN) + 1))
+        np.linspace(0, len(own) - 1, min(len(own), int(turns * MAX_PER_TURN) + 1))
         .round()
         .astype(int)
     )

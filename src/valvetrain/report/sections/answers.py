@@ -23,7 +23,7 @@ from valvetrain.report.headlines import (
 from valvetrain.report.page import Block, Card, Cards, Cell, Details, Grid, SectionSpec, Tabs, text
 from valvetrain.report.run_charts import looks
 from valvetrain.report.run_summary import fidelity_notes, reach_rows, reason_for, share, speed_axis
-from valvetrain.report.text import number, rpm, speed_words, unit_words
+from valvetrain.report.text import number, rpm, speed_text, unit_text
 from valvetrain.solution.definition import label_of
 from valvetrain.solution.fidelity import GOOD, MISSING, OPEN, POOR, FidelityMap, FidelityRow
 from valvetrain.solution.status import Event
@@ -65,7 +65,7 @@ def _columns(study: Study) -> list[str]:
     known = looks(study)
     return [
         (known[one.label].words if one.label in known else one.label)
-        + (f", {speed_words(one.engine_speed)}" if one.engine_speed is not None else "")
+        + (f", {speed_text(one.engine_speed)}" if one.engine_speed is not None else "")
         for one in headline_columns(study)
     ]
 
@@ -96,7 +96,7 @@ def _below(topic: str, across: list[str], rows: list[HeadlineRow]) -> Card:
 
 
 def _name(words: str, unit: str) -> str:
-    return f"{words} ({unit_words(unit)})".replace("N s)", "N\u00a0s)") if unit else words
+    return f"{words} ({unit_text(unit)})".replace("N s)", "N\u00a0s)") if unit else words
 
 
 def _values(row: HeadlineRow) -> tuple[str, ...]:
@@ -112,7 +112,7 @@ def _clashes(study: Study) -> tuple[Block, ...]:
     """
     known = looks(study)
     found = [
-        (f"{known[run.label].words}, {speed_words(run.engine_speed)}", clashes_of(run))
+        (f"{known[run.label].words}, {speed_text(run.engine_speed)}", clashes_of(run))
         for label in study.labels
         for run in study.runs(label)
         if not study.over_speed
@@ -169,7 +169,7 @@ def _recommended(found: FidelityMap) -> Grid:
         (
             (
                 Cell(row.words),
-                Cell(theme.model_words(row.cheapest), "", row.cheapest),
+                Cell(theme.model_label(row.cheapest), "", row.cheapest),
                 Cell(reason_for(found, row.quantity), "quiet long"),
             ),
             (),
@@ -201,7 +201,7 @@ def _reaches(found: FidelityMap) -> Grid:
         )
     )
     return Grid(
-        ("good enough (rpm)", *(theme.model_words(model) for model in found.models)), tuple(rows)
+        ("good enough (rpm)", *(theme.model_label(model) for model in found.models)), tuple(rows)
     )
 
 
@@ -220,9 +220,9 @@ def _map(found: FidelityMap, name: str) -> Grid:
     rows = []
     for model in found.models:
         cells = [_cell(row, row.verdict(found.tolerance)) for row in found.of(name, model)]
-        rows.append(((Cell(theme.model_words(model), "", model), *cells), ()))
+        rows.append(((Cell(theme.model_label(model), "", model), *cells), ()))
     caption = (
-        f"{label_of(name)[:1].upper() + label_of(name)[1:]}: difference to {theme.model_words(found.reference)} in per cent of its largest "
+        f"{label_of(name)[:1].upper() + label_of(name)[1:]}: difference to {theme.model_label(found.reference)} in per cent of its largest "
         "value, by engine speed (rpm). Green: good enough; red: not; grey: the error bars leave it open."
     )
     return Grid(

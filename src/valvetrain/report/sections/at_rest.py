@@ -14,7 +14,7 @@ from valvetrain.solution.static import SpringAtRest, StaticCurve
 from valvetrain.solution.status import COMPLETED
 from valvetrain.solution.study import Study
 
-MOST_SHAPES, MOST_MODES = 4, 6
+MAX_SHAPES, MAX_MODES = 4, 6
 _COMPRESSION = "compression from the free length (mm)"
 
 
@@ -42,7 +42,7 @@ def blocks(study: Study) -> tuple[Block, ...]:
                 if part is not None and part.status != COMPLETED:
                     found.append(
                         text(
-                            f"{theme.model_words(one.model)}{whose}, {word}: {part.status.sentence()}",
+                            f"{theme.model_label(one.model)}{whose}, {word}: {part.status.sentence()}",
                             "note",
                         )
                     )
@@ -96,7 +96,7 @@ def static_chart(study: Study, members: list[SpringAtRest], key: str, title: str
     stiffness: list[Layer] = []
     apart: list[Layer] = []
     for one, curve in known:
-        words, colour = theme.model_words(one.model), theme.model_colour(one.model)
+        words, colour = theme.model_label(one.model), theme.model_colour(one.model)
         force.append(Line(*thin(curve.compression * 1e3, curve.force), words, colour))
         stiffness.append(
             Line(
@@ -147,7 +147,7 @@ def static_chart(study: Study, members: list[SpringAtRest], key: str, title: str
         ),
     ]
     if apart:
-        against = f"from the {theme.model_words(known[0][0].model)} (%)"
+        against = f"from the {theme.model_label(known[0][0].model)} (%)"
         panels.append(
             Panel(
                 _COMPRESSION,
@@ -183,10 +183,10 @@ def frequency_grid(members: list[SpringAtRest], whose: str = "") -> tuple[Block,
     ]
     if not known:
         return ()
-    headers, rows = ["axial mode", f"{theme.model_words(known[0][0])} (Hz)"], []
+    headers, rows = ["axial mode", f"{theme.model_label(known[0][0])} (Hz)"], []
     for model, _ in known[1:]:
-        headers += [f"{theme.model_words(model)} (Hz)", "difference (%)"]
-    for place in range(min(max(len(values) for _, values in known), MOST_MODES)):
+        headers += [f"{theme.model_label(model)} (Hz)", "difference (%)"]
+    for place in range(min(max(len(values) for _, values in known), MAX_MODES)):
         given = [float(values[place]) if place < len(values) else None for _, values in known]
         cells = [Cell(str(place + 1)), Cell(number(given[0]), "number")]
         for value in given[1:]:
@@ -211,9 +211,9 @@ def modes_chart(members: list[SpringAtRest], key: str, title: str) -> Chart | No
         result, lines = one.modes, []
         if result is None or not len(result.natural_frequency):
             continue
-        words = theme.model_words(one.model)
+        words = theme.model_label(one.model)
         for place, (mode, colour) in enumerate(
-            zip(result.axial_modes[:MOST_SHAPES], theme.SERIES, strict=False), start=1
+            zip(result.axial_modes[:MAX_SHAPES], theme.SERIES, strict=False), start=1
         ):
             shape = np.asarray(result.shape)[mode, :, 2]
             largest = shape[np.argmax(np.abs(shape))] if len(shape) else 0.0

@@ -18,14 +18,14 @@ from valvetrain.report.page import (
     text,
 )
 from valvetrain.report.run_charts import ANGLE_LABEL, Array, by_speed, event_bands, looks
-from valvetrain.report.text import number, speed_words
+from valvetrain.report.text import number, speed_text
 from valvetrain.solution.definition import label_of, shown
 from valvetrain.solution.result import Solution
 from valvetrain.solution.study import Study
 
-MOST_COLUMNS, COILS_MOST_ROWS, MOST_LINES = 720, 160, 16
+MAX_COLUMNS, COILS_MAX_ROWS, MAX_LINES = 720, 160, 16
 #: Runs of one engine speed whose figures stand below each other; more stand behind tabs.
-MOST_OPEN = 2
+MAX_OPEN = 2
 #: What is drawn of the wire, the first that a run has.
 _HEIGHTS = (
     ("axial_position", "height of the wire above its seat (mm)"),
@@ -47,7 +47,7 @@ def coils_blocks(study: Study) -> tuple[Block, ...]:
                     if len(run.springs) > 1
                     else known[run.label].words
                 )
-                title, place = f"{whose}, {speed_words(engine_speed)}", f"{key}-{index}-{spring}"
+                title, place = f"{whose}, {speed_text(engine_speed)}", f"{key}-{index}-{spring}"
                 for name, build in (("Coil motion", position_chart), ("Clash map", clash_chart)):
                     words = f"{name}: {title}"
                     found += figure_or_gap(
@@ -61,7 +61,7 @@ def coils_blocks(study: Study) -> tuple[Block, ...]:
                     )
             if found:
                 items.append((known[run.label].words, found))
-        if len(items) > MOST_OPEN and len(study.engine_speeds) == 1:
+        if len(items) > MAX_OPEN and len(study.engine_speeds) == 1:
             return (Tabs(tuple(items), f"{key}-runs"),)
         return tuple(block for _, blocks in items for block in blocks)
 
@@ -92,7 +92,7 @@ def position_chart(study: Study, run: Solution, spring: str, key: str, title: st
         return None
     (places, values), words = first
     angle, order = np.degrees(reported_cycle(run).cam_angle), np.argsort(places)
-    wanted = np.linspace(places.min(), places.max(), min(MOST_LINES, len(places)))
+    wanted = np.linspace(places.min(), places.max(), min(MAX_LINES, len(places)))
     chosen = np.unique([int(np.argmin(np.abs(places[order] - place))) for place in wanted])
     lines = []
     for index, (place, colour) in enumerate(
@@ -138,11 +138,11 @@ def clash_chart(study: Study, run: Solution, spring: str, key: str, title: str) 
         found[1].T[order],
         np.degrees(reported_cycle(run).cam_angle),
     )
-    force, angle = _largest(force, 1, MOST_COLUMNS), _middle(angle, MOST_COLUMNS)
+    force, angle = _largest(force, 1, MAX_COLUMNS), _middle(angle, MAX_COLUMNS)
     heat = HeatMap(
         angle,
-        _middle(coil, COILS_MOST_ROWS),
-        _largest(force, 0, COILS_MOST_ROWS),
+        _middle(coil, COILS_MAX_ROWS),
+        _largest(force, 0, COILS_MAX_ROWS),
         "contact force",
         "N",
         y_words="coil",
@@ -201,7 +201,7 @@ def stress_blocks(study: Study) -> tuple[Block, ...]:
                     if len(run.springs) > 1
                     else known[run.label].words
                 )
-                title = f"Wire stress: {whose}, {speed_words(engine_speed)}"
+                title = f"Wire stress: {whose}, {speed_text(engine_speed)}"
                 found += figure_or_gap(
                     title, stress_chart, study, run, spring, f"{key}-{place}-{spring}", title
                 )
@@ -226,7 +226,7 @@ def stress_blocks(study: Study) -> tuple[Block, ...]:
     headers = (
         "",
         "unit",
-        *(f"{known[run.label].words}, {speed_words(run.engine_speed)}" for run in runs),
+        *(f"{known[run.label].words}, {speed_text(run.engine_speed)}" for run in runs),
     )
     return (text(_LEAD, "quiet"), *figures, Grid(headers, tuple(rows)))
 
@@ -288,7 +288,7 @@ STRESS_SPEC = SectionSpec("stress", "Wire stress", stress_blocks)
 
 #: Rows up to which the table stands open.
 OPEN_ROWS = 24
-EVENTS_MOST_ROWS = 400
+EVENTS_MAX_ROWS = 400
 HEADERS = (
     "run",
     "engine speed",
@@ -310,7 +310,7 @@ def events_blocks(study: Study) -> tuple[Block, ...]:
     for run in study.solutions:
         for event in run.events:
             if event.kind != "clash":
-                words, speed = known[run.label].words, speed_words(run.engine_speed)
+                words, speed = known[run.label].words, speed_text(run.engine_speed)
                 angle = float(np.degrees(event.cam_angle)) % 360
                 numbers = [
                     Cell(number(value), "number")
@@ -331,10 +331,10 @@ def events_blocks(study: Study) -> tuple[Block, ...]:
         return ()
     caption = (
         ""
-        if len(rows) <= EVENTS_MOST_ROWS
-        else f"The first {EVENTS_MOST_ROWS} of {len(rows)}; all of them are in events.csv."
+        if len(rows) <= EVENTS_MAX_ROWS
+        else f"The first {EVENTS_MAX_ROWS} of {len(rows)}; all of them are in events.csv."
     )
-    grid = Grid(HEADERS, tuple(rows[:EVENTS_MOST_ROWS]), ("run", "engine speed", "event"), caption)
+    grid = Grid(HEADERS, tuple(rows[:EVENTS_MAX_ROWS]), ("run", "engine speed", "event"), caption)
     return (grid,) if len(rows) <= OPEN_ROWS else (Details(f"{len(rows)} events", (grid,)),)
 
 

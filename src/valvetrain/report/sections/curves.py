@@ -22,7 +22,7 @@ from valvetrain.report.run_charts import (
     runs_at,
     unit_of_channel,
 )
-from valvetrain.report.text import speed_words
+from valvetrain.report.text import speed_text
 from valvetrain.solution.partial_failures import reason
 from valvetrain.solution.result import Solution
 from valvetrain.solution.study import Study
@@ -55,7 +55,7 @@ def force_chart(study: Study, channel: str) -> Chart | None:
             runs_at(study, engine_speed),
             channel,
             words,
-            speed_words(engine_speed),
+            speed_text(engine_speed),
             "static_retainer_force",
         )
     still = any(
@@ -86,7 +86,7 @@ def motion_blocks(study: Study) -> tuple[Block, ...]:
     def at(engine_speed: float, runs: list[Solution], key: str) -> tuple[Block, ...]:
         told = all(run.provenance.system == "prescribed-spring" for run in runs)
         shown = runs[:1] if told else runs
-        title = f"{'Prescribed motion' if told else 'Valve motion'} at {speed_words(engine_speed)}"
+        title = f"{'Prescribed motion' if told else 'Valve motion'} at {speed_text(engine_speed)}"
         panels = []
         for words, channels in MOTIONS.items():
             channel = next((one for one in channels if any(run.has(one) for run in shown)), "")
@@ -106,7 +106,7 @@ def kinematics_blocks(study: Study) -> tuple[Block, ...]:
     """Every channel ``rigid_...``, by engine speed."""
 
     def at(engine_speed: float, runs: list[Solution], key: str) -> tuple[Block, ...]:
-        title = f"Rigid parts at {speed_words(engine_speed)}"
+        title = f"Rigid parts at {speed_text(engine_speed)}"
         return figure_or_gap(title, rigid_chart, study, runs, key, title)
 
     return by_speed(study, "kinematics", at)
@@ -191,7 +191,7 @@ def train_blocks(study: Study) -> tuple[Block, ...]:
         return found
 
     def at(engine_speed: float, runs: list[Solution], key: str) -> tuple[Block, ...]:
-        speed = speed_words(engine_speed)
+        speed = speed_text(engine_speed)
         rest = [
             name
             for name in ("cam_torque", "lever_speed", "piston_clearance")
@@ -251,7 +251,7 @@ def energy_blocks(study: Study) -> tuple[Block, ...]:
     def at(engine_speed: float, runs: list[Solution], key: str) -> tuple[Block, ...]:
         found: tuple[Block, ...] = ()
         for number, run in enumerate(runs, start=1):
-            title = f"Energy balance: {known[run.label].words}, {speed_words(engine_speed)}"
+            title = f"Energy balance: {known[run.label].words}, {speed_text(engine_speed)}"
             found += figure_or_gap(title, energy_chart, run, f"{key}-{number}", title)
         return found
 

@@ -19,7 +19,7 @@ from valvetrain.report.run_charts import (
     over_angle,
     told_by_source,
 )
-from valvetrain.report.text import number, speed_words
+from valvetrain.report.text import number, speed_text
 from valvetrain.solution.provenance import PublishedValue
 from valvetrain.solution.quantity import same_speed
 from valvetrain.solution.result import Solution
@@ -47,7 +47,7 @@ def blocks(study: Study) -> tuple[Block, ...]:
         return ()
 
     def at(engine_speed: float, runs: list[Solution], key: str) -> tuple[Block, ...]:
-        speed = speed_words(engine_speed)
+        speed = speed_text(engine_speed)
         found = figure_or_gap(
             f"Force by stages at {speed}", force_chart, study, runs, engine_speed, f"{key}-force"
         )
@@ -161,7 +161,7 @@ def force_chart(study: Study, runs: list[Solution], engine_speed: float, key: st
     )
     caption = "Stages of the source; open marks are its values: FE solid finite elements, AN analytical modal model, EX engine head test."
     return Chart(
-        key, f"Force by stages at {speed_words(engine_speed)}", caption, (panel,), height=430
+        key, f"Force by stages at {speed_text(engine_speed)}", caption, (panel,), height=430
     )
 
 
@@ -211,7 +211,7 @@ def spike_chart(study: Study, runs: list[Solution], engine_speed: float, key: st
         "A spike's height depends on the bandwidth it is seen in. Dashed: through a zero-phase low pass, 6 dB down at 10 kHz; solid: every "
         "instant recorded."
     )
-    return Chart(key, f"Stage III at {speed_words(engine_speed)}", caption, (panel,), height=380)
+    return Chart(key, f"Stage III at {speed_text(engine_speed)}", caption, (panel,), height=380)
 
 
 def node_chart(study: Study, run: Solution, key: str) -> Chart | None:
@@ -250,7 +250,7 @@ def node_chart(study: Study, run: Solution, key: str) -> Chart | None:
                     x_step=30,
                 )
             )
-    title = f"Nodes 1 and 2: {looks(study)[run.label].words}, {speed_words(run.engine_speed)}"
+    title = f"Nodes 1 and 2: {looks(study)[run.label].words}, {speed_text(run.engine_speed)}"
     caption = "Axial motion, seat to retainer positive. Node 2 counts from where coil 2 touches coil 1, node 1 from the installed state."
     return Chart(key, title, caption, tuple(panels), height=720) if panels else None
 

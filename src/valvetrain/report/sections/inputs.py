@@ -9,7 +9,7 @@ from valvetrain.report import theme
 from valvetrain.report.json import unit_of_number
 from valvetrain.report.page import Block, Cell, Details, Grid, Listing, SectionSpec, prose, text
 from valvetrain.report.run_charts import looks, told_by_source
-from valvetrain.report.text import number, speed_words, unit_words
+from valvetrain.report.text import number, speed_text, unit_text
 from valvetrain.solution.provenance import CaseValue
 from valvetrain.solution.study import Study
 
@@ -57,7 +57,7 @@ def runs_blocks(study: Study) -> tuple[Block, ...]:
             (
                 (
                     Cell(known[run.label].words),
-                    Cell(speed_words(run.engine_speed), "number"),
+                    Cell(speed_text(run.engine_speed), "number"),
                     state,
                     options,
                 ),
@@ -77,7 +77,7 @@ def runs_blocks(study: Study) -> tuple[Block, ...]:
         rows.append(
             (
                 (
-                    Cell(theme.model_words(one.model)),
+                    Cell(theme.model_label(one.model)),
                     Cell(f"at rest, {one.spring}", "number"),
                     state,
                     Cell(_facts(facts), "quiet long"),
@@ -126,7 +126,7 @@ def _plain(key: str, value: object) -> str:
     shown, value = (
         ("deg", math.degrees(value)) if unit == "rad" else ("" if unit == "1" else unit, value)
     )
-    return f"{number(value) if isinstance(value, float) else value} {unit_words(shown)}".strip()
+    return f"{number(value) if isinstance(value, float) else value} {unit_text(shown)}".strip()
 
 
 RUNS_SPEC = SectionSpec("runs", "How it was computed", runs_blocks)

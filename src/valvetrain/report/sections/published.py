@@ -21,7 +21,7 @@ from valvetrain.report.page import (
     text,
 )
 from valvetrain.report.table import comparison_grid
-from valvetrain.report.text import in_unit, number, speed_words, unit_words
+from valvetrain.report.text import in_unit, number, speed_text, unit_text
 from valvetrain.report.uncertainty_section import firmness, lead, uncertainty_grid
 from valvetrain.runs.error_bars import Uncertainty
 from valvetrain.runs.uncertainty_file import fresh_uncertainty, load_uncertainty, meshes_of
@@ -105,7 +105,7 @@ def ratio_chart(study: Study) -> Chart | None:
         if named
         else _group_words([row for row, _ in known])
     )
-    words_at = tuple(
+    value_text_at = tuple(
         (float(place), words) for place, words in zip(height, sides, strict=True) if words
     )
     span = (-1.0, float(len(known)))
@@ -116,7 +116,7 @@ def ratio_chart(study: Study) -> Chart | None:
         rules=(Rule("x", 1.0),),
         x_range=AXIS,
         y_range=span,
-        y_words=words_at,
+        y_words=value_text_at,
     )
     left = len(study.comparisons) - len(known)
     caption = "Each mark is a computed value over the given one; name, engine speed and source show on it. Triangles stand beyond the axis."
@@ -178,12 +178,12 @@ def _dots(known: list[tuple[Comparison, float]], height: np.ndarray) -> list[Mar
 
 
 def _hint(row: Comparison, ratio: float) -> str:
-    speed = "at rest" if row.engine_speed is None else speed_words(row.engine_speed)
+    speed = "at rest" if row.engine_speed is None else speed_text(row.engine_speed)
     computed, given = (
         number(in_unit(value, row.unit)) for value in (row.computed or 0.0, row.published)
     )
     source = row.source or row.origin
-    return f"{label_of(row.quantity)}, {speed}: computed {computed}, given {given} {unit_words(row.unit)}, ratio {ratio:.3f}; {source}"
+    return f"{label_of(row.quantity)}, {speed}: computed {computed}, given {given} {unit_text(row.unit)}, ratio {ratio:.3f}; {source}"
 
 
 def _half(row: Comparison, unsure: Mapping[tuple[str, float], Uncertainty]) -> float | None:
@@ -202,7 +202,7 @@ def _half(row: Comparison, unsure: Mapping[tuple[str, float], Uncertainty]) -> f
 def _group_words(rows: list[Comparison]) -> list[str]:
     """The engine speed, at the first row (from the top) of each."""
     words = [
-        "at rest" if row.engine_speed is None else speed_words(row.engine_speed) for row in rows
+        "at rest" if row.engine_speed is None else speed_text(row.engine_speed) for row in rows
     ]
     return [
         word if place == len(words) - 1 or words[place + 1] != word else ""

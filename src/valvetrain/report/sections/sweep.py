@@ -13,14 +13,14 @@ from valvetrain.quantities.spectrum import order_spectrum
 from valvetrain.report import theme
 from valvetrain.report.chart import Chart, HeatMap, Layer, Line, Marks, Panel, Rule
 from valvetrain.report.page import Block, Cell, Grid, SectionSpec, Tabs, figure_or_gap, text
-from valvetrain.report.run_charts import MOST_LINES, Array, bars, looks, panels_chart, runs_at
+from valvetrain.report.run_charts import MAX_LINES, Array, bars, looks, panels_chart, runs_at
 from valvetrain.report.run_summary import critical_notes, critical_rows, searched
-from valvetrain.report.text import number, rpm, speed_words
+from valvetrain.report.text import number, rpm, speed_text
 from valvetrain.solution.definition import label_of, shown
 from valvetrain.solution.result import Solution
 from valvetrain.solution.study import Study
 
-LARGEST_ORDER = 40
+MAX_ORDER = 40
 
 
 def orders_blocks(study: Study) -> tuple[Block, ...]:
@@ -37,7 +37,7 @@ def dynamic_orders(run: Solution) -> tuple[Array, Array] | None:
     """
     named = {
         n: run.quantities[f"surge_order_{n}_force"]
-        for n in range(1, LARGEST_ORDER + 1)
+        for n in range(1, MAX_ORDER + 1)
         if f"surge_order_{n}_force" in run.quantities
     }
     if named:
@@ -47,7 +47,7 @@ def dynamic_orders(run: Solution) -> tuple[Array, Array] | None:
     force = run.arrays["retainer_force"]
     dynamic = force._replace(values=force.values - run.channel("static_retainer_force"))
     spectrum = order_spectrum(
-        reported_cycle(run.with_channels({"dynamic": dynamic})), "dynamic", LARGEST_ORDER
+        reported_cycle(run.with_channels({"dynamic": dynamic})), "dynamic", MAX_ORDER
     )
     return spectrum.order[1:], spectrum.amplitude[1:]
 
@@ -73,8 +73,8 @@ def order_chart(study: Study) -> Chart | None:
             for run in runs_at(study, engine_speed)
             if (given := dynamic_orders(run)) is not None
         ]
-        for start in range(0, len(found), MOST_LINES):
-            part = found[start : start + MOST_LINES]
+        for start in range(0, len(found), MAX_LINES):
+            part = found[start : start + MAX_LINES]
             layers: list[Layer] = []
             for place, (run, orders, sizes) in enumerate(part):
                 x, y = bars(orders, sizes, place, len(part))
@@ -102,7 +102,7 @@ def order_chart(study: Study) -> Chart | None:
                     "cam order (oscillations per cam turn)",
                     y_label,
                     tuple(layers),
-                    speed_words(engine_speed),
+                    speed_text(engine_speed),
                     (),
                     rules,
                     (0.0, last + 1),
@@ -123,13 +123,13 @@ CURVES = (
     "peak_shear_stress",
 )  # fmt: skip
 #: Engine speeds from which curves over them say something.
-LEAST_SPEEDS = 3
+MIN_SPEEDS = 3
 _ORDER = re.compile(r"surge_order_(\d+)_force")
 
 
 def sweep_blocks(study: Study) -> tuple[Block, ...]:
     """Curves, then an order map per label."""
-    if len(study.engine_speeds) < LEAST_SPEEDS:
+    if len(study.engine_speeds) < MIN_SPEEDS:
         return ()
     known, maps = looks(study), []
     for place, label in enumerate(study.labels, start=1):
@@ -151,8 +151,8 @@ def sweep_chart(study: Study) -> Chart | None:
             label for label in study.labels if np.any(np.isfinite(study.series(label, name)[1]))
         ]
         panels += [
-            _panel(study, name, given[start : start + MOST_LINES])
-            for start in range(0, len(given), MOST_LINES)
+            _panel(study, name, given[start : start + MAX_LINES])
+            for start in range(0, len(given), MAX_LINES)
         ]
     if not panels:
         return None

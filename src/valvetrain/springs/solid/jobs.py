@@ -34,7 +34,7 @@ Array = NDArray[np.float64]
 
 #: Modes that transmit less than this (1 for a mode of a straight elastic rod) are never called
 #: axial.
-LEAST_TRANSMISSION = 0.12
+MIN_TRANSMISSION = 0.12
 
 
 @dataclass(frozen=True)
@@ -275,7 +275,7 @@ def axial_modes(transmission: Array) -> tuple[int, ...]:
     ones are passed over.
     """
     chosen: list[int] = []
-    for mode in np.flatnonzero(np.abs(transmission) >= LEAST_TRANSMISSION):
+    for mode in np.flatnonzero(np.abs(transmission) >= MIN_TRANSMISSION):
         if chosen and np.sign(transmission[chosen[-1]]) == np.sign(transmission[mode]):
             chosen[-1] = (
                 int(mode) if abs(transmission[mode]) > abs(transmission[chosen[-1]]) else chosen[-1]

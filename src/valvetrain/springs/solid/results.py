@@ -184,7 +184,7 @@ _MODE = re.compile(r"E I G E N V A L U E\s+N U M B E R\s+(\d+)")
 _PARTICIPATION = re.compile(r"P A R T I C I P A T I O N")
 _STEP = re.compile(r"E I G E N V A L U E\s+O U T P U T")
 #: More blocks than one mode or increment prints.
-_MOST_SETS = 64
+_MAX_SETS = 64
 
 
 @dataclass(frozen=True)
@@ -257,7 +257,7 @@ def read_printed(text: str) -> Printed:
             # belongs to the next step.
             if mode and any(
                 (t.quantity, t.node_set, t.mode, t.modal_step) == (*key, mode, len(frequencies))
-                for t in tables[-_MOST_SETS:]
+                for t in tables[-_MAX_SETS:]
             ):
                 mode = 0
             if len(rows):

@@ -162,7 +162,7 @@ def _angle(turn: float) -> float:
 
 
 #: Least thickness of the wire left by grinding, as a share of its diameter.
-LEAST_THICKNESS = 0.1
+MIN_THICKNESS = 0.1
 
 
 def ground_section(
@@ -183,9 +183,9 @@ def ground_section(
 
 
 def _checked(level: float, coil: float, spring: SpringDefinition) -> float:
-    if level > 1 - 2 * LEAST_THICKNESS:
+    if level > 1 - 2 * MIN_THICKNESS:
         raise InputError(
-            f"at coil {coil:.2f} of spring '{spring.name}' grinding leaves less than {LEAST_THICKNESS:.0%} of the wire; "
+            f"at coil {coil:.2f} of spring '{spring.name}' grinding leaves less than {MIN_THICKNESS:.0%} of the wire; "
             "grind fewer turns or use fixed ends"
         )
     return level

@@ -52,7 +52,7 @@ from valvetrain.workbench.workspace import CaseId
 #: Time between two looks at a job (s), and how many of them are one where no job goes on.
 LOOK, SLOW_LOOK = 0.05, 10
 #: Groups of the form that are open at first, and earlier runs listed.
-OPEN_GROUPS, MOST_RUNS = 1, 8
+OPEN_GROUPS, MAX_RUNS = 1, 8
 
 
 async def case_page(desk: Desk, case: CaseId) -> None:
@@ -368,7 +368,7 @@ class CasePage:
         with self.head:
             run_head(self.desk, chosen, full=False)
         self.list.clear()
-        others = earlier(runs, chosen.run_id)[:MOST_RUNS]
+        others = earlier(runs, chosen.run_id)[:MAX_RUNS]
         if others:
             with self.list:
                 tag("h2", "Earlier runs of this case")

@@ -27,7 +27,7 @@ _CHART = re.compile(r'data-chart="([^"]*)"')
 #: Sections that are seen first, whose figures come with them.
 FIRST = ("answers", "force", "verdict")
 #: Largest report that is read for its sections (bytes).
-MOST_REPORT = 200_000_000
+MAX_REPORT = 200_000_000
 
 
 def report_part(run: Run) -> str:
@@ -77,7 +77,7 @@ def report_figures(run: Run) -> dict[str, dict[str, Any]]:
 
 def _report(run: Run) -> str:
     page = run.page
-    if page is None or page.stat().st_size > MOST_REPORT:
+    if page is None or page.stat().st_size > MAX_REPORT:
         raise InputError("this run wrote no report; run it again", run.run_id)
     return page.read_text(encoding="utf-8")
 

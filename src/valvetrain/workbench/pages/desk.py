@@ -14,9 +14,9 @@ from valvetrain.workbench.settings import ServeSettings
 from valvetrain.workbench.workspace import CaseId, Workspace
 
 #: Cases whose chains are kept running.
-MOST_CHAINS = 3
+MAX_CHAINS = 3
 #: Times that the curve of a case is asked for where other questions come between.
-MOST_TRIES = 3
+MAX_TRIES = 3
 
 
 @dataclass
@@ -73,13 +73,13 @@ class Desk:
                     LiveChain(text, folder=self.workspace.case_folder(case)), text, stamps
                 )
             self.chains[case] = found
-            for _ in range(MOST_TRIES):
+            for _ in range(MAX_TRIES):
                 if found.base is None or found.base.skipped:  # another tab asked at the same moment
                     found.base = found.chain.curve(found.changes)
             return found, found.base or LiveResult()
 
     def _close_oldest(self) -> None:
-        while len(self.chains) >= MOST_CHAINS:
+        while len(self.chains) >= MAX_CHAINS:
             self.chains.pop(next(iter(self.chains))).chain.close()
 
     async def moved(self, case: CaseId, key: str, value: str) -> tuple[LiveResult, LiveResult]:

@@ -27,10 +27,10 @@ def live_lines(
     lines = [_line(base, "the case", theme.MUTED, "dash")]
     if moved is not None and moved.angle_deg:
         lines.append(
-            _line(moved, f"{words}, {theme.model_words(QUICK)}", theme.model_colour(QUICK))
+            _line(moved, f"{words}, {theme.model_label(QUICK)}", theme.model_colour(QUICK))
         )
     if rod is not None and rod.angle_deg:
-        lines.append(_line(rod, f"{words}, {theme.model_words(SLOW)}", theme.model_colour(SLOW)))
+        lines.append(_line(rod, f"{words}, {theme.model_label(SLOW)}", theme.model_colour(SLOW)))
     return lines
 
 

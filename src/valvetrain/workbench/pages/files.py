@@ -20,15 +20,15 @@ from valvetrain.workbench.answers import against
 from valvetrain.workbench.pages.compare_page import comparison_part, report_part, report_rest
 from valvetrain.workbench.pages.desk import Desk
 from valvetrain.workbench.pages.html import test_part
-from valvetrain.workbench.saved_runs import KeptTest, Run, keep_test, read_test
-from valvetrain.workbench.side_files import CASE_FILE, MOST_FILES
+from valvetrain.workbench.saved_runs import Run, SavedTest, keep_test, read_test
+from valvetrain.workbench.side_files import CASE_FILE, MAX_FILES
 
 #: Comparisons with a test that are kept while the server runs.
-MOST_OVERLAYS = 20
+MAX_OVERLAYS = 20
 
 
 class Overlays:
-    """Comparisons of runs with tests as HTML; the last :data:`MOST_OVERLAYS` are kept, so that a
+    """Comparisons of runs with tests as HTML; the last :data:`MAX_OVERLAYS` are kept, so that a
     page that opens again has them at once.
 
     Each is kept for the content it was made of: a test that takes the place of another is never
@@ -39,7 +39,7 @@ class Overlays:
         self._made: dict[tuple[Path, bytes], str] = {}
         self._turn = threading.Lock()
 
-    def lay(self, run: Run, name: str, content: bytes) -> KeptTest:
+    def lay(self, run: Run, name: str, content: bytes) -> SavedTest:
         """Lay a test over a run and keep it with the run. Raises :class:`InputError` with the
         reason why it cannot be.
         """
@@ -67,10 +67,10 @@ class Overlays:
             self._keep(test, content, found)
         return found
 
-    def _keep(self, test: KeptTest, content: bytes, part: str) -> None:
+    def _keep(self, test: SavedTest, content: bytes, part: str) -> None:
         with self._turn:
             self._made[test.path, sha256(content).digest()] = part
-            while len(self._made) > MOST_OVERLAYS:
+            while len(self._made) > MAX_OVERLAYS:
                 del self._made[next(iter(self._made))]
 
 
@@ -175,7 +175,7 @@ async def _sent_case(request: Request) -> tuple[str, bytes, dict[str, bytes]]:
     of them are case files.
     """
     try:
-        async with request.form(max_files=MOST_FILES + 1, max_fields=1) as form:
+        async with request.form(max_files=MAX_FILES + 1, max_fields=1) as form:
             sent = [
                 (one.filename or "", await one.read())
                 for _, one in form.multi_items()

@@ -65,10 +65,10 @@ async def warm() -> None:
     """Make ready, while nobody waits for it, what the first pages need: assets, and the tables
     behind forms.
     """
-    await asyncio.to_thread(_make_ready)
+    await asyncio.to_thread(_prepare)
 
 
-def _make_ready() -> None:
+def _prepare() -> None:
     from valvetrain.parameters.loading import load_case
     from valvetrain.workbench.form import fields
     from valvetrain.workbench.pages.orders import choices_for

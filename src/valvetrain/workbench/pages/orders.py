@@ -17,7 +17,7 @@ from valvetrain.report.headlines import TOPICS
 from valvetrain.report.text import rpm
 from valvetrain.solution.definition import label_of
 from valvetrain.springs.spec import SpringModelSpec, spring_model
-from valvetrain.system.build import usual_models
+from valvetrain.system.build import default_models
 from valvetrain.workbench.jobs import JobRequest
 
 #: The model that a first run uses: seconds, and it moves.
@@ -26,7 +26,7 @@ FIRST_MODEL, SWEEP = "multi-mass", "1000:8000:250 rpm"
 _SPRING_TOPICS = ("Spring force and coil bind", "Coil clash", "Surge")
 _TRAIN_TOPICS = ("Seating and contact",)
 #: Points of a study.
-LEAST_POINTS, MOST_POINTS = 2, 200
+MIN_POINTS, MAX_POINTS = 2, 200
 
 
 def springs_of(case: Case) -> tuple[InstalledSpring, ...]:
@@ -46,7 +46,7 @@ def models_for(case: Case, chosen: Sequence[str] = ()) -> list[dict[str, Any]]:
     fit = [spec for spec in map(spring_model, registry.words("springs")) if _fits(spec, springs)]
     words = [spec.word for spec in fit]
     ticked = [word for word in chosen if word in words] or [
-        word for word in (FIRST_MODEL, *usual_models(springs)) if word in words
+        word for word in (FIRST_MODEL, *default_models(springs)) if word in words
     ][:1]
     return [
         {
@@ -130,9 +130,9 @@ def _study(
     key, points = str(wish.get("key", "")), wish.get("points")
     if not key:
         raise InputError("no quantity to vary is chosen; choose one", "quantity varied")
-    if not isinstance(points, (int, float)) or not LEAST_POINTS <= points <= MOST_POINTS:
+    if not isinstance(points, (int, float)) or not MIN_POINTS <= points <= MAX_POINTS:
         raise InputError(
-            f"the number of points is to be from {LEAST_POINTS} to {MOST_POINTS}", "points"
+            f"the number of points is to be from {MIN_POINTS} to {MAX_POINTS}", "points"
         )
     ends = {"low": str(wish.get("low", "")).strip(), "high": str(wish.get("high", "")).strip()}
     vary = "".join(f"{name} = {_quoted(value)}\n" for name, value in ends.items())

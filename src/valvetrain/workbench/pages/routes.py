@@ -27,7 +27,7 @@ _HOLDS = {
     "published": "published values",
 }
 #: Runs listed on the first page.
-MOST_RUNS = 6
+MAX_RUNS = 6
 
 
 def home_page(desk: Desk) -> None:
@@ -56,7 +56,7 @@ def home_page(desk: Desk) -> None:
             most = desk.settings.most_upload
             hint = "A .toml file, as 'valvetrain new' writes it, and with it the tables that it names: choose them together."
             Upload("case-file", "Case file", hint, "/upload/case", "", most, many=True)
-        runs = desk.workspace.runs()[:MOST_RUNS]
+        runs = desk.workspace.runs()[:MAX_RUNS]
         if runs:
             tag("h2", "Last runs")
             run_table(runs)
@@ -100,7 +100,7 @@ async def begin(desk: Desk, card: CaseCard) -> None:
 
 
 #: How long a page waits for its case to be read (s): tables of lifts may be large.
-LONGEST_READING = 300.0
+MAX_READING_TIME = 300.0
 
 
 def register(desk: Desk) -> None:
@@ -120,7 +120,7 @@ def register(desk: Desk) -> None:
     def _compare(a: str = "", b: str = "") -> None:
         compare_page(desk, a, b)
 
-    @ui.page("/case/{case}", response_timeout=LONGEST_READING)
+    @ui.page("/case/{case}", response_timeout=MAX_READING_TIME)
     async def _case(case: str) -> None:
         await case_page(desk, case)
 

@@ -12,7 +12,7 @@ from valvetrain.workbench.pages.elements import Results, Upload, button, tag
 from valvetrain.workbench.pages.frame import frame
 from valvetrain.workbench.pages.html import sentence_of, size_words
 from valvetrain.workbench.pages.runs import run_head, run_table
-from valvetrain.workbench.saved_runs import Run, kept_tests, remove_test
+from valvetrain.workbench.saved_runs import Run, remove_test, saved_tests
 
 if TYPE_CHECKING:
     from nicegui.events import GenericEventArguments
@@ -53,7 +53,7 @@ class RunTests:
 
     def show(self, name: str = "", refusal: str = "") -> None:
         """Show the test of that name, the newest where there is none, and the list of all."""
-        tests = kept_tests(self.run)
+        tests = saved_tests(self.run)
         chosen = next((one for one in tests if one.name == name), None) or next(iter(tests), None)
         self.shown = chosen.name if chosen is not None else ""
         self.list.clear()

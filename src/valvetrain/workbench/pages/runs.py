@@ -20,7 +20,7 @@ KINDS = {
     "modes": "modes",
     "run-up": "run-up",
 }
-_MOST_SPEEDS = 4
+_MAX_SPEEDS = 4
 
 
 def when(run: Run) -> str:
@@ -33,13 +33,13 @@ def when(run: Run) -> str:
 
 def models_of(run: Run) -> str:
     """Spring models in words."""
-    return ", ".join(theme.model_words(model) for model in run.models) or "the case's own"
+    return ", ".join(theme.model_label(model) for model in run.models) or "the case's own"
 
 
 def speeds_of(run: Run) -> str:
     """Engine speeds in words."""
     speeds = run.engine_speeds
-    if len(speeds) > _MOST_SPEEDS:
+    if len(speeds) > _MAX_SPEEDS:
         return f"{len(speeds)} from {speeds[0]:.10g} to {speeds[-1]:.10g} rpm"
     return f"{', '.join(f'{speed:.10g}' for speed in speeds)} rpm" if speeds else "the case's own"
 

@@ -42,7 +42,7 @@ class Window:
     dimension: str
     low: float
     high: float
-    usual_unit: str
+    default_unit: str
     bare_high: float = math.inf
 
 
@@ -71,7 +71,7 @@ _MEANT = {
     "density": ("kg/m^3", "g/cm^3", "g/mm^3", "kg/mm^3", "Mg/mm^3"),
 }  # fmt: skip
 #: More speeds than this in one call are taken for a mistake.
-MOST_SPEEDS = 10_000
+MAX_SPEEDS = 10_000
 _RANGE = re.compile(r"\s*([^:\s]+)\s*:\s*([^:\s]+)\s*:\s*([^:\s]+)(\s+[^:]*)?\Z")
 
 
@@ -159,11 +159,11 @@ def si_speeds(
         speeds = _speeds_of_text(values, quantity, where)
     else:
         try:
-            items = list(islice(values, MOST_SPEEDS + 1))  # type: ignore[arg-type]
+            items = list(islice(values, MAX_SPEEDS + 1))  # type: ignore[arg-type]
         except TypeError:  # one value; scalars of numpy and pint have __iter__ too
             return si_speeds([values], quantity, where)  # type: ignore[list-item]
-        if len(items) > MOST_SPEEDS:
-            raise InputError(f"there are more than {MOST_SPEEDS} speeds; take a larger step", where)
+        if len(items) > MAX_SPEEDS:
+            raise InputError(f"there are more than {MAX_SPEEDS} speeds; take a larger step", where)
         speeds = tuple(si(value, quantity, where) for value in items)
     if not speeds or min(speeds) <= 0:
         fault = (
@@ -186,9 +186,9 @@ def _speeds_of_text(text: str, quantity: str, where: str) -> tuple[float, ...]:
                 f"range '{clipped(text)}' leads nowhere; write first:last:step, rising, as in '1000:9000:500 rpm'",
                 where,
             )
-        if (last - first) / step > MOST_SPEEDS:
+        if (last - first) / step > MAX_SPEEDS:
             raise InputError(
-                f"range '{clipped(text)}' holds more than {MOST_SPEEDS} speeds; take a larger step",
+                f"range '{clipped(text)}' holds more than {MAX_SPEEDS} speeds; take a larger step",
                 where,
             )
         found = [
@@ -219,7 +219,7 @@ def _plain(value: SupportsFloat, dimension: str, where: str) -> float:
         or getattr(value, "shape", ()) != ()
     ):
         raise InputError(
-            f"{clipped(repr(value))} is no single number; {due.phrase} is needed here, such as '1 {due.usual_unit}'".rstrip(),
+            f"{clipped(repr(value))} is no single number; {due.phrase} is needed here, such as '1 {due.default_unit}'".rstrip(),
             where,
         )
     try:
@@ -246,16 +246,16 @@ def _refuse_slip(
         window.high, window.bare_high if bare else math.inf
     ) * (1 + 1e-12):
         return
-    words, usual = quantity.replace("_", " "), format_quantity(found, window.usual_unit)
+    words, usual = quantity.replace("_", " "), format_quantity(found, window.default_unit)
     if window.low <= found <= window.high:
-        remedy = f"did you mean '{number:g} {window.usual_unit}'? If not, write '{usual}'"
+        remedy = f"did you mean '{number:g} {window.default_unit}'? If not, write '{usual}'"
         raise InputError(f"{number:g} without a unit is {shown}, {words} {usual}; {remedy}", where)
     factors = ((unit, number * unit_factor(unit)) for unit in _MEANT[window.dimension])
     meant = next(
         ((unit, value) for unit, value in factors if window.low <= value <= window.high), None
     )
     if meant is None:
-        span = f"{format_quantity(window.low, window.usual_unit)} to {format_quantity(window.high, window.usual_unit)}"
+        span = f"{format_quantity(window.low, window.default_unit)} to {format_quantity(window.high, window.default_unit)}"
         told = shown if shown == usual else f"{shown} ({usual})"
         raise InputError(
             f"{told} of {words} lies outside {span}; check the number and its unit", where

@@ -11,9 +11,9 @@ import numpy as np
 import pytest
 
 from valvetrain.contact import kernels as laws
-from valvetrain.integrate import train_blows
+from valvetrain.integrate import train_impacts
 
-PARTS, LONGEST, LEAST = 8, 4e-4, 1e-3  # parts of a rise, s, N
+PARTS, MAX_LENGTH, LEAST = 8, 4e-4, 1e-3  # parts of a rise, s, N
 MASSES, GRADIENTS = np.array([0.1, 0.25, 0.04]), np.array([1.0, -0.6])
 MOBILITY = 1.0 / 0.25 + 0.36 / 0.04  # 1/kg, of bodies 1 and 2
 
@@ -22,7 +22,7 @@ MOBILITY = 1.0 / 0.25 + 0.36 / 0.04  # 1/kg, of bodies 1 and 2
 def plain_python(monkeypatch):
     """The kernels as they are written, not compiled."""
     for name in ("_force", "meets_damper", "_rise", "finest_step", "parts_of"):
-        monkeypatch.setattr(train_blows, name, getattr(train_blows, name).py_func)
+        monkeypatch.setattr(train_impacts, name, getattr(train_impacts, name).py_func)
 
 
 def train(stiffness: float, exponent: float = 1.0, damping: float = 0.0, kind: int = laws.POWER):
@@ -46,7 +46,7 @@ def at(pen: float, rate: float, before: float = -1e-6, blow: tuple[float, float]
         gaps=np.array([[5e-6, 0.0, 0.0, 0.0], [pen, 0.0, 0.0, 0.0]]),
         rate=np.array([3.0, rate]),
         before=np.array([[0.0], [before]]),
-        blows=np.array([[7.0, 7.0, 0.0, 0.0], [*blow, 0.0, 0.0]]),
+        impacts=np.array([[7.0, 7.0, 0.0, 0.0], [*blow, 0.0, 0.0]]),
         gradients=np.zeros((2, 4)),
         trial=np.zeros(4),
     )
@@ -56,7 +56,7 @@ def at(pen: float, rate: float, before: float = -1e-6, blow: tuple[float, float]
 
 def motion():
     clock = np.zeros(15)
-    clock[3], clock[13] = LONGEST / PARTS, LEAST
+    clock[3], clock[13] = MAX_LENGTH / PARTS, LEAST
     return SimpleNamespace(
         counters=np.array([0, 0, 0, 0, 0, PARTS]),
         clock=clock,
@@ -74,11 +74,11 @@ def test_a_force_rises_for_the_time_in_which_it_stops_the_bodies(stiffness, expo
     due = (rate / (stiffness * rate**exponent * MOBILITY)) ** (1 / (1 + exponent))
     if exponent == 1.0:
         assert due == pytest.approx(1 / math.sqrt(stiffness * MOBILITY))
-    found = train_blows._rise(
-        1, train(stiffness, exponent), motion(), at(1e-7, rate), rate, LONGEST, 0.0
+    found = train_impacts._rise(
+        1, train(stiffness, exponent), motion(), at(1e-7, rate), rate, MAX_LENGTH, 0.0
     )
     assert (
-        found == pytest.approx(due, rel=2 ** (12 / 2**8) - 1) and due < LONGEST
+        found == pytest.approx(due, rel=2 ** (12 / 2**8) - 1) and due < MAX_LENGTH
     )  # 12 octaves, halved eight times
 
 
@@ -95,15 +95,15 @@ def test_a_blow_that_needs_no_step_of_its_own_is_as_long_as_the_longest(
     stiffness, rate, least, why
 ):
     assert (
-        train_blows._rise(1, train(stiffness), motion(), at(1e-7, rate), rate, LONGEST, least)
-        == LONGEST
+        train_impacts._rise(1, train(stiffness), motion(), at(1e-7, rate), rate, MAX_LENGTH, least)
+        == MAX_LENGTH
     ), why
 
 
 def test_bodies_that_nothing_moves_meet_no_blow():
     held = train(4e7)
     held.coordinate_of[1] = -1
-    assert train_blows._rise(1, held, motion(), at(1e-7, 1.0), 1.0, LONGEST, 0.0) == LONGEST
+    assert train_impacts._rise(1, held, motion(), at(1e-7, 1.0), 1.0, MAX_LENGTH, 0.0) == MAX_LENGTH
 
 
 TAU = 1 / math.sqrt(4e7 * MOBILITY)
@@ -134,22 +134,22 @@ TAU = 1 / math.sqrt(4e7 * MOBILITY)
 def test_a_step_is_cut_where_a_blow_is_due_and_while_it_lasts(pen, rate, before, blow, step, lasts):
     """5 microseconds ahead, 1 since the last call."""
     scratch = at(pen, rate, before, blow)
-    found = train_blows.finest_step(train(4e7), motion(), scratch, 5e-6, 1e-6)
+    found = train_impacts.finest_step(train(4e7), motion(), scratch, 5e-6, 1e-6)
     due = TAU / PARTS if step == "new" else step
-    assert found == pytest.approx(due or math.inf, rel=0.025) and scratch.blows[
+    assert found == pytest.approx(due or math.inf, rel=0.025) and scratch.impacts[
         1, 0
     ] == pytest.approx(due, rel=0.025)
-    assert scratch.blows[1, 1] == pytest.approx(
+    assert scratch.impacts[1, 1] == pytest.approx(
         8 * TAU + 5e-6 if lasts == "new" else lasts, rel=0.025
     )
-    assert scratch.blows[0].tolist() == [7.0, 7.0, 0.0, 0.0], "a link has no blows"
+    assert scratch.impacts[0].tolist() == [7.0, 7.0, 0.0, 0.0], "a link has no blows"
 
 
 def test_a_soft_contact_asks_for_no_finer_step():
     scratch = at(-2e-6, 1.0)
     assert (
-        train_blows.finest_step(train(1e3), motion(), scratch, 5e-6, 1e-6) == math.inf
-        and scratch.blows[1, 0] == 0.0
+        train_impacts.finest_step(train(1e3), motion(), scratch, 5e-6, 1e-6) == math.inf
+        and scratch.impacts[1, 0] == 0.0
     )
 
 
@@ -165,7 +165,7 @@ def test_a_soft_contact_asks_for_no_finer_step():
     ],
 )
 def test_no_part_of_a_step_is_longer_than_the_finest_up_to_64_parts(length, finest, parts):
-    assert train_blows.parts_of(length, finest) == parts
+    assert train_impacts.parts_of(length, finest) == parts
 
 
 @pytest.mark.parametrize(
@@ -186,4 +186,4 @@ def test_a_damper_that_acts_from_the_touch_on_is_known(kind, damping, rate, meet
     force = laws.contact_force(kind, contact.law_parameters[1], rate, pen, rate)
     still = laws.contact_force(kind, contact.law_parameters[1], 0.0, pen, 0.0)
     scratch.gaps[1, 3] = (force - still) / rate  # N s/m, at this penetration
-    assert train_blows.meets_damper(1, contact, motion(), scratch, pen, rate) == meets
+    assert train_impacts.meets_damper(1, contact, motion(), scratch, pen, rate) == meets

@@ -16,7 +16,7 @@ from valvetrain.contact.kernels import OWN_LAW, WIDTH, contact_force
 from valvetrain.contact.own_law import call_law
 from valvetrain.mechanism.gaps import OPTIONS
 
-MOST_PARTS = 64
+MAX_PARTS = 64
 """Most parts of one step."""
 LASTS = 8.0
 """Times tau for which a contact that stays closed is taken in short steps; a free mass leaves an
@@ -48,9 +48,9 @@ def _force(k, train, motion, scratch, pen, rate, since):
         0.0,
         rate,
         since,
-        scratch.blows.ctypes.data + 8 * (4 * k + 2),
+        scratch.impacts.ctypes.data + 8 * (4 * k + 2),
     )
-    return scratch.blows[k, 2] + scratch.blows[k, 3] * rate
+    return scratch.impacts[k, 2] + scratch.impacts[k, 3] * rate
 
 
 @njit(forceinline=True, **OPTIONS)
@@ -94,28 +94,28 @@ def finest_step(train, motion, scratch, ahead, passed):
     ``passed`` (s): since the last call. ``blows`` (n, 4) holds per contact the step of its blow (0:
     none) and how long that still lasts.
     """
-    parts, blows, laws, finest = motion.counters[5], scratch.blows, train.laws, math.inf
+    parts, impacts, laws, finest = motion.counters[5], scratch.impacts, train.laws, math.inf
     for k in range(laws.shape[0]):
         if laws[k] < 0:
             continue
         pen, rate = scratch.gaps[k, 0], scratch.rate[k]
-        blows[k, 1] -= passed
+        impacts[k, 1] -= passed
         if pen <= 0.0:
             begins = rate > 0.0 and pen + AHEAD * ahead * rate > 0.0
-            blows[k, 0] *= 1.0 if begins else 0.0
+            impacts[k, 0] *= 1.0 if begins else 0.0
         else:
-            begins = rate > 0.0 and scratch.before[k, 0] <= 0.0 and blows[k, 0] == 0.0
-            if blows[k, 1] <= 0.0:
-                blows[k, 0] = 0.0
+            begins = rate > 0.0 and scratch.before[k, 0] <= 0.0 and impacts[k, 0] == 0.0
+            if impacts[k, 1] <= 0.0:
+                impacts[k, 0] = 0.0
         if begins:
             longest = parts * motion.clock[3]
             tau = _rise(k, train, motion, scratch, rate, longest, motion.clock[13])
             if tau < longest:
-                blows[k, 0], blows[k, 1] = tau / parts, LASTS * tau + ahead
+                impacts[k, 0], impacts[k, 1] = tau / parts, LASTS * tau + ahead
             else:
-                blows[k, 0] = 0.0
-        if blows[k, 0] > 0.0:
-            finest = min(finest, blows[k, 0])
+                impacts[k, 0] = 0.0
+        if impacts[k, 0] > 0.0:
+            finest = min(finest, impacts[k, 0])
     return finest
 
 
@@ -124,4 +124,4 @@ def parts_of(length, finest):
     """In how many equal parts a stretch (s) is taken so that none is longer than ``finest`` (s)."""
     if length <= finest:
         return 1
-    return int(min(math.ceil(length / finest), MOST_PARTS))
+    return int(min(math.ceil(length / finest), MAX_PARTS))
