@@ -6,6 +6,7 @@ Use: python -m mutants --sample 150 --seed 1 --workers 2
      main, tests as make test-fast chooses
      python -m mutants --changed HEAD~3                            since another commit
      python -m mutants --folders report,quantities --sample 40     faults of these folders only
+     python -m mutants --folders algorithms                        physics, and what tools compute
      python -m mutants --without-golden                            tests/golden are not run
      python -m mutants --list --sample 20                          the faults alone, nothing is run
      python -m mutants --sample 150 --minutes 60                   as many of the sample as are

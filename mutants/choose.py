@@ -17,6 +17,22 @@ from mutants.copies import ROOT, compiles
 from mutants.faults import Fault, faults, seeded
 
 SOURCE = ROOT / "src" / "valvetrain"
+#: Folders of the line of physics and of the tools, whose faults make a number wrong.
+PHYSICS = (
+    "cosserat",
+    "springs",
+    "contact",
+    "cam",
+    "mechanism",
+    "system",
+    "integrate",
+    "quantities",
+)
+TOOLS = ("lift", "spring_card", "scan", "film", "rig", "compare_test", "explore")
+#: Files of a tool that compute nothing: pages, charts, sentences, commands.
+SHOWN = re.compile(
+    r"(page|pages|command|charts?|summary|text|terminal|csv_files|files_page|__init__)\.py$"
+)
 #: Seconds of tests, as recorded, that are run at most about one fault.
 SECONDS = 180.0
 
@@ -30,13 +46,23 @@ def by_line(files: Iterable[str]) -> dict[tuple[str, int], list[Fault]]:
     return found
 
 
+def _is_in(file: str, folders: tuple[str, ...]) -> bool:
+    """Whether a file belongs to one of the folders; ``algorithms`` are physics and what tools compute."""
+    folder = file.split("/")[0]
+    if "algorithms" in folders and (
+        folder in PHYSICS or (folder in TOOLS and not SHOWN.search(file))
+    ):
+        return True
+    return not folders or folder in folders
+
+
 def sample(count: int, seed: int, folders: Iterable[str] = ()) -> list[Fault]:
     """``count`` faults, each on another line: lines of all folders drawn alike, then one fault of
     the line.
     """
     rng, some = random.Random(seed), tuple(folders)
     every = (str(path.relative_to(SOURCE)) for path in sorted(SOURCE.rglob("*.py")))
-    lines = by_line(file for file in every if not some or file.split("/")[0] in some)
+    lines = by_line(file for file in every if _is_in(file, some))
     drawn = (rng.choice(lines[one]) for one in rng.sample(sorted(lines), len(lines)))
     return list(islice(filter(_is_python, drawn), count))
 
@@ -55,7 +81,7 @@ def changed(base: str, count: int, seed: int, folders: Iterable[str] = ()) -> li
     touched = {
         file for file, _ in lines if (SOURCE / file).suffix == ".py" and (SOURCE / file).exists()
     }
-    sites = by_line(sorted(file for file in touched if not some or file.split("/")[0] in some))
+    sites = by_line(sorted(file for file in touched if _is_in(file, some)))
     drawn = (
         next(filter(_is_python, rng.sample(sites[one], len(sites[one]))), None)
         for one in sorted(lines & sites.keys())
