@@ -18,8 +18,8 @@ from valvetrain.film.frames import open_film
 from valvetrain.measured.tables import read_content
 from valvetrain.parameters.loading import load_case
 from valvetrain.parameters.writing import replace_file
-from valvetrain.rig import recording as reader_process
-from valvetrain.rig.recording import read_recording
+from valvetrain.rig import reader as reader_process
+from valvetrain.rig.reader import read_recording
 from valvetrain.scan.clouds import open_cloud
 from valvetrain.solution.atomic import checked_content
 

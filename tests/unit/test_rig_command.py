@@ -201,7 +201,7 @@ def test_what_a_gauge_sees_does_not_depend_on_the_output_samples():
         vt.sensor_response(run, vt.Sensor(bandwidth="1 kHz"), ["seat_force"])[0] for run in runs
     )
     assert len(runs[0].time) < len(runs[1].time)
-    assert one.seen.peak == pytest.approx(two.seen.peak, rel=2e-4)
+    assert one.recorded.peak == pytest.approx(two.recorded.peak, rel=2e-4)
 
 
 def test_a_channel_that_a_run_lacks_is_named():

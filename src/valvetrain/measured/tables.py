@@ -104,10 +104,10 @@ def _is_row(words: str) -> bool:
 
 
 def _splitter(lines: list[str]) -> Callable[[str], list[float]]:
-    return partial(_cut, parting_mark(lines))
+    return partial(_cut, column_separator(lines))
 
 
-def parting_mark(lines: list[str]) -> str:
+def column_separator(lines: list[str]) -> str:
     """Pattern of what parts the columns: the strongest mark that stands in most lines; a comma is
     decimal where another one is.
     """
