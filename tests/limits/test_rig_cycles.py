@@ -72,7 +72,7 @@ def short():
 def test_the_known_mean_lies_within_the_stated_band(recorded, answers):
     found = cycles_in(recorded, "known", answers, lift)
     assert (
-        found.synthetic and [place for place, _ in found.outliers] == [3] and len(found.kept) == 11
+        found.synthetic and [place for place, _ in found.outliers] == [3] and len(found.retained) == 11
     )
     for channel, true in zip(found.channels, (force, lift), strict=True):
         away = np.abs(channel.cycles.mean - true(channel.cycles.cam_angle))
@@ -167,7 +167,7 @@ def test_a_cut_recording_gives_the_same_cycles(recorded):
         cycles_in(given, "cut", replace(ENCODER, offset=0.0, zero={}, keep_outliers=True))
         for given in (recorded, half)
     )
-    count = len(part.kept) - 1
+    count = len(part.retained) - 1
     for one, two in zip(whole.channels, part.channels, strict=True):
         np.testing.assert_allclose(
             two.cycles.values[:count],

@@ -60,7 +60,7 @@ def result(**changes) -> SimpleNamespace:
         "grid": SimpleNamespace(
             cycles=4, cam_angle=ANGLE, cam_speeds=np.array([1000, 1010, 9999, 1020]) * RPM, cut_times=np.array([0.0, 1.0, 2.0, 4.0, 5.0])
         ),
-        "kept": (0, 1, 3), "outliers": ((2, "is far off"),), "offset": 0.0, "offset_uncertainty": 0.0,
+        "retained": (0, 1, 3), "outliers": ((2, "is far off"),), "offset": 0.0, "offset_uncertainty": 0.0,
         "shaft": SimpleNamespace(scatter=0.0, readings=360.0, cam_speed=lambda times: 100.0 * RPM * np.asarray(times)),
     }  # fmt: skip
     return SimpleNamespace(**told | changes)
@@ -154,7 +154,7 @@ LAST = (OUT, "first note", "second note")
             {"offset": np.radians(12.5)},
             ("the mark of the rig lies at 12.500 cam deg, as stated", *LAST),
         ),
-        ({"kept": (0, 1, 2, 3), "notes": ()}, (OUT.replace("left out", "retained as requested"),)),
+        ({"retained": (0, 1, 2, 3), "notes": ()}, (OUT.replace("left out", "retained as requested"),)),
         ({"outliers": ()}, LAST[1:]),
         (
             {"shaft": SimpleNamespace(scatter=np.radians(0.034))},

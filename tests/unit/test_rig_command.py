@@ -83,7 +83,7 @@ def test_the_command_tells_writes_and_keeps(folder, tmp_path):
 
 def test_an_outlier_may_stay(folder):
     found = vt.rig_cycles(folder / "rig.tdms", vt.RigAnswers(angle_of="crank", keep_outliers=True))
-    assert len(found.kept) == 6 and found.outliers[0][0] == 3
+    assert len(found.retained) == 6 and found.outliers[0][0] == 3
 
 
 def test_all_open_questions_are_one_sentence(tmp_path):

@@ -34,7 +34,7 @@ def recorded(kept, outliers, cycles=8):
     return SimpleNamespace(
         channels=(channel, channel),
         grid=grid,
-        kept=kept,
+        retained=kept,
         outliers=tuple((one, "why") for one in outliers),
     )
 

@@ -156,21 +156,21 @@ class AdequacyTest:
         first, second = self.degrees
         between = f"{number(first, 3)} and {'infinitely many' if math.isinf(second) else number(second, 3)} degrees of freedom"
         verdict = "does not refute" if self.adequate else "refutes"
-        beside = "not above" if self.adequate else "above"
+        relation = "not above" if self.adequate else "above"
         return (
-            f"the test {verdict} {label}: F = {number(self.ratio, 3)} is {beside} the critical {number(self.critical, 3)} "
-            f"({100 * self.level:g} %, {between}; {p_words(self.p_value)})"
+            f"the test {verdict} {label}: F = {number(self.ratio, 3)} is {relation} the critical {number(self.critical, 3)} "
+            f"({100 * self.level:g} %, {between}; {p_text(self.p_value)})"
         )
 
 
-def chance_words(p_value: float) -> str:
+def chance_text(p_value: float) -> str:
     """A chance as people read it."""
     return "below 1e-12" if p_value < 1e-12 else number(p_value, 2)
 
 
-def p_words(p_value: float) -> str:
+def p_text(p_value: float) -> str:
     """The same as an equation."""
-    return f"p {'' if p_value < 1e-12 else '= '}{chance_words(p_value)}"
+    return f"p {'' if p_value < 1e-12 else '= '}{chance_text(p_value)}"
 
 
 def critical_ratio(first: float, second: float, level: float) -> float:
@@ -300,16 +300,16 @@ def ring_weights(cam_angle: Array) -> tuple[Array, bool]:
     gap counts as few steps only.
     """
     steps = np.diff(np.append(cam_angle, cam_angle[0] + 2 * np.pi))
-    usual = float(np.median(steps))
-    even = bool(np.all(np.abs(steps - usual) < EVEN * usual))
-    clipped = np.minimum(steps, WIDEST * usual)
+    typical = float(np.median(steps))
+    even = bool(np.all(np.abs(steps - typical) < EVEN * typical))
+    clipped = np.minimum(steps, WIDEST * typical)
     weights = clipped + np.roll(clipped, 1)
     return weights / weights.sum(), even
 
 
 #: Fewest repeats that make a band worth drawing.
-FEWEST = 3
-_LARGEST = 1e6
+MIN_REPEATS = 3
+_MAX_FACTOR = 1e6
 
 
 @dataclass(frozen=True, eq=False)
@@ -353,8 +353,10 @@ def difference_band(
     agree have no width.
     """
     repeats = len(values)
-    if repeats < FEWEST:
-        raise InputError(f"{repeats} repeats give no band worth drawing; give {FEWEST} or more")
+    if repeats < MIN_REPEATS:
+        raise InputError(
+            f"{repeats} repeats give no band worth drawing; give {MIN_REPEATS} or more"
+        )
     mean = values.mean(axis=0)
     residuals = values - mean
     size = np.sqrt(np.sum(residuals**2, axis=0))
@@ -385,6 +387,8 @@ def band_factor(directions: Array, level: float) -> float:
         crossings = length / math.pi * (1 + factor**2 / freedom) ** (-(freedom - 1) / 2)
         return float(crossings + 2 * stdtr(freedom, -factor) - level)
 
-    if freedom < 2 or left(_LARGEST) > 0:
+    if freedom < 2 or left(_MAX_FACTOR) > 0:
         return by_angles
-    return min(by_angles, float(brentq(left, 0.0, _LARGEST, xtol=1e-9)) if left(0.0) > 0 else 0.0)
+    return min(
+        by_angles, float(brentq(left, 0.0, _MAX_FACTOR, xtol=1e-9)) if left(0.0) > 0 else 0.0
+    )
