@@ -96,10 +96,10 @@ def test_a_recording_is_of_a_known_form_and_size(tmp_path, monkeypatch):
     path.write_bytes(b"x" * 2000)
     forms = {
         "first": SimpleNamespace(
-            words="firsts", recognise=lambda head, name: head.startswith(b"1")
+            label="firsts", recognise=lambda head, name: head.startswith(b"1")
         ),
         "second": SimpleNamespace(
-            words="seconds", recognise=lambda head, name: name.endswith(".2")
+            label="seconds", recognise=lambda head, name: name.endswith(".2")
         ),
     }
     monkeypatch.setattr(

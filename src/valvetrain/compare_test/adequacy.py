@@ -26,7 +26,7 @@ Array = NDArray[np.float64]
 MANY = 1e8
 #: Share of adequate models that a test may refute.
 LEVEL = 0.05
-#: A gap in the angles stands for this many steps at most.
+#: A gap in the angles counts as this many steps at most.
 WIDEST = 4.0
 #: Steps of a ring of angles that differ by less than this share of the median are even.
 EVEN = 0.01
@@ -205,8 +205,8 @@ def adequacy_test(
     ----------
     values : repeats, shape (repeats, places)
     model : shape (places,)
-    weights : share of the whole that each place stands for, shape (places,); even by default
-    ring : the places are even steps round one cam turn
+    weights : share of the whole that each place represents, shape (places,); even by default
+    ring : the places are even steps round one cam revolution
     fitted : parameters of the model that were found from these values
     level : share of adequate models that the test may refute
     shared : mean square of each error that all repeats share, square of the unit
@@ -249,7 +249,7 @@ def adequacy_test(
 
 def independent_places(residuals: Array, ring: bool) -> float:
     """Effective number of independent places: squared trace over trace of the square of the
-    covariance that ``residuals`` tell.
+    covariance of ``residuals``.
 
     ``residuals`` (repeats, places): less their mean, each times the root of its weight. Both traces
     are found without the bias that few
@@ -296,7 +296,7 @@ def _on_a_ring(residuals: Array, n: int, trace: float) -> float:
 
 
 def ring_weights(cam_angle: Array) -> tuple[Array, bool]:
-    """Share of the turn that each angle (rad, rising) stands for, and whether the steps are even; a
+    """Share of the cycle that each angle (rad, rising) represents, and whether the steps are even; a
     gap counts as few steps only.
     """
     steps = np.diff(np.append(cam_angle, cam_angle[0] + 2 * np.pi))
@@ -344,7 +344,7 @@ class DifferenceBand:
 def difference_band(
     values: Array, model: Array, level: float = LEVEL, shared: Array | None = None
 ) -> DifferenceBand:
-    """The band for ``values`` (repeats, angles) round one cam turn and ``model`` (angles,);
+    """The band for ``values`` (repeats, angles) round one cam revolution and ``model`` (angles,);
     ``shared`` (errors, angles): standard
     deviations of errors that all repeats share, each in step along the turn, to which half of the
     level goes (Scheffe).

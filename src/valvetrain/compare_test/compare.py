@@ -165,7 +165,7 @@ def compare_with_test(
 
     Raises
     ------
-    InputError : a file that cannot be read, a quantity that no run tells, a unit that does not fit,
+    InputError : a file that cannot be read, a quantity that no run has, a unit that does not fit,
         no speed, one sentence each
 
     Examples
@@ -325,7 +325,7 @@ def active_wire(problem: Problem) -> dict[str, Active]:
 
 
 def _completed(study: Study) -> tuple[list[Solution], tuple[str, ...]]:
-    """Runs that tell a curve, and a sentence on each of the others."""
+    """Runs that have a curve, and a sentence on each of the others."""
     good = [run for run in study.solutions if run.status.completed and len(run.time) > 2]
     lost = [run for run in study.solutions if run not in good]
     return good, tuple(
@@ -366,7 +366,7 @@ def _with_cycles(
     if shared:
         notes = (
             *notes,
-            f"all cycles are taken to share errors of {shared.text(whole.unit)} (standard deviations), beside their scatter",
+            f"all cycles are taken to share errors of {shared.text(whole.unit)} (standard deviations), in addition to their scatter",
         )
     said = (*notes, *whole.notes, *few_notes(len(whole.values)), *likeness_notes(whole))
     return ModelAgainstTest(study, whole, tuple(found), rows, said, failures)
@@ -375,7 +375,7 @@ def _with_cycles(
 def _with_curve(
     runs: Sequence[Solution], test: MeasuredCycles, active: Mapping[str, Active]
 ) -> tuple[list[Solution], list[str]]:
-    """Runs that tell the curve of the test, and labels of the others. Raises :class:`InputError`
+    """Runs that have the curve of the test, and labels of the others. Raises :class:`InputError`
     where none does, or the unit differs.
     """
     runs_with_curve, refused = [], []
@@ -393,7 +393,7 @@ def _with_curve(
 
 
 def _stages(study: Study) -> tuple[Stage, ...]:
-    """Stretches before, in and after the lift event, by the names that the study of the case gives
+    """Stages before, in and after the lift event, by the names that the study of the case gives
     them.
     """
     if study.lift_event is None:

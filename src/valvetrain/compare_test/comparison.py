@@ -147,9 +147,9 @@ class StageRow:
 
 @dataclass(frozen=True, slots=True)
 class ValueRow:
-    """One measured value beside the model's, SI, shown in ``unit``. ``scatter``: standard deviation
+    """One measured value next to the model's, SI, shown in ``unit``. ``scatter``: standard deviation
     of the test's value (of the mean, where
-    it has repeats); ``model`` is NaN where the run does not tell it; ``kind`` says whether it is an
+    it has repeats); ``model`` is NaN where the run does not have it; ``kind`` says whether it is an
     angle of a value."""
 
     quantity: str
@@ -198,7 +198,7 @@ class RunAgainstTest:
 
 @dataclass(frozen=True, slots=True)
 class CloserRow:
-    """Two runs beside each other: their mean squares from the test, and Student's t of the
+    """Two runs compared: their mean squares from the test, and Student's t of the
     difference over the repeats with its chance
     (both NaN for one repeat)."""
 
@@ -239,7 +239,7 @@ def against_cycles(
     shared: SharedErrors = NONE_SHARED,
 ) -> RunAgainstTest:
     """A run against whole ``cycles`` (no value missing). Raises :class:`InputError` for a curve
-    that the run does not tell.
+    that the run does not have.
     """
     trace = trace_of(run, cycles.quantity, active)
     if sensor is not None:

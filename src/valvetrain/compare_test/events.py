@@ -177,7 +177,7 @@ def _top(cam_angle: Array, curve: Array, places: NDArray[np.int64]) -> tuple[flo
 
 def spike_rows(cam_angle: Array, values: Array, model: Array, drawn: Array) -> list[EventRow]:
     """Maxima that stand out of the mean of ``values`` (repeats, angles), height and angle, each
-    beside the one of the model it meets.
+    next to the one of the model it meets.
     """
     mean = values.mean(axis=0)
     error = (

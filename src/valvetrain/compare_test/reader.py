@@ -166,7 +166,7 @@ def whole_cycles(cycles: MeasuredCycles) -> MeasuredCycles:
         )
     if np.nanmax(np.abs(cycles.values), initial=0.0) > _MAX_SIZE:
         raise InputError(
-            f"{cycles.source or cycles.quantity} holds numbers beyond {_MAX_SIZE:g}, which nobody measures; correct them"
+            f"{cycles.source or cycles.quantity} holds numbers beyond {_MAX_SIZE:g}, which is beyond any measurement; correct them"
         )
     cycles = _one_turn(cycles)
     known = np.isfinite(cycles.values)
@@ -206,7 +206,7 @@ def _one_turn(cycles: MeasuredCycles) -> MeasuredCycles:
     over = float(cycles.cam_angle[-1] - cycles.cam_angle[0]) - 2 * math.pi
     if over > 1e-6:
         raise InputError(
-            f"{cycles.source or cycles.quantity}: the angles go over {math.degrees(over) + 360:.6g} degrees, a turn of the cam has 360; "
+            f"{cycles.source or cycles.quantity}: the angles go over {math.degrees(over) + 360:.6g} degrees, a cam revolution has 360; "
             "give cam angles, half of the crank's"
         )
     count = len(cycles.cam_angle) - (over > -1e-6)

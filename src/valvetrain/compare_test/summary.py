@@ -90,7 +90,7 @@ def counting_sentence(test: AdequacyTest) -> str:
 
 
 def events_sentence(run: RunAgainstTest) -> str:
-    """How many events lie outside their interval, beside how many would by chance."""
+    """How many events lie outside their interval, and how many would by chance."""
     judged = [one.outside for one in run.events if one.outside is not None]
     missing = sum(math.isnan(one.model) and one.dimension == "value" for one in run.events)
     lost = f"; {missing} spikes of the test are not in the model" if missing else ""

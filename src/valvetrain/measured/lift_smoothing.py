@@ -1,12 +1,11 @@
 """Lift, velocity, acceleration and jerk behind noisy stations, each with its uncertainty.
 
 The stations are a law plus independent noise; the law is a spline that rests on the base circle at
-both ends and whose jerk is
-white noise of a scale that varies along the event. Both scales are those of largest marginal
-likelihood, so no acceleration is
-invented that the stations do not tell, and what they leave open is the posterior's spread (Wahba,
-J. R. Stat. Soc. B 45, 1983;
-Patterson and Thompson, Biometrika 58, 1971, for the likelihood).
+both ends and whose jerk is white
+noise of a scale that varies along the event. Both scales are those of largest marginal
+likelihood, so no acceleration is invented that the stations do not support, and what they leave open
+is the spread of the posterior (Wahba, J. R. Stat. Soc. B 45, 1983; Patterson and Thompson,
+Biometrika 58, 1971, for the likelihood).
 """
 
 from __future__ import annotations
@@ -235,7 +234,7 @@ class _Fit:
 def _likeliest(
     design: Array, penalty: Array, lifts: Array, noise: float | None, stated: bool
 ) -> tuple[float, float]:
-    """Noise (m) and ratio of variances of largest marginal likelihood; a ``stated`` noise is kept."""
+    """Noise (m) and ratio of variances of largest marginal likelihood; a ``stated`` noise is retained."""
     from scipy.linalg import solve_triangular
     from scipy.optimize import minimize_scalar
 

@@ -1,6 +1,6 @@
 """Chooses and converts the channels of a recording: which is what, in which unit, at which times.
 
-All questions that the file and the user leave open are asked in one sentence.
+All questions that the file and the user leave open are listed in one sentence.
 """
 
 from __future__ import annotations
@@ -188,7 +188,7 @@ class ChosenChannels(NamedTuple):
     measured: tuple[RigQuantity, ...]
     kind: str
     shaft: RigChannel
-    index: RigChannel | None
+    index_channel: RigChannel | None
     notes: tuple[str, ...]
 
 

@@ -219,7 +219,7 @@ def _two(text: str | None, dimension: str, option: str) -> tuple[float, float] |
 
 class _Answer(NamedTuple):
     """An answer to be saved and printed: ``name`` of the run, ``text`` of the case, files that
-    ``write(folder)`` writes, ``choices`` by which saved runs are told apart, ``home`` of the case.
+    ``write(folder)`` writes, ``choices`` in which saved runs differ, ``home`` of the case.
     """
 
     name: str

@@ -157,14 +157,14 @@ def cycles_in(
         about_median = one.values - np.median(one.values, axis=1)[:, np.newaxis]
         for cycle, why in outliers_of(about_median):
             outliers.setdefault(cycle, f"{why} ({one.raw.quantity})")
-    kept = _kept_cycles(grid.cycles, outliers, answers.keep_outliers)
-    if not kept:
+    retained = _retained_cycles(grid.cycles, outliers, answers.keep_outliers)
+    if not retained:
         raise InputError(
             f"no cycle of {file_name[:80]} was measured as a whole; cut the gaps out of the recording"
         )
     uncertainty = alignment.uncertainty if alignment else 0.0
     dwells = _dwell_times(filtered, shaft, grid, offset, answers, outliers, notes)
-    speeds = grid.cam_speeds[list(kept)]
+    speeds = grid.cam_speeds[list(retained)]
     cam_speed = float(np.mean(speeds))
     if np.ptp(speeds) > MAX_SPEED_RANGE * cam_speed:
         notes.append(
@@ -174,7 +174,7 @@ def cycles_in(
     channels = []
     for raw, low_pass, values in filtered:
         values, taken_off = _zeroed(raw, values, grid, dwells, answers, file_name)
-        values = np.ascontiguousarray(values[list(kept)])
+        values = np.ascontiguousarray(values[list(retained)])
         remarks = [
             f"low-passed without phase, flat to {low_pass.pass_band:.5g} Hz and down by 80 dB from {low_pass.stop_band:.5g} Hz on"
         ]
@@ -202,7 +202,7 @@ def cycles_in(
         tuple(channels),
         shaft,
         grid,
-        kept,
+        retained,
         tuple(sorted(outliers.items())),
         offset,
         uncertainty,
@@ -231,7 +231,7 @@ def _aligned(
     return alignment
 
 
-def _kept_cycles(count: int, outliers: dict[int, str], keep_outliers: bool) -> tuple[int, ...]:
+def _retained_cycles(count: int, outliers: dict[int, str], keep_outliers: bool) -> tuple[int, ...]:
     """Numbers of the cycles that stay: no outliers, unless requested or all of them are; never one
     with gaps.
     """

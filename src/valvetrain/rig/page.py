@@ -155,10 +155,10 @@ COLUMNS = (
 
 def facts_of(result: RigResult) -> tuple[tuple[str, str], ...]:
     """What a reader wants to know first."""
-    speeds = result.grid.cam_speeds[list(result.kept)] * RPM
+    speeds = result.grid.cam_speeds[list(result.retained)] * RPM
     bands = sorted({f"{channel.band / 1e3:.4g} kHz" for channel in result.channels})
     return (
-        ("cycles", f"{len(result.kept)} of {result.grid.cycles}"),
+        ("cycles", f"{len(result.retained)} of {result.grid.cycles}"),
         ("cam speed", f"{speeds.mean():.5g} rpm ({speeds.min():.5g} to {speeds.max():.5g})"),
         ("band", ", ".join(bands)),
         ("angles per revolution", str(len(result.grid.cam_angle))),
@@ -186,7 +186,7 @@ def sentences_of(result: RigResult) -> tuple[str, ...]:
             f"the channel of the angle scatters by {np.degrees(result.shaft.scatter):.2g} cam deg about its spline"
         )
     for cycle, why in result.outliers:
-        fate = "retained as requested" if cycle in result.kept else "left out"
+        fate = "retained as requested" if cycle in result.retained else "left out"
         time = result.grid.cut_times[cycle]
         sentences.append(f"cycle {cycle + 1} (at {time:.4f} s) {why}; it was {fate}")
     return (*sentences, *result.notes)
@@ -209,10 +209,10 @@ def data_of(result: RigResult) -> dict[str, Any]:
         "form": result.form,
         "synthetic": result.synthetic,
         "cycles": result.grid.cycles,
-        "kept": [cycle + 1 for cycle in result.kept],
+        "kept": [cycle + 1 for cycle in result.retained],
         "outliers": [{"cycle": cycle + 1, "why": why} for cycle, why in result.outliers],
         "cam_speed": {
-            "value": float(np.mean(result.grid.cam_speeds[list(result.kept)])),
+            "value": float(np.mean(result.grid.cam_speeds[list(result.retained)])),
             "unit": "rad/s",
         },
         "angles": len(result.grid.cam_angle),
@@ -362,7 +362,7 @@ def raw_chart(result: RigResult) -> Chart:
     cuts = result.grid.cut_times
     every = max(1, len(cuts) // MARKS)
     rules = tuple(Rule("x", float(cut)) for cut in cuts[::every])
-    out = [cycle for cycle, _ in result.outliers if cycle not in result.kept][:MARKS]
+    out = [cycle for cycle, _ in result.outliers if cycle not in result.retained][:MARKS]
     bands = tuple(Band(float(cuts[cycle]), float(cuts[cycle + 1]), "left out") for cycle in out)
     panels = []
     for one in result.channels:

@@ -75,7 +75,7 @@ class RigResult:
     channels : one RigChannelCycles per quantity, in the order in which they were named
     shaft : cam angle over time
     grid : times of the cycles, outliers among them
-    kept : numbers of the cycles (from 0) that are in ``channels``
+    retained : numbers of the cycles (from 0) that are in ``channels``
     outliers : number of a cycle and why it was left out (or would have been)
     offset : cam angle of the case at the mark, rad; ``offset_uncertainty`` its standard uncertainty
         (rad), 0 where it was stated
@@ -92,7 +92,7 @@ class RigResult:
     channels: tuple[RigChannelCycles, ...]
     shaft: ShaftAngle
     grid: CycleGrid
-    kept: tuple[int, ...]
+    retained: tuple[int, ...]
     outliers: tuple[tuple[int, str], ...]
     offset: float
     offset_uncertainty: float
@@ -107,4 +107,4 @@ class RigResult:
 
     def __repr__(self) -> str:
         names = ", ".join(channel.cycles.quantity for channel in self.channels)
-        return f"RigResult '{self.name}' ({self.form}): {names}, {len(self.kept)} of {self.grid.cycles} cycles"
+        return f"RigResult '{self.name}' ({self.form}): {names}, {len(self.retained)} of {self.grid.cycles} cycles"

@@ -329,7 +329,7 @@ def shaft_of(chosen: ChosenChannels, answers: RigAnswers) -> ShaftAngle:
         return _by_single_pulse(edges, ratio, channel)
     assert answers.teeth is not None
     teeth = number_teeth(edges, answers.teeth, answers.missing, channel.name)
-    return _by_teeth(teeth, answers.teeth, ratio, channel, chosen.index)
+    return _by_teeth(teeth, answers.teeth, ratio, channel, chosen.index_channel)
 
 
 def _by_encoder(channel: RigChannel, ratio: int) -> ShaftAngle:
@@ -343,7 +343,7 @@ def _by_encoder(channel: RigChannel, ratio: int) -> ShaftAngle:
     if angles[-1] < angles[0]:
         angles = -angles
         notes.append(
-            f"angle '{channel.name}' falls, so its sign is changed: the cam turns with rising angle"
+            f"angle '{channel.name}' falls, so its sign is changed: the cam rotates with rising angle"
         )
     # a crank angle that runs over two revolutions says which of the two of the cycle it is
     if ratio == RATIO and period == REVOLUTION:
