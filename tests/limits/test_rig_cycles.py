@@ -72,7 +72,9 @@ def short():
 def test_the_known_mean_lies_within_the_stated_band(recorded, answers):
     found = cycles_in(recorded, "known", answers, lift)
     assert (
-        found.synthetic and [place for place, _ in found.outliers] == [3] and len(found.retained) == 11
+        found.synthetic
+        and [place for place, _ in found.outliers] == [3]
+        and len(found.retained) == 11
     )
     for channel, true in zip(found.channels, (force, lift), strict=True):
         away = np.abs(channel.cycles.mean - true(channel.cycles.cam_angle))

@@ -154,7 +154,10 @@ LAST = (OUT, "first note", "second note")
             {"offset": np.radians(12.5)},
             ("the mark of the rig lies at 12.500 cam deg, as stated", *LAST),
         ),
-        ({"retained": (0, 1, 2, 3), "notes": ()}, (OUT.replace("left out", "retained as requested"),)),
+        (
+            {"retained": (0, 1, 2, 3), "notes": ()},
+            (OUT.replace("left out", "retained as requested"),),
+        ),
         ({"outliers": ()}, LAST[1:]),
         (
             {"shaft": SimpleNamespace(scatter=np.radians(0.034))},

@@ -2,9 +2,8 @@
 each other?
 
 The ratio is that of lack of fit to pure error. Values along the cam angle follow their neighbours,
-so degrees of freedom are counted by
-how the repeats move together along the angle (Box 1954; Shen and Faraway 2004 for curves), not by
-how densely the angle was sampled.
+so degrees of freedom are counted by how the repeats move together along the angle (Box 1954; Shen
+and Faraway 2004 for curves), not by how densely the angle was sampled.
 """
 
 from __future__ import annotations
@@ -104,8 +103,9 @@ class AdequacyTest:
     @property
     def degrees(self) -> tuple[float, float]:
         """Degrees of freedom of adequacy and of reproducibility, the latter infinite where scatters
-        are stated; of sums by Satterthwaite,
-        what is shared having one each above and none to tell below."""
+        are stated; of sums by Satterthwaite, what is shared having one each above and none to tell
+        below.
+        """
         own, parts = (
             self.reproducibility**2,
             [(max(self.repeats, 1) * one) ** 2 for one in self.shared],
@@ -252,10 +252,9 @@ def independent_places(residuals: Array, ring: bool) -> float:
     covariance of ``residuals``.
 
     ``residuals`` (repeats, places): less their mean, each times the root of its weight. Both traces
-    are found without the bias that few
-    repeats bring (Bai and Saranadasa 1996). On a ring the number of a covariance alike at all
-    angles, which is never the smaller
-    one and needs two repeats only, is the upper bound.
+    are found without the bias that few repeats bring (Bai and Saranadasa 1996). On a ring the
+    number of a covariance alike at all angles, which is never the smaller one and needs two repeats
+    only, is the upper bound.
     """
     repeats, places = residuals.shape
     n = repeats - 1
@@ -317,9 +316,8 @@ class DifferenceBand:
     """Difference of model and test over the cam angle with its band, SI, shapes (angles,).
 
     ``difference``: model less mean of the repeats. ``half_width``: the true difference lies within
-    it of the computed one at all angles
-    at once with the chance 1 - ``level``. ``factor``: half width in standard errors of the mean.
-    ``level`` as in the test of adequacy.
+    it of the computed one at all angles at once with the chance 1 - ``level``. ``factor``: half
+    width in standard errors of the mean. ``level`` as in the test of adequacy.
 
     >>> import numpy as np
     >>> angle = np.linspace(0.0, 2 * np.pi, 90, endpoint=False)
@@ -345,9 +343,8 @@ def difference_band(
     values: Array, model: Array, level: float = LEVEL, shared: Array | None = None
 ) -> DifferenceBand:
     """The band for ``values`` (repeats, angles) round one cam revolution and ``model`` (angles,);
-    ``shared`` (errors, angles): standard
-    deviations of errors that all repeats share, each in step along the turn, to which half of the
-    level goes (Scheffe).
+    ``shared`` (errors, angles): standard deviations of errors that all repeats share, each in step
+    along the turn, to which half of the level goes (Scheffe).
 
     Raises :class:`InputError` for fewer than :data:`FEWEST` repeats. Angles at which all repeats
     agree have no width.

@@ -132,9 +132,9 @@ _COUNTED = re.compile(r"(.+)_\d+_cam_angle")
 @dataclass(frozen=True, slots=True)
 class StageRow:
     """Errors within a stretch of the turn, SI: ``bias``, ``rms`` of model less test, ``bias_error``
-    its standard error over the repeats
-    (NaN for one), and the ``share_outside`` of its angles at which the band leaves no difference
-    out."""
+    its standard error over the repeats (NaN for one), and the ``share_outside`` of its angles at
+    which the band leaves no difference out.
+    """
 
     name: str
     first: float
@@ -147,10 +147,10 @@ class StageRow:
 
 @dataclass(frozen=True, slots=True)
 class ValueRow:
-    """One measured value next to the model's, SI, shown in ``unit``. ``scatter``: standard deviation
-    of the test's value (of the mean, where
-    it has repeats); ``model`` is NaN where the run does not have it; ``kind`` says whether it is an
-    angle of a value."""
+    """One measured value next to the model's, SI, shown in ``unit``. ``scatter``: standard
+    deviation of the test's value (of the mean, where it has repeats); ``model`` is NaN where the
+    run does not have it; ``kind`` says whether it is an angle of a value.
+    """
 
     quantity: str
     unit: str
@@ -175,9 +175,9 @@ class ValueRow:
 @dataclass(frozen=True, eq=False)
 class RunAgainstTest:
     """One run against the test. ``curve`` at the angles of the test, ``agreement``, ``band``,
-    ``events`` and ``stages`` belong to measured
-    cycles, ``values`` to a table; ``adequacy`` is None where ``without`` says why there is no
-    F-test."""
+    ``events`` and ``stages`` belong to measured cycles, ``values`` to a table; ``adequacy`` is None
+    where ``without`` says why there is no F-test.
+    """
 
     label: str
     model: str
@@ -198,9 +198,9 @@ class RunAgainstTest:
 
 @dataclass(frozen=True, slots=True)
 class CloserRow:
-    """Two runs compared: their mean squares from the test, and Student's t of the
-    difference over the repeats with its chance
-    (both NaN for one repeat)."""
+    """Two runs compared: their mean squares from the test, and Student's t of the difference over
+    the repeats with its chance (both NaN for one repeat).
+    """
 
     first: str
     second: str
@@ -362,8 +362,9 @@ def counted_partners(
     values: Sequence[MeasuredValue], named: Mapping[float, Mapping[str, float]]
 ) -> dict[int, float]:
     """Place of every measured angle that is counted through a cycle, ``clash_3_cam_angle``, and the
-    model's that meets it: one more early
-    on would shift the count of all that follow, so they meet in their order round the circle."""
+    model's that meets it: one more early on would shift the count of all that follow, so they meet
+    in their order round the circle.
+    """
     families: dict[tuple[float, str], list[int]] = {}
     for place, one in enumerate(values):
         if (found := _COUNTED.fullmatch(one.quantity)) is not None:

@@ -2,9 +2,8 @@
 shown them.
 
 The largest value of a mean of repeats is too large by what scatter adds to it, and where two maxima
-are alike its place is chance. So the
-model is judged by its events under the scatter of the test: the mean's own scatter, drawn from the
-repeats, is added to it many times.
+are alike its place is chance. So the model is judged by its events under the scatter of the test:
+the mean's own scatter, drawn from the repeats, is added to it many times.
 """
 
 from __future__ import annotations
@@ -41,10 +40,9 @@ class EventRow:
     """One event in model and test.
 
     ``name`` as shown; ``dimension``: ``value`` of the curve or ``angle`` (rad). ``model`` is NaN
-    where it shows none; ``seen``: what the
-    test would show of it on average, for its scatter moves extremes; ``error``: standard deviation
-    of that (NaN for one repeat);
-    ``shared``: standard deviation of what all repeats share.
+    where it shows none; ``seen``: what the test would show of it on average, for its scatter moves
+    extremes; ``error``: standard deviation of that (NaN for one repeat); ``shared``: standard
+    deviation of what all repeats share.
 
     >>> EventRow("largest", "value", model=820.0, test=800.0, seen=825.0, error=5.0, repeats=10).in_errors
     5.0
@@ -273,14 +271,12 @@ class Agreement:
     """Model against the mean of the repeats over one turn, SI.
 
     ``bias``: mean of model less test. ``rms``: root mean square of that difference.
-    ``correlation``: coefficient of the two curves.
-    ``shift``: cam angle (rad) by which the model comes later, found from the largest
-    cross-correlation of the curves without their
-    means; NaN where a curve is level. ``shift_reach``: half width of its 95 % interval from the
-    shifts of the single repeats, NaN for
-    fewer than two. ``rest``: root mean square that is left when bias and shift are taken away.
-    ``scatter``: root mean square of
-    one repeat about the mean, NaN for one repeat.
+    ``correlation``: coefficient of the two curves. ``shift``: cam angle (rad) by which the model
+    comes later, found from the largest cross-correlation of the curves without their means; NaN
+    where a curve is level. ``shift_reach``: half width of its 95 % interval from the shifts of the
+    single repeats, NaN for fewer than two. ``rest``: root mean square that is left when bias and
+    shift are taken away. ``scatter``: root mean square of one repeat about the mean, NaN for one
+    repeat.
     """
 
     bias: float

@@ -36,8 +36,8 @@ _MAX_BYTES, _BEGINNING, _MAX_SIZE = 500_000_000, 1 << 16, 1e30
 
 def read_test(test: AnyTest, quantity: str = "", channel: int = 0) -> MeasuredCycles | ValueTable:
     """The test in a file, by content. ``channel``: which of several, from 1 (0: the one of that
-    ``quantity``, or the only one);
-    ``quantity``: what it is compared with where the file calls it otherwise.
+    ``quantity``, or the only one); ``quantity``: what it is compared with where the file calls it
+    otherwise.
 
     Raises :class:`InputError` where the channel is ambiguous.
     """

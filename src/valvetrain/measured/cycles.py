@@ -240,10 +240,9 @@ def read_cycles(path: str | Path) -> tuple[MeasuredCycles, ...]:
     """Read measured cycles, of :func:`write_cycles` or of a table somebody made.
 
     A text begins with comments such as ``# quantity: valve_lift``, ``# unit: mm``, ``# cam speed:
-    1500 rpm`` (or ``engine speed``, of
-    which it is half), ``# synthetic: no``, ``# source: ...``, ``# note: ...``; then a line of
-    headings, then rows: cam angle in
-    degrees, one value a cycle (empty or ``nan`` where nothing was measured).
+    1500 rpm`` (or ``engine speed``, of which it is half), ``# synthetic: no``, ``# source: ...``,
+    ``# note: ...``; then a line of headings, then rows: cam angle in degrees, one value a cycle
+    (empty or ``nan`` where nothing was measured).
 
     Parameters
     ----------

@@ -38,9 +38,8 @@ class MeasuredLift:
     smoothing.
 
     ``name``: lift, intake or exhaust. ``lift_of``: valve or tappet. ``form``: word of the format
-    the file had. ``answers``: what the
-    stations mean and who said so. ``notes``: sentences on what was found in the file, such as a
-    velocity column that agrees.
+    the file had. ``answers``: what the stations mean and who said so. ``notes``: sentences on what
+    was found in the file, such as a velocity column that agrees.
 
     >>> lift = MeasuredLift("lift", np.radians([100.0, 101.0]), np.array([0.0, 1e-4]), "valve", "columns")
     >>> lift

@@ -37,8 +37,7 @@ class TextTable:
     of columns with their units.
 
     ``names`` and ``units`` have one entry a column, empty where the headings do not tell.
-    ``first_line``: number of the line the rows
-    begin on, from 1.
+    ``first_line``: number of the line the rows begin on, from 1.
     """
 
     rows: Array
@@ -52,9 +51,8 @@ def read_text_table(text: str, name: str, max_columns: int = MAX_COLUMNS) -> Tex
     """The table of numbers in ``text``; lines of text may precede it and, marked as comments, be in it.
 
     Semicolons, tabs, bars, commas or blanks part the columns; a decimal comma is read where
-    something else does. ``name`` of the file
-    is for messages. Raises :class:`InputError` naming the line that is not as long as the others or
-    not numbers.
+    something else does. ``name`` of the file is for messages. Raises :class:`InputError` naming the
+    line that is not as long as the others or not numbers.
     """
     headings: list[str] = []
     lines: list[tuple[int, str]] = []

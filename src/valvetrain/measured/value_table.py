@@ -101,9 +101,8 @@ def read_value_table(path: str | Path) -> ValueTable:
     value.
 
     Headings: ``quantity``, ``unit``, then either ``value`` and ``scatter`` (one standard deviation,
-    an amount in that unit or per cent)
-    or ``repeat 1``, ``repeat 2`` ...; further ``cam angle [deg]``, ``angle scatter [deg]``,
-    ``engine speed [rpm]``, any of them empty.
+    an amount in that unit or per cent) or ``repeat 1``, ``repeat 2`` ...; further ``cam angle
+    [deg]``, ``angle scatter [deg]``, ``engine speed [rpm]``, any of them empty.
 
     Parameters
     ----------
