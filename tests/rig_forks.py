@@ -17,7 +17,7 @@ from pathlib import Path
 import numpy as np
 
 from valvetrain.errors import InputError
-from valvetrain.rig.recording import MAX_MEMORY, MAX_SECONDS, answered, form_of
+from valvetrain.rig.reader import MAX_MEMORY, MAX_SECONDS, form_of, read_into
 from valvetrain.solution.read_apart import bound_process
 
 
@@ -61,7 +61,7 @@ def outcome(content: bytes, name: str) -> str:
                 bound_process(MAX_MEMORY, MAX_SECONDS)
                 os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
                 os.dup2(os.open(os.devnull, os.O_WRONLY), 2)
-                answer = answered(path, name, form, (), Path(folder))
+                answer = read_into(Path(folder), path, name, form, ())
                 sizes = [
                     len(np.load(Path(folder, f"{place}.npy"), allow_pickle=False))
                     for place in range(answer.get("arrays", 0))

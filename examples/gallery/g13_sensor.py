@@ -18,11 +18,11 @@ run = vt.simulate("gu2021-beehive", "8000 rpm", spring_models=["multi-mass"], wo
 (seen,) = vt.sensor_response(run, vt.Sensor(bandwidth="1 kHz"), ["seat_force"])
 
 turn = (seen.time - seen.time[0]) / (seen.time[-1] - seen.time[0]) * 360
-recorded = (seen.seen.time - seen.time[0]) / (seen.time[-1] - seen.time[0]) * 360
+recorded = (seen.recorded.time - seen.time[0]) / (seen.time[-1] - seen.time[0]) * 360
 spikes = slice(*np.searchsorted(turn, [230, 360]))
 seen_spikes = slice(*np.searchsorted(recorded, [230, 360]))
 print(
-    f"largest spike after closing {seen.values[spikes].max():.0f} N, recorded {seen.seen.values[seen_spikes].max():.0f} N"
+    f"largest spike after closing {seen.values[spikes].max():.0f} N, recorded {seen.recorded.values[seen_spikes].max():.0f} N"
 )
 
 # %%
@@ -31,7 +31,7 @@ print(
 figure = go.Figure()
 figure.add_scatter(x=turn, y=seen.values, name="true", line={"color": "#a9cbe6"})
 figure.add_scatter(
-    x=recorded, y=seen.seen.values, name="by a gauge of 1 kHz", line={"color": "#a33b53"}
+    x=recorded, y=seen.recorded.values, name="by a gauge of 1 kHz", line={"color": "#a33b53"}
 )
 figure.update_layout(title="Seat force of the beehive spring at 8000 rpm")
 figure.update_xaxes(title="cam angle from the begin of the cycle (deg)")

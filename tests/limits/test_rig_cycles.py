@@ -13,12 +13,12 @@ import numpy as np
 import pytest
 
 from valvetrain.errors import InputError
+from valvetrain.rig.alignment import align_lift
 from valvetrain.rig.channels import RigAnswers
 from valvetrain.rig.cutting import LowPass
 from valvetrain.rig.cycles import cycles_in
-from valvetrain.rig.recording import Recording, RigChannel
-from valvetrain.rig.result import align_lift
-from valvetrain.rig.shaft import numbered, told_by_counts
+from valvetrain.rig.reader import Recording, RigChannel
+from valvetrain.rig.shaft import decode_counts, number_teeth
 
 sys.path.insert(0, str(Path(__file__).parents[2] / "scripts"))
 from sample_rig import Rig, columns, record
@@ -72,7 +72,9 @@ def short():
 def test_the_known_mean_lies_within_the_stated_band(recorded, answers):
     found = cycles_in(recorded, "known", answers, lift)
     assert (
-        found.synthetic and [place for place, _ in found.outliers] == [3] and len(found.kept) == 11
+        found.synthetic
+        and [place for place, _ in found.outliers] == [3]
+        and len(found.retained) == 11
     )
     for channel, true in zip(found.channels, (force, lift), strict=True):
         away = np.abs(channel.cycles.mean - true(channel.cycles.cam_angle))
@@ -99,7 +101,7 @@ def test_one_pulse_a_turn_says_that_speed_within_a_turn_is_unseen(recorded):
     once = RigAnswers(angle_of="cam", once="Cam pulse")
     found = cycles_in(steady, "once", once, lift)
     assert np.degrees(abs(found.offset)) < 0.1
-    assert any("within a turn is not seen" in note for note in found.notes)
+    assert any("within a revolution is not seen" in note for note in found.notes)
     shaken = cycles_in(recorded, "once", once, lift)
     assert np.degrees(abs(shaken.offset)) > 0.1, "what it cannot see moves the cycle"
 
@@ -167,7 +169,7 @@ def test_a_cut_recording_gives_the_same_cycles(recorded):
         cycles_in(given, "cut", replace(ENCODER, offset=0.0, zero={}, keep_outliers=True))
         for given in (recorded, half)
     )
-    count = len(part.kept) - 1
+    count = len(part.retained) - 1
     for one, two in zip(whole.channels, part.channels, strict=True):
         np.testing.assert_allclose(
             two.cycles.values[:count],
@@ -288,7 +290,7 @@ def wheel(teeth, missing, seed=1, speed=25.0, turns=30.3):
 
 @pytest.mark.parametrize(("teeth", "missing"), [(60, 2), (36, 1), (60, 0), (2, 0)])
 def test_wheels_are_counted(teeth, missing):
-    found = numbered(wheel(teeth, missing), teeth, missing, "wheel")
+    found = number_teeth(wheel(teeth, missing), teeth, missing, "wheel")
     assert not found.notes
     assert found.numbers[-1] == next(
         place for place in range(int(30.3 * teeth) - 1, 0, -1) if place % teeth < teeth - missing
@@ -299,12 +301,12 @@ def test_wheels_are_counted(teeth, missing):
 
 def test_lost_and_false_pulses_are_told():
     times = wheel(60, 2)
-    lost = numbered(np.delete(times, [400, 777]), 60, 2, "wheel")
+    lost = number_teeth(np.delete(times, [400, 777]), 60, 2, "wheel")
     assert (
         "2 pulses of 'wheel' were lost" in lost.notes[0]
-        and lost.numbers[-1] == numbered(times, 60, 2, "wheel").numbers[-1]
+        and lost.numbers[-1] == number_teeth(times, 60, 2, "wheel").numbers[-1]
     )
-    false = numbered(
+    false = number_teeth(
         np.sort(np.append(times, [times[500] + 5e-5, times[900] + 7e-5])), 60, 2, "wheel"
     )
     assert (
@@ -323,7 +325,7 @@ def test_lost_and_false_pulses_are_told():
 )
 def test_a_wheel_that_is_not_as_told_is_refused(teeth, missing, words):
     with pytest.raises(InputError, match=words):
-        numbered(wheel(60, 2), teeth, missing, "wheel")
+        number_teeth(wheel(60, 2), teeth, missing, "wheel")
 
 
 def test_gaps_and_uneven_times_leave_out_what_was_not_measured(recorded):
@@ -375,7 +377,7 @@ def test_counts_are_told_from_a_smooth_angle(per_sample, step):
     """
     true = np.radians(per_sample) * np.arange(4000) + 0.001
     shown = np.floor(true / np.radians(step) + 1e-9) * np.radians(step) if step else true
-    times, angles, found = told_by_counts(shown, np.arange(4000.0))
+    times, angles, found = decode_counts(shown, np.arange(4000.0))
     assert np.degrees(found) == pytest.approx(step, abs=1e-4)
     away = np.degrees(angles - (np.radians(per_sample) * times + 0.001))
     assert (

@@ -92,9 +92,9 @@ def test_the_recorded_peak_does_not_depend_on_the_samples_of_the_model(points):
         bandwidth="20 kHz", natural_frequency="60 kHz", damping_ratio=0.02, sampling_rate="100 kHz"
     )
     time = np.linspace(-0.2e-3, 0.25e-3, points)
-    found = gauge.seen(time, spike(time))
+    found = gauge.record(time, spike(time))
     fine = np.linspace(-0.2e-3, 0.25e-3, 45_001)
-    true = gauge.seen(fine, spike(fine))
+    true = gauge.record(fine, spike(fine))
     assert found.peaks == pytest.approx(
         true.peaks, rel=2 * (np.pi / 0.05e-3 * (time[1] - time[0])) ** 2 / 8 + 1e-5
     )
@@ -103,11 +103,11 @@ def test_the_recorded_peak_does_not_depend_on_the_samples_of_the_model(points):
 def test_the_scatter_of_the_sampling_phase_is_told():
     gauge = Sensor(bandwidth="20 kHz", sampling_rate="50 kHz")
     time = np.linspace(-0.1e-3, 0.4e-3, 20_001)
-    low, high = gauge.seen(time, spike(time)).peaks
-    every = [gauge.seen(time, spike(time), phase).peak for phase in np.arange(0, 1, 1 / 7)]
+    low, high = gauge.record(time, spike(time)).peaks
+    every = [gauge.record(time, spike(time), phase).peak for phase in np.arange(0, 1, 1 / 7)]
     assert low - 1 <= min(every) and max(every) <= high + 1
     assert 0.7 * high < low < 0.85 * high
-    quick = Sensor(bandwidth="20 kHz", sampling_rate="2 MHz").seen(time, spike(time)).peaks
+    quick = Sensor(bandwidth="20 kHz", sampling_rate="2 MHz").record(time, spike(time)).peaks
     assert quick[1] - quick[0] < 0.3
 
 
@@ -127,8 +127,8 @@ def test_a_periodic_trace_has_no_begin():
 def test_resolution_rounds_and_an_ideal_gauge_changes_nothing():
     time = np.linspace(0.0, 1e-3, 101)
     values = np.sin(2 * np.pi * 1e3 * time)
-    np.testing.assert_array_equal(Sensor().seen(time, values).values, values)
-    assert set(np.round(Sensor(resolution=0.5).seen(time, values).values * 2) / 2) <= {
+    np.testing.assert_array_equal(Sensor().record(time, values).values, values)
+    assert set(np.round(Sensor(resolution=0.5).record(time, values).values * 2) / 2) <= {
         -1.0,
         -0.5,
         0.0,
@@ -180,7 +180,7 @@ def test_a_causal_gauge_is_late_by_the_delay_of_its_filter(order, sum_of_damping
     bandwidth: 0.46 ms of order 4 at 900 Hz.
     """
     time = np.linspace(0.0, 0.05, 50_001)
-    seen = Sensor(bandwidth=900.0, order=order).seen(time, 1000.0 * time)
+    seen = Sensor(bandwidth=900.0, order=order).record(time, 1000.0 * time)
     assert time[-1] - seen.values[-1] / 1000.0 == pytest.approx(
         sum_of_damping / (2 * np.pi * 900.0), rel=1e-6
     )

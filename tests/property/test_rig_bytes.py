@@ -16,10 +16,10 @@ from hypothesis import strategies as st
 
 from valvetrain import registry
 from valvetrain.errors import InputError
-from valvetrain.rig import recording as reader_process
+from valvetrain.rig import reader as reader_process
 from valvetrain.rig.channels import RigAnswers
 from valvetrain.rig.cycles import cycles_in
-from valvetrain.rig.recording import Recording, RigFormat, form_of, read_recording
+from valvetrain.rig.reader import Recording, RigFormat, form_of, read_recording
 
 ROOT = Path(__file__).parents[2]
 sys.path.insert(0, str(ROOT / "scripts"))
@@ -117,7 +117,7 @@ def read_any(folder, content):
     path = folder / "any"
     path.write_bytes(content)
     if any(
-        registry.find("rig_formats", word).apart
+        registry.find("rig_formats", word).isolated
         and registry.find("rig_formats", word).recognise(content, "any")
         for word in registry.words("rig_formats")
     ):
@@ -141,7 +141,7 @@ def read_any(folder, content):
 def test_a_reader_that_dies_is_a_sentence(tmp_path, monkeypatch, files):
     """What upsets a library beyond an exception ends its own process only."""
     (tmp_path / "fatal.py").write_text(
-        "import os\nfrom valvetrain.rig.recording import RigFormat\n"
+        "import os\nfrom valvetrain.rig.reader import RigFormat\n"
         "SPEC = RigFormat('fatal', lambda head, name: head.startswith(b'fatal'), lambda *given: os.abort())\n"
     )
     monkeypatch.syspath_prepend(str(tmp_path))

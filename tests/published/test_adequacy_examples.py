@@ -16,7 +16,7 @@ from valvetrain.compare_test.adequacy import (
     adequacy_test,
     chance,
     critical_ratio,
-    p_words,
+    p_text,
 )
 
 #: Etch rates (angstrom per minute) at four powers, five runs each: Montgomery, Design and Analysis
@@ -98,7 +98,7 @@ def test_both_verdicts_carry_their_numbers():
         words[False]
         == "the test refutes the chain: F = 20 is above the critical 2.03 (5 %, 10 and 50 degrees of freedom; p below 1e-12)"
     )
-    assert p_words(0.0312) == "p = 0.031"
+    assert p_text(0.0312) == "p = 0.031"
 
 
 def test_a_difference_just_beyond_what_is_refutable_is_refuted():

@@ -11,22 +11,24 @@ import pytest
 
 from valvetrain.measured.cycles import MeasuredCycles
 from valvetrain.report.chart import Line
+from valvetrain.report.columns import text_table
 from valvetrain.report.page import Figure, Grid, Text
+from valvetrain.rig.alignment import LiftAlignment
 from valvetrain.rig.channels import RigQuantity
 from valvetrain.rig.page import (
-    HEAD,
+    COLUMNS,
     alignment_chart,
-    channel_rows,
     cycles_chart,
     data_of,
     facts_of,
+    peak_rows,
     rig_page,
     sentences_of,
     shown_unit,
     spectrum_chart,
     speed_chart,
 )
-from valvetrain.rig.result import LiftAlignment, RigChannelCycles
+from valvetrain.rig.result import RigChannelCycles
 
 DEGREES = np.arange(360.0)
 ANGLE, RPM, TURN = np.radians(DEGREES), np.pi / 30, 2 * np.pi
@@ -58,8 +60,8 @@ def result(**changes) -> SimpleNamespace:
         "grid": SimpleNamespace(
             cycles=4, cam_angle=ANGLE, cam_speeds=np.array([1000, 1010, 9999, 1020]) * RPM, cut_times=np.array([0.0, 1.0, 2.0, 4.0, 5.0])
         ),
-        "kept": (0, 1, 3), "outliers": ((2, "is far off"),), "offset": 0.0, "offset_uncertainty": 0.0,
-        "shaft": SimpleNamespace(scatter=0.0, told=360.0, cam_speed=lambda times: 100.0 * RPM * np.asarray(times)),
+        "retained": (0, 1, 3), "outliers": ((2, "is far off"),), "offset": 0.0, "offset_uncertainty": 0.0,
+        "shaft": SimpleNamespace(scatter=0.0, readings=360.0, cam_speed=lambda times: 100.0 * RPM * np.asarray(times)),
     }  # fmt: skip
     return SimpleNamespace(**told | changes)
 
@@ -102,7 +104,10 @@ def test_rows_tell_the_mean_and_the_extremes_of_the_cycles():
     """Largest of the mean: 5 + 4 (1 + 2 cos 1 deg) / 3 mm; the angles 199, 200 and 201 scatter by
     sqrt(2 / 3) degrees.
     """
-    lift, strain = channel_rows(result())[:3], channel_rows(result())[3:]
+    lift, strain = (
+        text_table(COLUMNS, peak_rows(result()))[1][:3],
+        text_table(COLUMNS, peak_rows(result()))[1][3:],
+    )
     assert lift == [
         ("valve lift", "largest of the mean", "8.9996", "±0.2", "", "mm", "200.0", ""),
         ("valve lift", "largest of a cycle", "9", "±0.25", "0.1", "mm", "200.0", "0.82"),
@@ -118,7 +123,7 @@ def test_rows_tell_the_mean_and_the_extremes_of_the_cycles():
         ("", ""),
     ]
     one = channel("valve_lift", "m", LIFT[1:2], np.full(360, np.inf), 2e3)
-    assert [row[2:5] for row in channel_rows(result(channels=(one,)))] == [
+    assert [row[2:5] for row in text_table(COLUMNS, peak_rows(result(channels=(one,))))[1]] == [
         ("9", "", ""),
         ("9", "", "0"),
         ("1", "", "0"),
@@ -129,8 +134,8 @@ def test_facts_are_those_of_the_kept_cycles():
     assert facts_of(result()) == (
         ("cycles", "3 of 4"),
         ("cam speed", "1010 rpm (1000 to 1020)"),
-        ("kept up to", "2 kHz, 5 kHz"),
-        ("angles a turn", "360"),
+        ("band", "2 kHz, 5 kHz"),
+        ("angles per revolution", "360"),
         ("read as", "CSV"),
     )
     assert facts_of(result(synthetic=True))[-1] == ("data", "synthetic")
@@ -149,7 +154,10 @@ LAST = (OUT, "first note", "second note")
             {"offset": np.radians(12.5)},
             ("the mark of the rig lies at 12.500 cam deg, as stated", *LAST),
         ),
-        ({"kept": (0, 1, 2, 3), "notes": ()}, (OUT.replace("left out", "kept as asked"),)),
+        (
+            {"retained": (0, 1, 2, 3), "notes": ()},
+            (OUT.replace("left out", "retained as requested"),),
+        ),
         ({"outliers": ()}, LAST[1:]),
         (
             {"shaft": SimpleNamespace(scatter=np.radians(0.034))},
@@ -251,7 +259,7 @@ def test_the_answer_in_json_is_in_si():
 def test_the_page_holds_its_sections_in_order(laid, synthetic):
     page = rig_page("own", result(alignment=laid, synthetic=synthetic))
     titles = {
-        "figures": "Figures of the cycles", "cycles": "Cycles over the cam angle", "alignment": "Laid on the cam by its lift",
+        "figures": "Figures of the cycles", "cycles": "Cycles over the cam angle", "alignment": "Aligned to the cam by its lift",
         "speed": "Speed of the cam", "raw": "As recorded", "spectra": "Spectrum before and after the low-pass", "notes": "How it was read",
     }  # fmt: skip
     due = {key: title for key, title in titles.items() if laid is not None or key != "alignment"}
@@ -270,8 +278,9 @@ def test_the_page_holds_its_sections_in_order(laid, synthetic):
     (grid,) = blocks["figures"]
     assert (
         isinstance(grid, Grid)
-        and grid.headers == HEAD
-        and [tuple(one.words for one in row) for row, _ in grid.rows] == channel_rows(result())
+        and grid.headers == text_table(COLUMNS, ())[0]
+        and [tuple(one.words for one in row) for row, _ in grid.rows]
+        == text_table(COLUMNS, peak_rows(result()))[1]
     )
     assert all(
         [bool(one.tone) for one in row] == [False, False, True, True, True, False, True, True]
@@ -285,7 +294,7 @@ def test_the_page_holds_its_sections_in_order(laid, synthetic):
     assert page.lead.startswith(
         "Synthetic recording: computed, not measured. "
         if synthetic
-        else "Means over the kept cycles."
+        else "Means over the retained cycles."
     )
     assert page.facts == facts_of(result(synthetic=synthetic))
 
@@ -324,7 +333,7 @@ def test_cycles_their_mean_and_their_scatter_are_drawn_in_the_unit_of_the_page()
     chart = cycles_chart(many)
     assert (
         len(chart.panels[0].layers) == 13
-        and "Kept up to 2 kHz; the first 12 of 15 cycles are drawn." in chart.caption
+        and "Band up to 2 kHz; the first 12 of 15 cycles are drawn." in chart.caption
     )
     assert [panel.y_label for panel in chart.panels] == ["oddity", "scatter"]
 
@@ -356,7 +365,7 @@ def test_a_tone_stands_in_the_spectrum_with_its_amplitude():
     """2 mm at 0.05 of 10 kHz before the low-pass; over the cam angle 4 mm once a turn, at 100
     rad/s.
     """
-    (panel,) = spectrum_chart(result().channels[0], result()).panels
+    (panel,) = spectrum_chart(result().channels[0]).panels
     before, after = lines(panel)["as recorded"], lines(panel)["over the cam angle"]
     assert before.x[np.argmax(before.y)] == pytest.approx(0.5) and before.y.max() == pytest.approx(
         2.0, rel=5e-3

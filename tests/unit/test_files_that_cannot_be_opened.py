@@ -18,8 +18,8 @@ from valvetrain.film.frames import open_film
 from valvetrain.measured.tables import read_content
 from valvetrain.parameters.loading import load_case
 from valvetrain.parameters.writing import replace_file
-from valvetrain.rig import recording as reader_process
-from valvetrain.rig.recording import read_recording
+from valvetrain.rig import reader as reader_process
+from valvetrain.rig.reader import read_recording
 from valvetrain.scan.clouds import open_cloud
 from valvetrain.solution.atomic import checked_content
 
@@ -96,10 +96,10 @@ def test_a_recording_is_of_a_known_form_and_size(tmp_path, monkeypatch):
     path.write_bytes(b"x" * 2000)
     forms = {
         "first": SimpleNamespace(
-            words="firsts", recognise=lambda head, name: head.startswith(b"1")
+            label="firsts", recognise=lambda head, name: head.startswith(b"1")
         ),
         "second": SimpleNamespace(
-            words="seconds", recognise=lambda head, name: name.endswith(".2")
+            label="seconds", recognise=lambda head, name: name.endswith(".2")
         ),
     }
     monkeypatch.setattr(

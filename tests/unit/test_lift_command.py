@@ -119,7 +119,7 @@ def test_two_lobes_tell_overlap(table, tmp_path):
 @pytest.mark.parametrize(
     ("words", "sentence"),
     [
-        (("--angle-of", "crank"), "crank as asked, but the file says cam"),
+        (("--angle-of", "crank"), "crank as requested, but the file says cam"),
         (("--at", "12 mm"), "the lobe rises 9"),
         (("--noise", "3"), "--noise"),
         (("--engine-speed", "4000 rpm"), "name it with --case"),

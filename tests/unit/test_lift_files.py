@@ -106,9 +106,9 @@ def test_what_was_assumed_is_said_to_be():
 
 
 def test_an_answer_against_the_file_is_refused():
-    with pytest.raises(InputError, match="crank as asked, but the file says cam"):
+    with pytest.raises(InputError, match="crank as requested, but the file says cam"):
         read("cam angle [deg]; valve lift [mm]\n" + rows("{:g};{:.5f}"), angle_of="crank")
-    with pytest.raises(InputError, match="lift_unit is inch as asked, but the file says mm"):
+    with pytest.raises(InputError, match="lift_unit is inch as requested, but the file says mm"):
         read("cam angle [deg]; valve lift [mm]\n" + rows("{:g};{:.5f}"), lift_unit="inch")
 
 
@@ -148,7 +148,7 @@ def test_a_third_column_is_never_passed_over():
     )
     assert "velocity column does not fit" in lobe.notes[0]
     (lobe,) = read(text, **ALL, columns=("angle", "lift", "ignore"))
-    assert lobe.notes == ("left out as asked: column 3",)
+    assert lobe.notes == ("left out as requested: column 3",)
     (lobe,) = read("angle lift velocity\n" + text, **ALL)
     assert "velocity column agrees" in lobe.notes[0]
 

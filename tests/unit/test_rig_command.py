@@ -83,7 +83,7 @@ def test_the_command_tells_writes_and_keeps(folder, tmp_path):
 
 def test_an_outlier_may_stay(folder):
     found = vt.rig_cycles(folder / "rig.tdms", vt.RigAnswers(angle_of="crank", keep_outliers=True))
-    assert len(found.kept) == 6 and found.outliers[0][0] == 3
+    assert len(found.retained) == 6 and found.outliers[0][0] == 3
 
 
 def test_all_open_questions_are_one_sentence(tmp_path):
@@ -201,7 +201,7 @@ def test_what_a_gauge_sees_does_not_depend_on_the_output_samples():
         vt.sensor_response(run, vt.Sensor(bandwidth="1 kHz"), ["seat_force"])[0] for run in runs
     )
     assert len(runs[0].time) < len(runs[1].time)
-    assert one.seen.peak == pytest.approx(two.seen.peak, rel=2e-4)
+    assert one.recorded.peak == pytest.approx(two.recorded.peak, rel=2e-4)
 
 
 def test_a_channel_that_a_run_lacks_is_named():

@@ -25,7 +25,7 @@ from valvetrain.report.motion.springs import _shares
 from valvetrain.rig import shaft as rig_shaft
 from valvetrain.rig.channels import RigQuantity
 from valvetrain.rig.cutting import CycleGrid, grid_of, set_to_zero
-from valvetrain.rig.recording import RigChannel
+from valvetrain.rig.reader import RigChannel
 from valvetrain.rig.shaft import ShaftAngle
 from valvetrain.runs import train_uncertainty, uncertainty
 from valvetrain.runs.solid import SolidMotion, check_motion
@@ -228,8 +228,8 @@ def test_one_mark_a_crank_turn_leaves_half_a_cam_turn_open(ratio, told):
     channel = RigChannel("mark", "V", np.zeros(10), step=0.1)
     assert (
         any(
-            "half a cam turn off" in note
-            for note in rig_shaft._by_pulse_a_turn(edges, ratio, channel).notes
+            "half a cam revolution off" in note
+            for note in rig_shaft._by_single_pulse(edges, ratio, channel).notes
         )
         is told
     )

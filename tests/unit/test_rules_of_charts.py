@@ -34,7 +34,7 @@ def recorded(kept, outliers, cycles=8):
     return SimpleNamespace(
         channels=(channel, channel),
         grid=grid,
-        kept=kept,
+        retained=kept,
         outliers=tuple((one, "why") for one in outliers),
     )
 
@@ -175,7 +175,7 @@ def test_the_speed_of_a_recording_is_drawn_from_its_first_cut_to_its_last():
     the middle.
     """
     cuts = 0.4 + 0.2 * np.arange(6)
-    shaft = SimpleNamespace(cam_speed=lambda time: 100 + 50 * time, told=60.0)
+    shaft = SimpleNamespace(cam_speed=lambda time: 100 + 50 * time, readings=60.0)
     grid = SimpleNamespace(cut_times=cuts, cam_speeds=100 + 50 * (cuts[:-1] + 0.1))
     (panel,) = speed_chart(SimpleNamespace(grid=grid, shaft=shaft)).panels
     spline, mean = panel.layers

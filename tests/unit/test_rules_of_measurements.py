@@ -17,7 +17,7 @@ from valvetrain.rig import logger_formats as tdms
 from valvetrain.rig.array_formats import channels_of
 from valvetrain.rig.cutting import grid_of
 from valvetrain.rig.gauge import finest_trace
-from valvetrain.rig.recording import Budget
+from valvetrain.rig.reader import Budget
 from valvetrain.rig.result import student
 from valvetrain.rig.shaft import ShaftAngle
 from valvetrain.scan import axis as sections

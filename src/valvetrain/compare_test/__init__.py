@@ -1,5 +1,7 @@
-"""A model compared with a test: errors by event, bands of the difference, Fisher's test of
-adequacy.
+"""``valvetrain compare-test``: a model compared with measured cycles or values of a test.
+
+``compare.py`` runs the case and compares (begin there): ``reader.py`` reads the test, ``comparison.py`` judges one run by
+``adequacy.py`` (Fisher's test) and ``events.py``; ``tables.py`` and ``summary.py`` hold what terminal and page show.
 """
 
 from __future__ import annotations

@@ -2,9 +2,8 @@
 each other?
 
 The ratio is that of lack of fit to pure error. Values along the cam angle follow their neighbours,
-so degrees of freedom are counted by
-how the repeats move together along the angle (Box 1954; Shen and Faraway 2004 for curves), not by
-how densely the angle was sampled.
+so degrees of freedom are counted by how the repeats move together along the angle (Box 1954; Shen
+and Faraway 2004 for curves), not by how densely the angle was sampled.
 """
 
 from __future__ import annotations
@@ -26,7 +25,7 @@ Array = NDArray[np.float64]
 MANY = 1e8
 #: Share of adequate models that a test may refute.
 LEVEL = 0.05
-#: A gap in the angles stands for this many steps at most.
+#: A gap in the angles counts as this many steps at most.
 WIDEST = 4.0
 #: Steps of a ring of angles that differ by less than this share of the median are even.
 EVEN = 0.01
@@ -104,8 +103,9 @@ class AdequacyTest:
     @property
     def degrees(self) -> tuple[float, float]:
         """Degrees of freedom of adequacy and of reproducibility, the latter infinite where scatters
-        are stated; of sums by Satterthwaite,
-        what is shared having one each above and none to tell below."""
+        are stated; of sums by Satterthwaite, what is shared having one each above and none to tell
+        below.
+        """
         own, parts = (
             self.reproducibility**2,
             [(max(self.repeats, 1) * one) ** 2 for one in self.shared],
@@ -156,21 +156,21 @@ class AdequacyTest:
         first, second = self.degrees
         between = f"{number(first, 3)} and {'infinitely many' if math.isinf(second) else number(second, 3)} degrees of freedom"
         verdict = "does not refute" if self.adequate else "refutes"
-        beside = "not above" if self.adequate else "above"
+        relation = "not above" if self.adequate else "above"
         return (
-            f"the test {verdict} {label}: F = {number(self.ratio, 3)} is {beside} the critical {number(self.critical, 3)} "
-            f"({100 * self.level:g} %, {between}; {p_words(self.p_value)})"
+            f"the test {verdict} {label}: F = {number(self.ratio, 3)} is {relation} the critical {number(self.critical, 3)} "
+            f"({100 * self.level:g} %, {between}; {p_text(self.p_value)})"
         )
 
 
-def chance_words(p_value: float) -> str:
+def chance_text(p_value: float) -> str:
     """A chance as people read it."""
     return "below 1e-12" if p_value < 1e-12 else number(p_value, 2)
 
 
-def p_words(p_value: float) -> str:
+def p_text(p_value: float) -> str:
     """The same as an equation."""
-    return f"p {'' if p_value < 1e-12 else '= '}{chance_words(p_value)}"
+    return f"p {'' if p_value < 1e-12 else '= '}{chance_text(p_value)}"
 
 
 def critical_ratio(first: float, second: float, level: float) -> float:
@@ -205,8 +205,8 @@ def adequacy_test(
     ----------
     values : repeats, shape (repeats, places)
     model : shape (places,)
-    weights : share of the whole that each place stands for, shape (places,); even by default
-    ring : the places are even steps round one cam turn
+    weights : share of the whole that each place represents, shape (places,); even by default
+    ring : the places are even steps round one cam revolution
     fitted : parameters of the model that were found from these values
     level : share of adequate models that the test may refute
     shared : mean square of each error that all repeats share, square of the unit
@@ -249,13 +249,12 @@ def adequacy_test(
 
 def independent_places(residuals: Array, ring: bool) -> float:
     """Effective number of independent places: squared trace over trace of the square of the
-    covariance that ``residuals`` tell.
+    covariance of ``residuals``.
 
     ``residuals`` (repeats, places): less their mean, each times the root of its weight. Both traces
-    are found without the bias that few
-    repeats bring (Bai and Saranadasa 1996). On a ring the number of a covariance alike at all
-    angles, which is never the smaller
-    one and needs two repeats only, is the upper bound.
+    are found without the bias that few repeats bring (Bai and Saranadasa 1996). On a ring the
+    number of a covariance alike at all angles, which is never the smaller one and needs two repeats
+    only, is the upper bound.
     """
     repeats, places = residuals.shape
     n = repeats - 1
@@ -296,20 +295,20 @@ def _on_a_ring(residuals: Array, n: int, trace: float) -> float:
 
 
 def ring_weights(cam_angle: Array) -> tuple[Array, bool]:
-    """Share of the turn that each angle (rad, rising) stands for, and whether the steps are even; a
+    """Share of the cycle that each angle (rad, rising) represents, and whether the steps are even; a
     gap counts as few steps only.
     """
     steps = np.diff(np.append(cam_angle, cam_angle[0] + 2 * np.pi))
-    usual = float(np.median(steps))
-    even = bool(np.all(np.abs(steps - usual) < EVEN * usual))
-    clipped = np.minimum(steps, WIDEST * usual)
+    typical = float(np.median(steps))
+    even = bool(np.all(np.abs(steps - typical) < EVEN * typical))
+    clipped = np.minimum(steps, WIDEST * typical)
     weights = clipped + np.roll(clipped, 1)
     return weights / weights.sum(), even
 
 
 #: Fewest repeats that make a band worth drawing.
-FEWEST = 3
-_LARGEST = 1e6
+MIN_REPEATS = 3
+_MAX_FACTOR = 1e6
 
 
 @dataclass(frozen=True, eq=False)
@@ -317,9 +316,8 @@ class DifferenceBand:
     """Difference of model and test over the cam angle with its band, SI, shapes (angles,).
 
     ``difference``: model less mean of the repeats. ``half_width``: the true difference lies within
-    it of the computed one at all angles
-    at once with the chance 1 - ``level``. ``factor``: half width in standard errors of the mean.
-    ``level`` as in the test of adequacy.
+    it of the computed one at all angles at once with the chance 1 - ``level``. ``factor``: half
+    width in standard errors of the mean. ``level`` as in the test of adequacy.
 
     >>> import numpy as np
     >>> angle = np.linspace(0.0, 2 * np.pi, 90, endpoint=False)
@@ -344,17 +342,18 @@ class DifferenceBand:
 def difference_band(
     values: Array, model: Array, level: float = LEVEL, shared: Array | None = None
 ) -> DifferenceBand:
-    """The band for ``values`` (repeats, angles) round one cam turn and ``model`` (angles,);
-    ``shared`` (errors, angles): standard
-    deviations of errors that all repeats share, each in step along the turn, to which half of the
-    level goes (Scheffe).
+    """The band for ``values`` (repeats, angles) round one cam revolution and ``model`` (angles,);
+    ``shared`` (errors, angles): standard deviations of errors that all repeats share, each in step
+    along the turn, to which half of the level goes (Scheffe).
 
     Raises :class:`InputError` for fewer than :data:`FEWEST` repeats. Angles at which all repeats
     agree have no width.
     """
     repeats = len(values)
-    if repeats < FEWEST:
-        raise InputError(f"{repeats} repeats give no band worth drawing; give {FEWEST} or more")
+    if repeats < MIN_REPEATS:
+        raise InputError(
+            f"{repeats} repeats give no band worth drawing; give {MIN_REPEATS} or more"
+        )
     mean = values.mean(axis=0)
     residuals = values - mean
     size = np.sqrt(np.sum(residuals**2, axis=0))
@@ -385,6 +384,8 @@ def band_factor(directions: Array, level: float) -> float:
         crossings = length / math.pi * (1 + factor**2 / freedom) ** (-(freedom - 1) / 2)
         return float(crossings + 2 * stdtr(freedom, -factor) - level)
 
-    if freedom < 2 or left(_LARGEST) > 0:
+    if freedom < 2 or left(_MAX_FACTOR) > 0:
         return by_angles
-    return min(by_angles, float(brentq(left, 0.0, _LARGEST, xtol=1e-9)) if left(0.0) > 0 else 0.0)
+    return min(
+        by_angles, float(brentq(left, 0.0, _MAX_FACTOR, xtol=1e-9)) if left(0.0) > 0 else 0.0
+    )

@@ -4,6 +4,7 @@ adequate.
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -64,7 +65,7 @@ def compare_test(
     spring: SpringOption = None,
     spring_set: SpringSetOption = None,
     bandwidth: Annotated[
-        str | None, asks("--bandwidth", "FREQUENCY", "See the model through a gauge of '10 kHz'.")
+        str | None, asks("--bandwidth", "FREQUENCY", "Filter the model by a gauge of '10 kHz'.")
     ] = None,
     sensor: Annotated[
         str | None,
@@ -177,53 +178,37 @@ def _answer(found: ModelAgainstTest, request: SavedRequest, test: str, open_page
 
 def _show(console: Console, found: ModelAgainstTest, folder: Path) -> None:
     from valvetrain.cli.outcome import plain_table
-    from valvetrain.compare_test import summary as words
+    from valvetrain.compare_test import summary, tables
     from valvetrain.measured.cycles import MeasuredCycles
+    from valvetrain.report.columns import text_table
 
-    test = found.test
-    console.print(f"test: {words.text_of_test(found)}", soft_wrap=True)
+    def show_table(columns: tables.Columns, rows: Iterable[Any]) -> None:
+        headings, texts, right = text_table(columns, rows)
+        console.print()
+        console.print(plain_table(headings, texts, right=right))
+
+    test, best = found.test, found.best if found.runs else None
+    console.print(f"test: {summary.text_of_test(found)}", soft_wrap=True)
     if test.synthetic:
-        console.print(words.SYNTHETIC, soft_wrap=True)
-    if not found.runs:
+        console.print(summary.SYNTHETIC, soft_wrap=True)
+    if best is None:
         return
     console.print()
-    for sentence in words.verdict_sentences(found):
+    for sentence in summary.verdict_sentences(found):
         console.print(sentence, soft_wrap=True)
-    console.print()
-    rows = words.adequacy_rows(found)
-    heads: tuple[str, ...]
-    if rows:
-        first, *heads_of = words.adequacy_heads(found)
-        heads = (first, heads_of[0], "repeats", "F", "degrees", "critical", "p", "verdict")
-        console.print(plain_table(heads, rows, right=(1, 2, 3, 5, 6)))
-        console.print()
-    unit, factor = words.unit_of_test(found)
+    unit, factor = summary.unit_of_test(found)
+    if tested := tables.with_adequacy(found.runs):
+        show_table(tables.adequacy_columns(unit, factor), tested)
     if isinstance(test, MeasuredCycles):
-        heads = (
-            "model",
-            f"bias ({unit})",
-            f"rms ({unit})",
-            "left",
-            "correlation",
-            "later (deg)",
-            "95 %",
-        )
-        console.print(plain_table(heads, words.agreement_rows(found), right=(1, 2, 3, 4, 5, 6)))
-        told = [
-            *words.event_rows(found.best, unit, factor, spikes=False),
-            *words.event_rows(found.best, unit, factor, spikes=True),
-        ]
-        console.print()
-        heads = (f"{found.best.label}", *words.EVENT_HEADS[1:])
-        console.print(plain_table(heads, told, right=(1, 2, 3, 4, 6, 7)))
-        console.print()
-        console.print(words.events_sentence(found.best), soft_wrap=True)
+        show_table(tables.agreement_columns(unit, factor), tables.with_agreement(found.runs))
+        events = sorted(best.events, key=tables.is_spike)
+        show_table(tables.event_columns(unit, factor, best.label), events)
+        console.print(f"\n{summary.events_sentence(best)}", soft_wrap=True)
     else:
-        for one in found.runs:
-            console.print(words.outside_sentence(one), soft_wrap=True)
         console.print()
-        heads = (f"{found.best.label}", *words.VALUE_HEADS[1:])
-        console.print(plain_table(heads, words.value_rows(found.best), right=(2, 3, 5, 6, 7)))
+        for one in found.runs:
+            console.print(summary.outside_sentence(one), soft_wrap=True)
+        show_table(tables.value_columns(best.label), best.values)
     console.print()
     for note in dict.fromkeys(found.notes):
         console.print(f"{note[:1].upper()}{note[1:]}.", soft_wrap=True)

@@ -1,5 +1,5 @@
-"""Model against test: a case run at the speed of a test, its curve or numbers beside the measured
-ones, and whether it is adequate.
+"""Compares a model with a test: runs a case at the speed of the test and judges its curve or numbers
+by the measured ones. Begin with :func:`compare_with_test`.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ from valvetrain.compare_test.reader import (
     few_notes,
     likeness_notes,
     read_test,
-    rpm_words,
+    rpm_text,
     whole_cycles,
 )
 from valvetrain.errors import InputError
@@ -53,13 +53,11 @@ from valvetrain.units import Given, si
 
 @dataclass(frozen=True, eq=False)
 class ModelAgainstTest:
-    """What a test says of a model.
+    """Result of the comparison of a model with a test.
 
-    ``runs`` stand by how near they are, the nearest first; ``closer`` compares each with the
-    nearest. ``study``: the computation;
-    ``test``: as it was compared (whole cycles). ``notes``: what was found or assumed on the way;
-    ``failures``: a sentence
-    per run that did not complete.
+    ``runs`` are sorted, the nearest to the test first; ``closer`` compares each with the nearest.
+    ``study``: the computation; ``test``: as it was compared (whole cycles). ``notes``: what was
+    found or assumed on the way; ``failures``: a sentence per run that did not complete.
 
     >>> import valvetrain as vt
     >>> angle = np.linspace(0.0, 2 * np.pi, 180, endpoint=False)
@@ -88,8 +86,8 @@ class ModelAgainstTest:
     @property
     def verdict(self) -> str:
         """The verdict on the nearest run in one sentence."""
-        words = self.best.sentence
-        return f"{words[:1].upper()}{words[1:]}."
+        sentence = self.best.sentence
+        return f"{sentence[:1].upper()}{sentence[1:]}."
 
     @property
     def quantity(self) -> str:
@@ -115,10 +113,9 @@ class ModelAgainstTest:
         return "\n  ".join([*lines, *(f"not completed: {one}" for one in self.failures)])
 
     def _repr_html_(self) -> str:
-        told = [(one.label, one.adequacy) for one in self.runs]
         rows = [
             (label, f"{test.ratio:.3g}", f"{test.p_value:.2g}") if test else (label, "", "")
-            for label, test in told
+            for label, test in ((one.label, one.adequacy) for one in self.runs)
         ]
         return table(repr(self), ("model", "F", "p"), rows)
 
@@ -153,7 +150,7 @@ def compare_with_test(
         that quantity
     engine_speed : speed of the crank where the test does not state it, "4200 rpm", rad/s or a pint
         quantity
-    spring_models : words of spring models, compared side by side; the case's own by default
+    spring_models : names of spring models, compared side by side; the case's own by default
     spring_sets : names of spring sets of a train
     sensor : gauge of the test, through which the model is seen before it is compared
     fitted : parameters of the model that were found from this test
@@ -168,7 +165,7 @@ def compare_with_test(
 
     Raises
     ------
-    InputError : a file that cannot be read, a quantity that no run tells, a unit that does not fit,
+    InputError : a file that cannot be read, a quantity that no run has, a unit that does not fit,
         no speed, one sentence each
 
     Examples
@@ -183,10 +180,12 @@ def compare_with_test(
     True
     """
     chosen = case_of(case)
-    asked = _asked(chosen, test, quantity, channel, engine_speed, sensor, fitted, shared, level)
+    request = _read_request(
+        chosen, test, quantity, channel, engine_speed, sensor, fitted, shared, level
+    )
     study = simulate(
         chosen,
-        tuple(f"{speed!r} rad/s" for speed in asked.engine_speeds),
+        tuple(f"{speed!r} rad/s" for speed in request.engine_speeds),
         spring_models=spring_models,
         spring_sets=spring_sets,
         workers=workers,
@@ -196,7 +195,7 @@ def compare_with_test(
     )
     return _answer(
         study,
-        asked,
+        request,
         active_wire(build(chosen, spring_models=spring_models, spring_sets=spring_sets)),
     )
 
@@ -216,16 +215,16 @@ def compare_study_with_test(
     Raises :class:`InputError` likewise, and where no run is at the speed of the test.
     """
     chosen = case_of(case)
-    asked = _asked(chosen, test, quantity, channel, engine_speed, None, 0, (), LEVEL)
+    request = _read_request(chosen, test, quantity, channel, engine_speed, None, 0, (), LEVEL)
     near = tuple(
         run
         for run in study.solutions
-        if any(same_speed(run.engine_speed, speed) for speed in asked.engine_speeds)
+        if any(same_speed(run.engine_speed, speed) for speed in request.engine_speeds)
     )
     if not near:
-        told = ", ".join(rpm_words(speed) for speed in asked.engine_speeds)
+        speeds = ", ".join(rpm_text(speed) for speed in request.engine_speeds)
         raise InputError(
-            f"the test is at {told}, and none of the runs is; run the case at that speed", "test"
+            f"the test is at {speeds}, and none of the runs is; run the case at that speed", "test"
         )
     problem = build(chosen)
     if not {run.label for run in near} <= {member.label for member in problem.members}:
@@ -234,7 +233,7 @@ def compare_study_with_test(
             for name in ("model", "spring_set")
         )
         problem = build(chosen, spring_models=models, spring_sets=sets)
-    return _answer(replace(study, solutions=near), asked, active_wire(problem))
+    return _answer(replace(study, solutions=near), request, active_wire(problem))
 
 
 @dataclass(frozen=True)
@@ -250,7 +249,7 @@ class _Request:
     level: float
 
 
-def _asked(
+def _read_request(
     case: Case,
     test: AnyTest,
     quantity: str,
@@ -261,7 +260,7 @@ def _asked(
     shared: str | Sequence[str],
     level: float,
 ) -> _Request:
-    """What is asked, checked."""
+    """The request, checked."""
     own = read_test(test, quantity, channel)
     if not 0 < level < 1:
         raise InputError(f"the level {level!r:.20} is no chance; give one such as 0.05", "level")
@@ -269,8 +268,8 @@ def _asked(
         raise InputError(
             f"'{fitted!s:.20}' is no number of fitted parameters; give 0, 1, 2 ...", "fitted"
         )
-    asked = None if engine_speed is None else si(engine_speed, "engine_speed", "engine_speed")
-    own, speeds, notes = at_speeds(case, own, asked)
+    speed = None if engine_speed is None else si(engine_speed, "engine_speed", "engine_speed")
+    own, speeds, notes = at_speeds(case, own, speed)
     known = SharedErrors()
     if shared and isinstance(own, ValueTable):
         raise InputError(
@@ -287,20 +286,26 @@ def _asked(
     return _Request(own, speeds, notes, known, sensor, fitted, level)
 
 
-def _answer(study: Study, asked: _Request, active: Mapping[str, Active]) -> ModelAgainstTest:
-    if isinstance(asked.test, ValueTable):
+def _answer(study: Study, request: _Request, active: Mapping[str, Active]) -> ModelAgainstTest:
+    if isinstance(request.test, ValueTable):
         return _with_values(
-            study, asked.test, asked.engine_speeds, asked.fitted, asked.level, asked.notes, active
+            study,
+            request.test,
+            request.engine_speeds,
+            request.fitted,
+            request.level,
+            request.notes,
+            active,
         )
     return _with_cycles(
         study,
-        asked.test,
-        asked.sensor,
-        asked.fitted,
-        asked.level,
-        asked.notes,
+        request.test,
+        request.sensor,
+        request.fitted,
+        request.level,
+        request.notes,
         active,
-        asked.shared,
+        request.shared,
     )
 
 
@@ -320,11 +325,11 @@ def active_wire(problem: Problem) -> dict[str, Active]:
 
 
 def _completed(study: Study) -> tuple[list[Solution], tuple[str, ...]]:
-    """Runs that tell a curve, and a sentence on each of the others."""
+    """Runs that have a curve, and a sentence on each of the others."""
     good = [run for run in study.solutions if run.status.completed and len(run.time) > 2]
     lost = [run for run in study.solutions if run not in good]
     return good, tuple(
-        f"{run.label} at {rpm_words(run.engine_speed)}: {run.status.sentence()}" for run in lost
+        f"{run.label} at {rpm_text(run.engine_speed)}: {run.status.sentence()}" for run in lost
     )
 
 
@@ -340,7 +345,7 @@ def _with_cycles(
 ) -> ModelAgainstTest:
     whole = whole_cycles(test)
     runs, failures = _completed(study)
-    told, silent = _that_tell(runs, whole, active)
+    runs_with_curve, silent = _with_curve(runs, whole, active)
     if silent:
         notes = (
             *notes,
@@ -349,7 +354,7 @@ def _with_cycles(
     stages = _stages(study)
     found = [
         against_cycles(run, whole, stages, sensor, fitted, level, active.get(run.label, {}), shared)
-        for run in told
+        for run in runs_with_curve
     ]
     found.sort(key=lambda one: one.agreement.rms if one.agreement is not None else math.inf)
     weights, _ = ring_weights(whole.cam_angle)
@@ -361,19 +366,19 @@ def _with_cycles(
     if shared:
         notes = (
             *notes,
-            f"all cycles are taken to share errors of {shared.words(whole.unit)} (standard deviations), beside their scatter",
+            f"all cycles are taken to share errors of {shared.text(whole.unit)} (standard deviations), in addition to their scatter",
         )
     said = (*notes, *whole.notes, *few_notes(len(whole.values)), *likeness_notes(whole))
     return ModelAgainstTest(study, whole, tuple(found), rows, said, failures)
 
 
-def _that_tell(
+def _with_curve(
     runs: Sequence[Solution], test: MeasuredCycles, active: Mapping[str, Active]
 ) -> tuple[list[Solution], list[str]]:
-    """Runs that tell the curve of the test, and labels of the others. Raises :class:`InputError`
+    """Runs that have the curve of the test, and labels of the others. Raises :class:`InputError`
     where none does, or the unit differs.
     """
-    told, refused = [], []
+    runs_with_curve, refused = [], []
     for run in runs:
         try:
             trace = trace_of(run, test.quantity, active.get(run.label, {}))
@@ -381,14 +386,14 @@ def _that_tell(
             refused.append((run.label, error))
             continue
         check_unit(trace, test)
-        told.append(run)
-    if refused and not told:
+        runs_with_curve.append(run)
+    if refused and not runs_with_curve:
         raise refused[-1][1]
-    return told, [label for label, _ in refused]
+    return runs_with_curve, [label for label, _ in refused]
 
 
 def _stages(study: Study) -> tuple[Stage, ...]:
-    """Stretches before, in and after the lift event, by the names that the study of the case gives
+    """Stages before, in and after the lift event, by the names that the study of the case gives
     them.
     """
     if study.lift_event is None:

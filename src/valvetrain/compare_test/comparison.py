@@ -1,4 +1,4 @@
-"""One run against a test: its curve against measured cycles, its numbers against measured values."""
+"""Compares one run with a test: its curve with measured cycles, its numbers with measured values."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ from numpy.typing import NDArray
 from scipy.special import stdtr
 
 from valvetrain.compare_test.adequacy import (
-    FEWEST,
+    MIN_REPEATS,
     AdequacyTest,
     DifferenceBand,
     adequacy_test,
     difference_band,
-    p_words,
+    p_text,
     ring_weights,
 )
 from valvetrain.compare_test.events import (
@@ -50,7 +50,7 @@ class SharedErrors:
     """Standard deviations of what all cycles share: ``offset`` (unit of the quantity, SI), ``gain``
     (a share), ``cam_angle`` (rad).
 
-    >>> SharedErrors(offset=2.0, gain=0.01).words("N")
+    >>> SharedErrors(offset=2.0, gain=0.01).text("N")
     'offset 2 N, gain 1 %'
     """
 
@@ -70,13 +70,13 @@ class SharedErrors:
         rows = [self.offset * np.ones(len(curve)), self.gain * curve, self.cam_angle * slope]
         return np.array([row for row in rows if np.any(row)]).reshape(-1, len(curve))
 
-    def words(self, unit: str, factor: float = 1.0) -> str:
-        """The errors in words, the offset in ``unit``, which is ``factor`` of the SI unit."""
-        told = [
+    def text(self, unit: str, factor: float = 1.0) -> str:
+        """The errors as text, the offset in ``unit``, which is ``factor`` of the SI unit."""
+        parts = [
             f"offset {self.offset * factor:.3g} {unit}" if self.offset else "", f"gain {100 * self.gain:.3g} %" if self.gain else "",
             f"angle {math.degrees(self.cam_angle):.3g} cam deg" if self.cam_angle else "",
         ]  # fmt: skip
-        return ", ".join(filter(None, told))
+        return ", ".join(filter(None, parts))
 
 
 def read_shared(texts: str | Sequence[str], unit: str) -> SharedErrors:
@@ -132,9 +132,9 @@ _COUNTED = re.compile(r"(.+)_\d+_cam_angle")
 @dataclass(frozen=True, slots=True)
 class StageRow:
     """Errors within a stretch of the turn, SI: ``bias``, ``rms`` of model less test, ``bias_error``
-    its standard error over the repeats
-    (NaN for one), and the ``share_outside`` of its angles at which the band leaves no difference
-    out."""
+    its standard error over the repeats (NaN for one), and the ``share_outside`` of its angles at
+    which the band leaves no difference out.
+    """
 
     name: str
     first: float
@@ -147,10 +147,10 @@ class StageRow:
 
 @dataclass(frozen=True, slots=True)
 class ValueRow:
-    """One measured value beside the model's, SI, shown in ``unit``. ``scatter``: standard deviation
-    of the test's value (of the mean, where
-    it has repeats); ``model`` is NaN where the run does not tell it; ``kind`` says whether it is an
-    angle of a value."""
+    """One measured value next to the model's, SI, shown in ``unit``. ``scatter``: standard
+    deviation of the test's value (of the mean, where it has repeats); ``model`` is NaN where the
+    run does not have it; ``kind`` says whether it is an angle of a value.
+    """
 
     quantity: str
     unit: str
@@ -175,9 +175,9 @@ class ValueRow:
 @dataclass(frozen=True, eq=False)
 class RunAgainstTest:
     """One run against the test. ``curve`` at the angles of the test, ``agreement``, ``band``,
-    ``events`` and ``stages`` belong to measured
-    cycles, ``values`` to a table; ``adequacy`` is None where ``without`` says why there is no
-    F-test."""
+    ``events`` and ``stages`` belong to measured cycles, ``values`` to a table; ``adequacy`` is None
+    where ``without`` says why there is no F-test.
+    """
 
     label: str
     model: str
@@ -198,9 +198,9 @@ class RunAgainstTest:
 
 @dataclass(frozen=True, slots=True)
 class CloserRow:
-    """Two runs beside each other: their mean squares from the test, and Student's t of the
-    difference over the repeats with its chance
-    (both NaN for one repeat)."""
+    """Two runs compared: their mean squares from the test, and Student's t of the difference over
+    the repeats with its chance (both NaN for one repeat).
+    """
 
     first: str
     second: str
@@ -220,12 +220,12 @@ class CloserRow:
         ratio = max(self.first_square, self.second_square) / max(
             min(self.first_square, self.second_square), 1e-300
         )
-        words = f"the mean square of {far} is {number(ratio, 3)} times that of {near}"
+        ratio_text = f"the mean square of {far} is {number(ratio, 3)} times that of {near}"
         if not math.isfinite(self.p_value):
-            return f"{words}; one repeat does not show whether that is more than chance"
+            return f"{ratio_text}; one repeat does not show whether that is more than chance"
         if self.p_value < 0.05:
-            return f"{near} is closer to the test than {far}: {words}, beyond the scatter of the repeats (paired t, {p_words(self.p_value)})"
-        return f"the test does not separate {near} from {far}: {words}, within their scatter (paired t, {p_words(self.p_value)})"
+            return f"{near} is closer to the test than {far}: {ratio_text}, beyond the scatter of the repeats (paired t, {p_text(self.p_value)})"
+        return f"the test does not separate {near} from {far}: {ratio_text}, within their scatter (paired t, {p_text(self.p_value)})"
 
 
 def against_cycles(
@@ -239,7 +239,7 @@ def against_cycles(
     shared: SharedErrors = NONE_SHARED,
 ) -> RunAgainstTest:
     """A run against whole ``cycles`` (no value missing). Raises :class:`InputError` for a curve
-    that the run does not tell.
+    that the run does not have.
     """
     trace = trace_of(run, cycles.quantity, active)
     if sensor is not None:
@@ -247,7 +247,7 @@ def against_cycles(
     curve, values, angle = trace.at(cycles.cam_angle), cycles.values, cycles.cam_angle
     weights, even = ring_weights(angle)
     common = shared.shapes(angle, curve)
-    band = difference_band(values, curve, level, common) if len(values) >= FEWEST else None
+    band = difference_band(values, curve, level, common) if len(values) >= MIN_REPEATS else None
     adequacy, without = None, ""
     try:
         adequacy = adequacy_test(
@@ -328,11 +328,13 @@ def against_values(
 ) -> RunAgainstTest:
     """Runs of one label, by crank speed (rad/s, as in ``values``), against a table."""
     first = next(iter(runs.values()))
-    told = [_model_of(runs[one.engine_speed], still, one, active) for one in values]
+    modelled = [_model_of(runs[one.engine_speed], still, one, active) for one in values]
     partners = counted_partners(values, {speed: run.quantities for speed, run in runs.items()})
-    told = [(partners.get(place, model), angle) for place, (model, angle) in enumerate(told)]
+    modelled = [
+        (partners.get(place, model), angle) for place, (model, angle) in enumerate(modelled)
+    ]
     rows: list[ValueRow] = []
-    for one, (model, place) in zip(values, told, strict=True):
+    for one, (model, place) in zip(values, modelled, strict=True):
         rows.append(
             ValueRow(one.quantity, one.unit, one.engine_speed, model, one.value, _error(one))
         )
@@ -350,7 +352,7 @@ def against_values(
             )
     adequacy, without = None, ""
     try:
-        adequacy = _adequacy(values, [model for model, _ in told], rows, fitted, level)
+        adequacy = _adequacy(values, [model for model, _ in modelled], rows, fitted, level)
     except InputError as error:
         without = error.reason
     return RunAgainstTest(first.label, first.model, adequacy, without, values=tuple(rows))
@@ -360,8 +362,9 @@ def counted_partners(
     values: Sequence[MeasuredValue], named: Mapping[float, Mapping[str, float]]
 ) -> dict[int, float]:
     """Place of every measured angle that is counted through a cycle, ``clash_3_cam_angle``, and the
-    model's that meets it: one more early
-    on would shift the count of all that follow, so they meet in their order round the circle."""
+    model's that meets it: one more early on would shift the count of all that follow, so they meet
+    in their order round the circle.
+    """
     families: dict[tuple[float, str], list[int]] = {}
     for place, one in enumerate(values):
         if (found := _COUNTED.fullmatch(one.quantity)) is not None:
@@ -389,7 +392,7 @@ def _error(one: MeasuredValue) -> float:
 
 def _adequacy(
     values: Sequence[MeasuredValue],
-    told: Sequence[float],
+    modelled: Sequence[float],
     rows: Sequence[ValueRow],
     fitted: int,
     level: float,
@@ -398,7 +401,7 @@ def _adequacy(
     what the rows are off by in these.
     """
     if len(values[0].repeats) > 1:
-        known = np.isfinite(told)
+        known = np.isfinite(modelled)
         if not known.any():
             raise InputError(
                 "the run has none of these values, so there is no F-test; docs/quantities.md lists what it has"
@@ -408,7 +411,7 @@ def _adequacy(
                 "values in several units have no common variance, so there is no F-test; give a table per unit"
             )
         matrix = np.array([one.repeats for one in values])[known].T
-        return adequacy_test(matrix, np.array(told)[known], fitted=fitted, level=level)
+        return adequacy_test(matrix, np.array(modelled)[known], fitted=fitted, level=level)
     off = np.array([row.in_scatters for row in rows if math.isfinite(row.model)])
     if not len(off):
         raise InputError(
@@ -451,7 +454,7 @@ def closer(
     weights: Array,
     curves: tuple[Array, Array],
 ) -> CloserRow:
-    """Two runs against repeats (repeats, places): the difference of their squares is told by every
+    """Two runs against repeats (repeats, places): the difference of their squares follows from every
     repeat, so Student's t judges it.
     """
     first, second = curves

@@ -1,10 +1,9 @@
-"""Events of a curve over one cam turn: largest and least values, spikes that stand out, in a model
-as the test would have shown them.
+"""Events of a curve over one cam revolution: extremes and spikes, in a model as the test would have
+shown them.
 
 The largest value of a mean of repeats is too large by what scatter adds to it, and where two maxima
-are alike its place is chance. So the
-model is judged by its events under the scatter of the test: the mean's own scatter, drawn from the
-repeats, is added to it many times.
+are alike its place is chance. So the model is judged by its events under the scatter of the test:
+the mean's own scatter, drawn from the repeats, is added to it many times.
 """
 
 from __future__ import annotations
@@ -21,12 +20,12 @@ from valvetrain.quantities.compare import pair_angles
 from valvetrain.quantities.signal import prominences, prominent_peaks
 
 Array = NDArray[np.float64]
-Told = Callable[[Array], float]
+Measure = Callable[[Array], float]
 _TURN = 2 * np.pi
 #: A spike stands out by this share of the range of the curve, and by this many standard errors of
 #: the mean.
 SPIKE_SHARE, SPIKE_ERRORS = 0.04, 6.0
-#: Most spikes that are told, the most prominent ones.
+#: Spikes that are reported, the most prominent ones, at most.
 MAX_SPIKES = 8
 #: A spike of the model meets one of the test within this angle (rad).
 MEETING = math.radians(20.0)
@@ -40,11 +39,10 @@ CHANCE = math.radians(10.0)
 class EventRow:
     """One event in model and test.
 
-    ``name`` in words; ``dimension``: ``value`` of the curve or ``angle`` (rad). ``model`` is NaN
-    where it shows none; ``seen``: what the
-    test would show of it on average, for its scatter moves extremes; ``error``: standard deviation
-    of that (NaN for one repeat);
-    ``shared``: standard deviation of what all repeats share.
+    ``name`` as shown; ``dimension``: ``value`` of the curve or ``angle`` (rad). ``model`` is NaN
+    where it shows none; ``seen``: what the test would show of it on average, for its scatter moves
+    extremes; ``error``: standard deviation of that (NaN for one repeat); ``shared``: standard
+    deviation of what all repeats share.
 
     >>> EventRow("largest", "value", model=820.0, test=800.0, seen=825.0, error=5.0, repeats=10).in_errors
     5.0
@@ -78,7 +76,7 @@ class EventRow:
     @property
     def outside(self) -> bool | None:
         """Whether the test's is none that the model would show in 95 of 100 such tests; None where
-        that cannot be told.
+        that cannot be decided.
         """
         if not math.isfinite(self.in_errors):
             return None
@@ -105,12 +103,18 @@ def scatter_of_mean(values: Array) -> Array:
 
 
 def _row(
-    name: str, dimension: str, told: Told, model: Array, test: float, drawn: Array, repeats: int
+    name: str,
+    dimension: str,
+    measure: Measure,
+    model: Array,
+    test: float,
+    drawn: Array,
+    repeats: int,
 ) -> EventRow:
-    own = told(model)
+    own = measure(model)
     if not len(drawn):
         return EventRow(name, dimension, own, test, own, math.nan, repeats)
-    moved = np.array([told(model + one) for one in drawn]) - own
+    moved = np.array([measure(model + one) for one in drawn]) - own
     if dimension == "angle":
         moved = (moved + math.pi) % _TURN - math.pi
     return EventRow(
@@ -142,8 +146,8 @@ def extreme_rows(
 
     mean = values.mean(axis=0)
     rows = [
-        _row(name, dimension, told, model, told(mean), drawn, len(values))
-        for dimension, told in (("value", value), ("angle", angle))
+        _row(name, dimension, measure, model, measure(mean), drawn, len(values))
+        for dimension, measure in (("value", value), ("angle", angle))
     ]
     ends = {int(places[0]), int(places[-1])} if len(places) < len(cam_angle) else set()
     at_end = any(int(places[np.argmax(sign * curve[places])]) in ends for curve in (model, mean))
@@ -171,7 +175,7 @@ def _top(cam_angle: Array, curve: Array, places: NDArray[np.int64]) -> tuple[flo
 
 def spike_rows(cam_angle: Array, values: Array, model: Array, drawn: Array) -> list[EventRow]:
     """Maxima that stand out of the mean of ``values`` (repeats, angles), height and angle, each
-    beside the one of the model it meets.
+    next to the one of the model it meets.
     """
     mean = values.mean(axis=0)
     error = (
@@ -202,14 +206,14 @@ def spike_rows(cam_angle: Array, values: Array, model: Array, drawn: Array) -> l
                 )
                 continue
             near = _around(cam_angle, partner, own)
-            told = _told(cam_angle, near, place)
+            measure = _measure_at(cam_angle, near, place)
             rows.append(
-                _row(f"spike {count}", dimension, told, model, test[place], drawn, len(values))
+                _row(f"spike {count}", dimension, measure, model, test[place], drawn, len(values))
             )
     return rows
 
 
-def _told(cam_angle: Array, near: NDArray[np.int64], place: int) -> Told:
+def _measure_at(cam_angle: Array, near: NDArray[np.int64], place: int) -> Measure:
     return lambda curve: _top(cam_angle, curve, near)[place]
 
 
@@ -236,14 +240,14 @@ def interval_row(rows: list[EventRow], first: float, last: float) -> EventRow | 
     """Mean distance (rad) of the spikes between two cam angles that model and test both show; None
     for fewer than two.
     """
-    told = [
+    angles = [
         one
         for one in rows
         if one.dimension == "angle" and math.isfinite(one.model) and first <= one.test < last
     ]
-    if len(told) < 2:
+    if len(angles) < 2:
         return None
-    count, one, other = len(told) - 1, told[0], told[-1]
+    count, one, other = len(angles) - 1, angles[0], angles[-1]
     error = math.hypot(one.error, other.error) / count
     model, test, seen = (
         (other.model - one.model) / count,
@@ -267,14 +271,12 @@ class Agreement:
     """Model against the mean of the repeats over one turn, SI.
 
     ``bias``: mean of model less test. ``rms``: root mean square of that difference.
-    ``correlation``: coefficient of the two curves.
-    ``shift``: cam angle (rad) by which the model comes later, found from the largest
-    cross-correlation of the curves without their
-    means; NaN where a curve is level. ``shift_reach``: half width of its 95 % interval from the
-    shifts of the single repeats, NaN for
-    fewer than two. ``rest``: root mean square that is left when bias and shift are taken away.
-    ``scatter``: root mean square of
-    one repeat about the mean, NaN for one repeat.
+    ``correlation``: coefficient of the two curves. ``shift``: cam angle (rad) by which the model
+    comes later, found from the largest cross-correlation of the curves without their means; NaN
+    where a curve is level. ``shift_reach``: half width of its 95 % interval from the shifts of the
+    single repeats, NaN for fewer than two. ``rest``: root mean square that is left when bias and
+    shift are taken away. ``scatter``: root mean square of one repeat about the mean, NaN for one
+    repeat.
     """
 
     bias: float

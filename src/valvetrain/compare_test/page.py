@@ -1,6 +1,4 @@
-"""The page of a model against a test: verdict and overlay, difference with its band, events in
-units of scatter, the F-test.
-"""
+"""Model against test for readers: page with figures and tables, CSV and JSON."""
 
 from __future__ import annotations
 
@@ -15,34 +13,34 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import stdtrit
 
-from valvetrain.compare_test.adequacy import AdequacyTest
 from valvetrain.compare_test.compare import ModelAgainstTest
 from valvetrain.compare_test.comparison import RunAgainstTest, ValueRow
 from valvetrain.compare_test.summary import (
-    EVENT_HEADS,
-    STAGE_HEADS,
     SYNTHETIC,
-    VALUE_HEADS,
-    Row,
-    adequacy_heads,
-    adequacy_rows,
-    agreement_heads,
-    agreement_rows,
     band_sentence,
     counting_sentence,
-    event_rows,
     events_sentence,
     outside_sentence,
-    stage_rows,
     text_of_test,
     unit_of_test,
-    value_rows,
     verdict_sentences,
+)
+from valvetrain.compare_test.tables import (
+    adequacy_columns,
+    agreement_columns,
+    event_columns,
+    is_spike,
+    stage_columns,
+    value_columns,
+    value_label,
+    with_adequacy,
+    with_agreement,
 )
 from valvetrain.measured.cycles import MeasuredCycles
 from valvetrain.report import theme
 from valvetrain.report.chart import Band, Chart, Layer, Line, Marks, Panel, Rule, thin
-from valvetrain.report.page import Block, Cell, Figure, Grid, Page, Section, text
+from valvetrain.report.columns import RowColumn, csv_row, grid, json_row
+from valvetrain.report.page import Block, Figure, Page, Section, text
 from valvetrain.report.run_charts import ANGLE_LABEL, Look, looks
 from valvetrain.report.text import quantity_label, speed_text
 from valvetrain.solution.atomic import write_text
@@ -76,7 +74,10 @@ def compare_test_page(found: ModelAgainstTest) -> Page:
             Section(
                 "f-test",
                 "Fisher's test of adequacy",
-                (_grid(adequacy_heads(found), adequacy_rows(found)), explained),
+                (
+                    grid(adequacy_columns(*unit_of_test(found)), with_adequacy(found.runs)),
+                    explained,
+                ),
             )
         )
     said = [text(f"{one[:1].upper()}{one[1:]}.", "note") for one in dict.fromkeys(found.notes)]
@@ -98,30 +99,6 @@ def compare_test_page(found: ModelAgainstTest) -> Page:
     )
 
 
-def _grid(heads: Row, rows: list[Row]) -> Grid:
-    """A table: the first column words, numbers right, verdicts as they are."""
-    toned = {
-        "outside": "bad",
-        "refuted": "bad",
-        "inside": "good",
-        "not refuted": "good",
-        "not in the model": "bad",
-    }
-
-    def cell(place: int, word: str) -> Cell:
-        tone = toned.get(word, "")
-        return Cell(word, tone or ("number" if place and _is_number(word) else ""))
-
-    return Grid(
-        heads,
-        tuple((tuple(cell(place, word) for place, word in enumerate(row)), ()) for row in rows),
-    )
-
-
-def _is_number(word: str) -> bool:
-    return word[:1].isdigit() or word[:1] in "−±–∞"
-
-
 def _of_cycles(found: ModelAgainstTest) -> list[Section]:
     test = found.test
     assert isinstance(test, MeasuredCycles)
@@ -132,23 +109,19 @@ def _of_cycles(found: ModelAgainstTest) -> list[Section]:
         Section("overlay", "Model and test", (Figure(overlay_chart(found, test, unit, factor, known)),)),
         Section("difference", "Difference with its band",
                 (Figure(difference_chart(found, drawn, unit, factor, known)), *(text(band_sentence(one, test), "note") for one in drawn))),
-        Section("agreement", "How near", (_grid(agreement_heads(found), agreement_rows(found)), text(NEAR, "note"))),
+        Section("agreement", "How near", (grid(agreement_columns(unit, factor), with_agreement(found.runs)), text(NEAR, "note"))),
     ]  # fmt: skip
     student = float(stdtrit(len(test.values) - 1, 0.975)) if len(test.values) > 1 else float("nan")
     for one in drawn:
         name = known[one.label].words
+        spikes = [row for row in one.events if is_spike(row)]
+        others = [row for row in one.events if not is_spike(row)]
         blocks: list[Block] = [
             text(events_sentence(one), "note"),
-            _grid(EVENT_HEADS, event_rows(one, unit, factor, spikes=False)),
+            grid(event_columns(unit, factor), others),
         ]
-        spikes = event_rows(one, unit, factor, spikes=True)
-        blocks += [_grid(("spike", *EVENT_HEADS[1:]), spikes)] if spikes else []
-        if one.stages:
-            heads = tuple(
-                f"{head} ({unit})" if head in ("bias", "rms", "± (95 %)") else head
-                for head in STAGE_HEADS
-            )
-            blocks.append(_grid(heads, stage_rows(one, factor, student)))
+        blocks += [grid(event_columns(unit, factor, "spike"), spikes)] if spikes else []
+        blocks += [grid(stage_columns(unit, factor, student), one.stages)] if one.stages else []
         sections.append(
             Section(
                 f"events-{one.label.replace(' ', '-').replace(',', '')}",
@@ -196,7 +169,7 @@ def overlay_chart(
     return Chart(
         "overlay",
         quantity_label(test.quantity),
-        f"Model and {made} over one turn of the cam.",
+        f"Model and {made} over one cam revolution.",
         (panel,),
         1,
         420,
@@ -273,8 +246,8 @@ def _stretches_of(degrees: Array, mask: NDArray[np.bool_]) -> tuple[Array, Array
 
 
 def _axis(found: ModelAgainstTest, unit: str) -> str:
-    words = quantity_label(found.quantity).lower()
-    return f"{words} ({unit})" if unit else words
+    label = quantity_label(found.quantity).lower()
+    return f"{label} ({unit})" if unit else label
 
 
 def _stretches(found: ModelAgainstTest) -> tuple[Band, ...]:
@@ -290,13 +263,12 @@ def _of_values(found: ModelAgainstTest) -> list[Section]:
     known = looks(found.study)
     sections = [Section("values", "Off by, in scatters", (Figure(values_chart(found, known)),))]
     for one in found.runs:
-        grid = _grid(VALUE_HEADS, value_rows(one))
         key = one.label.replace(" ", "-").replace(",", "")
         sections.append(
             Section(
                 f"values-{key}",
                 f"Values, {known[one.label].words}",
-                (text(outside_sentence(one), "note"), grid),
+                (text(outside_sentence(one), "note"), grid(value_columns(), one.values)),
             )
         )
     return sections
@@ -345,8 +317,8 @@ def values_chart(found: ModelAgainstTest, known: dict[str, Look]) -> Chart:
 
 
 def _short(row: ValueRow, with_speed: bool) -> str:
-    words = quantity_label(row.quantity) + (", angle" if row.kind == "angle" else "")
-    return f"{words}, {speed_text(row.engine_speed)}" if with_speed else words
+    label = value_label(row)
+    return f"{label}, {speed_text(row.engine_speed)}" if with_speed else label
 
 
 def compare_test_json(found: ModelAgainstTest) -> dict[str, Any]:
@@ -377,90 +349,28 @@ def compare_test_json(found: ModelAgainstTest) -> dict[str, Any]:
 
 
 def _run(one: RunAgainstTest, cam_speed: float) -> dict[str, Any]:
-    near = one.agreement
     data: dict[str, Any] = {
         "label": one.label,
         "model": one.model,
         "sentence": one.sentence,
-        "f_test": _test(one.adequacy),
+        "f_test": None if one.adequacy is None else json_row(adequacy_columns(), one),
     }
-    if near is not None:
-        data["agreement"] = {
-            name: getattr(near, name)
-            for name in ("bias", "rms", "correlation", "shift", "shift_reach", "rest", "scatter")
-        } | {"shift_time": near.shift / cam_speed}
+    if one.agreement is not None:
+        data["agreement"] = json_row(agreement_columns(cam_speed=cam_speed), one)
     if one.band is not None:
         data["band"] = {
             "factor": one.band.factor,
             "level": one.band.level,
             "share_outside": float(one.band.outside.mean()),
         }
-    if one.events:
-        data["events"] = [
-            {
-                "event": row.name,
-                "what": row.dimension,
-                "model": row.model,
-                "seen": row.seen,
-                "test": row.test,
-                "difference": row.difference,
-                "scatter": row.scatter,
-                "in_standard_errors": row.in_errors,
-                "outside": row.outside,
-            }
-            for row in one.events
-        ]
-    if one.stages:
-        data["stages"] = [
-            {
-                "name": row.name,
-                "first": row.first,
-                "last": row.last,
-                "bias": row.bias,
-                "bias_standard_error": row.bias_error,
-                "rms": row.rms,
-                "share_outside": row.share_outside,
-            }
-            for row in one.stages
-        ]
-    if one.values:
-        data["values"] = [
-            {
-                "quantity": row.quantity,
-                "what": row.kind,
-                "engine_speed": row.engine_speed,
-                "unit": row.unit,
-                "model": row.model,
-                "test": row.test,
-                "scatter": row.scatter,
-                "difference": row.difference,
-                "in_scatters": row.in_scatters,
-            }
-            for row in one.values
-        ]
+    for key, columns, rows in (
+        ("events", event_columns(), one.events),
+        ("stages", stage_columns(), one.stages),
+        ("values", value_columns(), one.values),
+    ):
+        if rows:
+            data[key] = [json_row(columns, row) for row in rows]
     return data
-
-
-def _test(test: AdequacyTest | None) -> dict[str, Any] | None:
-    if test is None:
-        return None
-    return {
-        "adequacy_variance": test.adequacy,
-        "reproducibility_variance": test.reproducibility,
-        "ratio": test.ratio,
-        "degrees_of_freedom": list(test.degrees),
-        "critical": test.critical,
-        "p_value": test.p_value,
-        "adequate": test.adequate,
-        "places": test.places,
-        "independent_places": test.independent,
-        "repeats": test.repeats,
-        "fitted": test.fitted,
-        "level": test.level,
-        "p_value_if_every_place_counted": test.counted_p_value,
-        "refutable_rms": test.refutable,
-        "shared_mean_squares": list(test.shared),
-    }
 
 
 def write_compare_test(found: ModelAgainstTest, folder: Path) -> list[Path]:
@@ -468,35 +378,9 @@ def write_compare_test(found: ModelAgainstTest, folder: Path) -> list[Path]:
     for angles in cam degrees.
     """
     test = found.test
-    heads: tuple[str, ...]
     if not isinstance(test, MeasuredCycles):
-        rows: list[tuple[Any, ...]] = [
-            (
-                one.label,
-                row.quantity,
-                row.kind,
-                row.engine_speed * 30 / math.pi,
-                row.model,
-                row.test,
-                row.scatter,
-                row.difference,
-                row.in_scatters,
-            )
-            for one in found.runs
-            for row in one.values
-        ]
-        heads = (
-            "run",
-            "quantity",
-            "what",
-            "engine speed [rpm]",
-            "model [SI]",
-            "test [SI]",
-            "scatter [SI]",
-            "difference [SI]",
-            "in scatters",
-        )
-        return [_write(folder / "values.csv", heads, rows)]
+        rows = [(one.label, row) for one in found.runs for row in one.values]
+        return [_write_rows(folder / "values.csv", value_columns(), rows)]
     columns: dict[str, np.ndarray[Any, Any]] = {
         "cam angle [deg]": np.degrees(test.cam_angle),
         f"test [{test.unit}]": test.values.mean(axis=0),
@@ -507,63 +391,30 @@ def write_compare_test(found: ModelAgainstTest, folder: Path) -> list[Path]:
         if one.band is not None:
             columns[f"{one.label} less test [{test.unit}]"] = one.band.difference
             columns[f"half width of its band [{test.unit}] ({one.label})"] = one.band.half_width
-    made = [
-        _write(
-            folder / "curves.csv",
-            tuple(columns),
-            zip(*(column.tolist() for column in columns.values()), strict=True),
-        )
+    curves = zip(*(column.tolist() for column in columns.values()), strict=True)
+    events = [(one.label, row) for one in found.runs for row in one.events]
+    return [
+        _write(folder / "curves.csv", tuple(columns), curves),
+        _write_rows(folder / "events.csv", event_columns(), events),
     ]
-    heads = (
-        "run",
-        "event",
-        "what",
-        "model",
-        "seen",
-        "test",
-        "difference",
-        "scatter of one cycle",
-        "in standard errors",
-        "outside",
-    )
-    told = [
-        (
-            one.label,
-            row.name,
-            row.dimension,
-            row.model,
-            row.seen,
-            row.test,
-            row.difference,
-            row.scatter,
-            row.in_errors,
-            row.outside,
-        )
-        for one in found.runs
-        for row in one.events
-    ]
-    return [*made, _write(folder / "events.csv", heads, told)]
 
 
-def _write(path: Path, heads: tuple[str, ...], rows: Iterable[tuple[Any, ...]]) -> Path:
+def _write_rows(
+    path: Path, columns: tuple[RowColumn, ...], rows: Iterable[tuple[str, Any]]
+) -> Path:
+    """A table of all runs, the label of the run in its first column."""
+    headings = ("run", *(column.csv for column in columns if column.csv))
+    return _write(path, headings, ((label, *csv_row(columns, row)) for label, row in rows))
+
+
+def _write(path: Path, headings: tuple[str, ...], rows: Iterable[tuple[Any, ...]]) -> Path:
+    def cell(value: Any) -> Any:
+        if not isinstance(value, float):
+            return value
+        return "" if math.isnan(value) else f"{value:.9g}"
+
     memory = io.StringIO()
     writer = csv.writer(memory, lineterminator="\n")
-    writer.writerow(heads)
-    for row in rows:
-        writer.writerow(
-            [
-                ""
-                if isinstance(cell, float) and math.isnan(cell)
-                else f"{cell:.9g}"
-                if isinstance(cell, float)
-                else cell
-                for cell in row
-            ]
-        )
+    writer.writerow(headings)
+    writer.writerows([cell(value) for value in row] for row in rows)
     return write_text(path, memory.getvalue())
-
-
-def _cell(cell: Any) -> Any:
-    if not isinstance(cell, float):
-        return cell
-    return "" if math.isnan(cell) else f"{cell:.9g}"

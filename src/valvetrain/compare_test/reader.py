@@ -36,10 +36,11 @@ _MAX_BYTES, _BEGINNING, _MAX_SIZE = 500_000_000, 1 << 16, 1e30
 
 def read_test(test: AnyTest, quantity: str = "", channel: int = 0) -> MeasuredCycles | ValueTable:
     """The test in a file, by content. ``channel``: which of several, from 1 (0: the one of that
-    ``quantity``, or the only one);
-    ``quantity``: what it is compared with where the file calls it otherwise.
+    ``quantity``, or the only one); ``quantity``: what it is compared with where the file calls it
+    otherwise.
 
-    Raises :class:`InputError` where it is not told which channel is meant."""
+    Raises :class:`InputError` where the channel is ambiguous.
+    """
     found: tuple[MeasuredCycles | ValueTable, ...]
     if isinstance(test, (MeasuredCycles, ValueTable)):
         found = (test,)
@@ -80,56 +81,58 @@ def _holds_values(path: Path) -> bool:
 
 
 def at_speeds(
-    case: Case, test: MeasuredCycles | ValueTable, asked: float | None
+    case: Case, test: MeasuredCycles | ValueTable, engine_speed: float | None
 ) -> tuple[MeasuredCycles | ValueTable, tuple[float, ...], tuple[str, ...]]:
     """The test with the crank speeds (rad/s) that are run for it in every row of a table, these
     speeds, and what is to be said of them.
 
-    ``asked``: the speed to run whatever the test tells. Raises :class:`InputError` where no speed,
+    ``engine_speed``: the speed to run whatever the test states. Raises :class:`InputError` where no speed,
     or more than one, can be meant.
     """
     own = build(case).engine_speeds
-    told = (
+    stated = (
         [one.engine_speed for one in test.values]
         if isinstance(test, ValueTable)
         else [2 * test.cam_speed]
     )
     notes: list[str] = []
-    if asked is not None:
-        off = [speed for speed in told if speed > 0 and abs(speed / asked - 1) > SAME_SPEED]
+    if engine_speed is not None:
+        off = [
+            speed for speed in stated if speed > 0 and abs(speed / engine_speed - 1) > SAME_SPEED
+        ]
         if off and isinstance(test, ValueTable):
             raise InputError(
-                f"the table gives the speeds of its values, {rpm_words(off[0])} among them; leave it out",
+                f"the table gives the speeds of its values, {rpm_text(off[0])} among them; leave it out",
                 "engine_speed",
             )
         if off:
             notes.append(
-                f"the test ran at {rpm_words(off[0])} and the model at {rpm_words(asked)}: the speed is part of the difference"
+                f"the test ran at {rpm_text(off[0])} and the model at {rpm_text(engine_speed)}: the speed is part of the difference"
             )
-        silent = asked
-    elif 0.0 in told:
+        silent = engine_speed
+    elif 0.0 in stated:
         if len(own) != 1:
-            known = ", ".join(map(rpm_words, own)) or "none"
+            known = ", ".join(map(rpm_text, own)) or "none"
             raise InputError(
                 f"the test does not state its speed and the case has {known}; give the engine speed",
                 "engine_speed",
             )
         silent = own[0]
         notes.append(
-            f"the test does not state its speed; the model ran at the case's {rpm_words(silent)}"
+            f"the test does not state its speed; the model ran at the case's {rpm_text(silent)}"
         )
     else:
         silent = 0.0
-    run = {speed: asked or _nearest(own, speed) or silent for speed in told}
+    run = {speed: engine_speed or _nearest(own, speed) or silent for speed in stated}
     for speed in sorted(run):
         if (
-            asked is None
+            engine_speed is None
             and own
             and not any(abs(speed - one) <= SAME_SPEED * one for one in (*own, 0.0))
         ):
-            known = ", ".join(map(rpm_words, own))
+            known = ", ".join(map(rpm_text, own))
             notes.append(
-                f"the test ran at {rpm_words(speed)}, the case names {known}: the model ran at the speed of the test"
+                f"the test ran at {rpm_text(speed)}, the case names {known}: the model ran at the speed of the test"
             )
     if isinstance(test, ValueTable):
         test = replace(
@@ -144,7 +147,7 @@ def _nearest(own: tuple[float, ...], speed: float) -> float:
     return next((one for one in own if same_speed(one, speed)), speed)
 
 
-def rpm_words(engine_speed: float) -> str:
+def rpm_text(engine_speed: float) -> str:
     """A crank speed (rad/s) as notes say it."""
     return f"{engine_speed * 30 / math.pi:.6g} rpm of the crank"
 
@@ -163,22 +166,26 @@ def whole_cycles(cycles: MeasuredCycles) -> MeasuredCycles:
         )
     if np.nanmax(np.abs(cycles.values), initial=0.0) > _MAX_SIZE:
         raise InputError(
-            f"{cycles.source or cycles.quantity} holds numbers beyond {_MAX_SIZE:g}, which nobody measures; correct them"
+            f"{cycles.source or cycles.quantity} holds numbers beyond {_MAX_SIZE:g}, which is beyond any measurement; correct them"
         )
     cycles = _one_turn(cycles)
     known = np.isfinite(cycles.values)
     if known.all():
         return cycles
-    kept = known.mean(axis=1) > 0.5
-    angles = known[kept].all(axis=0) if kept.any() else np.zeros(len(cycles.cam_angle), dtype=bool)
+    retained = known.mean(axis=1) > 0.5
+    angles = (
+        known[retained].all(axis=0)
+        if retained.any()
+        else np.zeros(len(cycles.cam_angle), dtype=bool)
+    )
     if angles.sum() < 8:
         raise InputError(
             f"{cycles.source or cycles.quantity}: fewer than 8 angles were measured in every cycle; leave out cycles with many gaps"
         )
     said = []
-    if not kept.all():
+    if not retained.all():
         said.append(
-            f"{int((~kept).sum())} cycles lack more than half of their angles and are left out"
+            f"{int((~retained).sum())} cycles lack more than half of their angles and are left out"
         )
     if not angles.all():
         said.append(
@@ -187,7 +194,7 @@ def whole_cycles(cycles: MeasuredCycles) -> MeasuredCycles:
     return replace(
         cycles,
         cam_angle=cycles.cam_angle[angles],
-        values=np.ascontiguousarray(cycles.values[kept][:, angles]),
+        values=np.ascontiguousarray(cycles.values[retained][:, angles]),
         notes=(*cycles.notes, *said),
     )
 
@@ -199,7 +206,7 @@ def _one_turn(cycles: MeasuredCycles) -> MeasuredCycles:
     over = float(cycles.cam_angle[-1] - cycles.cam_angle[0]) - 2 * math.pi
     if over > 1e-6:
         raise InputError(
-            f"{cycles.source or cycles.quantity}: the angles go over {math.degrees(over) + 360:.6g} degrees, a turn of the cam has 360; "
+            f"{cycles.source or cycles.quantity}: the angles go over {math.degrees(over) + 360:.6g} degrees, a cam revolution has 360; "
             "give cam angles, half of the crank's"
         )
     count = len(cycles.cam_angle) - (over > -1e-6)

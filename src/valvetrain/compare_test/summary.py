@@ -1,20 +1,19 @@
-"""Model against test in words: the rows that terminal and page both show, in units of the field."""
+"""Sentences on a model against a test, and the unit in which it is shown."""
 
 from __future__ import annotations
 
 import math
 
-from valvetrain.compare_test.adequacy import AdequacyTest, chance_words, p_words
+from valvetrain.compare_test.adequacy import AdequacyTest, p_text
 from valvetrain.compare_test.compare import ModelAgainstTest
 from valvetrain.compare_test.comparison import RunAgainstTest
-from valvetrain.compare_test.events import EventRow
+from valvetrain.compare_test.tables import value_label
 from valvetrain.measured.cycles import MeasuredCycles
 from valvetrain.measured.value_table import ValueTable
 from valvetrain.report.text import number, quantity_label, rpm, speed_text, unit_text
 from valvetrain.solution.display import SHOWN_UNITS
 from valvetrain.units import unit_factor
 
-Row = tuple[str, ...]
 SYNTHETIC = (
     "The test is synthetic: it was computed, not measured. Nothing here speaks of a real engine."
 )
@@ -55,7 +54,7 @@ def _repeats(repeats: int) -> str:
 
 def verdict_sentences(found: ModelAgainstTest) -> list[str]:
     """The verdict on every run, what the test could have refuted, and which run is nearer."""
-    told = (
+    sentences = (
         [one.sentence for one in found.runs]
         if any(one.adequacy for one in found.runs)
         else [one.sentence for one in found.runs[:1]]
@@ -69,149 +68,29 @@ def verdict_sentences(found: ModelAgainstTest) -> list[str]:
             if best.adequacy.repeats
             else "stated scatters"
         )
-        told.append(
+        sentences.append(
             f"a root mean square difference of more than {reach} {of_what} is refuted by this test"
         )
         if not best.adequacy.repeats and not best.adequacy.adequate:
             times = number(math.sqrt(best.adequacy.ratio / best.adequacy.critical), 3)
-            told.append(f"scatters {times} times as large as stated would not refute {best.label}")
-    told += [one.sentence for one in found.closer]
-    return [f"{one[:1].upper()}{one[1:]}." for one in told]
-
-
-def agreement_rows(found: ModelAgainstTest) -> list[Row]:
-    """Run, bias, root mean square, what is left without bias and shift, correlation, shift with its
-    interval.
-    """
-    _, factor = unit_of_test(found)
-    rows: list[Row] = []
-    for one in found.runs:
-        if one.agreement is None:
-            continue
-        near = one.agreement
-        bias = near.bias if abs(near.bias) > 1e-9 * near.rms else 0.0
-        reach = (
-            f"±{number(math.degrees(near.shift_reach), 2)}"
-            if math.isfinite(near.shift_reach)
-            else ""
-        )
-        rows.append(
-            (
-                one.label,
-                number(bias * factor, 3),
-                number(near.rms * factor, 3),
-                number(near.rest * factor, 3),
-                f"{near.correlation:.5f}",
-                number(math.degrees(near.shift), 3),
-                reach,
+            sentences.append(
+                f"scatters {times} times as large as stated would not refute {best.label}"
             )
-        )
-    return rows
-
-
-def agreement_heads(found: ModelAgainstTest) -> Row:
-    """Headings of :func:`agreement_rows`."""
-    unit, _ = unit_of_test(found)
-    return (
-        "model",
-        f"bias ({unit})",
-        f"rms ({unit})",
-        f"rest ({unit})",
-        "correlation",
-        "later (deg)",
-        "95 %",
-    )
-
-
-def adequacy_rows(found: ModelAgainstTest) -> list[Row]:
-    """Run, adequacy, reproducibility, ratio, degrees of freedom, critical ratio, chance, and the
-    chance if every angle counted.
-    """
-    _, factor = unit_of_test(found)
-    rows: list[Row] = []
-    for one in found.runs:
-        test = one.adequacy
-        if test is None:
-            continue
-        square = factor**2 if test.repeats else 1.0
-        rows.append(
-            (
-                one.label,
-                number(test.adequacy * square, 3),
-                number(test.reproducibility * square, 3),
-                number(test.ratio, 3),
-                degrees_words(test),
-                number(test.critical, 3),
-                chance_words(test.p_value),
-                "not refuted" if test.adequate else "refuted",
-            )
-        )
-    return rows
-
-
-def adequacy_heads(found: ModelAgainstTest) -> Row:
-    """Headings of :func:`adequacy_rows`; variances carry the square of the unit."""
-    unit, _ = unit_of_test(found)
-    squared = f"({unit})²" if "/" in unit else f"{unit}²"
-    square = f" ({squared})" if unit else ""
-    return (
-        "model",
-        f"adequacy{square}",
-        f"reproducibility{square}",
-        "F",
-        "degrees of freedom",
-        "critical F",
-        "p",
-        "verdict",
-    )
-
-
-def degrees_words(test: AdequacyTest) -> str:
-    """Both degrees of freedom."""
-    return ", ".join("∞" if math.isinf(one) else number(one, 3) for one in test.degrees)
+    sentences += [one.sentence for one in found.closer]
+    return [f"{one[:1].upper()}{one[1:]}." for one in sentences]
 
 
 def counting_sentence(test: AdequacyTest) -> str:
     """How many independent angles there are, and what the test would say if every angle counted."""
     what = "places" if test.repeats else "values"
-    words = f"{test.places} {what} hold about {number(test.independent, 3)} independent ones; the degrees of freedom count these"
+    sentence = f"{test.places} {what} hold about {number(test.independent, 3)} independent ones; the degrees of freedom count these"
     if test.repeats and test.independent < 0.95 * test.places:
-        words += f" (if every one counted, {p_words(test.counted_p_value)} would follow, and sampling more densely would change the verdict)"
-    return f"{words}."
-
-
-EVENT_HEADS = ("event", "model", "seen", "test", "difference", "", "scatter", "in s.e.", "95 %")
-
-
-def event_rows(run: RunAgainstTest, unit: str, factor: float, spikes: bool) -> list[Row]:
-    """Events of one run, spikes and their distances or the others, with their difference in units
-    of scatter.
-    """
-    rows: list[Row] = []
-    for one in run.events:
-        if one.name.startswith(("spike", "interval")) is not spikes:
-            continue
-        scale, words = (
-            (math.degrees(1.0), "cam deg") if one.dimension == "angle" else (factor, unit)
-        )
-        rows.append(
-            (
-                f"{one.name[:1].upper()}{one.name[1:]}{', angle' if one.dimension == 'angle' and 'interval' not in one.name else ''}",
-                number(one.model * scale),
-                number(one.seen * scale),
-                number(one.test * scale),
-                number(one.difference * scale, 3),
-                words,
-                number(one.scatter * scale, 2),
-                number(one.in_errors, 2),
-                _inside(one),
-            )
-        )
-    return rows
+        sentence += f" (if every one counted, {p_text(test.counted_p_value)} would follow, and sampling more densely would change the verdict)"
+    return f"{sentence}."
 
 
 def events_sentence(run: RunAgainstTest) -> str:
-    """How many events lie outside their interval, beside how many would by chance."""
+    """How many events lie outside their interval, and how many would by chance."""
     judged = [one.outside for one in run.events if one.outside is not None]
     missing = sum(math.isnan(one.model) and one.dimension == "value" for one in run.events)
     lost = f"; {missing} spikes of the test are not in the model" if missing else ""
@@ -223,84 +102,17 @@ def events_sentence(run: RunAgainstTest) -> str:
     )
 
 
-def _inside(one: EventRow) -> str:
-    if math.isnan(one.model):
-        return "not in the model"
-    return "" if one.outside is None else "outside" if one.outside else "inside"
-
-
-STAGE_HEADS = (
-    "stretch",
-    "from (cam deg)",
-    "to (cam deg)",
-    "bias",
-    "± (95 %)",
-    "rms",
-    "zero left out",
-)
-
-
-def stage_rows(run: RunAgainstTest, factor: float, student: float) -> list[Row]:
-    """Errors by stretch of the turn; ``student``: half width of a 95 % interval in standard errors."""
-    return [
-        (
-            one.name[:1].upper() + one.name[1:],
-            number(math.degrees(one.first)),
-            number(math.degrees(one.last)),
-            number(one.bias * factor, 3),
-            number(student * one.bias_error * factor, 2),
-            number(one.rms * factor, 3),
-            "–" if math.isnan(one.share_outside) else f"{100 * one.share_outside:.0f} % of angles",
-        )
-        for one in run.stages
-    ]
-
-
-VALUE_HEADS = (
-    "quantity",
-    "crank speed",
-    "model",
-    "test",
-    "",
-    "scatter",
-    "difference",
-    "in scatters",
-)
-
-
-def value_rows(run: RunAgainstTest) -> list[Row]:
-    """Measured values beside the model's, with the difference in units of their scatter."""
-    rows: list[Row] = []
-    for one in run.values:
-        factor = 1 / unit_factor(one.unit)
-        words = quantity_label(one.quantity) + (", angle" if one.kind == "angle" else "")
-        rows.append(
-            (
-                words,
-                speed_text(one.engine_speed),
-                number(one.model * factor),
-                number(one.test * factor),
-                unit_text(one.unit),
-                number(one.scatter * factor, 2),
-                number(one.difference * factor, 3),
-                number(one.in_scatters, 2),
-            )
-        )
-    return rows
-
-
 def outside_sentence(run: RunAgainstTest) -> str:
     """How many values lie further than two scatters off, and which is the furthest."""
-    told = [one for one in run.values if math.isfinite(one.model)]
-    far = [one for one in told if abs(one.in_scatters) > 2]
-    if not told:
+    rows = [one for one in run.values if math.isfinite(one.model)]
+    far = [one for one in rows if abs(one.in_scatters) > 2]
+    if not rows:
         return "The run has none of these values."
     if not far:
-        return f"All {len(told)} values lie within two scatters of the model."
+        return f"All {len(rows)} values lie within two scatters of the model."
     worst = max(far, key=lambda one: abs(one.in_scatters))
-    name = quantity_label(worst.quantity) + (", angle" if worst.kind == "angle" else "")
     return (
-        f"{len(far)} of {len(told)} values lie more than two scatters off {run.label}; the furthest is {name} at "
+        f"{len(far)} of {len(rows)} values lie more than two scatters off {run.label}; the furthest is {value_label(worst)} at "
         f"{speed_text(worst.engine_speed)}, by {number(abs(worst.in_scatters), 2)}."
     )
 

@@ -1,5 +1,6 @@
-"""One measured quantity over the cam angle, cycle by cycle: what rig data become and what a model
-is compared with.
+"""Measured cycles: one quantity over the cam angle, cycle by cycle, and its files (text, NetCDF).
+
+Rig data are reduced to them, and a model is compared with them.
 """
 
 from __future__ import annotations
@@ -38,9 +39,9 @@ class MeasuredCycles:
     unit : unit of ``values``, SI ("N", "m", "Pa", "m/s", "m/s^2", "1")
     cam_angle : rad of cam, rising by equal steps over one cycle, 2 pi not included, shape (angles,)
     values : shape (cycles, angles); a repeat that was not measured at an angle holds NaN there
-    cam_speed : rad/s, mean over the cycles; 0 where it is not known
+    cam_speed : rad/s, mean over the cycles; 0 where it is unspecified
     source : where the values come from, such as a file's name
-    synthetic : made by computation, not measured; every page says so
+    synthetic : computed, not measured; every page says so
     notes : what was found or done on the way, a sentence each
 
     Raises
@@ -109,12 +110,12 @@ def netcdf_image(cycles: Sequence[MeasuredCycles]) -> bytes:
             )
         count = sum(given.quantity == name for given in cycles[: len(variables)])
         label = f"{name}_{count + 1}" if count else name
-        told = {
+        attributes = {
             "units": one.unit, "long_name": name.replace("_", " "), "quantity": name, "cam_speed": float(one.cam_speed),
             "cam_speed_units": "rad/s", "source": one.source, "synthetic": "yes" if one.synthetic else "no", "notes": "\n".join(one.notes),
         }  # fmt: skip
         dims = f"cycle_of_{label}", f"{_GRID}{label}"
-        variables[label] = Variable(dims, np.asarray(one.values, dtype=float), told)
+        variables[label] = Variable(dims, np.asarray(one.values, dtype=float), attributes)
         coords[dims[1]] = Variable(
             dims[1:],
             np.asarray(one.cam_angle, dtype=float),
@@ -157,10 +158,10 @@ def channels_of(path: Path) -> tuple[MeasuredCycles, ...]:
 
 
 def _channel(file: Any, name: str, where: str) -> MeasuredCycles:
-    held, grid = file[name], file.get(f"{_GRID}{name}")
+    dataset, grid = file[name], file.get(f"{_GRID}{name}")
     if (
         grid is None
-        or held.dtype.kind != "f"
+        or dataset.dtype.kind != "f"
         or grid.dtype.kind != "f"
         or grid.ndim != 1
         or not np.isfinite(grid[()]).all()
@@ -169,17 +170,17 @@ def _channel(file: Any, name: str, where: str) -> MeasuredCycles:
             f"channel '{name[:40]}' lacks its cam angles or holds no numbers; write the file again",
             where,
         )
-    told = held.attrs
-    speed = float(np.ravel(told.get("cam_speed", 0.0))[0])
+    attributes = dataset.attrs
+    speed = float(np.ravel(attributes.get("cam_speed", 0.0))[0])
     return MeasuredCycles(
-        _word(told.get("quantity", name)),
-        _word(told["units"]),
+        _word(attributes.get("quantity", name)),
+        _word(attributes["units"]),
         np.asarray(grid[()], dtype=float),
-        np.asarray(held[()], dtype=float),
+        np.asarray(dataset[()], dtype=float),
         speed if np.isfinite(speed) else 0.0,
-        _word(told.get("source", "")),
-        _word(told.get("synthetic", "no")) == "yes",
-        tuple(note for note in _word(told.get("notes", "")).split("\n") if note),
+        _word(attributes.get("source", "")),
+        _word(attributes.get("synthetic", "no")) == "yes",
+        tuple(note for note in _word(attributes.get("notes", "")).split("\n") if note),
     )
 
 
@@ -192,7 +193,7 @@ MAX_BYTES = 500_000_000
 #: Most cycles (columns) of a text and most of its rows.
 MAX_CYCLES, MAX_ANGLES = 20_000, 100_000
 _NOUN = "file of measured cycles"
-#: Words behind the mark of a comment that say something.
+#: Keys of the comments that are read.
 _KEYS = ("quantity", "unit", "cam speed", "engine speed", "synthetic", "source", "note")
 
 
@@ -239,10 +240,9 @@ def read_cycles(path: str | Path) -> tuple[MeasuredCycles, ...]:
     """Read measured cycles, of :func:`write_cycles` or of a table somebody made.
 
     A text begins with comments such as ``# quantity: valve_lift``, ``# unit: mm``, ``# cam speed:
-    1500 rpm`` (or ``engine speed``, of
-    which it is half), ``# synthetic: no``, ``# source: ...``, ``# note: ...``; then a line of
-    headings, then rows: cam angle in
-    degrees, one value a cycle (empty or ``nan`` where nothing was measured).
+    1500 rpm`` (or ``engine speed``, of which it is half), ``# synthetic: no``, ``# source: ...``,
+    ``# note: ...``; then a line of headings, then rows: cam angle in degrees, one value a cycle
+    (empty or ``nan`` where nothing was measured).
 
     Parameters
     ----------
@@ -275,7 +275,8 @@ def read_cycles(path: str | Path) -> tuple[MeasuredCycles, ...]:
 
 def _text(one: MeasuredCycles) -> str:
     head = [
-        f"quantity: {one.quantity}", f"unit: {one.unit}", f"cam speed: {float(one.cam_speed)!r} rad/s", f"synthetic: {_yes(one.synthetic)}",
+        f"quantity: {one.quantity}", f"unit: {one.unit}", f"cam speed: {float(one.cam_speed)!r} rad/s",
+        f"synthetic: {'yes' if one.synthetic else 'no'}",
         *([f"source: {one.source}"] if one.source else []), *(f"note: {note}" for note in one.notes),
     ]  # fmt: skip
     lines = [f"# {' '.join(line.split())}" for line in head]
@@ -289,21 +290,17 @@ def _text(one: MeasuredCycles) -> str:
     return "\n".join(lines) + "\n"
 
 
-def _yes(told: bool) -> str:
-    return "yes" if told else "no"
-
-
 def _from_text(text: str, name: str) -> MeasuredCycles:
     said: dict[str, list[str]] = {key: [] for key in _KEYS}
     rows: list[list[float]] = []
     for number, line in enumerate(text.splitlines(), start=1):
-        words = line.strip()
-        if words.startswith("#"):
-            key, _, value = words.lstrip("# ").partition(":")
+        content = line.strip()
+        if content.startswith("#"):
+            key, _, value = content.lstrip("# ").partition(":")
             if key.strip().lower().replace("_", " ") in said:
                 said[key.strip().lower().replace("_", " ")].append(value.strip())
-        elif words:
-            row = _row(words, number, name, first=not rows)
+        elif content:
+            row = _row(content, number, name, first=not rows)
             if row:
                 rows.append(row)
                 _check_row(rows, number, name)
@@ -333,11 +330,10 @@ def _from_text(text: str, name: str) -> MeasuredCycles:
     )
 
 
-def _row(words: str, number: int, name: str, first: bool) -> list[float]:
+def _row(line: str, number: int, name: str, first: bool) -> list[float]:
     """Numbers of a line; none for the heading."""
     cells = [
-        cell.strip()
-        for cell in words.split(";" if ";" in words else "\t" if "\t" in words else ",")
+        cell.strip() for cell in line.split(";" if ";" in line else "\t" if "\t" in line else ",")
     ]
     try:
         return [float(cell) if cell else math.nan for cell in cells]
@@ -345,7 +341,7 @@ def _row(words: str, number: int, name: str, first: bool) -> list[float]:
         if first:
             return []
         raise InputError(
-            f"line {number} of {name} is no row of numbers: '{words[:40]}'; correct it or mark it with #"
+            f"line {number} of {name} is no row of numbers: '{line[:40]}'; correct it or mark it with #"
         ) from error
 
 

@@ -16,15 +16,15 @@ from valvetrain.units import dimension_of, unit_factor
 Array = NDArray[np.float64]
 #: Larger files are no tables of a spring tester.
 MAX_BYTES = 20_000_000
-#: Words of a heading -> what the column is; the first that fits.
+#: Pattern of a heading -> what the column is; the first that fits.
 _MEANINGS = (
     (r"force|load|kraft|last\b|\bf\b", "force"), (r"height|length|höhe|hoehe|länge|laenge|\bh\b|\bl\b", "height"),
     (r"compression|deflection|travel|weg|stroke|displacement|position", "compression"),
 )  # fmt: skip
 #: What a column may be.
 COLUMNS = ("height", "compression", "force", "ignore")
-#: Fewest stations of a table that tells more than two loads.
-FEWEST = 6
+#: Stations of a table that gives more than two loads, at least.
+MIN_STATIONS = 6
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,8 +32,8 @@ class ForceHeight:
     """Stations of a spring tester by falling height; SI, shapes (n,).
 
     ``heights`` (m) and ``forces`` (N) as loaded, mean of loading and unloading where both are
-    there; ``hysteresis`` (N) the largest
-    half difference between them, 0 where only one is; ``notes`` what was found in the table.
+    there; ``hysteresis`` (N) the largest half difference between them, 0 where only one is;
+    ``notes`` what was found in the table.
 
     >>> import numpy as np
     >>> ForceHeight(np.array([40e-3, 36e-3]), np.array([100.0, 260.0]))
@@ -125,7 +125,7 @@ def force_height_in(
         )
     if "ignore" in known:
         notes.append(
-            f"left out as asked: column {', '.join(str(k + 1) for k, word in enumerate(known) if word == 'ignore')}"
+            f"left out as requested: column {', '.join(str(k + 1) for k, word in enumerate(known) if word == 'ignore')}"
         )
     return _branches(heights, forces, name, notes)
 
@@ -166,17 +166,17 @@ def column_scale(unit: str, dimension: str, question: str, name: str) -> float:
     """SI value of a column's unit, as testers write it (in, kg, kp and lb too); :class:`InputError`
     at ``question`` where it is none.
     """
-    usual = {"in": "inch", "kp": "kgf", "kg": "kgf", "lb": "lbf", "lbs": "lbf"}.get(
+    standard = {"in": "inch", "kp": "kgf", "kg": "kgf", "lb": "lbf", "lbs": "lbf"}.get(
         unit.lower(), unit
     )
-    if not usual:
+    if not standard:
         raise InputError(
             f"{name} does not say the unit of its {dimension} ({question}), such as {'mm' if dimension == 'length' else 'N'}; "
             "answer it",
             question,
         )
     try:
-        fits = dimension_of(usual) == dimension
+        fits = dimension_of(standard) == dimension
     except InputError:
         fits = False
     if not fits:
@@ -184,14 +184,14 @@ def column_scale(unit: str, dimension: str, question: str, name: str) -> float:
             f"'{unit[:40]}' is no unit of {dimension}; use one such as {'mm' if dimension == 'length' else 'N'}",
             question,
         )
-    return unit_factor(usual)
+    return unit_factor(standard)
 
 
 def _branches(heights: Array, forces: Array, name: str, notes: list[str]) -> ForceHeight:
-    """Loading and unloading told apart at the smallest height; their mean where they overlap."""
-    if len(heights) < FEWEST:
+    """Loading and unloading, separated at the smallest height; their mean where they overlap."""
+    if len(heights) < MIN_STATIONS:
         raise InputError(
-            f"{name} holds {len(heights)} stations; {FEWEST} or more are needed for the curve of a spring (a card needs two loads only)"
+            f"{name} holds {len(heights)} stations; {MIN_STATIONS} or more are needed for the curve of a spring (a card needs two loads only)"
         )
     turn = int(np.argmin(heights))
     down, up = np.arange(turn + 1), np.arange(turn, len(heights))[::-1]
@@ -200,7 +200,7 @@ def _branches(heights: Array, forces: Array, name: str, notes: list[str]) -> For
     order = down[np.argsort(-heights[down], kind="stable")]
     loaded, force = _unique(heights[order], forces[order])
     hysteresis = 0.0
-    if len(up) >= FEWEST:
+    if len(up) >= MIN_STATIONS:
         back = up[np.argsort(-heights[up], kind="stable")]
         other, returned = _unique(heights[back], forces[back])
         inside = (loaded <= other[0]) & (loaded >= other[-1])
@@ -211,7 +211,11 @@ def _branches(heights: Array, forces: Array, name: str, notes: list[str]) -> For
         notes.append(
             f"loading and unloading are both there: their mean is taken, they differ by up to {2 * hysteresis:.3g} N"
         )
-    if len(loaded) < FEWEST or force[-1] <= force[0] or np.corrcoef(loaded, force)[0, 1] > -0.8:
+    if (
+        len(loaded) < MIN_STATIONS
+        or force[-1] <= force[0]
+        or np.corrcoef(loaded, force)[0, 1] > -0.8
+    ):
         raise InputError(
             f"the force in {name} does not rise as the height falls; check which column is what and the units"
         )

@@ -1,5 +1,5 @@
-"""Tables of lifts from files: the form found by content, the questions answered, velocity columns
-held against the lift.
+"""Reads tables of lifts: recognises the form by content, answers what the file leaves open, compares
+velocity columns with the lift.
 """
 
 from __future__ import annotations
@@ -14,12 +14,12 @@ from numpy.typing import NDArray
 
 from valvetrain import registry
 from valvetrain.errors import InputError
-from valvetrain.measured.lift_formats import COLUMN_WORDS, LiftColumns, LiftFormat
+from valvetrain.measured.lift_formats import COLUMN_NAMES, LiftColumns, LiftFormat
 from valvetrain.measured.tables import read_content
 from valvetrain.units import dimension_of, unit_factor
 
 Array = NDArray[np.float64]
-#: Who answered a question: the file itself, the user, or nobody (then it is said to be assumed).
+#: Source of an answer: the file itself, the user (``asked``), or an assumption, which is reported.
 Teller = Literal["file", "asked", "assumed"]
 
 
@@ -38,9 +38,8 @@ class MeasuredLift:
     smoothing.
 
     ``name``: lift, intake or exhaust. ``lift_of``: valve or tappet. ``form``: word of the format
-    the file had. ``answers``: what the
-    stations mean and who said so. ``notes``: sentences on what was found in the file, such as a
-    velocity column that agrees.
+    the file had. ``answers``: what the stations mean and who said so. ``notes``: sentences on what
+    was found in the file, such as a velocity column that agrees.
 
     >>> lift = MeasuredLift("lift", np.radians([100.0, 101.0]), np.array([0.0, 1e-4]), "valve", "columns")
     >>> lift
@@ -64,12 +63,12 @@ class MeasuredLift:
         )
 
 
-#: Question -> its possible answers; angles and lengths are told in ``lift_unit`` and the like.
+#: Question -> its possible answers; angles and lengths are specified by ``lift_unit`` and the like.
 CHOICES = {
     "angle_of": ("cam", "crank"), "lift_of": ("valve", "tappet"), "angle_unit": ("deg", "rad"), "zero": ("file", "nose"),
     "direction": ("forward", "reversed"),
 }  # fmt: skip
-#: What is assumed where nobody answers, and said to be.
+#: Assumed where the question is open, and reported as such.
 ASSUMED = {"angle_unit": "deg", "zero": "file", "direction": "forward"}
 #: Question -> how it reads in a refusal.
 QUESTIONS = {
@@ -91,7 +90,7 @@ class LiftAnswers:
     lift_unit : any unit of length, such as ``mm``, ``inch``, ``thou``
     zero : ``file`` (assumed) keeps the angles of the table, ``nose`` puts zero at the place of
         largest lift
-    direction : ``forward`` (assumed): the cam turns with rising angle; ``reversed``: against it, so
+    direction : ``forward`` (assumed): the cam rotates with rising angle; ``reversed``: against it, so
         the table is mirrored
     columns : what each column is, of angle, lift, intake, exhaust, velocity, acceleration and
         ignore; needed beyond two columns
@@ -128,9 +127,9 @@ class LiftAnswers:
                 "lift_unit",
             )
         for word in self.columns:
-            if word not in COLUMN_WORDS:
+            if word not in COLUMN_NAMES:
                 raise InputError(
-                    f"a column is one of {', '.join(COLUMN_WORDS)}, not '{word[:40]}'; correct the list",
+                    f"a column is one of {', '.join(COLUMN_NAMES)}, not '{word[:40]}'; correct the list",
                     "columns",
                 )
 
@@ -190,7 +189,7 @@ def lifts_in(content: bytes, name: str, answers: LiftAnswers) -> tuple[MeasuredL
             f"'{name[:80]}' is neither text nor a workbook; export the table of lifts as text (CSV) or XLSX"
         )
     found = _format(form).read(content, name)
-    known = _Known(found, answers)
+    known = _AnswerSheet(found, answers)
     columns = _columns(found, answers, name)
     open_questions = known.still_open()
     if open_questions:
@@ -206,13 +205,13 @@ def lifts_in(content: bytes, name: str, answers: LiftAnswers) -> tuple[MeasuredL
     for word in ("velocity", "acceleration"):
         if word in columns:
             notes.append(
-                _held_against(
+                _agreement_note(
                     rows[:, columns.index(word)], word, angles, next(iter(lobes.values()))
                 )
             )
     if "ignore" in columns:
         notes.append(
-            f"left out as asked: column {', '.join(str(place + 1) for place, word in enumerate(columns) if word == 'ignore')}"
+            f"left out as requested: column {', '.join(str(place + 1) for place, word in enumerate(columns) if word == 'ignore')}"
         )
     return tuple(
         _oriented(lobe, angles, lifts, form, known, tuple(notes)) for lobe, lifts in lobes.items()
@@ -225,30 +224,30 @@ def _format(word: str) -> LiftFormat:
 
 
 @dataclass
-class _Known:
+class _AnswerSheet:
     """Answers as they are found, the user's before the file's, and who gave them."""
 
     found: LiftColumns
     given: LiftAnswers
-    told: dict[str, Answer] = field(default_factory=dict)
+    resolved: dict[str, Answer] = field(default_factory=dict)
 
     def answer(self, question: str) -> str:
-        if question not in self.told:
-            asked, said = self.given.given(question), self.found.said.get(question, "")
-            if asked and said and asked != said:
+        if question not in self.resolved:
+            requested, said = self.given.given(question), self.found.said.get(question, "")
+            if requested and said and requested != said:
                 raise InputError(
-                    f"{question} is {asked} as asked, but the file says {said}; leave the answer out or correct the file",
+                    f"{question} is {requested} as requested, but the file says {said}; leave the answer out or correct the file",
                     question,
                 )
             by, word = (
-                ("asked", asked)
-                if asked
+                ("asked", requested)
+                if requested
                 else ("file", said)
                 if said
                 else ("assumed", ASSUMED.get(question, ""))
             )
-            self.told[question] = Answer(question, word, by)  # type: ignore[arg-type]
-        return self.told[question].answer
+            self.resolved[question] = Answer(question, word, by)  # type: ignore[arg-type]
+        return self.resolved[question].answer
 
     def still_open(self) -> list[str]:
         fractions = self.found.said.get("lift_unit") == "1"
@@ -285,18 +284,18 @@ class _Known:
         )
         if self.given.lift_unit and said and unit_factor(said) != unit_factor(self.given.lift_unit):
             raise InputError(
-                f"lift_unit is {self.given.lift_unit} as asked, but the file says {said}; leave the answer out",
+                f"lift_unit is {self.given.lift_unit} as requested, but the file says {said}; leave the answer out",
                 "lift_unit",
             )
         unit = self.given.lift_unit or said
-        self.told["lift_unit"] = Answer(
+        self.resolved["lift_unit"] = Answer(
             "lift_unit", unit, "asked" if self.given.lift_unit else "file"
         )
         return unit_factor(unit)
 
 
 def _columns(found: LiftColumns, answers: LiftAnswers, name: str) -> tuple[str, ...]:
-    """What each column is, refusing what nobody names."""
+    """What each column is. Raises :class:`InputError` for unnamed columns."""
     count = found.rows.shape[1]
     columns = answers.columns or found.columns
     if len(columns) != count:
@@ -325,7 +324,7 @@ def _columns(found: LiftColumns, answers: LiftAnswers, name: str) -> tuple[str, 
     return columns
 
 
-def _cam_angles(found: LiftColumns, columns: tuple[str, ...], known: _Known) -> Array:
+def _cam_angles(found: LiftColumns, columns: tuple[str, ...], known: _AnswerSheet) -> Array:
     """Cam angles (rad) of the rows, in their order."""
     raw = found.rows[:, columns.index("angle")]
     ratio = 0.5 if known.answer("angle_of") == "crank" else 1.0
@@ -335,7 +334,7 @@ def _cam_angles(found: LiftColumns, columns: tuple[str, ...], known: _Known) -> 
         return np.asarray((given.opening + raw * given.duration) * ratio)
     said = found.units[columns.index("angle")]
     if said in ("deg", "rad") and not known.given.angle_unit:
-        known.told["angle_unit"] = Answer("angle_unit", said, "file")
+        known.resolved["angle_unit"] = Answer("angle_unit", said, "file")
     unit = known.answer("angle_unit")
     return np.asarray(raw * unit_factor(unit) * ratio)
 
@@ -361,7 +360,7 @@ def _check_angles(angles: Array, name: str) -> None:
         )
 
 
-def _held_against(values: Array, word: str, angles: Array, lifts: Array) -> str:
+def _agreement_note(values: Array, word: str, angles: Array, lifts: Array) -> str:
     """A sentence on how a velocity or acceleration column fits the derivative of the lift; it is
     not used otherwise.
     """
@@ -378,24 +377,24 @@ def _held_against(values: Array, word: str, angles: Array, lifts: Array) -> str:
 
 
 def _oriented(
-    lobe: str, angles: Array, lifts: Array, form: str, known: _Known, notes: tuple[str, ...]
+    lobe: str, angles: Array, lifts: Array, form: str, known: _AnswerSheet, notes: tuple[str, ...]
 ) -> MeasuredLift:
     if known.answer("direction") == "reversed":
         angles, lifts = -angles[::-1], lifts[::-1]
     zero = known.answer("zero")
     if zero == "nose":
         angles = angles - _nose(angles, lifts)
-    words = "at the nose of the lobe" if zero == "nose" else "as in the file"
+    zero_text = "at the nose of the lobe" if zero == "nose" else "as in the file"
     known.answer("angle_of"), known.answer("lift_of")
     order = ("lift_of", "lift_unit", "angle_of", "angle_unit", "zero", "direction")
-    answers = tuple(known.told[question] for question in order if question in known.told)
+    answers = tuple(known.resolved[question] for question in order if question in known.resolved)
     return MeasuredLift(
         lobe,
         np.ascontiguousarray(angles),
         np.ascontiguousarray(lifts),
         known.answer("lift_of"),
         form,
-        words,
+        zero_text,
         answers,
         notes,
     )

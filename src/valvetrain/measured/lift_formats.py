@@ -1,6 +1,4 @@
-"""What a form of lift files answers: whether a content is its own, what it holds, how it is
-written.
-"""
+"""Forms of lift files: how each is recognised, read and written."""
 
 from __future__ import annotations
 
@@ -13,22 +11,20 @@ import numpy as np
 from numpy.typing import NDArray
 
 from valvetrain.errors import InputError
-from valvetrain.measured.tables import UNIT_WORDS, TextTable, read_text_table, text_of
+from valvetrain.measured.tables import UNIT_NAMES, TextTable, read_text_table, text_of
 
 Array = NDArray[np.float64]
-#: Words that a column may carry.
-COLUMN_WORDS = ("angle", "lift", "intake", "exhaust", "velocity", "acceleration", "ignore")
+#: What a column may be.
+COLUMN_NAMES = ("angle", "lift", "intake", "exhaust", "velocity", "acceleration", "ignore")
 
 
 @dataclass(frozen=True, eq=False)
 class LiftColumns:
     """What a file holds, before any question is answered.
 
-    ``form``: word of the format. ``rows`` (stations, columns) in the file's own units. ``columns``:
-    a word of :data:`COLUMN_WORDS` per
-    column, empty where the file does not tell. ``units``: one per column, likewise. ``said``:
-    questions that the file itself answers,
-    such as ``{"angle_of": "crank"}``. ``headings``: its lines of words.
+    ``form``: name of the format. ``rows`` (stations, columns) in the file's own units. ``columns``:
+    a name of :data:`COLUMN_NAMES` per column, empty where the file gives none. ``units``: one per
+    column, likewise. ``said``: questions that the file itself answers, such as ``{"angle_of": "crank"}``. ``headings``: its lines of text.
     """
 
     form: str
@@ -54,17 +50,17 @@ class LiftTable:
 
 @dataclass(frozen=True, slots=True)
 class LiftFormat:
-    """A form of lift files. ``recognise(content, name)`` looks at the content alone (the name is
-    for messages);
-    ``write`` may be missing."""
+    """A form of lift files. ``recognise(content, name)`` examines the content alone (the name is for
+    messages); ``write`` may be missing.
+    """
 
-    words: str
+    label: str
     recognise: Callable[[bytes, str], bool]
     read: Callable[[bytes, str], LiftColumns]
     write: Callable[[LiftTable], bytes] | None = None
 
 
-#: Words of a heading -> what the column is; the first that fits.
+#: Pattern of a heading -> what the column is; the first that fits.
 _MEANINGS = (
     (r"acc|beschl|mm/deg2|mm/deg\^2", "acceleration"), (r"vel|geschw|speed|mm/deg|in/deg", "velocity"),
     (r"intake|inlet|einlass", "intake"),
@@ -100,9 +96,9 @@ def from_table(table: TextTable, form: str) -> LiftColumns:
             tuple(unit if unit in fits else "" for unit, fits in zip(units, _FITTING, strict=True)),
         )
     said: dict[str, str] = {}
-    words = " ".join((*table.names, *table.units, *table.headings)).lower()
+    text = " ".join((*table.names, *table.units, *table.headings)).lower()
     for question, choices in (("angle_of", ("crank", "cam")), ("lift_of", ("valve", "tappet"))):
-        found = [word for word in choices if re.search(_CHOICES[word], words)]
+        found = [word for word in choices if re.search(_CHOICES[word], text)]
         if len(found) == 1:
             said[question] = found[0]
     return LiftColumns(form, table.rows, columns, units, said, table.headings)
@@ -128,7 +124,7 @@ def _meaning(name: str) -> str:
 
 
 def _unit(unit: str) -> str:
-    return UNIT_WORDS.get(unit.lower().strip(), "")
+    return UNIT_NAMES.get(unit.lower().strip(), "")
 
 
 def write_columns(table: LiftTable) -> bytes:
@@ -179,7 +175,7 @@ def recognise_fractions(content: bytes, name: str) -> bool:
 
 
 def read_fractions(content: bytes, name: str) -> LiftColumns:
-    """The fractions; peak lift, duration and opening angle have to be told."""
+    """The fractions; peak lift, duration and opening angle must be specified by the user."""
     table = read_text_table(text_of(content, name), name)
     said = {"angle_unit": "1", "lift_unit": "1"}
     return LiftColumns("fractions", table.rows, ("angle", "lift"), ("", ""), said, table.headings)

@@ -1,12 +1,10 @@
 """Lift, velocity, acceleration and jerk behind noisy stations, each with its uncertainty.
 
 The stations are a law plus independent noise; the law is a spline that rests on the base circle at
-both ends and whose jerk is
-white noise of a scale that varies along the event. Both scales are those of largest marginal
-likelihood, so no acceleration is
-invented that the stations do not tell, and what they leave open is the posterior's spread (Wahba,
-J. R. Stat. Soc. B 45, 1983;
-Patterson and Thompson, Biometrika 58, 1971, for the likelihood).
+both ends and whose jerk is white noise of a scale that varies along the event. Both scales are
+those of largest marginal likelihood, so no acceleration is invented that the stations do not
+support, and what they leave open is the spread of the posterior (Wahba, J. R. Stat. Soc. B 45,
+1983; Patterson and Thompson, Biometrika 58, 1971, for the likelihood).
 """
 
 from __future__ import annotations
@@ -47,11 +45,9 @@ class SmoothedLift:
     (m), the mean, and what spreads about it.
 
     ``factor`` (free, free): draws are coefficients plus factor @ standard normal numbers. ``noise``
-    (m): standard deviation of a
-    station; ``base`` (m): level of the base circle that was taken off, ``runout`` (m) the standard
-    deviation of its stations.
-    ``cam_angles``, ``residuals`` (rad, m) of the stations of the event. ``widened``: whether the
-    smoothing was weakened to meet a band.
+    (m): standard deviation of a station; ``base`` (m): level of the base circle that was taken off,
+    ``runout`` (m) the standard deviation of its stations. ``cam_angles``, ``residuals`` (rad, m) of
+    the stations of the event. ``widened``: whether the smoothing was weakened to meet a band.
 
     >>> angles = np.radians(np.arange(90.0, 271.0))
     >>> stations = 9e-3 * np.clip(1 - ((angles - np.pi) / np.radians(60)) ** 2, 0, None) ** 3
@@ -235,7 +231,7 @@ class _Fit:
 def _likeliest(
     design: Array, penalty: Array, lifts: Array, noise: float | None, stated: bool
 ) -> tuple[float, float]:
-    """Noise (m) and ratio of variances of largest marginal likelihood; a ``stated`` noise is kept."""
+    """Noise (m) and ratio of variances of largest marginal likelihood; a ``stated`` noise is retained."""
     from scipy.linalg import solve_triangular
     from scipy.optimize import minimize_scalar
 

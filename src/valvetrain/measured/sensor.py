@@ -1,5 +1,6 @@
-"""A gauge between a trace and what is recorded of it: resonance of its mounting, analog low-pass,
-sampling, resolution.
+"""Sensor model: filters and samples a computed force as a gauge of finite bandwidth would record it.
+
+Its parts are the resonance of the mounting, an analog low-pass, sampling and resolution.
 """
 
 from __future__ import annotations
@@ -17,10 +18,10 @@ from valvetrain.units import Given, si
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 Filter = Literal["butterworth", "bessel"]
-#: Highest order of the low-pass, steps in the shortest period of the gauge, sampling phases that
-#: are tried, most steps of a trace.
-HIGHEST_ORDER, STEPS, PHASES, MAX_STEPS = 8, 40, 32, 20_000_000
-_GIVEN = {
+#: Order of the low-pass at most, steps in the shortest period of the gauge, sampling phases that are
+#: tried, steps of a trace at most.
+MAX_ORDER, STEPS, PHASES, MAX_STEPS = 8, 40, 32, 20_000_000
+_DIMENSIONS = {
     "bandwidth": "frequency", "sampling_rate": "frequency", "natural_frequency": "frequency", "mounting_stiffness": "stiffness",
     "moved_mass": "mass",
 }  # fmt: skip
@@ -28,8 +29,8 @@ _GIVEN = {
 
 @dataclass(frozen=True)
 class SensorResponse:
-    """What a gauge makes of a trace: ``time`` (s) and ``values`` (unit of the trace), sampled where
-    the gauge samples.
+    """A trace as a gauge records it: ``time`` (s) and ``values`` (unit of the trace) of its samples,
+    the largest value of the true trace, and the smallest and largest peak over all sampling phases.
 
     >>> SensorResponse(np.array([0.0, 1.0]), np.array([2.0, 5.0]), 9.0, (4.0, 5.0)).peak
     5.0
@@ -38,7 +39,6 @@ class SensorResponse:
     time: Array
     values: Array
     true_peak: float
-    #: Least and largest peak over the phases of the sampling, which nobody chooses.
     peaks: tuple[float, float]
 
     @property
@@ -49,7 +49,7 @@ class SensorResponse:
 
 @dataclass(frozen=True, kw_only=True)
 class Sensor:
-    """A gauge; every part that is left out is ideal.
+    """Sensor model of a gauge; every part that is left out is ideal.
 
     Parameters
     ----------
@@ -82,21 +82,21 @@ class Sensor:
     resolution: float = 0.0
 
     def __post_init__(self) -> None:
-        for name, dimension in _GIVEN.items():
-            if (given := getattr(self, name)) is not None:
-                value = si(given, dimension, f"{name} of the gauge")
-                if not 0 < value < 1e15:
+        for name, dimension in _DIMENSIONS.items():
+            if (value := getattr(self, name)) is not None:
+                si_value = si(value, dimension, f"{name} of the gauge")
+                if not 0 < si_value < 1e15:
                     raise InputError(
-                        f"{name} of {value:g} is none of a gauge; give it above zero", name
+                        f"{name} of {si_value:g} is none of a gauge; give it above zero", name
                     )
-                object.__setattr__(self, name, value)
+                object.__setattr__(self, name, si_value)
         if (
             isinstance(self.order, bool)
             or not isinstance(self.order, int)
-            or not 1 <= self.order <= HIGHEST_ORDER
+            or not 1 <= self.order <= MAX_ORDER
         ):
             raise InputError(
-                f"order is a whole number from 1 to {HIGHEST_ORDER}, not {str(self.order)[:20]}; correct it",
+                f"order is a whole number from 1 to {MAX_ORDER}, not {str(self.order)[:20]}; correct it",
                 "order",
             )
         if self.filter not in ("butterworth", "bessel"):
@@ -148,78 +148,72 @@ class Sensor:
         )
 
     def gain(self, signal_frequencies: Array) -> Array:
-        """Amplitude seen over true one at ``signal_frequencies`` (Hz), by the transfer function."""
-        points, out = (
-            2j * np.pi * np.asarray(signal_frequencies, dtype=float),
-            np.ones(len(signal_frequencies)),
-        )
+        """Recorded amplitude over the true one at ``signal_frequencies`` (Hz), by the transfer
+        function.
+        """
+        frequencies = 2 * np.pi * np.asarray(signal_frequencies, dtype=float)
+        gain: Array = np.ones(len(frequencies))
         for poles, twice in self._stages():
-            one = np.abs(np.prod([-pole / (points - pole) for pole in poles], axis=0))
-            out = out * (one**2 if twice else one)
-        return out
+            once = np.abs(signal.freqs_zpk([], poles, np.prod(-poles).real, frequencies)[1])
+            gain = gain * (once**2 if twice else once)
+        return gain
 
     def response(self, time: Array, values: Array, periodic: bool = False) -> Array:
-        """The trace behind resonance and low-pass, before it is sampled.
+        """The trace filtered by resonance and low-pass, before it is sampled.
 
         ``time`` (s) rising, ``values`` joined by straight lines between; ``periodic``: the trace
-        repeats, its last value being its first.
-        Each pole is integrated exactly over straight lines. Raises :class:`InputError` for a trace
-        that is none.
+        repeats, its last value being its first. Each pole is integrated exactly over straight
+        lines. Raises :class:`InputError` for times that do not rise and values that are not finite.
         """
-        grid, fine = self._even(np.asarray(time, dtype=float), np.asarray(values, dtype=float))
-        found: Array = np.interp(time, grid, self._through(fine, grid[1] - grid[0], periodic))
-        return found
+        grid, filtered = self._filtered(time, values, periodic)
+        response: Array = np.interp(time, grid, filtered)
+        return response
 
-    def seen(
+    def record(
         self, time: Array, values: Array, phase: float = 0.0, periodic: bool = False
     ) -> SensorResponse:
         """The trace as recorded; ``phase`` (0 to 1, in samples): where the first sample falls.
         Arguments and errors as :meth:`response`.
         """
-        given = np.asarray(values, dtype=float)
-        grid, fine = self._even(np.asarray(time, dtype=float), given)
-        smooth = self._through(fine, grid[1] - grid[0], periodic)
+        grid, filtered = self._filtered(time, values, periodic)
+        true_peak = float(np.max(np.asarray(values, dtype=float)))
         if self.sampling_rate is None:
-            top = float(np.max(smooth))
-            return SensorResponse(grid, self._rounded(smooth), float(np.max(given)), (top, top))
+            top = float(np.max(filtered))
+            return SensorResponse(grid, self._rounded(filtered), true_peak, (top, top))
         step = 1 / float(self.sampling_rate)
 
         def sampled(first: float) -> tuple[Array, Array]:
             at = np.arange(grid[0] + first * step, grid[-1], step)
-            return at, self._rounded(np.interp(at, grid, smooth))
+            return at, self._rounded(np.interp(at, grid, filtered))
 
         tops = [
-            float(np.max(sampled(place / PHASES)[1], initial=-np.inf)) for place in range(PHASES)
+            float(np.max(sampled(count / PHASES)[1], initial=-np.inf)) for count in range(PHASES)
         ]
-        at, out = sampled(phase % 1.0)
+        at, recorded = sampled(phase % 1.0)
         if not len(at):
             raise InputError(
                 "the trace is shorter than one sample of the gauge; give a higher sampling rate",
                 "sampling_rate",
             )
-        return SensorResponse(at, out, float(np.max(given)), (min(tops), max(tops)))
+        return SensorResponse(at, recorded, true_peak, (min(tops), max(tops)))
+
+    #: Former name.
+    seen = record
 
     def _rounded(self, values: Array) -> Array:
         return np.round(values / self.resolution) * self.resolution if self.resolution else values
 
     def _stages(self) -> list[tuple[Complex, bool]]:
-        """Poles (rad/s) of each stage of unit gain at rest, and whether it is passed forward and
+        """Poles (rad/s) of each stage of unit static gain, and whether it is passed forward and
         backward.
         """
         stages: list[tuple[Complex, bool]] = []
         if self.resonance is not None:
-            turn, damping = 2 * np.pi * self.resonance, float(self.damping_ratio)
-            root = (
-                np.sqrt(complex(damping**2 - 1)) or 1e-6
-            )  # twin poles are drawn apart by what nobody sees
-            stages.append(
-                (
-                    np.array(
-                        [turn * (root - damping), -turn * (root + damping)], dtype=np.complex128
-                    ),
-                    False,
-                )
-            )
+            omega, damping = 2 * np.pi * self.resonance, float(self.damping_ratio)
+            # a double pole is split by a negligible amount
+            root = np.sqrt(complex(damping**2 - 1)) or 1e-6
+            pair = [omega * (root - damping), -omega * (root + damping)]
+            stages.append((np.array(pair, dtype=np.complex128), False))
         if self.bandwidth is not None:
             edge = 2 * np.pi * float(self.bandwidth)
             if self.filter == "bessel":
@@ -229,26 +223,25 @@ class Sensor:
             stages.append((np.asarray(poles, dtype=np.complex128), self.zero_phase))
         return stages
 
-    def _even(self, time: Array, values: Array) -> tuple[Array, Array]:
-        """The trace on an even grid that is fine enough for the gauge and holds every given point
-        of an even trace.
+    def _filtered(self, time: Array, values: Array, periodic: bool) -> tuple[Array, Array]:
+        """Times and filtered values on an even grid that is fine enough for the gauge and holds
+        every given point of an even trace.
         """
+        time, values = np.asarray(time, dtype=float), np.asarray(values, dtype=float)
+        steps = np.diff(time)
         if (
             len(time) < 2
             or time.shape != values.shape
             or not np.isfinite(values).all()
-            or not (np.diff(time) > 0).all()
+            or not (steps > 0).all()
         ):
             raise InputError(
                 "a trace needs two points at least, its times rising and its values finite; correct it",
                 "time",
             )
-        span = float(time[-1] - time[0])
-        finest = min(
-            float(np.min(np.diff(time))),
-            1 / (STEPS * self.highest_frequency) if self.highest_frequency else np.inf,
-        )
-        even = float(np.max(np.abs(np.diff(time) * (len(time) - 1) / span - 1))) < 1e-6
+        span, highest = float(time[-1] - time[0]), self.highest_frequency
+        finest = min(float(np.min(steps)), 1 / (STEPS * highest) if highest else np.inf)
+        even = float(np.max(np.abs(steps * (len(time) - 1) / span - 1))) < 1e-6
         share = int(np.ceil(span / (len(time) - 1) / finest - 1e-9))
         parts = (len(time) - 1) * share if even else int(np.ceil(span / max(finest, 1e-300)))
         if parts > MAX_STEPS:
@@ -257,41 +250,41 @@ class Sensor:
                 "time",
             )
         grid = np.linspace(time[0], time[-1], parts + 1)
-        return grid, np.interp(grid, time, values)
-
-    def _through(self, values: Array, step: float, periodic: bool) -> Array:
+        values, step = np.interp(grid, time, values), grid[1] - grid[0]
         for poles, twice in self._stages():
             values = _passed(poles, values, step, periodic)
             if twice:
                 values = _passed(poles, values[::-1], step, periodic)[::-1]
-        return values
+        return grid, values
 
 
 def _passed(poles: Complex, values: Array, step: float, periodic: bool) -> Array:
-    """Values behind prod(-p / (s - p)), begun at rest at the first value, or in the periodic state.
+    """Values filtered by prod(-p / (s - p)), begun in equilibrium with the first value, or in the
+    periodic state.
 
     In partial fractions each pole is a recursion, exact for straight lines between the values.
     """
     gain = np.prod(-poles)
     out = np.zeros(len(values))
-    for place, pole in enumerate(poles):
-        residue = gain / np.prod(pole - np.delete(poles, place))
-        grown = pole * step
-        decay = np.exp(grown)
+    for index, pole in enumerate(poles):
+        residue = gain / np.prod(pole - np.delete(poles, index))
+        exponent = pole * step
+        decay = np.exp(exponent)
         rest = (
-            np.expm1(grown) - grown
-            if abs(grown) > 1e-4
-            else grown**2 * (0.5 + grown / 6 + grown**2 / 24)
+            np.expm1(exponent) - exponent
+            if abs(exponent) > 1e-4
+            else exponent**2 * (0.5 + exponent / 6 + exponent**2 / 24)
         )
-        late = rest / (pole * grown)
-        early = np.expm1(grown) / pole - late
-        pushed = residue * (early * values[:-1] + late * values[1:])
+        late = rest / (pole * exponent)
+        early = np.expm1(exponent) / pole - late
+        forcing = residue * (early * values[:-1] + late * values[1:])
         begin = -residue * values[0] / pole
-        state = signal.lfilter([1.0], [1.0, -decay], pushed, zi=[decay * begin])[0]
-        if periodic:  # what a turn begun at nothing ends with tells what every turn begins with
-            whole = decay ** len(pushed)
-            nothing = state[-1] - whole * begin
-            state = state + (nothing / (1 - whole) - begin) * decay ** np.arange(1, len(pushed) + 1)
-            begin = nothing / (1 - whole)
+        state = signal.lfilter([1.0], [1.0, -decay], forcing, zi=[decay * begin])[0]
+        if periodic:  # a cycle begun at zero ends with the state from which every cycle follows
+            whole = decay ** len(forcing)
+            from_zero = state[-1] - whole * begin
+            steady = from_zero / (1 - whole)
+            state = state + (steady - begin) * decay ** np.arange(1, len(forcing) + 1)
+            begin = steady
         out += np.real(np.concatenate([[begin], state]))
     return out

@@ -6,9 +6,7 @@ from __future__ import annotations
 
 import codecs
 import re
-from collections.abc import Callable
 from dataclasses import dataclass
-from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -27,7 +25,7 @@ _MARKS = re.compile(r"[;\t|,\s]+")
 _BLANKS, MAX_HEADING_LENGTH = re.compile(r"(\s{8})\s+"), 1000
 #: Lines above the numbers among which the names of the columns are looked for.
 HEADINGS = 100
-#: Marks that begin a line of words.
+#: Marks that begin a line of text.
 COMMENTS = ("#", "%", "!", "//", "*", "'", '"')
 #: Most columns of a table of lifts; more is another kind of file.
 MAX_COLUMNS = 12
@@ -35,12 +33,11 @@ MAX_COLUMNS = 12
 
 @dataclass(frozen=True, eq=False)
 class TextTable:
-    """``rows`` (rows, columns) of numbers, the ``headings`` (lines of words before them) and names
+    """``rows`` (rows, columns) of numbers, the ``headings`` (lines of text before them) and names
     of columns with their units.
 
     ``names`` and ``units`` have one entry a column, empty where the headings do not tell.
-    ``first_line``: number of the line the rows
-    begin on, from 1.
+    ``first_line``: number of the line the rows begin on, from 1.
     """
 
     rows: Array
@@ -50,44 +47,42 @@ class TextTable:
     first_line: int
 
 
-def read_text_table(text: str, name: str, most_columns: int = MAX_COLUMNS) -> TextTable:
-    """The table of numbers in ``text``; lines of words may stand before it and, marked as comments,
-    in it.
+def read_text_table(text: str, name: str, max_columns: int = MAX_COLUMNS) -> TextTable:
+    """The table of numbers in ``text``; lines of text may precede it and, marked as comments, be in it.
 
     Semicolons, tabs, bars, commas or blanks part the columns; a decimal comma is read where
-    something else does. ``name`` of the file
-    is for messages. Raises :class:`InputError` naming the line that is not as long as the others or
-    not numbers.
+    something else does. ``name`` of the file is for messages. Raises :class:`InputError` naming the
+    line that is not as long as the others or not numbers.
     """
     headings: list[str] = []
     lines: list[tuple[int, str]] = []
     for number, line in enumerate(text.splitlines(), start=1):
-        words = _BLANKS.sub(r"\1", line.strip())
-        if not words:
+        content = _BLANKS.sub(r"\1", line.strip())
+        if not content:
             continue
-        if words.startswith(COMMENTS) or not _is_row(words):
-            if lines and not words.startswith(COMMENTS):
+        if content.startswith(COMMENTS) or not _is_row(content):
+            if lines and not content.startswith(COMMENTS):
                 raise InputError(
-                    f"line {number} of {name} is no row of numbers: '{words[:40]}'; correct it or mark it with #"
+                    f"line {number} of {name} is no row of numbers: '{content[:40]}'; correct it or mark it with #"
                 )
-            headings.append(words.lstrip("#%!/*'\" ").rstrip("'\""))
+            headings.append(content.lstrip("#%!/*'\" ").rstrip("'\""))
             continue
-        lines.append((number, words))
+        lines.append((number, content))
     if not lines:
         raise InputError(
             f"{name} holds no row of numbers; export the table as text with one station a line"
         )
-    split = _splitter([words for _, words in lines])
-    rows = [_row(split, words, number, name) for number, words in lines]
+    separator = column_separator([content for _, content in lines])
+    rows = [_row(separator, content, number, name) for number, content in lines]
     width = len(rows[0])
     for (number, _), row in zip(lines, rows, strict=True):
         if len(row) != width:
             raise InputError(
                 f"line {number} of {name} has {len(row)} numbers, the first row {width}; make the rows alike"
             )
-    if width > most_columns:
-        what = "a table of lifts" if most_columns == MAX_COLUMNS else "a table of channels"
-        raise InputError(f"{name} has {width} columns; {what} has at most {most_columns}")
+    if width > max_columns:
+        what = "a table of lifts" if max_columns == MAX_COLUMNS else "a table of channels"
+        raise InputError(f"{name} has {width} columns; {what} has at most {max_columns}")
     values = np.array(rows, dtype=float)
     if not np.all(np.isfinite(values)):
         raise InputError(
@@ -97,19 +92,15 @@ def read_text_table(text: str, name: str, most_columns: int = MAX_COLUMNS) -> Te
     return TextTable(values, tuple(headings), names, units, lines[0][0])
 
 
-def _is_row(words: str) -> bool:
-    """Whether a line holds numbers and marks alone; in one pass, whatever stands in it."""
-    parts = [part for part in _MARKS.split(words) if part]
+def _is_row(line: str) -> bool:
+    """Whether a line holds numbers and marks alone; in one pass, whatever it holds."""
+    parts = [part for part in _MARKS.split(line) if part]
     return bool(parts) and all(map(_NUMBER.fullmatch, parts))
 
 
-def _splitter(lines: list[str]) -> Callable[[str], list[float]]:
-    return partial(_cut, parting_mark(lines))
-
-
-def parting_mark(lines: list[str]) -> str:
-    """Pattern of what parts the columns: the strongest mark that stands in most lines; a comma is
-    decimal where another one is.
+def column_separator(lines: list[str]) -> str:
+    """Pattern that separates the columns: the strongest mark that is in most lines; a comma is decimal
+    where another one is.
     """
     sample = lines[:200]
     for pattern, mark in (
@@ -126,20 +117,16 @@ def parting_mark(lines: list[str]) -> str:
     return r"[;\t|]"
 
 
-def _row(split: Callable[[str], list[float]], words: str, number: int, name: str) -> list[float]:
+def _row(separator: str, line: str, number: int, name: str) -> list[float]:
     try:
-        return split(words)
+        return [
+            float(part.strip().replace(",", ".").replace("D", "e").replace("d", "e"))
+            for part in re.split(separator, line.strip(",;| \t"))
+        ]
     except ValueError as error:
         raise InputError(
-            f"line {number} of {name} is not parted as the others are: '{words[:40]}'; make the rows alike"
+            f"line {number} of {name} is not separated as the others are: '{line[:40]}'; make the rows alike"
         ) from error
-
-
-def _cut(mark: str, line: str) -> list[float]:
-    return [
-        float(part.strip().replace(",", ".").replace("D", "e").replace("d", "e"))
-        for part in re.split(mark, line.strip(",;| \t"))
-    ]
 
 
 def _decimal_commas_alone(sample: list[str]) -> bool:
@@ -164,9 +151,7 @@ def _columns(headings: list[str], width: int) -> tuple[tuple[str, ...], tuple[st
             _STRONG.search(headings[place])
         )
         above = _parts(headings[place - 1], width) if alike else None
-        known = sum(
-            map(_is_unit, parts)
-        )  # a unit that nobody has heard of makes the others no names
+        known = sum(map(_is_unit, parts))  # an unknown unit makes the others no names
         if above is not None and 2 * known >= width and known > sum(map(_is_unit, above)):
             return tuple(above), tuple(part.strip("[]() ") for part in parts)
         return tuple(names), tuple(units)
@@ -192,11 +177,11 @@ def _name_and_unit(part: str) -> tuple[str, str]:
 
 def _is_unit(part: str) -> bool:
     word = part.strip("[]() ")
-    return word.lower() in UNIT_WORDS or word in _OTHER_UNITS
+    return word.lower() in UNIT_NAMES or word in _OTHER_UNITS
 
 
 #: Units as headings write them -> how this package writes them.
-UNIT_WORDS = {
+UNIT_NAMES = {
     "deg": "deg", "degree": "deg", "degrees": "deg", "°": "deg", "grad": "deg", "degca": "deg", "deg ca": "deg", "°ca": "deg",
     "°cam": "deg", "degcam": "deg", "deg cam": "deg", "°crank": "deg", "deg crank": "deg", "°kw": "deg", "°nw": "deg", "rad": "rad",
     "mm": "mm", "in": "inch", "inch": "inch", "inches": "inch", '"': "inch", "thou": "thou", "mil": "thou", "m": "m", "cm": "cm",
@@ -219,14 +204,14 @@ _MARKS_content = (
 )
 
 
-def read_content(path: Path, most_bytes: int, noun: str) -> bytes:
+def read_content(path: Path, max_bytes: int, noun: str) -> bytes:
     """Content of a regular file of at most ``most_bytes``; ``noun`` says what was looked for.
 
     Raises :class:`InputError` for a missing, empty, larger or special file (a device, a pipe).
     """
     shown = path.name[:80] or str(path)[:80]
     try:
-        content = bounded_bytes(path, noun, most_bytes)
+        content = bounded_bytes(path, noun, max_bytes)
     except InputError as error:
         raise InputError(f"{noun} '{shown}' {error.reason}") from None
     except (OSError, ValueError) as error:

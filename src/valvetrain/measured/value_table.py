@@ -1,5 +1,5 @@
-"""Tables of measured values with their scatter, or with their repeats: what a paper or a rig's
-protocol prints instead of curves.
+"""Reads tables of measured values with their scatter or repeats, as papers and test reports print
+them instead of curves.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ MAX_BYTES, MAX_ROWS, MAX_REPEATS = 5_000_000, 2000, 200
 _NOUN = "table of measured values"
 _NAME = re.compile(r"[A-Za-z][A-Za-z0-9_.]{0,119}")
 _HEAD = re.compile(r"(.*?)\s*(?:[\[(]\s*(.*?)\s*[\])])?\s*")
-#: Columns of one number whose unit stands in the heading -> dimension.
+#: Columns of one number whose unit is in the heading -> dimension.
 _AMOUNTS = {
     "cam angle": "angle",
     "angle scatter": "angle",
@@ -38,10 +38,8 @@ class MeasuredValue:
     """One measured value of ``quantity``, SI; shown in ``unit``.
 
     ``repeats``: values of the trials, shape (trials,), one for a single value. ``scatter``: stated
-    standard deviation of the value, NaN
-    where repeats tell it. ``cam_angle`` and ``angle_scatter`` (rad) of it, NaN where none is told;
-    ``engine_speed`` (rad/s of the crank),
-    0 where the table does not tell.
+    standard deviation of the value, NaN where repeats show it. ``cam_angle`` and ``angle_scatter``
+    (rad) of it, NaN where unspecified; ``engine_speed`` (rad/s of the crank), 0 where unspecified.
 
     >>> MeasuredValue("stage_2_peak_force", "N", np.array([806.0]), scatter=8.0).value
     806.0
@@ -103,9 +101,8 @@ def read_value_table(path: str | Path) -> ValueTable:
     value.
 
     Headings: ``quantity``, ``unit``, then either ``value`` and ``scatter`` (one standard deviation,
-    an amount in that unit or per cent)
-    or ``repeat 1``, ``repeat 2`` ...; further ``cam angle [deg]``, ``angle scatter [deg]``,
-    ``engine speed [rpm]``, any of them empty.
+    an amount in that unit or per cent) or ``repeat 1``, ``repeat 2`` ...; further ``cam angle
+    [deg]``, ``angle scatter [deg]``, ``engine speed [rpm]``, any of them empty.
 
     Parameters
     ----------
@@ -138,8 +135,8 @@ def values_in(text: str, name: str) -> ValueTable:
     lines: list[tuple[int, str]] = []
     for number, line in enumerate(text.splitlines(), start=1):
         if line.lstrip().startswith("#"):
-            key, _, words = line.strip().lstrip("# ").partition(":")
-            said.setdefault(key.strip().lower(), []).append(words.strip())
+            key, _, value = line.strip().lstrip("# ").partition(":")
+            said.setdefault(key.strip().lower(), []).append(value.strip())
         elif line.strip():
             lines.append((number, line))
     if len(lines) < 2 or not is_value_table(text):
@@ -195,9 +192,9 @@ def _heads(cells: list[str], name: str) -> list[tuple[str, str]]:
                 f"1 {unit}".strip(), _AMOUNTS[word], f"heading '{clipped(cell)}' of {name}"
             )
         heads.append((word, unit))
-    words = [word for word, _ in heads]
-    repeats = sum(word.startswith("repeat ") for word in words)
-    if "unit" not in words or ("value" in words) == (repeats > 0):
+    headings = [word for word, _ in heads]
+    repeats = sum(word.startswith("repeat ") for word in headings)
+    if "unit" not in headings or ("value" in headings) == (repeats > 0):
         raise InputError(
             f"{name} needs a column 'unit', and either 'value' with 'scatter' or 'repeat 1', 'repeat 2' and so on; add them"
         )
@@ -226,8 +223,10 @@ def _value(
         dimension_powers(f"1 {unit}".strip())
     except InputError as error:
         raise InputError(error.reason, where) from None
-    told = [cell for word, cell in row.items() if word == "value" or word.startswith("repeat ")]
-    repeats = np.array([_number(cell, where) for cell in told]) * factor
+    cells_of_value = [
+        cell for word, cell in row.items() if word == "value" or word.startswith("repeat ")
+    ]
+    repeats = np.array([_number(cell, where) for cell in cells_of_value]) * factor
     scatter = math.nan
     if "value" in row:
         scatter = _scatter(row.get("scatter", ""), float(repeats[0]), unit, factor, where)

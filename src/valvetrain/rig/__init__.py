@@ -1,4 +1,9 @@
-"""Recordings of a test rig as cycles over the cam angle, and runs as a gauge would record them."""
+"""``valvetrain rig``: recordings of a test rig as cycles over the cam angle, and runs as a gauge
+records them.
+
+``cycles.py`` has the steps from file to result (begin there), each in a file of its own: ``reader.py`` with the
+formats, ``channels.py``, ``shaft.py``, ``cutting.py``, ``alignment.py``; ``gauge.py`` has the gauge.
+"""
 
 from __future__ import annotations
 

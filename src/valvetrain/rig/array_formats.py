@@ -1,11 +1,14 @@
-"""Channels from named arrays: which of them is the time of which, what is a rate."""
+"""Reads recordings from files of named arrays: MAT, NetCDF, HDF5 and text of columns.
+
+Which array holds the times of which is found by name and length.
+"""
 
 from __future__ import annotations
 
 import io
 import re
 import warnings
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -15,24 +18,26 @@ from valvetrain.errors import InputError
 from valvetrain.measured.tables import (
     COMMENTS,
     TextTable,
-    parting_mark,
+    column_separator,
     read_content,
     read_text_table,
     text_of,
 )
-from valvetrain.rig.recording import (
+from valvetrain.rig.reader import (
     Array,
     Budget,
     Recording,
     RigChannel,
     RigFormat,
-    plain_word,
+    one_line,
     says_synthetic,
 )
 
 #: A table of more columns is no table of channels.
 MAX_COLUMNS = 64
-#: Units of times -> seconds; files of arrays may count them since a date, which tells nothing here.
+#: Bytes that the best compression makes of one byte, at most.
+_MAX_EXPANSION = 1100
+#: Units of times -> seconds; files of arrays may count them since a date, which is ignored here.
 SECONDS = {
     "s": 1.0, "sec": 1.0, "second": 1.0, "seconds": 1.0, "": 1.0, "ms": 1e-3, "milliseconds": 1e-3, "us": 1e-6, "µs": 1e-6, "μs": 1e-6,
     "microseconds": 1e-6, "ns": 1e-9, "nanoseconds": 1e-9, "min": 60.0, "minutes": 60.0,
@@ -42,163 +47,148 @@ _TIME = re.compile(r"(?:.*[/_. ])?(time|times|t|zeit|timestamps?)", re.I)
 
 def is_time(name: str, unit: str = "") -> bool:
     """Whether a channel holds times by its name; ``t`` in a ``unit`` that is none of time is a
-    temperature or whatever else.
+    temperature or anything else.
     """
-    found = _TIME.fullmatch(name.strip())
-    return found is not None and (found[1].lower() != "t" or _word(unit) in SECONDS)
+    match = _TIME.fullmatch(name.strip())
+    return match is not None and (match[1].lower() != "t" or _bare_unit(unit) in SECONDS)
+
+
+def seconds_of(unit: str) -> float:
+    """Seconds in a unit of times. Raises :class:`InputError` for one that is none of them."""
+    bare = _bare_unit(unit)
+    if bare not in SECONDS:
+        raise InputError(
+            f"the times have the unit '{bare[:20]}', which is none of time; write s, ms or us"
+        )
+    return SECONDS[bare]
+
+
+def _bare_unit(unit: str) -> str:
+    return unit.partition(" since ")[0].strip()
 
 
 def channels_of(
     arrays: Mapping[str, Any], units: Mapping[str, str], budget: Budget
 ) -> tuple[tuple[RigChannel, ...], dict[str, float]]:
-    """Channels of rows and tables, each with the array of times that is as long as it is, and the
+    """Channels of one- and two-dimensional arrays, each with the times of the same length, and the
     single numbers by name.
     """
-    rows: dict[str, Any] = {}
+    columns: dict[str, Any] = {}
     scalars: dict[str, float] = {}
     for name, values in arrays.items():
         if values.size == 1:
-            scalars[name] = float(np.ravel(values)[0])
+            scalars[one_line(name)] = float(np.ravel(values)[0])
         elif values.ndim == 1 or (values.ndim == 2 and 1 in values.shape):
-            rows[name] = np.ravel(values).astype(float)
+            columns[name] = np.ravel(values).astype(float)
         elif values.ndim == 2 and min(values.shape) <= MAX_COLUMNS:
             table = values if values.shape[0] > values.shape[1] else values.T
-            rows |= {
-                f"{name}_{place + 1}": table[:, place].astype(float)
-                for place in range(table.shape[1])
+            columns |= {
+                f"{name}_{index}": column.astype(float)
+                for index, column in enumerate(table.T, start=1)
             }
-    # times are stored in seconds, or in what their unit says
     times = {
         len(values): values * seconds_of(units.get(name, ""))
-        for name, values in reversed(rows.items())
+        for name, values in reversed(columns.items())
         if is_time(name, units.get(name, ""))
     }
     channels = [
         RigChannel(
-            plain_word(name), plain_word(units.get(name, "")), values, times=times.get(len(values))
+            one_line(name), one_line(units.get(name, "")), values, times=times.get(len(values))
         )
-        for name, values in rows.items()
-        if not is_time(name, units.get(name, "")) and budget.wants(plain_word(name))
+        for name, values in columns.items()
+        if not is_time(name, units.get(name, "")) and budget.selects(one_line(name))
     ]
-    return tuple(channels), {plain_word(name): value for name, value in scalars.items()}
+    return tuple(channels), scalars
 
 
-def seconds_of(unit: str) -> float:
-    """Seconds in a unit of times. Raises :class:`InputError` for one that is none of them."""
-    word = _word(unit)
-    if word not in SECONDS:
-        raise InputError(
-            f"the times have the unit '{word[:20]}', which is none of time; write s, ms or us"
-        )
-    return SECONDS[word]
-
-
-def _word(unit: str) -> str:
-    return unit.partition(" since ")[0].strip()
-
+# MAT files of version 5 to 7
 
 _NUMBERS = (
-    "double",
-    "single",
-    "int8",
-    "int16",
-    "int32",
-    "int64",
-    "uint8",
-    "uint16",
-    "uint32",
-    "uint64",
-)
-#: The best compression makes of one byte no more than this many.
-_MAX_EXPANDED = 1100
-#: Longest text that may be a unit or a description.
+    "double", "single", "int8", "int16", "int32", "int64", "uint8", "uint16", "uint32", "uint64",
+)  # fmt: skip
+#: Characters of a text that may be a unit or a description, at most.
 _MAX_TEXT = 500
 
 
-def recognise_mat5(head: bytes, name: str) -> bool:
+def recognise_mat5(head: bytes, file_name: str) -> bool:
     """Whether the content begins as MAT files of version 5 to 7 do."""
     return head.startswith(b"MATLAB 5.0 MAT-file") and len(head) >= 128
 
 
-def read_mat5(path: Path, name: str, wanted: tuple[str, ...]) -> Recording:
+def read_mat5(path: Path, file_name: str, selected: tuple[str, ...]) -> Recording:
     """Arrays of numbers; a text ``<name>_unit`` gives a unit, a number ``fs`` or ``sampling_rate``
     the rate.
     """
     from scipy import io
 
-    budget, size = Budget(name, wanted), path.stat().st_size
-    listed = io.whosmat(str(path))
+    def load(name: str) -> Any:
+        options = {"struct_as_record": True, "verify_compressed_data_integrity": True}
+        return io.loadmat(str(path), variable_names=[name], **options)[name]
+
+    budget, size = Budget(file_name, selected), path.stat().st_size
     arrays: dict[str, Any] = {}
     texts: dict[str, str] = {}
     notes = []
-    for word, shape, kind in listed:
+    for name, shape, kind in io.whosmat(str(path)):
         count = int(np.prod([int(side) for side in shape], dtype=object)) if shape else 0
-        if count * 1.0 > size * _MAX_EXPANDED:
+        if count * 1.0 > size * _MAX_EXPANSION:
             raise InputError(
-                f"'{name[:80]}' is damaged: '{plain_word(word)}' claims more numbers than its bytes can hold"
+                f"'{file_name[:80]}' is damaged: '{one_line(name)}' claims more numbers than its bytes can hold"
             )
         if kind == "char" and count <= _MAX_TEXT:
-            texts[word] = " ".join(map(str, np.ravel(_one(io, path, word))))
+            texts[name] = " ".join(map(str, np.ravel(load(name))))
         elif kind in _NUMBERS and 0 < count:
             budget.take(count)
-            arrays[word] = np.asarray(_one(io, path, word))
+            arrays[name] = np.asarray(load(name))
         elif kind not in ("char", *_NUMBERS):
             notes.append(
-                f"'{plain_word(word)}' is left out: it is no array of numbers ({plain_word(kind)})"
+                f"'{one_line(name)}' is left out: it is no array of numbers ({one_line(kind)})"
             )
-    channels, scalars = channels_of(
-        arrays,
-        {
-            word.removesuffix("_unit"): text
-            for word, text in texts.items()
-            if word.endswith("_unit")
-        },
-        budget,
-    )
+    units = {
+        name.removesuffix("_unit"): text for name, text in texts.items() if name.endswith("_unit")
+    }
+    channels, scalars = channels_of(arrays, units, budget)
     return Recording("MAT", channels, scalars, says_synthetic(*texts.values()), tuple(notes))
-
-
-def _one(io: Any, path: Path, word: str) -> Any:
-    return io.loadmat(
-        str(path),
-        variable_names=[word],
-        struct_as_record=True,
-        verify_compressed_data_integrity=True,
-    )[word]
 
 
 MAT5_SPEC = RigFormat("MAT", recognise_mat5, read_mat5)
 
 
-def recognise_netcdf3(head: bytes, name: str) -> bool:
+# classic NetCDF
+
+
+def recognise_netcdf3(head: bytes, file_name: str) -> bool:
     """Whether the content begins as classic NetCDF does."""
     return head[:4] in (b"CDF\x01", b"CDF\x02")
 
 
-def read_netcdf3(path: Path, name: str, wanted: tuple[str, ...]) -> Recording:
+def read_netcdf3(path: Path, file_name: str, selected: tuple[str, ...]) -> Recording:
     """Every variable of numbers; units from the attribute ``units``."""
     from scipy.io import netcdf_file
 
-    budget = Budget(name, wanted)
+    budget = Budget(file_name, selected)
     arrays, units = {}, {}
     with warnings.catch_warnings(action="ignore"), netcdf_file(str(path), "r", mmap=True) as file:
-        words = [plain_word(value) for value in file._attributes.values()]
-        for word, held in file.variables.items():
-            if held.data.dtype.kind in "fiu":
-                budget.take(int(held.data.size))
-                arrays[str(word)] = np.array(held.data, dtype=float)
-                units[str(word)] = plain_word(getattr(held, "units", ""))
-            del held
+        descriptions = [one_line(value) for value in file._attributes.values()]
+        for name, variable in file.variables.items():
+            if variable.data.dtype.kind in "fiu":
+                budget.take(int(variable.data.size))
+                arrays[str(name)] = np.array(variable.data, dtype=float)
+                units[str(name)] = one_line(getattr(variable, "units", ""))
+            del variable
     channels, scalars = channels_of(arrays, units, budget)
-    return Recording("NetCDF", channels, scalars, says_synthetic(*words))
+    return Recording("NetCDF", channels, scalars, says_synthetic(*descriptions))
 
 
 NETCDF3_SPEC = RigFormat("NetCDF", recognise_netcdf3, read_netcdf3)
 
 
-_MARK = b"\x89HDF\r\n\x1a\n"
-#: Groups within groups, members of all groups, and how much the best compression makes of one byte.
-_DEEPEST, _MAX_MEMBERS, _MOST_EXPANDED_hdf5 = 6, 5000, 1100
+# HDF5, MAT 7.3 and NetCDF 4
+
+_HDF5_MARK = b"\x89HDF\r\n\x1a\n"
+#: Groups within groups, and members of all groups, at most.
+_MAX_DEPTH, _MAX_MEMBERS = 6, 5000
+#: Bytes up to which an attribute is read, and an array may claim whatever it stores.
 _SMALL = 65_536
 #: Attributes by which files give a rate (1/s) or a step (s).
 _RATES, _STEPS = (
@@ -207,127 +197,117 @@ _RATES, _STEPS = (
 )
 
 
-def recognise_hdf5(head: bytes, name: str) -> bool:
+def recognise_hdf5(head: bytes, file_name: str) -> bool:
     """Whether an HDF5 file begins here, or behind the 512 bytes that MAT 7.3 puts before it."""
-    return head.startswith(_MARK) or head[512:520] == _MARK
+    return head.startswith(_HDF5_MARK) or head[512:520] == _HDF5_MARK
 
 
-def read_hdf5(path: Path, name: str, wanted: tuple[str, ...]) -> Recording:
+def read_hdf5(path: Path, file_name: str, selected: tuple[str, ...]) -> Recording:
     """Every array of numbers in the file; units from the attribute ``units`` or ``unit``."""
     import h5py
 
-    found = _Found(Budget(name, wanted), path.stat().st_size, name)
+    walk = _Hdf5Walk(Budget(file_name, selected), path.stat().st_size)
     with h5py.File(path, "r", locking=False) as file:
-        words = [
-            plain_word(value)
+        descriptions = [
+            one_line(value)
             for value in _attributes(file).values()
             if isinstance(value, (str, bytes))
         ]
-        found.walk(h5py, file, "", 0)
-    channels, scalars = channels_of(found.arrays, found.units, found.budget)
-    channels = tuple(_timed(channel, found.steps.get(channel.name, 0.0)) for channel in channels)
-    return Recording(
-        "HDF5", channels, scalars, says_synthetic(*words, *found.words), tuple(found.notes)
+        walk.enter(h5py, file, "", 0)
+    channels, scalars = channels_of(walk.arrays, walk.units, walk.budget)
+    channels = tuple(
+        one
+        if one.times is not None
+        else RigChannel(one.name, one.unit, one.values, step=walk.steps.get(one.name, 0.0))
+        for one in channels
     )
+    synthetic = says_synthetic(*descriptions, *walk.texts)
+    return Recording("HDF5", channels, scalars, synthetic, tuple(walk.notes))
 
 
-def _timed(channel: RigChannel, step: float) -> RigChannel:
-    return (
-        channel
-        if channel.times is not None
-        else RigChannel(channel.name, channel.unit, channel.values, step=step)
-    )
+class _Hdf5Walk:
+    """Arrays, units, steps, texts and notes collected on a walk through the groups of a file."""
 
-
-class _Found:
-    """What a walk through the groups has found."""
-
-    def __init__(self, budget: Budget, size: int, name: str) -> None:
-        self.budget, self.size, self.name = budget, size, name
+    def __init__(self, budget: Budget, size: int) -> None:
+        self.budget, self.size, self.members = budget, size, 0
         self.arrays: dict[str, Any] = {}
         self.units: dict[str, str] = {}
         self.steps: dict[str, float] = {}
         self.notes: list[str] = []
-        self.words: list[str] = []
-        self.members = 0
+        self.texts: list[str] = []
 
-    def walk(self, h5py: Any, group: Any, path: str, depth: int) -> None:
-        """Take the arrays of a group and of those within; only what is linked hard, so nothing
-        outside the file.
+    def enter(self, h5py: Any, group: Any, path: str, depth: int) -> None:
+        """Take the arrays of a group and of those within; only hard links, so nothing outside the
+        file.
         """
-        for word in group:
+        for key in group:
             self.members += 1
             if self.members > _MAX_MEMBERS:
                 raise InputError(
-                    f"'{self.name[:80]}' holds more than {_MAX_MEMBERS} groups and arrays; store the wanted ones alone"
+                    f"'{self.budget.file_name[:80]}' holds more than {_MAX_MEMBERS} groups and arrays; store the needed ones alone"
                 )
-            name = f"{path}{plain_word(word)}"
-            if not isinstance(group.get(word, getlink=True), h5py.HardLink):
+            name = f"{path}{one_line(key)}"
+            if not isinstance(group.get(key, getlink=True), h5py.HardLink):
                 self.notes.append(
                     f"'{name}' is left out: it is a link, and no other file is opened"
                 )
                 continue
-            held = group[word]
-            if isinstance(held, h5py.Group) and depth < _DEEPEST and word != "#refs#":
-                self.walk(h5py, held, f"{name}/", depth + 1)
-            elif isinstance(held, h5py.Dataset):
-                self.take(held, name)
+            member = group[key]
+            if isinstance(member, h5py.Group) and depth < _MAX_DEPTH and key != "#refs#":
+                self.enter(h5py, member, f"{name}/", depth + 1)
+            elif isinstance(member, h5py.Dataset):
+                self.take(member, name)
 
-    def take(self, held: Any, name: str) -> None:
+    def take(self, dataset: Any, name: str) -> None:
         """Take an array of numbers, or the text of a unit."""
-        if held.is_virtual or held.external:
+        if dataset.is_virtual or dataset.external:
             self.notes.append(
                 f"'{name}' is left out: it lies in another file, and no other file is opened"
             )
             return
-        told, count = _attributes(held), int(np.prod(held.shape or (0,), dtype=object))
-        text = plain_word(told.get("MATLAB_class", "")) == "char"
-        if (
-            held.dtype.kind not in "fiu"
-            or told.get("MATLAB_object_decode") is not None
-            or not count
-        ):
-            if held.dtype.kind not in "fiuSU":
+        attributes = _attributes(dataset)
+        count = int(np.prod(dataset.shape or (0,), dtype=object))
+        numeric = dataset.dtype.kind in "fiu"
+        if not numeric or attributes.get("MATLAB_object_decode") is not None or not count:
+            if dataset.dtype.kind not in "fiuSU":
                 self.notes.append(f"'{name}' is left out: it is no array of numbers")
             return
-        stored = int(held.id.get_storage_size())
-        if stored > self.size or held.nbytes > max(_SMALL, stored * _MOST_EXPANDED_hdf5):
+        stored = int(dataset.id.get_storage_size())
+        if stored > self.size or dataset.nbytes > max(_SMALL, stored * _MAX_EXPANSION):
             raise InputError(
-                f"'{self.name[:80]}' is damaged: '{name}' claims {held.nbytes:.3g} bytes and holds {stored}"
+                f"'{self.budget.file_name[:80]}' is damaged: '{name}' claims {dataset.nbytes:.3g} bytes and holds {stored}"
             )
-        if text:
-            if name.endswith("_unit") and count <= 40:
-                self.units[name.removesuffix("_unit")] = "".join(
-                    chr(int(code)) for code in np.ravel(held[()])
-                )
-            elif count <= 500:
-                self.words.append("".join(chr(int(code)) for code in np.ravel(held[()])))
+        if one_line(attributes.get("MATLAB_class", "")) == "char":
+            if count <= _MAX_TEXT:
+                text = "".join(chr(int(code)) for code in np.ravel(dataset[()]))
+                if name.endswith("_unit") and count <= 40:
+                    self.units[name.removesuffix("_unit")] = text
+                else:
+                    self.texts.append(text)
             return
         self.budget.take(count)
-        self.arrays[name] = np.asarray(held[()])
-        self.units.setdefault(
-            name, plain_word(told.get("units", told.get("unit", told.get("Unit", ""))))
-        )
-        rate, step = (
-            next((_number(told[key]) for key in keys if key in told), 0.0)
-            for keys in (_RATES, _STEPS)
-        )
+        self.arrays[name] = np.asarray(dataset[()])
+        unit = next((attributes[key] for key in ("units", "unit", "Unit") if key in attributes), "")
+        self.units.setdefault(name, one_line(unit))
+        rate, step = (_first_number(attributes, keys) for keys in (_RATES, _STEPS))
         self.steps[name] = step if step > 0 else 1 / rate if rate > 0 else 0.0
 
 
-def _attributes(held: Any) -> dict[str, Any]:
+def _attributes(member: Any) -> dict[str, Any]:
     """Attributes that can be read; those of kinds the library does not know are left out."""
-    found = {}
-    for key in list(held.attrs)[:100]:
+    attributes = {}
+    for key in list(member.attrs)[:100]:
         try:
-            if held.attrs.get_id(key).get_storage_size() < _SMALL:
-                found[key] = held.attrs[key]
+            if member.attrs.get_id(key).get_storage_size() < _SMALL:
+                attributes[key] = member.attrs[key]
         except (OSError, TypeError, ValueError, RuntimeError, KeyError):
             continue
-    return found
+    return attributes
 
 
-def _number(value: Any) -> float:
+def _first_number(attributes: Mapping[str, Any], keys: Iterable[str]) -> float:
+    """The number of the first of the keys that is there; 0 where it is no finite one."""
+    value = next((attributes[key] for key in keys if key in attributes), 0.0)
     try:
         number = float(np.ravel(value)[0])
     except (TypeError, ValueError, IndexError):
@@ -338,105 +318,75 @@ def _number(value: Any) -> float:
 HDF5_SPEC = RigFormat("HDF5", recognise_hdf5, read_hdf5)
 
 
-#: Larger texts are no recordings; of longer ones the first lines tell the form.
+# text of columns
+
+#: Larger texts are no recordings; of longer ones the first lines show the form.
 MAX_BYTES, HEAD_LINES = 500_000_000, 400
 _RATE = re.compile(
     r"\s*(sampling rate|sample rate|fs|rate)\s*[:=]\s*([\d.]+(?:[eE][+-]?\d+)?)\s*(k?)(?:Hz|1/s|S/s)",
     re.I,
 )
+#: Pattern that separates columns -> the delimiter that numpy reads by, where it can.
+_DELIMITERS = {
+    ";": ";", "\\|": "|", "\t": "\t", "\\\t": "\t", r"\s+": None, ",": ",", r",\s+": ",",
+}  # fmt: skip
 
 
-def recognise_text(head: bytes, name: str) -> bool:
+def recognise_text(head: bytes, file_name: str) -> bool:
     """Whether it is text at all."""
     return b"\0" not in head or head[:2] in (b"\xff\xfe", b"\xfe\xff")
 
 
-def read_text(path: Path, name: str, wanted: tuple[str, ...]) -> Recording:
+def read_text(path: Path, file_name: str, selected: tuple[str, ...]) -> Recording:
     """The columns of the text: times where a heading says so, channels else."""
-    text = text_of(read_content(path, MAX_BYTES, "recording"), name)
-    table = _table(text, name)
-    budget = Budget(name, wanted)
+    table = _table(text_of(read_content(path, MAX_BYTES, "recording"), file_name), file_name)
+    budget = Budget(file_name, selected)
     budget.take(table.rows.size)
-    names = tuple(
-        plain_word(word) or f"column {place}" for place, word in enumerate(table.names, start=1)
-    )
-    times = next(
-        (
-            _in_seconds(table, place)
-            for place, word in enumerate(names)
-            if is_time(word, table.units[place])
-        ),
-        None,
-    )
-    channels = tuple(
-        RigChannel(
-            word,
-            plain_word(table.units[place]),
-            np.ascontiguousarray(table.rows[:, place]),
-            times=times,
-        )
-        for place, word in enumerate(names)
-        if not is_time(word, table.units[place]) and budget.wants(word)
-    )
+    times: Array | None = None
+    channels = []
+    for index, (heading, unit) in enumerate(zip(table.names, table.units, strict=True)):
+        name, column = one_line(heading) or f"column {index + 1}", table.rows[:, index]
+        if not is_time(name, unit):
+            if budget.selects(name):
+                channels.append((name, one_line(unit), np.ascontiguousarray(column)))
+        elif times is None:
+            times = column * seconds_of(unit)
     rates = [
-        float(found[2]) * (1e3 if found[3] else 1.0)
+        float(match[2]) * (1e3 if match[3] else 1.0)
         for line in table.headings
-        if (found := _RATE.match(line))
+        if (match := _RATE.match(line))
     ]
     return Recording(
         "text",
-        channels,
+        tuple(RigChannel(*channel, times=times) for channel in channels),
         {"sampling_rate": rates[0]} if rates else {},
         says_synthetic(*table.headings),
     )
 
 
-def _in_seconds(table: TextTable, place: int) -> Array:
-    scaled: Array = table.rows[:, place] * seconds_of(table.units[place])
-    return scaled
-
-
 def _table(text: str, name: str) -> TextTable:
     """The whole table; its form is found in the first lines and the rest is read by that form."""
     first = "".join(line for _, line in zip(range(HEAD_LINES), io.StringIO(text), strict=False))
-    if len(first) == len(text):
-        return read_text_table(text, name, MAX_COLUMNS)
-    try:
-        head = read_text_table(first, name, MAX_COLUMNS)
-        rows = first.splitlines()[head.first_line - 1 :]
-        mark = parting_mark(
-            [
-                line.strip()
-                for line in rows
-                if line.strip() and not line.strip().startswith(COMMENTS)
-            ]
-        )
-        body = _bulk(text, mark, head.first_line - 1)
-    except (InputError, ValueError):
-        body = None
-    if (
-        body is None
-        or body.ndim != 2
-        or body.shape[1] != head.rows.shape[1]
-        or not np.isfinite(body).all()
-    ):
-        return read_text_table(
-            text, name, MAX_COLUMNS
-        )  # line by line, which names the line at fault
-    return TextTable(body, head.headings, head.names, head.units, head.first_line)
+    if len(first) < len(text):
+        try:
+            head = read_text_table(first, name, MAX_COLUMNS)
+            lines = [line.strip() for line in first.splitlines()[head.first_line - 1 :]]
+            separator = column_separator(
+                [line for line in lines if line and not line.startswith(COMMENTS)]
+            )
+            delimiter = _DELIMITERS[separator]
+            body: Array = np.loadtxt(
+                io.StringIO(text if delimiter == "," else text.replace(",", ".")),
+                delimiter=delimiter,
+                comments=list(COMMENTS),
+                skiprows=head.first_line - 1,
+                ndmin=2,
+            )
+            if body.shape[1] == head.rows.shape[1] and np.isfinite(body).all():
+                return TextTable(body, head.headings, head.names, head.units, head.first_line)
+        except (InputError, ValueError, KeyError):
+            pass  # read line by line, which names the line at fault
+    return read_text_table(text, name, MAX_COLUMNS)
 
 
-def _bulk(text: str, mark: str, skipped: int) -> Array | None:
-    plain = {";": ";", "\\|": "|", "\t": "\t", "\\\t": "\t", r"\s+": None, ",": ",", r",\s+": ","}
-    if mark not in plain:
-        return None
-    parts = plain[mark]
-    if parts not in (",",) and mark != r",\s+":
-        text = text.replace(",", ".")
-    body: Array = np.loadtxt(
-        io.StringIO(text), delimiter=parts, comments=list(COMMENTS), skiprows=skipped, ndmin=2
-    )
-    return body
-
-
-TEXT_SPEC = RigFormat("text", recognise_text, read_text, apart=False)
+TEXT_SPEC = RigFormat("text", recognise_text, read_text, isolated=False)

@@ -1,5 +1,6 @@
-"""Which channel is what, in which unit, on which times; every question that stays open in one
-sentence.
+"""Chooses and converts the channels of a recording: which is what, in which unit, at which times.
+
+All questions that the file and the user leave open are listed in one sentence.
 """
 
 from __future__ import annotations
@@ -8,15 +9,17 @@ import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from types import MappingProxyType
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from valvetrain.errors import InputError
-from valvetrain.rig.recording import Recording, RigChannel, evenly
+from valvetrain.rig.reader import Recording, RigChannel
 from valvetrain.solution.definition import BY_LAST_WORD
 from valvetrain.units import DIMENSIONS, Given, dimension_of, parse_quantity, si, unit_factor
 
+Array = NDArray[np.float64]
 #: Question -> how it reads in a refusal.
 QUESTIONS = {
     "channels": "which channels are measured quantities, such as spring_force=NAME",
@@ -39,30 +42,30 @@ class RigAnswers:
 
     Parameters
     ----------
-    channels : quantity -> name of its channel, such as ``{"spring_force": "Force 1"}``; by names
-        that tell, where empty
+    channels : quantity -> name of its channel, such as ``{"spring_force": "Force 1"}``; found by
+        the channels' names where empty
     encoder : name of the channel of an encoder's angle
     pulses : name of the channel of a toothed wheel or encoder track
-    index : name of the channel that marks a place of that wheel
-    once : name of a channel of one pulse a turn
+    index : name of the channel that marks one position of that wheel
+    once : name of a channel of one pulse per revolution
     angle_of : ``cam`` or ``crank``: the shaft on which encoder, wheel or pulse sit
-    teeth, missing : places on the wheel in one turn, and how many of them side by side are cut away
-    units : quantity, or ``encoder``, -> unit, where the file does not say it or says it wrongly
-    calibration : quantity -> what one unit of its channel stands for, such as
+    teeth, missing : positions on the wheel, and how many adjacent ones of them are cut away
+    units : quantity, or ``encoder``, -> unit, where the file does not give it or gives a wrong one
+    calibration : quantity -> value of one unit of its channel, such as
         ``{"spring_force": "2.5 N"}`` for a bridge in um/m
-    shunt : quantity -> step of the channel with the shunt and the load it stands for, such as
+    shunt : quantity -> step of the channel with the shunt and the load it simulates, such as
         ``{"spring_force": "412, 1000 N"}``
-    zero : quantity -> what it is in the dwell, such as ``{"spring_force": "240 N"}``; a lift is
-        zero there unless told otherwise
+    zero : quantity -> its value in the dwell, such as ``{"spring_force": "240 N"}``; a lift is
+        zero there unless specified otherwise
     dwell : first and last cam angle of the dwell; found from the lift, where there is one
-    band : Hz, or text; the highest frequency that is kept of every channel, such as the bandwidth
+    band : Hz, or text; the highest frequency retained of every channel, such as the bandwidth
         of the gauge
-    angle_count : points of a cam turn; enough for the band, where None
+    angle_count : points per cam revolution; enough for the band, where None
     offset : cam angle of the case at the mark of the rig; found from the lift, where a case is
         given
     sampling_rate : 1/s, or text; where the file has no times
     span : first and last time that are used, s or text
-    keep_outliers : keep cycles that differ from all others
+    keep_outliers : retain cycles that differ from all others
 
     >>> RigAnswers(angle_of="crank", teeth=60, missing=2, band="20 kHz").band
     20000.0
@@ -104,13 +107,13 @@ class RigAnswers:
                     name,
                 )
         for name in ("band", "sampling_rate"):
-            if (given := getattr(self, name)) is not None:
-                value = si(given, "frequency", name)
-                if not 0 < value < 1e9:
+            if (value := getattr(self, name)) is not None:
+                frequency = si(value, "frequency", name)
+                if not 0 < frequency < 1e9:
                     raise InputError(
-                        f"{name} of {value:g} Hz is none of a rig; give it above zero", name
+                        f"{name} of {frequency:g} Hz is none of a rig; give it above zero", name
                     )
-                object.__setattr__(self, name, value)
+                object.__setattr__(self, name, frequency)
         if self.offset is not None:
             object.__setattr__(self, "offset", si(self.offset, "angle", "offset"))
         if self.dwell is not None:
@@ -139,31 +142,30 @@ class RigAnswers:
             )
 
 
-Array = NDArray[np.float64]
-#: Words of a channel's name -> quantity; the first that fits.
+#: Pattern of a channel's name -> quantity; the first that fits.
 _MEANINGS = (
     (r"retainer.?force", "retainer_force"), (r"seat.?force", "seat_force"), (r"force|kraft|load", "spring_force"),
     (r"lift|hub\b|displacement", "valve_lift"), (r"accel|beschl", "valve_acceleration"), (r"veloc|geschw", "valve_velocity"),
     (r"strain|dehnung|\bdms\b", "strain"), (r"stress|spannung", "stress"),
 )  # fmt: skip
-#: Words of a channel's name -> what it tells of the shaft.
+#: Pattern of a channel's name -> how it gives the angle of the shaft.
 _SHAFT = (
     (r"once|trigger|cam.?pulse|tdc|\bot\b|index", "once"), (r"wheel|teeth|tooth|pulses|encoder.?track", "pulses"),
     (r"angle|encoder|winkel|°", "encoder"),
 )  # fmt: skip
-#: Units as rigs write them -> SI value and dimension, beside those of the package.
+#: Units as rigs write them -> SI value and dimension, in addition to those of the package.
 _UNITS = {
     "um/m": (1e-6, "ratio"), "µm/m": (1e-6, "ratio"), "μm/m": (1e-6, "ratio"), "ustrain": (1e-6, "ratio"), "µε": (1e-6, "ratio"),
     "uε": (1e-6, "ratio"), "microstrain": (1e-6, "ratio"), "m/m": (1.0, "ratio"), "1": (1.0, "ratio"), "mm/m": (1e-3, "ratio"),
     "m/s2": (1.0, "acceleration"), "°": (np.pi / 180, "angle"), "degrees": (np.pi / 180, "angle"), "grad": (np.pi / 180, "angle"),
     "°CA": (np.pi / 180, "angle"), "degCA": (np.pi / 180, "angle"), "Deg": (np.pi / 180, "angle"),
 }  # fmt: skip
-#: Times that leave even ones by less than this (steps) are even ones, rounded; a gap is longer than
-#: this (steps).
-ROUNDED, GAP = 0.75, 1.9
 _STANDARD_GRAVITY = 9.80665
-#: Samples of a channel of which cycles can be made.
-FEWEST = 64
+#: Times that differ from even ones by less than this (steps) are even ones, rounded; a gap is
+#: longer than this (steps).
+ROUNDED, GAP = 0.75, 1.9
+#: Samples of a channel of which cycles can be made, at least.
+MIN_SAMPLES = 64
 
 
 @dataclass(frozen=True, eq=False)
@@ -178,69 +180,61 @@ class RigQuantity:
     channel: str
 
 
-@dataclass(frozen=True, eq=False)
-class Chosen:
-    """Channels by their meaning: ``measured`` quantities, and what tells the shaft (``kind``:
+class ChosenChannels(NamedTuple):
+    """Channels by their meaning: ``measured`` quantities, and the channel of the shaft (``kind``:
     encoder, pulses or once; SI for an angle).
     """
 
     measured: tuple[RigQuantity, ...]
     kind: str
     shaft: RigChannel
-    index: RigChannel | None
+    index_channel: RigChannel | None
     notes: tuple[str, ...]
 
 
-def chosen_channels(recording: Recording, answers: RigAnswers, name: str) -> Chosen:
+def choose_channels(recording: Recording, answers: RigAnswers, file_name: str) -> ChosenChannels:
     """The channels that matter, even in time and in SI.
 
     Raises :class:`InputError` for a channel that is not there, and one sentence with all questions
     that are open.
     """
-    notes: list[str] = list(recording.notes)
-    measured = _measured(recording, answers, name)
-    kind, shaft = _shaft(recording, answers, name)
-    index = _named(recording, answers.index, "index", name) if answers.index else None
-    missing = _open_questions(recording, answers, measured, kind, shaft)
-    if missing:
+    notes = list(recording.notes)
+    channels = _measured_channels(recording, answers, file_name)
+    kind, shaft = _shaft_channel(recording, answers, file_name)
+    index = _by_name(recording, answers.index, "index", file_name) if answers.index else None
+    questions = _open_questions(recording, answers, channels, kind, shaft)
+    if questions:
         raise InputError(
-            f"{name[:80]} does not say {'; '.join(words for _, words in missing)}; answer it",
-            missing[0][0],
+            f"{file_name[:80]} does not say {'; '.join(text for _, text in questions)}; answer it",
+            questions[0][0],
         )
     assert shaft is not None
-    factors = {
-        quantity: _factor(quantity, channel, answers) for quantity, channel in measured.items()
-    }
+    scales = {quantity: _scale(quantity, one, answers) for quantity, one in channels.items()}
     even = {
         id(one): _cut(_even(one, recording, answers, notes), answers.span)  # type: ignore[arg-type]
-        for one in (*measured.values(), shaft, *([index] if index else []))
+        for one in (*channels.values(), shaft, *([index] if index else []))
     }
-    found = tuple(
-        RigQuantity(
-            quantity,
-            factors[quantity][1],
-            at.values * factors[quantity][0],
-            at.start,
-            at.step,
-            one.name,
+    measured = []
+    for quantity, channel in channels.items():
+        one, (factor, unit) = even[id(channel)], scales[quantity]
+        measured.append(
+            RigQuantity(quantity, unit, one.values * factor, one.start, one.step, channel.name)
         )
-        for quantity, one, at in (
-            (quantity, one, even[id(one)]) for quantity, one in measured.items()
-        )
-    )
-    turned = even[id(shaft)]
+    angle = even[id(shaft)]
     if kind == "encoder":
-        told = answers.units.get("encoder") or shaft.unit
-        factor, dimension = _known_unit(told or "deg")
+        unit = answers.units.get("encoder") or shaft.unit
+        factor, dimension = _unit_scale(unit or "deg")
         if dimension != "angle":
             raise InputError(
-                f"the encoder '{shaft.name[:40]}' is in {told[:20]}, which is no angle; give its unit, or another channel",
+                f"the encoder '{shaft.name[:40]}' is in {unit[:20]}, which is no angle; give its unit, or another channel",
                 "unit",
             )
-        turned = replace(turned, values=turned.values * factor)
-        if not told:
+        angle = replace(angle, values=angle.values * factor)
+        if not unit:
             notes.append(f"the angle of '{shaft.name}' is taken to be in degrees")
-    return Chosen(found, kind, turned, even[id(index)] if index else None, tuple(notes))
+    return ChosenChannels(
+        tuple(measured), kind, angle, even[id(index)] if index else None, tuple(notes)
+    )
 
 
 def _cut(channel: RigChannel, span: tuple[float, float] | None) -> RigChannel:
@@ -251,7 +245,7 @@ def _cut(channel: RigChannel, span: tuple[float, float] | None) -> RigChannel:
         int(np.clip(np.ceil((time - channel.start) / channel.step), 0, len(channel.values)))
         for time in span
     )
-    if last - first < FEWEST:
+    if last - first < MIN_SAMPLES:
         raise InputError(
             f"channel '{channel.name[:40]}' holds {last - first} samples in the span, too few for cycles; give another",
             "span",
@@ -261,61 +255,70 @@ def _cut(channel: RigChannel, span: tuple[float, float] | None) -> RigChannel:
     )
 
 
-def _measured(recording: Recording, answers: RigAnswers, name: str) -> dict[str, RigChannel]:
+def _measured_channels(
+    recording: Recording, answers: RigAnswers, file_name: str
+) -> dict[str, RigChannel]:
+    """Quantity -> its channel: those that were named, else by the channels' names."""
     if answers.channels:
         return {
-            quantity: _named(recording, channel, "channels", name)
+            quantity: _by_name(recording, channel, "channels", file_name)
             for quantity, channel in answers.channels.items()
         }
-    found: dict[str, RigChannel] = {}
+    channels: dict[str, RigChannel] = {}
     shaft = {answers.encoder, answers.pulses, answers.index, answers.once}
     for channel in recording.channels:
-        word = _meaning(channel.name, _MEANINGS)
-        if (
-            word
-            and channel.name not in shaft
-            and not (_meaning(channel.name, _SHAFT) == "encoder" and word == "valve_lift")
-        ):
-            if word in found:
-                raise InputError(
-                    f"{name[:80]} has two channels that may be {word}, '{found[word].name[:40]}' and '{channel.name[:40]}'; name one",
-                    "channels",
-                )
-            found[word] = channel
-    return found
+        quantity = _first_match(channel.name, _MEANINGS)
+        if not quantity or channel.name in shaft:
+            continue
+        if quantity == "valve_lift" and _first_match(channel.name, _SHAFT) == "encoder":
+            continue
+        if quantity in channels:
+            raise InputError(
+                f"{file_name[:80]} has two channels that may be {quantity}, '{channels[quantity].name[:40]}' and '{channel.name[:40]}'; "
+                "name one",
+                "channels",
+            )
+        channels[quantity] = channel
+    return channels
 
 
-def _meaning(name: str, table: tuple[tuple[str, str], ...]) -> str:
-    return next(
-        (word for pattern, word in table if re.search(pattern, name.lower().replace("_", " "))), ""
+def _plain_name(name: str) -> str:
+    return name.lower().replace("_", " ")
+
+
+def _first_match(name: str, patterns: tuple[tuple[str, str], ...]) -> str:
+    return next((key for pattern, key in patterns if re.search(pattern, _plain_name(name))), "")
+
+
+def _shaft_channel(
+    recording: Recording, answers: RigAnswers, file_name: str
+) -> tuple[str, RigChannel | None]:
+    """Kind and channel of the angle: the one that was named, else by names; pulses need the number
+    of teeth, so a smooth angle goes first.
+    """
+    for kind in ("pulses", "encoder", "once"):
+        if name := getattr(answers, kind):
+            return kind, _by_name(recording, name, kind, file_name)
+    by_kind = {_first_match(one.name, _SHAFT): one for one in reversed(recording.channels)}
+    order = ("pulses", "encoder", "once") if answers.teeth else ("encoder", "once", "pulses")
+    return next(((kind, by_kind[kind]) for kind in order if kind in by_kind), ("", None))
+
+
+def _by_name(recording: Recording, name: str, question: str, file_name: str) -> RigChannel:
+    """The channel of that name, or the only one that differs in case and underscores alone."""
+    for channel in recording.channels:
+        if channel.name == name:
+            return channel
+    near = [one for one in recording.channels if _plain_name(one.name) == _plain_name(name)]
+    if len(near) == 1:
+        return near[0]
+    raise InputError(
+        f"{file_name[:80]} has no channel '{str(name)[:40]}'; it has {_listed(recording)}", question
     )
 
 
-def _shaft(recording: Recording, answers: RigAnswers, name: str) -> tuple[str, RigChannel | None]:
-    """What tells the angle: the channel that was named, else by names; teeth are asked for pulses,
-    so a smooth angle goes first.
-    """
-    for kind in ("pulses", "encoder", "once"):
-        if word := getattr(answers, kind):
-            return kind, _named(recording, word, kind, name)
-    known = {_meaning(channel.name, _SHAFT): channel for channel in reversed(recording.channels)}
-    order = ("pulses", "encoder", "once") if answers.teeth else ("encoder", "once", "pulses")
-    return next(((kind, known[kind]) for kind in order if kind in known), ("", None))
-
-
-def _named(recording: Recording, word: str, where: str, name: str) -> RigChannel:
-    for channel in recording.channels:
-        if channel.name == word:
-            return channel
-    near = [
-        channel
-        for channel in recording.channels
-        if channel.name.lower().replace("_", " ") == word.lower().replace("_", " ")
-    ]
-    if len(near) == 1:
-        return near[0]
-    listed = ", ".join(f"'{channel.name[:30]}'" for channel in recording.channels[:12])
-    raise InputError(f"{name[:80]} has no channel '{str(word)[:40]}'; it has {listed}", where)
+def _listed(recording: Recording) -> str:
+    return ", ".join(f"'{channel.name[:30]}'" for channel in recording.channels[:12])
 
 
 def _open_questions(
@@ -325,40 +328,33 @@ def _open_questions(
     kind: str,
     shaft: RigChannel | None,
 ) -> list[tuple[str, str]]:
-    """Question and words of all that neither the file nor the user says."""
-    listed = ", ".join(f"'{channel.name[:30]}'" for channel in recording.channels[:12])
-    found = []
+    """Question, and its text in a refusal, of all that neither the file nor the user answers."""
+    listed = f" (it has {_listed(recording)})"
+    questions = []
     if not measured:
-        found.append(("channels", f"{QUESTIONS['channels']} (it has {listed})"))
+        questions.append(("channels", f"{QUESTIONS['channels']}{listed}"))
     if shaft is None:
-        found.append(
-            ("encoder", f"{QUESTIONS['shaft']}{'' if not measured else f' (it has {listed})'}")
-        )
+        questions.append(("encoder", f"{QUESTIONS['shaft']}{listed if measured else ''}"))
     if not answers.angle_of:
-        found.append(("angle_of", QUESTIONS["angle_of"]))
+        questions.append(("angle_of", QUESTIONS["angle_of"]))
     if kind == "pulses" and answers.teeth is None:
-        found.append(("teeth", QUESTIONS["teeth"]))
+        questions.append(("teeth", QUESTIONS["teeth"]))
     if (
         any(one.times is None and one.step <= 0 for one in measured.values())
-        and _rate(recording, answers) <= 0
+        and _sampling_rate(recording, answers) <= 0
     ):
-        found.append(("sampling_rate", QUESTIONS["sampling_rate"]))
+        questions.append(("sampling_rate", QUESTIONS["sampling_rate"]))
     for quantity, channel in measured.items():
-        told, due = answers.units.get(quantity) or channel.unit, dimension_due(quantity)
         if quantity in answers.calibration or quantity in answers.shunt:
             continue
-        if not told and due != "ratio":
-            found.append(("unit", QUESTIONS["unit"].format(f"{quantity} ('{channel.name[:40]}')")))
-        elif told and _dimension(told, due) != due:
-            found.append(
-                (
-                    "calibration",
-                    QUESTIONS["calibration"].format(
-                        f"{quantity} ('{channel.name[:40]}' is in {told[:20]})"
-                    ),
-                )
-            )
-    return found
+        unit, due = answers.units.get(quantity) or channel.unit, dimension_due(quantity)
+        label = f"{quantity} ('{channel.name[:40]}'"
+        if not unit and due != "ratio":
+            questions.append(("unit", QUESTIONS["unit"].format(f"{label})")))
+        elif unit and _dimension(unit, due) != due:
+            text = QUESTIONS["calibration"].format(f"{label} is in {unit[:20]})")
+            questions.append(("calibration", text))
+    return questions
 
 
 def dimension_due(quantity: str) -> str:
@@ -370,87 +366,87 @@ def _dimension(unit: str, due: str) -> str | None:
     if unit in ("g", "gn") and due == "acceleration":
         return due
     try:
-        return _known_unit(unit)[1]
+        return _unit_scale(unit)[1]
     except InputError:
         return None
 
 
-def _known_unit(unit: str) -> tuple[float, str | None]:
+def _unit_scale(unit: str) -> tuple[float, str | None]:
     """SI value and dimension of a unit as rigs write it."""
-    word = unit.strip()
-    return _UNITS[word] if word in _UNITS else (unit_factor(word), dimension_of(word))
+    bare = unit.strip()
+    return _UNITS[bare] if bare in _UNITS else (unit_factor(bare), dimension_of(bare))
 
 
-def _factor(quantity: str, channel: RigChannel, answers: RigAnswers) -> tuple[float, str]:
+def _scale(quantity: str, channel: RigChannel, answers: RigAnswers) -> tuple[float, str]:
     """SI value of one of the channel's units, and the SI unit."""
     due = dimension_due(quantity)
-    unit = DIMENSIONS[due].si_unit or "1"
+    si_unit = DIMENSIONS[due].si_unit or "1"
     if quantity in answers.calibration:
-        return parse_quantity(
-            answers.calibration[quantity], due, f"calibration of {quantity}"
-        ), unit
+        calibration = answers.calibration[quantity]
+        return parse_quantity(calibration, due, f"calibration of {quantity}"), si_unit
     if quantity in answers.shunt:
-        step, _, load = answers.shunt[quantity].partition(",")
+        text, _, load = answers.shunt[quantity].partition(",")
         try:
-            told = float(step)
+            step = float(text)
         except ValueError:
-            told = 0.0
-        if not np.isfinite(told) or told == 0 or not load:
+            step = 0.0
+        if not np.isfinite(step) or step == 0 or not load:
             raise InputError(
                 f"the shunt of {quantity} is the step of its channel and the load, such as '412, 1000 N', not "
                 f"'{answers.shunt[quantity][:40]}'",
                 "shunt",
             )
-        return parse_quantity(load.strip(), due, f"shunt of {quantity}") / told, unit
-    told_unit = answers.units.get(quantity) or channel.unit
-    if told_unit in ("g", "gn") and due == "acceleration":
-        return _STANDARD_GRAVITY, unit
-    return (_known_unit(told_unit)[0] if told_unit else 1.0), unit
+        return parse_quantity(load.strip(), due, f"shunt of {quantity}") / step, si_unit
+    unit = answers.units.get(quantity) or channel.unit
+    if unit in ("g", "gn") and due == "acceleration":
+        return _STANDARD_GRAVITY, si_unit
+    return (_unit_scale(unit)[0] if unit else 1.0), si_unit
 
 
-def _rate(recording: Recording, answers: RigAnswers) -> float:
+def _sampling_rate(recording: Recording, answers: RigAnswers) -> float:
+    """Sampling rate (1/s) that the user or the file gives; 0 where neither does."""
     if isinstance(answers.sampling_rate, float):
         return answers.sampling_rate
-    return next(
-        (
-            value
-            for name, value in recording.scalars.items()
-            if name.lower() in ("fs", "sampling_rate", "sample_rate") and value > 0
-        ),
-        0.0,
-    )
+    names = ("fs", "sampling_rate", "sample_rate")
+    rates = (value for name, value in recording.scalars.items() if name.lower() in names)
+    return next((rate for rate in rates if rate > 0), 0.0)
 
 
 def _even(
     channel: RigChannel, recording: Recording, answers: RigAnswers, notes: list[str]
 ) -> RigChannel:
     """The channel on even times; uneven ones are interpolated, gaps are left open."""
-    if len(channel.values) < FEWEST:
+    count, times = len(channel.values), channel.times
+    if count < MIN_SAMPLES:
         raise InputError(
-            f"channel '{channel.name[:40]}' holds {len(channel.values)} samples, too few for cycles; give a longer recording"
+            f"channel '{channel.name[:40]}' holds {count} samples, too few for cycles; give a longer recording"
         )
-    if channel.times is None:
-        step = (
-            channel.step
-            if channel.step > 0 and not answers.sampling_rate
-            else 1 / max(_rate(recording, answers), 1e-9)
+    if times is None:
+        if channel.step > 0 and not answers.sampling_rate:
+            return channel
+        return replace(channel, step=1 / max(_sampling_rate(recording, answers), 1e-9))
+    steps = np.diff(times)
+    if not np.isfinite(times).all() or not (steps >= 0).all() or times[-1] <= times[0]:
+        raise InputError(
+            f"the times of '{channel.name[:80]}' do not rise; correct them or leave them out and give the sampling rate"
         )
-        return replace(channel, step=step)
-    start, step, away = evenly(channel.times, channel.name)
-    if away <= ROUNDED:
+    samples = np.arange(len(times))
+    step = float(times[-1] - times[0]) / (len(times) - 1)
+    start = float(np.mean(times - step * samples))
+    if float(np.max(np.abs(times - start - step * samples))) / step <= ROUNDED:
         return replace(channel, start=start, step=step, times=None)
-    usual = float(np.median(np.diff(channel.times)))
-    if not usual > 0 or (channel.times[-1] - channel.times[0]) / usual > 4 * len(channel.times):
+    step = float(np.median(steps))
+    if not step > 0 or (times[-1] - times[0]) / step > 4 * len(times):
         raise InputError(
             f"the times of '{channel.name[:40]}' leap; cut the recording to what was recorded in one go"
         )
-    grid = np.arange(channel.times[0], channel.times[-1], usual)
-    values = np.interp(grid, channel.times, channel.values)
-    gaps = np.flatnonzero(np.diff(channel.times) > GAP * usual)
+    grid = np.arange(times[0], times[-1], step)
+    values = np.interp(grid, times, channel.values)
+    gaps = np.flatnonzero(steps > GAP * step)
     for gap in gaps[:10_000]:
-        values[(grid > channel.times[gap]) & (grid < channel.times[gap + 1])] = np.nan
-    words = f", with {len(gaps)} gaps that are left open" if len(gaps) else ""
+        values[(grid > times[gap]) & (grid < times[gap + 1])] = np.nan
+    left_open = f", with {len(gaps)} gaps that are left open" if len(gaps) else ""
     notes.append(
-        f"the times of '{channel.name}' are uneven{words}; they were interpolated to {1 / usual:.6g} Hz by straight lines"
+        f"the times of '{channel.name}' are uneven{left_open}; they were interpolated to {1 / step:.6g} Hz by straight lines"
     )
-    return replace(channel, values=values, start=float(grid[0]), step=usual, times=None)
+    return replace(channel, values=values, start=float(grid[0]), step=step, times=None)

@@ -1,14 +1,13 @@
-"""``valvetrain rig``: recordings of a test rig become cycles over the cam angle; a model's trace as
-a gauge sees it.
+"""``valvetrain rig``: recordings of a test rig as cycles over the cam angle; a run as a gauge
+records it.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 
 import typer
 
@@ -32,10 +31,9 @@ from valvetrain.errors import InputError
 if TYPE_CHECKING:
     from rich.console import Console
 
-    from valvetrain.parameters.case import Case
+    from valvetrain.measured.sensor import Sensor
     from valvetrain.report.page import Page
     from valvetrain.rig.channels import RigAnswers
-    from valvetrain.rig.result import RigResult
 
 
 def register(app: typer.Typer) -> None:
@@ -59,14 +57,14 @@ def rig(
         str, asks("--pulses", "NAME", "Channel of a toothed wheel or encoder track; needs --teeth.")
     ] = "",
     index: Annotated[
-        str, asks("--index", "NAME", "Channel that marks a place of that wheel.")
+        str, asks("--index", "NAME", "Channel that marks one position of that wheel.")
     ] = "",
-    once: Annotated[str, asks("--once", "NAME", "Channel of one pulse a turn.")] = "",
+    once: Annotated[str, asks("--once", "NAME", "Channel of one pulse per revolution.")] = "",
     angle_of: Annotated[
         str, asks("--angle-of", "cam|crank", "Shaft on which encoder, wheel or pulse sit.")
     ] = "",
     teeth: Annotated[
-        int | None, asks("--teeth", "N", "Teeth in one turn, with those that are missing.")
+        int | None, asks("--teeth", "N", "Teeth of the wheel, with those that are missing.")
     ] = None,
     missing: Annotated[
         int,
@@ -80,7 +78,7 @@ def rig(
     ] = None,
     calibration: Annotated[
         list[str] | None,
-        asks("--calibration", "QUANTITY=VALUE", "What one unit of it stands for: '2.5 N'."),
+        asks("--calibration", "QUANTITY=VALUE", "Value of one unit of it: '2.5 N'."),
     ] = None,
     shunt: Annotated[
         list[str] | None,
@@ -88,17 +86,18 @@ def rig(
     ] = None,
     zero: Annotated[
         list[str] | None,
-        asks("--zero", "QUANTITY=VALUE", "What a quantity is in the dwell: 'spring_force=240 N'."),
+        asks("--zero", "QUANTITY=VALUE", "Value of a quantity in the dwell: 'spring_force=240 N'."),
     ] = None,
     dwell: Annotated[
         str | None,
         asks("--dwell", "ANGLES", "First and last cam angle of the dwell: '-30, 30 deg'."),
     ] = None,
     band: Annotated[
-        str | None, asks("--band", "FREQUENCY", "Highest frequency that is kept: '20 kHz'.")
+        str | None, asks("--band", "FREQUENCY", "Highest frequency to retain: '20 kHz'.")
     ] = None,
     angle_count: Annotated[
-        int | None, asks("--angle-count", "N", "Points of a cam turn (default: as the band needs).")
+        int | None,
+        asks("--angle-count", "N", "Points per cam revolution (default: as the band needs)."),
     ] = None,
     sampling_rate: Annotated[
         str | None, asks("--sampling-rate", "FREQUENCY", "Where the file has no times: '100 kHz'.")
@@ -107,7 +106,7 @@ def rig(
         str | None, asks("--span", "TIMES", "First and last time that are used: '2, 5 s'.")
     ] = None,
     keep_outliers: Annotated[
-        bool, typer.Option("--keep-outliers", help="Keep outlier cycles too.")
+        bool, typer.Option("--keep-outliers", help="Retain outlier cycles too.")
     ] = False,
     case: Annotated[
         str | None, asks("--case", "CASE", "Case whose lift gives the cam angle of the mark.")
@@ -145,257 +144,238 @@ def rig(
     """
 
     take_folder(output)
-    asked = _Request(output, open_page, datetime.now(UTC).replace(microsecond=0))
     if file is None:
         if case is None or (bandwidth is None and sensor is None):
             raise InputError(
-                "give the recording as a file, or a case and the gauge that shall see it (--case, --bandwidth)",
+                "give the recording as a file, or a case and the gauge that shall record it (--case, --bandwidth)",
                 "FILE",
             )
-        return seen(
-            case,
-            settings,
-            read_engine_speeds(engine_speed),
-            read_models(spring),
-            (bandwidth, sensor, sampling_rate),
-            asked.deliver,
+        gauge = read_sensor(bandwidth, sensor, sampling_rate)
+        speeds, models = read_engine_speeds(engine_speed), read_models(spring)
+        answer = _case_answer(case, settings, speeds, models, gauge)
+    else:
+        if engine_speed or bandwidth or sensor or spring:
+            raise InputError(
+                "speeds, spring models and gauges belong to a case without a file; leave them out, or the file",
+                "--bandwidth",
+            )
+        from valvetrain.rig.channels import RigAnswers
+
+        answers = RigAnswers(
+            channels=read_pairs(channel, "--channel"),
+            encoder=encoder,
+            pulses=pulses,
+            index=index,
+            once=once,
+            angle_of=angle_of,
+            teeth=teeth,
+            missing=missing,
+            units=read_pairs(unit, "--unit"),
+            calibration=read_pairs(calibration, "--calibration"),
+            shunt=read_pairs(shunt, "--shunt"),
+            zero=read_pairs(zero, "--zero"),
+            dwell=_two(dwell, "angle", "--dwell"),
+            band=band,
+            angle_count=angle_count,
+            offset=offset,
+            sampling_rate=sampling_rate,
+            span=_two(span, "time", "--span"),
+            keep_outliers=keep_outliers,
         )
-    if engine_speed or bandwidth or sensor or spring:
-        raise InputError(
-            "speeds, spring models and gauges belong to a case without a file; leave them out, or the file",
-            "--bandwidth",
-        )
-    from valvetrain.rig.channels import RigAnswers
-
-    answers = RigAnswers(
-        channels=read_pairs(channel, "--channel"),
-        encoder=encoder,
-        pulses=pulses,
-        index=index,
-        once=once,
-        angle_of=angle_of,
-        teeth=teeth,
-        missing=missing,
-        units=read_pairs(unit, "--unit"),
-        calibration=read_pairs(calibration, "--calibration"),
-        shunt=read_pairs(shunt, "--shunt"),
-        zero=read_pairs(zero, "--zero"),
-        dwell=_two(dwell, "angle", "--dwell"),
-        band=band,
-        angle_count=angle_count,
-        offset=offset,
-        sampling_rate=sampling_rate,
-        span=_two(span, "time", "--span"),
-        keep_outliers=keep_outliers,
-    )
-    return _answer(file, answers, case, settings, write, asked)
+        answer = _recording_answer(file, answers, case, settings, write)
+    _deliver(answer, output, open_page)
 
 
-def read_pairs(texts: Sequence[str] | None, where: str) -> dict[str, str]:
-    """``QUANTITY=WORDS`` of a repeatable option. Raises :class:`InputError` for a text without the
+def read_pairs(texts: Sequence[str] | None, option: str) -> dict[str, str]:
+    """``QUANTITY=VALUE`` of a repeatable option. Raises :class:`InputError` for a text without the
     sign, or a quantity named twice.
     """
-    found: dict[str, str] = {}
-    for given in texts or ():
-        quantity, sign, words = given.partition("=")
-        name = quantity.strip().replace(" ", "_")
-        if (
-            not sign
-            or not words.strip()
-            or not name.isidentifier()
-            or not name.isascii()
-            or len(name) > 60
-        ):
+    pairs: dict[str, str] = {}
+    for text in texts or ():
+        quantity, _, value = (part.strip() for part in text.partition("="))
+        name = quantity.replace(" ", "_")
+        if not value or not name.isidentifier() or not name.isascii() or len(name) > 60:
             raise InputError(
-                f"'{given[:40]}' is no pair; write QUANTITY=..., such as 'spring_force=...'", where
+                f"'{text[:40]}' is no pair; write QUANTITY=..., such as 'spring_force=...'", option
             )
-        if name in found:
-            raise InputError(f"{name} is given twice; give it once", where)
-        found[name] = words.strip()
-    return found
+        if name in pairs:
+            raise InputError(f"{name} is given twice; give it once", option)
+        pairs[name] = value
+    return pairs
 
 
-def _two(text: str | None, dimension: str, where: str) -> tuple[float, float] | None:
-    """First and last of a stretch."""
+def _two(text: str | None, dimension: str, option: str) -> tuple[float, float] | None:
+    """First and last value of an interval."""
     if text is None:
         return None
     from valvetrain.units import parse_quantities
 
-    found = parse_quantities(text, dimension, where)
-    if len(found) != 2:
+    values = parse_quantities(text, dimension, option)
+    if len(values) != 2:
         example = "-30, 30 deg" if dimension == "angle" else "2, 5 s"
-        raise InputError(f"a stretch has two ends, first and last: '{example}'", where)
-    return found[0], found[1]
+        raise InputError(f"an interval has two ends, first and last: '{example}'", option)
+    return values[0], values[1]
 
 
-@dataclass(frozen=True)
-class _Named:
-    """What the kept folder calls the run."""
+class _Answer(NamedTuple):
+    """An answer to be saved and printed: ``name`` of the run, ``text`` of the case, files that
+    ``write(folder)`` writes, ``choices`` in which saved runs differ, ``home`` of the case.
+    """
 
     name: str
+    text: str
+    page: Page
+    data: dict[str, Any]
+    write: Callable[[Path], list[Path]]
+    show: Callable[[Console], None]
+    choices: dict[str, str]
+    home: Path
 
 
-@dataclass(frozen=True)
-class _Request:
-    """Where an answer goes."""
+def _deliver(answer: _Answer, output: Path | None, open_page: bool) -> None:
+    """Save the folder (page, files, run.json) and print the answer."""
+    from valvetrain.cli.outcome import Outcome, deliver
+    from valvetrain.report.page import render
+    from valvetrain.solution.atomic import write_text
 
-    output: Path | None
-    open_page: bool
-    created_at: datetime
+    pages: list[Path] = []
 
-    def deliver(
-        self,
-        name: str,
-        text: str,
-        page: Page,
-        data: dict[str, Any],
-        write: Any,
-        show: Any,
-        choices: dict[str, str],
-        home: Path = Path(),
-    ) -> None:
-        """Keep the folder (page, files, run.json) and tell."""
-        from valvetrain.cli.outcome import Outcome, deliver
-        from valvetrain.report.page import render
-        from valvetrain.solution.atomic import write_text
+    def fill(folder: Path) -> list[Path]:
+        pages.append(write_text(folder / "report.html", render(answer.page)))
+        return [*answer.write(folder), *pages]
 
-        pages: list[Path] = []
+    now = datetime.now(UTC).replace(microsecond=0)
+    request = SavedRequest("rig", answer, output, now, folder=answer.home)
+    folder, files = keep_run(request, answer.text, answer.choices, answer.data, fill)
+    if open_page:
+        show_page(pages[0])
 
-        def fill(folder: Path) -> list[Path]:
-            pages.append(write_text(folder / "report.html", render(page)))
-            return [*write(folder), *pages]
+    def show(console: Console) -> None:
+        answer.show(console)
+        console.print(f"\nresults in {folder}; page: {pages[0]}", soft_wrap=True)
 
-        folder, files = keep_run(
-            SavedRequest("rig", _Named(name), self.output, self.created_at, folder=home),
-            text,
-            choices,
-            data,
-            fill,
-        )
-        if self.open_page:
-            show_page(pages[0])
-        data |= {"folder": str(folder), "files": files, "page": str(pages[0])}
-
-        def told(console: Console) -> None:
-            show(console)
-            console.print()
-            console.print(f"results in {folder}; page: {pages[0]}", soft_wrap=True)
-
-        deliver(Outcome(data, told, ()))
+    data = answer.data | {"folder": str(folder), "files": files, "page": str(pages[0])}
+    deliver(Outcome(data, show, ()))
 
 
-def _answer(
+def _recording_answer(
     file: Path,
     answers: RigAnswers,
     case: str | None,
     settings: list[str] | None,
     write: Path | None,
-    asked: _Request,
-) -> None:
+) -> _Answer:
+    """Cycles of a recording."""
     from hashlib import file_digest
 
     from valvetrain.cli.case_choice import choose_case, folder_of
+    from valvetrain.cli.outcome import plain_table
     from valvetrain.cli.progress import busy
+    from valvetrain.measured.cycles import write_cycles
+    from valvetrain.report.columns import text_table
     from valvetrain.report.files import FreeNames
     from valvetrain.rig.cycles import rig_cycles
-    from valvetrain.rig.page import data_of, rig_page, write_rig
+    from valvetrain.rig.page import (
+        COLUMNS,
+        data_of,
+        facts_of,
+        peak_rows,
+        rig_page,
+        sentences_of,
+        write_rig,
+    )
     from valvetrain.solution.atomic import check_target
 
     if settings and case is None:
         raise InputError("values are changed of a case; name it with --case", "--set")
     if write is not None:
         check_target(write, "--write")
-    chosen: Case | None = None
-    if case is not None:
-        chosen = choose_case(case, settings)
+    chosen = None if case is None else choose_case(case, settings)
     with busy("cutting the recording into cycles"):
         result = rig_cycles(file, answers, chosen)
     name = FreeNames().free(f"rig-{file.stem}")
-    data = data_of(result) | {"case": chosen.name if chosen else ""}
 
-    def files(folder: Path) -> list[Path]:
-        written = write_rig(result, folder)
+    def write_files(folder: Path) -> list[Path]:
+        files = write_rig(result, folder)
         if write is not None:
-            from valvetrain.measured.cycles import write_cycles
-
             write_cycles(write, result.cycles)
-        return written
+        return files
 
-    text = chosen.text if chosen is not None else f'name = "{name}"\n'
-    home = folder_of(case) if case is not None else Path()
-    # what was asked, and of which bytes: two kept runs are the same where these are
-    given = {
+    def show(console: Console) -> None:
+        console.print(f"{result!r}", soft_wrap=True)
+        facts = "; ".join(f"{key} {value}" for key, value in facts_of(result))
+        console.print(f"{facts}\n", soft_wrap=True)
+        headings, rows, right = text_table(COLUMNS, peak_rows(result))
+        console.print(plain_table(headings, rows, right=right))
+        console.print()
+        for sentence in sentences_of(result):
+            console.print(f"{sentence[:1].upper()}{sentence[1:]}.", soft_wrap=True)
+
+    # two saved runs are the same where the request and the bytes of the file are
+    choices = {
         key: str(value)
         for key, value in vars(answers).items()
         if value not in (None, "", 0, False) and value != {}
     }
     with file.open("rb") as stream:
-        given |= {"file": file.name, "digest": file_digest(stream, "blake2b").hexdigest()[:32]}
-    asked.deliver(
+        choices |= {"file": file.name, "digest": file_digest(stream, "blake2b").hexdigest()[:32]}
+    return _Answer(
         name,
-        text,
+        f'name = "{name}"\n' if chosen is None else chosen.text,
         rig_page(file.name, result),
-        data,
-        files,
-        lambda console: _show(console, result),
-        given,
-        home,
+        data_of(result) | {"case": chosen.name if chosen else ""},
+        write_files,
+        show,
+        choices,
+        Path() if case is None else folder_of(case),
     )
 
 
-def _show(console: Console, result: RigResult) -> None:
-    from valvetrain.cli.outcome import plain_table
-    from valvetrain.rig.page import HEAD, channel_rows, facts_of, sentences_of
-
-    console.print(f"{result!r}", soft_wrap=True)
-    console.print("; ".join(f"{key} {value}" for key, value in facts_of(result)), soft_wrap=True)
-    console.print()
-    console.print(plain_table(HEAD, channel_rows(result), right=(2, 3, 4, 6, 7)))
-    console.print()
-    for sentence in sentences_of(result):
-        console.print(f"{sentence[:1].upper()}{sentence[1:]}.", soft_wrap=True)
-
-
-def seen(
+def _case_answer(
     case: str,
     settings: Sequence[str] | None,
     engine_speeds: tuple[float, ...] | None,
     spring_models: tuple[str, ...],
-    gauge: tuple[str | None, str | None, str | None],
-    deliver: Callable[..., None],
-) -> None:
-    """Run the case and tell true and recorded peaks; ``gauge``: --bandwidth, --sensor,
-    --sampling-rate.
-    """
+    sensor: Sensor,
+) -> _Answer:
+    """True and recorded peaks of the runs of a case."""
     from valvetrain.cli.case_choice import choose_case, folder_of
+    from valvetrain.cli.outcome import plain_table
     from valvetrain.cli.progress import busy
-    from valvetrain.rig.gauge import seen_in_case
-    from valvetrain.rig.gauge_page import data_of, seen_page, sensor_words
-    from valvetrain.rig.gauge_page import write_seen as write
+    from valvetrain.report.columns import text_table
+    from valvetrain.rig.gauge import case_response
+    from valvetrain.rig.gauge_page import (
+        COLUMNS,
+        data_of,
+        notes_of,
+        sensor_page,
+        sensor_text,
+        write_responses,
+    )
 
-    sensor = read_sensor(*gauge)
     chosen = choose_case(case, list(settings or ()))
     with busy("running the case for the gauge"):
-        found = seen_in_case(chosen, sensor, engine_speeds or (), spring_models)
-    data = data_of(found, sensor, chosen.name)
-    page = seen_page(chosen.name, found, sensor)
-
-    def files(folder: Path) -> list[Path]:
-        return write(found, folder)
+        responses = case_response(chosen, sensor, engine_speeds or (), spring_models)
 
     def show(console: Console) -> None:
-        from valvetrain.cli.outcome import plain_table
-        from valvetrain.rig.gauge_page import HEAD, notes_of, seen_rows
-
-        console.print(f"Gauge: {sensor_words(sensor)}", soft_wrap=True)
-        console.print()
-        console.print(plain_table(HEAD, seen_rows(found), right=(2, 3, 4, 6)))
-        for sentence in notes_of(found):
+        console.print(f"Gauge: {sensor_text(sensor)}\n", soft_wrap=True)
+        headings, rows, right = text_table(COLUMNS, responses)
+        console.print(plain_table(headings, rows, right=right))
+        for sentence in notes_of(responses):
             console.print(f"{sentence}.", soft_wrap=True)
 
-    asked = {
-        "gauge": sensor_words(sensor),
+    choices = {
+        "gauge": sensor_text(sensor),
         "speeds": str(engine_speeds or ""),
         "models": ", ".join(spring_models),
     }
-    deliver(chosen.name, chosen.text, page, data, files, show, asked, folder_of(case))
+    return _Answer(
+        chosen.name,
+        chosen.text,
+        sensor_page(chosen.name, responses, sensor),
+        data_of(responses, sensor, chosen.name),
+        lambda folder: write_responses(responses, folder),
+        show,
+        choices,
+        folder_of(case),
+    )

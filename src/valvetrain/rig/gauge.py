@@ -1,6 +1,4 @@
-"""Forces of a run as a gauge records them: so that a spike of the model and a gauge of limited band
-are compared fairly.
-"""
+"""A run as a gauge records it: finest traces of a run through a sensor, both peaks of each."""
 
 from __future__ import annotations
 
@@ -19,30 +17,24 @@ from valvetrain.solution.partial_failures import PartialFailures
 from valvetrain.solution.result import Solution
 from valvetrain.system.build import build
 from valvetrain.system.contract import TRAIN
-from valvetrain.system.problem import Problem
 
 Array = NDArray[np.float64]
-#: Channels that a gauge may stand in for, in this order.
+#: Channels that a gauge may measure, in this order.
 CHANNELS = (
-    "retainer_force",
-    "seat_force",
-    "cam_contact_force",
-    "seat_contact_force",
-    "valve_tip_contact_force",
-    "valve_acceleration",
-)
-#: Points of a trace in the shortest period of the gauge, and samples of a cam turn at least and at
-#: most; points a sample is stored in.
-POINTS, FEWEST, MOST, STORED = 40, 720, 40_000, 8
+    "retainer_force", "seat_force", "cam_contact_force", "seat_contact_force", "valve_tip_contact_force", "valve_acceleration",
+)  # fmt: skip
+#: Points of a trace in the shortest period of the gauge; bounds of the samples per cam revolution;
+#: points that a run stores per sample.
+POINTS, MIN_SAMPLES, MAX_SAMPLES, STORED = 40, 720, 40_000, 8
 
 
 @dataclass(frozen=True, eq=False)
-class SeenChannel:
+class ChannelResponse:
     """One channel of one run: the true trace (``time`` s, ``values`` SI, its step ``spacing`` s)
-    and what the gauge records (``seen``).
+    and what the gauge records of it (``recorded``).
 
-    >>> [name for name in SeenChannel.__dataclass_fields__ if name in ("true_peak", "seen")]
-    ['seen']
+    >>> [name for name in ChannelResponse.__dataclass_fields__ if name in ("true_peak", "recorded")]
+    ['recorded']
     """
 
     label: str
@@ -52,7 +44,7 @@ class SeenChannel:
     time: Array
     values: Array
     spacing: float
-    seen: SensorResponse
+    recorded: SensorResponse
     #: The trace is too coarse for this gauge, so its spikes may lie between the points.
     coarse: bool
 
@@ -62,15 +54,25 @@ class SeenChannel:
         return float(np.max(self.values))
 
     @property
+    def recorded_peak(self) -> float:
+        """Middle of the recorded peaks over all phases of the sampling (SI)."""
+        return sum(self.recorded.peaks) / 2
+
+    @property
     def share(self) -> tuple[float, float]:
-        """Least and largest recorded peak over the true one, over all phases of the sampling."""
-        low, high = self.seen.peaks
+        """Smallest and largest recorded peak over the true one, over all phases of the sampling."""
+        low, high = self.recorded.peaks
         return (low / self.true_peak, high / self.true_peak) if self.true_peak else (1.0, 1.0)
+
+    @property
+    def seen(self) -> SensorResponse:
+        """Former name of ``recorded``."""
+        return self.recorded
 
 
 def sensor_response(
     solution: Solution, sensor: Sensor, channels: Sequence[str] = ()
-) -> tuple[SeenChannel, ...]:
+) -> tuple[ChannelResponse, ...]:
     """Channels of a run as a gauge records them.
 
     Parameters
@@ -81,7 +83,7 @@ def sensor_response(
 
     Returns
     -------
-    One SeenChannel a channel: true trace, recorded trace, both peaks
+    One ChannelResponse per channel: true trace, recorded trace, both peaks
 
     Raises
     ------
@@ -92,120 +94,113 @@ def sensor_response(
     >>> import valvetrain as vt
     >>> (run,) = vt.simulate("job-t", "3000 rpm", spring_models=["multi-mass"]).solutions
     >>> (one,) = sensor_response(run, Sensor(bandwidth="200 Hz"), ["retainer_force"])
-    >>> one.seen.peak < one.true_peak
+    >>> one.recorded.peak < one.true_peak
     True
     """
-    arrays = solution.arrays
-    known = arrays.variables
-    chosen = tuple(channels) or tuple(name for name in CHANNELS if name in known)
+    variables = solution.arrays.variables
+    available = tuple(name for name in CHANNELS if name in variables)
+    chosen = tuple(channels) or available
     for name in chosen:
-        if name not in known or known[name].values.ndim != 1:
-            listed = ", ".join(one for one in CHANNELS if one in known)
+        if name not in variables or variables[name].values.ndim != 1:
             raise InputError(
-                f"the run has no channel '{str(name)[:40]}' over time; it has {listed or 'none'}",
+                f"the run has no channel '{str(name)[:40]}' over time; it has {', '.join(available) or 'none'}",
                 "channels",
             )
     if not chosen or len(solution.time) < 8:
         raise InputError(
-            "the run keeps no forces, so no gauge can see them; run it with its channels",
+            "the run stores no forces, so no gauge can record them; run it with its channels",
             "channels",
         )
     origin = solution.provenance
-    found = []
+    label, speed = getattr(solution, "label", "") or "", origin.engine_speed if origin else 0.0
+    responses = []
     for name in chosen:
         time, values, spacing = finest_trace(solution, name)
-        seen = sensor.seen(time, values, periodic=True)
+        recorded = sensor.record(time, values, periodic=True)
         coarse = sensor.highest_frequency * spacing * POINTS > 4
-        unit = str(known[name].attrs.get("units", ""))
-        label, speed = getattr(solution, "label", "") or "", origin.engine_speed if origin else 0.0
-        found.append(SeenChannel(label, speed, name, unit, time, values, spacing, seen, coarse))
-    return tuple(found)
+        unit = str(variables[name].attrs.get("units", ""))
+        responses.append(
+            ChannelResponse(label, speed, name, unit, time, values, spacing, recorded, coarse)
+        )
+    return tuple(responses)
 
 
 def finest_trace(solution: Solution, name: str) -> tuple[Array, Array, float]:
-    """Times (s), values and step (s) of the finest trace of a channel that a run keeps: points
+    """Times (s), values and step (s) of the finest trace of a channel that a run stores: points
     between samples, extremes of steps.
     """
-    known = solution.arrays.variables
-    time, values = (
-        np.asarray(solution.time, dtype=float),
-        np.asarray(known[name].values, dtype=float),
-    )
-    if f"{name}_fine" in known:
-        fine = np.asarray(known[f"{name}_fine"].values, dtype=float)
+    arrays = {
+        key: np.asarray(variable.values, dtype=float)
+        for key, variable in solution.arrays.variables.items()
+        if key.startswith(name)
+    }
+    time, values = np.asarray(solution.time, dtype=float), arrays[name]
+    fine = arrays.get(f"{name}_fine")
+    if fine is not None:
         share = np.arange(fine.shape[1]) / fine.shape[1]
         step = float(time[1] - time[0])
         dense = (time[:-1, np.newaxis] + step * share).ravel()
         time, values = np.append(dense, time[-1]), np.append(fine[:-1].ravel(), values[-1])
     spacing = float(np.max(np.diff(time)))
     for kind in ("highest", "lowest"):
-        if f"{name}_{kind}" in known:
-            more, at = (
-                np.asarray(known[f"{name}_{kind}{word}"].values, dtype=float)
-                for word in ("", "_time")
-            )
-            inside = np.isfinite(at) & np.isfinite(more) & (at > time[0]) & (at < time[-1])
-            time, values = (
-                np.concatenate([time, at[inside]]),
-                np.concatenate([values, more[inside]]),
-            )
+        if f"{name}_{kind}" in arrays:
+            extremes, at = arrays[f"{name}_{kind}"], arrays[f"{name}_{kind}_time"]
+            inside = np.isfinite(at) & np.isfinite(extremes) & (at > time[0]) & (at < time[-1])
+            time = np.concatenate([time, at[inside]])
+            values = np.concatenate([values, extremes[inside]])
     time, first = np.unique(time, return_index=True)
-    far = np.concatenate(
-        [[True], np.diff(time) > 1e-3 * spacing]
-    )  # an extreme that falls on a point is that point
-    return time[far], values[first][far], spacing
+    # an extreme that falls on a point is that point
+    apart = np.concatenate([[True], np.diff(time) > 1e-3 * spacing])
+    return time[apart], values[first][apart], spacing
 
 
-def seen_in_case(
+def case_response(
     case: AnyCase,
     sensor: Sensor,
     engine_speeds: Sequence[float] = (),
     spring_models: Sequence[str] = (),
-) -> tuple[SeenChannel, ...]:
+) -> tuple[ChannelResponse, ...]:
     """Every run of a case with traces as fine as the gauge needs, as the gauge records them.
 
     ``engine_speeds`` in rad/s of the crank (empty: the case's own). Raises :class:`InputError` for
-    a case that cannot run; a run that
-    fails gives no channels.
+    a case that cannot run; a run that fails gives no channels.
     """
     problem = build(case, spring_models=tuple(spring_models))
     problem.must_run()
     speeds = tuple(engine_speeds) or problem.engine_speeds
     if not speeds:
         raise InputError("the case names no engine speed; give one", "--engine-speed")
+    prepared: tuple[PreparedRun, ...]
     if problem.kind == TRAIN:
-        ready = ready_trains(problem, speeds, PartialFailures())[0]
+        prepared = ready_trains(problem, speeds, PartialFailures())[0]
     else:
-        ready = tuple(
+        prepared = tuple(
             prepare(problem, member, member_rest(problem, member), problem.record.study)
             for member in problem.members
         )
-    found: list[SeenChannel] = []
+
+    def solve(run: PreparedRun, engine_speed: float, samples: float) -> Solution:
+        count = int(np.clip(samples, MIN_SAMPLES, MAX_SAMPLES))
+        plan = Plan("ends", count, True, problem.cycles, problem.cycles_to_settle)
+        origin = provenance_of(problem, run.member, engine_speed, "")
+        return integrate_point(run, engine_speed, plan, origin)
+
+    responses: list[ChannelResponse] = []
     why = ""
     for speed in speeds:
         need = 4 * np.pi / speed * sensor.highest_frequency * POINTS
-        for one in ready:
-            solution = _run(problem, one, speed, need / (1 if problem.kind == TRAIN else STORED))
-            if solution.status.code in ("completed", "not-converged"):
-                seen = sensor_response(solution, sensor)
-                if any(
-                    channel.coarse for channel in seen
-                ):  # a model that keeps nothing between its samples
-                    seen = sensor_response(_run(problem, one, speed, need), sensor)
-                found += [channel for channel in seen if np.any(channel.values)]
-            else:
+        for run in prepared:
+            solution = solve(run, speed, need / (1 if problem.kind == TRAIN else STORED))
+            if solution.status.code not in ("completed", "not-converged"):
                 why = why or solution.status.message
-    if not found:
+                continue
+            channels = sensor_response(solution, sensor)
+            # a model that stores nothing between its samples
+            if any(channel.coarse for channel in channels):
+                channels = sensor_response(solve(run, speed, need), sensor)
+            responses += [channel for channel in channels if np.any(channel.values)]
+    if not responses:
         raise InputError(
-            f"no run of the case was completed ({why}); look at it with 'valvetrain run'", "case"
+            f"no run of the case was completed ({why}); examine it with 'valvetrain run'", "case"
         )
-    return tuple(found)
-
-
-def _run(problem: Problem, ready: PreparedRun, engine_speed: float, samples: float) -> Solution:
-    plan = Plan(
-        "ends", int(np.clip(samples, FEWEST, MOST)), True, problem.cycles, problem.cycles_to_settle
-    )
-    return integrate_point(
-        ready, engine_speed, plan, provenance_of(problem, ready.member, engine_speed, "")
-    )
+    return tuple(responses)

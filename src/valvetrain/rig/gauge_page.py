@@ -1,4 +1,4 @@
-"""The page of a gauge: true and recorded traces, table of both peaks."""
+"""A run as a gauge records it, for readers: table of both peaks, page, CSV and JSON."""
 
 from __future__ import annotations
 
@@ -11,61 +11,68 @@ import numpy as np
 from valvetrain.measured.sensor import Sensor
 from valvetrain.report import theme
 from valvetrain.report.chart import Chart, Line, Marks, Panel, thin
+from valvetrain.report.columns import RowColumn, grid, json_row
 from valvetrain.report.files import FreeNames
-from valvetrain.report.page import Block, Cell, Figure, Grid, Page, Section, text
+from valvetrain.report.page import Figure, Page, Section, text
 from valvetrain.report.text import number, speed_text
-from valvetrain.rig.gauge import SeenChannel
+from valvetrain.rig.gauge import ChannelResponse
 from valvetrain.rig.page import shown_unit
 from valvetrain.solution.atomic import write_text
 
-#: Headings of the table of peaks.
-HEAD = (
-    "run",
-    "channel",
-    "true peak",
-    "recorded peak",
-    "by sampling phase",
-    "unit",
-    "recorded over true",
-)
-#: Figures of a page, the channels that lose most first; points of a drawn trace; shares of the
-#: window about the peak.
+#: Figures of a page, the channels that lose most first; points of a drawn trace; part of the
+#: revolution that is drawn about the peak.
 MAX_FIGURES, POINTS, WINDOW = 8, 1500, 12
 
 
-def _run_of(one: SeenChannel) -> str:
+def _run_label(one: ChannelResponse) -> str:
     return f"{one.label}{', ' if one.label else ''}{speed_text(one.engine_speed)}"
 
 
-def seen_rows(found: Sequence[SeenChannel]) -> list[tuple[str, ...]]:
-    """One row a run and channel, as :data:`HEAD` says."""
-    rows: list[tuple[str, ...]] = []
-    for one in found:
-        unit, factor = shown_unit(one.channel, one.unit)
-        low, high = one.seen.peaks
-        middle = (low + high) / 2
-        rows.append(
-            (
-                _run_of(one),
-                one.channel.replace("_", " "),
-                number(one.true_peak * factor, 5),
-                number(middle * factor, 5),
-                f"±{number((high - low) / 2 * factor, 2)}" if high > low else "",
-                unit,
-                f"{100 * sum(one.share) / 2:.1f} %",
-            )
-        )
-    return rows
+def _channel_label(one: ChannelResponse) -> str:
+    return one.channel.replace("_", " ")
 
 
-def notes_of(found: Sequence[SeenChannel]) -> tuple[str, ...]:
+def _shown(value: float, one: ChannelResponse, digits: int = 5) -> str:
+    return number(value * shown_unit(one.channel, one.unit)[1], digits)
+
+
+def _phase_text(one: ChannelResponse) -> str:
+    low, high = one.recorded.peaks
+    return f"±{_shown((high - low) / 2, one, 2)}" if high > low else ""
+
+
+#: The table of peaks: a row per run and channel.
+COLUMNS = (
+    RowColumn("run", _run_label, "label", "run", number=False),
+    RowColumn(value="engine_speed", key="engine_speed"),
+    RowColumn("channel", _channel_label, "channel", "channel", number=False),
+    RowColumn("true peak", lambda one: _shown(one.true_peak, one), "true_peak", "true_peak"),
+    RowColumn(
+        "recorded peak",
+        lambda one: _shown(one.recorded_peak, one),
+        "recorded_peak",
+        "recorded_peak",
+    ),
+    RowColumn(
+        "by sampling phase", _phase_text, lambda one: list(one.recorded.peaks), "recorded_peaks"
+    ),
+    RowColumn(
+        "unit", lambda one: shown_unit(one.channel, one.unit)[0], "unit", "unit", number=False
+    ),
+    RowColumn("recorded over true", lambda one: f"{100 * sum(one.share) / 2:.1f} %"),
+    RowColumn(value="spacing", key="step"),
+    RowColumn(value="coarse", key="coarse"),
+)
+
+
+def notes_of(responses: Sequence[ChannelResponse]) -> tuple[str, ...]:
     """What a reader must know of the traces."""
     notes = [
-        "The recorded peak is the middle of what the phases of the sampling give, with half their range beside"
+        "The recorded peak is the middle of the peaks at all phases of the sampling, followed by half their range"
     ]
-    coarse = [one for one in found if one.coarse]
+    coarse = [one for one in responses if one.coarse]
     if coarse:
-        names = ", ".join(sorted({one.channel.replace("_", " ") for one in coarse}))
+        names = ", ".join(sorted({_channel_label(one) for one in coarse}))
         step = 1e6 * max(one.spacing for one in coarse)
         notes.append(
             f"{names}: a point every {step:.3g} us is coarse for this gauge; a spike may lie between points"
@@ -73,134 +80,99 @@ def notes_of(found: Sequence[SeenChannel]) -> tuple[str, ...]:
     return tuple(notes)
 
 
-def sensor_words(sensor: Sensor) -> str:
+def sensor_text(sensor: Sensor) -> str:
     """The gauge in one line."""
-    words = []
+    parts = []
     if sensor.resonance is not None:
-        words.append(
+        parts.append(
             f"resonance at {sensor.resonance / 1e3:.4g} kHz with damping ratio {sensor.damping_ratio:g}"
         )
     if sensor.bandwidth is not None:
         kind = f"{sensor.filter.capitalize()} low-pass of order {sensor.order} at {float(sensor.bandwidth) / 1e3:.4g} kHz"
-        words.append(kind + (", forward and backward" if sensor.zero_phase else ""))
+        parts.append(kind + (", forward and backward" if sensor.zero_phase else ""))
     if sensor.sampling_rate is not None:
-        words.append(f"sampled at {float(sensor.sampling_rate) / 1e3:.4g} kHz")
+        parts.append(f"sampled at {float(sensor.sampling_rate) / 1e3:.4g} kHz")
     if sensor.resolution:
-        words.append(f"in steps of {sensor.resolution:g}")
-    return "; ".join(words) or "ideal"
+        parts.append(f"in steps of {sensor.resolution:g}")
+    return "; ".join(parts) or "ideal"
 
 
-def seen_page(title: str, found: Sequence[SeenChannel], sensor: Sensor) -> Page:
+def sensor_page(title: str, responses: Sequence[ChannelResponse], sensor: Sensor) -> Page:
     """The whole page."""
-    rows = tuple(
-        (
-            tuple(
-                Cell(word, "number" if place in (2, 3, 4, 6) else "")
-                for place, word in enumerate(row)
-            ),
-            (),
-        )
-        for row in seen_rows(found)
-    )
-    worst = sorted(found, key=lambda one: one.share[0])[:MAX_FIGURES]
-    sentences: tuple[Block, ...] = tuple(text(f"{note}.", "note") for note in notes_of(found))
+    worst = sorted(responses, key=lambda one: one.share[0])[:MAX_FIGURES]
+    notes = (text(f"{note}.", "note") for note in notes_of(responses))
     sections = (
-        Section("peaks", "True and recorded peaks", (Grid(HEAD, rows), *sentences)),
+        Section("peaks", "True and recorded peaks", (grid(COLUMNS, responses), *notes)),
         Section(
             "traces",
             "About the true peak",
-            tuple(Figure(seen_chart(one, place)) for place, one in enumerate(worst)),
+            tuple(Figure(trace_chart(one, count)) for count, one in enumerate(worst, start=1)),
         ),
     )
     facts = (
-        ("gauge", sensor_words(sensor)),
-        ("runs", str(len({_run_of(one) for one in found}))),
-        ("channels", str(len(found))),
+        ("gauge", sensor_text(sensor)),
+        ("runs", str(len({_run_label(one) for one in responses}))),
+        ("channels", str(len(responses))),
     )
     lead = "What the model computes, and what this gauge would record of it; channels that lose most are drawn first."
-    return Page(
-        title, "Seen by a gauge", lead, facts, sections, "Times are from the begin of the cam turn."
-    )
+    footer = "Times are from the start of the cam revolution."
+    return Page(title, "Recorded by a gauge", lead, facts, sections, footer)
 
 
-def seen_chart(one: SeenChannel, place: int) -> Chart:
-    """True trace, what leaves the gauge, and its samples, about the true peak."""
+def trace_chart(one: ChannelResponse, count: int) -> Chart:
+    """True trace, output of the gauge, and its samples, about the true peak."""
     unit, factor = shown_unit(one.channel, one.unit)
+    recorded = one.recorded
     middle = float(one.time[int(np.argmax(one.values))])
     half = (one.time[-1] - one.time[0]) / (2 * WINDOW)
-    reach = max(middle - half, float(one.time[0])), min(middle + half, float(one.time[-1]))
-    true, recorded = ((at >= reach[0]) & (at <= reach[1]) for at in (one.time, one.seen.time))
-    at, values = 1e3 * one.seen.time[recorded], one.seen.values[recorded] * factor
-    line = Line(
-        *thin(1e3 * one.time[true], one.values[true] * factor, POINTS), "true", theme.INK, 1.1
-    )
-    over = Line(*thin(at, values, POINTS), "recorded", theme.SERIES[1], 1.6)
-    layers: tuple[Line | Marks, ...] = (line, over)
+    first, last = max(middle - half, float(one.time[0])), min(middle + half, float(one.time[-1]))
+    drawn, sampled = ((at >= first) & (at <= last) for at in (one.time, recorded.time))
+    at, values = 1e3 * recorded.time[sampled], recorded.values[sampled] * factor
+    layers: list[Line | Marks] = [
+        Line(
+            *thin(1e3 * one.time[drawn], one.values[drawn] * factor, POINTS), "true", theme.INK, 1.1
+        ),
+        Line(*thin(at, values, POINTS), "recorded", theme.SERIES[1], 1.6),
+    ]
     if len(at) <= 400:
-        layers = (*layers, Marks(at, values, "samples", theme.SERIES[1], size=3.5, filled=True))
-    label = f"{one.channel.replace('_', ' ')} ({unit})"
-    panel = Panel("time (ms)", label, layers, x_range=(1e3 * reach[0], 1e3 * reach[1]))
-    caption = f"True peak {number(one.true_peak * factor, 5)} {unit}; {number(one.seen.peak * factor, 5)} {unit} as the samples fall here."
-    return Chart(
-        f"seen-{place + 1}",
-        f"{one.channel.replace('_', ' ').capitalize()}, {_run_of(one)}",
-        caption,
-        (panel,),
-        1,
-        340,
-    )
+        layers.append(Marks(at, values, "samples", theme.SERIES[1], size=3.5, filled=True))
+    label = f"{_channel_label(one)} ({unit})"
+    panel = Panel("time (ms)", label, tuple(layers), x_range=(1e3 * first, 1e3 * last))
+    caption = f"True peak {_shown(one.true_peak, one)} {unit}; {_shown(recorded.peak, one)} {unit} as the samples fall here."
+    title = f"{_channel_label(one).capitalize()}, {_run_label(one)}"
+    return Chart(f"seen-{count}", title, caption, (panel,), 1, 340)
 
 
-def write_seen(found: Sequence[SeenChannel], folder: Path) -> list[Path]:
+def write_responses(responses: Sequence[ChannelResponse], folder: Path) -> list[Path]:
     """``seen-RUN-CHANNEL.csv``: what the gauge records, over time."""
     files, names = [], FreeNames()
-    for one in found:
-        rows = (
-            f"{time:.9g},{value:.9g}"
-            for time, value in zip(one.seen.time.tolist(), one.seen.values.tolist(), strict=True)
-        )
-        name = names.free(f"seen-{_run_of(one)}-{one.channel}")
-        files.append(
-            write_text(
-                folder / f"{name}.csv",
-                "\n".join([f"time [s],{one.channel} as recorded [{one.unit}]", *rows]) + "\n",
-            )
-        )
+    for one in responses:
+        samples = np.column_stack([one.recorded.time, one.recorded.values]).tolist()
+        lines = [
+            f"time [s],{one.channel} as recorded [{one.unit}]",
+            *(f"{time:.9g},{value:.9g}" for time, value in samples),
+        ]
+        name = names.free(f"seen-{_run_label(one)}-{one.channel}")
+        files.append(write_text(folder / f"{name}.csv", "\n".join(lines) + "\n"))
     return files
 
 
-def data_of(found: Sequence[SeenChannel], sensor: Sensor, case: str) -> dict[str, Any]:
+def data_of(responses: Sequence[ChannelResponse], sensor: Sensor, case: str) -> dict[str, Any]:
     """The same for JSON, SI."""
-    gauge = {name: getattr(sensor, name) for name in Sensor.__dataclass_fields__} | {
-        "resonance": sensor.resonance
-    }
-    named: dict[str, dict[str, Any]] = {}
-    for one in found:
-        peaks = (("true", one.true_peak), ("recorded", sum(one.seen.peaks) / 2))
-        named.setdefault(_run_of(one), {}).update(
+    quantities: dict[str, dict[str, Any]] = {}
+    for one in responses:
+        quantities.setdefault(_run_label(one), {}).update(
             {
-                f"{word}_peak_{one.channel}": {"value": peak, "unit": one.unit}
-                for word, peak in peaks
+                f"{kind}_peak_{one.channel}": {"value": peak, "unit": one.unit}
+                for kind, peak in (("true", one.true_peak), ("recorded", one.recorded_peak))
             }
         )
     return {
         "command": "rig",
         "case": case,
         "completed": True,
-        "gauge": gauge,
-        "quantities_by_label": named,
-        "seen": [
-            {
-                "run": one.label,
-                "engine_speed": one.engine_speed,
-                "channel": one.channel,
-                "unit": one.unit,
-                "true_peak": one.true_peak,
-                "recorded_peak": sum(one.seen.peaks) / 2,
-                "recorded_peaks": list(one.seen.peaks),
-                "step": one.spacing,
-                "coarse": one.coarse,
-            }
-            for one in found
-        ],
+        "gauge": {name: getattr(sensor, name) for name in Sensor.__dataclass_fields__}
+        | {"resonance": sensor.resonance},
+        "quantities_by_label": quantities,
+        "seen": [json_row(COLUMNS, one) for one in responses],
     }

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
 from valvetrain.errors import InputError
-from valvetrain.measured.force_height import FEWEST, ForceHeight
+from valvetrain.measured.force_height import MIN_STATIONS, ForceHeight
 from valvetrain.parameters.constructors import RAMP
 from valvetrain.parameters.curves import Constant, PiecewiseLinear
 from valvetrain.parameters.installed_spring import InstalledSpring
@@ -391,7 +391,7 @@ def _open(table: ForceHeight) -> ForceHeight:
     """
     slopes, first = _slopes(table)
     bound = np.flatnonzero(slopes > BOUND * first)
-    last = int(bound[0]) if len(bound) and bound[0] >= FEWEST else len(slopes)
+    last = int(bound[0]) if len(bound) and bound[0] >= MIN_STATIONS else len(slopes)
     return ForceHeight(table.heights[: last + 1], table.forces[: last + 1])
 
 
