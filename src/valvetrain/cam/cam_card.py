@@ -157,14 +157,11 @@ class CamCard:
     0.050 in on most cards.
 
     ``maximum_lift`` (m): of the lobe. ``advertised_duration`` above ``advertised_lift`` and
-    ``upper_duration`` above ``upper_lift``: met
-    where given, by the share of the flank with positive acceleration (by the velocity of the ramp,
-    where they stand on it) and by the
-    fullness of the nose. Ramps of ``ramp_velocity`` (m/rad; None: the usual one, or that of the
-    advertised duration) end at
-    ``ramp_lift`` (m); over their share ``ramp_blend`` it is built up. Raises :class:`InputError`
-    with what is possible where the values
-    contradict each other.
+    ``upper_duration`` above ``upper_lift``: met where given, by the share of the flank with
+    positive acceleration (by the velocity of the ramp, where they stand on it) and by the fullness
+    of the nose. Ramps of ``ramp_velocity`` (m/rad; None: the usual one, or that of the advertised
+    duration) end at ``ramp_lift`` (m); over their share ``ramp_blend`` it is built up. Raises
+    :class:`InputError` with what is possible where the values contradict each other.
     """
 
     continuity: ClassVar[int] = 2

@@ -2,12 +2,11 @@
 prescribed motion.
 
 M a' + (1 + alpha) f(x', v') - alpha f(x, v) = 0 with Newmark's x' and v' (equations 5 to 8 of the
-paper), beta = (1 - alpha)**2 / 4 and
-gamma = 1/2 - alpha; f holds elements, dampers and coil contacts. Each step is solved by Newton's
-method with the consistent tangent, the
-coils in contact found on the way. Unconditionally stable, so the step may be as coarse as a solid
-finite-element study takes it: half a
-cam degree without another choice. Asked for by name; the leapfrog is the usual way.
+paper), beta = (1 - alpha)**2 / 4 and gamma = 1/2 - alpha; f holds elements, dampers and coil
+contacts. Each step is solved by Newton's method with the consistent tangent, the coils in contact
+found on the way. Unconditionally stable, so the step may be as coarse as a solid finite-element
+study takes it: half a cam degree without another choice. Asked for by name; the leapfrog is the
+usual way.
 """
 
 from __future__ import annotations
@@ -183,8 +182,9 @@ class _Stepping:
         self, state: Array, motion: Array, place: Array, rate: Array, record: _Record
     ) -> tuple[int, Array]:
         """One cam turn from ``state`` (changed) and its accelerations ``motion``, written into
-        ``record``; returns the last step whose
-        forces are known, plus one where that is the last of all, and the accelerations."""
+        ``record``; returns the last step whose forces are known, plus one where that is the last of
+        all, and the accelerations.
+        """
         h, n = self.step, len(motion)
         x, v, a = state[:n].copy(), state[n : 2 * n].copy(), motion
         now = self.forces(*self._all(x, v, place[0], rate[0]))

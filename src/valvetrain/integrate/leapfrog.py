@@ -27,8 +27,8 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 TURN = 2 * np.pi
 #: Samples per cam turn, share of the model's stable step that is used, cam turns until a periodic
-#: motion is given up, and the change of
-#: the end forces per turn, over their span, at which it counts as periodic.
+#: motion is given up, and the change of the end forces per turn, over their span, at which it
+#: counts as periodic.
 SAMPLES, STEP_FRACTION, MAX_CYCLES, TOLERANCE = 720, 0.8, 40, 1e-3
 #: A record of inner states beyond this size (bytes) is not kept.
 MAX_RECORD = 400e6

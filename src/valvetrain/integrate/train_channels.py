@@ -55,8 +55,8 @@ def train_channels(
     start: TrainState | None = None,
 ) -> ChannelArrays:
     """Records as channels: of one closed turn with the state ``start`` that it began from, for the
-    springs' inner motion, or of a
-    run-up without one."""
+    springs' inner motion, or of a run-up without one.
+    """
     mechanism, arrays = system.mechanism, system.arrays
     valve, retainer = mechanism.index(mechanism.valve), arrays.retainer
 
@@ -255,8 +255,8 @@ def _every_step(system: TrainSystem, record: CycleRecord) -> dict[str, float]:
 
 def least_forces(system: TrainSystem, record: CycleRecord, options: RunOptions) -> dict[str, float]:
     """Least and largest force (N) of every contact over all steps in the window of ``options``, and
-    that of the cam at the nose;
-    nothing where none was asked for."""
+    that of the cam at the nose; nothing where none was asked for.
+    """
     if options.window is None or not len(record.least_forces):
         return {}
     found: dict[str, float] = {}
@@ -289,8 +289,9 @@ PREFIX = "cycle_scatter_"
 @dataclass(frozen=True)
 class Scatter:
     """Over :data:`COMPARED` cycles: ``valve`` (m), largest spread of the valve lift at one cam
-    angle; ``peak_valve_lift`` (m), the largest;
-    ``numbers``: largest less least value of each number (SI) by the name of its quantity."""
+    angle; ``peak_valve_lift`` (m), the largest; ``numbers``: largest less least value of each
+    number (SI) by the name of its quantity.
+    """
 
     valve: float
     peak_valve_lift: float

@@ -86,9 +86,8 @@ def steady_train(
     more cycle.
 
     ``method``: ``repeat`` (the classical one) or ``anderson``. The record of the last cycle of a
-    train that does not settle is given
-    with its status saying so, and, where asked for (``compared``), with the scatter of some more
-    cycles.
+    train that does not settle is given with its status saying so, and, where asked for
+    (``compared``), with the scatter of some more cycles.
     """
     template, times = [start or runner.initial_state()], []
 

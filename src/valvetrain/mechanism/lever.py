@@ -31,8 +31,8 @@ def build_lever(
     train: TrainParameters, law: LiftLaw, laws: dict[str, ContactLaw], law_of: str
 ) -> AssembledMechanism:
     """Planar train with a cam-driven lever. ``law_of`` 'valve': lift at the valve with zero lash;
-    'tappet': drive arm times lever angle
-    (m)."""
+    'tappet': drive arm times lever angle (m).
+    """
     lever = train.lever
     assert lever is not None
     arm = drive_arm(train, lever)

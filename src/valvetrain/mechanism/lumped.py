@@ -2,8 +2,7 @@
 the valve.
 
 The planar gaps are replaced by their gradients, so both reductions inherit every mass, stiffness
-and gap of the planar train and
-differ from it by nothing but the missing geometry.
+and gap of the planar train and differ from it by nothing but the missing geometry.
 """
 
 from __future__ import annotations

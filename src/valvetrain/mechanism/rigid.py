@@ -56,8 +56,8 @@ class RigidKinematics:
     the ``lash`` (m, at the valve).
 
     ``law``: lift law. ``law_of``: ``drive`` when the law prescribes the drive coordinate times
-    ``drive_scale`` (m per unit), ``valve``
-    when it prescribes the valve lift at zero lash. ``ratio``: geometry of the chain.
+    ``drive_scale`` (m per unit), ``valve`` when it prescribes the valve lift at zero lash.
+    ``ratio``: geometry of the chain.
     """
 
     law: LiftLaw

@@ -19,8 +19,7 @@ def split_notes(tree: dict[str, Any]) -> tuple[dict[str, Any], dict[str, Note], 
     """Bare tree, notes by key path, and the reason of each bad note by key path.
 
     ``{ value = "4 mm", status = "published", source = "key" }`` becomes "4 mm" with a note;
-    ``status`` and ``source`` in any other table
-    are a note on the whole table.
+    ``status`` and ``source`` in any other table are a note on the whole table.
     """
     notes: dict[str, Note] = {}
     bad: dict[str, str] = {}

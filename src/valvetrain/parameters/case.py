@@ -82,8 +82,8 @@ class Note:
 @dataclass(frozen=True, slots=True)
 class Operation:
     """What is run: ``engine_speeds`` (rad/s of the crank, twice the cam's), ``cycles`` (cam
-    revolutions, the last is reported) and
-    ``output_step`` (cam rad) between the values kept."""
+    revolutions, the last is reported) and ``output_step`` (cam rad) between the values kept.
+    """
 
     engine_speeds: tuple[float, ...] = ()
     cycles: int = 2
@@ -118,13 +118,11 @@ class Case:
     """Everything that defines a study; SI throughout.
 
     ``springs``: one or two, outer first, under prescribed motion of their retainer; a ``train``
-    holds its own. ``study``: word of the
-    published study that the case re-runs. ``points``: coil numbers at which its points on the wire
-    are read, by their names, where they
-    are others than the study's. ``text``: the case file as resolved, with what was changed from
-    outside; read again it gives
-    an equal case. ``changed``: key paths that were set from outside the file. Text and changes take
-    no part in comparisons.
+    holds its own. ``study``: word of the published study that the case re-runs. ``points``: coil
+    numbers at which its points on the wire are read, by their names, where they are others than the
+    study's. ``text``: the case file as resolved, with what was changed from outside; read again it
+    gives an equal case. ``changed``: key paths that were set from outside the file. Text and
+    changes take no part in comparisons.
 
     >>> import valvetrain as vt
     >>> case = vt.load_case("job-t")
@@ -159,9 +157,8 @@ class Case:
         ``case.replace({"springs.0.precompression": 0.006}, name="short")``.
 
         The new values are SI, text with a unit ("6 mm") or pint quantities and stand behind
-        ``text`` as remarks; ``changed`` names their
-        paths. Raises :class:`InputError` for a path that does not exist, with the nearest one that
-        does, and for a wrong unit.
+        ``text`` as remarks; ``changed`` names their paths. Raises :class:`InputError` for a path
+        that does not exist, with the nearest one that does, and for a wrong unit.
         """
         from valvetrain.parameters.summary import si_at
 

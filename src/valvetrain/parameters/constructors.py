@@ -78,9 +78,8 @@ def wind(
     ``total_coils`` turns tip to tip.
 
     An end given as a word gets the turns of the table; an :class:`EndCoil` is taken as it is.
-    Closed ends are wound at the wire diameter.
-    Raises :class:`InputError` for a wire of no constant diameter and for a free length at which the
-    coils would be solid.
+    Closed ends are wound at the wire diameter. Raises :class:`InputError` for a wire of no constant
+    diameter and for a free length at which the coils would be solid.
     """
     if not isinstance(wire_diameter, Constant):
         raise InputError(

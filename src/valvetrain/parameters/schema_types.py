@@ -199,8 +199,8 @@ _TURNS = frozenset("\u202a\u202b\u202c\u202d\u202e\u2066\u2067\u2068\u2069")
 
 def words_problem(text: str, most: int, spared: str = "") -> str:
     """Why ``text`` may not stand in files, pages and terminals, empty when it may: longer than
-    ``most`` or with control characters other
-    than those in ``spared``."""
+    ``most`` or with control characters other than those in ``spared``.
+    """
     if len(text) > most:
         return f"'{clipped(text)}' has {len(text)} characters; use at most {most}"
     if text.isprintable():

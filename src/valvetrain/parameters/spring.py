@@ -189,12 +189,10 @@ class EndCoil:
     """How one end of the spring meets its seat.
 
     ``inactive_coils``: turns of wire bonded to the seat (they move with it; the rod starts where
-    they end).
-    ``ground_coils``: turns over which the wire is ground flat; the seat plane touches the full wire
-    there. Left out, both follow from
-    the kind, as in a case file: 0.75 and 0.75 closed and ground, 0.75 and 0 closed, none open, 0.5
-    and 0.25 open and ground.
-    Raises :class:`InputError` for an unknown kind and turns outside 0 to 3.
+    they end). ``ground_coils``: turns over which the wire is ground flat; the seat plane touches
+    the full wire there. Left out, both follow from the kind, as in a case file: 0.75 and 0.75
+    closed and ground, 0.75 and 0 closed, none open, 0.5 and 0.25 open and ground. Raises
+    :class:`InputError` for an unknown kind and turns outside 0 to 3.
 
     >>> EndCoil("open").inactive_coils
     0.0
@@ -229,10 +227,8 @@ class SpringDefinition:
     wire tip.
 
     ``wire_diameter`` and ``mean_diameter`` in m, ``pitch`` = rise of the wire axis per turn dz/du
-    in m; a length stands for a constant.
-    The pitch must be continuous (its slope may jump). Raises :class:`InputError` with the reason
-    for a
-    spring that cannot exist.
+    in m; a length stands for a constant. The pitch must be continuous (its slope may jump). Raises
+    :class:`InputError` with the reason for a spring that cannot exist.
 
     >>> import valvetrain as vt
     >>> steel = vt.Material("steel", 206e9, 79.5e9, 7850.0)

@@ -70,8 +70,7 @@ class Member:
         self, rest: Rest | None = None, built: BuiltModels | None = None
     ) -> PrescribedSpring | TrainSystem:
         """The member assembled; ``rest`` holds the springs at rest where the model needs them
-        (``model.needs_rest``), ``built`` the
-        models that stand already (new ones are added).
+        (``model.needs_rest``), ``built`` the models that stand already (new ones are added).
 
         Raises :class:`InputError` where the model cannot stand for a spring.
         """
@@ -93,11 +92,9 @@ class Member:
 @dataclass(frozen=True, eq=False)
 class Problem:
     """All parts of a case, built once. ``engine_speeds`` in rad/s of the crank; ``cycles`` cam
-    turns of prescribed motion, the last is
-    reported; ``output_step`` (cam rad) between its samples; ``cycles_to_settle`` bounds the search
-    for a train's periodic state;
-    ``moves``: whether there is a lift law; ``built``: the spring models built so far, shared by
-    members and states at rest.
+    turns of prescribed motion, the last is reported; ``output_step`` (cam rad) between its samples;
+    ``cycles_to_settle`` bounds the search for a train's periodic state; ``moves``: whether there is
+    a lift law; ``built``: the spring models built so far, shared by members and states at rest.
 
     >>> import valvetrain as vt
     >>> problem = vt.build("job-t", spring_models=["massless", "multi-mass"])

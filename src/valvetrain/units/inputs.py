@@ -148,9 +148,8 @@ def si_speeds(
     """Rotational speeds (rad/s) from one, several or a range, in the order given, each once.
 
     ``values``: as for :func:`si`, or a sequence or array of such; or text: ``"4200, 5600 rpm"``,
-    ``"1000:9000:100 rpm"`` with both ends.
-    Raises :class:`InputError` as :func:`si`, and for none, for speeds that are not positive and
-    ranges that lead nowhere.
+    ``"1000:9000:100 rpm"`` with both ends. Raises :class:`InputError` as :func:`si`, and for none,
+    for speeds that are not positive and ranges that lead nowhere.
 
     >>> len(si_speeds("1000:9000:100 rpm"))
     81

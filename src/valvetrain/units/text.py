@@ -103,10 +103,8 @@ def parse_quantity(text: object, dimension: str | None, where: str = "") -> floa
     """Turn ``text`` ("4.0 mm") into an SI float.
 
     ``dimension``: a name from :data:`DIMENSIONS`, a unit whose dimension is due ("N/m^1.5"), or
-    None for any.
-    ``where`` leads the message. Raises :class:`InputError` for a bare number where a unit is due, a
-    wrong dimension, an unknown unit
-    and what is no finite number.
+    None for any. ``where`` leads the message. Raises :class:`InputError` for a bare number where a
+    unit is due, a wrong dimension, an unknown unit and what is no finite number.
     """
     value, unit = split_quantity(text, dimension, where)
     return to_si(value, unit, dimension, f"'{clipped(str(text))}'", where)
