@@ -141,7 +141,7 @@ def bounded_pieces(cam_angles: Array, lifts: Array) -> tuple[Array, Array]:
     second differences at the stations.
 
     Integrated twice from rest one station before the table to rest one station after it
-    (Schoenberg's spline). The curve stands beside the table by a sixth of the acceleration times
+    (Schoenberg's spline). The curve differs from the table by a sixth of the acceleration times
     the step squared: 1.2 um at steps of one degree and 0.024 m/rad2.
     """
     angles, heights = with_base(cam_angles, lifts)

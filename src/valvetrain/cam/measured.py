@@ -1,4 +1,4 @@
-"""A law behind measured stations: noise taken out with its uncertainty kept, base circle exactly
+"""A law behind measured stations: noise removed with its uncertainty quantified, base circle exactly
 zero.
 """
 

@@ -24,7 +24,7 @@ from valvetrain.parameters.schema_types import Angle, Numbers, PositiveLength, q
 @dataclass(frozen=True, kw_only=True)
 class Shaped:
     """Ramp, event and return about ``nose`` (angles in cam rad, lifts in m), mirrored unless a
-    closing flank is told.
+    closing flank is specified.
 
     ``flank_shape``: control values of a cubic B-spline, evenly spaced from ``event_start`` to
     ``nose``, that draw the acceleration of the opening flank: first positive ones, then negative

@@ -198,9 +198,10 @@ class SplineModel(LiftModel):
             path=("file",),
         )
         if len(lobes) > 1:
-            words = " and ".join(lobe.name for lobe in lobes)
+            lobe_names = " and ".join(lobe.name for lobe in lobes)
             raise problem(
-                f"{self.file[:80]} holds {words}; name the others 'ignore' in columns", ("columns",)
+                f"{self.file[:80]} holds {lobe_names}; name the others 'ignore' in columns",
+                ("columns",),
             )
         return tuple(map(float, lobes[0].cam_angles)), tuple(map(float, lobes[0].lifts))
 

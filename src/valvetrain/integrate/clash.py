@@ -103,7 +103,7 @@ def impact_impulse(time: Array, force: Array) -> float:
 
 def steps_between(watch: ContactWatch | None, time_step: float) -> int:
     """Steps (of ``time_step``, s) between two rows of a record of contacts: the watch's interval,
-    whatever samples are kept.
+    whatever samples are stored.
     """
     return max(1, round(watch.interval / time_step)) if watch is not None else 1
 
@@ -120,7 +120,7 @@ class _Contact:
 def find_clashes(
     pairs: PairSeries, spring: str = "", closed: bool = False, rule: ClashRule = ClashRule()
 ) -> tuple[Event, ...]:
-    """Events of kind ``clash`` by start time; ``spring``: name to stand in ``where``; ``closed``:
+    """Events of kind ``clash`` by start time; ``spring``: name for ``where``; ``closed``:
     the series is one closed period.
 
     Size is the peak of the summed force (N); details: ``impulse`` (N s, see
@@ -165,7 +165,7 @@ def _contacts(time: Array, force: Array, pair: int, rule: ClashRule) -> list[_Co
 
 def runs(mask: NDArray[np.bool_], ring: bool = False) -> list[tuple[int, int]]:
     """First and last index of every unbroken stretch of True; on a ``ring`` one that passes its end
-    goes on beyond the last index.
+    continues beyond the last index.
     """
     edges = np.diff(np.concatenate(([0], mask.astype(np.int8), [0])))
     found = list(

@@ -52,11 +52,11 @@ def run_up(
 def turns_of_run_up(
     ready: TrainRunner, last_cam_speed: float, start: TrainState | None = None
 ) -> Iterator[CycleRecord]:
-    """Records of a run-up turn by turn: every one a cam turn to the nearest sample, from ``start``
+    """Records of a run-up turn by turn: every one a cam revolution to the nearest sample, from ``start``
     (none: at rest), until its speed at the start reaches ``last_cam_speed`` (rad/s).
 
     ``ready``: runner at the first speed with the cam acceleration. Its step and the interval of its
-    samples are kept, so that a turn of a higher speed has fewer samples. Ends after a record that
+    samples are stored, so that a turn of a higher speed has fewer samples. Ends after a record that
     did not complete. Raises :class:`InputError` for an acceleration that does not lead there.
     """
     first_cam_speed, cam_acceleration = ready.cam_speed, ready.cam_acceleration

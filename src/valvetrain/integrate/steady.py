@@ -26,7 +26,7 @@ class SteadyState:
 
     ``state``: vector at the start of the last cycle run. ``residuals``: weighted change over each
     cycle run. ``period``: cycles after which the motion repeats: 1 settled, 2 and more
-    sub-harmonic, 0 none found. ``cycles``: cycles run. ``method`` as asked.
+    sub-harmonic, 0 none found. ``cycles``: cycles run. ``method`` as requested.
     """
 
     state: Array

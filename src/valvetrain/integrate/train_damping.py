@@ -1,4 +1,4 @@
-"""Damping impulses of one step, of all interactions together; why so is told in ``train_kernel``."""
+"""Damping impulses of one step, of all interactions together; the reason is in ``train_kernel``."""
 
 from __future__ import annotations
 

@@ -86,7 +86,7 @@ def _rise(k, train, motion, scratch, rate, longest, least):
 
 @njit(forceinline=True, **OPTIONS)
 def finest_step(train, motion, scratch, ahead, passed):
-    """Step (s) that takes ``counters[5]`` parts of the rise of every blow that goes on or is due
+    """Step (s) that takes ``counters[5]`` parts of the rise of every impact that lasts or is due
     within ``ahead`` (s).
 
     ``passed`` (s): since the last call. ``blows`` (n, 4) holds per contact the step of its blow (0:

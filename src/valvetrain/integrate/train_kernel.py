@@ -361,7 +361,7 @@ def _integrate(spring_a, spring_b, train, slot_a, slot_b, motion, records, scrat
                 )
             elif (
                 n % exchange == 0
-            ):  # the force found now is kept; the spring module then integrates the velocity it was handed
+            ):  # the force found now is stored; the spring module then integrates the velocity it was handed
                 for sub in range(exchange):
                     forces_a = spring_a(
                         slot_a.parameters,
@@ -390,7 +390,7 @@ def _integrate(spring_a, spring_b, train, slot_a, slot_b, motion, records, scrat
             watched, next_watch = watched + 1, n + counters[4]
         pull = (
             clock[4] + clock[6] + (1.0 - ahead / step) * change
-        )  # inside a step the springs' force goes on as it came
+        )  # inside a step the springs' force continues as it came
         _kick(index, body, gaps, scratch.gradients, kick, v)
         v[retainer] -= kick * pull / body[retainer, 0]
         pressed = 0.0

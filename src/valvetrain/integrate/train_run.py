@@ -67,7 +67,7 @@ class TrainOptions:
     which the rise of a blow of a contact is taken (0: steps are never divided), more at a finer
     prescribed step. ``record_springs``: keep the springs' inner states per sample;
     ``record_contacts``: write down the contacts of their coils. ``window``: begin and end (cam rad)
-    of the part of the cycle in which least forces are sought; it may pass the end of the turn.
+    of the part of the cycle in which minimum forces are searched; it may pass the end of the turn.
     ``nose`` (cam rad): where the forces of the contacts are taken to the angle itself.
     """
 
@@ -237,7 +237,7 @@ class TrainRunner:
         return end, record
 
     def after(self, state: TrainState) -> tuple[TrainState, Status]:
-        """The state one cam cycle later, the same bits as of :meth:`cycle`, and how it ended;
+        """The state one cam cycle later, bit-identical to :meth:`cycle`, and how it ended;
         nothing is written down on the way.
         """
         end, done, *_ = self._advance(state, 0)

@@ -94,7 +94,7 @@ class Records(NamedTuple):
     opening, cam angle, rate of the penetration, largest gap of the open side and its cam angle,
     largest force of the closed side. ``pressed_a``, ``pressed_b`` (rows, entries): the coil
     contacts of each spring; no rows: they are not recorded. Without rows of ``loads`` nothing is
-    written down at all, and no totals are kept.
+    written down at all, and no totals are stored.
     """
 
     motion: Array

@@ -17,7 +17,7 @@ from valvetrain.errors import InputError
 
 Array = NDArray[np.float64]
 NODES = 1440
-"""Nodes per cam turn of every table (a quarter of a cam degree); quintic interpolation between
+"""Nodes per cam revolution of every table (a quarter of a cam degree); quintic interpolation between
 them.
 """
 
@@ -71,7 +71,7 @@ def monotone_table(cam_angles: Array, values: Array, nodes: int = NODES) -> Arra
 
     Monotone cubics (Fritsch and Carlson 1980). Their second derivative jumps at the given angles;
     what the table holds of it is the lesser of both sides, and nothing, with a limited slope,
-    beside nodes between which the quintic would turn.
+    next to nodes between which the quintic would turn.
     """
     from scipy.interpolate import PchipInterpolator
 

@@ -17,7 +17,7 @@ the first for a body turning about ``origin``, the second for one sliding along 
 | DISTANCE | bar between X and A = A0 + d q3: ``q2 - q3 - (|X - A| - length) - g13``; without q2 the bar is rigid |
 
 ``chi = cam_angle - sense (direction - reference)``: the cam material under a follower at polar
-direction ``direction`` when the cam stands at ``cam_angle``.
+direction ``direction`` at the cam angle ``cam_angle``.
 """
 
 from __future__ import annotations

@@ -108,7 +108,7 @@ def _offset(interaction: Interaction) -> float:
 
 
 def rigid_mode(mechanism: AssembledMechanism, gradients: Array) -> Array:
-    """Travel of every coordinate per travel of the valve (N,), all gaps but cam and seat kept and
+    """Travel of every coordinate per travel of the valve (N,), all gaps but cam and seat closed and
     the pivot at home.
     """
     total, valve = len(mechanism.coordinates), mechanism.index(mechanism.valve)

@@ -48,7 +48,7 @@ class Coordinate:
 
 
 class Law(Protocol):
-    """What stands in an interaction: a contact law (``contact.law.ContactLaw``) or a link of this
+    """What acts in an interaction: a contact law (``contact.law.ContactLaw``) or a link of this
     module.
     """
 
@@ -138,7 +138,7 @@ class ElasticLink:
 
 @dataclass(frozen=True, slots=True)
 class MaxwellLink:
-    """A massless link of a spring beside a spring and a damper in series (the standard linear
+    """A massless link of a spring parallel to a spring and a damper in series (the standard linear
     solid, or Zener element).
 
     ``stiffness`` N/m of the lone spring (zero for a bare Maxwell element), ``branch_stiffness`` N/m

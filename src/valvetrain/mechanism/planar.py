@@ -130,7 +130,7 @@ def support_parts(
 
 
 def piston_travel(crank: CrankParameters, cam_angle: ArrayLike) -> Array:
-    """Distance (m) of the piston below its top dead centre; the crank turns twice per cam turn.
+    """Distance (m) of the piston below its top dead centre; the crank turns twice per cam revolution.
 
     Exact slider: s = top - (r cos a + sqrt(l**2 - (r sin a - e)**2)), with offset e and top dead
     centre at ``top_dead_centre`` (of the centred crank; an offset shifts the true highest point by

@@ -50,8 +50,8 @@ def point_problem(
     )
     for name, coil in points.items():
         if name not in names:
-            told = nearest(name, names) if names else "it names none; remove them"
-            return name, f"study '{study}' reads no point '{name[:40]}'; {told}"
+            changed_keys = nearest(name, names) if names else "it names none; remove them"
+            return name, f"study '{study}' reads no point '{name[:40]}'; {changed_keys}"
         if isinstance(coil, bool) or not isinstance(coil, Real) or not math.isfinite(coil):
             return name, f"{coil!r} is no coil number; give a number of coils from the lower tip"
         if not 0 <= coil <= coils:
@@ -82,7 +82,7 @@ class Note:
 @dataclass(frozen=True, slots=True)
 class Operation:
     """What is run: ``engine_speeds`` (rad/s of the crank, twice the cam's), ``cycles`` (cam
-    revolutions, the last is reported) and ``output_step`` (cam rad) between the values kept.
+    revolutions, the last is reported) and ``output_step`` (cam rad) between stored values.
     """
 
     engine_speeds: tuple[float, ...] = ()
@@ -168,21 +168,21 @@ class Case:
         refused = point_problem(result.study, result.points, result.springs)
         if refused is not None:
             raise InputError(refused[1], ".".join(filter(None, ("points", refused[0]))))
-        told = [
+        changed_keys = [
             path
             for path in every
             if path.split(".")[0] not in ("name", "title", "description", "text", "changed")
         ]
         remarks = "".join(
-            f"# changed: {path} = {' '.join(repr(every[path]).split())}\n" for path in told
+            f"# changed: {path} = {' '.join(repr(every[path]).split())}\n" for path in changed_keys
         )
         return (
             replace(
                 result,
                 text=result.text + remarks,
-                changed=tuple(dict.fromkeys((*result.changed, *told))),
+                changed=tuple(dict.fromkeys((*result.changed, *changed_keys))),
             )
-            if told
+            if changed_keys
             else result
         )
 

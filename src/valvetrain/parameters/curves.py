@@ -48,7 +48,7 @@ class Constant:
 
     level: float
 
-    if TYPE_CHECKING:  # what may be given is wider than what is kept
+    if TYPE_CHECKING:  # accepted types are wider than the stored one
 
         def __init__(self, level: Given) -> None: ...
 

@@ -1,4 +1,4 @@
-"""A spring as it stands in the engine: its wire or its card, how it is installed, how it is damped,
+"""A spring as installed in the engine: its wire or its card, how it is installed, how it is damped,
 and the options of its models.
 """
 
@@ -190,7 +190,7 @@ class Guide:
                 "make the rod thinner"
             )
 
-    def words(self) -> str:
+    def summary(self) -> str:
         """What it is, for people."""
         parts = [
             f"{word} of {value * 1e3:.5g} mm"

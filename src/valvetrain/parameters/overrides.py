@@ -10,7 +10,7 @@ from typing import Any
 from valvetrain.errors import InputError
 from valvetrain.units.text import clipped
 
-#: Stands for a value that is taken out of the case.
+#: Marks a value that is removed from the case.
 REMOVED = object()
 _SOURCE = "set from outside the case file"
 

@@ -200,7 +200,7 @@ class ValveParameters:
 @dataclass(frozen=True, slots=True)
 class GasLoad:
     """Force (N, opening positive) on the valve over the cam angle (rad), joined by monotone curves
-    and periodic in one cam turn.
+    and periodic in one cam revolution.
     """
 
     cam_angles: tuple[float, ...]
@@ -215,7 +215,7 @@ class GasLoad:
             )
         if self.cam_angles[-1] - self.cam_angles[0] >= 2 * math.pi:
             raise InputError(
-                "a gas load spans less than one cam turn; drop the repeated last point"
+                "a gas load spans less than one cam revolution; drop the repeated last point"
             )
 
 
@@ -249,7 +249,7 @@ class TrainVariant:
 
     ``spring_set`` and ``spring_model``: words, empty for the train's own. ``lash`` (m),
     ``valve_damping`` (N s/m, a damper on the valve), ``without_preload``: springs at rest with the
-    valve closed, as one source computed them. ``note`` is printed beside the results.
+    valve closed, as one source computed them. ``note`` is printed next to the results.
     """
 
     label: str
@@ -291,7 +291,7 @@ class TrainParameters:
     :class:`InstalledSpring` (outer first); ``spring_set`` is the one in use and ``spring_model``
     the word for its fidelity. ``rubbing``: friction between nested springs. ``variants``: the runs
     a case asks for (none: one run as it stands). ``gravity``: vector (m/s2). ``cycles``: most cam
-    turns run until the motion repeats; None for the usual number.
+    turns run until the motion repeats; None for the default number.
     """
 
     kind: str

@@ -20,7 +20,7 @@ from valvetrain.system.contract import PRESCRIBED, TRAIN
 from valvetrain.system.prescribed import PrescribedSpring
 from valvetrain.system.train_system import TrainSystem
 
-#: Springs at rest by the installed spring they stand for.
+#: Springs at rest by the installed spring they represent.
 Rest = Mapping[InstalledSpring, SpringAtRest]
 #: Models by word, installed spring (its options included) and, for models that need it, the spring
 #: at rest.
@@ -41,7 +41,7 @@ class Gear:
 @dataclass(frozen=True, eq=False)
 class Member:
     """One variant of a problem: which springs by which model, in which train (none: prescribed
-    motion). ``note`` is printed beside.
+    motion). ``note`` is printed next to the results.
     """
 
     label: str
@@ -72,7 +72,7 @@ class Member:
         """The member assembled; ``rest`` holds the springs at rest where the model needs them
         (``model.needs_rest``), ``built`` the models that stand already (new ones are added).
 
-        Raises :class:`InputError` where the model cannot stand for a spring.
+        Raises :class:`InputError` where the model cannot represent a spring.
         """
         if self.model.no_motion:
             raise InputError(self.model.no_motion)
@@ -136,7 +136,7 @@ class Problem:
         self, word: str, spring: InstalledSpring, rest: SpringAtRest | None = None
     ) -> SpringModel:
         """The model of an installed spring, the one of a member where it runs. Raises
-        :class:`InputError` where it cannot stand for it.
+        :class:`InputError` where it cannot represent it.
         """
         return _once(self.built, spring_model(word), spring, rest)
 

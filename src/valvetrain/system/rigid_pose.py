@@ -1,4 +1,4 @@
-"""Rigid motion of an assembled train: where every body stands at a valve lift, and the mass that
+"""Rigid motion of an assembled train: pose of every body at a valve lift, and the mass that
 lift feels.
 """
 
