@@ -116,14 +116,14 @@ def large(folder: Path, count: int) -> None:
 def picture(folder: Path, file: Path) -> None:
     """The curves of the beehive as made beside those of its design."""
     from valvetrain.report.svg_chart import svg
-    from valvetrain.scan.compare import stands_as
+    from valvetrain.scan.compare import aligned_to
     from valvetrain.scan.page import curves_chart
     from valvetrain.solution.atomic import write_text
 
     known = springs()
     point, _ = cloud(known["beehive-as-made"], 30_000, Scanner(outside=True, seed=3))
     (folder / "cloud.ply").write_bytes(ply(point))
-    scan = stands_as(spring_from_scan(folder / "cloud.ply"), known["beehive"])
+    scan = aligned_to(spring_from_scan(folder / "cloud.ply"), known["beehive"])
     write_text(file, svg(curves_chart(scan, known["beehive"])))
 
 

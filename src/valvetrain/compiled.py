@@ -83,8 +83,8 @@ class KernelCache(FunctionCache):
     kernel's own file alone.
 
     A kernel holds the code of those it calls and the constants of other files, which numba does not
-    look at. An entry that cannot be
-    read is dropped and made anew; one that cannot be written is left out.
+    look at. An entry that cannot be read is dropped and made anew; one that cannot be written is
+    left out.
     """
 
     def __init__(self, function: Callable[..., Any]) -> None:

@@ -1,8 +1,7 @@
 """One registry for everything that can be added: a word, and where the object behind it stands.
 
 What ships and what a user's package brings are listed alike, as ``"module:attribute"``; nothing is
-imported before it is asked for.
-A package adds, say, a spring model by the entry point
+imported before it is asked for. A package adds, say, a spring model by the entry point
 ``[project.entry-points."valvetrain.springs"]`` of its own pyproject.toml.
 """
 

@@ -268,7 +268,7 @@ def test_each_number_of_a_card_stands_beside_the_same_number_of_the_spring(plain
         "rate": pytest.approx(480 / 12e-3),
         **{name: own[name] if name in told else None for name in own},
     }
-    assert {name: one.asked for name, one in rows.items()} == asked
+    assert {name: one.requested for name, one in rows.items()} == asked
     made = fit.definition
     found = {
         "installed_load": 350.0,

@@ -80,7 +80,7 @@ def test_peaks_are_means_over_the_turns_between_the_frames():
         np.full_like(moved, np.nan),
         np.where(np.arange(len(angle))[:, None] < 3, moved, np.nan),
     ):
-        with pytest.raises(InputError, match="no turn of the cam with a motion"):
+        with pytest.raises(InputError, match="no cam revolution with a motion"):
             peaks(angle, few, spread, [0, 1, 2])
 
 

@@ -82,7 +82,7 @@ def test_a_section_stands_where_there_is_something_to_tell(sections, beside, pea
     assert {key: shape(one) for key, one in found.items()} == expected and list(found) == list(
         expected
     )
-    assert not beside or found["model"].title == "Beside the case beehive"
+    assert not beside or found["model"].title == "Compared with the case beehive"
 
 
 def cells(section, first: str) -> list[list[str]]:

@@ -15,6 +15,7 @@ import tomlkit
 
 from valvetrain import registry
 from valvetrain.cam.arcs import ThreeArc
+from valvetrain.cam.flanks import FlankModel
 from valvetrain.cam.spline import Spline
 from valvetrain.errors import InputError
 from valvetrain.parameters.loading import parse_case
@@ -62,7 +63,7 @@ POLYDYNE_SI = EVENT_SI | {"exponents": (2, 10, 18, 26, 34), "dynamic_deflection"
 #: Kind, its table, the law's arguments.
 TABLES: list[tuple[str, str, dict[str, Any]]] = [
     ("zero", "", {}),
-    ("cycloidal", FLANKS, IN_SI), ("modified-sine", FLANKS, IN_SI), ("harmonic", FLANKS, IN_SI), ("modified-trapezoid", FLANKS, IN_SI),
+    *((word, FLANKS, IN_SI) for word in registry.words("lifts") if registry.find("lifts", word).table is FlankModel),
     ("polynomial", FLANKS, IN_SI | {"exponents": (3, 4, 5)}),
     ("polynomial", FLANKS + 'exponents = "4-5-6-7"\n', IN_SI | {"exponents": (4, 5, 6, 7)}),
     ("sine-power", EVENT, EVENT_SI | {"power": 4}), ("sine-power", EVENT + "power = 6\n", EVENT_SI | {"power": 6}),

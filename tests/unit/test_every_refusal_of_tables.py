@@ -139,7 +139,7 @@ REFUSED: list[tuple[str, dict[str, Any], str, str]] = [
     ("train", {"train.contacts.cam.contact_stiffness": "3 N/mm^4"}, "train.contacts.cam", "a force over a length"),
     ("train", {"train.contacts.cam.damping": "3 mm"}, "train.contacts.cam", "no damping of a contact"),
     ("train", {"train.contacts.others": {"law": "linear", "contact_stiffness": "1e5 N/mm"}}, "train.contacts.others",
-     "the places not named"),
+     "the contacts not named"),
     ("train", {"train.variants": [{"label": "x", "spring_set": "none"}]}, "train.variants.0.spring_set", "is unknown"),
     ("train", {"train.spring_set": "none"}, "train", "is unknown"),
     ("train", {"train.cycles": 0}, "train", "from 1 to 10000"),

@@ -14,7 +14,7 @@ import pytest
 import film_parts as made
 import valvetrain as vt
 from unit.cli_parts import call as invoke
-from valvetrain.film.model import FilmedModel, alias_words
+from valvetrain.film.model import FilmedModel, alias_text
 from valvetrain.film.page import displacement_chart, film_page, named_cycles, peak_rows
 from valvetrain.film.surge import alias_of, fit_surge
 from valvetrain.report.page import charts, gaps_of, render
@@ -77,7 +77,8 @@ def test_the_answer_is_that_of_the_function(answer):
         and data["cam_speed"]["by"] == "marker"
     )
     assert (
-        any("1623.4 rpm were told" in note for note in data["notes"]) and data["synthetic"] is True
+        any("1623.4 rpm were specified" in note for note in data["notes"])
+        and data["synthetic"] is True
     )
     kept = json.loads((home / "out" / "run.json").read_text())
     assert kept["peaks"] == data["peaks"] and (home / "out" / "inputs" / "case.toml").is_file()
@@ -186,7 +187,7 @@ def model():
         apart,
         None,
         412.0,
-        alias_words(412.0, 2000.0),
+        alias_text(412.0, 2000.0),
     )
 
 

@@ -272,8 +272,6 @@ def test_a_single_turn_has_no_scatter_and_a_white_glare_is_spoken_of():
     bright = np.clip(film[:90].astype(int) * 4, 0, 255).astype(np.uint8)
     motion = vt.coil_motion(bright, replace(SETUP, cam_speed=made.CAM_SPEED))
     words = " ".join(motion.notes)
-    assert (
-        "turns of the cam, so peaks have no scatter" in words and "the glare is as white" in words
-    )
+    assert "cam revolutions, so peaks have no scatter" in words and "the glare is as white" in words
     assert all(np.isnan(one.scatter) and one.spread > 0 for one in motion.peaks)
     assert not gaps_of(film_page(motion)) and peak_rows(motion, None)[0][3] == "–"

@@ -13,7 +13,7 @@ import pytest
 from spring_parts import CLOSED_ENDS
 from valvetrain.lift.band import CarriedSpread
 from valvetrain.lift.figures import LiftFigure
-from valvetrain.lift.page import carried_words, derivatives_chart, figure_rows, residuals_chart
+from valvetrain.lift.page import carried_text, derivatives_chart, figure_rows, residuals_chart
 from valvetrain.parameters.spring import EndCoil
 from valvetrain.report import theme
 from valvetrain.report.chart import Line
@@ -85,7 +85,7 @@ OUTER = [
             [
                 ("wire, long axis", "4.200", "0.010", "mm"),
                 ("wire, short axis", "3.800", "0.008", "mm"),
-                ("round wire that stands for it", "4.000", "0.002", "mm"),
+                ("equivalent round wire", "4.000", "0.002", "mm"),
             ],
         ),
         (replace(ROUND, diameter=(4e-3, 0.0)), [("wire diameter", "4", "", "mm")]),
@@ -343,7 +343,7 @@ def test_figures_of_a_lobe_in_the_units_of_the_trade_with_two_digits_of_their_in
 )
 def test_a_carried_spread_names_its_run_and_stands_in_the_unit_of_its_quantity(label, speed, run):
     one = CarriedSpread("peak_valve_lift", label, speed, 9.123e-3, 1.5e-5, 20)
-    assert carried_words(one) == ("peak valve lift", run, "9.123", "±0.029", "mm")
+    assert carried_text(one) == ("peak valve lift", run, "9.123", "±0.029", "mm")
 
 
 def test_lines_that_only_help_to_read_are_thinner_than_what_they_stand_beside():

@@ -13,7 +13,7 @@ import valvetrain as vt
 from valvetrain.errors import InputError
 from valvetrain.explore.paths import set_in_tree
 from valvetrain.explore.space import Varied
-from valvetrain.film.result import surge_words
+from valvetrain.film.result import surge_text
 from valvetrain.integrate.contract import Cycles, RunOptions
 from valvetrain.integrate.run import run
 from valvetrain.parameters.train_schema import LeverModel
@@ -218,7 +218,7 @@ def test_what_frame_rate_and_exposure_do_to_the_lines_of_a_film(frequencies, rat
     surge = SimpleNamespace(
         lines=tuple(SimpleNamespace(natural_frequency=one) for one in frequencies)
     )
-    assert list(surge_words(surge, rate, exposure)) == said
+    assert list(surge_text(surge, rate, exposure)) == said
 
 
 @pytest.mark.parametrize(

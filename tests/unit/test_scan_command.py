@@ -134,7 +134,7 @@ def test_the_design_stands_beside_the_scan(folder):
     page = (folder / "beside" / "report.html").read_text()
     for part in (
         "Design against scan",
-        "What was made beside what was drawn",
+        "Made and drawn",
         "Force and rate over height",
         "Spring force at 2000 rpm",
     ):

@@ -105,8 +105,8 @@ def arc_height(
     centre on an arc, or its derivative.
 
     ``distance`` (m) of the arc's centre from the cam's, negative beyond it; ``away`` (rad) from the
-    direction of that centre. Flat:
-    distance cos(away) + radius. Roller: the polar radius of a circle of radius + follower_radius.
+    direction of that centre. Flat: distance cos(away) + radius. Roller: the polar radius of a
+    circle of radius + follower_radius.
     """
     turned = distance * np.cos(away + derivative * math.pi / 2)
     if follower_radius == 0:
@@ -189,9 +189,8 @@ class ThreeArc(Lobe):
     first lift is, which gives its radius.
 
     With e the distance of the flank's centre, beyond the cam's, and d that of the nose's: (R_f -
-    R_n)^2 = d^2 + e^2 + 2 d e cos a,
-    e = R_f - R_b, a the half event. Lift of a flat face: e (1 - cos(angle since opening)) and d
-    cos(angle from nose) + R_n - R_b.
+    R_n)^2 = d^2 + e^2 + 2 d e cos a, e = R_f - R_b, a the half event. Lift of a flat face: e (1 -
+    cos(angle since opening)) and d cos(angle from nose) + R_n - R_b.
     """
 
     opening_start: float

@@ -1,4 +1,4 @@
-"""A lift law that remembers what it was last asked: the points of a study ask one law for the same
+"""A lift law that caches its last answers: the points of a study evaluate one law at the same
 angles again and again.
 """
 
@@ -11,12 +11,12 @@ from numpy.typing import ArrayLike
 
 from valvetrain.cam.contract import Array, LiftLaw
 
-#: Answers that are kept, and the fewest angles of one that is worth keeping.
-KEPT, WORTH = 24, 64
+#: Number of cached answers, and the fewest angles of one that is worth caching.
+MAX_ANSWERS, MIN_ANGLES = 24, 64
 
 
 class RememberedLift:
-    """The ``law`` itself, its last answers to long arrays kept; the same bits, in arrays of the
+    """The ``law`` itself, its last answers to long arrays cached; bit-identical, in arrays of the
     caller's own.
     """
 
@@ -36,7 +36,7 @@ class RememberedLift:
 
     def lift(self, cam_angle: ArrayLike, derivative: int = 0) -> Array:
         angles = np.asarray(cam_angle, dtype=float)
-        if angles.ndim != 1 or len(angles) < WORTH:
+        if angles.ndim != 1 or len(angles) < MIN_ANGLES:
             return self._law.lift(cam_angle, derivative)
         key = (derivative, len(angles), float(angles[0]), float(angles[-1]))
         if key in self._answers and np.array_equal(self._answers[key][0], angles):
@@ -46,6 +46,6 @@ class RememberedLift:
                 angles.copy(),
                 np.array(self._law.lift(angles, derivative), dtype=float),
             )
-            while len(self._answers) > KEPT:
+            while len(self._answers) > MAX_ANSWERS:
                 self._answers.popitem(last=False)
         return self._answers[key][1].copy()

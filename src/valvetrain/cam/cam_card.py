@@ -37,7 +37,7 @@ Blend = Annotated[float, quantity("ratio", low=0.01, high=1.0)]
 
 
 class CamCardModel(LiftModel):
-    """A symmetric lobe by the values of its cam card; every duration told is met."""
+    """A symmetric lobe by the values of its cam card; every specified duration is met."""
 
     lift_of: Literal["valve", "tappet"] = Field(
         default="tappet", description="whose lift it is: a card gives that of the lobe"
@@ -60,13 +60,13 @@ class CamCardModel(LiftModel):
         default=DURATION_LIFT, description="lobe lift at which duration is given"
     )
     advertised_duration: PositiveAngle | None = Field(
-        default=None, description="without it the flank has its usual shape"
+        default=None, description="without it the flank has its default shape"
     )
     advertised_lift: PositiveLength = Field(
         default=ADVERTISED_LIFT, description="lobe lift at which advertised_duration is given"
     )
     upper_duration: PositiveAngle | None = Field(
-        default=None, description="without it the nose has its usual shape"
+        default=None, description="without it the nose has its default shape"
     )
     upper_lift: PositiveLength = Field(
         default=UPPER_LIFT, description="lobe lift at which upper_duration is given"
@@ -93,7 +93,7 @@ class CamCardModel(LiftModel):
     )
 
     def values(self, folder: Path) -> dict[str, Any]:
-        """Keyword arguments of the law's class, in cam rad; refuses a lift told twice that
+        """Keyword arguments of the law's class, in cam rad; refuses a lift given twice that
         disagrees, or none.
         """
         turn = 0.5 if self.angle_of == "crank" else 1.0
@@ -108,9 +108,9 @@ class CamCardModel(LiftModel):
             "ramp_lift": self._ramp_lift(), "ramp_velocity": self.ramp_velocity, "ramp_blend": self.ramp_blend,
         }  # fmt: skip
         for name in ("advertised", "upper"):
-            if (told := getattr(self, f"{name}_duration")) is not None:
+            if (given_durations := getattr(self, f"{name}_duration")) is not None:
                 own |= {
-                    f"{name}_duration": told * turn,
+                    f"{name}_duration": given_durations * turn,
                     f"{name}_lift": getattr(self, f"{name}_lift"),
                 }
         return own
@@ -157,14 +157,11 @@ class CamCard:
     0.050 in on most cards.
 
     ``maximum_lift`` (m): of the lobe. ``advertised_duration`` above ``advertised_lift`` and
-    ``upper_duration`` above ``upper_lift``: met
-    where given, by the share of the flank with positive acceleration (by the velocity of the ramp,
-    where they stand on it) and by the
-    fullness of the nose. Ramps of ``ramp_velocity`` (m/rad; None: the usual one, or that of the
-    advertised duration) end at
-    ``ramp_lift`` (m); over their share ``ramp_blend`` it is built up. Raises :class:`InputError`
-    with what is possible where the values
-    contradict each other.
+    ``upper_duration`` above ``upper_lift``: met where given, by the share of the flank with
+    positive acceleration (by the velocity of the ramp, where they stand on it) and by the fullness
+    of the nose. Ramps of ``ramp_velocity`` (m/rad; None: the default one, or that of the advertised
+    duration) end at ``ramp_lift`` (m); over their share ``ramp_blend`` it is built up. Raises
+    :class:`InputError` with what is possible where the values contradict each other.
     """
 
     continuity: ClassVar[int] = 2
@@ -197,7 +194,7 @@ class CamCard:
         ):
             raise InputError(
                 f"the lifts at which durations are given ({_mm(points[0][1])} to {_mm(points[-1][1])}) must lie below the lobe lift "
-                f"({_mm(self.maximum_lift)}), and the durations within a cam turn; check them and angle_of"
+                f"({_mm(self.maximum_lift)}), and the durations within a cam revolution; check them and angle_of"
             )
         if not (
             0 < self.ramp_lift < self.maximum_lift
@@ -210,24 +207,26 @@ class CamCard:
         straight = self.ramp_lift * self.ramp_blend / (2 - self.ramp_blend)
         if points[0][1] < straight:
             raise InputError(
-                f"{points[0][0]} is told at {_mm(points[0][1])}, where the ramp still gathers velocity (to {_mm(straight)}); lower "
+                f"{points[0][0]} is given at {_mm(points[0][1])}, where the ramp still gathers velocity (to {_mm(straight)}); lower "
                 "ramp_blend or ramp_lift"
             )
         if self.half_lobe.length + self.ramp_length > math.pi:
             raise InputError(
-                "flanks and ramps together are longer than a cam turn; raise ramp_velocity or lower ramp_lift"
+                "flanks and ramps together are longer than a cam revolution; raise ramp_velocity or lower ramp_lift"
             )
         if not self.half_lobe.sizes[0] > 0:
             raise InputError("the ramps alone would lift more than the lobe; lower ramp_velocity")
 
     @property
     def checking_points(self) -> list[tuple[str, float, float]]:
-        """Name, lift (m) and duration (cam rad) of every duration told, lowest lift first."""
-        told = [
+        """Name, lift (m) and duration (cam rad) of every specified duration, lowest lift first."""
+        given_durations = [
             ("advertised_duration", self.advertised_lift, self.advertised_duration), ("duration", self.duration_lift, self.duration),
             ("upper_duration", self.upper_lift, self.upper_duration),
         ]  # fmt: skip
-        return [(name, lift, length) for name, lift, length in told if length is not None]
+        return [
+            (name, lift, length) for name, lift, length in given_durations if length is not None
+        ]
 
     @property
     def ramp_length(self) -> float:
@@ -236,7 +235,7 @@ class CamCard:
 
     @cached_property
     def half_lobe(self) -> HalfLobe:
-        """The flank that meets every duration told: one unknown for each, found inside each other,
+        """The flank that meets every specified duration: one unknown for each, found inside each other,
         all monotone.
         """
         first = HalfLobe(

@@ -24,9 +24,8 @@ class LiftLaw(Protocol):
     """Lift over the cam angle (rad), periodic in one cam revolution.
 
     ``continuity``: the number of continuous derivatives (2: the acceleration is continuous).
-    ``joints``: cam angles (rad) at which
-    the law changes its formula; a higher derivative may jump there and takes the value of the piece
-    above.
+    ``joints``: cam angles (rad) at which the law changes its formula; a higher derivative may jump
+    there and takes the value of the piece above.
 
     >>> import valvetrain as vt
     >>> law = vt.build_lift_law(vt.load_case("job-t").lift_law)

@@ -25,8 +25,8 @@ def find_lift_event(
     angle.
 
     The event is the law's own (``event_start`` with ``event_end`` or mirrored about ``nose`` among
-    the values of ``parameters``), else
-    from where the lift first passes 4 % of its largest value to where it last does.
+    the values of ``parameters``), else from where the lift first passes 4 % of its largest value to
+    where it last does.
     """
     values = {} if parameters is None else parameters.values
     end = values.get("event_end")
@@ -63,8 +63,8 @@ def event_of_table(
     it.
 
     Lifts up to ``threshold`` (m) count as zero. A table over a whole revolution may start within
-    the event. Raises
-    :class:`InputError` when the table has no base circle on both sides, or no lift.
+    the event. Raises :class:`InputError` when the table has no base circle on both sides, or no
+    lift.
     """
     angles, lifted = cam_angles, [lift > threshold for lift in lifts]
     if not any(lifted):
@@ -102,8 +102,7 @@ def _middle_of_longest_rest(lifted: list[bool]) -> int:
 
 
 #: A change of the acceleration within three steps is a jump where it is this share of the whole
-#: range and the two steps on either side
-#: change by no more than this share of it.
+#: range and the two steps on either side change by no more than this share of it.
 JUMP_SHARE, CALM_SHARE = 0.2, 0.1
 
 
@@ -117,8 +116,8 @@ def with_base(cam_angles: Array, lifts: Array) -> tuple[Array, Array]:
 
 def second_differences(cam_angles: Array, lifts: Array) -> Array:
     """Divided second differences (m/rad2) of a table at its inner stations (n - 2,): means of the
-    true second derivative over two steps,
-    which never leave its range."""
+    true second derivative over two steps, which never leave its range.
+    """
     steps = np.diff(cam_angles)
     found: Array = 2 * np.diff(np.diff(lifts) / steps) / (steps[1:] + steps[:-1])
     return found
@@ -142,9 +141,8 @@ def bounded_pieces(cam_angles: Array, lifts: Array) -> tuple[Array, Array]:
     second differences at the stations.
 
     Integrated twice from rest one station before the table to rest one station after it
-    (Schoenberg's spline). The curve stands beside the
-    table by a sixth of the acceleration times the step squared: 1.2 um at steps of one degree and
-    0.024 m/rad2.
+    (Schoenberg's spline). The curve differs from the table by a sixth of the acceleration times
+    the step squared: 1.2 um at steps of one degree and 0.024 m/rad2.
     """
     angles, heights = with_base(cam_angles, lifts)
     bend, steps = (

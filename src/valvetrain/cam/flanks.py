@@ -111,7 +111,7 @@ def _twice(*pulse: float) -> tuple[Powers, float, float]:
     return second, float(polynomial.polyint(pulse).sum()), sum(second)
 
 
-#: Share of a flank with positive acceleration: least, usual and most.
+#: Share of a flank with positive acceleration: minimum, default and maximum.
 SHARES, DEFAULT_SHARE = (0.08, 0.6), 0.27
 #: 16 u^2 (1 - u)^2: largest value 1, no slope at either end.
 RISEN, GAINED_AT_1, RISEN_AT_1 = _twice(0, 0, 16, -32, 16)

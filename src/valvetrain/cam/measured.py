@@ -1,4 +1,4 @@
-"""A law behind measured stations: noise taken out with its uncertainty kept, base circle exactly
+"""A law behind measured stations: noise removed with its uncertainty quantified, base circle exactly
 zero.
 """
 
@@ -32,9 +32,8 @@ class Measured:
     finds it.
 
     ``noise`` (m): standard deviation of a station, 0 to find it. ``band`` (m): how far the law may
-    leave a station, 0 for no bound.
-    ``draw``: 0 for the mean; another number for one of the laws that the stations allow, the same
-    for the same number.
+    leave a station, 0 for no bound. ``draw``: 0 for the mean; another number for one of the laws
+    that the stations allow, the same for the same number.
     """
 
     cam_angles: tuple[float, ...]

@@ -26,9 +26,8 @@ class ModifiedTrapezoid(FlankEvents):
     flank).
 
     Acceleration: a quarter sine over the first eighth of the flank, constant to three eighths, a
-    quarter sine to zero at the middle; the
-    second half is the first turned about its middle (Neklutin; Norton, Cam Design and Manufacturing
-    Handbook).
+    quarter sine to zero at the middle; the second half is the first turned about its middle
+    (Neklutin; Norton, Cam Design and Manufacturing Handbook).
     """
 
     @property

@@ -18,8 +18,8 @@ class PeriodicPieces:
     """Polynomials in the angle since each break.
 
     ``breaks`` (pieces + 1,) in cam rad, rising, over exactly one revolution; ``coefficients``
-    (pieces, order), ascending powers,
-    m per rad**power. Itself a lift law; ``continuity`` is what its maker vouches for.
+    (pieces, order), ascending powers, m per rad**power. Itself a lift law; ``continuity`` is what
+    its maker vouches for.
     """
 
     breaks: Array
@@ -144,8 +144,8 @@ def solve(
     error: Callable[[float], float], bounds: tuple[float, float], within: float = 0.0
 ) -> float | None:
     """Where ``error`` crosses zero between ``bounds``, by regula falsi (Illinois) until a step is
-    no more than ``within`` (0: to rounding);
-    None where it has one sign at both."""
+    no more than ``within`` (0: to rounding); None where it has one sign at both.
+    """
     (before, now), (at_before, at_now) = bounds, (error(bounds[0]), error(bounds[1]))
     if at_before * at_now > 0:
         return None

@@ -37,15 +37,13 @@ from valvetrain.parameters.schema_types import (
 @dataclass(frozen=True, kw_only=True)
 class Polydyne:
     """Valve motion ``y = maximum_lift (1 - sum of C_p x**p)``, x = 0 at the nose and 1 at either
-    end; the law is
-    ``y + dynamic_deflection * y''`` (rad^2: effective mass / stiffness * cam_speed^2), what the cam
-    must do for an elastic train.
+    end; the law is ``y + dynamic_deflection * y''`` (rad^2: effective mass / stiffness *
+    cam_speed^2), what the cam must do for an elastic train.
 
     After Thoren, Engemann and Stoddart, "Cam design as related to valve train dynamics" (1952).
-    Events in cam rad. With a ``ramp_lift``
-    (m) the motion begins and ends at that lift with the velocity of ramps of ``ramp_length`` (cam
-    rad) before and after it, whose velocity
-    is built up over the share ``ramp_blend`` of their length.
+    Events in cam rad. With a ``ramp_lift`` (m) the motion begins and ends at that lift with the
+    velocity of ramps of ``ramp_length`` (cam rad) before and after it, whose velocity is built up
+    over the share ``ramp_blend`` of their length.
     """
 
     maximum_lift: float

@@ -35,13 +35,11 @@ def ramped(
     half-way through the event, and back.
 
     ``ramp_blend``: share of the ramp over which its velocity is built up. ``nose_acceleration``
-    (m/rad2, negative). ``flank``: one
-    ``quintic``, whose largest deceleration lies before the nose and barely follows
-    ``nose_acceleration`` (None makes the jerk vanish at
-    the nose, for equal ramps); or two ``pulses``, whose largest deceleration is that of the nose
-    (None: that of the usual pulse). Angles
-    in cam rad. Raises :class:`InputError` for events out of order and for a nose that pulses cannot
-    have.
+    (m/rad2, negative). ``flank``: one ``quintic``, whose largest deceleration lies before the nose
+    and barely follows ``nose_acceleration`` (None makes the jerk vanish at the nose, for equal
+    ramps); or two ``pulses``, whose largest deceleration is that of the nose (None: that of the
+    default pulse). Angles in cam rad. Raises :class:`InputError` for events out of order and for a
+    nose that pulses cannot have.
     """
     if (
         not ramp_start < event_start < event_end < ramp_end
@@ -141,7 +139,7 @@ class RampedModel(LiftModel):
         description="one quintic, or two pulses whose largest deceleration is at the nose",
     )
     nose_acceleration: NegativeAcceleration | None = Field(
-        default=None, description="without it that of no jerk at the nose, or of the usual pulse"
+        default=None, description="without it that of no jerk at the nose, or of the default pulse"
     )
 
     def values(self, folder: Path) -> dict[str, Any]:

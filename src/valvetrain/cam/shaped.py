@@ -24,23 +24,19 @@ from valvetrain.parameters.schema_types import Angle, Numbers, PositiveLength, q
 @dataclass(frozen=True, kw_only=True)
 class Shaped:
     """Ramp, event and return about ``nose`` (angles in cam rad, lifts in m), mirrored unless a
-    closing flank is told.
+    closing flank is specified.
 
     ``flank_shape``: control values of a cubic B-spline, evenly spaced from ``event_start`` to
-    ``nose``, that draw the acceleration
-    of the opening flank: first positive ones, then negative ones. Two scales, one for each sign,
-    are found so that the flank takes over
-    the velocity of the ramp without acceleration and comes to rest at ``maximum_lift``; only ratios
-    within one sign matter. A
-    B-spline turns no more often than its control values, so the acceleration cannot oscillate
-    between them. ``ramp_blend``: share
-    of the ramp over which its velocity is built up. ``event_end``: end of the closing flank, which
-    the same control values draw over its
-    own length: it keeps the acceleration at the nose, and two scales are found for the others; its
-    ramp is as long as the opening one.
-    ``closing_flank_shape``: control values of the closing flank, from ``event_end`` back to
-    ``nose``, where they are others. The last
-    lends only its place, since the nose has one acceleration.
+    ``nose``, that draw the acceleration of the opening flank: first positive ones, then negative
+    ones. Two scales, one for each sign, are found so that the flank takes over the velocity of the
+    ramp without acceleration and comes to rest at ``maximum_lift``; only ratios within one sign
+    matter. A B-spline turns no more often than its control values, so the acceleration cannot
+    oscillate between them. ``ramp_blend``: share of the ramp over which its velocity is built up.
+    ``event_end``: end of the closing flank, which the same control values draw over its own length:
+    it keeps the acceleration at the nose, and two scales are found for the others; its ramp is as
+    long as the opening one. ``closing_flank_shape``: control values of the closing flank, from
+    ``event_end`` back to ``nose``, where they are others. The last lends only its place, since the
+    nose has one acceleration.
     """
 
     continuity: ClassVar[int] = 2

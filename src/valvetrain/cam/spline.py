@@ -35,11 +35,9 @@ class Spline:
     """Spline of ``degree`` 5 or 7 through ``lifts`` (m) at ``cam_angles`` (rad), zero outside them.
 
     The first (degree - 1) / 2 derivatives vanish at both ends, so the law leaves and meets the base
-    circle with that continuity;
-    inside it has degree - 1 continuous derivatives. ``smoothing`` (m): root-mean-square distance
-    from the table that is allowed to
-    calm the jerk; 0 interpolates. Where the acceleration of the table jumps (arcs, tangents), a
-    spline through it would swing; the law
+    circle with that continuity; inside it has degree - 1 continuous derivatives. ``smoothing`` (m):
+    root-mean-square distance from the table that is allowed to calm the jerk; 0 interpolates. Where
+    the acceleration of the table jumps (arcs, tangents), a spline through it would swing; the law
     is then that of `valvetrain.cam.event`, of straight acceleration between the stations and a
     continuity of 2.
     """
@@ -200,9 +198,10 @@ class SplineModel(LiftModel):
             path=("file",),
         )
         if len(lobes) > 1:
-            words = " and ".join(lobe.name for lobe in lobes)
+            lobe_names = " and ".join(lobe.name for lobe in lobes)
             raise problem(
-                f"{self.file[:80]} holds {words}; name the others 'ignore' in columns", ("columns",)
+                f"{self.file[:80]} holds {lobe_names}; name the others 'ignore' in columns",
+                ("columns",),
             )
         return tuple(map(float, lobes[0].cam_angles)), tuple(map(float, lobes[0].lifts))
 
@@ -308,10 +307,8 @@ def smoothed_spline(cam_angles: Array, lifts: Array, degree: int, deviation: flo
     the table.
 
     Its lift and first (degree - 1) / 2 derivatives are zero at both ends. Penalised regression; the
-    weight of the jerk
-    is found by bisection. Raises :class:`InputError` when no curve between the table and a straight
-    base circle is that far away, or none
-    of :data:`MAX_KNOTS` knots that near.
+    weight of the jerk is found by bisection. Raises :class:`InputError` when no curve between the
+    table and a straight base circle is that far away, or none of :data:`MAX_KNOTS` knots that near.
     """
     most, nearest = FIRST_KNOTS, 0.0
     while most <= MAX_KNOTS:

@@ -115,7 +115,7 @@ def _spring_facts(spring: InstalledSpring) -> list[tuple[str, str]]:
             )
         )
     if spring.guide is not None:
-        facts.append(("guide", f"{spring.guide.words()}, without friction"))
+        facts.append(("guide", f"{spring.guide.summary()}, without friction"))
     damping = spring.damping
     if damping.mass_damping or damping.stiffness_damping:
         ratio = "" if damping.ratio is None else f"ratio {number(damping.ratio)}: "

@@ -64,7 +64,7 @@ def film(
         str | None, asks("--scale", "X, Y, X, Y, LENGTH", "Two points and their distance.")
     ] = None,
     marker: Annotated[
-        str | None, asks("--marker", "X, Y", "Spot whose brightness marks each turn of the cam.")
+        str | None, asks("--marker", "X, Y", "Spot whose brightness marks each cam revolution.")
     ] = None,
     marker_radius: Annotated[
         float | None, asks("--marker-radius", "PX", "Radius of that spot (3).")
@@ -142,7 +142,7 @@ def film(
         raise InputError("a model is run with a case; name it with --case", "--case")
     if spring:
         find("springs", spring, "--spring")
-    usual: dict[str, Any] = {"line_width": line_width, "marker_radius": marker_radius}
+    given_options: dict[str, Any] = {"line_width": line_width, "marker_radius": marker_radius}
     setup = FilmSetup(
         frame_rate=frame_rate,
         line=_line(line),
@@ -158,7 +158,7 @@ def film(
         first_frame=first_frame,
         last_frame=last_frame,
         exposure=exposure,
-        **{name: value for name, value in usual.items() if value is not None},
+        **{name: value for name, value in given_options.items() if value is not None},
     )
     if free_decay and (case or lift_table or marker):
         raise InputError(
@@ -184,7 +184,7 @@ def film(
 
 @dataclass(frozen=True)
 class _Request:
-    """The command as asked for."""
+    """The command as requested."""
 
     film: Path
     setup: FilmSetup
@@ -202,7 +202,7 @@ class _Request:
 
 @dataclass(frozen=True)
 class _Name:
-    """What is kept under a name without being a case."""
+    """A result saved under a name that is no case."""
 
     name: str
 
@@ -295,10 +295,10 @@ def _answer(request: _Request) -> None:
     text = (
         'name = "film"\ntitle = "Film of a valve spring"\n' if case is None else case.record().text
     )
-    kept = vars(request) | vars(request.setup)
+    setup_values = vars(request) | vars(request.setup)
     choices = {
         key: str(value)
-        for key, value in kept.items()
+        for key, value in setup_values.items()
         if key not in ("setup", "output", "created_at", "open_page")
     }
     with busy("writing files"):

@@ -20,7 +20,7 @@ FINE, MAX_GAP_LENGTH = 16, 2.5
 #: Share of the largest motion below which the valve is taken for closed, and the angle (rad) over
 #: which surge is averaged for it.
 CLOSED, AVERAGED = 0.06, np.radians(24.0)
-#: Share of the closed window that is left out at either end for ramps, beside what the averaging
+#: Share of the closed window that is left out at either end for ramps, besides what the averaging
 #: reaches.
 MARGIN = 0.06
 
@@ -99,7 +99,8 @@ def peaks(cam_angle: Array, moved: Array, spread: Array, turns: list[int]) -> tu
             tops.append(float(curve(fine).max()))
         if not tops:
             raise InputError(
-                "the film shows no turn of the cam with a motion; film a whole turn or more", "film"
+                "the film shows no cam revolution with a motion; film a whole revolution or more",
+                "film",
             )
         own = float(np.nanmedian(spread[:, coil]))
         scatter = float(np.std(tops, ddof=1)) if len(tops) > 1 else float("nan")
@@ -175,7 +176,7 @@ def segments(
 
 
 #: A coil stands still that moves less than this share of the largest motion; harmonics of the cam
-#: that are told from a drift.
+#: that are distinguished from a drift.
 STILL, HARMONICS = 0.15, 8
 #: Highest power of time in a drift, and the smallest one (px) that is spoken of.
 MAX_POWERS, SPOKEN_OF = 5, 0.05
@@ -207,7 +208,7 @@ def camera_drift(places: Array, time: Array, cam_angle: Array | None) -> tuple[A
 
 
 def _motion(place: Array, time: Array) -> float:
-    """Size of a motion (standard deviation) beside a slow trend."""
+    """Size of a motion (standard deviation) about a slow trend."""
     good = np.isfinite(place)
     if good.sum() < 8:
         return np.inf
@@ -217,7 +218,7 @@ def _motion(place: Array, time: Array) -> float:
 
 #: Lift (m) at cam angles (rad).
 Lift = Callable[[Array], Array]
-#: A speed that is told and one that is measured agree within this many standard deviations, and
+#: A given speed and a measured one agree within this many standard deviations, and
 #: within this share of it at least.
 AGREES, SHARE = 3.0, 1e-3
 #: Scatter (frames) of a mark about an even speed that the frames themselves explain.
@@ -241,13 +242,15 @@ class CamPhase:
 
 
 def by_speed(time: Array, cam_speed: float, first_angle: float) -> CamPhase:
-    """An even speed that is told; ``first_angle`` (rad) of the first frame."""
+    """An even speed that is given; ``first_angle`` (rad) of the first frame."""
     if not cam_speed > 0:
         raise InputError("the cam speed must be positive; correct it", "cam_speed")
     return CamPhase(first_angle + cam_speed * time, cam_speed, 0.0, "speed")
 
 
-def by_marker(time: Array, brightness: Array, mark_angle: float, told: float | None) -> CamPhase:
+def by_marker(
+    time: Array, brightness: Array, mark_angle: float, given_speed: float | None
+) -> CamPhase:
     """Pulses of brightness once a turn, each at its centre of brightness; ``mark_angle`` (rad) of
     the cam when the mark passes.
 
@@ -256,14 +259,14 @@ def by_marker(time: Array, brightness: Array, mark_angle: float, told: float | N
     """
     pulses, frame = _pulses(time, brightness), float(np.median(np.diff(time)))
     if len(pulses) < 2:
-        if told is None or not len(pulses):
+        if given_speed is None or not len(pulses):
             raise InputError(
                 f"the marker flashes {len(pulses)} times; twice or more are needed for the speed, so check its place or give the cam speed",
                 "marker",
             )
         return CamPhase(
-            mark_angle + told * (time - pulses[0]),
-            told,
+            mark_angle + given_speed * (time - pulses[0]),
+            given_speed,
             0.0,
             "marker",
             0.0,
@@ -298,21 +301,21 @@ def by_marker(time: Array, brightness: Array, mark_angle: float, told: float | N
         TURN / slope**2 * spread_of_mark / np.sqrt(max(np.sum((turns - turns.mean()) ** 2), 0.5))
     )
     speed = TURN / slope
-    if told is not None:
-        notes.append(_compared(speed, float(spread), told, "marker"))
+    if given_speed is not None:
+        notes.append(_compared(speed, float(spread), given_speed, "marker"))
     return CamPhase(
         mark_angle + TURN * turned, float(speed), float(spread), "marker", 0.0, tuple(notes)
     )
 
 
-def _compared(speed: float, spread: float, told: float, by: str) -> str:
-    apart = told / speed - 1
-    agrees = abs(told - speed) <= max(AGREES * spread, SHARE * speed)
-    words = f"the {by} tells {30 * speed / np.pi:.6g} rpm of the cam, {30 * told / np.pi:.6g} rpm were told ({100 * apart:+.2g} %)"
+def _compared(speed: float, spread: float, given_speed: float, by: str) -> str:
+    apart = given_speed / speed - 1
+    agrees = abs(given_speed - speed) <= max(AGREES * spread, SHARE * speed)
+    sentence = f"the {by} gives {30 * speed / np.pi:.6g} rpm of the cam, {30 * given_speed / np.pi:.6g} rpm were specified ({100 * apart:+.2g} %)"
     return (
-        words
+        sentence
         if agrees
-        else words
+        else sentence
         + ": they do not agree, and the measured one is used; check the rate of the camera"
     )
 
@@ -321,12 +324,12 @@ def _pulses(time: Array, brightness: Array) -> Array:
     """Times at the centre of brightness of every flash, bright or dark, that lies whole within the
     film.
     """
-    usual = float(np.median(brightness))
-    up = float(np.percentile(brightness, 99.8)) - usual
-    down = usual - float(np.percentile(brightness, 0.2))
-    signal = (brightness - usual) * (1.0 if up >= down else -1.0)
+    typical = float(np.median(brightness))
+    up = float(np.percentile(brightness, 99.8)) - typical
+    down = typical - float(np.percentile(brightness, 0.2))
+    signal = (brightness - typical) * (1.0 if up >= down else -1.0)
     top = max(up, down)
-    noise = 1.5 * float(np.median(np.abs(brightness - usual)))
+    noise = 1.5 * float(np.median(np.abs(brightness - typical)))
     if not top > max(6 * noise, 2.0):
         return np.zeros(0)
     edges = np.flatnonzero(np.diff(np.concatenate([[0], (signal > 0.5 * top).astype(int), [0]])))
@@ -340,19 +343,19 @@ def _pulses(time: Array, brightness: Array) -> Array:
     return np.array(found)
 
 
-def by_lift(time: Array, moved: Array, valve_lift: Lift, told: float | None) -> CamPhase:
+def by_lift(time: Array, moved: Array, valve_lift: Lift, given_speed: float | None) -> CamPhase:
     """The highlight that moves with the retainer laid on the lift: ``moved`` (frames,) px towards
     the seat.
 
     Least squares of moved = c + k lift(speed t + angle) over the four. Raises :class:`InputError`
     where the film shows no whole turn and
-    no speed is told, or where the motion is not that of the lift.
+    no speed is given, or where the motion is not that of the lift.
     """
     from scipy.optimize import least_squares
 
     good = np.isfinite(moved)
     t, y = time[good], moved[good]
-    speed = told if told is not None else _turn_speed(time, moved)
+    speed = given_speed if given_speed is not None else _turn_speed(time, moved)
     grid = np.linspace(0.0, TURN, 721)[:-1]
     table = np.asarray(valve_lift(grid), dtype=float)
     if not np.ptp(table) > 0:
@@ -374,7 +377,7 @@ def by_lift(time: Array, moved: Array, valve_lift: Lift, told: float | None) -> 
 
     best = min(
         (float(np.sum(shape(lifted(speed * (1 + off), start))[0] ** 2)), speed * (1 + off), start)
-        for off in ((0.0,) if told is not None else (-0.01, -0.005, 0.0, 0.005, 0.01))
+        for off in ((0.0,) if given_speed is not None else (-0.01, -0.005, 0.0, 0.005, 0.01))
         for start in grid[::10]
     )
     span = t[-1] - t[0]
@@ -401,8 +404,8 @@ def by_lift(time: Array, moved: Array, valve_lift: Lift, told: float | None) -> 
     notes = [
         f"the cam angle is that at which the upper coil moves as the lift does ({100 * explained:.1f} % of its motion)"
     ]
-    if told is not None:
-        notes.append(_compared(speed, spread, told, "lift"))
+    if given_speed is not None:
+        notes.append(_compared(speed, spread, given_speed, "lift"))
     start = best[2] + float(found.x[0]) - float(found.x[1]) / span * middle
     return CamPhase(
         speed * time + start, speed, spread, "lift", 1.0 / float(factor), tuple(notes), "lift"

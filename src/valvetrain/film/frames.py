@@ -112,10 +112,10 @@ def opencv() -> Any:
     try:
         import cv2
     except ImportError as error:
-        words = (
+        sentence = (
             "a film is read with OpenCV; install the extra 'film' (pip install 'valvetrain[film]')"
         )
-        raise InputError(words) from error
+        raise InputError(sentence) from error
     if hasattr(
         cv2.utils, "logging"
     ):  # not in every version; the variable above says the same to an OpenCV that is loaded here
@@ -359,8 +359,8 @@ def _numbers(files: list[Path]) -> tuple[list[int], tuple[str, ...]]:
         or any(one % step for one in steps)
         or (values[-1] - values[0]) // step > 4 * len(values)
     ):
-        words = "the numbers in the names of the pictures do not count frames, so frames lost between them cannot be found"
-        return [], (words,) if steps else ()
+        sentence = "the numbers in the names of the pictures do not count frames, so frames lost between them cannot be found"
+        return [], (sentence,) if steps else ()
     return [(one - values[0]) // step for one in values], ()
 
 

@@ -33,7 +33,7 @@ MULTIPLES = 5
 
 @dataclass(frozen=True, eq=False)
 class FilmedModel:
-    """A run beside a film; SI, displacements positive towards the seat from rest in the dwell.
+    """A run compared with a film; SI, displacements positive towards the seat from rest in the dwell.
 
     ``turns`` (coils,): coil numbers from the lower tip of the wire; ``quantities``: the names that
     these
@@ -91,11 +91,11 @@ def film_over_model(
     ----------
     motion : from :func:`coil_motion`, of a turning cam
     case : Case, name of a library case, or path of a case file
-    spring_model : word of the spring model; where empty the usual one of a spring alone, of a train
+    spring_model : word of the spring model; where empty the default of a spring alone, of a train
         finite elements or, of cards, the chain
     spring : name of the filmed spring; the first (outer) one where empty
     first_turn : coil number (turns from the lower tip) of the film's first coil; found by least
-        squares of the motion where not told
+        squares of the motion where not given
 
     Returns
     -------
@@ -162,7 +162,7 @@ def film_over_model(
         apart,
         _filmed(motion, angle, fine),
         frequency,
-        (*notes, *alias_words(frequency, motion.seen.frame_rate)),
+        (*notes, *alias_text(frequency, motion.seen.frame_rate)),
     )
 
 
@@ -229,7 +229,7 @@ def _aligned(
     measured: Array,
     grid: Array,
     run: tuple[Array, Array, Array],
-    told: float | None,
+    given_offset: float | None,
     free_zero: bool,
 ) -> tuple[float, float, tuple[str, ...]]:
     """Coil number of the first highlight (neighbours on one side of the spring lie one turn apart)
@@ -245,9 +245,9 @@ def _aligned(
         return float(np.sum(left[known] ** 2))
 
     firsts = np.arange(coil[0] - 1.0, coil[-1] - count + 2.0 + 1e-9, STEP)
-    first, shift = told if told is not None else 0.0, 0.0
+    first, shift = given_offset if given_offset is not None else 0.0, 0.0
     for _ in range(2 if free_zero else 1):
-        if told is None:
+        if given_offset is None:
             first = float(min(firsts, key=lambda one: misfit(float(one), shift)))
         if free_zero:
             tried = shift + np.radians(np.arange(-SHIFTED, SHIFTED + 1e-9, 0.25))
@@ -261,7 +261,7 @@ def _aligned(
             )
     notes: tuple[str, ...] = (
         ()
-        if told is not None
+        if given_offset is not None
         else (
             f"coil 1 is turn {first:.2f} of the wire, where the run moves most as the film does; give the turn where it is known",
         )
@@ -285,14 +285,14 @@ def _filmed(motion: CoilMotion, angle: Array, moved: Array) -> SurgeFit | None:
     )
 
 
-def alias_words(surge_frequency: float, frame_rate: float) -> tuple[str, ...]:
+def alias_text(surge_frequency: float, frame_rate: float) -> tuple[str, ...]:
     """A sentence where surge lines of a spring lie above half the frame rate."""
     lines = [surge_frequency * order for order in range(1, MULTIPLES + 1)]
     high = [(line, alias_of(line, frame_rate)) for line in lines if line > 0.5 * frame_rate]
     if not high:
         return ()
-    told = ", ".join(f"{line:.4g} Hz at {shown:.4g} Hz" for line, shown in high)
+    mirrored = ", ".join(f"{line:.4g} Hz at {shown:.4g} Hz" for line, shown in high)
     return (
-        f"surge lines of the case's spring above half the frame rate ({0.5 * frame_rate:g} Hz) are mirrored below it: {told}, as far as it "
+        f"surge lines of the case's spring above half the frame rate ({0.5 * frame_rate:g} Hz) are mirrored below it: {mirrored}, as far as it "
         "is a uniform bar; a damping ratio found there is of the mirrored frequency",
     )

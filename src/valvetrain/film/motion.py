@@ -28,7 +28,7 @@ from valvetrain.film.cycles import (
     whole_turns,
 )
 from valvetrain.film.frames import Film, Picture, open_film
-from valvetrain.film.result import CoilMotion, drift_words, surge_words, turn_words
+from valvetrain.film.result import CoilMotion, drift_text, surge_text, turn_text
 from valvetrain.film.setup import FilmSetup
 from valvetrain.film.space_time import SightLine, SpaceTime, find_line, read_space_time
 from valvetrain.film.surge import fit_surge, spectrum
@@ -36,7 +36,7 @@ from valvetrain.film.tracks import Tracks, track
 from valvetrain.measured.cycles import MeasuredCycles
 
 Array = NDArray[np.float64]
-#: Cam angles of the written curves where none are asked for: whole degrees.
+#: Cam angles of the written curves where none are requested: whole degrees.
 ANGLES = 360
 #: Uncertainty (px) with which a point of the scale is picked.
 PICKED = 0.5
@@ -69,7 +69,7 @@ def coil_motion(
 
     Raises
     ------
-    InputError : one sentence on what cannot be read, is not told, or shows no coils
+    InputError : one sentence on what cannot be read, is not given, or shows no coils
 
     Examples
     --------
@@ -147,10 +147,10 @@ def _motion(
         *notes,
         *tracks.notes,
         *said,
-        *drift_words(drift, still),
+        *drift_text(drift, still),
         *(() if phase is None else phase.notes),
     )
-    scale, scale_spread, words = _scale(setup, phase)
+    scale, scale_spread, sentence = _scale(setup, phase)
     moved = towards * scale * places
     spread = scale * tracks.spread
     grid = np.arange(angles) * TURN / angles
@@ -172,14 +172,14 @@ def _motion(
         moved = moved - _rest(moved, closed, phase.cam_angle, dwell)
         surge = fit_surge(moved, closed, seen.frame_rate)
         found = peaks(phase.cam_angle, moved, spread, turns)
-        notes += turn_words(phase.cam_angle)
-        cycles = _cycles(seen, phase, moved, turns, grid, synthetic, words)
+        notes += turn_text(phase.cam_angle)
+        cycles = _cycles(seen, phase, moved, turns, grid, synthetic, sentence)
     if surge is None:
         notes += (
             "no surge frequency with its damping is found: the dwell holds too few frames, or nothing in it rings",
         )
     else:
-        notes += surge_words(surge, seen.frame_rate, setup.exposure)
+        notes += surge_text(surge, seen.frame_rate, setup.exposure)
     return CoilMotion(
         seen,
         places,
@@ -195,7 +195,7 @@ def _motion(
         scale,
         scale_spread,
         drift,
-        (*notes, *words),
+        (*notes, *sentence),
     )
 
 
@@ -259,12 +259,12 @@ def _zero_by_lift(phase: CamPhase, time: Array, moved: Array, lift: Lift) -> Cam
     """Speed by the marker, zero of the cam angle by the lift."""
     found = by_lift(time, moved, lift, phase.cam_speed)
     off = float(np.mean(np.unwrap(np.mod(found.cam_angle - phase.cam_angle, TURN))))
-    words = "the marker gives the speed, the lift the zero of the cam angle"
+    sentence = "the marker gives the speed, the lift the zero of the cam angle"
     return replace(
         phase,
         cam_angle=phase.cam_angle + off,
         metres_per_pixel=found.metres_per_pixel,
-        notes=(*phase.notes, words),
+        notes=(*phase.notes, sentence),
         zero_by="lift",
     )
 
@@ -283,8 +283,8 @@ def _scale(setup: FilmSetup, phase: CamPhase | None) -> tuple[float, float, tupl
             ),
         )
     if phase is not None and phase.metres_per_pixel > 0:
-        words = "the scale makes the uppermost coil move as far as the lift, too large a scale where that coil is not the retainer's"
-        return phase.metres_per_pixel, 0.0, (words,)
+        sentence = "the scale makes the uppermost coil move as far as the lift, too large a scale where that coil is not the retainer's"
+        return phase.metres_per_pixel, 0.0, (sentence,)
     raise InputError(NO_SCALE, "scale_points")
 
 
@@ -322,7 +322,7 @@ def _cycles(
 ) -> tuple[MeasuredCycles, ...]:
     """Displacement of every coil over the cam angle."""
     step = float(np.degrees(phase.cam_speed / seen.frame_rate))
-    words = "positive towards the seat, from rest with the valve closed: minus the channel axial_displacement of a run"
+    sentence = "positive towards the seat, from rest with the valve closed: minus the channel axial_displacement of a run"
     between = f"splines between frames {step:.3g} cam deg apart: motion faster than half the frame rate is folded into them"
     return tuple(
         MeasuredCycles(
@@ -333,7 +333,7 @@ def _cycles(
             float(phase.cam_speed),
             f"{seen.name}, coil {coil + 1} from the seat",
             synthetic,
-            (words, between, *notes),
+            (sentence, between, *notes),
         )
         for coil in range(moved.shape[1])
     )

@@ -1,4 +1,4 @@
-"""The page of a film: how the coils moved, their peaks, surge lines with damping, the model beside
+"""The page of a film: how the coils moved, their peaks, surge lines with damping, the model next to it
 them, what was found and done.
 """
 
@@ -31,12 +31,12 @@ FRAMES, STATIONS, DOTS, POINTS = 400, 300, 600, 1500
 TURNS, GREYS = 3.0, ("#000000", "#a4acb5")
 #: Colours of the tracks on the dark picture, in the order of the coils' own.
 SEEN = tuple(theme.mix(colour, "#ffffff", 0.35) for colour in theme.SERIES)
-#: What the film measured has the first colour wherever it stands beside the model's.
+#: What the film measured has the first colour wherever it is shown with the model's.
 FILM, MODEL = theme.SERIES[0], theme.SERIES[1]
 
 
 def coil_colour(coil: int) -> str:
-    """Colour of a coil (counted from 0) where several stand in one panel."""
+    """Colour of a coil (counted from 0) where several are in one panel."""
     return theme.SERIES[coil % len(theme.SERIES)]
 
 
@@ -53,8 +53,8 @@ def space_time_chart(motion: CoilMotion) -> Chart:
     even = np.zeros((int(number[-1]) + 1, picture.shape[1]))
     even[number] = picture
     every = max(1, -(-picture.shape[1] // STATIONS))
-    kept = picture.shape[1] // every * every
-    shown = even[:, :kept].reshape(len(even), -1, every).mean(axis=2)
+    whole_columns = picture.shape[1] // every * every
+    shown = even[:, :whole_columns].reshape(len(even), -1, every).mean(axis=2)
     shown = np.asarray(np.clip(shown - np.percentile(picture, 1), 0, None), dtype=float)
     milliseconds = np.asarray(
         1e3 * np.arange(len(even), dtype=float) / motion.seen.frame_rate, dtype=float
@@ -229,13 +229,13 @@ def spectrum_chart(motion: CoilMotion) -> Chart:
         x_range=(0.0, 0.5 * motion.seen.frame_rate),
         y_log=True,
     )
-    words = "Whole film, Hann window. " + (
+    sentence = "Whole film, Hann window. " + (
         "A turning cam makes lines at its multiples. " if motion.phase is not None else ""
     )
     return Chart(
         "spectrum",
         "Spectrum with the surge lines",
-        words + "Dotted: surge lines found in the decay.",
+        sentence + "Dotted: surge lines found in the decay.",
         (panel,),
         1,
         360,
@@ -332,7 +332,7 @@ def digits(width: float) -> int:
 
 
 def model_rows(motion: CoilMotion, model: FilmedModel) -> list[tuple[str, str, str, str]]:
-    """Each surge line of the film beside the nearest that the run shows, taken in the same way."""
+    """Each surge line of the film and the nearest that the run shows, taken in the same way."""
     lines = () if motion.surge is None else motion.surge.lines
     rows = []
     for one in lines:
@@ -387,7 +387,7 @@ def film_page(
             _apart(model),
             *_sentences(model.notes),
         )
-        sections.append(Section("model", f"Beside the case {model.case}", blocks))
+        sections.append(Section("model", f"Compared with the case {model.case}", blocks))
     surge: tuple[Block, ...] = (
         *figure_or_gap("Free decay", decay_chart, motion),
         *figure_or_gap("Spectrum", spectrum_chart, motion),
@@ -410,7 +410,7 @@ def film_page(
 
 
 def film_facts(motion: CoilMotion) -> tuple[tuple[str, str], ...]:
-    """What stands under the title."""
+    """The line under the title."""
     rows, columns = motion.seen.size
     place = float(np.nanmedian(motion.spread))
     facts = [
@@ -432,9 +432,9 @@ def film_facts(motion: CoilMotion) -> tuple[tuple[str, str], ...]:
 
 def _apart(model: FilmedModel) -> Block:
     worst = int(np.nanargmax(model.apart))
-    words = ", ".join(f"{1e3 * value:.3g}" for value in model.apart)
+    sentence = ", ".join(f"{1e3 * value:.3g}" for value in model.apart)
     return text(
-        f"Film less model, root mean square over the turn by coil: {words} mm; most at coil {worst + 1}.",
+        f"Film less model, root mean square over the turn by coil: {sentence} mm; most at coil {worst + 1}.",
         "note",
     )
 
@@ -451,7 +451,7 @@ def _sentences(notes: Sequence[str]) -> tuple[Block, ...]:
 
 
 def named_cycles(motion: CoilMotion, model: FilmedModel | None) -> tuple[MeasuredCycles, ...]:
-    """Measured cycles of every coil; beside a run under the names that the same curves have there."""
+    """Measured cycles of every coil; as a run has them, under the names that the same curves have there."""
     if model is None:
         return motion.cycles
     return tuple(

@@ -26,7 +26,7 @@ def find_peaks(row: Array, least: float) -> tuple[NDArray[np.int64], Array]:
     rises, falls = row[1:-1] > row[:-2], row[1:-1] >= row[2:]
     places = np.flatnonzero(rises & falls) + 1
     places = places[row[places] >= row.min() + least]
-    kept, heights = [], []
+    peak_columns, heights = [], []
     for place in places:
         top = row[place]
         higher = row > top
@@ -34,9 +34,9 @@ def find_peaks(row: Array, least: float) -> tuple[NDArray[np.int64], Array]:
         left = row[before[-1] + 1 if len(before) else 0 : place + 1].min()
         right = row[place : place + 1 + (after[0] if len(after) else len(row))].min()
         if top - max(left, right) >= least:
-            kept.append(int(place))
+            peak_columns.append(int(place))
             heights.append(float(top - max(left, right)))
-    return np.array(kept, dtype=np.int64), np.array(heights)
+    return np.array(peak_columns, dtype=np.int64), np.array(heights)
 
 
 def half_width(row: Array, place: int, prominence: float) -> float:
@@ -61,13 +61,13 @@ def half_width(row: Array, place: int, prominence: float) -> float:
 PROMINENCE, BELIEVED = 0.25, 0.15
 #: Most coils of a spring that are tracked.
 MAX_COILS = 40
-#: What a highlight loses that lies as far from its prediction as the next coil, beside 1 for a
+#: What a highlight loses that lies as far from its prediction as the next coil, against 1 for a
 #: highlight that fits.
 MISSED = 0.5
 
 
 @dataclass(frozen=True, eq=False)
-class Found:
+class FoundCoils:
     """``frames`` (frames,) in which all coils stand apart; ``places`` (frames, coils) px of their
     highlights there; ``width`` (px) of one
     at half height; ``reach`` (px) to either side that its profile takes."""
@@ -78,21 +78,21 @@ class Found:
     reach: float
 
 
-def find_coils(picture: Array, coils: int | None) -> Found:
+def find_coils(picture: Array, coils: int | None) -> FoundCoils:
     """Number, places and width of the highlights. Raises :class:`InputError` where the picture
-    shows none or not as many as told.
+    shows none or not as many as given.
     """
     smooth = _smoothed(picture)
     contrast = np.percentile(smooth, 98, axis=1) - np.percentile(smooth, 5, axis=1)
-    usual = float(np.median(contrast))
-    if not usual > 0:
+    typical = float(np.median(contrast))
+    if not typical > 0:
         raise InputError(
             "the line shows no highlight; lay it across the coils, where the lamp's glare is",
             "line",
         )
-    peaks = [find_peaks(row, PROMINENCE * usual) for row in smooth]
+    peaks = [find_peaks(row, PROMINENCE * typical) for row in smooth]
     counts = np.array([len(place) for place, _ in peaks])
-    told = coils is not None
+    count_given = coils is not None
     if coils is None:
         shares = [
             (count, np.mean(counts == count)) for count in range(1, int(counts.max(initial=0)) + 1)
@@ -115,9 +115,9 @@ def find_coils(picture: Array, coils: int | None) -> Found:
             f"{coils} coils are stated, but no frame shows more than {counts.max()} highlights; correct it or the line",
             "coils",
         )
-    # A number that is told leaves out what else shines, such as rear coils: the least prominent
+    # A given number leaves out what else shines, such as rear coils: the least prominent
     # peaks.
-    frames = enough if told else enough[counts[enough] == coils]
+    frames = enough if count_given else enough[counts[enough] == coils]
     picks = [np.sort(np.argsort(-peaks[frame][1], kind="stable")[:coils]) for frame in frames]
     places = np.array(
         [peaks[frame][0][pick] for frame, pick in zip(frames, picks, strict=True)], dtype=float
@@ -130,7 +130,9 @@ def find_coils(picture: Array, coils: int | None) -> Found:
     ]
     width = float(np.median(widths))
     apart = float(np.median(np.diff(places, axis=1).min(axis=1))) if coils > 1 else 4.0 * width
-    return Found(frames, places, width, float(np.clip(1.5 * width, 4.0, max(4.0, 0.5 * apart))))
+    return FoundCoils(
+        frames, places, width, float(np.clip(1.5 * width, 4.0, max(4.0, 0.5 * apart)))
+    )
 
 
 def _smoothed(picture: Array) -> Array:
@@ -165,7 +167,7 @@ def ordered(response: Array, expected: Array, scale: float, apart: int) -> Array
 #: Points of a profile per pixel, frames fitted at a time, and steps of a fit.
 FINE, AT_ONCE, STEPS = 16, 256, 8
 #: Change (px) of a place at which steps end, how far it may move in one, and the scatter of heights
-#: about the usual one that is expected.
+#: about the typical one that is expected.
 SETTLED, MAX_STEP, HEIGHT_SCATTER = 1e-3, 1.0, 0.3
 
 
@@ -323,9 +325,7 @@ def _some(
         if step == STEPS or settled:
             break
         change = np.linalg.solve(normal, right[..., None])[..., 0]
-        places = _kept_in_order(
-            places + np.clip(change[:, :coils], -MAX_STEP, MAX_STEP), least_apart
-        )
+        places = _in_order(places + np.clip(change[:, :coils], -MAX_STEP, MAX_STEP), least_apart)
         heights = np.clip(
             heights + change[:, coils : 2 * coils], 0.05 * light[:, None], 4 * light[:, None]
         )
@@ -339,11 +339,15 @@ def _some(
         0.0,
         0.8,
     )
-    told = np.sqrt(np.maximum(np.diagonal(np.linalg.inv(normal), axis1=1, axis2=2)[:, :coils], 0.0))
-    return Fit(places, (noise * np.sqrt((1 + alike) / (1 - alike)))[:, None] * told, heights, noise)
+    deviation = np.sqrt(
+        np.maximum(np.diagonal(np.linalg.inv(normal), axis1=1, axis2=2)[:, :coils], 0.0)
+    )
+    return Fit(
+        places, (noise * np.sqrt((1 + alike) / (1 - alike)))[:, None] * deviation, heights, noise
+    )
 
 
-def _kept_in_order(places: Array, least_apart: float) -> Array:
+def _in_order(places: Array, least_apart: float) -> Array:
     """Neighbours that came nearer than that are moved apart alike."""
     for coil in range(places.shape[1] - 1):
         missing = np.maximum(least_apart - (places[:, coil + 1] - places[:, coil]), 0.0)
@@ -352,7 +356,7 @@ def _kept_in_order(places: Array, least_apart: float) -> Array:
     return places
 
 
-def light_of(picture: Array, found: Found) -> Array:
+def light_of(picture: Array, found: FoundCoils) -> Array:
     """Brightness of the lamp (frames,) about 1: contrast of the line, smoothed over frames."""
     from scipy.ndimage import uniform_filter1d
 

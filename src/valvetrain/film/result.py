@@ -78,8 +78,8 @@ class CoilMotion:
         return f"CoilMotion of {self.seen.name}: {self.coils} coils in {frames} frames, {speed}"
 
 
-def drift_words(drift: Array, still: int | None) -> tuple[str, ...]:
-    """How far the camera moved, and by which coil (from 0) that was told."""
+def drift_text(drift: Array, still: int | None) -> tuple[str, ...]:
+    """How far the camera moved, and which coil (from 0) showed it."""
     if still is None:
         return (
             "no coil stands still, so a shift of the camera cannot be separated from the spring's motion and stays in it",
@@ -92,16 +92,16 @@ def drift_words(drift: Array, still: int | None) -> tuple[str, ...]:
     )
 
 
-def turn_words(cam_angle: Array) -> tuple[str, ...]:
+def turn_text(cam_angle: Array) -> tuple[str, ...]:
     """What few turns leave open."""
     shown = float(cam_angle[-1] - cam_angle[0]) / TURN
     if shown >= 2.0:
         return ()
-    words = f"the film shows {shown:.2f} turns of the cam, so peaks have no scatter"
-    return (words + (", and a peak outside them is not seen" if shown < 1.0 else ""),)
+    sentence = f"the film shows {shown:.2f} cam revolutions, so peaks have no scatter"
+    return (sentence + (", and a peak outside them is not seen" if shown < 1.0 else ""),)
 
 
-def surge_words(surge: SurgeFit, frame_rate: float, exposure: float | None) -> tuple[str, ...]:
+def surge_text(surge: SurgeFit, frame_rate: float, exposure: float | None) -> tuple[str, ...]:
     """What frame rate and exposure do to the lines."""
     half, notes = 0.5 * frame_rate, []
     high = [one for one in surge.lines if one.natural_frequency > 0.8 * half]

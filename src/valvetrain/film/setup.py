@@ -15,22 +15,22 @@ SEAT_ENDS = ("start", "end")
 
 @dataclass(frozen=True, kw_only=True)
 class FilmSetup:
-    """What a film needs beside its pictures. Points are (x, y): column and row in px from the
+    """What a film needs besides its pictures. Points are (x, y): column and row in px from the
     centre of the upper left pixel.
 
     Parameters
     ----------
     frame_rate : frames a second of the camera; needed unless the file tells a rate above that of
         screens
-    line : the two end points of the line along the spring; found from the picture where not told
+    line : the two end points of the line along the spring; found from the picture where not given
     line_width : px across the line that are averaged
     samples_across : samples over that width
-    coils : highlights on the line; counted where not told
+    coils : highlights on the line; counted where not given
     seat : end of the line at which the spring stands still, "start" or "end"; the end that moves
-        less where not told
+        less where not given
     scale_points, scale_length : two points and their distance in the plane of the highlights, a
         length
-    marker, marker_radius : a spot whose brightness marks each cam turn, and its radius in px
+    marker, marker_radius : a spot whose brightness marks each cam revolution, and its radius in px
     marker_angle : cam angle at which the mark passes, an angle
     cam_speed : of the cam, an angular speed; compared with the marker's or the lift's where these
         tell it
@@ -71,7 +71,7 @@ class FilmSetup:
     last_frame: int | None = None
     exposure: float | None = None
 
-    if TYPE_CHECKING:  # what may be given is wider than what is kept
+    if TYPE_CHECKING:  # accepted types are wider than the stored one
 
         def __init__(
             self,

@@ -17,7 +17,7 @@ from valvetrain.film.frames import MAX_FRAMES, SLOWEST_RATE, Film, Picture
 
 Array = NDArray[np.float64]
 Point = tuple[float, float]
-#: Width (px) of a line where none is told, and frames that are looked at to find a line.
+#: Width (px) of a line where none is given, and frames that are looked at to find a line.
 DEFAULT_WIDTH, LOOKED_AT = 5.0, 120
 #: Shorter lines hold no spring.
 SHORTEST = 12.0
@@ -82,7 +82,7 @@ class SightLine:
                     _taps(points[..., 0], right),
                     _taps(points[..., 1], lower),
                 )
-                # Beyond the edge of the picture its last pixel goes on.
+                # Beyond the edge of the picture its last pixel is repeated.
                 place = np.clip(y, 0, rows - 1) * columns + np.clip(x, 0, columns - 1)
                 parts.append(
                     (
@@ -178,7 +178,7 @@ MAX_VALUES, MIN_FRAMES = 20_000_000, 16
 COARSE = 5e-3
 #: Share of the largest grey level from which a glare is white.
 WHITE = 0.99
-#: Radius (px) of the spot of a marker where none is told.
+#: Radius (px) of the spot of a marker where none is given.
 MARKER_RADIUS = 3.0
 
 
@@ -219,7 +219,7 @@ def read_space_time(
     """The film run through once. ``first``, ``last``: frames that are used, counted from 0.
 
     Raises :class:`InputError` for a film without frames, one that is too large, and a rate that
-    nobody tells.
+    nothing gives.
     """
     rate, notes = _rate(film, frame_rate)
     weights = line.weights(film.rows, film.columns)
@@ -248,9 +248,9 @@ def read_space_time(
         if spot is not None:
             marks.append(float(grey[spot].mean()))
         if len(rows) * len(profile) > MAX_VALUES:
-            words = f"'{film.name}' is too long: {len(rows)} frames by {len(profile)} pixels of the line"
+            sentence = f"'{film.name}' is too long: {len(rows)} frames by {len(profile)} pixels of the line"
             raise InputError(
-                f"{words}; choose part of it with first_frame and last_frame, or a shorter line",
+                f"{sentence}; choose part of it with first_frame and last_frame, or a shorter line",
                 "last_frame",
             )
     if len(rows) < MIN_FRAMES:
@@ -289,13 +289,13 @@ def _rate(film: Film, given: float | None) -> tuple[float, tuple[str, ...]]:
         return given, ()
     if film.rate >= SLOWEST_RATE:
         return film.rate, (f"the rate of {film.rate:g} frames a second is the one in the file",)
-    told = (
+    why = (
         f"plays at {film.rate:g} frames a second, the rate of a screen"
         if film.rate > 0
         else "does not state its rate"
     )
     raise InputError(
-        f"'{film.name}' {told}; give the rate of the camera, such as 2000 frames a second",
+        f"'{film.name}' {why}; give the rate of the camera, such as 2000 frames a second",
         "frame_rate",
     )
 
@@ -335,12 +335,14 @@ def _numbers(
     elif film.clock:
         stamps = np.array(film.clock[first : first + count])
         steps = np.diff(stamps)
-        usual = float(np.median(steps))
+        typical = float(np.median(steps))
         # Containers that count whole milliseconds tell nothing of frames that are hardly longer.
-        coarse = usual < COARSE and bool(np.abs(1e3 * stamps - np.round(1e3 * stamps)).max() < 1e-6)
-        if usual > 0 and (steps > 0).all() and not coarse:
-            counted = np.maximum(1, np.round(steps / usual)).astype(np.int64)
-            if np.abs(steps / usual - counted).max() > 0.3:
+        coarse = typical < COARSE and bool(
+            np.abs(1e3 * stamps - np.round(1e3 * stamps)).max() < 1e-6
+        )
+        if typical > 0 and (steps > 0).all() and not coarse:
+            counted = np.maximum(1, np.round(steps / typical)).astype(np.int64)
+            if np.abs(steps / typical - counted).max() > 0.3:
                 notes.append(
                     "the time stamps of the frames are irregular by a third of a frame or more, so times are uncertain by as much"
                 )

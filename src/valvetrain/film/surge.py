@@ -87,8 +87,8 @@ def fit_surge(
     blocks = [moved[one[:length]] for one in decays]
     whole = np.concatenate(blocks, axis=1)
     group = np.repeat(np.arange(len(blocks)), moved.shape[1])
-    kept = np.isfinite(whole).all(axis=0)
-    data, group = whole[:, kept], group[kept]
+    complete = np.isfinite(whole).all(axis=0)
+    data, group = whole[:, complete], group[complete]
     if data.shape[1] == 0 or not np.ptp(data) > 0:
         return None
     best: tuple[float, Array] | None = None
@@ -109,7 +109,7 @@ def fit_surge(
     if best is None:
         return None
     return _described(
-        data, group, best[1], frame_rate, np.flatnonzero(kept) % moved.shape[1], first_coil
+        data, group, best[1], frame_rate, np.flatnonzero(complete) % moved.shape[1], first_coil
     )
 
 

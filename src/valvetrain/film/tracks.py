@@ -12,7 +12,7 @@ from valvetrain.errors import InputError
 from valvetrain.film.profile import (
     FINE,
     Fit,
-    Found,
+    FoundCoils,
     Profiles,
     find_coils,
     fit,
@@ -42,7 +42,7 @@ def bridge(
 
     In every other frame all coils are fitted together from where their motion predicts them and
     from the best ordered set of stations; the
-    better fit goes on. Gaps are gone through both ways, and the way with the smaller misfit is
+    better fit continues. Gaps are gone through both ways, and the way with the smaller misfit is
     taken.
     """
     places, apart = places.copy(), np.zeros(len(places))
@@ -151,9 +151,9 @@ def learn(
     distance = np.arange(stations) - places[pick][:, :, None]
     frame, coil, station = np.nonzero(np.abs(distance) < reach)
     basis = BSpline.design_matrix(distance[frame, coil, station], knots, 3).tocoo()
-    kept = (basis.col >= 2) & (basis.col < count + 2)
-    row, column = basis.row[kept], basis.col[kept] - 2
-    value = basis.data[kept] * heights[pick][frame, coil][row]
+    interior = (basis.col >= 2) & (basis.col < count + 2)
+    row, column = basis.row[interior], basis.col[interior] - 2
+    value = basis.data[interior] * heights[pick][frame, coil][row]
     near = np.zeros((len(pick), stations), dtype=bool)
     near[frame, station] = True
     grounds, light = grounds_of(stations), heights[pick].mean(axis=1)
@@ -206,7 +206,7 @@ class Tracks:
     """``places`` (frames, coils) px from the start of the line, in the order along it, and their
     ``spread`` (standard deviation);
     ``merged`` (frames, coils): the highlight stood nearer to its neighbour than their widths, so
-    its motion and order told which it is;
+    its motion and order say which it is;
     ``width`` px of a highlight."""
 
     places: Array
@@ -237,14 +237,14 @@ def track(seen: SpaceTime, coils: int | None = None) -> Tracks:
         known = fit(picture[frames], places[frames], profiles, light[frames], apart)
         places[frames] = known.places
         profiles = learn(picture, frames, known.places, known.heights, WIDE * found.width)
-    usual = np.median(known.heights / light[frames, None], axis=0)
-    alike = np.abs(np.log(np.maximum(known.heights / light[frames, None], 1e-6) / usual)).max(
+    typical = np.median(known.heights / light[frames, None], axis=0)
+    alike = np.abs(np.log(np.maximum(known.heights / light[frames, None], 1e-6) / typical)).max(
         axis=1
     ) < np.log(ALIKE)
     sure = alike & (known.noise < 2.5 * np.median(known.noise))
     if (
         sure.any()
-    ):  # a peak beside a merged one is no coil: such a frame is followed like the others
+    ):  # a peak next to a merged one is no coil: such a frame is followed like the others
         clear[frames[~sure]] = False
     places, doubt = bridge(picture, clear, places, seen.number, profiles, light, apart)
     result = fit(picture, places, profiles, light, apart)
@@ -254,10 +254,10 @@ def track(seen: SpaceTime, coils: int | None = None) -> Tracks:
     result = fit(picture, result.places, profiles, light, apart)
     bright = profiles.table.max(axis=1)
     dim = np.flatnonzero(bright < DIM * np.median(bright)) + 1
-    return _told(result, found, doubt, tuple(dim.tolist()))
+    return _as_tracks(result, found, doubt, tuple(dim.tolist()))
 
 
-def _told(result: Fit, found: Found, doubt: Array, dim: tuple[int, ...]) -> Tracks:
+def _as_tracks(result: Fit, found: FoundCoils, doubt: Array, dim: tuple[int, ...]) -> Tracks:
     spread = np.maximum(result.spread, np.where(doubt > found.width, doubt, 0.0)[:, None])
     gaps = np.diff(result.places, axis=1)
     close = gaps < 1.5 * found.width
@@ -267,9 +267,9 @@ def _told(result: Fit, found: Found, doubt: Array, dim: tuple[int, ...]) -> Trac
     spread = np.where(merged, MERGED * spread, spread)
     lost = spread > LOST * found.width
     if lost.mean() > MAX_LOST:
-        words = "the highlights are too weak or too blurred to follow"
+        sentence = "the highlights are too weak or too blurred to follow"
         raise InputError(
-            f"{words}; light the spring with one lamp beside the camera, lay the line across the highlights, or give the number of coils",
+            f"{sentence}; light the spring with one lamp next to the camera, lay the line across the highlights, or give the number of coils",
             "line",
         )
     notes = []

@@ -19,13 +19,12 @@ Array = NDArray[np.float64]
 @dataclass(frozen=True, slots=True, eq=False)
 class Resistance:
     """Forces of one instant. ``inner`` (N,): resisting forces (N) of the inner nodes; ``stiffness``
-    and ``damping`` (N, N): their tangents;
-    ``ends``: force (N) on retainer and seat, compressive positive; ``overlap`` (m) of every contact
-    and ``contact_damping``, what its
-    force is beyond that of the overlap (N), both (p,); ``dampers`` (N + 2,): forces (N) of all
-    dampers on all nodes; ``largest``: force (N)
-    of the largest term that the balance is the difference of, a contact's force or spring rate
-    times place of a node."""
+    and ``damping`` (N, N): their tangents; ``ends``: force (N) on retainer and seat, compressive
+    positive; ``overlap`` (m) of every contact and ``contact_damping``, what its force is beyond
+    that of the overlap (N), both (p,); ``dampers`` (N + 2,): forces (N) of all dampers on all
+    nodes; ``largest``: force (N) of the largest term that the balance is the difference of, a
+    contact's force or spring rate times place of a node.
+    """
 
     inner: Array
     stiffness: Array

@@ -32,14 +32,11 @@ class ClashRule:
     """When contacts count as one clash; forces in N, time in s.
 
     A pair is in contact from where its force passes ``off_force`` to where it falls below, if it
-    passes ``on_force`` between
-    (hysteresis). Contacts of neighbouring pairs that begin within ``merge_time`` of each other are
-    one clash: a coil that
-    rolls down on the next. A pair that parts for less than ``rebound_time`` only rings: it stays in
-    the same contact. A contact
-    already there at the first sample is no clash: the coil rests. A closed cycle has no first
-    sample, so there only a contact
-    without end is no clash.
+    passes ``on_force`` between (hysteresis). Contacts of neighbouring pairs that begin within
+    ``merge_time`` of each other are one clash: a coil that rolls down on the next. A pair that
+    parts for less than ``rebound_time`` only rings: it stays in the same contact. A contact already
+    there at the first sample is no clash: the coil rests. A closed cycle has no first sample, so
+    there only a contact without end is no clash.
     """
 
     on_force: float = 1.0
@@ -51,10 +48,10 @@ class ClashRule:
 @dataclass(frozen=True, slots=True, eq=False)
 class PairSeries:
     """Coil pairs of one spring over n times: ``time`` (s), ``cam_angle`` (rad, unwrapped),
-    ``ranks`` (p,): place of each in the row of all
-    pairs, ascending; ``places`` (p,): coil number of the upper partner; ``force`` (N) between the
-    partners and ``energy`` (J) stored in
-    their contact, both (p, n)."""
+    ``ranks`` (p,): place of each in the row of all pairs, ascending; ``places`` (p,): coil number
+    of the upper partner; ``force`` (N) between the partners and ``energy`` (J) stored in their
+    contact, both (p, n).
+    """
 
     time: Array
     cam_angle: Array
@@ -89,15 +86,12 @@ class PairSeries:
 
 def impact_impulse(time: Array, force: Array) -> float:
     """Impulse (N s) of the hardest blow in the ``force`` (N) of one contact over even ``time`` (s):
-    what it gives within
-    :data:`IMPACT_TIME` beyond what it holds.
+    what it gives within :data:`IMPACT_TIME` beyond what it holds.
 
     The largest over begin and length of the integral of force less holding force, which is the
-    greater of its means over that time
-    before and after. A contact shorter than that gives its whole impulse; a mass m that lands at v
-    on what it then rests on gives
-    m (v + rebound velocity) to a tenth, however long it rests; coils that lie down slowly give
-    none.
+    greater of its means over that time before and after. A contact shorter than that gives its
+    whole impulse; a mass m that lands at v on what it then rests on gives m (v + rebound velocity)
+    to a tenth, however long it rests; coils that lie down slowly give none.
     """
     step = float(time[-1] - time[0]) / (len(time) - 1)
     reach = IMPACT_TIME / step
@@ -109,7 +103,7 @@ def impact_impulse(time: Array, force: Array) -> float:
 
 def steps_between(watch: ContactWatch | None, time_step: float) -> int:
     """Steps (of ``time_step``, s) between two rows of a record of contacts: the watch's interval,
-    whatever samples are kept.
+    whatever samples are stored.
     """
     return max(1, round(watch.interval / time_step)) if watch is not None else 1
 
@@ -126,16 +120,14 @@ class _Contact:
 def find_clashes(
     pairs: PairSeries, spring: str = "", closed: bool = False, rule: ClashRule = ClashRule()
 ) -> tuple[Event, ...]:
-    """Events of kind ``clash`` by start time; ``spring``: name to stand in ``where``; ``closed``:
+    """Events of kind ``clash`` by start time; ``spring``: name for ``where``; ``closed``:
     the series is one closed period.
 
-    Size is the peak of the summed force (N); details: ``impulse`` (N s, see :func:`impact_impulse`),
-    ``energy`` (J, largest energy stored in
-    the pressed pairs at one time), ``peak_cam_angle`` (rad, unwrapped), ``upper_coil`` and
-    ``lower_coil`` (whole coils counted from 1 at
-    the seat, of the pair that is hit hardest), ``first_pair`` and ``last_pair`` (coil numbers of
-    the upper partner at the ends of the
-    touching stretch), ``cause``.
+    Size is the peak of the summed force (N); details: ``impulse`` (N s, see
+    :func:`impact_impulse`), ``energy`` (J, largest energy stored in the pressed pairs at one time),
+    ``peak_cam_angle`` (rad, unwrapped), ``upper_coil`` and ``lower_coil`` (whole coils counted from
+    1 at the seat, of the pair that is hit hardest), ``first_pair`` and ``last_pair`` (coil numbers
+    of the upper partner at the ends of the touching stretch), ``cause``.
     """
     if len(pairs.time) < 2 or not pairs.places.size:
         return ()
@@ -173,7 +165,7 @@ def _contacts(time: Array, force: Array, pair: int, rule: ClashRule) -> list[_Co
 
 def runs(mask: NDArray[np.bool_], ring: bool = False) -> list[tuple[int, int]]:
     """First and last index of every unbroken stretch of True; on a ``ring`` one that passes its end
-    goes on beyond the last index.
+    continues beyond the last index.
     """
     edges = np.diff(np.concatenate(([0], mask.astype(np.int8), [0])))
     found = list(

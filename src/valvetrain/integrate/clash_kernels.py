@@ -1,5 +1,5 @@
 """The compiled part of the search for clashes: a resting contact is thousands of samples long, and
-each is asked 17 times.
+each is evaluated 17 times.
 """
 
 from __future__ import annotations

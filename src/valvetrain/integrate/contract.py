@@ -21,17 +21,17 @@ MAX_TURNS = 10_000
 
 @dataclass(frozen=True, slots=True)
 class Cycles:
-    """A number of cam turns from the state at rest; the last one is the result."""
+    """A number of cam revolutions from the state at rest; the last one is the result."""
 
     count: int = 2
 
 
 @dataclass(frozen=True, slots=True)
 class Periodic:
-    """Until the motion repeats. ``cycles``: most cam turns (None: the usual number of the system);
-    ``method``: ``anderson`` or
-    ``repeat`` (the classical one); ``tolerance``: change per turn relative to lift and lift times
-    cam speed (None: the usual one)."""
+    """Until the motion repeats. ``cycles``: maximum of cam revolutions (None: the default of the system);
+    ``method``: ``anderson`` or ``repeat`` (the classical one); ``tolerance``: change per turn
+    relative to lift and lift times cam speed (None: the default one).
+    """
 
     cycles: int | None = None
     method: str = "anderson"
@@ -49,8 +49,8 @@ class RunUp:
 
     def duration(self, first_cam_speed: float) -> float:
         """Time (s) from ``first_cam_speed`` (rad/s) to the last. Raises :class:`InputError` for an
-        acceleration that does not lead there
-        or takes beyond :data:`MAX_TURNS` cam turns."""
+        acceleration that does not lead there or takes beyond :data:`MAX_TURNS` cam revolutions.
+        """
         change = self.last_cam_speed - first_cam_speed
         if not (
             math.isfinite(self.cam_acceleration)
@@ -62,7 +62,7 @@ class RunUp:
             )
         if change / self.cam_acceleration * first_cam_speed > MAX_TURNS * 2 * math.pi:
             raise InputError(
-                f"a run-up of more than {MAX_TURNS} cam turns is taken for a mistake; raise the acceleration"
+                f"a run-up of more than {MAX_TURNS} cam revolutions is taken for a mistake; raise the acceleration"
             )
         return change / self.cam_acceleration
 
@@ -75,17 +75,14 @@ Keep = Literal["all", "contacts", "ends"]
 class RunOptions:
     """Numerical choices of a run.
 
-    ``samples`` per cam turn (None: the integrator's usual number). ``time_step`` (s; None: chosen
-    by stability). ``keep``: channels of
-    ``all`` that the system shows, of the coil ``contacts`` and the ends, or of the ``ends`` alone.
-    ``rest``: a train at rest where it is
-    known already. ``integrator``: word of the registry (None: the first that serves). ``window``:
-    begin and end (cam rad, may pass the end
-    of the turn) in which the least force of every contact of a train is noted on every step
-    (statistics ``least_..._force``, largest as
-    ``open_..._force``). ``nose``: cam angle (rad) at which the force of the cam is taken to the
-    angle itself.
-    ``start``: motion at another speed that a train starts from instead of from rest.
+    ``samples`` per cam revolution (None: the integrator's default). ``time_step`` (s; None: chosen
+    by stability). ``keep``: channels of ``all`` that the system shows, of the coil ``contacts`` and
+    the ends, or of the ``ends`` alone. ``rest``: a train at rest where it is known already.
+    ``integrator``: word of the registry (None: the first that serves). ``window``: begin and end
+    (cam rad, may pass the end of the turn) in which the least force of every contact of a train is
+    noted on every step (statistics ``least_..._force``, largest as ``open_..._force``). ``nose``:
+    cam angle (rad) at which the force of the cam is taken to the angle itself. ``start``: motion at
+    another speed that a train starts from instead of from rest.
     """
 
     samples: int | None = None
@@ -132,7 +129,7 @@ class Integrator(Protocol):
 
 @dataclass(frozen=True, eq=False)
 class Orbit:
-    """State at the start of a cam turn, with the springs (as the run's step made them) and the cam
+    """State at the start of a cam revolution, with the springs (as the run's step made them) and the cam
     speed (rad/s) that it belongs to.
     """
 
@@ -142,8 +139,9 @@ class Orbit:
 
     def at(self, ready: TrainRunner) -> TrainState:
         """The state for the same train at the speed of ``ready``: positions as they are, velocities
-        in the ratio of the cam speeds (so
-        that the rigid part of the motion fits), springs on the grid of the new step."""
+        in the ratio of the cam speeds (so that the rigid part of the motion fits), springs on the
+        grid of the new step.
+        """
         state, share = self.state.copy(), ready.cam_speed / self.cam_speed
         state.v[:] *= share
         retainer = ready.system.arrays.retainer

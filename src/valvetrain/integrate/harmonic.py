@@ -1,5 +1,5 @@
 """Exact periodic solution of the modal model with varied stiffness: harmonic by harmonic over one
-cam turn.
+cam revolution.
 """
 
 from __future__ import annotations

@@ -2,12 +2,11 @@
 prescribed motion.
 
 M a' + (1 + alpha) f(x', v') - alpha f(x, v) = 0 with Newmark's x' and v' (equations 5 to 8 of the
-paper), beta = (1 - alpha)**2 / 4 and
-gamma = 1/2 - alpha; f holds elements, dampers and coil contacts. Each step is solved by Newton's
-method with the consistent tangent, the
-coils in contact found on the way. Unconditionally stable, so the step may be as coarse as a solid
-finite-element study takes it: half a
-cam degree without another choice. Asked for by name; the leapfrog is the usual way.
+paper), beta = (1 - alpha)**2 / 4 and gamma = 1/2 - alpha; f holds elements, dampers and coil
+contacts. Each step is solved by Newton's method with the consistent tangent, the coils in contact
+found on the way. Unconditionally stable, so the step may be as coarse as a solid finite-element
+study takes it: half a cam degree without another choice. Chosen by name; the leapfrog is the
+default.
 """
 
 from __future__ import annotations
@@ -108,10 +107,10 @@ class HilberHughesTaylor:
         )
         if done <= count:
             where = np.degrees(cam_speed * time[done] % TURN)
-            words = f"{ROUNDS} rounds of Newton's method found no balance of forces after {where:.1f} cam degrees of turn {turn + 1}"
+            message = f"{ROUNDS} rounds of Newton's method found no balance of forces after {where:.1f} cam degrees of turn {turn + 1}"
             status = replace(
                 status,
-                message=words,
+                message=message,
                 remedy="give a smaller time step, a softer coil contact or one that is damped less",
             )
         statistics: dict[str, float | int | str | bool] = {
@@ -121,9 +120,20 @@ class HilberHughesTaylor:
         if isinstance(until, Periodic):
             statistics |= {"steady_residual_ratio": change, "steady_tolerance_ratio": tolerance}
         whole = min(done, count) // sub * sub
-        kept = time[: whole + 1], record.ends[: whole + 1], record.states[: whole // sub + 1]
+        record_parts = (
+            time[: whole + 1],
+            record.ends[: whole + 1],
+            record.states[: whole // sub + 1],
+        )
         channels = run_channels(
-            system, model, cam_speed, 0.0, [kept], sub, options.keep == "all", half_behind=False
+            system,
+            model,
+            cam_speed,
+            0.0,
+            [record_parts],
+            sub,
+            options.keep == "all",
+            half_behind=False,
         )
         events: tuple[Event, ...] = ()
         if watch is not None and whole:
@@ -151,7 +161,7 @@ class _Record:
 
 @dataclass(frozen=True, eq=False)
 class _Stepping:
-    """The steps themselves: ``step`` (s), ``every`` so many a state is kept, every ``spacing`` the
+    """The steps themselves: ``step`` (s), ``every`` so many a state is stored, every ``spacing`` the
     coil contacts.
     """
 
@@ -182,9 +192,10 @@ class _Stepping:
     def turn(
         self, state: Array, motion: Array, place: Array, rate: Array, record: _Record
     ) -> tuple[int, Array]:
-        """One cam turn from ``state`` (changed) and its accelerations ``motion``, written into
-        ``record``; returns the last step whose
-        forces are known, plus one where that is the last of all, and the accelerations."""
+        """One cam revolution from ``state`` (changed) and its accelerations ``motion``, written into
+        ``record``; returns the last step whose forces are known, plus one where that is the last of
+        all, and the accelerations.
+        """
         h, n = self.step, len(motion)
         x, v, a = state[:n].copy(), state[n : 2 * n].copy(), motion
         now = self.forces(*self._all(x, v, place[0], rate[0]))

@@ -26,11 +26,11 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 TURN = 2 * np.pi
-#: Samples per cam turn, share of the model's stable step that is used, cam turns until a periodic
-#: motion is given up, and the change of
-#: the end forces per turn, over their span, at which it counts as periodic.
+#: Samples per cam revolution, share of the model's stable step that is used, revolutions until a periodic
+#: motion is given up, and the change of the end forces per turn, over their span, at which it
+#: counts as periodic.
 SAMPLES, STEP_FRACTION, MAX_CYCLES, TOLERANCE = 720, 0.8, 40, 1e-3
-#: A record of inner states beyond this size (bytes) is not kept.
+#: A record of inner states beyond this size (bytes) is not stored.
 MAX_RECORD = 400e6
 #: Forces (N) beyond any spring's: the run has diverged.
 MAX_FORCE = 1e7
@@ -38,7 +38,7 @@ MAX_FORCE = 1e7
 
 @dataclass(frozen=True)
 class Leapfrog:
-    """Second order; the step is a share of the model's stable one, so that a cam turn holds a whole
+    """Second order; the step is a share of the model's stable one, so that a cam revolution holds a whole
     number of samples and steps.
     """
 
@@ -93,7 +93,7 @@ class Leapfrog:
             0,
             0,
         )
-        kept: list[tuple[Array, Array, Array]] = []
+        record_parts: list[tuple[Array, Array, Array]] = []
         for turn in range(turns):
             time = step * np.arange(samples * sub + 1.0) + turn * samples * interval
             angle = cam_speed * time + 0.5 * acceleration * time**2
@@ -130,8 +130,8 @@ class Leapfrog:
                     *(impacts if isinstance(until, RunUp) else []),
                     (time[:-1:spacing][:whole], pressed[:whole]),
                 ]
-            kept = (
-                [*kept, (time, forces, states)]
+            record_parts = (
+                [*record_parts, (time, forces, states)]
                 if isinstance(until, RunUp)
                 else [(time, forces, states)]
             )
@@ -147,7 +147,7 @@ class Leapfrog:
             change,
             tolerance,
             turn,
-            kept[-1][0][min(done, samples * sub)],
+            record_parts[-1][0][min(done, samples * sub)],
             cam_speed,
         )
         statistics: dict[str, float | int | str | bool] = {
@@ -157,13 +157,13 @@ class Leapfrog:
             statistics |= {"steady_residual_ratio": change, "steady_tolerance_ratio": tolerance}
         if done <= samples * sub:  # whole samples of what was computed before it diverged
             whole = done // sub * sub
-            kept[-1] = (
-                kept[-1][0][: whole + 1],
-                kept[-1][1][: whole + 1],
-                kept[-1][2][: whole // sub + 1],
+            record_parts[-1] = (
+                record_parts[-1][0][: whole + 1],
+                record_parts[-1][1][: whole + 1],
+                record_parts[-1][2][: whole // sub + 1],
             )
         channels = run_channels(
-            system, model, cam_speed, acceleration, kept, sub, options.keep == "all"
+            system, model, cam_speed, acceleration, record_parts, sub, options.keep == "all"
         )
         events: tuple[Event, ...] = ()
         if impacts and watch is not None:
@@ -215,10 +215,10 @@ def run_status(
             "give a smaller time step or a softer coil contact, or check the lift law for jumps",
         )
     if isinstance(until, Periodic) and change > tolerance:
-        words = f"after {turn + 1} cam turns the forces still change by {change:.1e} of their span (accepted: {tolerance:.0e})"
+        message = f"after {turn + 1} cam revolutions the forces still change by {change:.1e} of their span (accepted: {tolerance:.0e})"
         return Status(
             "not-converged",
-            words,
+            message,
             float(time),
             system.springs[0].name,
             "run more turns, or raise the damping of the spring",
@@ -231,21 +231,25 @@ def run_channels(
     model: SpringModel,
     cam_speed: float,
     acceleration: float,
-    kept: list[tuple[Array, Array, Array]],
+    record_parts: list[tuple[Array, Array, Array]],
     sub: int,
     whole: bool,
     half_behind: bool = True,
 ) -> ChannelArrays:
-    """Channels over the turns kept: end forces at every sample and step, inner motion where states
+    """Channels over the recorded revolutions: end forces at every sample and step, inner motion where states
     were recorded, energies.
 
     ``half_behind``: velocities of the states stand half a step before their places.
     """
-    cuts = [slice(None) if n == len(kept) - 1 else slice(None, -1) for n in range(len(kept))]
+    cuts = [
+        slice(None) if n == len(record_parts) - 1 else slice(None, -1)
+        for n in range(len(record_parts))
+    ]
     time, forces = (
-        np.concatenate([part[k][cut] for part, cut in zip(kept, cuts, strict=True)]) for k in (0, 1)
+        np.concatenate([part[k][cut] for part, cut in zip(record_parts, cuts, strict=True)])
+        for k in (0, 1)
     )
-    states = np.concatenate([part[2][cut] for part, cut in zip(kept, cuts, strict=True)])
+    states = np.concatenate([part[2][cut] for part, cut in zip(record_parts, cuts, strict=True)])
     at, turned = time[::sub], cam_speed * time + 0.5 * acceleration * time**2
     angle, rate = turned[::sub], cam_speed + acceleration * at
     lift = np.asarray(system.valve_lift.lift(angle), dtype=float)

@@ -50,8 +50,8 @@ def advance(
     pressed,
 ):
     """One stretch of prescribed motion: end forces (N) at every step, the state at every
-    ``every``-th, the coil contacts (``stretches`` of
-    the state) at every ``spacing``-th into ``pressed``; returns the steps done.
+    ``every``-th, the coil contacts (``stretches`` of the state) at every ``spacing``-th into
+    ``pressed``; returns the steps done.
 
     The last call takes no step, so that the next stretch begins where this one ends.
     """

@@ -21,7 +21,7 @@ from valvetrain.system.contract import System
 from valvetrain.system.prescribed import PrescribedSpring
 
 TURN = 2 * np.pi
-#: Samples per cam turn, and cam turns of a run that shall be periodic (the rod settles within a
+#: Samples per cam revolution, and revolutions of a run that shall be periodic (the rod settles within a
 #: few; its state is too large to accelerate).
 SAMPLES, PERIODIC_CYCLES = 720, 4
 
@@ -82,12 +82,12 @@ class RodLeapfrog:
             made = turn(made.time_step / 2)
             model = replace(model, time_step=made.time_step)
         channels = (rod_channels if options.keep == "all" else end_channels)(model, made, cam_speed)
-        _, unit, words = SPRING_CHANNELS["retainer_acceleration"]
+        _, unit, label = SPRING_CHANNELS["retainer_acceleration"]
         acceleration = system.displacement(made.time, cam_speed, 2)
         channels = channels.assign(
             {
                 "retainer_acceleration": Variable(
-                    ("sample",), acceleration, {"units": unit, "long_name": words}
+                    ("sample",), acceleration, {"units": unit, "long_name": label}
                 )
             }
         )

@@ -29,11 +29,10 @@ def run(
 ) -> Solution:
     """Integrate ``system`` at ``cam_speed`` (rad/s) for so long as ``until`` says.
 
-    The solution holds the channels of docs/architecture.md over the last cam turn, a status and
-    statistics; events and named quantities
-    are found by ``quantities.evaluate``. Raises :class:`InputError` for a cam speed that is not
-    positive, an unknown integrator or one
-    that does not serve the system; whatever happens in the run itself is its status.
+    The solution holds the channels of docs/architecture.md over the last cam revolution, a status and
+    statistics; events and named quantities are found by ``quantities.evaluate``. Raises
+    :class:`InputError` for a cam speed that is not positive, an unknown integrator or one that does
+    not serve the system; whatever happens in the run itself is its status.
     """
     _check(cam_speed)
     origin = provenance or _origin(system, cam_speed)

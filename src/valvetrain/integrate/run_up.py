@@ -28,14 +28,11 @@ def run_up(
     rest: TrainRest | None = None,
 ) -> tuple[CycleRecord, ...]:
     """Records of consecutive stretches, each one nominal cam period long at its own first speed,
-    until ``last_cam_speed`` (rad/s) is
-    reached.
+    until ``last_cam_speed`` (rad/s) is reached.
 
     The cam angle of a record is the true one (rad, unwrapped). ``cam_acceleration`` in rad/s2, of
-    the sign of the change. The step is
-    that of the first speed throughout, so that wave rods keep their grid. Raises
-    :class:`InputError` for an acceleration that does not
-    lead there.
+    the sign of the change. The step is that of the first speed throughout, so that wave rods keep
+    their grid. Raises :class:`InputError` for an acceleration that does not lead there.
     """
     RunUp(last_cam_speed, cam_acceleration).duration(first_cam_speed)
     ready = runner(system, first_cam_speed, options, cam_acceleration, rest)
@@ -55,15 +52,12 @@ def run_up(
 def turns_of_run_up(
     ready: TrainRunner, last_cam_speed: float, start: TrainState | None = None
 ) -> Iterator[CycleRecord]:
-    """Records of a run-up turn by turn: every one a cam turn to the nearest sample, from ``start``
-    (none: at rest), until its speed at
-    the start reaches ``last_cam_speed`` (rad/s).
+    """Records of a run-up turn by turn: every one a cam revolution to the nearest sample, from ``start``
+    (none: at rest), until its speed at the start reaches ``last_cam_speed`` (rad/s).
 
     ``ready``: runner at the first speed with the cam acceleration. Its step and the interval of its
-    samples are kept, so that a turn of a
-    higher speed has fewer samples. Ends after a record that did not complete. Raises
-    :class:`InputError` for an acceleration that does
-    not lead there.
+    samples are stored, so that a turn of a higher speed has fewer samples. Ends after a record that
+    did not complete. Raises :class:`InputError` for an acceleration that does not lead there.
     """
     first_cam_speed, cam_acceleration = ready.cam_speed, ready.cam_acceleration
     RunUp(last_cam_speed, cam_acceleration).duration(first_cam_speed)

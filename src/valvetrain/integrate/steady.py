@@ -25,9 +25,8 @@ class SteadyState:
     """How a search for the periodic orbit ended.
 
     ``state``: vector at the start of the last cycle run. ``residuals``: weighted change over each
-    cycle run. ``period``: cycles
-    after which the motion repeats: 1 settled, 2 and more sub-harmonic, 0 none found. ``cycles``:
-    cycles run. ``method`` as asked.
+    cycle run. ``period``: cycles after which the motion repeats: 1 settled, 2 and more
+    sub-harmonic, 0 none found. ``cycles``: cycles run. ``method`` as requested.
     """
 
     state: Array
@@ -59,8 +58,8 @@ def repeat_cycles(
     """Repeat until a cycle changes the state by less than ``tolerance`` (the classical method).
 
     When ``cycles`` are spent, the last states are compared over 2, 3, ... ``longest_period`` cycles
-    (tolerance times ten, since the
-    approach to a sub-harmonic is no faster than to a settled orbit).
+    (tolerance times ten, since the approach to a sub-harmonic is no faster than to a settled
+    orbit).
     """
     states, residuals = [np.array(start, dtype=float)], []
     for _ in range(cycles):
@@ -94,11 +93,9 @@ def accelerate(
     SIAM J. Numer. Anal. 49 (2011)).
 
     ``settle`` plain cycles first; then each new start is the combination of the last ``memory``
-    cycles with the least residual.
-    A step that raises the residual tenfold clears the memory. An orbit is accepted when plain
-    cycles from a small disturbance come
-    back to it, for acceleration finds unstable orbits too, which no train shows. Falls back to
-    plain cycles, and looks for a
+    cycles with the least residual. A step that raises the residual tenfold clears the memory. An
+    orbit is accepted when plain cycles from a small disturbance come back to it, for acceleration
+    finds unstable orbits too, which no train shows. Falls back to plain cycles, and looks for a
     sub-harmonic, when half of ``cycles`` are spent or the orbit found repels.
     """
     x, residuals = np.array(start, dtype=float), []

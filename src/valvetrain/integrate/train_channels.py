@@ -55,8 +55,8 @@ def train_channels(
     start: TrainState | None = None,
 ) -> ChannelArrays:
     """Records as channels: of one closed turn with the state ``start`` that it began from, for the
-    springs' inner motion, or of a
-    run-up without one."""
+    springs' inner motion, or of a run-up without one.
+    """
     mechanism, arrays = system.mechanism, system.arrays
     valve, retainer = mechanism.index(mechanism.valve), arrays.retainer
 
@@ -88,8 +88,8 @@ def train_channels(
     }  # fmt: skip
     for k, part in enumerate(mechanism.coordinates):
         if k != valve:
-            words = f"{part.name}: {'turned' if part.unit == 'rad' else 'moved'} from the closed valve's rigid pose, opening positive"
-            table[position_name(part, mechanism.valve)] = (q[:, k], part.unit, words)
+            label = f"{part.name}: {'turned' if part.unit == 'rad' else 'moved'} from the closed valve's rigid pose, opening positive"
+            table[position_name(part, mechanism.valve)] = (q[:, k], part.unit, label)
     turning = [k for k, part in enumerate(mechanism.coordinates) if part.unit == "rad"]
     if turning:
         table["lever_speed"] = (v[:, turning[0]], "rad/s", "turning speed of the lever")
@@ -105,8 +105,8 @@ def train_channels(
                 f"gap at {name}, open positive",
             )
     variables = {
-        name: Variable(("sample",), values, {"units": unit, "long_name": words})
-        for name, (values, unit, words) in table.items()
+        name: Variable(("sample",), values, {"units": unit, "long_name": label})
+        for name, (values, unit, label) in table.items()
     }
     coords = {
         "time": Variable(("sample",), time, {"units": "s", "long_name": "time"}),
@@ -118,14 +118,14 @@ def train_channels(
     for place, (spring, word) in enumerate(zip(system.springs, system.spring_names, strict=True)):
         prefix = "" if single else f"{word}_"
         if not single:
-            for side, name, words in (
+            for side, name, label in (
                 (0, "retainer_force", "on the retainer"),
                 (1, "seat_force", "on the cylinder head"),
             ):
                 variables[f"{prefix}{name}"] = Variable(
                     ("sample",),
                     ends[:, place, side],
-                    {"units": "N", "long_name": f"{word} spring: force {words}"},
+                    {"units": "N", "long_name": f"{word} spring: force {label}"},
                 )
         if start is not None and first.spring_states[place].shape[1]:
             _add_sections(
@@ -143,12 +143,12 @@ def _add_sections(
     prefix: str,
     shown: list[SpringOutputs],
 ) -> None:
-    words = prefix.replace("_", " spring: ")
+    heading = prefix.replace("_", " spring: ")
     if shown[0].coil_number.size:
         dims = ("sample", f"{prefix}wire_point")
         label = {
             "units": "1",
-            "long_name": f"{words}turns from the lower wire tip, or share of the active length",
+            "long_name": f"{heading}turns from the lower wire tip, or share of the active length",
         }
         coords[f"{prefix}coil_number"] = Variable(dims[1:], shown[0].coil_number, label)
         for name, unit, text in (
@@ -161,14 +161,14 @@ def _add_sections(
         ):
             values = np.array([getattr(one, name) for one in shown])
             variables[f"{prefix}{name}"] = Variable(
-                dims, values, {"units": unit, "long_name": f"{words}{text}"}
+                dims, values, {"units": unit, "long_name": f"{heading}{text}"}
             )
     if shown[0].upper_coil.size:
         dims = ("sample", f"{prefix}coil_pair")
         coords[f"{prefix}upper_coil"] = Variable(
             dims[1:],
             shown[0].upper_coil,
-            {"units": "1", "long_name": f"{words}coil number of the upper partner"},
+            {"units": "1", "long_name": f"{heading}coil number of the upper partner"},
         )
         for name, unit, text in (
             ("coil_gap", "m", "gap between a coil and the one below"),
@@ -176,7 +176,7 @@ def _add_sections(
         ):
             values = np.array([getattr(one, name) for one in shown])
             variables[f"{prefix}{name}"] = Variable(
-                dims, values, {"units": unit, "long_name": f"{words}{text}"}
+                dims, values, {"units": unit, "long_name": f"{heading}{text}"}
             )
 
 
@@ -255,8 +255,8 @@ def _every_step(system: TrainSystem, record: CycleRecord) -> dict[str, float]:
 
 def least_forces(system: TrainSystem, record: CycleRecord, options: RunOptions) -> dict[str, float]:
     """Least and largest force (N) of every contact over all steps in the window of ``options``, and
-    that of the cam at the nose;
-    nothing where none was asked for."""
+    that of the cam at the nose; nothing where none was requested.
+    """
     if options.window is None or not len(record.least_forces):
         return {}
     found: dict[str, float] = {}
@@ -289,8 +289,9 @@ PREFIX = "cycle_scatter_"
 @dataclass(frozen=True)
 class Scatter:
     """Over :data:`COMPARED` cycles: ``valve`` (m), largest spread of the valve lift at one cam
-    angle; ``peak_valve_lift`` (m), the largest;
-    ``numbers``: largest less least value of each number (SI) by the name of its quantity."""
+    angle; ``peak_valve_lift`` (m), the largest; ``numbers``: largest less least value of each
+    number (SI) by the name of its quantity.
+    """
 
     valve: float
     peak_valve_lift: float
@@ -310,7 +311,7 @@ class Scatter:
 
 
 def cycle_numbers(system: TrainSystem, record: CycleRecord) -> dict[str, float]:
-    """Headline numbers (SI) that one cycle tells by itself, as docs/quantities.md names them."""
+    """Headline numbers (SI) of one cycle alone, as docs/quantities.md names them."""
 
     retainer, seat = (record.loads[LOADS.index(side)].tolist() for side in ("retainer", "seat"))
     found = {

@@ -1,4 +1,4 @@
-"""Damping impulses of one step, of all interactions together; why so is told in ``train_kernel``."""
+"""Damping impulses of one step, of all interactions together; the reason is in ``train_kernel``."""
 
 from __future__ import annotations
 
@@ -11,8 +11,9 @@ from valvetrain.mechanism.gaps import OPTIONS
 @njit(forceinline=True, **OPTIONS)
 def _mean_share(now, z):
     """Share theta of the velocity after the step in the one that a damper of z = h c W acts on;
-    ``now``: its share at t_n (1/2 of even
-    steps), where light dampers act; heavy ones act on what is left at the end."""
+    ``now``: its share at t_n (1/2 of even steps), where light dampers act; heavy ones act on what
+    is left at the end.
+    """
     return (6.0 * now + z) / (6.0 + z)
 
 
@@ -22,9 +23,8 @@ def _damped_rows(index, scratch, step, now, v):
     sides and diagonals.
 
     ``bend`` leads the rates, which were found with the gradients of t_n, to the middles of the
-    steps on either side. A damper that was
-    met since the last step acts for its share of the kick, which lasts from the middle of one step
-    to the middle of the next.
+    steps on either side. A damper that was met since the last step acts for its share of the kick,
+    which lasts from the middle of one step to the middle of the next.
     """
     gaps, gradients, old, dense = scratch.gaps, scratch.gradients, scratch.old, scratch.dense
     count, onwards = 0, (1.0 - now) / now
@@ -130,8 +130,8 @@ def damp(index, laws, scratch, step, now, v):
     2]``; returns how many there are.
 
     ``now``: share of the velocity after the step in that of t_n. A contact carries no force rather
-    than pull: which ones are held so is
-    found together with the impulses (a linear complementarity).
+    than pull: which ones are held so is found together with the impulses (a linear
+    complementarity).
     """
     gaps, gradients, rows, held, impulse = (
         scratch.gaps,
@@ -165,9 +165,8 @@ def guide(body, scratch, step, now, v):
     the guide's impulse per rate, its theta.
 
     The guide acts on (1 - theta) v_before + theta v_after, so that it is solved together with the
-    impulses that follow: slowed after
-    them instead, a valve drifted through its stiff contacts. Friction takes its direction at the
-    mean velocity.
+    impulses that follow: slowed after them instead, a valve drifted through its stiff contacts.
+    Friction takes its direction at the mean velocity.
     """
     guides, old = scratch.guides, scratch.old
     for i in range(v.shape[0]):

@@ -2,8 +2,8 @@
 impulses of the step are known.
 
 The sliding velocity s after the step solves s + h W mu N tanh(s / v0) = s_free, W the tangential
-mobility: exact where it slides, and
-dissipative at any step where it sticks (regularised Coulomb law of ``contact.friction``).
+mobility: exact where it slides, and dissipative at any step where it sticks (regularised Coulomb
+law of ``contact.friction``).
 """
 
 from __future__ import annotations

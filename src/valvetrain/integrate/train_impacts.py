@@ -2,9 +2,8 @@
 resolves it.
 
 A contact that a body meets at the rate r stops it in a time of the size tau: F(r tau, r) W tau = r,
-F its law and W the mobility of the two
-bodies. For a linear contact tau is 1 / omega; for a damper that takes the blow it is far shorter
-than any period of the train.
+F its law and W the mobility of the two bodies. For a linear contact tau is 1 / omega; for a damper
+that takes the blow it is far shorter than any period of the train.
 """
 
 from __future__ import annotations
@@ -23,16 +22,15 @@ LASTS = 8.0
 elastic contact after 3.
 """
 AHEAD = 1.25
-"""Times the step over which a closing is looked for: the gap may close faster than its rate tells.
-"""
+"""Times the step over which a closing is looked for: the gap may close faster than its rate tells."""
 OCTAVES, HALVINGS = 12.0, 8
 
 
 @njit(forceinline=True, **OPTIONS)
 def _force(k, train, motion, scratch, pen, rate, since):
     """Force (N) of contact ``k`` at a penetration (m, positive), ``since`` (s) after a touch at
-    ``rate`` (m/s); a law of its own gets a
-    copy of its memory."""
+    ``rate`` (m/s); a law of its own gets a copy of its memory.
+    """
     law = train.laws[k]
     if law < OWN_LAW:
         return contact_force(law, train.law_parameters[k], rate, pen, rate)
@@ -65,8 +63,8 @@ def meets_damper(k, train, motion, scratch, pen, rate):
 @njit(forceinline=True, **OPTIONS)
 def _rise(k, train, motion, scratch, rate, longest, least):
     """Time tau (s) of a blow at ``rate`` (m/s), by halving its logarithm; ``longest`` where it is
-    that or longer, or the force below
-    ``least`` (N)."""
+    that or longer, or the force below ``least`` (N).
+    """
     mobility = 0.0
     for slot in range(4):
         i = train.coordinate_of[k, slot]
@@ -88,7 +86,7 @@ def _rise(k, train, motion, scratch, rate, longest, least):
 
 @njit(forceinline=True, **OPTIONS)
 def finest_step(train, motion, scratch, ahead, passed):
-    """Step (s) that takes ``counters[5]`` parts of the rise of every blow that goes on or is due
+    """Step (s) that takes ``counters[5]`` parts of the rise of every impact that lasts or is due
     within ``ahead`` (s).
 
     ``passed`` (s): since the last call. ``blows`` (n, 4) holds per contact the step of its blow (0:

@@ -1,19 +1,16 @@
 """The one compiled loop of a whole train: explicit leapfrog, all damping of a step solved together.
 
 Order of operations in a step (written down once, here): kinematics -> gaps -> memories of the laws
--> laws -> springs -> kick ->
-damping impulses -> friction -> log of transitions -> record -> drift. Positions and memories live
-at t_n, velocities at t_(n-1/2);
-the spring kernels share the step. A memory with a differential equation is brought from t_(n-1) to
-t_n by its exact solution for a
+-> laws -> springs -> kick -> damping impulses -> friction -> log of transitions -> record -> drift.
+Positions and memories live at t_n, velocities at t_(n-1/2); the spring kernels share the step. A
+memory with a differential equation is brought from t_(n-1) to t_n by its exact solution for a
 penetration that changed evenly, which is of second order in the step; after the last step it is
 brought to the last positions.
 
 Damping never limits the step: its impulses J solve J_k = h c_k ((1 - theta_k) rate_before + theta_k
-rate_after) for all
-interactions at once, theta = (3 + z)/(6 + z) with z = h c W, the exponentially fitted mean (1/2 for
-light, 1 for heavy damping).
-Solved one after the other instead, heavy contact damping pumped energy into chains of contacts.
+rate_after) for all interactions at once, theta = (3 + z)/(6 + z) with z = h c W, the exponentially
+fitted mean (1/2 for light, 1 for heavy damping). Solved one after the other instead, heavy contact
+damping pumped energy into chains of contacts.
 """
 
 from __future__ import annotations
@@ -364,7 +361,7 @@ def _integrate(spring_a, spring_b, train, slot_a, slot_b, motion, records, scrat
                 )
             elif (
                 n % exchange == 0
-            ):  # the force found now is kept; the spring module then integrates the velocity it was handed
+            ):  # the force found now is stored; the spring module then integrates the velocity it was handed
                 for sub in range(exchange):
                     forces_a = spring_a(
                         slot_a.parameters,
@@ -393,7 +390,7 @@ def _integrate(spring_a, spring_b, train, slot_a, slot_b, motion, records, scrat
             watched, next_watch = watched + 1, n + counters[4]
         pull = (
             clock[4] + clock[6] + (1.0 - ahead / step) * change
-        )  # inside a step the springs' force goes on as it came
+        )  # inside a step the springs' force continues as it came
         _kick(index, body, gaps, scratch.gradients, kick, v)
         v[retainer] -= kick * pull / body[retainer, 0]
         pressed = 0.0
@@ -479,8 +476,8 @@ def advance_train(spring_a, spring_b, train, slot_a, slot_b, motion, records):
     when the motion left all bounds).
 
     ``spring_a``, ``spring_b``: kernels of ``springs.contract``; the arrays of all that moves come
-    as ``TrainArrays`` and as the named
-    tuples of ``train_tuples``. Compiled once for all trains, see :func:`ready_train_kernel`.
+    as ``TrainArrays`` and as the named tuples of ``train_tuples``. Compiled once for all trains,
+    see :func:`ready_train_kernel`.
     """
     scratch = scratch_of(train.kinds.shape[0], motion.q.shape[0], motion.law_state.shape[0])
     return _integrate(spring_a, spring_b, train, slot_a, slot_b, motion, records, scratch)

@@ -25,9 +25,9 @@ from valvetrain.system.train_rest import TrainRest, rest_of
 from valvetrain.system.train_system import TrainSystem
 
 Array = NDArray[np.float64]
-#: Samples per cam turn; fewer of springs whose inner state is large.
+#: Samples per cam revolution; fewer of springs whose inner state is large.
 SAMPLES, LARGE_SAMPLES = 1440, 720
-#: Most cam turns of the search for the periodic state; the finite-element rod's state (frames among
+#: Maximum of cam revolutions of the search for the periodic state; the finite-element rod's state (frames among
 #: it) does not mix: few plain turns.
 MAX_CYCLES, FEW_CYCLES, FEW_TOLERANCE = 60, 3, 1e-3
 #: How often the step is cut to a third when a contact hardens beyond what it resolves.

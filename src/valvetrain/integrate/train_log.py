@@ -43,8 +43,7 @@ def crossing(earlier, before, now, ratio):
     ``ratio``: the step before over the last.
 
     A parabola through the last three steps: no force of the step of a touch has moved the last of
-    them, so that the rate of a closing
-    is that of the free motion, to second order in the step.
+    them, so that the rate of a closing is that of the free motion, to second order in the step.
     """
     bend = (earlier - before + ratio * (now - before)) / (ratio * (1.0 + ratio))
     slope = now - before - bend
@@ -147,8 +146,8 @@ def note_loads(power, cam_angle, cam_speed, clock, loads):
 @njit(forceinline=True, **OPTIONS)
 def note_body(i, place, before, after, now, step, cam_angle, bodies):
     """Note coordinate ``i`` after a kick of ``step`` (s) that took its velocity from ``before`` to
-    ``after``, ``now`` of it done at
-    ``cam_angle``."""
+    ``after``, ``now`` of it done at ``cam_angle``.
+    """
     speed, acceleration = abs((1.0 - now) * before + now * after), abs(after - before) / step
     bodies[i, PEAK_PLACE] = max(bodies[i, PEAK_PLACE], place)
     if speed > bodies[i, PEAK_SPEED]:

@@ -62,17 +62,13 @@ class TrainOptions:
     """Numerical choices of a run.
 
     ``samples``: records per cam cycle. ``step_fraction``: step over the stable limit. ``time_step``
-    (s) overrides it (rounded so that a
-    cycle holds a whole number of steps). ``exchange``: steps per exchange of a partitioned coupling
-    (0: all advance together).
-    ``impact_steps``: parts in which the rise of a blow of a contact is taken (0: steps are never
-    divided), more at a finer
-    prescribed step.
-    ``record_springs``: keep the springs' inner states per sample; ``record_contacts``: write down
-    the contacts of their coils. ``window``:
-    begin and end (cam rad) of the part of the cycle in which least forces are sought; it may pass
-    the end of the turn. ``nose`` (cam rad):
-    where the forces of the contacts are taken to the angle itself.
+    (s) overrides it (rounded so that a cycle holds a whole number of steps). ``exchange``: steps
+    per exchange of a partitioned coupling (0: all advance together). ``impact_steps``: parts in
+    which the rise of a blow of a contact is taken (0: steps are never divided), more at a finer
+    prescribed step. ``record_springs``: keep the springs' inner states per sample;
+    ``record_contacts``: write down the contacts of their coils. ``window``: begin and end (cam rad)
+    of the part of the cycle in which minimum forces are searched; it may pass the end of the turn.
+    ``nose`` (cam rad): where the forces of the contacts are taken to the angle itself.
     """
 
     samples: int = 1440
@@ -89,8 +85,7 @@ class TrainOptions:
 @dataclass(frozen=True)
 class TrainState:
     """Values of one instant: positions at t_n, velocities half of ``last_step`` (s; 0: of the run's
-    own step) before, spring states, held
-    spring forces.
+    own step) before, spring states, held spring forces.
 
     ``law_state``: memory of all laws in one flat array; ``TrainArrays.memory_of`` tells where an
     interaction's begins.
@@ -123,16 +118,13 @@ class CycleRecord:
     (m) per interaction (S, n).
 
     ``spring_forces`` (S, springs, 2): retainer and seat force; ``spring_states``: per spring the
-    head of its state (S, entries) or empty.
-    ``cam_power`` (W). ``peak_forces``, ``peak_penetrations`` (n,): over every step;
-    ``least_forces`` (n,): over every step inside the
+    head of its state (S, entries) or empty. ``cam_power`` (W). ``peak_forces``,
+    ``peak_penetrations`` (n,): over every step; ``least_forces`` (n,): over every step inside the
     options' window; both with their cam angles (rad). ``largest_forces`` (n,): over every step
-    inside the window; ``nose_forces``
-    (n,): at the nose. ``loads`` (7, 4), ``bodies`` (N, 5): extremes over every step by the rows and
-    columns of ``train_tuples``.
-    ``transitions``: openings and closings of every contact. ``work``: of cam, of constant and gas
-    forces, dissipated, on springs (J).
-    ``friction_loss`` (J): share of the contacts' friction in what was dissipated.
+    inside the window; ``nose_forces`` (n,): at the nose. ``loads`` (7, 4), ``bodies`` (N, 5):
+    extremes over every step by the rows and columns of ``train_tuples``. ``transitions``: openings
+    and closings of every contact. ``work``: of cam, of constant and gas forces, dissipated, on
+    springs (J). ``friction_loss`` (J): share of the contacts' friction in what was dissipated.
     ``pressed``: per spring the coil contacts at every ``pressed_interval`` (s), for its model's
     watch; without rows where not recorded.
     """
@@ -245,7 +237,7 @@ class TrainRunner:
         return end, record
 
     def after(self, state: TrainState) -> tuple[TrainState, Status]:
-        """The state one cam cycle later, the same bits as of :meth:`cycle`, and how it ended;
+        """The state one cam cycle later, bit-identical to :meth:`cycle`, and how it ended;
         nothing is written down on the way.
         """
         end, done, *_ = self._advance(state, 0)
@@ -387,8 +379,7 @@ def runner(
     ``rest`` where it is known already.
 
     Raises :class:`InputError` for a speed that is not positive, contacts too stiff for any sensible
-    step, or a prescribed step that the
-    contacts or springs cannot resolve.
+    step, or a prescribed step that the contacts or springs cannot resolve.
     """
     chosen, still = options or TrainOptions(), rest or rest_of(system)
     if not (np.isfinite(cam_speed) and cam_speed > 0):

@@ -26,7 +26,7 @@ TOLERANCE = 1e-5
 @dataclass(frozen=True)
 class SteadyTrain:
     """The last cycle of a train with how it settled; ``record`` follows from ``start``.
-    ``scatter``: of a train that did not, if asked.
+    ``scatter``: of a train that did not, if requested.
     """
 
     runner: TrainRunner
@@ -52,7 +52,7 @@ class SteadyTrain:
             else f"{1e6 * self.scatter.valve:.2g} um over {COMPARED} cycles"
         )
         period = self.search.period
-        words = (
+        message = (
             f"repeats only every {period} cycles (sub-harmonic)"
             if period > 1
             else "does not repeat, not over up to 8 cycles either"
@@ -60,14 +60,14 @@ class SteadyTrain:
         if self.scatter is not None and self.scatter.repeats and self.search.cycles >= LONG_SEARCH:
             return Status(
                 "completed",
-                f"the valve repeats to {spread}; the motion of all parts {words}, see the scatter",
+                f"the valve repeats to {spread}; the motion of all parts {message}, see the scatter",
             )
         cycles, last = self.search.cycles, self.search.residuals[-1]
         change = f"after {cycles} cycles it still changes by {last:.1e} of its size (accepted: {self.tolerance:.0e})"
         reached = self.search.cycles * self.runner.steps * self.runner.time_step
         return Status(
             "not-converged",
-            f"the motion {words}; {change}" + (f", the valve lift by {spread}" if spread else ""),
+            f"the motion {message}; {change}" + (f", the valve lift by {spread}" if spread else ""),
             reached,
             "",
             f"set cycles in [train] above {cycles} (--set train.cycles=...), or lower the speed if the train floats or bounces there",
@@ -86,9 +86,8 @@ def steady_train(
     more cycle.
 
     ``method``: ``repeat`` (the classical one) or ``anderson``. The record of the last cycle of a
-    train that does not settle is given
-    with its status saying so, and, where asked for (``compared``), with the scatter of some more
-    cycles.
+    train that does not settle is given with its status saying so, and, where requested
+    (``compared``), with the scatter of some more cycles.
     """
     template, times = [start or runner.initial_state()], []
 

@@ -63,18 +63,14 @@ class Motion(NamedTuple):
     """What the loop changes in place.
 
     ``q``, ``v`` (N,); ``law_state``: memory of all laws; ``law_addresses``: of the kernels of the
-    train's own laws. ``clock`` (15,): cam
-    angle, cam speed, cam acceleration, step, four spring end forces, displacement of a partitioned
-    spring, begin and width (rad) of the
-    window of least forces, the last part of a step and the one before it, least force (N) of a blow
-    that is resolved,
-    cam angle (rad) of the nose. ``counters`` (6,):
-    steps, record every, transitions found, exchange interval (0: all advance together), steps per
-    row of coil contacts, parts of the
-    rise of a blow (0: steps are never divided).
-    ``totals`` (5,): work of the cam, of constant and gas forces, dissipated, work on the springs
-    (J), and the share of contact friction
-    in what was dissipated.
+    train's own laws. ``clock`` (15,): cam angle, cam speed, cam acceleration, step, four spring end
+    forces, displacement of a partitioned spring, begin and width (rad) of the window of least
+    forces, the last part of a step and the one before it, least force (N) of a blow that is
+    resolved, cam angle (rad) of the nose. ``counters`` (6,): steps, record every, transitions
+    found, exchange interval (0: all advance together), steps per row of coil contacts, parts of the
+    rise of a blow (0: steps are never divided). ``totals`` (5,): work of the cam, of constant and
+    gas forces, dissipated, work on the springs (J), and the share of contact friction in what was
+    dissipated.
     """
 
     q: Array
@@ -90,19 +86,15 @@ class Records(NamedTuple):
     """What the loop writes down.
 
     ``motion`` (S, 3 N + 2): q, v, a, cam angle, cam power. ``force``, ``gap`` (S, n). ``spring``
-    (S, 4): end forces. ``spring_a``,
-    ``spring_b`` (S, entries): heads of the spring states. ``extremes`` (n, 7) over every step: peak
-    force and its cam angle, peak
-    penetration, least force in the window and its cam angle, largest force in the window, force at
-    the nose. ``loads`` (7, 4),
-    ``bodies`` (N, 5) over every step: see their columns; speeds and accelerations of either sign.
-    ``transitions``
-    (:data:`TRANSITIONS`, 7): interaction, 1 for a closing and 0 for an opening, cam angle, rate of
-    the penetration, largest gap of the
-    open side and its cam angle, largest force of the closed side.
-    ``pressed_a``, ``pressed_b`` (rows, entries): the coil contacts of each spring; no rows: they
-    are not recorded. Without rows of
-    ``loads`` nothing is written down at all, and no totals are kept.
+    (S, 4): end forces. ``spring_a``, ``spring_b`` (S, entries): heads of the spring states.
+    ``extremes`` (n, 7) over every step: peak force and its cam angle, peak penetration, least force
+    in the window and its cam angle, largest force in the window, force at the nose. ``loads`` (7,
+    4), ``bodies`` (N, 5) over every step: see their columns; speeds and accelerations of either
+    sign. ``transitions`` (:data:`TRANSITIONS`, 7): interaction, 1 for a closing and 0 for an
+    opening, cam angle, rate of the penetration, largest gap of the open side and its cam angle,
+    largest force of the closed side. ``pressed_a``, ``pressed_b`` (rows, entries): the coil
+    contacts of each spring; no rows: they are not recorded. Without rows of ``loads`` nothing is
+    written down at all, and no totals are stored.
     """
 
     motion: Array
@@ -123,21 +115,15 @@ class Scratch(NamedTuple):
     """Working memory of the loop.
 
     ``old`` (N,): velocities before the step. ``gaps`` (n, 4): penetration, gap rate of the cam
-    alone, rate-free force that becomes the
-    whole force, damping coefficient. ``gradients`` (n, 4) per coordinate slot, ``slides`` (n, 2) of
-    the first two; ``rubbing`` (n, 2):
-    friction impulse, sliding of the cam. ``matrix`` to ``held``: the damping solve. ``before`` (n,
-    2): penetrations one and two steps
-    ago. ``track`` (n, 4): largest gap, its cam angle and largest force since the last transition,
-    force of the step before; ``latest``
-    (n,): its row, -1 for none.
-    ``guides`` (N, 3): see
-    ``train_damping.guide``. ``rate``, ``bend`` (n,): rate of the penetration before the step, and
-    by how much it exceeds the change of
-    the penetration. ``blows`` (n, 4): see ``train_blows.finest_step``;
-    ``trial``: copy of the memory of all laws. ``share`` (n,): part of the kick in which a contact's
-    damper acts, 1 but in the step of
-    its touch.
+    alone, rate-free force that becomes the whole force, damping coefficient. ``gradients`` (n, 4)
+    per coordinate slot, ``slides`` (n, 2) of the first two; ``rubbing`` (n, 2): friction impulse,
+    sliding of the cam. ``matrix`` to ``held``: the damping solve. ``before`` (n, 2): penetrations
+    one and two steps ago. ``track`` (n, 4): largest gap, its cam angle and largest force since the
+    last transition, force of the step before; ``latest`` (n,): its row, -1 for none. ``guides`` (N,
+    3): see ``train_damping.guide``. ``rate``, ``bend`` (n,): rate of the penetration before the
+    step, and by how much it exceeds the change of the penetration. ``blows`` (n, 4): see
+    ``train_blows.finest_step``; ``trial``: copy of the memory of all laws. ``share`` (n,): part of
+    the kick in which a contact's damper acts, 1 but in the step of its touch.
     """
 
     old: Array

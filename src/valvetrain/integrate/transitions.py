@@ -29,13 +29,11 @@ class Transitions:
     one entry per transition.
 
     ``interaction``: place of the contact; ``closes``: True for a closing. ``cam_angle`` (rad): a
-    parabola through three steps passes zero
-    there. ``gap_rate`` (m/s): closing positive, negative at an opening. ``largest_gap`` (m) with
-    its ``largest_gap_cam_angle`` (rad): of
-    the open stretch beside the transition; ``largest_force`` (N): of the touching stretch beside
-    it; both over every step, the first and
-    last stretch of a contact as far as they lie in the cycle. ``overflow``: transitions that the
-    log had no room for.
+    parabola through three steps passes zero there. ``gap_rate`` (m/s): closing positive, negative
+    at an opening. ``largest_gap`` (m) with its ``largest_gap_cam_angle`` (rad): of the open stretch
+    next to the transition; ``largest_force`` (N): of the touching stretch next to it; both over every
+    step, the first and last stretch of a contact as far as they lie in the cycle. ``overflow``:
+    transitions that the log had no room for.
     """
 
     interaction: NDArray[np.int64]
@@ -87,8 +85,7 @@ class Transitions:
         largest gap of the whole stretch.
 
         A stretch that passes the end of the cycle is joined: its largest gap is the greater of what
-        was seen on either side. A stretch
-        that neither opens nor closes in the cycle has no entry.
+        was seen on either side. A stretch that neither opens nor closes in the cycle has no entry.
         """
         own = self.of(interaction)
         gap, angle = own.largest_gap.copy(), own.largest_gap_cam_angle.copy()

@@ -23,7 +23,7 @@ from valvetrain.solution.critical import KINDS
 from valvetrain.solution.study import Study
 from valvetrain.units import si_speeds
 
-#: Draws where nobody says how many: their standard deviation is known to 18 %.
+#: Default number of draws: their standard deviation is known to 18 %.
 DRAWS = 16
 #: Bounds of one law, whose study was counted with the others, and what makes such a request large.
 WHOLE, FEWER_LAWS = "10000 d, 1000 TB", "laws, speeds or unknowns"
@@ -100,7 +100,7 @@ def lift_band_study(
         "3000:9000:500 rpm"
     spring_models, spring_sets : as for :func:`valvetrain.simulate`
     workers : draws at a time; results do not depend on it
-    progress : told the share done and what was done
+    progress : called with the share done and what was done
     limit : largest estimated time and memory, such as "2 h, 8 GB"; 10 min and 2 GB by default
 
     Returns
@@ -133,10 +133,10 @@ def lift_band_study(
     if not 4 <= draws <= MAX_DRAWS:
         raise InputError(f"draws is a number from 4 to {MAX_DRAWS}; it is {draws}", "--draws")
     speeds, searched = (None if one is None else si_speeds(one) for one in (engine_speeds, search))
-    asked = RunRequest(
+    run_request = RunRequest(
         "run", known, speeds, tuple(spring_models), tuple(spring_sets), worker_count(workers)
     )
-    refuse_cost(band_cost(asked, draws, searched), limits_of(limit), "limit=", FEWER_LAWS)
+    refuse_cost(band_cost(run_request, draws, searched), limits_of(limit), "limit=", FEWER_LAWS)
     shared = _Shared(known, engine_speeds, search, tuple(spring_models), tuple(spring_sets))
 
     def tell(done: int, total: int) -> None:
@@ -161,17 +161,17 @@ def lift_band_study(
     return LiftBandStudy(mean, tuple(spreads), failures)
 
 
-def band_cost(asked: RunRequest, draws: int, search: Sequence[float] | None) -> Cost:
-    """Estimated cost of ``asked`` with the mean law and so many ``draws``, critical speeds searched
+def band_cost(run_request: RunRequest, draws: int, search: Sequence[float] | None) -> Cost:
+    """Estimated cost of ``request`` with the mean law and so many ``draws``, critical speeds searched
     at ``search`` (rad/s of the crank).
     """
-    alone = replace(asked, workers=1)
+    alone = replace(run_request, workers=1)
     once = request_cost(alone, whole=True)
     if search is not None:
         once += request_cost(
             replace(alone, command="sweep", engine_speeds=tuple(search)), whole=False, searches=True
         )
-    at_a_time = max(1, min(asked.workers, draws + 1))
+    at_a_time = max(1, min(run_request.workers, draws + 1))
     return Cost(once.seconds * math.ceil((draws + 1) / at_a_time), once.bytes * (draws + 1))
 
 

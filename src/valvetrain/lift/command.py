@@ -200,7 +200,7 @@ def lift(
 
 @dataclass(frozen=True)
 class _Request:
-    """The command as asked for; lengths in m, speeds in rad/s."""
+    """The command as requested; lengths in m, speeds in rad/s."""
 
     file: Path
     exhaust: Path | None
@@ -321,7 +321,7 @@ def _carried(request: _Request, lobe: LobeResult) -> LiftBandStudy | None:
         )
     law = lift_parameters(lobe, request.noise, request.band)
     carried = case.replace({"lift_law": law})
-    asked = RunRequest(
+    run_request = RunRequest(
         "run",
         carried,
         request.engine_speeds,
@@ -329,7 +329,7 @@ def _carried(request: _Request, lobe: LobeResult) -> LiftBandStudy | None:
         request.spring_sets,
         request.workers,
     )
-    say_cost(band_cost(asked, request.draws, request.search), request.limits, FEWER_LAWS)
+    say_cost(band_cost(run_request, request.draws, request.search), request.limits, FEWER_LAWS)
     announce_compilation("train")
     with progress_bar(f"{case.name} with {request.draws} laws") as report:
         return lift_band_study(
@@ -399,7 +399,7 @@ def _show(
     folder: Path,
 ) -> None:
     from valvetrain.cli.outcome import plain_table
-    from valvetrain.lift.page import carried_rows, carried_words, figure_rows, lift_notes
+    from valvetrain.lift.page import carried_rows, carried_text, figure_rows, lift_notes
 
     for one in lobes:
         said = ", ".join(
@@ -423,7 +423,7 @@ def _show(
         console.print(
             plain_table(
                 ("", "run", "mean law", "95 %", ""),
-                [carried_words(one) for one in carried_rows(carried)],
+                [carried_text(one) for one in carried_rows(carried)],
                 right=(2, 3),
             )
         )

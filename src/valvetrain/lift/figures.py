@@ -14,10 +14,10 @@ from valvetrain.errors import InputError
 from valvetrain.measured.lift_smoothing import DEGREE, SmoothedLift
 
 Array = NDArray[np.float64]
-#: Lifts (m) at which durations are told: 0.050 in of cam cards and 1 mm of makers' books; the first
+#: Lifts (m) at which durations are reported: 0.050 in of cam cards and 1 mm of makers' books; the first
 #: gives the lobe centre.
 HEIGHTS = (0.050 * 25.4e-3, 1e-3)
-#: Lift (m) at which ramp velocities are told where no lash is given: 0.006 in, the advertised
+#: Lift (m) at which ramp velocities are reported where no lash is given: 0.006 in, the advertised
 #: height of cam cards.
 RAMP_HEIGHT = 0.006 * 25.4e-3
 #: Stations of the grid on which figures are read, and number of draws behind a standard deviation.
@@ -31,7 +31,7 @@ class LiftFigure:
     """
 
     name: str
-    words: str
+    label: str
     value: float
     spread: float
     unit: str
@@ -45,8 +45,8 @@ def lift_figures(
     Parameters
     ----------
     smoothed : from :func:`smooth_lift`
-    heights : lifts (m) at which durations are told besides 0.050 in and 1 mm
-    lash : lift (m) at which the velocities of the ramps are told
+    heights : lifts (m) at which durations are reported besides 0.050 in and 1 mm
+    lash : lift (m) at which the velocities of the ramps are reported
     seed : of the draws behind the standard deviations
 
     Returns
@@ -70,20 +70,20 @@ def lift_figures(
     every = np.vstack([smoothed.coefficients, smoothed.draws(DRAWS, seed)])
     curves = [_curves(smoothed, every, grid, derivative) for derivative in range(4)]
     peak = float(curves[0][0].max())
-    levels = {_height_words(height): height for height in (*HEIGHTS, *heights)}
-    for words, height in levels.items():
+    levels = {_height_text(height): height for height in (*HEIGHTS, *heights)}
+    for label, height in levels.items():
         if not 0 < height < peak:
             if height in HEIGHTS:
                 continue
             raise InputError(
-                f"a duration at {words} was asked for, but the lobe rises {1e3 * peak:.3f} mm; ask below it",
+                f"a duration at {label} was requested, but the lobe rises {1e3 * peak:.3f} mm; ask below it",
                 "heights",
             )
     found = [
         _figure("peak_lift", "peak lift", curves[0].max(axis=1), "mm"),
         _figure("nose_angle", "angle of peak lift", _peak(grid, curves[0]), "deg"),
     ]
-    for words, height in levels.items():
+    for label, height in levels.items():
         if height < peak:
             opening, closing = crossings(grid, curves[0], height)
             if height == HEIGHTS[0]:
@@ -97,14 +97,14 @@ def lift_figures(
                 )
             found.append(
                 _figure(
-                    f"duration_at_{_key(words)}", f"duration at {words}", closing - opening, "deg"
+                    f"duration_at_{_key(label)}", f"duration at {label}", closing - opening, "deg"
                 )
             )
             found.append(
-                _figure(f"opening_at_{_key(words)}", f"opening at {words}", opening, "deg")
+                _figure(f"opening_at_{_key(label)}", f"opening at {label}", opening, "deg")
             )
             found.append(
-                _figure(f"closing_at_{_key(words)}", f"closing at {words}", closing, "deg")
+                _figure(f"closing_at_{_key(label)}", f"closing at {label}", closing, "deg")
             )
     found.append(
         _figure(
@@ -115,7 +115,7 @@ def lift_figures(
         )
     )
     if lash < peak:
-        at = _height_words(lash)
+        at = _height_text(lash)
         for side, word, angle in zip(
             ("opening", "closing"),
             ("opening", "closing"),
@@ -182,10 +182,10 @@ def pair_figures(
     ]
     for height in (*HEIGHTS, *heights):
         if all(height in found for found in ends.values()):
-            words = _height_words(height)
+            label = _height_text(height)
             lap = 2 * (ends["exhaust"][height][1] + ahead - ends["intake"][height][0])
             figures.append(
-                _figure(f"overlap_at_{_key(words)}", f"overlap at {words}, crank", lap, "deg")
+                _figure(f"overlap_at_{_key(label)}", f"overlap at {label}, crank", lap, "deg")
             )
     return tuple(figures)
 
@@ -228,20 +228,20 @@ def _peak(grid: Array, curves: Array) -> Array:
     return np.asarray(grid[place] + np.clip(share, -1.0, 1.0) * (grid[1] - grid[0]))
 
 
-def _figure(name: str, words: str, values: Array, unit: str) -> LiftFigure:
-    return LiftFigure(name, words, float(values[0]), float(np.std(values[1:])), unit)
+def _figure(name: str, label: str, values: Array, unit: str) -> LiftFigure:
+    return LiftFigure(name, label, float(values[0]), float(np.std(values[1:])), unit)
 
 
 _NAMED: Mapping[float, str] = {HEIGHTS[0]: "0.050 in", RAMP_HEIGHT: "0.006 in"}
 
 
-def _height_words(height: float) -> str:
+def _height_text(height: float) -> str:
     return _NAMED.get(height, f"{1e3 * height:.6g} mm")
 
 
-def _key(words: str) -> str:
+def _key(label: str) -> str:
     return (
-        words.replace("0.050 in", "50_thou")
+        label.replace("0.050 in", "50_thou")
         .replace("0.006 in", "6_thou")
         .replace(" ", "_")
         .replace(".", "p")

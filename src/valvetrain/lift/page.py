@@ -120,16 +120,16 @@ def figure_rows(figures: Sequence[LiftFigure]) -> list[tuple[str, str, str, str]
         digits = max(0, min(6, 1 - int(np.floor(np.log10(spread))))) if spread > 0 else 4
         rows.append(
             (
-                figure.words,
+                figure.label,
                 f"{value:.{digits}f}",
                 f"±{spread:.{digits}f}",
-                _UNIT_WORDS.get(figure.unit, figure.unit),
+                _UNIT_TEXT.get(figure.unit, figure.unit),
             )
         )
     return rows
 
 
-_UNIT_WORDS = {"mm/deg2": "mm/deg²", "mm/deg3": "mm/deg³"}
+_UNIT_TEXT = {"mm/deg2": "mm/deg²", "mm/deg3": "mm/deg³"}
 
 
 def _factor(unit: str) -> float:
@@ -144,14 +144,14 @@ def figure_grid(figures: Sequence[LiftFigure]) -> Grid:
     rows = tuple(
         (
             (
-                Cell(words[:1].upper() + words[1:]),
+                Cell(row_label[:1].upper() + row_label[1:]),
                 Cell(value, "number"),
                 Cell(spread, "number quiet"),
                 Cell(unit),
             ),
             (),
         )
-        for words, value, spread, unit in figure_rows(figures)
+        for row_label, value, spread, unit in figure_rows(figures)
     )
     return Grid(("figure", "value", "95 % of laws within", ""), rows)
 
@@ -256,15 +256,15 @@ def residuals_chart(one: LobeResult) -> Chart:
 
 def answer_blocks(one: LobeResult) -> tuple[Block, ...]:
     """Every question that the table raised, its answer and who gave it; what was found in it."""
-    told = {"file": "said by the file", "asked": "as asked", "assumed": "assumed"}
+    origin_text = {"file": "said by the file", "asked": "as requested", "assumed": "assumed"}
     rows = tuple(
         (
             (
                 Cell(answer.question.replace("_", " ")),
                 Cell(answer.answer),
-                Cell(told[answer.by], "tag"),
+                Cell(origin_text[answer.by], "tag"),
             ),
-            (told[answer.by],),
+            (origin_text[answer.by],),
         )
         for answer in one.measured.answers
     )
@@ -292,7 +292,7 @@ def lift_notes(one: LobeResult) -> tuple[str, ...]:
         )
     if lift.widened:
         notes.append(
-            "the band asked for is tighter than the noise, so the law follows stations more closely than they deserve"
+            "the requested band is tighter than the noise, so the law follows stations more closely than they deserve"
         )
     return tuple(notes)
 
@@ -302,7 +302,7 @@ def carried_rows(carried: LiftBandStudy) -> list[CarriedSpread]:
     return [one for name in CARRIED for one in carried.spreads if one.quantity == name]
 
 
-def carried_words(one: CarriedSpread) -> tuple[str, str, str, str, str]:
+def carried_text(one: CarriedSpread) -> tuple[str, str, str, str, str]:
     """Quantity, run, value, 95 % interval and unit of a carried spread as people read them."""
     unit = unit_text(definition_of(one.quantity).shown_unit)
     value, spread = (
@@ -320,9 +320,9 @@ def carried_blocks(carried: LiftBandStudy) -> tuple[Block, ...]:
     """Table of forces and speeds with the interval that the noise of the lift gives them."""
     rows = []
     for one in carried_rows(carried):
-        words, run, value, spread, unit = carried_words(one)
+        row_label, run, value, spread, unit = carried_text(one)
         cells = (
-            Cell(words[:1].upper() + words[1:]),
+            Cell(row_label[:1].upper() + row_label[1:]),
             Cell(run),
             Cell(value, "number"),
             Cell(spread, "number quiet"),

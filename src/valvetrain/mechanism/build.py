@@ -27,10 +27,9 @@ class MechanismSpec:
     """One kind of train.
 
     ``places``: its contacts from cam to seat, each a key of [train.contacts] (``tappet`` is one
-    only where the follower has a mass of
-    its own). ``build(train, law, laws, lift_of)`` returns the planar mechanism. ``needs``: what
-    must stand below [train], such as
-    ``lever`` or ``follower.mass``.
+    only where the follower has a mass of its own). ``build(train, law, laws, lift_of)`` returns the
+    planar mechanism. ``needs``: what must stand below [train], such as ``lever`` or
+    ``follower.mass``.
     """
 
     word: str
@@ -62,8 +61,7 @@ def build_mechanism(
     train asks for.
 
     Raises :class:`InputError` for missing parts, geometry that cannot work, lash larger than the
-    lift, missing contact laws, or
-    friction where nothing slides.
+    lift, missing contact laws, or friction where nothing slides.
     """
     spec: MechanismSpec = find("mechanisms", train.kind, "train.kind")
     spec.check(train)

@@ -2,9 +2,8 @@
 cam angle.
 
 A convex cam is the envelope of its tangents, so a flat face feels the support function; an arc of
-any radius feels the curve of its
-own centre (pitch curve). Both are smooth functions of one angle, free of root finding and of the
-wrap of concave flanks.
+any radius feels the curve of its own centre (pitch curve). Both are smooth functions of one angle,
+free of root finding and of the wrap of concave flanks.
 """
 
 from __future__ import annotations
@@ -18,7 +17,7 @@ from valvetrain.errors import InputError
 
 Array = NDArray[np.float64]
 NODES = 1440
-"""Nodes per cam turn of every table (a quarter of a cam degree); quintic interpolation between
+"""Nodes per cam revolution of every table (a quarter of a cam degree); quintic interpolation between
 them.
 """
 
@@ -43,9 +42,8 @@ def table_from_samples(chi: Array, value: Array, nodes: int = NODES) -> Array:
     point left out).
 
     The second derivative is that of the samples, by divided differences: means of the true one over
-    two steps, so that it stays within
-    both sides of a jump, where a spline's would swing beyond them and make a cusp of a small
-    radius.
+    two steps, so that it stays within both sides of a jump, where a spline's would swing beyond
+    them and make a cusp of a small radius.
     """
     from scipy.interpolate import CubicSpline
 
@@ -69,13 +67,11 @@ def table_from_samples(chi: Array, value: Array, nodes: int = NODES) -> Array:
 
 def monotone_table(cam_angles: Array, values: Array, nodes: int = NODES) -> Array:
     """(nodes, 3) table of a periodic curve through ``values`` at increasing ``cam_angles`` (rad,
-    less than one turn) that never leaves
-    the range of two neighbouring values.
+    less than one turn) that never leaves the range of two neighbouring values.
 
     Monotone cubics (Fritsch and Carlson 1980). Their second derivative jumps at the given angles;
-    what the table holds of it is the
-    lesser of both sides, and nothing, with a limited slope, beside nodes between which the quintic
-    would turn.
+    what the table holds of it is the lesser of both sides, and nothing, with a limited slope,
+    next to nodes between which the quintic would turn.
     """
     from scipy.interpolate import PchipInterpolator
 

@@ -23,8 +23,7 @@ def build_direct(
     lift is the law's.
 
     ``law``: lift law of tappet or valve (the same here, whatever ``law_of`` says). ``laws``:
-    contact laws for ``cam``, ``valve_tip`` and
-    ``seat``.
+    contact laws for ``cam``, ``valve_tip`` and ``seat``.
     """
     follower, cam = train.follower, train.cam
     away = train.valve.opening_direction

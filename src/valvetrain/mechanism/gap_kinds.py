@@ -1,8 +1,7 @@
 """Codes of the gap kinds and the columns of their geometry rows (shared by builders and kernels).
 
 Every interaction of a train has a penetration ``pen`` (m, positive when pressed together) that is a
-smooth
-function of at most four generalised coordinates and the cam angle. A "planar point" is
+smooth function of at most four generalised coordinates and the cam angle. A "planar point" is
 
     X(q0, q1) = origin + support_direction q1 + (R(sign q0) arm  or  arm q0),
 
@@ -18,8 +17,7 @@ the first for a body turning about ``origin``, the second for one sliding along 
 | DISTANCE | bar between X and A = A0 + d q3: ``q2 - q3 - (|X - A| - length) - g13``; without q2 the bar is rigid |
 
 ``chi = cam_angle - sense (direction - reference)``: the cam material under a follower at polar
-direction
-``direction`` when the cam stands at ``cam_angle``.
+direction ``direction`` at the cam angle ``cam_angle``.
 """
 
 from __future__ import annotations
@@ -30,7 +28,6 @@ ARC_RADIUS = 14
 """Column of the radius (m) of the touching arc; only sliding asks for it."""
 
 GEOMETRY_COLUMNS = 16
-"""Columns 0-7 of a planar kind: turning flag, origin x, y, arm x, y, sign, support direction x, y.
-"""
+"""Columns 0-7 of a planar kind: turning flag, origin x, y, arm x, y, sign, support direction x, y."""
 
 COORDINATES_PER_INTERACTION = 4

@@ -122,8 +122,8 @@ def gap_rows(
     kinds, index, geometry, tables, table_of, positions, cam_angles, rows, pens, gradients, slopes
 ):
     """Fill penetrations (S, n), gradients by every coordinate (S, n, N), which begin as zeros, and
-    slopes (S, n) at ``positions`` (S, N)
-    and ``cam_angles`` (S,); ``rows`` (n, 4) is working space."""
+    slopes (S, n) at ``positions`` (S, N) and ``cam_angles`` (S,); ``rows`` (n, 4) is working space.
+    """
     for s in range(len(cam_angles)):
         for k in range(len(kinds)):
             pens[s, k], slopes[s, k] = penetration_and_gradient(

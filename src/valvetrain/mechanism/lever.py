@@ -31,8 +31,8 @@ def build_lever(
     train: TrainParameters, law: LiftLaw, laws: dict[str, ContactLaw], law_of: str
 ) -> AssembledMechanism:
     """Planar train with a cam-driven lever. ``law_of`` 'valve': lift at the valve with zero lash;
-    'tappet': drive arm times lever angle
-    (m)."""
+    'tappet': drive arm times lever angle (m).
+    """
     lever = train.lever
     assert lever is not None
     arm = drive_arm(train, lever)
@@ -91,8 +91,10 @@ def drive_arm(train: TrainParameters, lever: LeverParameters) -> tuple[float, fl
         return lever.drive_arm * math.cos(lever.drive_angle), lever.drive_arm * math.sin(
             lever.drive_angle
         )
-    wanted, distance = train.cam.base_radius + train.follower.radius, math.hypot(px, py)
-    cosine = (wanted**2 - distance**2 - lever.drive_arm**2) / (2 * distance * lever.drive_arm)
+    center_distance, distance = train.cam.base_radius + train.follower.radius, math.hypot(px, py)
+    cosine = (center_distance**2 - distance**2 - lever.drive_arm**2) / (
+        2 * distance * lever.drive_arm
+    )
     if not -1 < cosine < 1:
         raise InputError(
             f"a lever arm of {lever.drive_arm * 1e3:g} mm on a pivot {distance * 1e3:g} mm from the cam centre cannot rest on a base "

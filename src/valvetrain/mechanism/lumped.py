@@ -2,8 +2,7 @@
 the valve.
 
 The planar gaps are replaced by their gradients, so both reductions inherit every mass, stiffness
-and gap of the planar train and
-differ from it by nothing but the missing geometry.
+and gap of the planar train and differ from it by nothing but the missing geometry.
 """
 
 from __future__ import annotations
@@ -109,7 +108,7 @@ def _offset(interaction: Interaction) -> float:
 
 
 def rigid_mode(mechanism: AssembledMechanism, gradients: Array) -> Array:
-    """Travel of every coordinate per travel of the valve (N,), all gaps but cam and seat kept and
+    """Travel of every coordinate per travel of the valve (N,), all gaps but cam and seat closed and
     the pivot at home.
     """
     total, valve = len(mechanism.coordinates), mechanism.index(mechanism.valve)

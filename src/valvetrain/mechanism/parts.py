@@ -24,10 +24,9 @@ class Coordinate:
     """One generalised coordinate of a body.
 
     ``mass``: kg, or kg m2 for a turning body (``unit`` 'rad'). ``force``: constant generalised
-    force (N, N m), gravity
-    included. ``damping``: viscous guide damping (N s/m). ``friction``: Coulomb guide friction (N),
-    regularised below
-    ``friction_velocity`` (m/s). Raises :class:`InputError` for a mass that no body has.
+    force (N, N m), gravity included. ``damping``: viscous guide damping (N s/m). ``friction``:
+    Coulomb guide friction (N), regularised below ``friction_velocity`` (m/s). Raises
+    :class:`InputError` for a mass that no body has.
     """
 
     name: str
@@ -49,7 +48,7 @@ class Coordinate:
 
 
 class Law(Protocol):
-    """What stands in an interaction: a contact law (``contact.law.ContactLaw``) or a link of this
+    """What acts in an interaction: a contact law (``contact.law.ContactLaw``) or a link of this
     module.
     """
 
@@ -93,10 +92,9 @@ class Interaction:
     """A gap between bodies and the law that acts in it.
 
     ``kind``: one of :mod:`valvetrain.mechanism.gap_kinds`. ``coordinates``: up to four coordinate
-    names, '' where a slot is empty.
-    ``geometry``: the row of the kind. ``table``: name of the lift or contour table, '' when none.
-    ``law``: a contact law, an
-    :class:`ElasticLink` or a :class:`MaxwellLink`. ``friction``: along the contact, None for none.
+    names, '' where a slot is empty. ``geometry``: the row of the kind. ``table``: name of the lift
+    or contour table, '' when none. ``law``: a contact law, an :class:`ElasticLink` or a
+    :class:`MaxwellLink`. ``friction``: along the contact, None for none.
     """
 
     name: str
@@ -140,13 +138,12 @@ class ElasticLink:
 
 @dataclass(frozen=True, slots=True)
 class MaxwellLink:
-    """A massless link of a spring beside a spring and a damper in series (the standard linear
+    """A massless link of a spring parallel to a spring and a damper in series (the standard linear
     solid, or Zener element).
 
     ``stiffness`` N/m of the lone spring (zero for a bare Maxwell element), ``branch_stiffness`` N/m
-    and ``branch_damping`` N s/m of the
-    two in series. It remembers the force f (N) of the branch: f' = branch_stiffness (rate - f /
-    branch_damping). At rest f is zero.
+    and ``branch_damping`` N s/m of the two in series. It remembers the force f (N) of the branch:
+    f' = branch_stiffness (rate - f / branch_damping). At rest f is zero.
     """
 
     stiffness: float
@@ -204,10 +201,9 @@ class AssembledMechanism:
     """The plain :class:`Mechanism` that every builder returns.
 
     ``tables``: name -> (nodes, 3) value and first two derivatives over the cam angle. ``retainer``:
-    coordinate that carries the
-    spring retainer, ``valve``: coordinate whose value is called valve lift. ``motion_ratio``: valve
-    velocity over cam-side velocity
-    near mid lift, for step and force estimates. ``rigid``: callable of the rigid kinematics.
+    coordinate that carries the spring retainer, ``valve``: coordinate whose value is called valve
+    lift. ``motion_ratio``: valve velocity over cam-side velocity near mid lift, for step and force
+    estimates. ``rigid``: callable of the rigid kinematics.
     """
 
     name: str

@@ -57,9 +57,8 @@ def cam_contact(
     poses.
 
     ``centre``: path of the arc centre (or of a point of the flat face) over ``cam_angle``; ``turn``
-    (rad): rotation of the body;
-    ``face_direction``: polar angle of a flat face's normal at zero lift. Raises :class:`InputError`
-    for a cam with cusp or undercut.
+    (rad): rotation of the body; ``face_direction``: polar angle of a flat face's normal at zero
+    lift. Raises :class:`InputError` for a cam with cusp or undercut.
     """
     x, y = centre
     if follower.shape == "flat":
@@ -131,11 +130,11 @@ def support_parts(
 
 
 def piston_travel(crank: CrankParameters, cam_angle: ArrayLike) -> Array:
-    """Distance (m) of the piston below its top dead centre; the crank turns twice per cam turn.
+    """Distance (m) of the piston below its top dead centre; the crank turns twice per cam revolution.
 
     Exact slider: s = top - (r cos a + sqrt(l**2 - (r sin a - e)**2)), with offset e and top dead
-    centre at ``top_dead_centre``
-    (of the centred crank; an offset shifts the true highest point by a fraction of a degree).
+    centre at ``top_dead_centre`` (of the centred crank; an offset shifts the true highest point by
+    a fraction of a degree).
     """
     angle = 2 * (np.asarray(cam_angle, dtype=float) - crank.top_dead_centre)
     reach = crank.radius * np.cos(angle) + np.sqrt(

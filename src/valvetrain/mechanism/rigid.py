@@ -40,10 +40,10 @@ class RatioCurve:
     def inverse(self, valve_lift: ArrayLike) -> Array:
         """Drive coordinate of a valve lift (m), by Newton on the spline."""
         spline, slope, *_ = self.splines
-        wanted = np.asarray(valve_lift, dtype=float)
-        drive: Array = np.interp(wanted, self.valve_lift, self.drive)
+        target_lift = np.asarray(valve_lift, dtype=float)
+        drive: Array = np.interp(target_lift, self.valve_lift, self.drive)
         for _ in range(20):
-            change = (spline(drive) - wanted) / slope(drive)
+            change = (spline(drive) - target_lift) / slope(drive)
             drive = drive - change
             if np.max(np.abs(change), initial=0.0) < 1e-14:
                 break
@@ -56,8 +56,8 @@ class RigidKinematics:
     the ``lash`` (m, at the valve).
 
     ``law``: lift law. ``law_of``: ``drive`` when the law prescribes the drive coordinate times
-    ``drive_scale`` (m per unit), ``valve``
-    when it prescribes the valve lift at zero lash. ``ratio``: geometry of the chain.
+    ``drive_scale`` (m per unit), ``valve`` when it prescribes the valve lift at zero lash.
+    ``ratio``: geometry of the chain.
     """
 
     law: LiftLaw
@@ -99,8 +99,8 @@ class RigidKinematics:
         return np.where(tight > self.lash, value, 0.0)
 
     def law_lift(self, valve_lift: ArrayLike) -> Array:
-        """What the law lifts (m) when the rigid valve stands at ``valve_lift`` (m), the lash taken
-        up; the shape kept.
+        """What the law lifts (m) when the rigid valve is at ``valve_lift`` (m), the lash taken
+        up; in the same shape.
         """
         tight = np.asarray(valve_lift, dtype=float) + self.lash
         return tight if self.law_of == "valve" else self.ratio.inverse(tight) * self.drive_scale

@@ -1,10 +1,9 @@
 """Compiled sliding kinematics of the contacts: geometry only, no friction law.
 
 The sliding velocity of a contact is (material of the cam or lever at the contact point less
-material of its partner) along the tangent
-t = (-n_y, n_x), linear in the velocities like the gap's rate: ``per_angle * cam_speed + row . v``.
-Travel of the contact point itself does
-not enter. Gaps without a tangent (LINEAR, CAM_LIFT) and ball joints (DISTANCE) slide nowhere:
+material of its partner) along the tangent t = (-n_y, n_x), linear in the velocities like the gap's
+rate: ``per_angle * cam_speed + row . v``. Travel of the contact point itself does not enter. Gaps
+without a tangent (LINEAR, CAM_LIFT) and ball joints (DISTANCE) slide nowhere:
 :data:`SLIDING_KINDS`.
 """
 

@@ -7,7 +7,7 @@ from typing import Any, cast
 from valvetrain.errors import InputError
 from valvetrain.parameters.case import STATUSES, Note, ValueStatus
 from valvetrain.parameters.changes import nearest
-from valvetrain.parameters.schema_types import MAX_LINE_LENGTH, words_problem
+from valvetrain.parameters.schema_types import MAX_LINE_LENGTH, text_problem
 from valvetrain.units.text import clipped
 
 _VALUE_KEYS = {"value", "status", "source", "comment"}
@@ -19,8 +19,7 @@ def split_notes(tree: dict[str, Any]) -> tuple[dict[str, Any], dict[str, Note], 
     """Bare tree, notes by key path, and the reason of each bad note by key path.
 
     ``{ value = "4 mm", status = "published", source = "key" }`` becomes "4 mm" with a note;
-    ``status`` and ``source`` in any other table
-    are a note on the whole table.
+    ``status`` and ``source`` in any other table are a note on the whole table.
     """
     notes: dict[str, Note] = {}
     bad: dict[str, str] = {}
@@ -54,7 +53,7 @@ def _note(raw: dict[str, Any]) -> Note:
     status, source = raw.get("status"), raw.get("source", "")
     if not isinstance(source, str):
         raise InputError("source must be text, such as the key of a reference")
-    if reason := words_problem(source, MAX_LINE_LENGTH):
+    if reason := text_problem(source, MAX_LINE_LENGTH):
         raise InputError(reason)
     if status is not None and (not isinstance(status, str) or status not in STATUSES):
         shown = clipped(str(status), 30)

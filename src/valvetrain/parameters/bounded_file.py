@@ -12,7 +12,7 @@ from valvetrain.errors import InputError
 
 #: Larger files hold neither a case nor a lift table (bytes).
 MAX_BYTES = 5_000_000
-#: Set to anything, a case may name files beside it only: for cases of strangers (``valvetrain
+#: Set to anything, a case may name files next to it only: for cases of strangers (``valvetrain
 #: serve``).
 SIDE_FILES_VARIABLE = "VALVETRAIN_BESIDE"
 _KINDS = {
@@ -23,7 +23,7 @@ _KINDS = {
 def named_file(folder: Path, name: str) -> Path:
     """The file that a case in ``folder`` names.
 
-    Raises :class:`InputError` for one elsewhere than beside the case, or a link, where
+    Raises :class:`InputError` for one elsewhere than next to the case, or a link, where
     :data:`SIDE_FILES_VARIABLE` is set.
 
     >>> named_file(Path("cases"), "lift.csv").name
@@ -34,14 +34,14 @@ def named_file(folder: Path, name: str) -> Path:
         Path(name).name != name or "\\" in name or path.is_symlink()
     ):
         raise InputError(
-            "names a file elsewhere than beside the case; put it there and name it plainly, as in 'lift.csv'"
+            "names a file elsewhere than next to the case; put it there and name it plainly, as in 'lift.csv'"
         )
     return path
 
 
 def bounded_bytes(path: Path, what: str, most: int = MAX_BYTES) -> bytes:
     """Bytes of the regular file ``path``, at most ``most`` of them; ``what`` it should hold, such
-    as "lift table", stands in messages.
+    as "lift table", appears in messages.
 
     Raises :class:`InputError` ("is a pipe; ...") for anything else and for a larger file,
     :class:`OSError` where it cannot be read.

@@ -50,8 +50,8 @@ def point_problem(
     )
     for name, coil in points.items():
         if name not in names:
-            told = nearest(name, names) if names else "it names none; remove them"
-            return name, f"study '{study}' reads no point '{name[:40]}'; {told}"
+            changed_keys = nearest(name, names) if names else "it names none; remove them"
+            return name, f"study '{study}' reads no point '{name[:40]}'; {changed_keys}"
         if isinstance(coil, bool) or not isinstance(coil, Real) or not math.isfinite(coil):
             return name, f"{coil!r} is no coil number; give a number of coils from the lower tip"
         if not 0 <= coil <= coils:
@@ -82,8 +82,8 @@ class Note:
 @dataclass(frozen=True, slots=True)
 class Operation:
     """What is run: ``engine_speeds`` (rad/s of the crank, twice the cam's), ``cycles`` (cam
-    revolutions, the last is reported) and
-    ``output_step`` (cam rad) between the values kept."""
+    revolutions, the last is reported) and ``output_step`` (cam rad) between stored values.
+    """
 
     engine_speeds: tuple[float, ...] = ()
     cycles: int = 2
@@ -118,13 +118,11 @@ class Case:
     """Everything that defines a study; SI throughout.
 
     ``springs``: one or two, outer first, under prescribed motion of their retainer; a ``train``
-    holds its own. ``study``: word of the
-    published study that the case re-runs. ``points``: coil numbers at which its points on the wire
-    are read, by their names, where they
-    are others than the study's. ``text``: the case file as resolved, with what was changed from
-    outside; read again it gives
-    an equal case. ``changed``: key paths that were set from outside the file. Text and changes take
-    no part in comparisons.
+    holds its own. ``study``: word of the published study that the case re-runs. ``points``: coil
+    numbers at which its points on the wire are read, by their names, where they are others than the
+    study's. ``text``: the case file as resolved, with what was changed from outside; read again it
+    gives an equal case. ``changed``: key paths that were set from outside the file. Text and
+    changes take no part in comparisons.
 
     >>> import valvetrain as vt
     >>> case = vt.load_case("job-t")
@@ -159,9 +157,8 @@ class Case:
         ``case.replace({"springs.0.precompression": 0.006}, name="short")``.
 
         The new values are SI, text with a unit ("6 mm") or pint quantities and stand behind
-        ``text`` as remarks; ``changed`` names their
-        paths. Raises :class:`InputError` for a path that does not exist, with the nearest one that
-        does, and for a wrong unit.
+        ``text`` as remarks; ``changed`` names their paths. Raises :class:`InputError` for a path
+        that does not exist, with the nearest one that does, and for a wrong unit.
         """
         from valvetrain.parameters.summary import si_at
 
@@ -171,21 +168,21 @@ class Case:
         refused = point_problem(result.study, result.points, result.springs)
         if refused is not None:
             raise InputError(refused[1], ".".join(filter(None, ("points", refused[0]))))
-        told = [
+        changed_keys = [
             path
             for path in every
             if path.split(".")[0] not in ("name", "title", "description", "text", "changed")
         ]
         remarks = "".join(
-            f"# changed: {path} = {' '.join(repr(every[path]).split())}\n" for path in told
+            f"# changed: {path} = {' '.join(repr(every[path]).split())}\n" for path in changed_keys
         )
         return (
             replace(
                 result,
                 text=result.text + remarks,
-                changed=tuple(dict.fromkeys((*result.changed, *told))),
+                changed=tuple(dict.fromkeys((*result.changed, *changed_keys))),
             )
-            if told
+            if changed_keys
             else result
         )
 

@@ -70,7 +70,7 @@ def _check_name(target: Any, name: str, where: str) -> None:
     if isinstance(target, tuple):
         names = [str(place) for place in range(len(target))]
     elif isinstance(target, Mapping):
-        # Options and points that the case does not give may be set; those that nobody has are
+        # Options and points that the case does not give may be set; those that nothing uses are
         # refused where the part is made.
         names = [*target, name] if "options." in where or where == "points." else list(target)
     else:

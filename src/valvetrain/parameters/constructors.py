@@ -78,9 +78,8 @@ def wind(
     ``total_coils`` turns tip to tip.
 
     An end given as a word gets the turns of the table; an :class:`EndCoil` is taken as it is.
-    Closed ends are wound at the wire diameter.
-    Raises :class:`InputError` for a wire of no constant diameter and for a free length at which the
-    coils would be solid.
+    Closed ends are wound at the wire diameter. Raises :class:`InputError` for a wire of no constant
+    diameter and for a free length at which the coils would be solid.
     """
     if not isinstance(wire_diameter, Constant):
         raise InputError(
@@ -524,14 +523,14 @@ def _wound(
         lower = upper = EndCoil(ends)
         closed_coils = 1.0 if is_closed(ends) else 0.0
     closed = 1.0 if closed_coils is None else closed_coils
-    usual = CLOSED_GROUND if closed > 0 else OPEN_END
+    default_end = CLOSED_GROUND if closed > 0 else OPEN_END
     if isinstance(pitch, Curve):
         law: Curve = pitch
     elif closed == 0:
         law = Constant(si(pitch, "pitch", "pitch"))
     else:
         law = pitch_with_closed_ends(total_coils, wire, pitch, closed, closed)
-    return _Wound(wire, total_coils, law, lower or usual, upper or usual)
+    return _Wound(wire, total_coils, law, lower or default_end, upper or default_end)
 
 
 def _spring(wound: _Wound, diameter: Curve, material: Material, name: str) -> SpringDefinition:

@@ -1,8 +1,7 @@
 """Curves over the coil number: the laws of wire diameter, coil diameter and pitch along a spring.
 
 A curve answers three questions at any coil number ``u`` (turns from the lower wire tip): its value,
-its
-derivative per turn and its integral from zero. One class per kind; a new kind is one more small
+its derivative per turn and its integral from zero. One class per kind; a new kind is one more small
 class.
 """
 
@@ -49,7 +48,7 @@ class Constant:
 
     level: float
 
-    if TYPE_CHECKING:  # what may be given is wider than what is kept
+    if TYPE_CHECKING:  # accepted types are wider than the stored one
 
         def __init__(self, level: Given) -> None: ...
 
@@ -71,9 +70,8 @@ class PiecewiseLinear:
     """Straight lines between (coil, value) knots, held constant beyond the first and last knot.
 
     ``coils``: rising coil numbers; ``values``: as many lengths (m, text with a unit, pint
-    quantities), or text such as "4, 7, 4 mm".
-    Raises :class:`InputError` when fewer than two knots are given, the coils do not increase or a
-    value is no length.
+    quantities), or text such as "4, 7, 4 mm". Raises :class:`InputError` when fewer than two knots
+    are given, the coils do not increase or a value is no length.
 
     >>> PiecewiseLinear((0, 3, 6), "4, 7, 4 mm").values
     (0.004, 0.007, 0.004)
@@ -125,9 +123,8 @@ class Table:
     overshoot.
 
     ``coils``: rising coil numbers; ``values``: as many lengths (m, text with a unit, pint
-    quantities), or text such as "4, 7, 4 mm".
-    Raises :class:`InputError` when fewer than two knots are given, the coils do not increase or a
-    value is no length.
+    quantities), or text such as "4, 7, 4 mm". Raises :class:`InputError` when fewer than two knots
+    are given, the coils do not increase or a value is no length.
 
     >>> Table((0, 3, 6), "4, 7, 4 mm").values
     (0.004, 0.007, 0.004)

@@ -82,11 +82,11 @@ def _rows(model: type[BaseModel], base: type[BaseModel] | None = None) -> list[s
     return [
         f"| `{name}` | {shown_default(field)} | {_meaning(field)} |"
         for name, field in fields.items()
-        if _told(field)
+        if _is_documented(field)
     ]
 
 
-def _told(field: FieldInfo) -> bool:
+def _is_documented(field: FieldInfo) -> bool:
     """Whether leaving the key out means something: a plain value, or none with a word on what
     follows.
     """

@@ -1,4 +1,4 @@
-"""A spring as it stands in the engine: its wire or its card, how it is installed, how it is damped,
+"""A spring as installed in the engine: its wire or its card, how it is installed, how it is damped,
 and the options of its models.
 """
 
@@ -54,12 +54,10 @@ class DampingParameters:
     """Rayleigh damping, force = (``mass_damping`` M + ``stiffness_damping`` K) velocity.
 
     Give the coefficients (1/s and s), or ``ratio`` (of critical) at ``ratio_frequency`` (Hz) with
-    ``stiffness_share``, the part of
-    the ratio that is stiffness-proportional: with w = 2 pi ratio_frequency, mass_damping = 2 ratio
-    w (1 - share) and
-    stiffness_damping = 2 ratio share / w. A ratio with one coefficient leaves the rest to the
-    other. After construction
-    both coefficients are numbers. Raises :class:`InputError` when two ways of saying it disagree.
+    ``stiffness_share``, the part of the ratio that is stiffness-proportional: with w = 2 pi
+    ratio_frequency, mass_damping = 2 ratio w (1 - share) and stiffness_damping = 2 ratio share / w.
+    A ratio with one coefficient leaves the rest to the other. After construction both coefficients
+    are numbers. Raises :class:`InputError` when two ways of saying it disagree.
     """
 
     mass_damping: float = None  # type: ignore[assignment]
@@ -155,8 +153,7 @@ class Guide:
     and ``rod``, outer diameter inside it (m).
 
     ``stiffness`` (N/m per m of wire) of the contact. The wire slides on a wall without friction.
-    One of the two must be given; raises
-    :class:`InputError` otherwise.
+    One of the two must be given; raises :class:`InputError` otherwise.
 
     >>> Guide(bore=30e-3).stiffness
     20000000000.0
@@ -193,7 +190,7 @@ class Guide:
                 "make the rod thinner"
             )
 
-    def words(self) -> str:
+    def summary(self) -> str:
         """What it is, for people."""
         parts = [
             f"{word} of {value * 1e3:.5g} mm"
@@ -212,8 +209,8 @@ ROTATIONS = ("fixed", "free")
 @dataclass(frozen=True, slots=True)
 class CoilContact:
     """Contact of coil on coil and of coil on seat, the same for every model: ``stiffness`` (N/m per
-    m of wire; 0: coils pass through
-    each other) and ``damping_time`` (s), damping over stiffness."""
+    m of wire; 0: coils pass through each other) and ``damping_time`` (s), damping over stiffness.
+    """
 
     stiffness: float = 2e10
     damping_time: float = 1e-6
@@ -237,17 +234,13 @@ class InstalledSpring:
     """One spring between seat and retainer: exactly one of ``wire`` and ``card``.
 
     ``precompression`` (m): shortening from the free length with the valve closed (a wire's; a
-    card's is preload / rate).
-    ``seats``: ``planes`` where end coils may touch flat seats beyond their inactive turns,
-    ``clamps`` where nothing but the inactive
-    ends is touched. ``options``: spring-model word -> keyword arguments of that model's options.
-    ``tied``: a source's own spring whose
-    ends never leave seat and retainer, so that it also pulls. ``guide``: bore or rod that keeps a
-    wire straight; springs that only move
-    along their axis need none and do not feel it. ``retainer_rotation``: whether the retainer may
-    turn about the axis at rest, which a
-    wire alone feels. Raises :class:`InputError` for a spring that would be stretched or solid
-    as installed.
+    card's is preload / rate). ``seats``: ``planes`` where end coils may touch flat seats beyond
+    their inactive turns, ``clamps`` where nothing but the inactive ends is touched. ``options``:
+    spring-model word -> keyword arguments of that model's options. ``tied``: a source's own spring
+    whose ends never leave seat and retainer, so that it also pulls. ``guide``: bore or rod that
+    keeps a wire straight; springs that only move along their axis need none and do not feel it.
+    ``retainer_rotation``: whether the retainer may turn about the axis at rest, which a wire alone
+    feels. Raises :class:`InputError` for a spring that would be stretched or solid as installed.
     """
 
     wire: SpringDefinition | None = None

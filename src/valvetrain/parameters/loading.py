@@ -33,7 +33,7 @@ _MOVED: dict[tuple[str, ...], dict[str, str]] = {
     ("damping",): {"": "[spring.damping], with the same keys"},
     ("spring_card",): {"": "[spring], with the same keys"},
     ("rod",): {
-        "": f"split: numbers of the mesh stand in {_FINITE_ELEMENT}, coil contact in [spring.contact]",
+        "": f"split: numbers of the mesh belong in {_FINITE_ELEMENT}, coil contact in [spring.contact]",
         "contact_stiffness": "[spring.contact] stiffness",
         "contact_damping_time": "[spring.contact] damping_time",
         "output_step": "[operation] output_step",

@@ -27,7 +27,7 @@ class Material:
     shear_modulus: float
     density: float
 
-    if TYPE_CHECKING:  # what may be given is wider than what is kept
+    if TYPE_CHECKING:  # accepted types are wider than the stored one
 
         def __init__(
             self, name: str, youngs_modulus: Given, shear_modulus: Given, density: Given

@@ -10,7 +10,7 @@ from typing import Any
 from valvetrain.errors import InputError
 from valvetrain.units.text import clipped
 
-#: Stands for a value that is taken out of the case.
+#: Marks a value that is removed from the case.
 REMOVED = object()
 _SOURCE = "set from outside the case file"
 
@@ -19,8 +19,8 @@ def read_assignment(text: str, where: str = "") -> tuple[str, Any]:
     """Key path and value of ``"spring.wire_diameter=4.1 mm"``.
 
     The value is read as TOML where it is TOML (``24``, ``true``, ``[0, 4, 7]``), else as text
-    (``4.1 mm``); nothing after the sign removes
-    the key. Raises :class:`InputError` without a path or an equals sign.
+    (``4.1 mm``); nothing after the sign removes the key. Raises :class:`InputError` without a path
+    or an equals sign.
     """
     if any(
         "\ud800" <= char <= "\udfff" for char in text

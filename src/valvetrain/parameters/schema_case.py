@@ -122,30 +122,30 @@ class PublishedModel(StrictModel):
         return tuple(values)
 
 
-#: Laws from files that are kept.
-MAX_KEPT = 8
+#: Size of the cache of lift laws read from files.
+MAX_CACHED = 8
 _Key = tuple[type[LiftModel], str, tuple[str, ...], bytes]
-_kept: OrderedDict[_Key, LiftLawParameters] = OrderedDict()
+_cache: OrderedDict[_Key, LiftLawParameters] = OrderedDict()
 _turn = threading.Lock()
 
 
 def parameters_of(law: LiftModel, folder: Path) -> LiftLawParameters:
     """What the table of a ``law`` says, with the files that it names in ``folder``; one that was
-    read from the same bytes before is kept.
+    read from the same bytes before is cached.
 
-    Raises what the table itself raises, which is never kept.
+    Raises what the table itself raises, which is never cached.
     """
     key = _key(law, folder)
     with _turn:
-        if key is not None and key in _kept:
-            _kept.move_to_end(key)
-            return _kept[key]
+        if key is not None and key in _cache:
+            _cache.move_to_end(key)
+            return _cache[key]
     found = law.parameters(folder)
     if key is not None and key == _key(law, folder):  # the file stayed the same while it was read
         with _turn:
-            _kept[key] = found
-            while len(_kept) > MAX_KEPT:
-                _kept.popitem(last=False)
+            _cache[key] = found
+            while len(_cache) > MAX_CACHED:
+                _cache.popitem(last=False)
     return found
 
 
@@ -187,7 +187,7 @@ class OperationModel(StrictModel):
         default=_OPERATION.cycles, description="cam revolutions run; the last is reported"
     )
     output_step: OutputStep = Field(
-        default=_OPERATION.output_step, description="cam angle between the values kept"
+        default=_OPERATION.output_step, description="cam angle between stored values"
     )
 
     def build(self) -> Operation:

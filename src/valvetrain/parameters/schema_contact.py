@@ -31,7 +31,7 @@ ContactStiffness = Annotated[float, quantity(None)]
 ContactDamping = Annotated[float, quantity(None)]
 Velocity = Annotated[float, quantity("velocity")]
 
-#: In place of a table, or of all tables: a contact of steel parts of usual size
+#: In place of a table, or of all tables: a contact of steel parts of typical size
 #: (:mod:`valvetrain.parameters.steel_contacts`).
 STEEL = "steel"
 #: Of steel on steel, where a law needs a loss and the table gives none.
@@ -103,9 +103,9 @@ def _table_with(key: str, law: str) -> type[ContactTable]:
     """The table of ``law``, or of another law, that has ``key`` (it then waits unused); else that
     of ``law``, to refuse it.
     """
-    words = (law, *(word for word in registry.words("contacts") if word != law))
+    laws = (law, *(word for word in registry.words("contacts") if word != law))
     tables: list[type[ContactTable]] = [
-        guarded(registry.find, "contacts", word).table for word in words
+        guarded(registry.find, "contacts", word).table for word in laws
     ]
     return next((table for table in tables if key in table.model_fields), tables[0])
 
@@ -137,8 +137,8 @@ ContactField = Annotated[ContactParameters, PlainValidator(_read_contact)]
 
 
 def _read_contacts(raw: Any) -> dict[str, ContactParameters]:
-    """Contacts by place; the word alone, or of the place ``others``, stands for every place not
-    named (kept under '').
+    """Contacts by place; the word alone, or of the place ``others``, applies to every place not
+    named (stored under '').
     """
     if raw == STEEL:
         return {"": ContactParameters(STEEL)}
@@ -150,7 +150,7 @@ def _read_contacts(raw: Any) -> dict[str, ContactParameters]:
     if (rest := found.pop("others", None)) is not None:
         if rest.law != STEEL:
             raise problem(
-                f"others stands for the places not named and can be '{STEEL}' only; name the place",
+                f"others applies to the contacts not named and can be '{STEEL}' only; name the contact",
                 ("others",),
             )
         found[""] = rest

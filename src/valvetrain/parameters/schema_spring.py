@@ -45,7 +45,7 @@ class EndModel(StrictModel):
     ground_coils: EndTurns | None = None
 
     def build(self) -> EndCoil:
-        """The end coil, with the usual turns of its kind where none are given."""
+        """The end coil, with the default turns of its kind."""
         given = {"inactive_coils": self.inactive_coils, "ground_coils": self.ground_coils}
         return EndCoil(
             self.kind, **{name: turns for name, turns in given.items() if turns is not None}
@@ -246,18 +246,20 @@ class SpringCardModel(StrictModel):
         """The card as installed; refuses a rate that contradicts the loads."""
         if self.preload < 0:
             raise problem("a preload is a compressive force, zero or more", ("preload",))
-        told, installed = self._heights()
-        rate, lift = self._rate(told)
+        preload_height, installed = self._heights()
+        rate, lift = self._rate(preload_height)
         preload = self.preload + (
-            rate * (told - installed) if told is not None and installed is not None else 0.0
+            rate * (preload_height - installed)
+            if preload_height is not None and installed is not None
+            else 0.0
         )
         if preload < 0:
             raise problem(
                 "the spring would be loose at this installed_height; install it lower",
                 ("installed_height",),
             )
-        if lift is not None and told is not None and installed is not None:
-            lift -= told - installed
+        if lift is not None and preload_height is not None and installed is not None:
+            lift -= preload_height - installed
         load = None if lift is None else preload + rate * lift
         if (
             self.solid_height is not None
@@ -272,19 +274,23 @@ class SpringCardModel(StrictModel):
             preload=preload,
             mass=self._mass(rate),
             installed_height=installed,
-            open_load=load if self.open_load is None or told != installed else self.open_load,
+            open_load=load
+            if self.open_load is None or preload_height != installed
+            else self.open_load,
             open_lift=lift,
             solid_height=self.solid_height,
             name=self.name,
         )
 
     def _heights(self) -> tuple[float | None, float | None]:
-        """Heights (m) at which the preload is told and at which the spring is installed."""
-        told, installed = self.preload_height, self.installed_height
-        return (installed if told is None else told), (told if installed is None else installed)
+        """Heights (m) at which the preload is stated and at which the spring is installed."""
+        preload_height, installed = self.preload_height, self.installed_height
+        return (installed if preload_height is None else preload_height), (
+            preload_height if installed is None else installed
+        )
 
-    def _rate(self, told: float | None) -> tuple[float, float | None]:
-        """Rate (N/m) and the lift (m) from the preload to the open load, where it is told."""
+    def _rate(self, preload_height: float | None) -> tuple[float, float | None]:
+        """Rate (N/m) and the lift (m) from the preload to the open load, where it is specified."""
         rate, load, lift = self.rate, self.open_load, self.open_lift
         if self.open_height is not None:
             if lift is not None:
@@ -292,17 +298,17 @@ class SpringCardModel(StrictModel):
                     "open_lift and open_height are both given and may contradict; give one",
                     ("open_height",),
                 )
-            if told is None:
+            if preload_height is None:
                 raise problem(
                     "open_height needs the height of the preload; add installed_height",
                     ("open_height",),
                 )
-            if self.open_height >= told:
+            if self.open_height >= preload_height:
                 raise problem(
-                    f"open_height is not below that of the preload ({told * 1e3:.4g} mm); check both",
+                    f"open_height is not below that of the preload ({preload_height * 1e3:.4g} mm); check both",
                     ("open_height",),
                 )
-            lift = told - self.open_height
+            lift = preload_height - self.open_height
         from_loads = None if load is None or lift is None else (load - self.preload) / lift
         if from_loads is not None and from_loads <= 0:
             raise problem(
@@ -321,8 +327,8 @@ class SpringCardModel(StrictModel):
         return (rate if rate is not None else from_loads or 0.0), lift
 
     def _mass(self, rate: float) -> float | None:
-        """Mass (kg) that vibrates: as told, or of the active turns, rho pi^2 d^2 D n / 4; None
-        where neither is told.
+        """Mass (kg) that vibrates: as specified, or of the active turns, rho pi^2 d^2 D n / 4; None
+        where neither is specified.
         """
         if self.mass is not None or self.wire_diameter is None:
             if self.wire_diameter is None and (

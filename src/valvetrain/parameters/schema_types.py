@@ -83,7 +83,7 @@ def validate_as(model: type[Model], raw: Any, path: tuple[str | int, ...] = ()) 
         raise problem(reason, (*path, *inner)) from error
 
 
-#: What a missing key is answered with beside its name, where a newcomer cannot guess what stands
+#: What a missing key is answered with, besides its name, where a newcomer cannot guess what belongs
 #: there.
 SUCH_AS = {
     "material": ', such as material = "EN 10270-2 VDSiCr" (a name of the library) or its moduli and density'
@@ -197,10 +197,10 @@ _CONTROL = {
 _TURNS = frozenset("\u202a\u202b\u202c\u202d\u202e\u2066\u2067\u2068\u2069")
 
 
-def words_problem(text: str, most: int, spared: str = "") -> str:
-    """Why ``text`` may not stand in files, pages and terminals, empty when it may: longer than
-    ``most`` or with control characters other
-    than those in ``spared``."""
+def text_problem(text: str, most: int, spared: str = "") -> str:
+    """Why ``text`` may not appear in files, pages and terminals, empty when it may: longer than
+    ``most`` or with control characters other than those in ``spared``.
+    """
     if len(text) > most:
         return f"'{clipped(text)}' has {len(text)} characters; use at most {most}"
     if text.isprintable():
@@ -216,13 +216,13 @@ def words_problem(text: str, most: int, spared: str = "") -> str:
     return ""
 
 
-def words(most: int, spared: str = "", separators: str = "") -> AfterValidator:
+def text_of(most: int, spared: str = "", separators: str = "") -> AfterValidator:
     """Refuses text that is too long, holds control characters other than ``spared``, or any of
     ``separators``.
     """
 
     def read(text: str) -> str:
-        if reason := words_problem(text, most, spared):
+        if reason := text_problem(text, most, spared):
             raise problem(reason)
         for sign in separators:
             if sign in text:
@@ -236,7 +236,7 @@ def words(most: int, spared: str = "", separators: str = "") -> AfterValidator:
 
 #: A name within a case; the name of a case, by which files are found; one line; a text of several
 #: lines.
-Name = Annotated[str, words(MAX_NAME_LENGTH)]
-CaseName = Annotated[str, words(MAX_NAME_LENGTH, separators="/\\")]
-Line = Annotated[str, words(MAX_LINE_LENGTH)]
-Prose = Annotated[str, words(MAX_TEXT_LENGTH, spared="\n\r\t")]
+Name = Annotated[str, text_of(MAX_NAME_LENGTH)]
+CaseName = Annotated[str, text_of(MAX_NAME_LENGTH, separators="/\\")]
+Line = Annotated[str, text_of(MAX_LINE_LENGTH)]
+Prose = Annotated[str, text_of(MAX_TEXT_LENGTH, spared="\n\r\t")]

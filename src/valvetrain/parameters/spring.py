@@ -107,7 +107,7 @@ def check_spring(spring: WireShape) -> None:
         (spring.pitch, "pitch"),
     ):
         bad = ~(np.isfinite(law.value(beyond)) & np.isfinite(law.derivative(beyond)))
-        remedy = f"let its curve go on {BEYOND_TIPS:g} turns past both tips, such as by np.clip of the coil number"
+        remedy = f"let its curve continue {BEYOND_TIPS:g} turns past both tips, such as by np.clip of the coil number"
         _refuse(bad, beyond, spring, f"{label} is not a finite number with a slope; {remedy}")
     for law, quantity in (
         (spring.wire_diameter, "wire_diameter"),
@@ -180,7 +180,7 @@ EndKind = Literal["closed-ground", "closed", "open", "open-ground"]
 _TYPICAL_TURNS: dict[str, tuple[float, float]] = {
     "closed-ground": (0.75, 0.75), "closed": (0.75, 0.0), "open": (0.0, 0.0), "open-ground": (0.5, 0.25),
 }  # fmt: skip
-#: Stands for the usual turns of the kind; told by identity, so that another nan is still refused.
+#: Marks the default turns of the kind; compared by identity, so that another nan is still refused.
 _DEFAULT_MARK = float("nan")
 
 
@@ -189,12 +189,10 @@ class EndCoil:
     """How one end of the spring meets its seat.
 
     ``inactive_coils``: turns of wire bonded to the seat (they move with it; the rod starts where
-    they end).
-    ``ground_coils``: turns over which the wire is ground flat; the seat plane touches the full wire
-    there. Left out, both follow from
-    the kind, as in a case file: 0.75 and 0.75 closed and ground, 0.75 and 0 closed, none open, 0.5
-    and 0.25 open and ground.
-    Raises :class:`InputError` for an unknown kind and turns outside 0 to 3.
+    they end). ``ground_coils``: turns over which the wire is ground flat; the seat plane touches
+    the full wire there. Left out, both follow from the kind, as in a case file: 0.75 and 0.75
+    closed and ground, 0.75 and 0 closed, none open, 0.5 and 0.25 open and ground. Raises
+    :class:`InputError` for an unknown kind and turns outside 0 to 3.
 
     >>> EndCoil("open").inactive_coils
     0.0
@@ -229,10 +227,8 @@ class SpringDefinition:
     wire tip.
 
     ``wire_diameter`` and ``mean_diameter`` in m, ``pitch`` = rise of the wire axis per turn dz/du
-    in m; a length stands for a constant.
-    The pitch must be continuous (its slope may jump). Raises :class:`InputError` with the reason
-    for a
-    spring that cannot exist.
+    in m; a length is taken as a constant. The pitch must be continuous (its slope may jump). Raises
+    :class:`InputError` with the reason for a spring that cannot exist.
 
     >>> import valvetrain as vt
     >>> steel = vt.Material("steel", 206e9, 79.5e9, 7850.0)
@@ -372,7 +368,7 @@ class SpringDefinition:
         return np.where(inside, np.hypot(rise, shift) - wire, np.inf)
 
     def telescopes(self, coil: ArrayLike) -> NDArray[np.bool_]:
-        """Whether the wire at ``coil`` passes beside the wire one turn below, which then does not
+        """Whether the wire at ``coil`` passes next to the wire one turn below, which then does not
         keep it off the seat.
         """
         coil = np.asarray(coil, dtype=float)
@@ -429,7 +425,7 @@ class SpringDefinition:
             )
 
     def solid_rise(self, coil: ArrayLike) -> Array:
-        """Rise per turn (m) of the wire axis where every coil lies on the one below, or beside it."""
+        """Rise per turn (m) of the wire axis where every coil lies on the one below, or next to it."""
         coil = np.asarray(coil, dtype=float)
         wire, (first, last) = self.wire_diameter.value(coil), (0.0, self.total_coils)
         low, high = (

@@ -1,4 +1,4 @@
-"""Contacts of steel parts of usual size, for the places of a train that a case gives the word
+"""Contacts of steel parts of typical size, for the contacts of a train that a case gives the name
 ``steel`` instead of a law.
 
 Elastic parts by Hertz, for bodies of equal material, 1/E* = 2 (1 - nu^2) / E:
@@ -32,14 +32,14 @@ TIP_LENGTH = 7e-3
 BALL_RADIUS, CUP_RADIUS = 0.15625 * 25.4e-3, 1.05 * 0.15625 * 25.4e-3
 #: Radius at the seat and thickness of a valve head (m).
 HEAD_RADIUS, HEAD_THICKNESS = 20e-3, 5e-3
-ORIGIN = "steel parts of usual size"
+ORIGIN = "steel parts of typical size"
 
 
 def steel_contact(place: str, cam: CamParameters) -> ContactParameters:
     """The contact at ``place`` (cam, tappet, rocker, valve_tip or seat) between steel parts; the
     cam tells width and elastic data.
 
-    Raises a located problem for a place of which no usual size is known.
+    Raises a located problem for a contact of which no typical size is known.
     """
     young, poisson = cam.youngs_modulus, cam.poisson_ratio
     reduced = young / (2 * (1 - poisson**2))
@@ -59,7 +59,7 @@ def steel_contact(place: str, cam: CamParameters) -> ContactParameters:
         )
     else:
         raise problem(
-            f"no usual contact of steel parts is known at '{place}'; give its law and values",
+            f"no typical contact of steel parts is known at '{place}'; give its law and values",
             (place,),
         )
     values = {"contact_stiffness": stiffness, "exponent": exponent, "restitution": RESTITUTION}
@@ -69,7 +69,7 @@ def steel_contact(place: str, cam: CamParameters) -> ContactParameters:
 def with_steel(
     contacts: Mapping[str, ContactParameters], kind: str, cam: CamParameters
 ) -> dict[str, ContactParameters]:
-    """``contacts`` by place with values for the word ``steel``; under '' it stands for the places
+    """``contacts`` by place with values for the word ``steel``; under '' it applies to the contacts
     of the train ``kind`` not named.
     """
     every = {place: contact for place, contact in contacts.items() if place}
@@ -91,7 +91,7 @@ def _valued(place: str, contact: ContactParameters, cam: CamParameters) -> Conta
 
 
 def default_contacts(contacts: Mapping[str, ContactParameters]) -> str:
-    """One sentence on the contacts whose values are usual ones and not the case's; empty where
+    """One sentence on the contacts that use default steel values instead of the case's; empty where
     there are none.
     """
     places = [

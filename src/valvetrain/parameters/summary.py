@@ -99,7 +99,7 @@ def si_at(path: str, value: Any) -> Any:
 
 
 def value_text_at(holder: Any, path: str) -> str:
-    """The value at a key path below ``holder`` in words; empty where it is kept in another form
+    """The value at a key path below ``holder`` as text; empty where it is stored in another form
     than the file's.
     """
     item, keys = holder, path.split(".")
@@ -112,7 +112,7 @@ def value_text_at(holder: Any, path: str) -> str:
 
 def _part(item: Any, key: str) -> Any:
     if isinstance(item, (list, tuple)):
-        if not key.isdigit():  # a set of one spring may stand in the file as a table
+        if not key.isdigit():  # a set of one spring may be written in the file as a table
             return _part(item[0], key) if len(item) == 1 else None
         return item[int(key)] if int(key) < len(item) else None
     for holder in (item, *((item.wire, item.card) if isinstance(item, InstalledSpring) else ())):
@@ -157,7 +157,7 @@ def value_text(item: Any, key: str, unit: str = "") -> str:
     if isinstance(item, str):
         return item
     if isinstance(item, ContactParameters):
-        return _contact_words(item)
+        return _contact_text(item)
     if (
         is_dataclass(item)
         and type(item).__name__.endswith("Parameters")
@@ -178,16 +178,16 @@ def _default(one: Field[Any]) -> Any:
     return None if one.default is MISSING else one.default
 
 
-def _contact_words(contact: ContactParameters) -> str:
+def _contact_text(contact: ContactParameters) -> str:
     """A contact law with its numbers as given; the unit of K d^n depends on the exponent, that of
-    the damping on what it stands for.
+    the damping on its meaning.
     """
     spec = registry.find("contacts", contact.law)
     own = {one.name: one.default for one in fields(spec.law)}
     exponent = contact.stiffness_exponent or float(
         contact.values.get("exponent", own.get("exponent", 1.0))
     )
-    words = [contact.law]
+    parts = [contact.law]
     for key, value in contact.values.items():
         if key == "contact_stiffness":
             shown = (
@@ -199,8 +199,8 @@ def _contact_words(contact: ContactParameters) -> str:
             shown = f"{number(value)} s/m"
         else:
             shown = value_text(value, key)
-        words.append(f"{key.replace('_', ' ')} {shown}")
-    return ", ".join(words)
+        parts.append(f"{key.replace('_', ' ')} {shown}")
+    return ", ".join(parts)
 
 
 def _shown(value: float, unit: str) -> float:

@@ -35,7 +35,7 @@ def resolved(tree: Mapping[str, Any], lift_law: LiftLawParameters | None) -> dic
     """
     if lift_law is None:
         return dict(tree)
-    kept = {
+    unchanged = {
         key: value
         for key, value in tree["lift_law"].items()
         if key in ("lift_of", "zero_of_angle", "status", "source")
@@ -50,7 +50,7 @@ def resolved(tree: Mapping[str, Any], lift_law: LiftLawParameters | None) -> dic
             table[name] = value if isinstance(value, int) else f"{value!r} {unit}"
     if lift_law.zero_of_angle:
         table["zero_of_angle"] = lift_law.zero_of_angle
-    return {**tree, "lift_law": kept | table}
+    return {**tree, "lift_law": unchanged | table}
 
 
 def inline(value: Any) -> str:

@@ -24,11 +24,10 @@ class ContactParameters:
     `valvetrain.contact`.
 
     ``friction_coefficient`` (0: none) of regularised Coulomb friction, which creeps below
-    ``friction_velocity`` (m/s).
-    ``stiffness_exponent`` n of the N/m**n and ``damping_unit`` (``N s/m`` or ``s/m``) in which the
-    values are given, so that another law
-    can be named over them; None and empty: the units of the law named. ``origin``: where values
-    come from that the case does not give.
+    ``friction_velocity`` (m/s). ``stiffness_exponent`` n of the N/m**n and ``damping_unit`` (``N
+    s/m`` or ``s/m``) in which the values are given, so that another law can be named over them;
+    None and empty: the units of the law named. ``origin``: where values come from that the case
+    does not give.
     """
 
     law: str = "linear"
@@ -74,8 +73,8 @@ class FollowerParameters:
     """What touches the cam: ``shape`` with its arc ``radius`` (m; 0 for flat and knife).
 
     ``mass`` (kg) of a sliding follower (tappet). ``offset`` (m): distance of its axis from the cam
-    centre. ``tilt`` (rad): lean of a flat
-    face. ``friction`` (N) and ``damping`` (N s/m) act in its guide.
+    centre. ``tilt`` (rad): lean of a flat face. ``friction`` (N) and ``damping`` (N s/m) act in its
+    guide.
     """
 
     shape: FollowerShape = "flat"
@@ -107,16 +106,13 @@ class LeverParameters:
     """A finger follower or rocker turning about ``pivot`` (x, y in m from the cam centre).
 
     ``drive_arm`` (m): pivot to the centre of the cam pad's arc, or to the pushrod ball.
-    ``drive_angle`` (rad): its polar direction when
-    the valve is closed; None lets the base circle decide (cam-driven levers), ``drive_side`` +1 or
-    -1 then picks one of the two
-    solutions. ``valve_arm``, ``valve_angle``: pivot to the centre of the tip's arc. ``inertia`` (kg
-    m2) about the pivot; ``mass`` (kg)
-    that moves with the support. ``stiffness`` (N/m) at the valve tip, None for rigid; ``damping``
-    (N s/m) likewise. ``holding_torque``
-    (N m) of a hairpin spring presses the lever towards the cam or pushrod, so that it does not
-    float in the lash. ``tip_radius`` (m) of
-    the arc that touches the stem; only friction there asks for it.
+    ``drive_angle`` (rad): its polar direction when the valve is closed; None lets the base circle
+    decide (cam-driven levers), ``drive_side`` +1 or -1 then picks one of the two solutions.
+    ``valve_arm``, ``valve_angle``: pivot to the centre of the tip's arc. ``inertia`` (kg m2) about
+    the pivot; ``mass`` (kg) that moves with the support. ``stiffness`` (N/m) at the valve tip, None
+    for rigid; ``damping`` (N s/m) likewise. ``holding_torque`` (N m) of a hairpin spring presses
+    the lever towards the cam or pushrod, so that it does not float in the lash. ``tip_radius`` (m)
+    of the arc that touches the stem; only friction there asks for it.
     """
 
     pivot: tuple[float, float]
@@ -160,8 +156,8 @@ class PushrodParameters:
 @dataclass(frozen=True, slots=True)
 class SupportParameters:
     """Elastic pivot or rocker shaft: ``stiffness`` (N/m) and ``damping`` (N s/m) along
-    ``direction`` (polar angle, rad), moving ``mass``
-    (kg)."""
+    ``direction`` (polar angle, rad), moving ``mass`` (kg).
+    """
 
     stiffness: float
     mass: float
@@ -179,8 +175,7 @@ class ValveParameters:
     opening motion.
 
     ``stem_stiffness`` (N/m), None for rigid, joins the head (``head_fraction`` of the mass) to the
-    tip; ``damping`` (N s/m) and
-    ``friction`` (N) act in the guide.
+    tip; ``damping`` (N s/m) and ``friction`` (N) act in the guide.
     """
 
     mass: float
@@ -205,7 +200,7 @@ class ValveParameters:
 @dataclass(frozen=True, slots=True)
 class GasLoad:
     """Force (N, opening positive) on the valve over the cam angle (rad), joined by monotone curves
-    and periodic in one cam turn.
+    and periodic in one cam revolution.
     """
 
     cam_angles: tuple[float, ...]
@@ -220,19 +215,17 @@ class GasLoad:
             )
         if self.cam_angles[-1] - self.cam_angles[0] >= 2 * math.pi:
             raise InputError(
-                "a gas load spans less than one cam turn; drop the repeated last point"
+                "a gas load spans less than one cam revolution; drop the repeated last point"
             )
 
 
 @dataclass(frozen=True, slots=True)
 class CrankParameters:
     """Crank slider on the 2:1 drive: ``radius`` (m, half the stroke), ``rod_length`` (m),
-    ``top_dead_centre`` cam angle (rad) of gas
-    exchange.
+    ``top_dead_centre`` cam angle (rad) of gas exchange.
 
     ``clearance`` (m): piston crown to the closed valve along the cylinder at top dead centre;
-    ``valve_inclination`` (rad) of the valve
-    axis to the cylinder axis.
+    ``valve_inclination`` (rad) of the valve axis to the cylinder axis.
     """
 
     radius: float
@@ -255,9 +248,8 @@ class TrainVariant:
     """One of the runs that a case asks for: what differs from the train itself.
 
     ``spring_set`` and ``spring_model``: words, empty for the train's own. ``lash`` (m),
-    ``valve_damping`` (N s/m, a damper on the valve),
-    ``without_preload``: springs at rest with the valve closed, as one source computed them.
-    ``note`` is printed beside the results.
+    ``valve_damping`` (N s/m, a damper on the valve), ``without_preload``: springs at rest with the
+    valve closed, as one source computed them. ``note`` is printed next to the results.
     """
 
     label: str
@@ -292,18 +284,14 @@ class TrainVariant:
 @dataclass(frozen=True)
 class TrainParameters:
     """One valvetrain. ``kind``: a word of the registry. ``model``: planar rigid bodies with the
-    true cam profile, lumped masses with
-    constant ratios, or a single mass.
+    true cam profile, lumped masses with constant ratios, or a single mass.
 
     ``contacts``: law per place: ``cam``, ``valve_tip``, ``seat``, and for pushrods ``tappet`` and
-    ``rocker``. ``springs``: sets of
-    springs by name, each a tuple of one or two :class:`InstalledSpring` (outer first);
-    ``spring_set`` is the one in use and
-    ``spring_model`` the word for its fidelity. ``rubbing``: friction between nested springs.
-    ``variants``: the runs a case asks for
-    (none: one run as it stands). ``gravity``: vector (m/s2). ``cycles``: most cam turns run until
-    the motion repeats; None for the
-    usual number.
+    ``rocker``. ``springs``: sets of springs by name, each a tuple of one or two
+    :class:`InstalledSpring` (outer first); ``spring_set`` is the one in use and ``spring_model``
+    the word for its fidelity. ``rubbing``: friction between nested springs. ``variants``: the runs
+    a case asks for (none: one run as it stands). ``gravity``: vector (m/s2). ``cycles``: most cam
+    turns run until the motion repeats; None for the default number.
     """
 
     kind: str

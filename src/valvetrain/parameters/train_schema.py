@@ -237,7 +237,7 @@ class VariantModel(StrictModel):
     without_preload: bool = Field(
         default=False, description="springs at rest with the valve closed"
     )
-    note: Prose = Field(default="", description="printed beside the results")
+    note: Prose = Field(default="", description="printed next to the results")
 
     def build(self) -> TrainVariant:
         """The variant of this table."""
@@ -268,7 +268,8 @@ class TrainModel(StrictModel):
     gravity: Gravity = Field(default=(0.0, -9.80665), description="vector in the plane of motion")
     variants: list[VariantModel] = []  # noqa: RUF012 (pydantic copies it)
     cycles: int | None = Field(
-        default=None, description="most cam turns run: 60, in sweeps 30, with finite elements 3"
+        default=None,
+        description="maximum of cam revolutions: 60, in sweeps 30, with finite elements 3",
     )
 
     def build(self) -> TrainParameters:
@@ -312,7 +313,7 @@ class TrainModel(StrictModel):
         return built
 
 
-#: Name of the table below [train] -> model; [[train.variants]] stand in a list.
+#: Name of the table below [train] -> model; [[train.variants]] is a list.
 PARTS: dict[str, type[StrictModel]] = {
     "cam": CamModel, "follower": FollowerModel, "lever": LeverModel, "pushrod": PushrodModel, "support": SupportModel, "valve": ValveModel,
     "gas": GasModel, "crank": CrankModel, "variants": VariantModel,

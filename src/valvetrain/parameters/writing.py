@@ -17,11 +17,9 @@ def write_case_values(path: str | os.PathLike[str], changes: Mapping[str, Any]) 
     """Set the values at the dotted key paths in ``changes`` in the TOML file ``path``.
 
     Values are written as a case file holds them ("3.9 mm", 0.75, "22, 22, 17 mm"). Where the file
-    has
-    ``{ value = ..., status = ... }`` the value inside is replaced; list positions are numbers
-    (``published.0.role``). Only existing
-    keys are set, and the result must still be a valid case. Raises :class:`InputError` and leaves
-    the file untouched otherwise.
+    has ``{ value = ..., status = ... }`` the value inside is replaced; list positions are numbers
+    (``published.0.role``). Only existing keys are set, and the result must still be a valid case.
+    Raises :class:`InputError` and leaves the file untouched otherwise.
     """
     import tomlkit
     from tomlkit.exceptions import TOMLKitError

@@ -19,7 +19,7 @@ WEDGES, CHOOSING, RADII = 64, 8, np.geomspace(0.035, 0.36, 32)
 CELL, APART = 0.012, 1.4
 #: Radii of the wire that are followed up.
 TRIED = 4
-#: Share of the usual number of votes from which a section counts.
+#: Share of the typical number of votes from which a section counts.
 LEAST = 0.3
 #: Most points of a half plane that vote.
 MAX_VOTING = 600
@@ -97,9 +97,9 @@ def _with_radius(parts: list[Array], wire: float, cell: float) -> Sections | Non
     if len(found) < wedges:
         return None
     turns, radii, heights, strengths = np.array(found).T
-    usual = float(np.quantile(strengths, 0.8))
-    keep = strengths > LEAST * usual
-    return Sections(turns[keep], radii[keep], heights[keep], strengths[keep] / usual, wire)
+    typical = float(np.quantile(strengths, 0.8))
+    keep = strengths > LEAST * typical
+    return Sections(turns[keep], radii[keep], heights[keep], strengths[keep] / typical, wire)
 
 
 def _peak_place(shares: Array, scores: Array, place: int) -> float:
@@ -159,7 +159,7 @@ def _peaks(votes: Array, apart: int) -> list[tuple[int, int, float]]:
 #: and by how much it grows a missing one.
 NEAR, GROWTH, FARTHEST = 0.3, 0.02, 0.45
 #: Turns without a section after which the wire is taken to end, and turns behind that tell where it
-#: goes on.
+#: continues.
 GAP, BEHIND = 0.45, 0.25
 #: Fewest turns of a wire that is a spring.
 MIN_TURNS = 2.0
@@ -179,7 +179,7 @@ class Trace:
 
 
 def follow(sections: Sections, wedges: int) -> Trace:
-    """The wire through ``sections`` that stand in ``wedges`` half planes.
+    """The wire through ``sections`` in ``wedges`` half planes.
 
     Raises :class:`InputError` where they are no wire of :data:`MIN_TURNS` turns.
     """
@@ -246,7 +246,7 @@ def _extend(
     direction: int,
     wire: float,
 ) -> None:
-    """Go on from the end of what is known, half plane by half plane, where the wire before it
+    """Continue from the known end, half plane by half plane, where the wire before it
     points to.
     """
     wedges = len(members)

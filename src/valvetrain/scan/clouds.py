@@ -103,16 +103,16 @@ def columns_of_text(path: Path, name: str, head: bytes) -> tuple[str, Iterator[A
             f"'{name}' holds no rows of x, y and z; export the scan as PLY, STL, OBJ or text with three columns"
         )
     headings = b"\n".join(lines[:first]).decode("utf-8", "replace").lower()
-    told = re.search(
+    unit_match = re.search(
         r"[\[(]\s*(mm|cm|m|inch|in|um)\s*[\])]|\bunits?\W+(mm|cm|m|inch|in|um)\b", headings
     )
-    unit = "" if told is None else (told[1] or told[2])
+    unit = "" if unit_match is None else (unit_match[1] or unit_match[2])
     places = _places(headings.split("\n")[-1] if first else "", lines[first])
     return "inch" if unit == "in" else unit, _rows(path, name, first, _comma(lines[first]), places)
 
 
 def _comma(line: bytes) -> bytes:
-    """What a comma stands for in a row: a point of decimals or a blank."""
+    """Meaning of a comma in a row: a point of decimals or a blank."""
     parts = re.split(rb"[;\t|\s]+", line.strip())
     return b"." if sum(bool(_DECIMAL_COMMA.fullmatch(part)) for part in parts) >= 3 else b" "
 
@@ -121,12 +121,12 @@ def _places(heading: str, row: bytes) -> list[int]:
     """Columns of x, y and z: by their names where the heading has as many words as the row, else
     the first three.
     """
-    words = [
+    column_names = [
         word
         for word in re.split(r"[;,\t|\s]+", re.sub(r"[\[(].*?[\])]|^\W+", " ", heading).strip())
         if word
     ]
-    named = [words.index(axis) for axis in "xyz" if axis in words]
+    named = [column_names.index(axis) for axis in "xyz" if axis in column_names]
     return named if len(named) == 3 else [0, 1, 2]
 
 
@@ -134,15 +134,15 @@ def _rows(path: Path, name: str, skip: int, comma: bytes, places: list[int]) -> 
     table = bytes.maketrans(b",;|\t\r", comma + b"    ")
     with path.open("rb") as stream:
         for lines in line_blocks(stream, name):
-            kept = [line.translate(table) for line in lines[skip:]]
+            text_rows = [line.translate(table) for line in lines[skip:]]
             skip = max(0, skip - len(lines))
-            kept = [
+            text_rows = [
                 line
-                for line in kept
+                for line in text_rows
                 if line.strip() and not line.lstrip().startswith((b"#", b"//", b"%"))
             ]
-            if kept:
-                rows = numbers_in(kept, name)
+            if text_rows:
+                rows = numbers_in(text_rows, name)
                 if rows.shape[1] <= max(places):
                     raise InputError(
                         f"a row of '{name}' has {rows.shape[1]} numbers, fewer than those before it; export the scan again"
@@ -174,19 +174,19 @@ def ply_points(path: Path, name: str, size: int) -> tuple[str, Iterator[Array]]:
     """
     with path.open("rb") as stream:
         head = _head(stream.read(MAX_HEAD_LENGTH), name)
-    words = [word for word, _ in head.properties]
-    if any(axis not in words for axis in "xyz"):
+    column_names = [word for word, _ in head.properties]
+    if any(axis not in column_names for axis in "xyz"):
         raise InputError(f"the points of '{name}' have no x, y and z; export the scan again")
     if head.count < 1:
         raise InputError(f"'{name}' holds no point; export the scan again")
     if not head.order:
-        if 2 * len(words) * head.count > size - head.length + 1:
+        if 2 * len(column_names) * head.count > size - head.length + 1:
             raise InputError(_short(name, head.count, size))
-        return head.unit, _text(path, name, head, [words.index(axis) for axis in "xyz"])
+        return head.unit, _text(path, name, head, [column_names.index(axis) for axis in "xyz"])
     row = np.dtype([(f"p{k}", head.order + kind) for k, (_, kind) in enumerate(head.properties)])
     if head.length + row.itemsize * head.count > size:
         raise InputError(_short(name, head.count, size))
-    return head.unit, _binary(path, head, row, [f"p{words.index(axis)}" for axis in "xyz"])
+    return head.unit, _binary(path, head, row, [f"p{column_names.index(axis)}" for axis in "xyz"])
 
 
 def _short(name: str, count: int, size: int) -> str:
@@ -204,9 +204,11 @@ def _head(content: bytes, name: str) -> _Head:
         match line:
             case ["format", form, *_] if form in _FORMATS:
                 order = _FORMATS[form]
-            case ["comment" | "obj_info", *words]:
+            case ["comment" | "obj_info", *column_names]:
                 found = re.search(
-                    r"\bunits?\W+(mm|cm|m|inch|in|um|millimet\w+|met\w+)\b", " ".join(words), re.I
+                    r"\bunits?\W+(mm|cm|m|inch|in|um|millimet\w+|met\w+)\b",
+                    " ".join(column_names),
+                    re.I,
                 )
                 unit = _unit(found[1]) if found else unit
             case ["element", "vertex", number] if re.fullmatch(r"\d{1,15}", number) and count < 0:
@@ -260,10 +262,10 @@ def _text(path: Path, name: str, head: _Head, places: list[int]) -> Iterator[Arr
     with path.open("rb") as stream:
         stream.seek(head.length)
         for lines in line_blocks(stream, name):
-            kept = [line for line in lines if line.strip()][:left]
-            left -= len(kept)
-            if kept:
-                rows = numbers_in(kept, name)
+            text_rows = [line for line in lines if line.strip()][:left]
+            left -= len(text_rows)
+            if text_rows:
+                rows = numbers_in(text_rows, name)
                 if rows.shape[1] != len(head.properties):
                     raise InputError(
                         f"a row of '{name}' has {rows.shape[1]} numbers, its header states {len(head.properties)}; export it again"
@@ -284,7 +286,7 @@ _FACET = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute
 @dataclass(frozen=True, eq=False)
 class Cloud:
     """A file of points: its ``form``, the ``unit`` it tells (empty where it does not), and its
-    ``blocks`` (n, 3) as they stand in it.
+    ``blocks`` (n, 3) in file order.
     """
 
     name: str
@@ -321,18 +323,18 @@ def open_cloud(file: str | Path) -> Cloud:
         unit, blocks = ply_points(path, name, size)
         return Cloud(name, "PLY", unit, blocks)
     if head[:5].lower() == b"solid" and re.search(rb"facet|endsolid", head):
-        return Cloud(name, "STL (text)", _told(head), _marked(path, name, b"vertex"))
+        return Cloud(name, "STL (text)", _unit_in_head(head), _marked(path, name, b"vertex"))
     if path.suffix.lower() == ".stl" or (
         size >= 84 and size == 84 + FACET * int.from_bytes(head[80:84], "little")
     ):
         return Cloud(name, "STL", "", _stl(path, name, size))
     if re.search(rb"(?m)^v\s+[-+.\d]", head) or path.suffix.lower() == ".obj":
-        return Cloud(name, "OBJ", _told(head), _marked(path, name, b"v"))
+        return Cloud(name, "OBJ", _unit_in_head(head), _marked(path, name, b"v"))
     unit, blocks = columns_of_text(path, name, head)
     return Cloud(name, "text", unit, blocks)
 
 
-def _told(head: bytes) -> str:
+def _unit_in_head(head: bytes) -> str:
     """Unit that a comment of a text file tells."""
     found = re.search(rb"(?im)^(?:#|solid).*?\bunits?\W+(mm|cm|m|inch|in|um)\b", head)
     return found[1].decode().lower().replace("inch", "in").replace("in", "inch") if found else ""
@@ -357,14 +359,14 @@ def _marked(path: Path, name: str, mark: bytes) -> Iterator[Array]:
     found = 0
     with path.open("rb") as stream:
         for lines in line_blocks(stream, name):
-            kept = [
+            text_rows = [
                 one[len(mark) :]
                 for line in lines
                 if (one := line.strip()).startswith(mark)
                 and one[len(mark) : len(mark) + 1].isspace()
             ]
-            if kept:
-                found += len(kept)
-                yield numbers_in(kept, name)[:, :3]
+            if text_rows:
+                found += len(text_rows)
+                yield numbers_in(text_rows, name)[:, :3]
     if not found:
         raise InputError(f"'{name}' holds no point; export the scan as a mesh or a cloud of points")

@@ -1,5 +1,5 @@
 """``valvetrain scan``: a point cloud or mesh of a spring in, its definition out, and its design
-beside it.
+next to it.
 """
 
 from __future__ import annotations
@@ -77,7 +77,7 @@ def scan(
     ] = 100_000,
     design: Annotated[
         str | None,
-        asks("--design", "CASE", "Case of the design: curves, statics, modes, runs beside it."),
+        asks("--design", "CASE", "Case of the design: curves, statics, modes, runs next to it."),
     ] = None,
     engine_speed: SpeedOption = None,
     spring: SpringOption = None,
@@ -152,7 +152,7 @@ class _Request:
     open_page: bool
 
 
-def _deliver(asked: _Request, found: ScannedSpring, compared: ScanComparison | None) -> None:
+def _deliver(request: _Request, found: ScannedSpring, compared: ScanComparison | None) -> None:
     """Keep the folder (page, spring, curves, run.json) and tell."""
     from valvetrain.cli.outcome import Outcome, deliver
     from valvetrain.cli.progress import busy
@@ -170,9 +170,9 @@ def _deliver(asked: _Request, found: ScannedSpring, compared: ScanComparison | N
         return [*write_scan(found, folder, text), *pages]
 
     with busy("writing files"):
-        kept = SavedRequest("scan", parse_case(text, "scan"), asked.output, asked.created_at)
-        folder, files = keep_run(kept, text, {"name": asked.name}, data, fill)
-    if asked.open_page:
+        saved = SavedRequest("scan", parse_case(text, "scan"), request.output, request.created_at)
+        folder, files = keep_run(saved, text, {"name": request.name}, data, fill)
+    if request.open_page:
         show_page(pages[0])
     data |= {"folder": str(folder), "files": files, "page": str(pages[0])}
     deliver(
@@ -242,8 +242,8 @@ def _show(
     )
     console.print()
     rows = [
-        (words, value, spread and f"±{spread}", unit)
-        for words, value, spread, unit in scan_rows(found)
+        (row_label, value, spread and f"±{spread}", unit)
+        for row_label, value, spread, unit in scan_rows(found)
     ]
     console.print(plain_table(("", "value", "95 %", ""), rows, right=(1, 2)))
     console.print()

@@ -1,4 +1,4 @@
-"""A scanned spring beside its design: the same analyses of both, side by side."""
+"""A scanned spring compared with its design: the same analyses of both, side by side."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ from valvetrain.solution.study import Study
 from valvetrain.springs.spec import spring_model
 
 Array = NDArray[np.float64]
-#: Natural frequencies that are sought, and axial ones that are compared.
+#: Natural frequencies that are searched, and axial ones that are compared.
 MODES, AXIAL = 24, 3
 #: Share by which the frequency of a mode may differ from the design's.
 ALIKE = 0.15
@@ -52,7 +52,7 @@ class ComparedNumber:
 
 @dataclass(frozen=True, eq=False)
 class ScanComparison:
-    """A scanned spring beside its design.
+    """A scanned spring compared with its design.
 
     ``scan``: standing as the design does; ``cases``, ``rest`` and ``runs``: design first, then
     scanned; ``runs`` None without speeds;
@@ -72,10 +72,10 @@ class ScanComparison:
     def failures(self) -> tuple[str, ...]:
         """A sentence per run that did not complete."""
         studies = (*self.rest, *(self.runs or ()))
-        words = ("design", "scan") * 2
+        labels = ("design", "scan") * 2
         return tuple(
             f"{word}: {one}"
-            for word, study in zip(words, studies, strict=False)
+            for word, study in zip(labels, studies, strict=False)
             for one in study.failures
         )
 
@@ -115,7 +115,7 @@ def compare_scan(
     frequencies, runs at engine speeds.
 
     The scanned spring takes material, damping, contacts, seats and options of the design's, and
-    stands at the same height between the
+    is at the same height between the
     seats; its inactive turns reach as far beyond the ground ones as the design's do. It is turned
     over where the design asks for it.
 
@@ -127,7 +127,7 @@ def compare_scan(
         without any
     spring_models : words of the spring models that run
     workers : runs at a time; results do not depend on it
-    progress : told the share done and what was done
+    progress : called with the share done and what was done
 
     Returns
     -------
@@ -158,7 +158,7 @@ def compare_scan(
     case = replace(case_of(design), published=())
     installed = design_spring(case)
     assert installed.wire is not None
-    upright = stands_as(scan, installed.wire)
+    upright = aligned_to(scan, installed.wire)
     scanned = replace(
         case,
         springs=(as_installed(upright, installed),),
@@ -166,9 +166,9 @@ def compare_scan(
     )
     cases = (case, scanned)
 
-    def told(share: float, done: float, words: str) -> None:
+    def report_progress(share: float, done: float, labels: str) -> None:
         if progress is not None:
-            progress(share + 0.5 * done, words)
+            progress(share + 0.5 * done, labels)
 
     rest = tuple(rest_study(one, command="modes", modes=MODES, implausible=True) for one in cases)
     runs = None
@@ -181,7 +181,9 @@ def compare_scan(
                 engine_speeds,
                 spring_models=spring_models,
                 workers=workers,
-                progress=lambda done, words, first=0.5 * place: told(first, done, words),  # type: ignore[misc]
+                progress=lambda done, labels, first=0.5 * place: report_progress(
+                    first, done, labels
+                ),  # type: ignore[misc]
             )
             for place, one in enumerate(cases)
         )
@@ -213,7 +215,7 @@ def design_spring(case: Case) -> InstalledSpring:
     return case.springs[0]
 
 
-def stands_as(scan: ScannedSpring, design: SpringDefinition) -> ScannedSpring:
+def aligned_to(scan: ScannedSpring, design: SpringDefinition) -> ScannedSpring:
     """The scan on the end that makes its curves those of the design as nearly as may be."""
     other = turned_over(scan)
     return min((scan, other), key=lambda one: _apart(one.definition, design))

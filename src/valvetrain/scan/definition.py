@@ -1,5 +1,5 @@
 """From the fitted wire to the spring of a case: which end is the lower one, ground turns, the round
-wire that stands for an ellipse.
+wire equivalent to an ellipse.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ Array = NDArray[np.float64]
 STATIONS = 16
 #: Difference of diameter or pitch of both halves, as a share, from which it tells which end is the
 #: lower one.
-TELLS = 0.02
+SIGNIFICANT = 0.02
 #: Gap at the end of the first turn, in wire diameters, up to which an end is closed.
 CLOSED = 0.25
 #: Standard deviations and share by which turns of the wire must differ to be more than one wire
@@ -87,7 +87,7 @@ def _upside_down(coil: Array, radius: Array, pitch: Array) -> bool:
     lower = coil < coil[-1] / 2
     for values, wider in ((radius, True), (pitch, False)):
         below, above = float(np.mean(values[inner & lower])), float(np.mean(values[inner & ~lower]))
-        if abs(below - above) > TELLS * (below + above) / 2:
+        if abs(below - above) > SIGNIFICANT * (below + above) / 2:
             return (above > below) is wider
     return False
 
@@ -129,7 +129,7 @@ def define(
     along = float(fitted.tube.section[1]) if fitted.ovate else 0.0
     wider = diameter - 2 * mean * (
         1 - along
-    )  # beyond the height of the section; the gaps between coils are kept
+    )  # beyond the height of the section; the gaps between coils are preserved
     law, varied = wire_curve(fitted, turns, diameter)
     bend = np.diff(wire.pitch, 2)
     rise = (
@@ -146,7 +146,7 @@ def define(
     if fitted.ovate:
         notes.append(
             f"the section is an ellipse of {2 * mean * (1 + size):.3f} by {2 * mean * (1 - size):.3f} mm; a case takes round wire, so "
-            f"{diameter:.3f} mm stands for it, which twists alike. Gaps between the coils are kept, so the spring of the case is "
+            f"{diameter:.3f} mm replaces it, which twists alike. Gaps between the coils are preserved, so the spring of the case is "
             f"{max(wider, 0.0) * wire.coil[-1]:.2f} mm longer; its mass is {100 * (diameter**2 / (4 * mean**2 * (1 - size**2)) - 1):+.1f} %"
         )
     hand = "right" if fitted.tube.hand > 0 else "left"

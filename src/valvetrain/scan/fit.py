@@ -26,7 +26,7 @@ WITHIN = 3.5
 LEFT_OVER = 0.15
 #: Turns without points that a hole may take.
 GAP = 0.3
-#: Largest lean of a ground face against the axis (rad), the usual one, and turns over which faces
+#: Largest lean of a ground face against the axis (rad), the typical one, and turns over which faces
 #: are looked for.
 STEEPEST, TYPICAL_LEAN, FACED = 0.06, 0.005, 1.3
 
@@ -189,7 +189,7 @@ def find_tip(
 
 def _last_bin(walls: Array, floors: Array) -> int:
     """Last bin of the wire: faces end at their first gap, for behind it the far end of the face
-    begins; walls may go on after a hole.
+    begins; walls may continue after a hole.
     """
     total = walls + floors
     last, quiet = 0, 0
@@ -222,7 +222,7 @@ PER_TURN = 12
 EARLY = 20_000
 #: Points by which a first tube is judged, and distance from it (share of the coil radius) at which
 #: it explains one.
-TOLD, CLOSE = 4000, 0.024
+MAX_POINTS, CLOSE = 4000, 0.024
 #: Ellipticity, in standard deviations and as a share, from which a section is no longer taken as
 #: round.
 OVATE, MIN_OVATE = 5.0, 2.5e-3
@@ -314,7 +314,7 @@ def _first_tube(points: Array, wedges: int, per_turn: int) -> tuple[Tube, tuple[
     Raises :class:`InputError` where none gives a wire.
     """
     some, best, fault = (
-        points[:TOLD],
+        points[:MAX_POINTS],
         None,
         InputError(
             "the points show no wire wound about an axis; give the scan of one spring, cleaned"

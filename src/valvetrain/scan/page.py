@@ -1,4 +1,4 @@
-"""The page of a scanned spring: what was measured, with figures, and the design beside it."""
+"""The page of a scanned spring: what was measured, with figures, and the design next to it."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ def wire_in_frame(scan: ScannedSpring) -> Array:
 
 def cloud_chart(scan: ScannedSpring) -> Chart:
     """Points of the scan and the fitted wire axis, seen from the front and from the side."""
-    line, points = 1e3 * wire_in_frame(scan), 1e3 * _beside(scan)
+    line, points = 1e3 * wire_in_frame(scan), 1e3 * _design_wire(scan)
     points = points[:: max(1, len(points) // CLOUD)]
     low = float(np.min(line[:, 2])) - 1e3 * float(scan.curves.height[0])
     half = 1.08 * float(np.max(np.abs(line[:, :2]))) + 2e3 * scan.section.diameter[0]
@@ -60,7 +60,7 @@ def cloud_chart(scan: ScannedSpring) -> Chart:
         & (points[:, 2] < line[:, 2].max() + tall)
     )
     panels = []
-    for axis, words in ((0, "front: across (mm)"), (1, "side: across (mm)")):
+    for axis, row_label in ((0, "front: across (mm)"), (1, "side: across (mm)")):
         layers: tuple[Layer, ...] = (
             Marks(
                 points[near, axis],
@@ -75,12 +75,12 @@ def cloud_chart(scan: ScannedSpring) -> Chart:
                 line[:, axis], line[:, 2] - low, "fitted wire axis", SCAN, 2.0, in_legend=axis == 0
             ),
         )
-        panels.append(Panel(words, "along the axis (mm)", layers, x_range=(-half, half)))
+        panels.append(Panel(row_label, "along the axis (mm)", layers, x_range=(-half, half)))
     caption = f"{scan.points_read} points read, {scan.points_fitted} fitted; some of them are shown. The views are a quarter turn apart."
     return Chart("scan-cloud", "The cloud and the wire axis in it", caption, tuple(panels), 2, 560)
 
 
-def _beside(scan: ScannedSpring) -> Array:
+def _design_wire(scan: ScannedSpring) -> Array:
     """Shown points (n, 3) in the frame whose first direction points to the lower tip."""
     radial = scan.curves.centre_line[0] - scan.axis_point
     radial = radial - (radial @ scan.axis_direction) * scan.axis_direction
@@ -92,7 +92,7 @@ def _beside(scan: ScannedSpring) -> Array:
 
 def curves_chart(scan: ScannedSpring, design: SpringDefinition | None = None) -> Chart:
     """Outer diameter, height and pitch over the coil, with the band that the scatter of the points
-    leaves; the design's beside them.
+    leaves; the design's next to them.
     """
     curves, wire = scan.curves, 1e3 * scan.section.diameter[0]
     coil = curves.coil
@@ -105,7 +105,7 @@ def curves_chart(scan: ScannedSpring, design: SpringDefinition | None = None) ->
         ("height of the wire axis (mm)", 1e3 * curves.height, 1e3 * curves.height_spread),
         ("pitch (mm per turn)", 1e3 * curves.pitch, 1e3 * curves.pitch_spread),
     )
-    told = None if design is None else _design_curves(design)
+    design_curves = None if design is None else _design_curves(design)
     panels = []
     for place, (label, mean, spread) in enumerate(values):
         layers: list[Layer] = [
@@ -113,16 +113,27 @@ def curves_chart(scan: ScannedSpring, design: SpringDefinition | None = None) ->
             Line(coil, mean + 2 * spread, "95 % band", theme.MUTED, 0.8, in_legend=False),
             Line(coil, mean, "3-D scan", SCAN, 1.8, in_legend=place == 0),
         ]
-        if told is not None:
+        if design_curves is not None:
             layers.append(
-                Line(told[0], told[place + 1], "design", DESIGN, 1.6, "dash", in_legend=place == 0)
+                Line(
+                    design_curves[0],
+                    design_curves[place + 1],
+                    "design",
+                    DESIGN,
+                    1.6,
+                    "dash",
+                    in_legend=place == 0,
+                )
             )
         panels.append(
             Panel(
                 COIL,
                 label,
                 tuple(layers),
-                x_range=(0.0, float(max(coil[-1], 0.0 if told is None else told[0][-1]))),
+                x_range=(
+                    0.0,
+                    float(max(coil[-1], 0.0 if design_curves is None else design_curves[0][-1])),
+                ),
             )
         )
     title = "Diameter, height and pitch over the coil" + (
@@ -157,9 +168,7 @@ def difference_chart(scan: ScannedSpring, design: SpringDefinition) -> Chart:
             Line(coil, 1e3 * away, "scan − design", SCAN, 1.6, in_legend=first),
         )
         panels.append(Panel(COIL, label, layers, x_range=(0.0, float(coil[-1]))))
-    return Chart(
-        "scan-difference", "What was made beside what was drawn", "", tuple(panels), 1, 520
-    )
+    return Chart("scan-difference", "Made and drawn", "", tuple(panels), 1, 520)
 
 
 def section_chart(scan: ScannedSpring) -> Chart:
@@ -199,7 +208,7 @@ def section_chart(scan: ScannedSpring) -> Chart:
 
 
 def residual_chart(scan: ScannedSpring) -> Chart:
-    """How far points lie from the fitted surface, beside the bell of their scatter."""
+    """How far points lie from the fitted surface, with the normal distribution of their scatter."""
     noise = 1e6 * scan.noise
     left = 1e6 * scan.residuals
     edges = np.linspace(-6 * noise, 6 * noise, BARS + 1)
@@ -296,7 +305,7 @@ def scan_rows(scan: ScannedSpring) -> list[tuple[str, str, str, str]]:
         rows += [
             _row("wire, long axis", section.long_axis, 1e3, "mm"),
             _row("wire, short axis", section.short_axis, 1e3, "mm"),
-            _row("round wire that stands for it", section.diameter, 1e3, "mm"),
+            _row("equivalent round wire", section.diameter, 1e3, "mm"),
         ]
     else:
         rows.append(_row("wire diameter", section.diameter, 1e3, "mm"))
@@ -305,7 +314,7 @@ def scan_rows(scan: ScannedSpring) -> list[tuple[str, str, str, str]]:
         curves.mean_diameter,
         np.nan,
     )
-    for words, place in (
+    for row_label, place in (
         ("largest", int(np.nanargmax(known))),
         ("smallest", int(np.nanargmin(known))),
     ):
@@ -313,7 +322,7 @@ def scan_rows(scan: ScannedSpring) -> list[tuple[str, str, str, str]]:
             float(curves.mean_diameter[place]) + section.diameter[0],
             float(curves.mean_diameter_spread[place]),
         )
-        rows.append(_row(f"{words} outer diameter", pair, 1e3, "mm"))
+        rows.append(_row(f"{row_label} outer diameter", pair, 1e3, "mm"))
     place = int(curves.pitch.argmax())
     rows.append(
         _row(
@@ -339,11 +348,11 @@ def scan_rows(scan: ScannedSpring) -> list[tuple[str, str, str, str]]:
 
 
 def _row(
-    words: str, pair: tuple[float, float], factor: float, unit: str
+    row_label: str, pair: tuple[float, float], factor: float, unit: str
 ) -> tuple[str, str, str, str]:
     value, spread = factor * pair[0], 2 * factor * pair[1]
     return (
-        words,
+        row_label,
         f"{value:.4g}" if spread <= 0 else f"{value:.3f}",
         "" if spread <= 0 else f"{max(spread, 0.001):.3f}",
         unit,
@@ -378,12 +387,12 @@ def _compared(one: ComparedNumber) -> tuple[str, str, str, str, str, str]:
 
 
 def scan_page(scan: ScannedSpring, found: ScanComparison | None = None) -> Page:
-    """The page of a scanned spring; ``found``: its design beside it."""
+    """The page of a scanned spring; ``found``: the comparison with its design."""
     design = None if found is None else found.cases[0].springs[0].wire
-    told = Grid(
+    design_curves = Grid(
         ("", "value", "95 %", ""),
-        tuple(((Cell(words[:1].upper() + words[1:]), Cell(value, "number"), Cell(spread and f"±{spread}", "number quiet"), Cell(unit)), ())
-              for words, value, spread, unit in scan_rows(scan)),
+        tuple(((Cell(row_label[:1].upper() + row_label[1:]), Cell(value, "number"), Cell(spread and f"±{spread}", "number quiet"), Cell(unit)), ())
+              for row_label, value, spread, unit in scan_rows(scan)),
     )  # fmt: skip
     drawn: list[Block] = [
         *figure_or_gap("cloud", cloud_chart, scan),
@@ -397,7 +406,7 @@ def scan_page(scan: ScannedSpring, found: ScanComparison | None = None) -> Page:
         *figure_or_gap("residuals", residual_chart, scan),
     )
     sections += [
-        Section("found", "What the scan gives", (told,)),
+        Section("found", "What the scan gives", (design_curves,)),
         Section("fits", "Section and residuals", fits),
         Section(
             "notes",
@@ -435,9 +444,9 @@ def _design_blocks(found: ScanComparison, scan: ScannedSpring) -> tuple[Block, .
     rows: list[tuple[tuple[Cell, ...], tuple[str, ...]]] = []
     for run, group in groupby(compared_rows(found), key=lambda row: row[1]):
         rows.append(((Cell(run or "at rest"),), ()))
-        for words, _, *numbers, unit, apart in group:
+        for row_label, _, *numbers, unit, apart in group:
             cells = (
-                Cell(words[:1].upper() + words[1:]),
+                Cell(row_label[:1].upper() + row_label[1:]),
                 *(Cell(one, "number") for one in numbers),
                 Cell(unit),
                 Cell(apart, "number"),

@@ -22,7 +22,7 @@ from valvetrain.units import dimension_of, unit_factor
 Array = NDArray[np.float64]
 #: Points that are drawn, fewest that tell a spring, and share of rows without numbers from which a
 #: file is taken to be damaged.
-DRAWN, FEWEST, DAMAGED = 100_000, 1500, 0.1
+DRAWN, MIN_POINTS, DAMAGED = 100_000, 1500, 0.1
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,7 +42,7 @@ def draw_points(blocks: Iterable[Array], most: int, name: str) -> Drawn:
 
     Raises :class:`InputError` for fewer than :data:`FEWEST`, and where many rows hold no numbers.
     """
-    kept, marks = np.zeros((0, 3)), np.zeros(0, dtype=np.uint64)
+    chosen, marks = np.zeros((0, 3)), np.zeros(0, dtype=np.uint64)
     limit = np.uint64(2**64 - 1)
     read = broken = 0
     for block in blocks:
@@ -51,20 +51,20 @@ def draw_points(blocks: Iterable[Array], most: int, name: str) -> Drawn:
         broken += len(block) - len(finite)
         own = _mixed(finite)
         low = own <= limit
-        kept, marks = np.concatenate([kept, finite[low]]), np.concatenate([marks, own[low]])
+        chosen, marks = np.concatenate([chosen, finite[low]]), np.concatenate([marks, own[low]])
         if len(marks) > 2 * most:
-            kept, marks = _first(kept, marks, most)
+            chosen, marks = _first(chosen, marks, most)
             limit = marks[-1] if len(marks) == most else limit
-    kept, _ = _first(kept, marks, most)
+    chosen, _ = _first(chosen, marks, most)
     if broken > DAMAGED * max(read, 1):
         raise InputError(
             f"{broken} of the {read} points of '{name}' are no numbers; export the scan again"
         )
-    if len(kept) < FEWEST:
+    if len(chosen) < MIN_POINTS:
         raise InputError(
-            f"'{name}' holds {len(kept)} different points; {FEWEST} or more are needed, so scan it finer"
+            f"'{name}' holds {len(chosen)} different points; {MIN_POINTS} or more are needed, so scan it finer"
         )
-    return Drawn(kept, read, broken)
+    return Drawn(chosen, read, broken)
 
 
 def _first(points: Array, marks: NDArray[np.uint64], most: int) -> tuple[Array, NDArray[np.uint64]]:
@@ -88,7 +88,7 @@ def _mixed(points: Array) -> NDArray[np.uint64]:
 
 #: Extents (mm) that the cloud of a valve spring can have.
 SMALLEST, LARGEST = 4.0, 500.0
-#: Material where none is told, and most points that figures show.
+#: Material where none is given, and the maximum of points that figures show.
 DEFAULT_MATERIAL, SHOWN = "EN 10270-2 VDSiCr", 4000
 
 
@@ -149,10 +149,12 @@ def spring_from_scan(
     ('right', 4.0, 20.0)
     """
     cloud = open_cloud(file)
-    told = unit or cloud.unit
-    factor = 1e3 * _length_unit(told, cloud.name)
-    if not FEWEST <= points <= 2_000_000:
-        raise InputError(f"{points} points cannot be fitted; choose {FEWEST} to 2000000", "points")
+    unit_name = unit or cloud.unit
+    factor = 1e3 * _length_unit(unit_name, cloud.name)
+    if not MIN_POINTS <= points <= 2_000_000:
+        raise InputError(
+            f"{points} points cannot be fitted; choose {MIN_POINTS} to 2000000", "points"
+        )
     if not (16 <= slices_per_turn <= 512 and 6 <= stations_per_turn <= 60):
         raise InputError(
             "16 to 512 slices and 6 to 60 stations a turn can be had; choose numbers between",
@@ -162,7 +164,7 @@ def spring_from_scan(
     across = float(np.max(np.ptp(np.quantile(drawn.points, (0.02, 0.98), axis=0), axis=0))) * factor
     if not SMALLEST <= across <= LARGEST:
         raise InputError(
-            f"'{cloud.name}' is {across:.3g} mm large in {told}, which no valve spring is; correct the unit",
+            f"'{cloud.name}' is {across:.3g} mm large in {unit_name}, which no valve spring is; correct the unit",
             "unit",
         )
     fitted = fit_spring(drawn.points * factor, slices_per_turn, stations_per_turn)
@@ -198,7 +200,7 @@ def spring_from_scan(
     return ScannedSpring(
         cloud.name,
         cloud.form,
-        told,
+        unit_name,
         definition,
         _curves(fitted, wire),
         _section(fitted, turns, wire.turned_over),

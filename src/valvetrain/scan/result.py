@@ -36,7 +36,7 @@ class ScanCurves:
 class WireSection:
     """Section of the wire in the plane normal to it, SI.
 
-    ``diameter``: of the round wire that stands for it, with standard deviation; ``long_axis``,
+    ``diameter``: of the equivalent round wire, with standard deviation; ``long_axis``,
     ``short_axis``: of the ellipse, equal for
     a round wire; ``inclination`` (rad) of the long axis from the radius; ``turns``: coil, mean
     diameter, its standard deviation and

@@ -50,7 +50,7 @@ class Tube:
 
     def design(self, turn: Array, derivative: int = 0) -> Array:
         """Values (n, coefficients) of the splines or of a derivative; beyond the knots the last
-        piece goes on.
+        piece continues.
         """
         return _design(self.knots, np.asarray(turn, dtype=float), derivative)
 
@@ -184,7 +184,7 @@ def place(tube: Tube, points: Array, reach: tuple[float, float]) -> OnWire:
 def _foot(
     tube: Tube, points: Array, turn: Array, reach: tuple[float, float], table: _Table
 ) -> OnWire:
-    """Feet of the perpendiculars on the wire axis, and what stands there."""
+    """Feet of the perpendiculars on the wire axis, and their positions along it."""
     for _ in range(2):
         centre, tangent, _, _ = _axis_at(tube, turn)
         speed = np.linalg.norm(tangent, axis=1)

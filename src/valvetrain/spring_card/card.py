@@ -37,7 +37,7 @@ class SpringLoad:
     height: float
     force: float
 
-    if TYPE_CHECKING:  # what may be given is wider than what is kept
+    if TYPE_CHECKING:  # accepted types are wider than the stored one
 
         def __init__(self, height: Given, force: Given) -> None: ...
 
@@ -58,7 +58,7 @@ class CatalogueCard:
     wire_diameter, outer_diameter : of the round wire and of the coils, lengths
     installed_load, open_load : :class:`SpringLoad` at two heights, the higher one first
     top_outer_diameter : of a beehive, its narrow end, a length; the coils taper from
-        ``taper_from_coil`` on, half of them where not told
+        ``taper_from_coil`` on, half of them where not given
     solid_height, mass, free_length, total_coils : where the card tells them
     material : of the wire; EN 10270-2 VDSiCr where the card names none
     name : word for the spring
@@ -87,7 +87,7 @@ class CatalogueCard:
     material: Material | None = None
     name: str = "spring"
 
-    if TYPE_CHECKING:  # what may be given is wider than what is kept
+    if TYPE_CHECKING:  # accepted types are wider than the stored one
 
         def __init__(
             self,
@@ -166,7 +166,7 @@ class CatalogueCard:
 
     @property
     def wire(self) -> Material:
-        """Material of the wire, the usual one where the card names none."""
+        """Material of the wire, the default one where the card names none."""
         return self.material or DEFAULT_MATERIAL
 
     def mean_diameter(self, total_coils: float) -> Curve:
@@ -240,14 +240,14 @@ class Winding:
 
 def first_winding(card: CatalogueCard) -> Winding:
     """Turns and free length by the formulas of the trade: the rate by torsion of the wire (EN
-    13906-1), the turns by what is told.
+    13906-1), the turns by what is given.
 
-    All turns are those told, else those of the mass, else of the solid height, else the active ones
+    All turns are those given, else those of the mass, else of the solid height, else the active ones
     and one inactive turn at either end.
     Raises :class:`InputError` where they leave no closed ends to the active ones.
     """
     length = card.length
-    total = _turns_told(card)
+    total = _given_turns(card)
     if total is None:
         active = _active_turns(card, None)
         total = active + 2 * INACTIVE
@@ -259,7 +259,7 @@ def first_winding(card: CatalogueCard) -> Winding:
     )
 
 
-def _told(card: CatalogueCard) -> str:
+def _source_of_turns(card: CatalogueCard) -> str:
     return (
         "total_coils"
         if card.total_coils is not None
@@ -278,9 +278,9 @@ def _refuse_high_stack(card: CatalogueCard, total: float) -> None:
             else f" and the card has a solid height of {card.solid_height * 1e3:.4g} mm"
         )
         raise InputError(
-            f"{_told(card)} makes {total:.3g} turns, solid at {least * 1e3:.4g} mm or more, but the second load is given at "
-            f"{card.open_load.height * 1e3:.4g} mm{solid}; check wire, diameters and {_told(card)}",
-            _told(card),
+            f"{_source_of_turns(card)} makes {total:.3g} turns, solid at {least * 1e3:.4g} mm or more, but the second load is given at "
+            f"{card.open_load.height * 1e3:.4g} mm{solid}; check wire, diameters and {_source_of_turns(card)}",
+            _source_of_turns(card),
         )
 
 
@@ -288,11 +288,11 @@ def check_inactive(card: CatalogueCard, total: float, inactive: float) -> float:
     """``inactive``; raises :class:`InputError` where no closed end has so many turns."""
     if POSSIBLE_INACTIVE[0] <= inactive <= POSSIBLE_INACTIVE[1]:
         return inactive
-    told = _told(card)
+    source = _source_of_turns(card)
     raise InputError(
-        f"{told} makes {total:.3g} turns and the loads {total - 2 * inactive:.3g} active ones, which leaves {inactive:.2g} inactive turns "
-        f"at either end; a closed end has {POSSIBLE_INACTIVE[0]:g} to {POSSIBLE_INACTIVE[1]:g}: check wire, loads and {told}",
-        told,
+        f"{source} makes {total:.3g} turns and the loads {total - 2 * inactive:.3g} active ones, which leaves {inactive:.2g} inactive turns "
+        f"at either end; a closed end has {POSSIBLE_INACTIVE[0]:g} to {POSSIBLE_INACTIVE[1]:g}: check wire, loads and {source}",
+        source,
     )
 
 
@@ -324,7 +324,7 @@ def weight(spring: SpringDefinition) -> float:
     return mass
 
 
-def _turns_told(card: CatalogueCard) -> float | None:
+def _given_turns(card: CatalogueCard) -> float | None:
     if card.total_coils is not None:
         return card.total_coils
     if card.mass is not None:
@@ -375,7 +375,7 @@ def changed(winding: Winding, card: CatalogueCard, stretch: float, length: float
     (m).
     """
     active = (winding.total_coils - 2 * winding.inactive) * stretch
-    if _turns_told(card) is None:
+    if _given_turns(card) is None:
         return replace(
             winding,
             total_coils=active + 2 * winding.inactive,

@@ -125,13 +125,13 @@ def spring_card(
         "mass": None if mass is None else parse_quantity(mass, "mass", "--mass"), "total_coils": total_coils,
         "material": material_by_name(material) if material else None, "name": name,
     }  # fmt: skip
-    asked = _Request(name, output, datetime.now(UTC).replace(microsecond=0), open_page)
+    request = _Request(name, output, datetime.now(UTC).replace(microsecond=0), open_page)
     if table is None:
         from valvetrain.spring_card.fit import spring_from_card
 
         if installed_height is not None:
             raise InputError(
-                "the height of the closed valve stands in --installed 'HEIGHT, LOAD' where there is no table",
+                "the height of the closed valve belongs in --installed 'HEIGHT, LOAD' where there is no table",
                 "--installed-height",
             )
         loads = [
@@ -139,7 +139,7 @@ def spring_card(
         ]
         return _show_card(
             spring_from_card(CatalogueCard(installed_load=loads[0], open_load=loads[1], **known)),
-            asked,
+            request,
         )
     if installed is not None or open_ is not None:
         raise InputError(
@@ -150,10 +150,10 @@ def spring_card(
     from valvetrain.measured.force_height import read_force_height
     from valvetrain.spring_card.tester import card_from_table, read_end, spring_from_tester
 
-    words = tuple(word.strip() for word in columns.split(",") if word.strip())
+    names = tuple(word.strip() for word in columns.split(",") if word.strip())
     found = read_force_height(
         table,
-        columns=words,
+        columns=names,
         length_unit=length_unit,
         force_unit=force_unit,
         free_length=known["free_length"],
@@ -165,7 +165,7 @@ def spring_card(
             read_end(closes),
             length(installed_height, "--installed-height"),
         )
-    return _show_tester(fit, asked)
+    return _show_tester(fit, request)
 
 
 @dataclass(frozen=True)
@@ -192,7 +192,7 @@ def _load(text: str | None, flag: str) -> SpringLoad:
 
 
 def _deliver(
-    asked: _Request,
+    request: _Request,
     fit: SpringFit | TesterFit,
     page: Page,
     data: dict[str, Any],
@@ -215,18 +215,18 @@ def _deliver(
 
     folder, files = keep_run(
         SavedRequest(
-            "spring-card", parse_case(text, "spring-card"), asked.output, asked.created_at
+            "spring-card", parse_case(text, "spring-card"), request.output, request.created_at
         ),
         text,
-        {"name": asked.name},
+        {"name": request.name},
         data,
         fill,
     )
-    if asked.open_page:
+    if request.open_page:
         show_page(pages[0])
     data |= {"folder": str(folder), "files": files, "page": str(pages[0])}
 
-    def told(console: Console) -> None:
+    def show_text(console: Console) -> None:
         show(console)
         for sentence in fit.free:
             console.print(f"{sentence[:1].upper()}{sentence[1:]}.", soft_wrap=True)
@@ -236,10 +236,10 @@ def _deliver(
             soft_wrap=True,
         )
 
-    deliver(Outcome(data, told, ()))
+    deliver(Outcome(data, show_text, ()))
 
 
-def _show_card(fit: SpringFit, asked: _Request) -> None:
+def _show_card(fit: SpringFit, request: _Request) -> None:
     from valvetrain.cli.outcome import plain_table
     from valvetrain.spring_card.page import card_page, held_rows, spring_rows
 
@@ -255,20 +255,20 @@ def _show_card(fit: SpringFit, asked: _Request) -> None:
 
     data: dict[str, Any] = {
         "command": "spring-card", "case": "", "completed": True, "left_free": list(fit.free),
-        "card": {one.quantity: {"asked": one.asked, "found": one.found} for one in fit.held},
+        "card": {one.quantity: {"asked": one.requested, "found": one.found} for one in fit.held},
     }  # fmt: skip
-    _deliver(asked, fit, card_page(fit), data, "from a catalogue card", show)
+    _deliver(request, fit, card_page(fit), data, "from a catalogue card", show)
 
 
-def _show_tester(fit: TesterFit, asked: _Request) -> None:
+def _show_tester(fit: TesterFit, request: _Request) -> None:
     from valvetrain.cli.outcome import plain_table
     from valvetrain.spring_card.page import spring_rows, tester_page, tester_rows
 
     def show(console: Console) -> None:
         console.print(f"{fit.table!r}", soft_wrap=True)
         rows = [
-            (words, value, spread and f"±{spread}", unit)
-            for words, value, spread, unit in tester_rows(fit)
+            (names, value, spread and f"±{spread}", unit)
+            for names, value, spread, unit in tester_rows(fit)
         ]
         console.print(plain_table(("", "value", "95 %", ""), rows, right=(1, 2)))
         console.print()
@@ -296,4 +296,4 @@ def _show_tester(fit: TesterFit, asked: _Request) -> None:
             for coil, pitch, sd in zip(fit.stations.coil.tolist(), fit.stations.pitch.tolist(), fit.stations.spread.tolist(), strict=True)
         ],
     }  # fmt: skip
-    _deliver(asked, fit, tester_page(fit), data, "from a table of forces", show)
+    _deliver(request, fit, tester_page(fit), data, "from a table of forces", show)

@@ -30,16 +30,16 @@ MET, TRIALS = 2e-4, 12
 
 @dataclass(frozen=True, slots=True)
 class CardDeviation:
-    """One number of a card beside that of the spring; SI, ``asked`` None where the card is silent."""
+    """One number of a card and that of the spring; SI, ``requested`` None where the card is silent."""
 
     quantity: str
-    asked: float | None
+    requested: float | None
     found: float
 
 
 @dataclass(frozen=True)
 class SpringFit:
-    """A spring that meets its card: the ``spring`` as installed, its numbers beside the card's, and
+    """A spring that meets its card: the ``spring`` as installed, its numbers and the card's, and
     what the card left ``free``.
 
     Made by :func:`spring_from_card`.
@@ -79,7 +79,7 @@ def spring_from_card(card: CatalogueCard) -> SpringFit:
 
     Returns
     -------
-    SpringFit whose ``spring`` stands at the height of the first load
+    SpringFit whose ``spring`` is at the height of the first load
 
     Raises
     ------
@@ -180,7 +180,7 @@ def _left_free(card: CatalogueCard, winding: Winding) -> tuple[str, ...]:
     free.append(
         "the pitch is taken constant between the closed ends: two loads do not determine a progressive pitch, a table of forces does"
     )
-    free.append("damping and contact of the coils are on no card: the usual ones hold")
+    free.append("damping and contact of the coils are on no card: the defaults apply")
     if card.free_length is None:
         free.append("no free length is given: it follows from both loads")
     return tuple(free)

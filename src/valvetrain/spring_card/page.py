@@ -1,4 +1,4 @@
-"""The page of a spring from its card or from a table of forces: what was asked, what the spring
+"""The page of a spring from its card or from a table of forces: what was requested, what the spring
 has, what was left open.
 """
 
@@ -22,7 +22,7 @@ from valvetrain.spring_card.tester import TesterFit
 
 Array = NDArray[np.float64]
 #: Quantity of a card -> its words, unit and factor from SI.
-WORDS = {
+ROWS = {
     "installed_load": ("force at the first height", "N", 1.0), "open_load": ("force at the second height", "N", 1.0),
     "rate": ("rate between the two", "N/mm", 1e-3), "solid_height": ("solid height", "mm", 1e3), "mass": ("mass on the scales", "g", 1e3),
     "free_length": ("free length", "mm", 1e3), "total_coils": ("turns in all", "", 1.0),
@@ -40,10 +40,10 @@ def held_rows(held: Sequence[CardDeviation]) -> list[tuple[str, str, str, str, s
     """Words, what the card asks, what the spring has, unit, and the difference."""
     rows = []
     for one in held:
-        words, unit, factor = WORDS[one.quantity]
-        asked = "" if one.asked is None else number(one.asked * factor, 4)
-        apart = "" if one.asked is None else percent(one.found / one.asked - 1)
-        rows.append((words, asked, number(one.found * factor, 4), unit, apart))
+        label, unit, factor = ROWS[one.quantity]
+        requested = "" if one.requested is None else number(one.requested * factor, 4)
+        apart = "" if one.requested is None else percent(one.found / one.requested - 1)
+        rows.append((label, requested, number(one.found * factor, 4), unit, apart))
     return rows
 
 
@@ -66,7 +66,7 @@ def spring_rows(spring: InstalledSpring) -> list[tuple[str, str, str]]:
 def card_page(fit: SpringFit) -> Page:
     """The page of a spring that meets a catalogue card."""
     head = ("", "card", "spring", "", "difference")
-    asked = Grid(
+    requested = Grid(
         head,
         tuple(
             (
@@ -77,7 +77,7 @@ def card_page(fit: SpringFit) -> Page:
         ),
     )
     sections = (
-        Section("card", "The card and the spring that meets it", (asked,)),
+        Section("card", "The card and the spring that meets it", (requested,)),
         Section(
             "curve", "Force and pitch", (Figure(_card_chart(fit)), Figure(_pitch_chart(fit.spring)))
         ),
@@ -135,14 +135,14 @@ def tester_page(fit: TesterFit) -> Page:
     rows = tuple(
         (
             (
-                Cell(words[:1].upper() + words[1:]),
+                Cell(label[:1].upper() + label[1:]),
                 Cell(value, "number"),
                 Cell(spread and f"±{spread}", "number quiet"),
                 Cell(unit),
             ),
             (),
         )
-        for words, value, spread, unit in tester_rows(fit)
+        for label, value, spread, unit in tester_rows(fit)
     )
     found: tuple[Block, ...] = (
         Grid(("", "value", "95 %", ""), rows), *(text(note[:1].upper() + note[1:] + ".", "note") for note in fit.table.notes),
@@ -171,8 +171,8 @@ def _sentences(free: Sequence[str]) -> tuple[Block, ...]:
 
 def _grid(spring: InstalledSpring) -> Grid:
     rows = tuple(
-        ((Cell(words[:1].upper() + words[1:]), Cell(value, "number"), Cell(unit)), ())
-        for words, value, unit in spring_rows(spring)
+        ((Cell(label[:1].upper() + label[1:]), Cell(value, "number"), Cell(unit)), ())
+        for label, value, unit in spring_rows(spring)
     )
     return Grid(("quantity", "value", ""), rows)
 

@@ -39,7 +39,7 @@ CORRECTIONS, SETTLED = 8, 3e-4
 #: force.
 FIRST_SCATTER, MIN_SCATTER = 3e-3, 2e-4
 #: Standard deviations of the rise of the gap from station to station and of the change of that
-#: rise, in wire diameters: what is usual
+#: rise, in wire diameters: the typical value
 #: among progressive springs. They decide where the table does not.
 RISE, BEND = 0.5, 0.15
 #: What a height of a table is true to (m): where the force rises steeply, it decides how well a
@@ -207,8 +207,8 @@ def forces_by_rod(definition: SpringDefinition, heights: Array) -> Array:
     coils below.
     """
     lowest = definition.solid_height + 0.02 * definition.solid_compression
-    asked = np.clip(heights, lowest, definition.free_length)
-    return np.array(forces_at(definition, asked.tolist()))
+    clipped = np.clip(heights, lowest, definition.free_length)
+    return np.array(forces_at(definition, clipped.tolist()))
 
 
 ENDS: tuple[Closes, ...] = ("lower", "upper", "both")
@@ -289,7 +289,7 @@ def spring_from_tester(
         used
     closes : end whose coils close first; the table cannot tell it, seat and retainer exchanged give
         the same forces
-    installed_height : at which preload and rate are told, m; the largest height of the table by
+    installed_height : at which preload and rate are reported, m; the largest height of the table by
         default
 
     Returns
@@ -318,10 +318,12 @@ def spring_from_tester(
             "installed_height",
         )
     start = first_winding(card)
-    told = card.total_coils is not None or card.mass is not None or card.solid_height is not None
+    turns_given = (
+        card.total_coils is not None or card.mass is not None or card.solid_height is not None
+    )
     active = start.total_coils - 2 * start.inactive
     count = int(np.clip(round(active / TURNS_A_STATION), 3, STATIONS))
-    law = PitchLaw(card, start.total_coils if told else None, start.ground, closes, count)
+    law = PitchLaw(card, start.total_coils if turns_given else None, start.ground, closes, count)
     chosen = _thinned(_open(table))
     numbers, covariance, scatter = fit_closing(law, start, active, *chosen)
     return _result(table, law, numbers, covariance, scatter, height)
@@ -422,7 +424,9 @@ def _result(
     moved = []
     for place, step in enumerate(1e-3 * np.append(1.0, np.full(law.steps, law.card.wire_diameter))):
         away = np.where(np.arange(len(numbers)) == place, step, 0.0)
-        moved.append((_told(law, numbers + away, height) - _told(law, numbers, height)) / step)
+        moved.append(
+            (_law_forces(law, numbers + away, height) - _law_forces(law, numbers, height)) / step
+        )
     spread = np.sqrt(
         np.maximum(np.einsum("ia,ij,ja->a", np.array(moved), covariance, np.array(moved)), 0.0)
     )
@@ -455,7 +459,7 @@ def _result(
     )
 
 
-def _told(law: PitchLaw, numbers: Array, height: float) -> Array:
+def _law_forces(law: PitchLaw, numbers: Array, height: float) -> Array:
     """Free length (m), force (N) and rate (N/m) at a height (m) of closing coils."""
     definition, travel = law.definition(numbers), 0.5e-3
     low, here, high = closing_forces(

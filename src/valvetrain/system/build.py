@@ -37,12 +37,12 @@ def build(
     case: AnyCase, *, spring_models: Sequence[str] = (), spring_sets: Sequence[str] = ()
 ) -> Problem:
     """The problem of a case, every part built once: its variants, or one member per spring model
-    (of each spring set) asked for.
+    (of each spring set) requested.
 
     Parameters
     ----------
     case : Case, name of a library case, or path of a case file
-    spring_models : words of spring models, such as "multi-mass"; the case's own or the usual ones
+    spring_models : names of spring models, such as "multi-mass"; the case's own or the default ones
         by default
     spring_sets : names of spring sets of a train
 
@@ -72,7 +72,7 @@ def build(
 
 
 def lift_law_of(case: Case) -> LiftLaw:
-    """The lift law of a case, zero lift where it has none; what it refuses is told with its place
+    """The lift law of a case, zero lift where it has none; what it refuses is reported with its location
     in the case file.
 
     Raises :class:`InputError` for numbers that make no law.
@@ -84,12 +84,12 @@ def lift_law_of(case: Case) -> LiftLaw:
             raise
         keys = {word for word in re.findall(r"\w+", error.reason) if word in case.lift_law.values}
         path = ("lift_law", *keys) if len(keys) == 1 else ("lift_law",)
-        line = find_line(case.text, path) if _tells(case.text, case) else None
+        line = find_line(case.text, path) if _is_text_of(case.text, case) else None
         place = f"case '{case.name}'" + (f", line {line}" if line else "")
         raise InputError(error.reason, f"{place}, {'.'.join(path)}") from error
 
 
-def _tells(text: str, case: Case) -> bool:
+def _is_text_of(text: str, case: Case) -> bool:
     """Whether a case's text is the file that a user wrote and holds the lift law of the case."""
     try:
         return not case.changed and parse_case(text).lift_law == case.lift_law
@@ -169,13 +169,13 @@ def _train_members(
     if case.lift_law is None:
         raise InputError(f"case '{case.name}' holds no lift law; add a [lift_law] table")
     if specs or sets:
-        words = [spec.word for spec in specs] or [train.spring_model]
+        model_names = [spec.word for spec in specs] or [train.spring_model]
         variants: tuple[TrainVariant, ...] = tuple(
             TrainVariant(
                 f"{chosen}, {word}" if len(sets) > 1 else word if specs else chosen, chosen, word
             )
             for chosen in sets or (train.spring_set,)
-            for word in words
+            for word in model_names
         )
     else:
         variants = train.variants or (
@@ -217,7 +217,7 @@ def _train_members(
 
 
 def _free_label(label: str, taken: list[str]) -> str:
-    """The label, with a number where another variant bears it: results are told apart by it."""
+    """The label, with a number where another variant bears it: it distinguishes results."""
     return next(
         one
         for n in range(1, len(taken) + 2)

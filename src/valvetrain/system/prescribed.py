@@ -1,4 +1,4 @@
-"""Springs whose retainer is told where to go: a train whose every other part is rigid and in
+"""Springs under a prescribed retainer motion: a train whose every other part is rigid and in
 contact.
 """
 

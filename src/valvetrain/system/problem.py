@@ -20,7 +20,7 @@ from valvetrain.system.contract import PRESCRIBED, TRAIN
 from valvetrain.system.prescribed import PrescribedSpring
 from valvetrain.system.train_system import TrainSystem
 
-#: Springs at rest by the installed spring they stand for.
+#: Springs at rest by the installed spring they represent.
 Rest = Mapping[InstalledSpring, SpringAtRest]
 #: Models by word, installed spring (its options included) and, for models that need it, the spring
 #: at rest.
@@ -41,7 +41,7 @@ class Gear:
 @dataclass(frozen=True, eq=False)
 class Member:
     """One variant of a problem: which springs by which model, in which train (none: prescribed
-    motion). ``note`` is printed beside.
+    motion). ``note`` is printed next to the results.
     """
 
     label: str
@@ -70,10 +70,9 @@ class Member:
         self, rest: Rest | None = None, built: BuiltModels | None = None
     ) -> PrescribedSpring | TrainSystem:
         """The member assembled; ``rest`` holds the springs at rest where the model needs them
-        (``model.needs_rest``), ``built`` the
-        models that stand already (new ones are added).
+        (``model.needs_rest``), ``built`` the models that stand already (new ones are added).
 
-        Raises :class:`InputError` where the model cannot stand for a spring.
+        Raises :class:`InputError` where the model cannot represent a spring.
         """
         if self.model.no_motion:
             raise InputError(self.model.no_motion)
@@ -93,11 +92,9 @@ class Member:
 @dataclass(frozen=True, eq=False)
 class Problem:
     """All parts of a case, built once. ``engine_speeds`` in rad/s of the crank; ``cycles`` cam
-    turns of prescribed motion, the last is
-    reported; ``output_step`` (cam rad) between its samples; ``cycles_to_settle`` bounds the search
-    for a train's periodic state;
-    ``moves``: whether there is a lift law; ``built``: the spring models built so far, shared by
-    members and states at rest.
+    turns of prescribed motion, the last is reported; ``output_step`` (cam rad) between its samples;
+    ``cycles_to_settle`` bounds the search for a train's periodic state; ``moves``: whether there is
+    a lift law; ``built``: the spring models built so far, shared by members and states at rest.
 
     >>> import valvetrain as vt
     >>> problem = vt.build("job-t", spring_models=["massless", "multi-mass"])
@@ -139,7 +136,7 @@ class Problem:
         self, word: str, spring: InstalledSpring, rest: SpringAtRest | None = None
     ) -> SpringModel:
         """The model of an installed spring, the one of a member where it runs. Raises
-        :class:`InputError` where it cannot stand for it.
+        :class:`InputError` where it cannot represent it.
         """
         return _once(self.built, spring_model(word), spring, rest)
 

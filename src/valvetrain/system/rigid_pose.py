@@ -1,4 +1,4 @@
-"""Rigid motion of an assembled train: where every body stands at a valve lift, and the mass that
+"""Rigid motion of an assembled train: pose of every body at a valve lift, and the mass that
 lift feels.
 """
 
@@ -66,8 +66,8 @@ class RigidPoses:
 
 def rigid_poses(system: TrainSystem, count: int = 41) -> RigidPoses:
     """Rigid poses from a little below zero lift to a little above the largest. Raises
-    :class:`InputError` when a body is not tied to the
-    valve."""
+    :class:`InputError` when a body is not tied to the valve.
+    """
     kinematics = system.mechanism.kinematics
     top = float(kinematics.maximum_lift + kinematics.lash)
     lifts = np.linspace(-0.02 * top, 1.02 * top, count)

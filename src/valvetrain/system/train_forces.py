@@ -19,8 +19,8 @@ def gap_states(
     system: TrainSystem, positions: Array, cam_angles: Array
 ) -> tuple[Array, Array, Array]:
     """Penetrations (S, n) in m, their gradients (S, n, N) and derivatives by the cam angle (S, n)
-    in m/rad at ``positions`` (S, N) and
-    ``cam_angles`` (S,) in rad."""
+    in m/rad at ``positions`` (S, N) and ``cam_angles`` (S,) in rad.
+    """
     arrays, shape = system.arrays, (len(cam_angles), len(system.arrays.kinds))
     pens, slopes, gradients = (
         np.zeros(shape),

@@ -2,8 +2,8 @@
 problem.
 
 Contacts and links count with their tangents, and with what their forces do as the gaps turn; a
-spring adds its own inner motion between a
-fixed seat and the retainer. No damping; a contact that does not press has no stiffness.
+spring adds its own inner motion between a fixed seat and the retainer. No damping; a contact that
+does not press has no stiffness.
 """
 
 from __future__ import annotations

@@ -27,10 +27,9 @@ class TrainRest:
     """What every run of a train starts from.
 
     ``equilibrium`` (N,): positions at rest at cam angle zero. ``reference_force`` (N): level at
-    which contact stiffnesses are judged.
-    ``own_time_step`` (s): stable step of the train's own masses. ``lifts`` (p,) m and
-    ``spring_forces`` (p,) N: static spring curve
-    from zero to a little above the largest lift.
+    which contact stiffnesses are judged. ``own_time_step`` (s): stable step of the train's own
+    masses. ``lifts`` (p,) m and ``spring_forces`` (p,) N: static spring curve from zero to a little
+    above the largest lift.
     """
 
     equilibrium: Array
@@ -74,8 +73,8 @@ def rest_of(system: TrainSystem) -> TrainRest:
 
 def static_equilibrium(system: TrainSystem, cam_angle: float, start: Array | None = None) -> Array:
     """Rest positions (N,) at a cam angle, by damped Newton with a numeric tangent from ``start``
-    (none: valve closed, all at home); free
-    bodies stay where they are."""
+    (none: valve closed, all at home); free bodies stay where they are.
+    """
     spring_force = cache(
         system.spring_force
     )  # an equilibrium of a finite-element spring takes milliseconds

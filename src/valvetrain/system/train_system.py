@@ -39,12 +39,10 @@ class TrainArrays(NamedTuple):
     """What the compiled loop reads; shapes: n interactions, N coordinates, m tables.
 
     ``kinds``, ``table_of``, ``laws`` (n,); ``coordinate_of`` (n, 4), -1 for none; ``geometry`` (n,
-    16); ``law_parameters`` (n, 8);
-    ``memory_of`` (n + 1,): where the memory of each interaction begins in the flat array of all,
-    the last entry being its length;
-    ``friction`` (n, 2) coefficient and slip rate (m/s); ``tables`` (m, nodes, 3); ``body`` (N, 5)
-    mass, constant force, guide damping,
-    friction, friction velocity; ``gas`` (1, nodes, 3) N over cam angle.
+    16); ``law_parameters`` (n, 8); ``memory_of`` (n + 1,): where the memory of each interaction
+    begins in the flat array of all, the last entry being its length; ``friction`` (n, 2)
+    coefficient and slip rate (m/s); ``tables`` (m, nodes, 3); ``body`` (N, 5) mass, constant force,
+    guide damping, friction, friction velocity; ``gas`` (1, nodes, 3) N over cam angle.
     """
 
     kinds: Integers
@@ -68,9 +66,8 @@ class TrainSystem:
     spring force.
 
     ``springs``: none, one or two spring models (outer, inner) between the cylinder head and the
-    retainer. ``gas``: (nodes, 3) table of
-    the force (N, opening positive) on the valve over the cam angle, or None. ``crank``: slider that
-    the valve must clear.
+    retainer. ``gas``: (nodes, 3) table of the force (N, opening positive) on the valve over the cam
+    angle, or None. ``crank``: slider that the valve must clear.
     """
 
     mechanism: AssembledMechanism
@@ -163,7 +160,7 @@ class TrainSystem:
         )
 
     def spring_forces(self, displacements: Array) -> Array:
-        """Static force (N) of all springs at each retainer displacement (m) of a curve, shape kept."""
+        """Static force (N) of all springs at each retainer displacement (m) of a curve, in the same shape."""
         total = np.zeros(len(displacements))
         for spring in self.springs:
             if isinstance(spring, WithStaticCurve):

@@ -36,7 +36,7 @@ class Window:
     is usually given in.
 
     ``bare_high``: largest value (SI) that is taken without a unit, where an SI number and one in
-    the usual unit are alike.
+    the default unit are alike.
     """
 
     dimension: str
@@ -148,9 +148,8 @@ def si_speeds(
     """Rotational speeds (rad/s) from one, several or a range, in the order given, each once.
 
     ``values``: as for :func:`si`, or a sequence or array of such; or text: ``"4200, 5600 rpm"``,
-    ``"1000:9000:100 rpm"`` with both ends.
-    Raises :class:`InputError` as :func:`si`, and for none, for speeds that are not positive and
-    ranges that lead nowhere.
+    ``"1000:9000:100 rpm"`` with both ends. Raises :class:`InputError` as :func:`si`, and for none,
+    for speeds that are not positive and ranges that lead nowhere.
 
     >>> len(si_speeds("1000:9000:100 rpm"))
     81
@@ -246,22 +245,26 @@ def _refuse_slip(
         window.high, window.bare_high if bare else math.inf
     ) * (1 + 1e-12):
         return
-    words, usual = quantity.replace("_", " "), format_quantity(found, window.default_unit)
+    label, in_default_unit = quantity.replace("_", " "), format_quantity(found, window.default_unit)
     if window.low <= found <= window.high:
-        remedy = f"did you mean '{number:g} {window.default_unit}'? If not, write '{usual}'"
-        raise InputError(f"{number:g} without a unit is {shown}, {words} {usual}; {remedy}", where)
+        remedy = (
+            f"did you mean '{number:g} {window.default_unit}'? If not, write '{in_default_unit}'"
+        )
+        raise InputError(
+            f"{number:g} without a unit is {shown}, {label} {in_default_unit}; {remedy}", where
+        )
     factors = ((unit, number * unit_factor(unit)) for unit in _MEANT[window.dimension])
     meant = next(
         ((unit, value) for unit, value in factors if window.low <= value <= window.high), None
     )
     if meant is None:
         span = f"{format_quantity(window.low, window.default_unit)} to {format_quantity(window.high, window.default_unit)}"
-        told = shown if shown == usual else f"{shown} ({usual})"
+        value_text = shown if shown == in_default_unit else f"{shown} ({in_default_unit})"
         raise InputError(
-            f"{told} of {words} lies outside {span}; check the number and its unit", where
+            f"{value_text} of {label} lies outside {span}; check the number and its unit", where
         )
     unit, value = meant
     raise InputError(
-        f"{shown} of {words} can only be meant as {number:g} {unit}; write {value:.6g} or '{number:g} {unit}'",
+        f"{shown} of {label} can only be meant as {number:g} {unit}; write {value:.6g} or '{number:g} {unit}'",
         where,
     )

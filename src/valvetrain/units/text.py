@@ -103,10 +103,8 @@ def parse_quantity(text: object, dimension: str | None, where: str = "") -> floa
     """Turn ``text`` ("4.0 mm") into an SI float.
 
     ``dimension``: a name from :data:`DIMENSIONS`, a unit whose dimension is due ("N/m^1.5"), or
-    None for any.
-    ``where`` leads the message. Raises :class:`InputError` for a bare number where a unit is due, a
-    wrong dimension, an unknown unit
-    and what is no finite number.
+    None for any. ``where`` leads the message. Raises :class:`InputError` for a bare number where a
+    unit is due, a wrong dimension, an unknown unit and what is no finite number.
     """
     value, unit = split_quantity(text, dimension, where)
     return to_si(value, unit, dimension, f"'{clipped(str(text))}'", where)
@@ -139,11 +137,11 @@ def parse_quantities(text: object, dimension: str | None, where: str = "") -> tu
 def split_quantity(text: object, dimension: str | None, where: str) -> tuple[float, str]:
     """Number and unit in ``text``; arguments and errors as :func:`parse_quantity`."""
     due = DIMENSIONS.get(dimension or "ratio", None)
-    usual = due.default_unit if due else str(dimension)
+    example_unit = due.default_unit if due else str(dimension)
     phrase = due.phrase if due else f"a quantity in {dimension}"
     if isinstance(text, bool) or not isinstance(text, (int, float, str)):
         raise InputError(
-            f"{clipped(repr(text))} is no quantity; {phrase} is needed here, such as '1 {usual}'".rstrip(),
+            f"{clipped(repr(text))} is no quantity; {phrase} is needed here, such as '1 {example_unit}'".rstrip(),
             where,
         )
     if isinstance(text, (int, float)):
@@ -152,19 +150,19 @@ def split_quantity(text: object, dimension: str | None, where: str) -> tuple[flo
         remedy = (
             "write it with its unit"
             if dimension is None
-            else f"{phrase} is needed here: write '{clipped(repr(text))} {usual}'"
+            else f"{phrase} is needed here: write '{clipped(repr(text))} {example_unit}'"
         )
         raise InputError(f"{clipped(repr(text))} has no unit; {remedy}", where)
     match = _QUANTITY.match(text.strip())
     if match is None:
         raise InputError(
-            f"'{clipped(text)}' is no quantity; {phrase} is needed here, such as '1 {usual}'".rstrip(),
+            f"'{clipped(text)}' is no quantity; {phrase} is needed here, such as '1 {example_unit}'".rstrip(),
             where,
         )
     number, unit = match.groups()
     if unit == "" and dimension not in ("ratio", None, ""):
         raise InputError(
-            f"'{clipped(text)}' has no unit; {phrase} is needed here: write '{number} {usual}'",
+            f"'{clipped(text)}' has no unit; {phrase} is needed here: write '{number} {example_unit}'",
             where,
         )
     return finite(float(number), text, where), unit
@@ -182,10 +180,10 @@ def to_si(value: float, unit: str, dimension: str | None, shown: str, where: str
         due = DIMENSIONS.get(dimension)
         if _resolve(due.si_unit if due else dimension)[1] != powers:
             is_what = DIMENSIONS[name].phrase if (name := dimension_of(unit)) else "something else"
-            phrase, usual = (
+            phrase, example_unit = (
                 (due.phrase, due.default_unit) if due else (f"a quantity in {dimension}", dimension)
             )
-            example = f"such as '1 {usual}'" if usual else "without a unit"
+            example = f"such as '1 {example_unit}'" if example_unit else "without a unit"
             if re.search(r"\blb\b", unit):
                 example += " (lb is a mass, lbf the force)"
             raise InputError(f"{shown} is {is_what}, but {phrase} is needed here, {example}", where)
@@ -200,7 +198,7 @@ def finite(value: float, shown: object, where: str) -> float:
 
 
 def clipped(text: str, limit: int = 40) -> str:
-    """Foreign text that may stand in a message: printable, at most ``limit`` characters."""
+    """Foreign text made safe for a message: printable, at most ``limit`` characters."""
     clean = "".join(char if char.isprintable() else "?" for char in text[: limit + 1])
     return clean if len(clean) <= limit else clean[: limit - 3] + "..."
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from valvetrain import LiftLaw, build_lift_law, load_case
-from valvetrain.cam.cached import KEPT, RememberedLift
+from valvetrain.cam.cached import MAX_ANSWERS, RememberedLift
 
 
 def test_answers_are_those_of_the_law_and_few_are_kept():
@@ -17,11 +17,11 @@ def test_answers_are_those_of_the_law_and_few_are_kept():
     )
     generator = np.random.default_rng(2)
     for _ in range(2):
-        for turn in range(3 * KEPT):
+        for turn in range(3 * MAX_ANSWERS):
             angles = np.sort(generator.random(200 + turn) * 6)
             for derivative in (0, 1):
                 assert np.array_equal(known.lift(angles, derivative), law.lift(angles, derivative))
-    assert len(known._answers) == KEPT
+    assert len(known._answers) == MAX_ANSWERS
 
 
 def test_other_angles_between_the_same_ends_are_not_taken_for_those_before():
