@@ -51,8 +51,7 @@ from valvetrain.report.run_charts import looks
 from valvetrain.report.run_summary import reach_rows, share
 from valvetrain.report.svg_chart import svg
 from valvetrain.runs.compare import compare_study
-from valvetrain.runs.run import run_study
-from valvetrain.runs.sweep import sweep_study
+from valvetrain.runs.run import run_study, sweep_study
 from valvetrain.solution.atomic import write_text
 from valvetrain.solution.fidelity import FidelityMap
 from valvetrain.solution.study import Study

@@ -20,8 +20,9 @@ from valvetrain.report.run_summary import fidelity_notes, reach_rows, reason_for
 from valvetrain.report.sections.answers import fidelity_blocks as blocks
 from valvetrain.runs import fidelity as studied
 from valvetrain.runs.fidelity import fidelity_models
-from valvetrain.runs.run import STOPPED, run_problem
+from valvetrain.runs.run import run_problem
 from valvetrain.runs.stopping import StudyStopped
+from valvetrain.runs.train_runs import STOPPED
 from valvetrain.solution.fidelity import GOOD, MISSING, OPEN, POOR, RPM, FidelityMap, FidelityRow
 from valvetrain.solution.provenance import CaseRecord
 from valvetrain.solution.status import Status

@@ -51,7 +51,7 @@ if TYPE_CHECKING:
     from valvetrain.parameters.case import Case
     from valvetrain.report.unfinished import UnfinishedRun
     from valvetrain.runs.cost import Limits
-    from valvetrain.runs.run import Finished
+    from valvetrain.runs.train_runs import Finished
     from valvetrain.solution.partial_failures import PartialFailures
     from valvetrain.solution.provenance import Provenance
     from valvetrain.solution.study import Study

@@ -13,8 +13,14 @@ from numpy.typing import NDArray
 from valvetrain.errors import InputError
 from valvetrain.measured.sensor import Sensor, SensorResponse
 from valvetrain.parameters.loading import AnyCase
-from valvetrain.runs.prepared import Plan, PreparedRun, integrate_point, prepare, provenance_of
-from valvetrain.runs.run import member_rest, ready_trains
+from valvetrain.runs.prepared import (
+    Plan,
+    PreparedRun,
+    integrate_point,
+    prepare,
+    provenance_of,
+)
+from valvetrain.runs.train_runs import member_statics, prepare_trains
 from valvetrain.solution.partial_failures import PartialFailures
 from valvetrain.solution.result import Solution
 from valvetrain.system.build import build
@@ -174,10 +180,10 @@ def seen_in_case(
     if not speeds:
         raise InputError("the case names no engine speed; give one", "--engine-speed")
     if problem.kind == TRAIN:
-        ready = ready_trains(problem, speeds, PartialFailures())[0]
+        ready = prepare_trains(problem, speeds, PartialFailures())[0]
     else:
         ready = tuple(
-            prepare(problem, member, member_rest(problem, member), problem.record.study)
+            prepare(problem, member, member_statics(problem, member), problem.record.study)
             for member in problem.members
         )
     found: list[SeenChannel] = []

@@ -16,15 +16,11 @@ from valvetrain.parameters.spring import SpringDefinition
 from valvetrain.runs.compare import compare_study
 from valvetrain.runs.cost import FEWER_AT_REST, Limits, limits_of, refuse_cost
 from valvetrain.runs.critical_speeds import read_options
-from valvetrain.runs.engine import Progress, worker_count
-from valvetrain.runs.notes import largest_lift
-from valvetrain.runs.planned import RunRequest
-from valvetrain.runs.request_cost import request_cost
-from valvetrain.runs.run import run_study
-from valvetrain.runs.static_cost import spring_cost
-from valvetrain.runs.static_study import curve_by_model
-from valvetrain.runs.statics import STEPS
-from valvetrain.runs.sweep import sweep_study
+from valvetrain.runs.prepared import largest_lift
+from valvetrain.runs.request_cost import RunRequest, request_cost, spring_cost
+from valvetrain.runs.run import run_study, sweep_study
+from valvetrain.runs.statics import STEPS, curve_by_model
+from valvetrain.runs.workers import Progress, worker_count
 from valvetrain.solution.critical import CriticalSpeeds
 from valvetrain.solution.static import StaticCurve
 from valvetrain.solution.study import Study

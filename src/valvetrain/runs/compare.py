@@ -14,8 +14,7 @@ from valvetrain.errors import InputError
 from valvetrain.parameters.case import Case
 from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.runs.cost import Limits
-from valvetrain.runs.engine import Progress
-from valvetrain.runs.run import Finished, run_problem
+from valvetrain.runs.run import run_problem
 from valvetrain.runs.solid import (
     Cancel,
     SolidMotion,
@@ -24,9 +23,10 @@ from valvetrain.runs.solid import (
     solid_motion,
     solid_rest,
 )
-from valvetrain.runs.statics import reach_of, rest_by_model
+from valvetrain.runs.statics import reach_of, statics_by_model
 from valvetrain.runs.stopping import StudyStopped
-from valvetrain.runs.workers import result_of
+from valvetrain.runs.train_runs import Finished
+from valvetrain.runs.workers import Progress, result_of
 from valvetrain.solution.partial_failures import PartialFailures
 from valvetrain.solution.result import Solution
 from valvetrain.solution.static import SpringAtRest
@@ -188,7 +188,7 @@ def _by_each_model(
         check_motion(lift_law, motion)
 
     def by(word: str) -> SpringAtRest:
-        return rest_by_model(
+        return statics_by_model(
             spring,
             word,
             problem.model_of(word, spring, own),

@@ -12,8 +12,8 @@ from functools import partial
 from typing import Any
 
 from valvetrain.errors import InputError
-from valvetrain.runs.engine import map_points
 from valvetrain.runs.prepared import Plan, PreparedRun, integrate_from, judge, provenance_of
+from valvetrain.runs.workers import map_points
 from valvetrain.solution.critical import (
     KINDS,
     CriticalSpeed,

@@ -18,13 +18,13 @@ from valvetrain.errors import InputError
 from valvetrain.parameters.case import Case
 from valvetrain.parameters.loading import AnyCase, case_of
 from valvetrain.runs.cost import Cost, Limits, limits_of, refuse_cost
-from valvetrain.runs.engine import Progress, worker_count
 from valvetrain.runs.error_bars import two_grids
-from valvetrain.runs.planned import RunRequest
-from valvetrain.runs.request_cost import request_cost
-from valvetrain.runs.run import Finished, run_problem
+from valvetrain.runs.refine_trains import divided
+from valvetrain.runs.request_cost import RunRequest, request_cost
+from valvetrain.runs.run import run_problem
 from valvetrain.runs.stopping import StudyStopped
-from valvetrain.runs.train_uncertainty import divided
+from valvetrain.runs.train_runs import Finished
+from valvetrain.runs.workers import Progress, worker_count
 from valvetrain.solution.fidelity import FidelityMap, FidelityRow
 from valvetrain.solution.study import Study
 from valvetrain.springs.spec import spring_model

@@ -20,13 +20,19 @@ from valvetrain.parameters.loading import AnyCase, case_of
 from valvetrain.quantities.run_up import OpenWindow, turn_quantities
 from valvetrain.runs.cost import limits_of, refuse_cost
 from valvetrain.runs.critical_speeds import CriticalOptions
-from valvetrain.runs.engine import Progress, map_points, worker_count
 from valvetrain.runs.notes import refuse_implausible
-from valvetrain.runs.planned import RunRequest
-from valvetrain.runs.prepared import FAILURES, Plan, PreparedRun, prepare, provenance_of, unfinished
-from valvetrain.runs.request_cost import run_up_cost
-from valvetrain.runs.run import STOPPED, WORKER_LOST, member_rest
+from valvetrain.runs.prepared import (
+    FAILURES,
+    Plan,
+    PreparedRun,
+    prepare,
+    provenance_of,
+    unfinished,
+)
+from valvetrain.runs.request_cost import RunRequest, run_up_cost
 from valvetrain.runs.stopping import PointsStopped, StudyStopped
+from valvetrain.runs.train_runs import STOPPED, WORKER_LOST, member_statics
+from valvetrain.runs.workers import Progress, map_points, worker_count
 from valvetrain.solution.channels import empty_channels
 from valvetrain.solution.partial_failures import reason
 from valvetrain.solution.provenance import collect_provenance
@@ -151,7 +157,7 @@ def run_up_study(
     if not implausible:
         refuse_implausible(problem, (max(first, last),))
     ready = tuple(
-        prepare(problem, member, member_rest(problem, member), problem.record.study)
+        prepare(problem, member, member_statics(problem, member), problem.record.study)
         for member in problem.members
     )
 

@@ -16,7 +16,6 @@ from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from valvetrain.runs.error_bars import UncertaintyStudy
     from valvetrain.solution.study import Study
 
 #: Time (s) between two looks at the note while something is waited for.
@@ -44,16 +43,6 @@ class StudyStopped(Stopped):
     """
 
     def __init__(self, study: Study) -> None:
-        super().__init__("stopped")
-        self.study = study
-
-
-class RefinementStopped(Stopped):
-    """A refinement was stopped; ``study`` holds the bars whose runs are all there, and the numbers
-    of every run that was finished.
-    """
-
-    def __init__(self, study: UncertaintyStudy) -> None:
         super().__init__("stopped")
         self.study = study
 
