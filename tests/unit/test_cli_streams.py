@@ -182,7 +182,7 @@ def test_a_folder_that_cannot_be_is_refused_before_the_work(tmp_path):
         "file": "a file, not a folder",
         "file/under": "a file, not a folder",
         "a" * 300: "not a usable folder name",
-        "a/" * 3000: "no usable",
+        "a/" * 3000: "not a usable",
     }.items():
         with pytest.raises(InputError, match=words) as found:
             check_folder(tmp_path / name)

@@ -105,9 +105,9 @@ def static_study(
             if reason := spec.why_not(spring):
                 raise InputError(reason, "--spring")
             if spec.no_motion:
-                remedy = f"its curve and modes stand beside the rod's in 'valvetrain compare CASE --spring {WIRE},{name}'"
+                remedy = f"its curve and modes are compared with the rod's by 'valvetrain compare CASE --spring {WIRE},{name}'"
                 raise InputError(
-                    f"{name} finite elements are asked for by compare: {remedy}", "--spring"
+                    f"{name} finite elements are run by compare: {remedy}", "--spring"
                 )
             if spec.needs_rest and rod_result is None:
                 rod_result = _by_rod(problem.model_of(WIRE, spring), end, None, max(modes, 8))
@@ -171,7 +171,7 @@ def curve_by_model(
         raise InputError(reason, "spring_model")
     if spec.no_motion:
         raise InputError(
-            f"{name} is asked for by compare, or by SolidSpring.static_curve; choose another model",
+            f"{name} is run by compare, or by SolidSpring.static_curve; choose another model",
             "spring_model",
         )
     rod_result = (

@@ -26,7 +26,7 @@ from numbers import Integral
 from typing import Any, TypeVar
 
 from valvetrain.errors import InputError, RunFailedError
-from valvetrain.runs.stopping import LOOK, PointsStopped, look
+from valvetrain.runs.stopping import POLL_INTERVAL, PointsStopped, check_stop
 
 Case = TypeVar("Case")
 Point = TypeVar("Point")
@@ -140,8 +140,8 @@ def as_they_come(jobs: Mapping[Future[Any], int]) -> Iterator[tuple[int, Any]]:
     indices, broken = dict(jobs), None
     del jobs
     while indices:
-        done, _ = wait(indices, LOOK, FIRST_COMPLETED)
-        look()
+        done, _ = wait(indices, POLL_INTERVAL, FIRST_COMPLETED)
+        check_stop()
         for index, job in sorted(
             ((indices.pop(one), one) for one in done), key=lambda pair: pair[0]
         ):
@@ -160,9 +160,9 @@ def as_they_come(jobs: Mapping[Future[Any], int]) -> Iterator[tuple[int, Any]]:
 
 def result_of(job: Future[Any]) -> Any:
     """The result of one job; checks for a stop request while it waits."""
-    while not wait((job,), LOOK).done:
-        look()
-    look()
+    while not wait((job,), POLL_INTERVAL).done:
+        check_stop()
+    check_stop()
     return job.result()
 
 
@@ -253,7 +253,7 @@ class StandingPool:
         """(index, result) of every point of one batch as it is finished."""
         if self._pool is None:
             for index, point in enumerate(points):
-                look()
+                check_stop()
                 yield index, self.function(self.shared, point)
             return
         left = set(range(len(points)))
@@ -374,7 +374,7 @@ def _results(
 ) -> Iterator[tuple[int, Any]]:
     if count == 1:
         for index, point in enumerate(points):
-            look()
+            check_stop()
             yield index, function(shared, point)
     elif not processes:
         with threads(count) as pool:
