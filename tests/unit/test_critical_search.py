@@ -105,7 +105,7 @@ def test_what_is_lost_from_the_first_speed_on_has_no_onset() -> None:
         one.found
         and one.begins is None
         and one.engine_speed == 6000.0
-        and one.words.startswith("below")
+        and one.text.startswith("below")
     )
     assert (
         one.ends is not None

@@ -106,9 +106,7 @@ def static_study(
                 raise InputError(reason, "--spring")
             if spec.no_motion:
                 remedy = f"its curve and modes are compared with the rod's by 'valvetrain compare CASE --spring {WIRE},{name}'"
-                raise InputError(
-                    f"{name} finite elements are run by compare: {remedy}", "--spring"
-                )
+                raise InputError(f"{name} finite elements are run by compare: {remedy}", "--spring")
             if spec.needs_rest and rod_result is None:
                 rod_result = _by_rod(problem.model_of(WIRE, spring), end, None, max(modes, 8))
             if attached_mass is not None and name != WIRE:
