@@ -22,7 +22,7 @@ class Explained:
     band: tuple[float, float] | None
 
 
-_SCAN = "one straight law of the diameter and few pitches stand for a spring that was scanned and departs from its drawing"
+_SCAN = "one straight law of the diameter and few pitches represent a spring that was scanned and departs from its drawing"
 _PRELOAD = "the source's Stage I lies below its own preload, about which a released spring swings; the ramp of the lift adds to the rest"
 _RATTLE = "small collisions at the lowest speed follow the last hundredths of a millimetre of pitch at coil 2, which the data leave open"
 _FLANK = "the flank of the lift is not published, and the calibrated speed does not tell it"

@@ -178,7 +178,7 @@ def follower(law: Law, lift_law: LiftLaw, force: float = 0.0) -> TrainSystem:
 def turns(
     built: TrainSystem, cam_speed: float, start: tuple[float, float], steps: int, cycles: int
 ) -> CycleRecord:
-    """Record of the last of ``cycles`` cam turns from a height (m) and velocity (m/s) at cam angle
+    """Record of the last of ``cycles`` cam revolutions from a height (m) and velocity (m/s) at cam angle
     zero.
     """
     options = TrainOptions(samples=1440, time_step=2 * math.pi / cam_speed / steps)
@@ -246,7 +246,7 @@ def dwell_after_a_rise() -> list[Row]:
 
 @dataclass(frozen=True, slots=True)
 class Shaker:
-    """A table that swings by ``amplitude`` (m) once per turn of the cam."""
+    """A table that swings by ``amplitude`` (m) once per cam revolution."""
 
     amplitude: float
 
