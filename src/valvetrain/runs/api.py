@@ -1,4 +1,6 @@
-"""Functions for programs: simulate, compare, sweep, critical_speeds, static_curve, with units in their arguments."""
+"""Functions for programs: simulate, compare, sweep, critical_speeds, static_curve, with units in
+their arguments.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,6 @@
-"""Buckling of a compressed spring, and its leaning on a guide, found on a path of equilibria of the rod."""
+"""Buckling of a compressed spring, and its leaning on a guide, found on a path of equilibria of the
+rod.
+"""
 
 from __future__ import annotations
 
@@ -15,15 +17,19 @@ from valvetrain.solution.static import Buckling, Leaning
 from valvetrain.solution.status import Status
 from valvetrain.springs.finite_element import FiniteElementRod
 
-#: A spring has buckled where its rate has fallen to this share of its rate as wound. Beyond an opened pitchfork a tenth
-#: is left, and two thirds of that fall are done at the critical point of the perfect column (decision 0049).
+#: A spring has buckled where its rate has fallen to this share of its rate as wound. Beyond an
+#: opened pitchfork a tenth is left, and two thirds of that fall are done at the critical point of
+#: the perfect column (decision 0049).
 RATE_SHARE = 0.5
-#: The rate is the mean over this share of the free length: single contact points of the end coils make the tangent jump.
+#: The rate is the mean over this share of the free length: single contact points of the end coils
+#: make the tangent jump.
 WINDOW_SHARE = 0.01
 
 
 def find_buckling(rod: FiniteElementRod, path: Sequence[Equilibrium]) -> Buckling | None:
-    """Where the rod first buckles on a ``path`` of rising compression from the free state; None where it does not."""
+    """Where the rod first buckles on a ``path`` of rising compression from the free state; None
+    where it does not.
+    """
     if len(path) < 2:
         return None
     states = [one.state for one in path]
@@ -38,7 +44,9 @@ def find_buckling(rod: FiniteElementRod, path: Sequence[Equilibrium]) -> Bucklin
 
 
 def _lost_sign(rod: FiniteElementRod, states: Sequence[RodState]) -> float | None:
-    """Compression (m) at which the tangent stops being positive definite; None where it is so at the end of the path."""
+    """Compression (m) at which the tangent stops being positive definite; None where it is so at
+    the end of the path.
+    """
 
     def stable(state: RodState) -> bool:
         return negative_modes(rod.statics, state) == 0
@@ -53,7 +61,9 @@ def _lost_sign(rod: FiniteElementRod, states: Sequence[RodState]) -> float | Non
 
 
 def _lost_rate(rod: FiniteElementRod, path: Sequence[Equilibrium]) -> float | None:
-    """Compression (m) at which the mean rate falls through a share of that as wound; None where it does not."""
+    """Compression (m) at which the mean rate falls through a share of that as wound; None where it
+    does not.
+    """
     half, states = 0.5 * WINDOW_SHARE * rod.definition.free_length, [one.state for one in path]
     compression, force = (
         np.array([one.compression for one in states]),
@@ -96,7 +106,9 @@ def _force(rod: FiniteElementRod, states: Sequence[RodState], compression: float
 
 
 def find_leaning(rod: FiniteElementRod, path: Sequence[Equilibrium]) -> Leaning | None:
-    """Where the wire first touches its guide on a ``path`` of rising compression, and its force on it at the end."""
+    """Where the wire first touches its guide on a ``path`` of rising compression, and its force on
+    it at the end.
+    """
     walls = rod.mesh.guide
     if walls is None:
         return None
@@ -116,7 +128,8 @@ def find_leaning(rod: FiniteElementRod, path: Sequence[Equilibrium]) -> Leaning 
 def path_status(
     rod: FiniteElementRod, buckling: Buckling | None, leaning: Leaning | None
 ) -> Status | None:
-    """Status of a static curve that passes a ``buckling`` or ends ``leaning`` on a guide; None for any other.
+    """Status of a static curve that passes a ``buckling`` or ends ``leaning`` on a guide; None for
+    any other.
 
     A spring in a guide that bows until it leans on it has not failed.
     """

@@ -1,4 +1,6 @@
-"""A case by several spring models side by side: at rest and in motion, solid finite elements included."""
+"""A case by several spring models side by side: at rest and in motion, solid finite elements
+included.
+"""
 
 from __future__ import annotations
 
@@ -47,7 +49,8 @@ SPRING_MODELS = (
     "finite-element",
 )
 TRAIN_MODELS = ("massless", "multi-mass", "modal-uniform", "wave-rod")
-#: Steps of the curves next to that of a solid (straight lines between them are exact to 0.01 % of the force), and of others.
+#: Steps of the curves next to that of a solid (straight lines between them are exact to 0.01 % of
+#: the force), and of others.
 FINE_STEPS, STEPS = 160, 64
 
 
@@ -65,12 +68,12 @@ def compare_study(
     implausible: bool = False,
     finished: Finished | None = None,
 ) -> Study:
-    """The case by each of ``spring_models`` (:data:`SPRING_MODELS` or :data:`TRAIN_MODELS` by default): its runs, and every
-    spring at rest by each model.
+    """The case by each of ``spring_models`` (:data:`SPRING_MODELS` or :data:`TRAIN_MODELS` by
+    default): its runs, and every spring at rest by each model.
 
-    ``solid``: a short interval of motion by solids too. A model that cannot represent a spring is a status in its runs.
-    Raises :class:`InputError` for what cannot be built and when no model can run, :class:`MissingExtraError` for solids
-    without their solver.
+    ``solid``: a short interval of motion by solids too. A model that cannot represent a spring is a
+    status in its runs. Raises :class:`InputError` for what cannot be built and when no model can
+    run, :class:`MissingExtraError` for solids without their solver.
     """
     chosen = tuple(dict.fromkeys(spring_models)) or _default_models(
         case.springs, case.train is not None
@@ -143,7 +146,9 @@ def _default_models(springs: tuple[InstalledSpring, ...], in_a_train: bool) -> t
 
 
 def comparison_reach(spring: InstalledSpring) -> float:
-    """Compression (m) of curves next to solids: a tenth, or a twentieth of the travel, beyond the installed state."""
+    """Compression (m) of curves next to solids: a tenth, or a twentieth of the travel, beyond the
+    installed state.
+    """
     assert spring.wire is not None
     travel, installed = spring.wire.free_length - spring.wire.solid_height, spring.precompression
     return float(min(installed + max(0.1 * installed, 0.05 * travel), 0.97 * travel))
@@ -160,7 +165,9 @@ def _by_each_model(
     progress: Progress | None,
     into: tuple[list[SpringAtRest], list[Solution], PartialFailures],
 ) -> None:
-    """One spring at rest by every model that can represent it, solid and rod first, and the interval of motion by solids."""
+    """One spring at rest by every model that can represent it, solid and rod first, and the
+    interval of motion by solids.
+    """
     name, lift_law, (rest, motions, failures) = problem.record.name, problem.valve_lift, into
     reach = (
         comparison_reach(spring)

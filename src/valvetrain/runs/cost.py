@@ -11,7 +11,8 @@ from valvetrain.errors import InputError
 
 SECONDS = {"s": 1.0, "min": 60.0, "h": 3600.0, "d": 86400.0}
 BYTES = {"MB": 1e6, "GB": 1e9, "TB": 1e12}
-#: Seconds of overhead of a run (statics, records, quantities), and bytes of a run without its channels.
+#: Seconds of overhead of a run (statics, records, quantities), and bytes of a run without its
+#: channels.
 RUN, REDUCED = 0.03, 40_000.0
 #: Copies of a channel while a run is recorded, evaluated and written.
 COPIES = 2.0
@@ -48,10 +49,11 @@ def estimate(
 ) -> Cost:
     """Cost of ``runs`` runs that cover ``simulated_time`` (s) in all, by ``workers`` at a time.
 
-    ``processor_time``: seconds of one core per simulated second with the default options of the model; ``refinement``:
-    unknowns over those of the default, which shorten the step too, so time grows with their square. ``own_time``:
-    ``processor_time`` of all but the springs. ``samples`` instants of ``channels`` numbers each are recorded per run, and
-    released after a run that is not stored ``whole``.
+    ``processor_time``: seconds of one core per simulated second with the default options of the
+    model; ``refinement``: unknowns over those of the default, which shorten the step too, so time
+    grows with their square. ``own_time``: ``processor_time`` of all but the springs. ``samples``
+    instants of ``channels`` numbers each are recorded per run, and released after a run that is not
+    stored ``whole``.
     """
     at_a_time = max(1, min(workers, runs))
     seconds = (
@@ -70,7 +72,9 @@ class Limits:
 
 
 def read_limits(texts: Sequence[str] | None, where: str = "--limit") -> Limits:
-    """Limits from texts such as ``'2 h'`` and ``'8 GB'``. Raises :class:`InputError` for anything else."""
+    """Limits from texts such as ``'2 h'`` and ``'8 GB'``. Raises :class:`InputError` for anything
+    else.
+    """
     limits = Limits()
     for text in (part for whole in texts or () for part in whole.split(",")):
         match = re.fullmatch(r"\s*(\d+(?:\.\d+)?)\s*([A-Za-z]+)\s*", text)
@@ -87,7 +91,9 @@ def read_limits(texts: Sequence[str] | None, where: str = "--limit") -> Limits:
 
 
 def limits_of(limit: str) -> Limits:
-    """Limits from ``"2 h, 8 GB"``, empty for the defaults. Raises :class:`InputError` for anything else."""
+    """Limits from ``"2 h, 8 GB"``, empty for the defaults. Raises :class:`InputError` for anything
+    else.
+    """
     if not isinstance(limit, str):
         raise InputError(
             f"'{str(limit)[:40]}' is no bound; write a time and a memory such as '2 h, 8 GB'",
@@ -97,8 +103,8 @@ def limits_of(limit: str) -> Limits:
 
 
 def refuse_cost(cost: Cost, limits: Limits, option: str = "--limit ", fewer: str = FEWER) -> str:
-    """The cost as text. Raises :class:`InputError` where it is too large, with what to request ``fewer`` of, and the
-    ``option`` that raises the limit.
+    """The cost as text. Raises :class:`InputError` where it is too large, with what to request
+    ``fewer`` of, and the ``option`` that raises the limit.
     """
     text = f"about {duration_text(cost.seconds)} and {memory_text(cost.bytes)}"
     over = []

@@ -1,4 +1,6 @@
-"""Critical speeds of a train: where it loses contact, floats and bounces, searched between the speeds of a sweep."""
+"""Critical speeds of a train: where it loses contact, floats and bounces, searched between the
+speeds of a sweep.
+"""
 
 from __future__ import annotations
 
@@ -24,14 +26,16 @@ from valvetrain.units import Given, si
 
 #: The steepest slope within this share of the speed counts, times this factor.
 NEAR, FACTOR = 0.1, 2.0
-#: Largest step between speeds with continued motion, and distance from a bracket at which continuation starts, in resolutions.
+#: Largest step between speeds with continued motion, and distance from a bracket at which
+#: continuation starts, in resolutions.
 STRIDE, AWAY = 4.0, 3.0
 
 
 @dataclass(frozen=True, eq=False)
 class SpeedSample:
-    """The train at one engine speed: ``margins`` by kind (control is lost where not positive), ``locations`` of the loss, and
-    the ``orbit`` on which the run ended (None where it cannot be continued).
+    """The train at one engine speed: ``margins`` by kind (control is lost where not positive),
+    ``locations`` of the loss, and the ``orbit`` on which the run ended (None where it cannot be
+    continued).
     """
 
     margins: Mapping[str, float]
@@ -47,10 +51,11 @@ class SpeedSample:
 class Limit:
     """How one kind is searched.
 
-    ``size``: margin of a train far from its limit (None: the largest sampled). ``width``: narrowest range, in resolutions,
-    that the search finds where it sampled nothing steeper. ``sign``: the kind that precedes this one, empty for none; where
-    neither end of an interval shows it and both have the whole margin, no range is searched between them, unless
-    ``within``: this kind occurs only where the other does (a train floats only where it has lost contact).
+    ``size``: margin of a train far from its limit (None: the largest sampled). ``width``: narrowest
+    range, in resolutions, that the search finds where it sampled nothing steeper. ``sign``: the
+    kind that precedes this one, empty for none; where neither end of an interval shows it and both
+    have the whole margin, no range is searched between them, unless ``within``: this kind occurs
+    only where the other does (a train floats only where it has lost contact).
     """
 
     kind: str
@@ -101,7 +106,9 @@ class Search:
         return self._samples[engine_speed].lost(kind)
 
     def onset(self, kind: str) -> SpeedBracket | float | None:
-        """Bracket of the lowest onset; the first speed where control is lost there already; None for never."""
+        """Bracket of the lowest onset; the first speed where control is lost there already; None
+        for never.
+        """
         while (middle := self._next(kind)) is not None:
             self.sample(middle)
         first = next((n for n, one in enumerate(self._speeds) if self._lost(kind, one)), None)
@@ -110,7 +117,9 @@ class Search:
         return SpeedBracket(self._speeds[first - 1], self._speeds[first])
 
     def end(self, kind: str, engine_speed: float) -> SpeedBracket | None:
-        """Bracket of the end of the range that begins at ``engine_speed``; None where it lasts to the last speed."""
+        """Bracket of the end of the range that begins at ``engine_speed``; None where it lasts to
+        the last speed.
+        """
         while True:
             above = self._speeds[bisect_left(self._speeds, engine_speed) :]
             first = next((n for n, one in enumerate(above) if not self._lost(kind, one)), None)
@@ -144,8 +153,8 @@ class Search:
         )
 
     def _away(self, kind: str, engine_speed: float, sign: int) -> float:
-        """The nearest sampled speed :data:`AWAY` from the end of a bracket on the same side of the change, or that end: just
-        beyond a change the motion from rest may not have jumped yet.
+        """The nearest sampled speed :data:`AWAY` from the end of a bracket on the same side of the
+        change, or that end: just beyond a change the motion from rest may not have jumped yet.
         """
         index, side = bisect_left(self._speeds, engine_speed), self._lost(kind, engine_speed)
         while 0 <= index < len(self._speeds) and self._lost(kind, self._speeds[index]) == side:
@@ -155,9 +164,11 @@ class Search:
         return engine_speed
 
     def _carried(self, kind: str, begin: float, towards: float) -> SpeedBracket | None:
-        """Bracket of the change when each speed continues the motion of the one before, from ``begin``.
+        """Bracket of the change when each speed continues the motion of the one before, from
+        ``begin``.
 
-        Steps grow, and shrink to one resolution before a change counts: a long step may leave a motion that still exists.
+        Steps grow, and shrink to one resolution before a change counts: a long step may leave a
+        motion that still exists.
         """
         last = self._speeds[-1 if towards > begin else 0]
         sign, most, step = (
@@ -231,8 +242,8 @@ DRIVE = ("cam", "tappet", "rocker", "valve_tip")
 class CriticalOptions:
     """Options of the search.
 
-    ``resolution``: width (rad/s of the crank) of a bracket. ``float_lift``: lift (m) above the rigid one beyond which a train
-    floats. ``bounce_height``: lift (m) beyond which a bounce counts.
+    ``resolution``: width (rad/s of the crank) of a bracket. ``float_lift``: lift (m) above the
+    rigid one beyond which a train floats. ``bounce_height``: lift (m) beyond which a bounce counts.
     """
 
     resolution: float = 10 * RPM
@@ -276,8 +287,9 @@ def read_options(resolution: Given, float_lift: Given, bounce_height: Given) -> 
 
 
 def sample_of(solution: Solution, options: CriticalOptions, orbit: Any = None) -> SpeedSample:
-    """Margins of a run of a train: least contact force of the drive while open (N), and lift left to float and to bounce (m,
-    at most the limit itself, at least its negative). A run without its numbers has lost control.
+    """Margins of a run of a train: least contact force of the drive while open (N), and lift left
+    to float and to bounce (m, at most the limit itself, at least its negative). A run without its
+    numbers has lost control.
     """
     forces = (
         float(solution.statistics.get(f"least_{name}_contact_force", math.nan)) for name in DRIVE
@@ -307,8 +319,8 @@ def find_critical_speeds(
 ) -> CriticalSpeeds:
     """The critical speeds of every member that runs, from its ``solutions`` over engine speed.
 
-    Members are searched in parallel, each alone and in the same order of runs, so that the result does not depend on
-    ``workers``. ``tell(done, total)`` is called after each member.
+    Members are searched in parallel, each alone and in the same order of runs, so that the result
+    does not depend on ``workers``. ``tell(done, total)`` is called after each member.
     """
     jobs: list[tuple[int, Mapping[float, SpeedSample]]] = []
     for index, one in enumerate(ready):

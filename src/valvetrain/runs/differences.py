@@ -25,7 +25,9 @@ IDENTIFYING = (
 
 @dataclass(frozen=True, slots=True)
 class ResultDifference:
-    """A ``quantity`` (SI, ``unit``) of a ``run`` (label and speed; empty for none) that differs; None: missing."""
+    """A ``quantity`` (SI, ``unit``) of a ``run`` (label and speed; empty for none) that differs;
+    None: missing.
+    """
 
     quantity: str
     run: str
@@ -45,8 +47,8 @@ class ResultDifference:
 
 
 def input_differences(one: SavedRun, other: SavedRun) -> tuple[tuple[str, Any, Any], ...]:
-    """(key path, value of ``one``, value of ``other``) of all inputs that differ: case, options, versions; None where a key
-    is missing.
+    """(key path, value of ``one``, value of ``other``) of all inputs that differ: case, options,
+    versions; None where a key is missing.
 
     Raises :class:`InputError` where the inputs of a run have changed on disk.
     """
@@ -60,7 +62,9 @@ def input_differences(one: SavedRun, other: SavedRun) -> tuple[tuple[str, Any, A
 
 
 def result_differences(one: SavedRun, other: SavedRun) -> tuple[ResultDifference, ...]:
-    """Every number that differs between the runs: those that both have first, by falling relative difference."""
+    """Every number that differs between the runs: those that both have first, by falling relative
+    difference.
+    """
     first, second = dict(_numbers(one.answer)), dict(_numbers(other.answer))
     rows = []
     for key in dict.fromkeys((*first, *second)):
@@ -123,7 +127,9 @@ def _numbers(answer: Mapping[str, Any]) -> Iterator[tuple[tuple[str, str], tuple
 def _others(
     item: Any, path: tuple[str, ...]
 ) -> Iterator[tuple[tuple[str, str], tuple[float, str]]]:
-    """(last part of the path, those before it) -> value and unit, of every number that is not a quantity of a run."""
+    """(last part of the path, those before it) -> value and unit, of every number that is not a
+    quantity of a run.
+    """
     if len(path) > MAX_DEPTH:
         return
     if isinstance(item, Mapping):
@@ -140,7 +146,9 @@ def _others(
 
 
 def _names_of(items: list[Any]) -> list[str]:
-    """Identifiers of the items of a list: their names, with the engine speed where these repeat, else numbers from 1."""
+    """Identifiers of the items of a list: their names, with the engine speed where these repeat,
+    else numbers from 1.
+    """
     names = [
         " ".join(item[key] for key in IDENTIFYING if isinstance(item.get(key), str))
         if isinstance(item, Mapping)

@@ -1,4 +1,6 @@
-"""Error bars: numerical uncertainty by the grid convergence index, and the range over the contact constants."""
+"""Error bars: numerical uncertainty by the grid convergence index, and the range over the contact
+constants.
+"""
 
 from __future__ import annotations
 
@@ -13,9 +15,11 @@ from valvetrain.runs.stopping import PointsStopped, Stopped
 from valvetrain.runs.workers import map_points
 from valvetrain.solution.provenance import CaseRecord
 
-#: Factors on the coil contact stiffness (7e9 to 5e10 Pa for 2e10) and damping time (0 to 2 us for 1 us) of a spring.
+#: Factors on the coil contact stiffness (7e9 to 5e10 Pa for 2e10) and damping time (0 to 2 us for 1
+#: us) of a spring.
 STIFFNESS_FACTORS, DAMPING_FACTORS = (0.35, 2.5), (0.0, 2.0)
-#: Factors on contact stiffness and damping of a train: contacts of engine parts are known to a factor of two.
+#: Factors on contact stiffness and damping of a train: contacts of engine parts are known to a
+#: factor of two.
 CONTACT_FACTORS = (0.5, 2.0)
 Range = tuple[float, float]
 Numbers = Mapping[str, float]
@@ -25,11 +29,13 @@ OWN = "mesh 1"
 
 @dataclass(frozen=True, slots=True)
 class Uncertainty:
-    """One headline number (SI) on the case's own mesh, at ``engine_speed`` (rad/s of the crank; None: statics, modes).
+    """One headline number (SI) on the case's own mesh, at ``engine_speed`` (rad/s of the crank;
+    None: statics, modes).
 
-    ``numerical``: uncertainty from meshes and step. ``observed_order``: None where the series is not monotonic.
-    ``extrapolated``: Richardson value, or the finest one. ``step_part``: contribution of the step. ``contact_stiffness``,
-    ``contact_damping``: least and largest value over the range of each constant. ``label``: variant of a train.
+    ``numerical``: uncertainty from meshes and step. ``observed_order``: None where the series is
+    not monotonic. ``extrapolated``: Richardson value, or the finest one. ``step_part``:
+    contribution of the step. ``contact_stiffness``, ``contact_damping``: least and largest value
+    over the range of each constant. ``label``: variant of a train.
     """
 
     quantity: str
@@ -55,10 +61,11 @@ class Uncertainty:
 
 @dataclass(frozen=True)
 class UncertaintyStudy:
-    """Error bars of a case, the meshes behind them (none: a train) and every number by variant, speed and quantity.
+    """Error bars of a case, the meshes behind them (none: a train) and every number by variant,
+    speed and quantity.
 
-    ``stiffness_factors``, ``damping_factors``: ranges of the contact constants. ``runs`` were planned, ``finished`` of them
-    ended; ``failures`` has a sentence for each that failed.
+    ``stiffness_factors``, ``damping_factors``: ranges of the contact constants. ``runs`` were
+    planned, ``finished`` of them ended; ``failures`` has a sentence for each that failed.
     """
 
     record: CaseRecord
@@ -82,7 +89,8 @@ def grouped(rows: Iterable[Uncertainty]) -> dict[tuple[float | None, str], list[
 
 #: Safety factors of a series with a trusted order and of one without.
 TRUSTED, DOUBTFUL = 1.25, 3.0
-#: Order of the rod and its integrator, taken where a series seems to converge faster; least order that is trusted; bound of the search.
+#: Order of the rod and its integrator, taken where a series seems to converge faster; least order
+#: that is trusted; bound of the search.
 DECLARED_ORDER, MIN_ORDER, MAX_ORDER = 2.0, 0.5, 20.0
 
 
@@ -90,8 +98,9 @@ DECLARED_ORDER, MIN_ORDER, MAX_ORDER = 2.0, 0.5, 20.0
 class GridConvergence:
     """Convergence of one quantity on three meshes, coarse to fine.
 
-    ``observed_order``: None where the series is not monotonic. ``extrapolated``: Richardson value, or the finest one where
-    the order is not trusted. ``uncertainty`` of the coarsest value, ``finest_index`` that of the finest (same unit).
+    ``observed_order``: None where the series is not monotonic. ``extrapolated``: Richardson value,
+    or the finest one where the order is not trusted. ``uncertainty`` of the coarsest value,
+    ``finest_index`` that of the finest (same unit).
     """
 
     values: tuple[float, float, float]
@@ -105,7 +114,8 @@ class GridConvergence:
 def observed_order(
     values: tuple[float, float, float], sizes: tuple[float, float, float]
 ) -> float | None:
-    """Order p of values on element ``sizes``, both coarse to fine; None for a series that is constant or not monotonic.
+    """Order p of values on element ``sizes``, both coarse to fine; None for a series that is
+    constant or not monotonic.
 
     Solves p ln r21 = |ln|e32/e21| + q(p)| of Celik et al. by bisection, as their fixed-point
     iteration need not converge.
@@ -119,7 +129,9 @@ def observed_order(
         return None
 
     def excess(order: float) -> float:
-        """Ratio of the two steps of a series of this order, less that of the values; rises with the order."""
+        """Ratio of the two steps of a series of this order, less that of the values; rises with the
+        order.
+        """
         if abs(order) < 1e-9:
             return float(np.log(second) / np.log(first)) - far / near
         return float(first**order * (second**order - 1) / (first**order - 1)) - far / near
@@ -158,7 +170,9 @@ def grid_convergence(
 
 
 def two_grids(value: float, finer: float, ratio: float) -> GridConvergence:
-    """Uncertainty of ``value`` from one grid ``ratio`` times as fine, with the declared order and Roache's factor of three."""
+    """Uncertainty of ``value`` from one grid ``ratio`` times as fine, with the declared order and
+    Roache's factor of three.
+    """
     finest = DOUBTFUL * abs(value - finer) / (ratio**DECLARED_ORDER - 1)
     return GridConvergence(
         (value, value, finer), None, False, finer, finest * ratio**DECLARED_ORDER, finest
@@ -168,7 +182,8 @@ def two_grids(value: float, finer: float, ratio: float) -> GridConvergence:
 def convergence(
     value: float, finer: Sequence[float | None], fineness: Sequence[float]
 ) -> GridConvergence | None:
-    """Uncertainty of ``value`` from those of two ``finer`` grids that have one; None where neither has.
+    """Uncertainty of ``value`` from those of two ``finer`` grids that have one; None where neither
+    has.
 
     ``fineness`` of the three grids, such as elements per coil.
     """
@@ -183,7 +198,9 @@ def convergence(
 
 
 def contact_ranges(value: float, of: Callable[[str], float | None]) -> tuple[Range, Range]:
-    """Least and largest value over the variants of contact stiffness and of contact damping, ``value`` included."""
+    """Least and largest value over the variants of contact stiffness and of contact damping,
+    ``value`` included.
+    """
 
     def span(constant: str) -> Range:
         others = (of(f"contact {constant} {n}") for n in (1, 2))
@@ -194,7 +211,9 @@ def contact_ranges(value: float, of: Callable[[str], float | None]) -> tuple[Ran
 
 
 class RefinementStopped(Stopped):
-    """A refinement was stopped; ``study`` holds the complete error bars, and the numbers of every finished run."""
+    """A refinement was stopped; ``study`` holds the complete error bars, and the numbers of every
+    finished run.
+    """
 
     def __init__(self, study: UncertaintyStudy) -> None:
         super().__init__("stopped")
@@ -202,7 +221,9 @@ class RefinementStopped(Stopped):
 
 
 class Stages:
-    """Stages of independent runs; once one is stopped, its finished runs are returned and no later stage starts."""
+    """Stages of independent runs; once one is stopped, its finished runs are returned and no later
+    stage starts.
+    """
 
     def __init__(self) -> None:
         self.stopped = False

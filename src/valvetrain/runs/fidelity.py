@@ -1,7 +1,9 @@
-"""Fidelity of spring models: all models over engine speed, compared with a reference and the numerical error of both.
+"""Fidelity of spring models: all models over engine speed, compared with a reference and the
+numerical error of both.
 
-Every model runs as the case has it and again with its springs divided more finely; the change gives its error bar (Roache
-1994, two grids). A model without a division, such as a spring without mass, has none.
+Every model runs as the case has it and again with its springs divided more finely; the change gives
+its error bar (Roache 1994, two grids). A model without a division, such as a spring without mass,
+has none.
 """
 
 from __future__ import annotations
@@ -60,8 +62,8 @@ def fidelity(
     limit: str = "",
     implausible: bool = False,
 ) -> Study:
-    """All spring models over engine speed against a reference: up to which speed each is good enough, for which quantity,
-    at which cost.
+    """All spring models over engine speed against a reference: up to which speed each is good
+    enough, for which quantity, at which cost.
 
     Parameters
     ----------
@@ -138,7 +140,8 @@ def fidelity_models(
 ) -> tuple[str, ...]:
     """Names of the models that run, the cheapest first and the reference last.
 
-    Raises :class:`InputError` where the reference cannot run, for a case without motion, and for an unknown spring set.
+    Raises :class:`InputError` where the reference cannot run, for a case without motion, and for an
+    unknown spring set.
     """
     if case.lift_law is None:
         raise InputError(
@@ -204,7 +207,9 @@ def fidelity_study(
     limits: Limits = Limits(),
     implausible: bool = False,
 ) -> Study:
-    """The study of :func:`fidelity` at ``engine_speeds`` (rad/s of the crank) by ``spring_models``, the reference last."""
+    """The study of :func:`fidelity` at ``engine_speeds`` (rad/s of the crank) by ``spring_models``,
+    the reference last.
+    """
     speeds = tuple(sorted({float(speed) for speed in engine_speeds}))
     if not speeds:
         raise InputError(
@@ -299,9 +304,11 @@ def _compared(
 def _series(
     own: Study, fine: Sequence[Study], label: str, name: str, divided: bool, zero: bool
 ) -> dict[float, tuple[float, float]]:
-    """Engine speed -> value and half width of its error bar, of the runs of one label; ``zero``: a missing value is zero.
+    """Engine speed -> value and half width of its error bar, of the runs of one label; ``zero``: a
+    missing value is zero.
 
-    The bar is NaN for a model that is not ``divided``, infinite where one that is has no value of its finer run.
+    The bar is NaN for a model that is not ``divided``, infinite where one that is has no value of
+    its finer run.
     """
     missing = 0.0 if zero else math.nan
     finer = {run.engine_speed: run for one in fine for run in one.runs(label)}

@@ -34,7 +34,9 @@ def _is_damped(spring: InstalledSpring) -> bool:
 
 
 def ringing_note(members: Iterable[Member]) -> str:
-    """A sentence on the springs without damping whose models have inner motion; empty where there are none."""
+    """A sentence on the springs without damping whose models have inner motion; empty where there
+    are none.
+    """
     names = dict.fromkeys(
         repr(spring.name)
         for member in members
@@ -52,7 +54,8 @@ def ringing_note(members: Iterable[Member]) -> str:
 
 
 def buckling_notes(problem: Problem) -> tuple[str, ...]:
-    """A sentence on each wire of a train without a guide that buckles by the formula before the largest lift.
+    """A sentence on each wire of a train without a guide that buckles by the formula before the
+    largest lift.
 
     The rod at rest is not solved for the run of a train.
     """
@@ -82,7 +85,8 @@ RUBBING = ("follower", "valve")
 def checked_speeds(
     problem: Problem, engine_speeds: Sequence[float] | None, implausible: bool
 ) -> tuple[float, ...]:
-    """The engine speeds (rad/s of the crank; None: those of the problem), refused as the two functions below do.
+    """The engine speeds (rad/s of the crank; None: those of the problem), refused as the two
+    functions below do.
 
     ``implausible`` motions and parts pass.
     """
@@ -94,7 +98,9 @@ def checked_speeds(
 
 
 def refuse_speeds(problem: Problem, engine_speeds: Sequence[float]) -> None:
-    """Raise :class:`InputError` for engine speeds (rad/s of the crank) that are not positive, or without a lift."""
+    """Raise :class:`InputError` for engine speeds (rad/s of the crank) that are not positive, or
+    without a lift.
+    """
     if any(not (np.isfinite(speed) and speed > 0) for speed in engine_speeds):
         raise InputError(
             "every engine speed must be positive; give it as '4200 rpm'", "--engine-speed"
@@ -126,10 +132,11 @@ def refuse_implausible(problem: Problem, engine_speeds: Sequence[float]) -> None
 
 
 def refusals_before_run(problem: Problem, implausible: bool = False) -> dict[str, str]:
-    """Label -> why the member cannot be integrated, for those that cannot; found by the parts that a run is made of.
+    """Label -> why the member cannot be integrated, for those that cannot; found by the parts that
+    a run is made of.
 
-    Springs under prescribed motion are also built for their statics. Raises :class:`InputError` with what refuses the whole
-    run; ``implausible`` values pass.
+    Springs under prescribed motion are also built for their statics. Raises :class:`InputError`
+    with what refuses the whole run; ``implausible`` values pass.
     """
     # A sweep of a train never needs these.
     from valvetrain.runs.statics import default_model, reach_of

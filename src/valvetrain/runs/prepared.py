@@ -1,4 +1,6 @@
-"""One prepared run: system, static equilibrium and reference motion of a member, each computed once; its runs in time."""
+"""One prepared run: system, static equilibrium and reference motion of a member, each computed
+once; its runs in time.
+"""
 
 from __future__ import annotations
 
@@ -48,9 +50,10 @@ ENDED = ("completed", "not-converged")
 class Plan:
     """Options of every run of a study.
 
-    ``keep`` of its channels (``contacts`` for a sweep), ``samples`` per cam revolution (None: the default), ``whole``: the
-    solution has channels at all, ``cycles`` of prescribed motion, most ``cycles_to_settle`` of a train, ``created_at`` (ISO
-    8601), ``max_bytes`` of memory of one run; ``implausible`` results pass.
+    ``keep`` of its channels (``contacts`` for a sweep), ``samples`` per cam revolution (None: the
+    default), ``whole``: the solution has channels at all, ``cycles`` of prescribed motion, most
+    ``cycles_to_settle`` of a train, ``created_at`` (ISO 8601), ``max_bytes`` of memory of one run;
+    ``implausible`` results pass.
     """
 
     keep: Keep = "all"
@@ -65,7 +68,9 @@ class Plan:
 
 @dataclass(frozen=True, eq=False)
 class PreparedRun:
-    """A member with everything that its runs share; ``refusal``: why it cannot run, empty where it can."""
+    """A member with everything that its runs share; ``refusal``: why it cannot run, empty where it
+    can.
+    """
 
     member: Member
     frame: Frame
@@ -76,7 +81,9 @@ class PreparedRun:
 
     @cached_property
     def window(self) -> tuple[float, float] | None:
-        """Begin and end (cam rad) of the open rigid valve (:func:`open_window`); None for prescribed motion."""
+        """Begin and end (cam rad) of the open rigid valve (:func:`open_window`); None for
+        prescribed motion.
+        """
         return None if self.motion is None else open_window(self.motion.kinematics)
 
     @cached_property
@@ -135,7 +142,9 @@ def _statics_of(member: Member, rest: Rest) -> tuple[tuple[SpringAtRest, ...], t
 
 
 def surge_frequency(spring: InstalledSpring, rest: SpringAtRest | None = None) -> float | None:
-    """First surge frequency (Hz), both ends fixed, as installed, or of the uniform spring; None where neither is known."""
+    """First surge frequency (Hz), both ends fixed, as installed, or of the uniform spring; None
+    where neither is known.
+    """
     if rest is not None and rest.modes is not None and len(rest.modes.axial_modes):
         return float(rest.modes.axial_frequencies[0])
     if spring.card is not None and spring.card.mass is None:
@@ -194,8 +203,8 @@ def integrate_from(
     provenance: Provenance,
     start: Orbit | None = None,
 ) -> tuple[Solution, Orbit | None]:
-    """As :func:`integrate_point`, of a train from the motion ``start`` of another speed, and the final motion (None
-    without one).
+    """As :func:`integrate_point`, of a train from the motion ``start`` of another speed, and the
+    final motion (None without one).
     """
     if ready.system is None:
         remedy = "choose another model, or give more of the spring"
@@ -229,7 +238,8 @@ def without_channels(
 def _too_many_steps(ready: PreparedRun, cam_speed: float, plan: Plan) -> Status | None:
     """Refusal of a run whose steps in a cam revolution do not fit the memory; None where they do.
 
-    The step depends on coil contact and wire by orders of magnitude, not only on the count of elements.
+    The step depends on coil contact and wire by orders of magnitude, not only on the count of
+    elements.
     """
     assert isinstance(ready.system, PrescribedSpring)
     for spring in ready.system.springs:
@@ -254,10 +264,11 @@ def plausible(solution: Solution) -> Solution:
 
 
 def bound(solution: Solution, springs: tuple[InstalledSpring, ...]) -> Solution:
-    """The run with status ``coil-bind`` where the retainer passed the lift at which the first of ``springs`` is solid.
+    """The run with status ``coil-bind`` where the retainer passed the lift at which the first of
+    ``springs`` is solid.
 
-    Only models with coil contact represent it, so later values of the run are invalid. A spring without installed and solid
-    height is not judged; nor is a run that diverged.
+    Only models with coil contact represent it, so later values of the run are invalid. A spring
+    without installed and solid height is not judged; nor is a run that diverged.
     """
     known = [(spring.room, spring) for spring in springs if spring.room is not None]
     if not known or solution.status.code not in ENDED or not solution.has("valve_lift"):
@@ -302,5 +313,7 @@ def judge(ready: PreparedRun, solution: Solution, plan: Plan, rest: Rest) -> Sol
 def unfinished(
     problem: Problem, member: Member, engine_speed: float, plan: Plan, status: Status
 ) -> Solution:
-    """The solution of a run (rad/s of the crank) that was stopped before its end, or whose worker was lost."""
+    """The solution of a run (rad/s of the crank) that was stopped before its end, or whose worker
+    was lost.
+    """
     return without_channels(status, provenance_of(problem, member, engine_speed, plan.created_at))

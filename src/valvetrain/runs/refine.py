@@ -1,4 +1,6 @@
-"""Error bars of any case (:func:`refine`): meshes and steps refined, contact constants varied; here of springs."""
+"""Error bars of any case (:func:`refine`): meshes and steps refined, contact constants varied; here
+of springs.
+"""
 
 from __future__ import annotations
 
@@ -64,8 +66,7 @@ def refine(
     """Error bars of the headline numbers: finer meshes and steps, other contact constants.
 
     Numerical uncertainty by the grid convergence index (Roache 1994; Celik et al. 2008), of a
-    spring from three meshes and a halved step,
-    of a train from three steps and finer springs.
+    spring from three meshes and a halved step, of a train from three steps and finer springs.
 
     Parameters
     ----------
@@ -117,9 +118,10 @@ def refined(
     """Error bars of a case's headline numbers at ``engine_speeds`` (rad/s of the crank; None: the
     case's own), whatever they cost.
 
-    ``limits`` of one run; ``implausible`` values pass. A variant that fails is one of the ``failures``. Raises
-    :class:`InputError` for a case that cannot be refined and what :func:`valvetrain.runs.run.run_study` refuses,
-    :class:`RefinementStopped` with what is finished when it is stopped.
+    ``limits`` of one run; ``implausible`` values pass. A variant that fails is one of the
+    ``failures``. Raises :class:`InputError` for a case that cannot be refined and what
+    :func:`valvetrain.runs.run.run_study` refuses, :class:`RefinementStopped` with what is finished
+    when it is stopped.
     """
     if case.train is not None:
         return refine_trains(
@@ -154,7 +156,9 @@ def refine_springs(
     limits: Limits = Limits(),
     implausible: bool = False,
 ) -> UncertaintyStudy:
-    """Error bars of springs under prescribed motion: see :func:`refined`; runs over ``workers`` threads."""
+    """Error bars of springs under prescribed motion: see :func:`refined`; runs over ``workers``
+    threads.
+    """
     if (
         case.lift_law is None
         or not case.springs
@@ -256,7 +260,9 @@ def _stage(
 def _prepare(
     shared: tuple[Problem, tuple[float, ...]], springs: tuple[InstalledSpring, ...]
 ) -> tuple[PreparedRun, Numbers]:
-    """The run with other springs, and their static numbers; ``shared``: problem, surge frequencies (none: its own)."""
+    """The run with other springs, and their static numbers; ``shared``: problem, surge frequencies
+    (none: its own).
+    """
     problem, surge = shared
     one = prepare(problem, replace(problem.members[0], springs=springs), {}, problem.record.study)
     rods = _rods(one)
@@ -361,7 +367,9 @@ def _rows(
     elements: tuple[int, ...],
     speeds: Sequence[float | None],
 ) -> list[Uncertainty]:
-    """Rows at ``speeds`` (None: statics and modes) of every number with a finer mesh and the halved step."""
+    """Rows at ``speeds`` (None: statics and modes) of every number with a finer mesh and the halved
+    step.
+    """
     rows = []
     for speed in speeds:
         for name, value in values[OWN].get(speed, {}).items():

@@ -41,13 +41,15 @@ from valvetrain.springs.contract import LargeSpring
 from valvetrain.system.build import build
 from valvetrain.system.problem import Member, Problem
 
-#: Elements, masses or modes of a spring over those of the case; steps over the default one; samples per cam revolution, half the default.
+#: Elements, masses or modes of a spring over those of the case; steps over the default one; samples
+#: per cam revolution, half the default.
 SPRINGS, STEPS, SAMPLES = (1.5, 2.25), (0.5, 0.25), 720
 #: Values below this (SI) are rounding errors: the surge of a spring without mass.
 ROUNDING = 1e-9
 #: Options of spring models that set how finely a spring is divided.
 DIVISIONS = ("elements", "masses_per_coil", "modes", "elements_per_coil")
-#: The variant that finite-element springs leave out: their elements and steps would both be 2.25 times as many.
+#: The variant that finite-element springs leave out: their elements and steps would both be 2.25
+#: times as many.
 TOO_FINE = "springs 3"
 #: Headline numbers of a train, those that a run has.
 HEADLINES = (
@@ -60,7 +62,9 @@ HEADLINES = (
 
 
 class _Job(NamedTuple):
-    """One run: variant of the study, index of the member, engine speed (rad/s), step over the default, samples per revolution."""
+    """One run: variant of the study, index of the member, engine speed (rad/s), step over the
+    default, samples per revolution.
+    """
 
     variant: str
     member: int
@@ -77,10 +81,11 @@ def refine_trains(
     progress: Progress | None = None,
     implausible: bool = False,
 ) -> UncertaintyStudy:
-    """Error bars of every variant of a train: see :func:`valvetrain.runs.refine.refined`; runs over ``workers`` processes.
+    """Error bars of every variant of a train: see :func:`valvetrain.runs.refine.refined`; runs over
+    ``workers`` processes.
 
-    A run on finite-element springs takes seconds and a finer one many times as long: those get two grids of each kind
-    instead of three (:func:`two_grids`).
+    A run on finite-element springs takes seconds and a finer one many times as long: those get two
+    grids of each kind instead of three (:func:`two_grids`).
     """
     problem = build(case)
     speeds = checked_speeds(problem, engine_speeds, implausible)
@@ -194,7 +199,9 @@ def _with(contact: ContactParameters, constant: str, factor: float) -> ContactPa
 
 
 def _prepare(problem: Problem, index: int, factor: float) -> PreparedRun | None:
-    """A member with its springs divided more finely, prepared or with its refusal; None where that changes nothing."""
+    """A member with its springs divided more finely, prepared or with its refusal; None where that
+    changes nothing.
+    """
     member = problem.members[index]
     if factor != 1.0:
         springs = tuple(divided(member, spring, factor) for spring in member.springs)

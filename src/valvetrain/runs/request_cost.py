@@ -17,7 +17,8 @@ from valvetrain.system.build import default_models
 
 #: Options of spring models that set the number of unknowns.
 REFINES = ("elements_per_coil", "masses_per_coil", "elements", "modes")
-#: Chain of masses: its name, masses of a typical wire (to which ``SpringModelSpec.processor_time`` refers) and of a card.
+#: Chain of masses: its name, masses of a typical wire (to which ``SpringModelSpec.processor_time``
+#: refers) and of a card.
 CARD_CHAIN, CHAIN, MASSES = "multi-mass", 96.0, 5.0
 #: The rod, which every model of a wire at rest starts from.
 ROD = "finite-element"
@@ -27,32 +28,43 @@ POINTS, TYPICAL_COILS = 100.0, 8.0
 SEARCH_RUNS = 60
 #: Seconds of one core per simulated second that a train takes besides its springs.
 TRAIN_TIME = 0.06
-#: Seconds for the statics of a spring alone; typical step (s); bytes of a step during the run, and as stored.
+#: Seconds for the statics of a spring alone; typical step (s); bytes of a step during the run, and
+#: as stored.
 REST, STEP, STEP_BYTES, STORED_BYTES = 0.3, 2e-6, 128.0, 16.0
-#: Runs on the own mesh that take as long as all variants of a refinement, of a spring and of a train; bytes over those of a run.
+#: Runs on the own mesh that take as long as all variants of a refinement, of a spring and of a
+#: train; bytes over those of a run.
 SPRING_VARIANTS, TRAIN_VARIANTS, FINER_BYTES = 8.0, 13.0, 4.0
-#: Solid finite elements: name, unknowns per element, bytes per unknown, and solver runs of the statics (one for the error bar).
+#: Solid finite elements: name, unknowns per element, bytes per unknown, and solver runs of the
+#: statics (one for the error bar).
 SOLID, SOLID_UNKNOWNS, SOLID_BYTES, SOLID_RUNS = "solid", 15.0, 1e4, 2
-#: Upper bounds to which runs of a run-up and steps of a static curve are counted; more are beyond every limit.
+#: Upper bounds to which runs of a run-up and steps of a static curve are counted; more are beyond
+#: every limit.
 MAX_RUNS, MAX_COUNTED = 1_000_000, 10**12
-#: Cycles until a train is periodic, where a case gives no fewer; output step (rad) where it gives none.
+#: Cycles until a train is periodic, where a case gives no fewer; output step (rad) where it gives
+#: none.
 TYPICAL_CYCLES, TYPICAL_STEP = 20, math.radians(0.5)
 #: Solutions that the search for a load takes.
 SEARCH = 12
-#: Seconds per point and finite element where coils are apart, and where they close one by one; bytes of either.
+#: Seconds per point and finite element where coils are apart, and where they close one by one;
+#: bytes of either.
 APART, CLOSING, POINT_BYTES = 22e-6, 65e-6, 130.0
-#: Modes of a rod: seconds per unknown and square of the vectors of the search, of which there are two per mode.
+#: Modes of a rod: seconds per unknown and square of the vectors of the search, of which there are
+#: two per mode.
 MODE, VECTORS = 2.5e-9, 2.0
 #: Seconds per finite element that the modes of a train take for its two equilibria.
 TRAIN_ROD = 0.03
-#: Chain of masses: seconds per point and mass, seconds per cube and bytes per square of the masses for all its frequencies.
+#: Chain of masses: seconds per point and mass, seconds per cube and bytes per square of the masses
+#: for all its frequencies.
 CHAIN_POINT, CHAIN_CUBE, CHAIN_BYTES = 3e-6, 2.5e-10, 16.0
-#: Seconds of overhead for a spring by one model; seconds and bytes of a point of any curve in the output.
+#: Seconds of overhead for a spring by one model; seconds and bytes of a point of any curve in the
+#: output.
 OVERHEAD, OUTPUT, OUTPUT_BYTES = 0.1, 1e-4, 2e3
 
 
 class Request(Protocol):
-    """A request for a study: engine speeds in rad/s of the crank (None: the case's own), names of models and spring sets."""
+    """A request for a study: engine speeds in rad/s of the crank (None: the case's own), names of
+    models and spring sets.
+    """
 
     @property
     def command(self) -> str: ...
@@ -81,7 +93,9 @@ class RunRequest:
 
 
 def planned(request: Request) -> list[tuple[tuple[str, ...], Sequence[InstalledSpring]]]:
-    """(spring models, installed springs) of every part of the study, as :func:`valvetrain.system.build.build` chooses them."""
+    """(spring models, installed springs) of every part of the study, as
+    :func:`valvetrain.system.build.build` chooses them.
+    """
     case, models = request.case, request.spring_models
     if request.command == "compare":
         models = models or registered_names("springs")
@@ -103,7 +117,9 @@ def planned(request: Request) -> list[tuple[tuple[str, ...], Sequence[InstalledS
 
 
 def unknowns_of(spec: SpringModelSpec, spring: InstalledSpring) -> tuple[float, float]:
-    """(unknowns over those of a typical spring by the default options, unknowns) of one installed spring by one model."""
+    """(unknowns over those of a typical spring by the default options, unknowns) of one installed
+    spring by one model.
+    """
     coils = spring.wire.total_coils if spring.wire is not None else TYPICAL_COILS
     options, fields = spring.options_of(spec.word), spec.options.model_fields
     ratios, unknowns = list[float](), 1.0
@@ -123,7 +139,9 @@ def unknowns_of(spec: SpringModelSpec, spring: InstalledSpring) -> tuple[float, 
 
 
 def request_cost(request: Request, whole: bool = True, searches: bool = False) -> Cost:
-    """Cost of a request: every model at every speed, and :data:`SEARCH_RUNS` of each where critical speeds are searched."""
+    """Cost of a request: every model at every speed, and :data:`SEARCH_RUNS` of each where critical
+    speeds are searched.
+    """
     case, train = request.case, request.case.train
     engine_speeds = (
         case.operation.engine_speeds if request.engine_speeds is None else request.engine_speeds
@@ -195,7 +213,9 @@ def _compared_cost(request: Request) -> Cost:
 
 
 def run_up_cost(request: Request, ramp: tuple[float, float, float]) -> Cost:
-    """Cost of a run-up between two crank speeds (rad/s) in a time (s): that of steady runs over the same simulated time."""
+    """Cost of a run-up between two crank speeds (rad/s) in a time (s): that of steady runs over the
+    same simulated time.
+    """
     first, last, duration = ramp
     mean = (first + last) / 2
     if not (mean > 0 and duration > 0):
@@ -215,7 +235,9 @@ def refine_cost(case: Case, engine_speeds: Sequence[float] | None, workers: int 
 
 
 def solid_statics_cost(spring: InstalledSpring) -> Cost:
-    """Cost of one installed wire at rest by solids: curve, modes and the coarser mesh of the error bar."""
+    """Cost of one installed wire at rest by solids: curve, modes and the coarser mesh of the error
+    bar.
+    """
     from valvetrain.springs.solid.installed import COARSER_MESH, statics_seconds
 
     options = spring_model(SOLID).read_options(spring.options_of(SOLID)).model_dump()
@@ -259,7 +281,9 @@ def static_cost(
 def spring_cost(
     spring: InstalledSpring, model: str, steps: int, modes: int = 0, points: int = 0
 ) -> Cost:
-    """Cost of one spring at rest by one model: a curve of ``steps``, ``modes`` and as many other ``points``."""
+    """Cost of one spring at rest by one model: a curve of ``steps``, ``modes`` and as many other
+    ``points``.
+    """
     from valvetrain.runs.statics import APPROACH, BEYOND
 
     path = APPROACH + BEYOND + 1

@@ -1,4 +1,6 @@
-"""Studies in time: a case at its engine speeds and models (:func:`run_study`), and over engine speed (:func:`sweep_study`)."""
+"""Studies in time: a case at its engine speeds and models (:func:`run_study`), and over engine
+speed (:func:`sweep_study`).
+"""
 
 from __future__ import annotations
 
@@ -82,11 +84,12 @@ def run_study(
     implausible: bool = False,
     finished: Finished | None = None,
 ) -> Study:
-    """A case at ``engine_speeds`` (rad/s of the crank; None: its own) by its variants, or by given models and spring sets.
+    """A case at ``engine_speeds`` (rad/s of the crank; None: its own) by its variants, or by given
+    models and spring sets.
 
-    ``whole``: solutions keep their channels. Results do not depend on ``workers`` (None: all cores). Raises
-    :class:`InputError` for what cannot be built, for a speed that is not positive and when no model can run; a run that
-    fails is a status.
+    ``whole``: solutions keep their channels. Results do not depend on ``workers`` (None: all
+    cores). Raises :class:`InputError` for what cannot be built, for a speed that is not positive
+    and when no model can run; a run that fails is a status.
     """
     problem = build(case, spring_models=spring_models, spring_sets=spring_sets)
     speeds = problem.engine_speeds if engine_speeds is None else tuple(engine_speeds)
@@ -119,11 +122,12 @@ def sweep_study(
     limits: Limits = Limits(),
     implausible: bool = False,
 ) -> Study:
-    """A case over ``engine_speeds`` (rad/s of the crank): solutions, reduced unless ``whole``, and the critical speeds of a
-    train between the lowest and the highest of them (``critical`` None: not searched).
+    """A case over ``engine_speeds`` (rad/s of the crank): solutions, reduced unless ``whole``, and
+    the critical speeds of a train between the lowest and the highest of them (``critical`` None:
+    not searched).
 
-    By default every spring set of a train by its own model, a spring alone by its default models. Raises
-    :class:`InputError` for no speed at all and for what cannot be built.
+    By default every spring set of a train by its own model, a spring alone by its default models.
+    Raises :class:`InputError` for no speed at all and for what cannot be built.
     """
     speeds = tuple(sorted({float(speed) for speed in engine_speeds}))
     if not speeds:
@@ -177,10 +181,10 @@ def run_problem(
 ) -> Study:
     """The study of a problem at ``engine_speeds`` (rad/s of the crank); see :func:`run_study`.
 
-    ``critical``: search a train's critical speeds between the lowest and the highest of them; ``finished``: called with
-    index and solution of each run as it arrives; ``limits`` of one run; ``implausible``: do not apply the limits of
-    :mod:`valvetrain.quantities.plausible`. Raises :class:`StudyStopped`, a KeyboardInterrupt, with what is finished when it
-    is stopped.
+    ``critical``: search a train's critical speeds between the lowest and the highest of them;
+    ``finished``: called with index and solution of each run as it arrives; ``limits`` of one run;
+    ``implausible``: do not apply the limits of :mod:`valvetrain.quantities.plausible`. Raises
+    :class:`StudyStopped`, a KeyboardInterrupt, with what is finished when it is stopped.
     """
     begun, failures = time.perf_counter(), PartialFailures()
     speeds = tuple(float(speed) for speed in engine_speeds)
@@ -276,7 +280,9 @@ def _notes(problem: Problem) -> tuple[str, ...]:
 
 
 def next_to_published(study: Study, problem: Problem) -> Study:
-    """The study with comparisons to published values of its case; none at other speeds, of a changed case or of a sweep."""
+    """The study with comparisons to published values of its case; none at other speeds, of a
+    changed case or of a sweep.
+    """
     published = study.record.published
     given = {value.engine_speed for value in published if value.engine_speed is not None}
     ran = study.engine_speeds
@@ -311,7 +317,9 @@ def _run_springs(
     finished: Finished | None,
     failures: PartialFailures,
 ) -> tuple[tuple[Solution, ...], tuple[SpringAtRest, ...], dict[str, dict[str, float]], bool]:
-    """Prescribed motion, over threads; the statics of the springs are computed during the first runs. Last: whether stopped."""
+    """Prescribed motion, over threads; the statics of the springs are computed during the first
+    runs. Last: whether stopped.
+    """
     from valvetrain.runs.statics import spring_statics  # which a train does not need
 
     source, lift = problem.record.study, law_lift(problem)

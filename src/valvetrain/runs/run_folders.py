@@ -1,4 +1,6 @@
-"""Folders of runs: ``runs/CASE/DATE-TIME-DIGEST``, made, locked while a process writes, listed where a run was killed."""
+"""Folders of runs: ``runs/CASE/DATE-TIME-DIGEST``, made, locked while a process writes, listed
+where a run was killed.
+"""
 
 from __future__ import annotations
 
@@ -26,7 +28,8 @@ from valvetrain.solution.atomic import (
 from valvetrain.units.text import clipped
 
 ROOT, LATEST, CASE_FILE, ANSWER = Path("runs"), "latest", Path("inputs") / "case.toml", "run.json"
-#: End of the name of a folder whose run is in progress or was killed, and the list of its finished runs.
+#: End of the name of a folder whose run is in progress or was killed, and the list of its finished
+#: runs.
 UNFINISHED, LIST = "-unfinished", "unfinished-runs.jsonl"
 #: Longest run.json, or list of finished runs, that is read (bytes).
 MAX_BYTES = 200_000_000
@@ -70,8 +73,8 @@ def new_folder(case: str, digest: str, created_at: datetime, root: Path = ROOT) 
 
 
 def unfinished_folder(case: str, created_at: datetime, root: Path = ROOT) -> Path:
-    """Make the folder of a run in progress, which :func:`finish_folder` renames; remove what killed runs of the case left
-    empty.
+    """Make the folder of a run in progress, which :func:`finish_folder` renames; remove what killed
+    runs of the case left empty.
     """
     remove_empty(root / safe_name(case))
     return new_folder(case, UNFINISHED[1:], created_at, root)
@@ -91,7 +94,9 @@ def finish_folder(
 
 
 def mark_unfinished(folder: Path) -> int:
-    """Begin the list of finished runs in ``folder``, locked as long as this process lives, and return its open file."""
+    """Begin the list of finished runs in ``folder``, locked as long as this process lives, and
+    return its open file.
+    """
     folder.mkdir(parents=True, exist_ok=True)
     refuse_living(folder)
     remove_unfinished(folder)
@@ -137,7 +142,9 @@ def remove_files(folder: Path, names: Iterable[str]) -> None:
 
 
 def whole_lines(path: Path) -> list[bytes]:
-    """Lines of a list of finished runs without an incomplete last one, at which a process was killed."""
+    """Lines of a list of finished runs without an incomplete last one, at which a process was
+    killed.
+    """
     try:
         return path.read_bytes().split(b"\n")[:-1]
     except OSError:
@@ -145,7 +152,9 @@ def whole_lines(path: Path) -> list[bytes]:
 
 
 def remove_empty(home: Path) -> None:
-    """Remove what killed runs left in the folders of a case: half-written files, and folders without a finished run."""
+    """Remove what killed runs left in the folders of a case: half-written files, and folders
+    without a finished run.
+    """
     with suppress(OSError):
         for folder in home.iterdir():
             if folder.is_symlink() or not folder.is_dir() or (folder / ANSWER).exists():
@@ -159,9 +168,11 @@ def remove_empty(home: Path) -> None:
 
 
 def check_folder(folder: Path, home: bool = False, resumes: str = "") -> None:
-    """Refuse, with an :class:`InputError`, a folder that cannot be written, or that holds other files than those of a run.
+    """Refuse, with an :class:`InputError`, a folder that cannot be written, or that holds other
+    files than those of a run.
 
-    ``home``: it holds the folders of runs. ``resumes``: a file by which an interrupted run is recognised.
+    ``home``: it holds the folders of runs. ``resumes``: a file by which an interrupted run is
+    recognised.
     """
     shown = clipped(str(folder), 120)
     try:
@@ -207,9 +218,11 @@ def check_folder(folder: Path, home: bool = False, resumes: str = "") -> None:
 
 
 def lock_folder(folder: Path) -> Callable[[], None]:
-    """Make ``folder`` and lock it for this process; the function that releases it and removes new folders left empty.
+    """Make ``folder`` and lock it for this process; the function that releases it and removes new
+    folders left empty.
 
-    Raises :class:`InputError` where another living process has it. Without locks of folders, nothing is locked.
+    Raises :class:`InputError` where another living process has it. Without locks of folders,
+    nothing is locked.
     """
     new = []
     for path in (folder, *folder.parents):
@@ -239,7 +252,9 @@ def _remove_new(folders: list[Path]) -> None:
 
 
 def link_latest(folder: Path) -> None:
-    """Point ``latest`` next to ``folder`` to it: a link, or a text file with the folder's name where links are impossible."""
+    """Point ``latest`` next to ``folder`` to it: a link, or a text file with the folder's name
+    where links are impossible.
+    """
     link, new = folder.parent / LATEST, folder.parent / f".{LATEST}.{os.getpid()}"
     with suppress(OSError):
         new.unlink(missing_ok=True)
@@ -251,9 +266,9 @@ def link_latest(folder: Path) -> None:
 
 @dataclass(frozen=True)
 class UnfinishedFolder:
-    """Folder of a run in progress or killed: ``case``, ``created_at`` (UTC, ISO 8601), whether the run is ``living``, the
-    number of ``finished`` runs and of ``files``, and the command that began it (empty where it was killed before its first
-    run was finished).
+    """Folder of a run in progress or killed: ``case``, ``created_at`` (UTC, ISO 8601), whether the
+    run is ``living``, the number of ``finished`` runs and of ``files``, and the command that began
+    it (empty where it was killed before its first run was finished).
     """
 
     folder: Path
@@ -271,7 +286,9 @@ class UnfinishedFolder:
 
 
 def unfinished_runs(case: str = "", root: Path = ROOT) -> tuple[UnfinishedFolder, ...]:
-    """Every folder under ``root`` that a run began and did not finish, newest first, of one ``case`` where given."""
+    """Every folder under ``root`` that a run began and did not finish, newest first, of one
+    ``case`` where given.
+    """
     found = []
     for home in homes(case, root):
         with suppress(OSError):

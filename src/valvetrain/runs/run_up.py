@@ -1,4 +1,6 @@
-"""Run-ups: a train whose cam accelerates through its speeds, one point of the envelope per cam revolution."""
+"""Run-ups: a train whose cam accelerates through its speeds, one point of the envelope per cam
+revolution.
+"""
 
 from __future__ import annotations
 
@@ -62,7 +64,8 @@ def run_up(
     limit: str = "",
     implausible: bool = False,
 ) -> Study:
-    """A train from one engine speed to another at constant acceleration, from the steady motion of the first.
+    """A train from one engine speed to another at constant acceleration, from the steady motion of
+    the first.
 
     Parameters
     ----------
@@ -232,7 +235,9 @@ def member_revolutions(
 
 
 def _revolutions(one: PreparedRun, ramp: Ramp) -> list[tuple[CycleRecord, dict[str, float], float]]:
-    """Record, numbers and time (s) of every revolution; with a finer step where a contact becomes too stiff for the step."""
+    """Record, numbers and time (s) of every revolution; with a finer step where a contact becomes
+    too stiff for the step.
+    """
     assert isinstance(one.system, TrainSystem) and one.rest is not None
     first, last, cam_acceleration = ramp[0] / 2, ramp[1] / 2, (ramp[1] - ramp[0]) / 2 / ramp[2]
     window = OpenWindow.of(one.system.mechanism.kinematics)
@@ -257,7 +262,9 @@ def _revolutions(one: PreparedRun, ramp: Ramp) -> list[tuple[CycleRecord, dict[s
 def bind_clearance(
     record: CycleRecord, system: TrainSystem, springs: Sequence[InstalledSpring]
 ) -> dict[str, float]:
-    """Least clearance (m) to coil bind at the largest lift of a revolution; none where no spring has one."""
+    """Least clearance (m) to coil bind at the largest lift of a revolution; none where no spring
+    has one.
+    """
     travels = [spring.room for spring in springs if spring.room is not None]
     if not travels:
         return {}
@@ -265,8 +272,8 @@ def bind_clearance(
 
 
 def _lost(study: Study, label: str) -> dict[str, float]:
-    """Engine speeds (rad/s) of the first revolution that loses contact while the valve is open, and of the first of two that
-    float.
+    """Engine speeds (rad/s) of the first revolution that loses contact while the valve is open, and
+    of the first of two that float.
     """
     speeds, least = study.series(label, "minimum_cam_contact_force")
     _, excess = study.series(label, "float_excess_lift")

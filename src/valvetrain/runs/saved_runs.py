@@ -1,7 +1,9 @@
-"""Saved runs: inputs and ``run.json`` of every run in a folder of its own, read back, listed and found by name.
+"""Saved runs: inputs and ``run.json`` of every run in a folder of its own, read back, listed and
+found by name.
 
-A folder holds ``inputs/case.toml`` (the resolved case, from which the run is repeated), the files that the case names,
-``run.json`` (answer, versions, options, checksum) and whatever the study wrote. It is a run once its ``run.json`` is there.
+A folder holds ``inputs/case.toml`` (the resolved case, from which the run is repeated), the files
+that the case names, ``run.json`` (answer, versions, options, checksum) and whatever the study
+wrote. It is a run once its ``run.json`` is there.
 """
 
 from __future__ import annotations
@@ -28,13 +30,16 @@ from valvetrain.runs.run_folders import (
 from valvetrain.solution.atomic import digest, write_bytes, write_text
 
 _CHECKSUM = "checksum"
-#: Quantities that represent a run in a list: the first that it has, the largest value where it has several.
+#: Quantities that represent a run in a list: the first that it has, the largest value where it has
+#: several.
 HEADLINES = ("peak_spring_force", "peak_retainer_force", "float_engine_speed", "preload")
 
 
 @dataclass(frozen=True)
 class Inputs:
-    """Inputs of a run: name of the case, its resolved file (TOML), the files it names, and the options of the command."""
+    """Inputs of a run: name of the case, its resolved file (TOML), the files it names, and the
+    options of the command.
+    """
 
     case: str
     text: str
@@ -118,7 +123,9 @@ class SavedRun:
 
     @property
     def headline(self) -> dict[str, Any] | None:
-        """The number of :data:`HEADLINES` that represents the run: ``quantity``, ``value`` and ``unit`` (SI), or None."""
+        """The number of :data:`HEADLINES` that represents the run: ``quantity``, ``value`` and
+        ``unit`` (SI), or None.
+        """
         answer = self.answer
         tables = [one.get("quantities", {}) for one in answer.get("runs", ())]
         tables += [answer.get("quantities", {}), *answer.get("quantities_by_label", {}).values()]
@@ -135,7 +142,8 @@ class SavedRun:
 
 
 def collect_inputs(case: str, text: str, folder: Path, choices: Mapping[str, Any]) -> Inputs:
-    """The inputs of a run whose case file is in ``folder``, with the files that it names, renamed to their last part.
+    """The inputs of a run whose case file is in ``folder``, with the files that it names, renamed
+    to their last part.
 
     Raises :class:`InputError` when one of them can no longer be read.
     """
@@ -187,8 +195,8 @@ def _free_name(name: str, content: bytes, taken: Mapping[str, bytes]) -> str:
 
 
 def save_run(folder: Path, inputs: Inputs, answer: Mapping[str, Any]) -> SavedRun:
-    """Write inputs and ``run.json`` (last: it makes the folder a run), and remove the files of an earlier run that this one
-    did not write. ``answer["files"]`` are paths relative to the folder.
+    """Write inputs and ``run.json`` (last: it makes the folder a run), and remove the files of an
+    earlier run that this one did not write. ``answer["files"]`` are paths relative to the folder.
     """
     earlier = _read_answer(folder)
     for name, content in inputs.side_files.items():
@@ -205,7 +213,9 @@ def save_run(folder: Path, inputs: Inputs, answer: Mapping[str, Any]) -> SavedRu
 
 
 def check_inputs(run: SavedRun) -> None:
-    """Raise :class:`InputError` where the inputs of a saved run have changed; a run without a digest passes."""
+    """Raise :class:`InputError` where the inputs of a saved run have changed; a run without a
+    digest passes.
+    """
     names = [
         str(name)
         for name in run.answer.get("files", ())
@@ -233,7 +243,9 @@ def check_inputs(run: SavedRun) -> None:
 
 
 def list_saved_runs(case: str = "", root: Path = ROOT) -> tuple[SavedRun, ...]:
-    """Every run with a readable ``run.json`` under ``root``, newest first, of one ``case`` where given."""
+    """Every run with a readable ``run.json`` under ``root``, newest first, of one ``case`` where
+    given.
+    """
     found = []
     for home in homes(case, root):
         for folder in home.glob("*"):
@@ -243,8 +255,8 @@ def list_saved_runs(case: str = "", root: Path = ROOT) -> tuple[SavedRun, ...]:
 
 
 def find_run(name: str, root: Path = ROOT) -> SavedRun:
-    """The run of that ``name``: its folder (or a file in it), its digest or the begin of it, ``CASE/latest``, a case, or
-    ``latest``.
+    """The run of that ``name``: its folder (or a file in it), its digest or the begin of it,
+    ``CASE/latest``, a case, or ``latest``.
 
     Raises :class:`InputError` when none fits.
     """
@@ -304,7 +316,9 @@ def answer_text(answer: Mapping[str, Any]) -> str:
 
 
 def _lines(answer: Mapping[str, Any]) -> str:
-    """JSON with a line for each entry, and each part of an entry: an indent of every level takes ten times as long."""
+    """JSON with a line for each entry, and each part of an entry: an indent of every level takes
+    ten times as long.
+    """
     write = json.JSONEncoder(allow_nan=False).encode
     entries = []
     for key, value in answer.items():
@@ -322,7 +336,8 @@ def _lines(answer: Mapping[str, Any]) -> str:
 def read_answer(folder: Path) -> dict[str, Any]:
     """The ``run.json`` of a folder; empty where there is none, or another program's.
 
-    Raises :class:`InputError` for a damaged one: it cannot be read, was changed, or has entries of another type.
+    Raises :class:`InputError` for a damaged one: it cannot be read, was changed, or has entries of
+    another type.
     """
     path = folder / ANSWER
     try:

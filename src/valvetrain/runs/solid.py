@@ -1,4 +1,6 @@
-"""Solid finite elements in a comparison: cost, statics and modes, and a short interval of prescribed motion."""
+"""Solid finite elements in a comparison: cost, statics and modes, and a short interval of
+prescribed motion.
+"""
 
 from __future__ import annotations
 
@@ -46,7 +48,9 @@ MESH_ERROR, COARSEST = "force error of the mesh", 4
 
 @dataclass(frozen=True)
 class SolidMotion:
-    """An interval of prescribed motion between two cam angles (rad) at ``engine_speed`` (crank rad/s)."""
+    """An interval of prescribed motion between two cam angles (rad) at ``engine_speed`` (crank
+    rad/s).
+    """
 
     first_cam_angle: float
     last_cam_angle: float
@@ -54,7 +58,9 @@ class SolidMotion:
 
 
 class SolidCost(NamedTuple):
-    """Cost of the solid part: unknowns, elements, seconds of statics and modes, increments and seconds of the motion."""
+    """Cost of the solid part: unknowns, elements, seconds of statics and modes, increments and
+    seconds of the motion.
+    """
 
     unknowns: int
     elements: int
@@ -88,7 +94,9 @@ def solid_cost(spring: InstalledSpring, motion: SolidMotion | None = None) -> So
 
 
 def solid_rest(spring: InstalledSpring, reach: float, watch: Watch | None = None) -> SpringAtRest:
-    """Static curve to ``reach`` (m) and modes about the installed state by solids; a solver that fails is their status."""
+    """Static curve to ``reach`` (m) and modes about the installed state by solids; a solver that
+    fails is their status.
+    """
     model = replace(solid_of(spring), watch=watch)
     found, options = installed_statics(model, spring.precompression, reach, MODES), model.options
     facts: dict[str, float | int | str] = {
@@ -111,10 +119,12 @@ def solid_rest(spring: InstalledSpring, reach: float, watch: Watch | None = None
 
 
 def force_error(model: SolidSpring, curve: StaticCurve, compression: float) -> float | None:
-    """Relative mesh error of the force at ``compression`` (m), from a second mesh two thirds as fine along the wire.
+    """Relative mesh error of the force at ``compression`` (m), from a second mesh two thirds as
+    fine along the wire.
 
-    1.25 |f - f_coarse| / (f (r^2 - 1)), r the ratio of the meshes (roache1994) with order 2 (quadratic elements along a
-    helix show 2 to 4). None where the mesh is too coarse for it, or a solution ended early.
+    1.25 |f - f_coarse| / (f (r^2 - 1)), r the ratio of the meshes (roache1994) with order 2
+    (quadratic elements along a helix show 2 to 4). None where the mesh is too coarse for it, or a
+    solution ended early.
     """
     fine = model.options.elements_per_coil
     coarse = max(COARSEST, round(2 * fine / 3))
@@ -187,7 +197,8 @@ def solid_motion(
 def rod_motion(
     case_name: str, rod: FiniteElementRod, lift_law: LiftLaw, solid: Solution
 ) -> Solution:
-    """The rod over the interval of a solid from the same equilibrium, mass damping only, at the samples of the solid.
+    """The rod over the interval of a solid from the same equilibrium, mass damping only, at the
+    samples of the solid.
 
     Forces are means over the increments of the solid, which do not resolve faster changes.
     """
@@ -235,7 +246,9 @@ def _mean(values: Array, width: int) -> Array:
 
 
 class Cancel:
-    """Callback of the loop of a solver: an interrupted study stops the solver and removes its files."""
+    """Callback of the loop of a solver: an interrupted study stops the solver and removes its
+    files.
+    """
 
     def __init__(self, tell: Watch | None = None) -> None:
         self.flag, self.tell = threading.Event(), tell

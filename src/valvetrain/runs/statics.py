@@ -1,5 +1,5 @@
-"""Springs at rest: static curve, natural frequencies and stress of installed springs by any model; what
-``valvetrain static`` and ``valvetrain modes`` show.
+"""Springs at rest: static curve, natural frequencies and stress of installed springs by any model;
+what ``valvetrain static`` and ``valvetrain modes`` show.
 """
 
 from __future__ import annotations
@@ -51,13 +51,16 @@ Array = NDArray[np.float64]
 WIRE, CARD, BARE = "finite-element", "modal-uniform", "massless"
 #: Steps of a static curve, and of one computed along with modes; modes about the installed state.
 STEPS, CURVE_OF_MODES, MODES = 64, 24, 24
-#: Even steps of the path that named numbers are read from: up to the installed state, and from there to the end.
+#: Even steps of the path that named numbers are read from: up to the installed state, and from
+#: there to the end.
 APPROACH, BEYOND = 24, 28
 #: End of a curve without lift over the compression at which the spring buckles by the formula.
 BEYOND_BUCKLING = 1.25
-#: Half the travel (m) of the difference quotient for the slope of a model without a tangent of its own.
+#: Half the travel (m) of the difference quotient for the slope of a model without a tangent of its
+#: own.
 SLOPE_TRAVEL = 1e-6
-#: Share of the travel to solid up to which a load is searched: close to solid the force rises without bound.
+#: Share of the travel to solid up to which a load is searched: close to solid the force rises
+#: without bound.
 NEAR_SOLID = 0.98
 #: Compressions (m) closer than this are one.
 SAME_COMPRESSION = 1e-12
@@ -79,14 +82,15 @@ def static_study(
     progress: Progress | None = None,
     implausible: bool = False,
 ) -> Study:
-    """Static curve and natural frequencies of every spring of a case by each of ``spring_models`` (empty:
-    :func:`default_model`).
+    """Static curve and natural frequencies of every spring of a case by each of ``spring_models``
+    (empty: :func:`default_model`).
 
-    ``largest_compression`` (m from the free state): end of the curve, None for a little beyond full lift. ``compression``
-    (m): state of the ``modes`` lowest modes, None for the installed one. ``heights`` (m), ``loads`` (N): states to solve as
-    well. ``attached_mass`` (kg): moves with the retainer in the modes of a wire, 0 for a free end, None for both ends fixed.
-    ``implausible`` values pass. Raises :class:`InputError` for a compression beyond coil bind, a model that cannot represent
-    a spring and a lift that no cam gives.
+    ``largest_compression`` (m from the free state): end of the curve, None for a little beyond full
+    lift. ``compression`` (m): state of the ``modes`` lowest modes, None for the installed one.
+    ``heights`` (m), ``loads`` (N): states to solve as well. ``attached_mass`` (kg): moves with the
+    retainer in the modes of a wire, 0 for a free end, None for both ends fixed. ``implausible``
+    values pass. Raises :class:`InputError` for a compression beyond coil bind, a model that cannot
+    represent a spring and a lift that no cam gives.
     """
     begun = time.perf_counter()
     problem = build(case, spring_sets=spring_sets)
@@ -157,11 +161,11 @@ def curve_by_model(
     steps: int,
     implausible: bool = False,
 ) -> StaticCurve:
-    """Static curve of one spring by the model ``name`` up to ``largest_compression`` (m from the free state), None for a
-    little beyond ``valve_lift`` (m); ``implausible`` values pass.
+    """Static curve of one spring by the model ``name`` up to ``largest_compression`` (m from the
+    free state), None for a little beyond ``valve_lift`` (m); ``implausible`` values pass.
 
-    Raises :class:`InputError` for a model that cannot represent the spring or has no static curve, and for a compression
-    beyond coil bind.
+    Raises :class:`InputError` for a model that cannot represent the spring or has no static curve,
+    and for a compression beyond coil bind.
     """
     spec = spring_model(name, "spring_model")
     end = _curve_end(spring, valve_lift, largest_compression, "largest_compression")
@@ -183,7 +187,9 @@ def curve_by_model(
 
 
 def spring_statics(problem: Problem, spring: InstalledSpring, maximum_lift: float) -> SpringAtRest:
-    """A spring at rest by its :func:`default_model`, to a little beyond a lift (m); the rod of a run is shared with it."""
+    """A spring at rest by its :func:`default_model`, to a little beyond a lift (m); the rod of a
+    run is shared with it.
+    """
     name, end = default_model(spring), reach_of(spring, maximum_lift)
     model = problem.model_of(name, spring)
     if isinstance(model, FiniteElementRod):
@@ -204,10 +210,11 @@ def rod_statics(
     visit: Callable[[Equilibrium], None] | None = None,
     attached_mass: float | None = None,
 ) -> SpringAtRest:
-    """Static curve, modes and stress of a wire by the finite-element rod; ``visit`` is called with each equilibrium.
+    """Static curve, modes and stress of a wire by the finite-element rod; ``visit`` is called with
+    each equilibrium.
 
-    ``steps``: even steps of the curve, None for the points of its path. ``attached_mass`` (kg): moves with the retainer in
-    the modes, 0 for a free end, None for both ends fixed.
+    ``steps``: even steps of the curve, None for the points of its path. ``attached_mass`` (kg):
+    moves with the retainer in the modes, 0 for a free end, None for both ends fixed.
     """
     begun = time.perf_counter()
     curve, stress = static_curve(rod, largest_compression, steps, visit)
@@ -239,11 +246,12 @@ def static_curve(
     steps: int | None = None,
     visit: Callable[[Equilibrium], None] | None = None,
 ) -> tuple[StaticCurve, StaticStress | None]:
-    """Static curve (SI) from the free state to ``largest_compression`` (m) in even ``steps``, and the stress of the wire.
+    """Static curve (SI) from the free state to ``largest_compression`` (m) in even ``steps``, and
+    the stress of the wire.
 
-    Both come from one path of equilibria that does not depend on ``steps`` (None: the curve has the points of the path).
-    Ends early with a status when no equilibrium is found. Raises :class:`InputError` for a compression at which the coils
-    are solid.
+    Both come from one path of equilibria that does not depend on ``steps`` (None: the curve has the
+    points of the path). Ends early with a status when no equilibrium is found. Raises
+    :class:`InputError` for a compression at which the coils are solid.
     """
     if rod.dynamics.contact_stiffness > 0:
         rod.definition.refuse_solid(largest_compression)
@@ -269,10 +277,11 @@ def static_curve(
 def statics_by_model(
     spring: InstalledSpring, name: str, model: SpringModel, compressions: Array, modes: int = 12
 ) -> SpringAtRest:
-    """Static curve over ``compressions`` (m from the free state) and axial frequencies of a spring by any ``model``.
+    """Static curve over ``compressions`` (m from the free state) and axial frequencies of a spring
+    by any ``model``.
 
-    A model of the installed state and those above it gives its curve from there on. Raises :class:`InputError` for
-    compressions at which the coils are solid.
+    A model of the installed state and those above it gives its curve from there on. Raises
+    :class:`InputError` for compressions at which the coils are solid.
     """
     if spring.wire is not None and spring.contact.stiffness > 0:
         spring.wire.refuse_solid(float(np.max(compressions)))
@@ -316,7 +325,9 @@ def _curve_of(spring: InstalledSpring, model: SpringModel, compressions: Array) 
 
 
 def axial_frequencies(model: SpringModel, count: int) -> Array:
-    """Axial natural frequencies (Hz), both ends fixed, as installed; empty of a model without inner motion."""
+    """Axial natural frequencies (Hz), both ends fixed, as installed; empty of a model without inner
+    motion.
+    """
     if isinstance(model, MultiMassSpring):
         return np.asarray(model.frequencies(0.0, min(count, model.unknowns)))
     natural = getattr(model, "natural_frequencies", ())
@@ -352,7 +363,9 @@ def force_of(spring: InstalledSpring, model: SpringModel, compression: float) ->
 
 
 def slope_of(spring: InstalledSpring, model: SpringModel, compression: float) -> float:
-    """Slope of the force (N/m) of a model without a tangent of its own; at the free state that of compressing it."""
+    """Slope of the force (N/m) of a model without a tangent of its own; at the free state that of
+    compressing it.
+    """
     down = min(SLOPE_TRAVEL, max(compression, 0.0))
     upper = force_of(spring, model, compression + SLOPE_TRAVEL)
     return (upper - force_of(spring, model, compression - down)) / (SLOPE_TRAVEL + down)
@@ -365,10 +378,12 @@ def requested_points(
     heights: Sequence[float],
     loads: Sequence[float],
 ) -> tuple[RestPoint, ...]:
-    """The spring at ``heights`` (m) between its seats and under ``loads`` (N), each solved on its own, in that order.
+    """The spring at ``heights`` (m) between its seats and under ``loads`` (N), each solved on its
+    own, in that order.
 
-    Raises :class:`InputError` for a height above the free length or at which the coils are solid, for any height of a
-    spring without an installed one, and for a load that the spring does not carry before it is nearly solid.
+    Raises :class:`InputError` for a height above the free length or at which the coils are solid,
+    for any height of a spring without an installed one, and for a load that the spring does not
+    carry before it is nearly solid.
     """
     compressions = [_at_height(spring, height) for height in heights]
     compressions += [_under_load(spring, model, rest, load) for load in loads]
@@ -430,9 +445,11 @@ def _under_load(
 
 
 def reach_of(spring: InstalledSpring, maximum_lift: float) -> float:
-    """Largest compression (m) of a static curve: a little beyond the largest lift (m), or near solid where there is none.
+    """Largest compression (m) of a static curve: a little beyond the largest lift (m), or near
+    solid where there is none.
 
-    Little beyond the compression at which a slender spring buckles by the formula: what follows takes long to compute.
+    Little beyond the compression at which a slender spring buckles by the formula: what follows
+    takes long to compute.
     """
     installed = spring.precompression
     if spring.wire is None:
@@ -449,7 +466,9 @@ def reach_of(spring: InstalledSpring, maximum_lift: float) -> float:
 
 
 def path_points(precompression: float, reach: float) -> Array:
-    """Compressions (m) of a path from the free state through the installed one to ``reach`` (m), whatever is output."""
+    """Compressions (m) of a path from the free state through the installed one to ``reach`` (m),
+    whatever is output.
+    """
     if precompression <= 0:
         return np.linspace(0.0, reach, APPROACH + BEYOND + 1)
     approach = np.linspace(0.0, precompression, APPROACH + 1)

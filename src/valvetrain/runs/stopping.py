@@ -1,7 +1,7 @@
 """Stopping a study by a signal: at once, with its finished runs, and without losing the request.
 
-The interpreter drops a KeyboardInterrupt within a callback of a compiler or a destructor, so every request is also noted,
-and :func:`check_stop` is called while waiting.
+The interpreter drops a KeyboardInterrupt within a callback of a compiler or a destructor, so every
+request is also noted, and :func:`check_stop` is called while waiting.
 """
 
 from __future__ import annotations
@@ -55,13 +55,16 @@ def check_stop() -> None:
 
 
 def exit_code(number: int) -> int:
-    """Exit code of a process that signal ``number`` stopped, by the convention of shells; 130, that of Ctrl-C, for 0."""
+    """Exit code of a process that signal ``number`` stopped, by the convention of shells; 130, that
+    of Ctrl-C, for 0.
+    """
     return 128 + (number or signal.SIGINT)
 
 
 @contextmanager
 def listening() -> Iterator[None]:
-    """While the block runs, SIGINT, SIGTERM and SIGHUP are noted and raise :class:`Stopped`; a second one ends the process.
+    """While the block runs, SIGINT, SIGTERM and SIGHUP are noted and raise :class:`Stopped`; a
+    second one ends the process.
 
     Only the main thread can listen; elsewhere, and for signals that the caller's parent had
     ignored, nothing changes.

@@ -1,4 +1,6 @@
-"""Error bars and calibration spread that ship with a library case, and the sentences on them in the notes of a run."""
+"""Error bars and calibration spread that ship with a library case, and the sentences on them in the
+notes of a run.
+"""
 
 from __future__ import annotations
 
@@ -19,11 +21,13 @@ if TYPE_CHECKING:
     from valvetrain.solution.study import Study
 
 RPM = math.pi / 30
-#: Heading of the rows without engine speed, and what separates engine speed and variant in the headings of a train.
+#: Heading of the rows without engine speed, and what separates engine speed and variant in the
+#: headings of a train.
 _STATICS, _OF = "statics", ", of "
 #: Share of a value beyond which its error bar is explained.
 COARSE = 0.05
-#: A stored row belongs to a computed value that differs by less than this share, or less than its own uncertainty.
+#: A stored row belongs to a computed value that differs by less than this share, or less than its
+#: own uncertainty.
 SAME = 1e-3
 #: Quantities in the sentence on a train, and in that on a clash, with their labels.
 TRAIN_LABELS = (
@@ -45,7 +49,9 @@ SPREAD_LABELS = {
 
 
 def load_uncertainty(record: CaseRecord) -> tuple[Uncertainty, ...]:
-    """Rows that ship with a library case; empty without a file, and for a case other than the one that was refined."""
+    """Rows that ship with a library case; empty without a file, and for a case other than the one
+    that was refined.
+    """
     return rows_of(_library_file(record, "uncertainty"))
 
 
@@ -58,13 +64,17 @@ def rows_of(content: Mapping[str, Mapping[str, Any]]) -> tuple[Uncertainty, ...]
 
 
 def meshes_of(record: CaseRecord) -> tuple[int, ...]:
-    """Elements per coil of the meshes behind :func:`load_uncertainty`; empty where that has no rows."""
+    """Elements per coil of the meshes behind :func:`load_uncertainty`; empty where that has no
+    rows.
+    """
     content = _library_file(record, "uncertainty")
     return tuple(content.get("case", {}).get("elements_per_coil", ()))
 
 
 def _library_file(record: CaseRecord, ending: str) -> dict[str, Any]:
-    """Tables of a file next to a library case; empty without one, and where its digest is not that of ``record``."""
+    """Tables of a file next to a library case; empty without one, and where its digest is not that
+    of ``record``.
+    """
     file = resources.files("valvetrain") / "parameters" / "library" / f"{record.name}.{ending}"
     if record.name not in library_names() or not file.is_file():
         return {}
@@ -120,7 +130,9 @@ def fresh_uncertainty(study: Study) -> tuple[Uncertainty, ...]:
 def rows_that_hold(
     record: CaseRecord, quantities: Mapping[Quantity, float]
 ) -> tuple[Uncertainty, ...]:
-    """Rows of :func:`load_uncertainty` at every engine speed and variant of which ``quantities`` reproduce all numbers."""
+    """Rows of :func:`load_uncertainty` at every engine speed and variant of which ``quantities``
+    reproduce all numbers.
+    """
     rows = load_uncertainty(record)
     computed = {key.name for key in quantities}
     lost = {
@@ -134,7 +146,8 @@ def rows_that_hold(
 def uncertainty_sentences(
     record: CaseRecord, engine_speeds: Sequence[float], quantities: Mapping[Quantity, float]
 ) -> tuple[str, ...]:
-    """One sentence on the error bars per engine speed that was run (rad/s), and per variant of a train.
+    """One sentence on the error bars per engine speed that was run (rad/s), and per variant of a
+    train.
 
     None for a speed at which ``quantities`` are not those that were refined.
     """
@@ -144,7 +157,9 @@ def uncertainty_sentences(
 def sentences_of(
     rows: Sequence[Uncertainty], elements_per_coil: Sequence[int], engine_speeds: Sequence[float]
 ) -> tuple[str, ...]:
-    """One sentence per variant and engine speed (rad/s) of the rows that is among ``engine_speeds``."""
+    """One sentence per variant and engine speed (rad/s) of the rows that is among
+    ``engine_speeds``.
+    """
     run, sentences = {round(speed / RPM) for speed in engine_speeds}, []
     meshes = ", ".join(map(str, elements_per_coil))
     for (speed, label), group in grouped(rows).items():
@@ -240,7 +255,9 @@ class Spread(NamedTuple):
 
 
 def load_spread(record: CaseRecord) -> tuple[Spread, ...]:
-    """The calibration spread that ships with a library case; empty where there is none for exactly this case."""
+    """The calibration spread that ships with a library case; empty where there is none for exactly
+    this case.
+    """
     return tuple(
         Spread(quantity, int(speed.split()[0]), *map(float, values))
         for speed, table in _library_file(record, "spread").items()
@@ -252,7 +269,8 @@ def load_spread(record: CaseRecord) -> tuple[Spread, ...]:
 def spread_sentences(
     record: CaseRecord, engine_speeds: Sequence[float], quantities: Mapping[Quantity, float]
 ) -> tuple[str, ...]:
-    """One sentence per engine speed that was run (rad/s): ranges of quantities, and whether they hold the published value.
+    """One sentence per engine speed that was run (rad/s): ranges of quantities, and whether they
+    hold the published value.
 
     None for a speed at which ``quantities`` are not those that the spread was found with.
     """

@@ -1,4 +1,6 @@
-"""Trains of a problem: preparation, runs to the periodic state, numbers of rigid theory, natural modes."""
+"""Trains of a problem: preparation, runs to the periodic state, numbers of rigid theory, natural
+modes.
+"""
 
 from __future__ import annotations
 
@@ -61,7 +63,8 @@ def train_statics(problem: Problem, spring: InstalledSpring) -> SpringAtRest:
 def prepare_trains(
     problem: Problem, engine_speeds: Sequence[float], failures: PartialFailures
 ) -> tuple[tuple[PreparedRun, ...], tuple[SpringAtRest, ...]]:
-    """Every member of a train prepared, shared parts computed once, and the springs at rest that their models need.
+    """Every member of a train prepared, shared parts computed once, and the springs at rest that
+    their models need.
 
     Raises :class:`InputError` where there is no engine speed.
     """
@@ -144,8 +147,8 @@ def train_point(
 def rigid_numbers(
     problem: Problem, ready: tuple[PreparedRun, ...], engine_speeds: tuple[float, ...]
 ) -> dict[str, dict[str, float]]:
-    """Rigid theory of each spring set: loss of contact, valve events, and where its surge meets the lift near the
-    ``engine_speeds`` run.
+    """Rigid theory of each spring set: loss of contact, valve events, and where its surge meets the
+    lift near the ``engine_speeds`` run.
     """
     still: dict[str, dict[str, float]] = {}
     prepared: dict[Hashable, PreparedRun] = {
@@ -177,11 +180,12 @@ def rigid_numbers(
 def train_modes(
     case: AnyCase, spring_models: Sequence[str] = (), *, spring_sets: Sequence[str] = ()
 ) -> tuple[TrainModes, ...]:
-    """Undamped natural frequencies and modes of a train with its springs, about equilibrium, valve closed and at full lift.
+    """Undamped natural frequencies and modes of a train with its springs, about equilibrium, valve
+    closed and at full lift.
 
-    Closed contacts have their stiffness under the static load; open ones (the lash, valve closed) none. A multi-mass spring
-    has its own masses, a massless one its share of mass, any other the modes of the uniform spring of equal rate, mass and
-    first frequency.
+    Closed contacts have their stiffness under the static load; open ones (the lash, valve closed)
+    none. A multi-mass spring has its own masses, a massless one its share of mass, any other the
+    modes of the uniform spring of equal rate, mass and first frequency.
 
     Parameters
     ----------

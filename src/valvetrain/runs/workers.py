@@ -1,6 +1,8 @@
-"""Independent runs over threads or processes: their order, and every bit, is the same for any number of workers.
+"""Independent runs over threads or processes: their order, and every bit, is the same for any
+number of workers.
 
-Worker processes never outlive the process they serve; the runs of one that was killed are tried again.
+Worker processes never outlive the process they serve; the runs of one that was killed are tried
+again.
 """
 
 from __future__ import annotations
@@ -43,7 +45,9 @@ _inside = 0
 
 @contextmanager
 def one_thread() -> Iterator[None]:
-    """One thread for the linear algebra of this process and of those it forks, until the last such block has ended."""
+    """One thread for the linear algebra of this process and of those it forks, until the last such
+    block has ended.
+    """
     global _inside
     with _LOCK:
         if _inside == 0:
@@ -71,7 +75,8 @@ def _limited() -> AbstractContextManager[object]:
     return limit
 
 
-#: Pools in which a run is tried together with others, and then alone, which finds the one that kills its worker.
+#: Pools in which a run is tried together with others, and then alone, which finds the one that
+#: kills its worker.
 TOGETHER, ALONE = 2, 2
 _PR_SET_PDEATHSIG = 1
 #: Function and shared data that every worker process received once, instead of with each point.
@@ -94,8 +99,9 @@ def start_method() -> str:
 def in_processes(
     function: Callable[[Any, Any], Any], shared: Any, points: Sequence[Any], count: int
 ) -> Iterator[tuple[int, Any]]:
-    """(index, ``function(shared, point)``) of every point as it is finished, over ``count`` processes; :class:`Lost` for one
-    that cannot be computed. What ``function`` raises is raised here.
+    """(index, ``function(shared, point)``) of every point as it is finished, over ``count``
+    processes; :class:`Lost` for one that cannot be computed. What ``function`` raises is raised
+    here.
     """
     left = dict(enumerate(points))
     with one_thread():
@@ -133,7 +139,8 @@ def _finished(
 
 
 def as_they_come(jobs: Mapping[Future[Any], int]) -> Iterator[tuple[int, Any]]:
-    """(index, result) of every job as it ends, each yielded once and then released; checks for a stop request meanwhile.
+    """(index, result) of every job as it ends, each yielded once and then released; checks for a
+    stop request meanwhile.
 
     What a job raises is raised here; that its worker was killed is raised after all other jobs.
     """
@@ -188,7 +195,9 @@ def _one(point: Any) -> Any:
 
 
 def quiet_worker(parent: int) -> None:
-    """Make this worker process leave Ctrl-C to its ``parent`` (process id) and end with it, however that ends."""
+    """Make this worker process leave Ctrl-C to its ``parent`` (process id) and end with it, however
+    that ends.
+    """
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # it reaches every process of a terminal
     signal.signal(signal.SIGTERM, signal.SIG_DFL)
     if sys.platform == "linux":
@@ -208,10 +217,11 @@ def _end_with_parent() -> None:
 
 
 class StandingPool:
-    """Worker processes for many batches of ``function(shared, point)``; ``count`` 1: this process. A context manager.
+    """Worker processes for many batches of ``function(shared, point)``; ``count`` 1: this process.
+    A context manager.
 
-    A run whose worker is killed is tried again by :func:`in_processes`; what cannot be computed comes back as
-    :class:`Lost`.
+    A run whose worker is killed is tried again by :func:`in_processes`; what cannot be computed
+    comes back as :class:`Lost`.
     """
 
     def __init__(self, function: Callable[[Any, Any], Any], shared: Any, count: int) -> None:
@@ -279,8 +289,8 @@ def map_cases(
     workers: int | None = None,
     progress: Callable[[int, int], None] | None = None,
 ) -> tuple[Result, ...]:
-    """A function of every case, in their order, over processes: every case runs alone, so results do not depend on
-    ``workers``.
+    """A function of every case, in their order, over processes: every case runs alone, so results
+    do not depend on ``workers``.
 
     Parameters
     ----------
@@ -340,11 +350,12 @@ def map_points(
 ) -> tuple[Result, ...]:
     """``function(shared, point)`` of every point, in order. ``shared`` is sent to each worker once.
 
-    Threads by default (compiled time integration holds no interpreter lock); ``processes`` where Python itself is the work,
-    and then ``function`` must be importable. ``tell(done, total)`` is called after each, ``finished(index, result)`` as each
-    arrives. A point whose worker is killed is tried again; ``lost(point)`` replaces the result of one that cannot be
-    computed. Raises :class:`InputError` for fewer than one worker, :class:`RunFailedError` for a lost point without a
-    replacement, and :class:`PointsStopped` with what is finished.
+    Threads by default (compiled time integration holds no interpreter lock); ``processes`` where
+    Python itself is the work, and then ``function`` must be importable. ``tell(done, total)`` is
+    called after each, ``finished(index, result)`` as each arrives. A point whose worker is killed
+    is tried again; ``lost(point)`` replaces the result of one that cannot be computed. Raises
+    :class:`InputError` for fewer than one worker, :class:`RunFailedError` for a lost point without
+    a replacement, and :class:`PointsStopped` with what is finished.
     """
     count = min(worker_count(workers), max(len(points), 1))
     results: dict[int, Result] = {}
@@ -407,7 +418,9 @@ def available_cores() -> int:
 
 @contextmanager
 def threads(count: int) -> Iterator[ThreadPoolExecutor]:
-    """A pool of ``count`` threads; where its block ends by an exception, it does not wait for unfinished runs."""
+    """A pool of ``count`` threads; where its block ends by an exception, it does not wait for
+    unfinished runs.
+    """
     pool = ThreadPoolExecutor(max(1, count))
     try:
         yield pool

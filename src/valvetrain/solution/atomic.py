@@ -1,5 +1,5 @@
-"""Atomic files: written whole or not at all; half-written files of killed processes are recognised by their lock and
-removed.
+"""Atomic files: written whole or not at all; half-written files of killed processes are recognised
+by their lock and removed.
 """
 
 from __future__ import annotations
@@ -29,10 +29,11 @@ _REPEATED = 200
 
 @contextmanager
 def atomic_path(path: str | os.PathLike[str]) -> Iterator[Path]:
-    """A temporary file next to ``path``; it becomes ``path`` when the block ends without an error, else it is removed.
+    """A temporary file next to ``path``; it becomes ``path`` when the block ends without an error,
+    else it is removed.
 
-    Interruption (Ctrl-C) counts as an error. What killed processes left in the folder is removed at its first use. Raises
-    :class:`InputError` when the folder cannot be written.
+    Interruption (Ctrl-C) counts as an error. What killed processes left in the folder is removed at
+    its first use. Raises :class:`InputError` when the folder cannot be written.
     """
     target = Path(path)
     _refuse_what_is_no_file(target)
@@ -100,7 +101,9 @@ def _refuse_what_is_no_file(target: Path, where: str = "") -> None:
 
 
 def remove_abandoned(folder: Path) -> tuple[Path, ...]:
-    """Remove half-written files of killed processes from ``folder``; those of living ones are locked and stay."""
+    """Remove half-written files of killed processes from ``folder``; those of living ones are
+    locked and stay.
+    """
     removed = []
     with suppress(OSError):
         for path in sorted(folder.iterdir()):
@@ -146,7 +149,9 @@ def lock(handle: int) -> bool:
 
 
 def _locked_file(target: Path) -> tuple[int, Path]:
-    """A new temporary file next to ``target``, locked; another one where a process removed it before it was locked."""
+    """A new temporary file next to ``target``, locked; another one where a process removed it
+    before it was locked.
+    """
     prefix = "." + os.fsdecode(os.fsencode(target.name)[:_REPEATED]) + "."
     while True:
         handle, name = tempfile.mkstemp(prefix=prefix, suffix=SUFFIX, dir=target.parent)
@@ -194,8 +199,9 @@ def close_file(path: Path) -> None:
 def checked_content(path: Path) -> tuple[bytes, bool]:
     """Bytes of a result file without its closing line, and whether it had one.
 
-    Raises :class:`InputError` where there is no such file, or where its bytes are not those that were written. A file
-    without the line passes: its content says whether it should have one (:func:`valvetrain.solution.metadata.unpack`).
+    Raises :class:`InputError` where there is no such file, or where its bytes are not those that
+    were written. A file without the line passes: its content says whether it should have one
+    (:func:`valvetrain.solution.metadata.unpack`).
     """
     try:
         if not path.is_file():

@@ -102,7 +102,9 @@ def empty_channels() -> ChannelArrays:
 
 
 class DatasetField:
-    """Field of a solution that takes a dataset or plain arrays, stores the arrays and returns the dataset."""
+    """Field of a solution that takes a dataset or plain arrays, stores the arrays and returns the
+    dataset.
+    """
 
     def __get__(self, owner: Any, kind: type) -> xarray.Dataset:
         if owner is None:
@@ -217,8 +219,9 @@ def spring_channels(
 ) -> ChannelArrays:
     """The channels of a spring run from plain arrays.
 
-    ``values``: channel name -> array (sample,) or (sample, wire_point / coil_pair), SI. ``extra`` declares further channels
-    as name -> (dims after ``sample``, unit, label). Raises :class:`InputError` for an undeclared name.
+    ``values``: channel name -> array (sample,) or (sample, wire_point / coil_pair), SI. ``extra``
+    declares further channels as name -> (dims after ``sample``, unit, label). Raises
+    :class:`InputError` for an undeclared name.
     """
     declared: dict[str, tuple[tuple[str, ...], str, str]] = {
         name: ((second,) if second else (), unit, label)

@@ -9,10 +9,11 @@ from dataclasses import dataclass
 class Comparison:
     """A row of the table computed / published / difference.
 
-    ``engine_speed`` in rad/s of the crank (None where none applies); ``published``, ``computed``, ``difference`` and
-    ``tolerance`` in ``unit``; ``computed`` None when no run gave the quantity; ``tolerance`` None when source and task give
-    none. ``origin`` of the published value (FE, AN, EX), its ``role`` (calibration, check or prediction), what it was
-    ``used_for``, and a ``doubt``: why it cannot be right.
+    ``engine_speed`` in rad/s of the crank (None where none applies); ``published``, ``computed``,
+    ``difference`` and ``tolerance`` in ``unit``; ``computed`` None when no run gave the quantity;
+    ``tolerance`` None when source and task give none. ``origin`` of the published value (FE, AN,
+    EX), its ``role`` (calibration, check or prediction), what it was ``used_for``, and a ``doubt``:
+    why it cannot be right.
 
     >>> row = Comparison("preload", None, "massless", "FE", "N", 289.0, 288.9, -0.1, "check", 2.0, "agrees")
     >>> row.verdict
@@ -46,7 +47,9 @@ class Comparison:
 
 @dataclass(frozen=True, slots=True)
 class Finding:
-    """A published finding: its place in the source, its statement, the computed result and the verdict."""
+    """A published finding: its place in the source, its statement, the computed result and the
+    verdict.
+    """
 
     place: str
     statement: str

@@ -1,4 +1,6 @@
-"""Critical engine speeds, at which a train loses control of its valve, as brackets between two runs."""
+"""Critical engine speeds, at which a train loses control of its valve, as brackets between two
+runs.
+"""
 
 from __future__ import annotations
 
@@ -48,8 +50,9 @@ class SpeedBracket:
 class Crossing:
     """One loss or recovery of control, found in three ways.
 
-    ``from_rest``: every speed started at rest. ``rising``, ``falling``: every speed started from the motion at its neighbour
-    below, or above; None where that motion did not change within the speeds searched, or could not be continued.
+    ``from_rest``: every speed started at rest. ``rising``, ``falling``: every speed started from
+    the motion at its neighbour below, or above; None where that motion did not change within the
+    speeds searched, or could not be continued.
     """
 
     from_rest: SpeedBracket
@@ -72,12 +75,13 @@ class Crossing:
 class CriticalSpeed:
     """Result of the search for one kind of loss of control; speeds in rad/s of the crank.
 
-    ``kind``: ``contact-loss`` (a contact of the drive opens while the valve is open), ``float`` (the valve is above its rigid
-    lift by more than ``limit``, in m) or ``bounce`` (it leaves its seat again by more than ``limit``). ``place``: the contact
-    that opens first, ``valve`` or ``seat``. ``begins``: the lowest onset, None where there is none or control is lost already
-    at ``first_engine_speed``. ``ends``: end of that range of speeds, from rest, None where it lasts to ``last_engine_speed``.
-    ``again``: further ranges above it, by their lowest and highest sampled speed. ``runs_count``: runs of the search besides
-    those of the sweep.
+    ``kind``: ``contact-loss`` (a contact of the drive opens while the valve is open), ``float``
+    (the valve is above its rigid lift by more than ``limit``, in m) or ``bounce`` (it leaves its
+    seat again by more than ``limit``). ``place``: the contact that opens first, ``valve`` or
+    ``seat``. ``begins``: the lowest onset, None where there is none or control is lost already at
+    ``first_engine_speed``. ``ends``: end of that range of speeds, from rest, None where it lasts to
+    ``last_engine_speed``. ``again``: further ranges above it, by their lowest and highest sampled
+    speed. ``runs_count``: runs of the search besides those of the sweep.
     """
 
     label: str

@@ -1,6 +1,7 @@
 """Definitions of quantities by name: dimension, shown unit, label and definition.
 
-The rows are in the tables that the registry lists under ``quantities``: the general one and one per published study.
+The rows are in the tables that the registry lists under ``quantities``: the general one and one per
+published study.
 """
 
 from __future__ import annotations
@@ -23,7 +24,8 @@ Sense = Literal["larger is better", "smaller is better", ""]
 Systems = tuple[Literal["spring", "train"], ...]
 Number = TypeVar("Number", float, NDArray[np.float64])
 
-#: Last word of a name -> dimension and shown unit, unless its row gives others; for a range, that of the word before it.
+#: Last word of a name -> dimension and shown unit, unless its row gives others; for a range, that
+#: of the word before it.
 BY_LAST_WORD: dict[str, tuple[str, str]] = {
     "force": ("force", "N"), "preload": ("force", "N"), "load": ("force", "N"), "angle": ("angle", "deg"), "frequency": ("frequency", "Hz"),
     "velocity": ("velocity", "m/s"), "acceleration": ("acceleration", "m/s^2"), "displacement": ("length", "mm"),
@@ -41,7 +43,9 @@ NESTED = ("outer", "inner")
 
 
 def si_unit_text(dimension: str) -> str:
-    """SI unit of a dimension of :data:`valvetrain.units.DIMENSIONS` in results: ``1`` for plain numbers."""
+    """SI unit of a dimension of :data:`valvetrain.units.DIMENSIONS` in results: ``1`` for plain
+    numbers.
+    """
     unit = DIMENSIONS[dimension].si_unit
     return _SI_TEXTS.get(unit, unit)
 
@@ -51,9 +55,10 @@ class QuantityRow:
     """One quantity, or a family of them where ``name`` is a template: ``mode_{n}_frequency``,
     ``peak_{place}_contact_force``.
 
-    ``dimension``: a key of :data:`valvetrain.units.DIMENSIONS`, empty where it is unknown. ``shown_unit``: the unit in
-    tables. ``label``: plain text; ``definition``: one sentence; both may repeat the fields of the template. ``systems``:
-    those that have it, a spring under prescribed motion or a train.
+    ``dimension``: a key of :data:`valvetrain.units.DIMENSIONS`, empty where it is unknown.
+    ``shown_unit``: the unit in tables. ``label``: plain text; ``definition``: one sentence; both
+    may repeat the fields of the template. ``systems``: those that have it, a spring under
+    prescribed motion or a train.
     """
 
     name: str
@@ -97,7 +102,9 @@ def row(
 
 @cache
 def tables() -> dict[str, tuple[QuantityRow, ...]]:
-    """Every registered table of quantities by its name. Raises :class:`InputError` where two rows have one name."""
+    """Every registered table of quantities by its name. Raises :class:`InputError` where two rows
+    have one name.
+    """
     found: dict[str, tuple[QuantityRow, ...]] = {
         name: tuple(find("quantities", name)) for name in registered_names("quantities")
     }
@@ -240,7 +247,9 @@ def fixed_part(template: str) -> str:
 
 
 def pattern_of(template: str) -> re.Pattern[str]:
-    """Pattern of the names of a template: one letter in braces for a number, a word for one or several words."""
+    """Pattern of the names of a template: one letter in braces for a number, a word for one or
+    several words.
+    """
     places = re.split(r"\{(\w+)\}", template)
     text_of = (
         rf"(?P<{part}>{r'[0-9]+' if len(part) == 1 else r'[a-z0-9]+(?:_[a-z0-9]+)*'})"

@@ -1,4 +1,6 @@
-"""Display of results in a terminal or a notebook: units, short text, small tables, frames, quick plots."""
+"""Display of results in a terminal or a notebook: units, short text, small tables, frames, quick
+plots.
+"""
 
 from __future__ import annotations
 
@@ -74,7 +76,8 @@ def table(caption: str, head: Sequence[str], rows: Sequence[Sequence[str]]) -> s
 def frame(
     columns: Mapping[str, ArrayLike], index: str = "", units: Mapping[str, str] | None = None
 ) -> pandas.DataFrame:
-    """Columns as a pandas frame, ``index`` the column that numbers the rows, ``units`` in its ``attrs``.
+    """Columns as a pandas frame, ``index`` the column that numbers the rows, ``units`` in its
+    ``attrs``.
 
     Raises :class:`MissingExtraError` where pandas is not installed.
     """

@@ -1,4 +1,6 @@
-"""Fidelity of spring models: every model against a reference over engine speed, both with their numerical error."""
+"""Fidelity of spring models: every model against a reference over engine speed, both with their
+numerical error.
+"""
 
 from __future__ import annotations
 
@@ -10,8 +12,8 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     import pandas
 
-#: Verdicts of a model at one speed: within the tolerance, error bars included; beyond it even so; undecided, for the error
-#: bars or without a reference; no value of the model.
+#: Verdicts of a model at one speed: within the tolerance, error bars included; beyond it even so;
+#: undecided, for the error bars or without a reference; no value of the model.
 GOOD, POOR, OPEN, MISSING = "good", "poor", "open", "missing"
 RPM = math.pi / 30
 
@@ -47,7 +49,9 @@ class FidelityRow:
 
     @property
     def doubt(self) -> float:
-        """Half width of the error bar of the difference, as a share of ``scale``: the sum of the errors that exist."""
+        """Half width of the error bar of the difference, as a share of ``scale``: the sum of the
+        errors that exist.
+        """
         errors = (self.error, self.reference_error)
         return sum(error for error in errors if not math.isnan(error)) / self.scale
 

@@ -1,4 +1,6 @@
-"""Metadata of a result file: everything that is not an array, as one JSON text, and checks of what a file claims."""
+"""Metadata of a result file: everything that is not an array, as one JSON text, and checks of what
+a file claims.
+"""
 
 from __future__ import annotations
 
@@ -34,7 +36,9 @@ def pack(
     events: tuple[Event, ...] = (),
     **more: Any,
 ) -> str:
-    """JSON text with the ``kind`` of a result (solution, static-curve, modal-result), its status, events and other entries."""
+    """JSON text with the ``kind`` of a result (solution, static-curve, modal-result), its status,
+    events and other entries.
+    """
     content = {
         "format": f"valvetrain {kind}", "version": FORMAT_VERSION, "checksum": "blake2b", "status": _fields(status),
         "provenance": None if provenance is None else _fields(provenance), "events": [_fields(event) for event in events], **more,
@@ -140,7 +144,8 @@ def _plain(value: Any) -> Any:
 
 #: Begin of every sentence about a file whose parts do not fit.
 DAMAGED = "is damaged:"
-#: Most bytes that the best compression stores in one; variables of at most this size are always read.
+#: Most bytes that the best compression stores in one; variables of at most this size are always
+#: read.
 MAX_EXPANDED, SMALL = 1100, 65_536
 #: Upper bound of the variables of a result.
 MAX_VARIABLES = 5000
@@ -148,9 +153,11 @@ _DIMENSION = b"This is a netCDF dimension but not a netCDF variable"
 
 
 def refuse_claims(path: Path) -> None:
-    """Raise :class:`InputError` for a NetCDF file whose variables claim more than is stored, are in another file or linked.
+    """Raise :class:`InputError` for a NetCDF file whose variables claim more than is stored, are in
+    another file or linked.
 
-    Only the description in the file is read, so nothing of the claimed size is allocated. Errors of the library pass.
+    Only the description in the file is read, so nothing of the claimed size is allocated. Errors of
+    the library pass.
     """
     import h5py
 

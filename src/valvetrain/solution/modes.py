@@ -21,7 +21,9 @@ Array = NDArray[np.float64]
 
 
 def check_shapes(result: object, noun: str, shapes: Mapping[str, tuple[int, ...]]) -> None:
-    """Raise :class:`InputError` where an array of a result has another shape than that in ``shapes``."""
+    """Raise :class:`InputError` where an array of a result has another shape than that in
+    ``shapes``.
+    """
     for name, shape in shapes.items():
         found = np.shape(getattr(result, name))
         if found != shape:
@@ -32,10 +34,11 @@ def check_shapes(result: object, noun: str, shapes: Mapping[str, tuple[int, ...]
 class ModalResult:
     """All modes found about the state at ``compression`` (m).
 
-    ``natural_frequency`` (mode) Hz, ascending; ``shape`` (mode, wire_point, 3), largest component 1, z along the spring;
-    ``coil_number`` (wire_point); ``axial_transmission`` (mode): force-transmission residue, the share of an axial push at
-    one end that a mode transmits to the other; ``axial_modes``: indices of the axial modes, ascending in frequency.
-    ``attached_mass`` (kg) moves along the axis with the retainer, 0 for a free end; None: both ends are fixed.
+    ``natural_frequency`` (mode) Hz, ascending; ``shape`` (mode, wire_point, 3), largest component
+    1, z along the spring; ``coil_number`` (wire_point); ``axial_transmission`` (mode):
+    force-transmission residue, the share of an axial push at one end that a mode transmits to the
+    other; ``axial_modes``: indices of the axial modes, ascending in frequency. ``attached_mass``
+    (kg) moves along the axis with the retainer, 0 for a free end; None: both ends are fixed.
 
     >>> import numpy as np
     >>> result = ModalResult(8e-3, np.array([430.0, 610.0]), np.zeros((2, 5, 3)), np.linspace(0, 6, 5), np.array([0.9, 0.0]), (0,))
@@ -105,13 +108,15 @@ class ModalResult:
 
 @dataclass(frozen=True, eq=False)
 class TrainModes:
-    """Undamped modes of a train with its springs about equilibrium at ``cam_angle`` (rad) and ``valve_lift`` (m).
+    """Undamped modes of a train with its springs about equilibrium at ``cam_angle`` (rad) and
+    ``valve_lift`` (m).
 
-    ``natural_frequency`` (mode,) Hz, ascending; 0 of a body that an open contact leaves free. ``parts``: bodies of the train,
-    then its springs. ``shape`` (mode, body): displacement (m) or rotation (rad) of every body, the largest travel 1 where a
-    rotation counts by its radius of gyration; zero in a mode in which only a spring moves. ``energy_share`` (mode, part):
-    share of each part in the kinetic energy. ``closed``, ``open``: contacts under load, and those without, which have no
-    stiffness.
+    ``natural_frequency`` (mode,) Hz, ascending; 0 of a body that an open contact leaves free.
+    ``parts``: bodies of the train, then its springs. ``shape`` (mode, body): displacement (m) or
+    rotation (rad) of every body, the largest travel 1 where a rotation counts by its radius of
+    gyration; zero in a mode in which only a spring moves. ``energy_share`` (mode, part): share of
+    each part in the kinetic energy. ``closed``, ``open``: contacts under load, and those without,
+    which have no stiffness.
 
     >>> import valvetrain as vt
     >>> found = vt.train_modes("tdi-pushrod", spring_models=["massless"], spring_sets=["stock"])[0]
@@ -137,7 +142,9 @@ class TrainModes:
         check_shapes(self, "the modes of a train", shapes)
 
     def moving(self, mode: int, least: float = 0.15) -> str:
-        """Parts with a share of ``least`` or more in the kinetic energy of a mode (from 0): ``valve 62 %, spring 30 %``."""
+        """Parts with a share of ``least`` or more in the kinetic energy of a mode (from 0): ``valve
+        62 %, spring 30 %``.
+        """
         shares = self.energy_share[mode]
         order = np.argsort(-shares, kind="stable").tolist()
         largest = [part for part in order if shares[part] >= least] or [int(np.argmax(shares))]

@@ -27,7 +27,9 @@ if TYPE_CHECKING:
 
 
 def write_arrays(target: Path | BinaryIO, arrays: ChannelArrays, texts: Mapping[str, str]) -> None:
-    """Write channels, their coordinates and ``texts`` by name to a new file or into memory; no value is marked as missing."""
+    """Write channels, their coordinates and ``texts`` by name to a new file or into memory; no
+    value is marked as missing.
+    """
     import h5netcdf
     import h5py
 
@@ -220,7 +222,8 @@ def load_modal_result(path: _PathLike) -> ModalResult:
     )
 
 
-#: Arrays of a static curve and of a modal result: name -> dimensions, unit and label; the last ones are coordinates.
+#: Arrays of a static curve and of a modal result: name -> dimensions, unit and label; the last ones
+#: are coordinates.
 _Layout = dict[str, tuple[tuple[str, ...], str, str]]
 _CURVE: _Layout = {
     "force": (("step",), "N", "spring force"), "stiffness": (("step",), "N/m", "tangent stiffness"),
@@ -250,7 +253,9 @@ def _labelled(result: StaticCurve | ModalResult, layout: _Layout) -> ChannelArra
 
 
 def _write(arrays: ChannelArrays, text: str, path: _PathLike) -> Path:
-    """Write a file from memory: a full disk then stops a plain write, not the library of the format."""
+    """Write a file from memory: a full disk then stops a plain write, not the library of the
+    format.
+    """
     with io.BytesIO() as memory:
         write_arrays(memory, arrays, {_METADATA: text})
         image = memory.getvalue()
@@ -293,7 +298,9 @@ def dataset_of(path: Path) -> xarray.Dataset:
 
 
 def _arrays(dataset: xarray.Dataset, layout: _Layout, where: str) -> dict[str, Any]:
-    """The arrays of a layout; :class:`InputError` where one is missing, has other dimensions or no numbers."""
+    """The arrays of a layout; :class:`InputError` where one is missing, has other dimensions or no
+    numbers.
+    """
     for name, (dims, _, _) in layout.items():
         if (
             name not in dataset.variables

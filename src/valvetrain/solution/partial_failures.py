@@ -1,4 +1,6 @@
-"""Partial failures: a part of a result that fails is left out and reported; the other parts are there."""
+"""Partial failures: a part of a result that fails is left out and reported; the other parts are
+there.
+"""
 
 from __future__ import annotations
 

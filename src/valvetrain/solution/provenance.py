@@ -21,10 +21,11 @@ Option = float | int | str | bool | None
 class Provenance:
     """Everything that a result depends on.
 
-    ``engine_speed`` in rad/s of the crank (0 where none applies). ``created_at`` is an argument (ISO 8601, or empty), so that
-    equal inputs give equal content. ``citations``: whole references. ``label`` of the run within its study (the name of the
-    model where it is unique); ``system``: ``prescribed-spring`` or ``train``; ``springs``: ``("spring",)`` or ``("outer",
-    "inner")``, the prefixes of the channels of a nested pair.
+    ``engine_speed`` in rad/s of the crank (0 where none applies). ``created_at`` is an argument
+    (ISO 8601, or empty), so that equal inputs give equal content. ``citations``: whole references.
+    ``label`` of the run within its study (the name of the model where it is unique); ``system``:
+    ``prescribed-spring`` or ``train``; ``springs``: ``("spring",)`` or ``("outer", "inner")``, the
+    prefixes of the channels of a nested pair.
     """
 
     case_name: str
@@ -106,12 +107,14 @@ Role = Literal["calibration", "check", "prediction"]
 class PublishedValue:
     """One published number to compare with.
 
-    ``quantity``: name from docs/quantities.md. ``value``: SI. ``unit``: the shown unit. ``model``: what produced it in the
-    source (such as ``solid finite elements``). ``origin``: the place in the source. ``role``: ``calibration`` for a value
-    that unknown numbers of the case were identified or chosen by, ``check`` for one that was known then and not used,
-    ``prediction`` for one that must not be used; ``used_for``: a text on its use; ``doubt``: why the number cannot be right,
-    where its source contradicts it. ``engine_speed`` in rad/s of the crank, None for statics and modes. ``tolerance``:
-    allowed absolute difference (SI), None where none is stated. ``relation``: how firmly the source states it.
+    ``quantity``: name from docs/quantities.md. ``value``: SI. ``unit``: the shown unit. ``model``:
+    what produced it in the source (such as ``solid finite elements``). ``origin``: the place in the
+    source. ``role``: ``calibration`` for a value that unknown numbers of the case were identified
+    or chosen by, ``check`` for one that was known then and not used, ``prediction`` for one that
+    must not be used; ``used_for``: a text on its use; ``doubt``: why the number cannot be right,
+    where its source contradicts it. ``engine_speed`` in rad/s of the crank, None for statics and
+    modes. ``tolerance``: allowed absolute difference (SI), None where none is stated. ``relation``:
+    how firmly the source states it.
     """
 
     quantity: str
@@ -142,10 +145,11 @@ class CaseValue:
 class CaseRecord:
     """Description of a case in a result.
 
-    ``study``: name of the published study that the case re-runs (empty for a case of one's own). ``changed``: key paths that
-    were set from outside the file; a changed case is not compared with published numbers. ``text``: the resolved case file
-    (TOML), from which the case is read again. ``citations``: whole references. ``points``: coil numbers of the study's points
-    on the wire, where the case gives them.
+    ``study``: name of the published study that the case re-runs (empty for a case of one's own).
+    ``changed``: key paths that were set from outside the file; a changed case is not compared with
+    published numbers. ``text``: the resolved case file (TOML), from which the case is read again.
+    ``citations``: whole references. ``points``: coil numbers of the study's points on the wire,
+    where the case gives them.
     """
 
     name: str

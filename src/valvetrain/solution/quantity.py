@@ -59,11 +59,11 @@ def named(
 
 
 class Quantities(Mapping[Quantity, float]):
-    """Read-only mapping of :class:`Quantity` to SI values; a plain name is a key where it is unique:
-    ``quantities["preload"]``.
+    """Read-only mapping of :class:`Quantity` to SI values; a plain name is a key where it is
+    unique: ``quantities["preload"]``.
 
-    Raises :class:`KeyError` for what was not computed and :class:`InputError` for a name that several runs gave and for a
-    slip of units.
+    Raises :class:`KeyError` for what was not computed and :class:`InputError` for a name that
+    several runs gave and for a slip of units.
 
     >>> quantities = Quantities({Quantity("preload"): 301.5, Quantity("peak_seat_force", 586.43, "massless"): 820.0})
     >>> quantities["preload"]
@@ -180,7 +180,9 @@ def _run_text(key: Quantity) -> str:
 
 
 def known_speed(given: Given, known: Iterable[float]) -> float:
-    """A crank speed (rad/s) by :func:`valvetrain.units.si`; an SI number that is one of those ``known`` is always valid."""
+    """A crank speed (rad/s) by :func:`valvetrain.units.si`; an SI number that is one of those
+    ``known`` is always valid.
+    """
     if not isinstance(given, str) and not hasattr(given, "to_base_units"):
         own = next((speed for speed in known if same_speed(speed, float(given))), None)
         if own is not None:

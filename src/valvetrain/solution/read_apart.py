@@ -1,4 +1,6 @@
-"""Untrusted files (without a checksum) are tried in a process of its own: the library of the format may hang or crash."""
+"""Untrusted files (without a checksum) are tried in a process of its own: the library of the format
+may hang or crash.
+"""
 
 from __future__ import annotations
 
@@ -23,19 +25,21 @@ MAX_MEMORY, MAX_SECONDS, BYTES_A_SECOND = 4_000_000_000, 10, 50_000_000
 _PATIENCE = 6
 #: Seconds before a process that a full machine did not start is tried again.
 _PAUSES = (0.5, 3.0)
-#: How a trial ends: the reader returned, or raised an InputError; it needed too much memory; it raised anything else; killed.
+#: How a trial ends: the reader returned, or raised an InputError; it needed too much memory; it
+#: raised anything else; killed.
 _READ, _TOO_LARGE, _UNREADABLE, _ENDED = 0, 3, 4, -1
 #: Output of a trial once the reader is loaded: what ends it from then on is caused by the file.
 _BEGUN = b"begun"
 
 
 def tried_apart(reader: str, path: Path, where: str, unreadable: str) -> None:
-    """Call a reader (``module:function``, of one path) in a process of its own, and refuse a file from which it does not
-    return.
+    """Call a reader (``module:function``, of one path) in a process of its own, and refuse a file
+    from which it does not return.
 
-    Its result is dropped, as is an :class:`InputError` of its own: the caller calls it again, now that it is known to end.
-    Raises :class:`InputError` for bytes that crash or hang the process or need more than :data:`MAX_MEMORY`, with the
-    sentence ``unreadable`` for those at which the reader raises anything else, and where no such process can be started.
+    Its result is dropped, as is an :class:`InputError` of its own: the caller calls it again, now
+    that it is known to end. Raises :class:`InputError` for bytes that crash or hang the process or
+    need more than :data:`MAX_MEMORY`, with the sentence ``unreadable`` for those at which the
+    reader raises anything else, and where no such process can be started.
     """
     seconds = MAX_SECONDS + path.stat().st_size // BYTES_A_SECOND
     tried = in_a_new_process(reader, path, seconds)
@@ -60,15 +64,19 @@ def tried_apart(reader: str, path: Path, where: str, unreadable: str) -> None:
 
 
 def no_interpreter(reason: str = "") -> str:
-    """Message that no process of Python can be started here; ``reason``: how the one that was tried ended."""
+    """Message that no process of Python can be started here; ``reason``: how the one that was tried
+    ended.
+    """
     python, ended = str(sys.executable)[-80:], f" ({reason})" if reason else ""
     return f"'{python}' (sys.executable) does not start as a Python that finds the reader{ended}; set it to one, or use the command line"
 
 
 def in_a_new_process(reader: str, path: Path, seconds: int) -> int | str:
-    """How the trial ended; a text where it did not begin: no interpreter, or one that does not find the reader.
+    """How the trial ended; a text where it did not begin: no interpreter, or one that does not find
+    the reader.
 
-    A process that the system could not start or ended before it began, as a full machine does, is tried again.
+    A process that the system could not start or ended before it began, as a full machine does, is
+    tried again.
     """
     end = _in_a_new_process(reader, path, seconds)
     for pause in _PAUSES:
@@ -122,7 +130,8 @@ def _in_a_new_process(reader: str, path: Path, seconds: int) -> int | str:
 
 
 def in_a_fork(reader: str, path: Path, seconds: int) -> int | None:
-    """As :func:`in_a_new_process`, in a fork of this one, which needs no interpreter; None where that is not safe.
+    """As :func:`in_a_new_process`, in a fork of this one, which needs no interpreter; None where
+    that is not safe.
 
     Locks of other threads would stay locked in the fork; some systems have no forks.
     """
@@ -160,7 +169,9 @@ def apart_environment() -> dict[str, str]:
 
 
 def serve() -> None:
-    """Entry of the process: read the file of the arguments within bounds; the exit status says how that ended."""
+    """Entry of the process: read the file of the arguments within bounds; the exit status says how
+    that ended.
+    """
     reader, path, seconds = sys.argv[1:4]
     function = _function(reader)
     os.write(1, _BEGUN)
@@ -199,7 +210,9 @@ def _mapped() -> int:
 
 
 def bound_process(memory: int, seconds: int) -> None:
-    """Bound memory (bytes) and processor time (s) of this process, where the system can, within its present bounds."""
+    """Bound memory (bytes) and processor time (s) of this process, where the system can, within its
+    present bounds.
+    """
     with suppress(ImportError):
         import resource
 

@@ -30,10 +30,11 @@ Array = NDArray[np.float64]
 class Solution:
     """What one run computed; see docs/architecture.md for channel names.
 
-    ``channels`` is an :class:`xarray.Dataset` whose variables all start with dimension ``sample`` and have ``units`` and
-    ``long_name``, with coordinates ``time`` (s) and ``cam_angle`` (rad, unwrapped) along it; a reduced solution has none.
-    ``quantities``: named numbers (SI) by :func:`valvetrain.quantities.evaluate.evaluate`; ``gaps``: a sentence per part of
-    them that failed. Raises :class:`InputError` when a channel breaks that rule.
+    ``channels`` is an :class:`xarray.Dataset` whose variables all start with dimension ``sample``
+    and have ``units`` and ``long_name``, with coordinates ``time`` (s) and ``cam_angle`` (rad,
+    unwrapped) along it; a reduced solution has none. ``quantities``: named numbers (SI) by
+    :func:`valvetrain.quantities.evaluate.evaluate`; ``gaps``: a sentence per part of them that
+    failed. Raises :class:`InputError` when a channel breaks that rule.
 
     >>> from valvetrain.solution.channels import spring_channels
     >>> channels = spring_channels(time=[0.0, 0.01], cam_angle=[0.0, 2.0], values={"seat_force": [310.0, 620.0]})
@@ -92,7 +93,9 @@ class Solution:
 
     @property
     def springs(self) -> tuple[str, ...]:
-        """Names of the springs, outer first; prefixes of the channels of a nested pair (:meth:`channel_of`)."""
+        """Names of the springs, outer first; prefixes of the channels of a nested pair
+        (:meth:`channel_of`).
+        """
         return self.provenance.springs
 
     def channel_of(self, spring: str, name: str) -> str:

@@ -21,13 +21,15 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class RestPoint:
-    """A spring at rest at one compression; SI, None where the model or the data of the spring do not give it.
+    """A spring at rest at one compression; SI, None where the model or the data of the spring do
+    not give it.
 
-    ``compression`` from the free length (m), ``height`` between the seats (m), ``force`` (N), ``stiffness`` dF/dx (N/m).
-    ``nominal_shear_stress``: by EN 13906-1 from the force; ``shear_stress`` and ``equivalent_stress``: the largest at the
-    inner fibre along the wire, from its section loads (Pa). On the retainer by the wire: ``torque`` about the axis (N m,
-    positive in the sense in which the wire rises), ``moment`` across the axis about the middle of its plane (N m),
-    ``side_force`` (N); ``rotation`` of a retainer that may turn (rad, as ``torque``).
+    ``compression`` from the free length (m), ``height`` between the seats (m), ``force`` (N),
+    ``stiffness`` dF/dx (N/m). ``nominal_shear_stress``: by EN 13906-1 from the force;
+    ``shear_stress`` and ``equivalent_stress``: the largest at the inner fibre along the wire, from
+    its section loads (Pa). On the retainer by the wire: ``torque`` about the axis (N m, positive in
+    the sense in which the wire rises), ``moment`` across the axis about the middle of its plane (N
+    m), ``side_force`` (N); ``rotation`` of a retainer that may turn (rad, as ``torque``).
     """
 
     compression: float
@@ -77,8 +79,8 @@ class Buckling:
 
 @dataclass(frozen=True, slots=True)
 class Leaning:
-    """A spring in a guide: ``compression`` from the free length (m) at which its wire first touches a wall, and ``force``, the
-    sum of the normal forces there (N) at the end of the curve.
+    """A spring in a guide: ``compression`` from the free length (m) at which its wire first touches
+    a wall, and ``force``, the sum of the normal forces there (N) at the end of the curve.
     """
 
     compression: float
@@ -89,11 +91,13 @@ class Leaning:
 class StaticCurve:
     """Static curve from the free state; SI, dimensions after the names.
 
-    ``compression`` (step) m, ``force`` (step) N, ``stiffness`` (step) N/m tangent; ``coil_gap`` (step, coil_pair) m and
-    ``coil_contact_force`` (step, coil_pair) N with ``upper_coil`` (coil_pair); ``axial_position`` (step, wire_point) m with
-    ``coil_number`` (wire_point). Arrays that a model does not compute have zero pairs or points. ``path``: the same curve on
-    points that do not depend on the number of steps, the installed state among them, used for interpolation. ``buckling``:
-    None where the spring does not buckle or the model cannot predict it; ``leaning``: None where it touches no guide.
+    ``compression`` (step) m, ``force`` (step) N, ``stiffness`` (step) N/m tangent; ``coil_gap``
+    (step, coil_pair) m and ``coil_contact_force`` (step, coil_pair) N with ``upper_coil``
+    (coil_pair); ``axial_position`` (step, wire_point) m with ``coil_number`` (wire_point). Arrays
+    that a model does not compute have zero pairs or points. ``path``: the same curve on points that
+    do not depend on the number of steps, the installed state among them, used for interpolation.
+    ``buckling``: None where the spring does not buckle or the model cannot predict it; ``leaning``:
+    None where it touches no guide.
 
     >>> import numpy as np
     >>> steps, none = np.linspace(0, 8e-3, 9), np.zeros((9, 0))
@@ -254,9 +258,10 @@ class StaticStress:
 class SpringAtRest:
     """One installed spring at rest: ``spring`` names the spring, ``model`` the spring model.
 
-    ``curve``: static curve from the free state; ``modes``: natural frequencies about the installed state; ``stress``: stress
-    over compression; each None where the model does not give it. ``facts``: mesh by label; ``wall_time`` (s). ``installed``:
-    the installed state; ``points``: requested states. ``stress_per_force``: nominal shear by EN 13906-1 (Pa per N).
+    ``curve``: static curve from the free state; ``modes``: natural frequencies about the installed
+    state; ``stress``: stress over compression; each None where the model does not give it.
+    ``facts``: mesh by label; ``wall_time`` (s). ``installed``: the installed state; ``points``:
+    requested states. ``stress_per_force``: nominal shear by EN 13906-1 (Pa per N).
     """
 
     spring: str

@@ -1,4 +1,6 @@
-"""Results of a study: solutions, springs at rest, comparisons and notes, read by terminal, JSON, files and report."""
+"""Results of a study: solutions, springs at rest, comparisons and notes, read by terminal, JSON,
+files and report.
+"""
 
 from __future__ import annotations
 
@@ -35,7 +37,9 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, slots=True)
 class LiftEvent:
-    """Main lift event of the cam: from ``start`` to ``end`` (cam rad, end after start, within one revolution from zero)."""
+    """Main lift event of the cam: from ``start`` to ``end`` (cam rad, end after start, within one
+    revolution from zero).
+    """
 
     start: float
     end: float
@@ -45,10 +49,11 @@ class LiftEvent:
 class Study:
     """Points times models -> solutions, with what follows from them.
 
-    ``command``: ``run``, ``compare`` or ``sweep``. ``solutions``: one per run, reduced in a sweep. ``rest``: springs at rest.
-    ``still``: quantities that belong to no run, by label (empty: of the case). ``comparisons`` and ``findings``: those with
-    published numbers, empty for a case of one's own. ``critical_speeds``: those of a sweep of a train. ``lift_event``: None
-    without lift or where it spans the cam's zero. ``gaps``: a sentence per part, of no single run, that failed.
+    ``command``: ``run``, ``compare`` or ``sweep``. ``solutions``: one per run, reduced in a sweep.
+    ``rest``: springs at rest. ``still``: quantities that belong to no run, by label (empty: of the
+    case). ``comparisons`` and ``findings``: those with published numbers, empty for a case of one's
+    own. ``critical_speeds``: those of a sweep of a train. ``lift_event``: None without lift or
+    where it spans the cam's zero. ``gaps``: a sentence per part, of no single run, that failed.
     ``fidelity``: models against a reference, where they were compared.
 
     >>> study = Study(CaseRecord("own-spring"), still={"": {"preload": 301.5}})
@@ -156,7 +161,8 @@ class Study:
         return Quantities(found)
 
     def solution(self, label: str = "", engine_speed: Given | None = None) -> Solution:
-        """The run of ``label`` at ``engine_speed`` (rad/s, "5600 rpm" or a pint quantity), both optional where one run fits.
+        """The run of ``label`` at ``engine_speed`` (rad/s, "5600 rpm" or a pint quantity), both
+        optional where one run fits.
 
         Raises :class:`InputError` when none or several runs fit.
         """
@@ -200,7 +206,9 @@ class Study:
 
     @property
     def over_speed(self) -> bool:
-        """Whether its runs are points of curves over engine speed: a sweep, or the revolutions of a run-up."""
+        """Whether its runs are points of curves over engine speed: a sweep, or the revolutions of a
+        run-up.
+        """
         return self.command in ("sweep", "run-up", "fidelity")
 
     @property

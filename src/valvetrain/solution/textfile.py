@@ -1,4 +1,6 @@
-"""Solutions as CSV files: a description, a header with units, one row per sample and a checksum; read back without loss."""
+"""Solutions as CSV files: a description, a header with units, one row per sample and a checksum;
+read back without loss.
+"""
 
 from __future__ import annotations
 
@@ -26,8 +28,7 @@ def save_csv(solution: Solution, path: str | os.PathLike[str]) -> Path:
     """Write a solution as one wide table of text; whole or not at all.
 
     Channels with a second dimension take one column per wire point or coil pair, named with its
-    coil number. Floats are
-    written with as many digits as it takes to read the same number back.
+    coil number. Floats are written with as many digits as it takes to read the same number back.
 
     Parameters
     ----------
@@ -152,7 +153,9 @@ def _row(blocks: list[np.ndarray[Any, Any]], row: int) -> str:
 
 
 def _column_labels(arrays: ChannelArrays, name: str) -> list[str]:
-    """Column names of one channel or coordinate, with unit and coil number where there is a second dimension."""
+    """Column names of one channel or coordinate, with unit and coil number where there is a second
+    dimension.
+    """
     one = arrays.coords.get(name) or arrays.variables[name]
     unit = one.attrs.get("units", "1")
     if len(one.dims) == 1:
@@ -168,7 +171,9 @@ def _described(one: Variable) -> dict[str, Any]:
 
 
 def _number_type(name: object) -> np.dtype[Any]:
-    """The number type of that name; ValueError for types of text or any length, whose size a file could claim."""
+    """The number type of that name; ValueError for types of text or any length, whose size a file
+    could claim.
+    """
     found = np.dtype(name if isinstance(name, str) else "")
     if found.kind not in "biuf":
         raise ValueError(f"'{found}' is not a type of numbers")

@@ -1,4 +1,6 @@
-"""Contract of a published study: its names, findings and contradictions; no other room refers to a paper."""
+"""Contract of a published study: its names, findings and contradictions; no other room refers to a
+paper.
+"""
 
 from __future__ import annotations
 
@@ -29,8 +31,9 @@ class Origin:
 class PointsOfSource:
     """Evaluator of a study for the points of an identification.
 
-    ``points(names, options)``: for the unknown quantities of those names, a function of their values (SI) that returns
-    numbers by name (SI), None for an impossible point; it pickles. ``values(names)``: those of its shipped case.
+    ``points(names, options)``: for the unknown quantities of those names, a function of their
+    values (SI) that returns numbers by name (SI), None for an impossible point; it pickles.
+    ``values(names)``: those of its shipped case.
     """
 
     points: Callable[
@@ -44,13 +47,15 @@ class PointsOfSource:
 class SourceStudy:
     """One published study; ``key``: its citation key and its name in the registry.
 
-    ``quantities``: numbers of a run by the names of the study. ``study_quantities``: numbers of several runs, or of none,
-    by name and engine speed of its published values. ``findings``: published findings compared with the computed results;
-    ``notes``: contradictions within it. ``counterparts``: what produced a published value -> label of the run to compare
-    with. ``origins``: the same -> mark. ``counted``: names of its angles that are numbered through a cycle.
-    ``window_names``: its names of the windows about the lift event (`valvetrain.quantities.signal`); ``point_names``: its
-    names of points on the wire, by coil number. ``identification``: location (``"module:attribute"``) of its
-    :class:`PointsOfSource`, loaded on first use; empty for a study without one.
+    ``quantities``: numbers of a run by the names of the study. ``study_quantities``: numbers of
+    several runs, or of none, by name and engine speed of its published values. ``findings``:
+    published findings compared with the computed results; ``notes``: contradictions within it.
+    ``counterparts``: what produced a published value -> label of the run to compare with.
+    ``origins``: the same -> mark. ``counted``: names of its angles that are numbered through a
+    cycle. ``window_names``: its names of the windows about the lift event
+    (`valvetrain.quantities.signal`); ``point_names``: its names of points on the wire, by coil
+    number. ``identification``: location (``"module:attribute"``) of its :class:`PointsOfSource`,
+    loaded on first use; empty for a study without one.
     """
 
     key: str
@@ -80,8 +85,8 @@ class SourceStudy:
 def against_source(study: Study) -> Study:
     """The study with comparisons, findings and notes of the published study that its case re-runs.
 
-    A study of a case of one's own, or of a changed one, is returned as it is. Raises :class:`InputError` for an unknown
-    source.
+    A study of a case of one's own, or of a changed one, is returned as it is. Raises
+    :class:`InputError` for an unknown source.
     """
     record = study.record
     if record.changed or not (record.study or record.published):

@@ -174,7 +174,9 @@ def _rattle(run: Solution, modal: Solution, solid: Printed, study: Study) -> tup
 def _spikes(
     run: Solution, modal: Solution, solid: Printed, spike: PublishedValue
 ) -> tuple[Finding, ...]:
-    """The spike of Stage III by finite elements and by the modal model, where the paper prints both."""
+    """The spike of Stage III by finite elements and by the modal model, where the paper prints
+    both.
+    """
     printed, here, there = solid.get(SPIKE), run.quantities.get(SPIKE), modal.quantities.get(SPIKE)
     if printed is None or here is None or not there:
         return ()
@@ -222,7 +224,9 @@ def _stage_1_note(study: Study) -> str:
 
 
 def _violence_note(study: Study) -> str:
-    """Median ratio of computed to published spike force and coil velocities of Stage III, by engine speed."""
+    """Median ratio of computed to published spike force and coil velocities of Stage III, by engine
+    speed.
+    """
     parts = []
     for run in study.runs("finite-element"):
         shares = [

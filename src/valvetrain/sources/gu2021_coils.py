@@ -1,4 +1,6 @@
-"""Motion of two points of the wire, and collisions of coils 1 and 2, as the beehive study (gu2021) counts them."""
+"""Motion of two points of the wire, and collisions of coils 1 and 2, as the beehive study (gu2021)
+counts them.
+"""
 
 from __future__ import annotations
 
@@ -35,8 +37,7 @@ def collision_angles(cycle: Cycle, separation: float) -> Array:
     """Cam angles (rad, ascending) at which coil 2 meets coil 1.
 
     A collision is a touch of any point within half a turn of node 2 that comes more than
-    ``separation`` (rad) after the touch
-    before it. A model without gaps has none.
+    ``separation`` (rad) after the touch before it. A model without gaps has none.
     """
     gaps = _meeting_gaps(cycle)
     if gaps is None:
@@ -101,8 +102,7 @@ def bounce_quantities(cycle: Cycle, collision_angle: float, separation: float) -
     """Contact, separation and contact again after the collision at ``collision_angle`` (rad).
 
     The longest separation of any point within half a turn of node 2 that begins within
-    ``separation`` (rad) after it and ends
-    within another; nothing where no point leaves again.
+    ``separation`` (rad) after it and ends within another; nothing where no point leaves again.
     """
     gaps = _meeting_gaps(cycle)
     if gaps is None:
@@ -129,7 +129,9 @@ def bounce_quantities(cycle: Cycle, collision_angle: float, separation: float) -
 
 
 def coils_of(points: Sequence[tuple[str, float]]) -> dict[int, float]:
-    """Coil numbers of nodes 1 and 2: those of the case's ``points``, by default the ends of coils 1 and 2."""
+    """Coil numbers of nodes 1 and 2: those of the case's ``points``, by default the ends of coils 1
+    and 2.
+    """
     given = dict(points)
     return {node: given.get(f"node_{node}", float(node)) for node in (1, 2)}
 

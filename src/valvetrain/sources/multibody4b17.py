@@ -21,8 +21,7 @@ ORIGINS = {
     CLOSED_FORM: Origin("CF", "closed form of the source"),
 }
 #: Numbers that the source prints in its formulas: contact (N/mm^1.5, N s/mm, mm), masses of valve,
-#: rocker and pushrod (kg), two loads of
-#: each spring (N) and the lift between them (m).
+#: rocker and pushrod (kg), two loads of each spring (N) and the lift between them (m).
 CONTACT_STIFFNESS, CONTACT_DAMPING, CONTACT_DEPTH = 1e5, 49.92, 0.02
 MASSES = (0.03049, 0.10634, 0.17362)
 STOCK_RATE, RATE = ((high - low) / 8.5e-3 for low, high in ((195.81, 378.27), (342.66, 605.18)))
@@ -38,7 +37,9 @@ Runs = Mapping[str, Solution]
 
 
 def runs_of(study: Study) -> dict[str, Solution]:
-    """The run of every label with results at the engine speed of the published values, else at its lowest."""
+    """The run of every label with results at the engine speed of the published values, else at its
+    lowest.
+    """
     speed = next(
         (value.engine_speed for value in study.record.published if value.engine_speed is not None),
         None,
@@ -110,7 +111,9 @@ def _rise(after: float, before: float) -> float:
 
 
 def findings(study: Study) -> tuple[Finding, ...]:
-    """The findings that can be compared with these runs; none of a train without contact at the nose."""
+    """The findings that can be compared with these runs; none of a train without contact at the
+    nose.
+    """
     runs = {
         label: run
         for label, run in runs_of(study).items()

@@ -118,7 +118,9 @@ def _rms(one: Solution, other: Solution, window: NDArray[np.bool_]) -> float:
 
 
 def notes(study: Study) -> tuple[str, ...]:
-    """What cannot be compared, and the friction of the source as damping of the springs of these runs."""
+    """What cannot be compared, and the friction of the source as damping of the springs of these
+    runs.
+    """
     found = []
     if not study.record.published:
         found.append(

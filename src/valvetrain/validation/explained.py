@@ -2,9 +2,8 @@
 value beyond its band fails the book.
 
 The bands stand about what comes out today: 2 % of a force, 4 % of a velocity, 5 % of a
-displacement, 8 % of an acceleration, three output
-samples (1.5 degrees) of an angle, 3 % of a number of the trains. They hold a miss where it is: a
-greater one is not explained.
+displacement, 8 % of an acceleration, three output samples (1.5 degrees) of an angle, 3 % of a
+number of the trains. They hold a miss where it is: a greater one is not explained.
 """
 
 from __future__ import annotations

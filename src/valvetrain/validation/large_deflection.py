@@ -1,5 +1,5 @@
-"""Springs under large compression: a retainer free to turn (Love), buckling of a slender spring, a conical spring whose wide turns
-close first (Wahl).
+"""Springs under large compression: a retainer free to turn (Love), buckling of a slender spring, a
+conical spring whose wide turns close first (Wahl).
 """
 
 from __future__ import annotations

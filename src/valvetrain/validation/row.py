@@ -14,10 +14,11 @@ Kind = Literal["closed form", "published", "recalled", "independent computation"
 class Row:
     """``expected`` and ``computed`` in ``unit``; ``tolerance`` in the same unit, with its reason.
 
-    ``kind``: how the expected value is known (``recalled``: confirmed by an independent computation, printed source not at
-    hand; ``consistency``: a form of this package's own, so that the row shows that two parts agree, not that both are right).
-    ``band``: the values that are accepted where a published number is not met for a known reason; ``explanation``: that
-    reason. A value outside both fails, and so does a row that states neither.
+    ``kind``: how the expected value is known (``recalled``: confirmed by an independent
+    computation, printed source not at hand; ``consistency``: a form of this package's own, so that
+    the row shows that two parts agree, not that both are right). ``band``: the values that are
+    accepted where a published number is not met for a known reason; ``explanation``: that reason. A
+    value outside both fails, and so does a row that states neither.
     """
 
     topic: str
@@ -56,7 +57,9 @@ class Row:
 
 @dataclass(frozen=True, slots=True)
 class BookCase:
-    """A function of the book that returns one or several rows; ``slow`` where it takes more than seconds."""
+    """A function of the book that returns one or several rows; ``slow`` where it takes more than
+    seconds.
+    """
 
     name: str
     rows: Callable[[], list[Row]]

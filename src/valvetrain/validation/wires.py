@@ -1,4 +1,6 @@
-"""Reference wires of the book: lines, arcs and helices of a given section for ``mesh_curve``, and a bar bent to a ring."""
+"""Reference wires of the book: lines, arcs and helices of a given section for ``mesh_curve``, and a
+bar bent to a ring.
+"""
 
 from __future__ import annotations
 
@@ -105,14 +107,16 @@ def state_on(curve: WireCurve, mesh: RodMesh, compression: float = 0.0) -> RodSt
 
 
 def ring_section(spring_index: float, degree: int = 12) -> tuple[float, float, float]:
-    """A close-coiled spring as a round bar bent to a ring, solved on its section without any factor.
+    """A close-coiled spring as a round bar bent to a ring, solved on its section without any
+    factor.
 
-    Returns rate over G d^4 / (8 D^3 n), shear stress at the inner and at the outer fibre over 8 F D / (pi d^3), of a bar of
-    this D / d. Goehner's problem (Timoshenko and Goodier, Theory of Elasticity, article 140): under axial load each section
-    turns and slides along the coil's axis alike, tau_z = G R^2 phi_r / r^2 and tau_r = -G R^2 phi_z / r^2 with phi = 0 on
-    the edge of the section and phi_rr - 3 phi_r / r + phi_zz = -2 c; here by Ritz's method with polynomials that vanish on
-    the edge. In lengths of the bar's radius, G = 1, c = 1: the centre line has the radius w = D / d, and one turn rises by
-    2 pi.
+    Returns rate over G d^4 / (8 D^3 n), shear stress at the inner and at the outer fibre over 8 F D
+    / (pi d^3), of a bar of this D / d. Goehner's problem (Timoshenko and Goodier, Theory of
+    Elasticity, article 140): under axial load each section turns and slides along the coil's axis
+    alike, tau_z = G R^2 phi_r / r^2 and tau_r = -G R^2 phi_z / r^2 with phi = 0 on the edge of the
+    section and phi_rr - 3 phi_r / r + phi_zz = -2 c; here by Ritz's method with polynomials that
+    vanish on the edge. In lengths of the bar's radius, G = 1, c = 1: the centre line has the radius
+    w = D / d, and one turn rises by 2 pi.
     """
     points, weights = np.polynomial.legendre.leggauss(2 * degree)
     radius, turn = (points + 1) / 2, np.pi * (np.arange(4 * degree) + 0.5) / (2 * degree)
