@@ -414,7 +414,7 @@ def fidelity_table(found: FidelityMap) -> str:
     for row in reach_rows(found):
         reaches = [found.reach(row.quantity, model) for model in found.models]
         cells = [
-            one.words if one.missing else f"{one.words} ({share(one.largest)})" for one in reaches
+            one.text if one.missing else f"{one.text} ({share(one.largest)})" for one in reaches
         ]
         lines.append(f"| {row.words} | " + " | ".join(cells) + f" | `{row.cheapest}` |")
     return "\n".join(lines)

@@ -271,10 +271,6 @@ def _complaint(folder: Path) -> str:
 def _left(workspace: Workspace, job_id: str) -> str:
     """Words on finished runs that a killed job left in a folder of its own."""
     for one in unfinished_runs(root=workspace.runs_folder):
-        if (
-            not one.living
-            and any(job_id in word for word in one.command_line)
-            and one.finished > 1
-        ):
+        if not one.living and any(job_id in word for word in one.command_line) and one.finished > 1:
             return f"; {one.finished} runs that it had finished lie in {one.folder.relative_to(workspace.folder)}"
     return ""
