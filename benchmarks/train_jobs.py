@@ -22,7 +22,7 @@ from valvetrain.integrate.train_kernel import gaps_and_laws, scratch_of
 from valvetrain.integrate.train_run import CycleRecord, TrainOptions, TrainRunner, runner
 from valvetrain.integrate.train_tuples import Motion
 from valvetrain.parameters.loading import load_case
-from valvetrain.runs.sweep import sweep_study
+from valvetrain.runs.run import sweep_study
 from valvetrain.springs.contract import SpringModel
 from valvetrain.springs.multi_mass import MultiMassSpring
 from valvetrain.system.build import build

@@ -25,7 +25,7 @@ def whole() -> dict[str, bytes]:
     from valvetrain.report.json import study_json
     from valvetrain.report.study import write_study
     from valvetrain.runs.run import run_study
-    from valvetrain.runs.saved_runs import collect_inputs, keep
+    from valvetrain.runs.saved_runs import collect_inputs, save_run
 
     when = "2026-01-01T00:00:00+00:00"
     with tempfile.TemporaryDirectory() as folder:
@@ -39,7 +39,7 @@ def whole() -> dict[str, bytes]:
             "created_at": when,
             "files": [path.relative_to(target).as_posix() for path in written],
         }
-        keep(
+        save_run(
             target,
             collect_inputs(
                 case.name, case.text, target, {"command": "run", "engine_speeds": [8000.0]}

@@ -51,8 +51,7 @@ from valvetrain.report.run_charts import looks
 from valvetrain.report.run_summary import reach_rows, share
 from valvetrain.report.svg_chart import svg
 from valvetrain.runs.compare import compare_study
-from valvetrain.runs.run import run_study
-from valvetrain.runs.sweep import sweep_study
+from valvetrain.runs.run import run_study, sweep_study
 from valvetrain.solution.atomic import write_text
 from valvetrain.solution.fidelity import FidelityMap
 from valvetrain.solution.study import Study
@@ -415,7 +414,7 @@ def fidelity_table(found: FidelityMap) -> str:
     for row in reach_rows(found):
         reaches = [found.reach(row.quantity, model) for model in found.models]
         cells = [
-            one.words if one.missing else f"{one.words} ({share(one.largest)})" for one in reaches
+            one.text if one.missing else f"{one.text} ({share(one.largest)})" for one in reaches
         ]
         lines.append(f"| {row.words} | " + " | ".join(cells) + f" | `{row.cheapest}` |")
     return "\n".join(lines)

@@ -20,16 +20,13 @@ from pathlib import Path
 
 from valvetrain.parameters.case import Case
 from valvetrain.parameters.loading import load_case
-from valvetrain.runs.error_bars import Uncertainty
 from valvetrain.runs.refine import refined
 from valvetrain.runs.run import run_study
-from valvetrain.runs.uncertainty_file import rows_of, uncertainty_text
+from valvetrain.runs.stored_error_bars import belongs, rows_of, uncertainty_text
 from valvetrain.solution.atomic import write_text
-from valvetrain.solution.quantity import Quantity, same_speed
 
 LIBRARY = Path(str(resources.files("valvetrain") / "parameters" / "library"))
 DIGEST = re.compile(r'^digest = "\w*"$', re.MULTILINE)
-SAME = 1e-3
 
 
 def restamp(case: Case, workers: int) -> None:
@@ -42,8 +39,11 @@ def restamp(case: Case, workers: int) -> None:
     study = run_study(
         case, spring_models=() if case.train is not None else ("finite-element",), workers=workers
     )
-    if differing := [words for row in rows if (words := _difference(row, dict(study.quantities)))]:
-        raise SystemExit("the values have changed, refine the case anew:\n" + "\n".join(differing))
+    if changed := [row for row in rows if not belongs(row, study.quantities)]:
+        lines = (
+            f"  {row.quantity} {row.label} at {row.engine_speed or 0:.6g} rad/s" for row in changed
+        )
+        raise SystemExit("values have changed, refine the case again:\n" + "\n".join(lines))
     for ending in ("uncertainty", "spread"):
         path = LIBRARY / f"{case.name}.{ending}"
         if path.is_file():
@@ -54,21 +54,6 @@ def restamp(case: Case, workers: int) -> None:
                 ),
             )
             print(f"{path.name} belongs to the case as it is now; {len(rows)} values compared")
-
-
-def _difference(row: Uncertainty, quantities: dict[Quantity, float]) -> str:
-    """What the run says where it is not the stored value; empty where it is."""
-    found = [
-        value
-        for key, value in quantities.items()
-        if key.name == row.quantity
-        and same_speed(key.engine_speed, row.engine_speed)
-        and row.label in ("", key.label)
-    ]
-    if found and abs(found[0] - row.value) <= max(SAME * abs(row.value), row.numerical):
-        return ""
-    variant = f" of {row.label}" if row.label else ""
-    return f"  {row.quantity}{variant} at {row.engine_speed or 0:.6g} rad/s: stored {row.value:.6g}, now {found[0] if found else 'absent'}"
 
 
 def main() -> None:

@@ -26,7 +26,13 @@ from valvetrain.quantities.design import design_quantities
 from valvetrain.quantities.evaluate import evaluate
 from valvetrain.quantities.kinematics import rigid_motion, rigid_quantities
 from valvetrain.quantities.statics import rest_quantities
-from valvetrain.runs.critical_speeds import CriticalOptions, Limit, Look, Search, critical_speed
+from valvetrain.runs.critical_speeds import (
+    CriticalOptions,
+    Limit,
+    Search,
+    SpeedSample,
+    critical_speed,
+)
 from valvetrain.solution.critical import KINDS
 from valvetrain.solution.modes import ModalResult
 from valvetrain.solution.result import Solution
@@ -523,8 +529,8 @@ def sweep() -> Known:
     """
     edges = {"contact-loss": 690.3, "float": 745.1, "bounce": 801.7}
 
-    def look(engine_speed: float, orbit: object) -> Look:
-        return Look(
+    def look(engine_speed: float, orbit: object) -> SpeedSample:
+        return SpeedSample(
             {kind: edge - engine_speed for kind, edge in edges.items()},
             dict.fromkeys(edges, "cam"),
             "motion",

@@ -11,7 +11,8 @@ from collections.abc import Callable
 from datetime import datetime
 from pathlib import Path
 
-from valvetrain.runs.saved_runs import Inputs, keep, link_latest, new_folder
+from valvetrain.runs.run_folders import link_latest, new_folder
+from valvetrain.runs.saved_runs import Inputs, save_run
 from valvetrain.workbench.workspace import Workspace
 
 #: Names that nothing of a workspace may bear.
@@ -123,7 +124,7 @@ def kept(
         Inputs(case, SMALL, {}, {"spring_models": ["massless"], "engine_speeds": [4000.0]}),
         datetime.fromisoformat(created),
     )
-    folder = new_folder(inputs, at, workspace.runs_folder)
+    folder = new_folder(inputs.case, inputs.digest, at, workspace.runs_folder)
     for name, text in files.items():
         (folder / name.replace("_", ".")).write_text(text)
     answer = {
@@ -133,7 +134,7 @@ def kept(
         "completed": True,
         "files": [*(n.replace("_", ".") for n in files)],
     }
-    link_latest(keep(folder, inputs, answer).folder)
+    link_latest(save_run(folder, inputs, answer).folder)
     return folder.relative_to(workspace.runs_folder).as_posix()
 
 

@@ -115,13 +115,13 @@ _HOMES = {
     "Study": "solution.study",
     "simulate_batch": "cosserat.batch",
     "RodBatch": "cosserat.batch",
-    "map_cases": "runs.engine",
+    "map_cases": "runs.workers",
     "study": "explore.study",
     "StudyTable": "explore.table",
     "optimise": "explore.optimise",
     "Optimum": "explore.optimum",
     "run_up": "runs.run_up",
-    "train_modes": "runs.train_modes",
+    "train_modes": "runs.train_runs",
     # results
     "Solution": "solution.result",
     "CriticalSpeeds": "solution.critical",
@@ -225,11 +225,11 @@ if TYPE_CHECKING:
     from valvetrain.runs.api import simulate as simulate
     from valvetrain.runs.api import static_curve as static_curve
     from valvetrain.runs.api import sweep as sweep
-    from valvetrain.runs.engine import map_cases as map_cases
     from valvetrain.runs.fidelity import fidelity as fidelity
     from valvetrain.runs.refine import refine as refine
     from valvetrain.runs.run_up import run_up as run_up
-    from valvetrain.runs.train_modes import train_modes as train_modes
+    from valvetrain.runs.train_runs import train_modes as train_modes
+    from valvetrain.runs.workers import map_cases as map_cases
     from valvetrain.scan.compare import ScanComparison as ScanComparison
     from valvetrain.scan.compare import compare_scan as compare_scan
     from valvetrain.scan.reconstruct import spring_from_scan as spring_from_scan

@@ -11,7 +11,7 @@ from datetime import UTC, datetime
 import pytest
 
 from unit.cli_parts import process_environment
-from valvetrain.runs.saved_runs import LIST, unfinished_folder
+from valvetrain.runs.run_folders import LIST, unfinished_folder
 from valvetrain.solution import atomic
 
 pytestmark = pytest.mark.skipif(

@@ -18,9 +18,9 @@ from valvetrain.parameters.loading import load_case
 from valvetrain.quantities.evaluate import evaluate
 from valvetrain.report.headlines import TOPICS
 from valvetrain.runs.prepared import Plan, judge, prepare
+from valvetrain.runs.refine_trains import HEADLINES
 from valvetrain.runs.run import run_study
-from valvetrain.runs.train_uncertainty import HEADLINES
-from valvetrain.runs.uncertainty_file import load_uncertainty
+from valvetrain.runs.stored_error_bars import load_uncertainty
 from valvetrain.solution.netcdf import load_netcdf, save_netcdf
 from valvetrain.solution.quantity import same_speed
 from valvetrain.solution.result import Solution

@@ -14,11 +14,10 @@ import pytest
 from fault_parts import gone, started
 from unit.cli_parts import SMALL, call, wait_until
 from valvetrain.parameters.loading import load_case, parse_case
-from valvetrain.runs import train_uncertainty as trains
-from valvetrain.runs import uncertainty as springs
-from valvetrain.runs.error_bars import DOUBTFUL
+from valvetrain.runs import refine as springs
+from valvetrain.runs import refine_trains as trains
+from valvetrain.runs.error_bars import DOUBTFUL, RefinementStopped
 from valvetrain.runs.refine import refined
-from valvetrain.runs.stopping import RefinementStopped
 
 OWN_MESH = SMALL.replace("elements_per_coil = 6", "elements_per_coil = 8")
 REPORTING = """
@@ -77,34 +76,29 @@ def test_a_signal_keeps_what_was_finished(number, train, tmp_path):
     assert "results  out" in output
 
 
-def stopping_at(monkeypatch, module, name: str, count: int) -> None:
-    """``name`` of ``module`` ends in Ctrl-C at its call number ``count``."""
-    usual, calls = getattr(module, name), []
+def stopping_at(count: int):
+    """A progress callback that ends in Ctrl-C at its call number ``count``."""
+    calls = []
 
-    def stopped(*given):
-        calls.append(given)
+    def progress(share, text):
+        calls.append(text)
         if len(calls) == count:
             raise KeyboardInterrupt
-        return usual(*given)
 
-    monkeypatch.setattr(module, name, stopped)
+    return progress
 
 
 @pytest.mark.parametrize(
     ("count", "bars", "finished"),
-    [(2, set(), 0), (10, {None}, 1), (14, {None}, 1), (19, {None, 400.0}, 8)],
+    [(2, set(), 0), (8, {None}, 1), (11, {None}, 1), (18, {None, 400.0}, 8)],
 )
-def test_only_speeds_with_all_their_runs_have_bars(monkeypatch, count, bars, finished):
-    """Eight variants are prepared, then three runs of the own mesh, then the seven others of each
+def test_only_speeds_with_all_their_runs_have_bars(count, bars, finished):
+    """Seven variants are prepared, then three runs of the own mesh, then all eight variants of each
     speed.
     """
     case = parse_case(OWN_MESH, name="small")
-    if count <= 8:
-        stopping_at(monkeypatch, springs, "_prepare", count)
-    else:
-        stopping_at(monkeypatch, springs, "_run", count - 8)
     with pytest.raises(KeyboardInterrupt) as found:
-        refined(case, SPEEDS, workers=1)
+        refined(case, SPEEDS, workers=1, progress=stopping_at(count))
     assert isinstance(found.value, RefinementStopped)
     study = found.value.study
     assert {row.engine_speed for row in study.rows} == bars and study.runs == 24
@@ -116,14 +110,13 @@ def test_only_speeds_with_all_their_runs_have_bars(monkeypatch, count, bars, fin
         ]
 
 
-def test_a_train_that_is_stopped_has_the_bars_of_its_finished_variants(monkeypatch):
+def test_a_train_that_is_stopped_has_the_bars_of_its_finished_variants():
     case = load_case("tdi-pushrod")
     case = case.replace(train=case.train.replace(variants=case.train.variants[:2]))
     first = case.train.variants[0].label
     jobs = 10  # own, two steps, samples, two finer springs, four contacts
-    stopping_at(monkeypatch, trains, "_one", jobs + 3)
     with pytest.raises(RefinementStopped) as found:
-        trains.train_uncertainty(case, [300.0], workers=1)
+        refined(case, [300.0], workers=1, progress=stopping_at(jobs + 2))
     study = found.value.study
     assert {row.label for row in study.rows} == {first} and study.finished == jobs + 2 < study.runs
     assert f"{case.train.variants[1].label}, mesh 1" in study.values and not study.failures
@@ -225,7 +218,7 @@ def test_variants_of_a_train_that_cannot_be_built_are_told(monkeypatch):
         return usual(given)
 
     monkeypatch.setattr(trains, "build", building)
-    study = trains.train_uncertainty(case, [200.0], workers=1)
+    study = trains.refine_trains(case, [200.0], workers=1)
     assert (
         len(study.failures) == 1
         and study.failures[0].startswith("contact stiffness 2: ")

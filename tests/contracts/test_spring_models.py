@@ -19,7 +19,7 @@ from valvetrain.cosserat.layout import row
 from valvetrain.integrate.clash import steps_between
 from valvetrain.parameters.installed_spring import InstalledSpring, SpringCard
 from valvetrain.registry import places
-from valvetrain.runs.statics import at_rest
+from valvetrain.runs.statics import rod_statics
 from valvetrain.springs.contract import SpringModel, contact_watch_of
 from valvetrain.springs.finite_element import FiniteElementRod
 from valvetrain.springs.spec import spring_model
@@ -47,7 +47,7 @@ def test_every_word_of_the_registry_is_in_this_battery(word):
     rod = spring_model("finite-element").build(wire)
     for spring in (wire, card):
         if not spring_model(word).why_not(spring):
-            model = spring_model(word).build(spring, at_rest(rod, 12e-3, steps=6, modes=12))
+            model = spring_model(word).build(spring, rod_statics(rod, 12e-3, steps=6, modes=12))
             assert isinstance(model, SpringModel)
             assert type(model) in {type(member) for member in MODELS.values()}
 

@@ -30,9 +30,8 @@ from fault_parts import (
 from unit.cli_parts import SMALL, process, process_environment, wait_until
 from valvetrain.cli.guard import GuardedGroup, interrupted
 from valvetrain.errors import RunFailedError
-from valvetrain.runs.engine import map_cases, map_points, threads
 from valvetrain.runs.stopping import PointsStopped, Stopped, listening
-from valvetrain.runs.workers import result_of
+from valvetrain.runs.workers import map_cases, map_points, result_of, threads
 from valvetrain.springs.solid import guardian
 
 pytestmark = pytest.mark.skipif(
@@ -70,8 +69,9 @@ def test_a_run_that_always_kills_its_worker_costs_itself_alone(tmp_path):
 
 def test_a_speed_whose_worker_is_killed_is_a_status_and_the_others_are_there(monkeypatch):
     """The status of the whole study: the run of one speed kills every process but this one."""
-    import valvetrain.runs.run as run
+    import valvetrain.runs.train_runs as run
     from valvetrain.parameters.loading import load_case
+    from valvetrain.runs.run import run_study
 
     usual, here = run.train_point, os.getpid()
 
@@ -83,7 +83,7 @@ def test_a_speed_whose_worker_is_killed_is_a_status_and_the_others_are_there(mon
     deadly.__module__, deadly.__qualname__ = run.__name__, "train_point"
     monkeypatch.setattr(run, "train_point", deadly)
     monkeypatch.setattr("valvetrain.runs.workers.start_method", lambda: "fork")
-    study = run.run_study(
+    study = run_study(
         load_case("tdi-pushrod"),
         engine_speeds=(150.0, 200.0, 310.0),
         spring_models=("massless",),
@@ -101,7 +101,7 @@ def test_a_speed_whose_worker_is_killed_is_a_status_and_the_others_are_there(mon
 
 def test_workers_end_with_a_parent_that_is_killed(tmp_path):
     code = (
-        "from pathlib import Path; from fault_parts import slow; from valvetrain.runs.engine import map_points\n"
+        "from pathlib import Path; from fault_parts import slow; from valvetrain.runs.workers import map_points\n"
         f"map_points(slow, Path({str(tmp_path)!r}), (1, 2), 2, processes=True)"
     )
     tests = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))

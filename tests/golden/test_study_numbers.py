@@ -23,9 +23,8 @@ from valvetrain.parameters.loading import parse_case
 from valvetrain.parameters.templates import TEMPLATES
 from valvetrain.report.json import study_json
 from valvetrain.runs.compare import compare_study
-from valvetrain.runs.run import run_study
-from valvetrain.runs.static_study import rest_study
-from valvetrain.runs.sweep import sweep_study
+from valvetrain.runs.run import run_study, sweep_study
+from valvetrain.runs.statics import static_study
 
 KEPT = Path(__file__).parent / "study_numbers.json"
 #: What differs from one machine, version or run to the next.
@@ -80,11 +79,13 @@ def told(name: str) -> dict[str, Any]:
             small, engine_speeds=LOOK["speeds"], spring_models=("massless", "multi-mass"), workers=1
         )
     elif name == "static":
-        study = rest_study(
+        study = static_study(
             small, LOOK["models"], command="static", steps=6, heights=(20e-3,), loads=(100.0,)
         )
     elif name == "modes":
-        study = rest_study(small, ("finite-element",), command="modes", modes=5, attached_mass=0.05)
+        study = static_study(
+            small, ("finite-element",), command="modes", modes=5, attached_mass=0.05
+        )
     elif name == "sweep":
         study = sweep_study(
             small, engine_speeds=LOOK["speeds"], spring_models=("multi-mass",), workers=1

@@ -24,9 +24,8 @@ from valvetrain.quantities.statics import (
     formula_compression,
     rest_quantities,
 )
-from valvetrain.runs import statics as buckling
-from valvetrain.runs import statics as rest
-from valvetrain.runs.statics import at_rest, static_curve
+from valvetrain.runs import buckling, statics
+from valvetrain.runs.statics import rod_statics, static_curve
 from valvetrain.solution.status import Status
 from valvetrain.springs.finite_element import FiniteElementRod
 
@@ -149,7 +148,7 @@ def test_end_coils_that_part_point_by_point_move_the_place_with_neither_mesh_nor
 
 def test_a_short_spring_buckles_nowhere_by_either():
     spring = cylindrical("4 mm", "24 mm", "7.5 mm", 6, closed_coils=0)
-    rest = at_rest(FiniteElementRod(spring, 7e-3, 12), 0.016, 6, 0)
+    rest = rod_statics(FiniteElementRod(spring, 7e-3, 12), 0.016, 6, 0)
     assert rest.curve.buckling is None and rest.curve.status.completed
     assert buckling_quantities(InstalledSpring(spring, precompression=7e-3), rest, 8e-3) == {}
     assert buckling_compression(0.045, 0.024) == np.inf
@@ -157,7 +156,7 @@ def test_a_short_spring_buckles_nowhere_by_either():
 
 def test_the_quantities_carry_what_is_left_at_the_largest_lift():
     spring = InstalledSpring(slender(), precompression=5e-3)
-    rest = at_rest(FiniteElementRod(spring.wire, spring.precompression, 12), 0.018, 6, 0)
+    rest = rod_statics(FiniteElementRod(spring.wire, spring.precompression, 12), 0.018, 6, 0)
     found = buckling_quantities(spring, rest, 12e-3)
     assert found["buckling_clearance"] == pytest.approx(
         found["buckling_compression"] - 17e-3, abs=1e-12
@@ -186,9 +185,9 @@ def test_the_sway_of_a_buckled_spring_is_no_axial_mode():
 
 
 def test_the_modes_about_a_buckled_state_say_so():
-    rest = at_rest(FiniteElementRod(slender(), 0.017, 12), 0.018, 6, 4)
+    rest = rod_statics(FiniteElementRod(slender(), 0.017, 12), 0.018, 6, 4)
     assert rest.modes.status.code == "buckled"
-    assert at_rest(FiniteElementRod(slender(), 0.012, 12), 0.018, 6, 4).modes.status.completed
+    assert rod_statics(FiniteElementRod(slender(), 0.012, 12), 0.018, 6, 4).modes.status.completed
 
 
 def test_a_spring_that_has_lost_its_rate_within_the_first_window_buckles_there(monkeypatch):
@@ -211,15 +210,15 @@ def test_a_spring_that_has_lost_its_rate_within_the_first_window_buckles_there(m
 
 def test_a_curve_that_stops_before_the_installed_state_is_shown_without_it(monkeypatch):
     rod = FiniteElementRod(slender(), 14e-3, 8)
-    whole = rest.curve_over
+    whole = statics.curve_over
 
     def stopped(rod, places, visit=None):
         curve, reached = whole(rod, places[:8], visit)
         return replace(curve, status=Status("not-converged", "no equilibrium beyond")), reached
 
-    monkeypatch.setattr(rest, "curve_over", stopped)
+    monkeypatch.setattr(statics, "curve_over", stopped)
     for modes in (0, 3):
-        found = at_rest(rod, 16e-3, modes=modes)
+        found = rod_statics(rod, 16e-3, modes=modes)
         assert (
             found.installed is None
             and found.modes is None

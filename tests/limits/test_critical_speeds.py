@@ -21,7 +21,7 @@ from valvetrain.integrate.train_run import TrainOptions, runner
 from valvetrain.integrate.train_steady import steady_train
 from valvetrain.mechanism.build import build_mechanism
 from valvetrain.parameters.loading import load_case
-from valvetrain.runs.critical_speeds import Limit, Look, Search
+from valvetrain.runs.critical_speeds import Limit, Search, SpeedSample
 from valvetrain.solution.critical import Crossing, SpeedBracket
 from valvetrain.springs.massless import MasslessSpring
 from valvetrain.system.build import build
@@ -123,7 +123,7 @@ def oscillator() -> TrainSystem:
     return TrainSystem(mechanism, (MasslessSpring(RATE, PRELOAD, 0.0),), name="oscillator")
 
 
-def look_at(cam_speed: float, orbit: Orbit | None) -> Look:
+def run_at(cam_speed: float, orbit: Orbit | None) -> SpeedSample:
     """The periodic motion at ``cam_speed`` (rad/s), from rest or from a motion, and the least
     contact force over all its steps.
     """
@@ -131,7 +131,7 @@ def look_at(cam_speed: float, orbit: Orbit | None) -> Look:
     settled = steady_train(ready, cycles=200, start=None if orbit is None else orbit.at(ready))
     assert settled.status.completed, settled.status.sentence()
     least = float(settled.record.least_forces[0])
-    return Look(
+    return SpeedSample(
         {"contact-loss": least},
         {"contact-loss": "cam"},
         Orbit(settled.start, settled.runner.springs, cam_speed),
@@ -197,8 +197,8 @@ def test_a_contact_that_opens_softens_so_that_rising_and_falling_speed_differ() 
     jump, resolution = linear_loss(), 10.0
     speeds = np.linspace(0.6 * jump, 1.02 * jump, 9).tolist()
     found = Search(
-        look_at,
-        {one: look_at(one, None) for one in speeds},
+        run_at,
+        {one: run_at(one, None) for one in speeds},
         (Limit("contact-loss", None, 100.0),),
         resolution,
     )

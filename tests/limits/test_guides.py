@@ -15,7 +15,7 @@ from valvetrain.cosserat.transient import simulate
 from valvetrain.errors import InputError
 from valvetrain.parameters.constructors import cylindrical
 from valvetrain.parameters.installed_spring import Guide, InstalledSpring, SpringCard
-from valvetrain.runs.statics import at_rest, static_curve
+from valvetrain.runs.statics import rod_statics, static_curve
 from valvetrain.springs.finite_element import FiniteElementRod
 from valvetrain.springs.finite_element_channels import rod_channels
 
@@ -224,6 +224,6 @@ def test_a_card_has_no_wire_to_lean():
 
 def test_modes_about_a_state_that_leans_say_so_as_its_curve_does():
     spring = cylindrical("2 mm", "12 mm", total_coils=12, free_length="100 mm")
-    one = at_rest(FiniteElementRod(spring, 30e-3, 8, guide=Guide(bore="22 mm")), 32e-3, 8, 6)
+    one = rod_statics(FiniteElementRod(spring, 30e-3, 8, guide=Guide(bore="22 mm")), 32e-3, 8, 6)
     assert one.curve.leaning is not None and "leans on its guide" in one.modes.status.message
     assert "does not yet touch" not in one.modes.status.message

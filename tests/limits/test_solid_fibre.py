@@ -22,7 +22,7 @@ from valvetrain.springs.solid.results import (
     read_printed,
     wire_torque,
 )
-from valvetrain.validation.ring import ring_section
+from valvetrain.validation.wires import ring_section
 
 WIRE, INDEX, PITCH = 3.8e-3, 6.0, 7e-3
 TWIST, PULL = 500.0, 120.0  # MPa

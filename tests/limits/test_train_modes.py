@@ -21,7 +21,7 @@ from valvetrain.parameters.train import (
     FollowerParameters,
     ValveParameters,
 )
-from valvetrain.runs.train_modes import train_modes
+from valvetrain.runs.train_runs import train_modes
 from valvetrain.springs.equivalent import EquivalentSpring
 from valvetrain.springs.massless import MasslessSpring
 from valvetrain.springs.modal_uniform import ModalUniform

@@ -14,7 +14,7 @@ from valvetrain.integrate.run import run
 from valvetrain.parameters.loading import load_case
 from valvetrain.quantities.clash import IMPULSE_TIME, find_clash_window, main_clash_quantities
 from valvetrain.quantities.cycle import Cycle, reported_cycle
-from valvetrain.runs.uncertainty_file import load_uncertainty
+from valvetrain.runs.stored_error_bars import load_uncertainty
 from valvetrain.system.build import build
 
 RPM = 2 * np.pi / 60

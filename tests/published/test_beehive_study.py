@@ -17,7 +17,7 @@ from valvetrain.parameters.loading import load_case, parse_case
 from valvetrain.quantities.cycle import reported_cycle
 from valvetrain.quantities.signal import low_pass
 from valvetrain.runs.run import run_study
-from valvetrain.runs.uncertainty_file import load_spread
+from valvetrain.runs.stored_error_bars import load_spread
 from valvetrain.solution.study import Study
 from valvetrain.validation.explained import BANDS
 from valvetrain.validation.sources import rows_of

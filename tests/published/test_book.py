@@ -18,15 +18,14 @@ from valvetrain.cosserat.static import RodStatics
 from valvetrain.solution.comparison import Comparison
 from valvetrain.validation import (
     beams,
-    conical,
     followers,
-    free_ends,
+    large_deflection,
     laws,
     models,
-    ring,
     springs,
     stresses,
     waves,
+    wires,
 )
 from valvetrain.validation.__main__ import book, main, page, run_book
 from valvetrain.validation.row import Row
@@ -279,7 +278,7 @@ def test_without_contact_of_its_coils_a_cone_does_not_close(monkeypatch):
     from valvetrain.cosserat import mesh
 
     monkeypatch.setattr(mesh, "pair_coils", lambda coil, *more: mesh.no_contact(len(coil)))
-    found = red(conical.conical_closing())
+    found = red(large_deflection.conical_closing())
     assert (
         "conical spring, force at 8.5 mm" in found
         and "conical spring, rate while it closes, 8 to 8.5 mm" in found
@@ -291,13 +290,13 @@ def test_ring_section_runs_into_the_straight_bar_and_stands_by_goehners_series()
     """Limits: w to infinity gives the factor one and 1 +- 5 / (4 w); Goehner's terms for rate and
     stress stand by it to 0.4 %.
     """
-    assert ring.ring_section(1e4) == pytest.approx((1.0, 1 + 1.25e-4, 1 - 1.25e-4), abs=1e-7)
+    assert wires.ring_section(1e4) == pytest.approx((1.0, 1 + 1.25e-4, 1 - 1.25e-4), abs=1e-7)
     for index in (5.0, 8.0, 12.0):
-        rate, inner, outer = ring.ring_section(index)
+        rate, inner, outer = wires.ring_section(index)
         assert abs(rate - 1 / (1 - 3 / (16 * index**2))) < 0.2 / index**4
         assert inner == pytest.approx(1 + 1.25 / index + 0.875 / index**2 + 1 / index**3, abs=1e-3)
         assert outer == pytest.approx(1 - 1.25 / index + 0.875 / index**2 - 1 / index**3, abs=4e-3)
-        assert ring.ring_section(index, 16) == pytest.approx((rate, inner, outer), rel=1e-9)
+        assert wires.ring_section(index, 16) == pytest.approx((rate, inner, outer), rel=1e-9)
 
 
 def test_a_fault_in_the_correction_for_curvature_turns_rows_red(monkeypatch):
@@ -351,8 +350,8 @@ def test_friction_of_the_wave_rod_turns_its_row_red(monkeypatch):
 def test_a_retainer_that_does_not_turn_turns_rows_red(monkeypatch):
     from valvetrain.cosserat.static import RodStatics
 
-    monkeypatch.setattr(free_ends, "TurningStatics", RodStatics)
-    assert [name for name in red(free_ends.retainer_free_to_turn()) if "rotation" in name]
+    monkeypatch.setattr(large_deflection, "TurningStatics", RodStatics)
+    assert [name for name in red(large_deflection.retainer_free_to_turn()) if "rotation" in name]
 
 
 def test_a_fault_in_the_bending_of_the_wire_moves_buckling(monkeypatch):
@@ -368,7 +367,7 @@ def test_a_fault_in_the_bending_of_the_wire_moves_buckling(monkeypatch):
         )
 
     monkeypatch.setattr(mesh, "round_section", stiff)
-    assert len(red(free_ends.buckling_limit())) == 2
+    assert len(red(large_deflection.buckling_limit())) == 2
 
 
 if __name__ == "__main__":

@@ -20,7 +20,7 @@ from valvetrain.parameters.material import OTEVA_90_SC
 from valvetrain.parameters.spring import OPEN_END, EndCoil, SpringDefinition
 from valvetrain.springs.solid.jobs import SolidSpring
 from valvetrain.springs.solid.mesh import MeshOptions
-from valvetrain.validation.ring import ring_section
+from valvetrain.validation.wires import ring_section
 
 DATA = tomllib.loads(Path(__file__).with_name("solid_reference.toml").read_text())
 UNIFORM = {entry["name"]: entry for entry in DATA["uniform"]}

@@ -13,8 +13,7 @@ import pytest
 from book_page import assert_page_holds
 from valvetrain.parameters.loading import load_case
 from valvetrain.quantities.kinematics import rigid_table
-from valvetrain.runs.run import run_problem, run_study
-from valvetrain.runs.sweep import sweep_study
+from valvetrain.runs.run import run_problem, run_study, sweep_study
 from valvetrain.system.build import build
 from valvetrain.validation.explained import BANDS
 from valvetrain.validation.sources import rows_of

@@ -171,7 +171,7 @@ from valvetrain.springs.contract import SpringModel
 from valvetrain.springs.equivalent import EquivalentSpring
 from valvetrain.runs.compare import compare_study
 from valvetrain.runs.run import run_study
-from valvetrain.runs.sweep import sweep_study
+from valvetrain.runs.run import sweep_study
 from valvetrain.system.build import build
 
 assert {"progressive"} < set(registry.words("springs")) and {"versine"} < set(registry.words("lifts"))

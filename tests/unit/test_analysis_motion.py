@@ -25,7 +25,7 @@ from valvetrain.solution.quantity import Quantity, unit_of
 from valvetrain.solution.static import SpringAtRest, StaticCurve
 from valvetrain.solution.status import Event
 from valvetrain.sources.gu2021 import COUNTERPARTS, SPEC, quantities
-from valvetrain.sources.gu2021_collisions import (
+from valvetrain.sources.gu2021_coils import (
     bounce_quantities,
     collision_angles,
     mean_interval,

@@ -11,9 +11,8 @@ import pytest
 from valvetrain.errors import InputError
 from valvetrain.parameters.loading import load_case
 from valvetrain.parameters.train import TrainParameters
-from valvetrain.runs.engine import available_cores, map_cases, map_points
-from valvetrain.runs.run import run_study
-from valvetrain.runs.sweep import sweep_study
+from valvetrain.runs.run import run_study, sweep_study
+from valvetrain.runs.workers import available_cores, map_cases, map_points
 
 RPM = math.pi / 30
 

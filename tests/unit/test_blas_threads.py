@@ -11,8 +11,7 @@ import scipy.linalg  # noqa: F401  its library counts too
 from threadpoolctl import threadpool_info, threadpool_limits
 
 from valvetrain.explore.executors import LocalExecutor
-from valvetrain.runs.engine import map_points
-from valvetrain.runs.workers import StandingPool, one_thread
+from valvetrain.runs.workers import StandingPool, map_points, one_thread
 
 
 def counts(*_: object) -> list[int]:

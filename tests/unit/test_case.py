@@ -94,15 +94,15 @@ def test_cite_collects_keys_once():
 def test_a_record_tells_values_sources_and_what_was_changed():
     record = load_case("gu2021-beehive", {"spring.damping.ratio": 0.02}).record()
     values = {value.path: value for value in record.values}
-    assert (values["spring.precompression"].words, values["spring.precompression"].status) == (
+    assert (values["spring.precompression"].text, values["spring.precompression"].status) == (
         "7 mm",
         "published",
     )
     assert (
-        values["spring.damping.ratio"].words == "0.02"
+        values["spring.damping.ratio"].text == "0.02"
         and "outside" in values["spring.damping.ratio"].source
     )
-    assert values["spring.lower_end.inactive_coils"].words == "0.851 turns"
+    assert values["spring.lower_end.inactive_coils"].text == "0.851 turns"
     assert record.changed == ("spring.damping.ratio",) and record.study == "gu2021"
     assert "coil collisions" in record.citations[0] and "nose" in record.zero_of_angle
     assert parse_case(record.text, name=record.name) == load_case(
@@ -113,7 +113,7 @@ def test_a_record_tells_values_sources_and_what_was_changed():
 @pytest.mark.parametrize("name", library_names())
 def test_every_noted_value_of_the_library_has_words(name):
     record = load_case(name).record()
-    assert [value.path for value in record.values if not value.words] == []
+    assert [value.path for value in record.values if not value.text] == []
 
 
 def test_a_spring_without_preload_stands_free():

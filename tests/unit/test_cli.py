@@ -253,7 +253,7 @@ def test_static_shows_every_spring_of_a_train_by_the_models_asked_for():
 
 def test_modes_agree_with_the_library():
     from valvetrain.parameters.loading import load_case
-    from valvetrain.runs.statics import modal_result
+    from valvetrain.springs.finite_element_statics import modal_result
     from valvetrain.springs.spec import spring_model
 
     found = json.loads(

@@ -10,7 +10,7 @@ from unit.cli_parts import call
 from valvetrain.parameters.loading import load_case
 from valvetrain.report.page import render
 from valvetrain.report.study import study_page
-from valvetrain.runs.static_study import rest_study
+from valvetrain.runs.statics import static_study
 
 SLENDER = """
 [spring]
@@ -93,6 +93,6 @@ def test_a_bore_too_narrow_is_refused_with_its_place(slender):
 
 def test_the_page_shows_where_it_buckles(slender):
     page = render(
-        study_page(rest_study(load_case("slender.toml"), largest_compression=0.018, steps=6))
+        study_page(static_study(load_case("slender.toml"), largest_compression=0.018, steps=6))
     )
     assert "what lies beyond is a spring bent sideways" in page and "buckles" in page

@@ -17,7 +17,7 @@ from unit.cli_parts import MODULE, call, process_environment, sentence
 from valvetrain.cli.outcome import mend_streams
 from valvetrain.errors import InputError
 from valvetrain.parameters.loading import LIBRARY
-from valvetrain.runs.saved_runs import check_folder
+from valvetrain.runs.run_folders import check_folder
 from valvetrain.solution.atomic import check_target, write_text
 
 pytestmark = pytest.mark.skipif(
@@ -110,12 +110,10 @@ def test_a_shell_sees_the_help_end_well(words, tmp_path):
 
 def test_an_error_that_is_none_of_the_reader_keeps_its_code(tmp_path, monkeypatch):
     """A pipe that broke elsewhere, with standard output read to its end, is a failure."""
-    from valvetrain.cli import runs
 
     def broken(*_, **__):
         raise BrokenPipeError(32, "Broken pipe")
 
-    monkeypatch.setattr(runs, "headline", broken)
     monkeypatch.setattr("valvetrain.runs.saved_runs.list_saved_runs", broken)
     assert call("runs", "--folder", str(tmp_path)).exit_code == 1
 
@@ -183,8 +181,8 @@ def test_a_folder_that_cannot_be_is_refused_before_the_work(tmp_path):
         "dangling": "a link that leads nowhere",
         "file": "a file, not a folder",
         "file/under": "a file, not a folder",
-        "a" * 300: "no usable folder name",
-        "a/" * 3000: "no usable",
+        "a" * 300: "not a usable folder name",
+        "a/" * 3000: "not a usable",
     }.items():
         with pytest.raises(InputError, match=words) as found:
             check_folder(tmp_path / name)

@@ -24,8 +24,7 @@ from valvetrain.runs.cost import (
     memory_text,
     refuse_cost,
 )
-from valvetrain.runs.planned import RunRequest, unknowns_of
-from valvetrain.runs.request_cost import request_cost
+from valvetrain.runs.request_cost import RunRequest, request_cost, unknowns_of
 from valvetrain.springs.spec import spring_model
 
 

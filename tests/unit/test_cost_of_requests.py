@@ -16,9 +16,15 @@ from valvetrain.errors import InputError
 from valvetrain.lift.band import band_cost
 from valvetrain.parameters.loading import load_case
 from valvetrain.runs.cost import Cost, memory_text
-from valvetrain.runs.planned import RunRequest
-from valvetrain.runs.request_cost import refine_cost, request_cost, solid_rest_cost
-from valvetrain.runs.static_cost import MAX_COUNTED, rest_cost, spring_cost
+from valvetrain.runs.request_cost import (
+    MAX_COUNTED,
+    RunRequest,
+    refine_cost,
+    request_cost,
+    solid_statics_cost,
+    spring_cost,
+    static_cost,
+)
 
 RPM = math.pi / 30
 ELEMENTS, MASSES = (
@@ -42,7 +48,7 @@ MEASURED = [
 def test_an_estimate_is_near_to_what_was_measured(
     name, changes, models, steps, modes, seconds, megabytes
 ):
-    cost = rest_cost(load_case(name, changes), models, steps=steps, modes=modes)
+    cost = static_cost(load_case(name, changes), models, steps=steps, modes=modes)
     assert seconds / 3 < cost.seconds < 3 * seconds
     assert cost.bytes > megabytes * 1e6 / 3 or megabytes < 100
 
@@ -90,7 +96,7 @@ def test_solids_are_part_of_what_a_comparison_costs():
     no bound but the solver's time.
     """
     case = load_case("uniform-spring")
-    told = solid_rest_cost(case.springs[0])
+    told = solid_statics_cost(case.springs[0])
     assert 29 / 3 < told.seconds < 3 * 29
     asked = [
         RunRequest("compare", case, None, (*models, "finite-element"), (), 1)

@@ -15,11 +15,11 @@ from valvetrain.runs import critical_speeds as critical_search
 from valvetrain.runs.critical_speeds import (
     CriticalOptions,
     Limit,
-    Look,
     Search,
+    SpeedSample,
     critical_speed,
-    look_of,
     read_options,
+    sample_of,
 )
 from valvetrain.solution.critical import SpeedBracket
 from valvetrain.solution.result import Solution, empty_channels
@@ -33,12 +33,12 @@ Margin = Callable[[float], float]
 def search(margin: Margin, speeds: Sequence[float], asked: list[float] | None = None) -> Search:
     """A search whose margin is a function of the speed alone; ``asked`` takes down every look."""
 
-    def look_at(engine_speed: float, orbit: object) -> Look:
+    def run_at(engine_speed: float, orbit: object) -> SpeedSample:
         if asked is not None:
             asked.append(engine_speed)
-        return Look({KIND: margin(engine_speed)}, {KIND: "cam"}, "motion")
+        return SpeedSample({KIND: margin(engine_speed)}, {KIND: "cam"}, "motion")
 
-    return Search(look_at, {one: look_at(one, None) for one in speeds}, LIMITS, RESOLUTION)
+    return Search(run_at, {one: run_at(one, None) for one in speeds}, LIMITS, RESOLUTION)
 
 
 def grid(step: float, first: float = 6000.0, last: float = 9000.0) -> list[float]:
@@ -105,7 +105,7 @@ def test_what_is_lost_from_the_first_speed_on_has_no_onset() -> None:
         one.found
         and one.begins is None
         and one.engine_speed == 6000.0
-        and one.words.startswith("below")
+        and one.text.startswith("below")
     )
     assert (
         one.ends is not None
@@ -119,7 +119,7 @@ def test_a_run_without_numbers_counts_as_lost() -> None:
         isinstance(onset, SpeedBracket)
         and onset.lower_engine_speed < 7040 <= onset.upper_engine_speed
     )
-    failed = look_of(Solution(empty_channels()), CriticalOptions())
+    failed = sample_of(Solution(empty_channels()), CriticalOptions())
     assert all(failed.lost(kind) for kind in failed.margins)
 
 
@@ -128,16 +128,16 @@ def test_rising_and_falling_speed_show_a_hysteresis() -> None:
     goes beyond the grid's brackets.
     """
 
-    def look_at(engine_speed: float, orbit: object) -> Look:
+    def run_at(engine_speed: float, orbit: object) -> SpeedSample:
         edge = {None: 7400.0, "low": 7650.0, "high": 7120.0}[orbit]  # type: ignore[index]
         lost = engine_speed > edge
-        return Look(
+        return SpeedSample(
             {KIND: 0.0 if lost else (edge - engine_speed) + 1},
             {KIND: "cam"},
             "high" if lost else "low",
         )
 
-    found = Search(look_at, {one: look_at(one, None) for one in grid(100)}, LIMITS, RESOLUTION)
+    found = Search(run_at, {one: run_at(one, None) for one in grid(100)}, LIMITS, RESOLUTION)
     one = critical_speed(found, KIND, "own", 6000.0, 9000.0, CriticalOptions())
     assert (
         one.begins is not None and one.begins.rising is not None and one.begins.falling is not None
@@ -153,13 +153,13 @@ def test_rising_and_falling_speed_show_a_hysteresis() -> None:
 
 
 def test_motion_that_never_comes_back_is_said_to_have_no_bracket() -> None:
-    def look_at(engine_speed: float, orbit: object) -> Look:
+    def run_at(engine_speed: float, orbit: object) -> SpeedSample:
         lost = orbit == "high" or engine_speed > 7400
-        return Look(
+        return SpeedSample(
             {KIND: 0.0 if lost else 7401 - engine_speed}, {KIND: "cam"}, "high" if lost else "low"
         )
 
-    found = Search(look_at, {one: look_at(one, None) for one in grid(100)}, LIMITS, RESOLUTION)
+    found = Search(run_at, {one: run_at(one, None) for one in grid(100)}, LIMITS, RESOLUTION)
     one = critical_speed(found, KIND, "own", 6000.0, 9000.0, CriticalOptions())
     assert one.begins is not None and one.begins.falling is None
     assert one.begins.rising is not None and one.begins.rising.apart(one.begins.from_rest) == 0

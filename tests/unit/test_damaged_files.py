@@ -19,8 +19,14 @@ from synthetic_study import at_rest, rod_run
 from valvetrain.errors import InputError
 from valvetrain.measured.cycles import MeasuredCycles, read_cycles, write_cycles
 from valvetrain.runs.differences import input_differences
-from valvetrain.runs.saved_answer import answer_text, read_answer
-from valvetrain.runs.saved_runs import Inputs, find_run, keep, list_saved_runs
+from valvetrain.runs.saved_runs import (
+    Inputs,
+    answer_text,
+    find_run,
+    list_saved_runs,
+    read_answer,
+    save_run,
+)
 from valvetrain.solution import atomic as checksum
 from valvetrain.solution import netcdf, read_apart
 from valvetrain.solution.metadata import refuse_claims
@@ -361,7 +367,7 @@ ANSWER = {
 
 def kept(folder, answer=ANSWER):
     """A run on disk."""
-    return keep(
+    return save_run(
         folder,
         Inputs("own", 'name = "own"\n', {}, {"command": "run", "engine_speeds": [4000.0]}),
         answer,

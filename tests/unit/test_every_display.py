@@ -21,7 +21,7 @@ from valvetrain.parameters.constructors import cylindrical
 from valvetrain.report.json import study_json
 from valvetrain.report.study import write_study
 from valvetrain.solution.critical import CriticalSpeed, CriticalSpeeds, Crossing, SpeedBracket
-from valvetrain.solution.display import frame, span, table, words
+from valvetrain.solution.display import frame, span, table, value_text
 from valvetrain.solution.modes import ModalResult, TrainModes
 from valvetrain.solution.partial_failures import PartialFailures
 from valvetrain.solution.provenance import Provenance
@@ -51,7 +51,7 @@ RPM = math.pi / 30
     ],
 )
 def test_a_value_in_the_units_of_the_field(value, unit, told):
-    assert words(value, unit) == told
+    assert value_text(value, unit) == told
 
 
 def test_least_and_largest():
@@ -327,9 +327,9 @@ def test_critical_speeds_in_words_and_as_a_frame():
     early = CriticalSpeed("stock", "bounce", 1e-4, 1000 * RPM, 9000 * RPM, 10 * RPM, True, "seat")
     never = CriticalSpeed("other", "float", 5e-5, 1000 * RPM, 9000 * RPM, 10 * RPM)
     assert (
-        lost.words == "7000–7010 (cam)"
-        and early.words == "below 1000"
-        and never.words == "never up to 9000"
+        lost.text == "7000–7010 (cam)"
+        and early.text == "below 1000"
+        and never.text == "never up to 9000"
     )
     assert lost.engine_speed == pytest.approx(7010 * RPM) and early.engine_speed == pytest.approx(
         1000 * RPM

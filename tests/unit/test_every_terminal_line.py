@@ -20,7 +20,7 @@ from unit.test_every_table import COMPARED, four
 from valvetrain.cli.answers import published_words, show_study
 from valvetrain.cli.outcome import quantity_rows, shown_text
 from valvetrain.cli.published import difference_words, short_verdict, show_comparisons, tally
-from valvetrain.cli.runs import headline
+from valvetrain.runs.saved_runs import SavedRun
 
 RPM = np.pi / 30
 
@@ -274,6 +274,10 @@ def test_numbers_in_the_fields_units():
     ]
 
 
+def _headline(answer):
+    return SavedRun(Path(), answer).headline
+
+
 def test_the_number_that_stands_for_a_kept_run():
     def number(value: float, unit: str = "N") -> dict:
         return {"value": value, "unit": unit}
@@ -282,22 +286,26 @@ def test_the_number_that_stands_for_a_kept_run():
         {"quantities": {"peak_spring_force": number(700.0), "peak_retainer_force": number(900.0)}},
         {"quantities": {"peak_spring_force": number(811.0)}},
     ]
-    assert headline({"runs": runs}) == {
+    assert _headline({"runs": runs}) == {
         "quantity": "peak_spring_force",
         "value": 811.0,
         "unit": "N",
     }
-    assert headline({"quantities": {"preload": number(287.0)}, "runs": []}) == {
+    assert _headline({"quantities": {"preload": number(287.0)}, "runs": []}) == {
         "quantity": "preload",
         "value": 287.0,
         "unit": "N",
     }
     assert (
-        headline({"runs": [{"quantities": {"peak_spring_force": {"value": None, "unit": "N"}}}]})
+        _headline({"runs": [{"quantities": {"peak_spring_force": {"value": None, "unit": "N"}}}]})
         is None
     )
     labelled = {"quantities_by_label": {"a": {"float_engine_speed": number(701.0, "rad/s")}}}
-    assert headline(labelled) == {"quantity": "float_engine_speed", "value": 701.0, "unit": "rad/s"}
+    assert _headline(labelled) == {
+        "quantity": "float_engine_speed",
+        "value": 701.0,
+        "unit": "rad/s",
+    }
 
 
 def test_static_curves_are_printed_thinned_and_written_whole():

@@ -20,8 +20,9 @@ from valvetrain.report.run_summary import fidelity_notes, reach_rows, reason_for
 from valvetrain.report.sections.answers import fidelity_blocks as blocks
 from valvetrain.runs import fidelity as studied
 from valvetrain.runs.fidelity import fidelity_models
-from valvetrain.runs.run import STOPPED, run_problem
+from valvetrain.runs.run import run_problem
 from valvetrain.runs.stopping import StudyStopped
+from valvetrain.runs.train_runs import STOPPED
 from valvetrain.solution.fidelity import GOOD, MISSING, OPEN, POOR, RPM, FidelityMap, FidelityRow
 from valvetrain.solution.provenance import CaseRecord
 from valvetrain.solution.status import Status
@@ -87,7 +88,7 @@ def test_a_difference_is_a_share_of_the_largest_reference():
         ((510.0, 490.0, 600.0), "to 2000", 2000, 3000),
         ((600.0, 500.0, 500.0), "none", None, 1000),
         ((500.0, 600.0, 500.0), "to 1000", 1000, 2000),
-        ((math.nan,) * 3, "not told", None, 1000),
+        ((math.nan,) * 3, "missing", None, 1000),
         ((500.0, math.nan, 500.0), "to 1000", 1000, 2000),
     ],
 )
@@ -95,7 +96,7 @@ def test_a_model_reaches_to_the_last_speed_before_the_first_that_is_not_good(
     values, words, good_to, poor_from
 ):
     found = mapped(*rows_of(values)).reach("peak_spring_force", "massless")
-    assert found.words == words and found.everywhere == (words == "all")
+    assert found.text == words and found.everywhere == (words == "all")
     assert (
         found.good_to and round(found.good_to / RPM),
         found.poor_from and round(found.poor_from / RPM),
@@ -106,11 +107,11 @@ def test_what_the_bars_leave_open_is_neither_good_nor_poor():
     found = mapped(*rows_of((540.0, 500.0, 500.0), error=20.0)).reach(
         "peak_spring_force", "massless"
     )
-    assert found.words == "open" and not found.everywhere and found.poor_from is None
+    assert found.text == "open" and not found.everywhere and found.poor_from is None
     later = mapped(*rows_of((500.0, 500.0, 540.0), error=20.0)).reach(
         "peak_spring_force", "massless"
     )
-    assert later.words == "to 2000, then open" and later.poor_from is None
+    assert later.text == "to 2000, then open" and later.poor_from is None
 
 
 def test_what_a_failed_run_leaves_unknown_is_open_and_said():
@@ -119,7 +120,7 @@ def test_what_a_failed_run_leaves_unknown_is_open_and_said():
         *rows_of((500.0, 500.0), reference=500.0), row(500.0, SPEEDS[2], reference=math.nan)
     )
     assert (
-        gone.reach("peak_spring_force", "massless").words == "to 2000, then open"
+        gone.reach("peak_spring_force", "massless").text == "to 2000, then open"
         and gone.cheapest("peak_spring_force") == gone.reference
     )
     assert "gave no value, so nothing is said there of: peak spring force at 3000 rpm." in " ".join(
@@ -128,7 +129,7 @@ def test_what_a_failed_run_leaves_unknown_is_open_and_said():
     *_, last = blocks(Study(CaseRecord("own"), fidelity=gone))[2].rows[0][0]
     assert (last.words, last.hint) == ("?", "no value of the reference: open")
     blind = mapped(*rows_of((510.0, 500.0, 500.0), error=math.inf))
-    assert blind.reach("peak_spring_force", "massless").words == "open"
+    assert blind.reach("peak_spring_force", "massless").text == "open"
     assert (
         reason_for(blind, "peak_spring_force")
         == "massless comes nearest, but a finer run that should tell the error gave no result"
@@ -409,7 +410,7 @@ def test_the_command_gives_page_table_and_answer(tmp_path, monkeypatch):
         (("job-t", "--spring-set", "stock"), "is a spring alone and has no spring sets"),
         (("job-t", "--reference", "solid"), "the reference cannot run"),
         (("job-t", "--reference", "sold"), "did you mean solid"),
-        (("job-t", "--spring", "wave-rod", "--reference", "wave-rod"), "no model beside"),
+        (("job-t", "--spring", "wave-rod", "--reference", "wave-rod"), "no model but"),
         (("tdi-pushrod", "--spring-set", "stock,performance"), "one spring set"),
         (("tdi-pushrod", "--spring-set", "x"), "no spring set 'x'"),
     ],

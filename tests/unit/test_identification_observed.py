@@ -20,7 +20,7 @@ from valvetrain.explore.posterior import Posterior, Unknown
 from valvetrain.explore.prior import Prior
 from valvetrain.explore.solve import Journal, solve
 from valvetrain.parameters.toml_text import toml_text
-from valvetrain.runs import run
+from valvetrain.runs import statics
 
 RPM = math.pi / 30
 WIRE = {
@@ -371,9 +371,9 @@ def test_a_rod_in_motion_tells_its_numbers_at_rest_too_and_is_put_to_rest_once(
     }
     rests = []
     monkeypatch.setattr(
-        run,
-        "rest_of_spring",
-        lambda *given, real=run.rest_of_spring: rests.append(1) or real(*given),
+        statics,
+        "spring_statics",
+        lambda *given, real=statics.spring_statics: rests.append(1) or real(*given),
     )
     together = numbers_of(request.case, observed.stations, request.sought)
     assert together == apart and len(together) == 2

@@ -63,12 +63,12 @@ def test_an_exact_model_runs_by_the_contract_too_and_gives_the_same():
     """The harmonic solution knows no transient; the leapfrog of the same model comes to it."""
     case = load_case("job-t")
     from valvetrain.runs.prepared import prepare
-    from valvetrain.runs.run import rest_of_spring
+    from valvetrain.runs.statics import spring_statics
     from valvetrain.system.build import build
 
     problem = build(case, spring_models=["modal-varied"])
     (spring,) = problem.springs
-    rest = {spring: rest_of_spring(problem, spring, 10e-3)}
+    rest = {spring: spring_statics(problem, spring, 10e-3)}
     made = prepare(problem, problem.members[0], rest, "").system
     exact = run(made, CAM_SPEED, Cycles(), RunOptions(samples=720))
     stepped = run(

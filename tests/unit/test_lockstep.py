@@ -12,7 +12,8 @@ import pytest
 
 from valvetrain.explore import ensembles as lockstep
 from valvetrain.explore.ensembles import Lockstep
-from valvetrain.runs.stopping import PointsStopped, RefinementStopped, Stopped, StudyStopped
+from valvetrain.runs.error_bars import RefinementStopped
+from valvetrain.runs.stopping import PointsStopped, Stopped, StudyStopped
 
 Array = np.ndarray
 

@@ -19,7 +19,7 @@ RPM = math.pi / 30
 STUDIES: dict[str, tuple[str, list[str], dict[str, Any]]] = {
     "run": ("run.run_study", ["--engine-speed", "2100 rpm"], {"engine_speeds": (2100 * RPM,)}),
     "compare": ("compare.compare_study", ["--engine-speed", "2100 rpm"], {"engine_speeds": (2100 * RPM,)}),
-    "sweep": ("sweep.sweep_study", ["--engine-speed", "2000:2200:100 rpm"], {"engine_speeds": (2000 * RPM, 2100 * RPM, 2200 * RPM)}),
+    "sweep": ("run.sweep_study", ["--engine-speed", "2000:2200:100 rpm"], {"engine_speeds": (2000 * RPM, 2100 * RPM, 2200 * RPM)}),
     "run-up": ("run_up.run_up_study", ["--from", "2000 rpm", "--to", "2400 rpm", "--duration", "0.5 s"],
                {"ramp": (2000 * RPM, 2400 * RPM, 0.5)}),
 }  # fmt: skip

@@ -254,18 +254,20 @@ def test_each_number_of_a_spring_at_rest_is_held_against_its_range():
 NARROW_WORDS = [word for path, value in NARROW.items() for word in ("--set", f"{path}={value}")]
 
 
-def test_a_refinement_of_nonsense_is_refused_before_the_work_and_passes_by_an_option(monkeypatch):
-    asked = []
-    monkeypatch.setattr(
-        "valvetrain.runs.uncertainty.prepare",
-        lambda *given: asked.append(given) or (_ for _ in ()).throw(KeyError),
-    )
+def test_a_refinement_of_nonsense_is_refused_before_the_work_and_passes_by_an_option():
+    begun = []
+
+    def stop(share, text):
+        begun.append(text)
+        raise KeyboardInterrupt
+
     case = vt.load_case("job-t", NARROW)
     with pytest.raises(InputError, match="the lift speed is 4816 m/s, above 50 m/s"):
-        vt.refine(case)
-    assert "--implausible" in sentence(call("refine", "job-t", *NARROW_WORDS)) and not asked
-    with pytest.raises(KeyError):
-        vt.refine(case, implausible=True)
+        vt.refine(case, progress=stop)
+    assert "--implausible" in sentence(call("refine", "job-t", *NARROW_WORDS)) and not begun
+    with pytest.raises(KeyboardInterrupt):
+        vt.refine(case, implausible=True, progress=stop, workers=1)
+    assert begun
     rubs = vt.load_case("tdi-pushrod", {"train.valve.friction": "1e9 N"})
     with pytest.raises(InputError, match="the friction in a guide"):
         vt.refine(rubs, "3000 rpm")
@@ -281,7 +283,7 @@ def test_a_lift_that_no_cam_gives_has_no_static_curve(tmp_path):
 
 def test_a_refinement_keeps_implausible_runs_by_an_option_only(monkeypatch):
     """A spring driven open in four degrees of the cam: its wire is faster than any steel bears."""
-    monkeypatch.setattr("valvetrain.runs.uncertainty.refuse_implausible", lambda *_: None)
+    monkeypatch.setattr("valvetrain.runs.notes.refuse_implausible", lambda *_: None)
     text = (
         SMALL.replace("100 deg", "178 deg")
         .replace("260 deg", "182 deg")

@@ -15,7 +15,7 @@ from valvetrain.explore.paths import vary
 from valvetrain.explore.space import Varied
 from valvetrain.quantities.cycle import reported_cycle
 from valvetrain.report.sections.gu2021 import node_chart
-from valvetrain.sources.gu2021_nodes import coils_of
+from valvetrain.sources.gu2021_coils import coils_of
 
 
 def beehive(**points):

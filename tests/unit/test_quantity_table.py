@@ -176,7 +176,7 @@ def test_a_package_adds_a_table(other_table):
 
 def test_a_name_of_two_tables_is_refused(other_table):
     other_table(row("preload", "preload", "Another one.", systems=("train",)))
-    with pytest.raises(InputError, match="'preload' stands in the tables 'general' and 'mine'"):
+    with pytest.raises(InputError, match="'preload' is in the tables 'general' and 'mine'"):
         definition_of("preload")
 
 
@@ -238,7 +238,7 @@ def test_a_quantity_that_no_run_gave_is_told_with_those_near_it_but_not_itself()
         and len(near) == 3
     )
     assert not_given("peak_shear_stress").startswith(
-        "no run gave the peak shear stress (peak_shear_stress); near it stands nominal_peak_shear_stress, "
+        "no run gave the peak shear stress (peak_shear_stress); similar: nominal_peak_shear_stress, "
     )
     assert near_names("xyzzy") == () and not_given("mode_7_frequency").startswith(
         "no run gave the mode 7 frequency (mode_7_frequency)"

@@ -32,7 +32,7 @@ from valvetrain.report.sections import coils, published, sweep
 from valvetrain.report.study import study_page
 from valvetrain.report.uncertainty_section import firmness, uncertainty_grid, uncertainty_table
 from valvetrain.runs.error_bars import Uncertainty
-from valvetrain.runs.uncertainty_file import load_uncertainty
+from valvetrain.runs.stored_error_bars import load_uncertainty
 from valvetrain.solution.provenance import CaseRecord
 from valvetrain.solution.status import Status
 from valvetrain.solution.study import Study

@@ -14,7 +14,7 @@ import pytest
 from synthetic_spring import bump
 from valvetrain.errors import InputError, MissingExtraError
 from valvetrain.solution.channels import spring_channels
-from valvetrain.solution.display import words
+from valvetrain.solution.display import value_text
 from valvetrain.solution.modes import ModalResult
 from valvetrain.solution.provenance import CaseRecord, Provenance
 from valvetrain.solution.quantity import Quantities, Quantity
@@ -125,7 +125,8 @@ def test_text_speaks_the_units_of_the_field():
     ]
     assert repr(quantities()).splitlines()[-1] == "  and 2 more"
     assert [
-        words(*one) for one in ((0.007, "m"), (41e3, "N/m"), (7.5e8, "Pa"), (0.5, "1"), (3e-3, "J"))
+        value_text(*one)
+        for one in ((0.007, "m"), (41e3, "N/m"), (7.5e8, "Pa"), (0.5, "1"), (3e-3, "J"))
     ] == [
         "7 mm",
         "41 N/mm",

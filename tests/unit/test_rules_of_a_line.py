@@ -27,7 +27,8 @@ from valvetrain.rig.channels import RigQuantity
 from valvetrain.rig.cutting import CycleGrid, grid_of, set_to_zero
 from valvetrain.rig.reader import RigChannel
 from valvetrain.rig.shaft import ShaftAngle
-from valvetrain.runs import train_uncertainty, uncertainty
+from valvetrain.runs import refine_trains
+from valvetrain.runs.refine import refine_springs
 from valvetrain.runs.solid import SolidMotion, check_motion
 from valvetrain.sources.multibody4b17 import _formula, closed_forms
 
@@ -53,7 +54,7 @@ def test_more_damping_of_a_restitution_is_the_restitution_of_more_damping(factor
     contact = ContactParameters(
         "hunt-crossley", {"contact_stiffness": 1e9, "exponent": 1.5, "restitution": 0.7}
     )
-    changed = train_uncertainty._with(contact, "damping", factor).values["restitution"]
+    changed = refine_trains._with(contact, "damping", factor).values["restitution"]
     assert number(changed) == pytest.approx(factor * number(0.7), rel=1e-3)
     assert (changed < 0.7) is (factor > 1)
 
@@ -235,8 +236,11 @@ def test_one_mark_a_crank_turn_leaves_half_a_cam_turn_open(ratio, told):
     )
 
 
-def test_a_refinement_at_no_speed_is_refused_before_anything_is_computed(monkeypatch):
-    monkeypatch.setattr(uncertainty, "_prepare", lambda *_: pytest.fail("computed"))
+def test_a_refinement_at_no_speed_is_refused_before_anything_is_computed():
+    computed = []
     for speeds in ([0.0], [-100.0], [float("nan")]):
         with pytest.raises(InputError, match="speed"):
-            uncertainty.uncertainty_study(vt.load_case("job-t"), speeds)
+            refine_springs(
+                vt.load_case("job-t"), speeds, progress=lambda *given: computed.append(given)
+            )
+    assert not computed

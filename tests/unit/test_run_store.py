@@ -16,18 +16,15 @@ from valvetrain.errors import InputError
 from valvetrain.report.run_differences import result_rows
 from valvetrain.runs.cost import estimate
 from valvetrain.runs.differences import input_differences, result_differences
+from valvetrain.runs.run_folders import ANSWER, check_folder, link_latest, new_folder
 from valvetrain.runs.saved_runs import (
-    ANSWER,
     Inputs,
     SavedRun,
-    check_folder,
     collect_inputs,
     find_run,
-    keep,
-    link_latest,
     list_saved_runs,
-    new_folder,
     run_of_path,
+    save_run,
 )
 
 TEXT = '# a remark\n[spring]\nwire_diameter = { value = "4 mm", status = "measured" }\n[lift_law]\nkind = "table"\nfile = "lifts/a.csv"\n'
@@ -58,8 +55,8 @@ def source(tmp_path):
 
 
 def made(root, inputs, found, moment=NOON):
-    folder = new_folder(inputs, moment, root)
-    run = keep(folder, inputs, found | {"created_at": moment.isoformat()})
+    folder = new_folder(inputs.case, inputs.digest, moment, root)
+    run = save_run(folder, inputs, found | {"created_at": moment.isoformat()})
     link_latest(folder)
     return run
 
@@ -172,17 +169,17 @@ def test_a_folder_of_something_else_is_refused_and_one_of_a_run_is_renewed(tmp_p
     (folder / "mine.csv").write_text("1")
     with pytest.raises(InputError, match="holds files that no run wrote"):
         check_folder(folder)
-    keep(folder, Inputs("mine", "x = 1"), answer(files=["old.csv"]))
+    save_run(folder, Inputs("mine", "x = 1"), answer(files=["old.csv"]))
     check_folder(folder)
     (folder / "new.csv").write_text("2")
-    keep(folder, Inputs("mine", "x = 2"), answer(files=["new.csv", "../outside"]))
+    save_run(folder, Inputs("mine", "x = 2"), answer(files=["new.csv", "../outside"]))
     assert {path.name for path in folder.iterdir()} == {"new.csv", "mine.csv", "inputs", ANSWER}
 
 
 def test_a_list_of_files_never_reaches_outside_its_folder(tmp_path):
     (tmp_path / "precious.txt").write_text("kept")
-    keep(tmp_path / "out", Inputs("mine", "x = 1"), answer(files=["../precious.txt"]))
-    keep(tmp_path / "out", Inputs("mine", "x = 1"), answer())
+    save_run(tmp_path / "out", Inputs("mine", "x = 1"), answer(files=["../precious.txt"]))
+    save_run(tmp_path / "out", Inputs("mine", "x = 1"), answer())
     assert (tmp_path / "precious.txt").read_text() == "kept"
 
 

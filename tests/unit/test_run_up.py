@@ -198,7 +198,7 @@ def test_where_no_model_can_run_the_reason_of_the_first_is_the_refusal():
 
 @pytest.mark.parametrize(("first", "last"), [("1000 rpm", "6000 rpm"), ("6000 rpm", "1000 rpm")])
 def test_a_run_up_of_less_than_a_few_turns_is_refused(first, last):
-    with pytest.raises(InputError, match=r"0\.29 cam turns, .*take a longer time"):
+    with pytest.raises(InputError, match=r"0\.29 cam revolutions, .*take a longer time"):
         vt.run_up(
             "tdi-pushrod", first, last, "0.01 s", spring_models=["massless"], spring_sets=["stock"]
         )

@@ -13,18 +13,17 @@ import pytest
 
 from valvetrain.explore.identification_file import read_request
 from valvetrain.parameters.loading import LIBRARY, load_case
-from valvetrain.runs import uncertainty_file as spread_module
-from valvetrain.runs.error_bars import Uncertainty
-from valvetrain.runs.uncertainty_file import (
-    TOLD,
+from valvetrain.runs.stored_error_bars import (
+    SPREAD_LABELS,
     Spread,
     load_spread,
     load_uncertainty,
     rows_that_hold,
     spread_sentences,
+    spread_sentences_of,
     uncertainty_sentences,
 )
-from valvetrain.solution.provenance import CaseRecord, PublishedValue
+from valvetrain.solution.provenance import PublishedValue
 from valvetrain.solution.quantity import Quantity, same_speed
 from valvetrain.sources.gu2021_identification import SPEC
 
@@ -86,9 +85,9 @@ def test_one_sentence_a_speed_with_the_published_value_inside_or_outside(case):
     }
     told = 0
     for (rpm, quantity), one in spread.items():
-        if quantity in TOLD and (rpm, quantity) in published:
+        if quantity in SPREAD_LABELS and (rpm, quantity) in published:
             (sentence,) = [sentence for sentence in sentences if sentence.startswith(f"{rpm} rpm")]
-            (part,) = [part for part in sentence.split("; ") if TOLD[quantity] in part]
+            (part,) = [part for part in sentence.split("; ") if SPREAD_LABELS[quantity] in part]
             assert (
                 ("inside" in part)
                 == (one.low <= published[rpm, quantity] <= one.high)
@@ -144,9 +143,7 @@ def test_no_sentence_survives_a_version_that_computes_other_numbers(case):
         assert [sentence.split(",")[0] for sentence in sentences] == ["4200 rpm", "5600 rpm"]
 
 
-def test_every_told_range_stands_in_its_unit_beside_the_published_value_of_its_own_speed(
-    monkeypatch,
-):
+def test_every_told_range_stands_in_its_unit_beside_the_published_value_of_its_own_speed():
     """Forces in N, displacements in mm, three digits that count; values of another source, speed or
     quantity stand beside none.
     """
@@ -159,33 +156,25 @@ def test_every_told_range_stands_in_its_unit_beside_the_published_value_of_its_o
     def given(quantity, value, speed=5600.0, model="solid finite elements"):
         return PublishedValue(quantity, value, "N", engine_speed=speed * RPM, model=model)
 
-    record = CaseRecord(
-        "own",
-        published=(
-            given("stage_2_peak_force", 1000.0),
-            given("stage_2_first_peak_force", 900.0),
-            given("stage_3_peak_force", 13000.0, 8000.0),
-            given("stage_2_second_peak_force", 850.0, model="analytical modal"),
-            given("node_2_maximum_displacement", 1.2346e-4),
-        ),
+    published = (
+        given("stage_2_peak_force", 1000.0),
+        given("stage_2_first_peak_force", 900.0),
+        given("stage_3_peak_force", 13000.0, 8000.0),
+        given("stage_2_second_peak_force", 850.0, model="analytical modal"),
+        given("node_2_maximum_displacement", 1.2346e-4),
     )
-    monkeypatch.setattr(spread_module, "load_spread", lambda _: rows)
-    held = Uncertainty(
-        "preload", 5600 * RPM, 300.0, 1.0, 2.0, 300.0, 0.0, (300.0, 300.0), (300.0, 300.0)
-    )
-    monkeypatch.setattr(spread_module, "rows_that_hold", lambda *_: (held,))
     parts = (
         "Stage II peak force 812 to 1230 N (published 1000, inside)", "first Stage II peak 517 to 837 N (published 900, outside)",
         "second Stage II peak 833 to 903 N", "Stage III spike 12300 to 15700 N",
         "largest displacement of node 2 0.0566 to 0.149 mm (published 0.1235, inside)",
     )  # fmt: skip
-    assert len(parts) == len(TOLD)
-    (sentence,) = spread_sentences(record, (5600 * RPM, 8000 * RPM), {})
+    assert len(parts) == len(SPREAD_LABELS)
+    (sentence,) = spread_sentences_of(rows, published, {5600, 8000})
     assert (
         sentence
         == f"5600 rpm, what the calibration data leave open (5 to 95 %): {'; '.join(parts)}."
     )
-    assert spread_sentences(record, (8000 * RPM,), {}) == ()
+    assert spread_sentences_of(rows, published, {8000}) == ()
 
 
 def test_shipped_spread_is_that_of_this_identification():

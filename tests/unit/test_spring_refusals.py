@@ -19,7 +19,7 @@ from valvetrain.parameters.spring import OPEN_END, EndCoil, SpringDefinition
 from valvetrain.quantities.cycle import Frame
 from valvetrain.quantities.evaluate import evaluate
 from valvetrain.runs.run import run_study
-from valvetrain.runs.statics import at_rest, rest_by_model
+from valvetrain.runs.statics import rod_statics, statics_by_model
 from valvetrain.springs.finite_element import FiniteElementRod
 from valvetrain.springs.multi_mass import MultiMassSpring
 from valvetrain.springs.spec import spring_model
@@ -123,11 +123,11 @@ def test_no_static_curve_goes_beyond_solid():
     """It gave forces of tens of kilonewtons."""
     spring, beyond = InstalledSpring(wire=WIRE, precompression=3e-3), 1.1 * WIRE.solid_compression
     with pytest.raises(InputError, match=r"solid at 10\.5 mm"):
-        at_rest(FiniteElementRod(WIRE, 3e-3, 12), beyond, 4)
+        rod_statics(FiniteElementRod(WIRE, 3e-3, 12), beyond, 4)
     for word in ("multi-mass", "wave-rod", "massless"):
         model = spring_model(word).build(spring)
         with pytest.raises(InputError, match=r"solid at 10\.5 mm"):
-            rest_by_model(spring, word, model, np.linspace(0.0, beyond, 5))
+            statics_by_model(spring, word, model, np.linspace(0.0, beyond, 5))
 
 
 def test_open_ends_mean_one_thing_in_python_and_in_a_case_file(tmp_path):

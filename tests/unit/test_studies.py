@@ -17,8 +17,7 @@ from valvetrain.errors import InputError
 from valvetrain.parameters.loading import load_case, parse_case
 from valvetrain.runs.compare import compare_study
 from valvetrain.runs.prepared import prepare
-from valvetrain.runs.run import run_study
-from valvetrain.runs.sweep import sweep_study
+from valvetrain.runs.run import run_study, sweep_study
 from valvetrain.springs.spec import SpringModelSpec, spring_model
 from valvetrain.system.build import build
 

@@ -106,7 +106,7 @@ def test_an_output_that_no_completed_point_has_is_named_with_those_near_it():
     table.values[:, 0] = np.nan
     (said,) = table.not_given
     assert said.startswith(
-        "No run gave the peak spring force (peak_spring_force); near it stands "
+        "No run gave the peak spring force (peak_spring_force); similar: "
     ) and said in sentences(table)
     assert said in points_json(table)["sentences"] and "(peak_spring_force)" in render(
         points_page(table)

@@ -218,11 +218,11 @@ def test_numbers_at_rest_come_from_the_model_asked_for():
     """Preload and rate are those of ``valvetrain static --spring multi-mass``; without a model
     those of the rod, as in a run.
     """
-    from valvetrain.runs.static_study import rest_study
+    from valvetrain.runs.statics import static_study
 
     case = parse_case(SMALL)
     told = ("preload", "installed_rate", "mode_1_frequency")
-    static = rest_study(case, ["multi-mass"], modes=12).still[""]
+    static = static_study(case, ["multi-mass"], modes=12).still[""]
     chain = evaluate(point(case, "multi-mass", None, told, rest_model="multi-mass"))
     assert [chain[name] for name in told] == [static[name] for name in told]
     rod = evaluate(point(case, "multi-mass", None, told))
@@ -235,7 +235,7 @@ def test_numbers_at_rest_come_from_the_model_asked_for():
 def test_sizes_of_a_spring_need_no_static_curve(monkeypatch):
     wanted = ("free_length", "solid_height")
     whole = evaluate(point(BEEHIVE, "massless", None, (*wanted, "preload")))
-    monkeypatch.setattr("valvetrain.explore.evaluate.rest_of_spring", None)
+    monkeypatch.setattr("valvetrain.explore.evaluate.spring_statics", None)
     assert evaluate(point(BEEHIVE, "massless", None, wanted)).values == {
         name: whole[name] for name in wanted
     }

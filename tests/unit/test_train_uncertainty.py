@@ -15,14 +15,11 @@ from rich.console import Console
 from valvetrain.cli.answers import show_study
 from valvetrain.parameters.loading import load_case
 from valvetrain.report.json import study_json
-from valvetrain.runs import train_uncertainty as train_uncertainty_module
-from valvetrain.runs import uncertainty as stages
-from valvetrain.runs import uncertainty_file
-from valvetrain.runs.error_bars import CONTACT_FACTORS
+from valvetrain.runs import stored_error_bars
+from valvetrain.runs.error_bars import CONTACT_FACTORS, OWN
 from valvetrain.runs.refine import refined
+from valvetrain.runs.refine_trains import refine_trains
 from valvetrain.runs.run import run_study
-from valvetrain.runs.train_uncertainty import train_uncertainty
-from valvetrain.runs.uncertainty import OWN
 from valvetrain.solution.definition import is_defined
 
 RPM = 2 * np.pi / 60
@@ -41,7 +38,7 @@ def one_variant(label: str):
 @pytest.fixture(scope="module")
 def study():
     told = []
-    found = train_uncertainty(
+    found = refine_trains(
         one_variant("stock, as printed"),
         (3000 * RPM,),
         workers=1,
@@ -83,7 +80,7 @@ def test_rows_hold_the_run_and_cover_the_finer_ones(study):
 
 
 def test_file_of_a_train_says_what_the_study_says(study):
-    rows = uncertainty_file.rows_of(tomllib.loads(uncertainty_file.uncertainty_text(study)))
+    rows = stored_error_bars.rows_of(tomllib.loads(stored_error_bars.uncertainty_text(study)))
     assert [(row.quantity, row.label) for row in rows] == [
         (row.quantity, row.label) for row in study.rows
     ]
@@ -96,7 +93,7 @@ def test_file_of_a_train_says_what_the_study_says(study):
 @pytest.mark.parametrize(("name", "variants"), [("tdi-pushrod", 8), ("vaz-ohc", 8)])
 def test_shipped_files_belong_to_their_case(name, variants):
     case = load_case(name)
-    rows = uncertainty_file.load_uncertainty(case.record())
+    rows = stored_error_bars.load_uncertainty(case.record())
     assert len({row.label for row in rows}) == variants and {row.label for row in rows} <= {
         one.label for one in case.train.variants
     }
@@ -105,7 +102,7 @@ def test_shipped_files_belong_to_their_case(name, variants):
         for row in rows
     )
     assert (
-        uncertainty_file.load_uncertainty(load_case(name, {"train.valve.mass": "33 g"}).record())
+        stored_error_bars.load_uncertainty(load_case(name, {"train.valve.mass": "33 g"}).record())
         == ()
     )
 
@@ -117,7 +114,7 @@ def test_runs_tell_the_bars_of_their_numbers_and_no_others():
     case = load_case("tdi-pushrod")
     own = run_study(case, workers=1)
     told = study_json(own)["uncertainties"]
-    assert len(told) == len(uncertainty_file.load_uncertainty(case.record()))
+    assert len(told) == len(stored_error_bars.load_uncertainty(case.record()))
     assert {one["label"] for one in told} == set(own.labels)
     (stock,) = (
         words
@@ -149,38 +146,32 @@ def test_a_train_refined_by_the_common_way_is_refined_as_a_train():
 def test_a_member_that_cannot_run_is_named_and_the_others_are_refined():
     """A chain that clashes needs a wire; the cards of this train have none."""
     case = load_case("tdi-pushrod", {"train.spring_model": "wave-rod-clash"})
-    found = train_uncertainty(case, [1000 * np.pi / 30], workers=1)
+    found = refine_trains(case, [1000 * np.pi / 30], workers=1)
     assert found.failures and all(
         "wave-rod-clash" in one or "wire" in one for one in found.failures
     )
 
 
-def test_a_train_on_finite_elements_gets_bars_from_two_grids(monkeypatch):
-    """Runs at the usual step and mesh, half the step, 1.5 times the elements: a number that is off
-    by h^2 + e^2 gets three times that.
+def test_a_train_on_finite_elements_gets_bars_from_two_grids():
+    """Half the step and 1.5 times the elements, no third grid: the bar is Roache's three times the
+    two differences over what a second order leaves of them, and the scatter of the cycles.
     """
-    asked = []
-
-    def answer(study, job):
-        asked.append((job.variant, job.step))
-        finer = 1.5 if job.variant == "springs 2" else 1.0
-        return {"clash_energy": 1e-3 + 1e-5 * job.step**2 + 4e-5 / finer**2}, ""
-
-    monkeypatch.setattr(train_uncertainty_module, "_one", answer)
-    monkeypatch.setattr(
-        stages,
-        "map_points",
-        lambda point, study, jobs, *_, **__: [point(study, job) for job in jobs],
-    )
     case = load_case("vaz-ohc")
     variants = tuple(
         one for one in case.train.variants if one.label == "finite elements, lash 0 mm"
     )
-    (row,) = train_uncertainty(
-        case.replace(train=case.train.replace(variants=variants)), workers=1
-    ).rows
-    contacts = [(f"contact {word} {n}", 1.0) for word in ("damping", "stiffness") for n in (1, 2)]
-    assert sorted(asked) == [*contacts, (OWN, 1.0), ("springs 2", 1.0), ("step 2", 0.5)]
-    assert row.numerical == pytest.approx(3 * (1e-5 + 4e-5)) and row.step_part == pytest.approx(
-        3e-5
+    variant = case.replace(train=case.train.replace(variants=variants))
+    found = refine_trains(variant, (2000 * RPM,), workers=2)
+    names = {name.rpartition(", ")[2] for name in found.values}
+    contacts = {f"contact {word} {n}" for word in ("damping", "stiffness") for n in (1, 2)}
+    assert names == {OWN, "springs 2", "step 2", *contacts} and found.rows
+    own, halved, finer = (
+        found.values[f"finite elements, lash 0 mm, {name}"][2000 * RPM]
+        for name in (OWN, "step 2", "springs 2")
     )
+    for row in found.rows:
+        step = 3 * abs(own[row.quantity] - halved[row.quantity]) * 4 / 3
+        mesh = 3 * abs(own[row.quantity] - finer[row.quantity]) * 2.25 / 1.25
+        scatter = own.get(f"cycle_scatter_{row.quantity}", 0.0)
+        assert row.step_part == pytest.approx(step), row.quantity
+        assert row.numerical == pytest.approx(step + mesh + scatter), row.quantity

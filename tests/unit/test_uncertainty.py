@@ -11,16 +11,17 @@ import pytest
 from valvetrain.errors import InputError
 from valvetrain.parameters.case import Case
 from valvetrain.parameters.loading import load_case
-from valvetrain.runs import uncertainty_file
+from valvetrain.runs import stored_error_bars
 from valvetrain.runs.error_bars import (
     DECLARED_ORDER,
     Uncertainty,
     UncertaintyStudy,
+    convergence,
     grid_convergence,
     observed_order,
 )
+from valvetrain.runs.refine import refine_springs
 from valvetrain.runs.run import run_study
-from valvetrain.runs.uncertainty import uncertainty_study
 from valvetrain.solution.definition import is_defined
 from valvetrain.solution.quantity import Quantity
 
@@ -92,7 +93,7 @@ def coarse() -> UncertaintyStudy:
     coil, one cycle.
     """
     case = meshed("job-t", 16)
-    return uncertainty_study(
+    return refine_springs(
         case.replace(operation=replace(case.operation, cycles=1)), (3000 * RPM,), workers=2
     )
 
@@ -153,7 +154,7 @@ def test_stiffer_contact_clashes_harder():
     too.
     """
     told = []
-    study = uncertainty_study(
+    study = refine_springs(
         meshed("gu2021-beehive", 12),
         (8000 * RPM,),
         workers=2,
@@ -176,13 +177,13 @@ def stored(case: Case) -> dict[Quantity, float]:
     """The numbers that were refined, as if a run had given them."""
     return {
         Quantity(row.quantity, row.engine_speed): row.value
-        for row in uncertainty_file.load_uncertainty(case.record())
+        for row in stored_error_bars.load_uncertainty(case.record())
     }
 
 
 def test_shipped_file_belongs_to_its_case_and_to_no_other():
     case = load_case("gu2021-beehive")
-    rows = uncertainty_file.load_uncertainty(case.record())
+    rows = stored_error_bars.load_uncertainty(case.record())
     assert {"preload", "main_clash_below_10_khz_peak_force", "peak_spring_force"} <= {
         row.quantity for row in rows
     }
@@ -190,19 +191,19 @@ def test_shipped_file_belongs_to_its_case_and_to_no_other():
         row.numerical >= 0 and row.contact_stiffness[0] <= row.value <= row.contact_stiffness[1]
         for row in rows
     )
-    assert uncertainty_file.meshes_of(case.record()) == (24, 36, 54)
+    assert stored_error_bars.meshes_of(case.record()) == (24, 36, 54)
     for other in (
         meshed("gu2021-beehive", 30),
         case.replace({"springs.0.precompression": 6.9e-3}),
         case.replace(name="own-spring"),
     ):
         assert (
-            uncertainty_file.load_uncertainty(other.record())
+            stored_error_bars.load_uncertainty(other.record())
             == ()
-            == uncertainty_file.meshes_of(other.record())
+            == stored_error_bars.meshes_of(other.record())
         )
         assert (
-            uncertainty_file.uncertainty_sentences(other.record(), (8000 * RPM,), stored(case))
+            stored_error_bars.uncertainty_sentences(other.record(), (8000 * RPM,), stored(case))
             == ()
         )
 
@@ -210,22 +211,22 @@ def test_shipped_file_belongs_to_its_case_and_to_no_other():
 def test_sentences_speak_of_the_speeds_that_were_run():
     case, speeds = load_case("gu2021-beehive"), np.array([4200, 5600, 8000]) * RPM
     record, numbers = case.record(), stored(case)
-    sentences = uncertainty_file.uncertainty_sentences(record, speeds, numbers)
+    sentences = stored_error_bars.uncertainty_sentences(record, speeds, numbers)
     assert len(sentences) == 3 and all(
         "main clash" in sentence and "24, 36, 54 elements" in sentence for sentence in sentences
     )
-    assert uncertainty_file.uncertainty_sentences(record, speeds[1:2], numbers) == sentences[1:2]
+    assert stored_error_bars.uncertainty_sentences(record, speeds[1:2], numbers) == sentences[1:2]
 
 
 def test_shipped_preload_and_mode_are_those_of_this_version():
     """Fails when rod or case have changed since scripts/write_uncertainty.py was run; run it again
     then.
     """
-    from valvetrain.runs.statics import modal_result
+    from valvetrain.springs.finite_element_statics import modal_result
     from valvetrain.springs.spec import spring_model
 
     case = load_case("gu2021-beehive")
-    rows = {row.quantity: row.value for row in uncertainty_file.load_uncertainty(case.record())}
+    rows = {row.quantity: row.value for row in stored_error_bars.load_uncertainty(case.record())}
     rod = spring_model("finite-element").build(case.springs[0])
     assert rod.installed.retainer_force == pytest.approx(rows["preload"], rel=1e-6)
     assert modal_result(rod).axial_frequencies[0] == pytest.approx(
@@ -234,9 +235,9 @@ def test_shipped_preload_and_mode_are_those_of_this_version():
 
 
 def test_file_says_what_the_study_says(coarse):
-    content = tomllib.loads(uncertainty_file.uncertainty_text(coarse))
+    content = tomllib.loads(stored_error_bars.uncertainty_text(coarse))
     assert content["case"] == {"digest": coarse.record.digest, "elements_per_coil": [16, 24, 36]}
-    rows = uncertainty_file.rows_of(content)
+    rows = stored_error_bars.rows_of(content)
     assert [row.quantity for row in rows] == [row.quantity for row in coarse.rows]
     for read, made in zip(rows, coarse.rows, strict=True):
         assert read.value == pytest.approx(
@@ -245,17 +246,27 @@ def test_file_says_what_the_study_says(coarse):
         assert (read.observed_order is None) == (made.observed_order is None)
 
 
+def test_a_case_without_a_lift_law_is_refused():
+    with pytest.raises(InputError, match="lift_law"):
+        refine_springs(load_case("uniform-spring"))
+
+
 @pytest.mark.parametrize(
-    ("case", "message"), [("uniform-spring", "lift_law"), ("tdi-pushrod", "is a valvetrain")]
+    ("finer", "expected"),
+    [
+        ((10.2, 10.1), None),
+        ((10.2, None), 3 * 0.2 * 1.5**2 / (1.5**2 - 1)),
+        ((None, 10.1), 3 * 0.1 * 2.25**2 / (2.25**2 - 1)),
+    ],
 )
-def test_a_case_that_cannot_be_refined_is_refused(case, message):
-    with pytest.raises(InputError, match=message):
-        uncertainty_study(load_case(case))
-
-
-def test_two_meshes_are_no_series():
-    with pytest.raises(InputError, match="three meshes"):
-        uncertainty_study(load_case("job-t"), refinements=(1.0, 2.0))
+def test_a_missing_mesh_leaves_two_grids_of_their_own_ratio(finer, expected):
+    """Roache's factor of three for two grids; with all three the same as the series of three."""
+    found = convergence(10.0, finer, (1.0, 1.5, 2.25))
+    if expected is None:
+        assert found == grid_convergence((10.0, *finer), (1.0, 1 / 1.5, 1 / 2.25))
+    else:
+        assert found.uncertainty == pytest.approx(expected) and found.observed_order is None
+    assert convergence(10.0, (None, None), (1.0, 1.5, 2.25)) is None
 
 
 def bar(quantity, value, numerical, speed=8000 * RPM, label="", **more):
@@ -295,13 +306,11 @@ TRAIN = {
     "left_out",
     [None, "main_clash_below_20_khz_peak_force", "main_clash_cam_angle", "main_clash_impulse"],
 )
-def test_the_sentence_on_a_clash_tells_every_part_that_is_stored(monkeypatch, left_out):
+def test_the_sentence_on_a_clash_tells_every_part_that_is_stored(left_out):
     """Nine tenths to twelve tenths of the heights over the contact stiffness, as made up here."""
     rows = [bar(name, *CLASH[name][:2]) for name in CLASH if name != left_out]
-    monkeypatch.setattr(uncertainty_file, "rows_that_hold", lambda *_: tuple(rows))
-    monkeypatch.setattr(uncertainty_file, "meshes_of", lambda _: (24, 36))
     parts = "; ".join(words for name, (_, _, words) in CLASH.items() if name != left_out)
-    (sentence,) = uncertainty_file.uncertainty_sentences(None, (4200 * RPM, 8000 * RPM), {})
+    (sentence,) = stored_error_bars.sentences_of(rows, (24, 36), (4200 * RPM, 8000 * RPM))
     assert sentence == (
         f"8000 rpm, main clash of coils 1 and 2, numerical uncertainty from 24, 36 elements per coil: {parts}. Contact stiffness from 0.35 "
         "to 2.5 times the case's moves the height from 720 to 960 N below 10 kHz and from 1080 to 1440 N raw."
@@ -312,7 +321,7 @@ def test_the_sentence_on_a_clash_tells_every_part_that_is_stored(monkeypatch, le
     "coarse", [(), ("peak_cam_contact_force",), ("peak_spring_force", "seating_velocity")]
 )
 def test_the_sentence_on_a_variant_of_a_train_tells_every_number_and_what_large_bars_come_from(
-    monkeypatch, coarse
+    coarse,
 ):
     """A bar of a tenth of its number, of which the step makes a hundredth, is explained; one that
     the step makes is not.
@@ -332,9 +341,7 @@ def test_the_sentence_on_a_variant_of_a_train_tells_every_number_and_what_large_
         bar("peak_spring_force", 900.0, 90.0, 5600 * RPM, "race, multi-mass"),
         bar("preload", 300.0, 1.0, None, "stock, multi-mass"),
     ]
-    monkeypatch.setattr(uncertainty_file, "rows_that_hold", lambda *_: tuple(rows))
-    monkeypatch.setattr(uncertainty_file, "meshes_of", lambda _: ())
-    one, other = uncertainty_file.uncertainty_sentences(None, (5600 * RPM,), {})
+    one, other = stored_error_bars.sentences_of(rows, (), (5600 * RPM,))
     words = {name: told for name, (_, _, told) in TRAIN.items()}
     large = {
         "peak_spring_force": "peak spring force 700 N ± 70 N",

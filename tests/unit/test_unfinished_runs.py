@@ -13,17 +13,15 @@ import pytest
 
 from fault_parts import gone, started
 from unit.cli_parts import SMALL, call, sentence, wait_until
-from valvetrain.cli.runs import state
 from valvetrain.errors import InputError
-from valvetrain.runs.saved_runs import (
+from valvetrain.runs.run_folders import (
     LIST,
-    SavedRun,
-    hold_folder,
-    list_saved_runs,
+    lock_folder,
     mark_unfinished,
+    unfinished_runs,
     whole_lines,
 )
-from valvetrain.runs.unfinished import unfinished_runs
+from valvetrain.runs.saved_runs import SavedRun, list_saved_runs
 from valvetrain.solution.atomic import append_whole
 
 pytestmark = pytest.mark.skipif(
@@ -64,7 +62,7 @@ def test_folders_of_killed_and_of_living_runs_are_told_apart(tmp_path):
     )
     found = unfinished_runs(root=tmp_path)
     os.close(handle)
-    assert [(one.folder, one.finished, one.files, one.goes_on) for one in found] == [
+    assert [(one.folder, one.finished, one.files, one.living) for one in found] == [
         (odd, 1, 0, False),
         (final, 1, 1, False),
         (living, 0, 0, True),
@@ -124,7 +122,7 @@ def test_of_two_begun_at_the_same_moment_the_second_is_refused(command, tmp_path
         "34 mm, 830 N",
     )
     asked = card if command == "spring-card" else (str(tmp_path / "small.toml"),)
-    release = hold_folder(tmp_path / "deep" / "out")
+    release = lock_folder(tmp_path / "deep" / "out")
     said = sentence(call(command, *asked, "--output", str(tmp_path / "deep" / "out")))
     assert (
         "another run writes into folder" in said
@@ -287,4 +285,4 @@ def test_a_run_that_is_killed_is_listed_with_what_it_holds_and_how_to_go_on(tmp_
     ],
 )
 def test_runs_that_were_interrupted_are_told_from_those_that_failed(answer, expected, tmp_path):
-    assert state(SavedRun(tmp_path, answer)) == expected
+    assert SavedRun(tmp_path, answer).state == expected

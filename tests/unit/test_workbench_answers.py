@@ -20,7 +20,7 @@ from valvetrain.report.json import study_json
 from valvetrain.report.page import Cards, Figure, Grid, Motion, Text, _all, render
 from valvetrain.report.plotly_chart import figure
 from valvetrain.report.read_page import PageFigure, PageMotion, PageSentence, PageTable, sections_of
-from valvetrain.runs.saved_runs import Inputs, keep
+from valvetrain.runs.saved_runs import Inputs, save_run
 from valvetrain.workbench.answers import compare, figures, numbers, overlay, saved_study, sections
 from valvetrain.workbench.workspace import Workspace
 from workbench_parts import SMALL
@@ -58,7 +58,7 @@ def runs(study, tmp_path_factory):
             "created_at": "2026-01-01T00:00:00+00:00",
             "files": [path.name for path in (*written.data, written.page)],
         }
-        keep(folder, Inputs("small", f'name = "small"\n{text}'), answer)
+        save_run(folder, Inputs("small", f'name = "small"\n{text}'), answer)
         found.append(workspace.run(f"small/{name}"))
     return found
 

@@ -14,9 +14,7 @@ from valvetrain.explore.plan import read_plan
 from valvetrain.explore.study_file import read_study_file
 from valvetrain.parameters.loading import load_case, parse_case
 from valvetrain.runs.cost import Cost, Limits
-from valvetrain.runs.planned import RunRequest
-from valvetrain.runs.request_cost import request_cost
-from valvetrain.runs.static_cost import rest_cost
+from valvetrain.runs.request_cost import RunRequest, request_cost, static_cost
 from valvetrain.workbench.pages.orders import choices_for, request_of, sets_for
 from valvetrain.workbench.requests import (
     JobRequest,
@@ -105,7 +103,7 @@ def test_a_static_job_costs_what_its_steps_and_modes_cost(kind, options, steps, 
     """24 steps of a curve and 24 modes by default; modes only in a job of modes."""
     request = JobRequest(kind, "one", ("finite-element",), spring_sets=("stock",), options=options)
     case = load_case("job-t")
-    expected = rest_cost(
+    expected = static_cost(
         case, ("finite-element",), spring_sets=("stock",), steps=steps, modes=modes
     )
     assert cost_of(request, case, 3) == expected

@@ -89,8 +89,8 @@ def modes(
     from valvetrain.cli.limits import say_cost
     from valvetrain.cli.outcome import deliver
     from valvetrain.runs.cost import FEWER_AT_REST, read_limits
-    from valvetrain.runs.static_cost import rest_cost
-    from valvetrain.runs.static_study import CURVE_OF_MODES
+    from valvetrain.runs.request_cost import static_cost
+    from valvetrain.runs.statics import CURVE_OF_MODES
 
     chosen = choose_case(case, settings, elements_per_coil)
     read_count(count, 1, MAX_COUNTED, "--count")
@@ -113,7 +113,7 @@ def modes(
     state = read_length(compression, "--compression")
     models, sets = read_models(spring), read_names(spring_set)
     say_cost(
-        rest_cost(chosen, models, spring_sets=sets, steps=CURVE_OF_MODES, modes=count),
+        static_cost(chosen, models, spring_sets=sets, steps=CURVE_OF_MODES, modes=count),
         read_limits(limit),
         FEWER_AT_REST,
     )
@@ -138,12 +138,12 @@ def compute_modes(
     from valvetrain.cli.progress import announce_compilation, progress_bar
     from valvetrain.cli.static import kept
     from valvetrain.report.json import study_json
-    from valvetrain.runs.static_study import rest_study
-    from valvetrain.runs.train_modes import train_modes
+    from valvetrain.runs.statics import static_study
+    from valvetrain.runs.train_runs import train_modes
 
     announce_compilation("statics")
     with progress_bar("modes") as report:
-        study = rest_study(
+        study = static_study(
             case,
             spring_models,
             spring_sets=spring_sets,
@@ -196,7 +196,7 @@ def _object(modes: TrainModes, count: int) -> dict[str, Any]:
 def _show_train(console: Console, modes: TrainModes, count: int) -> None:
     from valvetrain.cli.outcome import plain_table
     from valvetrain.parameters.summary import number
-    from valvetrain.runs.train_modes import STATES
+    from valvetrain.runs.train_runs import STATES
 
     names = [
         (str(place + 1), number(float(one), 5), modes.moving(place))

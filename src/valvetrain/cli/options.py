@@ -117,11 +117,11 @@ def take_folder(output: Path | None, resumes: str = "") -> None:
 
     Raises :class:`InputError` for a folder that cannot be used or that another run writes into.
     """
-    from valvetrain.runs.saved_runs import ROOT, check_folder, hold_folder
+    from valvetrain.runs.run_folders import ROOT, check_folder, lock_folder
 
-    check_folder(output or ROOT, kept=output is None, resumes=resumes)
+    check_folder(output or ROOT, home=output is None, resumes=resumes)
     if output is not None:
-        at_end(hold_folder(output))
+        at_end(lock_folder(output))
 
 
 OutputOption = Annotated[

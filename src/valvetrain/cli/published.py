@@ -150,7 +150,7 @@ class ErrorBars:
     @classmethod
     def of(cls, study: Study) -> ErrorBars:
         """Those of the numbers that this study computed."""
-        from valvetrain.runs.uncertainty_file import fresh_uncertainty
+        from valvetrain.runs.stored_error_bars import fresh_uncertainty
 
         rows: dict[str, list[Uncertainty]] = {}
         for row in fresh_uncertainty(study):

@@ -112,8 +112,8 @@ def refine(
 def _refined(request: RefineRequest) -> tuple[UncertaintyStudy, bool]:
     """The study, and whether it was stopped."""
     from valvetrain.cli.progress import announce_compilation, progress_bar
+    from valvetrain.runs.error_bars import RefinementStopped
     from valvetrain.runs.refine import refined
-    from valvetrain.runs.stopping import RefinementStopped
 
     case = request.case
     announce_compilation(*(("train",) if case.train is not None else ("statics", "transient")))
@@ -179,6 +179,7 @@ def _kept(request: RefineRequest, study: UncertaintyStudy, stopped: bool) -> Out
 def _show(console: Console, study: UncertaintyStudy, page: str) -> None:
     from valvetrain.cli.outcome import plain_table, shown_text
     from valvetrain.report.text import speed_text
+    from valvetrain.runs.error_bars import grouped
     from valvetrain.solution.definition import label_of
 
     console.print(study.record.title or study.record.name)
@@ -198,12 +199,11 @@ def _show(console: Console, study: UncertaintyStudy, page: str) -> None:
         "contact stiffness",
         "contact damping",
     )
-    for speed, label in dict.fromkeys((row.engine_speed, row.label) for row in study.rows):
+    for (speed, label), group in grouped(study.rows).items():
         rows = []
-        for row in (row for row in study.rows if (row.engine_speed, row.label) == (speed, label)):
+        for row in group:
             name = row.quantity
-            trusted = row.observed_order is not None and row.observed_order >= 0.5
-            order = f"{row.observed_order:.1f}" if trusted else "–"
+            order = "–" if row.trusted_order is None else f"{row.trusted_order:.1f}"
             ranges = [
                 " to ".join(dict.fromkeys(shown_text(name, value, 4)[0] for value in values))
                 for values in (row.contact_stiffness, row.contact_damping)

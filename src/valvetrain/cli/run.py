@@ -103,7 +103,7 @@ def sweep(
     from valvetrain.cli.limits import refuse_beyond
     from valvetrain.cli.progress import announce_compilation
     from valvetrain.runs.critical_speeds import read_options
-    from valvetrain.runs.sweep import sweep_study
+    from valvetrain.runs.run import sweep_study
 
     critical = read_options(resolution, float_lift, bounce_height)
     first, last, step = DEFAULT

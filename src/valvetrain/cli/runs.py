@@ -13,17 +13,13 @@ if TYPE_CHECKING:
     from rich.console import Console
 
     from valvetrain.runs.differences import ResultDifference
+    from valvetrain.runs.run_folders import UnfinishedFolder
     from valvetrain.runs.saved_runs import SavedRun
-    from valvetrain.runs.unfinished import UnfinishedFolder
 
 
 RootOption = Annotated[
     Path, typer.Option("--folder", metavar="FOLDER", help="Folder that runs are kept in.")
 ]
-#: Numbers that stand for a run in the list: the first of them that it has, the largest where it has
-#: several.
-HEADLINES = ("peak_spring_force", "peak_retainer_force", "float_engine_speed", "preload")
-
 #: Rows printed; --json has them all.
 RUNS_MAX_ROWS = 15
 
@@ -46,8 +42,8 @@ def runs(
 ) -> None:
     """List the runs that were kept, newest first, and those that were begun and not finished."""
     from valvetrain.cli.outcome import Outcome, deliver
+    from valvetrain.runs.run_folders import unfinished_runs
     from valvetrain.runs.saved_runs import list_saved_runs
-    from valvetrain.runs.unfinished import unfinished_runs
 
     found, begun = list_saved_runs(case or "", folder), unfinished_runs(case or "", folder)
     data = {
@@ -66,17 +62,16 @@ def runs(
 
 
 def _run_object(run: SavedRun) -> dict[str, Any]:
-    choices = run.answer.get("choices", {})
     return {
         "created_at": run.created_at,
         "case": run.case,
         "digest": run.digest,
         "asked": run.answer.get("command"),
-        "spring_models": choices.get("spring_models", []),
-        "engine_speeds": {"values": choices.get("engine_speeds", []), "unit": "rpm"},
+        "spring_models": run.choices.get("spring_models", []),
+        "engine_speeds": {"values": run.choices.get("engine_speeds", []), "unit": "rpm"},
         "completed": run.answer.get("completed"),
-        "state": state(run),
-        "headline": headline(run.answer),
+        "state": run.state,
+        "headline": run.headline,
         "folder": str(run.folder),
     }
 
@@ -85,41 +80,11 @@ def _unfinished_object(one: UnfinishedFolder) -> dict[str, Any]:
     return {
         "created_at": one.created_at,
         "case": one.case,
-        "state": "going on" if one.goes_on else "killed",
+        "state": "going on" if one.living else "killed",
         "finished_runs": one.finished,
         "command_line": list(one.command_line),
         "folder": str(one.folder),
     }
-
-
-def state(run: SavedRun) -> str:
-    """How a kept run ended: ``completed``, ``failed`` or, by a signal, ``interrupted``."""
-    if run.answer.get("completed"):
-        return "completed"
-    runs, failures = run.answer.get("runs", ()), run.answer.get("failures", ())
-    codes = [one["status"].get("code") for one in runs if isinstance(one.get("status"), dict)]
-    told = isinstance(failures, list) and any(
-        isinstance(words, str) and words.startswith("interrupted") for words in failures
-    )
-    return "interrupted" if told or "interrupted" in codes else "failed"
-
-
-def headline(answer: Any) -> dict[str, Any] | None:
-    """The number that stands for a run: ``quantity``, ``value`` and ``unit`` (SI); None where it
-    has none of :data:`HEADLINES`.
-    """
-    still = (answer.get("quantities", {}), *answer.get("quantities_by_label", {}).values())
-    sets = (*(run.get("quantities", {}) for run in answer.get("runs", ())), *still)
-    for name in HEADLINES:
-        values = [
-            found[name]
-            for found in sets
-            if isinstance(found, dict) and isinstance(found.get(name), dict)
-        ]
-        values = [item for item in values if isinstance(item.get("value"), (int, float))]
-        if values:
-            return {"quantity": name, **max(values, key=lambda item: item["value"])}
-    return None
 
 
 def _show(console: Console, found: tuple[SavedRun, ...], folder: Path) -> None:
@@ -130,7 +95,7 @@ def _show(console: Console, found: tuple[SavedRun, ...], folder: Path) -> None:
         console.print(f"no runs under '{folder}'; 'valvetrain run CASE' makes one")
         return
     named = dict.fromkeys(
-        best["quantity"] for run in found[:RUNS_MAX_ROWS] if (best := headline(run.answer))
+        best["quantity"] for run in found[:RUNS_MAX_ROWS] if (best := run.headline)
     )
     alone = label_of(next(iter(named))) if len(named) == 1 else ""
     headers = (
@@ -160,8 +125,8 @@ def _row(run: SavedRun, named: bool) -> tuple[str, ...]:
     from valvetrain.parameters.summary import number
     from valvetrain.solution.definition import label_of, shown
 
-    choices, best = run.answer.get("choices", {}), headline(run.answer)
-    speeds = choices.get("engine_speeds", [])
+    best = run.headline
+    speeds = run.engine_speeds
     words = (
         "–"
         if not speeds
@@ -169,7 +134,7 @@ def _row(run: SavedRun, named: bool) -> tuple[str, ...]:
         if len(speeds) == 1
         else f"{speeds[0]:g}–{speeds[-1]:g} ({len(speeds)})"
     )
-    models = choices.get("spring_models", [])
+    models = run.spring_models
     told = ""
     if best is not None:
         value, unit = shown(best["quantity"], best["value"])
@@ -178,27 +143,27 @@ def _row(run: SavedRun, named: bool) -> tuple[str, ...]:
         run.created_at[5:16].replace("T", " "),
         run.case,
         run.digest,
-        str(run.answer.get("command", "")),
+        run.command,
         ",\n".join(models[:2]) + (f" +{len(models) - 2}" if len(models) > 2 else ""),
         words,
-        "" if (ended := state(run)) == "completed" else ended,
+        "" if (ended := run.state) == "completed" else ended,
         told,
     )
 
 
 def _show_unfinished(console: Console, begun: tuple[UnfinishedFolder, ...]) -> None:
-    from valvetrain.runs.saved_runs import LIST
+    from valvetrain.runs.run_folders import LIST
 
     console.print(
         f"\nbegun and not finished{f', the newest {RUNS_MAX_ROWS} of {len(begun)}' if len(begun) > RUNS_MAX_ROWS else ''}:"
     )
     for one in begun[:RUNS_MAX_ROWS]:
-        when, how = one.created_at[5:16].replace("T", " "), "goes on" if one.goes_on else "killed"
+        when, how = one.created_at[5:16].replace("T", " "), "goes on" if one.living else "killed"
         holds = f"{one.finished} finished run{'' if one.finished == 1 else 's'}, {one.files} file{'' if one.files == 1 else 's'}"
         console.print(f"  {when}  {one.case}, {how}: {holds} in '{one.folder}'", soft_wrap=True)
-        if not one.goes_on and one.command:
+        if not one.living and one.command:
             console.print(f"    again from its begin: {one.command}", soft_wrap=True)
-    if any(not one.goes_on for one in begun):
+    if any(not one.living for one in begun):
         kept = (
             f"numbers of finished runs stand in '{LIST}', their channels in run-0001.nc and so on"
         )

@@ -160,7 +160,7 @@ def static(
     from valvetrain.cli.limits import say_cost
     from valvetrain.cli.outcome import deliver
     from valvetrain.runs.cost import FEWER_AT_REST, read_limits
-    from valvetrain.runs.static_cost import rest_cost
+    from valvetrain.runs.request_cost import static_cost
     from valvetrain.solution.atomic import check_target
 
     chosen, largest = choose_case(case, settings, elements_per_coil), read_length(to, "--to")
@@ -172,7 +172,7 @@ def static(
         read_amounts(load, "force", "--load"),
     )
     models, sets = read_models(spring), read_names(spring_set)
-    cost = rest_cost(
+    cost = static_cost(
         chosen, models, spring_sets=sets, steps=steps, heights=len(heights), loads=len(loads)
     )
     say_cost(cost, read_limits(limit), FEWER_AT_REST)
@@ -201,12 +201,12 @@ def compute_static(
     from valvetrain.cli.outcome import Outcome
     from valvetrain.cli.progress import announce_compilation, progress_bar
     from valvetrain.report.json import study_json
-    from valvetrain.runs.static_study import rest_study
+    from valvetrain.runs.statics import static_study
     from valvetrain.solution.atomic import write_text
 
     announce_compilation("statics")
     with progress_bar("static curve") as report:
-        study = rest_study(
+        study = static_study(
             case,
             spring_models,
             spring_sets=spring_sets,

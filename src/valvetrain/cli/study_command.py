@@ -43,7 +43,7 @@ from valvetrain.cli.options import (
 )
 from valvetrain.cli.outcome import complain
 from valvetrain.errors import InputError
-from valvetrain.runs.saved_answer import ANSWER
+from valvetrain.runs.run_folders import ANSWER
 
 if TYPE_CHECKING:
     from valvetrain.cli.outcome import Outcome
@@ -51,7 +51,7 @@ if TYPE_CHECKING:
     from valvetrain.parameters.case import Case
     from valvetrain.report.unfinished import UnfinishedRun
     from valvetrain.runs.cost import Limits
-    from valvetrain.runs.run import Finished
+    from valvetrain.runs.train_runs import Finished
     from valvetrain.solution.partial_failures import PartialFailures
     from valvetrain.solution.provenance import Provenance
     from valvetrain.solution.study import Study
@@ -271,7 +271,7 @@ def answer_study(
     from valvetrain.cli.outcome import deliver
     from valvetrain.cli.progress import progress_bar
     from valvetrain.report.unfinished import UnfinishedRun
-    from valvetrain.runs.saved_runs import unfinished_folder
+    from valvetrain.runs.run_folders import unfinished_folder
     from valvetrain.runs.stopping import StudyStopped
 
     begun = ("valvetrain", *sys.argv[1:])
@@ -386,15 +386,13 @@ def keep_run(
     on. The folder, and the paths of all files in it; parts that fail are named in ``gaps``.
     """
     from valvetrain.cli.outcome import plain
-    from valvetrain.runs.saved_runs import (
-        Inputs,
-        collect_inputs,
+    from valvetrain.runs.run_folders import (
         finish_folder,
-        keep,
         link_latest,
         new_folder,
         remove_unfinished,
     )
+    from valvetrain.runs.saved_runs import Inputs, collect_inputs, save_run
     from valvetrain.solution.partial_failures import PartialFailures
     from valvetrain.solution.provenance import collect_provenance
 
@@ -410,10 +408,16 @@ def keep_run(
             missing.part("what a killed run left in the folder", None, remove_unfinished, folder)
     elif unfinished is not None:
         folder = missing.part(
-            "folder of the run", unfinished, finish_folder, unfinished, inputs, request.created_at
+            "folder of the run",
+            unfinished,
+            finish_folder,
+            unfinished,
+            inputs.case,
+            inputs.digest,
+            request.created_at,
         )
     else:
-        folder = new_folder(inputs, request.created_at)
+        folder = new_folder(inputs.case, inputs.digest, request.created_at)
     written = [path.relative_to(folder).as_posix() for path in write(folder)]
     origin = made_by or collect_provenance(request.case.name, "")
     answer = plain(data) | {
@@ -426,7 +430,9 @@ def keep_run(
             **origin.dependencies,
         },
     }
-    kept = missing.part(f"file '{ANSWER}' could not be written", None, keep, folder, inputs, answer)
+    kept = missing.part(
+        f"file '{ANSWER}' could not be written", None, save_run, folder, inputs, answer
+    )
     if kept is None:
         return folder, [str(folder / name) for name in written]
     if request.output is None:

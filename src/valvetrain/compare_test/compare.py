@@ -41,7 +41,7 @@ from valvetrain.parameters.loading import AnyCase, case_of
 from valvetrain.quantities.signal import WINDOWS, window_bounds
 from valvetrain.quantities.traces import Active, trace_of
 from valvetrain.runs.api import simulate
-from valvetrain.runs.engine import Progress
+from valvetrain.runs.workers import Progress
 from valvetrain.solution.display import table
 from valvetrain.solution.quantity import same_speed
 from valvetrain.solution.result import Solution

@@ -18,8 +18,7 @@ from valvetrain.explore.measure import Ask, Measure, Measured, measuring
 from valvetrain.explore.plan import Array, Run, StudyPlan
 from valvetrain.explore.point import Outcome
 from valvetrain.explore.store import PointStore
-from valvetrain.runs.engine import LOST, LOST_REMEDY
-from valvetrain.runs.workers import Lost, StandingPool
+from valvetrain.runs.workers import LOST, LOST_REMEDY, Lost, StandingPool
 from valvetrain.solution.status import Status
 
 #: (which plan, values, run) of a point for a worker.

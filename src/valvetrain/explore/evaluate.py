@@ -18,7 +18,6 @@ from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.parameters.lift_law import LiftLawParameters
 from valvetrain.quantities.design import design_quantities, size_quantities
 from valvetrain.quantities.statics import buckling_quantities, rest_quantities
-from valvetrain.runs.engine import LOST, LOST_REMEDY, map_points
 from valvetrain.runs.notes import refuse_implausible, refuse_speeds
 from valvetrain.runs.prepared import (
     FAILURES,
@@ -28,8 +27,9 @@ from valvetrain.runs.prepared import (
     prepare,
     provenance_of,
 )
-from valvetrain.runs.run import ready_trains, rest_of_spring, rigid_numbers, train_point
-from valvetrain.runs.statics import reach_of, rest_by_model
+from valvetrain.runs.statics import reach_of, spring_statics, statics_by_model
+from valvetrain.runs.train_runs import prepare_trains, rigid_numbers, train_point
+from valvetrain.runs.workers import LOST, LOST_REMEDY, map_points
 from valvetrain.solution.partial_failures import PartialFailures, reason
 from valvetrain.solution.result import Solution
 from valvetrain.solution.static import SpringAtRest
@@ -114,7 +114,7 @@ def _spring(
         wanted.rest and not wanted.rest_model and not wanted.sizes_alone
     )
     rest: Rest = (
-        {spring: rest_of_spring(problem, spring, lift) for spring in member.springs}
+        {spring: spring_statics(problem, spring, lift) for spring in member.springs}
         if by_rod
         else {}
     )
@@ -169,7 +169,7 @@ def _by_model(problem: Problem, spring: InstalledSpring, word: str, lift: float)
         else spring.precompression + max(1.06 * lift, 0.2 * spring.precompression)
     )
     model: SpringModel = problem.model_of(word, spring)
-    return rest_by_model(spring, word, model, np.linspace(0.0, reach, CURVE_STEPS + 1), MODES)
+    return statics_by_model(spring, word, model, np.linspace(0.0, reach, CURVE_STEPS + 1), MODES)
 
 
 def _train(
@@ -183,7 +183,7 @@ def _train(
     gaps = PartialFailures()
     speeds = (engine_speed,) if engine_speed is not None else problem.engine_speeds
     if engine_speed is not None or wanted.rigid:
-        ready, _ = ready_trains(problem, speeds, gaps)
+        ready, _ = prepare_trains(problem, speeds, gaps)
     if engine_speed is not None:
         plan = Plan("all", None, True, problem.cycles, problem.cycles_to_settle)
         solution: Solution = train_point((problem, ready, plan), (0, engine_speed))
@@ -197,7 +197,7 @@ def _train(
         values |= _still(
             problem,
             member,
-            {spring: rest_of_spring(problem, spring, lift) for spring in member.springs},
+            {spring: spring_statics(problem, spring, lift) for spring in member.springs},
             lift,
             wanted,
         )

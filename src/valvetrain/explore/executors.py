@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from typing import Any, Protocol
 
 from valvetrain.errors import InputError, MissingExtraError
-from valvetrain.runs.stopping import look
+from valvetrain.runs.stopping import check_stop
 from valvetrain.runs.workers import Lost, in_processes, one_thread
 
 Function = Callable[[Any, Any], Any]
@@ -62,7 +62,7 @@ class LocalExecutor:
             return
         with one_thread():
             for place, job in enumerate(jobs):
-                look()
+                check_stop()
                 yield place, function(shared, job)
 
     def close(self) -> None:
@@ -148,7 +148,7 @@ class DaskExecutor:
         del futures
         try:
             for future in coming:
-                look()
+                check_stop()
                 place = places.pop(future.key)
                 error = future.exception() if future.status == "error" else None
                 if error is not None and type(error).__name__ != "KilledWorker":

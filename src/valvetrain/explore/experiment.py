@@ -21,11 +21,9 @@ from valvetrain.explore.point import Outcome
 from valvetrain.explore.store import PointStore
 from valvetrain.explore.table import StudyTable
 from valvetrain.runs.cost import Cost, Limits, refuse_cost
-from valvetrain.runs.engine import LOST, LOST_REMEDY, Progress
-from valvetrain.runs.planned import RunRequest
-from valvetrain.runs.request_cost import REST, request_cost
+from valvetrain.runs.request_cost import REST, RunRequest, request_cost
 from valvetrain.runs.stopping import Stopped
-from valvetrain.runs.workers import Lost
+from valvetrain.runs.workers import LOST, LOST_REMEDY, Lost, Progress
 from valvetrain.solution.status import Status
 
 #: Jobs that are handed out at a time, so that neither memory nor the wait for any of them grows

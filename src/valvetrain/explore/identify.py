@@ -26,8 +26,7 @@ from valvetrain.explore.store import versions_digest
 from valvetrain.parameters.changes import nearest
 from valvetrain.registry import find
 from valvetrain.runs.cost import Cost, Limits, read_limits, refuse_cost
-from valvetrain.runs.engine import available_cores
-from valvetrain.runs.workers import StandingPool
+from valvetrain.runs.workers import StandingPool, available_cores
 
 Array = NDArray[np.float64]
 #: Points of the priors that are tried until one can be computed; bytes of a point that is kept and

@@ -70,7 +70,7 @@ def identify(
     from valvetrain.explore.identification_file import read_request
     from valvetrain.explore.solve import NAME
     from valvetrain.runs.cost import read_limits
-    from valvetrain.runs.saved_runs import ROOT, safe_name
+    from valvetrain.runs.run_folders import ROOT, safe_name
 
     take_folder(output, NAME)
     request = read_request(file)

@@ -21,11 +21,10 @@ from valvetrain.explore.posterior import Outcome
 from valvetrain.explore.space import Varied
 from valvetrain.parameters.case import Case
 from valvetrain.parameters.installed_spring import InstalledSpring
-from valvetrain.runs.engine import LOST, LOST_REMEDY
 from valvetrain.runs.prepared import FAILURES
 from valvetrain.runs.run import run_study
 from valvetrain.runs.statics import axial_frequencies, force_of
-from valvetrain.runs.workers import Lost, StandingPool
+from valvetrain.runs.workers import LOST, LOST_REMEDY, Lost, StandingPool
 from valvetrain.solution.result import Solution
 from valvetrain.springs.spec import spring_model
 from valvetrain.system.build import build

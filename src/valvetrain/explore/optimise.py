@@ -10,7 +10,7 @@ from valvetrain.explore.optimum import Optimum
 from valvetrain.explore.optimum_file import OptimumText, read_optimum_file
 from valvetrain.explore.search import run_search
 from valvetrain.runs.cost import limits_of
-from valvetrain.runs.engine import Progress, available_cores
+from valvetrain.runs.workers import Progress, available_cores
 
 
 def optimise(

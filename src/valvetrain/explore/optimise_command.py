@@ -65,7 +65,7 @@ def optimise(
     from valvetrain.explore.optimum_file import read_optimum_file
     from valvetrain.explore.search import FEWER, estimate_search
     from valvetrain.runs.cost import read_limits, refuse_cost
-    from valvetrain.runs.saved_runs import safe_name
+    from valvetrain.runs.run_folders import safe_name
 
     limits, count = read_limits(limit), read_workers(workers)
     plan = read_optimum(read_optimum_file(file))

@@ -29,8 +29,8 @@ from valvetrain.explore.searchers import (
 )
 from valvetrain.explore.space import Uniform
 from valvetrain.runs.cost import Cost, Limits, refuse_cost
-from valvetrain.runs.engine import Progress
 from valvetrain.runs.stopping import Stopped
+from valvetrain.runs.workers import Progress
 
 Array = np.ndarray[tuple[int], np.dtype[np.float64]]
 Look = Callable[[Array], Trial]

@@ -16,7 +16,7 @@ from valvetrain.explore.sensitivity import sensitivity_of, surrogate_of
 from valvetrain.explore.study_file import StudyText, read_study_file
 from valvetrain.explore.table import Array, StudyTable
 from valvetrain.runs.cost import Limits, read_limits
-from valvetrain.runs.engine import Progress, available_cores
+from valvetrain.runs.workers import Progress, available_cores
 
 
 def study(

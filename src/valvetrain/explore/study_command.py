@@ -64,7 +64,7 @@ def study(
     from valvetrain.explore.plan import read_plan
     from valvetrain.explore.study_file import read_study_file
     from valvetrain.runs.cost import read_limits, refuse_cost
-    from valvetrain.runs.saved_runs import safe_name
+    from valvetrain.runs.run_folders import safe_name
 
     limits, count = read_limits(limit), read_workers(workers)
     plan = read_plan(read_study_file(file))

@@ -16,9 +16,8 @@ from valvetrain.parameters.case import Case
 from valvetrain.parameters.loading import AnyCase, case_of
 from valvetrain.runs.api import Speeds, simulate, sweep
 from valvetrain.runs.cost import Cost, limits_of, refuse_cost
-from valvetrain.runs.engine import Progress, map_points, worker_count
-from valvetrain.runs.planned import RunRequest
-from valvetrain.runs.request_cost import request_cost
+from valvetrain.runs.request_cost import RunRequest, request_cost
+from valvetrain.runs.workers import Progress, map_points, worker_count
 from valvetrain.solution.critical import KINDS
 from valvetrain.solution.study import Study
 from valvetrain.units import si_speeds

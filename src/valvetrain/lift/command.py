@@ -310,7 +310,7 @@ def _carried(request: _Request, lobe: LobeResult) -> LiftBandStudy | None:
     from valvetrain.lift.band import FEWER_LAWS, band_cost, lift_band_study
     from valvetrain.lift.page import lift_parameters
     from valvetrain.parameters.loading import load_case
-    from valvetrain.runs.planned import RunRequest
+    from valvetrain.runs.request_cost import RunRequest
 
     case = load_case(request.case_name)
     if case.lift_law is not None and case.lift_law.lift_of != lobe.measured.lift_of:

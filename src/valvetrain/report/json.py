@@ -12,7 +12,7 @@ import numpy as np
 
 from valvetrain.errors import InputError
 from valvetrain.report.text import rpm
-from valvetrain.runs.uncertainty_file import fresh_uncertainty
+from valvetrain.runs.stored_error_bars import fresh_uncertainty
 from valvetrain.solution.comparison import Comparison
 from valvetrain.solution.critical import CriticalSpeed, Crossing, SpeedBracket
 from valvetrain.solution.definition import definition_of

@@ -45,7 +45,7 @@ def critical_rows(study: Study, labels: Sequence[str]) -> list[CriticalRow]:
     for kind, name in KINDS.items():
         found = [study.critical_speeds.of(kind, label) for label in labels]
         words = label_of(name)
-        main = tuple(NOT_COMPUTED if one is None else one.words for one in found)
+        main = tuple(NOT_COMPUTED if one is None else one.text for one in found)
         rows.append(CriticalRow(name, words[:1].upper() + words[1:], main, True))
         for text, cell in (
             ("until", _until),
@@ -115,7 +115,7 @@ def reach_rows(found: FidelityMap) -> list[ReachRow]:
     rows = []
     for name in found.quantities:
         words = label_of(name)
-        cells = tuple(found.reach(name, model).words for model in found.models)
+        cells = tuple(found.reach(name, model).text for model in found.models)
         rows.append(ReachRow(name, words[:1].upper() + words[1:], cells, found.cheapest(name)))
     return rows
 
@@ -172,7 +172,7 @@ def fidelity_notes(found: FidelityMap) -> tuple[str, ...]:
     notes = [
         f"Good enough: within {share(found.tolerance)} of the largest value of {found.reference} over {min(speeds):.6g} to "
         f"{max(speeds):.6g} rpm ({sizes}), the numerical error of both included; open: the error bars leave it undecided; "
-        "not told: the model does not know it.",
+        "missing: the model does not give it.",
         "The bars are the change that 1.5 times as many elements, masses or modes make, with the safety factor of two grids."
         + (
             f" Without such a division, and so without a bar of their own: {', '.join(undivided)}."

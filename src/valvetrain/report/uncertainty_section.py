@@ -16,6 +16,7 @@ from valvetrain.runs.error_bars import (
     Range,
     Uncertainty,
     UncertaintyStudy,
+    grouped,
 )
 from valvetrain.solution.definition import label_of
 from valvetrain.solution.display import SHOWN_UNITS
@@ -46,16 +47,13 @@ def lead(meshes: Sequence[int]) -> str:
 def uncertainty_grid(rows: Sequence[Uncertainty]) -> Grid:
     """One line per quantity, grouped by engine speed and variant."""
     lines: list[tuple[tuple[Cell, ...], tuple[str, ...]]] = []
-    for speed, label in dict.fromkeys((row.engine_speed, row.label) for row in rows):
-        words = (
+    for (speed, label), group in grouped(rows).items():
+        heading = (
             "Statics and modes"
             if speed is None
             else f"Engine speed {speed_text(speed)}{f', {label}' if label else ''}"
         )
-        lines.append(((Cell(words),), ()))
-        lines += [
-            (_cells(row), ()) for row in rows if (row.engine_speed, row.label) == (speed, label)
-        ]
+        lines += [((Cell(heading),), ()), *((_cells(row), ()) for row in group)]
     stiffness, damping = (
         (CONTACT_FACTORS,) * 2
         if any(row.label for row in rows)
@@ -177,11 +175,7 @@ def _cells(row: Uncertainty) -> tuple[Cell, ...]:
     share = (
         "" if unit == "rad" or row.value == 0 else f"{100 * row.numerical / abs(row.value):.2g} %"
     )
-    order = (
-        "–"
-        if row.observed_order is None or row.observed_order < 0.5
-        else f"{row.observed_order:.1f}"
-    )
+    order = "–" if row.trusted_order is None else f"{row.trusted_order:.1f}"
 
     def between(values: Range) -> str:
         low, high = (number(value * factor, 5) for value in values)

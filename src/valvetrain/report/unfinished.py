@@ -12,8 +12,8 @@ from pathlib import Path
 from typing import Any
 
 from valvetrain.report.json import engine_speed_object, quantities_object, status_object
-from valvetrain.runs.saved_runs import LIST as saved_runs_LIST
-from valvetrain.runs.saved_runs import mark_unfinished
+from valvetrain.runs.run_folders import LIST as RUNS_LIST
+from valvetrain.runs.run_folders import mark_unfinished
 from valvetrain.solution.atomic import append_whole, write_text
 from valvetrain.solution.netcdf import save_netcdf
 from valvetrain.solution.partial_failures import PartialFailures
@@ -58,7 +58,7 @@ class UnfinishedRun:
             return
         for _, name in self._files.values():
             (self.folder / name).unlink(missing_ok=True)
-        (self.folder / saved_runs_LIST).unlink(missing_ok=True)
+        (self.folder / RUNS_LIST).unlink(missing_ok=True)
         os.close(self._handle)
         self._handle = None
 

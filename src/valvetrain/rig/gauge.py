@@ -11,8 +11,14 @@ from numpy.typing import NDArray
 from valvetrain.errors import InputError
 from valvetrain.measured.sensor import Sensor, SensorResponse
 from valvetrain.parameters.loading import AnyCase
-from valvetrain.runs.prepared import Plan, PreparedRun, integrate_point, prepare, provenance_of
-from valvetrain.runs.run import member_rest, ready_trains
+from valvetrain.runs.prepared import (
+    Plan,
+    PreparedRun,
+    integrate_point,
+    prepare,
+    provenance_of,
+)
+from valvetrain.runs.train_runs import member_statics, prepare_trains
 from valvetrain.solution.partial_failures import PartialFailures
 from valvetrain.solution.result import Solution
 from valvetrain.system.build import build
@@ -172,10 +178,10 @@ def case_response(
         raise InputError("the case names no engine speed; give one", "--engine-speed")
     prepared: tuple[PreparedRun, ...]
     if problem.kind == TRAIN:
-        prepared = ready_trains(problem, speeds, PartialFailures())[0]
+        prepared = prepare_trains(problem, speeds, PartialFailures())[0]
     else:
         prepared = tuple(
-            prepare(problem, member, member_rest(problem, member), problem.record.study)
+            prepare(problem, member, member_statics(problem, member), problem.record.study)
             for member in problem.members
         )
 

@@ -1,5 +1,5 @@
-"""What a program calls: simulate, compare, sweep, static_curve. Speeds and cases in the forms
-people write them.
+"""Functions for programs: simulate, compare, sweep, critical_speeds, static_curve, with units in
+their arguments.
 """
 
 from __future__ import annotations
@@ -16,15 +16,11 @@ from valvetrain.parameters.spring import SpringDefinition
 from valvetrain.runs.compare import compare_study
 from valvetrain.runs.cost import FEWER_AT_REST, Limits, limits_of, refuse_cost
 from valvetrain.runs.critical_speeds import read_options
-from valvetrain.runs.engine import Progress, worker_count
-from valvetrain.runs.notes import largest_lift
-from valvetrain.runs.planned import RunRequest
-from valvetrain.runs.request_cost import request_cost
-from valvetrain.runs.run import run_study
-from valvetrain.runs.static_cost import spring_cost
-from valvetrain.runs.static_study import curve_by_model
-from valvetrain.runs.statics import STEPS
-from valvetrain.runs.sweep import sweep_study
+from valvetrain.runs.prepared import largest_lift
+from valvetrain.runs.request_cost import RunRequest, request_cost, spring_cost
+from valvetrain.runs.run import run_study, sweep_study
+from valvetrain.runs.statics import STEPS, curve_by_model
+from valvetrain.runs.workers import Progress, worker_count
 from valvetrain.solution.critical import CriticalSpeeds
 from valvetrain.solution.static import StaticCurve
 from valvetrain.solution.study import Study
@@ -47,19 +43,17 @@ def simulate(
     limit: str = "",
     implausible: bool = False,
 ) -> Study:
-    """Run a case at its engine speeds, or at those given, by its variants or by the spring models
-    asked for.
+    """Run a case at its engine speeds, or at given ones, by its variants or by given spring models.
 
     Parameters
     ----------
     case : Case, name of a library case, or path of a case file
     engine_speeds : speeds of the crank, "4200 rpm", rad/s or pint quantities; the case's own by
         default
-    spring_models : words of spring models, such as "multi-mass"; the case's own or the usual ones
-        by default
+    spring_models : names of spring models, such as "multi-mass"; the case's own or the default ones by default
     spring_sets : names of spring sets of a train
     workers : runs at a time; results do not depend on it
-    progress : told the share done and what was done
+    progress : called with the share done and a text
     limit : largest estimated time and memory, such as "2 h, 8 GB"; 10 min and 2 GB by default
     implausible : let values pass that no valvetrain can have (docs/plausible.md)
 
@@ -115,7 +109,7 @@ def compare(
 
     Parameters
     ----------
-    spring_models : words of spring models; those usual for the case by default
+    spring_models : names of spring models; by default those that suit the case
     case, engine_speeds, spring_sets, workers, progress, limit, implausible : as for
         :func:`simulate`
 
@@ -126,8 +120,7 @@ def compare(
 
     Raises
     ------
-    InputError : as :func:`simulate`; MissingExtraError where solid finite elements are asked for
-        and their solver is not installed
+    InputError : as :func:`simulate`; MissingExtraError for solid finite elements without their solver
 
     Examples
     --------
@@ -254,8 +247,7 @@ def critical_speeds(
     ----------
     case, spring_models, spring_sets, workers, progress, limit, implausible : as for
         :func:`simulate`
-    engine_speeds : speeds of the crank at which the search begins; it goes on between them where
-        control may be lost
+    engine_speeds : speeds of the crank at which the search begins; it continues between them where control may be lost
     resolution : width of a bracket, "10 rpm", rad/s or a pint quantity
     float_lift : lift above the rigid one beyond which the valve floats, "50 um", m or a pint
         quantity
@@ -317,7 +309,7 @@ def static_curve(
     largest_compression : end of the curve (m, "8 mm" or a pint quantity); by default a little
         beyond the largest lift of the case, or 80 %
         of the way to coil bind where there is no lift
-    spring_model : word of the spring model; one that knows the installed state only (a card) holds
+    spring_model : name of the spring model; one that knows the installed state only (a card) holds
         from there on
     steps : even steps of the curve
     limit, implausible : as for :func:`simulate`
@@ -330,8 +322,8 @@ def static_curve(
 
     Raises
     ------
-    InputError : a compression beyond coil bind, several springs in the case, a model that cannot
-        stand for the spring, too many steps
+    InputError : a compression beyond coil bind, several springs in the case, a model that cannot represent the spring,
+        too many steps
 
     Examples
     --------
@@ -354,17 +346,15 @@ def static_curve(
         installed, lift = problem.springs[0], largest_lift(problem)
     if not (isinstance(steps, (int, np.integer)) and steps >= 1):
         raise InputError(
-            f"a static curve needs a whole number of steps, one or more; '{str(steps)[:40]}' is none",
+            f"a static curve needs a whole number of steps, one or more; it is '{str(steps)[:40]}'",
             "steps",
         )
-    wanted = (
-        None
-        if largest_compression is None
-        else si(largest_compression, "compression", "largest_compression")
-    )
+    end = None
+    if largest_compression is not None:
+        end = si(largest_compression, "compression", "largest_compression")
     limits = limits_of(limit)
     refuse_cost(spring_cost(installed, spring_model, steps), limits, "limit=", FEWER_AT_REST)
-    return curve_by_model(installed, spring_model, lift, wanted, steps, implausible)
+    return curve_by_model(installed, spring_model, lift, end, steps, implausible)
 
 
 def _checked(
@@ -378,12 +368,10 @@ def _checked(
     whole: bool = True,
     searches: bool = False,
 ) -> Limits:
-    """The bounds of ``limit``. Raises :class:`InputError` for a request whose estimated cost is
-    beyond them.
-    """
+    """The limits of a request. Raises :class:`InputError` where its estimated cost is beyond them."""
     limits = limits_of(limit)
-    asked = RunRequest(command, case, speeds, tuple(models), tuple(sets), worker_count(workers))
-    refuse_cost(request_cost(asked, whole, searches), limits, "limit=")
+    request = RunRequest(command, case, speeds, tuple(models), tuple(sets), worker_count(workers))
+    refuse_cost(request_cost(request, whole, searches), limits, "limit=")
     return limits
 
 

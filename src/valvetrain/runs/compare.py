@@ -1,5 +1,5 @@
-"""A case by several spring models side by side: at rest and in motion, solids among them where they
-serve.
+"""A case by several spring models side by side: at rest and in motion, solid finite elements
+included.
 """
 
 from __future__ import annotations
@@ -14,8 +14,8 @@ from valvetrain.errors import InputError
 from valvetrain.parameters.case import Case
 from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.runs.cost import Limits
-from valvetrain.runs.engine import Progress
-from valvetrain.runs.run import Finished, run_problem
+from valvetrain.runs.prepared import law_lift
+from valvetrain.runs.run import run_problem
 from valvetrain.runs.solid import (
     Cancel,
     SolidMotion,
@@ -24,9 +24,10 @@ from valvetrain.runs.solid import (
     solid_motion,
     solid_rest,
 )
-from valvetrain.runs.statics import reach_of, rest_by_model
+from valvetrain.runs.statics import reach_of, statics_by_model
 from valvetrain.runs.stopping import StudyStopped
-from valvetrain.runs.workers import result_of
+from valvetrain.runs.train_runs import Finished
+from valvetrain.runs.workers import Progress, result_of
 from valvetrain.solution.partial_failures import PartialFailures
 from valvetrain.solution.result import Solution
 from valvetrain.solution.static import SpringAtRest
@@ -38,7 +39,7 @@ from valvetrain.system.contract import TRAIN
 from valvetrain.system.problem import Problem
 
 SOLID = "solid"
-#: Models that are compared when none are named: of a spring alone, of a train.
+#: Default models of a comparison: of a spring alone, of a train.
 SPRING_MODELS = (
     "massless",
     "multi-mass",
@@ -48,8 +49,8 @@ SPRING_MODELS = (
     "finite-element",
 )
 TRAIN_MODELS = ("massless", "multi-mass", "modal-uniform", "wave-rod")
-#: Steps of the curves that stand beside a solid: straight lines between them are exact to 0.01 % of
-#: the force where coils close.
+#: Steps of the curves next to that of a solid (straight lines between them are exact to 0.01 % of
+#: the force), and of others.
 FINE_STEPS, STEPS = 160, 64
 
 
@@ -67,13 +68,12 @@ def compare_study(
     implausible: bool = False,
     finished: Finished | None = None,
 ) -> Study:
-    """The case by each of ``spring_models`` (a usual choice by default): the study's runs, and
-    every spring at rest by each model.
+    """The case by each of ``spring_models`` (:data:`SPRING_MODELS` or :data:`TRAIN_MODELS` by
+    default): its runs, and every spring at rest by each model.
 
-    ``solid`` asks for a short stretch of motion by solids too. A model that cannot stand for a
-    spring is a status in its runs. Raises
-    :class:`InputError` for what cannot be built and when no model can run,
-    :class:`MissingExtraError` for solids without their solver.
+    ``solid``: a short interval of motion by solids too. A model that cannot represent a spring is a
+    status in its runs. Raises :class:`InputError` for what cannot be built and when no model can
+    run, :class:`MissingExtraError` for solids without their solver.
     """
     chosen = tuple(dict.fromkeys(spring_models)) or _default_models(
         case.springs, case.train is not None
@@ -90,7 +90,7 @@ def compare_study(
     )
     with_solid = SOLID in chosen
     if with_solid and engine_speeds is None and solid is None:
-        speeds = ()  # solids stand beside the others at rest; motion is run where it is asked for
+        speeds = ()  # solids are compared at rest; motion is run on request
     study = run_problem(
         problem,
         speeds,
@@ -104,10 +104,10 @@ def compare_study(
     )
     if problem.kind == TRAIN:
         return study
-    lift = float(np.max(problem.valve_lift.lift(np.linspace(0.0, 2 * np.pi, 721))))
+    lift = law_lift(problem)
     rest: list[SpringAtRest] = []
     motions: list[Solution] = []
-    gaps, stopped = PartialFailures(study.gaps), False
+    failures, stopped = PartialFailures(study.gaps), False
     try:
         for spring in problem.springs:
             _by_each_model(
@@ -119,7 +119,7 @@ def compare_study(
                 with_solid,
                 solid,
                 progress,
-                (rest, motions, gaps),
+                (rest, motions, failures),
             )
     except KeyboardInterrupt:
         stopped = True
@@ -127,7 +127,7 @@ def compare_study(
         study,
         rest=tuple(rest) or study.rest,
         solutions=(*study.solutions, *motions),
-        gaps=gaps.sentences,
+        gaps=failures.sentences,
     )
     if stopped:
         raise StudyStopped(done)
@@ -135,7 +135,7 @@ def compare_study(
 
 
 def _default_models(springs: tuple[InstalledSpring, ...], in_a_train: bool) -> tuple[str, ...]:
-    """The usual models, of a spring alone those that can stand for it."""
+    """The default models, of a spring alone those that can represent it."""
     if in_a_train:
         return TRAIN_MODELS
     return tuple(
@@ -146,8 +146,8 @@ def _default_models(springs: tuple[InstalledSpring, ...], in_a_train: bool) -> t
 
 
 def comparison_reach(spring: InstalledSpring) -> float:
-    """Compression (m) up to which curves stand beside solids: a tenth, or a twentieth of the
-    travel, beyond the installed state.
+    """Compression (m) of curves next to solids: a tenth, or a twentieth of the travel, beyond the
+    installed state.
     """
     assert spring.wire is not None
     travel, installed = spring.wire.free_length - spring.wire.solid_height, spring.precompression
@@ -165,10 +165,10 @@ def _by_each_model(
     progress: Progress | None,
     into: tuple[list[SpringAtRest], list[Solution], PartialFailures],
 ) -> None:
-    """One spring at rest by every model that can stand for it, the solid first, then the rod; and
-    the solid's stretch of motion.
+    """One spring at rest by every model that can represent it, solid and rod first, and the
+    interval of motion by solids.
     """
-    name, lift_law, (rest, motions, gaps) = problem.record.name, problem.valve_lift, into
+    name, lift_law, (rest, motions, failures) = problem.record.name, problem.valve_lift, into
     reach = (
         comparison_reach(spring)
         if with_solid
@@ -188,7 +188,7 @@ def _by_each_model(
         check_motion(lift_law, motion)
 
     def by(word: str) -> SpringAtRest:
-        return rest_by_model(
+        return statics_by_model(
             spring,
             word,
             problem.model_of(word, spring, own),
@@ -211,10 +211,10 @@ def _by_each_model(
                     )
             for word in dict.fromkeys(order):
                 if not spring_model(word).why_not(spring):
-                    one = gaps.part(f"spring '{spring.name}' at rest by {word}", None, by, word)
+                    one = failures.part(f"spring '{spring.name}' at rest by {word}", None, by, word)
                     found += [one] if one is not None else []
-            for words, job in jobs.items():
-                result = gaps.part(f"spring '{spring.name}', {words}", None, result_of, job)
+            for part, job in jobs.items():
+                result = failures.part(f"spring '{spring.name}', {part}", None, result_of, job)
                 found[:0] = [result] if isinstance(result, SpringAtRest) else []
                 moved += [result] if isinstance(result, Solution) else []
         except BaseException:
@@ -226,7 +226,6 @@ def _by_each_model(
     if moved and "finite-element" in chosen and len(moved[0].time) > 2:
         rod = problem.model_of("finite-element", spring)
         assert isinstance(rod, FiniteElementRod)
-        beside = gaps.part(
-            "motion by the rod, as the solid", None, rod_motion, name, rod, lift_law, moved[0]
-        )
-        motions += [beside] if beside is not None else []
+        part = "motion by the rod, as the solid"
+        by_rod = failures.part(part, None, rod_motion, name, rod, lift_law, moved[0])
+        motions += [by_rod] if by_rod is not None else []

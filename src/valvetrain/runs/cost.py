@@ -1,4 +1,4 @@
-"""What a request will cost in time and memory, from plain numbers and before anything is built."""
+"""Time and memory of a request: estimate, limits and their texts."""
 
 from __future__ import annotations
 
@@ -11,12 +11,12 @@ from valvetrain.errors import InputError
 
 SECONDS = {"s": 1.0, "min": 60.0, "h": 3600.0, "d": 86400.0}
 BYTES = {"MB": 1e6, "GB": 1e9, "TB": 1e12}
-#: Seconds around a run (states of rest, records, quantities), and bytes of a run kept without its
+#: Seconds of overhead of a run (statics, records, quantities), and bytes of a run without its
 #: channels.
 RUN, REDUCED = 0.03, 40_000.0
-#: Copies of a channel that stand side by side while a run is recorded, evaluated and written.
+#: Copies of a channel while a run is recorded, evaluated and written.
 COPIES = 2.0
-#: What makes a run, curves and modes, or a refinement large.
+#: What to reduce in a run, in curves and modes, and in a refinement.
 FEWER, FEWER_AT_REST, FEWER_REFINED = (
     "speeds, cycles or unknowns",
     "steps, modes or unknowns",
@@ -49,13 +49,11 @@ def estimate(
 ) -> Cost:
     """Cost of ``runs`` runs that cover ``simulated_time`` (s) in all, by ``workers`` at a time.
 
-    ``processor_time``: seconds of one core per simulated second with the model's default options;
-    ``refinement``: unknowns over those of
-    the default, which shorten the step alike, so time grows with their square. ``own_time``: the
-    same of what is not the springs.
-    ``samples`` instants of ``channels`` numbers each are recorded per run; of a run that is not
-    kept ``whole`` they are there while it
-    runs only.
+    ``processor_time``: seconds of one core per simulated second with the default options of the
+    model; ``refinement``: unknowns over those of the default, which shorten the step too, so time
+    grows with their square. ``own_time``: ``processor_time`` of all but the springs. ``samples``
+    instants of ``channels`` numbers each are recorded per run, and released after a run that is not
+    stored ``whole``.
     """
     at_a_time = max(1, min(workers, runs))
     seconds = (
@@ -74,8 +72,8 @@ class Limits:
 
 
 def read_limits(texts: Sequence[str] | None, where: str = "--limit") -> Limits:
-    """Bounds from such as ``'2 h'`` and ``'8 GB'``, in one text or several. Raises
-    :class:`InputError` for anything else.
+    """Limits from texts such as ``'2 h'`` and ``'8 GB'``. Raises :class:`InputError` for anything
+    else.
     """
     limits = Limits()
     for text in (part for whole in texts or () for part in whole.split(",")):
@@ -93,8 +91,8 @@ def read_limits(texts: Sequence[str] | None, where: str = "--limit") -> Limits:
 
 
 def limits_of(limit: str) -> Limits:
-    """Bounds as a program gives them: ``"2 h, 8 GB"``, empty for the usual ones. Raises
-    :class:`InputError` for anything else.
+    """Limits from ``"2 h, 8 GB"``, empty for the defaults. Raises :class:`InputError` for anything
+    else.
     """
     if not isinstance(limit, str):
         raise InputError(
@@ -105,10 +103,10 @@ def limits_of(limit: str) -> Limits:
 
 
 def refuse_cost(cost: Cost, limits: Limits, option: str = "--limit ", fewer: str = FEWER) -> str:
-    """The cost in words. Raises :class:`InputError` with the numbers, what to ask for ``fewer`` of,
-    and the ``option`` that raises the
-    bound, where it is too large."""
-    told = f"about {duration_text(cost.seconds)} and {memory_text(cost.bytes)}"
+    """The cost as text. Raises :class:`InputError` where it is too large, with what to request
+    ``fewer`` of, and the ``option`` that raises the limit.
+    """
+    text = f"about {duration_text(cost.seconds)} and {memory_text(cost.bytes)}"
     over = []
     if cost.seconds > limits.seconds:
         over.append((_rounded_up(cost.seconds, SECONDS), duration_text(limits.seconds)))
@@ -118,12 +116,12 @@ def refuse_cost(cost: Cost, limits: Limits, option: str = "--limit ", fewer: str
         bounds = " and ".join(bound for _, bound in over)
         raised = ", ".join(value for value, _ in over)
         remedy = f"ask for fewer {fewer}, or raise the bound with {option}'{raised}'"
-        raise InputError(f"this request will take {told}, beyond the bound of {bounds}; {remedy}")
-    return told
+        raise InputError(f"this request will take {text}, beyond the bound of {bounds}; {remedy}")
+    return text
 
 
 def duration_text(seconds: float) -> str:
-    """A time as people say it."""
+    """A time in a suitable unit."""
     for unit, size in (("d", 86400.0), ("h", 3600.0), ("min", 60.0)):
         if seconds >= 1.5 * size:
             return f"{seconds / size:.3g} {unit}"
@@ -131,7 +129,7 @@ def duration_text(seconds: float) -> str:
 
 
 def memory_text(size: float) -> str:
-    """A memory as people say it."""
+    """A memory size in a suitable unit."""
     unit, scale = next((one for one in (("TB", 1e12), ("GB", 1e9)) if size >= one[1]), ("MB", 1e6))
     return f"{size / scale:.3g} {unit}" if unit != "MB" else f"{max(1.0, size / scale):.0f} MB"
 

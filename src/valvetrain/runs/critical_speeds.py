@@ -1,4 +1,4 @@
-"""Critical speeds of a train: where it loses contact, floats and bounces, between and beyond the
+"""Critical speeds of a train: where it loses contact, floats and bounces, searched between the
 speeds of a sweep.
 """
 
@@ -8,12 +8,11 @@ import math
 from bisect import bisect_left, insort
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import partial
 from typing import Any
 
 from valvetrain.errors import InputError
-from valvetrain.runs.engine import map_points
 from valvetrain.runs.prepared import Plan, PreparedRun, integrate_from, judge, provenance_of
+from valvetrain.runs.workers import map_points
 from valvetrain.solution.critical import (
     KINDS,
     CriticalSpeed,
@@ -25,22 +24,22 @@ from valvetrain.solution.result import Solution
 from valvetrain.system.problem import Problem
 from valvetrain.units import Given, si
 
-#: The steepest slope seen within this share of the speed counts, times this factor.
+#: The steepest slope within this share of the speed counts, times this factor.
 NEAR, FACTOR = 0.1, 2.0
-#: Largest step between speeds with carried motion, in resolutions.
-STRIDE = 4.0
-#: Distance from a bracket, in resolutions, at which the motion is taken that is carried towards it.
-AWAY = 3.0
+#: Largest step between speeds with continued motion, and distance from a bracket at which
+#: continuation starts, in resolutions.
+STRIDE, AWAY = 4.0, 3.0
 
 
 @dataclass(frozen=True, eq=False)
-class Look:
-    """One engine speed: ``margins`` by kind, positive where control is kept (lost where zero,
-    negative or NaN), the ``places`` where it is
-    lost, and the motion the run ended on (None where it cannot be carried over)."""
+class SpeedSample:
+    """The train at one engine speed: ``margins`` by kind (control is lost where not positive),
+    ``locations`` of the loss, and the ``orbit`` on which the run ended (None where it cannot be
+    continued).
+    """
 
     margins: Mapping[str, float]
-    places: Mapping[str, str]
+    locations: Mapping[str, str]
     orbit: Any = None
 
     def lost(self, kind: str) -> bool:
@@ -50,13 +49,14 @@ class Look:
 
 @dataclass(frozen=True, slots=True)
 class Limit:
-    """How one kind is searched. ``size``: margin of a train far from its limit (None: the largest
-    seen). ``width``: how narrow a
-    stretch, in resolutions, is guarded against where nothing steeper was seen. ``sign``: the kind
-    that announces this one, empty for none;
-    with it kept and the whole margin at both ends of an interval nothing hides between, unless
-    ``within``: this kind is met only where the
-    other is (a train floats only where it has lost contact), and so hides where that may hide."""
+    """How one kind is searched.
+
+    ``size``: margin of a train far from its limit (None: the largest sampled). ``width``: narrowest
+    range, in resolutions, that the search finds where it sampled nothing steeper. ``sign``: the
+    kind that precedes this one, empty for none; where neither end of an interval shows it and both
+    have the whole margin, no range is searched between them, unless ``within``: this kind occurs
+    only where the other does (a train floats only where it has lost contact).
+    """
 
     kind: str
     size: float | None
@@ -65,79 +65,73 @@ class Limit:
     within: bool = False
 
 
-#: Looks at an engine speed (rad/s), from the motion given or from rest.
-LookAt = Callable[[float, Any], Look]
+#: Runs at an engine speed (rad/s), from a given orbit or from rest.
+RunAt = Callable[[float, Any], SpeedSample]
 
 
 class Search:
-    """Looks at speeds from rest, kept in order, and what they say; ``resolution`` in rad/s."""
+    """Samples of speeds from rest and the brackets between them; ``resolution`` in rad/s."""
 
     def __init__(
         self,
-        look_at: LookAt,
-        looks: Mapping[float, Look],
+        run_at: RunAt,
+        samples: Mapping[float, SpeedSample],
         limits: tuple[Limit, ...],
         resolution: float,
     ) -> None:
-        self._look_at, self._looks = look_at, dict(looks)
-        self._speeds = sorted(looks)
+        self._run_at, self._samples = run_at, dict(samples)
+        self._speeds = sorted(samples)
         self._limits = {limit.kind: limit for limit in limits}
         self._resolution = resolution * (1 + 1e-9)
         self.runs_count = 0
 
-    def look(self, engine_speed: float) -> Look:
-        """The look at a speed from rest, its motion with it."""
-        known = self._looks.get(engine_speed)
+    def sample(self, engine_speed: float) -> SpeedSample:
+        """The sample of a speed from rest, with its orbit."""
+        known = self._samples.get(engine_speed)
         if known is None or known.orbit is None:
             if known is None:
                 insort(self._speeds, engine_speed)
-            known = self._looks[engine_speed] = self._from(engine_speed, None)
+            known = self._samples[engine_speed] = self._from(engine_speed, None)
         return known
 
-    def known(self, engine_speed: float) -> Look:
-        """The look at a speed that was looked at."""
-        return self._looks[engine_speed]
+    def known(self, engine_speed: float) -> SpeedSample:
+        """The sample of a speed that has one."""
+        return self._samples[engine_speed]
 
-    def _from(self, engine_speed: float, orbit: Any) -> Look:
+    def _from(self, engine_speed: float, orbit: Any) -> SpeedSample:
         self.runs_count += 1
-        return self._look_at(engine_speed, orbit)
+        return self._run_at(engine_speed, orbit)
 
     def _lost(self, kind: str, engine_speed: float) -> bool:
-        return self._looks[engine_speed].lost(kind)
+        return self._samples[engine_speed].lost(kind)
 
     def onset(self, kind: str) -> SpeedBracket | float | None:
         """Bracket of the lowest onset; the first speed where control is lost there already; None
         for never.
         """
         while (middle := self._next(kind)) is not None:
-            self.look(middle)
-        lost = [place for place, one in enumerate(self._speeds) if self._lost(kind, one)]
-        if not lost:
-            return None
-        return (
-            self._speeds[0]
-            if lost[0] == 0
-            else SpeedBracket(self._speeds[lost[0] - 1], self._speeds[lost[0]])
-        )
+            self.sample(middle)
+        first = next((n for n, one in enumerate(self._speeds) if self._lost(kind, one)), None)
+        if not first:
+            return None if first is None else self._speeds[0]
+        return SpeedBracket(self._speeds[first - 1], self._speeds[first])
 
     def end(self, kind: str, engine_speed: float) -> SpeedBracket | None:
-        """Bracket of the end of the stretch that is lost at ``engine_speed``; None where it lasts
-        to the last speed.
+        """Bracket of the end of the range that begins at ``engine_speed``; None where it lasts to
+        the last speed.
         """
         while True:
             above = self._speeds[bisect_left(self._speeds, engine_speed) :]
-            kept = next(
-                (place for place, one in enumerate(above) if not self._lost(kind, one)), None
-            )
-            if kept is None:
+            first = next((n for n, one in enumerate(above) if not self._lost(kind, one)), None)
+            if first is None:
                 return None
-            low, high = above[kept - 1], above[kept]
+            low, high = above[first - 1], above[first]
             if high - low <= self._resolution:
                 return SpeedBracket(low, high)
-            self.look((low + high) / 2)
+            self.sample((low + high) / 2)
 
     def stretches(self, kind: str) -> list[SpeedBracket]:
-        """All stretches of speeds seen to lose control, by their lowest and highest speed."""
+        """All ranges of speeds that lose control, by their lowest and highest sampled speed."""
         found: list[SpeedBracket] = []
         before = False
         for one in self._speeds:
@@ -150,7 +144,7 @@ class Search:
         return found
 
     def crossing(self, kind: str, bracket: SpeedBracket) -> Crossing:
-        """The bracket found from rest with those of rising and of falling speed."""
+        """The bracket from rest with those of rising and of falling speed."""
         low, high = bracket.lower_engine_speed, bracket.upper_engine_speed
         return Crossing(
             bracket,
@@ -159,27 +153,30 @@ class Search:
         )
 
     def _away(self, kind: str, engine_speed: float, sign: int) -> float:
-        """The nearest speed looked at that lies :data:`AWAY` from a bracket's end on the same side
-        of the change, or that end: just
-        beyond a change the motion from rest may not have jumped yet."""
-        place, side = bisect_left(self._speeds, engine_speed), self._lost(kind, engine_speed)
-        while 0 <= place < len(self._speeds) and self._lost(kind, self._speeds[place]) == side:
-            if abs(self._speeds[place] - engine_speed) >= AWAY * self._resolution:
-                return self._speeds[place]
-            place += sign
+        """The nearest sampled speed :data:`AWAY` from the end of a bracket on the same side of the
+        change, or that end: just beyond a change the motion from rest may not have jumped yet.
+        """
+        index, side = bisect_left(self._speeds, engine_speed), self._lost(kind, engine_speed)
+        while 0 <= index < len(self._speeds) and self._lost(kind, self._speeds[index]) == side:
+            if abs(self._speeds[index] - engine_speed) >= AWAY * self._resolution:
+                return self._speeds[index]
+            index += sign
         return engine_speed
 
     def _carried(self, kind: str, begin: float, towards: float) -> SpeedBracket | None:
-        """From the motion at ``begin`` on, each speed from the one before, in steps that grow and,
-        since a long one may leave a motion
-        that lives on, come back to one resolution before a change is believed."""
+        """Bracket of the change when each speed continues the motion of the one before, from
+        ``begin``.
+
+        Steps grow, and shrink to one resolution before a change counts: a long step may leave a
+        motion that still exists.
+        """
         last = self._speeds[-1 if towards > begin else 0]
         sign, most, step = (
             math.copysign(1.0, towards - begin),
             STRIDE * self._resolution,
             self._resolution / (1 + 1e-9),
         )
-        first, here = self.look(begin), begin
+        first, here = self.sample(begin), begin
         side, orbit = first.lost(kind), first.orbit
         while orbit is not None:
             there = min(here + step, last) if sign > 0 else max(here - step, last)
@@ -195,7 +192,7 @@ class Search:
         return None
 
     def _next(self, kind: str) -> float | None:
-        """The lowest speed still to be looked at before the lowest onset is certain."""
+        """The lowest speed to sample before the lowest onset is certain; None where it is."""
         for low, high in zip(self._speeds, self._speeds[1:], strict=False):
             if self._lost(kind, low):
                 return None
@@ -206,16 +203,12 @@ class Search:
         return None
 
     def _may_hide(self, kind: str, low: float, high: float) -> bool:
-        """Whether between two speeds that keep control one may not, as far as slopes seen nearby
-        tell.
-        """
-        limit, ends = self._limits[kind], (self._looks[low], self._looks[high])
+        """Whether control may be lost between two speeds that maintain it, by the slopes nearby."""
+        limit, ends = self._limits[kind], (self._samples[low], self._samples[high])
         margins = [one.margins[kind] for one in ends]
-        size = (
-            max(one.margins[kind] for one in self._looks.values() if one.margins[kind] > 0)
-            if limit.size is None
-            else limit.size
-        )
+        size = limit.size
+        if size is None:
+            size = max(one.margins[kind] for one in self._samples.values() if not one.lost(kind))
         if limit.sign and min(margins) >= size and not any(one.lost(limit.sign) for one in ends):
             return limit.within and self._may_hide(limit.sign, low, high)
         steepness = max(
@@ -232,7 +225,7 @@ class Search:
             )
             + 1
         ]
-        values = [self._looks[one].margins[kind] for one in near]
+        values = [self._samples[one].margins[kind] for one in near]
         slopes = [
             abs(b - a) / (y - x)
             for a, b, x, y in zip(values, values[1:], near, near[1:], strict=False)
@@ -241,31 +234,29 @@ class Search:
 
 
 RPM = math.pi / 30
-#: Contacts that drive the valve, in the order from the cam to the valve.
+#: Contacts of the drive, from the cam to the valve.
 DRIVE = ("cam", "tappet", "rocker", "valve_tip")
 
 
 @dataclass(frozen=True, slots=True)
 class CriticalOptions:
-    """``resolution``: width (rad/s of the crank) to which a bracket is narrowed. ``float_lift``:
-    lift (m) above the rigid one beyond which
-    a train floats. ``bounce_height``: lift (m) of a bounce beyond which it counts."""
+    """Options of the search.
+
+    ``resolution``: width (rad/s of the crank) of a bracket. ``float_lift``: lift (m) above the
+    rigid one beyond which a train floats. ``bounce_height``: lift (m) beyond which a bounce counts.
+    """
 
     resolution: float = 10 * RPM
     float_lift: float = 50e-6
     bounce_height: float = 100e-6
 
     def __post_init__(self) -> None:
-        for name, words in (
-            ("resolution", "10 rpm"),
-            ("float_lift", "0.05 mm"),
-            ("bounce_height", "0.1 mm"),
-        ):
+        examples = {"resolution": "10 rpm", "float_lift": "0.05 mm", "bounce_height": "0.1 mm"}
+        for name, example in examples.items():
             if not (math.isfinite(value := getattr(self, name)) and value > 0):
-                said = name.replace("_", " ")
                 raise InputError(
-                    f"the {said} of critical speeds must be positive; give such as '{words}'",
-                    f"--{said.replace(' ', '-')}",
+                    f"the {name.replace('_', ' ')} of critical speeds must be positive; give such as '{example}'",
+                    f"--{name.replace('_', '-')}",
                 )
 
     @property
@@ -284,9 +275,10 @@ class CriticalOptions:
 
 
 def read_options(resolution: Given, float_lift: Given, bounce_height: Given) -> CriticalOptions:
-    """Options from what people write: "10 rpm" or rad/s, "50 um" or m, or pint quantities. Raises
-    :class:`InputError` for another unit or
-    what is not positive."""
+    """Options from "10 rpm" or rad/s, "50 um" or m, or pint quantities.
+
+    Raises :class:`InputError` for another unit or what is not positive.
+    """
     return CriticalOptions(
         si(resolution, "engine_speed", "--resolution"),
         si(float_lift, "length", "--float-lift"),
@@ -294,27 +286,17 @@ def read_options(resolution: Given, float_lift: Given, bounce_height: Given) -> 
     )
 
 
-@dataclass(frozen=True, eq=False)
-class _Job:
-    """What the search of one member begins with: its place among the members and the looks of the
-    sweep by engine speed (rad/s).
-    """
-
-    place: int
-    looks: Mapping[float, Look]
-
-
-def look_of(solution: Solution, options: CriticalOptions, orbit: Any = None) -> Look:
+def sample_of(solution: Solution, options: CriticalOptions, orbit: Any = None) -> SpeedSample:
     """Margins of a run of a train: least contact force of the drive while open (N), and lift left
-    to float and to bounce (m, at most the
-    limit itself, at least its negative). A run without its numbers has lost control."""
-    least = {
-        place: float(solution.statistics.get(f"least_{place}_contact_force", math.nan))
-        for place in DRIVE
-    }
-    least = {place: force for place, force in least.items() if math.isfinite(force)}
+    to float and to bounce (m, at most the limit itself, at least its negative). A run without its
+    numbers has lost control.
+    """
+    forces = (
+        float(solution.statistics.get(f"least_{name}_contact_force", math.nan)) for name in DRIVE
+    )
+    least = {name: force for name, force in zip(DRIVE, forces, strict=True) if math.isfinite(force)}
     whole = bool(least) and "float_excess_lift" in solution.quantities
-    opened = ", ".join(place.replace("_", " ") for place, force in least.items() if force <= 0)
+    opened = ", ".join(name.replace("_", " ") for name, force in least.items() if force <= 0)
     contact, floats, bounces = KINDS
     margins = {contact: max(0.0, min(least.values())) if whole else math.nan}
     for kind, name, limit in (
@@ -322,7 +304,8 @@ def look_of(solution: Solution, options: CriticalOptions, orbit: Any = None) -> 
         (bounces, "bounce_height", options.bounce_height),
     ):
         margins[kind] = max(-limit, limit - float(solution.quantities[name])) if whole else math.nan
-    return Look(margins, {contact: opened or "run failed", floats: "valve", bounces: "seat"}, orbit)
+    locations = {contact: opened or "run failed", floats: "valve", bounces: "seat"}
+    return SpeedSample(margins, locations, orbit)
 
 
 def find_critical_speeds(
@@ -336,47 +319,37 @@ def find_critical_speeds(
 ) -> CriticalSpeeds:
     """The critical speeds of every member that runs, from its ``solutions`` over engine speed.
 
-    Members are searched side by side, each by itself and in the same order of runs, so that the
-    answer does not depend on ``workers``.
-    ``tell(done, total)`` after each member.
+    Members are searched in parallel, each alone and in the same order of runs, so that the result
+    does not depend on ``workers``. ``tell(done, total)`` is called after each member.
     """
-    jobs = []
-    for place, one in enumerate(ready):
-        mine = {
-            run.engine_speed: look_of(run, options)
-            for run in solutions
-            if run.label == one.member.label
-        }
-        if one.system is not None and mine:
-            jobs.append(_Job(place, mine))
-    found = (
-        map_points(
-            _search,
-            (problem, tuple(ready), plan, options),
-            jobs,
-            workers,
-            processes=True,
-            tell=tell,
-        )
-        if jobs
-        else ()
-    )
+    jobs: list[tuple[int, Mapping[float, SpeedSample]]] = []
+    for index, one in enumerate(ready):
+        runs = (run for run in solutions if run.label == one.member.label)
+        samples = {run.engine_speed: sample_of(run, options) for run in runs}
+        if one.system is not None and samples:
+            jobs.append((index, samples))
+    shared = problem, tuple(ready), plan, options
+    found = map_points(_search, shared, jobs, workers, processes=True, tell=tell) if jobs else ()
     return CriticalSpeeds(tuple(row for rows in found for row in rows))
 
 
 def _search(
-    shared: tuple[Problem, tuple[PreparedRun, ...], Plan, CriticalOptions], job: _Job
+    shared: tuple[Problem, tuple[PreparedRun, ...], Plan, CriticalOptions],
+    job: tuple[int, Mapping[float, SpeedSample]],
 ) -> tuple[CriticalSpeed, ...]:
+    """The search of one member, by its index, from the samples of its sweep."""
     problem, ready, plan, options = shared
-    one = ready[job.place]
-    search = Search(
-        partial(_look_at, problem, one, replace(plan, whole=False), options),
-        job.looks,
-        options.limits,
-        options.resolution,
-    )
+    index, samples = job
+    one, reduced = ready[index], replace(plan, whole=False)
+
+    def run_at(engine_speed: float, orbit: Any) -> SpeedSample:
+        origin = provenance_of(problem, one.member, engine_speed, plan.created_at)
+        solution, ended = integrate_from(one, engine_speed, reduced, origin, orbit)
+        return sample_of(judge(one, solution, reduced, {}), options, ended)
+
+    search = Search(run_at, samples, options.limits, options.resolution)
     return tuple(
-        critical_speed(search, kind, one.member.label, min(job.looks), max(job.looks), options)
+        critical_speed(search, kind, one.member.label, min(samples), max(samples), options)
         for kind in KINDS
     )
 
@@ -389,7 +362,7 @@ def critical_speed(
     last_engine_speed: float,
     options: CriticalOptions,
 ) -> CriticalSpeed:
-    """The answer of a search for one kind between two engine speeds (rad/s)."""
+    """The result of a search for one kind between two engine speeds (rad/s)."""
     before, limit = search.runs_count, options.limit_of(kind)
     none = CriticalSpeed(
         label, kind, limit, first_engine_speed, last_engine_speed, options.resolution
@@ -402,26 +375,12 @@ def critical_speed(
     begins = None if isinstance(onset, float) else search.crossing(kind, onset)
     ends = None if end is None else Crossing(end)
     again = tuple(one for one in search.stretches(kind) if one.lower_engine_speed > from_speed)
-    place = search.known(from_speed).places[kind]
     return replace(
         none,
         found=True,
-        place=place,
+        place=search.known(from_speed).locations[kind],
         begins=begins,
         ends=ends,
         again=again,
         runs_count=search.runs_count - before,
     )
-
-
-def _look_at(
-    problem: Problem,
-    ready: PreparedRun,
-    plan: Plan,
-    options: CriticalOptions,
-    engine_speed: float,
-    orbit: Any,
-) -> Look:
-    origin = provenance_of(problem, ready.member, engine_speed, plan.created_at)
-    solution, ended = integrate_from(ready, engine_speed, plan, origin, orbit)
-    return look_of(judge(ready, solution, plan, {}), options, ended)

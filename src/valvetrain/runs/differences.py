@@ -1,6 +1,4 @@
-"""What differs between two kept runs: in their inputs by key path, in their results by quantity and
-run. Nothing is printed here.
-"""
+"""Differences of two saved runs: of inputs by key path, of results by quantity and run."""
 
 from __future__ import annotations
 
@@ -11,34 +9,24 @@ from typing import Any
 
 from valvetrain.runs.saved_runs import SavedRun, check_inputs
 
-#: What an answer tells of how it was asked and made, and what only says its other numbers again.
+#: Entries of an answer that describe the request, or repeat other numbers.
 NO_RESULT = (
     "command", "command_line", "case", "title", "digest", "checksum", "changed", "created_at", "choices", "versions", "files", "folder",
     "page", "units", "cite", "kept_from_before", "known_before", "quantities", "quantities_by_label", "springs_at_rest", "comparisons",
     "findings",
 )  # fmt: skip
-#: Levels of an answer that are looked into; none that is written has half of them.
-DEEPEST = 24
-#: Fields that tell the items of a list apart.
-TOLD_APART = (
-    "measurement",
-    "key",
-    "quantity",
-    "name",
-    "channel",
-    "label",
-    "model",
-    "spring_set",
-    "source",
-    "event",
-    "kind",
-)
+#: Levels of an answer that are compared, more than twice those of any that is written.
+MAX_DEPTH = 24
+#: Fields that identify the items of a list.
+IDENTIFYING = (
+    "measurement", "key", "quantity", "name", "channel", "label", "model", "spring_set", "source", "event", "kind",
+)  # fmt: skip
 
 
 @dataclass(frozen=True, slots=True)
 class ResultDifference:
-    """A ``quantity`` (SI, ``unit``) of a ``run`` (label and speed; empty for what belongs to none)
-    that is not the same; None: missing.
+    """A ``quantity`` (SI, ``unit``) of a ``run`` (label and speed; empty for none) that differs;
+    None: missing.
     """
 
     quantity: str
@@ -59,10 +47,10 @@ class ResultDifference:
 
 
 def input_differences(one: SavedRun, other: SavedRun) -> tuple[tuple[str, Any, Any], ...]:
-    """(key path, value of ``one``, value of ``other``) of all inputs that differ: case, choices,
+    """(key path, value of ``one``, value of ``other``) of all inputs that differ: case, options,
     versions; None where a key is missing.
 
-    Raises :class:`InputError` where the inputs on disk are not those that a run was made from.
+    Raises :class:`InputError` where the inputs of a run have changed on disk.
     """
     for run in (one, other):
         check_inputs(run)
@@ -74,8 +62,8 @@ def input_differences(one: SavedRun, other: SavedRun) -> tuple[tuple[str, Any, A
 
 
 def result_differences(one: SavedRun, other: SavedRun) -> tuple[ResultDifference, ...]:
-    """Every number of either run that is not the same in the other: those that both have first, the
-    largest relative one before.
+    """Every number that differs between the runs: those that both have first, by falling relative
+    difference.
     """
     first, second = dict(_numbers(one.answer)), dict(_numbers(other.answer))
     rows = []
@@ -107,14 +95,14 @@ def _leaves(item: Any, path: str = "") -> Iterator[tuple[str, Any]]:
             if key not in ("status", "source"):
                 yield from _leaves(value, f"{path}.{key}" if path else str(key))
     elif isinstance(item, list) and any(isinstance(value, (Mapping, list)) for value in item):
-        for place, value in enumerate(item):
-            yield from _leaves(value, f"{path}.{place}")
+        for index, value in enumerate(item):
+            yield from _leaves(value, f"{path}.{index}")
     else:
         yield path, item
 
 
 def _numbers(answer: Mapping[str, Any]) -> Iterator[tuple[tuple[str, str], tuple[float, str]]]:
-    """(quantity, run in words) -> value and unit, of every named number of a ``run.json``."""
+    """(quantity, run) -> value and unit, of every named number of a ``run.json``."""
     for label, values in {
         "": answer.get("quantities", {}),
         **answer.get("quantities_by_label", {}),
@@ -139,10 +127,10 @@ def _numbers(answer: Mapping[str, Any]) -> Iterator[tuple[tuple[str, str], tuple
 def _others(
     item: Any, path: tuple[str, ...]
 ) -> Iterator[tuple[tuple[str, str], tuple[float, str]]]:
-    """(last word of the path, those before it) -> value and unit, of every number of an answer that
-    is no quantity of a run.
+    """(last part of the path, those before it) -> value and unit, of every number that is not a
+    quantity of a run.
     """
-    if len(path) > DEEPEST:
+    if len(path) > MAX_DEPTH:
         return
     if isinstance(item, Mapping):
         if path and _is_number(item.get("value")) and isinstance(item.get("unit"), str):
@@ -158,29 +146,25 @@ def _others(
 
 
 def _names_of(items: list[Any]) -> list[str]:
-    """What tells the items of a list apart: their names, where these do not the engine speed too,
-    else their places from 1.
+    """Identifiers of the items of a list: their names, with the engine speed where these repeat,
+    else numbers from 1.
     """
     names = [
-        " ".join(item[key] for key in TOLD_APART if isinstance(item.get(key), str))
+        " ".join(item[key] for key in IDENTIFYING if isinstance(item.get(key), str))
         if isinstance(item, Mapping)
         else ""
         for item in items
     ]
     speeds = [item.get("engine_speed") if isinstance(item, Mapping) else None for item in items]
-    told = [
-        f"{speed['value']:g} rpm"
-        if isinstance(speed, Mapping) and _is_number(speed.get("value"))
-        else ""
-        for speed in speeds
+    numbers = [speed.get("value") if isinstance(speed, Mapping) else None for speed in speeds]
+    with_speed = [
+        f"{name} {number:g} rpm".strip() if _is_number(number) else name
+        for name, number in zip(names, numbers, strict=True)
     ]
-    for some in (
-        names,
-        [f"{name} {speed}".strip() for name, speed in zip(names, told, strict=True)],
-    ):
+    for some in (names, with_speed):
         if len(set(some)) == len(some) and all(some):
             return some
-    return [f"{name} {place}".strip() for place, name in enumerate(names, start=1)]
+    return [f"{name} {number}".strip() for number, name in enumerate(names, start=1)]
 
 
 def _is_number(item: Any) -> bool:

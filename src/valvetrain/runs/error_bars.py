@@ -1,38 +1,41 @@
-"""Error bars of a refinement: one number with its uncertainty, and all of a case with the runs
-behind them.
+"""Error bars: numerical uncertainty by the grid convergence index, and the range over the contact
+constants.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
 from valvetrain.errors import InputError
+from valvetrain.runs.stopping import PointsStopped, Stopped
+from valvetrain.runs.workers import map_points
 from valvetrain.solution.provenance import CaseRecord
 
-#: Contact stiffness over the case's (7e9 to 5e10 Pa for 2e10) and contact damping time over the
-#: case's (0 to 2 us for 1 us).
+#: Factors on the coil contact stiffness (7e9 to 5e10 Pa for 2e10) and damping time (0 to 2 us for 1
+#: us) of a spring.
 STIFFNESS_FACTORS, DAMPING_FACTORS = (0.35, 2.5), (0.0, 2.0)
-#: Contact stiffness and damping of a train over the case's: contacts between parts of an engine are
-#: known to a factor of two.
+#: Factors on contact stiffness and damping of a train: contacts of engine parts are known to a
+#: factor of two.
 CONTACT_FACTORS = (0.5, 2.0)
 Range = tuple[float, float]
 Numbers = Mapping[str, float]
+#: The variant with the mesh and step of the case.
+OWN = "mesh 1"
 
 
 @dataclass(frozen=True, slots=True)
 class Uncertainty:
-    """One headline number (SI) of the case's own mesh, at ``engine_speed`` (rad/s of the crank;
-    None for statics and modes).
+    """One headline number (SI) on the case's own mesh, at ``engine_speed`` (rad/s of the crank;
+    None: statics, modes).
 
     ``numerical``: uncertainty from meshes and step. ``observed_order``: None where the series is
-    not monotonic. ``extrapolated``:
-    Richardson value, or the finest one. ``step_part``: what the step alone contributes.
-    ``contact_stiffness`` and ``contact_damping``:
-    least and largest value over the range of each constant, the case's own included. ``label``:
-    variant of a train.
+    not monotonic. ``extrapolated``: Richardson value, or the finest one. ``step_part``:
+    contribution of the step. ``contact_stiffness``, ``contact_damping``: least and largest value
+    over the range of each constant. ``label``: variant of a train.
     """
 
     quantity: str
@@ -46,14 +49,24 @@ class Uncertainty:
     contact_damping: Range
     label: str = ""
 
+    @property
+    def trusted_order(self) -> float | None:
+        """The observed order where it is trusted, else None."""
+        return (
+            None
+            if self.observed_order is None or self.observed_order < MIN_ORDER
+            else self.observed_order
+        )
+
 
 @dataclass(frozen=True)
 class UncertaintyStudy:
-    """All rows of one case with the meshes behind them (none: a train); ``values`` holds every
-    number by (variant, speed, quantity),
-    the factors what the contact constants of the case were multiplied by; ``runs`` were asked for,
-    of which ``finished`` came to an
-    end, and ``failures`` tells of each that failed."""
+    """Error bars of a case, the meshes behind them (none: a train) and every number by variant,
+    speed and quantity.
+
+    ``stiffness_factors``, ``damping_factors``: ranges of the contact constants. ``runs`` were
+    planned, ``finished`` of them ended; ``failures`` has a sentence for each that failed.
+    """
 
     record: CaseRecord
     elements_per_coil: tuple[int, ...]
@@ -66,25 +79,28 @@ class UncertaintyStudy:
     finished: int = 0
 
 
+def grouped(rows: Iterable[Uncertainty]) -> dict[tuple[float | None, str], list[Uncertainty]]:
+    """Rows by engine speed and variant, in order of first appearance."""
+    groups: dict[tuple[float | None, str], list[Uncertainty]] = {}
+    for row in rows:
+        groups.setdefault((row.engine_speed, row.label), []).append(row)
+    return groups
+
+
 #: Safety factors of a series with a trusted order and of one without.
 TRUSTED, DOUBTFUL = 1.25, 3.0
-#: Order that the rod and its integrator declare; a series that seems to converge faster is taken to
-#: have this one.
-DECLARED_ORDER = 2.0
-#: Observed orders below this one are not trusted.
-MIN_ORDER = 0.5
-#: Beyond this size an order says nothing.
-HIGHEST_ORDER = 20.0
+#: Order of the rod and its integrator, taken where a series seems to converge faster; least order
+#: that is trusted; bound of the search.
+DECLARED_ORDER, MIN_ORDER, MAX_ORDER = 2.0, 0.5, 20.0
 
 
 @dataclass(frozen=True, slots=True)
 class GridConvergence:
-    """Outcome for one quantity on three meshes, coarse to fine.
+    """Convergence of one quantity on three meshes, coarse to fine.
 
-    ``observed_order`` is None where the series is not monotonic; ``extrapolated`` the Richardson
-    value, or the finest one where the
-    order is not trusted; ``uncertainty`` that of the coarsest value, ``finest_index`` the index of
-    the finest one (same unit).
+    ``observed_order``: None where the series is not monotonic. ``extrapolated``: Richardson value,
+    or the finest one where the order is not trusted. ``uncertainty`` of the coarsest value,
+    ``finest_index`` that of the finest (same unit).
     """
 
     values: tuple[float, float, float]
@@ -98,8 +114,8 @@ class GridConvergence:
 def observed_order(
     values: tuple[float, float, float], sizes: tuple[float, float, float]
 ) -> float | None:
-    """Order p of values on element ``sizes``, both coarse to fine; None for a series that is not
-    monotonic or stands still.
+    """Order p of values on element ``sizes``, both coarse to fine; None for a series that is
+    constant or not monotonic.
 
     Solves p ln r21 = |ln|e32/e21| + q(p)| of Celik et al. by bisection, as their fixed-point
     iteration need not converge.
@@ -120,7 +136,7 @@ def observed_order(
             return float(np.log(second) / np.log(first)) - far / near
         return float(first**order * (second**order - 1) / (first**order - 1)) - far / near
 
-    low, high = -HIGHEST_ORDER, HIGHEST_ORDER
+    low, high = -MAX_ORDER, MAX_ORDER
     if not excess(low) < 0 < excess(high):
         return low if excess(low) >= 0 else high
     for _ in range(100):
@@ -132,8 +148,7 @@ def observed_order(
 def grid_convergence(
     values: tuple[float, float, float], sizes: tuple[float, float, float]
 ) -> GridConvergence:
-    """Numerical uncertainty of the coarsest of three values; ``sizes`` of their elements, coarse to
-    fine.
+    """Numerical uncertainty of the coarsest of three values; element ``sizes``, coarse to fine.
 
     Raises :class:`InputError` when the sizes do not fall.
     """
@@ -155,10 +170,76 @@ def grid_convergence(
 
 
 def two_grids(value: float, finer: float, ratio: float) -> GridConvergence:
-    """Uncertainty of ``value`` from one grid that is ``ratio`` times as fine: the declared order is
-    assumed, and Roache's safety factor
-    of three for two grids is taken."""
+    """Uncertainty of ``value`` from one grid ``ratio`` times as fine, with the declared order and
+    Roache's factor of three.
+    """
     finest = DOUBTFUL * abs(value - finer) / (ratio**DECLARED_ORDER - 1)
     return GridConvergence(
         (value, value, finer), None, False, finer, finest * ratio**DECLARED_ORDER, finest
     )
+
+
+def convergence(
+    value: float, finer: Sequence[float | None], fineness: Sequence[float]
+) -> GridConvergence | None:
+    """Uncertainty of ``value`` from those of two ``finer`` grids that have one; None where neither
+    has.
+
+    ``fineness`` of the three grids, such as elements per coil.
+    """
+    pairs = zip(finer, fineness[1:], strict=True)
+    known = [(other, level / fineness[0]) for other, level in pairs if other is not None]
+    if len(known) == 2:
+        coarse, middle, fine = fineness
+        return grid_convergence(
+            (value, known[0][0], known[1][0]), (1 / coarse, 1 / middle, 1 / fine)
+        )
+    return two_grids(value, *known[0]) if known else None
+
+
+def contact_ranges(value: float, of: Callable[[str], float | None]) -> tuple[Range, Range]:
+    """Least and largest value over the variants of contact stiffness and of contact damping,
+    ``value`` included.
+    """
+
+    def span(constant: str) -> Range:
+        others = (of(f"contact {constant} {n}") for n in (1, 2))
+        values = [value, *(other for other in others if other is not None)]
+        return min(values), max(values)
+
+    return span("stiffness"), span("damping")
+
+
+class RefinementStopped(Stopped):
+    """A refinement was stopped; ``study`` holds the complete error bars, and the numbers of every
+    finished run.
+    """
+
+    def __init__(self, study: UncertaintyStudy) -> None:
+        super().__init__("stopped")
+        self.study = study
+
+
+class Stages:
+    """Stages of independent runs; once one is stopped, its finished runs are returned and no later
+    stage starts.
+    """
+
+    def __init__(self) -> None:
+        self.stopped = False
+
+    def map(self, *arguments: Any, **options: Any) -> dict[int, Any]:
+        """:func:`valvetrain.runs.workers.map_points`, its results by index."""
+        if self.stopped:
+            return {}
+        try:
+            return dict(enumerate(map_points(*arguments, **options)))
+        except PointsStopped as stop:
+            self.stopped = True
+            return stop.results
+
+    def closed(self, study: UncertaintyStudy) -> UncertaintyStudy:
+        """The study. Raises :class:`RefinementStopped` with it where a stage was stopped."""
+        if self.stopped:
+            raise RefinementStopped(study)
+        return study

@@ -1,30 +1,29 @@
-"""Which spring model is good enough where: all models over engine speed, each beside the reference
-with the numerical error of both.
+"""Fidelity of spring models: all models over engine speed, compared with a reference and the
+numerical error of both.
 
-Every model runs as the case has it and once more with its springs divided more finely; the change
-gives its error bar (Roache 1994, two
-grids). A model without a division, such as a spring without mass, has none.
+Every model runs as the case has it and again with its springs divided more finely; the change gives
+its error bar (Roache 1994, two grids). A model without a division, such as a spring without mass,
+has none.
 """
 
 from __future__ import annotations
 
-import itertools
 import math
 from collections.abc import Sequence
 from dataclasses import replace
 
-from valvetrain import registry
 from valvetrain.errors import InputError
 from valvetrain.parameters.case import Case
 from valvetrain.parameters.loading import AnyCase, case_of
+from valvetrain.registry import words as registered_names
 from valvetrain.runs.cost import Cost, Limits, limits_of, refuse_cost
-from valvetrain.runs.engine import Progress, worker_count
 from valvetrain.runs.error_bars import two_grids
-from valvetrain.runs.planned import RunRequest
-from valvetrain.runs.request_cost import request_cost
-from valvetrain.runs.run import Finished, run_problem
+from valvetrain.runs.refine_trains import divided
+from valvetrain.runs.request_cost import RunRequest, request_cost
+from valvetrain.runs.run import run_problem
 from valvetrain.runs.stopping import StudyStopped
-from valvetrain.runs.train_uncertainty import divided
+from valvetrain.runs.train_runs import Finished
+from valvetrain.runs.workers import Progress, worker_count
 from valvetrain.solution.fidelity import FidelityMap, FidelityRow
 from valvetrain.solution.study import Study
 from valvetrain.springs.spec import spring_model
@@ -34,20 +33,19 @@ from valvetrain.units import Given, si_speeds
 
 #: Elements, masses or modes of the second run of a model over those of its first.
 FINER = 1.5
-#: The model that others are judged by, where the springs' wire is known, and where only their cards
-#: are.
+#: Reference model for springs with a wire, and for those with a card only.
 REFERENCES = {"wire": "finite-element", "card": "wave-rod"}
 #: Share of the reference's largest value up to which a model is good enough.
 TOLERANCE = 0.05
-#: What models are judged by, where the reference tells it.
+#: Quantities by which models are judged, where the reference has them.
 JUDGED = (
     "peak_spring_force", "minimum_spring_force", "peak_retainer_force", "surge_amplitude_force", "clash_energy",
     "seating_velocity", "peak_cam_contact_force", "minimum_cam_contact_force", "peak_seat_contact_force", "lift_loss_displacement",
     "bounce_height", "cycle_work_energy",
 )  # fmt: skip
-#: What is zero where a run that could tell it does not: nothing clashed, nothing bounced.
+#: Quantities that are zero in a run without the event: no clash, no bounce.
 NONE_IS_ZERO = ("clash_energy", "bounce_height", "lift_loss_displacement")
-#: A reference that is nowhere larger than this (SI) gives nothing to compare with.
+#: A quantity of which the reference is nowhere larger than this (SI) is not compared.
 NOTHING = 1e-9
 
 
@@ -64,7 +62,7 @@ def fidelity(
     limit: str = "",
     implausible: bool = False,
 ) -> Study:
-    """All spring models over engine speed beside a reference: up to which speed each is good
+    """All spring models over engine speed against a reference: up to which speed each is good
     enough, for which quantity, at which cost.
 
     Parameters
@@ -91,19 +89,18 @@ def fidelity(
     --------
     >>> import valvetrain as vt
     >>> found = vt.fidelity("job-t", "2000, 4000 rpm", spring_models=["massless", "multi-mass"], reference="wave-rod").fidelity
-    >>> found.models, found.reach("peak_spring_force", "multi-mass").words
+    >>> found.models, found.reach("peak_spring_force", "multi-mass").text
     (('massless', 'multi-mass'), 'all')
     """
     chosen, speeds, limits = case_of(case), si_speeds(engine_speeds), limits_of(limit)
     refuse_tolerance(tolerance)
-    words = fidelity_models(chosen, spring_models, spring_set, reference)
-    refuse_cost(
-        fidelity_cost(chosen, speeds, words, spring_set, worker_count(workers)), limits, "limit="
-    )
+    models = fidelity_models(chosen, spring_models, spring_set, reference)
+    cost = fidelity_cost(chosen, speeds, models, spring_set, worker_count(workers))
+    refuse_cost(cost, limits, "limit=")
     return fidelity_study(
         chosen,
         speeds,
-        spring_models=words,
+        spring_models=models,
         spring_set=spring_set,
         tolerance=tolerance,
         workers=workers,
@@ -114,7 +111,7 @@ def fidelity(
 
 
 def refuse_tolerance(tolerance: float) -> None:
-    """Raise :class:`InputError` for a tolerance that is no share."""
+    """Raise :class:`InputError` for a tolerance that is not a share."""
     if not 0 < tolerance < 1:
         meant = f"write '{tolerance:g} %'" if 1 <= tolerance < 100 else "write it such as '5 %'"
         raise InputError(
@@ -130,7 +127,7 @@ def fidelity_cost(
     spring_set: str,
     workers: int,
 ) -> Cost:
-    """Estimated cost: every model at every speed, and once more with :data:`FINER` times the parts."""
+    """Estimated cost: every model at every speed, and again with :data:`FINER` times the parts."""
     sets = (spring_set,) if spring_set else _own_set(case)
     once = request_cost(
         RunRequest("sweep", case, engine_speeds, spring_models, sets, workers), whole=False
@@ -141,9 +138,11 @@ def fidelity_cost(
 def fidelity_models(
     case: Case, spring_models: Sequence[str] = (), spring_set: str = "", reference: str = ""
 ) -> tuple[str, ...]:
-    """Words of the models that run, the cheapest first and the reference last. Raises
-    :class:`InputError` where it cannot run, for a case
-    in which nothing moves, and for a spring set that it has not."""
+    """Names of the models that run, the cheapest first and the reference last.
+
+    Raises :class:`InputError` where the reference cannot run, for a case without motion, and for an
+    unknown spring set.
+    """
     if case.lift_law is None:
         raise InputError(
             f"case '{case.name}' holds no lift law, so its spring does not move; add a [lift_law] table",
@@ -159,17 +158,14 @@ def fidelity_models(
             f"there is no spring set '{spring_set[:40]}'; use one of {', '.join(case.train.springs)}",
             "--spring-set",
         )
-    springs = (
-        case.springs
-        if case.train is None
-        else case.train.spring_parts(*((spring_set,) if spring_set else _own_set(case)))
-    )
-    specs = {word: spring_model(word) for word in registry.words("springs")}
+    springs = case.springs
+    if case.train is not None:
+        springs = case.train.spring_parts(*((spring_set,) if spring_set else _own_set(case)))
+    specs = {name: spring_model(name) for name in registered_names("springs")}
 
-    def refusal(word: str) -> str:
-        return specs[word].no_motion or next(
-            (why for spring in springs if (why := specs[word].why_not(spring))), ""
-        )
+    def refusal(name: str) -> str:
+        reasons = (specs[name].why_not(spring) for spring in springs)
+        return specs[name].no_motion or next(filter(None, reasons), "")
 
     kind = "card" if any(spring.wire is None for spring in springs) else "wire"
     best = reference or REFERENCES[kind]
@@ -180,21 +176,20 @@ def fidelity_models(
     spring_model(best, "--reference")
     if why := refusal(best):
         raise InputError(f"the reference cannot run: {why}; name another", "--reference")
-    made_up = (
-        REFERENCES["wire"] if kind == "card" else ""
-    )  # its wire is invented from the card, so it judges nothing
-    wanted = tuple(dict.fromkeys(spring_models)) or tuple(
-        word for word in specs if not refusal(word) and word != made_up
+    # The wire of a card is assumed, so its rod is not a default.
+    assumed = REFERENCES["wire"] if kind == "card" else ""
+    chosen = tuple(dict.fromkeys(spring_models)) or tuple(
+        name for name in specs if not refusal(name) and name != assumed
     )
-    for word in wanted:
-        spring_model(word, "--spring")
-        if why := refusal(word):
-            raise InputError(f"{why}; leave {word} out", "--spring")
+    for name in chosen:
+        spring_model(name, "--spring")
+        if why := refusal(name):
+            raise InputError(f"{why}; leave {name} out", "--spring")
     judged = sorted(
-        (word for word in wanted if word != best), key=lambda word: specs[word].processor_time
+        (name for name in chosen if name != best), key=lambda name: specs[name].processor_time
     )
     if not judged:
-        raise InputError("there is no model beside the reference; name one more", "--spring")
+        raise InputError("there is no model but the reference; name one more", "--spring")
     return (*judged, best)
 
 
@@ -213,7 +208,7 @@ def fidelity_study(
     implausible: bool = False,
 ) -> Study:
     """The study of :func:`fidelity` at ``engine_speeds`` (rad/s of the crank) by ``spring_models``,
-    the last of which is the reference.
+    the reference last.
     """
     speeds = tuple(sorted({float(speed) for speed in engine_speeds}))
     if not speeds:
@@ -221,60 +216,44 @@ def fidelity_study(
             "a comparison over speed needs at least one engine speed; write such as '1000:9000:500 rpm'",
             "--engine-speed",
         )
-    problem = build(
-        case,
-        spring_models=spring_models,
-        spring_sets=(spring_set,) if spring_set else _own_set(case),
-    )
+    sets = (spring_set,) if spring_set else _own_set(case)
+    problem = build(case, spring_models=spring_models, spring_sets=sets)
 
-    def part(begin: float, end: float) -> Progress | None:
-        return (
-            None
-            if progress is None
-            else lambda done, words: progress(begin + (end - begin) * done, words)
-        )
+    def study(of: Problem, tell: Finished | None, begin: float, end: float) -> Study:
+        def part(done: float, text: str) -> None:
+            if progress is not None:
+                progress(begin + (end - begin) * done, text)
 
-    def study(of: Problem, told: Finished | None, share: tuple[float, float]) -> Study:
         return run_problem(
             of,
             speeds,
             workers=workers,
-            progress=part(*share),
+            progress=part,
             created_at=created_at,
             command="sweep",
             whole=False,
-            finished=told,
+            finished=tell,
             limits=limits,
             implausible=implausible,
         )
 
-    parts = _finer(problem)
-    ends = [0.4 + 0.6 * place / max(1, len(parts)) for place in range(len(parts) + 1)]
-    own, fine = None, []
+    finer = _finer(problem)
+    divided = tuple(member.model.word for one in finer for member in one.members)
+    step = 0.6 / max(1, len(finer))
+    studies: list[Study] = []
+    stopped = False
     try:
-        own = study(problem, finished, (0.0, 0.4))
-        for one, share in zip(parts, itertools.pairwise(ends), strict=True):
-            fine.append(study(one, None, share))
-    except StudyStopped as cut:
-        own = own or cut.study
-        raise StudyStopped(
-            _judged(
-                problem, own, [*fine, cut.study] if own is not cut.study else [], parts, tolerance
-            )
-        ) from None
-    return _judged(problem, own, fine, parts, tolerance)
-
-
-def _judged(
-    problem: Problem, own: Study, fine: Sequence[Study], parts: Sequence[Problem], tolerance: float
-) -> Study:
-    """The runs with their comparison; a bar whose finer run of ``parts`` is not among ``fine`` is
-    unknown.
-    """
-    words = tuple(member.model.word for one in parts for member in one.members)
-    return replace(
-        own, command="fidelity", fidelity=_compared(problem, own, fine, words, tolerance)
-    )
+        studies.append(study(problem, finished, 0.0, 0.4))
+        for number, one in enumerate(finer):
+            studies.append(study(one, None, 0.4 + step * number, 0.4 + step * (number + 1)))
+    except StudyStopped as stop:
+        studies, stopped = [*studies, stop.study], True
+    own, *fine = studies
+    compared = _compared(problem, own, fine, divided, tolerance)
+    result = replace(own, command="fidelity", fidelity=compared)
+    if stopped:
+        raise StudyStopped(result)
+    return result
 
 
 def _own_set(case: Case) -> tuple[str, ...]:
@@ -285,15 +264,13 @@ def _own_set(case: Case) -> tuple[str, ...]:
 
 def _finer(problem: Problem) -> list[Problem]:
     """A problem for each member whose springs can be divided more finely, with them so divided."""
-    made = []
+    problems = []
     for member in problem.members:
         springs = tuple(divided(member, spring, FINER) for spring in member.springs)
-        made += (
-            [replace(problem, members=(replace(member, springs=springs),), built={})]
-            if springs != member.springs
-            else []
-        )
-    return made
+        if springs != member.springs:
+            finer = replace(member, springs=springs)
+            problems.append(replace(problem, members=(finer,), built={}))
+    return problems
 
 
 def _compared(
@@ -304,37 +281,22 @@ def _compared(
     *judged, best = labels
     rows = []
     for name in JUDGED:
-        told = {
-            word: _series(
-                own,
-                fine,
-                label,
-                name,
-                word in divided,
-                name in NONE_IS_ZERO and (name != "clash_energy" or "clash" in specs[word].shows),
+        series = {}
+        for model, label in labels.items():
+            zero = name != "clash_energy" or "clash" in specs[model].shows
+            series[model] = _series(
+                own, fine, label, name, model in divided, zero and name in NONE_IS_ZERO
             )
-            for word, label in labels.items()
-        }
-        scale = max(
-            (abs(value) for value, _ in told[best].values() if math.isfinite(value)), default=0.0
-        )
+        sizes = (abs(value) for value, _ in series[best].values() if math.isfinite(value))
+        scale = max(sizes, default=0.0)
         if scale <= NOTHING:
             continue
-        for word in judged:
-            for speed, (value, error) in told[word].items():
-                rows.append(
-                    FidelityRow(
-                        name,
-                        word,
-                        speed,
-                        value,
-                        error,
-                        *told[best].get(speed, (math.nan, math.nan)),
-                        scale,
-                    )
-                )
+        for model in judged:
+            for speed, (value, error) in series[model].items():
+                reference = series[best].get(speed, (math.nan, math.nan))
+                rows.append(FidelityRow(name, model, speed, value, error, *reference, scale))
     costs = sorted(
-        ((word, specs[word].processor_time) for word in labels), key=lambda pair: pair[1]
+        ((model, specs[model].processor_time) for model in labels), key=lambda pair: pair[1]
     )
     return FidelityMap(best, tolerance, tuple(rows), tuple(costs), divided)
 
@@ -342,20 +304,20 @@ def _compared(
 def _series(
     own: Study, fine: Sequence[Study], label: str, name: str, divided: bool, zero: bool
 ) -> dict[float, tuple[float, float]]:
-    """Engine speed -> value and half width of its error bar, of the runs of one label; ``zero``:
-    what is not told is zero.
+    """Engine speed -> value and half width of its error bar, of the runs of one label; ``zero``: a
+    missing value is zero.
 
     The bar is NaN for a model that is not ``divided``, infinite where one that is has no value of
     its finer run.
     """
-    usual = 0.0 if zero else math.nan
+    missing = 0.0 if zero else math.nan
     finer = {run.engine_speed: run for one in fine for run in one.runs(label)}
     found = {}
     for run in own.runs(label):
-        value = run.quantities.get(name, usual) if run.status.completed else math.nan
+        value = run.quantities.get(name, missing) if run.status.completed else math.nan
         other = finer.get(run.engine_speed)
         finer_value = (
-            other.quantities.get(name, usual)
+            other.quantities.get(name, missing)
             if other is not None and other.status.completed
             else math.nan
         )

@@ -1,4 +1,4 @@
-"""Sentences on what a study was given and does not use."""
+"""Notes of a study on inputs that have no effect or need care, and refusals before its runs."""
 
 from __future__ import annotations
 
@@ -7,55 +7,42 @@ from collections.abc import Iterable, Sequence
 import numpy as np
 
 from valvetrain.errors import InputError
+from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.quantities.plausible import refuse_implausible_motion, refuse_implausible_parts
 from valvetrain.quantities.statics import formula_compression
-from valvetrain.runs.prepared import prepare
+from valvetrain.runs.prepared import largest_lift, law_lift, prepare
 from valvetrain.system.contract import TRAIN
 from valvetrain.system.problem import Member, Problem
 
 
-def largest_lift(problem: Problem) -> float:
-    """Largest valve lift (m): of the rigid train, or of the law that drives the spring."""
-    lifts = [
-        float(member.gear.mechanism.kinematics.maximum_lift)
-        for member in problem.members
-        if member.gear is not None
-    ]
-    return max(
-        lifts, default=float(np.max(problem.valve_lift.lift(np.linspace(0.0, 2 * np.pi, 721))))
-    )
-
-
 def undamped_notes(members: Iterable[Member]) -> tuple[str, ...]:
     """A sentence per spring model without damping on the springs whose damping it leaves out."""
-    left_out: dict[str, list[str]] = {}
+    left_out: dict[str, dict[str, None]] = {}
     for member in members:
         for spring in member.springs:
-            if not member.model.damped and (
-                spring.damping.mass_damping
-                or spring.damping.stiffness_damping
-                or spring.damping.ratio
-            ):
-                names = left_out.setdefault(member.model.word, [])
-                names += [] if spring.name in names else [spring.name]
+            if not member.model.damped and _is_damped(spring):
+                left_out.setdefault(member.model.word, {})[repr(spring.name)] = None
     return tuple(
-        f"A {word} spring has no inner motion: the damping of {' and '.join(repr(name) for name in names)} has no effect in it."
-        for word, names in left_out.items()
+        f"A {model} spring has no inner motion: the damping of {' and '.join(names)} has no effect in it."
+        for model, names in left_out.items()
     )
+
+
+def _is_damped(spring: InstalledSpring) -> bool:
+    damping = spring.damping
+    return bool(damping.mass_damping or damping.stiffness_damping or damping.ratio)
 
 
 def ringing_note(members: Iterable[Member]) -> str:
-    """A sentence on the springs to which the case gives no damping although their models have inner
-    motion; empty where there are none.
+    """A sentence on the springs without damping whose models have inner motion; empty where there
+    are none.
     """
-    names: dict[str, None] = {}
-    for member in members:
-        for spring in member.springs:
-            damping = spring.damping
-            if member.model.damped and not (
-                damping.mass_damping or damping.stiffness_damping or damping.ratio
-            ):
-                names[repr(spring.name)] = None
+    names = dict.fromkeys(
+        repr(spring.name)
+        for member in members
+        for spring in member.springs
+        if member.model.damped and not _is_damped(spring)
+    )
     if not names:
         return ""
     springs, its = ("springs", "their") if len(names) > 1 else ("spring", "its")
@@ -67,38 +54,52 @@ def ringing_note(members: Iterable[Member]) -> str:
 
 
 def buckling_notes(problem: Problem) -> tuple[str, ...]:
-    """A sentence on each wire of a train that buckles by the formula before the largest lift and
-    stands in no guide.
+    """A sentence on each wire of a train without a guide that buckles by the formula before the
+    largest lift.
 
-    The rod at rest is not solved for a train's run; what it says is a command away.
+    The rod at rest is not solved for the run of a train.
     """
     found: list[str] = []
     if problem.kind != TRAIN:
         return ()
     for spring in dict.fromkeys(spring for member in problem.members for spring in member.springs):
-        place = (
-            None
-            if spring.wire is None or spring.guide is not None
-            else formula_compression(spring.wire)
+        if spring.wire is None or spring.guide is not None:
+            continue
+        buckling, open_compression = (
+            formula_compression(spring.wire),
+            spring.precompression + largest_lift(problem),
         )
-        if place is not None and place < (
-            open_compression := spring.precompression + largest_lift(problem)
-        ):
+        if buckling is not None and buckling < open_compression:
             found.append(
-                f"Spring '{spring.name}' buckles at {place * 1e3:.4g} mm compression by the formula of EN 13906-1, before the "
+                f"Spring '{spring.name}' buckles at {buckling * 1e3:.4g} mm compression by the formula of EN 13906-1, before the "
                 f"{open_compression * 1e3:.4g} mm at full lift: guide it, or make it shorter or wider; 'valvetrain static' "
                 "finds the place by finite elements."
             )
     return tuple(found)
 
 
-#: Parts of a train whose friction is a force.
+#: Parts of a train with friction.
 RUBBING = ("follower", "valve")
 
 
+def checked_speeds(
+    problem: Problem, engine_speeds: Sequence[float] | None, implausible: bool
+) -> tuple[float, ...]:
+    """The engine speeds (rad/s of the crank; None: those of the problem), refused as the two
+    functions below do.
+
+    ``implausible`` motions and parts pass.
+    """
+    speeds = problem.engine_speeds if engine_speeds is None else tuple(map(float, engine_speeds))
+    refuse_speeds(problem, speeds)
+    if not implausible:
+        refuse_implausible(problem, speeds)
+    return speeds
+
+
 def refuse_speeds(problem: Problem, engine_speeds: Sequence[float]) -> None:
-    """Raise :class:`InputError` for engine speeds (rad/s of the crank) that are not positive, or at
-    which nothing moves.
+    """Raise :class:`InputError` for engine speeds (rad/s of the crank) that are not positive, or
+    without a lift.
     """
     if any(not (np.isfinite(speed) and speed > 0) for speed in engine_speeds):
         raise InputError(
@@ -113,9 +114,7 @@ def refuse_speeds(problem: Problem, engine_speeds: Sequence[float]) -> None:
 
 
 def refuse_implausible(problem: Problem, engine_speeds: Sequence[float]) -> None:
-    """Raise :class:`InputError` for a motion or a part that is nonsense, whatever could be computed
-    of it.
-    """
+    """Raise :class:`InputError` for an implausible motion or part."""
     gears = {
         member.label: member.gear.parameters
         for member in problem.members
@@ -133,22 +132,18 @@ def refuse_implausible(problem: Problem, engine_speeds: Sequence[float]) -> None
 
 
 def refusals_before_run(problem: Problem, implausible: bool = False) -> dict[str, str]:
-    """Label -> why the member cannot be integrated, of those that cannot; made by the same parts as
-    a run.
+    """Label -> why the member cannot be integrated, for those that cannot; found by the parts that
+    a run is made of.
 
-    Springs under prescribed motion are also built as their states at rest need them. Raises
-    :class:`InputError` with what refuses the
-    whole run; ``implausible``: nonsense passes.
+    Springs under prescribed motion are also built for their statics. Raises :class:`InputError`
+    with what refuses the whole run; ``implausible`` values pass.
     """
-    from valvetrain.runs.statics import reach_of
-    from valvetrain.springs.finite_element import (
-        FiniteElementRod,  # which a sweep of a train never needs
-    )
+    # A sweep of a train never needs these.
+    from valvetrain.runs.statics import default_model, reach_of
+    from valvetrain.springs.finite_element import FiniteElementRod
 
-    refuse_speeds(problem, problem.engine_speeds)
-    if not implausible:
-        refuse_implausible(problem, problem.engine_speeds)
-    lift = float(np.max(problem.valve_lift.lift(np.linspace(0.0, 2 * np.pi, 721))))
+    checked_speeds(problem, None, implausible)
+    lift = law_lift(problem)
     found = {}
     for member in problem.members:
         if member.refusal:
@@ -159,14 +154,11 @@ def refusals_before_run(problem: Problem, implausible: bool = False) -> dict[str
             found[member.label] = refusal
         for spring in member.springs:
             if spring.wire is None and member.gear is None:
-                assert spring.card is not None
-                problem.model_of(
-                    "modal-uniform" if spring.card.mass is not None else "massless", spring
-                )
+                problem.model_of(default_model(spring), spring)
             elif spring.wire is not None and (member.gear is None or member.model.needs_rest):
                 rod = problem.model_of("finite-element", spring)
                 if spring.contact.stiffness > 0:
                     spring.wire.refuse_solid(reach_of(spring, lift))
                 if isinstance(rod, FiniteElementRod):
-                    _ = rod.installed  # at rest it needs no time step
+                    _ = rod.installed  # its statics need no time step
     return found

@@ -1,9 +1,10 @@
-"""A member of a problem made ready to run: its system, its state at rest and what its numbers are
-judged by, each found once.
+"""One prepared run: system, static equilibrium and reference motion of a member, each computed
+once; its runs in time.
 """
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING
@@ -37,21 +38,23 @@ from valvetrain.system.train_system import TrainSystem
 if TYPE_CHECKING:
     from valvetrain.integrate.contract import Orbit
 
-#: Bytes that one step of a cam turn takes while it is recorded (time, motion, forces and what is
-#: made of them).
+#: Bytes of one recorded step (time, motion, forces and what is computed from them).
 STEP_BYTES = 128.0
-#: What a run can meet that is its own failure and not the study's: whatever it is, the other runs
-#: are there.
+#: Exceptions that fail one run and not its study: all of them.
 FAILURES = (Exception,)
+#: Codes of runs that gave all of their samples.
+ENDED = ("completed", "not-converged")
 
 
 @dataclass(frozen=True, eq=False)
 class Plan:
-    """What is asked of every run: ``keep`` of its channels (``contacts`` for a sweep), samples per
-    cam turn (None: the usual), whether
-    the solution keeps its channels at all, cam turns of prescribed motion, most turns of a train,
-    when (ISO 8601), the memory (bytes) that
-    one run may take, and whether implausible results pass."""
+    """Options of every run of a study.
+
+    ``keep`` of its channels (``contacts`` for a sweep), ``samples`` per cam revolution (None: the
+    default), ``whole``: the solution has channels at all, ``cycles`` of prescribed motion, most
+    ``cycles_to_settle`` of a train, ``created_at`` (ISO 8601), ``max_bytes`` of memory of one run;
+    ``implausible`` results pass.
+    """
 
     keep: Keep = "all"
     samples: int | None = None
@@ -59,13 +62,13 @@ class Plan:
     cycles: int = 2
     cycles_to_settle: int | None = None
     created_at: str = ""
-    most_bytes: float = Limits().bytes
+    max_bytes: float = Limits().bytes
     implausible: bool = False
 
 
 @dataclass(frozen=True, eq=False)
 class PreparedRun:
-    """A member with everything its runs share; ``refusal`` says why it cannot run, empty when it
+    """A member with everything that its runs share; ``refusal``: why it cannot run, empty where it
     can.
     """
 
@@ -78,36 +81,38 @@ class PreparedRun:
 
     @cached_property
     def window(self) -> tuple[float, float] | None:
-        """Begin and end (cam rad) of the stretch in which a rigid valve counts as open
-        (:func:`open_window`); none of prescribed motion.
+        """Begin and end (cam rad) of the open rigid valve (:func:`open_window`); None for
+        prescribed motion.
         """
         return None if self.motion is None else open_window(self.motion.kinematics)
 
     @cached_property
     def nose(self) -> float | None:
-        """Cam angle (rad) of the largest rigid lift; none of prescribed motion."""
-        return (
-            None
-            if self.motion is None
-            else ring_top(self.motion.cam_angle, self.motion.derivatives[0])
-        )
+        """Cam angle (rad) of the largest rigid lift; None for prescribed motion."""
+        motion = self.motion
+        return None if motion is None else ring_top(motion.cam_angle, motion.derivatives[0])
+
+
+def largest_lift(problem: Problem) -> float:
+    """Largest valve lift (m): of the rigid train, or of the law that drives the spring."""
+    gears = (member.gear for member in problem.members)
+    lifts = [float(gear.mechanism.kinematics.maximum_lift) for gear in gears if gear is not None]
+    return max(lifts) if lifts else law_lift(problem)
+
+
+def law_lift(problem: Problem) -> float:
+    """Largest lift (m) of the lift law."""
+    return float(np.max(problem.valve_lift.lift(np.linspace(0.0, 2 * np.pi, 721))))
 
 
 def prepare(problem: Problem, member: Member, rest: Rest, source: str) -> PreparedRun:
-    """The member assembled; what its parts refuse is kept as its ``refusal``."""
-    found = tuple(rest[spring] for spring in member.springs if spring in rest)
-    # under prescribed motion the springs' states at rest are found beside the first runs, and
-    # judge() brings their frequencies
-    told = (
-        ()
-        if member.gear is None
-        else (surge_frequency(spring, rest.get(spring)) for spring in member.springs)
-    )
-    frequencies = tuple(value for value in told if value is not None)
+    """The member assembled with its springs at ``rest``; what its parts refuse is its ``refusal``."""
+    # Under prescribed motion the statics of the springs are computed during the first runs: judge() adds their frequencies.
+    found, frequencies = _statics_of(member, rest)
     frame = Frame(
         member.springs,
         found,
-        frequencies,
+        () if member.gear is None else frequencies,
         problem.lift_event,
         problem.valve_lift.lift,
         source,
@@ -121,22 +126,24 @@ def prepare(problem: Problem, member: Member, rest: Rest, source: str) -> Prepar
                     spring.prepare()
             return PreparedRun(member, frame, system)
         assert member.gear is not None
-        still = rest_of(system)
-        motion = rigid_motion(system, member.gear.parameters, rest=still)
-        return PreparedRun(
-            member,
-            replace(frame, valve_lift=system.mechanism.kinematics.valve_lift),
-            system,
-            still,
-            motion,
-        )
+        equilibrium = rest_of(system)
+        motion = rigid_motion(system, member.gear.parameters, rest=equilibrium)
+        frame = replace(frame, valve_lift=system.mechanism.kinematics.valve_lift)
+        return PreparedRun(member, frame, system, equilibrium, motion)
     except FAILURES as error:
         return PreparedRun(member, frame, refusal=reason(error))
 
 
+def _statics_of(member: Member, rest: Rest) -> tuple[tuple[SpringAtRest, ...], tuple[float, ...]]:
+    """The springs of a member at rest, and the first surge frequencies (Hz) that are known."""
+    found = tuple(rest[spring] for spring in member.springs if spring in rest)
+    frequencies = (surge_frequency(spring, rest.get(spring)) for spring in member.springs)
+    return found, tuple(value for value in frequencies if value is not None)
+
+
 def surge_frequency(spring: InstalledSpring, rest: SpringAtRest | None = None) -> float | None:
-    """First surge frequency (Hz), both ends fixed, as installed: at rest, else of the uniform
-    spring; None where neither tells.
+    """First surge frequency (Hz), both ends fixed, as installed, or of the uniform spring; None
+    where neither is known.
     """
     if rest is not None and rest.modes is not None and len(rest.modes.axial_modes):
         return float(rest.modes.axial_frequencies[0])
@@ -144,22 +151,20 @@ def surge_frequency(spring: InstalledSpring, rest: SpringAtRest | None = None) -
         return None
     try:
         return EquivalentSpring.from_installed(spring).surge_frequency
-    except InputError:  # a wire that no uniform spring stands for still runs
+    except InputError:  # a wire that no uniform spring represents still runs
         return None
 
 
 def provenance_of(
     problem: Problem, member: Member, engine_speed: float, created_at: str
 ) -> Provenance:
-    """Where a run of ``member`` comes from, its options with their values (SI)."""
+    """Provenance of a run of ``member``, its options with their values (SI)."""
     first = member.springs[0] if member.springs else None
     options: dict[str, Option] = {}
     if first is not None:
         table = member.model.read_options(first.options_of(member.model.word))
-        useless = table.wire_only if first.wire is None else table.card_only
-        options |= {
-            name: value for name, value in table.model_dump().items() if name not in useless
-        }
+        unused = table.wire_only if first.wire is None else table.card_only
+        options |= {name: value for name, value in table.model_dump().items() if name not in unused}
         options |= {
             "coil_contact_stiffness": first.contact.stiffness,
             "coil_contact_damping_time": first.contact.damping_time,
@@ -199,16 +204,14 @@ def integrate_from(
     start: Orbit | None = None,
 ) -> tuple[Solution, Orbit | None]:
     """As :func:`integrate_point`, of a train from the motion ``start`` of another speed, and the
-    motion it ended on (None for none).
+    final motion (None without one).
     """
     if ready.system is None:
         remedy = "choose another model, or give more of the spring"
-        return Solution(
-            empty_channels(), (), Status("refused", ready.refusal, remedy=remedy), {}, provenance
-        ), None
+        return without_channels(Status("refused", ready.refusal, remedy=remedy), provenance), None
     prescribed = isinstance(ready.system, PrescribedSpring)
     if prescribed and (status := _too_many_steps(ready, engine_speed / 2, plan)) is not None:
-        return Solution(empty_channels(), (), status, {}, provenance), None
+        return without_channels(status, provenance), None
     until = Cycles(plan.cycles) if prescribed else Periodic(plan.cycles_to_settle)
     options = RunOptions(
         plan.samples,
@@ -221,121 +224,96 @@ def integrate_from(
     try:
         return run_to_orbit(ready.system, engine_speed / 2, until, options, provenance)
     except FAILURES as error:
-        return Solution(
-            empty_channels(),
-            (),
-            Status("diverged", reason(error), remedy="look at this run alone"),
-            {},
-            provenance,
-        ), None
+        status = Status("diverged", reason(error), remedy="look at this run alone")
+        return without_channels(status, provenance), None
+
+
+def without_channels(
+    status: Status, provenance: Provenance, quantities: Mapping[str, float] = {}
+) -> Solution:
+    """A solution of a run that gave no channels."""
+    return Solution(empty_channels(), (), status, {}, provenance, quantities)
 
 
 def _too_many_steps(ready: PreparedRun, cam_speed: float, plan: Plan) -> Status | None:
-    """Why a run is not begun whose cam turn has more steps than the memory holds; None where it
-    fits.
+    """Refusal of a run whose steps in a cam revolution do not fit the memory; None where they do.
 
-    The step is the spring's own: a hard coil contact or a light wire shortens it by orders that no
-    count of elements tells.
+    The step depends on coil contact and wire by orders of magnitude, not only on the count of
+    elements.
     """
     assert isinstance(ready.system, PrescribedSpring)
     for spring in ready.system.springs:
         step = float(spring.stable_time_step()) if hasattr(spring, "stable_time_step") else np.inf
         steps = 2 * np.pi / cam_speed / max(step, 1e-300)
-        if not steps * STEP_BYTES <= plan.most_bytes:
-            words = (
-                f"{spring.name} needs steps of {step:.3g} s, {steps:.3g} in a cam turn, which take about "
-                f"{memory_text(steps * STEP_BYTES)}, beyond the bound of {memory_text(plan.most_bytes)}"
+        if not steps * STEP_BYTES <= plan.max_bytes:
+            message = (
+                f"{spring.name} needs steps of {step:.3g} s, {steps:.3g} in a cam revolution, which take about "
+                f"{memory_text(steps * STEP_BYTES)}, beyond the bound of {memory_text(plan.max_bytes)}"
             )
             remedy = "give a softer coil contact, fewer elements or a higher speed, or raise the bound (--limit, limit=)"
-            return Status("refused", words, remedy=remedy)
+            return Status("refused", message, remedy=remedy)
     return None
 
 
 def plausible(solution: Solution) -> Solution:
-    """The run, as ``diverged`` where a number of it is nonsense; its numbers stay."""
-    if solution.status.code not in ("completed", "not-converged") or not (
-        words := implausible(solution)
-    ):
+    """The run, as ``diverged`` where one of its numbers is implausible; its numbers stay."""
+    if solution.status.code not in ENDED or not (message := implausible(solution)):
         return solution
-    return replace(
-        solution, status=Status("diverged", words, float(solution.time[-1]), remedy=REMEDY)
-    )
+    status = Status("diverged", message, float(solution.time[-1]), remedy=REMEDY)
+    return replace(solution, status=status)
 
 
 def bound(solution: Solution, springs: tuple[InstalledSpring, ...]) -> Solution:
     """The run with status ``coil-bind`` where the retainer passed the lift at which the first of
     ``springs`` is solid.
 
-    No spring model but those with coil contact feels it, so what follows in the run is not to be
-    believed. A spring whose card does not
-    tell installed and solid height is not judged; nor is a run that diverged.
+    Only models with coil contact represent it, so later values of the run are invalid. A spring
+    without installed and solid height is not judged; nor is a run that diverged.
     """
-    told = [(spring.room, spring) for spring in springs if spring.room is not None]
-    if (
-        not told
-        or solution.status.code not in ("completed", "not-converged")
-        or not solution.has("valve_lift")
-    ):
+    known = [(spring.room, spring) for spring in springs if spring.room is not None]
+    if not known or solution.status.code not in ENDED or not solution.has("valve_lift"):
         return solution
-    room, spring = min(told, key=lambda pair: pair[0])
+    travel, spring = min(known, key=lambda pair: pair[0])
     lift = solution.channel("valve_lift")
-    past = lift >= room
+    past = lift >= travel
     if not np.any(past):
         return solution
-    place = int(np.argmax(past))
-    angle = float(np.degrees(solution.cam_angle[place]) % 360)
-    words = (
-        f"spring '{spring.name}' is solid at {room * 1e3:.4g} mm of lift, which the retainer passes at {angle:.1f} cam degrees "
+    index = int(np.argmax(past))
+    angle = float(np.degrees(solution.cam_angle[index]) % 360)
+    message = (
+        f"spring '{spring.name}' is solid at {travel * 1e3:.4g} mm of lift, which the retainer passes at {angle:.1f} cam degrees "
         f"and exceeds to {float(np.max(lift)) * 1e3:.4g} mm"
     )
     remedy = (
         "run slower, or fit a spring that holds the valve and has more room to its solid height"
     )
-    return replace(
-        solution,
-        status=Status("coil-bind", words, float(solution.time[place]), spring.name, remedy),
-    )
+    status = Status("coil-bind", message, float(solution.time[index]), spring.name, remedy)
+    return replace(solution, status=status)
 
 
 def judge(ready: PreparedRun, solution: Solution, plan: Plan, rest: Rest) -> Solution:
     """The run with events and named quantities, without channels where the plan keeps none."""
     frame = ready.frame
     if rest:
-        found = tuple(rest[spring] for spring in ready.member.springs if spring in rest)
-        frequencies = (surge_frequency(spring, rest.get(spring)) for spring in ready.member.springs)
-        frame = replace(
-            frame,
-            rest=found,
-            surge_frequencies=tuple(value for value in frequencies if value is not None),
-        )
+        found, frequencies = _statics_of(ready.member, rest)
+        frame = replace(frame, rest=found, surge_frequencies=frequencies)
     if ready.motion is not None:
         frame = replace(frame, rigid=ready.motion.table(solution.engine_speed / 2))
     if len(solution.time):
-        gaps = PartialFailures()
-        solution = gaps.part("all numbers", solution, evaluate, solution, frame)
-        solution = gaps.part("coil bind", solution, bound, solution, ready.member.springs)
-        solution = (
-            solution
-            if plan.implausible
-            else gaps.part("plausible values", solution, plausible, solution)
-        )
-        if gaps.sentences:
-            solution = solution.with_found(
-                solution.events, solution.quantities, (*solution.gaps, *gaps.sentences)
-            )
+        failures = PartialFailures()
+        solution = failures.part("all numbers", solution, evaluate, solution, frame)
+        solution = failures.part("coil bind", solution, bound, solution, ready.member.springs)
+        if not plan.implausible:
+            solution = failures.part("plausible values", solution, plausible, solution)
+        if failures.sentences:
+            solution = replace(solution, gaps=(*solution.gaps, *failures.sentences))
     return solution if plan.whole else solution.reduced()
 
 
 def unfinished(
     problem: Problem, member: Member, engine_speed: float, plan: Plan, status: Status
 ) -> Solution:
-    """What stands for a run (rad/s of the crank) that was stopped before its end, or whose worker
+    """The solution of a run (rad/s of the crank) that was stopped before its end, or whose worker
     was lost.
     """
-    return Solution(
-        empty_channels(),
-        (),
-        status,
-        {},
-        provenance_of(problem, member, engine_speed, plan.created_at),
-    )
+    return without_channels(status, provenance_of(problem, member, engine_speed, plan.created_at))

@@ -1,52 +1,160 @@
-"""What a study will cost in time and memory, from its request alone: before anything is built, for
-the command line and for programs.
-"""
+"""Cost of a request in time and memory, from its plain numbers and before anything is built."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from typing import Protocol
 
 from valvetrain.parameters.case import Case
+from valvetrain.parameters.curves import Constant
 from valvetrain.parameters.installed_spring import InstalledSpring
+from valvetrain.registry import words as registered_names
 from valvetrain.runs.cost import Cost, estimate
-from valvetrain.runs.planned import TYPICAL_COILS, Request, RunRequest, planned, unknowns_of
-from valvetrain.springs.spec import spring_model
+from valvetrain.springs.spec import SpringModelSpec, spring_model
+from valvetrain.system.build import default_models
 
-#: Runs that the search for a train's critical speeds takes besides those of its sweep, of each
-#: member (20 to 115 seen).
+#: Options of spring models that set the number of unknowns.
+REFINES = ("elements_per_coil", "masses_per_coil", "elements", "modes")
+#: Chain of masses: its name, masses of a typical wire (to which ``SpringModelSpec.processor_time``
+#: refers) and of a card.
+CARD_CHAIN, CHAIN, MASSES = "multi-mass", 96.0, 5.0
+#: The rod, which every model of a wire at rest starts from.
+ROD = "finite-element"
+#: Points along the wire that a wave model outputs; coils of a wire for which a case gives none.
+POINTS, TYPICAL_COILS = 100.0, 8.0
+#: Runs of the search for the critical speeds of a member, besides its sweep (20 to 115 measured).
 SEARCH_RUNS = 60
 #: Seconds of one core per simulated second that a train takes besides its springs.
 TRAIN_TIME = 0.06
-#: Seconds that the states at rest of a spring alone take; usual step of a spring (s); bytes of a
-#: step while it is run, and as kept.
+#: Seconds for the statics of a spring alone; typical step (s); bytes of a step during the run, and
+#: as stored.
 REST, STEP, STEP_BYTES, STORED_BYTES = 0.3, 2e-6, 128.0, 16.0
-#: Runs of a usual mesh and step that take as long as all variants of a refinement, of a spring and
-#: of a train; bytes over those of a run.
+#: Runs on the own mesh that take as long as all variants of a refinement, of a spring and of a
+#: train; bytes over those of a run.
 SPRING_VARIANTS, TRAIN_VARIANTS, FINER_BYTES = 8.0, 13.0, 4.0
-#: Solid finite elements: their word, unknowns per element, bytes per unknown, and solver runs of a
-#: spring at rest (its error bar is one).
+#: Solid finite elements: name, unknowns per element, bytes per unknown, and solver runs of the
+#: statics (one for the error bar).
 SOLID, SOLID_UNKNOWNS, SOLID_BYTES, SOLID_RUNS = "solid", 15.0, 1e4, 2
-#: Runs to which a run-up is counted; so many lie beyond every bound.
-MAX_RUNS = 1_000_000
-#: Cam turns until a train repeats itself, where fewer are not asked for; coils and samples where a
-#: case does not tell.
+#: Upper bounds to which runs of a run-up and steps of a static curve are counted; more are beyond
+#: every limit.
+MAX_RUNS, MAX_COUNTED = 1_000_000, 10**12
+#: Cycles until a train is periodic, where a case gives no fewer; output step (rad) where it gives
+#: none.
 TYPICAL_CYCLES, TYPICAL_STEP = 20, math.radians(0.5)
+#: Solutions that the search for a load takes.
+SEARCH = 12
+#: Seconds per point and finite element where coils are apart, and where they close one by one;
+#: bytes of either.
+APART, CLOSING, POINT_BYTES = 22e-6, 65e-6, 130.0
+#: Modes of a rod: seconds per unknown and square of the vectors of the search, of which there are
+#: two per mode.
+MODE, VECTORS = 2.5e-9, 2.0
+#: Seconds per finite element that the modes of a train take for its two equilibria.
+TRAIN_ROD = 0.03
+#: Chain of masses: seconds per point and mass, seconds per cube and bytes per square of the masses
+#: for all its frequencies.
+CHAIN_POINT, CHAIN_CUBE, CHAIN_BYTES = 3e-6, 2.5e-10, 16.0
+#: Seconds of overhead for a spring by one model; seconds and bytes of a point of any curve in the
+#: output.
+OVERHEAD, OUTPUT, OUTPUT_BYTES = 0.1, 1e-4, 2e3
+
+
+class Request(Protocol):
+    """A request for a study: engine speeds in rad/s of the crank (None: the case's own), names of
+    models and spring sets.
+    """
+
+    @property
+    def command(self) -> str: ...
+    @property
+    def case(self) -> Case: ...
+    @property
+    def engine_speeds(self) -> tuple[float, ...] | None: ...
+    @property
+    def spring_models(self) -> tuple[str, ...]: ...
+    @property
+    def spring_sets(self) -> tuple[str, ...]: ...
+    @property
+    def workers(self) -> int: ...
+
+
+@dataclass(frozen=True, slots=True)
+class RunRequest:
+    """A request of a program."""
+
+    command: str
+    case: Case
+    engine_speeds: tuple[float, ...] | None
+    spring_models: tuple[str, ...]
+    spring_sets: tuple[str, ...]
+    workers: int
+
+
+def planned(request: Request) -> list[tuple[tuple[str, ...], Sequence[InstalledSpring]]]:
+    """(spring models, installed springs) of every part of the study, as
+    :func:`valvetrain.system.build.build` chooses them.
+    """
+    case, models = request.case, request.spring_models
+    if request.command == "compare":
+        models = models or registered_names("springs")
+    if case.train is None:
+        return [(models or default_models(case.springs), case.springs)]
+    train, sets = case.train, case.train.springs
+    if request.command == "sweep" and not request.spring_sets:
+        return [(models or (train.spring_model,), springs) for springs in sets.values()]
+    if models or request.spring_sets or not train.variants:
+        chosen = request.spring_sets or (train.spring_set or next(iter(sets), ""),)
+        return [(models or (train.spring_model,), sets.get(name, ())) for name in chosen]
+    return [
+        (
+            (one.spring_model or train.spring_model,),
+            sets.get(one.spring_set or train.spring_set, ()),
+        )
+        for one in train.variants
+    ]
+
+
+def unknowns_of(spec: SpringModelSpec, spring: InstalledSpring) -> tuple[float, float]:
+    """(unknowns over those of a typical spring by the default options, unknowns) of one installed
+    spring by one model.
+    """
+    coils = spring.wire.total_coils if spring.wire is not None else TYPICAL_COILS
+    options, fields = spring.options_of(spec.word), spec.options.model_fields
+    ratios, unknowns = list[float](), 1.0
+    if spec.word == CARD_CHAIN and spring.wire is None:
+        ratios, unknowns = [MASSES / CHAIN], MASSES
+    elif "sections" in spec.shows and not any(name in REFINES for name in fields):
+        unknowns = POINTS
+    for name, field in fields.items():
+        if name not in REFINES or not isinstance(field.default, int):
+            continue
+        value = float(options.get(name, field.default))
+        if spec.word == CARD_CHAIN and (name == "elements") == (spring.wire is not None):
+            continue  # a wire's chain has masses per coil, a card's has elements
+        ratios.append(value / (CHAIN if name == "elements" else float(field.default)))
+        unknowns = max(unknowns, value * (coils if name.endswith("per_coil") else 1.0))
+    return max(ratios, default=1.0), unknowns
 
 
 def request_cost(request: Request, whole: bool = True, searches: bool = False) -> Cost:
-    """Estimated cost of a request: every model at every speed, and :data:`SEARCH_RUNS` of each
-    where critical speeds are searched.
+    """Cost of a request: every model at every speed, and :data:`SEARCH_RUNS` of each where critical
+    speeds are searched.
     """
-    case = request.case
+    case, train = request.case, request.case.train
     engine_speeds = (
         case.operation.engine_speeds if request.engine_speeds is None else request.engine_speeds
     )
     total, chains = _compared_cost(request), list[float]()
     if not engine_speeds or case.lift_law is None:
         return total
-    cycles = _cycles(case)
-    total += Cost(REST * max(1, len(case.springs)) * (case.train is None))
+    if train is None:
+        cycles = case.operation.cycles
+        total += Cost(REST * max(1, len(case.springs)))
+    else:
+        cycles = train.cycles if train.cycles is not None else TYPICAL_CYCLES
+        cycles = cycles if cycles > 60 else min(cycles, TYPICAL_CYCLES)
     simulated_time = cycles * sum(4 * math.pi / engine_speed for engine_speed in engine_speeds)
     samples = 2 * math.pi / (getattr(case.operation, "output_step", None) or TYPICAL_STEP)
     for models, springs in planned(request):
@@ -55,22 +163,14 @@ def request_cost(request: Request, whole: bool = True, searches: bool = False) -
             if spec.no_motion or any(map(spec.why_not, springs)) or not springs:
                 continue  # refused, with its reason, where the parts are built
             ratios, counts = zip(*(unknowns_of(spec, spring) for spring in springs), strict=True)
-            refinement, unknowns = (
-                math.hypot(*ratios),
-                sum(counts),
-            )  # each spring takes its own time
-            channels = 30 + unknowns * (12 if "stress" in spec.shows else 3)
-            own_time = 0.0 if case.train is None else TRAIN_TIME
-            if (
-                case.train is None
-            ):  # forces are kept at every step, and one run at a time per worker holds its motion too
+            refinement = math.hypot(*ratios)  # each spring takes its own time
+            own_time = 0.0 if train is None else TRAIN_TIME
+            if train is None:
+                # Forces of every step are stored, and one run at a time per worker holds its motion too.
                 steps = [4 * math.pi / speed / STEP * refinement for speed in engine_speeds]
                 at_a_time = max(1, min(request.workers, len(steps)))
-                total += Cost(
-                    0.0,
-                    STEP_BYTES * max(steps) * at_a_time
-                    + (STORED_BYTES * sum(steps) if whole else 0.0),
-                )
+                stored = STORED_BYTES * sum(steps) if whole else 0.0
+                total += Cost(0.0, STEP_BYTES * max(steps) * at_a_time + stored)
             total += estimate(
                 runs=len(engine_speeds),
                 simulated_time=simulated_time,
@@ -78,17 +178,15 @@ def request_cost(request: Request, whole: bool = True, searches: bool = False) -
                 refinement=refinement,
                 own_time=own_time,
                 samples=samples,
-                channels=channels,
+                channels=30 + sum(counts) * (12 if "stress" in spec.shows else 3),
                 workers=request.workers,
                 whole=whole,
             )
-            if (
-                searches and case.train is not None
-            ):  # one member is one chain of runs, most of them at the upper speeds
-                time = SEARCH_RUNS * cycles * 4 * math.pi / max(engine_speeds)
+            if searches and train is not None:
+                # One member is one chain of runs, most of them at the upper speeds.
                 found = estimate(
                     runs=SEARCH_RUNS,
-                    simulated_time=time,
+                    simulated_time=SEARCH_RUNS * cycles * 4 * math.pi / max(engine_speeds),
                     processor_time=spec.processor_time,
                     refinement=refinement,
                     own_time=own_time,
@@ -100,85 +198,128 @@ def request_cost(request: Request, whole: bool = True, searches: bool = False) -
 
 
 def _compared_cost(request: Request) -> Cost:
-    """Of springs at rest by every model that a comparison sets side by side."""
-    total = Cost()
-    if request.command == "compare" and request.case.train is None:
-        # These bring the finite-element spring, which a sweep of a train never needs.
-        from valvetrain.runs.compare import FINE_STEPS
-        from valvetrain.runs.static_cost import spring_cost
+    """Cost of the springs at rest by every model of a comparison."""
+    if request.command != "compare" or request.case.train is not None:
+        return Cost()
+    # This imports the finite-element spring, which a sweep of a train never needs.
+    from valvetrain.runs.compare import FINE_STEPS
 
-        for models, springs in planned(request):
-            for spring in springs:
-                for model in models:
-                    total += (
-                        solid_rest_cost(spring)
-                        if model == SOLID
-                        else spring_cost(spring, model, FINE_STEPS)
-                    )
-    return total
-
-
-def _cycles(case: Case) -> int:
-    if case.train is None:
-        return case.operation.cycles
-    asked = case.train.cycles
-    return TYPICAL_CYCLES if asked is None else asked if asked > 60 else min(asked, TYPICAL_CYCLES)
+    return _sum(
+        solid_statics_cost(spring) if model == SOLID else spring_cost(spring, model, FINE_STEPS)
+        for models, springs in planned(request)
+        for spring in springs
+        for model in models
+    )
 
 
 def run_up_cost(request: Request, ramp: tuple[float, float, float]) -> Cost:
-    """Estimated cost of a run-up between two crank speeds (rad/s) in a time (s): of as many steady
-    runs as take the same simulated time.
+    """Cost of a run-up between two crank speeds (rad/s) in a time (s): that of steady runs over the
+    same simulated time.
     """
     first, last, duration = ramp
     mean = (first + last) / 2
     if not (mean > 0 and duration > 0):
         return Cost()  # refused, with its reason, where it begins
     runs = max(1, math.ceil(min(duration * mean / (4 * math.pi) / TYPICAL_CYCLES, MAX_RUNS)))
-    asked = RunRequest(
-        "run-up",
-        request.case,
-        (mean,) * runs,
-        request.spring_models,
-        request.spring_sets,
-        request.workers,
-    )
-    return request_cost(asked, whole=False)
+    models, sets = request.spring_models, request.spring_sets
+    steady = RunRequest("run-up", request.case, (mean,) * runs, models, sets, request.workers)
+    return request_cost(steady, whole=False)
 
 
 def refine_cost(case: Case, engine_speeds: Sequence[float] | None, workers: int = 1) -> Cost:
-    """Estimated cost of the error bars of a case at ``engine_speeds`` (rad/s of the crank; None:
-    its own).
-    """
-    alone = case.train is None
-    asked = RunRequest(
-        "run",
-        case,
-        None if engine_speeds is None else tuple(engine_speeds),
-        ("finite-element",) if alone else (),
-        (),
-        workers,
-    )
-    runs = request_cost(asked, whole=False)
-    return Cost(
-        runs.seconds * (SPRING_VARIANTS if alone else TRAIN_VARIANTS), runs.bytes * FINER_BYTES
-    )
+    """Cost of the error bars of a case at ``engine_speeds`` (rad/s of the crank; None: its own)."""
+    speeds = None if engine_speeds is None else tuple(engine_speeds)
+    models, variants = ((ROD,), SPRING_VARIANTS) if case.train is None else ((), TRAIN_VARIANTS)
+    runs = request_cost(RunRequest("run", case, speeds, models, (), workers), whole=False)
+    return Cost(runs.seconds * variants, runs.bytes * FINER_BYTES)
 
 
-def solid_rest_cost(spring: InstalledSpring) -> Cost:
-    """Estimated cost of one installed wire at rest by solids: curve, modes and the coarser mesh of
-    the error bar.
+def solid_statics_cost(spring: InstalledSpring) -> Cost:
+    """Cost of one installed wire at rest by solids: curve, modes and the coarser mesh of the error
+    bar.
     """
     from valvetrain.springs.solid.installed import COARSER_MESH, statics_seconds
 
     options = spring_model(SOLID).read_options(spring.options_of(SOLID)).model_dump()
     coils = spring.wire.total_coils if spring.wire is not None else TYPICAL_COILS
-    elements = (
-        coils
-        * options["elements_per_coil"]
-        * (options["core"] ** 2 + 4 * options["core"] * options["rings"])
+    cells = options["core"] ** 2 + 4 * options["core"] * options["rings"]
+    unknowns = SOLID_UNKNOWNS * (coils * options["elements_per_coil"] * cells)
+    seconds = min(COARSER_MESH * statics_seconds(unknowns), SOLID_RUNS * options["time_limit"])
+    return Cost(seconds, SOLID_BYTES * unknowns)
+
+
+def static_cost(
+    case: Case,
+    spring_models: Sequence[str] = (),
+    *,
+    spring_sets: Sequence[str] = (),
+    steps: int,
+    modes: int = 0,
+    heights: int = 0,
+    loads: int = 0,
+) -> Cost:
+    """Cost of :func:`valvetrain.runs.statics.static_study` with as many ``heights`` and ``loads``."""
+    from valvetrain.runs.statics import default_model
+
+    parts = planned(RunRequest("static", case, None, (), tuple(spring_sets), 1))
+    points = heights + SEARCH * loads
+    total = _sum(
+        spring_cost(spring, model, steps, modes, points)
+        for spring in dict.fromkeys(spring for _, springs in parts for spring in springs)
+        for model in spring_models or (default_model(spring),)
     )
-    unknowns = SOLID_UNKNOWNS * elements
-    return Cost(
-        min(COARSER_MESH * statics_seconds(unknowns), SOLID_RUNS * options["time_limit"]),
-        SOLID_BYTES * unknowns,
+    if not modes or case.train is None:
+        return total
+    return total + _sum(
+        _train_modes(spring, model)
+        for models, springs in parts
+        for spring in springs
+        for model in spring_models or models
     )
+
+
+def spring_cost(
+    spring: InstalledSpring, model: str, steps: int, modes: int = 0, points: int = 0
+) -> Cost:
+    """Cost of one spring at rest by one model: a curve of ``steps``, ``modes`` and as many other
+    ``points``.
+    """
+    from valvetrain.runs.statics import APPROACH, BEYOND
+
+    path = APPROACH + BEYOND + 1
+    spec = spring_model(model, "--spring")
+    steps = min(steps, MAX_COUNTED)
+    total = Cost(OVERHEAD + OUTPUT * steps, OUTPUT_BYTES * steps)
+    if spec.no_motion or spec.why_not(spring):
+        return total
+    unknowns = unknowns_of(spec, spring)[1]
+    if model == ROD:
+        return total + _rod(spring, unknowns, path + steps + 1 + points, modes)
+    if spec.needs_rest:
+        total += _rod(spring, unknowns_of(spring_model(ROD), spring)[1], path, max(modes, 8))
+    if model == CARD_CHAIN:
+        total += Cost(CHAIN_POINT * unknowns * (path + steps + 1 + points)) + _chain_modes(spring)
+    return total
+
+
+def _rod(spring: InstalledSpring, elements: float, points: float, modes: int) -> Cost:
+    each = APART if spring.wire is None or isinstance(spring.wire.pitch, Constant) else CLOSING
+    size = 6.0 * elements
+    vectors = min(VECTORS * modes, size)
+    statics = Cost(each * elements * points, POINT_BYTES * elements * points)
+    return statics + Cost(MODE * size * vectors**2, 16.0 * size * vectors)
+
+
+def _chain_modes(spring: InstalledSpring) -> Cost:
+    masses = unknowns_of(spring_model(CARD_CHAIN), spring)[1]
+    return Cost(CHAIN_CUBE * masses**3, CHAIN_BYTES * masses**2)
+
+
+def _train_modes(spring: InstalledSpring, model: str) -> Cost:
+    if model == CARD_CHAIN:
+        return _chain_modes(spring)
+    return Cost(TRAIN_ROD * unknowns_of(spring_model(ROD), spring)[1]) if model == ROD else Cost()
+
+
+def _sum(costs: Iterable[Cost]) -> Cost:
+    return sum(costs, Cost())

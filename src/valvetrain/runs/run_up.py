@@ -1,5 +1,5 @@
 """Run-ups: a train whose cam accelerates through its speeds, one point of the envelope per cam
-turn.
+revolution.
 """
 
 from __future__ import annotations
@@ -20,14 +20,20 @@ from valvetrain.parameters.loading import AnyCase, case_of
 from valvetrain.quantities.run_up import OpenWindow, turn_quantities
 from valvetrain.runs.cost import limits_of, refuse_cost
 from valvetrain.runs.critical_speeds import CriticalOptions
-from valvetrain.runs.engine import Progress, map_points, worker_count
 from valvetrain.runs.notes import refuse_implausible
-from valvetrain.runs.planned import RunRequest
-from valvetrain.runs.prepared import FAILURES, Plan, PreparedRun, prepare, provenance_of, unfinished
-from valvetrain.runs.request_cost import run_up_cost
-from valvetrain.runs.run import STOPPED, WORKER_LOST, member_rest
+from valvetrain.runs.prepared import (
+    FAILURES,
+    Plan,
+    PreparedRun,
+    prepare,
+    provenance_of,
+    unfinished,
+    without_channels,
+)
+from valvetrain.runs.request_cost import RunRequest, run_up_cost
 from valvetrain.runs.stopping import PointsStopped, StudyStopped
-from valvetrain.solution.channels import empty_channels
+from valvetrain.runs.train_runs import STOPPED, WORKER_LOST, member_statics
+from valvetrain.runs.workers import Progress, map_points, worker_count
 from valvetrain.solution.partial_failures import reason
 from valvetrain.solution.provenance import collect_provenance
 from valvetrain.solution.result import Solution
@@ -41,8 +47,8 @@ from valvetrain.units import Given, si
 
 #: Speeds of the crank (rad/s), first and last, and time (s) between them.
 Ramp = tuple[float, float, float]
-#: Cam turns that a run-up must hold; its last one is finished beyond the last speed.
-MIN_TURNS = 1
+#: Least number of cam revolutions of a run-up; the last one ends beyond the last speed.
+MIN_REVOLUTIONS = 1
 
 
 def run_up(
@@ -59,7 +65,7 @@ def run_up(
     implausible: bool = False,
 ) -> Study:
     """A train from one engine speed to another at constant acceleration, from the steady motion of
-    the first; the envelope over speed.
+    the first.
 
     Parameters
     ----------
@@ -70,19 +76,18 @@ def run_up(
     spring_models : words of spring models, such as "multi-mass"; the case's own by default
     spring_sets : names of spring sets of the train
     workers : variants at a time; results do not depend on it
-    progress : told the share done and what was done
+    progress : called with the share done and a text
     limit : largest estimated time and memory, such as "2 h, 8 GB"; 10 min and 2 GB by default
     implausible : let values pass that no valvetrain can have (docs/plausible.md)
 
     Returns
     -------
-    Study with one solution per cam turn, at the mean speed of the turn, without channels:
+    Study with one solution per cam revolution, at its mean speed, without channels:
     ``series(label, name)`` is an envelope
 
     Raises
     ------
-    InputError : a case without a train, speeds or a duration that lead nowhere, what cannot be
-        built, is too large or implausible
+    InputError : a case without a train, invalid speeds or duration, what cannot be built, is too large or implausible
 
     Examples
     --------
@@ -96,17 +101,11 @@ def run_up(
         si(first_engine_speed, "engine_speed", "first_engine_speed"), si(last_engine_speed, "engine_speed", "last_engine_speed"),
         si(duration, "time", "duration"),
     )  # fmt: skip
-    asked = RunRequest(
-        "run-up",
-        case_of(case),
-        None,
-        tuple(spring_models),
-        tuple(spring_sets),
-        worker_count(workers),
-    )
-    refuse_cost(run_up_cost(asked, ramp), limits_of(limit), "limit=")
+    case, models, sets = case_of(case), tuple(spring_models), tuple(spring_sets)
+    request = RunRequest("run-up", case, None, models, sets, worker_count(workers))
+    refuse_cost(run_up_cost(request, ramp), limits_of(limit), "limit=")
     return run_up_study(
-        asked.case,
+        case,
         ramp,
         spring_models=spring_models,
         spring_sets=spring_sets,
@@ -127,9 +126,7 @@ def run_up_study(
     created_at: str = "",
     implausible: bool = False,
 ) -> Study:
-    """See :func:`run_up`; ``ramp``: first and last crank speed (rad/s) and time (s) between them;
-    ``implausible``: nonsense passes.
-    """
+    """See :func:`run_up`; ``ramp``: first and last crank speed (rad/s) and time (s) between them."""
     begun = time.perf_counter()
     first, last, duration = ramp
     if not (min(first, last, duration) > 0 and first != last and np.isfinite(sum(ramp))):
@@ -137,9 +134,9 @@ def run_up_study(
             "a run-up goes from one positive engine speed to another in a positive time; correct them",
             "--from",
         )
-    if (turns_count := (first + last) / 2 * duration / (4 * np.pi)) < MIN_TURNS:
+    if (revolutions := (first + last) / 2 * duration / (4 * np.pi)) < MIN_REVOLUTIONS:
         raise InputError(
-            f"this run-up holds {turns_count:.2g} cam turns, and its values are of whole ones; take a longer time",
+            f"this run-up holds {revolutions:.2g} cam revolutions, and its values are of whole ones; take a longer time",
             "--duration",
         )
     problem = build(case, spring_models=spring_models, spring_sets=spring_sets)
@@ -151,7 +148,7 @@ def run_up_study(
     if not implausible:
         refuse_implausible(problem, (max(first, last),))
     ready = tuple(
-        prepare(problem, member, member_rest(problem, member), problem.record.study)
+        prepare(problem, member, member_statics(problem, member), problem.record.study)
         for member in problem.members
     )
 
@@ -159,29 +156,26 @@ def run_up_study(
         if progress is not None:
             progress(count / total, ready[count - 1].member.label)
 
-    def without(place: int, status: Status) -> tuple[Solution, ...]:
-        return (
-            unfinished(problem, ready[place].member, first, Plan(created_at=created_at), status),
-        )
+    def without(index: int, status: Status) -> tuple[Solution, ...]:
+        member, plan = ready[index].member, Plan(created_at=created_at)
+        return (unfinished(problem, member, first, plan, status),)
 
     stopped, shared = False, (problem, ready, ramp, created_at)
     try:
         runs = map_points(
-            member_turns,
+            member_revolutions,
             shared,
             range(len(ready)),
             workers,
             processes=True,
             tell=tell,
-            lost=lambda place: without(place, WORKER_LOST),
+            lost=lambda index: without(index, WORKER_LOST),
         )
-    except PointsStopped as cut:
-        if not cut.results:
+    except PointsStopped as stop:
+        if not stop.results:
             raise
-        stopped, runs = (
-            True,
-            tuple(cut.results.get(place) or without(place, STOPPED) for place in range(len(ready))),
-        )
+        done, stopped = stop.results, True
+        runs = tuple(done.get(index) or without(index, STOPPED) for index in range(len(ready)))
     provenance = collect_provenance(
         problem.record.name,
         ", ".join(dict.fromkeys(member.model.word for member in problem.members)),
@@ -189,14 +183,14 @@ def run_up_study(
         created_at=created_at,
         citations=problem.record.citations,
     )
-    turns = tuple(turn for run in runs for turn in run)
+    revolutions_of_all = tuple(solution for run in runs for solution in run)
     notes = (
-        f"Run-up from {first * 30 / np.pi:.6g} to {last * 30 / np.pi:.6g} rpm in {duration:.6g} s, one value per cam turn.",
+        f"Run-up from {first * 30 / np.pi:.6g} to {last * 30 / np.pi:.6g} rpm in {duration:.6g} s, one value per cam revolution.",
     )
     study = Study(
         problem.record,
         "run-up",
-        turns,
+        revolutions_of_all,
         notes=notes,
         lift_event=problem.lift_event,
         provenance=provenance,
@@ -210,58 +204,39 @@ def run_up_study(
     return study
 
 
-def member_turns(
-    shared: tuple[Problem, tuple[PreparedRun, ...], Ramp, str], place: int
+def member_revolutions(
+    shared: tuple[Problem, tuple[PreparedRun, ...], Ramp, str], index: int
 ) -> tuple[Solution, ...]:
-    """The turns of one member; one that cannot run, or ends early, tells so in the status of its
-    last.
-    """
+    """The revolutions of one member; the status of the last says why it ended early or cannot run."""
     problem, ready, ramp, created_at = shared
-    one = ready[place]
+    one = ready[index]
     origin = provenance_of(problem, one.member, ramp[0], created_at)
     if not isinstance(one.system, TrainSystem):
-        return (
-            Solution(
-                empty_channels(),
-                (),
-                Status("refused", one.refusal, remedy="choose another model"),
-                {},
-                origin,
-            ),
-        )
+        status = Status("refused", one.refusal, remedy="choose another model")
+        return (without_channels(status, origin),)
     try:
-        found = _turns(one, ramp)
+        found = _revolutions(one, ramp)
     except FAILURES as error:
-        return (
-            Solution(
-                empty_channels(),
-                (),
-                Status("diverged", reason(error), remedy="look at its first speed alone"),
-                {},
-                origin,
-            ),
-        )
+        status = Status("diverged", reason(error), remedy="look at its first speed alone")
+        return (without_channels(status, origin),)
     acceleration = (ramp[1] - ramp[0]) / 2 / ramp[2]
     solutions = []
     for record, values, interval in found:
         speed = 2 * record.cam_speed + acceleration * interval
         status = record.status
         if status.completed and (clearance := values.get("coil_bind_clearance", 1.0)) <= 0:
-            words = f"the retainer passes the lift at which a spring is solid by {-clearance * 1e3:.4g} mm"
-            status = Status(
-                "coil-bind",
-                words,
-                remedy="what follows is not to be believed; fit a spring with more room, or end sooner",
+            message = f"the retainer passes the lift at which a spring is solid by {-clearance * 1e3:.4g} mm"
+            remedy = (
+                "what follows is not to be believed; fit a spring with more room, or end sooner"
             )
-        solutions.append(
-            Solution(empty_channels(), (), status, {}, replace(origin, engine_speed=speed), values)
-        )
+            status = Status("coil-bind", message, remedy=remedy)
+        solutions.append(without_channels(status, replace(origin, engine_speed=speed), values))
     return tuple(solutions)
 
 
-def _turns(one: PreparedRun, ramp: Ramp) -> list[tuple[CycleRecord, dict[str, float], float]]:
-    """Record, numbers and time (s) of every turn; again with a finer step where a contact hardens
-    beyond what the step resolves.
+def _revolutions(one: PreparedRun, ramp: Ramp) -> list[tuple[CycleRecord, dict[str, float], float]]:
+    """Record, numbers and time (s) of every revolution; with a finer step where a contact becomes
+    too stiff for the step.
     """
     assert isinstance(one.system, TrainSystem) and one.rest is not None
     first, last, cam_acceleration = ramp[0] / 2, ramp[1] / 2, (ramp[1] - ramp[0]) / 2 / ramp[2]
@@ -275,9 +250,8 @@ def _turns(one: PreparedRun, ramp: Ramp) -> list[tuple[CycleRecord, dict[str, fl
         each = ready.time_step * (ready.steps // options.samples)
         found = []
         for record in turns_of_run_up(ready, last, start):
-            values = turn_quantities(ready.system, record, window) | bind_clearance(
-                record, ready.system, one.member.springs
-            )
+            values = turn_quantities(ready.system, record, window)
+            values |= bind_clearance(record, ready.system, one.member.springs)
             found.append((record, values, each * len(record.q)))
         if found and found[-1][0].status.completed:
             break
@@ -288,26 +262,24 @@ def _turns(one: PreparedRun, ramp: Ramp) -> list[tuple[CycleRecord, dict[str, fl
 def bind_clearance(
     record: CycleRecord, system: TrainSystem, springs: Sequence[InstalledSpring]
 ) -> dict[str, float]:
-    """Length (m) left to coil bind at the largest lift of a turn, of the spring with the least;
-    none where none is told.
+    """Least clearance (m) to coil bind at the largest lift of a revolution; none where no spring
+    has one.
     """
-    rooms = [spring.room for spring in springs if spring.room is not None]
-    return (
-        {"coil_bind_clearance": min(rooms) - float(record.q[:, system.arrays.retainer].max())}
-        if rooms
-        else {}
-    )
+    travels = [spring.room for spring in springs if spring.room is not None]
+    if not travels:
+        return {}
+    return {"coil_bind_clearance": min(travels) - float(record.q[:, system.arrays.retainer].max())}
 
 
 def _lost(study: Study, label: str) -> dict[str, float]:
-    """Engine speeds (rad/s) of the first turn that lets the cam go while the valve is open, and of
-    the first of two that float.
+    """Engine speeds (rad/s) of the first revolution that loses contact while the valve is open, and
+    of the first of two that float.
     """
     speeds, least = study.series(label, "minimum_cam_contact_force")
     _, excess = study.series(label, "float_excess_lift")
-    floats = excess > CriticalOptions().float_lift  # a turn without numbers tells nothing
-    places = {
+    floats = excess > CriticalOptions().float_lift  # False for a revolution without numbers
+    indices = {
         "contact_loss_engine_speed": np.flatnonzero(least <= 0),
         "float_engine_speed": np.flatnonzero(floats[:-1] & floats[1:]),
     }
-    return {name: float(speeds[found[0]]) for name, found in places.items() if len(found)}
+    return {name: float(speeds[found[0]]) for name, found in indices.items() if len(found)}

@@ -1,52 +1,44 @@
-"""Runs are kept: each in a folder of its own with its inputs whole, listed, found again and
-compared. Nothing is printed here.
+"""Saved runs: inputs and ``run.json`` of every run in a folder of its own, read back, listed and
+found by name.
 
-``runs/CASE/DATE-TIME-DIGEST`` holds ``inputs/case.toml`` (the resolved case, from which the run is
-repeated), the files the case
-names, ``run.json`` (answer, versions, options) and whatever the study wrote. A folder counts as a
-run once its ``run.json`` is there.
+A folder holds ``inputs/case.toml`` (the resolved case, from which the run is repeated), the files
+that the case names, ``run.json`` (answer, versions, options, checksum) and whatever the study
+wrote. It is a run once its ``run.json`` is there.
 """
 
 from __future__ import annotations
 
 import hashlib
 import json
-import os
-import re
-import tempfile
 import tomllib
-import unicodedata
-from collections.abc import Callable, Iterable, Iterator, Mapping
-from contextlib import suppress
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
-from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
 from valvetrain.errors import InputError
 from valvetrain.parameters.bounded_file import named_file
-from valvetrain.runs.saved_answer import ANSWER, answer_text, read_answer
-from valvetrain.solution.atomic import (
-    SUFFIX,
-    is_abandoned,
-    is_living,
-    lock,
-    remove_abandoned,
-    write_bytes,
-    write_text,
+from valvetrain.runs.run_folders import (
+    ANSWER,
+    CASE_FILE,
+    LATEST,
+    MAX_BYTES,
+    ROOT,
+    homes,
+    remove_files,
 )
-from valvetrain.units.text import clipped
+from valvetrain.solution.atomic import digest, write_bytes, write_text
 
-ROOT, LATEST, CASE_FILE = Path("runs"), "latest", Path("inputs") / "case.toml"
-#: End of the name of a folder whose run goes on or was killed, and the list of its finished runs.
-UNFINISHED, LIST = "-unfinished", "unfinished-runs.jsonl"
-_RUN_FILE = re.compile(r"run-\d{4,}\.nc")
+_CHECKSUM = "checksum"
+#: Quantities that represent a run in a list: the first that it has, the largest value where it has
+#: several.
+HEADLINES = ("peak_spring_force", "peak_retainer_force", "float_engine_speed", "preload")
 
 
 @dataclass(frozen=True)
 class Inputs:
-    """What a run was made from: name of the case, its resolved file (TOML), the files it names, and
-    the choices made beside it.
+    """Inputs of a run: name of the case, its resolved file (TOML), the files it names, and the
+    options of the command.
     """
 
     case: str
@@ -87,14 +79,71 @@ class SavedRun:
         return str(self.answer.get("case", ""))
 
     @property
+    def command(self) -> str:
+        """The command, such as ``run`` or ``sweep``."""
+        return str(self.answer.get("command", ""))
+
+    @property
     def case_file(self) -> Path:
         """The resolved case file, from which the run is repeated."""
         return self.folder / CASE_FILE
 
+    @property
+    def choices(self) -> Mapping[str, Any]:
+        """Options of the command."""
+        choices = self.answer.get("choices")
+        return choices if isinstance(choices, Mapping) else {}
+
+    @property
+    def spring_models(self) -> tuple[str, ...]:
+        """Names of the spring models that ran."""
+        return tuple(map(str, self.choices.get("spring_models", ())))
+
+    @property
+    def engine_speeds(self) -> tuple[float, ...]:
+        """Crank speeds (rpm)."""
+        values = self.choices.get("engine_speeds", ())
+        return tuple(float(value) for value in values if isinstance(value, (int, float)))
+
+    @property
+    def failures(self) -> tuple[str, ...]:
+        """A sentence for each part that failed."""
+        failures = self.answer.get("failures")
+        return tuple(map(str, failures)) if isinstance(failures, (list, tuple)) else ()
+
+    @property
+    def state(self) -> str:
+        """How the run ended: ``completed``, ``failed`` or, by a signal, ``interrupted``."""
+        if self.answer.get("completed"):
+            return "completed"
+        statuses = (one.get("status") for one in self.answer.get("runs", ()))
+        codes = [status.get("code") for status in statuses if isinstance(status, dict)]
+        stopped = any(sentence.startswith("interrupted") for sentence in self.failures)
+        return "interrupted" if stopped or "interrupted" in codes else "failed"
+
+    @property
+    def headline(self) -> dict[str, Any] | None:
+        """The number of :data:`HEADLINES` that represents the run: ``quantity``, ``value`` and
+        ``unit`` (SI), or None.
+        """
+        answer = self.answer
+        tables = [one.get("quantities", {}) for one in answer.get("runs", ())]
+        tables += [answer.get("quantities", {}), *answer.get("quantities_by_label", {}).values()]
+        for name in HEADLINES:
+            rows = (table.get(name) for table in tables if isinstance(table, dict))
+            numbers = [
+                row
+                for row in rows
+                if isinstance(row, dict) and isinstance(row.get("value"), (int, float))
+            ]
+            if numbers:
+                return {"quantity": name, **max(numbers, key=lambda row: row["value"])}
+        return None
+
 
 def collect_inputs(case: str, text: str, folder: Path, choices: Mapping[str, Any]) -> Inputs:
-    """The inputs of a run whose case file lay in ``folder``; files it names are taken along and
-    named by their last part.
+    """The inputs of a run whose case file is in ``folder``, with the files that it names, renamed
+    to their last part.
 
     Raises :class:`InputError` when one of them can no longer be read.
     """
@@ -127,170 +176,28 @@ def collect_inputs(case: str, text: str, folder: Path, choices: Mapping[str, Any
     return Inputs(case, tomlkit.dumps(document), side_files, choices)
 
 
-def new_folder(inputs: Inputs, created_at: datetime, root: Path = ROOT) -> Path:
-    """Make the folder of a new run, ``root/CASE/DATE-TIME-DIGEST``; one that is there already is
-    never taken.
+def _tables(item: Any) -> Iterator[Any]:
+    if isinstance(item, dict):
+        yield item
+        for value in item.values():
+            yield from _tables(value)
+    elif isinstance(item, list):
+        for value in item:
+            yield from _tables(value)
 
-    Raises :class:`InputError` when it cannot be made.
+
+def _free_name(name: str, content: bytes, taken: Mapping[str, bytes]) -> str:
+    stem, suffix, count = Path(name).stem, Path(name).suffix, 1
+    while name == CASE_FILE.name or taken.get(name, content) != content:
+        count += 1
+        name = f"{stem}-{count}{suffix}"
+    return name
+
+
+def save_run(folder: Path, inputs: Inputs, answer: Mapping[str, Any]) -> SavedRun:
+    """Write inputs and ``run.json`` (last: it makes the folder a run), and remove the files of an
+    earlier run that this one did not write. ``answer["files"]`` are paths relative to the folder.
     """
-    return _free_folder(
-        root / safe_name(inputs.case), f"{created_at.astimezone(UTC):%Y%m%d-%H%M%S}-{inputs.digest}"
-    )
-
-
-def unfinished_folder(case: str, created_at: datetime, root: Path = ROOT) -> Path:
-    """Make the folder of a run that goes on; :func:`finish_folder` gives it its name. What killed
-    runs of the case left empty goes.
-    """
-    home = root / safe_name(case)
-    remove_empty(home)
-    return _free_folder(home, f"{created_at.astimezone(UTC):%Y%m%d-%H%M%S}{UNFINISHED}")
-
-
-def finish_folder(folder: Path, inputs: Inputs, created_at: datetime, root: Path = ROOT) -> Path:
-    """Give a folder of :func:`unfinished_folder` the name of its run."""
-    final = new_folder(inputs, created_at, root)
-    try:
-        final.rmdir()
-        folder.rename(final)
-    except OSError:
-        return folder
-    return final
-
-
-def mark_unfinished(folder: Path) -> int:
-    """Begin the list of finished runs in ``folder``, locked for as long as this process lives; the
-    open file.
-    """
-    folder.mkdir(parents=True, exist_ok=True)
-    refuse_living(folder)
-    remove_unfinished(folder)
-    handle = os.open(folder / LIST, os.O_WRONLY | os.O_CREAT | os.O_APPEND, 0o644)
-    if not lock(handle):  # begun at the same moment
-        os.close(handle)
-        refuse_living(folder)
-    os.ftruncate(handle, 0)
-    return handle
-
-
-def refuse_living(folder: Path) -> None:
-    """Refuse, with an :class:`InputError`, a folder into which another run, which lives, writes."""
-    if (folder / LIST).is_file() and is_living(folder / LIST):
-        raise InputError(
-            f"another run writes into folder '{clipped(str(folder), 120)}'; wait for it or choose another",
-            "--output",
-        )
-
-
-def remove_unfinished(folder: Path) -> None:
-    """Remove what a killed run listed in ``folder``, which another one takes."""
-    if (folder / LIST).is_file() and not is_living(folder / LIST):
-        _remove(folder, (*(name for name in _listed(folder) if _RUN_FILE.fullmatch(name)), LIST))
-
-
-def _listed(folder: Path) -> list[str]:
-    """Files that a killed run listed in ``folder``."""
-    found = []
-    for line in whole_lines(folder / LIST):
-        with suppress(ValueError, TypeError, KeyError):
-            found.append(str(json.loads(line)["file"]))
-    return found
-
-
-def whole_lines(path: Path) -> list[bytes]:
-    """Lines of a list of finished runs; one that is not whole, where a process was killed, is none."""
-    try:
-        return path.read_bytes().split(b"\n")[:-1]
-    except OSError:
-        return []
-
-
-def remove_empty(home: Path) -> None:
-    """Remove what killed runs left in the folders of a case: half-written files, and folders that
-    hold no finished run.
-    """
-    with suppress(OSError):
-        for folder in home.iterdir():
-            if folder.is_symlink() or not folder.is_dir() or (folder / ANSWER).exists():
-                continue
-            remove_abandoned(folder)
-            rows, left = folder / LIST, [path.name for path in folder.iterdir()]
-            if (
-                UNFINISHED in folder.name
-                and left == [LIST]
-                and not rows.stat().st_size
-                and is_abandoned(rows)
-            ):
-                rows.unlink()
-                folder.rmdir()
-
-
-def _free_folder(home: Path, stem: str) -> Path:
-    for count in range(1, 1000):
-        folder = home / (stem if count == 1 else f"{stem}-{count}")
-        try:
-            folder.mkdir(parents=True)
-            return folder
-        except FileExistsError:
-            continue
-        except OSError as error:
-            raise InputError(
-                f"folder '{folder}' cannot be made ({error.strerror}); choose another", "--output"
-            ) from None
-    raise InputError(f"'{home}' holds a thousand runs of this second; tidy it up", "--output")
-
-
-def check_folder(folder: Path, kept: bool = False, resumes: str = "") -> None:
-    """Refuse, with an :class:`InputError`, a folder that cannot be written, or, unless runs are
-    ``kept`` in it, one that holds something
-    else than an earlier run or, by the file ``resumes``, what is left of one that was cut."""
-    shown = clipped(str(folder), 120)
-    try:
-        there = next(
-            path
-            for path in (folder.absolute(), *folder.absolute().parents)
-            if os.path.lexists(path) or path.exists()
-        )
-        ours = any((folder / name).is_file() for name in (ANSWER, LIST, resumes) if name)
-        foreign = (
-            not kept
-            and folder.is_dir()
-            and not ours
-            and any(path for path in folder.iterdir() if not path.name.endswith(SUFFIX))
-        )
-    except (OSError, ValueError) as error:
-        words = getattr(error, "strerror", None) or error
-        raise InputError(
-            f"'{shown}' is no usable folder name ({words}); choose another", "--output"
-        ) from None
-    place = clipped(str(there), 120)
-    if not there.is_dir():
-        what = (
-            "a link that leads nowhere"
-            if there.is_symlink() and not there.exists()
-            else "a file, not a folder"
-        )
-        raise InputError(f"'{place}' is {what}; choose another", "--output")
-    try:
-        os.rmdir(
-            tempfile.mkdtemp(prefix=".valvetrain.", dir=there)
-        )  # some folders take nothing, whatever their permissions say
-    except OSError as error:
-        raise InputError(
-            f"folder '{place}' may not be written to ({error.strerror}); choose another", "--output"
-        ) from None
-    refuse_living(folder)
-    if foreign:
-        raise InputError(
-            f"folder '{shown}' holds files that no run wrote; choose an empty or a new one",
-            "--output",
-        )
-
-
-def keep(folder: Path, inputs: Inputs, answer: Mapping[str, Any]) -> SavedRun:
-    """Write inputs and ``run.json`` (last: it makes the folder a run); files that an earlier run
-    left here and this one did not
-    write again are removed. ``answer["files"]`` are paths relative to the folder."""
     earlier = _read_answer(folder)
     for name, content in inputs.side_files.items():
         write_bytes(folder / CASE_FILE.parent / name, content)
@@ -300,14 +207,14 @@ def keep(folder: Path, inputs: Inputs, answer: Mapping[str, Any]) -> SavedRun:
     ]
     files = [*dict.fromkeys((*answer.get("files", ()), *written))]
     whole = {**answer, "digest": inputs.digest, "choices": dict(inputs.choices), "files": files}
-    _remove(folder, set(map(str, earlier.get("files", ()))) - set(map(str, files)))
+    remove_files(folder, set(map(str, earlier.get("files", ()))) - set(map(str, files)))
     write_text(folder / ANSWER, answer_text(whole))
     return SavedRun(folder, whole)
 
 
 def check_inputs(run: SavedRun) -> None:
-    """Raise :class:`InputError` where the inputs of a kept run are not those that it was made from;
-    a run without a digest passes.
+    """Raise :class:`InputError` where the inputs of a saved run have changed; a run without a
+    digest passes.
     """
     names = [
         str(name)
@@ -335,31 +242,9 @@ def check_inputs(run: SavedRun) -> None:
         )
 
 
-def link_latest(folder: Path) -> None:
-    """Point ``latest`` beside ``folder`` to it: a link, or where links are not possible a text file
-    with the folder's name.
-    """
-    link, new = folder.parent / LATEST, folder.parent / f".{LATEST}.{os.getpid()}"
-    with suppress(OSError):
-        new.unlink(missing_ok=True)
-        os.symlink(folder.name, new, target_is_directory=True)
-        os.replace(new, link)
-        return
-    write_text(link, folder.name + "\n")
-
-
-def homes(case: str = "", root: Path = ROOT) -> list[Path]:
-    """Folders that hold the runs of a case each: of ``case``, or of all."""
-    return (
-        [root / safe_name(case)]
-        if case
-        else sorted(path for path in root.glob("*") if path.is_dir() and not path.is_symlink())
-    )
-
-
 def list_saved_runs(case: str = "", root: Path = ROOT) -> tuple[SavedRun, ...]:
-    """Every run under ``root``, newest first, of one ``case`` where given. Folders without a
-    readable ``run.json`` are left out.
+    """Every run with a readable ``run.json`` under ``root``, newest first, of one ``case`` where
+    given.
     """
     found = []
     for home in homes(case, root):
@@ -370,13 +255,13 @@ def list_saved_runs(case: str = "", root: Path = ROOT) -> tuple[SavedRun, ...]:
 
 
 def find_run(name: str, root: Path = ROOT) -> SavedRun:
-    """The run called ``name``: its folder (or a file in it), its digest or the begin of it,
+    """The run of that ``name``: its folder (or a file in it), its digest or the begin of it,
     ``CASE/latest``, a case, or ``latest``.
 
     Raises :class:`InputError` when none fits.
     """
     if not name.strip() or "\0" in name:
-        raise InputError("a run is called by its folder, its digest, a case or 'latest'; give one")
+        raise InputError("a run is named by its folder, its digest, a case or 'latest'; give one")
     if run := run_of_path(Path(name)):
         return run
     runs = list_saved_runs(root=root)
@@ -400,18 +285,13 @@ def find_run(name: str, root: Path = ROOT) -> SavedRun:
 
 
 def run_of_path(path: Path) -> SavedRun | None:
-    """The run that a folder, its ``run.json`` or its case file belongs to; None where there is
-    none. Raises :class:`InputError` where its
-    ``run.json`` is damaged."""
+    """The run of a folder, its ``run.json`` or its case file; None where there is none.
+
+    Raises :class:`InputError` where its ``run.json`` is damaged.
+    """
+    parents = {ANSWER: (path.parent,), CASE_FILE.name: (path.parent.parent,)}
     try:
-        places = (
-            (path, path.parent)
-            if path.name == ANSWER
-            else (path, path.parent.parent)
-            if path.name == CASE_FILE.name
-            else (path,)
-        )
-        for folder in places:
+        for folder in (path, *parents.get(path.name, ())):
             if folder.name == LATEST and folder.is_file():  # where links are not possible
                 folder = folder.parent / folder.read_text("utf-8").strip()
             if folder.is_dir() and (answer := read_answer(folder)):
@@ -419,30 +299,6 @@ def run_of_path(path: Path) -> SavedRun | None:
     except (OSError, ValueError):
         return None
     return None
-
-
-def safe_name(text: str) -> str:
-    """A name as a folder may bear it."""
-    plain = re.sub(r"[^\w.-]+", "-", unicodedata.normalize("NFC", text))[:80]
-    return plain.encode()[:120].decode(errors="ignore").strip(".-") or "case"
-
-
-def _tables(item: Any) -> Iterator[Any]:
-    if isinstance(item, dict):
-        yield item
-        for value in item.values():
-            yield from _tables(value)
-    elif isinstance(item, list):
-        for value in item:
-            yield from _tables(value)
-
-
-def _free_name(name: str, content: bytes, taken: Mapping[str, bytes]) -> str:
-    stem, suffix, count = Path(name).stem, Path(name).suffix, 1
-    while name == CASE_FILE.name or taken.get(name, content) != content:
-        count += 1
-        name = f"{stem}-{count}{suffix}"
-    return name
 
 
 def _read_answer(folder: Path) -> dict[str, Any]:
@@ -453,46 +309,109 @@ def _read_answer(folder: Path) -> dict[str, Any]:
         return {}
 
 
-def _remove(folder: Path, names: Iterable[str]) -> None:
-    base = folder.resolve()
-    for name in names:
-        path = (base / name).resolve()
-        if path.is_relative_to(base) and path.is_file():
-            path.unlink()
+def answer_text(answer: Mapping[str, Any]) -> str:
+    """The text of ``run.json``: the answer and its checksum."""
+    plain = json.loads(json.dumps(answer, allow_nan=False, default=str))
+    return _lines(plain | {_CHECKSUM: _sum(plain)}) + "\n"
 
 
-def hold_folder(folder: Path) -> Callable[[], None]:
-    """Make ``folder`` and lock it for this process; what gives it back, and removes again what was
-    made and stayed empty.
-
-    Raises :class:`InputError` where another process that lives has it. Where folders cannot be
-    locked, nothing is.
+def _lines(answer: Mapping[str, Any]) -> str:
+    """JSON with a line for each entry, and each part of an entry: an indent of every level takes
+    ten times as long.
     """
-    made = []
-    for path in (folder, *folder.parents):
-        if path.exists():
-            break
-        made.append(path)
+    write = json.JSONEncoder(allow_nan=False).encode
+    entries = []
+    for key, value in answer.items():
+        if isinstance(value, dict) and value:
+            parts = (f"{write(name)}: {write(part)}" for name, part in value.items())
+            text = "{\n    " + ",\n    ".join(parts) + "\n  }"
+        elif isinstance(value, list) and value and isinstance(value[0], dict):
+            text = "[\n    " + ",\n    ".join(map(write, value)) + "\n  ]"
+        else:
+            text = write(value)
+        entries.append(f"  {write(key)}: {text}")
+    return "{\n" + ",\n".join(entries) + "\n}"
+
+
+def read_answer(folder: Path) -> dict[str, Any]:
+    """The ``run.json`` of a folder; empty where there is none, or another program's.
+
+    Raises :class:`InputError` for a damaged one: it cannot be read, was changed, or has entries of
+    another type.
+    """
+    path = folder / ANSWER
     try:
-        folder.mkdir(parents=True, exist_ok=True)
-        handle = os.open(folder, os.O_RDONLY)
-    except OSError:
-        return lambda: _remove_empty(made)
-
-    def release() -> None:
-        os.close(handle)
-        _remove_empty(made)
-
-    if not lock(handle):
-        release()
+        if not path.is_file():
+            return {}
+        if path.stat().st_size > MAX_BYTES:
+            raise InputError("is too large for the answer of a run; repeat the run", str(path))
+        found = json.loads(path.read_text("utf-8"))
+    except (OSError, ValueError, RecursionError, MemoryError) as error:
+        raise InputError("is damaged: it is no JSON; repeat the run", str(path)) from error
+    if not isinstance(found, dict) or "created_at" not in found:
+        return {}
+    checksum = found.pop(_CHECKSUM, None)
+    try:
+        same = checksum is None or checksum == _sum(found)
+    except (ValueError, RecursionError):
+        same = False
+    if not same:
         raise InputError(
-            f"another run writes into folder '{clipped(str(folder), 120)}'; wait for it or choose another",
-            "--output",
+            "is damaged: its numbers are not those that were written (checksum); repeat the run",
+            str(path),
         )
-    return release
+    if wrong := next(
+        (name for name, fits in _SHAPE.items() if name in found and not fits(found[name])), ""
+    ):
+        raise InputError(
+            f"is damaged: '{wrong}' is not what a run writes; repeat the run", str(path)
+        )
+    return found
 
 
-def _remove_empty(made: list[Path]) -> None:
-    with suppress(OSError):
-        for path in made:
-            path.rmdir()
+def _sum(answer: Mapping[str, Any]) -> str:
+    return digest(json.dumps(answer, sort_keys=True).encode())
+
+
+def _is_number(item: Any) -> bool:
+    return isinstance(item, (int, float)) and not isinstance(item, bool)
+
+
+def _is_text(item: Any) -> bool:
+    return isinstance(item, str)
+
+
+def _are(fits: Callable[[Any], bool]) -> Callable[[Any], bool]:
+    return lambda item: isinstance(item, list) and all(map(fits, item))
+
+
+def _table_of(fits: Callable[[Any], bool]) -> Callable[[Any], bool]:
+    return lambda item: isinstance(item, dict) and all(map(fits, item.values()))
+
+
+def _is_measured(item: Any) -> bool:
+    if not isinstance(item, dict) or not _is_text(item.get("unit", "")):
+        return False
+    return item.get("value") is None or _is_number(item["value"])
+
+
+def _is_run(item: Any) -> bool:
+    if not isinstance(item, dict):
+        return False
+    speed, names = item.get("engine_speed"), (item.get(name) or "" for name in ("label", "model"))
+    named = all(map(_is_text, names)) and (speed is None or _is_measured(speed))
+    return named and _table_of(_is_measured)(item.get("quantities", {}))
+
+
+def _are_choices(item: Any) -> bool:
+    if not isinstance(item, dict):
+        return False
+    speeds, models = item.get("engine_speeds", []), item.get("spring_models", [])
+    return _are(_is_number)(speeds) and _are(_is_text)(models)
+
+
+#: Entry of ``run.json`` -> whether a value is of its type.
+_SHAPE: dict[str, Callable[[Any], bool]] = {
+    **dict.fromkeys(("created_at", "digest", "case", "command"), _is_text), "files": _are(_is_text), "choices": _are_choices,
+    "quantities": _table_of(_is_measured), "quantities_by_label": _table_of(_table_of(_is_measured)), "runs": _are(_is_run),
+}  # fmt: skip

@@ -1,5 +1,5 @@
-"""The solid model in a comparison: what it will cost, statics and modes, and a short stretch of
-prescribed motion beside the rod's.
+"""Solid finite elements in a comparison: cost, statics and modes, and a short interval of
+prescribed motion.
 """
 
 from __future__ import annotations
@@ -7,6 +7,7 @@ from __future__ import annotations
 import threading
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -38,18 +39,16 @@ Array = NDArray[np.float64]
 Watch = Callable[[float], None]
 #: Modes of the solid.
 MODES = 12
-#: A stretch of motion starts at rest: the lift (m) and the retainer velocity (m/s) that count as
-#: none.
+#: Lift (m) and retainer velocity (m/s) that count as none at the start of an interval of motion.
 REST_LIFT, REST_VELOCITY = 1e-5, 0.02
 WHERE = "--solid-motion"
-#: Name of the error among the facts, and the coarsest mesh (elements per coil) that it is taken
-#: from.
+#: Name of the mesh error among the facts, and the coarsest mesh (elements per coil) for it.
 MESH_ERROR, COARSEST = "force error of the mesh", 4
 
 
 @dataclass(frozen=True)
 class SolidMotion:
-    """A stretch of prescribed motion between two cam angles (rad) at ``engine_speed`` (crank
+    """An interval of prescribed motion between two cam angles (rad) at ``engine_speed`` (crank
     rad/s).
     """
 
@@ -58,10 +57,9 @@ class SolidMotion:
     engine_speed: float
 
 
-@dataclass(frozen=True)
-class SolidCost:
-    """What the solid part will take: unknowns, elements, seconds of statics and modes, increments
-    and seconds of the motion.
+class SolidCost(NamedTuple):
+    """Cost of the solid part: unknowns, elements, seconds of statics and modes, increments and
+    seconds of the motion.
     """
 
     unknowns: int
@@ -79,32 +77,25 @@ def solid_of(spring: InstalledSpring) -> SolidSpring:
 
 
 def solid_cost(spring: InstalledSpring, motion: SolidMotion | None = None) -> SolidCost:
-    """What the solid part will take, told before it begins, good to a factor of two.
+    """Estimated cost of the solid part, to a factor of two.
 
     Raises :class:`MissingExtraError` without the solver and :class:`InputError` for a mesh that
     cannot be.
     """
     find_solver()
     mesh = solid_of(spring).mesh
-    duration = (
-        0.0
-        if motion is None
-        else 2 * (motion.last_cam_angle - motion.first_cam_angle) / motion.engine_speed
-    )
-    increments = 0 if motion is None else int(np.ceil(duration / TransientJob.time_step)) + 10
-    statics = COARSER_MESH * statics_seconds(mesh.unknowns)
-    return SolidCost(
-        mesh.unknowns,
-        len(mesh.elements),
-        statics,
-        increments,
-        motion_seconds(mesh.unknowns, increments),
-    )
+    increments = 0
+    if motion is not None:
+        duration = 2 * (motion.last_cam_angle - motion.first_cam_angle) / motion.engine_speed
+        increments = int(np.ceil(duration / TransientJob.time_step)) + 10
+    unknowns, statics = mesh.unknowns, COARSER_MESH * statics_seconds(mesh.unknowns)
+    moving = motion_seconds(unknowns, increments)
+    return SolidCost(unknowns, len(mesh.elements), statics, increments, moving)
 
 
 def solid_rest(spring: InstalledSpring, reach: float, watch: Watch | None = None) -> SpringAtRest:
     """Static curve to ``reach`` (m) and modes about the installed state by solids; a solver that
-    gives up is a status in them.
+    fails is their status.
     """
     model = replace(solid_of(spring), watch=watch)
     found, options = installed_statics(model, spring.precompression, reach, MODES), model.options
@@ -128,12 +119,12 @@ def solid_rest(spring: InstalledSpring, reach: float, watch: Watch | None = None
 
 
 def force_error(model: SolidSpring, curve: StaticCurve, compression: float) -> float | None:
-    """Share of the force at ``compression`` (m) by which the mesh may miss its limit, from a second
-    mesh two thirds as fine along the wire.
+    """Relative mesh error of the force at ``compression`` (m), from a second mesh two thirds as
+    fine along the wire.
 
-    1.25 |f - f_coarse| / (f (r^2 - 1)), r the ratio of the meshes, as by roache1994 with order 2
-    (quadratic elements along a helix show 2
-    to 4). None where a mesh is too coarse to halve, or a solution ended early.
+    1.25 |f - f_coarse| / (f (r^2 - 1)), r the ratio of the meshes (roache1994) with order 2
+    (quadratic elements along a helix show 2 to 4). None where the mesh is too coarse for it, or a
+    solution ended early.
     """
     fine = model.options.elements_per_coil
     coarse = max(COARSEST, round(2 * fine / 3))
@@ -153,16 +144,16 @@ def force_error(model: SolidSpring, curve: StaticCurve, compression: float) -> f
 
 
 def check_motion(lift_law: LiftLaw, motion: SolidMotion) -> None:
-    """Raise :class:`InputError` for an empty stretch or one that starts in motion."""
+    """Raise :class:`InputError` for an empty interval or one that starts in motion."""
     if not motion.engine_speed > 0:
         raise InputError(
-            "a stretch of motion needs one engine speed; add such as --engine-speed '4200 rpm'",
+            "an interval of motion needs one engine speed; add such as --engine-speed '4200 rpm'",
             WHERE,
         )
     first, last = motion.first_cam_angle, motion.last_cam_angle
     if not 0 < last - first <= 2 * np.pi:
         raise InputError(
-            "the last cam angle must lie beyond the first, by one turn at most; write such as '85:105 deg'",
+            "the last cam angle must lie beyond the first, by one revolution at most; write such as '85:105 deg'",
             WHERE,
         )
     cam_angle, cam_speed = np.radians(np.arange(0.0, 360.0)), motion.engine_speed / 2
@@ -173,8 +164,8 @@ def check_motion(lift_law: LiftLaw, motion: SolidMotion) -> None:
     if abs(start[0]) > REST_LIFT or abs(start[1]) > REST_VELOCITY:
         before = np.degrees(cam_angle[rests & (cam_angle <= np.mod(first, 2 * np.pi))])
         hint = f"; start at {before[-1]:.0f} deg" if len(before) else ""
-        place = f"at {np.degrees(first):g} cam degrees the valve is {1e3 * start[0]:.3g} mm open and moves at {start[1]:.3g} m/s"
-        raise InputError(f"a stretch of motion starts at rest, but {place}{hint}", WHERE)
+        state = f"at {np.degrees(first):g} cam degrees the valve is {1e3 * start[0]:.3g} mm open and moves at {start[1]:.3g} m/s"
+        raise InputError(f"an interval of motion starts at rest, but {state}{hint}", WHERE)
 
 
 def solid_motion(
@@ -184,7 +175,7 @@ def solid_motion(
     motion: SolidMotion,
     watch: Watch | None = None,
 ) -> Solution:
-    """The stretch by solids, mass-proportional damping only."""
+    """The interval of motion by solids, mass-proportional damping only."""
     check_motion(lift_law, motion)
     model = replace(solid_of(spring), watch=watch)
     contact = (
@@ -206,19 +197,19 @@ def solid_motion(
 def rod_motion(
     case_name: str, rod: FiniteElementRod, lift_law: LiftLaw, solid: Solution
 ) -> Solution:
-    """The rod over the time of a solid's stretch from the same state at rest, mass damping only, at
-    the samples of the solid.
+    """The rod over the interval of a solid from the same equilibrium, mass damping only, at the
+    samples of the solid.
 
-    Forces are means over the solid's increments, which cannot follow what is faster.
+    Forces are means over the increments of the solid, which do not resolve faster changes.
     """
     angle, time, cam_speed = solid.cam_angle, solid.time, solid.engine_speed / 2
     interval = float(time[-1] / (len(time) - 1))
     dynamics = replace(rod.dynamics, stiffness_damping=0.0)
 
-    def place(at: Array) -> Array:
-        return rod.precompression + np.asarray(lift_law.lift(angle[0] + cam_speed * at))
+    def compression(instant: Array) -> Array:
+        return rod.precompression + np.asarray(lift_law.lift(angle[0] + cam_speed * instant))
 
-    run = simulate(rod.mesh, rod.installed.state, place, interval, len(time) + 1, dynamics)
+    run = simulate(rod.mesh, rod.installed.state, compression, interval, len(time) + 1, dynamics)
     width = max(1, round(interval / float(run.dense_time[1] - run.dense_time[0])))
     values = {
         "valve_lift": np.asarray(lift_law.lift(angle)), "retainer_velocity": cam_speed * np.asarray(lift_law.lift(angle, 1)),
@@ -234,13 +225,10 @@ def rod_motion(
     provenance = collect_provenance(
         case_name, rod.name, engine_speed=solid.engine_speed, options=options, label=label
     )
-    status = (
-        COMPLETED
-        if run.completed
-        else Status(
-            "diverged", "the wire's velocity grew without bound", run.steps_done * run.time_step
-        )
-    )
+    status = COMPLETED
+    if not run.completed:
+        end = run.steps_done * run.time_step
+        status = Status("diverged", "the wire's velocity grew without bound", end)
     return Solution(
         spring_channels(time, angle, values),
         status=status,
@@ -250,7 +238,7 @@ def rod_motion(
 
 
 def _mean(values: Array, width: int) -> Array:
-    """Running mean over ``width`` samples, over those there are at the ends."""
+    """Running mean over ``width`` samples, over fewer at the ends."""
     window = np.ones(width)
     return np.convolve(values, window, mode="same") / np.convolve(
         np.ones(len(values)), window, mode="same"
@@ -258,8 +246,8 @@ def _mean(values: Array, width: int) -> Array:
 
 
 class Cancel:
-    """Told to a solver's own loop, so that an interrupted study stops the solver and clears its
-    files away.
+    """Callback of the loop of a solver: an interrupted study stops the solver and removes its
+    files.
     """
 
     def __init__(self, tell: Watch | None = None) -> None:

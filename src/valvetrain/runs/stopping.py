@@ -1,9 +1,7 @@
-"""How a study is stopped by a signal: at once, with what is finished in hand, and without the
-request ever being lost.
+"""Stopping a study by a signal: at once, with its finished runs, and without losing the request.
 
-A KeyboardInterrupt that arises within a callback of a compiler or a destructor is dropped by the
-interpreter, so every request is also
-noted; whoever waits looks at the note.
+The interpreter drops a KeyboardInterrupt within a callback of a compiler or a destructor, so every
+request is also noted, and :func:`check_stop` is called while waiting.
 """
 
 from __future__ import annotations
@@ -16,22 +14,21 @@ from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from valvetrain.runs.error_bars import UncertaintyStudy
     from valvetrain.solution.study import Study
 
-#: Time (s) between two looks at the note while something is waited for.
-LOOK = 0.1
+#: Time (s) between two checks while waiting.
+POLL_INTERVAL = 0.1
 #: Names of the signals that stop a command.
 _SIGNALS = ("SIGINT", "SIGTERM", "SIGHUP")
 _noted: list[int] = []
 
 
 class Stopped(KeyboardInterrupt):
-    """A signal asked to stop."""
+    """A signal requested to stop."""
 
 
 class PointsStopped(Stopped):
-    """Independent runs were stopped; ``results`` holds those that were finished, by place."""
+    """Independent runs were stopped; ``results`` holds the finished ones by index."""
 
     def __init__(self, results: Mapping[int, Any]) -> None:
         super().__init__("stopped")
@@ -39,39 +36,27 @@ class PointsStopped(Stopped):
 
 
 class StudyStopped(Stopped):
-    """A study was stopped; ``study`` holds what was finished, the rest as runs of status
-    ``interrupted``.
-    """
+    """A study was stopped; its unfinished runs have the status ``interrupted``."""
 
     def __init__(self, study: Study) -> None:
         super().__init__("stopped")
         self.study = study
 
 
-class RefinementStopped(Stopped):
-    """A refinement was stopped; ``study`` holds the bars whose runs are all there, and the numbers
-    of every run that was finished.
-    """
-
-    def __init__(self, study: UncertaintyStudy) -> None:
-        super().__init__("stopped")
-        self.study = study
-
-
 def noted() -> int:
-    """The signal that asked to stop, 0 for none."""
+    """The signal that requested to stop, 0 for none."""
     return _noted[0] if _noted else 0
 
 
-def look() -> None:
-    """Raise :class:`Stopped` where a signal asked to stop."""
+def check_stop() -> None:
+    """Raise :class:`Stopped` where a signal has requested it."""
     if _noted:
         raise Stopped(signal.Signals(_noted[0]).name)
 
 
 def exit_code(number: int) -> int:
-    """Exit code of a process that signal ``number`` stopped, as shells have it; 130, that of
-    Ctrl-C, for 0.
+    """Exit code of a process that signal ``number`` stopped, by the convention of shells; 130, that
+    of Ctrl-C, for 0.
     """
     return 128 + (number or signal.SIGINT)
 
@@ -79,7 +64,7 @@ def exit_code(number: int) -> int:
 @contextmanager
 def listening() -> Iterator[None]:
     """While the block runs, SIGINT, SIGTERM and SIGHUP are noted and raise :class:`Stopped`; a
-    second one ends the process on the spot.
+    second one ends the process.
 
     Only the main thread can listen; elsewhere, and for signals that the caller's parent had
     ignored, nothing changes.

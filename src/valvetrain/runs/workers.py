@@ -1,4 +1,9 @@
-"""Worker processes that never outlive the process they serve, and the runs of one that was killed."""
+"""Independent runs over threads or processes: their order, and every bit, is the same for any
+number of workers.
+
+Worker processes never outlive the process they serve; the runs of one that was killed are tried
+again.
+"""
 
 from __future__ import annotations
 
@@ -9,13 +14,30 @@ import os
 import signal
 import sys
 import threading
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from concurrent.futures import (
+    FIRST_COMPLETED,
+    Future,
+    ProcessPoolExecutor,
+    ThreadPoolExecutor,
+    wait,
+)
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import AbstractContextManager, ExitStack, contextmanager, suppress
-from typing import Any
+from numbers import Integral
+from typing import Any, TypeVar
 
-from valvetrain.runs.stopping import LOOK, look
+from valvetrain.errors import InputError, RunFailedError
+from valvetrain.runs.stopping import POLL_INTERVAL, PointsStopped, check_stop
+
+Case = TypeVar("Case")
+Point = TypeVar("Point")
+Shared = TypeVar("Shared")
+Result = TypeVar("Result")
+Progress = Callable[[float, str], None]
+#: Message of a run whose worker was killed, and its remedy.
+LOST = "the worker process that ran it was killed, and so was the one that tried it again"
+LOST_REMEDY = "take fewer workers if the memory was not enough"
 
 _LOCK, _LIMIT = threading.Lock(), ExitStack()
 _inside = 0
@@ -23,8 +45,8 @@ _inside = 0
 
 @contextmanager
 def one_thread() -> Iterator[None]:
-    """One thread for the linear algebra of this process and of those it forks, until the last block
-    that asks for it has ended.
+    """One thread for the linear algebra of this process and of those it forks, until the last such
+    block has ended.
     """
     global _inside
     with _LOCK:
@@ -53,18 +75,16 @@ def _limited() -> AbstractContextManager[object]:
     return limit
 
 
-#: Pools in which a run is tried together with others; after that each is tried alone, so that one
-#: that kills its worker is found.
-TOGETHER = 2
-#: Trials of a run alone before it is given up.
-ALONE = 2
+#: Pools in which a run is tried together with others, and then alone, which finds the one that
+#: kills its worker.
+TOGETHER, ALONE = 2, 2
 _PR_SET_PDEATHSIG = 1
-#: What every worker process was handed once, instead of with each point.
+#: Function and shared data that every worker process received once, instead of with each point.
 _SHARED: list[Any] = []
 
 
 class Lost:
-    """Stands for a run whose worker process was killed whenever it was tried."""
+    """Result of a run whose worker process was killed whenever it was tried."""
 
 
 def start_method() -> str:
@@ -79,39 +99,38 @@ def start_method() -> str:
 def in_processes(
     function: Callable[[Any, Any], Any], shared: Any, points: Sequence[Any], count: int
 ) -> Iterator[tuple[int, Any]]:
-    """(place, ``function(shared, point)``) of every point as it is finished, over ``count``
-    processes; :class:`Lost` for one that is not
-    to be had. What ``function`` raises is raised here."""
+    """(index, ``function(shared, point)``) of every point as it is finished, over ``count``
+    processes; :class:`Lost` for one that cannot be computed. What ``function`` raises is raised
+    here.
+    """
     left = dict(enumerate(points))
     with one_thread():
         for _ in range(TOGETHER):
             if left:
                 yield from _finished(function, shared, left, min(count, len(left)))
-        for place in tuple(left):
-            alone = {place: left[place]}
+        for index in tuple(left):
+            alone = {index: left[index]}
             for _ in range(ALONE):
                 if alone:
                     yield from _finished(function, shared, alone, 1)
             if alone:
-                yield place, Lost()
+                yield index, Lost()
 
 
 def _finished(
     function: Any, shared: Any, left: dict[int, Any], count: int
 ) -> Iterator[tuple[int, Any]]:
-    """What one pool finishes of ``left``, which it is taken out of; ends early where a worker is
-    killed.
-    """
+    """What one pool finishes of ``left``, removed from it; ends early where a worker is killed."""
     context = multiprocessing.get_context(start_method())
     pool = ProcessPoolExecutor(
         count, context, initializer=_begin, initargs=(os.getpid(), function, shared)
     )
     try:
-        for place, result in as_they_come(
-            {pool.submit(_one, point): place for place, point in left.items()}
+        for index, result in as_they_come(
+            {pool.submit(_one, point): index for index, point in left.items()}
         ):
-            del left[place]
-            yield place, result
+            del left[index]
+            yield index, result
         pool.shutdown()
     except BrokenProcessPool:
         return
@@ -120,18 +139,18 @@ def _finished(
 
 
 def as_they_come(jobs: Mapping[Future[Any], int]) -> Iterator[tuple[int, Any]]:
-    """(place, result) of every job as it ends, each handed out once and not kept; looks for a
-    request to stop meanwhile.
+    """(index, result) of every job as it ends, each yielded once and then released; checks for a
+    stop request meanwhile.
 
-    What a job raises is raised here, that its worker was killed after all others.
+    What a job raises is raised here; that its worker was killed is raised after all other jobs.
     """
-    places, broken = dict(jobs), None
+    indices, broken = dict(jobs), None
     del jobs
-    while places:
-        done, _ = wait(places, LOOK, FIRST_COMPLETED)
-        look()
-        for place, job in sorted(
-            ((places.pop(one), one) for one in done), key=lambda pair: pair[0]
+    while indices:
+        done, _ = wait(indices, POLL_INTERVAL, FIRST_COMPLETED)
+        check_stop()
+        for index, job in sorted(
+            ((indices.pop(one), one) for one in done), key=lambda pair: pair[0]
         ):
             try:
                 result = job.result()
@@ -139,7 +158,7 @@ def as_they_come(jobs: Mapping[Future[Any], int]) -> Iterator[tuple[int, Any]]:
                 broken = error
                 continue
             del job
-            yield place, result
+            yield index, result
             del result
         del done
     if broken is not None:
@@ -147,17 +166,15 @@ def as_they_come(jobs: Mapping[Future[Any], int]) -> Iterator[tuple[int, Any]]:
 
 
 def result_of(job: Future[Any]) -> Any:
-    """The result of one job; looks for a request to stop while it waits."""
-    while not wait((job,), LOOK).done:
-        look()
-    look()
+    """The result of one job; checks for a stop request while it waits."""
+    while not wait((job,), POLL_INTERVAL).done:
+        check_stop()
+    check_stop()
     return job.result()
 
 
 def _end(pool: ProcessPoolExecutor) -> None:
-    """End a pool, where there is still something to end, without waiting for runs that nobody asks
-    for any more.
-    """
+    """End a pool without waiting for runs whose results are no longer needed."""
     workers = list((getattr(pool, "_processes", None) or {}).values())
     pool.shutdown(wait=False, cancel_futures=True)
     for worker in workers:
@@ -181,9 +198,7 @@ def quiet_worker(parent: int) -> None:
     """Make this worker process leave Ctrl-C to its ``parent`` (process id) and end with it, however
     that ends.
     """
-    signal.signal(
-        signal.SIGINT, signal.SIG_IGN
-    )  # it reaches every process of a terminal; the one that answers it is the parent
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # it reaches every process of a terminal
     signal.signal(signal.SIGTERM, signal.SIG_DFL)
     if sys.platform == "linux":
         with suppress(AttributeError, OSError):
@@ -194,7 +209,7 @@ def quiet_worker(parent: int) -> None:
 
 
 def _end_with_parent() -> None:
-    """Where the system kills no orphans, a thread waits for the end of the parent."""
+    """Wait for the end of the parent, where the system does not kill orphans."""
     parent = multiprocessing.parent_process()
     if parent is not None:
         multiprocessing.connection.wait([parent.sentinel])
@@ -202,11 +217,10 @@ def _end_with_parent() -> None:
 
 
 class StandingPool:
-    """Worker processes that stay for many batches of ``function(shared, point)``; ``count`` 1: this
-    process. Use it as a context.
+    """Worker processes for many batches of ``function(shared, point)``; ``count`` 1: this process.
+    A context manager.
 
-    Results stand in the order of the points. A run whose worker is killed is tried again by
-    :func:`in_processes`; what is not to be had
+    A run whose worker is killed is tried again by :func:`in_processes`; what cannot be computed
     comes back as :class:`Lost`.
     """
 
@@ -233,9 +247,7 @@ class StandingPool:
                 initializer=_begin,
                 initargs=(os.getpid(), self.function, self.shared),
             )
-            result_of(
-                self._pool.submit(os.getpid)
-            )  # begins all of them now, before any thread runs
+            result_of(self._pool.submit(os.getpid))  # starts all of them before any thread runs
 
     def __exit__(self, *_: object) -> None:
         if self._pool is not None:
@@ -243,29 +255,176 @@ class StandingPool:
         self._left.close()
 
     def map(self, points: Sequence[Any]) -> list[Any]:
-        """The results of one batch."""
+        """The results of one batch, in the order of its points."""
         results = dict(self.stream(points))
-        return [results[place] for place in range(len(points))]
+        return [results[index] for index in range(len(points))]
 
     def stream(self, points: Sequence[Any]) -> Iterator[tuple[int, Any]]:
-        """(place, result) of every point of one batch as it is finished."""
+        """(index, result) of every point of one batch as it is finished."""
         if self._pool is None:
-            for place, point in enumerate(points):
-                look()
-                yield place, self.function(self.shared, point)
+            for index, point in enumerate(points):
+                check_stop()
+                yield index, self.function(self.shared, point)
             return
         left = set(range(len(points)))
         try:
-            for place, result in as_they_come(
-                {self._pool.submit(_one, point): place for place, point in enumerate(points)}
+            for index, result in as_they_come(
+                {self._pool.submit(_one, point): index for index, point in enumerate(points)}
             ):
-                left.discard(place)
-                yield place, result
+                left.discard(index)
+                yield index, result
         except BrokenProcessPool:
             again = sorted(left)
             for number, result in in_processes(
-                self.function, self.shared, [points[place] for place in again], self.count
+                self.function, self.shared, [points[index] for index in again], self.count
             ):
                 yield again[number], result
             _end(self._pool)
             self._start()
+
+
+def map_cases(
+    function: Callable[[Case], Result],
+    cases: Iterable[Case],
+    workers: int | None = None,
+    progress: Callable[[int, int], None] | None = None,
+) -> tuple[Result, ...]:
+    """A function of every case, in their order, over processes: every case runs alone, so results
+    do not depend on ``workers``.
+
+    Parameters
+    ----------
+    function : of one case; importable (a module-level function or a partial of one), with results that pickle
+    cases : what the function takes, one after the other
+    workers : processes; None for one per core, 1 for this process
+    progress : called as ``progress(done, total)`` after each case
+
+    Returns
+    -------
+    tuple of the results, one per case
+
+    Raises
+    ------
+    InputError : fewer than one worker; what the function raises; RunFailedError where the worker of
+        a case is killed again and again
+
+    Examples
+    --------
+    >>> import valvetrain as vt
+    >>> [case.name for case in vt.map_cases(vt.load_case, ["job-t", "gu2021-beehive"], workers=1)]
+    ['job-t', 'gu2021-beehive']
+    """
+    items: Sequence[Case] = tuple(cases)
+    count = min(worker_count(workers), max(len(items), 1))
+    numbered: Iterator[tuple[int, Any]]
+    if count == 1:
+        numbered = enumerate(map(function, items))
+    else:
+        numbered = in_processes(_of_one, function, items, count)
+    results: dict[int, Result] = {}
+    for index, result in numbered:
+        if isinstance(result, Lost):
+            raise RunFailedError(
+                "a worker process was killed, and so was the one that tried its case again; take fewer workers"
+            )
+        results[index] = result
+        if progress is not None:
+            progress(len(results), len(items))
+    return tuple(results[index] for index in range(len(items)))
+
+
+def _of_one(function: Callable[[Case], Result], item: Case) -> Result:
+    return function(item)
+
+
+def map_points(
+    function: Callable[[Shared, Point], Result],
+    shared: Shared,
+    points: Sequence[Point],
+    workers: int | None = None,
+    processes: bool = False,
+    tell: Callable[[int, int], None] | None = None,
+    *,
+    lost: Callable[[Point], Result] | None = None,
+    finished: Callable[[int, Result], None] | None = None,
+) -> tuple[Result, ...]:
+    """``function(shared, point)`` of every point, in order. ``shared`` is sent to each worker once.
+
+    Threads by default (compiled time integration holds no interpreter lock); ``processes`` where
+    Python itself is the work, and then ``function`` must be importable. ``tell(done, total)`` is
+    called after each, ``finished(index, result)`` as each arrives. A point whose worker is killed
+    is tried again; ``lost(point)`` replaces the result of one that cannot be computed. Raises
+    :class:`InputError` for fewer than one worker, :class:`RunFailedError` for a lost point without
+    a replacement, and :class:`PointsStopped` with what is finished.
+    """
+    count = min(worker_count(workers), max(len(points), 1))
+    results: dict[int, Result] = {}
+    try:
+        with one_thread():
+            for index, result in _results(function, shared, points, count, processes):
+                if isinstance(result, Lost):
+                    if lost is None:
+                        raise RunFailedError(f"a run is lost: {LOST}; {LOST_REMEDY}")
+                    result = lost(points[index])
+                results[index] = result
+                if finished is not None:
+                    finished(index, result)
+                if tell is not None:
+                    tell(len(results), len(points))
+    except KeyboardInterrupt:
+        raise PointsStopped(results) from None
+    return tuple(results[index] for index in range(len(points)))
+
+
+def _results(
+    function: Callable[[Shared, Point], Result],
+    shared: Shared,
+    points: Sequence[Point],
+    count: int,
+    processes: bool,
+) -> Iterator[tuple[int, Any]]:
+    if count == 1:
+        for index, point in enumerate(points):
+            check_stop()
+            yield index, function(shared, point)
+    elif not processes:
+        with threads(count) as pool:
+            yield from as_they_come(
+                {pool.submit(function, shared, point): index for index, point in enumerate(points)}
+            )
+    else:
+        yield from in_processes(function, shared, points, count)
+
+
+def worker_count(workers: int | None) -> int:
+    """``workers``, None for the cores there are. Raises :class:`InputError` for what is no whole
+    number of 1 or more.
+    """
+    if workers is None:
+        return available_cores()
+    if not (isinstance(workers, Integral) and workers >= 1):
+        raise InputError(
+            f"workers must be 1 or more, a whole number; it is {str(workers)[:40]}", "--workers"
+        )
+    return int(workers)
+
+
+def available_cores() -> int:
+    """Cores this process may use."""
+    return (
+        len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else (os.cpu_count() or 1)
+    )
+
+
+@contextmanager
+def threads(count: int) -> Iterator[ThreadPoolExecutor]:
+    """A pool of ``count`` threads; where its block ends by an exception, it does not wait for
+    unfinished runs.
+    """
+    pool = ThreadPoolExecutor(max(1, count))
+    try:
+        yield pool
+    except BaseException:
+        pool.shutdown(wait=False, cancel_futures=True)
+        raise
+    pool.shutdown()

@@ -14,8 +14,8 @@ from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.parameters.loading import AnyCase, case_of
 from valvetrain.parameters.spring import EndCoil, SpringDefinition
 from valvetrain.runs.api import Speeds, simulate
-from valvetrain.runs.engine import Progress
-from valvetrain.runs.static_study import rest_study
+from valvetrain.runs.statics import static_study
+from valvetrain.runs.workers import Progress
 from valvetrain.scan.definition import turned_over
 from valvetrain.scan.result import ScannedSpring
 from valvetrain.solution.modes import ModalResult
@@ -170,7 +170,7 @@ def compare_scan(
         if progress is not None:
             progress(share + 0.5 * done, labels)
 
-    rest = tuple(rest_study(one, command="modes", modes=MODES, implausible=True) for one in cases)
+    rest = tuple(static_study(one, command="modes", modes=MODES, implausible=True) for one in cases)
     runs = None
     if engine_speeds is not None:
         for word in spring_models:

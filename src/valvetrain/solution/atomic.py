@@ -1,5 +1,5 @@
-"""Files are written whole or not at all; what a killed process left half-written is known by its
-lock and removed.
+"""Atomic files: written whole or not at all; half-written files of killed processes are recognised
+by their lock and removed.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from valvetrain.errors import InputError
 
 try:
     import fcntl
-except ImportError:  # no such locks here: half-written files stay until somebody removes them
+except ImportError:  # no such locks here: half-written files stay
     fcntl = None  # type: ignore[assignment]
 
 SUFFIX = ".valvetrain.part"
@@ -29,18 +29,17 @@ _REPEATED = 200
 
 @contextmanager
 def atomic_path(path: str | os.PathLike[str]) -> Iterator[Path]:
-    """Give a temporary name beside ``path``; it becomes ``path`` when the block ends well, else it
-    is removed.
+    """A temporary file next to ``path``; it becomes ``path`` when the block ends without an error,
+    else it is removed.
 
-    Interruption (Ctrl-C) counts as a bad end. What killed processes left in the folder is removed
-    at its first use. Raises
-    :class:`InputError` when the folder cannot be written.
+    Interruption (Ctrl-C) counts as an error. What killed processes left in the folder is removed at
+    its first use. Raises :class:`InputError` when the folder cannot be written.
     """
     target = Path(path)
     _refuse_what_is_no_file(target)
     try:
         target.parent.mkdir(parents=True, exist_ok=True)
-        _sweep_once(str(target.parent.absolute()))
+        _sweep_once(target.parent.absolute())
         handle, temporary = _locked_file(target)
     except OSError as error:
         raise InputError(
@@ -58,12 +57,10 @@ def atomic_path(path: str | os.PathLike[str]) -> Iterator[Path]:
 
 
 def check_target(path: str | os.PathLike[str], where: str = "") -> None:
-    """Refuse, with an :class:`InputError` placed at ``where``, a name under which no file can be
-    written: before the work, not after.
-    """
+    """Refuse, with an :class:`InputError` at ``where``, a name under which no file can be written."""
     target = Path(path)
     _refuse_what_is_no_file(target, where)
-    parent = next(place for place in target.absolute().parents if os.path.lexists(place))
+    parent = next(path for path in target.absolute().parents if os.path.lexists(path))
     try:
         os.rmdir(tempfile.mkdtemp(prefix=".valvetrain.", dir=parent))
     except OSError as error:
@@ -75,9 +72,8 @@ def check_target(path: str | os.PathLike[str], where: str = "") -> None:
 
 def write_text(path: str | os.PathLike[str], text: str) -> Path:
     """Write ``text`` (UTF-8, unix line ends) to ``path`` whole or not at all."""
-    return write_bytes(
-        path, text.encode("utf-8", "replace")
-    )  # a name of a file may hold bytes that are no text
+    # The name of a file in it may hold bytes that are no text.
+    return write_bytes(path, text.encode("utf-8", "replace"))
 
 
 def write_bytes(path: str | os.PathLike[str], content: bytes | memoryview) -> Path:
@@ -105,8 +101,8 @@ def _refuse_what_is_no_file(target: Path, where: str = "") -> None:
 
 
 def remove_abandoned(folder: Path) -> tuple[Path, ...]:
-    """Remove files that processes which were killed left half-written in ``folder``; those of
-    living ones are locked and stay.
+    """Remove half-written files of killed processes from ``folder``; those of living ones are
+    locked and stay.
     """
     removed = []
     with suppress(OSError):
@@ -119,7 +115,7 @@ def remove_abandoned(folder: Path) -> tuple[Path, ...]:
 
 
 def is_abandoned(path: Path) -> bool:
-    """Whether nobody holds the lock of a file that its maker locks as long as it lives."""
+    """Whether no process holds the lock of a file that its writer locks as long as it lives."""
     if fcntl is None:
         return False
     try:
@@ -131,7 +127,7 @@ def is_abandoned(path: Path) -> bool:
 
 
 def is_living(path: Path) -> bool:
-    """Whether a process that lives holds the lock of a file; never where there are no such locks."""
+    """Whether a living process holds the lock of a file; never where there are no such locks."""
     return fcntl is not None and not is_abandoned(path)
 
 
@@ -153,8 +149,8 @@ def lock(handle: int) -> bool:
 
 
 def _locked_file(target: Path) -> tuple[int, Path]:
-    """A new temporary file beside ``target``, locked; made anew where another process took it for
-    abandoned before it was.
+    """A new temporary file next to ``target``, locked; another one where a process removed it
+    before it was locked.
     """
     prefix = "." + os.fsdecode(os.fsencode(target.name)[:_REPEATED]) + "."
     while True:
@@ -165,9 +161,7 @@ def _locked_file(target: Path) -> tuple[int, Path]:
         os.close(handle)
 
 
-@cache
-def _sweep_once(folder: str) -> None:
-    remove_abandoned(Path(folder))
+_sweep_once = cache(remove_abandoned)
 
 
 def _default_mode() -> int:
@@ -206,8 +200,7 @@ def checked_content(path: Path) -> tuple[bytes, bool]:
     """Bytes of a result file without its closing line, and whether it had one.
 
     Raises :class:`InputError` where there is no such file, or where its bytes are not those that
-    were written. A file without the line
-    passes: what it holds tells whether it should have one
+    were written. A file without the line passes: its content says whether it should have one
     (:func:`valvetrain.solution.metadata.unpack`).
     """
     try:

@@ -1,6 +1,4 @@
-"""Names, dimensions, units and words of the channels of a spring run, and the one way to put them
-together.
-"""
+"""Channels of a run: names, dimensions, units and labels, as plain arrays and as an xarray dataset."""
 
 from __future__ import annotations
 
@@ -97,15 +95,15 @@ def arrays_of(channels: xarray.Dataset | ChannelArrays) -> ChannelArrays:
 
 
 def empty_channels() -> ChannelArrays:
-    """Channels of a run that kept none."""
+    """Channels of a run without any."""
     return ChannelArrays(
         {}, {name: Variable(("sample",), np.zeros(0), {}) for name in ("time", "cam_angle")}
     )
 
 
 class DatasetField:
-    """Field of a solution that takes a dataset or plain arrays, keeps the arrays as ``arrays`` and
-    gives the dataset.
+    """Field of a solution that takes a dataset or plain arrays, stores the arrays and returns the
+    dataset.
     """
 
     def __get__(self, owner: Any, kind: type) -> xarray.Dataset:
@@ -138,7 +136,7 @@ def _check(arrays: ChannelArrays) -> None:
                 )
 
 
-#: channel -> (dimension after ``sample`` or None, SI unit, words)
+#: channel -> (dimension after ``sample`` or None, SI unit, label)
 SPRING_CHANNELS: dict[str, tuple[str | None, str, str]] = {
     "valve_lift": (None, "m", "valve lift"),
     "retainer_velocity": (None, "m/s", "retainer velocity, opening positive"),
@@ -178,7 +176,7 @@ SPRING_CHANNELS: dict[str, tuple[str | None, str, str]] = {
 }
 
 
-#: Channels between the samples: what the integrator saw.
+#: Channels between the samples, on the steps of the integrator.
 FINE: dict[str, tuple[tuple[str, ...], str, str]] = {
     "seat_force_fine": (("subsample",), "N", "seat force at even substeps after each sample"),
     "retainer_force_fine": (
@@ -222,13 +220,12 @@ def spring_channels(
     """The channels of a spring run from plain arrays.
 
     ``values``: channel name -> array (sample,) or (sample, wire_point / coil_pair), SI. ``extra``
-    declares further channels
-    as name -> (dims after ``sample``, unit, words). Raises :class:`InputError` for a name that is
-    not declared.
+    declares further channels as name -> (dims after ``sample``, unit, label). Raises
+    :class:`InputError` for an undeclared name.
     """
     declared: dict[str, tuple[tuple[str, ...], str, str]] = {
-        name: ((second,) if second else (), unit, words)
-        for name, (second, unit, words) in SPRING_CHANNELS.items()
+        name: ((second,) if second else (), unit, label)
+        for name, (second, unit, label) in SPRING_CHANNELS.items()
     }
     declared.update(extra or {})
     variables = {}
@@ -244,22 +241,15 @@ def spring_channels(
             np.asarray(array, dtype=kind),
             {"units": unit, "long_name": long_name},
         )
+    axes = (
+        ("time", "sample", time, "s", "time"),
+        ("cam_angle", "sample", cam_angle, "rad", "cam angle, unwrapped"),
+        ("coil_number", "wire_point", coil_number, "1", "turns from the lower wire tip"),
+        ("upper_coil", "coil_pair", upper_coil, "1", "coil number of the upper partner"),
+    )
     coords = {
-        "time": Variable(
-            ("sample",), np.asarray(time, dtype=float), {"units": "s", "long_name": "time"}
-        ),
-        "cam_angle": Variable(
-            ("sample",),
-            np.asarray(cam_angle, dtype=float),
-            {"units": "rad", "long_name": "cam angle, unwrapped"},
-        ),
+        name: Variable((dim,), np.asarray(values, dtype=float), {"units": unit, "long_name": label})
+        for name, dim, values, unit, label in axes
+        if values is not None
     }
-    if coil_number is not None:
-        words = {"units": "1", "long_name": "turns from the lower wire tip"}
-        coords["coil_number"] = Variable(
-            ("wire_point",), np.asarray(coil_number, dtype=float), words
-        )
-    if upper_coil is not None:
-        words = {"units": "1", "long_name": "coil number of the upper partner"}
-        coords["upper_coil"] = Variable(("coil_pair",), np.asarray(upper_coil, dtype=float), words)
     return ChannelArrays(variables, coords)

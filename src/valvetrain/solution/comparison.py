@@ -1,4 +1,4 @@
-"""One computed value beside one published value."""
+"""Comparisons of computed with published values."""
 
 from __future__ import annotations
 
@@ -10,12 +10,10 @@ class Comparison:
     """A row of the table computed / published / difference.
 
     ``engine_speed`` in rad/s of the crank (None where none applies); ``published``, ``computed``,
-    ``difference`` and
-    ``tolerance`` in ``unit``; ``computed`` None when no run gave the quantity; ``tolerance`` None
-    when the source or
-    the task names none. ``origin`` is the published value's (FE, AN, EX), ``role`` calibration,
-    check or prediction; ``used_for`` says
-    what the published value was used for, ``doubt`` why it cannot be right.
+    ``difference`` and ``tolerance`` in ``unit``; ``computed`` None when no run gave the quantity;
+    ``tolerance`` None when source and task give none. ``origin`` of the published value (FE, AN,
+    EX), its ``role`` (calibration, check or prediction), what it was ``used_for``, and a ``doubt``:
+    why it cannot be right.
 
     >>> row = Comparison("preload", None, "massless", "FE", "N", 289.0, 288.9, -0.1, "check", 2.0, "agrees")
     >>> row.verdict
@@ -49,8 +47,8 @@ class Comparison:
 
 @dataclass(frozen=True, slots=True)
 class Finding:
-    """A published finding in words beside what was computed: where the source says it, what, what
-    came out, and the verdict on it.
+    """A published finding: its place in the source, its statement, the computed result and the
+    verdict.
     """
 
     place: str

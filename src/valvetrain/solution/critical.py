@@ -1,5 +1,5 @@
-"""Engine speeds at which a train loses control of its valve, each as the bracket in which it was
-found.
+"""Critical engine speeds, at which a train loses control of its valve, as brackets between two
+runs.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     import pandas
 
-#: Kind -> quantity of a study that tells its engine speed, in the order of tables.
+#: Kind -> quantity of its engine speed, in the order of tables.
 KINDS = {
     "contact-loss": "contact_loss_engine_speed",
     "float": "float_engine_speed",
@@ -48,12 +48,11 @@ class SpeedBracket:
 
 @dataclass(frozen=True, slots=True)
 class Crossing:
-    """One change between control kept and lost, found three ways.
+    """One loss or recovery of control, found in three ways.
 
     ``from_rest``: every speed started at rest. ``rising``, ``falling``: every speed started from
-    the motion at its neighbour below, or
-    above; None where that motion did not change over within the speeds searched, or could not be
-    carried over.
+    the motion at its neighbour below, or above; None where that motion did not change within the
+    speeds searched, or could not be continued.
     """
 
     from_rest: SpeedBracket
@@ -74,20 +73,15 @@ class Crossing:
 
 @dataclass(frozen=True, slots=True)
 class CriticalSpeed:
-    """What a search over engine speed found of one kind of loss of control; speeds in rad/s of the
-    crank.
+    """Result of the search for one kind of loss of control; speeds in rad/s of the crank.
 
     ``kind``: ``contact-loss`` (a contact of the drive opens while the valve is open), ``float``
-    (the valve runs above its rigid lift by
-    more than ``limit``, in m) or ``bounce`` (it leaves its seat again by more than ``limit``).
-    ``place``: the contact that opens first,
-    ``valve`` or ``seat``. ``begins``: the lowest onset, None where there is none or control is lost
-    already at ``first_engine_speed``.
-    ``ends``: where that stretch of speeds ends, from rest, None where it lasts to
-    ``last_engine_speed``. ``again``: further
-    stretches above it, by the
-    lowest and highest speed at which they were seen. ``runs_count``: runs of the search besides the
-    sweep's own.
+    (the valve is above its rigid lift by more than ``limit``, in m) or ``bounce`` (it leaves its
+    seat again by more than ``limit``). ``place``: the contact that opens first, ``valve`` or
+    ``seat``. ``begins``: the lowest onset, None where there is none or control is lost already at
+    ``first_engine_speed``. ``ends``: end of that range of speeds, from rest, None where it lasts to
+    ``last_engine_speed``. ``again``: further ranges above it, by their lowest and highest sampled
+    speed. ``runs_count``: runs of the search besides those of the sweep.
     """
 
     label: str
@@ -117,8 +111,8 @@ class CriticalSpeed:
         )
 
     @property
-    def words(self) -> str:
-        """The answer in rpm as tables print it: ``7806–7813 (cam)``, ``below 7000 (cam)``, ``never
+    def text(self) -> str:
+        """The result in rpm as tables print it: ``7806–7813 (cam)``, ``below 7000 (cam)``, ``never
         up to 9000``.
         """
         if not self.found:
@@ -131,9 +125,12 @@ class CriticalSpeed:
         return f"{speeds} ({self.place})" if self.kind == "contact-loss" else speeds
 
 
+setattr(CriticalSpeed, "words", CriticalSpeed.text)  # noqa: B010  the former name
+
+
 @dataclass(frozen=True, slots=True)
 class CriticalSpeeds:
-    """The answers of a search over engine speed, by label and kind.
+    """Results of a search over engine speed, by label and kind.
 
     >>> never = CriticalSpeed("stock", "float", 5e-5, 700.0, 300 * math.pi, 1.0)
     >>> CriticalSpeeds((never,))
@@ -153,14 +150,12 @@ class CriticalSpeeds:
         return "\n  ".join(
             (
                 "critical engine speeds (rpm)",
-                *(f"{one.label}, {one.kind}: {one.words}" for one in self.rows),
+                *(f"{one.label}, {one.kind}: {one.text}" for one in self.rows),
             )
         )
 
     def of(self, kind: str, label: str = "") -> CriticalSpeed | None:
-        """The first answer of ``kind`` and, where given, ``label``; None where that was not
-        searched.
-        """
+        """The first result of ``kind`` and, where given, ``label``; None where there is none."""
         return next(
             (one for one in self.rows if one.kind == kind and label in ("", one.label)), None
         )
@@ -184,12 +179,16 @@ class CriticalSpeeds:
         """
         from valvetrain.solution.display import frame
 
-        names = ("from_rest", "rising", "falling")
-        ends = ("lower_engine_speed", "upper_engine_speed")
+        missing = SpeedBracket(math.nan, math.nan)
         brackets = {
-            f"{name}_{end}": [_end(one, name, end) for one in self.rows]
-            for name in names
-            for end in ends
+            f"{name}_{end}": [
+                math.nan
+                if one.begins is None
+                else float(getattr(getattr(one.begins, name) or missing, end))
+                for one in self.rows
+            ]
+            for name in ("from_rest", "rising", "falling")
+            for end in ("lower_engine_speed", "upper_engine_speed")
         }
         plain = (
             "label",
@@ -201,8 +200,3 @@ class CriticalSpeeds:
             "last_engine_speed",
         )
         return frame({name: [getattr(one, name) for one in self.rows] for name in plain} | brackets)
-
-
-def _end(one: CriticalSpeed, name: str, end: str) -> float:
-    bracket = None if one.begins is None else getattr(one.begins, name)
-    return math.nan if bracket is None else float(getattr(bracket, end))

@@ -1,8 +1,7 @@
-"""What the name of a quantity stands for: the one place where its dimension, shown unit, label and
-definition are asked.
+"""Definitions of quantities by name: dimension, shown unit, label and definition.
 
-The rows themselves stand in the tables that the registry lists under ``quantities``: the general
-one and one per published study.
+The rows are in the tables that the registry lists under ``quantities``: the general one and one per
+published study.
 """
 
 from __future__ import annotations
@@ -17,15 +16,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from valvetrain.errors import InputError
-from valvetrain.registry import find, words
+from valvetrain.registry import find
+from valvetrain.registry import words as registered_names
 from valvetrain.units import DIMENSIONS, unit_factor
 
 Sense = Literal["larger is better", "smaller is better", ""]
 Systems = tuple[Literal["spring", "train"], ...]
 Number = TypeVar("Number", float, NDArray[np.float64])
 
-#: Last word of a name -> dimension and unit shown, unless its row says otherwise; a range is of
-#: what the word before it says.
+#: Last word of a name -> dimension and shown unit, unless its row gives others; for a range, that
+#: of the word before it.
 BY_LAST_WORD: dict[str, tuple[str, str]] = {
     "force": ("force", "N"), "preload": ("force", "N"), "load": ("force", "N"), "angle": ("angle", "deg"), "frequency": ("frequency", "Hz"),
     "velocity": ("velocity", "m/s"), "acceleration": ("acceleration", "m/s^2"), "displacement": ("length", "mm"),
@@ -36,18 +36,18 @@ BY_LAST_WORD: dict[str, tuple[str, str]] = {
     "power": ("power", "W"), "ratio": ("ratio", ""), "count": ("ratio", ""), "order": ("ratio", ""), "number": ("ratio", ""),
 }  # fmt: skip
 #: SI units written otherwise than `valvetrain.units` does.
-_SI_WORDS = {"": "1", "1/s": "Hz", "m/s^2": "m/s2", "N*m": "N m", "N*s": "N s"}
+_SI_TEXTS = {"": "1", "1/s": "Hz", "m/s^2": "m/s2", "N*m": "N m", "N*s": "N s"}
 #: Springs of a nested pair, whose quantities carry the spring's name in front:
 #: ``outer_coil_bind_clearance``.
 NESTED = ("outer", "inner")
 
 
 def si_unit_text(dimension: str) -> str:
-    """SI unit of a word of :data:`valvetrain.units.DIMENSIONS` as answers write it: ``1`` for plain
+    """SI unit of a dimension of :data:`valvetrain.units.DIMENSIONS` in results: ``1`` for plain
     numbers.
     """
     unit = DIMENSIONS[dimension].si_unit
-    return _SI_WORDS.get(unit, unit)
+    return _SI_TEXTS.get(unit, unit)
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,11 +55,10 @@ class QuantityRow:
     """One quantity, or a family of them where ``name`` is a template: ``mode_{n}_frequency``,
     ``peak_{place}_contact_force``.
 
-    ``dimension``: a word of :data:`valvetrain.units.DIMENSIONS`, empty where a name tells none.
-    ``shown_unit``: what tables print.
-    ``label``: plain words; ``definition``: one sentence; both may repeat the places of the
-    template. ``systems``: which have it in a
-    case, a spring under prescribed motion or a train.
+    ``dimension``: a key of :data:`valvetrain.units.DIMENSIONS`, empty where it is unknown.
+    ``shown_unit``: the unit in tables. ``label``: plain text; ``definition``: one sentence; both
+    may repeat the fields of the template. ``systems``: those that have it, a spring under
+    prescribed motion or a train.
     """
 
     name: str
@@ -89,11 +88,11 @@ def row(
     """A :class:`QuantityRow` whose dimension and shown unit follow from the last word of ``name``
     where they are left out.
     """
-    usual = _by_last_word(name)
+    default_dimension, default_unit = _by_last_word(name)
     return QuantityRow(
         name,
-        dimension or usual[0],
-        usual[1] if shown_unit is None else shown_unit,
+        dimension or default_dimension,
+        default_unit if shown_unit is None else shown_unit,
         label,
         definition,
         sense,
@@ -103,20 +102,20 @@ def row(
 
 @cache
 def tables() -> dict[str, tuple[QuantityRow, ...]]:
-    """Every registered table of quantities by its word. Raises :class:`InputError` where two rows
-    bear one name.
+    """Every registered table of quantities by its name. Raises :class:`InputError` where two rows
+    have one name.
     """
     found: dict[str, tuple[QuantityRow, ...]] = {
-        word: tuple(find("quantities", word)) for word in words("quantities")
+        name: tuple(find("quantities", name)) for name in registered_names("quantities")
     }
     owner: dict[str, str] = {}
-    for word, rows in found.items():
+    for table, rows in found.items():
         for one in rows:
             if one.name in owner:
                 raise InputError(
-                    f"quantity '{one.name}' stands in the tables '{owner[one.name]}' and '{word}'; rename or remove one"
+                    f"quantity '{one.name}' is in the tables '{owner[one.name]}' and '{table}'; rename or remove one"
                 )
-            owner[one.name] = word
+            owner[one.name] = table
     return found
 
 
@@ -157,31 +156,27 @@ def is_defined(name: str) -> bool:
 
 
 def no_quantity(name: str) -> str:
-    """What is told of a name that no table has: the names nearest to it, those first that have all
-    of its words.
+    """Message on a name that no table has, with the names nearest to it.
 
     >>> no_quantity("float_speed")
     "'float_speed' is no quantity; did you mean float_engine_speed? All names: docs/quantities.md"
     """
     near = near_names(name)
-    told = (
-        f"did you mean {_either(near)}? All names: docs/quantities.md"
-        if near
-        else "docs/quantities.md lists their names"
-    )
-    return f"'{name[:60]}' is no quantity; {told}"
+    hint = "docs/quantities.md lists their names"
+    if near:
+        hint = f"did you mean {_either(near)}? All names: docs/quantities.md"
+    return f"'{name[:60]}' is no quantity; {hint}"
 
 
 def not_given(name: str) -> str:
-    """What is told of a quantity that runs which came to their end did not give, with the names
-    nearest to it.
+    """Message on a quantity that no completed run gave, with the names nearest to it.
 
     >>> not_given("peak_shear_stress")[:62]
-    'no run gave the peak shear stress (peak_shear_stress); near it'
+    'no run gave the peak shear stress (peak_shear_stress); similar'
     """
     near = near_names(name)
     return f"no run gave the {label_of(name)} ({name})" + (
-        f"; near it stands {_either(near)}" if near else ""
+        f"; similar: {_either(near)}" if near else ""
     )
 
 
@@ -191,13 +186,13 @@ def near_names(name: str) -> tuple[str, ...]:
     """
     exact, templates = _index()
     known = [*exact, *(one.name.replace("{place}", "cam") for one, _ in templates)]
-    asked = name[:60].split("_")
+    parts = name[:60].split("_")
     whole = [
         one
         for one in known
         if all(
-            word in one.split("_") or (word.isdecimal() and re.search(r"\{\w\}", one))
-            for word in asked
+            part in one.split("_") or (part.isdecimal() and re.search(r"\{\w\}", one))
+            for part in parts
         )
     ]
     whole.sort(key=lambda one: (one.count("_"), len(one), one))
@@ -210,7 +205,7 @@ def _either(names: tuple[str, ...]) -> str:
 
 
 def label_of(name: str) -> str:
-    """Plain words for ``name``: ``peak_spring_force`` -> ``peak spring force``."""
+    """Label of ``name``: ``peak_spring_force`` -> ``peak spring force``."""
     return definition_of(name).label
 
 
@@ -223,9 +218,7 @@ def shown(name: str, value: Number) -> tuple[Number, str]:
 
 
 def angle_name(quantity: str) -> str:
-    """The quantity that tells at which cam angle a peak lies. Raises :class:`InputError` for one
-    without.
-    """
+    """The quantity with the cam angle of a peak. Raises :class:`InputError` for one without."""
     short = quantity
     for ending in ("_force", "_acceleration", "_velocity", "_displacement", "_lift", "_stress"):
         short = short.removesuffix(ending)
@@ -254,8 +247,8 @@ def fixed_part(template: str) -> str:
 
 
 def pattern_of(template: str) -> re.Pattern[str]:
-    """Pattern of the names of a template: one letter in braces stands for a number, a word for one
-    or several words.
+    """Pattern of the names of a template: one letter in braces for a number, a word for one or
+    several words.
     """
     places = re.split(r"\{(\w+)\}", template)
     text_of = (

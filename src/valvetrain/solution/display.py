@@ -1,5 +1,5 @@
-"""How results show themselves in a terminal or a notebook: units of the field, short text, small
-tables, frames, quick plots.
+"""Display of results in a terminal or a notebook: units, short text, small tables, frames, quick
+plots.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from valvetrain.errors import MissingExtraError
 if TYPE_CHECKING:
     import pandas
 
-#: SI unit -> unit of the field and the factor that leads there; other units are shown as they are.
+#: SI unit -> shown unit and its factor; other units are shown as they are.
 SHOWN_UNITS = {
     "m": ("mm", 1e3), "rad": ("deg", 180 / math.pi), "rad/s": ("rpm", 30 / math.pi), "N/m": ("N/mm", 1e-3), "Pa": ("MPa", 1e-6),
     "kg": ("g", 1e3), "J": ("mJ", 1e3), "N s": ("mN s", 1e3), "1": ("", 1.0),
@@ -38,27 +38,25 @@ class Figure(Protocol):
         """``data`` and ``layout`` as plain values."""
 
 
-def words(value: float, unit: str, digits: int = 5) -> str:
-    """An SI value in the field's unit: ``words(0.007, "m") == "7 mm"``."""
-    usual, factor = SHOWN_UNITS.get(unit, (unit, 1.0))
-    return f"{value * factor:.{digits}g} {usual}".strip()
+def value_text(value: float, unit: str, digits: int = 5) -> str:
+    """An SI value in its shown unit: ``value_text(0.007, "m") == "7 mm"``."""
+    name, factor = SHOWN_UNITS.get(unit, (unit, 1.0))
+    return f"{value * factor:.{digits}g} {name}".strip()
 
 
 def span(values: Sequence[float] | ArrayLike, unit: str) -> str:
-    """Least and largest of SI values in the field's unit: ``"0 to 12 mm"``."""
+    """Least and largest of SI values in their shown unit: ``"0 to 12 mm"``."""
     import numpy as np
 
     array = np.asarray(values, dtype=float)
     if not array.size or np.all(np.isnan(array)):
         return "none"
-    usual, factor = SHOWN_UNITS.get(unit, (unit, 1.0))
-    return f"{np.nanmin(array) * factor:.5g} to {np.nanmax(array) * factor:.5g} {usual}".strip()
+    name, factor = SHOWN_UNITS.get(unit, (unit, 1.0))
+    return f"{np.nanmin(array) * factor:.5g} to {np.nanmax(array) * factor:.5g} {name}".strip()
 
 
 def table(caption: str, head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
-    """A small HTML table, every word escaped; what goes beyond :data:`MAX_ROWS` is counted, not
-    shown.
-    """
+    """A small HTML table, escaped; rows beyond :data:`MAX_ROWS` are counted, not shown."""
     top = "".join(f"<th>{escape(word)}</th>" for word in head)
     body = "".join(
         "<tr>" + "".join(f"<td>{escape(cell)}</td>" for cell in row) + "</tr>"
@@ -78,7 +76,7 @@ def table(caption: str, head: Sequence[str], rows: Sequence[Sequence[str]]) -> s
 def frame(
     columns: Mapping[str, ArrayLike], index: str = "", units: Mapping[str, str] | None = None
 ) -> pandas.DataFrame:
-    """Columns as a pandas frame, ``index`` the column that numbers the rows, ``units`` kept in its
+    """Columns as a pandas frame, ``index`` the column that numbers the rows, ``units`` in its
     ``attrs``.
 
     Raises :class:`MissingExtraError` where pandas is not installed.

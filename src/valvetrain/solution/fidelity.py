@@ -1,5 +1,5 @@
-"""Which spring model is good enough where: every model beside a reference over engine speed, both
-with their numerical error.
+"""Fidelity of spring models: every model against a reference over engine speed, both with their
+numerical error.
 """
 
 from __future__ import annotations
@@ -13,26 +13,24 @@ if TYPE_CHECKING:
     import pandas
 
 #: Verdicts of a model at one speed: within the tolerance, error bars included; beyond it even so;
-#: neither can be said, for the bars or
-#: for want of a reference; no value of the model.
+#: undecided, for the error bars or without a reference; no value of the model.
 GOOD, POOR, OPEN, MISSING = "good", "poor", "open", "missing"
 RPM = math.pi / 30
 
 
 @dataclass(frozen=True, slots=True)
 class FidelityRow:
-    """One quantity of one model at one engine speed beside the reference; values in SI.
+    """One quantity of one model at one engine speed against the reference; values in SI.
 
     Parameters
     ----------
     quantity : name of the quantity
-    model : word of the spring model
+    model : name of the spring model
     engine_speed : crank speed (rad/s)
-    value, error : of the model (NaN: it tells none), and half the width of its numerical error bar:
-        NaN for a model that has none,
-        infinite where the run that should tell it gave no result
+    value, error : of the model (NaN: none), and half the width of its numerical error bar: NaN for a model without one,
+        infinite where the run for it gave no result
     reference, reference_error : the same of the reference
-    scale : largest size of the reference over all speeds, to which differences are related
+    scale : largest size of the reference over all speeds, by which differences are divided
     """
 
     quantity: str
@@ -51,28 +49,20 @@ class FidelityRow:
 
     @property
     def doubt(self) -> float:
-        """Half width of the bar of the difference, as a share of ``scale``: both errors together; a
-        model without one adds none.
+        """Half width of the error bar of the difference, as a share of ``scale``: the sum of the
+        errors that exist.
         """
-        return (
-            sum(error for error in (self.error, self.reference_error) if not math.isnan(error))
-            / self.scale
-        )
+        errors = (self.error, self.reference_error)
+        return sum(error for error in errors if not math.isnan(error)) / self.scale
 
     def verdict(self, tolerance: float) -> str:
         """``good``, ``poor``, ``open`` or ``missing`` at a tolerance (share of ``scale``)."""
-        apart = abs(self.difference)
+        size = abs(self.difference)
         if not math.isfinite(self.value):
             return MISSING
-        if not math.isfinite(self.reference):
-            return OPEN
-        return (
-            GOOD
-            if apart + self.doubt <= tolerance
-            else POOR
-            if apart - self.doubt > tolerance
-            else OPEN
-        )
+        if math.isfinite(self.reference) and size + self.doubt <= tolerance:
+            return GOOD
+        return POOR if math.isfinite(self.reference) and size - self.doubt > tolerance else OPEN
 
 
 @dataclass(frozen=True, slots=True)
@@ -94,17 +84,20 @@ class ValidSpeedRange:
     missing: bool = False
 
     @property
-    def words(self) -> str:
+    def text(self) -> str:
         """``all``, ``none``, ``open``, ``to 6500`` or ``to 6500, then open`` (never poor): engine
         speeds in rpm.
         """
         if self.missing:
-            return "not told"
+            return "missing"
         if self.everywhere:
             return "all"
         if self.good_to is None:
             return "none" if self.poor_from is not None else "open"
         return f"to {self.good_to / RPM:.6g}" + (", then open" if self.poor_from is None else "")
+
+
+setattr(ValidSpeedRange, "words", ValidSpeedRange.text)  # noqa: B010  the former name
 
 
 @dataclass(frozen=True, slots=True)
@@ -113,7 +106,7 @@ class FidelityMap:
 
     Parameters
     ----------
-    reference : word of the model that the others are judged by
+    reference : name of the model that the others are judged by
     tolerance : share of the reference's largest value up to which a model is good enough
     rows : by quantity, model and speed
     costs : model -> seconds of one core per simulated second, as estimates take it; in ascending
@@ -144,22 +137,13 @@ class FidelityMap:
         """All rows with difference, doubt and verdict."""
         import pandas
 
-        kept = (
-            "quantity",
-            "model",
-            "engine_speed",
-            "value",
-            "error",
-            "reference",
-            "reference_error",
-            "difference",
-            "doubt",
+        names = (
+            "quantity", "model", "engine_speed", "value", "error", "reference", "reference_error", "difference", "doubt",
+        )  # fmt: skip
+        columns = {name: [getattr(row, name) for row in self.rows] for name in names}
+        return pandas.DataFrame(
+            columns | {"verdict": [row.verdict(self.tolerance) for row in self.rows]}
         )
-        found = [
-            {name: getattr(row, name) for name in kept} | {"verdict": row.verdict(self.tolerance)}
-            for row in self.rows
-        ]
-        return pandas.DataFrame(found, columns=[*kept, "verdict"])
 
     @property
     def quantities(self) -> tuple[str, ...]:
@@ -170,7 +154,7 @@ class FidelityMap:
     def models(self) -> tuple[str, ...]:
         """Models that are judged, the cheapest first."""
         there = {row.model for row in self.rows}
-        return tuple(word for word, _ in self.costs if word in there)
+        return tuple(name for name, _ in self.costs if name in there)
 
     def of(self, quantity: str, model: str) -> tuple[FidelityRow, ...]:
         """Rows of one quantity and model in order of speed."""
@@ -180,18 +164,16 @@ class FidelityMap:
     def reach(self, quantity: str, model: str) -> ValidSpeedRange:
         """Where one model is good enough for one quantity."""
         rows = self.of(quantity, model)
-        told = [row.verdict(self.tolerance) for row in rows]
-        first = next((place for place, one in enumerate(told) if one != GOOD), len(rows))
-        poor = next((place for place, one in enumerate(told) if one in (POOR, MISSING)), None)
+        verdicts = [row.verdict(self.tolerance) for row in rows]
+        first = next((n for n, one in enumerate(verdicts) if one != GOOD), len(rows))
+        poor = next((n for n, one in enumerate(verdicts) if one in (POOR, MISSING)), None)
         known = [row for row in rows if math.isfinite(row.difference)]
         worst = max(known, key=lambda row: abs(row.difference), default=None)
         size, doubt = (
             (math.nan, math.nan) if worst is None else (abs(worst.difference), worst.doubt)
         )
-        good_to, poor_from = (
-            rows[first - 1].engine_speed if first else None,
-            None if poor is None else rows[poor].engine_speed,
-        )
+        good_to = rows[first - 1].engine_speed if first else None
+        poor_from = None if poor is None else rows[poor].engine_speed
         return ValidSpeedRange(
             quantity,
             model,

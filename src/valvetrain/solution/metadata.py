@@ -1,4 +1,6 @@
-"""Everything of a result that is not an array, as one JSON text."""
+"""Metadata of a result file: everything that is not an array, as one JSON text, and checks of what
+a file claims.
+"""
 
 from __future__ import annotations
 
@@ -34,8 +36,8 @@ def pack(
     events: tuple[Event, ...] = (),
     **more: Any,
 ) -> str:
-    """JSON text with the result's ``kind`` (solution, static-curve, modal-result) and its words and
-    events.
+    """JSON text with the ``kind`` of a result (solution, static-curve, modal-result), its status,
+    events and other entries.
     """
     content = {
         "format": f"valvetrain {kind}", "version": FORMAT_VERSION, "checksum": "blake2b", "status": _fields(status),
@@ -55,7 +57,7 @@ def unpack(text: str, kind: str, where: str, closed: bool) -> dict[str, Any]:
         content: dict[str, Any] = json.loads(text)
         found, version = content["format"], content["version"]
         if not isinstance(found, str) or type(version) is not int:
-            raise ValueError("format and version are no word and no number")
+            raise ValueError("format and version are not text and number")
     except (ValueError, KeyError, TypeError, RecursionError) as error:
         raise InputError(
             f"is not a valvetrain {kind} file; give one that this package wrote", where
@@ -93,7 +95,7 @@ def unpack(text: str, kind: str, where: str, closed: bool) -> dict[str, Any]:
     return content
 
 
-#: Begin of a field's type -> whether a value of JSON may stand for it.
+#: Begin of a field's type -> whether a value of JSON fits it.
 _FITS: dict[str, Callable[[Any], bool]] = {
     "str": lambda value: isinstance(value, str),
     "float": lambda value: isinstance(value, (int, float)) and not isinstance(value, bool),
@@ -142,20 +144,20 @@ def _plain(value: Any) -> Any:
 
 #: Begin of every sentence about a file whose parts do not fit.
 DAMAGED = "is damaged:"
-#: The best compression makes of one byte no more than this many; variables this small are read
-#: whatever is stored of them.
+#: Most bytes that the best compression stores in one; variables of at most this size are always
+#: read.
 MAX_EXPANDED, SMALL = 1100, 65_536
-#: A result has fewer variables.
+#: Upper bound of the variables of a result.
 MAX_VARIABLES = 5000
 _DIMENSION = b"This is a netCDF dimension but not a netCDF variable"
 
 
 def refuse_claims(path: Path) -> None:
-    """Raise :class:`InputError` for a NetCDF file whose variables claim more than is stored, lie in
-    another file or are linked.
+    """Raise :class:`InputError` for a NetCDF file whose variables claim more than is stored, are in
+    another file or linked.
 
-    Only what the file says of itself is read, so nothing of the claimed size is made. Errors of the
-    library pass.
+    Only the description in the file is read, so nothing of the claimed size is allocated. Errors of
+    the library pass.
     """
     import h5py
 
@@ -166,17 +168,19 @@ def refuse_claims(path: Path) -> None:
                 f"claims {len(file)} variables, more than a result has; write it again", str(path)
             )
         for name in file:
-            held = file[name] if isinstance(file.get(name, getlink=True), h5py.HardLink) else None
-            if not isinstance(held, h5py.Dataset) or held.is_virtual or held.external:
+            variable = (
+                file[name] if isinstance(file.get(name, getlink=True), h5py.HardLink) else None
+            )
+            if not isinstance(variable, h5py.Dataset) or variable.is_virtual or variable.external:
                 raise InputError(
                     f"{DAMAGED} '{name}' is no variable of its own; write it again", str(path)
                 )
-            label = held.attrs.get("NAME", b"")
+            label = variable.attrs.get("NAME", b"")
             if (label.encode() if isinstance(label, str) else bytes(label)).startswith(_DIMENSION):
                 continue  # the length of a dimension, of which nothing is stored or read
-            stored = held.id.get_storage_size()
+            stored = variable.id.get_storage_size()
             claimed = max(
-                held.nbytes, _chunk_bytes(held) if stored else 0
+                variable.nbytes, _chunk_bytes(variable) if stored else 0
             )  # one value of a chunk makes room for all of it
             if stored > whole or claimed > max(SMALL, stored * MAX_EXPANDED):
                 raise InputError(
@@ -185,30 +189,26 @@ def refuse_claims(path: Path) -> None:
                 )
 
 
-def _chunk_bytes(held: h5py.Dataset) -> int:
-    """Bytes of one piece of a variable that is stored in pieces; 0 of others."""
-    return math.prod(held.chunks) * held.dtype.itemsize if held.chunks else 0
+def _chunk_bytes(variable: h5py.Dataset) -> int:
+    """Bytes of one chunk of a chunked variable; 0 of others."""
+    return math.prod(variable.chunks) * variable.dtype.itemsize if variable.chunks else 0
 
 
 def solution_of(dataset: xarray.Dataset, content: dict[str, Any], where: str) -> Solution:
     """The solution of labelled arrays and the unpacked description.
 
-    Raises :class:`InputError` where channels are no numbers or lack what every channel has.
+    Raises :class:`InputError` where channels are not numbers or lack unit or label.
     """
     for name, variable in dataset.variables.items():
         text_of = (variable.attrs.get(key, "") for key in ("units", "long_name"))
-        if variable.dtype.kind not in "biuf" or not all(isinstance(word, str) for word in text_of):
+        if variable.dtype.kind not in "biuf" or not all(isinstance(text, str) for text in text_of):
             raise InputError(
                 f"{DAMAGED} channel '{name}' holds no numbers, or its unit is no word; write it again",
                 where,
             )
-    words = (
-        content["events"],
-        content["status"],
-        content["statistics"],
-        content["provenance"] or Provenance("", ""),
-    )
+    origin = content["provenance"] or Provenance("", "")
+    parts = content["events"], content["status"], content["statistics"], origin
     try:
-        return Solution(dataset, *words, content["quantities"], tuple(content.get("gaps", ())))
+        return Solution(dataset, *parts, content["quantities"], tuple(content.get("gaps", ())))
     except InputError as error:
         raise InputError(f"{DAMAGED} {error.reason}", where) from error

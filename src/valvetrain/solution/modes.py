@@ -1,7 +1,8 @@
-"""Modes of a spring about a compressed state."""
+"""Natural frequencies and modes of a spring about a compressed state, and of a train."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -9,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from valvetrain.errors import InputError
-from valvetrain.solution.display import Figure, frame, plotted, table, words
+from valvetrain.solution.display import Figure, frame, plotted, table, value_text
 from valvetrain.solution.status import COMPLETED, Status
 
 if TYPE_CHECKING:
@@ -19,18 +20,25 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 
+def check_shapes(result: object, noun: str, shapes: Mapping[str, tuple[int, ...]]) -> None:
+    """Raise :class:`InputError` where an array of a result has another shape than that in
+    ``shapes``.
+    """
+    for name, shape in shapes.items():
+        found = np.shape(getattr(result, name))
+        if found != shape:
+            raise InputError(f"{name} of {noun} must have shape {shape}; it has {found}")
+
+
 @dataclass(frozen=True, eq=False)
 class ModalResult:
     """All modes found about the state at ``compression`` (m).
 
     ``natural_frequency`` (mode) Hz, ascending; ``shape`` (mode, wire_point, 3), largest component
-    1, z along the spring;
-    ``coil_number`` (wire_point); ``axial_transmission`` (mode): force-transmission residue, how
-    much of an axial push at
-    one end each mode carries to the other; ``axial_modes``: indices of the axial modes, ascending
-    in frequency.
-    ``attached_mass`` (kg) moves along the axis with the retainer, 0 for a free end; None: both ends
-    are fixed.
+    1, z along the spring; ``coil_number`` (wire_point); ``axial_transmission`` (mode):
+    force-transmission residue, the share of an axial push at one end that a mode transmits to the
+    other; ``axial_modes``: indices of the axial modes, ascending in frequency. ``attached_mass``
+    (kg) moves along the axis with the retainer, 0 for a free end; None: both ends are fixed.
 
     >>> import numpy as np
     >>> result = ModalResult(8e-3, np.array([430.0, 610.0]), np.zeros((2, 5, 3)), np.linspace(0, 6, 5), np.array([0.9, 0.0]), (0,))
@@ -50,11 +58,8 @@ class ModalResult:
     def __post_init__(self) -> None:
         object.__setattr__(self, "axial_modes", tuple(int(index) for index in self.axial_modes))
         modes, points = len(self.natural_frequency), len(self.coil_number)
-        for name, shape in {"shape": (modes, points, 3), "axial_transmission": (modes,)}.items():
-            if np.shape(getattr(self, name)) != shape:
-                raise InputError(
-                    f"{name} of a modal result must have shape {shape}; it has {np.shape(getattr(self, name))}"
-                )
+        shapes = {"shape": (modes, points, 3), "axial_transmission": (modes,)}
+        check_shapes(self, "a modal result", shapes)
         if any(not 0 <= index < modes for index in self.axial_modes):
             raise InputError(
                 f"axial_modes of a modal result must lie between 0 and {modes - 1}; they are {self.axial_modes}"
@@ -69,7 +74,7 @@ class ModalResult:
         first = ", ".join(f"{one:.5g}" for one in self.axial_frequencies[:6])
         more = ", ..." if len(self.axial_modes) > 6 else ""
         lines = [
-            f"ModalResult at {words(self.compression, 'm')} compression, {len(self.shape)} modes, {self.status.sentence()}"
+            f"ModalResult at {value_text(self.compression, 'm')} compression, {len(self.shape)} modes, {self.status.sentence()}"
         ]
         return "\n  ".join(
             [*lines, f"{len(self.axial_modes)} axial: {first}{more} Hz"] if first else lines
@@ -82,7 +87,7 @@ class ModalResult:
         ]
         numbers = zip(self.natural_frequency, self.axial_transmission, kinds, strict=True)
         rows = [
-            (str(number), words(one, "Hz"), f"{share:.3g}", kind)
+            (str(number), value_text(one, "Hz"), f"{share:.3g}", kind)
             for number, (one, share, kind) in enumerate(numbers, start=1)
         ]
         return table(repr(self), ("mode", "natural frequency", "axial transmission", ""), rows)
@@ -103,16 +108,15 @@ class ModalResult:
 
 @dataclass(frozen=True, eq=False)
 class TrainModes:
-    """Undamped modes of a train with its springs about rest at ``cam_angle`` (rad) and
+    """Undamped modes of a train with its springs about equilibrium at ``cam_angle`` (rad) and
     ``valve_lift`` (m).
 
     ``natural_frequency`` (mode,) Hz, ascending; 0 of a body that an open contact leaves free.
-    ``parts``: bodies of the train, then its
-    springs. ``shape`` (mode, body): displacement (m) or turn (rad) of every body, the largest
-    travel 1 where a turn counts by its radius
-    of gyration; zero of a mode that only a spring moves in. ``energy_share`` (mode, part): share of
-    each part in the kinetic energy.
-    ``closed``, ``open``: contacts that press there, and those that do not and count for nothing.
+    ``parts``: bodies of the train, then its springs. ``shape`` (mode, body): displacement (m) or
+    rotation (rad) of every body, the largest travel 1 where a rotation counts by its radius of
+    gyration; zero in a mode in which only a spring moves. ``energy_share`` (mode, part): share of
+    each part in the kinetic energy. ``closed``, ``open``: contacts under load, and those without,
+    which have no stiffness.
 
     >>> import valvetrain as vt
     >>> found = vt.train_modes("tdi-pushrod", spring_models=["massless"], spring_sets=["stock"])[0]
@@ -134,36 +138,27 @@ class TrainModes:
 
     def __post_init__(self) -> None:
         modes = len(self.natural_frequency)
-        for name, shape in {
-            "shape": (modes, len(self.bodies)),
-            "energy_share": (modes, len(self.parts)),
-        }.items():
-            if np.shape(getattr(self, name)) != shape:
-                raise InputError(
-                    f"{name} of the modes of a train must have shape {shape}; it has {np.shape(getattr(self, name))}"
-                )
+        shapes = {"shape": (modes, len(self.bodies)), "energy_share": (modes, len(self.parts))}
+        check_shapes(self, "the modes of a train", shapes)
 
     def moving(self, mode: int, least: float = 0.15) -> str:
-        """Parts that carry ``least`` of the kinetic energy of a mode (from 0) or more, most first:
-        ``valve 62 %, spring 30 %``.
+        """Parts with a share of ``least`` or more in the kinetic energy of a mode (from 0): ``valve
+        62 %, spring 30 %``.
         """
         shares = self.energy_share[mode]
-        order = [
-            place for place in np.argsort(-shares, kind="stable").tolist() if shares[place] >= least
-        ] or [int(np.argmax(shares))]
-        return ", ".join(
-            f"{self.parts[place]} {shares[place]:.0%}".replace("%", " %") for place in order
-        )
+        order = np.argsort(-shares, kind="stable").tolist()
+        largest = [part for part in order if shares[part] >= least] or [int(np.argmax(shares))]
+        return ", ".join(f"{self.parts[part]} {100 * shares[part]:.0f} %" for part in largest)
 
     def __repr__(self) -> str:
         first = ", ".join(f"{one:.5g}" for one in self.natural_frequency[:6])
         more = ", ..." if len(self.natural_frequency) > 6 else ""
-        return f"TrainModes of {self.label}, {self.state}, {words(self.valve_lift, 'm')} of lift\n  {first}{more} Hz"
+        return f"TrainModes of {self.label}, {self.state}, {value_text(self.valve_lift, 'm')} of lift\n  {first}{more} Hz"
 
     def _repr_html_(self) -> str:
         rows = [
-            (str(place + 1), words(one, "Hz"), self.moving(place))
-            for place, one in enumerate(self.natural_frequency)
+            (str(mode + 1), value_text(one, "Hz"), self.moving(mode))
+            for mode, one in enumerate(self.natural_frequency)
         ]
         return table(repr(self), ("mode", "natural frequency", "moving"), rows)
 
@@ -175,5 +170,5 @@ class TrainModes:
             "mode": np.arange(1, len(self.natural_frequency) + 1),
             "natural_frequency": self.natural_frequency,
         }
-        columns |= {part: self.energy_share[:, place] for place, part in enumerate(self.parts)}
+        columns |= dict(zip(self.parts, self.energy_share.T, strict=True))
         return frame(columns, "mode", {"natural_frequency": "Hz"} | dict.fromkeys(self.parts, "1"))

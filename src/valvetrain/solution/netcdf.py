@@ -10,7 +10,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, BinaryIO
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from valvetrain.errors import InputError
 from valvetrain.solution import metadata
@@ -28,33 +27,33 @@ if TYPE_CHECKING:
 
 
 def write_arrays(target: Path | BinaryIO, arrays: ChannelArrays, texts: Mapping[str, str]) -> None:
-    """Write channels, their coordinates and ``texts`` (name -> words) to a new file or into memory;
-    no value is marked as missing.
+    """Write channels, their coordinates and ``texts`` by name to a new file or into memory; no
+    value is marked as missing.
     """
     import h5netcdf
     import h5py
 
     variables = {**arrays.variables, **arrays.coords}
-    on_variables, on_file = _coordinate_words(arrays)
+    on_variables, on_file = _coordinate_attributes(arrays)
     with h5netcdf.File(target, "w", invalid_netcdf=None, decode_vlen_strings=True) as file:
         file.dimensions = {
             dim: size
             for one in variables.values()
             for dim, size in zip(one.dims, one.values.shape, strict=True)
         }
-        for key, words in {**arrays.attributes, **on_file}.items():
-            file.attrs[key] = words
+        file.attrs.update({**arrays.attributes, **on_file})
         for name, one in variables.items():
             values, attributes = _stored(one)
-            made = file.create_variable(name, one.dims, values.dtype)
-            for key, words in {**attributes, **on_variables.get(name, {})}.items():
-                made.attrs[key] = words
-            made[...] = values
+            variable = file.create_variable(name, one.dims, values.dtype)
+            variable.attrs.update({**attributes, **on_variables.get(name, {})})
+            variable[...] = values
         for name, text in texts.items():
             file.create_variable(name, (), h5py.string_dtype())[...] = text
 
 
-def _coordinate_words(arrays: ChannelArrays) -> tuple[dict[str, dict[str, str]], dict[str, str]]:
+def _coordinate_attributes(
+    arrays: ChannelArrays,
+) -> tuple[dict[str, dict[str, str]], dict[str, str]]:
     """The attribute ``coordinates`` of each channel, and that of the file for coordinates along
     which no channel lies (CF 1.11, 5).
     """
@@ -71,7 +70,7 @@ def _coordinate_words(arrays: ChannelArrays) -> tuple[dict[str, dict[str, str]],
 
 
 def _stored(one: Variable) -> tuple[np.ndarray[Any, Any], Mapping[str, Any]]:
-    """Values and attributes as the format has them: it knows no truth values."""
+    """Values and attributes in types of the format, which has no truth values."""
     if one.values.dtype.kind == "b":
         return one.values.astype(np.int8), {**one.attrs, "dtype": "bool"}
     return one.values, one.attrs
@@ -164,7 +163,7 @@ def save_static_curve(
         buckling=buckling,
         leaning=leaning,
     )
-    return _write(_static_arrays(curve), text, path)
+    return _write(_labelled(curve, _CURVE), text, path)
 
 
 def load_static_curve(path: _PathLike) -> StaticCurve:
@@ -195,7 +194,7 @@ def save_modal_result(
         axial_modes=result.axial_modes,
         attached_mass=result.attached_mass,
     )
-    return _write(_modal_arrays(result), text, path)
+    return _write(_labelled(result, _MODES), text, path)
 
 
 def load_modal_result(path: _PathLike) -> ModalResult:
@@ -207,14 +206,12 @@ def load_modal_result(path: _PathLike) -> ModalResult:
         isinstance(mode, int) and 0 <= mode < len(arrays["natural_frequency"]) for mode in modes
     ):
         raise InputError(
-            f"{DAMAGED} 'axial_modes' names modes that it does not hold; write it again", where
+            f"{DAMAGED} 'axial_modes' names modes that it does not have; write it again", where
         )
-    told = [
-        _numbers({name: [value]}, name, 1, where)
-        for name in ("compression", "attached_mass")
-        if (value := content.get(name)) is not None
-    ]
-    if content.get("compression") is None or None in told:
+    for name in ("compression", "attached_mass"):
+        if (value := content.get(name)) is not None:
+            _numbers({name: [value]}, name, 1, where)
+    if content.get("compression") is None:
         raise InputError(f"{DAMAGED} 'compression' is missing; write it again", where)
     return ModalResult(
         compression=content["compression"],
@@ -225,62 +222,38 @@ def load_modal_result(path: _PathLike) -> ModalResult:
     )
 
 
-def _static_arrays(curve: StaticCurve) -> ChannelArrays:
-    return ChannelArrays(
-        {
-            "force": _labelled(("step",), curve.force, "N", "spring force"),
-            "stiffness": _labelled(("step",), curve.stiffness, "N/m", "tangent stiffness"),
-            "coil_gap": _labelled(
-                ("step", "coil_pair"), curve.coil_gap, "m", "gap between a coil and the one below"
-            ),
-            "coil_contact_force": _labelled(
-                ("step", "coil_pair"), curve.coil_contact_force, "N", "coil contact force"
-            ),
-            "axial_position": _labelled(
-                ("step", "wire_point"), curve.axial_position, "m", "height above the lower seat"
-            ),
-        },
-        {
-            "compression": _labelled(
-                ("step",), curve.compression, "m", "compression from the free length"
-            ),
-            "upper_coil": _labelled(
-                ("coil_pair",), curve.upper_coil, "1", "coil number of the upper partner"
-            ),
-            "coil_number": _labelled(
-                ("wire_point",), curve.coil_number, "1", "turns from the lower wire tip"
-            ),
-        },
-    )
+#: Arrays of a static curve and of a modal result: name -> dimensions, unit and label; the last ones
+#: are coordinates.
+_Layout = dict[str, tuple[tuple[str, ...], str, str]]
+_CURVE: _Layout = {
+    "force": (("step",), "N", "spring force"), "stiffness": (("step",), "N/m", "tangent stiffness"),
+    "coil_gap": (("step", "coil_pair"), "m", "gap between a coil and the one below"),
+    "coil_contact_force": (("step", "coil_pair"), "N", "coil contact force"),
+    "axial_position": (("step", "wire_point"), "m", "height above the lower seat"),
+    "compression": (("step",), "m", "compression from the free length"),
+    "upper_coil": (("coil_pair",), "1", "coil number of the upper partner"),
+    "coil_number": (("wire_point",), "1", "turns from the lower wire tip"),
+}  # fmt: skip
+_MODES: _Layout = {
+    "natural_frequency": (("mode",), "Hz", "natural frequency"), "shape": (("mode", "wire_point", "axis"), "1", "mode shape, x y z"),
+    "axial_transmission": (("mode",), "1", "axial force transmission residue"),
+    "coil_number": (("wire_point",), "1", "turns from the lower wire tip"),
+}  # fmt: skip
+_COORDINATES = ("compression", "upper_coil", "coil_number")
 
 
-def _modal_arrays(result: ModalResult) -> ChannelArrays:
-    return ChannelArrays(
-        {
-            "natural_frequency": _labelled(
-                ("mode",), result.natural_frequency, "Hz", "natural frequency"
-            ),
-            "shape": _labelled(
-                ("mode", "wire_point", "axis"), result.shape, "1", "mode shape, x y z"
-            ),
-            "axial_transmission": _labelled(
-                ("mode",), result.axial_transmission, "1", "axial force transmission residue"
-            ),
-        },
-        {
-            "coil_number": _labelled(
-                ("wire_point",), result.coil_number, "1", "turns from the lower wire tip"
-            )
-        },
-    )
-
-
-def _labelled(dims: tuple[str, ...], values: ArrayLike, unit: str, words: str) -> Variable:
-    return Variable(dims, np.asarray(values), {"units": unit, "long_name": words})
+def _labelled(result: StaticCurve | ModalResult, layout: _Layout) -> ChannelArrays:
+    """The arrays of a result with their dimensions, units and labels."""
+    named = {
+        name: Variable(dims, np.asarray(getattr(result, name)), {"units": unit, "long_name": label})
+        for name, (dims, unit, label) in layout.items()
+    }
+    coords = {name: named.pop(name) for name in layout if name in _COORDINATES}
+    return ChannelArrays(named, coords)
 
 
 def _write(arrays: ChannelArrays, text: str, path: _PathLike) -> Path:
-    """Made in memory first: a disk that is full then stops a plain write, not the library of the
+    """Write a file from memory: a full disk then stops a plain write, not the library of the
     format.
     """
     with io.BytesIO() as memory:
@@ -324,23 +297,11 @@ def dataset_of(path: Path) -> xarray.Dataset:
         return opened.load()
 
 
-#: Arrays of a static curve and of a modal result with their dimensions.
-_CURVE = {
-    "compression": ("step",), "force": ("step",), "stiffness": ("step",), "coil_gap": ("step", "coil_pair"),
-    "coil_contact_force": ("step", "coil_pair"), "upper_coil": ("coil_pair",), "axial_position": ("step", "wire_point"),
-    "coil_number": ("wire_point",),
-}  # fmt: skip
-_MODES = {
-    "natural_frequency": ("mode",), "shape": ("mode", "wire_point", "axis"), "coil_number": ("wire_point",),
-    "axial_transmission": ("mode",),
-}  # fmt: skip
-
-
-def _arrays(dataset: xarray.Dataset, due: dict[str, tuple[str, ...]], where: str) -> dict[str, Any]:
-    """The arrays that are due; :class:`InputError` where one is missing, has other dimensions or
-    holds no numbers.
+def _arrays(dataset: xarray.Dataset, layout: _Layout, where: str) -> dict[str, Any]:
+    """The arrays of a layout; :class:`InputError` where one is missing, has other dimensions or no
+    numbers.
     """
-    for name, dims in due.items():
+    for name, (dims, _, _) in layout.items():
         if (
             name not in dataset.variables
             or dataset[name].dims != dims
@@ -349,11 +310,11 @@ def _arrays(dataset: xarray.Dataset, due: dict[str, tuple[str, ...]], where: str
             raise InputError(
                 f"{DAMAGED} '{name}' is missing or is no row of numbers; write it again", where
             )
-    return {name: np.asarray(dataset[name].values) for name in due}
+    return {name: np.asarray(dataset[name].values) for name in layout}
 
 
 def _numbers(content: dict[str, Any], name: str, count: int | None, where: str) -> list[Any] | None:
-    """A stored list of numbers, ``count`` of them where told; None where there is none."""
+    """A stored list of numbers, ``count`` of them where given; None where there is none."""
     found = content.get(name)
     if found is None:
         return None

@@ -1,4 +1,6 @@
-"""A part of an answer that fails is left out and named; it never costs the other parts."""
+"""Partial failures: a part of a result that fails is left out and reported; the other parts are
+there.
+"""
 
 from __future__ import annotations
 
@@ -10,17 +12,17 @@ from valvetrain.errors import InputError
 
 P = ParamSpec("P")
 Part = TypeVar("Part")
-#: Set to anything to see where an unexpected error comes from.
+#: Environment variable that lets unexpected errors pass with their traceback.
 TRACEBACK_VARIABLE = "VALVETRAIN_TRACEBACK"
 
 
 class PartialFailures:
     """Collects a sentence per part that failed.
 
-    >>> gaps = PartialFailures()
-    >>> gaps.part("share of closed coils", {}, lambda: {"share": 1 / 0})
+    >>> failures = PartialFailures()
+    >>> failures.part("share of closed coils", {}, lambda: {"share": 1 / 0})
     {}
-    >>> gaps.sentences
+    >>> failures.sentences
     ('share of closed coils: ZeroDivisionError: division by zero',)
     """
 
@@ -33,16 +35,16 @@ class PartialFailures:
         return tuple(dict.fromkeys(self._sentences))
 
     def add(self, sentence: str) -> None:
-        """Name a gap."""
+        """Add the sentence of a failure."""
         self._sentences.append(sentence)
 
     def part(
         self, name: str, instead: Part, build: Callable[P, Part], /, *args: P.args, **more: P.kwargs
     ) -> Part:
-        """What ``build(*args)`` gives; where it fails, ``instead``, and the gap is named."""
+        """The result of ``build(*args)``; where it fails, ``instead``, and the failure is added."""
         try:
             return build(*args, **more)
-        except Exception as error:  # whatever it is, the other parts of the answer are there
+        except Exception as error:  # whatever it is, the other parts of the result are there
             if os.environ.get(TRACEBACK_VARIABLE):
                 raise
             self.add(f"{name}: {reason(error)}")
@@ -51,9 +53,9 @@ class PartialFailures:
 
 def reason(error: BaseException) -> str:
     """What happened in one line; an unexpected error with its kind."""
-    words = " ".join(str(error).split())
+    message = " ".join(str(error).split())
     if isinstance(error, MemoryError):
         return "the memory was not enough"
     if isinstance(error, OSError) and error.strerror:
         return error.strerror
-    return words if isinstance(error, InputError) else f"{type(error).__name__}: {words}"
+    return message if isinstance(error, InputError) else f"{type(error).__name__}: {message}"

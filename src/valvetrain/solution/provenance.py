@@ -1,11 +1,11 @@
-"""Where a result came from: case, versions, options, papers."""
+"""Provenance of a result: case, versions, options and references."""
 
 from __future__ import annotations
 
 import hashlib
 import platform
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from functools import cache
 from importlib import metadata
 from types import MappingProxyType
@@ -19,16 +19,13 @@ Option = float | int | str | bool | None
 
 @dataclass(frozen=True)
 class Provenance:
-    """What makes a result repeatable.
+    """Everything that a result depends on.
 
-    ``engine_speed`` in rad/s of the crank (0 where none applies). ``created_at`` is given by the
-    caller (ISO 8601, or
-    empty), so that equal inputs give equal content. ``citations`` are whole references, papers
-    behind this run. ``label`` names the run
-    within its study (the model's word where nothing else tells runs apart); ``system``:
-    ``prescribed-spring`` or ``train``; ``springs``:
-    the springs in the slot, ``("spring",)`` or ``("outer", "inner")``, whose names stand before
-    channels of a nested pair.
+    ``engine_speed`` in rad/s of the crank (0 where none applies). ``created_at`` is an argument
+    (ISO 8601, or empty), so that equal inputs give equal content. ``citations``: whole references.
+    ``label`` of the run within its study (the name of the model where it is unique); ``system``:
+    ``prescribed-spring`` or ``train``; ``springs``: ``("spring",)`` or ``("outer", "inner")``, the
+    prefixes of the channels of a nested pair.
     """
 
     case_name: str
@@ -54,22 +51,9 @@ class Provenance:
         object.__setattr__(self, "label", self.label or self.model)
 
     def __reduce__(self) -> tuple[object, ...]:
-        return Provenance, (
-            self.case_name,
-            self.model,
-            self.engine_speed,
-            self.case_digest,
-            self.package_version,
-            self.python_version,
-            dict(self.dependencies),
-            dict(self.options),
-            self.created_at,
-            self.citations,
-            self.label,
-            self.spring_set,
-            self.system,
-            self.springs,
-        )
+        values = {field.name: getattr(self, field.name) for field in fields(self)}
+        plain = {"dependencies": dict(self.dependencies), "options": dict(self.options)}
+        return Provenance, tuple((values | plain).values())
 
 
 def collect_provenance(
@@ -123,17 +107,14 @@ Role = Literal["calibration", "check", "prediction"]
 class PublishedValue:
     """One published number to compare with.
 
-    ``quantity``: name from docs/quantities.md. ``value``: SI. ``unit``: the unit to show it in.
-    ``model``: what produced it
-    in the source (such as ``solid finite elements``). ``origin``: the place in the source.
-    ``role``: ``calibration`` for a value that
-    unknown numbers of the case were found or chosen by, ``check`` for one that was known then and
-    not used, ``prediction`` for one that
-    must not be used; ``used_for``: what it was used for, in words; ``doubt``: why the number
-    cannot be right, where its source contradicts it. ``engine_speed`` in rad/s of the crank, None
-    for statics and modes.
-    ``tolerance``: allowed absolute difference (SI), None where none is stated. ``relation``: how
-    firmly the source states it.
+    ``quantity``: name from docs/quantities.md. ``value``: SI. ``unit``: the shown unit. ``model``:
+    what produced it in the source (such as ``solid finite elements``). ``origin``: the place in the
+    source. ``role``: ``calibration`` for a value that unknown numbers of the case were identified
+    or chosen by, ``check`` for one that was known then and not used, ``prediction`` for one that
+    must not be used; ``used_for``: a text on its use; ``doubt``: why the number cannot be right,
+    where its source contradicts it. ``engine_speed`` in rad/s of the crank, None for statics and
+    modes. ``tolerance``: allowed absolute difference (SI), None where none is stated. ``relation``:
+    how firmly the source states it.
     """
 
     quantity: str
@@ -152,24 +133,23 @@ class PublishedValue:
 
 @dataclass(frozen=True, slots=True)
 class CaseValue:
-    """One value of a case as a reader sees it: key path, value in words, status and source."""
+    """One value of a case as text: key path, value, status and source."""
 
     path: str
-    words: str
+    text: str
     status: str = ""
     source: str = ""
 
 
 @dataclass(frozen=True)
 class CaseRecord:
-    """The words of a case: what a result says of its origin.
+    """Description of a case in a result.
 
-    ``study``: word of the published study the case re-runs (empty for a case of one's own).
-    ``changed``: key paths that were set from
-    outside the file; a changed case no longer speaks of published numbers. ``text``: the resolved
-    case file (TOML), from which the case
-    is read again. ``citations``: whole references. ``points``: coil numbers of the study's points
-    on the wire, where the case tells them.
+    ``study``: name of the published study that the case re-runs (empty for a case of one's own).
+    ``changed``: key paths that were set from outside the file; a changed case is not compared with
+    published numbers. ``text``: the resolved case file (TOML), from which the case is read again.
+    ``citations``: whole references. ``points``: coil numbers of the study's points on the wire,
+    where the case gives them.
     """
 
     name: str

@@ -1,6 +1,4 @@
-"""Named numbers: the key under which a computed value meets a published one, and a mapping of them
-that is easy to ask.
-"""
+"""Quantities: keys of named numbers by run, and a mapping of them."""
 
 from __future__ import annotations
 
@@ -13,7 +11,7 @@ from numpy.typing import ArrayLike
 
 from valvetrain.errors import InputError
 from valvetrain.solution.definition import definition_of
-from valvetrain.solution.display import frame, table, words
+from valvetrain.solution.display import frame, table, value_text
 from valvetrain.units import Given, keep_si, si
 
 if TYPE_CHECKING:
@@ -33,7 +31,7 @@ class Quantity:
     engine_speed: float | None = None
     label: str = ""
 
-    if TYPE_CHECKING:  # what may be given is wider than what is kept
+    if TYPE_CHECKING:  # arguments may have other types than the fields
 
         def __init__(
             self, name: str, engine_speed: Given | None = None, label: str = ""
@@ -56,13 +54,13 @@ def unit_of(name: str) -> str:
 def named(
     values: Mapping[str, float], engine_speed: float | None, label: str
 ) -> dict[Quantity, float]:
-    """Plain names made :class:`Quantity` of one run."""
+    """Values of one run by :class:`Quantity`."""
     return {Quantity(name, engine_speed, label): value for name, value in values.items()}
 
 
 class Quantities(Mapping[Quantity, float]):
-    """Read-only mapping of :class:`Quantity` to SI values; a plain name serves where it is unique:
-    ``quantities["preload"]``.
+    """Read-only mapping of :class:`Quantity` to SI values; a plain name is a key where it is
+    unique: ``quantities["preload"]``.
 
     Raises :class:`KeyError` for what was not computed and :class:`InputError` for a name that
     several runs gave and for a slip of units.
@@ -89,10 +87,9 @@ class Quantities(Mapping[Quantity, float]):
             same = next(
                 (one for one in near if same_speed(one.engine_speed, key.engine_speed)), key
             )
+            # A speed that no run has may be a slip of units.
             if same not in self._values and key.engine_speed is not None:
-                si(
-                    key.engine_speed, "engine_speed", f"quantity '{key.name}'"
-                )  # a speed that no run has may be a slip of units
+                si(key.engine_speed, "engine_speed", f"quantity '{key.name}'")
             return self._values[same]
         found = [one for one in self._values if one.name == key]
         if len(found) == 1:
@@ -104,7 +101,7 @@ class Quantities(Mapping[Quantity, float]):
             for one in found[:4]
         )
         raise InputError(
-            f"'{key}' was computed {len(found)} times ({runs}); ask with Quantity(name, engine_speed, label), or use of_run()"
+            f"'{key}' was computed {len(found)} times ({runs}); use Quantity(name, engine_speed, label), or use of_run()"
         )
 
     def __iter__(self) -> Iterator[Quantity]:
@@ -122,9 +119,9 @@ class Quantities(Mapping[Quantity, float]):
             f"Quantities: {len(self._values)} values of {len({key.name for key in self._values})} names"
         ]
         for key in list(self._values)[:4]:
-            run = _run_words(key)
+            run = _run_text(key)
             lines.append(
-                f"{key.name} {words(self._values[key], key.unit)}{f' ({run})' if run else ''}"
+                f"{key.name} {value_text(self._values[key], key.unit)}{f' ({run})' if run else ''}"
             )
         return "\n  ".join(
             [*lines, f"and {len(self._values) - 4} more"] if len(self._values) > 4 else lines
@@ -132,7 +129,7 @@ class Quantities(Mapping[Quantity, float]):
 
     def _repr_html_(self) -> str:
         rows = [
-            (key.name, _run_words(key), words(value, key.unit))
+            (key.name, _run_text(key), value_text(value, key.unit))
             for key, value in self._values.items()
         ]
         return table(repr(self).partition("\n")[0], ("quantity", "run", "value"), rows)
@@ -164,26 +161,27 @@ class Quantities(Mapping[Quantity, float]):
         """Name -> value of the run of ``label`` at ``engine_speed`` (of the crank: rad/s, "5600
         rpm" or a pint quantity).
         """
-        wanted = known_speed(
-            engine_speed, (key.engine_speed for key in self._values if key.engine_speed is not None)
-        )
-        mine = ((key, value) for key, value in self._values.items() if key.label == label)
+        mine = {
+            key: value
+            for key, value in self._values.items()
+            if key.label == label and key.engine_speed is not None
+        }
+        known = (key.engine_speed for key in self._values if key.engine_speed is not None)
+        speed = known_speed(engine_speed, known)
         return {
-            key.name: value
-            for key, value in mine
-            if key.engine_speed is not None and same_speed(key.engine_speed, wanted)
+            key.name: value for key, value in mine.items() if same_speed(key.engine_speed, speed)
         }
 
 
-def _run_words(key: Quantity) -> str:
+def _run_text(key: Quantity) -> str:
     return ", ".join(
-        filter(None, (key.label, words(key.engine_speed, "rad/s") if key.engine_speed else ""))
+        filter(None, (key.label, value_text(key.engine_speed, "rad/s") if key.engine_speed else ""))
     )
 
 
 def known_speed(given: Given, known: Iterable[float]) -> float:
-    """A crank speed (rad/s) as :func:`valvetrain.units.si` reads it; an SI number that is one of
-    those ``known`` is never a slip.
+    """A crank speed (rad/s) by :func:`valvetrain.units.si`; an SI number that is one of those
+    ``known`` is always valid.
     """
     if not isinstance(given, str) and not hasattr(given, "to_base_units"):
         own = next((speed for speed in known if same_speed(speed, float(given))), None)
@@ -193,9 +191,7 @@ def known_speed(given: Given, known: Iterable[float]) -> float:
 
 
 def same_speed(one: float | None, other: float | None) -> bool:
-    """Whether two crank speeds (rad/s) are the same but for rounding; None is the same as None
-    only.
-    """
+    """Whether two crank speeds (rad/s) are equal but for rounding; None equals None only."""
     if one is None or other is None:
         return one is other
     return abs(one - other) <= 1e-7 * max(abs(one), abs(other))

@@ -1,5 +1,5 @@
-"""Files that no checksum vouches for are tried in a process of its own: the library of the format
-may never come back from them.
+"""Untrusted files (without a checksum) are tried in a process of its own: the library of the format
+may hang or crash.
 """
 
 from __future__ import annotations
@@ -19,30 +19,27 @@ from typing import Any, NoReturn
 
 from valvetrain.errors import InputError
 
-#: Bytes of memory and seconds of the processor that trying one file may take, and bytes for each of
-#: which a second is added.
+#: Bytes of memory and seconds of processor time for one file, and file size that adds one second.
 MAX_MEMORY, MAX_SECONDS, BYTES_A_SECOND = 4_000_000_000, 10, 50_000_000
-#: Seconds of the clock for each of the processor: the machine may be busy.
+#: Wall time over processor time: the machine may be busy.
 _PATIENCE = 6
 #: Seconds before a process that a full machine did not start is tried again.
 _PAUSES = (0.5, 3.0)
-#: How a trial ends: the reader came back, or has its own words for the file; it asked for too much;
-#: it raised anything else; it was ended.
+#: How a trial ends: the reader returned, or raised an InputError; it needed too much memory; it
+#: raised anything else; killed.
 _READ, _TOO_LARGE, _UNREADABLE, _ENDED = 0, 3, 4, -1
-#: What a trial says once the reader is there: what ends it from then on is the file's doing.
+#: Output of a trial once the reader is loaded: what ends it from then on is caused by the file.
 _BEGUN = b"begun"
 
 
 def tried_apart(reader: str, path: Path, where: str, unreadable: str) -> None:
-    """Call a reader (``module:function``, of one path) in a process of its own, and refuse the file
-    that it does not come back from.
+    """Call a reader (``module:function``, of one path) in a process of its own, and refuse a file
+    from which it does not return.
 
-    What the reader finds is not handed on, nor an :class:`InputError` of its own: the caller calls
-    it again, now that it is known to end.
-    Raises :class:`InputError` for bytes that end or hang the process or ask for more than
-    :data:`MAX_MEMORY`, with the sentence
-    ``unreadable`` for those at which the reader raises anything else, and where no such process can
-    be started.
+    Its result is dropped, as is an :class:`InputError` of its own: the caller calls it again, now
+    that it is known to end. Raises :class:`InputError` for bytes that crash or hang the process or
+    need more than :data:`MAX_MEMORY`, with the sentence ``unreadable`` for those at which the
+    reader raises anything else, and where no such process can be started.
     """
     seconds = MAX_SECONDS + path.stat().st_size // BYTES_A_SECOND
     tried = in_a_new_process(reader, path, seconds)
@@ -67,19 +64,19 @@ def tried_apart(reader: str, path: Path, where: str, unreadable: str) -> None:
 
 
 def no_interpreter(reason: str = "") -> str:
-    """Why no process of Python can be started here, and what to do; ``reason``: how the one that
-    was tried ended.
+    """Message that no process of Python can be started here; ``reason``: how the one that was tried
+    ended.
     """
-    python, told = str(sys.executable)[-80:], f" ({reason})" if reason else ""
-    return f"'{python}' (sys.executable) does not start as a Python that finds the reader{told}; set it to one, or use the command line"
+    python, ended = str(sys.executable)[-80:], f" ({reason})" if reason else ""
+    return f"'{python}' (sys.executable) does not start as a Python that finds the reader{ended}; set it to one, or use the command line"
 
 
 def in_a_new_process(reader: str, path: Path, seconds: int) -> int | str:
-    """How the trial ended; in words where it did not begin: no interpreter, or one that does not
-    find the reader.
+    """How the trial ended; a text where it did not begin: no interpreter, or one that does not find
+    the reader.
 
     A process that the system could not start or ended before it began, as a full machine does, is
-    tried again a moment later.
+    tried again.
     """
     end = _in_a_new_process(reader, path, seconds)
     for pause in _PAUSES:
@@ -91,7 +88,7 @@ def in_a_new_process(reader: str, path: Path, seconds: int) -> int | str:
 
 
 class _Passing(str):
-    """Why a trial did not begin, where that may be another a moment later."""
+    """Why a trial did not begin, where a later one may."""
 
 
 def _in_a_new_process(reader: str, path: Path, seconds: int) -> int | str:
@@ -133,10 +130,10 @@ def _in_a_new_process(reader: str, path: Path, seconds: int) -> int | str:
 
 
 def in_a_fork(reader: str, path: Path, seconds: int) -> int | None:
-    """As in a new process, in a copy of this one, which needs no interpreter; None where it would
-    not be safe.
+    """As :func:`in_a_new_process`, in a fork of this one, which needs no interpreter; None where
+    that is not safe.
 
-    Other threads hold locks that nobody would open in the copy; a system without forks has none.
+    Locks of other threads would stay locked in the fork; some systems have no forks.
     """
     if not hasattr(os, "fork") or threading.active_count() > 1:
         return None
@@ -151,7 +148,7 @@ def in_a_fork(reader: str, path: Path, seconds: int) -> int | None:
     if not child:
         _try(function, path, seconds)
     last = time.monotonic() + _PATIENCE * seconds
-    with suppress(ChildProcessError):  # a caller that ignores the ends of its children is not told
+    with suppress(ChildProcessError):  # of a caller that ignores the ends of its children
         while not (ended := os.waitpid(child, os.WNOHANG))[0]:
             if time.monotonic() > last:
                 os.kill(child, signal.SIGKILL)
@@ -161,9 +158,7 @@ def in_a_fork(reader: str, path: Path, seconds: int) -> int | None:
 
 
 def apart_environment() -> dict[str, str]:
-    """Variables of such a process: paths of the caller, so that a format of another package is
-    found; no plugins of HDF5, one thread.
-    """
+    """Environment of such a process: import paths of the caller, no plugins of HDF5, one thread."""
     paths = os.pathsep.join(os.path.abspath(part or ".") for part in sys.path)
     return os.environ | {
         "PYTHONPATH": paths,
@@ -174,13 +169,13 @@ def apart_environment() -> dict[str, str]:
 
 
 def serve() -> None:
-    """The other side: read the file that the arguments name, under bounds, and tell by the exit
-    status whether that ended.
+    """Entry of the process: read the file of the arguments within bounds; the exit status says how
+    that ended.
     """
     reader, path, seconds = sys.argv[1:4]
     function = _function(reader)
     os.write(1, _BEGUN)
-    for stream in (1, 2):  # whatever a library prints is no word of ours
+    for stream in (1, 2):  # drop what a library prints
         os.dup2(os.open(os.devnull, os.O_WRONLY), stream)
     _try(function, Path(path), int(seconds))
 
@@ -191,13 +186,13 @@ def _function(reader: str) -> Any:
 
 
 def _try(function: Any, path: Path, seconds: int) -> NoReturn:
-    """End this process by how the function takes the file."""
+    """End this process with the status of reading the file."""
     end = _UNREADABLE
     try:
         bound_process(MAX_MEMORY + _mapped(), seconds)
         function(path)
         end = _READ
-    except InputError:  # the reader has words for it, and says them again to the caller
+    except InputError:  # which the reader raises again for the caller
         end = _READ
     except MemoryError:
         end = _TOO_LARGE
@@ -206,7 +201,7 @@ def _try(function: Any, path: Path, seconds: int) -> NoReturn:
 
 
 def _mapped() -> int:
-    """Bytes that this process has mapped before it reads, where the system tells."""
+    """Bytes that this process has mapped before it reads, 0 where the system does not report them."""
     with suppress(OSError, ValueError):
         return int(Path("/proc/self/statm").read_text(encoding="ascii").split()[0]) * os.sysconf(
             "SC_PAGE_SIZE"
@@ -215,19 +210,16 @@ def _mapped() -> int:
 
 
 def bound_process(memory: int, seconds: int) -> None:
-    """Bound memory (bytes) and processor time (s) of this process, where the system can; never
-    above a bound that it has already.
+    """Bound memory (bytes) and processor time (s) of this process, where the system can, within its
+    present bounds.
     """
     with suppress(ImportError):
         import resource
 
-        for name, most in (("RLIMIT_AS", memory), ("RLIMIT_CPU", seconds), ("RLIMIT_CORE", 0)):
+        for name, value in (("RLIMIT_AS", memory), ("RLIMIT_CPU", seconds), ("RLIMIT_CORE", 0)):
             with suppress(AttributeError, ValueError, OSError):
                 kind = getattr(resource, name)
-                least = min(
-                    [
-                        most,
-                        *(own for own in resource.getrlimit(kind) if own != resource.RLIM_INFINITY),
-                    ]
-                )
-                resource.setrlimit(kind, (least, least))
+                present = resource.getrlimit(kind)
+                finite = (own for own in present if own != resource.RLIM_INFINITY)
+                bound = min([value, *finite])
+                resource.setrlimit(kind, (bound, bound))

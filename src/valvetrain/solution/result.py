@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from valvetrain.errors import InputError
 from valvetrain.solution.channels import ChannelArrays, DatasetField, Variable, empty_channels
-from valvetrain.solution.display import Figure, frame, plotted, span, table, words
+from valvetrain.solution.display import Figure, frame, plotted, span, table, value_text
 from valvetrain.solution.provenance import Provenance
 from valvetrain.solution.quantity import unit_of
 from valvetrain.solution.status import COMPLETED, Event, Status
@@ -31,12 +31,10 @@ class Solution:
     """What one run computed; see docs/architecture.md for channel names.
 
     ``channels`` is an :class:`xarray.Dataset` whose variables all start with dimension ``sample``
-    and carry ``units`` and
-    ``long_name``, with coordinates ``time`` (s) and ``cam_angle`` (rad, unwrapped) along it; a
-    reduced solution has none.
-    ``quantities``: named numbers (SI) found by :func:`valvetrain.quantities.evaluate.evaluate`;
-    ``gaps``: a sentence per part of them that could not be found. Raises :class:`InputError` when a
-    channel breaks that rule.
+    and have ``units`` and ``long_name``, with coordinates ``time`` (s) and ``cam_angle`` (rad,
+    unwrapped) along it; a reduced solution has none. ``quantities``: named numbers (SI) by
+    :func:`valvetrain.quantities.evaluate.evaluate`; ``gaps``: a sentence per part of them that
+    failed. Raises :class:`InputError` when a channel breaks that rule.
 
     >>> from valvetrain.solution.channels import spring_channels
     >>> channels = spring_channels(time=[0.0, 0.01], cam_angle=[0.0, 2.0], values={"seat_force": [310.0, 620.0]})
@@ -95,8 +93,8 @@ class Solution:
 
     @property
     def springs(self) -> tuple[str, ...]:
-        """Names of the springs in the slot, outer first; those of a nested pair stand before their
-        channels (:meth:`channel_of`).
+        """Names of the springs, outer first; prefixes of the channels of a nested pair
+        (:meth:`channel_of`).
         """
         return self.provenance.springs
 
@@ -141,9 +139,9 @@ class Solution:
         return str(self.arrays.variables[name].attrs["units"])
 
     def identical(self, other: Solution) -> bool:
-        """True when every value, label, attribute, event and word of ``other`` is the same."""
-        words = ("events", "status", "statistics", "provenance", "quantities", "gaps")
-        return all(getattr(self, name) == getattr(other, name) for name in words) and bool(
+        """True when every value, label, attribute and event of ``other`` is the same."""
+        fields = ("events", "status", "statistics", "provenance", "quantities", "gaps")
+        return all(getattr(self, name) == getattr(other, name) for name in fields) and bool(
             self.channels.identical(other.channels)
         )
 
@@ -155,14 +153,8 @@ class Solution:
     ) -> Solution:
         """A copy with events, named quantities and ``gaps`` (None: those there are)."""
         named = self.gaps if gaps is None else tuple(gaps)
-        return Solution(
-            self.arrays,
-            tuple(events),
-            self.status,
-            self.statistics,
-            self.provenance,
-            quantities,
-            named,
+        return replace(
+            self, channels=self.arrays, events=tuple(events), quantities=quantities, gaps=named
         )
 
     def with_channels(self, added: Mapping[str, Variable]) -> Solution:
@@ -191,7 +183,7 @@ class Solution:
             lines.append(f"events: {', '.join(f'{count} {kind}' for kind, count in kinds.items())}")
         if self.quantities:
             named = [
-                f"{name} {words(value, unit_of(name))}"
+                f"{name} {value_text(value, unit_of(name))}"
                 for name, value in list(self.quantities.items())[:3]
             ]
             lines.append(
@@ -202,18 +194,18 @@ class Solution:
         return "\n  ".join(lines)
 
     def _repr_html_(self) -> str:
-        rows = [(name, words(value, unit_of(name))) for name, value in self.quantities.items()]
+        rows = [(name, value_text(value, unit_of(name))) for name, value in self.quantities.items()]
         return table(repr(self), ("quantity", "value"), rows)
 
     def _head(self) -> str:
-        speed = f", {words(self.engine_speed, 'rad/s')}" if self.engine_speed else ""
+        speed = f", {value_text(self.engine_speed, 'rad/s')}" if self.engine_speed else ""
         return f"Solution of {self.provenance.case_name or 'a case'}, {self.label or 'unnamed model'}{speed}: {self.status.sentence()}"
 
     def to_pandas(self) -> pandas.DataFrame:
         """Channels (SI) by time (s) as a frame, a channel over wire points or coil pairs one column
         each: ``coil_gap[3.5]``.
 
-        ``attrs["units"]`` holds the units. A reduced solution gives no rows; its numbers stand in
+        ``attrs["units"]`` holds the units. A reduced solution gives no rows; its numbers are in
         ``quantities``.
         """
         columns: dict[str, Array] = {"time": self.time, "cam_angle": self.cam_angle}

@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from valvetrain.errors import InputError
-from valvetrain.solution.display import Figure, frame, plotted, span, table, words
-from valvetrain.solution.modes import ModalResult
+from valvetrain.solution.display import Figure, frame, plotted, span, table, value_text
+from valvetrain.solution.modes import ModalResult, check_shapes
 from valvetrain.solution.status import COMPLETED, Status
 from valvetrain.units import Given, si
 
@@ -21,17 +21,15 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class RestPoint:
-    """A spring at rest at one compression; SI, None where the model or the spring does not tell.
+    """A spring at rest at one compression; SI, None where the model or the data of the spring do
+    not give it.
 
     ``compression`` from the free length (m), ``height`` between the seats (m), ``force`` (N),
-    ``stiffness`` dF/dx (N/m).
-    ``nominal_shear_stress``: by EN 13906-1 from the force; ``shear_stress`` and
-    ``equivalent_stress``: the largest at the inner fibre along
-    the wire, from its section loads (Pa). On the retainer by the wire: ``torque`` about the axis (N
-    m, positive where it would turn the
-    retainer the way the wire rises), ``moment`` across the axis about the middle of its plane (N
-    m), ``side_force`` (N); ``rotation`` of a
-    retainer that may turn (rad, as ``torque``).
+    ``stiffness`` dF/dx (N/m). ``nominal_shear_stress``: by EN 13906-1 from the force;
+    ``shear_stress`` and ``equivalent_stress``: the largest at the inner fibre along the wire, from
+    its section loads (Pa). On the retainer by the wire: ``torque`` about the axis (N m, positive in
+    the sense in which the wire rises), ``moment`` across the axis about the middle of its plane (N
+    m), ``side_force`` (N); ``rotation`` of a retainer that may turn (rad, as ``torque``).
     """
 
     compression: float
@@ -56,13 +54,13 @@ POINT_QUANTITIES = {
 
 
 def named(point: RestPoint, before: str = "") -> dict[str, float]:
-    """Name -> value (SI) of all that a point tells, ``before`` in front of each name.
+    """Name -> value (SI) of all values of a point, each name with the prefix ``before``.
 
     >>> named(RestPoint(7e-3, 280.0, 40e3), "installed_")
     {'installed_compression': 0.007, 'installed_force': 280.0, 'installed_rate': 40000.0}
     """
-    told = {name: getattr(point, field) for field, name in POINT_QUANTITIES.items()}
-    return {before + name: float(value) for name, value in told.items() if value is not None}
+    values = {name: getattr(point, field) for field, name in POINT_QUANTITIES.items()}
+    return {before + name: float(value) for name, value in values.items() if value is not None}
 
 
 Array = NDArray[np.float64]
@@ -82,8 +80,8 @@ class Buckling:
 @dataclass(frozen=True, slots=True)
 class Leaning:
     """A spring in a guide: ``compression`` from the free length (m) at which its wire first touches
-    a wall, and ``force``, the sum of the
-    normal forces there (N) at the end of the curve."""
+    a wall, and ``force``, the sum of the normal forces there (N) at the end of the curve.
+    """
 
     compression: float
     force: float
@@ -91,17 +89,14 @@ class Leaning:
 
 @dataclass(frozen=True, eq=False)
 class StaticCurve:
-    """Static curve from the free state; SI, shapes beside the names.
+    """Static curve from the free state; SI, dimensions after the names.
 
     ``compression`` (step) m, ``force`` (step) N, ``stiffness`` (step) N/m tangent; ``coil_gap``
-    (step, coil_pair) m and
-    ``coil_contact_force`` (step, coil_pair) N with ``upper_coil`` (coil_pair); ``axial_position``
-    (step, wire_point) m
-    with ``coil_number`` (wire_point). Arrays that a model does not compute have zero pairs or
-    points. ``path``: the same curve on
-    points that do not depend on the number of steps, the installed state among them; what is asked
-    between the points is read there.
-    ``buckling``: None where the spring stands all the way, or the model cannot tell; ``leaning``:
+    (step, coil_pair) m and ``coil_contact_force`` (step, coil_pair) N with ``upper_coil``
+    (coil_pair); ``axial_position`` (step, wire_point) m with ``coil_number`` (wire_point). Arrays
+    that a model does not compute have zero pairs or points. ``path``: the same curve on points that
+    do not depend on the number of steps, the installed state among them, used for interpolation.
+    ``buckling``: None where the spring does not buckle or the model cannot predict it; ``leaning``:
     None where it touches no guide.
 
     >>> import numpy as np
@@ -133,11 +128,7 @@ class StaticCurve:
             "force": (steps,), "stiffness": (steps,), "coil_gap": (steps, pairs),
             "coil_contact_force": (steps, pairs), "axial_position": (steps, points),
         }  # fmt: skip
-        for name, shape in expected.items():
-            if np.shape(getattr(self, name)) != shape:
-                raise InputError(
-                    f"{name} of a static curve must have shape {shape}; it has {np.shape(getattr(self, name))}"
-                )
+        check_shapes(self, "a static curve", expected)
 
     def __repr__(self) -> str:
         reach = f"{span(self.compression, 'm')} in {len(self.compression)} steps, {span(self.force, 'N')}"
@@ -145,7 +136,7 @@ class StaticCurve:
         if len(self.compression):
             pairs = f"; {len(self.upper_coil)} coil pairs" if len(self.upper_coil) else ""
             lines.append(
-                f"stiffness {words(self.stiffness[0], 'N/m')} first, {words(self.stiffness[-1], 'N/m')} last{pairs}"
+                f"stiffness {value_text(self.stiffness[0], 'N/m')} first, {value_text(self.stiffness[-1], 'N/m')} last{pairs}"
             )
         return "\n  ".join(lines)
 
@@ -156,7 +147,8 @@ class StaticCurve:
             self.compression[chosen], self.force[chosen], self.stiffness[chosen], strict=True
         )
         rows = [
-            (words(one, "m"), words(force, "N"), words(rate, "N/m")) for one, force, rate in numbers
+            (value_text(one, "m"), value_text(force, "N"), value_text(rate, "N/m"))
+            for one, force, rate in numbers
         ]
         return table(repr(self), ("compression", "force", "stiffness"), rows)
 
@@ -264,15 +256,12 @@ class StaticStress:
 
 @dataclass(frozen=True, eq=False)
 class SpringAtRest:
-    """One installed spring by one model at rest: ``spring`` names the spring, ``model`` what
-    computed it.
+    """One installed spring at rest: ``spring`` names the spring, ``model`` the spring model.
 
     ``curve``: static curve from the free state; ``modes``: natural frequencies about the installed
-    state; ``stress``: stress over
-    compression; each None where the model does not give it. ``facts``: mesh and cost in words;
-    ``wall_time`` (s).
-    ``installed``: the installed state; ``points``: those asked for. ``stress_per_force``: nominal
-    shear by EN 13906-1 (Pa per N).
+    state; ``stress``: stress over compression; each None where the model does not give it.
+    ``facts``: mesh by label; ``wall_time`` (s). ``installed``: the installed state; ``points``:
+    requested states. ``stress_per_force``: nominal shear by EN 13906-1 (Pa per N).
     """
 
     spring: str

@@ -1,9 +1,9 @@
-"""How a run ended: a value, never an exception."""
+"""Status and events of a run: how it ended (a value, never an exception) and what happened in it."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from types import MappingProxyType
 
 #: Every way a run can end (docs/architecture.md).
@@ -22,7 +22,7 @@ STATUS_CODES = (
 
 @dataclass(frozen=True, slots=True)
 class Status:
-    """The end of a run: ``code``, what happened, the time reached (s), the place and the remedy.
+    """The end of a run: ``code``, message, the time reached (s), the location and the remedy.
 
     Raises :class:`ValueError` for a code outside :data:`STATUS_CODES`.
 
@@ -48,28 +48,24 @@ class Status:
         return self.code == "completed"
 
     def sentence(self) -> str:
-        """One line for people: code, message, time, place and remedy, those that are known."""
+        """One line of text: code, message, time, location and remedy, where known."""
         if self.completed and not self.message:
             return "completed"
-        place = f" at {self.where}" if self.where else ""
-        if (
-            self.where and not self.time and self.code in ("not-converged", "diverged")
-        ):  # of a spring at rest
-            return f"{self.code}: {self.message}, at {self.where}{f'; {self.remedy}' if self.remedy else ''}"
-        timeless = (
-            self.completed
-            or self.code in ("refused", "buckled", "worker-lost")
-            or (self.code == "interrupted" and not self.time)
-        )
-        when = "" if timeless else f", at time {self.time:.6g} s{place}"
         remedy = f"; {self.remedy}" if self.remedy else ""
+        when = f", at time {self.time:.6g} s" + (f" at {self.where}" if self.where else "")
+        if self.where and not self.time and self.code in ("not-converged", "diverged"):
+            when = f", at {self.where}"  # of a spring at rest
+        elif self.completed or self.code in ("refused", "buckled", "worker-lost"):
+            when = ""
+        elif self.code == "interrupted" and not self.time:
+            when = ""
         return f"{self.code}: {self.message}{when}{remedy}"
 
 
 COMPLETED = Status()
 
 
-#: Values that an event's details may hold; all of them survive storage.
+#: Types of the details of an event, all of which can be stored.
 Detail = float | int | str | bool
 
 
@@ -98,19 +94,7 @@ class Event:
     def __post_init__(self) -> None:
         object.__setattr__(self, "details", MappingProxyType(dict(self.details)))
 
-    def __reduce__(
-        self,
-    ) -> tuple[
-        object, ...
-    ]:  # a mappingproxy does not pickle, and sweeps send results between processes
-        values = (
-            self.kind,
-            self.cam_angle,
-            self.time,
-            self.duration,
-            self.size,
-            self.unit,
-            self.where,
-            dict(self.details),
-        )
-        return Event, values
+    def __reduce__(self) -> tuple[object, ...]:
+        # A mappingproxy does not pickle, and sweeps send results between processes.
+        values = {field.name: getattr(self, field.name) for field in fields(self)}
+        return Event, tuple((values | {"details": dict(self.details)}).values())

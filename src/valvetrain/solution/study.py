@@ -1,4 +1,6 @@
-"""Everything one study computed, whatever was studied: what terminal, JSON, files and report read."""
+"""Results of a study: solutions, springs at rest, comparisons and notes, read by terminal, JSON,
+files and report.
+"""
 
 from __future__ import annotations
 
@@ -12,7 +14,7 @@ from numpy.typing import NDArray
 from valvetrain.errors import InputError
 from valvetrain.solution.comparison import Comparison, Finding
 from valvetrain.solution.critical import CriticalSpeeds
-from valvetrain.solution.display import Figure, plotted, table, words
+from valvetrain.solution.display import Figure, plotted, table, value_text
 from valvetrain.solution.fidelity import FidelityMap
 from valvetrain.solution.provenance import CaseRecord, Provenance
 from valvetrain.solution.quantity import (
@@ -36,7 +38,7 @@ Array = NDArray[np.float64]
 @dataclass(frozen=True, slots=True)
 class LiftEvent:
     """Main lift event of the cam: from ``start`` to ``end`` (cam rad, end after start, within one
-    turn of the cam's zero).
+    revolution from zero).
     """
 
     start: float
@@ -48,14 +50,11 @@ class Study:
     """Points times models -> solutions, with what follows from them.
 
     ``command``: ``run``, ``compare`` or ``sweep``. ``solutions``: one per run, reduced in a sweep.
-    ``rest``: springs at rest.
-    ``still``: quantities that belong to no run, by label (empty: of the case). ``comparisons``,
-    ``findings`` and ``notes`` speak of
-    published numbers and are empty for a case of one's own. ``critical_speeds``: what a sweep of a
-    train searched. ``lift_event``: None
-    without lift or where it spans the cam's zero. ``gaps``: a sentence per part of the answer, of
-    no single run, that failed.
-    ``fidelity``: models beside a reference, where they were compared.
+    ``rest``: springs at rest. ``still``: quantities that belong to no run, by label (empty: of the
+    case). ``comparisons`` and ``findings``: those with published numbers, empty for a case of one's
+    own. ``critical_speeds``: those of a sweep of a train. ``lift_event``: None without lift or
+    where it spans the cam's zero. ``gaps``: a sentence per part, of no single run, that failed.
+    ``fidelity``: models against a reference, where they were compared.
 
     >>> study = Study(CaseRecord("own-spring"), still={"": {"preload": 301.5}})
     >>> study.quantities["preload"]
@@ -86,7 +85,7 @@ class Study:
             f"Study of {self.record.name} ({self.command}): {len(self.solutions) or 'no'} run{'s' * (len(self.solutions) != 1)}"
         ]
         if self.solutions:
-            speeds = [words(one, "rad/s") for one in self.engine_speeds]
+            speeds = [value_text(one, "rad/s") for one in self.engine_speeds]
             reach = (
                 ", ".join(speeds)
                 if len(speeds) < 4
@@ -95,7 +94,8 @@ class Study:
             lines.append(f"{', '.join(self.labels)}; {reach}")
         if found:
             first = [
-                f"{key.name} {words(value, key.unit)}" for key, value in list(found.items())[:3]
+                f"{key.name} {value_text(value, key.unit)}"
+                for key, value in list(found.items())[:3]
             ]
             lines.append(
                 f"quantities ({len(found)}): {', '.join(first)}{', ...' if len(found) > 3 else ''}"
@@ -113,10 +113,12 @@ class Study:
         rows = [
             (
                 run.label,
-                words(run.engine_speed, "rad/s"),
+                value_text(run.engine_speed, "rad/s"),
                 run.status.code,
                 *(
-                    words(run.quantities[name], unit_of(name)) if name in run.quantities else ""
+                    value_text(run.quantities[name], unit_of(name))
+                    if name in run.quantities
+                    else ""
                     for name in names
                 ),
             )
@@ -159,17 +161,17 @@ class Study:
         return Quantities(found)
 
     def solution(self, label: str = "", engine_speed: Given | None = None) -> Solution:
-        """The run of ``label`` at ``engine_speed`` (rad/s, "5600 rpm" or a pint quantity), each
-        left out where not needed to tell.
+        """The run of ``label`` at ``engine_speed`` (rad/s, "5600 rpm" or a pint quantity), both
+        optional where one run fits.
 
         Raises :class:`InputError` when none or several runs fit.
         """
-        wanted = None if engine_speed is None else known_speed(engine_speed, self.engine_speeds)
+        speed = None if engine_speed is None else known_speed(engine_speed, self.engine_speeds)
         fits = [
             run
             for run in self.solutions
             if (not label or run.label == label)
-            and (wanted is None or same_speed(run.engine_speed, wanted))
+            and (speed is None or same_speed(run.engine_speed, speed))
         ]
         if len(fits) != 1:
             known = "; ".join(
@@ -204,7 +206,7 @@ class Study:
 
     @property
     def over_speed(self) -> bool:
-        """Whether its runs are points of curves over engine speed: a sweep, or the turns of a
+        """Whether its runs are points of curves over engine speed: a sweep, or the revolutions of a
         run-up.
         """
         return self.command in ("sweep", "run-up", "fidelity")
@@ -217,29 +219,21 @@ class Study:
         accepted = ("completed", "not-converged") if self.over_speed else ("completed",)
         found = []
         for one in self.rest:
-            for word, part in (("static curve", one.curve), ("modes", one.modes)):
+            for name, part in (("static curve", one.curve), ("modes", one.modes)):
                 if part is not None and not part.status.completed:
-                    found.append(f"{one.spring} by {one.model}, {word}: {part.status.sentence()}")
+                    found.append(f"{one.spring} by {one.model}, {name}: {part.status.sentence()}")
         ended: dict[tuple[str, str], list[str]] = {}
         missing: dict[tuple[str, str], list[str]] = {}
         for run in self.solutions:
+            rpm = f"{run.engine_speed * 30 / np.pi:.6g}"
             if run.status.code not in accepted:
-                ended.setdefault((run.label, run.status.sentence()), []).append(
-                    f"{run.engine_speed * 30 / np.pi:.6g}"
-                )
-        for run in self.solutions:
+                ended.setdefault((run.label, run.status.sentence()), []).append(rpm)
             for gap in run.gaps:
-                missing.setdefault((run.label, gap), []).append(
-                    f"{run.engine_speed * 30 / np.pi:.6g}"
-                )
-        found += [
+                missing.setdefault((run.label, gap), []).append(rpm)
+        parts = (
             f"{label} at {', '.join(speeds)} rpm, {gap}" for (label, gap), speeds in missing.items()
-        ]
-        return (
-            *found,
-            *self.gaps,
-            *(
-                f"{label} at {', '.join(speeds)} rpm: {words}"
-                for (label, words), speeds in ended.items()
-            ),
         )
+        runs = (
+            f"{label} at {', '.join(speeds)} rpm: {text}" for (label, text), speeds in ended.items()
+        )
+        return (*found, *parts, *self.gaps, *runs)

@@ -1,4 +1,4 @@
-"""Solutions as CSV text: a description, a header with units, one row per sample, a closing line;
+"""Solutions as CSV files: a description, a header with units, one row per sample and a checksum;
 read back without loss.
 """
 
@@ -28,8 +28,7 @@ def save_csv(solution: Solution, path: str | os.PathLike[str]) -> Path:
     """Write a solution as one wide table of text; whole or not at all.
 
     Channels with a second dimension take one column per wire point or coil pair, named with its
-    coil number. Floats are
-    written with as many digits as it takes to read the same number back.
+    coil number. Floats are written with as many digits as it takes to read the same number back.
 
     Parameters
     ----------
@@ -55,12 +54,12 @@ def save_csv(solution: Solution, path: str | os.PathLike[str]) -> Path:
     arrays = solution.arrays
     every = {**arrays.coords, **arrays.variables}
     rows = {name: one for name, one in every.items() if one.dims[:1] == ("sample",)}
-    places = {
-        name: {"name": name, "shape": list(one.values.shape[1:]), "coord": name in arrays.coords}
+    layout = [
+        _described(one)
+        | {"name": name, "shape": list(one.values.shape[1:]), "coord": name in arrays.coords}
         for name, one in rows.items()
-    }
-    layout = [_described(one) | places[name] for name, one in rows.items()]
-    still = {
+    ]
+    constants = {
         name: _described(one) | {"values": one.values.tolist()}
         for name, one in every.items()
         if name not in rows
@@ -73,7 +72,7 @@ def save_csv(solution: Solution, path: str | os.PathLike[str]) -> Path:
         statistics=dict(solution.statistics),
         quantities=dict(solution.quantities),
         columns=layout,
-        constants=still,
+        constants=constants,
         attributes=dict(arrays.attributes),
         **({"gaps": list(solution.gaps)} if solution.gaps else {}),
     )
@@ -142,7 +141,7 @@ def load_csv(path: str | os.PathLike[str]) -> Solution:
 
 
 def _no_formula(text: str) -> str:
-    """JSON, equal once read, in which no cell of a spreadsheet begins with the sign of a formula."""
+    """Equal JSON, in which no cell of a spreadsheet begins with the sign of a formula."""
     return re.sub(r",([=+@-])", lambda found: f",\\u{ord(found[1]):04x}", text)
 
 
@@ -154,8 +153,8 @@ def _row(blocks: list[np.ndarray[Any, Any]], row: int) -> str:
 
 
 def _column_labels(arrays: ChannelArrays, name: str) -> list[str]:
-    """Column names of one channel or coordinate, with unit and, where there is a second dimension,
-    the coil number.
+    """Column names of one channel or coordinate, with unit and coil number where there is a second
+    dimension.
     """
     one = arrays.coords.get(name) or arrays.variables[name]
     unit = one.attrs.get("units", "1")
@@ -171,13 +170,13 @@ def _described(one: Variable) -> dict[str, Any]:
     return {"dims": list(one.dims), "type": str(one.values.dtype), "attributes": dict(one.attrs)}
 
 
-def _number_type(word: object) -> np.dtype[Any]:
-    """The type of that name; ValueError for one of words or of any length, which would make room as
-    it claims.
+def _number_type(name: object) -> np.dtype[Any]:
+    """The number type of that name; ValueError for types of text or any length, whose size a file
+    could claim.
     """
-    found = np.dtype(word if isinstance(word, str) else "")
+    found = np.dtype(name if isinstance(name, str) else "")
     if found.kind not in "biuf":
-        raise ValueError(f"'{found}' is no type of numbers")
+        raise ValueError(f"'{found}' is not a type of numbers")
     return found
 
 

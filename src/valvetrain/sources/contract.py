@@ -1,5 +1,5 @@
-"""What a published study brings of its own: names, findings, contradictions. Everything else of the
-package knows no paper.
+"""Contract of a published study: its names, findings and contradictions; no other room refers to a
+paper.
 """
 
 from __future__ import annotations
@@ -21,35 +21,19 @@ from valvetrain.solution.study import Study
 
 @dataclass(frozen=True, slots=True)
 class Origin:
-    """How a published value is marked: a short ``sign`` and what produced it in ``words``."""
+    """How a published value is marked: a short ``sign`` and a ``label`` of what produced it."""
 
     sign: str
-    words: str
-
-
-def _no_quantities(solution: Solution, frame: Frame) -> dict[str, float]:
-    return {}
-
-
-def _no_study_quantities(study: Study) -> dict[Quantity, float]:
-    return {}
-
-
-def _no_findings(study: Study) -> tuple[Finding, ...]:
-    return ()
-
-
-def _no_notes(study: Study) -> tuple[str, ...]:
-    return ()
+    label: str
 
 
 @dataclass(frozen=True)
 class PointsOfSource:
-    """How a study computes the points of an identification in its own way.
+    """Evaluator of a study for the points of an identification.
 
-    ``points(names, options)``: for the unknown quantities of those names, what takes their values
-    (SI) and gives numbers by name (SI), None
-    for an impossible point; it pickles. ``values(names)``: the values its shipped case holds.
+    ``points(names, options)``: for the unknown quantities of those names, a function of their
+    values (SI) that returns numbers by name (SI), None for an impossible point; it pickles.
+    ``values(names)``: those of its shipped case.
     """
 
     points: Callable[
@@ -61,27 +45,24 @@ class PointsOfSource:
 
 @dataclass(frozen=True)
 class SourceStudy:
-    """One published study; ``key`` is its citation key and its word in the registry.
+    """One published study; ``key``: its citation key and its name in the registry.
 
-    ``quantities``: numbers of a run by the study's own names. ``study_quantities``: numbers of
-    several runs, or of none, under the names
-    and engine speeds of its published values. ``findings``: what it found in words beside what came
-    out here; ``notes``: contradictions
-    within it. ``counterparts``: what produced a published value -> label of the run that stands for
-    it. ``origins``: the same -> mark.
-    ``counted``: words of its angles that are counted through a cycle. ``window_names``: its names
-    of the windows about the lift event
+    ``quantities``: numbers of a run by the names of the study. ``study_quantities``: numbers of
+    several runs, or of none, by name and engine speed of its published values. ``findings``:
+    published findings compared with the computed results; ``notes``: contradictions within it.
+    ``counterparts``: what produced a published value -> label of the run to compare with.
+    ``origins``: the same -> mark. ``counted``: names of its angles that are numbered through a
+    cycle. ``window_names``: its names of the windows about the lift event
     (`valvetrain.quantities.signal`); ``point_names``: its names of points on the wire, by coil
-    number. ``identification``: place
-    (``"module:attribute"``) of its :class:`PointsOfSource`, loaded on first use; empty for a study
-    that has none.
+    number. ``identification``: location (``"module:attribute"``) of its :class:`PointsOfSource`,
+    loaded on first use; empty for a study without one.
     """
 
     key: str
-    quantities: Callable[[Solution, Frame], dict[str, float]] = _no_quantities
-    study_quantities: Callable[[Study], dict[Quantity, float]] = _no_study_quantities
-    findings: Callable[[Study], tuple[Finding, ...]] = _no_findings
-    notes: Callable[[Study], tuple[str, ...]] = _no_notes
+    quantities: Callable[[Solution, Frame], dict[str, float]] = lambda solution, frame: {}
+    study_quantities: Callable[[Study], dict[Quantity, float]] = lambda study: {}
+    findings: Callable[[Study], tuple[Finding, ...]] = lambda study: ()
+    notes: Callable[[Study], tuple[str, ...]] = lambda study: ()
     counterparts: Mapping[str, str] = field(default_factory=dict)
     origins: Mapping[str, Origin] = field(default_factory=dict)
     counted: tuple[str, ...] = ()
@@ -90,9 +71,7 @@ class SourceStudy:
     identification: str = ""
 
     def points_of_identification(self) -> PointsOfSource:
-        """What :attr:`identification` leads to. Raises :class:`InputError` for a study that has
-        none.
-        """
+        """The object of :attr:`identification`. Raises :class:`InputError` for a study without one."""
         if not self.identification:
             raise InputError(
                 f"source study '{self.key}' computes no points of its own; leave it out",
@@ -106,9 +85,8 @@ class SourceStudy:
 def against_source(study: Study) -> Study:
     """The study with comparisons, findings and notes of the published study that its case re-runs.
 
-    A case of one's own, or one that was changed from outside, comes back as it is: it does not
-    speak of published numbers.
-    Raises :class:`InputError` for an unknown source.
+    A study of a case of one's own, or of a changed one, is returned as it is. Raises
+    :class:`InputError` for an unknown source.
     """
     record = study.record
     if record.changed or not (record.study or record.published):

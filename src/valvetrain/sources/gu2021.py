@@ -16,11 +16,12 @@ from valvetrain.solution.quantity import same_speed
 from valvetrain.solution.result import Solution
 from valvetrain.solution.study import Study
 from valvetrain.sources.contract import Origin, SourceStudy
-from valvetrain.sources.gu2021_collisions import collision_quantities, separation_angle
-from valvetrain.sources.gu2021_nodes import (
+from valvetrain.sources.gu2021_coils import (
     acceleration_quantities,
     coils_of,
+    collision_quantities,
     displacement_quantities,
+    separation_angle,
     velocity_quantities,
 )
 from valvetrain.sources.gu2021_stages import RATTLE, rattle, stage_quantities
@@ -65,7 +66,7 @@ def quantities(solution: Solution, frame: Frame) -> dict[str, float]:
 
 
 def findings(study: Study) -> tuple[Finding, ...]:
-    """What the printed values say in common beside what the finite-element runs of this study say."""
+    """Findings of the printed values compared with the finite-element runs of this study."""
     found: list[Finding] = []
     for run in study.runs("finite-element"):
         printed = {
@@ -104,14 +105,16 @@ def _period(run: Solution, solid: Printed) -> tuple[Finding, ...]:
     printed = solid.get("clash_interval_cam_angle")
     if printed is None or ratio is None or interval is None:
         return ()
-    words = f"{np.degrees(interval):.1f} cam degrees apart, {ratio:.3f} periods of the first mode"
+    computed = (
+        f"{np.degrees(interval):.1f} cam degrees apart, {ratio:.3f} periods of the first mode"
+    )
     verdict = (
         "agrees"
         if abs(ratio - 1) <= PERIOD_SHARE
         else f"not seen: {ratio - 1:+.0%} from one period"
     )
     statement = f"{_rpm(run)}: coils 1 and 2 meet every {np.degrees(printed.value):.1f} cam degrees, the period of the first mode"
-    return (Finding(printed.source, statement, words, verdict),)
+    return (Finding(printed.source, statement, computed, verdict),)
 
 
 def _two_maxima(run: Solution, solid: Printed) -> tuple[Finding, ...]:
@@ -132,12 +135,12 @@ def _two_maxima(run: Solution, solid: Printed) -> tuple[Finding, ...]:
         )
     ours = [run.quantities[name] for name in names]
     same = (ours[2] > ours[0]) == (second > first)
-    words = f"{ours[0]:.0f} N and {ours[2]:.0f} N with {ours[1]:.0f} N between"
+    computed = f"{ours[0]:.0f} N and {ours[2]:.0f} N with {ours[1]:.0f} N between"
     return (
         Finding(
             solid[names[0]].source,
             statement,
-            words,
+            computed,
             "agrees" if same else "two maxima, but the other one is higher",
         ),
     )
@@ -158,14 +161,14 @@ def _rattle(run: Solution, modal: Solution, solid: Printed, study: Study) -> tup
         f"{_rpm(run)}: high-frequency vibration about {np.degrees(printed.value):.0f} degrees by finite elements and in the test, from the "
         "contact of coils, missing from the modal model"
     )
-    words = f"above {RATTLE / 1e3:g} kHz up to {here:.1f} N, at {np.degrees(place):.0f} degrees; modal model {there:.1f} N"
+    computed = f"above {RATTLE / 1e3:g} kHz up to {here:.1f} N, at {np.degrees(place):.0f} degrees; modal model {there:.1f} N"
     if here <= CLEARLY * there:
         verdict = "not seen: the modal model has as much"
     elif abs(place - printed.value) <= PLACE:
         verdict = "agrees"
     else:
         verdict = f"agrees that contact alone brings it, but it is largest {np.degrees(place - printed.value):+.0f} degrees from there"
-    return (Finding(printed.source, statement, words, verdict),)
+    return (Finding(printed.source, statement, computed, verdict),)
 
 
 def _spikes(
@@ -190,17 +193,15 @@ def _spikes(
 
 
 def notes(study: Study) -> tuple[str, ...]:
-    """Where the paper's numbers contradict each other, and how far the predictions of this study
-    stand from them.
-    """
-    return tuple(note for note in (_stage_1_note(study), _violence_note(study)) if note)
+    """Contradictions between the numbers of the paper, and the ratio of computed to published ones."""
+    return tuple(filter(None, (_stage_1_note(study), _violence_note(study))))
 
 
 def _stage_1_note(study: Study) -> str:
-    """Stage I swings about the preload, or it does not: the paper's numbers and ours."""
+    """Middle of Stage I against the preload, printed and computed."""
     printed = [one for one in study.record.published if one.model == SOLID]
     preload = next((one.value for one in printed if one.quantity == "preload"), None)
-    told = []
+    parts = []
     for run in study.runs("finite-element"):
         theirs = [
             one.value
@@ -211,22 +212,22 @@ def _stage_1_note(study: Study) -> str:
         if preload is None or len(theirs) < 2 or len(ours) < 2:
             continue
         mean, own = sum(theirs) / 2, sum(ours) / 2
-        told.append(
+        parts.append(
             f"{_rpm(run)} {abs(mean - preload):.0f} N {'below' if mean < preload else 'above'} it ({mean:.0f} N, here {own:.0f} N)"
         )
-    if not told:
+    if not parts:
         return ""
     return (
         f"The source prints a preload of {preload:.0f} N; the middle of its Stage I range "
-        f"stands at {'; '.join(told)}. Released from its preload a spring swings about it."
+        f"is {'; '.join(parts)}. Released from its preload a spring swings about it."
     )
 
 
 def _violence_note(study: Study) -> str:
-    """Middle ratio of computed to published spike force and coil velocities of Stage III, by engine
+    """Median ratio of computed to published spike force and coil velocities of Stage III, by engine
     speed.
     """
-    told = []
+    parts = []
     for run in study.runs("finite-element"):
         shares = [
             run.quantities[one.quantity] / one.value
@@ -240,10 +241,10 @@ def _violence_note(study: Study) -> str:
             and one.quantity in run.quantities
         ]
         if len(shares) > 1:
-            told.append(f"{np.median(shares):.2f} at {_rpm(run)} ({len(shares)} values)")
+            parts.append(f"{np.median(shares):.2f} at {_rpm(run)} ({len(shares)} values)")
     return (
-        f"Spike force and coil velocities of Stage III, computed over published, middle of all: {', '.join(told)}."
-        if told
+        f"Spike force and coil velocities of Stage III, computed over published, middle of all: {', '.join(parts)}."
+        if parts
         else ""
     )
 

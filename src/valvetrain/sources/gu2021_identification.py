@@ -2,8 +2,7 @@
 numbers out, by one path of the rod.
 
 The study's own readings of its results are taken, not those of a run: the free swing from 0 to 120
-degrees, a parabola through the Stage II
-peak, coil 2 as its node 2.
+degrees, a parabola through the Stage II peak, coil 2 as its node 2.
 """
 
 from __future__ import annotations

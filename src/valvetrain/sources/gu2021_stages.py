@@ -189,12 +189,9 @@ def _stage_3_in_bandwidths(cycle: Cycle, event: LiftEvent) -> dict[str, float]:
     """
     found: dict[str, float] = {}
     if cycle.solution.has("seat_force_fine"):
-        told = cycle.solution.has("seat_force_highest")
-        highest = (
-            cycle.channel("seat_force_highest")
-            if told
-            else cycle.channel("seat_force_fine").max(axis=1)
-        )
+        exact = cycle.solution.has("seat_force_highest")
+        name = "seat_force_highest" if exact else "seat_force_fine"
+        highest = cycle.channel(name) if exact else cycle.channel(name).max(axis=1)
         found["stage_3_every_instant_peak_force"] = float(
             highest[spike_index(cycle, highest, event)]
         )

@@ -21,8 +21,7 @@ ORIGINS = {
     CLOSED_FORM: Origin("CF", "closed form of the source"),
 }
 #: Numbers that the source prints in its formulas: contact (N/mm^1.5, N s/mm, mm), masses of valve,
-#: rocker and pushrod (kg), two loads of
-#: each spring (N) and the lift between them (m).
+#: rocker and pushrod (kg), two loads of each spring (N) and the lift between them (m).
 CONTACT_STIFFNESS, CONTACT_DAMPING, CONTACT_DEPTH = 1e5, 49.92, 0.02
 MASSES = (0.03049, 0.10634, 0.17362)
 STOCK_RATE, RATE = ((high - low) / 8.5e-3 for low, high in ((195.81, 378.27), (342.66, 605.18)))
@@ -38,8 +37,8 @@ Runs = Mapping[str, Solution]
 
 
 def runs_of(study: Study) -> dict[str, Solution]:
-    """The run of every label at the engine speed of the published values, else at its lowest, where
-    it gave numbers.
+    """The run of every label with results at the engine speed of the published values, else at its
+    lowest.
     """
     speed = next(
         (value.engine_speed for value in study.record.published if value.engine_speed is not None),
@@ -61,9 +60,7 @@ def number(run: Solution, name: str) -> float:
 
 
 def study_quantities(study: Study) -> dict[Quantity, float]:
-    """Numbers that the published values ask for, by their published names (SI): from the runs
-    without seat load, and closed forms.
-    """
+    """Quantities by their published names (SI): from the runs without seat load, and closed forms."""
     runs = runs_of(study)
     stock, performance = runs.get("stock, as printed"), runs.get("performance, as printed")
     found = named(closed_forms(), None, "")
@@ -109,15 +106,13 @@ def closed_forms() -> dict[str, float]:
 
 
 def _rise(after: float, before: float) -> float:
-    """Share by which a force rises; NaN where there was none (a train that floats carries nothing
-    at the nose).
-    """
+    """Share by which a force rises; NaN where there was none, as at the nose of a floating train."""
     return after / before - 1 if before > 0 else math.nan
 
 
 def findings(study: Study) -> tuple[Finding, ...]:
-    """The findings in words that this set of runs can answer; of a train that carries nothing at
-    the nose the source does not speak.
+    """The findings that can be compared with these runs; none of a train without contact at the
+    nose.
     """
     runs = {
         label: run
@@ -125,39 +120,36 @@ def findings(study: Study) -> tuple[Finding, ...]:
         if number(run, "nose_cam_contact_force") > 0
     }
     printed = {value.quantity: value.value for value in study.record.published}
-    return tuple(
-        one
-        for one in (
-            _stiffer_spring(runs, printed),
-            _lift_loss(runs, printed),
-            _damping(runs, printed),
-        )
-        if one is not None
-    )
+    found = (build(runs, printed) for build in (_stiffer_spring, _lift_loss, _damping))
+    return tuple(one for one in found if one is not None)
 
 
 def _stiffer_spring(runs: Runs, printed: Mapping[str, float]) -> Finding | None:
-    told = printed.get("contact_force_rise_ratio")
-    if not {"stock", "performance"} <= set(runs) or told is None:
+    source_rise = printed.get("contact_force_rise_ratio")
+    if not {"stock", "performance"} <= set(runs) or source_rise is None:
         return None
     forces = [number(runs[label], "nose_cam_contact_force") for label in ("stock", "performance")]
     rise = _rise(forces[1], forces[0])
     if rise <= 0:
         verdict = "not seen: the force does not rise"
     else:
-        verdict = "agrees" if abs(rise - told) <= FIT else f"the sign holds, the rise is {rise:.0%}"
-    words = f"with the seat load {forces[0]:.0f} N and {forces[1]:.0f} N, {'up' if rise > 0 else 'down'} {abs(rise):.0%}"
+        verdict = (
+            "agrees"
+            if abs(rise - source_rise) <= FIT
+            else f"the sign holds, the rise is {rise:.0%}"
+        )
+    computed = f"with the seat load {forces[0]:.0f} N and {forces[1]:.0f} N, {'up' if rise > 0 else 'down'} {abs(rise):.0%}"
     return Finding(
         "section 7",
-        f"contact force up about {told:.0%} with the stiffer spring, peak at the cam nose",
-        words,
+        f"contact force up about {source_rise:.0%} with the stiffer spring, peak at the cam nose",
+        computed,
         verdict,
     )
 
 
 def _lift_loss(runs: Runs, printed: Mapping[str, float]) -> Finding | None:
-    told = 1e3 * printed.get("performance_lift_difference_displacement", math.nan)
-    if not {"stock", "performance"} <= set(runs) or not told > 0:
+    source_loss = 1e3 * printed.get("performance_lift_difference_displacement", math.nan)
+    if not {"stock", "performance"} <= set(runs) or not source_loss > 0:
         return None
     loss = [
         1e3 * number(runs[label], "lift_loss_displacement") for label in ("stock", "performance")
@@ -165,87 +157,74 @@ def _lift_loss(runs: Runs, printed: Mapping[str, float]) -> Finding | None:
     more = loss[1] - loss[0]
     if not math.isfinite(more):
         return None
-    words = f"lift lost to contact compliance {loss[0]:.3f} mm (stock) and {loss[1]:.3f} mm (performance)"
+    computed = f"lift lost to contact compliance {loss[0]:.3f} mm (stock) and {loss[1]:.3f} mm (performance)"
     if more <= 0:
         verdict = "not seen: the performance spring loses no more"
     else:
-        share = more / told - 1
-        words += f", {more:.3f} mm more"
+        share = more / source_loss - 1
+        computed += f", {more:.3f} mm more"
         verdict = (
             "agrees"
             if abs(share) <= LOSS_FIT
             else f"{'smaller' if share < 0 else 'larger'} than printed; the sign holds"
         )
     return Finding(
-        "section 5.2", f"the performance spring gives about {told:.1f} mm less lift", words, verdict
+        "section 5.2",
+        f"the performance spring gives about {source_loss:.1f} mm less lift",
+        computed,
+        verdict,
     )
 
 
 def _damping(runs: Runs, printed: Mapping[str, float]) -> Finding | None:
     labels = ("performance", "performance, zeta 0.5", "performance, zeta 1")
-    told = [
-        printed.get(f"performance_{word}nose_cam_contact_force", math.nan)
-        for word in ("", "damped_")
+    source_forces = [
+        printed.get(f"performance_{damper}nose_cam_contact_force", math.nan)
+        for damper in ("", "damped_")
     ]
-    if not set(labels) <= set(runs) or not all(np.isfinite(told)):
+    if not set(labels) <= set(runs) or not all(np.isfinite(source_forces)):
         return None
     nose = [number(runs[label], "nose_cam_contact_force") for label in labels]
     peaks = [number(runs[label], "peak_open_cam_contact_force") for label in labels]
     at_nose, over_all = _rise(nose[2], nose[0]), _rise(peaks[2], peaks[0])
-    words = (
+    computed = (
         f"at the nose {nose[0]:.0f}, {nose[1]:.0f}, {nose[2]:.0f} N, over the open valve up to {peaks[0]:.0f}, {peaks[1]:.0f}, "
         f"{peaks[2]:.0f} N at zeta 0, 0.5, 1"
     )
-    source = _rise(told[1], told[0])
+    source = _rise(source_forces[1], source_forces[0])
     verdict = f"at the nose {at_nose:+.1%} (source {source:+.1%}), "
     if over_all > at_nose + FIT:
         verdict += f"but the true peak lies off the nose and rises {over_all:.0%}"
     else:
         verdict += f"and the peak over the open valve changes by {over_all:+.0%} as well"
-    statement = f"damping {'raises' if source > 0 else 'lowers'} the peak contact force ({told[0]:.0f} to {told[1]:.0f} N)"
-    return Finding("section 6", statement, words, verdict)
+    statement = f"damping {'raises' if source > 0 else 'lowers'} the peak contact force ({source_forces[0]:.0f} to {source_forces[1]:.0f} N)"
+    return Finding("section 6", statement, computed, verdict)
 
 
 def notes(study: Study) -> tuple[str, ...]:
-    """Where the source's numbers do not fit together, told with what came out here."""
-    runs, printed = (
-        runs_of(study),
-        {value.quantity: value.value for value in study.record.published},
-    )
-    return tuple(
-        one
-        for one in (
-            _seat_load(runs, printed),
-            _formula(printed),
-            _damper(runs),
-            _rocker(runs, printed),
-            _surge(runs),
-        )
-        if one
-    )
+    """Contradictions between the numbers of the source, with the computed results."""
+    runs = runs_of(study)
+    printed = {value.quantity: value.value for value in study.record.published}
+    contacts = (_seat_load(runs, printed), _formula(printed), _damper(runs))
+    return tuple(filter(None, (*contacts, _rocker(runs, printed), _surge(runs))))
 
 
 def _seat_load(runs: Runs, printed: Mapping[str, float]) -> str:
-    told = []
+    forces = []
     for spring in ("stock", "performance"):
         force = printed.get(f"{spring}_nose_cam_contact_force")
         bare, whole = (runs.get(label) for label in (f"{spring}, as printed", spring))
         if force is None or bare is None or whole is None:
             return ""
-        told.append(
+        forces.append(
             (force, number(bare, "nose_cam_contact_force"), number(whole, "nose_cam_contact_force"))
         )
-    fits = [sum(abs(row[place] / row[0] - 1) <= FIT for row in told) for place in (1, 2)]
-    if fits == [2, 0]:
-        words = "fit springs without their seat load"
-    else:
-        words = (
-            "fit springs with their seat load"
-            if fits == [0, 2]
-            else "fit neither springs with nor springs without their seat load"
-        )
-    numbers = [" and ".join(f"{row[place]:.0f}" for row in told) for place in range(3)]
-    return f"The peak contact forces printed ({numbers[0]} N) {words}: without it {numbers[1]} N came out, with it {numbers[2]} N."
+    fits = [sum(abs(row[column] / row[0] - 1) <= FIT for row in forces) for column in (1, 2)]
+    fit = "fit neither springs with nor springs without their seat load"
+    if fits in ([2, 0], [0, 2]):
+        fit = f"fit springs {'without' if fits == [2, 0] else 'with'} their seat load"
+    numbers = [" and ".join(f"{row[column]:.0f}" for row in forces) for column in range(3)]
+    return f"The peak contact forces printed ({numbers[0]} N) {fit}: without it {numbers[1]} N came out, with it {numbers[2]} N."
 
 
 def _formula(printed: Mapping[str, float]) -> str:
@@ -287,21 +266,21 @@ def _rocker(runs: Runs, printed: Mapping[str, float]) -> str:
     if run is None or rate is None or not number(run, "peak_lever_speed") > 0 or not lift > 0:
         return ""
     ratio, cam_speed = number(run, "peak_lever_speed") / rate, run.engine_speed / 2
-    words = f"{np.degrees(rate):.0f} deg/s of rocker rotation, as printed,"
+    rotation = f"{np.degrees(rate):.0f} deg/s of rocker rotation, as printed,"
     here = f"{np.degrees(number(run, 'peak_lever_speed')):.0f} deg/s came out"
     if 0.5 < ratio < 2:
-        return f"{words} fits: {here}."
+        return f"{rotation} fits: {here}."
     # Twice the lift in one turn: no motion of the valve has a lower peak speed.
     arm = lift * cam_speed / math.pi / rate
-    told = f"{words} does not fit: {here}, {ratio:.1f} times that. "
+    text = f"{rotation} does not fit: {here}, {ratio:.1f} times that. "
     if ratio < 1 or arm < MAX_ARM_LENGTH:
-        return told + "Another profile or another arm would be needed."
-    told += (
-        f"To lift the valve {lift * 1e3:.1f} mm and set it down again within one turn of the cam at {cam_speed * 30 / math.pi:.0f} rpm, "
+        return text + "Another profile or another arm would be needed."
+    text += (
+        f"To lift the valve {lift * 1e3:.1f} mm and set it down again within one cam revolution at {cam_speed * 30 / math.pi:.0f} rpm, "
         f"it would need a valve arm of at least {arm * 1e3:.0f} mm even if the valve never rested: no rocker has that."
     )
     as_rpm = number(run, "peak_lever_speed") / (np.degrees(rate) * math.pi / 30)
-    return told + (
+    return text + (
         f" Read as rpm it would be {6 * np.degrees(rate):.0f} deg/s." if 0.7 < as_rpm < 1.4 else ""
     )
 
@@ -311,12 +290,9 @@ def _surge(runs: Runs) -> str:
     surge = runs["performance"].quantities.get("surge_frequency") if "performance" in runs else None
     if surge is None:
         return ""
-    words = (
-        "no surge frequency"
-        if abs(surge / lumped - 1) > 0.5
-        else "near the surge frequency by chance"
-    )
-    return f"{lumped:.0f} Hz is the lumped mass on the spring rate, {words}: the spring's own lies at {surge:.0f} Hz."
+    apart = abs(surge / lumped - 1) > 0.5
+    meaning = "no surge frequency" if apart else "near the surge frequency by chance"
+    return f"{lumped:.0f} Hz is the lumped mass on the spring rate, {meaning}: the spring's own lies at {surge:.0f} Hz."
 
 
 SPEC = SourceStudy(

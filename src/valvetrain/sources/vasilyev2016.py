@@ -28,7 +28,7 @@ Runs = Mapping[str, Solution]
 
 
 def findings(study: Study) -> tuple[Finding, ...]:
-    """The findings in words that this set of runs can answer."""
+    """The findings that can be compared with these runs."""
     runs = {label: study.runs(label)[0] for label in study.labels}
     runs = {
         label: run
@@ -51,7 +51,7 @@ def _second_half(runs: Runs, lash: str) -> Finding | None:
     lift = pair[0].channel("rigid_valve_lift")
     late = np.arange(len(lift)) > int(np.argmax(lift))
     first, second = _rms(*pair, (lift > 0) & ~late), _rms(*pair, (lift > 0) & late)
-    words = (
+    computed = (
         f"root mean square difference of the lever's force on the valve {first:.1f} N while opening, {second:.1f} N while closing "
         f"(lash {lash})"
     )
@@ -63,7 +63,7 @@ def _second_half(runs: Runs, lash: str) -> Finding | None:
     return Finding(
         "section 4",
         "six masses and rods differ most in the second half, towards the seat",
-        words,
+        computed,
         verdict,
     )
 
@@ -75,7 +75,7 @@ def _split(runs: Runs, lash: str) -> Finding | None:
     masses, rod = pair
     far = _rms(single, rod, single.channel("rigid_valve_lift") > 0)
     near = _rms(masses, rod, masses.channel("rigid_valve_lift") > 0)
-    words = f"against the rods: single mass {far:.1f} N, six masses {near:.1f} N root mean square over the open valve (lash {lash})"
+    computed = f"against the rods: single mass {far:.1f} N, six masses {near:.1f} N root mean square over the open valve (lash {lash})"
     if far > MARKED * near:
         verdict = "agrees"
     else:
@@ -83,7 +83,10 @@ def _split(runs: Runs, lash: str) -> Finding | None:
             "weaker here" if far > near else "not seen: the single mass is as near to the rods"
         )
     return Finding(
-        "section 4", "how a spring is split into masses changes the result markedly", words, verdict
+        "section 4",
+        "how a spring is split into masses changes the result markedly",
+        computed,
+        verdict,
     )
 
 
@@ -97,19 +100,17 @@ def _sections(runs: Runs, lash: str) -> Finding | None:
     ]
     if not np.all(np.isfinite(peaks)):
         return None
-    words = f"{peaks[0]:.2f} mm (six masses), {peaks[1]:.2f} mm (rod), {peaks[2]:.2f} mm (finite elements) at lash {lash}"
+    computed = f"{peaks[0]:.2f} mm (six masses), {peaks[1]:.2f} mm (rod), {peaks[2]:.2f} mm (finite elements) at lash {lash}"
     return Finding(
         "figure 3",
         "mean peak displacement of the outer spring's sections",
-        words,
+        computed,
         "no printed value to compare with",
     )
 
 
 def _rms(one: Solution, other: Solution, window: NDArray[np.bool_]) -> float:
-    """Root mean square difference (N) of the force on the valve over samples of ``one``; the other
-    may have any number of samples.
-    """
+    """Root mean square difference (N) of the force on the valve over samples of ``one``."""
     mine, theirs = one.channel(FORCE), other.channel(FORCE)
     if len(theirs) != len(mine):
         theirs = np.interp(one.cam_angle, other.cam_angle, theirs, period=2 * np.pi)
@@ -117,21 +118,17 @@ def _rms(one: Solution, other: Solution, window: NDArray[np.bool_]) -> float:
 
 
 def notes(study: Study) -> tuple[str, ...]:
-    """What cannot be compared, and what the source's friction means in a spring of these runs."""
+    """What cannot be compared, and the friction of the source as damping of the springs of these
+    runs.
+    """
     found = []
     if not study.record.published:
         found.append(
             "The source prints no mass, spring datum, lift or curve value: its figures 3 and 4 cannot be compared number by number. "
             "Springs follow a service manual as recalled, masses and geometry are assumed (see the case file)."
         )
-    surge = next(
-        (
-            run.quantities["surge_frequency"]
-            for run in study.solutions
-            if "surge_frequency" in run.quantities
-        ),
-        None,
-    )
+    surges = (run.quantities.get("surge_frequency") for run in study.solutions)
+    surge = next((value for value in surges if value is not None), None)
     if surge is not None:
         found.append(
             f"The source's term 2 mu / omega dU/dphi is a mass-proportional damping of {2 * FRICTION:.0f} 1/s at mu = {FRICTION:.0f} 1/s: "

@@ -2,9 +2,8 @@
 value beyond its band fails the book.
 
 The bands stand about what comes out today: 2 % of a force, 4 % of a velocity, 5 % of a
-displacement, 8 % of an acceleration, three output
-samples (1.5 degrees) of an angle, 3 % of a number of the trains. They hold a miss where it is: a
-greater one is not explained.
+displacement, 8 % of an acceleration, three output samples (1.5 degrees) of an angle, 3 % of a
+number of the trains. They hold a miss where it is: a greater one is not explained.
 """
 
 from __future__ import annotations
@@ -22,7 +21,7 @@ class Explained:
     band: tuple[float, float] | None
 
 
-_SCAN = "one straight law of the diameter and few pitches stand for a spring that was scanned and departs from its drawing"
+_SCAN = "one straight law of the diameter and few pitches represent a spring that was scanned and departs from its drawing"
 _PRELOAD = "the source's Stage I lies below its own preload, about which a released spring swings; the ramp of the lift adds to the rest"
 _RATTLE = "small collisions at the lowest speed follow the last hundredths of a millimetre of pitch at coil 2, which the data leave open"
 _FLANK = "the flank of the lift is not published, and the calibrated speed does not tell it"

@@ -178,8 +178,8 @@ def follower(law: Law, lift_law: LiftLaw, force: float = 0.0) -> TrainSystem:
 def turns(
     built: TrainSystem, cam_speed: float, start: tuple[float, float], steps: int, cycles: int
 ) -> CycleRecord:
-    """Record of the last of ``cycles`` cam turns from a height (m) and velocity (m/s) at cam angle
-    zero.
+    """Record of the last of ``cycles`` cam revolutions from a height (m) and velocity (m/s) at cam
+    angle zero.
     """
     options = TrainOptions(samples=1440, time_step=2 * math.pi / cam_speed / steps)
     ready = runner(built, cam_speed, options)
@@ -246,7 +246,7 @@ def dwell_after_a_rise() -> list[Row]:
 
 @dataclass(frozen=True, slots=True)
 class Shaker:
-    """A table that swings by ``amplitude`` (m) once per turn of the cam."""
+    """A table that swings by ``amplitude`` (m) once per cam revolution."""
 
     amplitude: float
 
@@ -263,8 +263,7 @@ def bouncing_follower() -> list[Row]:
     the periodic motion.
 
     With g the constant pull over the mass and T a turn, it leaves at u = g T / 2 and comes back as
-    fast; the table then moves at
-    w = u (1 - e) / (1 + e), so it is struck at 2 u / (1 + e).
+    fast; the table then moves at w = u (1 - e) / (1 + e), so it is struck at 2 u / (1 + e).
     """
     cam_speed, pull, amplitude, stiffness, damping = 2000.0, 200.0, 0.35e-3, 3e12, 0.12
     leave = pull / MASS * math.pi / cam_speed

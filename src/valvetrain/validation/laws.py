@@ -83,7 +83,7 @@ def hunt_crossley_restitution(number: float) -> float:
 
 @book_case()
 def restitution_by_drop() -> list[Row]:
-    """Rebound of a mass on the Hunt-Crossley law by integration, beside the root of their implicit
+    """Rebound of a mass on the Hunt-Crossley law by integration, against the root of their implicit
     closed form.
     """
     from scipy.integrate import solve_ivp

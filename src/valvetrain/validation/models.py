@@ -123,7 +123,7 @@ def wave_rod_friction() -> list[Row]:
 
 @book_case()
 def rod_against_solid() -> list[Row]:
-    """Force and axial frequencies of short clamped springs by CalculiX 2.20, beside the rod with
+    """Force and axial frequencies of short clamped springs by CalculiX 2.20, against the rod with
     curvature correction.
     """
     rows = []

@@ -1,4 +1,4 @@
-"""One row of the validation book: a published or closed-form value beside the computed one."""
+"""Rows of the validation book: a published or closed-form value and the computed one."""
 
 from __future__ import annotations
 
@@ -12,16 +12,13 @@ Kind = Literal["closed form", "published", "recalled", "independent computation"
 
 @dataclass(frozen=True, slots=True)
 class Row:
-    """``expected`` and ``computed`` in ``unit``; ``tolerance`` in the same unit, with the reason
-    for it.
+    """``expected`` and ``computed`` in ``unit``; ``tolerance`` in the same unit, with its reason.
 
     ``kind``: how the expected value is known (``recalled``: confirmed by an independent
-    computation, printed source not at hand;
-    ``consistency``: a form of this package's own, so the row shows that two parts agree and not
-    that both are right).
-    ``band``: where a published number is not met and it is known why, the values that may come out
-    instead; ``explanation``: why.
-    A value outside both fails, and so does a row that states neither.
+    computation, printed source not at hand; ``consistency``: a form of this package's own, so that
+    the row shows that two parts agree, not that both are right). ``band``: the values that are
+    accepted where a published number is not met for a known reason; ``explanation``: that reason. A
+    value outside both fails, and so does a row that states neither.
     """
 
     topic: str
@@ -60,7 +57,7 @@ class Row:
 
 @dataclass(frozen=True, slots=True)
 class BookCase:
-    """A function of the book that answers one or several rows, and whether it takes more than
+    """A function of the book that returns one or several rows; ``slow`` where it takes more than
     seconds.
     """
 

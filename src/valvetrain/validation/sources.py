@@ -14,7 +14,7 @@ from valvetrain.units import to_unit
 from valvetrain.validation.explained import Explained, explained_miss
 from valvetrain.validation.row import Kind, Row, book_case
 
-#: Agreement asked of a published value whose source or case states no tolerance: 3 degrees of an
+#: Agreement required of a published value whose source or case states no tolerance: 3 degrees of an
 #: angle, this share of anything else.
 ANGLE, SHARE = 3.0, 0.03
 
@@ -37,9 +37,9 @@ def _row(topic: str, key: str, item: Comparison) -> Row:
             "stated by the source or the case",
         )
     elif item.unit == "deg":
-        tolerance, reason = ANGLE, f"asked of every angle: {ANGLE:g} degrees"
+        tolerance, reason = ANGLE, f"required of every angle: {ANGLE:g} degrees"
     else:
-        tolerance, reason = SHARE * abs(published), f"asked of every value: {SHARE:.0%}"
+        tolerance, reason = SHARE * abs(published), f"required of every value: {SHARE:.0%}"
     speed = "" if item.engine_speed is None else f", {item.engine_speed * 30 / math.pi:.0f} rpm"
     origin = f" ({item.origin})" if item.origin else ""
     name = f"{item.quantity.replace('_', ' ')}{speed}{origin}"

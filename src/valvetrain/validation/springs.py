@@ -11,8 +11,8 @@ from valvetrain.cosserat.static import RodStatics, compress
 from valvetrain.parameters.curves import Constant, Curve, Parabola, PiecewiseLinear
 from valvetrain.parameters.material import Material
 from valvetrain.parameters.spring import OPEN_END, SpringDefinition
-from valvetrain.validation.ring import ring_section
 from valvetrain.validation.row import Row, book_case
+from valvetrain.validation.wires import ring_section
 
 STEEL = Material("spring steel", 206e9, 79.6e9, 7850.0)
 CLAMPED_HELIX = (393.5, 396.1, 462.8, 525.7, 864.0, 876.9, 914.3, 1037.0, 1310.5, 1363.8)
@@ -99,7 +99,7 @@ def rates_of_shaped_springs() -> list[Row]:
 
 @book_case()
 def curvature_of_the_bar() -> list[Row]:
-    """Rate of a close-coiled spring beside that of a bar bent to a ring, solved on its section
+    """Rate of a close-coiled spring against that of a bar bent to a ring, solved on its section
     without any factor.
     """
     rows = []
@@ -135,7 +135,7 @@ def _flat(wire: float, diameter: float, turns: float) -> SpringDefinition:
 
 @book_case()
 def trial_spring() -> list[Row]:
-    """Rate and first frequency of a usual valve spring without curvature correction, beside bar
+    """Rate and first frequency of a typical valve spring without curvature correction, against bar
     theory.
     """
     definition = spring(3.8e-3, 22e-3, 7e-3, 5.0)
@@ -143,7 +143,7 @@ def trial_spring() -> list[Row]:
     return [
         Row(
             "springs",
-            "usual spring, rate over G d^4 / (8 D^3 n)",
+            "typical spring, rate over G d^4 / (8 D^3 n)",
             "wahl1963",
             "d 3.8, D 22, pitch 7 mm, 5 turns clamped",
             0.990041,
@@ -155,7 +155,7 @@ def trial_spring() -> list[Row]:
         ),
         Row(
             "springs",
-            "usual spring, secant rate to 7 mm over G d^4 / (8 D^3 n)",
+            "typical spring, secant rate to 7 mm over G d^4 / (8 D^3 n)",
             "wahl1963",
             "d 3.8, D 22, pitch 7 mm, 5 turns clamped",
             0.984626,

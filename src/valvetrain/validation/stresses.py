@@ -7,9 +7,9 @@ import numpy as np
 from valvetrain.cosserat import quaternion as quat
 from valvetrain.cosserat.static import RodStatics, compress
 from valvetrain.springs.stress import CURVATURE_FACTORS, shear_stress_factor, wire_stress
-from valvetrain.validation.ring import ring_section
 from valvetrain.validation.row import Row, book_case
 from valvetrain.validation.springs import mesh, spring
+from valvetrain.validation.wires import ring_section
 
 PRINTED = {"bergstraesser": (1.2941, 1.1724), "wahl": (1.3105, 1.1840), "goehner": (1.2930, 1.1719)}
 SOURCES = {"bergstraesser": "en13906-1", "wahl": "wahl1963", "goehner": "goehner1932"}
@@ -37,7 +37,7 @@ def stress_factors() -> list[Row]:
 
 @book_case()
 def stress_from_section_forces() -> list[Row]:
-    """Inner-fibre shear stress from the rod's section forces beside that of a bar bent to a ring
+    """Inner-fibre shear stress from the rod's section forces against that of a bar bent to a ring
     under the same load, by no factor.
     """
     rows = []

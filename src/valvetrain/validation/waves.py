@@ -170,7 +170,7 @@ def energy_balance() -> list[Row]:
                 float(np.abs(balance).max()) / turned,
                 "-",
                 TYPICAL_IMBALANCE[name] * 3,
-                "three times the usual imbalance of this run",
+                "three times the typical imbalance of this run",
             )
         )
     return rows

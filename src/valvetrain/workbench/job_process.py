@@ -17,7 +17,7 @@ from typing import Any
 
 from valvetrain.parameters.bounded_file import SIDE_FILES_VARIABLE
 from valvetrain.runs.cost import Limits, duration_text, memory_text
-from valvetrain.runs.unfinished import unfinished_runs
+from valvetrain.runs.run_folders import unfinished_runs
 from valvetrain.solution.atomic import is_living, write_bytes, write_text
 from valvetrain.workbench.requests import JobRequest, command_words, study_text
 from valvetrain.workbench.saved_runs import STUDIES
@@ -271,10 +271,6 @@ def _complaint(folder: Path) -> str:
 def _left(workspace: Workspace, job_id: str) -> str:
     """Words on finished runs that a killed job left in a folder of its own."""
     for one in unfinished_runs(root=workspace.runs_folder):
-        if (
-            not one.goes_on
-            and any(job_id in word for word in one.command_line)
-            and one.finished > 1
-        ):
+        if not one.living and any(job_id in word for word in one.command_line) and one.finished > 1:
             return f"; {one.finished} runs that it had finished lie in {one.folder.relative_to(workspace.folder)}"
     return ""

@@ -25,8 +25,14 @@ from valvetrain.errors import InputError, ValvetrainError
 from valvetrain.parameters.loading import parse_case
 from valvetrain.parameters.overrides import read_assignment
 from valvetrain.quantities.cycle import reported_cycle
-from valvetrain.runs.prepared import Plan, PreparedRun, integrate_point, prepare, provenance_of
-from valvetrain.runs.run import member_rest
+from valvetrain.runs.prepared import (
+    Plan,
+    PreparedRun,
+    integrate_point,
+    prepare,
+    provenance_of,
+)
+from valvetrain.runs.train_runs import member_statics
 from valvetrain.solution.partial_failures import reason
 from valvetrain.system.build import build
 from valvetrain.system.problem import Problem
@@ -110,7 +116,7 @@ class LiveCase:
                 spring_models=(self.spring_model,),
             )
             member = problem.members[0]
-            rest = member_rest(problem, member) if member.gear is not None else {}
+            rest = member_statics(problem, member) if member.gear is not None else {}
             self._built[key] = (problem, prepare(problem, member, rest, ""))
             while len(self._built) > MAX_BUILT:
                 del self._built[next(iter(self._built))]

@@ -172,9 +172,8 @@ def cost_of(request: JobRequest, case: Case, workers: int) -> Cost:
     """Estimated cost of a request, as the command line estimates it; of a study, nothing (its own
     process does).
     """
-    from valvetrain.runs.request_cost import request_cost
-    from valvetrain.runs.static_cost import rest_cost
-    from valvetrain.runs.static_study import CURVE_OF_MODES
+    from valvetrain.runs.request_cost import request_cost, static_cost
+    from valvetrain.runs.statics import CURVE_OF_MODES
 
     if request.kind == "study":
         return Cost()
@@ -184,7 +183,7 @@ def cost_of(request: JobRequest, case: Case, workers: int) -> Cost:
         )
         count = request.options.get("count", "24") if request.kind == "modes" else "0"
         whole = [int(text) if text.isdecimal() else 0 for text in (steps, count)]
-        return rest_cost(
+        return static_cost(
             case,
             request.spring_models,
             spring_sets=request.spring_sets,

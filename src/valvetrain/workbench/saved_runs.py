@@ -20,8 +20,8 @@ from pathlib import Path
 from typing import Any, Literal
 
 from valvetrain.errors import InputError
-from valvetrain.runs.saved_answer import ANSWER, read_answer
-from valvetrain.runs.saved_runs import CASE_FILE, homes, refuse_living, safe_name
+from valvetrain.runs.run_folders import ANSWER, CASE_FILE, homes, refuse_living, safe_name
+from valvetrain.runs.saved_runs import SavedRun, read_answer
 from valvetrain.solution.atomic import atomic_path, write_bytes
 from valvetrain.units.text import clipped
 from valvetrain.workbench.store import checked_name, inside, writing
@@ -218,22 +218,18 @@ def _written_at(folder: Path) -> str:
 
 
 def _run(root: Path, folder: Path, answer: Mapping[str, Any]) -> Run:
-    choices = answer.get("choices")
-    asked: Mapping[str, Any] = choices if isinstance(choices, Mapping) else {}
-    speeds = tuple(
-        float(value) for value in asked.get("engine_speeds", ()) if isinstance(value, (int, float))
-    )
+    saved = SavedRun(folder, answer)
     return Run(
         folder.relative_to(root).as_posix(),
         folder,
-        str(answer.get("case", "")),
-        str(answer.get("command", "")),
-        str(answer.get("created_at", "")) or _written_at(folder),
+        saved.case,
+        saved.command,
+        saved.created_at or _written_at(folder),
         bool(answer.get("completed", True)),
-        tuple(map(str, answer.get("failures", ()) or ())),
+        saved.failures,
         str(answer.get("title", "")),
-        tuple(map(str, asked.get("spring_models", ()))),
-        speeds,
+        saved.spring_models,
+        saved.engine_speeds,
     )
 
 

@@ -12,7 +12,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from valvetrain.errors import InputError
-from valvetrain.runs.saved_runs import safe_name
+from valvetrain.runs.run_folders import safe_name
 from valvetrain.units.text import clipped
 
 DATABASE = "workbench.sqlite"

@@ -13,7 +13,7 @@ from valvetrain.mechanism.gap_kinds import CAM_FLAT
 from valvetrain.quantities.cycle import Cycle
 from valvetrain.report.text import number
 from valvetrain.solution.definition import angle_name, label_of, shown
-from valvetrain.solution.display import words as shown_text
+from valvetrain.solution.display import value_text as shown_text
 from valvetrain.solution.result import Solution
 
 Array = NDArray[np.float64]

@@ -24,7 +24,7 @@ from valvetrain.solution.provenance import PublishedValue
 from valvetrain.solution.quantity import same_speed
 from valvetrain.solution.result import Solution
 from valvetrain.solution.study import Study
-from valvetrain.sources.gu2021_nodes import coils_of
+from valvetrain.sources.gu2021_coils import coils_of
 
 STUDY = "gu2021"
 SPIKE_BANDWIDTH = 10e3

@@ -34,7 +34,7 @@ def _cells(one: CaseValue) -> tuple[Cell, ...]:
     name = one.path.replace(".", " / ").replace("_", " ")
     return (
         Cell(name, "", one.path),
-        Cell(one.words, "long"),
+        Cell(one.text, "long"),
         Cell(one.status, "tag" if one.status else ""),
         Cell(one.source, "quiet long"),
     )

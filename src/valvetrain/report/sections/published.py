@@ -24,7 +24,7 @@ from valvetrain.report.table import comparison_grid
 from valvetrain.report.text import in_unit, number, speed_text, unit_text
 from valvetrain.report.uncertainty_section import firmness, lead, uncertainty_grid
 from valvetrain.runs.error_bars import Uncertainty
-from valvetrain.runs.uncertainty_file import fresh_uncertainty, load_uncertainty, meshes_of
+from valvetrain.runs.stored_error_bars import fresh_uncertainty, load_uncertainty, meshes_of
 from valvetrain.solution.comparison import Comparison
 from valvetrain.solution.definition import label_of
 from valvetrain.solution.quantity import same_speed

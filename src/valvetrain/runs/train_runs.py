@@ -1,0 +1,236 @@
+"""Trains of a problem: preparation, runs to the periodic state, numbers of rigid theory, natural
+modes.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Hashable, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from valvetrain.errors import InputError
+from valvetrain.parameters.installed_spring import InstalledSpring
+from valvetrain.parameters.loading import AnyCase
+from valvetrain.quantities.spectrum import surge_engine_speeds
+from valvetrain.quantities.valve_events import rigid_events
+from valvetrain.runs.prepared import (
+    Plan,
+    PreparedRun,
+    integrate_point,
+    judge,
+    largest_lift,
+    prepare,
+    provenance_of,
+    unfinished,
+)
+from valvetrain.runs.stopping import PointsStopped
+from valvetrain.runs.workers import LOST, LOST_REMEDY, Progress, map_points
+from valvetrain.solution.modes import TrainModes
+from valvetrain.solution.partial_failures import PartialFailures
+from valvetrain.solution.result import Solution
+from valvetrain.solution.static import SpringAtRest
+from valvetrain.solution.status import Status
+from valvetrain.springs.spec import spring_model
+from valvetrain.system.build import build
+from valvetrain.system.problem import Member, Problem, Rest
+from valvetrain.system.train_modes import modes_of_train
+from valvetrain.system.train_system import TrainSystem
+
+#: Called with the index among the runs of a study, and the solution, as each is finished.
+Finished = Callable[[int, Solution], None]
+STOPPED = Status(
+    "interrupted", "the study was stopped before this run was finished", remedy="start it again"
+)
+WORKER_LOST = Status("worker-lost", LOST, remedy=LOST_REMEDY)
+#: State of modes -> label in tables.
+STATES = {"closed": "valve closed", "full_lift": "full lift"}
+
+
+def member_statics(problem: Problem, member: Member) -> Rest:
+    """Springs at rest where the model of a member of a train needs them."""
+    springs = member.springs if member.model.needs_rest else ()
+    return {spring: train_statics(problem, spring) for spring in springs if spring.wire is not None}
+
+
+def train_statics(problem: Problem, spring: InstalledSpring) -> SpringAtRest:
+    """A spring of a train at rest, to a little beyond the largest lift."""
+    from valvetrain.runs.statics import spring_statics  # which most models do not need
+
+    return spring_statics(problem, spring, 1.05 * largest_lift(problem))
+
+
+def prepare_trains(
+    problem: Problem, engine_speeds: Sequence[float], failures: PartialFailures
+) -> tuple[tuple[PreparedRun, ...], tuple[SpringAtRest, ...]]:
+    """Every member of a train prepared, shared parts computed once, and the springs at rest that
+    their models need.
+
+    Raises :class:`InputError` where there is no engine speed.
+    """
+    if not engine_speeds:
+        raise InputError(
+            f"case '{problem.record.name}' names no engine speed; add engine_speeds or cam_speeds to [operation]"
+        )
+    needed = (member.springs for member in problem.members if member.model.needs_rest)
+    rest: dict[InstalledSpring, SpringAtRest] = {}
+    for spring in dict.fromkeys(spring for springs in needed for spring in springs if spring.wire):
+        name = f"spring '{spring.name}' at rest"
+        found = failures.part(name, None, train_statics, problem, spring)
+        rest |= {spring: found} if found is not None else {}
+    prepared: dict[Hashable, PreparedRun] = {}
+    members = tuple(_prepared(problem, member, rest, prepared) for member in problem.members)
+    return members, tuple(rest.values())
+
+
+def _prepared(
+    problem: Problem, member: Member, rest: Rest, prepared: dict[Hashable, PreparedRun]
+) -> PreparedRun:
+    """Members whose train and springs agree share system, equilibrium and rigid motion."""
+    key = (member.gear, member.model.word, member.springs, member.rubbing)
+    if key not in prepared:
+        prepared[key] = prepare(problem, member, rest, problem.record.study)
+    return replace(prepared[key], member=member)
+
+
+def run_trains(
+    problem: Problem,
+    ready: tuple[PreparedRun, ...],
+    engine_speeds: tuple[float, ...],
+    plan: Plan,
+    workers: int,
+    progress: Progress | None,
+    finished: Finished | None,
+) -> tuple[tuple[Solution, ...], bool]:
+    """Solutions of trains in their periodic state, over processes, and whether they were stopped."""
+    points = [(index, speed) for speed in engine_speeds for index in range(len(ready))]
+
+    def tell(count: int, total: int) -> None:
+        if progress is not None:
+            index, speed = points[count - 1]
+            progress(count / total, f"{ready[index].member.label} at {speed * 30 / np.pi:.6g} rpm")
+
+    def without(point: tuple[int, float], status: Status) -> Solution:
+        return unfinished(problem, ready[point[0]].member, point[1], plan, status)
+
+    try:
+        found = map_points(
+            train_point,
+            (problem, ready, plan),
+            points,
+            workers,
+            processes=True,
+            tell=tell,
+            lost=lambda point: without(point, WORKER_LOST),
+            finished=finished,
+        )
+    except PointsStopped as stop:
+        if not stop.results:
+            raise
+        return tuple(
+            stop.results.get(number) or without(point, STOPPED)
+            for number, point in enumerate(points)
+        ), True
+    return found, False
+
+
+def train_point(
+    shared: tuple[Problem, tuple[PreparedRun, ...], Plan], point: tuple[int, float]
+) -> Solution:
+    """One run of one member (index) at one engine speed (rad/s)."""
+    problem, ready, plan = shared
+    one, engine_speed = ready[point[0]], point[1]
+    provenance = provenance_of(problem, one.member, engine_speed, plan.created_at)
+    return judge(one, integrate_point(one, engine_speed, plan, provenance), plan, {})
+
+
+def rigid_numbers(
+    problem: Problem, ready: tuple[PreparedRun, ...], engine_speeds: tuple[float, ...]
+) -> dict[str, dict[str, float]]:
+    """Rigid theory of each spring set: loss of contact, valve events, and where its surge meets the
+    lift near the ``engine_speeds`` run.
+    """
+    still: dict[str, dict[str, float]] = {}
+    prepared: dict[Hashable, PreparedRun] = {
+        (m.gear, m.model.word, m.springs, m.rubbing): one for one in ready for m in (one.member,)
+    }
+    for one in ready:
+        if one.motion is None or one.member.spring_set in still:
+            continue
+        # Rigid theory has no surge: the springs count with the Rayleigh share of their mass, whatever model runs.
+        massless = replace(one.member, model=spring_model("massless"), rubbing=None)
+        plain = _prepared(problem, massless, {}, prepared)
+        cam_speed, angle = (plain.motion or one.motion).contact_loss()
+        values = {
+            "rigid_contact_loss_engine_speed": 2 * cam_speed,
+            "rigid_contact_loss_cam_angle": angle,
+            "rigid_maximum_valve_lift": float(np.max(one.motion.derivatives[0])),
+        } | rigid_events(one.motion.kinematics)
+        surge = one.frame.surge_frequency
+        if surge is not None and engine_speeds:
+            values |= surge_engine_speeds(
+                surge, 0.8 * min(engine_speeds), 1.25 * max(engine_speeds)
+            )
+        still[one.member.spring_set] = {
+            name: float(value) for name, value in values.items() if np.isfinite(value)
+        }
+    return still
+
+
+def train_modes(
+    case: AnyCase, spring_models: Sequence[str] = (), *, spring_sets: Sequence[str] = ()
+) -> tuple[TrainModes, ...]:
+    """Undamped natural frequencies and modes of a train with its springs, about equilibrium, valve
+    closed and at full lift.
+
+    Closed contacts have their stiffness under the static load; open ones (the lash, valve closed)
+    none. A multi-mass spring has its own masses, a massless one its share of mass, any other the
+    modes of the uniform spring of equal rate, mass and first frequency.
+
+    Parameters
+    ----------
+    case : Case, name of a library case, or path of a case file; it holds a train
+    spring_models : words of spring models, such as "multi-mass"; the case's own by default
+    spring_sets : names of spring sets; the one in use by default
+
+    Returns
+    -------
+    tuple of TrainModes, two per variant: ``state`` closed and full_lift, frequencies (Hz), shapes
+    and shares of kinetic energy
+
+    Raises
+    ------
+    InputError : a case without a train, an unknown word, what parts refuse
+
+    Examples
+    --------
+    >>> import valvetrain as vt
+    >>> closed, lifted = vt.train_modes("tdi-pushrod", ["massless"], spring_sets=["stock"])
+    >>> closed.state, lifted.moving(0)
+    ('closed', 'valve 53 %, pushrod 24 %, lever 23 %')
+    """
+    problem = build(case, spring_models=spring_models, spring_sets=spring_sets)
+    return problem_modes(problem)
+
+
+def problem_modes(problem: Problem) -> tuple[TrainModes, ...]:
+    """Modes of every distinct train of a problem; see :func:`train_modes`."""
+    angle = np.linspace(0.0, 2 * np.pi, 1441)
+    closed = float(angle[np.argmin(problem.valve_lift.lift(angle))])
+    found: dict[Hashable, list[TrainModes]] = {}
+    for member in problem.members:
+        if member.gear is None:
+            raise InputError(
+                f"case '{problem.record.name}' holds no train, only springs; its modes are those of the springs"
+            )
+        key = (member.gear, member.model.word, member.springs)
+        if key in found:
+            continue
+        system = member.system(member_statics(problem, member), problem.built)
+        assert isinstance(system, TrainSystem)
+        full_lift = float(angle[np.argmax(system.mechanism.kinematics.valve_lift(angle))])
+        found[key] = [
+            modes_of_train(system, member.springs, cam_angle, state, member.label)
+            for state, cam_angle in (("closed", closed), ("full_lift", full_lift))
+        ]
+    return tuple(one for pair in found.values() for one in pair)
