@@ -336,7 +336,7 @@ def tutorial_pictures(folder: Path) -> dict[str, str]:
     )
     above = Panel(
         "engine speed (rpm)",
-        "lift above the rigid one (mm)",
+        "lift above the rigid lift (mm)",
         (Line(speeds, above_rigid, "", BLUE),),
     )
     return {
@@ -368,8 +368,8 @@ def swept(file: Path) -> tuple[Array, Array, Array]:
         rows = list(csv.DictReader(lines))
     names = (
         "engine speed [rpm]",
-        "least cam contact force while open [N]",
-        "lift above the rigid one [mm]",
+        "minimum cam contact force while open [N]",
+        "lift above the rigid lift [mm]",
     )
     first, second, third = (np.array([float(row[name]) for row in rows]) for name in names)
     return first, second, third

@@ -245,6 +245,7 @@ def energies() -> Known:
     )
     return evaluate(made).quantities, {
         "dissipated_energy": 0.5 * heat[-1],
+        "cycle_damper_energy": 0.05 * 2 * np.pi,
         "energy_imbalance_ratio": 0.5 * heat[-1] / np.ptp(stored + heat),
     }
 
@@ -444,6 +445,7 @@ def moving_train() -> Known:
         "cycle_work_energy": 1.7,
         "cycle_dissipated_energy": 1.1,
         "spring_dissipated_energy": 0.6,
+        "cycle_damper_energy": 0.6,
         "contact_friction_dissipated_energy": 0.4,
         "steady_cycles_count": 7.0,
         "steady_residual_ratio": 3e-5,

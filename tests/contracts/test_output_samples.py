@@ -16,7 +16,7 @@ from valvetrain.integrate.run import run
 from valvetrain.integrate.train_run import TrainOptions, runner
 from valvetrain.parameters.loading import load_case
 from valvetrain.quantities.evaluate import evaluate
-from valvetrain.report.headlines import TOPICS
+from valvetrain.solution.definition import topics
 from valvetrain.runs.prepared import Plan, judge, prepare
 from valvetrain.runs.run import run_study
 from valvetrain.runs.train_uncertainty import HEADLINES
@@ -259,7 +259,7 @@ def test_no_headline_number_of_a_train_depends_on_the_samples_kept(case, label, 
         )
     names = {
         name
-        for name in (*HEADLINES, *(one for topic in TOPICS.values() for one in topic))
+        for name in (*HEADLINES, *(one for topic in topics().values() for one in topic))
         if name in found[-1]
     }
     named = (

@@ -23,7 +23,7 @@ from valvetrain.report.headlines import (
 from valvetrain.report.run_summary import critical_rows, reach_rows, reason_for, searched, share
 from valvetrain.report.text import rpm
 from valvetrain.solution.critical import KINDS
-from valvetrain.solution.definition import label_of
+from valvetrain.solution.definition import label_of, names_for
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -35,28 +35,6 @@ if TYPE_CHECKING:
 
 #: Runs that stand side by side in 100 columns; more stand below each other, up to this many.
 BESIDE, BELOW = 4, 24
-#: What a sweep answers: the worst of each with its engine speed but for :data:`NO_SPEED`, and where
-#: control is lost.
-SWEPT = (
-    "peak_spring_force", "minimum_spring_force", "coil_bind_clearance", "outer_coil_bind_clearance", "inner_coil_bind_clearance",
-    "surge_frequency", "outer_surge_frequency", "inner_surge_frequency", "surge_amplitude_force", "clash_count", "clash_energy",
-    "seating_velocity", "bounce_count", *KINDS.values(), "rigid_contact_loss_engine_speed", "lift_loss_displacement",
-    "peak_shear_stress", "minimum_shear_stress", "nominal_peak_shear_stress", "nominal_minimum_shear_stress",
-)  # fmt: skip
-NO_SPEED = tuple(
-    f"{spring}{name}"
-    for name in ("coil_bind_clearance", "surge_frequency")
-    for spring in ("", "outer_", "inner_")
-)
-#: Of many runs, what is said once for all of them.
-OF_THE_CASE = (*NO_SPEED, "rigid_contact_loss_engine_speed")
-#: Answers of the page that the terminal leaves out: they stand in other rows, or decide nothing.
-ON_PAGE_ONLY = ("largest_clash_impulse", "nearest_lift_harmonic_lift")
-#: Of many runs, what is shown of each.
-BRIEF = (
-    "peak_spring_force", "minimum_spring_force", "surge_amplitude_force", "clash_count", "clash_energy", "seating_velocity", "bounce_count",
-    "loss_of_contact_duration", "nominal_peak_shear_stress", "nominal_minimum_shear_stress",
-)  # fmt: skip
 #: Runs up to which what does not fit beside each other stands in a second table.
 TWICE = 12
 
@@ -94,11 +72,13 @@ def _tables(study: Study) -> Iterator[Table]:
             yield _side_by_side(study, columns, rows, bars)
     else:
         same = [
-            (row.words, row.unit, _range(row.values)) for row in rows if row.name in OF_THE_CASE
+            (row.words, row.unit, _range(row.values))
+            for row in rows
+            if row.name in names_for("case")
         ]
         if same:
             yield plain_table(("", "", ""), same)
-        brief = [row for row in rows if row.name in BRIEF]
+        brief = [row for row in rows if row.name in names_for("brief")]
         fits = _fitting(columns, brief, bars)
         yield _by_run(columns, brief[:fits], "run", bars)
         if fits < len(brief) and len(columns) <= TWICE:
@@ -145,7 +125,7 @@ def _side_by_side(
     ]
     table = plain_table(headers, (), right=range(2, len(headers)))
     table.columns[0].no_wrap = table.columns[1].no_wrap = True
-    told = [row for row in rows if row.name not in ON_PAGE_ONLY]
+    told = [row for row in rows if row.name not in names_for("page")]
 
     def width(chosen: ErrorBars) -> int:
         lines = [
@@ -162,7 +142,7 @@ def _side_by_side(
 
     bars = fitting(bars, width)
     for row in rows:
-        if row.name not in ON_PAGE_ONLY:
+        if row.name not in names_for("page"):
             table.add_row(row.words, unit_text(row.unit), *bars.cells(row, columns))
         if row.name == "clash_count":
             for words, unit, cells in largest_clash_rows(study, columns):
@@ -182,7 +162,7 @@ def _over_speeds(
     table.columns[0].no_wrap = table.columns[1].no_wrap = True
     known = {row.name: row for row in rows}
     control = critical_rows(study, [column.label for column in columns]) if searched(study) else []
-    for name in SWEPT:
+    for name in names_for("sweep"):
         row = known.get(name)
         if name in KINDS.values() and control:
             for line in control:
@@ -196,7 +176,7 @@ def _over_speeds(
                 row.engine_speeds[first : first + len(columns)],
                 strict=True,
             )
-            still = name in NO_SPEED
+            still = name in names_for("case")
             cells = [
                 "–" if value is None else _at_speed(value, None if still else speed)
                 for value, speed in pairs

@@ -89,9 +89,7 @@ def case_facts(case: Case) -> list[tuple[str, str]]:
 
 def _short(spring: InstalledSpring) -> str:
     if spring.card is None:
-        return (
-            f"{spring.name}: wire known, installed {number(spring.precompression * 1e3)} mm short"
-        )
+        return f"{spring.name}: wire known, compressed {number(spring.precompression * 1e3)} mm when installed"
     card = spring.card
     mass = "" if card.mass is None else f", mass {number(card.mass * 1e3)} g"
     return (

@@ -75,7 +75,9 @@ ResolutionOption = Annotated[
 FloatOption = Annotated[
     str,
     typer.Option(
-        "--float-lift", metavar="LIFT", help="Lift above the rigid one beyond which a valve floats."
+        "--float-lift",
+        metavar="LIFT",
+        help="Lift above the rigid lift beyond which a valve floats.",
     ),
 ]
 BounceOption = Annotated[

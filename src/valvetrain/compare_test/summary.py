@@ -64,17 +64,13 @@ def verdict_sentences(found: ModelAgainstTest) -> list[str]:
     if best.adequacy is not None:
         unit, factor = unit_of_test(found)
         reach = number(best.adequacy.refutable * (factor if best.adequacy.repeats else 1.0), 3)
-        of_what = (
-            f"{unit} from the mean of the repeats".strip()
-            if best.adequacy.repeats
-            else "stated scatters"
-        )
+        of_what = unit if best.adequacy.repeats else "standard deviations"
         told.append(
-            f"a root mean square difference of more than {reach} {of_what} is refuted by this test"
+            f"the test detects errors above {reach} {of_what}".rstrip() + " (root mean square)"
         )
         if not best.adequacy.repeats and not best.adequacy.adequate:
             times = number(math.sqrt(best.adequacy.ratio / best.adequacy.critical), 3)
-            told.append(f"scatters {times} times as large as stated would not refute {best.label}")
+            told.append(f"{best.label} would pass only with {times} times the assumed error")
     told += [one.sentence for one in found.closer]
     return [f"{one[:1].upper()}{one[1:]}." for one in told]
 

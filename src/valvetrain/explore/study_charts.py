@@ -121,7 +121,7 @@ def histogram_chart(table: StudyTable, run: Run, key: str) -> Chart | None:
     if not panels:
         return None
     columns = min(2, len(panels))
-    caption = "Upright lines: 5 %, half and 95 % of the points lie below."
+    caption = "Upright lines: 5 %, median and 95 % of the points."
     return Chart(
         f"{key}-scatter",
         _titled("How the outputs scatter", table, run),
@@ -177,7 +177,7 @@ def map_chart(table: StudyTable, name: str, run: Run, key: str) -> Chart | None:
         y_range=_ends(up),
     )
     title = f"{definition_of(name).label[:1].upper()}{definition_of(name).label[1:]} over both quantities"
-    caption = f"Colour: what the output is above its least value of {number(least, 4)} {unit_text(definition_of(name).shown_unit)}."
+    caption = f"Colour: what the output is above its minimum of {number(least, 4)} {unit_text(definition_of(name).shown_unit)}."
     return Chart(f"{key}-map", _titled(title, table, run), caption, (panel,), 1, 420)
 
 

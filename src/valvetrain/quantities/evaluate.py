@@ -23,6 +23,7 @@ from valvetrain.quantities.train_numbers import (
 )
 from valvetrain.quantities.valve_events import run_events
 from valvetrain.solution.channels import Variable
+from valvetrain.solution.definition import computed_rows
 from valvetrain.solution.partial_failures import PartialFailures
 from valvetrain.solution.result import Solution
 from valvetrain.solution.status import Event
@@ -55,13 +56,17 @@ def evaluate(solution: Solution, frame: Frame = Frame()) -> Solution:
         rigid = gaps.part("motion of rigid parts", None, rigid_cycle, solution, frame.rigid)
     events = _events(solution, frame, rigid, gaps)
     found = _whole_cycle(cycle, frame, events, gaps) if cycle is not None and cycle.whole else {}
-    found |= gaps.part("energy", {}, energy_quantities, solution)
+    found |= gaps.part("energy", {}, energy_quantities, solution, cycle)
     found |= gaps.part("counted numbers", {}, counted_quantities, solution)
     if rigid is not None:
         assert frame.rigid is not None
         found |= gaps.part("numbers of the train", {}, train_quantities, solution, rigid, events)
         found |= gaps.part("valve events", {}, run_events, solution, events)
         found |= gaps.part("margins of rigid parts", {}, margin_quantities, frame.rigid)
+    for row, compute in computed_rows():
+        if ("train" if is_closed(solution) else "spring") in row.systems:
+            value = gaps.part(row.label, None, compute, solution)
+            found |= {} if value is None else {row.name: float(value)}
     done = gaps.part("channels of rigid parts", solution, _with_rigid, solution, rigid).with_found(
         events, found, gaps.sentences
     )

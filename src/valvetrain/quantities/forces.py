@@ -158,12 +158,22 @@ def energy_balance(solution: Solution) -> EnergyBalance | None:
     )
 
 
-def energy_quantities(solution: Solution) -> dict[str, float]:
-    """Largest imbalance over the work done, and the energy turned to heat in the run (J)."""
+def energy_quantities(solution: Solution, cycle: Cycle | None) -> dict[str, float]:
+    """Largest imbalance over the work done, and the energy turned to heat (J): in the run and, in a
+    whole cycle, by the springs' damping.
+    """
     balance = energy_balance(solution)
     if balance is None:
         return {}
-    return {
+    found = {
         "energy_imbalance_ratio": balance.relative_imbalance,
         "dissipated_energy": float(balance.dissipated[-1]),
     }
+    if cycle is not None and cycle.whole:
+        start, end = cycle.samples.start, cycle.samples.stop
+        heat = balance.dissipated
+        last = (
+            heat[end] if end < len(heat) else 2 * heat[-1] - heat[-2]
+        )  # the sample that closes it
+        found["cycle_damper_energy"] = float(last - heat[start])
+    return found

@@ -45,7 +45,7 @@ _GROUPS: tuple[tuple[str, str, tuple[QuantityRow, ...]], ...] = (
         EVENTS,
     ),
     ("Scatter of a train", "Of a train whose motion does not repeat: over 8 cycles.", SCATTER),
-    ("Sweeps", "Of a sweep over engine speeds.", SWEEP),
+    ("Loss of control", "Of a sweep over engine speeds, and by rigid theory.", SWEEP),
 )
 _SYSTEMS = {("spring", "train"): "both", ("spring",): "spring", ("train",): "train"}
 

@@ -10,38 +10,11 @@ from dataclasses import dataclass
 
 from valvetrain.report.run_summary import critical_rows, searched
 from valvetrain.report.text import number, speed_text
-from valvetrain.solution.definition import definition_of, label_of, shown
+from valvetrain.solution.definition import definition_of, label_of, names_for, shown, topics
 from valvetrain.solution.result import Solution
 from valvetrain.solution.status import Event
 from valvetrain.solution.study import Study
 
-#: Topic -> quantities in the order in which they are answered.
-TOPICS: dict[str, tuple[str, ...]] = {
-    "Spring force and coil bind": (
-        "peak_spring_force", "minimum_spring_force", "peak_retainer_force", "minimum_retainer_force",
-        "coil_bind_clearance", "outer_coil_bind_clearance", "inner_coil_bind_clearance",
-    ),
-    "Surge": (
-        "surge_frequency", "outer_surge_frequency", "inner_surge_frequency", "surge_cam_order", "nearest_lift_harmonic_order",
-        "nearest_lift_harmonic_lift", "surge_amplitude_force",
-    ),
-    "Coil clash": ("clash_count", "clash_energy", "largest_clash_impulse"),
-    "Seating and contact": (
-        "seating_velocity", "bounce_height", "bounce_count", "loft_gap", "loss_of_contact_duration", "lift_loss_displacement",
-    ),
-    "Scatter from cycle to cycle": tuple(
-        f"cycle_scatter_{name}" for name in (
-            "valve_lift", "peak_spring_force", "minimum_spring_force", "peak_cam_contact_force", "peak_seat_contact_force",
-            "seating_velocity", "bounce_height", "bounce_count", "loft_gap",
-        )
-    ),
-    "Loss of control": (
-        "contact_loss_engine_speed", "float_engine_speed", "bounce_engine_speed", "rigid_contact_loss_engine_speed",
-    ),
-    "Wire stress": ("peak_shear_stress", "minimum_shear_stress", "nominal_peak_shear_stress", "nominal_minimum_shear_stress"),
-}  # fmt: skip
-#: Numbers that belong to one engine speed and have no worst value over several.
-OF_ONE_SPEED = ("surge_cam_order", "nearest_lift_harmonic_order", "nearest_lift_harmonic_lift")
 #: What is nothing but rounding, in any shown unit.
 _ROUNDING = 1e-9
 #: Clashes that are named one by one, per run.
@@ -110,7 +83,7 @@ def headline_rows(study: Study) -> tuple[HeadlineRow, ...]:
     )
     cells = {row.name: row.cells for row in told}
     rows = []
-    for topic, names in TOPICS.items():
+    for topic, names in topics().items():
         for name in names:
             found = [_value(study, column, name) for column in columns]
             if name == "surge_frequency" and any(
@@ -213,7 +186,9 @@ def _value(study: Study, column: HeadlineColumn, name: str) -> tuple[float | Non
         seen = float(shown(name, value)[0])
         seen = 0.0 if abs(seen) < _ROUNDING else seen
         return (
-            (None, None) if several and name in OF_ONE_SPEED else (seen, speed if several else None)
+            (None, None)
+            if several and name in names_for("one speed")
+            else (seen, speed if several else None)
         )
     models = (run.model for run in runs)
     for label in dict.fromkeys((column.label, *models, "")):

@@ -6,10 +6,9 @@ from collections.abc import Sequence
 from typing import Any
 
 from valvetrain.parameters.summary import number
-from valvetrain.report.headlines import TOPICS
 from valvetrain.report.text import percent
 from valvetrain.runs.differences import ResultDifference
-from valvetrain.solution.definition import is_defined, label_of, shown
+from valvetrain.solution.definition import is_defined, label_of, shown, topics
 
 INPUT_HEADS = ("inputs", "A", "B")
 RESULT_HEADS = ("results", "run", "A", "B", "", "difference")
@@ -31,7 +30,7 @@ def result_rows(results: Sequence[ResultDifference]) -> list[tuple[str, ...]]:
     >>> result_rows([ResultDifference("peak_spring_force", "massless", "N", 800.0, 840.0)])
     [('peak spring force', 'massless', '800', '840', 'N', '+5.0 %')]
     """
-    first = [name for names in TOPICS.values() for name in names]
+    first = [name for names in topics().values() for name in names]
     place = {name: index for index, name in enumerate(first)}
     both = sorted(
         (row for row in results if row.difference is not None),

@@ -67,8 +67,8 @@ def critical_notes(study: Study) -> tuple[str, ...]:
     return (
         f"Searched from {rpm(one.first_engine_speed):.6g} to {rpm(one.last_engine_speed):.6g} rpm, every speed from rest, and about each "
         f"change with the motion of the neighbouring speed carried on, rising and falling; brackets of {rpm(one.resolution):.3g} rpm or "
-        f"less. Float: lift more than {limits['float']} above the rigid one with a contact open; bounce: higher than {limits['bounce']}. "
-        "A stretch of speeds that is narrower than the slopes seen beside it suggest can be missed.",
+        f"less. Float: valve more than {limits['float']} above its rigid lift, off the cam; bounce: higher than {limits['bounce']}. "
+        "A very narrow speed range may be missed.",
     )
 
 

@@ -146,7 +146,7 @@ def _facts(study: Study) -> tuple[tuple[str, str], ...]:
     )
     facts = {
         "case": study.record.name, "engine speed": f"{listed} rpm" if speeds else "",
-        "springs by": mark.join(names), "changed": ", ".join(study.record.changed),
+        "spring model": mark.join(names), "changed": ", ".join(study.record.changed),
         "runs": f"{ended} of {len(study.solutions)} {word}" if study.solutions else "none run",
     }  # fmt: skip
     return tuple((name, value) for name, value in facts.items() if value)

@@ -183,7 +183,7 @@ def _speeds_of_text(text: str, quantity: str, where: str) -> tuple[float, ...]:
         )
         if not (first > 0 and last >= first and step > 0):
             raise InputError(
-                f"range '{clipped(text)}' leads nowhere; write first:last:step, rising, as in '1000:9000:500 rpm'",
+                f"range '{clipped(text)}' runs backwards: the last speed is below the first; write first:last:step as in '1000:9000:500 rpm'",
                 where,
             )
         if (last - first) / step > MAX_SPEEDS:

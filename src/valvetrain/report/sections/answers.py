@@ -11,7 +11,6 @@ import numpy as np
 from valvetrain.report import theme
 from valvetrain.report.headlines import (
     NAMED_CLASHES,
-    TOPICS,
     HeadlineRow,
     clash_pair,
     clash_size,
@@ -24,7 +23,7 @@ from valvetrain.report.page import Block, Card, Cards, Cell, Details, Grid, Sect
 from valvetrain.report.run_charts import looks
 from valvetrain.report.run_summary import fidelity_notes, reach_rows, reason_for, share, speed_axis
 from valvetrain.report.text import number, rpm, speed_text, unit_text
-from valvetrain.solution.definition import label_of
+from valvetrain.solution.definition import label_of, topics
 from valvetrain.solution.fidelity import GOOD, MISSING, OPEN, POOR, FidelityMap, FidelityRow
 from valvetrain.solution.status import Event
 from valvetrain.solution.study import Study
@@ -38,20 +37,20 @@ _CLASH_HEADERS = ("coils", "cam angle (deg)", "impulse (mN s)", "energy (mJ)", "
 
 
 def answers_blocks(study: Study) -> tuple[Block, ...]:
-    """What failed, the answers in the order of :data:`TOPICS`, what must be known of them, then the
+    """What failed, the answers in the order of the topics, what must be known of them, then the
     clashes of each run.
     """
     rows = headline_rows(study)
     across = _columns(study)
-    topics = {topic: [row for row in rows if row.topic == topic] for topic in TOPICS}
+    by_topic = {topic: [row for row in rows if row.topic == topic] for topic in topics()}
     if len(across) <= BESIDE:
         cards = (
-            [_beside(study, across, {topic: found for topic, found in topics.items() if found})]
+            [_beside(study, across, {topic: found for topic, found in by_topic.items() if found})]
             if rows
             else []
         )
     else:
-        cards = [_below(topic, across, found) for topic, found in topics.items() if found]
+        cards = [_below(topic, across, found) for topic, found in by_topic.items() if found]
     failed = tuple(text(words, "alert") for words in study.failures)
     own = (
         ()

@@ -19,7 +19,7 @@ from valvetrain.report.page import (
 )
 from valvetrain.report.run_charts import ANGLE_LABEL, Array, by_speed, event_bands, looks
 from valvetrain.report.text import number, speed_text
-from valvetrain.solution.definition import label_of, shown
+from valvetrain.solution.definition import label_of, names_for, shown
 from valvetrain.solution.result import Solution
 from valvetrain.solution.study import Study
 
@@ -179,12 +179,6 @@ COILS_SPEC = SectionSpec("coils", "Motion of the coils", coils_blocks)
 
 
 SHEAR = "inner_fibre_shear_stress"
-NAMES = (
-    "peak_shear_stress", "minimum_shear_stress", "peak_shear_stress_coil_number", "peak_equivalent_stress",
-    "largest_amplitude_shear_stress",
-    "largest_amplitude_mean_shear_stress", "quasi_static_peak_shear_stress", "quasi_static_amplitude_shear_stress",
-    "dynamic_to_static_stress_ratio", "nominal_peak_shear_stress", "nominal_minimum_shear_stress",
-)  # fmt: skip
 _LEAD = "Shear at the inner fibre: torsion and direct shear with the curvature of the wire. No stress concentration under coil contacts."
 
 
@@ -208,11 +202,13 @@ def stress_blocks(study: Study) -> tuple[Block, ...]:
         return found
 
     figures = by_speed(study, "stress", at)
-    runs = [run for run in study.solutions if any(name in run.quantities for name in NAMES)]
+    runs = [run for run in study.solutions if run.quantities.keys() & names_for("stress")]
     if study.over_speed or not runs:
         return figures
     rows = []
-    for name in (name for name in NAMES if any(name in run.quantities for run in runs)):
+    for name in names_for("stress"):
+        if not any(name in run.quantities for run in runs):
+            continue
         words, unit = label_of(name), shown(name, 1.0)[1]
         values = [
             shown(name, run.quantities[name])[0] if name in run.quantities else None for run in runs

@@ -16,7 +16,7 @@ from valvetrain.report.page import Block, Cell, Grid, SectionSpec, Tabs, figure_
 from valvetrain.report.run_charts import MAX_LINES, Array, bars, looks, panels_chart, runs_at
 from valvetrain.report.run_summary import critical_notes, critical_rows, searched
 from valvetrain.report.text import number, rpm, speed_text
-from valvetrain.solution.definition import label_of, shown
+from valvetrain.solution.definition import label_of, names_for, shown
 from valvetrain.solution.result import Solution
 from valvetrain.solution.study import Study
 
@@ -116,12 +116,6 @@ def order_chart(study: Study) -> Chart | None:
 ORDERS_SPEC = SectionSpec("orders", "Cam orders", orders_blocks)
 
 
-#: Drawn over engine speed, those that a study gives.
-CURVES = (
-    "peak_spring_force", "minimum_spring_force", "peak_retainer_force", "minimum_retainer_force", "clash_energy", "surge_amplitude_force",
-    "seating_velocity", "lift_loss_displacement", "bounce_height", "loft_gap", "float_excess_lift", "minimum_cam_contact_force",
-    "peak_shear_stress",
-)  # fmt: skip
 #: Engine speeds from which curves over them say something.
 MIN_SPEEDS = 3
 _ORDER = re.compile(r"surge_order_(\d+)_force")
@@ -146,7 +140,7 @@ def sweep_blocks(study: Study) -> tuple[Block, ...]:
 def sweep_chart(study: Study) -> Chart | None:
     """One panel per quantity, a line per label; open marks where the motion did not settle."""
     panels = []
-    for name in CURVES:
+    for name in names_for("curve"):
         given = [
             label for label in study.labels if np.any(np.isfinite(study.series(label, name)[1]))
         ]
