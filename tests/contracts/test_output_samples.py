@@ -16,11 +16,11 @@ from valvetrain.integrate.run import run
 from valvetrain.integrate.train_run import TrainOptions, runner
 from valvetrain.parameters.loading import load_case
 from valvetrain.quantities.evaluate import evaluate
-from valvetrain.solution.definition import topics
 from valvetrain.runs.prepared import Plan, judge, prepare
 from valvetrain.runs.run import run_study
 from valvetrain.runs.train_uncertainty import HEADLINES
 from valvetrain.runs.uncertainty_file import load_uncertainty
+from valvetrain.solution.definition import topics
 from valvetrain.solution.netcdf import load_netcdf, save_netcdf
 from valvetrain.solution.quantity import same_speed
 from valvetrain.solution.result import Solution

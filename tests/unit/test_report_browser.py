@@ -14,9 +14,9 @@ import pytest
 
 from synthetic_study import own_study, published_study, sweep_study, train_study
 from system_parts import program
-from valvetrain.solution.definition import topics
 from valvetrain.report.page import charts, render
 from valvetrain.report.study import study_page
+from valvetrain.solution.definition import topics
 
 pytestmark = pytest.mark.chromium
 
