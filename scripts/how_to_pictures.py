@@ -246,7 +246,7 @@ def speed_bought() -> tuple[str, tuple[Panel, ...]]:
         "engine speed gained (rpm)",
         "",
         (*layers, marks),
-        y_words=named,
+        y_tick_labels=named,
         y_range=(0.4, len(words) + 0.6),
         x_range=ends,
     )

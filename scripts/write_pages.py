@@ -47,7 +47,7 @@ from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.quantities.page import quantities_page
 from valvetrain.quantities.plausible import plausible_page
 from valvetrain.report.chart import Chart, Line, Marks, Panel
-from valvetrain.report.run_charts import looks
+from valvetrain.report.run_charts import line_styles
 from valvetrain.report.run_summary import reach_rows, share
 from valvetrain.report.svg_chart import svg
 from valvetrain.runs.compare import compare_study
@@ -417,7 +417,7 @@ def fidelity_table(found: FidelityMap) -> str:
         cells = [
             one.words if one.missing else f"{one.words} ({share(one.largest)})" for one in reaches
         ]
-        lines.append(f"| {row.words} | " + " | ".join(cells) + f" | `{row.cheapest}` |")
+        lines.append(f"| {row.label} | " + " | ".join(cells) + f" | `{row.cheapest}` |")
     return "\n".join(lines)
 
 
@@ -451,10 +451,10 @@ def write_model_against_test() -> None:
         unit, factor = unit_of_test(force)
         write_text(
             PICTURES / "model-less-test.svg",
-            svg(difference_chart(force, force.runs, unit, factor, looks(force.study))),
+            svg(difference_chart(force, force.runs, unit, factor, line_styles(force.study))),
         )
         head = compare_with_test("gu2021-beehive", samples / "engine-head.csv")
-        write_text(PICTURES / "engine-head.svg", svg(values_chart(head, looks(head.study))))
+        write_text(PICTURES / "engine-head.svg", svg(values_chart(head, line_styles(head.study))))
 
 
 #: Name on the command line -> what writes it.

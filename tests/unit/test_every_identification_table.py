@@ -89,7 +89,7 @@ def grids(found: Identified, key: str) -> dict[str, Grid]:
 def read(grid: Grid) -> tuple[list[list[str]], list[list[str]]]:
     """Words and tones of the cells; there is a cell under every head."""
     assert all(len(row) == len(grid.headers) for row, _ in grid.rows)
-    return [[cell.words for cell in row] for row, _ in grid.rows], [
+    return [[cell.text for cell in row] for row, _ in grid.rows], [
         [cell.tone for cell in row] for row, _ in grid.rows
     ]
 

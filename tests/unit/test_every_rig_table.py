@@ -271,7 +271,7 @@ def test_the_page_holds_its_sections_in_order(laid, synthetic):
     assert (
         isinstance(grid, Grid)
         and grid.headers == HEAD
-        and [tuple(one.words for one in row) for row, _ in grid.rows] == channel_rows(result())
+        and [tuple(one.text for one in row) for row, _ in grid.rows] == channel_rows(result())
     )
     assert all(
         [bool(one.tone) for one in row] == [False, False, True, True, True, False, True, True]

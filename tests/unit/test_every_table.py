@@ -51,7 +51,7 @@ def blocks(section: str, study: Study) -> tuple:
 
 
 def cells(grid: Grid) -> list[list[str]]:
-    return [[cell.words for cell in row] for row, _ in grid.rows]
+    return [[cell.text for cell in row] for row, _ in grid.rows]
 
 
 def the(kind: type, found: tuple):
@@ -546,10 +546,10 @@ def test_given_and_computed_stand_in_their_own_columns():
             "no tolerance stated",
         ],
     ]
-    assert {cells_of[0].words: cells_of[-2].hint for cells_of, _ in grid.rows}[
+    assert {cells_of[0].text: cells_of[-2].hint for cells_of, _ in grid.rows}[
         "Installed gap of coils 1 and 2"
     ] == "the pitch"
-    tones = {cells_of[0].words: cells_of[-1].tone for cells_of, _ in grid.rows}
+    tones = {cells_of[0].text: cells_of[-1].tone for cells_of, _ in grid.rows}
     assert (
         tones["Stage II peak force"],
         tones["Installed gap of coils 1 and 2"],

@@ -17,9 +17,9 @@ from rich.console import Console
 from known_figures import STUDIES
 from synthetic_study import at_rest, own_study, published_study, rod_run, sweep_study
 from unit.test_every_table import COMPARED, four
-from valvetrain.cli.answers import published_words, show_study
+from valvetrain.cli.answers import published_summary, show_study
 from valvetrain.cli.outcome import quantity_rows, shown_text
-from valvetrain.cli.published import difference_words, short_verdict, show_comparisons, tally
+from valvetrain.cli.published import difference_text, short_verdict, show_comparisons, tally
 from valvetrain.cli.runs import headline
 
 RPM = np.pi / 30
@@ -240,7 +240,7 @@ def test_published_values_are_told_in_a_line_and_in_full():
     ],
 )
 def test_difference_and_verdict_of_a_row(place, difference, verdict):
-    assert (difference_words(COMPARED[place]), short_verdict(COMPARED[place])) == (
+    assert (difference_text(COMPARED[place]), short_verdict(COMPARED[place])) == (
         difference,
         verdict,
     )
@@ -250,12 +250,12 @@ def test_a_bound_is_told_without_its_distance_and_a_zero_in_its_unit():
     bound = replace(COMPARED[0], verdict="stated as at most: beyond by 5.0 %")
     assert short_verdict(bound) == "stated as at most"
     nothing = replace(COMPARED[1], published=0.0, difference=-2e-6)
-    assert difference_words(nothing) == "−0.002 mm"
+    assert difference_text(nothing) == "−0.002 mm"
     assert "no tolerance was stated" in tally(
         COMPARED[2:3], "prediction"
     ) and "not computed" not in tally(COMPARED[:1], "prediction")
-    assert published_words(COMPARED[3:4]) == "1 published value"
-    assert published_words(COMPARED[:1]).endswith(
+    assert published_summary(COMPARED[3:4]) == "1 published value"
+    assert published_summary(COMPARED[:1]).endswith(
         "largest 1.9 % (Stage II peak force at 5600 rpm); 1 of 1 stated tolerances met"
     )
     console = Console(file=StringIO(), width=140, no_color=True)

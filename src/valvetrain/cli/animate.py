@@ -102,11 +102,11 @@ def animate(
             "a film shows one run; give one spring model and one spring set", "--spring"
         )
     chosen = choose_case(case, settings)
-    kept = None if settings else run_of_path(Path(case))
+    saved = None if settings else run_of_path(Path(case))
     study = (
         _computed(chosen, speeds, models, sets)
-        if kept is None
-        else _kept(kept.folder, chosen, speeds, models, sets)
+        if saved is None
+        else _of_saved_run(saved.folder, chosen, speeds, models, sets)
     )
     variant = _variant(study)
     with busy("drawing the film"):
@@ -119,7 +119,7 @@ def animate(
 
     def show(console: Console) -> None:
         seen = f"{film.pictures} pictures, {request.duration:g} s, 1/{film.slowness:.0f} of real time, {film.size / 1e6:.2g} MB"
-        console.print(f"{film.path}: {variant.words}, {seen}", soft_wrap=True)
+        console.print(f"{film.path}: {variant.title}, {seen}", soft_wrap=True)
         for note in variant.notes:
             console.print(f"{note[:1].upper()}{note[1:].rstrip('.')}.", soft_wrap=True)
 
@@ -131,9 +131,9 @@ def _path(output: str) -> Path:
         raise InputError("a film needs a file; give --output FILE.gif or FILE.mp4", "--output")
     path = Path(output)
     if path.is_dir() or not path.parent.is_dir():
-        words = "is a folder" if path.is_dir() else "lies in a folder that does not exist"
+        sentence = "is a folder" if path.is_dir() else "lies in a folder that does not exist"
         raise InputError(
-            f"'{output[:80]}' {words}; give a file in a folder that is there", "--output"
+            f"'{output[:80]}' {sentence}; give a file in a folder that is there", "--output"
         )
     return path
 
@@ -151,8 +151,8 @@ def _computed(
     problem = build(case, spring_models=models, spring_sets=sets)
     known = speeds or (max(problem.engine_speeds),) if speeds or problem.engine_speeds else ()
     if not known or not problem.moves:
-        words = f"case '{case.name}' names no engine speed or has no lift law, so nothing moves; give --engine-speed"
-        raise InputError(words, "--engine-speed")
+        sentence = f"case '{case.name}' names no engine speed or has no lift law, so nothing moves; give --engine-speed"
+        raise InputError(sentence, "--engine-speed")
     first = next((member for member in problem.members if not member.refusal), problem.members[0])
     with busy("computing the run"):
         return simulate(
@@ -164,7 +164,7 @@ def _computed(
         )
 
 
-def _kept(
+def _of_saved_run(
     folder: Path,
     case: Case,
     speeds: tuple[float, ...] | None,

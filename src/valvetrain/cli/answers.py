@@ -34,7 +34,7 @@ if TYPE_CHECKING:
     from valvetrain.solution.study import Study
 
 #: Runs that stand side by side in 100 columns; more stand below each other, up to this many.
-BESIDE, BELOW = 4, 24
+MAX_COLUMNS, MAX_TABLE_ROWS = 4, 24
 #: Runs up to which what does not fit beside each other stands in a second table.
 TWICE = 12
 
@@ -65,14 +65,14 @@ def _tables(study: Study) -> Iterator[Table]:
     ):  # a stretch of motion alone answers nothing
         yield from _rest_tables(study)
     if study.over_speed:
-        for first in range(0, len(columns), BESIDE):
-            yield _over_speeds(study, columns[first : first + BESIDE], rows, first)
-    elif len(columns) <= BESIDE:
+        for first in range(0, len(columns), MAX_COLUMNS):
+            yield _over_speeds(study, columns[first : first + MAX_COLUMNS], rows, first)
+    elif len(columns) <= MAX_COLUMNS:
         if rows:
             yield _side_by_side(study, columns, rows, bars)
     else:
         same = [
-            (row.words, row.unit, _range(row.values))
+            (row.label, row.unit, _range(row.values))
             for row in rows
             if row.name in names_for("case")
         ]
@@ -95,7 +95,7 @@ def _fidelity(found: FidelityMap) -> Iterator[Table]:
         right=range(1, 1 + len(found.models)),
     )
     for row in reach_rows(found):
-        table.add_row(row.words, *row.cells)
+        table.add_row(row.label, *row.cells)
     costs = dict(found.costs)
     table.add_row(
         "Time of a run, the reference's being 1",
@@ -104,7 +104,7 @@ def _fidelity(found: FidelityMap) -> Iterator[Table]:
     yield table
     yield plain_table(
         ("Cheapest at all speeds", "", ""),
-        [(row.words, row.cheapest, reason_for(found, row.quantity)) for row in reach_rows(found)],
+        [(row.label, row.cheapest, reason_for(found, row.quantity)) for row in reach_rows(found)],
     )
 
 
@@ -121,16 +121,16 @@ def _side_by_side(
     headers = [
         "",
         "",
-        *(column.label + words for column, words in zip(columns, speeds, strict=True)),
+        *(column.label + label for column, label in zip(columns, speeds, strict=True)),
     ]
     table = plain_table(headers, (), right=range(2, len(headers)))
     table.columns[0].no_wrap = table.columns[1].no_wrap = True
-    told = [row for row in rows if row.name not in names_for("page")]
+    shown = [row for row in rows if row.name not in names_for("page")]
 
     def width(chosen: ErrorBars) -> int:
         lines = [
             headers,
-            *([row.words, unit_text(row.unit), *chosen.cells(row, columns)] for row in told),
+            *([row.label, unit_text(row.unit), *chosen.cells(row, columns)] for row in shown),
         ]
         return (
             sum(
@@ -143,10 +143,10 @@ def _side_by_side(
     bars = fitting(bars, width)
     for row in rows:
         if row.name not in names_for("page"):
-            table.add_row(row.words, unit_text(row.unit), *bars.cells(row, columns))
+            table.add_row(row.label, unit_text(row.unit), *bars.cells(row, columns))
         if row.name == "clash_count":
-            for words, unit, cells in largest_clash_rows(study, columns):
-                table.add_row(f"  {words}", unit, *cells)
+            for label, unit, cells in largest_clash_rows(study, columns):
+                table.add_row(f"  {label}", unit, *cells)
     return table
 
 
@@ -168,7 +168,7 @@ def _over_speeds(
             for line in control:
                 if line.name == name:
                     table.add_row(
-                        line.words if line.main else f"  {line.words}", "rpm", *line.cells
+                        line.label if line.main else f"  {line.label}", "rpm", *line.cells
                     )
         elif row is not None:
             pairs = zip(
@@ -181,7 +181,7 @@ def _over_speeds(
                 "–" if value is None else _at_speed(value, None if still else speed)
                 for value, speed in pairs
             ]
-            table.add_row(row.words, unit_text(row.unit), *cells)
+            table.add_row(row.label, unit_text(row.unit), *cells)
     speeds = [study.runs(column.label) for column in columns]
     unsettled = [sum(run.status.code == "not-converged" for run in runs) for runs in speeds]
     table.add_row("Engine speeds run", "", *(str(len(runs)) for runs in speeds))
@@ -206,9 +206,9 @@ def _fitting(
 
 def _header(row: HeadlineRow) -> str:
     return (
-        f"{row.words} ({unit_text(row.unit)})".replace("N s)", "N\u00a0s)")
+        f"{row.label} ({unit_text(row.unit)})".replace("N s)", "N\u00a0s)")
         if row.unit
-        else row.words
+        else row.label
     )
 
 
@@ -241,15 +241,15 @@ def _by_run(
     for place in range(1 + timed):
         table.columns[place].no_wrap = True
     cells = [_cells(columns, row, bars) for row in rows]
-    for place, column in enumerate(columns[:BELOW]):
+    for place, column in enumerate(columns[:MAX_TABLE_ROWS]):
         speed = (
             []
             if not timed
             else [f"{rpm(column.engine_speed):g}" if column.engine_speed is not None else ""]
         )
         table.add_row(column.label, *speed, *(one[place] for one in cells))
-    if len(columns) > BELOW:
-        table.add_row(f"and {len(columns) - BELOW} more")
+    if len(columns) > MAX_TABLE_ROWS:
+        table.add_row(f"and {len(columns) - MAX_TABLE_ROWS} more")
     return table
 
 
@@ -286,13 +286,13 @@ def _rest_tables(study: Study) -> Iterator[Table]:
             else [_percent(*pair) for pair in zip(cells, first, strict=True)]
         )
         error = one.facts.get("force error of the mesh")
-        words = [
-            _words(value) + (f" ({share})" if share else "")
+        label = [
+            _cell(value) + (f" ({share})" if share else "")
             for value, share in zip(cells, compared or [""] * 5, strict=True)
         ]
         if isinstance(error, float):
-            words[0] += f" ±{100 * error:.2g} %"
-        rows.append((one.model if several == 1 else f"{one.spring}, {one.model}", *words))
+            label[0] += f" ±{100 * error:.2g} %"
+        rows.append((one.model if several == 1 else f"{one.spring}, {one.model}", *label))
     if rows:
         table = plain_table(
             ("at rest", "preload (N)", "rate (N/mm)", "mode 1 (Hz)", "mode 2 (Hz)", "mode 3 (Hz)"),
@@ -314,7 +314,7 @@ def _show_published(console: Console, study: Study, whole: bool) -> None:
     from valvetrain.cli.published import show_comparisons
 
     if study.comparisons:
-        console.print(f"\n{published_words(study.comparisons)}")
+        console.print(f"\n{published_summary(study.comparisons)}")
     more = [
         f"{len(found)} {noun}{'s' if len(found) > 1 else ''}"
         for found, noun in ((study.findings, "finding"), (study.notes, "note"))
@@ -342,7 +342,7 @@ def _show_published(console: Console, study: Study, whole: bool) -> None:
         console.print(f"\n{note}", soft_wrap=True)
 
 
-def published_words(rows: Sequence[Comparison]) -> str:
+def published_summary(rows: Sequence[Comparison]) -> str:
     """One sentence: how many published values, the median and the largest difference, and how many
     stated tolerances are met.
     """
@@ -368,7 +368,7 @@ def published_words(rows: Sequence[Comparison]) -> str:
 
 
 def _at_speed(value: float | None, engine_speed: float | None) -> str:
-    return _words(value) + ("" if engine_speed is None else f" at {rpm(engine_speed):g}")
+    return _cell(value) + ("" if engine_speed is None else f" at {rpm(engine_speed):g}")
 
 
 def _range(values: Sequence[float | None]) -> str:
@@ -376,7 +376,7 @@ def _range(values: Sequence[float | None]) -> str:
     return " to ".join(
         dict.fromkeys(
             map(
-                _words,
+                _cell,
                 (min(known), max(known))
                 if (known := [v for v in values if v is not None])
                 else (None,),
@@ -385,5 +385,5 @@ def _range(values: Sequence[float | None]) -> str:
     )
 
 
-def _words(value: float | None) -> str:
+def _cell(value: float | None) -> str:
     return number(value, 4)

@@ -43,8 +43,8 @@ def choose_case(
     for text in settings or ():
         path, value = read_assignment(text, "--set")
         changes[path], options[path] = value, f"--set {path}"
-    kept = None if not name.strip() or name in library_names() else run_of_path(Path(name))
-    source = name if kept is None else kept.case_file
+    saved = None if not name.strip() or name in library_names() else run_of_path(Path(name))
+    source = name if saved is None else saved.case_file
     try:
         given = {"--elements-per-coil": elements_per_coil, **(more or {})}
         for option, value in given.items():
@@ -83,8 +83,8 @@ def folder_of(name: str) -> Path:
 
     if name in library_names():
         return LIBRARY
-    kept = run_of_path(Path(name))
-    return Path(name).parent if kept is None else kept.case_file.parent
+    saved = run_of_path(Path(name))
+    return Path(name).parent if saved is None else saved.case_file.parent
 
 
 def _placed(error: InputError, options: dict[str, str]) -> InputError:

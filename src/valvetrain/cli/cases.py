@@ -196,7 +196,7 @@ def new(
             "--kind",
             "--train",
             metavar="KIND",
-            help=f"Kind of case: {', '.join(f'{word} ({told})' for word, told in KINDS.items())}.",
+            help=f"Kind of case: {', '.join(f'{word} ({meaning})' for word, meaning in KINDS.items())}.",
         ),
     ] = "spring",
     as_json: JsonOption = False,
@@ -207,8 +207,8 @@ def new(
 
     path = write_template(name, kind)
     data = {"command": "new", "kind": kind, "files": [str(path)]}
-    words = f"{path}: {KINDS[kind]}; put in your values, then run 'valvetrain run {path}'"
-    deliver(Outcome(data, lambda console: console.print(words, soft_wrap=True)))
+    label = f"{path}: {KINDS[kind]}; put in your values, then run 'valvetrain run {path}'"
+    deliver(Outcome(data, lambda console: console.print(label, soft_wrap=True)))
 
 
 def write_template(name: str, kind: str) -> Path:

@@ -29,7 +29,7 @@ from valvetrain.solution.partial_failures import TRACEBACK_VARIABLE
 WRONG_INPUT, FAILED, INTERRUPTED = 2, 1, 130
 INTERRUPTED_SENTENCE = "interrupted: nothing more is written; start the command again to repeat it"
 #: Whether the user was told what an interrupted command kept.
-_told: list[str] = []
+_report: list[str] = []
 
 
 class GuardedGroup(TyperGroup):
@@ -51,7 +51,7 @@ class GuardedGroup(TyperGroup):
         """
         mend_streams()
         set_manner(sys.argv[1:] if args is None else list(args))
-        _told.clear()
+        _report.clear()
         with listening(), giving_back():
             try:
                 result = super().main(
@@ -91,8 +91,8 @@ def _code_of(error: SystemExit) -> int:
 def interrupted(sentence: str = INTERRUPTED_SENTENCE) -> int:
     """Say, once, that the command was stopped and what it kept; the exit code."""
     code = exit_code(noted())
-    if not _told:
-        _told.append(sentence)
+    if not _report:
+        _report.append(sentence)
         complain(sentence)
         if sentence == INTERRUPTED_SENTENCE:
             _as_json(sentence, "", code)

@@ -35,6 +35,6 @@ def say_cost(cost: Cost, limits: Limits, fewer: str) -> None:
     ``fewer`` of what makes it large, where it lies beyond ``limits``."""
     from valvetrain.runs.cost import refuse_cost
 
-    told = refuse_cost(cost, limits, fewer=fewer)
+    estimate = refuse_cost(cost, limits, fewer=fewer)
     if cost.seconds > WORTH_SAYING:
-        tell(f"this will take {told}")
+        tell(f"this will take {estimate}")

@@ -136,7 +136,7 @@ def compute_modes(
     whose file lies there."""
     from valvetrain.cli.outcome import Outcome
     from valvetrain.cli.progress import announce_compilation, progress_bar
-    from valvetrain.cli.static import kept
+    from valvetrain.cli.static import saved_outcome
     from valvetrain.report.json import study_json
     from valvetrain.runs.static_study import rest_study
     from valvetrain.runs.train_modes import train_modes
@@ -168,7 +168,7 @@ def compute_modes(
             _show_train(console, one, count)
 
     outcome = Outcome(data, show, study.failures)
-    return outcome if keep is None else kept(outcome, study, case, keep, {"count": count})
+    return outcome if keep is None else saved_outcome(outcome, study, case, keep, {"count": count})
 
 
 def _object(modes: TrainModes, count: int) -> dict[str, Any]:
@@ -182,13 +182,13 @@ def _object(modes: TrainModes, count: int) -> dict[str, Any]:
         }
         for place, frequency in enumerate(modes.natural_frequency[:count])
     ]
-    told = {
+    content = {
         "cam_angle": {"value": modes.cam_angle, "unit": "rad"},
         "valve_lift": {"value": modes.valve_lift, "unit": "m"},
     }
     return (
         {"label": modes.label, "state": modes.state, "closed": modes.closed, "open": modes.open}
-        | told
+        | content
         | {"modes": each}
     )
 
@@ -247,10 +247,10 @@ def _show(console: Console, study: Study) -> None:
             )
         )
         if len(one.modes.axial_modes) and mass is None:
-            console.print(_surge_words(float(one.modes.axial_frequencies[0])), soft_wrap=True)
+            console.print(_surge_sentence(float(one.modes.axial_frequencies[0])), soft_wrap=True)
 
 
-def _surge_words(frequency: float) -> str:
+def _surge_sentence(frequency: float) -> str:
     """Engine speeds at which the surge (Hz) meets the cam orders of :data:`SURGE_ORDERS`."""
     met = ", ".join(f"{order} at {120 * frequency / order:.0f}" for order in SURGE_ORDERS)
     return f"the first axial mode meets cam order {met} rpm of the crank"

@@ -39,9 +39,9 @@ def at_end(release: Callable[[], None]) -> None:
 MAX_COUNTED = 10**9
 
 
-def asks(flag: str, metavar: str, words: str) -> Any:
+def asks(flag: str, metavar: str, label: str) -> Any:
     """An option that takes text, empty by default."""
-    return typer.Option(flag, metavar=metavar, help=words, show_default=False)
+    return typer.Option(flag, metavar=metavar, help=label, show_default=False)
 
 
 def matching_cases(begun: str) -> list[str]:
@@ -119,7 +119,7 @@ def take_folder(output: Path | None, resumes: str = "") -> None:
     """
     from valvetrain.runs.saved_runs import ROOT, check_folder, hold_folder
 
-    check_folder(output or ROOT, kept=output is None, resumes=resumes)
+    check_folder(output or ROOT, output is None, resumes)
     if output is not None:
         at_end(hold_folder(output))
 
@@ -170,9 +170,9 @@ DaskOption = Annotated[
 
 def points_folder(default: str) -> Any:
     """The option of a folder that keeps finished points."""
-    words = f"Folder of points and results; points that it holds are not computed again (default: {default})."
+    label = f"Folder of points and results; points that it holds are not computed again (default: {default})."
     return typer.Option(
-        "--output", metavar="FOLDER", parser=read_folder, show_default=False, help=words
+        "--output", metavar="FOLDER", parser=read_folder, show_default=False, help=label
     )
 
 
@@ -287,14 +287,14 @@ SENSOR_KEYS = (
 )  # fmt: skip
 
 
-def read_sensor(bandwidth: str | None, words: str | None, sampling_rate: str | None) -> Sensor:
+def read_sensor(bandwidth: str | None, sentence: str | None, sampling_rate: str | None) -> Sensor:
     """The gauge of ``--bandwidth``, ``--sampling-rate`` and ``--sensor 'KEY=VALUE, ...'``. Raises
     :class:`InputError` for other words.
     """
     from valvetrain.measured.sensor import Sensor
 
     given: dict[str, Any] = {}
-    for part in (words or "").split(","):
+    for part in (sentence or "").split(","):
         if not part.strip():
             continue
         key, sign, value = (one.strip() for one in part.partition("="))

@@ -89,11 +89,11 @@ _DEFAULT = Manner()
 _MANNER: ContextVar[Manner] = ContextVar("manner", default=_DEFAULT)
 
 
-def set_manner(words: Sequence[str]) -> None:
+def set_manner(label: Sequence[str]) -> None:
     """Read ``--json`` and ``--quiet`` from the words of the command line, so that errors of the
     parser obey them too.
     """
-    _MANNER.set(Manner("--json" in words, "--quiet" in words))
+    _MANNER.set(Manner("--json" in label, "--quiet" in label))
 
 
 def manner() -> Manner:

@@ -46,8 +46,8 @@ def progress_bar(title: str) -> Iterator[Report]:
     from rich.console import Console
     from rich.progress import BarColumn, Progress, SpinnerColumn, TaskProgressColumn, TextColumn
 
-    words, left = TextColumn("{task.description}", markup=False), TextColumn("{task.fields[left]}")
-    columns = SpinnerColumn(), words, BarColumn(24), TaskProgressColumn(), left
+    label, left = TextColumn("{task.description}", markup=False), TextColumn("{task.fields[left]}")
+    columns = SpinnerColumn(), label, BarColumn(24), TaskProgressColumn(), left
     bar = Progress(*columns, console=Console(stderr=True), transient=True)
     task = bar.add_task(title, total=1.0, left="")
     begun = time.monotonic()
@@ -92,10 +92,10 @@ def announce_compilation(*kinds: str) -> None:
 
     seconds = seconds_to_compile(*kinds)
     if seconds:
-        words = f"compiling kernels, once, about {seconds:.0f} s"
-        tell_progress(None, words)
-        _AHEAD[:] = [words]
-        tell(words)
+        label = f"compiling kernels, once, about {seconds:.0f} s"
+        tell_progress(None, label)
+        _AHEAD[:] = [label]
+        tell(label)
 
 
 #: Kind of work -> a kernel that is compiled last in it, and the seconds that all of its kernels

@@ -99,14 +99,14 @@ def refine(
         refine_cost(chosen, request.engine_speeds, request.workers), request.limits, FEWER_REFINED
     )
     study, stopped = _refined(request)
-    outcome = _kept(request, study, stopped)
+    outcome = _saved_outcome(request, study, stopped)
     if not stopped:
         deliver(outcome)
         return
     with suppress(typer.Exit):
         deliver(outcome)
-    words = f"{study.finished} of {study.runs} runs were finished, and their numbers are kept in '{outcome.data['folder']}'"
-    raise typer.Exit(interrupted(f"interrupted: {words}; start the command again for the rest"))
+    sentence = f"{study.finished} of {study.runs} runs were finished, and their numbers are kept in '{outcome.data['folder']}'"
+    raise typer.Exit(interrupted(f"interrupted: {sentence}; start the command again for the rest"))
 
 
 def _refined(request: RefineRequest) -> tuple[UncertaintyStudy, bool]:
@@ -131,7 +131,7 @@ def _refined(request: RefineRequest) -> tuple[UncertaintyStudy, bool]:
         return cut.study, True
 
 
-def _kept(request: RefineRequest, study: UncertaintyStudy, stopped: bool) -> Outcome:
+def _saved_outcome(request: RefineRequest, study: UncertaintyStudy, stopped: bool) -> Outcome:
     """The study written to its folder, with a sentence where it was ``stopped`` or a variant
     failed.
     """

@@ -98,10 +98,10 @@ def state(run: SavedRun) -> str:
         return "completed"
     runs, failures = run.answer.get("runs", ()), run.answer.get("failures", ())
     codes = [one["status"].get("code") for one in runs if isinstance(one.get("status"), dict)]
-    told = isinstance(failures, list) and any(
-        isinstance(words, str) and words.startswith("interrupted") for words in failures
+    summary = isinstance(failures, list) and any(
+        isinstance(sentence, str) and sentence.startswith("interrupted") for sentence in failures
     )
-    return "interrupted" if told or "interrupted" in codes else "failed"
+    return "interrupted" if summary or "interrupted" in codes else "failed"
 
 
 def headline(answer: Any) -> dict[str, Any] | None:
@@ -162,7 +162,7 @@ def _row(run: SavedRun, named: bool) -> tuple[str, ...]:
 
     choices, best = run.answer.get("choices", {}), headline(run.answer)
     speeds = choices.get("engine_speeds", [])
-    words = (
+    label = (
         "–"
         if not speeds
         else f"{speeds[0]:g}"
@@ -170,19 +170,19 @@ def _row(run: SavedRun, named: bool) -> tuple[str, ...]:
         else f"{speeds[0]:g}–{speeds[-1]:g} ({len(speeds)})"
     )
     models = choices.get("spring_models", [])
-    told = ""
+    summary = ""
     if best is not None:
         value, unit = shown(best["quantity"], best["value"])
-        told = f"{label_of(best['quantity']) if named else ''} {number(value)} {unit}".strip()
+        summary = f"{label_of(best['quantity']) if named else ''} {number(value)} {unit}".strip()
     return (
         run.created_at[5:16].replace("T", " "),
         run.case,
         run.digest,
         str(run.answer.get("command", "")),
         ",\n".join(models[:2]) + (f" +{len(models) - 2}" if len(models) > 2 else ""),
-        words,
+        label,
         "" if (ended := state(run)) == "completed" else ended,
-        told,
+        summary,
     )
 
 
@@ -199,10 +199,10 @@ def _show_unfinished(console: Console, begun: tuple[UnfinishedFolder, ...]) -> N
         if not one.goes_on and one.command:
             console.print(f"    again from its begin: {one.command}", soft_wrap=True)
     if any(not one.goes_on for one in begun):
-        kept = (
+        saved = (
             f"numbers of finished runs stand in '{LIST}', their channels in run-0001.nc and so on"
         )
-        console.print(f"\nOf a killed run {kept}; delete its folder to remove it.", soft_wrap=True)
+        console.print(f"\nOf a killed run {saved}; delete its folder to remove it.", soft_wrap=True)
 
 
 RunArgument = Annotated[

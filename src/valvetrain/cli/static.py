@@ -48,7 +48,7 @@ KeepOption = Annotated[
 ]
 
 
-def kept(
+def saved_outcome(
     outcome: Outcome, study: Study, case: Case, folder: Path, choices: Mapping[str, Any]
 ) -> Outcome:
     """The outcome with its ``study`` written to a new folder of kept runs; ``folder``: where the
@@ -66,32 +66,35 @@ def kept(
         pages.extend([files.page] if files.page else [])
         for sentence in files.gaps:
             gaps.add(sentence)
-        told = tuple(dict.fromkeys((*outcome.failures, *gaps.sentences)))
-        data.update(completed=not told, failures=list(told))
+        failed = tuple(dict.fromkeys((*outcome.failures, *gaps.sentences)))
+        data.update(completed=not failed, failures=list(failed))
         return [*files.data, *pages]
 
-    asked = {**choices, "spring_models": list(dict.fromkeys(one.model for one in study.rest))}
+    request_choices = {
+        **choices,
+        "spring_models": list(dict.fromkeys(one.model for one in study.rest)),
+    }
     request = SavedRequest(
         study.command, case, None, datetime.now(UTC).replace(microsecond=0), folder
     )
     with busy("writing files"):
         home, files = keep_run(
-            request, study.record.text, asked, data, write, study.provenance, gaps=gaps
+            request, study.record.text, request_choices, data, write, study.provenance, gaps=gaps
         )
-    told = tuple(dict.fromkeys((*outcome.failures, *gaps.sentences)))
+    failed = tuple(dict.fromkeys((*outcome.failures, *gaps.sentences)))
     data.update(
         folder=str(home),
         files=files,
         page=str(pages[0]) if pages else None,
-        completed=not told,
-        failures=list(told),
+        completed=not failed,
+        failures=list(failed),
     )
 
     def show(console: Any) -> None:
         outcome.show(console)
         console.print(f"\nkept in {home}", soft_wrap=True)
 
-    return replace(outcome, data=data, show=show, failures=told)
+    return replace(outcome, data=data, show=show, failures=failed)
 
 
 #: Most rows of a curve that are printed; the CSV file has them all.
@@ -222,7 +225,7 @@ def compute_static(
     if csv is not None:
         data["files"] = [str(write_text(csv, curve_text(study)))]
     outcome = Outcome(data, lambda console: _show(console, study, csv), study.failures)
-    return outcome if keep is None else kept(outcome, study, case, keep, {"steps": steps})
+    return outcome if keep is None else saved_outcome(outcome, study, case, keep, {"steps": steps})
 
 
 def curve_text(study: Study) -> str:
@@ -279,13 +282,13 @@ def _point_tables(points: tuple[RestPoint, ...]) -> Iterator[Table]:
     from valvetrain.parameters.summary import number
 
     def rows(fields: tuple[tuple[str, float], ...]) -> list[list[str]]:
-        told = [[getattr(point, name) for name, _ in fields] for point in points]
+        failed = [[getattr(point, name) for name, _ in fields] for point in points]
         return [
             [
                 number(None if v is None else v * scale, 5)
                 for v, (_, scale) in zip(row, fields, strict=True)
             ]
-            for row in told
+            for row in failed
         ]
 
     columns = (
@@ -329,14 +332,14 @@ def _show(console: Console, study: Study, csv: Path | None) -> None:
     for one, quantities in zip(study.rest, study.still.values(), strict=True):
         rows = _rows(one)
         each = -(-len(rows) // MAX_ROWS)
-        told = [
+        failed = [
             place for place in range(len(COLUMNS)) if any(row[place] is not None for row in rows)
         ]
         console.print()
-        words = ([number(row[place], 5) for place in told] for row in rows[::each])
-        headers = [f"{COLUMNS[place][0]} ({COLUMNS[place][1]})" for place in told]
+        label = ([number(row[place], 5) for place in failed] for row in rows[::each])
+        headers = [f"{COLUMNS[place][0]} ({COLUMNS[place][1]})" for place in failed]
         console.print(
-            plain_table(headers, words, f"{one.spring} by {one.model}", right=range(len(told)))
+            plain_table(headers, label, f"{one.spring} by {one.model}", right=range(len(failed)))
         )
         for table in _point_tables(one.points) if one.points else ():
             console.print()

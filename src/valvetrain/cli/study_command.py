@@ -275,44 +275,44 @@ def answer_study(
     from valvetrain.runs.stopping import StudyStopped
 
     begun = ("valvetrain", *sys.argv[1:])
-    kept = UnfinishedRun(
+    unfinished = UnfinishedRun(
         lambda: request.output or unfinished_folder(request.case.name, request.created_at), begun
     )
     stopped = False
     try:
         with progress_bar(request.case.name) as report:
-            study = compute(report, kept.add)
+            study = compute(report, unfinished.add)
     except StudyStopped as cut:
         study, stopped = cut.study, True
     except BaseException as error:
-        if kept.folder is not None:
-            told = f"what was finished is kept in '{kept.folder}'"
+        if unfinished.folder is not None:
+            failed = f"what was finished is kept in '{unfinished.folder}'"
             if isinstance(error, KeyboardInterrupt):
-                interrupted(f"interrupted: {told}")
+                interrupted(f"interrupted: {failed}")
             else:
-                complain(told)
+                complain(failed)
         raise
-    outcome = _kept(request, study, choices, kept)
+    outcome = _saved_outcome(request, study, choices, unfinished)
     if not stopped:
         deliver(outcome)
         return
     with suppress(typer.Exit):
         deliver(outcome)
     done = sum(run.status.code != "interrupted" for run in study.solutions)
-    words = (
+    sentence = (
         f"{done} of {len(study.solutions)} runs were finished and are kept"
         if done
         else "springs at rest, which were finished, are kept"
     )
     raise typer.Exit(
         interrupted(
-            f"interrupted: {words} in '{outcome.data['folder']}'; start the command again for the rest"
+            f"interrupted: {sentence} in '{outcome.data['folder']}'; start the command again for the rest"
         )
     )
 
 
-def _kept(
-    request: StudyRequest, study: Study, choices: Mapping[str, Any], kept: UnfinishedRun
+def _saved_outcome(
+    request: StudyRequest, study: Study, choices: Mapping[str, Any], unfinished: UnfinishedRun
 ) -> Outcome:
     """The study written to its folder: its answer, with a sentence per part of it that failed."""
     from valvetrain.cli.answers import show_study
@@ -323,7 +323,7 @@ def _kept(
     from valvetrain.report.text import rpm
     from valvetrain.solution.partial_failures import PartialFailures
 
-    gaps = PartialFailures(kept.gaps.sentences)
+    gaps = PartialFailures(unfinished.gaps.sentences)
     none: tuple[str, ...] = ()
     failures = gaps.part("list of failures", none, lambda: study.failures)
     plain: dict[str, Any] = {"case": request.case.name, "failures": list(failures)}
@@ -331,16 +331,16 @@ def _kept(
     pages: list[Path] = []
 
     def write(folder: Path) -> list[Path]:
-        kept.moved_to(folder)
-        files = write_parts(study, folder, request.report, request.figures, kept.file_of)
+        unfinished.moved_to(folder)
+        files = write_parts(study, folder, request.report, request.figures, unfinished.file_of)
         pages.extend([files.page] if files.page else [])
         for sentence in files.gaps:
             gaps.add(sentence)
-        told = tuple(dict.fromkeys((*failures, *gaps.sentences)))
-        data.update(completed=not told, failures=list(told))
+        failed = tuple(dict.fromkeys((*failures, *gaps.sentences)))
+        data.update(completed=not failed, failures=list(failed))
         return [*files.data, *files.figures, *pages]
 
-    asked = {
+    choices_made = {
         **choices, "engine_speeds": [rpm(value) for value in study.engine_speeds], "engine_speed_unit": "rpm",
         "spring_models": list(dict.fromkeys(run.model for run in study.solutions)) or list(request.spring_models),
         "spring_sets": list(request.spring_sets),
@@ -348,23 +348,23 @@ def _kept(
     with busy("writing files"):
         origin = study.solutions[0].provenance if study.solutions else None
         folder, files = keep_run(
-            request, study.record.text, asked, data, write, origin, kept.folder, gaps
+            request, study.record.text, choices_made, data, write, origin, unfinished.folder, gaps
         )
         if (folder / ANSWER).is_file():
-            gaps.part("list of finished runs", None, kept.close)
+            gaps.part("list of finished runs", None, unfinished.close)
     page = pages[0] if pages else None
     if page is not None and request.open_page:
         show_page(page)
-    told = tuple(dict.fromkeys((*failures, *gaps.sentences)))
+    failed = tuple(dict.fromkeys((*failures, *gaps.sentences)))
     data.update(
         folder=str(folder),
         files=files,
         page=None if page is None else str(page),
-        completed=not told,
-        failures=list(told),
+        completed=not failed,
+        failures=list(failed),
     )
     return Outcome(
-        data, lambda console: show_study(console, study, folder, page, request.published), told
+        data, lambda console: show_study(console, study, folder, page, request.published), failed
     )
 
 
@@ -399,10 +399,16 @@ def keep_run(
     from valvetrain.solution.provenance import collect_provenance
 
     missing = PartialFailures() if gaps is None else gaps
-    asked = {"command": request.command, **choices}
-    bare = Inputs(request.case.name, text, {}, asked)
+    choices_made = {"command": request.command, **choices}
+    bare = Inputs(request.case.name, text, {}, choices_made)
     inputs = missing.part(
-        "inputs of the run", bare, collect_inputs, request.case.name, text, request.folder, asked
+        "inputs of the run",
+        bare,
+        collect_inputs,
+        request.case.name,
+        text,
+        request.folder,
+        choices_made,
     )
     if request.output is not None:
         folder = request.output
@@ -426,9 +432,11 @@ def keep_run(
             **origin.dependencies,
         },
     }
-    kept = missing.part(f"file '{ANSWER}' could not be written", None, keep, folder, inputs, answer)
-    if kept is None:
+    unfinished_ = missing.part(
+        f"file '{ANSWER}' could not be written", None, keep, folder, inputs, answer
+    )
+    if unfinished_ is None:
         return folder, [str(folder / name) for name in written]
     if request.output is None:
         missing.part("link to the latest run", None, link_latest, folder)
-    return folder, [str(folder / name) for name in (*kept.answer["files"], ANSWER)]
+    return folder, [str(folder / name) for name in (*unfinished_.answer["files"], ANSWER)]

@@ -220,7 +220,7 @@ def sensitivity_chart(one: Sensitivity, key: str) -> Chart:
         tuple(layers),
         x_range=(-3.0, high + 3.0),
         y_range=(-0.6, len(order) - 0.4),
-        y_words=names,
+        y_tick_labels=names,
     )
     caption = "Lines: 95 % intervals by bootstrap over the base rows. Shares lie between 0 and 100 %; their estimates may miss that a little."
     words = definition_of(one.output).label

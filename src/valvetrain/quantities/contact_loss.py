@@ -20,7 +20,7 @@ from valvetrain.system.train_system import TrainSystem
 
 Array = NDArray[np.float64]
 #: Distance (rad) from a jump of the law at which its two sides are looked at.
-BESIDE = 1e-9
+NEXT_TO = 1e-9
 #: Lowest local minima of the coarse search that are followed to their exact angle: how many, and up
 #: to which multiple of the lowest.
 FOLLOWED, NEAR_LOWEST = 6, 1.1
@@ -105,12 +105,12 @@ class RigidForces:
         forces = _solved(
             np.swapaxes(gradients[:, self.active], 1, 2), np.stack([loads, inertia], axis=2)
         )
-        kept, cam = (
+        driving, cam = (
             [place for place, k in enumerate(self.active) if arrays.laws[k] >= 0],
             system.mechanism.interaction_index("cam"),
         )
         per_lift = -np.sum(gradients[:, cam] * modes, axis=1)
-        return ContactShares(forces[:, kept, 0], forces[:, kept, 1], per_lift, slopes[:, cam])
+        return ContactShares(forces[:, driving, 0], forces[:, driving, 1], per_lift, slopes[:, cam])
 
     def first_loss(self, cam_angle: Array) -> ContactLoss:
         """The lowest cam speed at which a contact is lost, found to the exact angle from a coarse
@@ -193,7 +193,7 @@ class RigidForces:
         motion = self.system.mechanism.kinematics
         turned = np.mod(np.asarray(motion.law.joints, dtype=float), 2 * np.pi)
         edges: Array = np.unique(np.round(np.append(turned, self.openings(cam_angle)), 12))
-        points = np.unique(np.concatenate([cam_angle, edges - BESIDE, edges + BESIDE]))
+        points = np.unique(np.concatenate([cam_angle, edges - NEXT_TO, edges + NEXT_TO]))
         points = points[~np.isin(points, edges)]
         return points, np.searchsorted(edges, points)
 

@@ -96,10 +96,10 @@ def _events(
 ) -> tuple[Event, ...]:
     none: tuple[Event, ...] = ()
     clashes = gaps.part("clashes", none, clash_events, solution) if _meets(frame) else none
-    kept = tuple(event for event in solution.events if event.kind not in (*LOGGED, "clash"))
+    other = tuple(event for event in solution.events if event.kind not in (*LOGGED, "clash"))
     if rigid is not None:
-        kept = gaps.part("events of the train", none, lambda: tuple(train_events(solution, rigid)))
-    return tuple(sorted((*kept, *clashes), key=lambda event: event.cam_angle))
+        other = gaps.part("events of the train", none, lambda: tuple(train_events(solution, rigid)))
+    return tuple(sorted((*other, *clashes), key=lambda event: event.cam_angle))
 
 
 def _whole_cycle(
@@ -138,7 +138,7 @@ def _with_rigid(solution: Solution, rigid: RigidCycle | None) -> Solution:
     if rigid is None:
         return solution
     added = {
-        name: Variable(("sample",), getattr(rigid, column), {"units": unit, "long_name": words})
-        for name, (column, unit, words) in RIGID_CHANNELS.items()
+        name: Variable(("sample",), getattr(rigid, column), {"units": unit, "long_name": label})
+        for name, (column, unit, label) in RIGID_CHANNELS.items()
     }
     return solution.with_channels(added)

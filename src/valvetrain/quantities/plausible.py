@@ -23,7 +23,7 @@ class PlausibleRange:
     ``names``; ``unit`` it is shown in, ``scale`` of
     that unit, and the ``reason`` why nothing real lies beyond."""
 
-    words: str
+    label: str
     names: tuple[tuple[str, str], ...]
     low: float
     high: float
@@ -41,11 +41,11 @@ class PlausibleRange:
             return ""
         bound = self.high if not value < self.low else self.low
         side = "above" if bound == self.high else "below"
-        return f"{self.words} is {value / self.scale:.4g} {self.unit}, {side} {bound / self.scale:g} {self.unit}: {self.reason}"
+        return f"{self.label} is {value / self.scale:.4g} {self.unit}, {side} {bound / self.scale:g} {self.unit}: {self.reason}"
 
 
 def _range(
-    words: str, names: str, low: float, high: float, unit: str, scale: float, reason: str
+    label: str, names: str, low: float, high: float, unit: str, scale: float, reason: str
 ) -> PlausibleRange:
     """``names``: separated by blanks, ``*`` for whatever stands between head and tail."""
     parts = (
@@ -53,7 +53,7 @@ def _range(
         for head, star, tail in (name.partition("*") for name in names.split())
     )
     exact = tuple((head, tail or head) for head, tail in parts)
-    return PlausibleRange(words, exact, low, high, unit, scale, reason)
+    return PlausibleRange(label, exact, low, high, unit, scale, reason)
 
 
 #: Of the motion that is asked for, by lift law and engine speed.
@@ -93,7 +93,7 @@ ACCELERATION = _range(
     1.0,
     "racing valves reach about 1e5 m/s², and a blow on a cam tears it",
 )
-ASKED = (MIN_LIFT, MAX_LIFT, SPEED, ACCELERATION)
+MOTION = (MIN_LIFT, MAX_LIFT, SPEED, ACCELERATION)
 #: Of parts: a force that holds a part in its guide.
 GUIDE_FRICTION = _range(
     "the friction in a guide",
@@ -116,7 +116,7 @@ FOUND = (
            "the ideal strength of a steel crystal is G / 8"),
 )  # fmt: skip
 TABLES: Mapping[str, tuple[PlausibleRange, ...]] = {
-    "asked for": ASKED,
+    "asked for": MOTION,
     "of parts": PARTS,
     "of a run": FOUND,
 }
@@ -148,13 +148,13 @@ def lift_extremes(law: LiftLaw) -> tuple[float, float, float, float]:
 
 def refuse_implausible_motion(law: LiftLaw, cam_speeds: Iterable[float]) -> None:
     """Raise :class:`InputError` where the lift of ``law`` at the highest of ``cam_speeds`` (rad/s)
-    lies outside :data:`ASKED`.
+    lies outside :data:`MOTION`.
     """
     least, largest, rate, bend = lift_extremes(law)
     speed = max(cam_speeds, default=0.0)
-    for limit, value in zip(ASKED, (least, largest, rate * speed, bend * speed**2), strict=True):
-        if words := limit.why_not(value):
-            raise InputError(f"{words}; {REMEDY}")
+    for limit, value in zip(MOTION, (least, largest, rate * speed, bend * speed**2), strict=True):
+        if sentence := limit.why_not(value):
+            raise InputError(f"{sentence}; {REMEDY}")
 
 
 def refuse_implausible_parts(values: Mapping[str, float]) -> None:
@@ -163,16 +163,16 @@ def refuse_implausible_parts(values: Mapping[str, float]) -> None:
     """
     for place, value in values.items():
         for limit in PARTS:
-            if limit.holds(place.rpartition(".")[2]) and (words := limit.why_not(value)):
-                raise InputError(f"{words}; {REMEDY}", place)
+            if limit.holds(place.rpartition(".")[2]) and (sentence := limit.why_not(value)):
+                raise InputError(f"{sentence}; {REMEDY}", place)
 
 
 def implausible(solution: Solution) -> str:
     """What is nonsense in an evaluated run, in words without a remedy; empty where nothing is."""
     for name, value in _numbers(solution):
         for limit in FOUND:
-            if limit.holds(name) and (words := limit.why_not(value)):
-                return words
+            if limit.holds(name) and (label := limit.why_not(value)):
+                return label
     return ""
 
 
@@ -182,8 +182,8 @@ def plausible_rest(one: SpringAtRest) -> SpringAtRest:
     """
     if one.curve is None or not (found := _implausible_rest(one)):
         return one
-    words, compression = found
-    status = Status("diverged", words, where=f"{compression * 1e3:.4g} mm", remedy=REMEDY)
+    label, compression = found
+    status = Status("diverged", label, where=f"{compression * 1e3:.4g} mm", remedy=REMEDY)
     return replace(one, curve=replace(one.curve, status=status))
 
 
@@ -251,7 +251,7 @@ def plausible_page() -> str:
                 f"`{head}`" if head == tail else f"`{head}*{tail}`" for head, tail in one.names
             )
             shown = f" ({names})" if kind == "of a run" else ""
-            lines.append(f"| {kind} | {one.words}{shown} | {low} | {high} | {one.reason} |")
+            lines.append(f"| {kind} | {one.label}{shown} | {low} | {high} | {one.reason} |")
     lines += [
         "",
         "Engine speeds lie between 10 and 30 000 rpm, and numbers of a case within the ranges of its tables; those are mistakes or wrong",

@@ -36,18 +36,18 @@ POINT_NAMES = tuple(
 SLOPE_SHARE = 0.02
 
 
-def rest_quantities(rest: SpringAtRest, wanted: Iterable[str] = ()) -> dict[str, float]:
-    """All named numbers (SI) of one spring at rest; ``wanted``: names such as
+def rest_quantities(rest: SpringAtRest, outputs: Iterable[str] = ()) -> dict[str, float]:
+    """All named numbers (SI) of one spring at rest; ``outputs``: names such as
     ``natural_3_frequency`` that a publication numbers so.
     """
     found = {} if rest.curve is None else static_quantities(rest.curve, rest.precompression)
     if rest.installed is not None:
-        told = named(rest.installed, "installed_")
-        found |= {name: told[name] for name in POINT_NAMES if name in told}
+        shares = named(rest.installed, "installed_")
+        found |= {name: shares[name] for name in POINT_NAMES if name in shares}
     return (
         found
         if rest.modes is None
-        else found | modal_quantities(rest.modes) | natural_quantities(rest.modes, wanted)
+        else found | modal_quantities(rest.modes) | natural_quantities(rest.modes, outputs)
     )
 
 
@@ -112,9 +112,9 @@ def modal_quantities(result: ModalResult) -> dict[str, float]:
     }
 
 
-def natural_quantities(result: ModalResult, wanted: Iterable[str]) -> dict[str, float]:
+def natural_quantities(result: ModalResult, outputs: Iterable[str]) -> dict[str, float]:
     """Natural frequencies (Hz) in rising order, whatever their direction: those of the names
-    ``wanted``, ``natural_n_frequency``.
+    ``outputs``, ``natural_n_frequency``.
 
     Only what a publication numbers so is named so; the axial ones have their own names.
     """
@@ -122,7 +122,7 @@ def natural_quantities(result: ModalResult, wanted: Iterable[str]) -> dict[str, 
         f"natural_{number}_frequency": float(value)
         for number, value in enumerate(result.natural_frequency, start=1)
     }
-    return {name: every[name] for name in wanted if name in every}
+    return {name: every[name] for name in outputs if name in every}
 
 
 #: A spring is cylindrical, as the formula has it, where its mean diameter varies by no more than

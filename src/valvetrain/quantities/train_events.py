@@ -202,9 +202,9 @@ def _seatings_and_bounces(solution: Solution) -> list[Event]:
     """Every touch of the seat with its velocity (m/s) and which one it is, and every bounce with
     its height (m).
     """
-    kept = [event for event in solution.events if event.kind in ("seating", "bounce")]
-    if kept:  # found by an evaluation before this one, from what the integrator saw
-        return kept
+    logged = [event for event in solution.events if event.kind in ("seating", "bounce")]
+    if logged:  # found by an evaluation before this one, from what the integrator saw
+        return logged
     openings = _logged_openings(solution) or _sampled_openings(solution)
     main, found = max(range(len(openings)), key=lambda k: openings[k].height, default=0), []
     for turn in range(len(openings)):

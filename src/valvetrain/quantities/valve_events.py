@@ -107,8 +107,8 @@ def rigid_events(kinematics: RigidKinematics) -> dict[str, float]:
     if kinematics.law_of == "drive":
         for word, height in HEIGHTS.items():
             found |= event_numbers("lobe", word, lift_crossings(law, height))
-    words, heights = ("lash", *HEIGHTS), np.array([0.0, *HEIGHTS.values()])
-    for word, height in zip(words, kinematics.law_lift(heights).tolist(), strict=True):
+    label, heights = ("lash", *HEIGHTS), np.array([0.0, *HEIGHTS.values()])
+    for word, height in zip(label, kinematics.law_lift(heights).tolist(), strict=True):
         found |= event_numbers("rigid_valve", word, lift_crossings(law, height))
     return found
 

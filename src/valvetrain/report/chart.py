@@ -63,7 +63,7 @@ class HeatMap:
     name: str
     unit: str
     power: float = 0.5
-    y_words: str = "coil"
+    y_tick_labels: str = "coil"
     second: Array | None = None
     second_unit: str = ""
     colours: tuple[str, ...] = theme.SEQUENTIAL
@@ -78,7 +78,7 @@ class Band:
 
     first: float
     last: float
-    words: str
+    label: str
     shaded: bool = True
 
 
@@ -88,7 +88,7 @@ class Rule:
 
     axis: str
     value: float
-    words: str = ""
+    label: str = ""
 
 
 @dataclass(frozen=True, eq=False)
@@ -96,7 +96,7 @@ class Panel:
     """One pair of axes. Ranges are (low, high) or None for what the data need; labels carry the
     unit. ``y_log``: y in decades.
 
-    ``y_words``: (value, words) in place of numbers along y.
+    ``y_tick_labels``: (value, words) in place of numbers along y.
     """
 
     x_label: str
@@ -109,7 +109,7 @@ class Panel:
     y_range: tuple[float, float] | None = None
     x_step: float | None = None
     y_log: bool = False
-    y_words: tuple[tuple[float, str], ...] = ()
+    y_tick_labels: tuple[tuple[float, str], ...] = ()
 
 
 def rule_levels(panel: Panel) -> list[int]:
@@ -120,7 +120,7 @@ def rule_levels(panel: Panel) -> list[int]:
     upright = sorted(
         (rule.value, index)
         for index, rule in enumerate(panel.rules)
-        if rule.axis == "x" and rule.words
+        if rule.axis == "x" and rule.label
     )
     for (before, first), (after, second) in itertools.pairwise(upright):
         levels[second] = levels[first] + 1 if after - before < 0.3 * (high - low) else 0

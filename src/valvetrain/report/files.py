@@ -31,9 +31,9 @@ class FreeNames:
 
     taken: set[str] = field(default_factory=set)
 
-    def free(self, words: str) -> str:
+    def free(self, label: str) -> str:
         """A name of letters, digits, points and dashes that was not given before."""
-        composed = unicodedata.normalize("NFC", words)
+        composed = unicodedata.normalize("NFC", label)
         plain = (
             "-".join(
                 "".join(
@@ -47,7 +47,7 @@ class FreeNames:
             for number in range(1, len(self.taken) + 2)
         )
         name = next(
-            one for words, ending in tries if _key(one := _short(words, ending)) not in self.taken
+            one for label, ending in tries if _key(one := _short(label, ending)) not in self.taken
         )
         self.taken.add(_key(name))
         return name
@@ -58,20 +58,20 @@ def _key(name: str) -> str:
     return unicodedata.normalize("NFKC", unicodedata.normalize("NFKC", name).casefold())
 
 
-def _short(words: str, ending: str) -> str:
+def _short(label: str, ending: str) -> str:
     """The words with the ending, cut to :data:`MAX_LENGTH` bytes; of long ones the end stays, where
     speed and number stand.
     """
-    content = words.encode()
+    content = label.encode()
     room = MAX_LENGTH - len(ending)
     if len(content) > room:
         half = room // 2
-        words = (
+        label = (
             content[:half].decode(errors="ignore")
             + "~"
             + content[half + 1 - room :].decode(errors="ignore")
         )
-    return words + ending
+    return label + ending
 
 
 def spring_text(name: str, spring: InstalledSpring, source: str) -> str:

@@ -29,7 +29,7 @@ class HeadlineColumn:
     engine_speed: float | None = None
 
     @property
-    def words(self) -> str:
+    def heading(self) -> str:
         """Label and engine speed."""
         return (
             self.label
@@ -49,7 +49,7 @@ class HeadlineRow:
 
     topic: str
     name: str
-    words: str
+    label: str
     unit: str
     values: tuple[float | None, ...]
     engine_speeds: tuple[float | None, ...]
@@ -76,12 +76,12 @@ def headline_rows(study: Study) -> tuple[HeadlineRow, ...]:
     engine speed where it stands.
     """
     columns = headline_columns(study)
-    told = (
+    critical = (
         [row for row in critical_rows(study, [one.label for one in columns]) if row.main]
         if searched(study)
         else []
     )
-    cells = {row.name: row.cells for row in told}
+    cells = {row.name: row.cells for row in critical}
     rows = []
     for topic, names in topics().items():
         for name in names:
@@ -92,12 +92,12 @@ def headline_rows(study: Study) -> tuple[HeadlineRow, ...]:
                 continue  # said of each spring of the pair
             if name in cells or any(value is not None for value, _ in found):
                 values, speeds = zip(*found, strict=True)
-                words, unit = label_of(name), definition_of(name).shown_unit
+                label, unit = label_of(name), definition_of(name).shown_unit
                 rows.append(
                     HeadlineRow(
                         topic,
                         name,
-                        words[:1].upper() + words[1:],
+                        label[:1].upper() + label[1:],
                         unit,
                         values,
                         speeds,

@@ -56,8 +56,8 @@ def status_object(status: Status) -> dict[str, Any]:
     """How something ended."""
     if status.completed:
         return {"code": status.code} | ({"message": status.message} if status.message else {})
-    words = {"message": status.message, "where": status.where, "remedy": status.remedy}
-    return {"code": status.code, "time": measured(status.time, "s"), **words}
+    label = {"message": status.message, "where": status.where, "remedy": status.remedy}
+    return {"code": status.code, "time": measured(status.time, "s"), **label}
 
 
 def comparison_object(row: Comparison) -> dict[str, Any]:

@@ -51,11 +51,11 @@ class Figure:
 
 @dataclass(frozen=True, slots=True)
 class Cell:
-    """One table cell: escaped ``words``; ``tone`` styles it (number, good, bad, quiet, tag...),
+    """One table cell: escaped ``text``; ``tone`` styles it (number, good, bad, quiet, tag...),
     ``sort`` is a title shown on hover.
     """
 
-    words: str
+    text: str
     tone: str = ""
     hint: str = ""
 
@@ -84,11 +84,11 @@ class Grid:
     @property
     def choices(self) -> tuple[tuple[str, tuple[str, ...]], ...]:
         """Filters that part the rows, each with its words in order of appearance."""
-        words = [
+        label = [
             tuple(dict.fromkeys(row[place] for _, row in self.rows if row))
             for place in range(len(self.filters))
         ]
-        return tuple((name, found) for name, found in zip(self.filters, words, strict=True))
+        return tuple((name, found) for name, found in zip(self.filters, label, strict=True))
 
 
 @dataclass(frozen=True, slots=True)
@@ -148,7 +148,7 @@ class Details:
 class Listing:
     """Text as it stands in a file."""
 
-    words: str
+    text: str
 
     kind = "listing"
 
@@ -205,14 +205,14 @@ class Page:
     footer: str = ""
 
 
-def text(words: str, tone: str = "") -> Text:
+def text(label: str, tone: str = "") -> Text:
     """A paragraph of plain words, escaped."""
-    return Text(escape(words), tone)
+    return Text(escape(label), tone)
 
 
-def gap(words: str) -> Text:
+def gap(sentence: str) -> Text:
     """What stands for a part that failed."""
-    return Text(escape(words), "alert", gap=True)
+    return Text(escape(sentence), "alert", gap=True)
 
 
 def gaps_of(page: Page) -> tuple[str, ...]:
@@ -227,17 +227,17 @@ def gaps_of(page: Page) -> tuple[str, ...]:
 
 def prose(paragraphs: Sequence[str], summary: str, tone: str = "note") -> tuple[Block, ...]:
     """Paragraphs; more than three sentences stand behind a word to click."""
-    blocks = tuple(text(words, tone) for words in paragraphs)
+    blocks = tuple(text(sentence, tone) for sentence in paragraphs)
     return (
         (Details(summary, blocks),)
-        if sum(len(sentences(words)) for words in paragraphs) > 3
+        if sum(len(sentences(sentence)) for sentence in paragraphs) > 3
         else blocks
     )
 
 
-def sentences(words: str) -> list[str]:
+def sentences(sentence: str) -> list[str]:
     """Sentences of a text, each with its closing sign."""
-    return [part for part in re.split(r"(?<=[.!?])\s+(?=[A-Z])", words.strip()) if part]
+    return [part for part in re.split(r"(?<=[.!?])\s+(?=[A-Z])", sentence.strip()) if part]
 
 
 def figure_or_gap(
@@ -289,7 +289,7 @@ def render(page: Page, gaps: PartialFailures | None = None) -> str:
         plotly=library,
         moving=moving,
         mover=motion_script() if moving else "",
-        header=_css_words(f"{page.title} – {page.kicker}"),
+        header=_css_string(f"{page.title} – {page.kicker}"),
         still={
             key: picture
             for key, picture in ((chart.key, _still(chart)) for chart in charts(page))
@@ -360,13 +360,13 @@ def _still(chart: Chart) -> str:
         return ""
 
 
-def _css_words(words: str) -> str:
+def _css_string(label: str) -> str:
     """Words as a string of a style sheet, whatever stands in them."""
     return (
         '"'
         + "".join(
             sign if sign.isalnum() or sign in " .,-–()/" else f"\\{ord(sign):x} "
-            for sign in words[:120]
+            for sign in label[:120]
         )
         + '"'
     )
@@ -381,10 +381,10 @@ def _drawn(chart: Chart, gaps: PartialFailures | None) -> str:
     try:
         return to_json(chart)
     except Exception as error:  # one figure must not cost the page
-        words = f"The figure could not be drawn: {reason(error)}"
+        label = f"The figure could not be drawn: {reason(error)}"
         if gaps is not None:
-            gaps.add(f"report page, {chart.key}: {words}")
-        return in_script(json.dumps({"gap": words}))
+            gaps.add(f"report page, {chart.key}: {label}")
+        return in_script(json.dumps({"gap": label}))
 
 
 def plotly_script() -> str:

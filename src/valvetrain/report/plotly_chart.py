@@ -78,7 +78,7 @@ def _columns(panel: Panel, layer: Layer) -> list[str]:
     if isinstance(layer, HeatMap):
         return [
             f"{named}: {panel.x_label}",
-            f"{named}: {layer.y_words}",
+            f"{named}: {layer.y_tick_labels}",
             f"{layer.name} ({layer.unit})",
         ]
     return [f"{named}: {panel.x_label}", f"{named}: {panel.y_label}"]
@@ -90,7 +90,9 @@ def _layout(chart: Chart, columns: int, panel_height: int) -> dict[str, Any]:
     """
     narrow, rows = panel_height > 0, -(-len(chart.panels) // columns)
     shared = shares_axis(chart, columns)
-    worded = [max((len(words) for _, words in panel.y_words), default=0) for panel in chart.panels]
+    worded = [
+        max((len(label) for _, label in panel.y_tick_labels), default=0) for panel in chart.panels
+    ]
     maps = any(isinstance(layer, HeatMap) for panel in chart.panels for layer in panel.layers)
     direct = any(
         isinstance(layer, Line) and layer.direct for panel in chart.panels for layer in panel.layers
@@ -233,12 +235,12 @@ def _add_axes(
     }
     if panel.y_log:
         y_axis |= {"type": "log", "range": [float(np.log10(end)) for end in y_range], "dtick": 1}
-    if panel.y_words:
-        places, words = zip(*panel.y_words, strict=True)
+    if panel.y_tick_labels:
+        places, label = zip(*panel.y_tick_labels, strict=True)
         y_axis |= {
             "tickmode": "array",
             "tickvals": list(places),
-            "ticktext": [_plain(one) for one in words],
+            "ticktext": [_plain(one) for one in label],
             "showticklabels": not narrow,
         }
     layout[f"yaxis{suffix}"] = common | y_axis
@@ -270,7 +272,7 @@ def _add_furniture(
                 "fillcolor": theme.BAND,
             }
             shapes.append(across | box | {"line": {"width": 0}, "layer": "below"})
-        if band.words:
+        if band.label:
             notes.append(
                 across
                 | small
@@ -278,7 +280,7 @@ def _add_furniture(
                     "x": (band.first + band.last) / 2,
                     "y": 1,
                     "yanchor": "bottom",
-                    "text": _plain(band.words),
+                    "text": _plain(band.label),
                 }
             )
     for level, rule in zip(rule_levels(panel), panel.rules, strict=True):
@@ -304,8 +306,8 @@ def _add_furniture(
                 along | thin_line | {"x0": 0, "x1": 1, "y0": rule.value, "y1": rule.value}
             )
             place = along | {"x": 1, "y": rule.value, "xanchor": "right", "yanchor": "bottom"}
-        if rule.words:
-            notes.append(place | small | {"text": _plain(rule.words)})
+        if rule.label:
+            notes.append(place | small | {"text": _plain(rule.label)})
     for layer in panel.layers:
         if isinstance(layer, Line) and layer.direct and len(layer.x):
             place = {
@@ -314,8 +316,8 @@ def _add_furniture(
                 "x": float(layer.x[-1]),
                 "y": float(layer.y[-1]),
             }
-            words = {"text": _plain(layer.direct), "font": {"size": 12, "color": layer.colour}}
-            notes.append(place | words | {"showarrow": False, "xanchor": "left", "xshift": 4})
+            sentence = {"text": _plain(layer.direct), "font": {"size": 12, "color": layer.colour}}
+            notes.append(place | sentence | {"showarrow": False, "xanchor": "left", "xshift": 4})
     # What stands along y is said above the panel, level: a long word up the side of a low panel
     # would be cut off.
     corner = {
@@ -342,9 +344,9 @@ def _add_furniture(
     notes.append(corner | head | {"text": title + _plain(panel.y_label)})
 
 
-def _plain(words: str) -> str:
+def _plain(label: str) -> str:
     """Words from outside as Plotly shows them, its own markup disarmed."""
-    return words.replace("&", "&amp;").replace("<", "&lt;").replace(">", "&gt;")
+    return label.replace("&", "&amp;").replace("<", "&lt;").replace(">", "&gt;")
 
 
 def _spaced(label: str, side: str) -> str:
@@ -372,15 +374,15 @@ def _trace(layer: Layer) -> dict[str, Any]:
             "color": layer.colour,
             "line": {"width": 1.8, "color": layer.colour},
         }
-        words_shown = {
+        text_options = {
             "mode": "markers+text",
             "text": [_spaced(_plain(label), side) for label in layer.labels],
             "textposition": side,
         }
-        text = words_shown if any(layer.labels) else {"mode": "markers"}
-        words = {"textfont": {"size": 11.5, "color": layer.colour}, "cliponaxis": False}
-        return place | {"type": "scatter", "marker": marker, **_hover(layer)} | text | words
-    hover = f"%{{x:.1f}}, {_plain(layer.y_words)} %{{y:.4g}}: %{{z:.4g}} {layer.unit}"
+        text = text_options if any(layer.labels) else {"mode": "markers"}
+        caption = {"textfont": {"size": 11.5, "color": layer.colour}, "cliponaxis": False}
+        return place | {"type": "scatter", "marker": marker, **_hover(layer)} | text | caption
+    hover = f"%{{x:.1f}}, {_plain(layer.y_tick_labels)} %{{y:.4g}}: %{{z:.4g}} {layer.unit}"
     second = {} if layer.second is None else {"customdata": packed(layer.second)}
     more = f" (%{{customdata:.4g}} {layer.second_unit})" if second else ""
     return (
@@ -425,6 +427,6 @@ def _hover(marks: Marks) -> dict[str, Any]:
     if not marks.hints:
         return {"hovertemplate": "%{x:.2f}, %{y:.4g}"}
     return {
-        "customdata": [_plain(words) for words in marks.hints],
+        "customdata": [_plain(label) for label in marks.hints],
         "hovertemplate": "%{customdata}",
     }

@@ -23,28 +23,28 @@ ANGLE_LABEL = "cam angle (cam degrees)"
 #: SI unit of a channel -> unit shown and factor: those of all results, but a turning speed over the
 #: cycle is that of a lever.
 CHANNEL_UNITS = {**SHOWN_UNITS, "rad/s": ("deg/s", 180 / np.pi), "m/s2": ("m/s²", 1.0)}
-STILL_WORDS = "at rest, same lift"
+STATIC_LABEL = "at rest, same lift"
 #: Lines in one panel before it is parted.
 MAX_LINES = 4
 
 
 @dataclass(frozen=True, slots=True)
-class Look:
+class LineStyle:
     """How the lines of one label are drawn and what they are called."""
 
     colour: str
     dash: str
-    words: str
+    label: str
 
 
-def told_by_source(study: Study) -> bool:
+def covered_by_source(study: Study) -> bool:
     """Whether what the source of a case says is about these runs: always for a case of one's own,
     else where values were compared.
     """
     return not study.record.study or bool(study.comparisons or study.findings)
 
 
-def looks(study: Study) -> dict[str, Look]:
+def line_styles(study: Study) -> dict[str, LineStyle]:
     """Label -> look: colour by model (by label where models do not tell them apart), dash by spring
     set.
     """
@@ -54,10 +54,10 @@ def looks(study: Study) -> dict[str, Look]:
     sets = list(dict.fromkeys(run.spring_set for run in first.values()))
     dashes = ("solid", "dashdot", "dot")
     found = {
-        label: Look(
+        label: LineStyle(
             theme.model_colour(run.model),
             dashes[sets.index(run.spring_set) % 3],
-            _words(label, run),
+            _label(label, run),
         )
         for label, run in first.items()
     }
@@ -66,7 +66,7 @@ def looks(study: Study) -> dict[str, Look]:
     ):
         return found
     return {
-        label: Look(theme.SERIES[n % len(theme.SERIES)], "solid", _words(label, run))
+        label: LineStyle(theme.SERIES[n % len(theme.SERIES)], "solid", _label(label, run))
         for n, (label, run) in enumerate(first.items())
     }
 
@@ -76,7 +76,7 @@ def run_is_model(first: dict[str, Solution]) -> bool:
     return all(label == run.model for label, run in first.items())
 
 
-def _words(label: str, run: Solution) -> str:
+def _label(label: str, run: Solution) -> str:
     return theme.model_label(label) if label == run.model else label
 
 
@@ -127,12 +127,12 @@ def angle_panels(
     name: str,
     title: str = "",
     still: str = "",
-    still_words: str = STILL_WORDS,
+    static_label: str = STATIC_LABEL,
 ) -> list[Panel]:
     """A channel over the cam angle, one line per run, at most :data:`MAX_LINES` a panel;
     ``still``: a channel beside it, dashed, once.
     """
-    known, panels, label = looks(study), [], name
+    known, panels, label = line_styles(study), [], name
     shown = [(run, *found) for run in runs if (found := over_angle(run, channel)) is not None]
     for start in range(0, len(shown), MAX_LINES):
         layers: list[Layer] = []
@@ -141,15 +141,15 @@ def angle_panels(
             unit, factor = unit_of_channel(run, channel)
             label, look = f"{name} ({unit})" if unit else name, known[run.label]
             layers.append(
-                Line(*thin(angle, values * factor), look.words, look.colour, 1.5, look.dash)
+                Line(*thin(angle, values * factor), look.label, look.colour, 1.5, look.dash)
             )
-        beside = next(
+        reference = next(
             (run for run, _, _ in part if still and over_angle(run, still) is not None), None
         )
-        slow = None if beside is None else over_angle(beside, still)
-        if beside is not None and slow is not None:
-            x, y = thin(slow[0], slow[1] * unit_of_channel(beside, still)[1])
-            layers.insert(0, Line(x, y, still_words, theme.MUTED, 1.2, "dash"))
+        slow = None if reference is None else over_angle(reference, still)
+        if reference is not None and slow is not None:
+            x, y = thin(slow[0], slow[1] * unit_of_channel(reference, still)[1])
+            layers.insert(0, Line(x, y, static_label, theme.MUTED, 1.2, "dash"))
         panels.append(
             Panel(
                 ANGLE_LABEL,

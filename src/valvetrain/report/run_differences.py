@@ -48,10 +48,10 @@ def result_rows(results: Sequence[ResultDifference]) -> list[tuple[str, ...]]:
                 (label_of(row.quantity), row.run, a, b, shown(row.quantity, 1.0)[1], change)
             )
         else:
-            words = row.quantity.replace("_", " ")
+            label = row.quantity.replace("_", " ")
             rows.append(
                 (
-                    words,
+                    label,
                     row.run.replace("_", " "),
                     number(row.a or 0.0),
                     number(row.b or 0.0),

@@ -23,7 +23,7 @@ class CriticalRow:
     """One line: the quantity it belongs to, words, and a cell per label (speeds in rpm)."""
 
     name: str
-    words: str
+    label: str
     cells: tuple[str, ...]
     main: bool = False
 
@@ -44,9 +44,9 @@ def critical_rows(study: Study, labels: Sequence[str]) -> list[CriticalRow]:
     rows = []
     for kind, name in KINDS.items():
         found = [study.critical_speeds.of(kind, label) for label in labels]
-        words = label_of(name)
+        caption = label_of(name)
         main = tuple(NOT_COMPUTED if one is None else one.words for one in found)
-        rows.append(CriticalRow(name, words[:1].upper() + words[1:], main, True))
+        rows.append(CriticalRow(name, caption[:1].upper() + caption[1:], main, True))
         for text, cell in (
             ("until", _until),
             ("rising / falling speed", _hysteresis),
@@ -105,7 +105,7 @@ class ReachRow:
     """
 
     quantity: str
-    words: str
+    label: str
     cells: tuple[str, ...]
     cheapest: str
 
@@ -114,9 +114,9 @@ def reach_rows(found: FidelityMap) -> list[ReachRow]:
     """A row per quantity: engine speeds (rpm) up to which each model is good enough."""
     rows = []
     for name in found.quantities:
-        words = label_of(name)
+        label = label_of(name)
         cells = tuple(found.reach(name, model).words for model in found.models)
-        rows.append(ReachRow(name, words[:1].upper() + words[1:], cells, found.cheapest(name)))
+        rows.append(ReachRow(name, label[:1].upper() + label[1:], cells, found.cheapest(name)))
     return rows
 
 

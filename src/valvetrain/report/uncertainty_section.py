@@ -47,12 +47,12 @@ def uncertainty_grid(rows: Sequence[Uncertainty]) -> Grid:
     """One line per quantity, grouped by engine speed and variant."""
     lines: list[tuple[tuple[Cell, ...], tuple[str, ...]]] = []
     for speed, label in dict.fromkeys((row.engine_speed, row.label) for row in rows):
-        words = (
+        caption = (
             "Statics and modes"
             if speed is None
             else f"Engine speed {speed_text(speed)}{f', {label}' if label else ''}"
         )
-        lines.append(((Cell(words),), ()))
+        lines.append(((Cell(caption),), ()))
         lines += [
             (_cells(row), ()) for row in rows if (row.engine_speed, row.label) == (speed, label)
         ]
@@ -90,12 +90,12 @@ def _per_cent(share: float) -> str:
 
 
 def _whose(row: Uncertainty) -> str:
-    words = [
+    label = [
         word
         for word in (row.label, "" if row.engine_speed is None else speed_text(row.engine_speed))
         if word
     ]
-    return f" ({', '.join(words)})" if words else ""
+    return f" ({', '.join(label)})" if label else ""
 
 
 def uncertainty_table(rows: Sequence[Uncertainty]) -> Table:
@@ -147,7 +147,7 @@ def levels_table(study: UncertaintyStudy) -> Table:
 def uncertainty_page(study: UncertaintyStudy) -> Page:
     """The page of ``valvetrain refine``."""
     case = study.record
-    failed = (text(words, "alert") for words in study.failures)
+    failed = (text(sentence, "alert") for sentence in study.failures)
     blocks: tuple[Block, ...] = (
         text(lead(study.elements_per_coil), "quiet"),
         uncertainty_grid(study.rows),
@@ -173,7 +173,7 @@ def uncertainty_page(study: UncertaintyStudy) -> Page:
 
 def _cells(row: Uncertainty) -> tuple[Cell, ...]:
     unit = Quantity(row.quantity).unit
-    words, factor = SHOWN_UNITS.get(unit, (unit, 1.0))
+    label, factor = SHOWN_UNITS.get(unit, (unit, 1.0))
     share = (
         "" if unit == "rad" or row.value == 0 else f"{100 * row.numerical / abs(row.value):.2g} %"
     )
@@ -192,7 +192,7 @@ def _cells(row: Uncertainty) -> tuple[Cell, ...]:
         Cell(number(row.value * factor, 5), "number"),
         Cell(number(row.numerical * factor, 2), "number"),
         Cell(share, "number quiet"),
-        Cell(words, "quiet"),
+        Cell(label, "quiet"),
         Cell(order, "number quiet"),
         Cell(number(row.extrapolated * factor, 5), "number"),
         Cell(between(row.contact_stiffness), "number"),

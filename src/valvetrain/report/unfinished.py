@@ -44,7 +44,7 @@ class UnfinishedRun:
 
     def file_of(self, solution: Solution) -> Path | None:
         """Where a solution was written as it came."""
-        found = next((name for kept, name in self._files.values() if kept is solution), None)
+        found = next((name for saved, name in self._files.values() if saved is solution), None)
         path = self.folder / found if found is not None and self.folder is not None else None
         return path if path is not None and path.is_file() else None
 

@@ -165,7 +165,7 @@ def overlay(
     parts = sections_of(render(compare_test_page(found))) if found.runs else ()
     drawn = [part for section in parts for part in section.parts if isinstance(part, PageFigure)]
     said = tuple(
-        part.words
+        part.text
         for section in parts
         if section.key == "verdict"
         for part in section.parts

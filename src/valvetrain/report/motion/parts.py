@@ -27,7 +27,7 @@ class Colouring:
     """
 
     key: str
-    words: str
+    label: str
     unit: str
     values: Array
     low: float
@@ -92,7 +92,7 @@ class Body:
 class Series:
     """A force (N) over every sample of the cycle (``cam_angle``, rad), whatever frames are drawn."""
 
-    words: str
+    label: str
     colour: str
     cam_angle: Array
     values: Array
@@ -101,12 +101,12 @@ class Series:
 @dataclass(frozen=True, slots=True)
 class Mark:
     """A place to jump to: cam angle (rad, 0 to 2 pi), kind (``peak``, ``clash``, ``other``) and
-    words.
+    label.
     """
 
     cam_angle: float
     kind: str
-    words: str
+    label: str
 
 
 @dataclass(frozen=True, eq=False)
@@ -117,7 +117,7 @@ class Variant:
     what is reconstructed or not told."""
 
     label: str
-    words: str
+    title: str
     engine_speed: float
     sample: Places
     cam_angle: Array
@@ -158,10 +158,10 @@ def marks_of(run: Solution, cycle: Cycle) -> tuple[Mark, ...]:
     )[:MAX_CLASHES]
     for event in clashes:
         at = float(event.details.get("peak_cam_angle", event.cam_angle))
-        words = f"clash {shown_text(event.size, event.unit, 3)}" + (
+        label = f"clash {shown_text(event.size, event.unit, 3)}" + (
             f", {event.where}" if event.where else ""
         )
-        found.append(Mark(at % _TURN, "clash", words))
+        found.append(Mark(at % _TURN, "clash", label))
     for event in [event for event in run.events if event.kind != "clash"][:MAX_OTHERS]:
         size = f" {shown_text(event.size, event.unit, 3)}" if event.unit else ""
         where = f", {event.where}" if event.where else ""
@@ -183,7 +183,7 @@ def still_frame(variant: Variant) -> int:
         (
             mark
             for mark in variant.marks
-            if mark.kind == "peak" and not mark.words.startswith(("least", "minimum"))
+            if mark.kind == "peak" and not mark.label.startswith(("least", "minimum"))
         ),
         None,
     )
@@ -205,12 +205,12 @@ def _peaks(run: Solution, cycle: Cycle) -> list[Mark]:
             )
     if not found and run.has("seat_force"):
         force = cycle.channel("seat_force")
-        for place, words in ((int(np.argmax(force)), "largest"), (int(np.argmin(force)), "least")):
+        for place, label in ((int(np.argmax(force)), "largest"), (int(np.argmin(force)), "least")):
             found.append(
                 Mark(
                     float(cycle.cam_angle[place]),
                     "peak",
-                    f"{words} force on the seat {number(float(force[place]))} N",
+                    f"{label} force on the seat {number(float(force[place]))} N",
                 )
             )
     return found

@@ -84,13 +84,13 @@ def _even(cam_angle: Array, most: int) -> Places:
     """Samples next to even steps of the cam, no more than ``most``."""
     degrees = np.degrees(cam_angle)
     for step in STEPS:
-        wanted = np.arange(0.0, 360.0, step)
-        if len(wanted) <= most:
+        angles = np.arange(0.0, 360.0, step)
+        if len(angles) <= most:
             break
     else:
-        wanted = np.linspace(0.0, 360.0, most, endpoint=False)
-    right = np.clip(np.searchsorted(degrees, wanted), 1, len(degrees) - 1)
-    nearer = np.where(wanted - degrees[right - 1] <= degrees[right] - wanted, right - 1, right)
+        angles = np.linspace(0.0, 360.0, most, endpoint=False)
+    right = np.clip(np.searchsorted(degrees, angles), 1, len(degrees) - 1)
+    nearer = np.where(angles - degrees[right - 1] <= degrees[right] - angles, right - 1, right)
     return np.unique(nearer)
 
 
@@ -277,8 +277,8 @@ def _springs(
         rest = study.at_rest(run.model, name) or next(
             (one for one in study.rest if one.spring in (name, installed.name)), None
         )
-        drawn, told = draw_spring(installed, name, cycle, sample, travel, rest, shared)
-        notes += tuple(words for words in told if words not in notes)
+        drawn, remarks = draw_spring(installed, name, cycle, sample, travel, rest, shared)
+        notes += tuple(sentence for sentence in remarks if sentence not in notes)
         if drawn is not None:
             springs.append(drawn)
     if train is not None:
@@ -294,10 +294,10 @@ def forces_of(run: Solution, cycle: Cycle) -> tuple[Series, ...]:
     """Forces on the retainer, on the seat and, in a train, at the cam, over every sample of the
     cycle.
     """
-    known = [(words, name) for words, name in _FORCES if run.has(name)]
+    known = [(label, name) for label, name in _FORCES if run.has(name)]
     return tuple(
-        Series(words, colour, cycle.cam_angle, cycle.channel(name))
-        for (words, name), colour in zip(known, _FORCE_COLOURS, strict=False)
+        Series(label, colour, cycle.cam_angle, cycle.channel(name))
+        for (label, name), colour in zip(known, _FORCE_COLOURS, strict=False)
     )
 
 

@@ -91,8 +91,8 @@ def colourings_of(
         )
     if (velocity := _along(cycle, channel[_ALONG["velocity"]], nodes, sample)) is not None:
         reach = max(float(np.abs(velocity).max(initial=0.0)), 1e-9)
-        words = "axial velocity, towards the retainer positive"
-        found.append(Colouring("velocity", words, "m/s", velocity, -reach, reach, BOTH_WAYS))
+        label = "axial velocity, towards the retainer positive"
+        found.append(Colouring("velocity", label, "m/s", velocity, -reach, reach, BOTH_WAYS))
     return found
 
 
@@ -157,10 +157,10 @@ def one_range(variants: tuple[Variant, ...]) -> tuple[Variant, ...]:
     )
 
 
-def _rising(key: str, words: str, unit: str, values: Array) -> Colouring:
+def _rising(key: str, label: str, unit: str, values: Array) -> Colouring:
     return Colouring(
         key,
-        words,
+        label,
         unit,
         values,
         min(0.0, float(values.min(initial=0.0))),
@@ -263,7 +263,7 @@ def draw_spring(
         return None, notes
     known = not shared or name != "inner"
     channel = {one: cycle.solution.channel_of(name, one) if known else "" for one in _CHANNELS}
-    coil, nodes, told = _nodes(cycle, channel["axial_displacement"], wire)
+    coil, nodes, remarks = _nodes(cycle, channel["axial_displacement"], wire)
     exact = cycle.solution.has(channel["axial_position"], channel["axial_displacement"])
     if np.any(nodes >= 0):
         moved = np.where(coil < wire.total_coils / 2, 0.0, -travel[:, None])
@@ -277,7 +277,7 @@ def draw_spring(
             if known
             else "of springs that rub the run tells the coils of the outer one alone"
         )
-        told = (f"{whose}: they are spread over the wire by its compliance, as in slow motion",)
+        remarks = (f"{whose}: they are spread over the wire by its compliance, as in slow motion",)
     if exact:
         both = (
             cycle.solution.channel(channel[one])[0, nodes]
@@ -286,7 +286,7 @@ def draw_spring(
         heights = next(both) - next(both)
     else:
         heights = installed_heights(wire, precompression, coil, rest)
-        told += (
+        remarks += (
             "the installed shape is that of the static curve"
             if _curve(rest)
             else "the installed shape follows the wire's compliance",
@@ -299,7 +299,7 @@ def draw_spring(
         and _knows_turns(cycle, channel["axial_displacement"], wire)
     ):
         colourings.insert(0, slope_stress(wire, coil, moved, closed_force(cycle, name)))
-        told += (
+        remarks += (
             "stress follows from the slope of the coils by the textbook's torsion, for the model gives no section loads",
         )
     spring = SpringDrawing(
@@ -313,7 +313,7 @@ def draw_spring(
         wire.free_length - precompression - travel,
         tuple(colourings),
     )
-    return spring, (*notes, *told)
+    return spring, (*notes, *remarks)
 
 
 def closed_force(cycle: Cycle, name: str) -> float:
@@ -389,8 +389,8 @@ def wire_of(
                 f"spring '{installed.name}' is known by a card without a mass, so its wire is not drawn",
             ),
         )
-    words = f"a card does not tell the wire: drawn is one of {ACTIVE_COILS:g} turns with the rate, preload and mass of the card"
-    return wire, precompression, (words,)
+    sentence = f"a card does not tell the wire: drawn is one of {ACTIVE_COILS:g} turns with the rate, preload and mass of the card"
+    return wire, precompression, (sentence,)
 
 
 def _shares(places: Array, wire: SpringDefinition) -> bool:

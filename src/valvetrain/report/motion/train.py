@@ -231,7 +231,7 @@ POINTED = 1e-6
 #: Where no spring is drawn: outer radius and installed height (m) of the space for one.
 NO_SPRING = (14e-3, 40e-3)
 TO_SCALE = "To scale: lobe, follower arc or face, lever arms and pivot, pushrod length, springs, lash, lift and every gap."
-NOT_TOLD = "Of usual size, for no case holds them: tappet and pushrod diameters, stem, head, hub, arms, the place of the spring on the stem."
+TYPICAL_SIZES = "Of usual size, for no case holds them: tappet and pushrod diameters, stem, head, hub, arms, the place of the spring on the stem."
 
 
 @dataclass(frozen=True, eq=False)
@@ -293,7 +293,7 @@ def draw_train(member: Member, cycle: Cycle, sample: Places) -> TrainDrawing:
         travel,
         train.valve.opening_direction + math.pi,
         retainer,
-        (TO_SCALE, NOT_TOLD, *notes),
+        (TO_SCALE, TYPICAL_SIZES, *notes),
     )
 
 
@@ -323,8 +323,8 @@ def coordinates(
             found[part.name] = (
                 rigid if part.name != "pushrod" and part.name != "pushrod top" else drive
             )
-    words = f"the run does not hold the motion of {', '.join(missing)}, drawn as rigid parts move"
-    return found, ((words,) if missing else ())
+    label = f"the run does not hold the motion of {', '.join(missing)}, drawn as rigid parts move"
+    return found, ((label,) if missing else ())
 
 
 def stem_end(

@@ -20,7 +20,7 @@ from valvetrain.report.headlines import (
     largest_clash_rows,
 )
 from valvetrain.report.page import Block, Card, Cards, Cell, Details, Grid, SectionSpec, Tabs, text
-from valvetrain.report.run_charts import looks
+from valvetrain.report.run_charts import line_styles
 from valvetrain.report.run_summary import fidelity_notes, reach_rows, reason_for, share, speed_axis
 from valvetrain.report.text import number, rpm, speed_text, unit_text
 from valvetrain.solution.definition import label_of, topics
@@ -29,7 +29,7 @@ from valvetrain.solution.status import Event
 from valvetrain.solution.study import Study
 
 #: Runs that stand side by side in one table; more stand below each other, a table per question.
-BESIDE = 8
+MAX_COLUMNS = 8
 #: Runs of which several clashes are listed at once; of more the largest of each, and the others
 #: behind a word to click.
 OPEN_LISTS = 2
@@ -43,33 +43,37 @@ def answers_blocks(study: Study) -> tuple[Block, ...]:
     rows = headline_rows(study)
     across = _columns(study)
     by_topic = {topic: [row for row in rows if row.topic == topic] for topic in topics()}
-    if len(across) <= BESIDE:
+    if len(across) <= MAX_COLUMNS:
         cards = (
-            [_beside(study, across, {topic: found for topic, found in by_topic.items() if found})]
+            [
+                _side_by_side(
+                    study, across, {topic: found for topic, found in by_topic.items() if found}
+                )
+            ]
             if rows
             else []
         )
     else:
         cards = [_below(topic, across, found) for topic, found in by_topic.items() if found]
-    failed = tuple(text(words, "alert") for words in study.failures)
+    failed = tuple(text(sentence, "alert") for sentence in study.failures)
     own = (
         ()
         if study.comparisons or study.findings
-        else tuple(text(words, "note") for words in study.notes)
+        else tuple(text(sentence, "note") for sentence in study.notes)
     )
     return (*failed, *((Cards(tuple(cards)),) if cards else ()), *own, *_clashes(study))
 
 
 def _columns(study: Study) -> list[str]:
-    known = looks(study)
+    known = line_styles(study)
     return [
-        (known[one.label].words if one.label in known else one.label)
+        (known[one.label].label if one.label in known else one.label)
         + (f", {speed_text(one.engine_speed)}" if one.engine_speed is not None else "")
         for one in headline_columns(study)
     ]
 
 
-def _beside(study: Study, across: list[str], topics: dict[str, list[HeadlineRow]]) -> Card:
+def _side_by_side(study: Study, across: list[str], topics: dict[str, list[HeadlineRow]]) -> Card:
     """Every question in one table, runs across, a line without values above each topic."""
     lines: list[tuple[str, tuple[str, ...]]] = []
     largest = largest_clash_rows(study, headline_columns(study))
@@ -77,9 +81,9 @@ def _beside(study: Study, across: list[str], topics: dict[str, list[HeadlineRow]
         lines.append((topic, ()))
         for row in rows:
             if row.name != "largest_clash_impulse" or not largest:
-                lines.append((_name(row.words, row.unit), _values(row)))
+                lines.append((_name(row.label, row.unit), _values(row)))
             if row.name == "clash_count":
-                lines += [(_name(f"\u2003{words}", unit), cells) for words, unit, cells in largest]
+                lines += [(_name(f"\u2003{label}", unit), cells) for label, unit, cells in largest]
     return Card("", tuple(across), tuple(lines))
 
 
@@ -91,11 +95,11 @@ def _below(topic: str, across: list[str], rows: list[HeadlineRow]) -> Card:
         for run, cells in zip(across, values, strict=True)
         if any(cell != "–" for cell in cells)
     ]
-    return Card(topic, tuple(_name(row.words, row.unit) for row in rows), tuple(lines))
+    return Card(topic, tuple(_name(row.label, row.unit) for row in rows), tuple(lines))
 
 
-def _name(words: str, unit: str) -> str:
-    return f"{words} ({unit_text(unit)})".replace("N s)", "N\u00a0s)") if unit else words
+def _name(label: str, unit: str) -> str:
+    return f"{label} ({unit_text(unit)})".replace("N s)", "N\u00a0s)") if unit else label
 
 
 def _values(row: HeadlineRow) -> tuple[str, ...]:
@@ -109,20 +113,20 @@ def _clashes(study: Study) -> tuple[Block, ...]:
     """The largest clashes open: several of one run or two, else one of each; all that are named of
     many runs behind a word to click.
     """
-    known = looks(study)
+    known = line_styles(study)
     found = [
-        (f"{known[run.label].words}, {speed_text(run.engine_speed)}", clashes_of(run))
+        (f"{known[run.label].label}, {speed_text(run.engine_speed)}", clashes_of(run))
         for label in study.labels
         for run in study.runs(label)
         if not study.over_speed
     ]
-    found = [(words, events) for words, events in found if events]
+    found = [(caption, events) for caption, events in found if events]
     if not found:
         return ()
     rows: list[tuple[tuple[Cell, ...], tuple[str, ...]]] = []
-    for words, events in found:
+    for caption, events in found:
         rows.append(
-            ((Cell(f"{words}: {min(len(events), NAMED_CLASHES)} of {len(events)} clashes"),), ())
+            ((Cell(f"{caption}: {min(len(events), NAMED_CLASHES)} of {len(events)} clashes"),), ())
         )
         rows += [(_clash_cells(event), ()) for event in events[:NAMED_CLASHES]]
     several = Grid(
@@ -132,7 +136,7 @@ def _clashes(study: Study) -> tuple[Block, ...]:
     )
     if len(found) <= OPEN_LISTS:
         return (several,)
-    first = tuple(((Cell(words), *_clash_cells(events[0])), ()) for words, events in found)
+    first = tuple(((Cell(caption), *_clash_cells(events[0])), ()) for caption, events in found)
     largest = Grid(
         ("largest clash", *_CLASH_HEADERS),
         first,
@@ -159,7 +163,7 @@ def fidelity_blocks(study: Study) -> tuple[Block, ...]:
         _recommended(found),
         _reaches(found),
         *_maps(found),
-        *(text(words, "note") for words in fidelity_notes(found)),
+        *(text(sentence, "note") for sentence in fidelity_notes(found)),
     )
 
 
@@ -167,7 +171,7 @@ def _recommended(found: FidelityMap) -> Grid:
     rows = tuple(
         (
             (
-                Cell(row.words),
+                Cell(row.label),
                 Cell(theme.model_label(row.cheapest), "", row.cheapest),
                 Cell(reason_for(found, row.quantity), "quiet long"),
             ),
@@ -183,7 +187,7 @@ def _reaches(found: FidelityMap) -> Grid:
     rows = [
         (
             (
-                Cell(row.words),
+                Cell(row.label),
                 *(Cell(cell, "number good" if cell == "all" else "number") for cell in row.cells),
             ),
             (),
@@ -235,10 +239,10 @@ def _cell(row: FidelityRow, verdict: str) -> Cell:
     if not math.isfinite(row.reference):
         return Cell("?", "number quiet", "no value of the reference: open")
     size = f"{abs(100 * row.difference):.{0 if abs(row.difference) >= 0.0995 else 1}f}"
-    words = size if float(size) == 0 else f"{'+' if row.difference > 0 else '−'}{size}"
+    label = size if float(size) == 0 else f"{'+' if row.difference > 0 else '−'}{size}"
     tone = {GOOD: "good", POOR: "bad", OPEN: "quiet"}[verdict]
     bar = f"± {share(row.doubt) or 'unknown'}: " if row.doubt > 0 else ""
-    return Cell(words, f"number {tone}", f"{bar}{verdict}")
+    return Cell(label, f"number {tone}", f"{bar}{verdict}")
 
 
 FIDELITY_SPEC = SectionSpec("fidelity", "Which model is good enough", fidelity_blocks)

@@ -12,11 +12,11 @@ from valvetrain.report.motion.scene import moving_picture
 from valvetrain.report.page import Block, Motion, SectionSpec, figure_or_gap, gap
 from valvetrain.report.run_charts import (
     ANGLE_LABEL,
-    STILL_WORDS,
+    STATIC_LABEL,
     angle_panels,
     by_speed,
     event_bands,
-    looks,
+    line_styles,
     over_angle,
     panels_chart,
     runs_at,
@@ -38,8 +38,8 @@ def force_blocks(study: Study) -> tuple[Block, ...]:
     """A figure per end of the spring, a panel per engine speed."""
     return tuple(
         block
-        for channel, words in FORCES.items()
-        for block in figure_or_gap(words[1], force_chart, study, channel)
+        for channel, label in FORCES.items()
+        for block in figure_or_gap(label[1], force_chart, study, channel)
     )
 
 
@@ -47,19 +47,19 @@ def force_chart(study: Study, channel: str) -> Chart | None:
     """One channel of force by engine speed with the force at rest at the same lift; None where no
     run has it.
     """
-    key, title, words = FORCES[channel]
+    key, title, label = FORCES[channel]
     panels = []
     for engine_speed in study.engine_speeds:
         panels += angle_panels(
             study,
             runs_at(study, engine_speed),
             channel,
-            words,
+            label,
             speed_text(engine_speed),
             "static_retainer_force",
         )
     still = any(
-        isinstance(layer, Line) and layer.name == STILL_WORDS
+        isinstance(layer, Line) and layer.name == STATIC_LABEL
         for panel in panels
         for layer in panel.layers
     )
@@ -84,15 +84,19 @@ def motion_blocks(study: Study) -> tuple[Block, ...]:
     """
 
     def at(engine_speed: float, runs: list[Solution], key: str) -> tuple[Block, ...]:
-        told = all(run.provenance.system == "prescribed-spring" for run in runs)
-        shown = runs[:1] if told else runs
-        title = f"{'Prescribed motion' if told else 'Valve motion'} at {speed_text(engine_speed)}"
+        prescribed = all(run.provenance.system == "prescribed-spring" for run in runs)
+        shown = runs[:1] if prescribed else runs
+        title = (
+            f"{'Prescribed motion' if prescribed else 'Valve motion'} at {speed_text(engine_speed)}"
+        )
         panels = []
-        for words, channels in MOTIONS.items():
+        for label, channels in MOTIONS.items():
             channel = next((one for one in channels if any(run.has(one) for run in shown)), "")
-            panels += angle_panels(study, shown, channel, words) if channel else []
+            panels += angle_panels(study, shown, channel, label) if channel else []
         caption = (
-            "The prescribed motion of the retainer." if told else "Motion over the steady cycle."
+            "The prescribed motion of the retainer."
+            if prescribed
+            else "Motion over the steady cycle."
         )
         return figure_or_gap(title, panels_chart, key, title, caption, panels, 190)
 
@@ -121,9 +125,11 @@ def rigid_chart(study: Study, runs: list[Solution], key: str, title: str) -> Cha
         run = next(run for run in runs if run.has(name))
         found, (unit, factor) = over_angle(run, name), unit_of_channel(run, name)
         if found is not None:
-            words = name.removeprefix("rigid_").replace("_", " ")
-            line = Line(*thin(found[0], found[1] * factor), words, theme.INK, 1.4, in_legend=False)
-            label = f"{words} ({unit})" if unit else words
+            caption = name.removeprefix("rigid_").replace("_", " ")
+            line = Line(
+                *thin(found[0], found[1] * factor), caption, theme.INK, 1.4, in_legend=False
+            )
+            label = f"{caption} ({unit})" if unit else caption
             panels.append(
                 Panel(
                     ANGLE_LABEL,
@@ -186,7 +192,7 @@ def train_blocks(study: Study) -> tuple[Block, ...]:
                 ("rigid_contact_force", "rigid parts") if name == "cam_contact_force" else ("", "")
             )
             found += angle_panels(
-                study, runs, name, name.replace("_", " "), still=rigid[0], still_words=rigid[1]
+                study, runs, name, name.replace("_", " "), still=rigid[0], static_label=rigid[1]
             )
         return found
 
@@ -246,12 +252,12 @@ IN_MOTION_SPEC = SectionSpec("in-motion", "In motion", in_motion_blocks)
 
 def energy_blocks(study: Study) -> tuple[Block, ...]:
     """A figure per run with energies."""
-    known = looks(study)
+    known = line_styles(study)
 
     def at(engine_speed: float, runs: list[Solution], key: str) -> tuple[Block, ...]:
         found: tuple[Block, ...] = ()
         for number, run in enumerate(runs, start=1):
-            title = f"Energy balance: {known[run.label].words}, {speed_text(engine_speed)}"
+            title = f"Energy balance: {known[run.label].label}, {speed_text(engine_speed)}"
             found += figure_or_gap(title, energy_chart, run, f"{key}-{number}", title)
         return found
 

@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from valvetrain.report import theme
 from valvetrain.report.json import unit_of_number
 from valvetrain.report.page import Block, Cell, Details, Grid, Listing, SectionSpec, prose, text
-from valvetrain.report.run_charts import looks, told_by_source
+from valvetrain.report.run_charts import covered_by_source, line_styles
 from valvetrain.report.text import number, speed_text, unit_text
 from valvetrain.solution.provenance import CaseValue
 from valvetrain.solution.study import Study
@@ -23,7 +23,7 @@ def case_blocks(study: Study) -> tuple[Block, ...]:
     if record.values:
         rows = tuple((_cells(one), (one.status,)) for one in record.values)
         found.append(Grid(("value of the case", "", "status", "source"), rows, ("status",)))
-    if told_by_source(study):
+    if covered_by_source(study):
         found += prose(record.remarks, "Remarks on the case")
     if record.text:
         found.append(Details("The case file, resolved", (Listing(record.text),)))
@@ -49,14 +49,14 @@ OPEN_ROWS = 12
 
 def runs_blocks(study: Study) -> tuple[Block, ...]:
     """A row per run and per spring at rest, then the versions behind them."""
-    known, rows = looks(study), []
+    known, rows = line_styles(study), []
     for run in study.solutions:
         state = Cell(run.status.sentence(), "good" if run.status.completed else "bad")
         options = Cell(_facts({**run.provenance.options, **run.statistics}), "quiet long")
         rows.append(
             (
                 (
-                    Cell(known[run.label].words),
+                    Cell(known[run.label].label),
                     Cell(speed_text(run.engine_speed), "number"),
                     state,
                     options,
@@ -96,7 +96,7 @@ def runs_blocks(study: Study) -> tuple[Block, ...]:
         or "not recorded"
     )
     digest = study.record.digest if study.record.text else source.case_digest
-    words = (
+    label = (
         f"Versions: {listed}."
         + (f" Case digest {digest}." if digest else "")
         + (f" Computed {source.created_at}." if source.created_at else "")
@@ -107,7 +107,7 @@ def runs_blocks(study: Study) -> tuple[Block, ...]:
         if len(rows) <= OPEN_ROWS
         else (Details(f"Options and statistics of {len(rows)} runs", (grid,)),)
     )
-    return (*(shown if rows else ()), text(words, "quiet"))
+    return (*(shown if rows else ()), text(label, "quiet"))
 
 
 def _facts(facts: Mapping[str, float | int | str | bool | None]) -> str:

@@ -46,7 +46,8 @@ def published_blocks(study: Study) -> tuple[Block, ...]:
         rows = tuple(
             (
                 tuple(
-                    Cell(words) for words in (one.place, one.statement, one.computed, one.verdict)
+                    Cell(sentence)
+                    for sentence in (one.place, one.statement, one.computed, one.verdict)
                 ),
                 (),
             )
@@ -103,10 +104,10 @@ def ratio_chart(study: Study) -> Chart | None:
     sides = (
         [label_of(row.quantity) for row, _ in known]
         if named
-        else _group_words([row for row, _ in known])
+        else _group_labels([row for row, _ in known])
     )
     value_text_at = tuple(
-        (float(place), words) for place, words in zip(height, sides, strict=True) if words
+        (float(place), label) for place, label in zip(height, sides, strict=True) if label
     )
     span = (-1.0, float(len(known)))
     panel = Panel(
@@ -116,7 +117,7 @@ def ratio_chart(study: Study) -> Chart | None:
         rules=(Rule("x", 1.0),),
         x_range=AXIS,
         y_range=span,
-        y_words=value_text_at,
+        y_tick_labels=value_text_at,
     )
     left = len(study.comparisons) - len(known)
     caption = "Each mark is a computed value over the given one; name, engine speed and source show on it. Triangles stand beyond the axis."
@@ -126,7 +127,7 @@ def ratio_chart(study: Study) -> Chart | None:
 
 
 def _spans(
-    words: str, colour: str, width: float, spans: list[tuple[float, float | None]]
+    label: str, colour: str, width: float, spans: list[tuple[float, float | None]]
 ) -> list[Line]:
     """Level strokes of half width about a centre, one per row where a half width is known."""
     known = [(place, centre, half) for place, (centre, half) in enumerate(spans) if half]
@@ -136,7 +137,7 @@ def _spans(
         .ravel()
     )
     return (
-        [Line(x, np.repeat([float(place) for place, _, _ in known], 3), words, colour, width)]
+        [Line(x, np.repeat([float(place) for place, _, _ in known], 3), label, colour, width)]
         if known
         else []
     )
@@ -146,7 +147,7 @@ def _dots(known: list[tuple[Comparison, float]], height: np.ndarray) -> list[Mar
     found: list[Marks] = []
     beyond = np.array([not AXIS[0] <= ratio <= AXIS[1] for _, ratio in known])
     for origin in dict.fromkeys(row.origin for row, _ in known):
-        _, words, colour, symbol = theme.origin_style(origin)
+        _, label, colour, symbol = theme.origin_style(origin)
         for outside in (False, True):
             mine = np.array([row.origin == origin for row, _ in known]) & (beyond == outside)
             chosen = [known[place] for place in np.flatnonzero(mine)]
@@ -156,9 +157,9 @@ def _dots(known: list[tuple[Comparison, float]], height: np.ndarray) -> list[Mar
             )
             alone = outside and not (found and found[-1].colour == colour)
             name, sign = (
-                (f"{words}, beyond", "triangle")
+                (f"{label}, beyond", "triangle")
                 if outside
-                else (words, "square" if symbol == "triangle" else symbol)
+                else (label, "square" if symbol == "triangle" else symbol)
             )
             if chosen:
                 found.append(
@@ -199,14 +200,14 @@ def _half(row: Comparison, unsure: Mapping[tuple[str, float], Uncertainty]) -> f
     return abs(held.numerical / row.published) if held is not None and fits else None
 
 
-def _group_words(rows: list[Comparison]) -> list[str]:
+def _group_labels(rows: list[Comparison]) -> list[str]:
     """The engine speed, at the first row (from the top) of each."""
-    words = [
+    label = [
         "at rest" if row.engine_speed is None else speed_text(row.engine_speed) for row in rows
     ]
     return [
-        word if place == len(words) - 1 or words[place + 1] != word else ""
-        for place, word in enumerate(words)
+        word if place == len(label) - 1 or label[place + 1] != word else ""
+        for place, word in enumerate(label)
     ]
 
 
