@@ -240,7 +240,7 @@ def orders(study: Study) -> Panels:
         panels.append(
             (
                 rpm(runs[0]),
-                "cam order (oscillations per cam turn)",
+                "cam order (oscillations per cam revolution)",
                 "dynamic spring force (N, 0 to peak)",
                 drawn,
             )

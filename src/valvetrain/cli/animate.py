@@ -1,4 +1,4 @@
-"""``valvetrain animate``: one cam turn of a spring or a train as a GIF or MP4 for slides."""
+"""``valvetrain animate``: one cam revolution of a spring or a train as a GIF or MP4 for slides."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from valvetrain.solution.result import Solution
     from valvetrain.solution.study import Study
 
-#: Files of a kept run that are looked at.
+#: Files of a saved run that are looked at.
 MAX_FILES = 200
 
 
@@ -40,7 +40,7 @@ def animate(
     case: Annotated[
         str,
         typer.Argument(
-            metavar="CASE_OR_RUN", help="A case (name or file), or the folder of a kept run."
+            metavar="CASE_OR_RUN", help="A case (name or file), or the folder of a saved run."
         ),
     ],
     output: Annotated[
@@ -66,7 +66,8 @@ def animate(
         ),
     ] = "",
     duration: Annotated[
-        str, typer.Option("--duration", metavar="TIME", help="Time for one cam turn, 1 to 20 s.")
+        str,
+        typer.Option("--duration", metavar="TIME", help="Time for one cam revolution, 1 to 20 s."),
     ] = "4 s",
     width: Annotated[
         int, typer.Option("--width", metavar="PIXELS", help="Width (height: 16:9), 320 to 1920.")
@@ -75,7 +76,7 @@ def animate(
     as_json: JsonOption = False,
     quiet: QuietOption = False,
 ) -> None:
-    """One cam turn of the spring or the train, slowed, as a film for slides."""
+    """One cam revolution of the spring or the train, slowed, as a film for slides."""
     from valvetrain.cli.case_choice import choose_case
     from valvetrain.cli.outcome import Outcome, deliver, measured
     from valvetrain.cli.progress import busy
@@ -142,7 +143,7 @@ def _computed(
     case: Case, speeds: tuple[float, ...] | None, models: tuple[str, ...], sets: tuple[str, ...]
 ) -> Study:
     """The one run of a case: its highest speed, first model and first spring set where none is
-    asked for.
+    requested.
     """
     from valvetrain.cli.progress import busy
     from valvetrain.runs.api import simulate
@@ -171,7 +172,7 @@ def _of_saved_run(
     models: tuple[str, ...],
     sets: tuple[str, ...],
 ) -> Study:
-    """The kept run that fits best, read from its file."""
+    """The saved run that fits best, read from its file."""
     from valvetrain.solution.netcdf import load_netcdf
     from valvetrain.solution.quantity import same_speed
     from valvetrain.solution.study import Study
@@ -189,7 +190,7 @@ def _of_saved_run(
             found.append(run)
     if not found:
         raise InputError(
-            f"the kept run '{folder}' holds no solution that fits; run its case again, or name another model or speed"
+            f"the saved run '{folder}' holds no solution that fits; run its case again, or name another model or speed"
         )
     fastest = max(run.engine_speed for run in found)
     return Study(

@@ -35,7 +35,7 @@ if TYPE_CHECKING:
 
 #: Runs that stand side by side in 100 columns; more stand below each other, up to this many.
 MAX_COLUMNS, MAX_TABLE_ROWS = 4, 24
-#: Runs up to which what does not fit beside each other stands in a second table.
+#: Runs up to which what does not fit side by side is in a second table.
 TWICE = 12
 
 
@@ -49,7 +49,7 @@ def show_study(
             console.print()
             console.print(table)
         _show_published(console, study, published)
-    finally:  # where it all lies is told whatever a table meets
+    finally:  # the folder is printed even where a table fails
         console.print(f"\nresults  {folder}", soft_wrap=True)
         if page is not None:
             console.print(f"report   {page}", soft_wrap=True)
@@ -193,7 +193,7 @@ def _over_speeds(
 def _fitting(
     columns: Sequence[HeadlineColumn], rows: Sequence[HeadlineRow], bars: ErrorBars
 ) -> int:
-    """How many of the ``rows`` stand as columns beside the names of the runs without breaking a
+    """How many of the ``rows`` stand as columns next to the names of the runs without breaking a
     word.
     """
     room = PLAIN_WIDTH - max(len(column.label) for column in columns) - 2 - 7

@@ -1,4 +1,4 @@
-"""The case a command works on: from the library, a file or a kept run, with the values set on the
+"""The case a command works on: from the library, a file or a saved run, with the values set on the
 command line.
 """
 
@@ -31,7 +31,7 @@ def choose_case(
     ``--elements-per-coil`` and ``more`` options of
     :data:`IN_EVERY_SPRING` by their names.
 
-    A kept run is called by its folder. Raises :class:`InputError`; an error in a value
+    A saved run is called by its folder. Raises :class:`InputError`; an error in a value
     set here is placed at its option, not at a line of the file.
     """
     from valvetrain.parameters.loading import library_names, load_case

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 
 def case_facts(case: Case) -> list[tuple[str, str]]:
-    """(subject, words) of everything the case holds; values that follow from it stand in its named
+    """(subject, words) of everything the case holds; values that follow from it are in its named
     quantities.
     """
     facts = [("title", case.title)] if case.title else []
@@ -60,7 +60,7 @@ def case_facts(case: Case) -> list[tuple[str, str]]:
             )
         )
     if case.springs:
-        facts.append(("cam turns", f"{case.operation.cycles}, the last one reported"))
+        facts.append(("cam revolutions", f"{case.operation.cycles}, the last one reported"))
     if case.points:
         facts.append(
             (

@@ -28,8 +28,8 @@ from valvetrain.solution.partial_failures import TRACEBACK_VARIABLE
 
 WRONG_INPUT, FAILED, INTERRUPTED = 2, 1, 130
 INTERRUPTED_SENTENCE = "interrupted: nothing more is written; start the command again to repeat it"
-#: Whether the user was told what an interrupted command kept.
-_report: list[str] = []
+#: The sentence on what an interrupted command saved, once it is printed.
+_reported: list[str] = []
 
 
 class GuardedGroup(TyperGroup):
@@ -51,7 +51,7 @@ class GuardedGroup(TyperGroup):
         """
         mend_streams()
         set_manner(sys.argv[1:] if args is None else list(args))
-        _report.clear()
+        _reported.clear()
         with listening(), giving_back():
             try:
                 result = super().main(
@@ -68,7 +68,7 @@ class GuardedGroup(TyperGroup):
                 code = interrupted()
             except (
                 SystemExit
-            ) as error:  # rich and the parser end the process where nobody reads what they print
+            ) as error:  # rich and the parser end the process where nothing reads what they print
                 code = (
                     0
                     if isinstance(error.__context__, BrokenPipeError) and unread()
@@ -77,7 +77,7 @@ class GuardedGroup(TyperGroup):
             stopped = noted()
         if not standalone_mode:
             return code
-        if stopped:  # threads may still compute what nobody asks for any more
+        if stopped:  # threads may still compute what is no longer needed
             with contextlib.suppress(OSError, ValueError):
                 sys.stdout.flush()
             os._exit(code)
@@ -89,10 +89,10 @@ def _code_of(error: SystemExit) -> int:
 
 
 def interrupted(sentence: str = INTERRUPTED_SENTENCE) -> int:
-    """Say, once, that the command was stopped and what it kept; the exit code."""
+    """Say, once, that the command was stopped and what it saved; the exit code."""
     code = exit_code(noted())
-    if not _report:
-        _report.append(sentence)
+    if not _reported:
+        _reported.append(sentence)
         complain(sentence)
         if sentence == INTERRUPTED_SENTENCE:
             _as_json(sentence, "", code)

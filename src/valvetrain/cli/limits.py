@@ -20,7 +20,7 @@ def refuse_beyond(request: StudyRequest, whole: bool = True, searches: bool = Fa
     """Say what the request will cost where it takes a while; raise :class:`InputError` with the
     numbers where it is too large.
 
-    ``whole``: whether every run is kept with its channels; ``searches``: whether a train's critical
+    ``whole``: whether every run is saved with its channels; ``searches``: whether a train's critical
     speeds are searched as well.
     """
     from valvetrain.runs.cost import FEWER

@@ -65,7 +65,7 @@ def _whole() -> typer.Typer:
 
 
 def __getattr__(name: str) -> typer.Typer:
-    """``app``: the command line with all commands, made when it is first asked for."""
+    """``app``: the command line with all commands, made when it is first requested."""
     if name == "app":
         return _whole()
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

@@ -21,7 +21,7 @@ _HELD: list[ExitStack] = []
 
 @contextmanager
 def giving_back() -> Iterator[None]:
-    """Give back at the end of the block what :func:`at_end` was told within it."""
+    """Give back at the end of the block what :func:`at_end` was given within it."""
     with ExitStack() as held:
         _HELD.append(held)
         try:
@@ -111,7 +111,7 @@ def read_folder(text: str) -> Path:
 
 
 def take_folder(output: Path | None, resumes: str = "") -> None:
-    """Check the folder of ``--output``, or the home of kept runs where it is None, and hold it
+    """Check the folder of ``--output``, or the home of saved runs where it is None, and hold it
     until the command ends. ``resumes``: file
     by which a folder of the same command, cut short, is known.
 
@@ -200,7 +200,7 @@ ImplausibleOption = Annotated[
 PublishedOption = Annotated[
     bool,
     typer.Option(
-        "--published", help="Print every published value beside the computed one, and findings."
+        "--published", help="Print every published value next to the computed one, and findings."
     ),
 ]
 
@@ -250,7 +250,7 @@ def read_count(value: int, low: int, high: int, where: str) -> int:
 
 
 def read_workers(value: int | None) -> int:
-    """Number of runs at a time: as asked, else the cores this process may use, at most 4."""
+    """Number of runs at a time: as requested, else the cores this process may use, at most 4."""
     if value is not None:
         return read_count(value, 1, 256, "--workers")
     cores = (

@@ -43,14 +43,14 @@ def mend_streams() -> None:
 
 
 def reader_left() -> bool:
-    """Whether nobody reads standard output any more (``| head -1``); then nothing goes there from
+    """Whether standard output has no reader any more (``| head -1``); then nothing goes there from
     now on, at exit either.
     """
     try:
         place = sys.stdout.fileno()
         if hasattr(
             select, "poll"
-        ):  # elsewhere it is taken for granted: this is asked after an error of a pipe
+        ):  # elsewhere it is taken for granted: this is called after an error of a pipe
             watch = select.poll()
             watch.register(place, select.POLLOUT)
             if not any(what & (select.POLLERR | select.POLLHUP) for _, what in watch.poll(0)):
@@ -77,7 +77,7 @@ PLAIN_WIDTH = 100
 
 @dataclass(frozen=True, slots=True)
 class Manner:
-    """How the command was asked to speak: one JSON object on standard output, and nothing but
+    """Which output the command line requests: one JSON object on standard output, and nothing but
     errors on standard error.
     """
 
@@ -164,7 +164,7 @@ class _Plain(Console):
     """
 
     def on_broken_pipe(self) -> None:
-        """Called inside the handling of the error, which goes on; rich would end the process with
+        """Called inside the handling of the error, which continues; rich would end the process with
         code 1.
         """
         raise BrokenPipeError

@@ -1,5 +1,5 @@
 """How long it still takes: on standard error, and as JSON lines to whoever started the command and
-asked for them.
+requested them.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from typing import Any
 from valvetrain.cli.outcome import manner, tell
 
 Report = Callable[[float, str], None]
-#: Names the open file (its number) that is told the progress, ``{"share": 0.25, "text":
+#: Names the open file (its number) that receives the progress, ``{"share": 0.25, "text":
 #: "multi-mass, 4200 rpm"}`` a line.
 PROGRESS_VARIABLE = "VALVETRAIN_PROGRESS"
 #: What was announced to come before the first share of the work.
@@ -118,7 +118,7 @@ def seconds_to_compile(*kinds: str) -> float:
 
 def _compiled(kernel: Any) -> bool:
     """Whether ``kernel`` is compiled in this process or has a valid entry in its cache; True where
-    that cannot be told.
+    that cannot be written.
     """
     if getattr(kernel, "signatures", ()):
         return True
@@ -128,5 +128,5 @@ def _compiled(kernel: Any) -> bool:
         return bool(kernel._cache._cache_file._load_index())
     except AttributeError:
         return True
-    except Exception:  # damaged bytes raise whatever they happen to spell; they are compiled anew
+    except Exception:  # damaged bytes raise whatever they happen to spell; they are compiled again
         return False

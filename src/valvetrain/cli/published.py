@@ -1,4 +1,4 @@
-"""Every published value beside the computed one, for people."""
+"""Every published value next to the computed one, for people."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ def show_comparisons(console: Console, rows: Sequence[Comparison]) -> None:
     console.print()
     for origin in origins:
         model = next(row.model for row in reversed(rows) if row.origin == origin)
-        compared = f", beside our {theme.model_label(model)}" if model else ""
+        compared = f", next to our {theme.model_label(model)}" if model else ""
         console.print(
             f"{theme.origin_style(origin)[0]}  published by {origin or 'its source'}{compared}"
         )

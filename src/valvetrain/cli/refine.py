@@ -46,7 +46,7 @@ def register_refine(app: typer.Typer) -> None:
 
 @dataclass(frozen=True)
 class RefineRequest:
-    """What was asked for: the case, the folder its file lies in, where results go, and the time;
+    """What was requested: the case, the folder its file lies in, where results go, and the time;
     ``engine_speeds`` (rad/s of the crank,
     None: the case's own), workers and bounds of the runs, and whether implausible values pass."""
 
@@ -105,7 +105,7 @@ def refine(
         return
     with suppress(typer.Exit):
         deliver(outcome)
-    sentence = f"{study.finished} of {study.runs} runs were finished, and their numbers are kept in '{outcome.data['folder']}'"
+    sentence = f"{study.finished} of {study.runs} runs were finished, and their numbers are saved in '{outcome.data['folder']}'"
     raise typer.Exit(interrupted(f"interrupted: {sentence}; start the command again for the rest"))
 
 
@@ -257,7 +257,7 @@ def fidelity(
     ] = "5 %",
 ) -> None:
     """Which spring model is good enough where: all models over engine speed (default: 1000:9000:500
-    rpm) beside finite elements.
+    rpm) next to finite elements.
     """
     from valvetrain.cli.limits import say_cost
     from valvetrain.cli.progress import announce_compilation

@@ -1,4 +1,4 @@
-"""``valvetrain runs`` lists the runs that were kept."""
+"""``valvetrain runs`` lists the runs that were saved."""
 
 from __future__ import annotations
 
@@ -18,9 +18,9 @@ if TYPE_CHECKING:
 
 
 RootOption = Annotated[
-    Path, typer.Option("--folder", metavar="FOLDER", help="Folder that runs are kept in.")
+    Path, typer.Option("--folder", metavar="FOLDER", help="Folder that runs are saved in.")
 ]
-#: Numbers that stand for a run in the list: the first of them that it has, the largest where it has
+#: Numbers that represent a run in the list: the first of them that it has, the largest where it has
 #: several.
 HEADLINES = ("peak_spring_force", "peak_retainer_force", "float_engine_speed", "preload")
 
@@ -44,7 +44,7 @@ def runs(
     as_json: JsonOption = False,
     quiet: QuietOption = False,
 ) -> None:
-    """List the runs that were kept, newest first, and those that were begun and not finished."""
+    """List the runs that were saved, newest first, and those that were begun and not finished."""
     from valvetrain.cli.outcome import Outcome, deliver
     from valvetrain.runs.saved_runs import list_saved_runs
     from valvetrain.runs.unfinished import unfinished_runs
@@ -93,7 +93,7 @@ def _unfinished_object(one: UnfinishedFolder) -> dict[str, Any]:
 
 
 def state(run: SavedRun) -> str:
-    """How a kept run ended: ``completed``, ``failed`` or, by a signal, ``interrupted``."""
+    """How a saved run ended: ``completed``, ``failed`` or, by a signal, ``interrupted``."""
     if run.answer.get("completed"):
         return "completed"
     runs, failures = run.answer.get("runs", ()), run.answer.get("failures", ())
@@ -105,7 +105,7 @@ def state(run: SavedRun) -> str:
 
 
 def headline(answer: Any) -> dict[str, Any] | None:
-    """The number that stands for a run: ``quantity``, ``value`` and ``unit`` (SI); None where it
+    """The number that represents a run: ``quantity``, ``value`` and ``unit`` (SI); None where it
     has none of :data:`HEADLINES`.
     """
     still = (answer.get("quantities", {}), *answer.get("quantities_by_label", {}).values())
@@ -193,15 +193,13 @@ def _show_unfinished(console: Console, begun: tuple[UnfinishedFolder, ...]) -> N
         f"\nbegun and not finished{f', the newest {RUNS_MAX_ROWS} of {len(begun)}' if len(begun) > RUNS_MAX_ROWS else ''}:"
     )
     for one in begun[:RUNS_MAX_ROWS]:
-        when, how = one.created_at[5:16].replace("T", " "), "goes on" if one.goes_on else "killed"
+        when, how = one.created_at[5:16].replace("T", " "), "running" if one.goes_on else "killed"
         holds = f"{one.finished} finished run{'' if one.finished == 1 else 's'}, {one.files} file{'' if one.files == 1 else 's'}"
         console.print(f"  {when}  {one.case}, {how}: {holds} in '{one.folder}'", soft_wrap=True)
         if not one.goes_on and one.command:
             console.print(f"    again from its begin: {one.command}", soft_wrap=True)
     if any(not one.goes_on for one in begun):
-        saved = (
-            f"numbers of finished runs stand in '{LIST}', their channels in run-0001.nc and so on"
-        )
+        saved = f"numbers of finished runs are in '{LIST}', their channels in run-0001.nc and so on"
         console.print(f"\nOf a killed run {saved}; delete its folder to remove it.", soft_wrap=True)
 
 
@@ -227,7 +225,7 @@ def compare_runs(
     as_json: JsonOption = False,
     quiet: QuietOption = False,
 ) -> None:
-    """Show what differs between two kept runs: inputs by key path, then results, headline numbers
+    """Show what differs between two saved runs: inputs by key path, then results, headline numbers
     first.
     """
     from valvetrain.cli.outcome import Outcome, deliver, measured

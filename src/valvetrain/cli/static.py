@@ -43,7 +43,7 @@ if TYPE_CHECKING:
 KeepOption = Annotated[
     bool,
     typer.Option(
-        "--keep", help="Keep the answer as runs are kept: data files, report page and inputs."
+        "--keep", help="Keep the answer as runs are saved: data files, report page and inputs."
     ),
 ]
 
@@ -51,9 +51,9 @@ KeepOption = Annotated[
 def saved_outcome(
     outcome: Outcome, study: Study, case: Case, folder: Path, choices: Mapping[str, Any]
 ) -> Outcome:
-    """The outcome with its ``study`` written to a new folder of kept runs; ``folder``: where the
+    """The outcome with its ``study`` written to a new folder of saved runs; ``folder``: where the
     case's file lies, ``choices``: what was
-    asked besides."""
+    further choices."""
     from valvetrain.cli.progress import busy
     from valvetrain.report.study import write_parts
     from valvetrain.solution.partial_failures import PartialFailures
@@ -92,7 +92,7 @@ def saved_outcome(
 
     def show(console: Any) -> None:
         outcome.show(console)
-        console.print(f"\nkept in {home}", soft_wrap=True)
+        console.print(f"\nsaved in {home}", soft_wrap=True)
 
     return replace(outcome, data=data, show=show, failures=failed)
 
@@ -157,7 +157,7 @@ def static(
     quiet: QuietOption = False,
 ) -> None:
     """Force, stiffness and stress over compression, coils closing, of every spring of a case, and
-    at heights and loads asked for.
+    at heights and loads requested.
     """
     from valvetrain.cli.case_choice import choose_case, folder_of
     from valvetrain.cli.limits import say_cost
@@ -199,7 +199,7 @@ def compute_static(
 ) -> Outcome:
     """Solve the static curves up to ``largest`` (m; None: a little beyond full lift), and at
     ``heights`` (m) and ``loads`` (N); write
-    ``csv`` where asked. ``implausible``: let values pass that no spring can have; ``keep``: folder
+    ``csv`` on request. ``implausible``: let values pass that no spring can have; ``keep``: folder
     of the case, to keep the answer."""
     from valvetrain.cli.outcome import Outcome
     from valvetrain.cli.progress import announce_compilation, progress_bar
@@ -229,7 +229,7 @@ def compute_static(
 
 
 def curve_text(study: Study) -> str:
-    """The static curves as CSV; with several, the spring and its model stand in front."""
+    """The static curves as CSV; with several, the spring and its model are its first columns."""
     several = len(study.rest) > 1
     lines = [
         ("spring,model," if several else "")
@@ -275,7 +275,7 @@ def _rows(one: SpringAtRest) -> list[tuple[float | None, ...]]:
 
 
 def _point_tables(points: tuple[RestPoint, ...]) -> Iterator[Table]:
-    """The states asked for: the columns of a curve, and what acts on the retainer where it is
+    """The states requested: the columns of a curve, and what acts on the retainer where it is
     known.
     """
     from valvetrain.cli.outcome import plain_table
@@ -303,7 +303,7 @@ def _point_tables(points: tuple[RestPoint, ...]) -> Iterator[Table]:
     yield plain_table(
         headers,
         rows(tuple(zip(columns, (1e3, 1.0, 1e-3, 1e3, 1e-6, 1e-6), strict=True))),
-        "as asked",
+        "as requested",
         right=range(6),
     )
     if any(point.torque is not None for point in points):

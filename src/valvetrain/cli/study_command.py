@@ -1,5 +1,5 @@
 """What ``run``, ``compare`` and ``sweep`` share: their options, the bound on a request, the folder
-that is kept, and the answer.
+that is saved, and the answer.
 """
 
 from __future__ import annotations
@@ -58,14 +58,14 @@ if TYPE_CHECKING:
 
 
 class Named(Protocol):
-    """A case, or what else is kept under its name."""
+    """A case, or what else is saved under its name."""
 
     @property
     def name(self) -> str: ...
 
 
 class KeepRequest(Protocol):
-    """What the kept folder of a run needs to know: command, case, the folder its file lies in,
+    """What the folder of a saved run needs to know: command, case, the folder its file lies in,
     where results go, and the time.
     """
 
@@ -83,7 +83,7 @@ class KeepRequest(Protocol):
 
 @dataclass(frozen=True)
 class SavedRequest:
-    """A request that is no study of runs, for its kept folder."""
+    """A request that is no study of runs, for its folder."""
 
     command: str
     case: Named
@@ -116,8 +116,8 @@ def keep_points(
     name: str,
     gaps: PartialFailures,
 ) -> dict[str, Any]:
-    """Let ``write`` fill the folder of a study of points, put its ``answer`` beside as ``name``,
-    show its page where asked; the answer.
+    """Let ``write`` fill the folder of a study of points, put its ``answer`` there as ``name``,
+    show its page on request; the answer.
     """
     from valvetrain.cli.outcome import plain, to_json
     from valvetrain.cli.progress import busy
@@ -143,7 +143,7 @@ def keep_points(
 
 @dataclass(frozen=True)
 class StudyRequest:
-    """One study as asked for: the ``case`` with its changes and the ``folder`` its file lies in;
+    """One study as requested: the ``case`` with its changes and the ``folder`` its file lies in;
     ``engine_speeds`` (rad/s of the crank,
     None: the case's own); words of spring models and sets (empty: the study's own choice); where
     results go and how they are shown."""
@@ -265,7 +265,7 @@ def answer_study(
     what was finished of it.
 
     ``compute`` tells its progress and each solution as it comes; ``choices``: what the command was
-    asked besides, kept among the inputs.
+    further choices, saved among the inputs.
     """
     from valvetrain.cli.guard import interrupted
     from valvetrain.cli.outcome import deliver
@@ -286,11 +286,11 @@ def answer_study(
         study, stopped = cut.study, True
     except BaseException as error:
         if unfinished.folder is not None:
-            failed = f"what was finished is kept in '{unfinished.folder}'"
+            sentence = f"what was finished is saved in '{unfinished.folder}'"
             if isinstance(error, KeyboardInterrupt):
-                interrupted(f"interrupted: {failed}")
+                interrupted(f"interrupted: {sentence}")
             else:
-                complain(failed)
+                complain(sentence)
         raise
     outcome = _saved_outcome(request, study, choices, unfinished)
     if not stopped:
@@ -300,9 +300,9 @@ def answer_study(
         deliver(outcome)
     done = sum(run.status.code != "interrupted" for run in study.solutions)
     sentence = (
-        f"{done} of {len(study.solutions)} runs were finished and are kept"
+        f"{done} of {len(study.solutions)} runs were finished and are saved"
         if done
-        else "springs at rest, which were finished, are kept"
+        else "springs at rest, which were finished, are saved"
     )
     raise typer.Exit(
         interrupted(
@@ -379,7 +379,7 @@ def keep_run(
     gaps: PartialFailures | None = None,
 ) -> tuple[Path, list[str]]:
     """Make the folder of a run, let ``write`` fill it, and put inputs (``text``: the resolved case)
-    and ``run.json`` beside.
+    and ``run.json``.
 
     ``data``: the JSON answer; ``made_by``: versions that ran (default: those here); ``unfinished``:
     the folder the run had while it went

@@ -1,4 +1,4 @@
-"""Numbers of a run's coil clashes; the clashes themselves where its integrator kept no record of
+"""Numbers of a run's coil clashes; the clashes themselves where its integrator has no record of
 the contacts.
 """
 
@@ -152,14 +152,14 @@ def find_clash_window(
 
 
 def _touched(cycle: Cycle, window: ClashWindow) -> bool:
-    """Whether any coil meets the one below anew within the window; without it a spike is a wave,
+    """Whether any coil meets the one below again within the window; without it a spike is a wave,
     not a clash.
     """
     inside, solution = cycle.window(window.first, window.last), cycle.solution
     names = [solution.channel_of(spring, "coil_contact_force") for spring in solution.springs]
     if not any(
         solution.has(name) for name in names
-    ):  # a run that kept its ends alone still knows its clashes
+    ):  # a run with end forces alone still has its clashes
         first = float(solution.cam_angle[cycle.samples.start])
         begun = (event.cam_angle - first for event in solution.events if event.kind == "clash")
         return any(window.first <= angle <= window.last for angle in begun)

@@ -1,4 +1,4 @@
-"""Computed beside published: one row per published value, with an honest verdict."""
+"""Comparison of computed with published values: one row and verdict per published value."""
 
 from __future__ import annotations
 

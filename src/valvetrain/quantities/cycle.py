@@ -21,7 +21,7 @@ _TURN = 2 * np.pi
 
 @dataclass(frozen=True, eq=False)
 class Cycle:
-    """A stretch of ``solution``: ``samples`` of the last whole cam turn, or of the last begun one
+    """A stretch of ``solution``: ``samples`` of the last whole cam revolution, or of the last begun one
     when none is whole.
 
     ``cam_angle`` (sample,) rad from 0 to 2 pi, ascending; ``time`` (sample,) s; ``whole`` tells
@@ -93,7 +93,7 @@ def is_closed(solution: Solution) -> bool:
 
 
 def reported_cycle(solution: Solution) -> Cycle:
-    """The last whole cam turn of a run; :class:`InputError` for a run without two samples."""
+    """The last whole cam revolution of a run; :class:`InputError` for a run without two samples."""
     angle = solution.cam_angle
     if len(angle) < 2:
         raise InputError("the run holds fewer than two samples, so it has no cycle; see its status")
@@ -113,7 +113,7 @@ def reported_cycle(solution: Solution) -> Cycle:
 
 @dataclass(frozen=True, eq=False)
 class Frame:
-    """What :func:`~valvetrain.quantities.evaluate.evaluate` needs beside the run; everything may be
+    """What :func:`~valvetrain.quantities.evaluate.evaluate` needs next to the run; everything may be
     left out, and what needs it with it.
 
     ``springs``: outer first. ``rest``: springs at rest. ``surge_frequencies`` (Hz): first axial

@@ -39,7 +39,7 @@ def closing_quantities(spring: InstalledSpring) -> dict[str, float]:
 
 
 def size_quantities(spring: InstalledSpring) -> dict[str, float]:
-    """Of a wire, the sizes beside which its static curve is read, and what closes it."""
+    """Sizes of a wire that its static curve is compared with, and what closes it."""
     if spring.wire is None:
         return {}
     names = ("free_length", "solid_height", "largest_pitch")

@@ -20,10 +20,10 @@ name, engine speed (rad/s of the crank; none for what belongs to no run) and lab
 
 All values are SI inside and in JSON; tables show the unit given here. Angles are cam angles, engine speed is crank speed. Forces are
 compressive positive and taken over the reported cycle. Motion along the spring is positive from seat to retainer; coil numbers count
-from 1 at the seat. In a name, `{n}` and other single letters stand for a number, longer words in braces for a place, a link or a spring.
+from 1 at the seat. In a name, `{n}` and other single letters represent a number, longer words in braces for a place, a link or a spring.
 Quantities of one spring of a nested pair carry its name in front: `outer_coil_bind_clearance`.
 
-A name that stands in no table has the dimension of its last word (`_force`, `_cam_angle`, `_displacement`, ...). A package adds a
+A name that is in no table has the dimension of its last word (`_force`, `_cam_angle`, `_displacement`, ...). A package adds a
 table of its own by the entry-point group `valvetrain.quantities`.
 """
 
@@ -58,7 +58,7 @@ object from the names above to such numbers.
 
 | key | content |
 |---|---|
-| `command`, `case`, `title`, `digest` | what was asked; the fingerprint of the resolved case file |
+| `command`, `case`, `title`, `digest` | the request; the fingerprint of the resolved case file |
 | `changed` | key paths set from outside the file |
 | `completed`, `failures` | true when nothing failed; a sentence per part that did, numbers that could not be found and files that could not be written among them |
 | `quantities`, `quantities_by_label` | what belongs to no run; the same by label, such as what a sweep found |
@@ -73,15 +73,15 @@ object from the names above to such numbers.
 | `events` | per event `kind`, `cam_angle`, `time`, `duration`, `size`, `where`, `details`; of a clash `lower_coil`, `upper_coil`, `impulse`, `energy`, `peak_cam_angle` |
 | `options`, `statistics` | of a run: options of its model, and step, counts, residuals; numbers as value and unit, unit `1` for counts and shares |
 | `comparisons` | per published value `quantity`, `engine_speed`, `model`, `published_by`, `role`, `used_for`, `doubt`, `published`, `computed`, `difference`, `tolerance`, `verdict`, `source` |
-| `findings`, `notes` | findings of the source beside what was computed; sentences on what must be known of the numbers |
+| `findings`, `notes` | findings of the source next to what was computed; sentences on what must be known of the numbers |
 | `cite` | references behind the results |
-| `created_at`, `command_line`, `versions`, `choices` | of a kept run: when, by what, with which packages; engine speeds, models and sets that were run |
+| `created_at`, `command_line`, `versions`, `choices` | of a saved run: when, by what, with which packages; engine speeds, models and sets that were run |
 | `folder`, `files`, `page` | where the results were written |
 | `holds`, `facts` | of `check`: tables of the case; what it says, in words |
 | `cases` | of `cases`: per case `name`, `title`, `holds`, `sources`; with a name, `text` of the file instead |
 | `uncertainties` | of `refine`, and of a run whose case ships with its error bars: per number `quantity`, `label` of a variant of a train, `engine_speed`, `value`, `numerical_uncertainty`, `observed_order` (null: not monotonic), `extrapolated`, `step_part`, and `contact_stiffness`, `contact_damping` each with `least` and `largest` |
 | `inputs`, `results` | of `compare-runs`, with the folders `a` and `b`: per input `key`, `a`, `b`; per number `quantity`, `run`, `a`, `b`, `difference` |
-| `runs` | of the command `runs`: per kept run `created_at`, `case`, `digest`, `asked`, `spring_models`, `engine_speeds`, `completed`, `headline`, `folder` |
+| `runs` | of the command `runs`: per saved run `created_at`, `case`, `digest`, `asked`, `spring_models`, `engine_speeds`, `completed`, `headline`, `folder` |
 | `error` | in place of all of these: `message`, `where`, `code` (the exit code) |
 """  # noqa: E501  a row of a table is one line
 

@@ -1,4 +1,4 @@
-"""Values beyond which a number is nonsense though every equation was solved: of what is asked for,
+"""Values beyond which a number is nonsense though every equation was solved: of what is requested,
 and of what comes out.
 """
 
@@ -56,7 +56,7 @@ def _range(
     return PlausibleRange(label, exact, low, high, unit, scale, reason)
 
 
-#: Of the motion that is asked for, by lift law and engine speed.
+#: Of the motion that is requested, by lift law and engine speed.
 MIN_LIFT = _range(
     "the least lift",
     "least_lift",
@@ -116,7 +116,7 @@ FOUND = (
            "the ideal strength of a steel crystal is G / 8"),
 )  # fmt: skip
 TABLES: Mapping[str, tuple[PlausibleRange, ...]] = {
-    "asked for": MOTION,
+    "requested": MOTION,
     "of parts": PARTS,
     "of a run": FOUND,
 }
@@ -158,7 +158,7 @@ def refuse_implausible_motion(law: LiftLaw, cam_speeds: Iterable[float]) -> None
 
 
 def refuse_implausible_parts(values: Mapping[str, float]) -> None:
-    """Raise :class:`InputError` for the first of ``values`` (SI, by the place it stands at) outside
+    """Raise :class:`InputError` for the first of ``values`` (SI, by key path) outside
     its range of :data:`PARTS`.
     """
     for place, value in values.items():
@@ -236,7 +236,7 @@ def plausible_page() -> str:
     lines = [
         "# Plausible values\n",
         "Equations have solutions for numbers that no valvetrain has. Beyond these ranges a request is refused before it is run,",
-        "and a run, or a static curve, that reaches one ends with the status `diverged`, its numbers kept. `--implausible`, or",
+        "and a run, or a static curve, that reaches one ends with the status `diverged`, with its numbers. `--implausible`, or",
         "`implausible=True` in Python, accepts all of them; `scripts/write_pages.py plausible` writes this page.\n",
         "| | quantity | least | largest | reason |",
         "|---|---|---|---|---|",

@@ -1,4 +1,4 @@
-"""Numbers of one cam turn of a run-up: the envelope of forces, lift and loss of contact over engine
+"""Numbers of one cam revolution of a run-up: the envelope of forces, lift and loss of contact over engine
 speed.
 """
 

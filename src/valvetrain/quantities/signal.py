@@ -17,7 +17,7 @@ from valvetrain.solution.study import LiftEvent
 
 Array = NDArray[np.float64]
 
-#: Bandwidths (Hz) in which spike heights are stated beside the raw value.
+#: Bandwidths (Hz) in which spike heights are stated next to the raw value.
 BANDWIDTHS = (10e3, 20e3)
 #: Order of the Butterworth filter, run forward and backward: 6 dB down at the cutoff, no phase
 #: shift.

@@ -12,7 +12,7 @@ from valvetrain.quantities.cycle import Cycle, Frame
 from valvetrain.quantities.forces import fine_of_cycle
 
 Array = NDArray[np.float64]
-#: Cam orders whose amplitude is told.
+#: Cam orders whose amplitude is a quantity.
 ORDERS = 40
 #: Surge shows in the cam orders within this share of its own, below and above.
 SURGE_BAND = (0.5, 1.5)

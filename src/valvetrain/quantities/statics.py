@@ -15,7 +15,7 @@ from valvetrain.solution.modes import ModalResult
 from valvetrain.solution.static import Array, SpringAtRest, StaticCurve, named
 from valvetrain.units import Given, si
 
-#: What is named of the installed state beside its force and rate; the nominal stress is that of
+#: What is named of the installed state next to its force and rate; the nominal stress is that of
 #: every model, the rest of a rod's.
 POINT_NAMES = tuple(
     f"installed_{name}"

@@ -116,7 +116,7 @@ def _traces(
 
 def with_wire_stress(solution: Solution, frame: Frame) -> Solution:
     """The run with the stresses (Pa) at the inner fibre as channels, of every spring whose section
-    loads were kept.
+    loads were saved.
     """
     added: dict[str, Variable] = {}
     for spring, place in zip(solution.springs, frame.springs, strict=False):

@@ -202,7 +202,7 @@ RUNS: tuple[QuantityRow, ...] = (
         "Largest difference of work done and energy stored or dissipated, over the span of the work done.", sense=LESS),
     spring("dissipated_energy", "energy dissipated", "Energy turned to heat over the run.", shown_unit="J"),
     both("time_step_duration", "time step", "Step of the time integration.", shown_unit="us"),
-    both("steps_per_cycle_count", "steps per cycle", "Steps of the time integration per cam turn."),
+    both("steps_per_cycle_count", "steps per cycle", "Steps of the time integration per cam revolution."),
 )  # fmt: skip
 
 #: Of one steady cycle of a train. "Open" means that the rigid lift is above a tenth of its maximum.

@@ -33,7 +33,7 @@ PLACES = {
 CAUSE_INERTIA = "inertia exceeds the spring force (rigid theory loses contact here too)"
 CAUSE_SURGE = "surge lowers the spring force below its static value"
 CAUSE_VIBRATION = "vibration of the train unloads the contact"
-#: Closings of contacts that the integrator logged are read and not kept.
+#: Closings of contacts that the integrator logged are read and then dropped.
 LOGGED = ("touch",)
 #: Losses of contact that follow on each other within this angle (rad) are one stretch in which the
 #: train is open.
@@ -77,7 +77,7 @@ def train_events(solution: Solution, rigid: RigidCycle) -> tuple[Event, ...]:
 
 
 def lost_spans(events: Sequence[Event], turn: float) -> list[Span]:
-    """Cam angles in which any contact of the drive is lost; ``turn``: time (s) of a cam turn."""
+    """Cam angles in which any contact of the drive is lost; ``turn``: time (s) of a cam revolution."""
     return [
         span_of(event.cam_angle, event.cam_angle + event.duration / turn * TURN)
         for event in events
@@ -260,7 +260,7 @@ def _logged_openings(solution: Solution) -> list[_Opening]:
 
 def _sampled_openings(solution: Solution) -> list[_Opening]:
     """From the samples, of a run without such a log: from the last two before the touch the valve
-    goes on, straight in velocity.
+    continues, straight in velocity.
 
     Second order, and free of what the blow did to the velocity after it.
     """

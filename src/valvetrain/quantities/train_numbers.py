@@ -16,7 +16,7 @@ from valvetrain.quantities.train_events import SMALLEST_GAP, RigidCycle, lost_sp
 from valvetrain.solution.result import Solution
 from valvetrain.solution.status import Event
 
-#: Numbers of the integrator that are quantities under the same name, beside every
+#: Numbers of the integrator that are quantities under the same name, next to every
 #: ``peak_..._force``.
 COUNTED = (
     "cycle_work_energy", "cycle_dissipated_energy", "spring_dissipated_energy", "contact_friction_dissipated_energy",
@@ -27,7 +27,7 @@ COUNTED = (
 )  # fmt: skip
 #: Front of the names of what differs from cycle to cycle.
 SCATTER = "cycle_scatter_"
-#: Contacts that drive the valve, whose least force while it is open is told.
+#: Contacts that drive the valve, whose minimum force while it is open is reported.
 DRIVING = ("cam", "valve_tip")
 
 

@@ -1,7 +1,7 @@
 """Where a lift passes a height: opening and closing at lash, at 1 mm and at 0.050 in, of the lobe,
 of the rigid valve and of a run.
 
-Curves are solved, not read off their samples: a lift law by itself, a run by the cubic of lift and
+Curves are solved, not read off their samples: a lift law directly, a run by the cubic of lift and
 velocity between samples.
 """
 

@@ -19,7 +19,7 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class Line:
-    """A curve; ``dash`` is solid, dash, dot or dashdot; ``direct`` is written beside its end."""
+    """A curve; ``dash`` is solid, dash, dot or dashdot; ``direct`` is written next to its end."""
 
     x: Array
     y: Array
@@ -33,7 +33,7 @@ class Line:
 
 @dataclass(frozen=True, eq=False)
 class Marks:
-    """Single points, published values or events, each with a text beside it (empty for none) and
+    """Single points, published values or events, each with a text next to it (empty for none) and
     ``hints`` read on hover.
     """
 

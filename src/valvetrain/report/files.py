@@ -14,7 +14,7 @@ from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.parameters.spring import EndCoil
 from valvetrain.parameters.toml_text import toml_text
 
-#: Bytes of a name's stem, so that endings and the name of a temporary file beside it fit into the
+#: Bytes of a name's stem, so that endings and the name of a temporary file next to it fit into the
 #: 255 that file systems take.
 MAX_LENGTH = 120
 

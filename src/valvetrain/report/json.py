@@ -61,7 +61,7 @@ def status_object(status: Status) -> dict[str, Any]:
 
 
 def comparison_object(row: Comparison) -> dict[str, Any]:
-    """Computed beside given."""
+    """Computed and given values."""
     unit = unit_of(row.quantity)
     values = {
         name: getattr(row, name) for name in ("published", "computed", "difference", "tolerance")
@@ -107,7 +107,7 @@ def uncertainty_object(row: Uncertainty) -> dict[str, Any]:
 
 
 def fidelity_object(found: FidelityMap) -> dict[str, Any]:
-    """Models beside a reference: verdicts by quantity and model, and every row behind them; shares
+    """Models next to a reference: verdicts by quantity and model, and every row behind them; shares
     as numbers of unit 1.
     """
     reaches = [found.reach(name, model) for name in found.quantities for model in found.models]

@@ -77,7 +77,7 @@ class Grid:
 
     @property
     def right(self) -> tuple[bool, ...]:
-        """Columns of numbers, whose heads stand at the right as their numbers do."""
+        """Columns of numbers, whose headings are aligned right, as their numbers are."""
         cells = next((row for row, _ in self.rows if len(row) == len(self.headers)), ())
         return tuple("number" in cell.tone for cell in cells) or (False,) * len(self.headers)
 
@@ -136,7 +136,7 @@ class Tabs:
 
 @dataclass(frozen=True, eq=False)
 class Details:
-    """Blocks that open when asked for."""
+    """Blocks that a click opens."""
 
     summary: str
     blocks: tuple[Any, ...]
@@ -146,7 +146,7 @@ class Details:
 
 @dataclass(frozen=True, slots=True)
 class Listing:
-    """Text as it stands in a file."""
+    """Text of a file, unchanged."""
 
     text: str
 
@@ -155,7 +155,7 @@ class Listing:
 
 @dataclass(frozen=True, slots=True)
 class Motion:
-    """A moving picture: ``data`` is what motion.js mounts, as JSON that may stand in a script;
+    """A moving picture: ``data`` is what motion.js mounts, as JSON that is safe in a script;
     ``still`` an SVG element until it does.
     """
 
@@ -211,7 +211,7 @@ def text(label: str, tone: str = "") -> Text:
 
 
 def gap(sentence: str) -> Text:
-    """What stands for a part that failed."""
+    """A sentence in place of a part that failed."""
     return Text(escape(sentence), "alert", gap=True)
 
 
@@ -276,7 +276,7 @@ def _all(blocks: Sequence[Any]) -> Iterator[Any]:
 
 
 def render(page: Page, gaps: PartialFailures | None = None) -> str:
-    """The page as one self-contained HTML document, Plotly and data included; ``gaps`` is told the
+    """The page as one self-contained HTML document, Plotly and data included; ``gaps`` is given the
     figures that cannot be drawn.
     """
     drawn = {chart.key: _drawn(chart, gaps) for chart in charts(page)}
@@ -299,7 +299,7 @@ def render(page: Page, gaps: PartialFailures | None = None) -> str:
 
 
 def render_part(sections: Sequence[Section]) -> str:
-    """Sections with the data of their figures as HTML to stand in another page, which brings style,
+    """Sections with the data of their figures as HTML for another page, which brings style,
     script and Plotly.
     """
     page = Page("", "", "", (), tuple(sections))
@@ -361,7 +361,7 @@ def _still(chart: Chart) -> str:
 
 
 def _css_string(label: str) -> str:
-    """Words as a string of a style sheet, whatever stands in them."""
+    """A text as a string of a style sheet, escaped."""
     return (
         '"'
         + "".join(

@@ -40,7 +40,7 @@ _GAP_X, _MIN_WIDTH = 60, 620
 #: Letters of a panel's words that one line of a narrow page holds; a title beyond them stands on a
 #: line of its own.
 _MAX_LETTERS = 40
-#: Height in px of a panel on a narrow page, where all stand in one column.
+#: Height in px of a panel on a narrow page, where all are in one column.
 NARROW_PANEL = 220
 
 
@@ -350,7 +350,7 @@ def _plain(label: str) -> str:
 
 
 def _spaced(label: str, side: str) -> str:
-    """Words beside a mark keep clear of it."""
+    """Words next to a mark keep clear of it."""
     return {"middle right": f"  {label}", "middle left": f"{label}  "}.get(side, label)
 
 
@@ -393,7 +393,7 @@ def _trace(layer: Layer) -> dict[str, Any]:
 
 
 def _colour_axis(heat: HeatMap, narrow: bool) -> dict[str, Any]:
-    """Scale of a map: beside it on a wide page, below it on a narrow one."""
+    """Scale of a map: next to it on a wide page, below it on a narrow one."""
     stops = [
         [(index / (len(heat.colours) - 1)) ** (1 / heat.power), colour]
         for index, colour in enumerate(heat.colours)

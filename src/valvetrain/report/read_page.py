@@ -1,7 +1,7 @@
 """A report page read back: the figures, tables and sentences that
 :func:`valvetrain.report.page.render` wrote.
 
-Whoever shows a kept run elsewhere than in its page takes them from here, so that nothing is
+Whoever shows a saved run elsewhere than in its page takes them from here, so that nothing is
 computed or written twice.
 """
 

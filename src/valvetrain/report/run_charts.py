@@ -130,7 +130,7 @@ def angle_panels(
     static_label: str = STATIC_LABEL,
 ) -> list[Panel]:
     """A channel over the cam angle, one line per run, at most :data:`MAX_LINES` a panel;
-    ``still``: a channel beside it, dashed, once.
+    ``still``: a channel next to it, dashed, once.
     """
     known, panels, label = line_styles(study), [], name
     shown = [(run, *found) for run in runs if (found := over_angle(run, channel)) is not None]

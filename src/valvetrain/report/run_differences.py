@@ -1,4 +1,4 @@
-"""What differs between two kept runs as rows of words, for the terminal and for pages."""
+"""What differs between two saved runs as rows of words, for the terminal and for pages."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ def input_rows(inputs: Sequence[tuple[str, Any, Any]]) -> list[tuple[str, ...]]:
 
 
 def result_rows(results: Sequence[ResultDifference]) -> list[tuple[str, ...]]:
-    """Rows of the numbers that both runs have and that differ: what is asked first, then the
+    """Rows of the numbers that both runs have and that differ: headline quantities first, then the
     largest difference.
 
     >>> result_rows([ResultDifference("peak_spring_force", "massless", "N", 800.0, 840.0)])

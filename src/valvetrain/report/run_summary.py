@@ -29,7 +29,7 @@ class CriticalRow:
 
 
 def searched(study: Study) -> bool:
-    """Whether the study is a sweep of a train, of which critical speeds are told or said not to be
+    """Whether the study is a sweep of a train, of which critical speeds are reported, or reported as not
     computed.
     """
     return study.command == "sweep" and any(
@@ -172,7 +172,7 @@ def fidelity_notes(found: FidelityMap) -> tuple[str, ...]:
     notes = [
         f"Good enough: within {share(found.tolerance)} of the largest value of {found.reference} over {min(speeds):.6g} to "
         f"{max(speeds):.6g} rpm ({sizes}), the numerical error of both included; open: the error bars leave it undecided; "
-        "not told: the model does not know it.",
+        "not given: the model does not know it.",
         "The bars are the change that 1.5 times as many elements, masses or modes make, with the safety factor of two grids."
         + (
             f" Without such a division, and so without a bar of their own: {', '.join(undivided)}."

@@ -200,7 +200,7 @@ CSV_SPACING = 0.5
 
 @dataclass(frozen=True, slots=True)
 class StudyFiles:
-    """What was written: the page (None where none was asked for), data files and pictures;
+    """What was written: the page (None where none was requested), data files and pictures;
     ``gaps``: a sentence per part that was not.
     """
 
@@ -219,7 +219,7 @@ def write_study(
     Parameters
     ----------
     study : what ``simulate``, ``compare`` or ``sweep`` gave
-    folder : made if absent; files of an earlier study there that nobody changed are removed
+    folder : made if absent; files of an earlier study there that are unchanged are removed
     page : write report.html, one file that needs no network
     figures : write every chart of the page as an SVG picture too
 
@@ -340,7 +340,7 @@ def _tables(study: Study, names: FreeNames) -> dict[str, Callable[[], Table]]:
 
 
 def fidelity_table(study: Study) -> Table:
-    """Every model beside the reference, quantity by quantity and speed by speed, SI."""
+    """Every model next to the reference, quantity by quantity and speed by speed, SI."""
     found = study.fidelity
     label = {
         name: np.array([getattr(row, name) for row in found], dtype=object)
@@ -377,7 +377,7 @@ def write_page(
     figures: bool = True,
     gaps: PartialFailures | None = None,
 ) -> tuple[Path, tuple[Path, ...]]:
-    """Write a page and, where ``figures`` are asked for, each of its charts as SVG; a chart that
+    """Write a page and, where ``figures`` are requested, each of its charts as SVG; a chart that
     fails is left out (the page names it).
     """
     pictures = []
@@ -486,7 +486,7 @@ def quantity_table(study: Study) -> Table:
 
 
 def event_table(study: Study) -> Table:
-    """Every event of every run, details included where they are told."""
+    """Every event of every run, details included where they are given."""
     rows = [
         (
             run.label,
@@ -519,7 +519,7 @@ def event_table(study: Study) -> Table:
 
 
 def sweep_table(study: Study, label: str) -> Table:
-    """All quantities of one label over the engine speed in the units shown; cam orders stand in a
+    """All quantities of one label over the engine speed in the units shown; cam orders are in a
     table of their own.
     """
     runs = study.runs(label)

@@ -83,7 +83,7 @@ def origin_style(origin: str) -> tuple[str, str, str, str]:
     return (sign, f"{sign}, published", INK, "square")
 
 
-#: Where the words beside a mark stand, so that marks of several origins at one place stay readable.
+#: Where the words next to a mark stand, so that marks of several origins at one place stay readable.
 LABEL_SIDES = {"circle": "top", "diamond": "right", "triangle": "left", "square": "bottom"}
 
 

@@ -1,4 +1,4 @@
-"""A run while it goes on: each solution is written as it comes, so that a process that is killed
+"""A run in progress: each solution is written as it comes, so that a process that is killed
 loses none that was finished.
 """
 
@@ -40,7 +40,7 @@ class UnfinishedRun:
 
     def add(self, place: int, solution: Solution) -> None:
         """Keep the solution of the run at ``place`` of its study."""
-        self.gaps.part("runs could not be kept as they came", None, self._add, place, solution)
+        self.gaps.part("runs could not be saved as they came", None, self._add, place, solution)
 
     def file_of(self, solution: Solution) -> Path | None:
         """Where a solution was written as it came."""
@@ -81,7 +81,7 @@ class UnfinishedRun:
         append_whole(self._handle, (json.dumps(row) + "\n").encode())
 
 
-#: The list of what was written, with the digest of every file, kept in the folder itself.
+#: The list of what was written, with the digest of every file, saved in the folder itself.
 LIST = ".valvetrain-files.json"
 
 

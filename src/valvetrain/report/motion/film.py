@@ -37,7 +37,7 @@ _OPENCV = "an MP4 needs OpenCV; install it with: pip install 'valvetrain[film]',
 
 @dataclass(frozen=True, slots=True)
 class FilmRequest:
-    """A film as asked for: ``duration`` (s) of one cam turn, ``picture_width`` (px; height 16:9),
+    """A film as requested: ``duration`` (s) of one cam revolution, ``picture_width`` (px; height 16:9),
     ``colour``: key of the colouring.
     """
 
@@ -90,7 +90,7 @@ def check_ending(path: Path) -> None:
 
 
 def write_film(variant: Variant, path: Path, request: FilmRequest = FilmRequest()) -> Film:
-    """Write one cam turn of a run as a film.
+    """Write one cam revolution of a run as a film.
 
     Parameters
     ----------
@@ -171,7 +171,7 @@ def _pictures(variant: Variant, frames: list[int], request: FilmRequest) -> Iter
 
 
 class _Place:
-    """Where things stand in the picture: the view on the left, the forces on the right, in pixels
+    """Layout of the picture: the view on the left, the forces on the right, in pixels
     of the finer picture.
     """
 

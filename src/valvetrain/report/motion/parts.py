@@ -1,5 +1,5 @@
 """What a moving picture is made of: springs, rigid bodies, forces and marks over chosen samples of
-one cam turn. SI, angles in rad.
+one cam revolution. SI, angles in rad.
 """
 
 from __future__ import annotations
@@ -113,8 +113,8 @@ class Mark:
 class Variant:
     """One run in motion. ``sample``: places (frame,) of the frames in the reported cycle;
     ``cam_angle`` (frame,) rad, ascending;
-    ``valve_lift`` (frame,) m; ``closed``: whether the last frame goes on into the first. ``notes``:
-    what is reconstructed or not told."""
+    ``valve_lift`` (frame,) m; ``closed``: whether the last frame leads into the first. ``notes``:
+    what is reconstructed or not given."""
 
     label: str
     title: str

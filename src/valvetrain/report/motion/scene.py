@@ -48,7 +48,7 @@ def choose_frames(
     Parameters
     ----------
     cam_angle : (sample,) rad, ascending from 0 to less than one turn
-    most : largest number of frames; what must be kept may exceed it
+    most : largest number of frames; required frames may exceed it
     keep : samples that stay whatever happens, such as those of peaks
     spans : first and last cam angle (rad) of clashes, most wanted first; every sample inside one is
         drawn until ``most`` is reached
@@ -101,7 +101,7 @@ MAX_VARIANTS, MAX_FRAMES, MAX_RUN_BYTES, MAX_BYTES = 4, 1000, 500_000, 1_000_000
 MIN_FRAMES = 120
 #: Clashes around which frames stand closer, most wanted first.
 MAX_SPANS = 60
-#: Forces beside the picture: words, channel, colour; the first that a run has of each line, three
+#: Forces next to the picture: words, channel, colour; the first that a run has of each line, three
 #: at most.
 _FORCES = (
     ("spring on retainer", "retainer_force"),
@@ -177,9 +177,9 @@ def moving_picture(study: Study, limits: Limits = Limits()) -> Moving | None:
             f"{len(chosen)} of {len(runs)} runs are drawn; 'valvetrain animate' draws any of them"
         )
     title = (
-        "Train and spring over the cam turn"
+        "Train and spring over the cam revolution"
         if any(one.bodies for one in variants)
-        else "Spring over the cam turn"
+        else "Spring over the cam revolution"
     )
     return Moving(title, one_range(tuple(variants)), tuple(notes))
 

@@ -187,7 +187,7 @@ def _along(cycle: Cycle, name: str, nodes: Places, sample: Places) -> Array | No
 
 def _pairs(cycle: Cycle, name: str, wire: SpringDefinition) -> tuple[Places, Array, Array] | None:
     """Coil pairs in order of the coil number of the upper partner: places, coil numbers, length of
-    wire (m) that each stands for.
+    wire (m) that each represents.
     """
     if not cycle.solution.has(name):
         return None
@@ -445,6 +445,6 @@ def _nodes(
     if not cycle.solution.has(name.replace("displacement", "position")):
         notes = (
             *notes,
-            "coils stand at their axial displacements on the helix of the wire; inactive turns move with seat and retainer",
+            "coils are drawn at their axial displacements on the helix of the wire; inactive turns move with seat and retainer",
         )
     return coil, nodes.astype(np.int64), notes

@@ -231,7 +231,7 @@ POINTED = 1e-6
 #: Where no spring is drawn: outer radius and installed height (m) of the space for one.
 NO_SPRING = (14e-3, 40e-3)
 TO_SCALE = "To scale: lobe, follower arc or face, lever arms and pivot, pushrod length, springs, lash, lift and every gap."
-TYPICAL_SIZES = "Of usual size, for no case holds them: tappet and pushrod diameters, stem, head, hub, arms, the place of the spring on the stem."
+TYPICAL_SIZES = "Typical sizes, not in the case: tappet and pushrod diameters, stem, head, hub, arms, the place of the spring on the stem."
 
 
 @dataclass(frozen=True, eq=False)
@@ -301,7 +301,7 @@ def coordinates(
     mechanism: AssembledMechanism, cycle: Cycle, sample: Places
 ) -> tuple[dict[str, Array], tuple[str, ...]]:
     """Every coordinate (m or rad) of a planar mechanism over the frames by name, and a note where
-    rigid kinematics stand in.
+    rigid kinematics replace it.
     """
     found: dict[str, Array] = {}
     missing: list[str] = []
@@ -484,7 +484,7 @@ class SpringRoom:
 
 
 def spring_rooms(member: Member, valve_lift: float) -> tuple[SpringRoom, ...]:
-    """Room of every spring of a member that is drawn, or a usual one; ``valve_lift`` (m) as for
+    """Room of every spring of a member that is drawn, or a typical one; ``valve_lift`` (m) as for
     ``wire_of``.
     """
     found = []

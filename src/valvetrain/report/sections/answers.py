@@ -235,7 +235,7 @@ def _map(found: FidelityMap, name: str) -> Grid:
 
 def _cell(row: FidelityRow, verdict: str) -> Cell:
     if verdict == MISSING:
-        return Cell("–", "number quiet", "not told, or no result")
+        return Cell("–", "number quiet", "not given, or no result")
     if not math.isfinite(row.reference):
         return Cell("?", "number quiet", "no value of the reference: open")
     size = f"{abs(100 * row.difference):.{0 if abs(row.difference) >= 0.0995 else 1}f}"

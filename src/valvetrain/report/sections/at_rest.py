@@ -123,7 +123,7 @@ def static_chart(study: Study, members: list[SpringAtRest], key: str, title: str
     every = np.concatenate([np.asarray(curve.stiffness, dtype=float) for _, curve in known]) * 1e-3
     # The wall of the solid spring would flatten all else.
     top = 1.08 * min(float(every.max()), 4 * float(np.median(every)))
-    # Room at the right for the words beside the last mark.
+    # Room at the right for the words next to the last mark.
     reach = (
         0.0,
         1.08

@@ -79,7 +79,7 @@ def along(run: Solution, channel: str) -> tuple[Array, Array] | None:
 
 
 def position_chart(study: Study, run: Solution, spring: str, key: str, title: str) -> Chart | None:
-    """Height of the wire, or its displacement where no height is told (mm), at even distances along
+    """Height of the wire, or its displacement where no height is given (mm), at even distances along
     the spring.
     """
     known = (
@@ -226,7 +226,7 @@ def stress_blocks(study: Study) -> tuple[Block, ...]:
 
 
 def stress_chart(study: Study, run: Solution, spring: str, key: str, title: str) -> Chart | None:
-    """Largest and least shear along the wire, and the worst point over one cam cycle (MPa), beside
+    """Largest and least shear along the wire, and the worst point over one cam cycle (MPa), next to
     those of the static curve.
     """
     found = along(run, run.channel_of(spring, SHEAR))

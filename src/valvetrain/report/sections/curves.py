@@ -1,4 +1,4 @@
-"""Spring force on the cylinder head and on the retainer over the cam angle, at rest beside it."""
+"""Spring force on the cylinder head and on the retainer over the cam angle, at rest next to it."""
 
 from __future__ import annotations
 
@@ -79,7 +79,7 @@ MOTIONS = {
 
 
 def motion_blocks(study: Study) -> tuple[Block, ...]:
-    """Three panels per engine speed; where all runs are told the same motion, one line stands for
+    """Three panels per engine speed; where all runs are given the same motion, one line represents
     them.
     """
 
@@ -117,7 +117,7 @@ def kinematics_blocks(study: Study) -> tuple[Block, ...]:
 
 
 def rigid_chart(study: Study, runs: list[Solution], key: str, title: str) -> Chart | None:
-    """A panel per rigid channel; runs of one train share them, so one line stands for all."""
+    """A panel per rigid channel; runs of one train share them, so one line represents all."""
     panels = []
     for name in dict.fromkeys(
         str(name) for run in runs for name in run.arrays.variables if str(name).startswith("rigid_")
@@ -238,7 +238,7 @@ def in_motion_blocks(study: Study) -> tuple[Block, ...]:
             return ()
         first = moving.variants[0]
         caption = (
-            "The reported cam turn, slowed. Drag or use the arrow keys on the picture to turn it; space plays, arrow keys step by one cam "
+            "The reported cam revolution, slowed. Drag or use the arrow keys on the picture to turn it; space plays, arrow keys step by one cam "
             "degree, with shift by ten, page keys go from mark to mark. Triangles on the slider are peaks of the force, orange strokes "
             "clashes."
         )

@@ -1,4 +1,4 @@
-"""Computed beside given values, only where there are any: one dot plot, one table with filters,
+"""Computed and given values values, only where there are any: one dot plot, one table with filters,
 findings, notes behind them.
 """
 
@@ -30,7 +30,7 @@ from valvetrain.solution.definition import label_of
 from valvetrain.solution.quantity import same_speed
 from valvetrain.solution.study import Study
 
-#: Ends of the ratio axis; what lies beyond stands at the end as a triangle, its number on hover.
+#: Ends of the ratio axis; what lies beyond is drawn at the end as a triangle, its number on hover.
 AXIS = (0.5, 1.5)
 #: Rows up to which each is named at the side; more are named on hover and in the table.
 NAMED_ROWS = 40
@@ -121,7 +121,7 @@ def ratio_chart(study: Study) -> Chart | None:
     )
     left = len(study.comparisons) - len(known)
     caption = "Each mark is a computed value over the given one; name, engine speed and source show on it. Triangles stand beyond the axis."
-    caption += f" {left} values without a ratio stand in the table only." if left else ""
+    caption += f" {left} values without a ratio are in the table only." if left else ""
     size = int(np.clip((17 if named else 7) * len(known), 120, 1100)) + 90
     return Chart("ratios", "Computed over given values", caption, (panel,), height=size)
 

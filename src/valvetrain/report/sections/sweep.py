@@ -99,7 +99,7 @@ def order_chart(study: Study) -> Chart | None:
             y_label, span = "dynamic spring force (N, 0 to peak)", (0.0, 1.12 * tall or 1.0)
             panels.append(
                 Panel(
-                    "cam order (oscillations per cam turn)",
+                    "cam order (oscillations per cam revolution)",
                     y_label,
                     tuple(layers),
                     speed_text(engine_speed),
@@ -152,7 +152,9 @@ def sweep_chart(study: Study) -> Chart | None:
         return None
     caption = "Each engine speed on its own. Open marks: the motion did not repeat there, its last cycle is shown."
     if study.command == "run-up":
-        caption = "One value per cam turn, at its mean engine speed: the envelope of the run-up."
+        caption = (
+            "One value per cam revolution, at its mean engine speed: the envelope of the run-up."
+        )
     return Chart(
         "sweep", "Over engine speed", caption, tuple(panels), 2, 240 * (-(-len(panels) // 2)) + 30
     )
