@@ -34,6 +34,7 @@ import how_to_pictures
 import numpy as np
 import sample_test_cycles
 from numpy.typing import NDArray
+from quantity_pages import plausible_page, quantities_page
 
 import valvetrain as vt
 from valvetrain import registry
@@ -44,8 +45,6 @@ from valvetrain.errors import InputError
 from valvetrain.measured.sensor import Sensor
 from valvetrain.parameters.case import Case
 from valvetrain.parameters.installed_spring import InstalledSpring
-from valvetrain.quantities.page import quantities_page
-from valvetrain.quantities.plausible import plausible_page
 from valvetrain.report.chart import Chart, Line, Marks, Panel
 from valvetrain.report.run_charts import line_styles
 from valvetrain.report.run_summary import reach_rows, share

@@ -22,10 +22,9 @@ from valvetrain.parameters.constructors import conical, cylindrical
 from valvetrain.parameters.installed_spring import InstalledSpring, SpringCard
 from valvetrain.parameters.spring import OPEN_END
 from valvetrain.quantities.cycle import Frame
-from valvetrain.quantities.design import design_quantities
 from valvetrain.quantities.evaluate import evaluate
 from valvetrain.quantities.kinematics import rigid_motion, rigid_quantities
-from valvetrain.quantities.statics import rest_quantities
+from valvetrain.quantities.statics import design_quantities, rest_quantities
 from valvetrain.runs.critical_speeds import CriticalOptions, Limit, Look, Search, critical_speed
 from valvetrain.solution.critical import KINDS
 from valvetrain.solution.modes import ModalResult

@@ -21,13 +21,13 @@ from synthetic_study import (
 )
 from valvetrain.registry import find
 from valvetrain.report.page import Cards, Details, Grid, Tabs, Text
-from valvetrain.report.study import study_page
-from valvetrain.report.uncertainty_section import (
+from valvetrain.report.sections.published import (
     lead,
     uncertainty_grid,
     uncertainty_page,
     uncertainty_table,
 )
+from valvetrain.report.study import study_page
 from valvetrain.runs.error_bars import Uncertainty, UncertaintyStudy
 from valvetrain.solution.comparison import Comparison
 from valvetrain.solution.provenance import CaseRecord

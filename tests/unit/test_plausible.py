@@ -11,6 +11,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from quantity_pages import plausible_page
 
 import valvetrain as vt
 from unit.cli_parts import SMALL, call, sentence
@@ -24,7 +25,6 @@ from valvetrain.quantities.plausible import (
     TABLES,
     implausible,
     lift_extremes,
-    plausible_page,
     plausible_rest,
     refuse_implausible_motion,
 )

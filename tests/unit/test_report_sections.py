@@ -29,8 +29,8 @@ from valvetrain.report.headlines import headline_columns, headline_rows
 from valvetrain.report.json import unit_of_number
 from valvetrain.report.page import Details, Figure, Grid, Text, charts, render
 from valvetrain.report.sections import coils, published, sweep
+from valvetrain.report.sections.published import firmness, uncertainty_grid, uncertainty_table
 from valvetrain.report.study import study_page
-from valvetrain.report.uncertainty_section import firmness, uncertainty_grid, uncertainty_table
 from valvetrain.runs.error_bars import Uncertainty
 from valvetrain.runs.uncertainty_file import load_uncertainty
 from valvetrain.solution.provenance import CaseRecord

@@ -16,7 +16,7 @@ from valvetrain.cli.main import app
 from valvetrain.cosserat.static import NewtonOptions, compress
 from valvetrain.errors import InputError
 from valvetrain.parameters.loading import parse_case
-from valvetrain.quantities.design import solid_quantities
+from valvetrain.quantities.statics import solid_quantities
 from valvetrain.runs.static_study import rest_study
 
 TEXT = """

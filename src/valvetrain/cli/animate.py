@@ -77,7 +77,7 @@ def animate(
     quiet: QuietOption = False,
 ) -> None:
     """One cam revolution of the spring or the train, slowed, as a film for slides."""
-    from valvetrain.cli.case_choice import choose_case
+    from valvetrain.cli.options import choose_case
     from valvetrain.cli.outcome import Outcome, deliver, measured
     from valvetrain.cli.progress import busy
     from valvetrain.report.motion.film import FilmRequest, check_ending, write_film

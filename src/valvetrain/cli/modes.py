@@ -85,9 +85,8 @@ def modes(
     """Natural frequencies of springs, both ends fixed or one with a mass; of a train also with its
     springs, as one.
     """
-    from valvetrain.cli.case_choice import choose_case, folder_of
-    from valvetrain.cli.limits import say_cost
-    from valvetrain.cli.outcome import deliver
+    from valvetrain.cli.options import choose_case, folder_of
+    from valvetrain.cli.outcome import deliver, say_cost
     from valvetrain.runs.cost import FEWER_AT_REST, read_limits
     from valvetrain.runs.static_cost import rest_cost
     from valvetrain.runs.static_study import CURVE_OF_MODES

@@ -11,7 +11,7 @@ import sys
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextvars import ContextVar
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import typer
 from rich.console import Console
@@ -20,6 +20,10 @@ from rich.text import Text
 
 from valvetrain.errors import InputError
 from valvetrain.solution.partial_failures import TRACEBACK_VARIABLE, reason
+
+if TYPE_CHECKING:
+    from valvetrain.cli.study_command import StudyRequest
+    from valvetrain.runs.cost import Cost, Limits
 
 _STREAMS = (("stdin", "r"), ("stdout", "w"), ("stderr", "w"))
 
@@ -262,3 +266,31 @@ def quantity_rows(values: Mapping[str, float]) -> list[tuple[str, str, str]]:
         (label_of(name)[:1].upper() + label_of(name)[1:], *shown_text(name, value))
         for name, value in values.items()
     ]
+
+
+#: Estimates above this are printed (s).
+WORTH_SAYING = 20.0
+
+
+def refuse_beyond(request: StudyRequest, whole: bool = True, searches: bool = False) -> None:
+    """Say what the request will cost where it takes a while; raise :class:`InputError` with the
+    numbers where it is too large.
+
+    ``whole``: whether every run is saved with its channels; ``searches``: whether a train's critical
+    speeds are searched as well.
+    """
+    from valvetrain.runs.cost import FEWER
+    from valvetrain.runs.request_cost import request_cost
+
+    say_cost(request_cost(request, whole, searches), request.limits, FEWER)
+
+
+def say_cost(cost: Cost, limits: Limits, fewer: str) -> None:
+    """Say what a request will cost where it takes a while; raise :class:`InputError` with the
+    numbers, and the advice to ask for
+    ``fewer`` of what makes it large, where it lies beyond ``limits``."""
+    from valvetrain.runs.cost import refuse_cost
+
+    estimate = refuse_cost(cost, limits, fewer=fewer)
+    if cost.seconds > WORTH_SAYING:
+        tell(f"this will take {estimate}")

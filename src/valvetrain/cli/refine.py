@@ -76,10 +76,9 @@ def refine(
     """State the uncertainty of the headline numbers of a spring or a train: finer meshes and steps,
     other contact constants.
     """
-    from valvetrain.cli.case_choice import choose_case, folder_of
     from valvetrain.cli.guard import interrupted
-    from valvetrain.cli.limits import say_cost
-    from valvetrain.cli.outcome import deliver
+    from valvetrain.cli.options import choose_case, folder_of
+    from valvetrain.cli.outcome import deliver, say_cost
     from valvetrain.runs.cost import FEWER_REFINED, read_limits
     from valvetrain.runs.request_cost import refine_cost
 
@@ -139,13 +138,13 @@ def _saved_outcome(request: RefineRequest, study: UncertaintyStudy, stopped: boo
     from valvetrain.cli.progress import busy
     from valvetrain.cli.study_command import keep_run
     from valvetrain.report.json import uncertainty_object
-    from valvetrain.report.study import write_page
-    from valvetrain.report.text import rpm
-    from valvetrain.report.uncertainty_section import (
+    from valvetrain.report.sections.published import (
         levels_table,
         uncertainty_page,
         uncertainty_table,
     )
+    from valvetrain.report.study import write_page
+    from valvetrain.report.text import rpm
     from valvetrain.solution.atomic import write_text
 
     case, engine_speeds = request.case, request.engine_speeds
@@ -259,7 +258,7 @@ def fidelity(
     """Which spring model is good enough where: all models over engine speed (default: 1000:9000:500
     rpm) next to finite elements.
     """
-    from valvetrain.cli.limits import say_cost
+    from valvetrain.cli.outcome import say_cost
     from valvetrain.cli.progress import announce_compilation
     from valvetrain.errors import InputError
     from valvetrain.runs.cost import FEWER

@@ -26,7 +26,7 @@ def register_run(app: typer.Typer) -> None:
 @study_command
 def run(request: StudyRequest) -> None:
     """Run a case at all its engine speeds: answer, data files and a report page."""
-    from valvetrain.cli.limits import refuse_beyond
+    from valvetrain.cli.outcome import refuse_beyond
     from valvetrain.cli.progress import announce_compilation
     from valvetrain.runs.run import run_study
 
@@ -102,7 +102,7 @@ def sweep(
     """Sweep a case over engine speed (default: 1000:9000:100 rpm): forces, clash, surge, and where
     contact is lost.
     """
-    from valvetrain.cli.limits import refuse_beyond
+    from valvetrain.cli.outcome import refuse_beyond
     from valvetrain.cli.progress import announce_compilation
     from valvetrain.runs.critical_speeds import read_options
     from valvetrain.runs.sweep import sweep_study
@@ -198,7 +198,7 @@ def compare(
     """Run a case by several spring models, side by side; a spring alone by solid finite elements
     too.
     """
-    from valvetrain.cli.limits import refuse_beyond
+    from valvetrain.cli.outcome import refuse_beyond
     from valvetrain.cli.progress import announce_compilation
     from valvetrain.runs.compare import compare_study
 
@@ -320,8 +320,8 @@ def run_up(
     """Accelerate a train through its speeds: envelope of forces, loss of contact and float over
     engine speed.
     """
-    from valvetrain.cli.limits import say_cost
     from valvetrain.cli.options import read_engine_speeds
+    from valvetrain.cli.outcome import say_cost
     from valvetrain.cli.progress import announce_compilation
     from valvetrain.runs.cost import FEWER
     from valvetrain.runs.request_cost import run_up_cost

@@ -257,7 +257,7 @@ def _show_compare_runs(
     results: tuple[ResultDifference, ...],
 ) -> None:
     from valvetrain.cli.outcome import plain_table
-    from valvetrain.report.run_differences import INPUT_HEADS, RESULT_HEADS, input_rows, result_rows
+    from valvetrain.report.run_summary import INPUT_HEADS, RESULT_HEADS, input_rows, result_rows
 
     for name, run in zip("AB", pair, strict=True):
         console.print(f"{name}  {run.folder}", soft_wrap=True)

@@ -159,9 +159,8 @@ def static(
     """Force, stiffness and stress over compression, coils closing, of every spring of a case, and
     at heights and loads requested.
     """
-    from valvetrain.cli.case_choice import choose_case, folder_of
-    from valvetrain.cli.limits import say_cost
-    from valvetrain.cli.outcome import deliver
+    from valvetrain.cli.options import choose_case, folder_of
+    from valvetrain.cli.outcome import deliver, say_cost
     from valvetrain.runs.cost import FEWER_AT_REST, read_limits
     from valvetrain.runs.static_cost import rest_cost
     from valvetrain.solution.atomic import check_target

@@ -17,8 +17,8 @@ from typing import TYPE_CHECKING, Any, Protocol, get_type_hints
 
 import typer
 
-from valvetrain.cli.case_choice import IN_EVERY_SPRING, choose_case, folder_of
 from valvetrain.cli.options import (
+    IN_EVERY_SPRING,
     CaseArgument,
     ElementsOption,
     FiguresOption,
@@ -35,6 +35,8 @@ from valvetrain.cli.options import (
     SpringOption,
     SpringSetOption,
     WorkersOption,
+    choose_case,
+    folder_of,
     read_engine_speeds,
     read_models,
     read_names,
@@ -49,7 +51,7 @@ if TYPE_CHECKING:
     from valvetrain.cli.outcome import Outcome
     from valvetrain.cli.progress import Report
     from valvetrain.parameters.case import Case
-    from valvetrain.report.unfinished import UnfinishedRun
+    from valvetrain.report.files import UnfinishedRun
     from valvetrain.runs.cost import Limits
     from valvetrain.runs.run import Finished
     from valvetrain.solution.partial_failures import PartialFailures
@@ -218,7 +220,7 @@ def study_command(function: Callable[..., None]) -> Callable[..., None]:
     """Give ``function(request, own options...)`` the options that all studies share; its own come
     after them in the help.
 
-    An own option that :data:`valvetrain.cli.case_choice.IN_EVERY_SPRING` knows is set in the case.
+    An own option that :data:`valvetrain.cli.options.IN_EVERY_SPRING` knows is set in the case.
     """
     own = list(inspect.signature(function).parameters.values())[1:]
     shared = list(inspect.signature(_shared).parameters.values())[:-1]
@@ -270,7 +272,7 @@ def answer_study(
     from valvetrain.cli.guard import interrupted
     from valvetrain.cli.outcome import deliver
     from valvetrain.cli.progress import progress_bar
-    from valvetrain.report.unfinished import UnfinishedRun
+    from valvetrain.report.files import UnfinishedRun
     from valvetrain.runs.saved_runs import unfinished_folder
     from valvetrain.runs.stopping import StudyStopped
 

@@ -12,8 +12,12 @@ from valvetrain.quantities.clash import (
     main_clash_quantities,
 )
 from valvetrain.quantities.cycle import Cycle, Frame, is_closed, reported_cycle
-from valvetrain.quantities.forces import energy_quantities, force_quantities, lift_quantities
-from valvetrain.quantities.spectrum import surge_quantities
+from valvetrain.quantities.forces import (
+    energy_quantities,
+    force_quantities,
+    lift_quantities,
+    surge_quantities,
+)
 from valvetrain.quantities.stress import stress_quantities, with_wire_stress
 from valvetrain.quantities.train_events import LOGGED, RigidCycle, rigid_cycle, train_events
 from valvetrain.quantities.train_numbers import (

@@ -5,10 +5,12 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
-from valvetrain.report.text import in_unit, number, rpm
+from valvetrain.report.text import in_unit, number, percent, rpm
+from valvetrain.runs.differences import ResultDifference
 from valvetrain.solution.critical import KINDS, CriticalSpeed
-from valvetrain.solution.definition import definition_of, label_of
+from valvetrain.solution.definition import definition_of, is_defined, label_of, shown, topics
 from valvetrain.solution.fidelity import RPM, FidelityMap, ValidSpeedRange
 from valvetrain.solution.study import Study
 from valvetrain.system.contract import TRAIN
@@ -215,3 +217,66 @@ def _scale(found: FidelityMap, name: str) -> str:
 def speed_axis(found: FidelityMap) -> list[float]:
     """Engine speeds (rpm) in order."""
     return [rpm(speed) for speed in sorted({row.engine_speed for row in found})]
+
+
+INPUT_HEADS = ("inputs", "A", "B")
+RESULT_HEADS = ("results", "run", "A", "B", "", "difference")
+
+
+def input_rows(inputs: Sequence[tuple[str, Any, Any]]) -> list[tuple[str, ...]]:
+    """Rows of the inputs that differ: key path, value in A, value in B.
+
+    >>> input_rows([("spring.total_coils", 6, None)])
+    [('spring.total_coils', '6', '–')]
+    """
+    return [(key, _word(first), _word(second)) for key, first, second in inputs]
+
+
+def result_rows(results: Sequence[ResultDifference]) -> list[tuple[str, ...]]:
+    """Rows of the numbers that both runs have and that differ: headline quantities first, then the
+    largest difference.
+
+    >>> result_rows([ResultDifference("peak_spring_force", "massless", "N", 800.0, 840.0)])
+    [('peak spring force', 'massless', '800', '840', 'N', '+5.0 %')]
+    """
+    first = [name for names in topics().values() for name in names]
+    place = {name: index for index, name in enumerate(first)}
+    both = sorted(
+        (row for row in results if row.difference is not None),
+        key=lambda row: place.get(row.quantity, len(first)),
+    )
+    rows: list[tuple[str, ...]] = []
+    for row in both:
+        change = "" if row.relative is None else percent(row.relative)
+        if is_defined(row.quantity):
+            a, b = (
+                number(float(shown(row.quantity, value)[0]))
+                for value in (row.a or 0.0, row.b or 0.0)
+            )
+            rows.append(
+                (label_of(row.quantity), row.run, a, b, shown(row.quantity, 1.0)[1], change)
+            )
+        else:
+            label = row.quantity.replace("_", " ")
+            rows.append(
+                (
+                    label,
+                    row.run.replace("_", " "),
+                    number(row.a or 0.0),
+                    number(row.b or 0.0),
+                    row.unit,
+                    change,
+                )
+            )
+    return rows
+
+
+def _word(value: Any) -> str:
+    text = (
+        "–"
+        if value is None
+        else ", ".join(map(str, value))
+        if isinstance(value, list)
+        else str(value)
+    )
+    return text if len(text) <= 60 else text[:57] + "..."

@@ -16,7 +16,7 @@ import numpy as np
 from valvetrain.errors import InputError, RunFailedError
 from valvetrain.registry import find, places
 from valvetrain.report.chart import Chart
-from valvetrain.report.files import FreeNames
+from valvetrain.report.files import FreeNames, remove_earlier
 from valvetrain.report.page import (
     Block,
     Details,
@@ -37,7 +37,6 @@ from valvetrain.report.sections.sweep import order_table
 from valvetrain.report.svg_chart import svg
 from valvetrain.report.table import Table, comparison_table, table
 from valvetrain.report.text import rpm
-from valvetrain.report.unfinished import remove_earlier
 from valvetrain.solution.atomic import write_text
 from valvetrain.solution.definition import definition_of, label_of, shown
 from valvetrain.solution.modes import ModalResult

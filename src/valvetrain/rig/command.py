@@ -294,7 +294,7 @@ def _answer(
 ) -> None:
     from hashlib import file_digest
 
-    from valvetrain.cli.case_choice import choose_case, folder_of
+    from valvetrain.cli.options import choose_case, folder_of
     from valvetrain.cli.progress import busy
     from valvetrain.report.files import FreeNames
     from valvetrain.rig.cycles import rig_cycles
@@ -367,7 +367,7 @@ def seen(
     """Run the case and tell true and recorded peaks; ``gauge``: --bandwidth, --sensor,
     --sampling-rate.
     """
-    from valvetrain.cli.case_choice import choose_case, folder_of
+    from valvetrain.cli.options import choose_case, folder_of
     from valvetrain.cli.progress import busy
     from valvetrain.rig.gauge import seen_in_case
     from valvetrain.rig.gauge_page import data_of, seen_page, sensor_words

@@ -15,9 +15,8 @@ from valvetrain.integrate.contract import Keep
 from valvetrain.parameters.case import Case
 from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.parameters.steel_contacts import default_contacts
-from valvetrain.quantities.design import closing_quantities
-from valvetrain.quantities.spectrum import surge_engine_speeds
-from valvetrain.quantities.statics import buckling_quantities, rest_quantities
+from valvetrain.quantities.forces import surge_engine_speeds
+from valvetrain.quantities.statics import buckling_quantities, closing_quantities, rest_quantities
 from valvetrain.quantities.valve_events import rigid_events
 from valvetrain.runs.cost import Limits
 from valvetrain.runs.critical_speeds import CriticalOptions, find_critical_speeds

@@ -13,9 +13,8 @@ import numpy as np
 from valvetrain.errors import InputError
 from valvetrain.parameters.case import Case
 from valvetrain.parameters.installed_spring import InstalledSpring
-from valvetrain.quantities.design import size_quantities
 from valvetrain.quantities.plausible import plausible_rest, refuse_implausible_motion
-from valvetrain.quantities.statics import buckling_quantities, rest_quantities
+from valvetrain.quantities.statics import buckling_quantities, rest_quantities, size_quantities
 from valvetrain.runs.engine import Progress
 from valvetrain.runs.notes import largest_lift
 from valvetrain.runs.statics import at_rest, points_asked, reach_of, rest_by_model

@@ -25,7 +25,7 @@ from valvetrain.report.read_page import (
     read_page,
     sections_of,
 )
-from valvetrain.report.run_differences import INPUT_HEADS, RESULT_HEADS, input_rows, result_rows
+from valvetrain.report.run_summary import INPUT_HEADS, RESULT_HEADS, input_rows, result_rows
 from valvetrain.runs.differences import input_differences, result_differences
 from valvetrain.runs.saved_runs import SavedRun
 from valvetrain.solution.definition import is_defined, label_of, shown, topics

@@ -9,7 +9,7 @@ import re
 import numpy as np
 
 from valvetrain.quantities.cycle import reported_cycle
-from valvetrain.quantities.spectrum import order_spectrum
+from valvetrain.quantities.forces import order_spectrum
 from valvetrain.report import theme
 from valvetrain.report.chart import Chart, HeatMap, Layer, Line, Marks, Panel, Rule
 from valvetrain.report.page import Block, Cell, Grid, SectionSpec, Tabs, figure_or_gap, text

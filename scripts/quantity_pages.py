@@ -1,11 +1,13 @@
-"""docs/quantities.md, written from the tables of quantities."""
+"""docs/quantities.md and docs/plausible.md, written from the tables of quantities and of plausible values."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from importlib import import_module
 from inspect import getdoc
 
+from valvetrain.quantities.plausible import TABLES
 from valvetrain.quantities.table import AT_REST, EVENTS, RUNS, SCATTER, SWEEP, TRAINS
 from valvetrain.registry import BUILT_IN
 from valvetrain.solution.definition import QuantityRow, tables
@@ -111,3 +113,33 @@ def _table(rows: Sequence[QuantityRow]) -> str:
             f"| `{one.name}` | {one.label} | {one.shown_unit or '1'} | {_SYSTEMS[one.systems]} | {one.definition}{better} |"
         )
     return "\n".join(lines) + "\n"
+
+
+def plausible_page() -> str:
+    """The text of docs/plausible.md: every range with its reason."""
+    lines = [
+        "# Plausible values\n",
+        "Equations have solutions for numbers that no valvetrain has. Beyond these ranges a request is refused before it is run,",
+        "and a run, or a static curve, that reaches one ends with the status `diverged`, with its numbers. `--implausible`, or",
+        "`implausible=True` in Python, accepts all of them; `scripts/write_pages.py plausible` writes this page.\n",
+        "| | quantity | least | largest | reason |",
+        "|---|---|---|---|---|",
+    ]
+    for kind, ranges in TABLES.items():
+        for one in ranges:
+            low, high = (
+                ("" if math.isinf(value) else f"{value / one.scale:g} {one.unit}")
+                for value in (one.low, one.high)
+            )
+            names = ", ".join(
+                f"`{head}`" if head == tail else f"`{head}*{tail}`" for head, tail in one.names
+            )
+            shown = f" ({names})" if kind == "of a run" else ""
+            lines.append(f"| {kind} | {one.label}{shown} | {low} | {high} | {one.reason} |")
+    lines += [
+        "",
+        "Engine speeds lie between 10 and 30 000 rpm, and numbers of a case within the ranges of its tables; those are mistakes or wrong",
+        "units, and no option accepts them.",
+        "",
+    ]
+    return "\n".join(lines)
