@@ -294,7 +294,7 @@ def test_modes_agree_with_the_library():
             ("run", "job-c", "--set", "operation.cam_speeds=30000 rpm"),
             "60000 rpm of engine speed lies outside",
         ),
-        (("run", "job-c", "--engine-speed", "9:1:1 rpm"), "rising"),
+        (("run", "job-c", "--engine-speed", "9:1:1 rpm"), "below the first"),
         (("run", "job-c", "--engine-speed", "1:2:1e-9 rpm"), "larger step"),
         (("run", "job-c", "--spring", "modal"), "did you mean modal-varied or modal-uniform?"),
         (

@@ -87,7 +87,7 @@ def test_what_is_kept_is_said_with_the_answer_and_all_that_failed(
         command="static", rest=rest, record=SimpleNamespace(text="text"), provenance="me"
     )
     outcome = Outcome({"answer": 1}, lambda console: console.print("the answer"), failures)
-    found = keep_rest.kept(outcome, study, None, tmp_path, {"steps": 4})
+    found = keep_rest.saved_outcome(outcome, study, None, tmp_path, {"steps": 4})
     found.show(SimpleNamespace(print=lambda words, **more: said.append(words)))
     assert said == ["the answer", f"\nsaved in {tmp_path}"] and found.failures == told
     assert written == [*parts.data, *([parts.page] if page else [])]
