@@ -22,7 +22,6 @@ from valvetrain.errors import InputError
 from valvetrain.solution.partial_failures import TRACEBACK_VARIABLE, reason
 
 if TYPE_CHECKING:
-    from valvetrain.cli.study_command import StudyRequest
     from valvetrain.runs.cost import Cost, Limits
 
 _STREAMS = (("stdin", "r"), ("stdout", "w"), ("stderr", "w"))
@@ -270,19 +269,6 @@ def quantity_rows(values: Mapping[str, float]) -> list[tuple[str, str, str]]:
 
 #: Estimates above this are printed (s).
 WORTH_SAYING = 20.0
-
-
-def refuse_beyond(request: StudyRequest, whole: bool = True, searches: bool = False) -> None:
-    """Say what the request will cost where it takes a while; raise :class:`InputError` with the
-    numbers where it is too large.
-
-    ``whole``: whether every run is saved with its channels; ``searches``: whether a train's critical
-    speeds are searched as well.
-    """
-    from valvetrain.runs.cost import FEWER
-    from valvetrain.runs.request_cost import request_cost
-
-    say_cost(request_cost(request, whole, searches), request.limits, FEWER)
 
 
 def say_cost(cost: Cost, limits: Limits, fewer: str) -> None:

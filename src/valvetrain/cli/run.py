@@ -26,8 +26,8 @@ def register_run(app: typer.Typer) -> None:
 @study_command
 def run(request: StudyRequest) -> None:
     """Run a case at all its engine speeds: answer, data files and a report page."""
-    from valvetrain.cli.outcome import refuse_beyond
     from valvetrain.cli.progress import announce_compilation
+    from valvetrain.cli.study_command import refuse_beyond
     from valvetrain.runs.run import run_study
 
     refuse_beyond(request)
@@ -102,8 +102,8 @@ def sweep(
     """Sweep a case over engine speed (default: 1000:9000:100 rpm): forces, clash, surge, and where
     contact is lost.
     """
-    from valvetrain.cli.outcome import refuse_beyond
     from valvetrain.cli.progress import announce_compilation
+    from valvetrain.cli.study_command import refuse_beyond
     from valvetrain.runs.critical_speeds import read_options
     from valvetrain.runs.sweep import sweep_study
 
@@ -198,8 +198,8 @@ def compare(
     """Run a case by several spring models, side by side; a spring alone by solid finite elements
     too.
     """
-    from valvetrain.cli.outcome import refuse_beyond
     from valvetrain.cli.progress import announce_compilation
+    from valvetrain.cli.study_command import refuse_beyond
     from valvetrain.runs.compare import compare_study
 
     solid = SOLID in request.spring_models

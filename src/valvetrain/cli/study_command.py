@@ -43,7 +43,7 @@ from valvetrain.cli.options import (
     read_workers,
     take_folder,
 )
-from valvetrain.cli.outcome import complain
+from valvetrain.cli.outcome import complain, say_cost
 from valvetrain.errors import InputError
 from valvetrain.runs.saved_answer import ANSWER
 
@@ -442,3 +442,16 @@ def keep_run(
     if request.output is None:
         missing.part("link to the latest run", None, link_latest, folder)
     return folder, [str(folder / name) for name in (*unfinished_.answer["files"], ANSWER)]
+
+
+def refuse_beyond(request: StudyRequest, whole: bool = True, searches: bool = False) -> None:
+    """Say what the request will cost where it takes a while; raise :class:`InputError` with the
+    numbers where it is too large.
+
+    ``whole``: whether every run is saved with its channels; ``searches``: whether a train's critical
+    speeds are searched as well.
+    """
+    from valvetrain.runs.cost import FEWER
+    from valvetrain.runs.request_cost import request_cost
+
+    say_cost(request_cost(request, whole, searches), request.limits, FEWER)

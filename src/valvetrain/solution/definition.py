@@ -12,7 +12,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from difflib import get_close_matches
 from functools import cache
-from typing import TYPE_CHECKING, Literal, TypeVar, get_args
+from typing import Any, Literal, TypeVar, get_args
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,9 +20,6 @@ from numpy.typing import NDArray
 from valvetrain.errors import InputError
 from valvetrain.registry import find, words
 from valvetrain.units import DIMENSIONS, unit_factor
-
-if TYPE_CHECKING:
-    from valvetrain.solution.result import Solution
 
 Sense = Literal["larger is better", "smaller is better", ""]
 Systems = tuple[Literal["spring", "train"], ...]
@@ -74,8 +71,8 @@ class QuantityRow:
     both may repeat the fields of the template. ``systems`` that have it: a spring under prescribed
     motion, a train. ``topic`` of the answers on the page, in the terminal and in the workbench, empty for
     the table of all quantities alone; ``uses``: where else it is shown; ``answered_as``: names for
-    topic and uses where they are not ``name`` alone. ``compute`` (a quantity of another package): its SI
-    value of a run, None where the run has none.
+    topic and uses where they are not ``name`` alone. ``compute`` (a quantity of another package): SI
+    value of a :class:`~valvetrain.solution.result.Solution`, None where it has none.
     """
 
     name: str
@@ -88,7 +85,7 @@ class QuantityRow:
     topic: str = ""
     uses: tuple[Use, ...] = ()
     answered_as: tuple[str, ...] = ()
-    compute: Callable[[Solution], float | None] | None = None
+    compute: Callable[[Any], float | None] | None = None
 
     @property
     def si_unit(self) -> str:
@@ -108,7 +105,7 @@ def row(
     topic: str = "",
     uses: tuple[Use, ...] = (),
     answered_as: tuple[str, ...] = (),
-    compute: Callable[[Solution], float | None] | None = None,
+    compute: Callable[[Any], float | None] | None = None,
 ) -> QuantityRow:
     """A :class:`QuantityRow` whose dimension and shown unit follow from the last word of ``name``
     where they are left out. Raises :class:`InputError` for an unknown use.
@@ -164,7 +161,7 @@ def names_for(use: Use, system: Literal["spring", "train", ""] = "") -> tuple[st
     return tuple(name for one in rows for name in one.answered_as or (one.name,))
 
 
-def computed_rows() -> tuple[tuple[QuantityRow, Callable[[Solution], float | None]], ...]:
+def computed_rows() -> tuple[tuple[QuantityRow, Callable[[Any], float | None]], ...]:
     """The rows that compute their own value of a run, each with its function."""
     return tuple((one, one.compute) for one in _rows() if one.compute is not None)
 
