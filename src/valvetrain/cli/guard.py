@@ -72,7 +72,9 @@ class GuardedGroup(TyperGroup):
                 code = (
                     0
                     if isinstance(error.__context__, BrokenPipeError) and unread()
-                    else _code_of(error)
+                    else error.code
+                    if isinstance(error.code, int)
+                    else FAILED
                 )
             stopped = noted()
         if not standalone_mode:
@@ -82,10 +84,6 @@ class GuardedGroup(TyperGroup):
                 sys.stdout.flush()
             os._exit(code)
         sys.exit(code)
-
-
-def _code_of(error: SystemExit) -> int:
-    return error.code if isinstance(error.code, int) else FAILED
 
 
 def interrupted(sentence: str = INTERRUPTED_SENTENCE) -> int:

@@ -259,12 +259,9 @@ def shown_text(name: str, value: float | None, digits: int = 5) -> tuple[str, st
 
 def quantity_rows(values: Mapping[str, float]) -> list[tuple[str, str, str]]:
     """(name, number, unit) of named SI quantities."""
-    from valvetrain.solution.definition import label_of
+    from valvetrain.report.text import quantity_label
 
-    return [
-        (label_of(name)[:1].upper() + label_of(name)[1:], *shown_text(name, value))
-        for name, value in values.items()
-    ]
+    return [(quantity_label(name), *shown_text(name, value)) for name, value in values.items()]
 
 
 #: Estimates above this are printed (s).

@@ -53,7 +53,17 @@ def runs(
     data = {
         "command": "runs",
         "runs": [_run_object(run) for run in found],
-        "unfinished": [_unfinished_object(one) for one in begun],
+        "unfinished": [
+            {
+                "created_at": one.created_at,
+                "case": one.case,
+                "state": "going on" if one.goes_on else "killed",
+                "finished_runs": one.finished,
+                "command_line": list(one.command_line),
+                "folder": str(one.folder),
+            }
+            for one in begun
+        ],
     }
 
     def show(console: Console) -> None:
@@ -78,17 +88,6 @@ def _run_object(run: SavedRun) -> dict[str, Any]:
         "state": state(run),
         "headline": headline(run.answer),
         "folder": str(run.folder),
-    }
-
-
-def _unfinished_object(one: UnfinishedFolder) -> dict[str, Any]:
-    return {
-        "created_at": one.created_at,
-        "case": one.case,
-        "state": "going on" if one.goes_on else "killed",
-        "finished_runs": one.finished,
-        "command_line": list(one.command_line),
-        "folder": str(one.folder),
     }
 
 

@@ -50,7 +50,10 @@ def evaluate(solution: Solution, frame: Frame = Frame()) -> Solution:
     quantities of a published study.
     Raises :class:`InputError` for an unknown source.
     """
-    if len(solution.time) < 3 or not _is_finite(solution):
+    names = ("valve_lift", "seat_force", "retainer_force")
+    if len(solution.time) < 3 or not all(
+        np.all(np.isfinite(solution.channel(name))) for name in names if solution.has(name)
+    ):
         return solution.with_found((), {})
     gaps = PartialFailures(solution.gaps)
     solution = gaps.part("stress of the wire", solution, with_wire_stress, solution, frame)
@@ -79,13 +82,6 @@ def evaluate(solution: Solution, frame: Frame = Frame()) -> Solution:
     source = registry.find("sources", frame.source)
     found |= gaps.part(f"numbers of {frame.source}", {}, source.quantities, done, frame)
     return done.with_found(events, found, gaps.sentences)
-
-
-def _is_finite(solution: Solution) -> bool:
-    names = ("valve_lift", "seat_force", "retainer_force")
-    return all(
-        bool(np.all(np.isfinite(solution.channel(name)))) for name in names if solution.has(name)
-    )
 
 
 def _meets(frame: Frame) -> bool:

@@ -160,7 +160,12 @@ def rigid_motion(
         if train is None
         else _contact_geometry(system, train, poses, angle, lift, derivatives[1])
     )
-    inertia = _inertia(poses, tight, derivatives[1], derivatives[2])
+    # m a + (dm/dlift) v**2 / 2, from the kinetic energy m(lift) v**2 / 2
+    inertia = np.where(
+        tight > 0,
+        poses.mass(tight) * derivatives[2] + poses.mass(tight, 1) * derivatives[1] ** 2 / 2,
+        0.0,
+    )
     return RigidMotion(
         angle,
         float(motion.maximum_lift),
@@ -200,15 +205,6 @@ def rigid_table(
 
 def _between(lifts: Array, spring_forces: Array, valve_lift: Array) -> Array:
     return np.asarray(np.interp(valve_lift, lifts, spring_forces))
-
-
-def _inertia(poses: RigidPoses, lift: Array, velocity: Array, acceleration: Array) -> Array:
-    """Inertia force reduced to the valve (N): m a + (dm/dlift) v**2 / 2, from the kinetic energy
-    m(lift) v**2 / 2.
-    """
-    return np.where(
-        lift > 0, poses.mass(lift) * acceleration + poses.mass(lift, 1) * velocity**2 / 2, 0.0
-    )
 
 
 def _contact_geometry(

@@ -14,7 +14,6 @@ from valvetrain.quantities.cycle import Array, Cycle, Frame
 from valvetrain.quantities.forces import spring_extremes
 from valvetrain.solution.channels import Variable
 from valvetrain.solution.result import Solution
-from valvetrain.solution.static import StaticStress
 from valvetrain.springs.stress import LOADS, STRESS_CHANNELS, nominal_stress_per_force, wire_stress
 
 SHEAR, EQUIVALENT = "inner_fibre_shear_stress", "inner_fibre_equivalent_stress"
@@ -168,7 +167,10 @@ def _of_wire(cycle: Cycle, name: str, spring: InstalledSpring, frame: Frame) -> 
         "largest_amplitude_mean_shear_stress": float(stress.mean[most]),
         "largest_amplitude_coil_number": float(coil[most]),
     }
-    static = _static_stress(frame, spring)
+    static = next(
+        (one.stress for one in frame.rest if one.spring == spring.name and one.stress is not None),
+        None,
+    )
     if static is not None and cycle.solution.has("valve_lift"):
         slow = static.shear_at(spring.precompression + cycle.channel("valve_lift"))
         found["quasi_static_peak_shear_stress"] = float(np.max(slow))
@@ -177,10 +179,3 @@ def _of_wire(cycle: Cycle, name: str, spring: InstalledSpring, frame: Frame) -> 
             found["peak_shear_stress"] / found["quasi_static_peak_shear_stress"]
         )
     return found
-
-
-def _static_stress(frame: Frame, spring: InstalledSpring) -> StaticStress | None:
-    return next(
-        (one.stress for one in frame.rest if one.spring == spring.name and one.stress is not None),
-        None,
-    )

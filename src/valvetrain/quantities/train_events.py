@@ -204,7 +204,13 @@ def _seatings_and_bounces(solution: Solution) -> list[Event]:
     logged = [event for event in solution.events if event.kind in ("seating", "bounce")]
     if logged:  # found by an evaluation before this one, from what the integrator saw
         return logged
-    openings = _logged_openings(solution) or _sampled_openings(solution)
+    openings = [  # of every step: the same for any number of samples
+        _Opening(float(event.details["release_cam_angle"]), event.cam_angle, event.size, height)
+        for event in solution.events
+        if event.kind == "touch"
+        and event.where == "seat"
+        and (height := float(event.details["largest_gap"])) > SMALLEST_GAP
+    ] or _sampled_openings(solution)
     main, found = max(range(len(openings)), key=lambda k: openings[k].height, default=0), []
     for turn in range(len(openings)):
         one = openings[(main + turn) % len(openings)]
@@ -244,17 +250,6 @@ def _seatings_and_bounces(solution: Solution) -> list[Event]:
                 Event("bounce", one.release, start, lasts, one.height, "m", "seat", details)
             )
     return found
-
-
-def _logged_openings(solution: Solution) -> list[_Opening]:
-    """As the integrator saw them on every step: the same for any number of samples."""
-    return [
-        _Opening(float(event.details["release_cam_angle"]), event.cam_angle, event.size, height)
-        for event in solution.events
-        if event.kind == "touch"
-        and event.where == "seat"
-        and (height := float(event.details["largest_gap"])) > SMALLEST_GAP
-    ]
 
 
 def _sampled_openings(solution: Solution) -> list[_Opening]:

@@ -9,8 +9,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from valvetrain.report.run_summary import critical_rows, searched
-from valvetrain.report.text import number, speed_text
-from valvetrain.solution.definition import definition_of, label_of, names_for, shown, topics
+from valvetrain.report.text import number, quantity_label, speed_text
+from valvetrain.solution.definition import definition_of, names_for, shown, topics
 from valvetrain.solution.result import Solution
 from valvetrain.solution.status import Event
 from valvetrain.solution.study import Study
@@ -92,17 +92,9 @@ def headline_rows(study: Study) -> tuple[HeadlineRow, ...]:
                 continue  # said of each spring of the pair
             if name in cells or any(value is not None for value, _ in found):
                 values, speeds = zip(*found, strict=True)
-                label, unit = label_of(name), definition_of(name).shown_unit
+                unit, own = definition_of(name).shown_unit, cells.get(name, ())
                 rows.append(
-                    HeadlineRow(
-                        topic,
-                        name,
-                        label[:1].upper() + label[1:],
-                        unit,
-                        values,
-                        speeds,
-                        cells.get(name, ()),
-                    )
+                    HeadlineRow(topic, name, quantity_label(name), unit, values, speeds, own)
                 )
     return tuple(rows)
 

@@ -70,18 +70,13 @@ def line_styles(study: Study) -> dict[str, LineStyle]:
         for label, run in first.items()
     }
     if len({(look.colour, look.dash) for look in found.values()}) == len(found) and (
-        len(found) > 1 or run_is_model(first)
+        len(found) > 1 or (all((label == run.model for label, run in first.items())))
     ):
         return found
     return {
         label: LineStyle(theme.SERIES[n % len(theme.SERIES)], "solid", _label(label, run))
         for n, (label, run) in enumerate(first.items())
     }
-
-
-def run_is_model(first: dict[str, Solution]) -> bool:
-    """Whether labels are the words of models."""
-    return all(label == run.model for label, run in first.items())
 
 
 def _label(label: str, run: Solution) -> str:

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from valvetrain.report.text import in_unit, number, percent, rpm
+from valvetrain.report.text import in_unit, number, percent, quantity_label, rpm
 from valvetrain.runs.differences import ResultDifference
 from valvetrain.solution.critical import KINDS, CriticalSpeed
 from valvetrain.solution.definition import definition_of, is_defined, label_of, shown, topics
@@ -46,9 +46,8 @@ def critical_rows(study: Study, labels: Sequence[str]) -> list[CriticalRow]:
     rows = []
     for kind, name in KINDS.items():
         found = [study.critical_speeds.of(kind, label) for label in labels]
-        caption = label_of(name)
         main = tuple(NOT_COMPUTED if one is None else one.words for one in found)
-        rows.append(CriticalRow(name, caption[:1].upper() + caption[1:], main, True))
+        rows.append(CriticalRow(name, quantity_label(name), main, True))
         for text, cell in (
             ("until", _until),
             ("rising / falling speed", _hysteresis),
@@ -114,12 +113,15 @@ class ReachRow:
 
 def reach_rows(found: FidelityMap) -> list[ReachRow]:
     """A row per quantity: engine speeds (rpm) up to which each model is good enough."""
-    rows = []
-    for name in found.quantities:
-        label = label_of(name)
-        cells = tuple(found.reach(name, model).words for model in found.models)
-        rows.append(ReachRow(name, label[:1].upper() + label[1:], cells, found.cheapest(name)))
-    return rows
+    return [
+        ReachRow(
+            name,
+            quantity_label(name),
+            tuple(found.reach(name, model).words for model in found.models),
+            found.cheapest(name),
+        )
+        for name in found.quantities
+    ]
 
 
 def share(value: float) -> str:

@@ -380,9 +380,9 @@ def write_page(
     fails is left out (the page names it).
     """
     pictures = []
-    lines = gaps or PartialFailures()
+    failures = gaps or PartialFailures()
     for chart in charts(page) if figures else ():
-        picture = lines.part(f"picture '{chart.key}.svg'", None, _picture, chart, folder)
+        picture = failures.part(f"picture '{chart.key}.svg'", None, _picture, chart, folder)
         pictures += [picture] if picture is not None else []
     return write_text(folder / name, render(page, gaps)), tuple(pictures)
 

@@ -143,7 +143,12 @@ def _panel(frame: _Frame, name: str, x_named: bool) -> list[str]:
     parts += [_rules(frame)]
     parts += [_marks(frame, layer) for layer in panel.layers if isinstance(layer, Marks)]
     parts += [
-        _direct(frame, layer)
+        _text(
+            float(frame.x(layer.x[-1])) + 4,
+            float(frame.y(layer.y[-1])) + 4,
+            layer.direct,
+            colour=layer.colour,
+        )
         for layer in panel.layers
         if isinstance(layer, Line) and layer.direct and len(layer.x)
     ]
@@ -276,15 +281,6 @@ def _line(frame: _Frame, line: Line) -> str:
     path = form % tuple(points[there].ravel().tolist())
     style = f'stroke="{line.colour}" stroke-width="{line.width}" stroke-linejoin="round"{_DASHES[line.dash]}'
     return f'<path d="{path}" fill="none" {style}/>'
-
-
-def _direct(frame: _Frame, line: Line) -> str:
-    return _text(
-        float(frame.x(line.x[-1])) + 4,
-        float(frame.y(line.y[-1])) + 4,
-        line.direct,
-        colour=line.colour,
-    )
 
 
 def _marks(frame: _Frame, marks: Marks) -> str:

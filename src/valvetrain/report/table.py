@@ -13,9 +13,16 @@ from numpy.typing import NDArray
 from valvetrain.errors import InputError
 from valvetrain.report import theme
 from valvetrain.report.page import Cell, Grid
-from valvetrain.report.text import in_unit, number, percent, rpm, speed_text, unit_text
+from valvetrain.report.text import (
+    in_unit,
+    number,
+    percent,
+    quantity_label,
+    rpm,
+    speed_text,
+    unit_text,
+)
 from valvetrain.solution.comparison import Comparison
-from valvetrain.solution.definition import label_of
 
 #: Signs with which a spreadsheet takes a cell for a formula, and words that are numbers all the
 #: same.
@@ -172,9 +179,8 @@ def _cells(row: Comparison) -> tuple[Cell, ...]:
         if exact
         else _signed(in_unit(row.difference, row.unit))
     )
-    label = label_of(row.quantity)
     return (
-        Cell(label[:1].upper() + label[1:], "long", row.quantity),
+        Cell(quantity_label(row.quantity), "long", row.quantity),
         Cell(_speed(row), "quiet"),
         Cell(sign, "tag", caption),
         Cell(_in(row.published, row.unit), "number"),

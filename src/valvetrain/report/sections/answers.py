@@ -22,8 +22,8 @@ from valvetrain.report.headlines import (
 from valvetrain.report.page import Block, Card, Cards, Cell, Details, Grid, SectionSpec, Tabs, text
 from valvetrain.report.run_charts import line_styles
 from valvetrain.report.run_summary import fidelity_notes, reach_rows, reason_for, share, speed_axis
-from valvetrain.report.text import number, rpm, speed_text, unit_text
-from valvetrain.solution.definition import label_of, topics
+from valvetrain.report.text import number, quantity_label, rpm, speed_text, unit_text
+from valvetrain.solution.definition import topics
 from valvetrain.solution.fidelity import GOOD, MISSING, OPEN, POOR, FidelityMap, FidelityRow
 from valvetrain.solution.status import Event
 from valvetrain.solution.study import Study
@@ -212,10 +212,7 @@ def _maps(found: FidelityMap) -> tuple[Block, ...]:
     """A table per quantity: difference to the reference by model and engine speed, in the tone of
     its verdict.
     """
-    maps = tuple(
-        (label_of(name)[:1].upper() + label_of(name)[1:], (_map(found, name),))
-        for name in found.quantities
-    )
+    maps = tuple((quantity_label(name), (_map(found, name),)) for name in found.quantities)
     return (Tabs(maps, "fidelity-map"),) if len(maps) > 1 else maps[0][1]
 
 
@@ -225,7 +222,7 @@ def _map(found: FidelityMap, name: str) -> Grid:
         cells = [_cell(row, row.verdict(found.tolerance)) for row in found.of(name, model)]
         rows.append(((Cell(theme.model_label(model), "", model), *cells), ()))
     caption = (
-        f"{label_of(name)[:1].upper() + label_of(name)[1:]}: difference to {theme.model_label(found.reference)} in per cent of its largest "
+        f"{quantity_label(name)}: difference to {theme.model_label(found.reference)} in per cent of its largest "
         "value, by engine speed (rpm). Green: good enough; red: not; grey: the error bars leave it open."
     )
     return Grid(

@@ -18,8 +18,8 @@ from valvetrain.report.page import (
     text,
 )
 from valvetrain.report.run_charts import ANGLE_LABEL, Array, by_speed, event_bands, line_styles
-from valvetrain.report.text import number, speed_text
-from valvetrain.solution.definition import label_of, names_for, shown
+from valvetrain.report.text import number, quantity_label, speed_text
+from valvetrain.solution.definition import names_for, shown
 from valvetrain.solution.result import Solution
 from valvetrain.solution.study import Study
 
@@ -207,12 +207,12 @@ def stress_blocks(study: Study) -> tuple[Block, ...]:
     for name in names_for("stress"):
         if not any(name in run.quantities for run in runs):
             continue
-        label, unit = label_of(name), shown(name, 1.0)[1]
+        unit = shown(name, 1.0)[1]
         values = [
             shown(name, run.quantities[name])[0] if name in run.quantities else None for run in runs
         ]
         cells = (
-            Cell(f"{label[:1].upper()}{label[1:]}", "", name),
+            Cell(quantity_label(name), "", name),
             Cell(unit, "quiet"),
             *(Cell(number(value), "number") for value in values),
         )

@@ -13,8 +13,8 @@ from valvetrain.errors import InputError
 from valvetrain.parameters.case import Case
 from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.parameters.summary import number
-from valvetrain.report.text import rpm
-from valvetrain.solution.definition import label_of, names_for
+from valvetrain.report.text import quantity_label, rpm
+from valvetrain.solution.definition import names_for
 from valvetrain.springs.spec import SpringModelSpec, spring_model
 from valvetrain.system.build import default_models
 from valvetrain.workbench.jobs import JobRequest
@@ -80,9 +80,7 @@ def sets_for(case: Case, kept: str = "") -> list[dict[str, Any]]:
 def outputs_for(case: Case) -> list[dict[str, str]]:
     """Quantities that a study can have as outputs."""
     names = names_for("study", "spring" if case.train is None else "train")
-    return [
-        {"name": name, "label": label_of(name)[:1].upper() + label_of(name)[1:]} for name in names
-    ]
+    return [{"name": name, "label": quantity_label(name)} for name in names]
 
 
 def choices_for(
