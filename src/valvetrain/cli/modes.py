@@ -130,9 +130,9 @@ def compute_modes(
     keep: Path | None = None,
 ) -> Outcome:
     """The ``count`` lowest modes of every spring about ``compression`` (m from the free state;
-    None: as installed), ``attached_mass`` (kg)
-    on the retainer, 0 for a free end (None: both ends fixed); ``keep``: keep the answer of the case
-    whose file lies there."""
+    None: as installed), ``attached_mass`` (kg) on the retainer, 0 for a free end (None: both ends
+    fixed); ``keep``: keep the answer of the case whose file lies there.
+    """
     from valvetrain.cli.outcome import Outcome
     from valvetrain.cli.progress import announce_compilation, progress_bar
     from valvetrain.cli.static import saved_outcome

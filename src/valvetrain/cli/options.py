@@ -114,8 +114,8 @@ def read_folder(text: str) -> Path:
 
 def take_folder(output: Path | None, resumes: str = "") -> None:
     """Check the folder of ``--output``, or the home of saved runs where it is None, and hold it
-    until the command ends. ``resumes``: file
-    by which a folder of the same command, cut short, is known.
+    until the command ends. ``resumes``: file by which a folder of the same command, cut short, is
+    known.
 
     Raises :class:`InputError` for a folder that cannot be used or that another run writes into.
     """
@@ -344,11 +344,10 @@ def choose_case(
     more: Mapping[str, Any] | None = None,
 ) -> Case:
     """Load the case ``name`` with ``settings`` (``key.path=value``), the mesh of
-    ``--elements-per-coil`` and ``more`` options of
-    :data:`IN_EVERY_SPRING` by their names.
+    ``--elements-per-coil`` and ``more`` options of :data:`IN_EVERY_SPRING` by their names.
 
-    A saved run is called by its folder. Raises :class:`InputError`; an error in a value
-    set here is placed at its option, not at a line of the file.
+    A saved run is called by its folder. Raises :class:`InputError`; an error in a value set here is
+    placed at its option, not at a line of the file.
     """
     from valvetrain.parameters.loading import library_names, load_case
     from valvetrain.parameters.overrides import read_assignment

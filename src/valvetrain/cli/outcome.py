@@ -29,8 +29,9 @@ _STREAMS = (("stdin", "r"), ("stdout", "w"), ("stderr", "w"))
 
 def mend_streams() -> None:
     """Put the null device where a standard stream is closed (``>&-``): else the next file that is
-    opened takes its number, and whatever
-    prints writes into it. Names that a stream cannot show are written with backslashes."""
+    opened takes its number, and whatever prints writes into it. Names that a stream cannot show are
+    written with backslashes.
+    """
     for number in range(len(_STREAMS)):
         with contextlib.suppress(OSError):
             try:
@@ -270,8 +271,9 @@ WORTH_SAYING = 20.0
 
 def say_cost(cost: Cost, limits: Limits, fewer: str) -> None:
     """Say what a request will cost where it takes a while; raise :class:`InputError` with the
-    numbers, and the advice to ask for
-    ``fewer`` of what makes it large, where it lies beyond ``limits``."""
+    numbers, and the advice to ask for ``fewer`` of what makes it large, where it lies beyond
+    ``limits``.
+    """
     from valvetrain.runs.cost import refuse_cost
 
     estimate = refuse_cost(cost, limits, fewer=fewer)

@@ -90,11 +90,7 @@ def announce_compilation(*kinds: str) -> None:
     compiled first.
     """
 
-    seconds = sum(
-        duration
-        for module, name, duration in map(KERNELS.__getitem__, kinds)
-        if not _compiled(getattr(import_module(module), name))
-    )
+    seconds = seconds_to_compile(*kinds)
     if seconds:
         label = f"compiling kernels, once, about {seconds:.0f} s"
         tell_progress(None, label)
@@ -109,6 +105,15 @@ KERNELS: Mapping[str, tuple[str, str, float]] = {
     "transient": ("valvetrain.cosserat.time_stepping", "integrate_in_time", 12.0),
     "train": ("valvetrain.integrate.train_kernel", "advance_train", 16.0),
 }  # fmt: skip
+
+
+def seconds_to_compile(*kinds: str) -> float:
+    """Seconds of compilation that lie ahead for ``kinds`` of :data:`KERNELS`; 0 when all is there."""
+    return sum(
+        seconds
+        for module, name, seconds in map(KERNELS.__getitem__, kinds)
+        if not _compiled(getattr(import_module(module), name))
+    )
 
 
 def _compiled(kernel: Any) -> bool:

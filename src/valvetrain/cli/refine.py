@@ -47,8 +47,9 @@ def register_refine(app: typer.Typer) -> None:
 @dataclass(frozen=True)
 class RefineRequest:
     """What was requested: the case, the folder its file lies in, where results go, and the time;
-    ``engine_speeds`` (rad/s of the crank,
-    None: the case's own), workers and bounds of the runs, and whether implausible values pass."""
+    ``engine_speeds`` (rad/s of the crank, None: the case's own), workers and bounds of the runs,
+    and whether implausible values pass.
+    """
 
     case: Case
     folder: Path

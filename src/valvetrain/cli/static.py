@@ -52,8 +52,8 @@ def saved_outcome(
     outcome: Outcome, study: Study, case: Case, folder: Path, choices: Mapping[str, Any]
 ) -> Outcome:
     """The outcome with its ``study`` written to a new folder of saved runs; ``folder``: where the
-    case's file lies, ``choices``: what was
-    further choices."""
+    case's file lies, ``choices``: what was further choices.
+    """
     from valvetrain.cli.progress import busy
     from valvetrain.report.study import write_parts
     from valvetrain.solution.partial_failures import PartialFailures
@@ -197,9 +197,9 @@ def compute_static(
     keep: Path | None = None,
 ) -> Outcome:
     """Solve the static curves up to ``largest`` (m; None: a little beyond full lift), and at
-    ``heights`` (m) and ``loads`` (N); write
-    ``csv`` on request. ``implausible``: let values pass that no spring can have; ``keep``: folder
-    of the case, to keep the answer."""
+    ``heights`` (m) and ``loads`` (N); write ``csv`` on request. ``implausible``: let values pass
+    that no spring can have; ``keep``: folder of the case, to keep the answer.
+    """
     from valvetrain.cli.outcome import Outcome
     from valvetrain.cli.progress import announce_compilation, progress_bar
     from valvetrain.report.json import study_json

@@ -146,9 +146,9 @@ def keep_points(
 @dataclass(frozen=True)
 class StudyRequest:
     """One study as requested: the ``case`` with its changes and the ``folder`` its file lies in;
-    ``engine_speeds`` (rad/s of the crank,
-    None: the case's own); words of spring models and sets (empty: the study's own choice); where
-    results go and how they are shown."""
+    ``engine_speeds`` (rad/s of the crank, None: the case's own); words of spring models and sets
+    (empty: the study's own choice); where results go and how they are shown.
+    """
 
     command: str
     case: Case
@@ -384,8 +384,8 @@ def keep_run(
     and ``run.json``.
 
     ``data``: the JSON answer; ``made_by``: versions that ran (default: those here); ``unfinished``:
-    the folder the run had while it went
-    on. The folder, and the paths of all files in it; parts that fail are named in ``gaps``.
+    the folder the run had while it went on. The folder, and the paths of all files in it; parts
+    that fail are named in ``gaps``.
     """
     from valvetrain.cli.outcome import plain
     from valvetrain.runs.saved_runs import (
@@ -448,8 +448,8 @@ def refuse_beyond(request: StudyRequest, whole: bool = True, searches: bool = Fa
     """Say what the request will cost where it takes a while; raise :class:`InputError` with the
     numbers where it is too large.
 
-    ``whole``: whether every run is saved with its channels; ``searches``: whether a train's critical
-    speeds are searched as well.
+    ``whole``: whether every run is saved with its channels; ``searches``: whether a train's
+    critical speeds are searched as well.
     """
     from valvetrain.runs.cost import FEWER
     from valvetrain.runs.request_cost import request_cost

@@ -41,14 +41,13 @@ RIGID_CHANNELS = {
 
 
 def evaluate(solution: Solution, frame: Frame = Frame()) -> Solution:
-    """The run with its events and every quantity that it supports (docs/quantities.md); SI, angles
-    in cam rad.
+    """The run with its events and every quantity that its channels support (docs/quantities.md); SI
+    units, angles in cam rad.
 
     What the run does not cover, because it lacks the channel or ended early, is absent; a part that
-    fails is among its ``gaps``. A run
-    that holds numbers that are not finite comes back with nothing found. ``frame.source`` adds the
-    quantities of a published study.
-    Raises :class:`InputError` for an unknown source.
+    fails is among its ``gaps``. A run that holds numbers that are not finite comes back with
+    nothing found. ``frame.source`` adds the quantities of a published study. Raises
+    :class:`InputError` for an unknown source.
     """
     names = ("valve_lift", "seat_force", "retainer_force")
     if len(solution.time) < 3 or not all(
@@ -85,9 +84,7 @@ def evaluate(solution: Solution, frame: Frame = Frame()) -> Solution:
 
 
 def _meets(frame: Frame) -> bool:
-    """Whether coils can meet: not where the contact of every spring has no stiffness, whatever gaps
-    a model shows.
-    """
+    """Whether coils can touch: false where no spring has a contact stiffness."""
     return not frame.springs or any(spring.contact.stiffness > 0 for spring in frame.springs)
 
 

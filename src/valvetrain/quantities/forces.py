@@ -1,5 +1,5 @@
-"""Extremes of the spring force over a cycle, on every instant that the run holds, raw and in a
-stated bandwidth.
+"""Spring forces of a cycle (extremes raw and band-limited, surge by cam order) and the energy
+balance of a run.
 """
 
 from __future__ import annotations
@@ -20,17 +20,15 @@ END_FORCES = {"seat_force": "spring_force", "retainer_force": "retainer_force"}
 
 
 def fine_of_cycle(cycle: Cycle, channel: str) -> tuple[Array, Array]:
-    """Cam angle (rad, from 0) and values of a force over the cycle, as finely as the run holds
-    them.
-    """
+    """Cam angle (rad, from 0) and values of a force over the cycle at the finest stored sampling."""
     _, angle, values = fine_series(cycle.solution, channel)
     mine, begin = within_cycle(cycle, angle)
     return angle[mine] - begin, values[mine]
 
 
 def extreme_of_cycle(cycle: Cycle, channel: str, kind: str) -> tuple[float, float]:
-    """The ``highest`` or ``lowest`` value of a force over the cycle, on every step where the run
-    tells, and its cam angle (rad, from 0).
+    """The ``highest`` or ``lowest`` value of a force over the cycle, of every step where they are
+    recorded, and its cam angle (rad, from 0).
     """
     angle, values = extreme_series(cycle.solution, channel, kind)
     mine, begin = within_cycle(cycle, angle)
@@ -39,8 +37,8 @@ def extreme_of_cycle(cycle: Cycle, channel: str, kind: str) -> tuple[float, floa
 
 
 def within_cycle(cycle: Cycle, cam_angle: Array) -> tuple[slice, float]:
-    """Samples of a finer record at ``cam_angle`` (rad, unwrapped) that belong to the cycle, and the
-    angle from which the cycle counts.
+    """Slice of a finer record at ``cam_angle`` (rad, unwrapped) that belongs to the cycle, and the
+    angle at which the cycle begins.
     """
     begin = float(cycle.solution.cam_angle[cycle.samples.start] - cycle.cam_angle[0])
     return slice(
@@ -50,7 +48,7 @@ def within_cycle(cycle: Cycle, cam_angle: Array) -> tuple[slice, float]:
 
 
 def force_quantities(cycle: Cycle) -> dict[str, float]:
-    """Largest and least force at seat (with its angle) and retainer, and the largest seat force
+    """Maximum and minimum force at seat (with its angle) and retainer, and the maximum seat force
     below 10 and 20 kHz.
     """
     found: dict[str, float] = {}
@@ -74,8 +72,8 @@ def force_quantities(cycle: Cycle) -> dict[str, float]:
 
 
 def spring_extremes(cycle: Cycle, spring: str) -> tuple[float, float] | None:
-    """Least and largest seat force (N) of one spring over the cycle; None where the run does not
-    tell it.
+    """Minimum and maximum seat force (N) of one spring over the cycle; None where the run has no
+    force of it.
     """
     logged = cycle.solution.statistics
     first = f"{spring}_" if len(cycle.solution.springs) > 1 else ""
@@ -89,8 +87,8 @@ def spring_extremes(cycle: Cycle, spring: str) -> tuple[float, float] | None:
 
 
 def lift_quantities(cycle: Cycle, springs: tuple[InstalledSpring, ...]) -> dict[str, float]:
-    """Largest lift (m) of the cycle, and the lift left to coil bind, least over the springs that
-    tell their solid height.
+    """Maximum lift (m) of the cycle and the clearance to coil bind, the smallest of the springs
+    with a known solid height.
     """
     if not cycle.solution.has("valve_lift"):
         return {}
@@ -135,7 +133,7 @@ class EnergyBalance:
 
 
 def energy_balance(solution: Solution) -> EnergyBalance | None:
-    """Balance over the whole run, both cycles; None for a model without energies."""
+    """Energy balance over the whole run; None for a model without energies."""
     if not solution.has(*_CHANNELS):
         return None
     kinetic = solution.channel("kinetic_energy")
@@ -160,8 +158,8 @@ def energy_balance(solution: Solution) -> EnergyBalance | None:
 
 
 def energy_quantities(solution: Solution, cycle: Cycle | None) -> dict[str, float]:
-    """Largest imbalance over the work done, and the energy turned to heat (J): in the run and, in a
-    whole cycle, by the springs' damping.
+    """Energy imbalance and the energy turned to heat (J): in the whole run and, of a whole cycle,
+    by the springs' damping.
     """
     balance = energy_balance(solution)
     if balance is None:
@@ -246,8 +244,8 @@ def surge_engine_speeds(
 
 
 def surge_residual(cycle: Cycle, frame: Frame) -> tuple[Array, Array] | None:
-    """Cam angle (rad) and seat force less the static force at the same lift (N) over the cycle, as
-    finely as the run holds the force.
+    """Cam angle (rad) and seat force less the static force at the same lift (N) over the cycle, at
+    the finest stored sampling.
 
     None where either force is not known. Output samples alone would fold the clashes' high
     frequencies into the low orders.

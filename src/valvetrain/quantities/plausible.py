@@ -1,5 +1,5 @@
-"""Values beyond which a number is nonsense though every equation was solved: of what is requested,
-and of what comes out.
+"""Plausible ranges of requested motion, parts and results; beyond them a request is refused or a
+run has diverged.
 """
 
 from __future__ import annotations
@@ -19,9 +19,9 @@ from valvetrain.solution.status import Status
 
 @dataclass(frozen=True, slots=True)
 class PlausibleRange:
-    """``low`` to ``high`` (SI) of a quantity whose name begins and ends with the parts of
-    ``names``; ``unit`` it is shown in, ``scale`` of
-    that unit, and the ``reason`` why nothing real lies beyond."""
+    """Range ``low`` to ``high`` (SI) of the quantities whose names begin and end as a pair of
+    ``names``; ``unit`` and ``scale`` for display, and the ``reason`` for the bounds.
+    """
 
     label: str
     names: tuple[tuple[str, str], ...]
@@ -32,11 +32,11 @@ class PlausibleRange:
     reason: str
 
     def holds(self, name: str) -> bool:
-        """Whether the range is that of the quantity or channel ``name``."""
+        """Whether the range applies to the quantity or channel ``name``."""
         return any(name.startswith(head) and name.endswith(tail) for head, tail in self.names)
 
     def why_not(self, value: float) -> str:
-        """What is wrong with a value, in words without a remedy; empty for a plausible one."""
+        """Why a value is implausible, as a sentence without a remedy; empty for a plausible one."""
         if self.low <= value <= self.high:
             return ""
         bound = self.high if not value < self.low else self.low
@@ -47,7 +47,7 @@ class PlausibleRange:
 def _range(
     label: str, names: str, low: float, high: float, unit: str, scale: float, reason: str
 ) -> PlausibleRange:
-    """``names``: separated by blanks, ``*`` for whatever stands between head and tail."""
+    """A range from ``names`` separated by blanks, ``*`` for any text between head and tail."""
     parts = (
         (head, tail if star else "")
         for head, star, tail in (name.partition("*") for name in names.split())
@@ -158,8 +158,8 @@ def refuse_implausible_motion(law: LiftLaw, cam_speeds: Iterable[float]) -> None
 
 
 def refuse_implausible_parts(values: Mapping[str, float]) -> None:
-    """Raise :class:`InputError` for the first of ``values`` (SI, by key path) outside
-    its range of :data:`PARTS`.
+    """Raise :class:`InputError` for the first of ``values`` (SI, by key path) outside its range of
+    :data:`PARTS`.
     """
     for place, value in values.items():
         for limit in PARTS:
@@ -168,7 +168,9 @@ def refuse_implausible_parts(values: Mapping[str, float]) -> None:
 
 
 def implausible(solution: Solution) -> str:
-    """What is nonsense in an evaluated run, in words without a remedy; empty where nothing is."""
+    """The first implausible number of an evaluated run as a sentence without a remedy; empty where
+    all are plausible.
+    """
     for name, value in _numbers(solution):
         for limit in FOUND:
             if limit.holds(name) and (label := limit.why_not(value)):
@@ -177,8 +179,8 @@ def implausible(solution: Solution) -> str:
 
 
 def plausible_rest(one: SpringAtRest) -> SpringAtRest:
-    """The spring at rest, its curve or, where it has none, nothing as ``diverged`` where a number
-    of it is nonsense; all numbers stay.
+    """A spring at rest, its curve marked ``diverged`` where a number of it is implausible; all
+    numbers stay.
     """
     if one.curve is None or not (found := _implausible_rest(one)):
         return one
@@ -188,9 +190,7 @@ def plausible_rest(one: SpringAtRest) -> SpringAtRest:
 
 
 def _implausible_rest(one: SpringAtRest) -> tuple[str, float] | None:
-    """The first nonsense of a spring at rest, in words without a remedy, and the compression (m) it
-    comes out at.
-    """
+    """The first implausible number of a spring at rest as a sentence, and its compression (m)."""
     assert one.curve is not None
     curve, nominal = one.curve, one.stress_per_force
     rows = [("peak_spring_force", curve.compression, curve.force)]

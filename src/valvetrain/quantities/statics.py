@@ -1,4 +1,4 @@
-"""Named quantities of the static curve and of the modes."""
+"""Quantities of a spring without motion: of its wire or card, static curve, modes and buckling."""
 
 from __future__ import annotations
 
@@ -38,8 +38,8 @@ SLOPE_SHARE = 0.02
 
 
 def rest_quantities(rest: SpringAtRest, outputs: Iterable[str] = ()) -> dict[str, float]:
-    """All named numbers (SI) of one spring at rest; ``outputs``: names such as
-    ``natural_3_frequency`` that a publication numbers so.
+    """All quantities (SI) of one spring at rest; ``outputs``: further names, such as
+    ``natural_3_frequency``.
     """
     found = {} if rest.curve is None else static_quantities(rest.curve, rest.precompression)
     if rest.installed is not None:
@@ -84,8 +84,8 @@ def static_quantities(curve: StaticCurve, precompression: float) -> dict[str, fl
 
 
 def slope_change(compression: Array, force: Array) -> float | None:
-    """Compression (m) at which two straight lines that fit the force best meet; None where one line
-    does as well.
+    """Compression (m) where the two best-fitting straight lines of the force meet; None where one
+    line fits as well.
 
     This is what an eye reads off a drawn curve whose slope "changes at about" somewhere.
     """
@@ -141,10 +141,8 @@ def buckling_compression(
     13906-1.
 
     s_K = L_0 / (2 (1 - G/E)) [1 - sqrt(1 - (1 - G/E) / (1/2 + G/E) (pi D / (nu L_0))^2)], J. A.
-    Haringx, "On highly compressible helical
-    springs and rubber rods", Philips Research Reports 3 (1948) 401-449. The spring is taken for an
-    elastic column with shear, its lead
-    angle for small.
+    Haringx, "On highly compressible helical springs and rubber rods", Philips Research Reports 3
+    (1948) 401-449. The spring is taken for an elastic column with shear, its lead angle for small.
 
     Parameters
     ----------
@@ -192,8 +190,8 @@ def buckling_compression(
 
 
 def formula_compression(wire: SpringDefinition) -> float | None:
-    """Buckling compression (m) of a wire between two seats by the formula, before it is solid; None
-    where it has none.
+    """Buckling compression (m) of a wire between two seats by the formula; None where it is solid
+    before.
 
     The formula knows cylindrical springs; L_0 is the height between the places where the wire is
     held, of axis to axis.
@@ -210,9 +208,9 @@ def formula_compression(wire: SpringDefinition) -> float | None:
 def buckling_quantities(
     spring: InstalledSpring, rest: SpringAtRest, maximum_lift: float
 ) -> dict[str, float]:
-    """Where the spring buckles by the rod and by the formula (m), what is left at the largest lift
-    (m), and how it
-    leans on its guide."""
+    """Buckling compression by the rod and by the formula (m), the clearance to it at full lift (m),
+    and the force on a guide.
+    """
     found: dict[str, float] = {}
     if rest.curve is not None and rest.curve.buckling is not None:
         buckling = rest.curve.buckling
@@ -254,7 +252,7 @@ def design_quantities(spring: InstalledSpring) -> dict[str, float]:
 
 
 def closing_quantities(spring: InstalledSpring) -> dict[str, float]:
-    """Of a wire, force and stress with all coils closed; nothing of a card."""
+    """Force and stress of a wire with all coils closed; nothing of a card."""
     return {} if spring.wire is None else solid_quantities(spring.wire)
 
 
@@ -273,8 +271,8 @@ def solid_quantities(wire: SpringDefinition) -> dict[str, float]:
     the closed wire, by EN 13906-1.
 
     A turn closes under (pitch - rise when closed) G d**4 / (8 D**3) and then twists no further; of
-    a cylindrical spring of constant pitch
-    that is the theoretical force at solid, rate times compression to solid.
+    a cylindrical spring of constant pitch that is the theoretical force at solid, rate times
+    compression to solid.
     """
     coil = np.linspace(*wire.free_coils, _SAMPLES)
     diameter, mean, pitch = (

@@ -1,9 +1,9 @@
-"""The table of quantities: name, label, definition, unit, systems, topic and uses of every number that no
-single published study owns.
+"""The table of quantities: name, label, definition, unit, systems, topic and uses of every number
+that no single published study owns.
 
-Terminal, JSON, page, workbench and docs/quantities.md read it: a new quantity is one row here and the
-function that computes it. Names are templates where they hold a place, a number or a spring (see
-:class:`valvetrain.solution.definition.QuantityRow`).
+Terminal, JSON, page, workbench and docs/quantities.md read it: a new quantity is one row here and
+the function that computes it. Names are templates where they hold a place, a number or a spring
+(see :class:`valvetrain.solution.definition.QuantityRow`).
 """
 
 from __future__ import annotations

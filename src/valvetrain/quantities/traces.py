@@ -43,8 +43,8 @@ REACH = 0.3
 
 @dataclass(frozen=True, eq=False)
 class Trace:
-    """A curve over one cam revolution: ``cam_angle`` (rad, from 0, rising, shape (samples,)), ``values``
-    and their SI ``unit``.
+    """A curve over one cam revolution: ``cam_angle`` (rad, from 0, rising, shape (samples,)),
+    ``values`` and their SI ``unit``.
 
     ``time`` (s) that the turn takes; ``closed``: the end follows on the beginning.
 
@@ -85,12 +85,10 @@ def trace_of(solution: Solution, name: str, active: Active = WHOLE) -> Trace:
     ``coil_2_displacement``, ``outer_coil_3.5_gap``.
 
     ``section_0.5`` represents a share of the active wire from the seat, for springs known by their
-    card have no coils; ``active``: spring
-    -> coil numbers between which its wire is active, where not all of it is. Displacement, velocity
-    and acceleration of a coil count
-    towards the seat, as it moves when the valve opens. Raises :class:`InputError`, listing the
-    names there are, for a name that the run
-    does not tell.
+    card have no coils; ``active``: spring -> coil numbers between which its wire is active, where
+    not all of it is. Displacement, velocity and acceleration of a coil count towards the seat, as
+    it moves when the valve opens. Raises :class:`InputError`, listing the names there are, for a
+    name that the run does not tell.
     """
     cycle = reported_cycle(solution)
     channel = ALIASES.get(name, name)

@@ -42,10 +42,9 @@ NEXT_TO = 1e-9
 @dataclass(frozen=True, eq=False)
 class RigidCycle:
     """Rigid motion at the samples of a run (S,): lift (m), acceleration (m/s2), contact force at
-    the cam (N); ``top`` (m) and
-    ``nose`` (cam rad): its largest lift and where it stands, whatever the samples; ``open_spans``:
-    begin and end (cam rad) of the
-    stretches off the seat."""
+    the cam (N); ``top`` (m) and ``nose`` (cam rad): its largest lift and where it stands, whatever
+    the samples; ``open_spans``: begin and end (cam rad) of the stretches off the seat.
+    """
 
     valve_lift: Array
     valve_acceleration: Array

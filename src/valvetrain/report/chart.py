@@ -1,4 +1,5 @@
-"""What a figure shows, free of any drawing library: panels of lines, marks and maps.
+"""Description of a figure, independent of any drawing library: panels of lines, marks and maps,
+rendered by ``plotly_chart`` for the page and by ``svg_chart`` for files.
 
 Two renderers read it: ``plotly_chart`` for the page and ``svg_chart`` for the picture files, so
 both show the same data.
@@ -51,8 +52,8 @@ class Marks:
 
 @dataclass(frozen=True, eq=False)
 class HeatMap:
-    """``z`` (y, x) as colour, from zero; the scale is drawn out at small values, the numbers stay
-    as they are.
+    """``z`` (y, x) as colour from zero; the colour scale is stretched at small values, the numbers
+    are not.
 
     ``second`` (y, x) is read on hover too, in words such as ``{:.0f} Hz`` given by ``second_unit``.
     """
@@ -74,7 +75,7 @@ Layer = Line | Marks | HeatMap
 
 @dataclass(frozen=True, slots=True)
 class Band:
-    """A lightly shaded stretch of the x axis with a word on top."""
+    """A lightly shaded interval of the x axis with a label on top."""
 
     first: float
     last: float
@@ -84,7 +85,7 @@ class Band:
 
 @dataclass(frozen=True, slots=True)
 class Rule:
-    """A thin line across the panel at ``value`` of axis ``x`` or ``y``, with a word."""
+    """A thin line across the panel at ``value`` of axis ``x`` or ``y``, with a label."""
 
     axis: str
     value: float
@@ -113,8 +114,8 @@ class Panel:
 
 
 def rule_levels(panel: Panel) -> list[int]:
-    """How many lines down the words of each upright rule stand, so that those of near neighbours do
-    not meet.
+    """Line on which the label of each vertical rule is written, so that labels of close rules do
+    not overlap.
     """
     (low, high), levels = visible_range(panel)[0], [0] * len(panel.rules)
     upright = sorted(
@@ -162,9 +163,7 @@ class Chart:
 
 
 def visible_range(panel: Panel) -> tuple[tuple[float, float], tuple[float, float]]:
-    """Axis ranges of a panel: those given, else what its layers need (y with a margin, from what x
-    shows).
-    """
+    """Axis ranges of a panel: as specified, else fitted to its layers (y with a margin)."""
     x_values = [np.asarray(layer.x, dtype=float) for layer in panel.layers]
     x_range = panel.x_range or _limits(x_values, 0.0)
     if panel.y_range is not None:
@@ -214,8 +213,8 @@ def legend_entries(chart: Chart) -> list[Line | Marks]:
 
 
 def thin(x: Array, y: Array, limit: int = 2000) -> tuple[Array, Array]:
-    """At most about ``limit`` points of a curve, the smallest and largest of every stretch among
-    them, so no spike is lost.
+    """At most about ``limit`` points of a curve that include the extremes of every interval, so no
+    spike is lost.
     """
     x, y = np.asarray(x, dtype=float), np.asarray(y, dtype=float)
     if len(x) <= limit:

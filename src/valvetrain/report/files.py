@@ -1,4 +1,6 @@
-"""Names of files that no two results share, whatever their labels hold."""
+"""Files of a run: unique file names, solutions written while the run is in progress, and removal of
+outdated files.
+"""
 
 from __future__ import annotations
 
@@ -33,8 +35,7 @@ MAX_LENGTH = 120
 
 @dataclass
 class FreeNames:
-    """Free file names: labels that differ only in signs, case or accents written otherwise still
-    get files of their own.
+    """Unique file names, also for labels that differ only in signs, case or accents.
 
     >>> names = FreeNames()
     >>> names.free("x 1"), names.free("x/1"), names.free("X-1")
@@ -44,7 +45,7 @@ class FreeNames:
     taken: set[str] = field(default_factory=set)
 
     def free(self, label: str) -> str:
-        """A name of letters, digits, points and dashes that was not given before."""
+        """A name of letters, digits, points and dashes that is not in use yet."""
         composed = unicodedata.normalize("NFC", label)
         plain = (
             "-".join(
@@ -66,14 +67,12 @@ class FreeNames:
 
 
 def _key(name: str) -> str:
-    """What two names share that some file system takes for one."""
+    """The form in which file systems may treat two names as equal."""
     return unicodedata.normalize("NFKC", unicodedata.normalize("NFKC", name).casefold())
 
 
 def _short(label: str, ending: str) -> str:
-    """The words with the ending, cut to :data:`MAX_LENGTH` bytes; of long ones the end stays, where
-    speed and number stand.
-    """
+    """The name with its ending, shortened in the middle to :data:`MAX_LENGTH` bytes."""
     content = label.encode()
     room = MAX_LENGTH - len(ending)
     if len(content) > room:
@@ -87,9 +86,7 @@ def _short(label: str, ending: str) -> str:
 
 
 def spring_text(name: str, spring: InstalledSpring, source: str) -> str:
-    """A case that holds nothing but the spring; its block can be put into any case file. Raises
-    :class:`InputError` for a card.
-    """
+    """A case file with the spring alone. Raises :class:`InputError` for a card."""
     wire = spring.wire
     if wire is None:
         raise InputError(
@@ -127,13 +124,13 @@ def _curve(curve: Curve) -> str | dict[str, Any]:
 
 
 class UnfinishedRun:
-    """Keeps solutions as they come, in a folder that ``make_folder`` makes for the first of them.
+    """Saves each solution when it is computed, in a folder that ``make_folder`` creates for the
+    first of them.
 
     ``unfinished-runs.jsonl`` holds a line per solution: label, model, engine speed, status,
-    quantities and, where it keeps channels, its
-    ``file`` (NetCDF); the first holds the ``command_line`` too, words of the command that began it.
-    Nothing here ends a study: what
-    cannot be written is among the ``gaps``.
+    quantities and, where it keeps channels, its ``file`` (NetCDF); the first holds the
+    ``command_line`` too, words of the command that began it. Nothing here ends a study: what cannot
+    be written is among the ``gaps``.
     """
 
     def __init__(self, make_folder: Callable[[], Path], command_line: Sequence[str] = ()) -> None:
@@ -145,21 +142,21 @@ class UnfinishedRun:
         self.gaps = PartialFailures()
 
     def add(self, place: int, solution: Solution) -> None:
-        """Keep the solution of the run at ``place`` of its study."""
+        """Save the solution of the run at ``place`` of its study."""
         self.gaps.part("runs could not be saved as they came", None, self._add, place, solution)
 
     def file_of(self, solution: Solution) -> Path | None:
-        """Where a solution was written as it came."""
+        """The file that a solution was saved to."""
         found = next((name for saved, name in self._files.values() if saved is solution), None)
         path = self.folder / found if found is not None and self.folder is not None else None
         return path if path is not None and path.is_file() else None
 
     def moved_to(self, folder: Path) -> None:
-        """Say that the folder has its final name."""
+        """Set the final folder."""
         self.folder = folder
 
     def close(self) -> None:
-        """The run is written whole: remove what stood for it meanwhile."""
+        """Remove the marks of an unfinished run after everything is written."""
         if self._handle is None or self.folder is None:
             return
         for _, name in self._files.values():
@@ -196,8 +193,7 @@ def remove_earlier(folder: Path, kind: str, written: Iterable[Path]) -> tuple[Pa
     what it wrote; the files removed.
 
     A file goes only if it is on the list and still holds, byte by byte, what was written: a file of
-    the user's, or one changed since,
-    stays. A folder without a list loses nothing.
+    the user's, or one changed since, stays. A folder without a list loses nothing.
     """
     base = folder.resolve()
     now = {path.resolve().relative_to(base).as_posix(): path for path in written}
@@ -231,7 +227,7 @@ def _digest(path: Path) -> str:
 
 
 def _read(path: Path) -> dict[str, dict[str, str]]:
-    """The lists by kind; a file that is no such list counts as none."""
+    """The lists by kind; empty for a file that is not such a list."""
     try:
         lists = json.loads(path.read_text("utf-8"))
     except (OSError, ValueError):

@@ -1,6 +1,4 @@
-"""The answers a user asks for first, in their order: one table that the terminal, JSON readers and
-the page's first screen share.
-"""
+"""Headline quantities of a study in the order of their topics, for terminal, JSON and page."""
 
 from __future__ import annotations
 
@@ -23,7 +21,7 @@ NAMED_CLASHES = 5
 
 @dataclass(frozen=True, slots=True)
 class HeadlineColumn:
-    """A run, or, in a sweep, all runs of a label (``engine_speed`` None)."""
+    """A run or, in a sweep, all runs of a label (``engine_speed`` None)."""
 
     label: str
     engine_speed: float | None = None
@@ -43,8 +41,8 @@ class HeadlineRow:
     """One quantity over the columns: ``values`` in ``unit`` (None where not given).
 
     ``engine_speeds`` (rad/s): where a sweep has the worst value of each column, None where that
-    does not apply. ``cells``: what is shown
-    where a number alone does not tell it (a bracket, "never up to 9000"), empty elsewhere.
+    does not apply. ``cells``: what is shown where a number alone does not tell it (a bracket,
+    "never up to 9000"), empty elsewhere.
     """
 
     topic: str
@@ -57,8 +55,8 @@ class HeadlineRow:
 
 
 def headline_columns(study: Study) -> tuple[HeadlineColumn, ...]:
-    """Runs by label and engine speed; in a sweep labels only; without runs the labels of what was
-    found at rest.
+    """Runs by label and engine speed; in a sweep labels alone; without runs the labels of the
+    static results.
     """
     if not study.solutions:
         return tuple(HeadlineColumn(label) for label in study.still)
@@ -72,8 +70,8 @@ def headline_columns(study: Study) -> tuple[HeadlineColumn, ...]:
 
 
 def headline_rows(study: Study) -> tuple[HeadlineRow, ...]:
-    """What a user asks first, topic by topic; a sweep gives the worst value of each label and the
-    engine speed where it stands.
+    """Headline quantities by topic; a sweep gives the worst value of each label and its engine
+    speed.
     """
     columns = headline_columns(study)
     critical = (
@@ -100,7 +98,7 @@ def headline_rows(study: Study) -> tuple[HeadlineRow, ...]:
 
 
 def clashes_of(run: Solution) -> tuple[Event, ...]:
-    """All coil clashes of a run, the one of most energy (or else the hardest) first."""
+    """All coil clashes of a run by decreasing energy, then impulse."""
     mine = (event for event in run.events if event.kind == "clash")
     return tuple(
         sorted(
@@ -122,8 +120,8 @@ def clash_pair(event: Event) -> str:
 def largest_clash_rows(
     study: Study, columns: Sequence[HeadlineColumn]
 ) -> list[tuple[str, str, tuple[str, ...]]]:
-    """(words, unit, cells) of coils, first touch, impulse and energy of the largest clash of every
-    run; none where no coils clash.
+    """(label, unit, cells) of coils, first touch, impulse and energy of the largest clash of every
+    run; empty without clashes.
     """
     runs = [
         None

@@ -1,4 +1,4 @@
-"""Parts of a report page, and the page itself: one HTML file that loads nothing from anywhere."""
+"""Blocks of a report page, and the page: one HTML file that loads nothing from elsewhere."""
 
 from __future__ import annotations
 
@@ -61,8 +61,7 @@ class Cell:
 
 @dataclass(frozen=True, eq=False)
 class Grid:
-    """A table; a row is its cells and one word per filter that may select it; a row of one cell is
-    a heading across.
+    """A table; a row is its cells and one value per filter; a row of one cell is a heading across.
 
     ``filters``: what is chosen by, such as ``role``; its words are those that the rows carry.
     """
@@ -125,7 +124,7 @@ class Cards:
 
 @dataclass(frozen=True, eq=False)
 class Tabs:
-    """Blocks of which one set is seen at a time, such as one per engine speed."""
+    """Alternative sets of blocks behind tabs, such as one per engine speed."""
 
     items: tuple[tuple[str, tuple[Any, ...]], ...]
     key: str = "tabs"
@@ -205,7 +204,7 @@ class Page:
 
 
 def text(label: str, tone: str = "") -> Text:
-    """A paragraph of plain words, escaped."""
+    """A paragraph of plain text, escaped."""
     return Text(escape(label), tone)
 
 
@@ -225,7 +224,7 @@ def gaps_of(page: Page) -> tuple[str, ...]:
 
 
 def prose(paragraphs: Sequence[str], summary: str, tone: str = "note") -> tuple[Block, ...]:
-    """Paragraphs; more than three sentences stand behind a word to click."""
+    """Paragraphs; text after the third sentence is folded."""
     blocks = tuple(text(sentence, tone) for sentence in paragraphs)
     return (
         (Details(summary, blocks),)
@@ -242,9 +241,7 @@ def sentences(sentence: str) -> list[str]:
 def figure_or_gap(
     title: str, build: Callable[P, Chart | None], *args: P.args, **more: P.kwargs
 ) -> tuple[Block, ...]:
-    """The figure that ``build`` gives, nothing for None, and a sentence in its place where it
-    cannot be drawn.
-    """
+    """The figure of ``build``, nothing for None, or a sentence where it cannot be drawn."""
     try:
         chart = build(*args, **more)
     except Exception as error:  # one figure must not cost the others
@@ -263,7 +260,7 @@ def charts(page: Page) -> list[Chart]:
 
 
 def _all(blocks: Sequence[Any]) -> Iterator[Any]:
-    """Every block, those behind tabs and words to click included."""
+    """Every block, those behind tabs and folds included."""
     for block in blocks:
         if isinstance(block, Details):
             yield from _all(block.blocks)
@@ -275,8 +272,8 @@ def _all(blocks: Sequence[Any]) -> Iterator[Any]:
 
 
 def render(page: Page, gaps: PartialFailures | None = None) -> str:
-    """The page as one self-contained HTML document, Plotly and data included; ``gaps`` is given the
-    figures that cannot be drawn.
+    """The page as one self-contained HTML document, Plotly and data included; figures that cannot
+    be drawn are added to ``gaps``.
     """
     drawn = {chart.key: _drawn(chart, gaps) for chart in charts(page)}
     library, moving = plotly_script() if drawn else "", _moving(page)
@@ -298,8 +295,8 @@ def render(page: Page, gaps: PartialFailures | None = None) -> str:
 
 
 def render_part(sections: Sequence[Section]) -> str:
-    """Sections with the data of their figures as HTML for another page, which brings style,
-    script and Plotly.
+    """Sections with the data of their figures as HTML for another page, which brings style, script
+    and Plotly.
     """
     page = Page("", "", "", (), tuple(sections))
     drawn = {chart.key: _drawn(chart, None) for chart in charts(page)}
@@ -348,9 +345,7 @@ def _template(name: str) -> jinja2.Template:
 
 
 def _still(chart: Chart) -> str:
-    """The figure for a reader without scripts; nothing where it cannot be drawn, which the figure
-    says itself.
-    """
+    """The figure for a reader without scripts; empty where it cannot be drawn."""
     from valvetrain.report.svg_chart import svg
 
     try:
@@ -372,9 +367,7 @@ def _css_string(label: str) -> str:
 
 
 def _drawn(chart: Chart, gaps: PartialFailures | None) -> str:
-    """The figure as JSON, or the reason why it cannot be drawn, which the page then shows in its
-    place.
-    """
+    """The figure as JSON, or the reason why it cannot be drawn."""
     from valvetrain.report.plotly_chart import in_script, to_json
 
     try:
@@ -387,9 +380,7 @@ def _drawn(chart: Chart, gaps: PartialFailures | None) -> str:
 
 
 def plotly_script() -> str:
-    """The text of plotly.js, safe inside a script element (none for a page without charts is the
-    caller's choice).
-    """
+    """The text of plotly.js, safe inside a script element."""
     source = (
         resources.files("plotly")
         .joinpath("package_data", "plotly.min.js")

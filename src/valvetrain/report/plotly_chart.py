@@ -71,9 +71,7 @@ def figure(chart: Chart) -> dict[str, Any]:
 
 
 def _columns(panel: Panel, layer: Layer) -> list[str]:
-    """Heads of the columns of a layer as the page gives its data away: what stands along x and y,
-    and of a map its colour.
-    """
+    """Column headings of the data of a layer: its x and y, and the colour of a map."""
     named = f"{panel.title}, {layer.name}" if panel.title else layer.name
     if isinstance(layer, HeatMap):
         return [
@@ -143,7 +141,7 @@ def _layout(chart: Chart, columns: int, panel_height: int) -> dict[str, Any]:
 
 
 def to_json(chart: Chart) -> str:
-    """The figure as JSON text that may stand inside a script element."""
+    """The figure as JSON text that is safe in a script element."""
     return in_script(json.dumps(figure(chart), separators=(",", ":"), allow_nan=False))
 
 
@@ -345,12 +343,12 @@ def _add_furniture(
 
 
 def _plain(label: str) -> str:
-    """Words from outside as Plotly shows them, its own markup disarmed."""
+    """Text with Plotly's markup escaped."""
     return label.replace("&", "&amp;").replace("<", "&lt;").replace(">", "&gt;")
 
 
 def _spaced(label: str, side: str) -> str:
-    """Words next to a mark keep clear of it."""
+    """Text next to a mark with a distance from it."""
     return {"middle right": f"  {label}", "middle left": f"{label}  "}.get(side, label)
 
 

@@ -137,7 +137,7 @@ def sections_of(text: str, where: str = "page") -> tuple[PageSection, ...]:
 
 
 class _Reader(HTMLParser):
-    """Follows the elements of the page's template."""
+    """Parser of the elements of the page's template."""
 
     def __init__(self, page_data: Mapping[tuple[str, str], Any], stills: Mapping[str, str]) -> None:
         super().__init__(convert_charrefs=True)
@@ -152,7 +152,7 @@ class _Reader(HTMLParser):
         self._card = self._caption = ""
 
     def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
-        """Remember what begins."""
+        """Open an element."""
         given = {name: value or "" for name, value in attrs}
         if tag not in _EMPTY:
             self._open.append((tag, given))
@@ -200,12 +200,12 @@ class _Reader(HTMLParser):
             self._text = []
 
     def handle_data(self, data: str) -> None:
-        """Words of the element that is open."""
+        """Collect the text of the open element."""
         if self._text is not None:
             self._text.append(data)
 
     def handle_endtag(self, tag: str) -> None:
-        """Put what ended in its place."""
+        """Close an element."""
         if tag in _EMPTY or not any(tag == name for name, _ in self._open):
             return
         given: dict[str, str] = {}

@@ -1,4 +1,6 @@
-"""What figures share: the look of a label, a channel over the cam angle, panels by engine speed."""
+"""Common parts of figures: line style of a label, channels over the cam angle, panels by engine
+speed; and the figures of ``plot()``.
+"""
 
 from __future__ import annotations
 
@@ -38,7 +40,7 @@ MAX_LINES = 4
 
 @dataclass(frozen=True, slots=True)
 class LineStyle:
-    """How the lines of one label are drawn and what they are called."""
+    """Colour, dash and label of the lines of one label of a study."""
 
     colour: str
     dash: str
@@ -46,14 +48,14 @@ class LineStyle:
 
 
 def covered_by_source(study: Study) -> bool:
-    """Whether what the source of a case says is about these runs: always for a case of one's own,
+    """Whether statements of the case's source apply to these runs: always for a case of one's own,
     else where values were compared.
     """
     return not study.record.study or bool(study.comparisons or study.findings)
 
 
 def line_styles(study: Study) -> dict[str, LineStyle]:
-    """Label -> look: colour by model (by label where models do not tell them apart), dash by spring
+    """Label -> line style: colour by model (by label where several share a model), dash by spring
     set.
     """
     first = {
@@ -84,7 +86,7 @@ def _label(label: str, run: Solution) -> str:
 
 
 def drawable(run: Solution) -> bool:
-    """True for a run that keeps its channels and has something of a cycle."""
+    """Whether a run has channels with enough samples to draw."""
     return bool(run.arrays.variables) and len(run.time) > 4
 
 
@@ -132,8 +134,8 @@ def angle_panels(
     still: str = "",
     static_label: str = STATIC_LABEL,
 ) -> list[Panel]:
-    """A channel over the cam angle, one line per run, at most :data:`MAX_LINES` a panel;
-    ``still``: a channel next to it, dashed, once.
+    """A channel over the cam angle, one line per run, at most :data:`MAX_LINES` a panel; ``still``:
+    a channel next to it, dashed, once.
     """
     known, panels, label = line_styles(study), [], name
     shown = [(run, *found) for run in runs if (found := over_angle(run, channel)) is not None]
@@ -297,7 +299,7 @@ def plot_modes(modes: ModalResult) -> go.Figure:
 
 
 def _speaking_quantity(study: Study) -> str:
-    """The first peak force among the numbers of the runs, else the first number."""
+    """The first peak force of the runs, else their first quantity."""
     names = list(dict.fromkeys(name for run in study.solutions for name in run.quantities))
     peaks = [
         name

@@ -1,4 +1,6 @@
-"""Critical speeds of a sweep as rows of a table, the same in the terminal and on the page."""
+"""Rows for terminal and page: critical speeds of a sweep, valid speed ranges of models, differences
+of two saved runs.
+"""
 
 from __future__ import annotations
 
@@ -22,7 +24,7 @@ MAX_AGAIN = 2
 
 @dataclass(frozen=True, slots=True)
 class CriticalRow:
-    """One line: the quantity it belongs to, words, and a cell per label (speeds in rpm)."""
+    """One row: quantity, label, and a cell per label of the study (speeds in rpm)."""
 
     name: str
     label: str
@@ -31,17 +33,15 @@ class CriticalRow:
 
 
 def searched(study: Study) -> bool:
-    """Whether the study is a sweep of a train, of which critical speeds are reported, or reported as not
-    computed.
-    """
+    """Whether the study is a sweep of a train, which reports critical speeds."""
     return study.command == "sweep" and any(
         run.provenance.system == TRAIN for run in study.solutions
     )
 
 
 def critical_rows(study: Study, labels: Sequence[str]) -> list[CriticalRow]:
-    """A line per kind, and below it where control comes back, what rising and falling speed show,
-    and further stretches.
+    """A row per kind of critical speed; below it the speed at which control returns, hysteresis,
+    and further ranges.
     """
     rows = []
     for kind, name in KINDS.items():
@@ -60,7 +60,7 @@ def critical_rows(study: Study, labels: Sequence[str]) -> list[CriticalRow]:
 
 
 def critical_notes(study: Study) -> tuple[str, ...]:
-    """What must be known of the numbers: how they were searched."""
+    """How the critical speeds were searched."""
     if not len(study.critical_speeds):
         return ()
     one = study.critical_speeds.rows[0]
@@ -101,9 +101,7 @@ def _again(one: CriticalSpeed) -> str:
 
 @dataclass(frozen=True, slots=True)
 class ReachRow:
-    """One quantity: its words, a cell per model, and the cheapest model that is good enough at
-    every speed.
-    """
+    """One quantity: a cell per model, and the cheapest model that is good enough at every speed."""
 
     quantity: str
     label: str
@@ -125,7 +123,7 @@ def reach_rows(found: FidelityMap) -> list[ReachRow]:
 
 
 def share(value: float) -> str:
-    """A share in per cent with two digits that count; empty where there is none."""
+    """A ratio in per cent with two significant digits; empty for none."""
     return (
         ""
         if not math.isfinite(value)
@@ -136,7 +134,7 @@ def share(value: float) -> str:
 
 
 def reason_for(found: FidelityMap, quantity: str) -> str:
-    """Why the cheapest model is recommended for a quantity, or what keeps each cheaper one from it."""
+    """Why the cheapest model is recommended for a quantity, or why no cheaper one is."""
     chosen = found.cheapest(quantity)
     costs = dict(found.costs)
     if chosen == found.reference:
@@ -169,7 +167,7 @@ def _miss(reach: ValidSpeedRange) -> float:
 
 
 def fidelity_notes(found: FidelityMap) -> tuple[str, ...]:
-    """What must be known of the verdicts."""
+    """How the verdicts were reached and what limits them."""
     speeds = [row.engine_speed / RPM for row in found]
     undivided = [model for model in (*found.models, found.reference) if model not in found.divided]
     sizes = "; ".join(f"{label_of(name)} {_scale(found, name)}" for name in found.quantities)

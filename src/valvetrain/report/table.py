@@ -90,8 +90,8 @@ def table(*columns: tuple[str, str, Sequence[Any] | NDArray[Any]]) -> Table:
 
 def quoted(value: Any) -> str:
     """One CSV cell: floats to the last digit, nothing for None, quotes where needed; words that a
-    spreadsheet would compute are led by
-    an apostrophe."""
+    spreadsheet would compute are led by an apostrophe.
+    """
     if value is None:
         return ""
     if isinstance(value, float):

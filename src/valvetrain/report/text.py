@@ -1,4 +1,4 @@
-"""Numbers and names as a reader sees them."""
+"""Numbers, units and labels as text."""
 
 from __future__ import annotations
 

@@ -37,8 +37,8 @@ _OPENCV = "an MP4 needs OpenCV; install it with: pip install 'valvetrain[film]',
 
 @dataclass(frozen=True, slots=True)
 class FilmRequest:
-    """A film as requested: ``duration`` (s) of one cam revolution, ``picture_width`` (px; height 16:9),
-    ``colour``: key of the colouring.
+    """A film as requested: ``duration`` (s) of one cam revolution, ``picture_width`` (px; height
+    16:9), ``colour``: key of the colouring.
     """
 
     duration: float = 4.0
@@ -78,8 +78,8 @@ class Film:
 
 
 def check_ending(path: Path) -> None:
-    """Raise :class:`InputError` for a file that is neither GIF nor MP4, and where what writes it is
-    not installed.
+    """Raise :class:`InputError` for a file that is neither GIF nor MP4, or whose writer is not
+    installed.
     """
     if path.suffix.lower() not in ENDINGS:
         raise InputError(f"a film ends in .gif or .mp4; '{path.name[:60]}' does not", "--output")
@@ -171,8 +171,8 @@ def _pictures(variant: Variant, frames: list[int], request: FilmRequest) -> Iter
 
 
 class _Place:
-    """Layout of the picture: the view on the left, the forces on the right, in pixels
-    of the finer picture.
+    """Layout of the picture: the view on the left, the forces on the right, in pixels of the finer
+    picture.
     """
 
     def __init__(self, variant: Variant, size: tuple[int, int]) -> None:
@@ -215,7 +215,7 @@ class _Place:
 
 
 def _still_parts(draw: ImageDraw, variant: Variant, place: _Place, request: FilmRequest) -> None:
-    """What does not move: title, curves with their axes, colours with their ends."""
+    """The static parts of the picture: title, curves with their axes, colour scale."""
     unit = place.unit
     draw.text((0.02 * place.width, 2 * unit), variant.title, fill=theme.INK, font=place.font)
     x0, y0, x1, y1 = place.plot

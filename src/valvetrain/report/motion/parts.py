@@ -1,5 +1,5 @@
-"""What a moving picture is made of: springs, rigid bodies, forces and marks over chosen samples of
-one cam revolution. SI, angles in rad.
+"""Parts of a moving picture: springs, rigid bodies, forces and marks over selected samples of one
+cam revolution; SI units, angles in rad.
 """
 
 from __future__ import annotations
@@ -41,10 +41,9 @@ class SpringDrawing:
     ``wire_radius`` (node,), in m.
 
     The axis of node n stands ``rest`` + ``displacement`` (m; (node,) and (frame, node)) above the
-    lower seat. ``seat`` (x, y in m) and
-    ``direction`` (rad): foot and direction of the spring's axis in the plane of the train.
-    ``retainer`` (frame,): height (m) of the
-    retainer's plane. ``sign``: +1 of a right-hand helix, -1 of a left-hand one.
+    lower seat. ``seat`` (x, y in m) and ``direction`` (rad): foot and direction of the spring's
+    axis in the plane of the train. ``retainer`` (frame,): height (m) of the retainer's plane.
+    ``sign``: +1 of a right-hand helix, -1 of a left-hand one.
     """
 
     name: str
@@ -68,8 +67,8 @@ class SpringDrawing:
 @dataclass(frozen=True, eq=False)
 class Shape:
     """A part of a body in its own frame (m): ``extrude`` is a closed outline (point, 2) between two
-    depths, ``lathe`` a profile of
-    radius and height (point, 2) turned about the body's y axis."""
+    depths, ``lathe`` a profile of radius and height (point, 2) turned about the body's y axis.
+    """
 
     kind: str
     points: Array
@@ -112,9 +111,9 @@ class Mark:
 @dataclass(frozen=True, eq=False)
 class Variant:
     """One run in motion. ``sample``: places (frame,) of the frames in the reported cycle;
-    ``cam_angle`` (frame,) rad, ascending;
-    ``valve_lift`` (frame,) m; ``closed``: whether the last frame leads into the first. ``notes``:
-    what is reconstructed or not given."""
+    ``cam_angle`` (frame,) rad, ascending; ``valve_lift`` (frame,) m; ``closed``: whether the last
+    frame leads into the first. ``notes``: what is reconstructed or not given.
+    """
 
     label: str
     title: str
@@ -132,9 +131,7 @@ class Variant:
 
 @dataclass(frozen=True, eq=False)
 class Moving:
-    """All that one moving picture shows: its variants, and a sentence where there are more runs
-    than are drawn.
-    """
+    """A moving picture: its variants, and a sentence where some runs are left out."""
 
     title: str
     variants: tuple[Variant, ...] = ()
@@ -150,8 +147,8 @@ _PEAKS = ("peak_spring_force", "minimum_spring_force")
 
 def marks_of(run: Solution, cycle: Cycle) -> tuple[Mark, ...]:
     """Marks of a run by cam angle: largest and least spring force (on every step where the run
-    tells it), the hardest clashes at their
-    peaks, the first of its other events."""
+    tells it), the hardest clashes at their peaks, the first of its other events.
+    """
     found = _peaks(run, cycle)
     clashes = sorted(
         (event for event in run.events if event.kind == "clash"), key=lambda event: -event.size
@@ -176,9 +173,7 @@ def marks_of(run: Solution, cycle: Cycle) -> tuple[Mark, ...]:
 
 
 def still_frame(variant: Variant) -> int:
-    """Frame at which a picture begins and is printed: next to the mark of the largest spring force,
-    else that of the largest lift.
-    """
+    """Frame of the printed picture: at the mark of the largest spring force, else at full lift."""
     peak = next(
         (
             mark

@@ -1,4 +1,6 @@
-"""A moment of a moving picture as flat shapes, far ones first: for still pictures and for films."""
+"""Projection of one frame of a moving picture to flat shapes in drawing order, for still pictures
+and films.
+"""
 
 from __future__ import annotations
 
@@ -159,7 +161,7 @@ class Flat:
 
 
 def flat_shapes(variant: Variant, frame: int, key: str = "", strips: int = 5) -> list[Flat]:
-    """What is seen of one frame, far shapes first.
+    """Visible shapes of one frame, far ones first.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""From the runs of a study to what moves: parts, frames, forces and marks of every run that can be
+"""Builds the moving picture of a study: parts, frames, forces and marks of every run that can be
 drawn.
 """
 
@@ -43,7 +43,7 @@ EVEN_SHARE = 0.8
 def choose_frames(
     cam_angle: Array, most: int, keep: Sequence[int] = (), spans: Sequence[tuple[float, float]] = ()
 ) -> Places:
-    """Samples that are drawn, ascending: all where ``most`` allows.
+    """Samples to draw, ascending: all where ``most`` allows.
 
     Parameters
     ----------
@@ -125,7 +125,7 @@ class Limits:
 
 
 def moving_picture(study: Study, limits: Limits = Limits()) -> Moving | None:
-    """What moves in the runs of a study, from its solutions and the parts of its case.
+    """The moving picture of a study, from its solutions and the parts of its case.
 
     Parameters
     ----------
@@ -185,9 +185,7 @@ def moving_picture(study: Study, limits: Limits = Limits()) -> Moving | None:
 
 
 def _worth(run: Solution) -> tuple[int, float]:
-    """Which runs are drawn where there are too many: those that know most of their coils, then the
-    fastest.
-    """
+    """Runs to draw where there are too many: those with most coils known, then the fastest."""
     known = sum(
         any(str(name).endswith(ending) for name in run.arrays.variables)
         for ending in ("_shear_stress", "coil_gap", "axial_displacement")
@@ -201,8 +199,8 @@ def _problem(record: CaseRecord, models: tuple[str, ...], sets: tuple[str, ...])
 
 
 def member_of(record: CaseRecord, run: Solution) -> Member | None:
-    """The variant of the case behind a run: springs, lift law and the parts of its train; None
-    where the case holds none.
+    """The variant of the case behind a run: springs, lift law and parts of its train; None where
+    the case has none.
 
     Raises :class:`InputError` where the case cannot be built.
     """

@@ -1,6 +1,4 @@
-"""A spring as it is drawn: nodes on the helix of its wire, moved along the axis as the solution
-says.
-"""
+"""Drawing of a spring: nodes on the helix of its wire, displaced along the axis by the solution."""
 
 from __future__ import annotations
 
@@ -99,7 +97,7 @@ def colourings_of(
 def slope_stress(
     wire: SpringDefinition, coil: Array, displacement: Array, preload: float
 ) -> Colouring:
-    """Shear stress of a model that tells how its coils move and no section loads, by the textbook.
+    """Shear stress from coil displacements by the textbook, for models without section loads.
 
     Parameters
     ----------
@@ -139,7 +137,7 @@ def largest_between(values: Array, sample: Places) -> Array:
 
 
 def one_range(variants: tuple[Variant, ...]) -> tuple[Variant, ...]:
-    """The variants with one range per colouring, so that a colour means the same in all of them."""
+    """The variants with one common range per colouring."""
     ends: dict[str, tuple[float, float]] = {}
     for variant in variants:
         for one in (one for spring in variant.springs for one in spring.colourings):
@@ -241,7 +239,7 @@ def draw_spring(
     rest: SpringAtRest | None,
     shared: bool = False,
 ) -> tuple[SpringDrawing | None, tuple[str, ...]]:
-    """One spring over the frames, and sentences on what is reconstructed.
+    """One spring over the frames, and notes on what is reconstructed.
 
     Parameters
     ----------
@@ -371,8 +369,8 @@ def _curve(rest: SpringAtRest | None) -> tuple[Array, Array, Array] | None:
 def wire_of(
     installed: InstalledSpring, valve_lift: float
 ) -> tuple[SpringDefinition | None, float, tuple[str, ...]]:
-    """The wire that is drawn, its precompression (m) and a note where a card does not tell it; None
-    for a card without a mass.
+    """The wire to draw, its precompression (m) and a note where a card does not give it; None for a
+    card without a mass.
 
     ``valve_lift`` (m): a wire made up for a card has room for it.
     """

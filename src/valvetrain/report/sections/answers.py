@@ -1,5 +1,5 @@
-"""First on the page: what a user asks of his spring, one card per question, and the largest clashes
-by name.
+"""Answers of a study: headline quantities by topic, largest clashes, and which model is good
+enough.
 """
 
 from __future__ import annotations
@@ -37,9 +37,7 @@ _CLASH_HEADERS = ("coils", "cam angle (deg)", "impulse (mN s)", "energy (mJ)", "
 
 
 def answers_blocks(study: Study) -> tuple[Block, ...]:
-    """What failed, the answers in the order of the topics, what must be known of them, then the
-    clashes of each run.
-    """
+    """Failures, headline quantities by topic, notes, then the clashes of each run."""
     rows = headline_rows(study)
     across = _columns(study)
     by_topic = {topic: [row for row in rows if row.topic == topic] for topic in topics()}
@@ -74,7 +72,7 @@ def _columns(study: Study) -> list[str]:
 
 
 def _side_by_side(study: Study, across: list[str], topics: dict[str, list[HeadlineRow]]) -> Card:
-    """Every question in one table, runs across, a line without values above each topic."""
+    """All topics in one table with a column per run; a heading above each topic."""
     lines: list[tuple[str, tuple[str, ...]]] = []
     largest = largest_clash_rows(study, headline_columns(study))
     for topic, rows in topics.items():
@@ -88,7 +86,7 @@ def _side_by_side(study: Study, across: list[str], topics: dict[str, list[Headli
 
 
 def _below(topic: str, across: list[str], rows: list[HeadlineRow]) -> Card:
-    """One question, a run per line, those without any value left out."""
+    """One topic with a row per run; runs without any value are left out."""
     values = list(zip(*map(_values, rows), strict=True))
     lines = [
         (run, cells)
@@ -110,9 +108,7 @@ def _values(row: HeadlineRow) -> tuple[str, ...]:
 
 
 def _clashes(study: Study) -> tuple[Block, ...]:
-    """The largest clashes open: several of one run or two, else one of each; all that are named of
-    many runs behind a word to click.
-    """
+    """The largest clashes: several of one run or two, else one of each, and a folded table of more."""
     known = line_styles(study)
     found = [
         (f"{known[run.label].label}, {speed_text(run.engine_speed)}", clashes_of(run))
@@ -155,7 +151,7 @@ ANSWERS_SPEC = SectionSpec("answers", "Answers", answers_blocks)
 
 
 def fidelity_blocks(study: Study) -> tuple[Block, ...]:
-    """The recommendation, up to where each model reaches, and the maps."""
+    """The recommended models, their valid speed ranges, and maps of the differences."""
     found = study.fidelity
     if not len(found):
         return ()

@@ -79,8 +79,8 @@ def along(run: Solution, channel: str) -> tuple[Array, Array] | None:
 
 
 def position_chart(study: Study, run: Solution, spring: str, key: str, title: str) -> Chart | None:
-    """Height of the wire, or its displacement where no height is given (mm), at even distances along
-    the spring.
+    """Height of the wire, or its displacement where no height is given (mm), at even distances
+    along the spring.
     """
     known = (
         (found, label)

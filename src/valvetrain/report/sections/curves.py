@@ -1,4 +1,6 @@
-"""Spring force on the cylinder head and on the retainer over the cam angle, at rest next to it."""
+"""Curves over the cam angle: spring force, motion, rigid parts, contact forces, moving picture and
+energy balance.
+"""
 
 from __future__ import annotations
 
@@ -44,8 +46,8 @@ def force_blocks(study: Study) -> tuple[Block, ...]:
 
 
 def force_chart(study: Study, channel: str) -> Chart | None:
-    """One channel of force by engine speed with the force at rest at the same lift; None where no
-    run has it.
+    """One force channel by engine speed with the static force at the same lift; None where no run
+    has it.
     """
     key, title, label = FORCES[channel]
     panels = []
@@ -79,9 +81,7 @@ MOTIONS = {
 
 
 def motion_blocks(study: Study) -> tuple[Block, ...]:
-    """Three panels per engine speed; where all runs are given the same motion, one line represents
-    them.
-    """
+    """Three panels per engine speed; one line where all runs have the same prescribed motion."""
 
     def at(engine_speed: float, runs: list[Solution], key: str) -> tuple[Block, ...]:
         prescribed = all(run.provenance.system == "prescribed-spring" for run in runs)
@@ -229,9 +229,7 @@ TRAIN_SPEC = SectionSpec("train", "Contacts and cam torque", train_blocks)
 
 
 def in_motion_blocks(study: Study) -> tuple[Block, ...]:
-    """The picture of the runs that can be drawn; nothing where none moves, a sentence where it
-    fails.
-    """
+    """The moving picture; nothing where no run moves, a sentence where it fails."""
     try:
         moving = moving_picture(study)
         if moving is None:
@@ -265,8 +263,8 @@ def energy_blocks(study: Study) -> tuple[Block, ...]:
 
 
 def energy_chart(run: Solution, key: str, title: str) -> Chart | None:
-    """What went in, what is stored, what became heat, and what is missing, over the whole run in
-    mJ; None for a run without energies.
+    """Work done, stored and dissipated energy and the imbalance over the whole run in mJ; None for
+    a run without energies.
     """
     balance = energy_balance(run)
     if balance is None:

@@ -1,4 +1,4 @@
-"""Values of the case with their status and source, remarks, and the resolved case file."""
+"""Values of the case with status and source, how the runs were computed, and papers to cite."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from valvetrain.solution.study import Study
 
 
 def case_blocks(study: Study) -> tuple[Block, ...]:
-    """Table with a filter by status; what was changed is said first."""
+    """Changed values, then a table of all values with a filter by status."""
     record = study.record
     found: list[Block] = []
     if record.changed:
@@ -119,7 +119,7 @@ def _facts(facts: Mapping[str, float | int | str | bool | None]) -> str:
 
 
 def _plain(key: str, value: object) -> str:
-    """A number with its SI unit, the output step in degrees; words and switches as they are."""
+    """A number with its SI unit, the output step in degrees; text and booleans unchanged."""
     if isinstance(value, bool) or not isinstance(value, (int, float)):
         return str(value).lower() if isinstance(value, bool) else str(value)
     unit = unit_of_number(key)
