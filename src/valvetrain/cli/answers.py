@@ -193,7 +193,7 @@ def _over_speeds(
 def _fitting(
     columns: Sequence[HeadlineColumn], rows: Sequence[HeadlineRow], bars: ErrorBars
 ) -> int:
-    """How many of the ``rows`` stand as columns next to the names of the runs without breaking a
+    """How many of the ``rows`` fit as columns next to the names of the runs without breaking a
     word.
     """
     room = PLAIN_WIDTH - max(len(column.label) for column in columns) - 2 - 7
@@ -218,7 +218,9 @@ def _width(columns: Sequence[HeadlineColumn], row: HeadlineRow, bars: ErrorBars)
 
 
 def _cells(columns: Sequence[HeadlineColumn], row: HeadlineRow, bars: ErrorBars) -> list[str]:
-    """Values of a row with their bars, or with the engine speed where a sweep has its worst."""
+    """Values of a row with their error bars, or with the engine speed of the worst value of a
+    sweep.
+    """
     if any(speed is not None for speed in row.engine_speeds):
         return list(map(_at_speed, row.values, row.engine_speeds))
     return bars.cells(row, columns)
@@ -372,7 +374,7 @@ def _at_speed(value: float | None, engine_speed: float | None) -> str:
 
 
 def _range(values: Sequence[float | None]) -> str:
-    """One value, or the least and the largest of several."""
+    """One value, or the minimum and maximum of several."""
     return " to ".join(
         dict.fromkeys(
             map(

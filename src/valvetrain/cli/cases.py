@@ -1,4 +1,4 @@
-"""``valvetrain cases`` lists and prints the library."""
+"""``valvetrain cases``, ``check`` and ``new``: the library, what a case file says, and templates."""
 
 from __future__ import annotations
 
@@ -143,8 +143,8 @@ def check(
 
 
 def put_together(case: Case, models: tuple[str, ...], implausible: bool = False) -> Problem | None:
-    """Build everything that ``run`` builds, the springs of every set too: what is wrong may only
-    show there. None for a lift law alone.
+    """Build everything that ``run`` builds, the springs of every set too, since some errors appear
+    only there. None for a lift law alone.
 
     ``implausible``: values pass that no valvetrain can have.
     """
@@ -219,8 +219,8 @@ def new(
 
 
 def write_template(name: str, kind: str) -> Path:
-    """Write the template of ``kind`` (a word of :data:`KINDS`) to ``name`` with ``.toml`` behind;
-    the path.
+    """Write the template of ``kind`` (a key of :data:`KINDS`) to ``name`` with the ending
+    ``.toml``; its path.
 
     Raises :class:`InputError` for an unknown kind, a name that no file may bear, or a file that is
     there.
@@ -257,7 +257,7 @@ def write_template(name: str, kind: str) -> Path:
 
 
 def case_facts(case: Case) -> list[tuple[str, str]]:
-    """(subject, words) of everything the case holds; values that follow from it are in its named
+    """(subject, text) of everything the case holds; values that follow from it are in its named
     quantities.
     """
     facts = [("title", case.title)] if case.title else []

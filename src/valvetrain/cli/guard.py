@@ -1,4 +1,4 @@
-"""The outer rim of the command line: one sentence and an exit code for whatever goes wrong, never a
+"""Error handling of the command line: one sentence and an exit code for every error, never a
 traceback.
 """
 
@@ -87,7 +87,7 @@ class GuardedGroup(TyperGroup):
 
 
 def interrupted(sentence: str = INTERRUPTED_SENTENCE) -> int:
-    """Say, once, that the command was stopped and what it saved; the exit code."""
+    """Print once that the command was interrupted and what it saved; the exit code."""
     code = exit_code(noted())
     if not _reported:
         _reported.append(sentence)
@@ -137,7 +137,7 @@ def _usage(error: Any) -> int:
 
 
 def _say(sentence: str, code: int, where: str = "") -> int:
-    """The sentence on standard error, and under ``--json`` as an object on standard output."""
+    """Print an error on standard error, and under ``--json`` as an object on standard output."""
     message = " ".join(sentence.split())
     complain(f"error: {where}: {message}" if where else f"error: {message}")
     _as_json(message, where, code)

@@ -1,4 +1,6 @@
-"""Options that several commands share, and how their text is read."""
+"""Options that several commands share, how their text is read, and the case that a command works
+on.
+"""
 
 from __future__ import annotations
 
@@ -23,7 +25,7 @@ _HELD: list[ExitStack] = []
 
 @contextmanager
 def giving_back() -> Iterator[None]:
-    """Give back at the end of the block what :func:`at_end` was given within it."""
+    """Call at the end of the block every release that :func:`at_end` received in it."""
     with ExitStack() as held:
         _HELD.append(held)
         try:
@@ -47,9 +49,7 @@ def asks(flag: str, metavar: str, label: str) -> Any:
 
 
 def matching_cases(begun: str) -> list[str]:
-    """Library cases whose names begin so, for the completion of the shell; file names are the
-    shell's own.
-    """
+    """Library cases whose names start with ``begun``, for shell completion."""
     from valvetrain.parameters.loading import library_names
 
     return [name for name in library_names() if name.startswith(begun)]
@@ -97,9 +97,7 @@ SpeedOption = Annotated[
 
 
 def read_folder(text: str) -> Path:
-    """The folder of that name. Raises :class:`InputError` for an empty one, as a variable without a
-    value gives it, and a zero byte.
-    """
+    """The folder of that name. Raises :class:`InputError` for an empty name or a zero byte."""
     if not text.strip():
         raise InputError(
             "the name of the folder is empty; give one, or leave the option out", "--output"
@@ -113,9 +111,8 @@ def read_folder(text: str) -> Path:
 
 
 def take_folder(output: Path | None, resumes: str = "") -> None:
-    """Check the folder of ``--output``, or the home of saved runs where it is None, and hold it
-    until the command ends. ``resumes``: file by which a folder of the same command, cut short, is
-    known.
+    """Check and lock the folder of ``--output``, or the home of saved runs where it is None, until
+    the command ends. ``resumes``: file that identifies an unfinished folder of the same command.
 
     Raises :class:`InputError` for a folder that cannot be used or that another run writes into.
     """
@@ -262,7 +259,7 @@ def read_workers(value: int | None) -> int:
 
 
 def read_names(texts: Sequence[str] | None) -> tuple[str, ...]:
-    """Words of a repeatable option whose values may be lists with commas, in order, each once."""
+    """Names of a repeatable option whose values may be lists with commas, in order, each once."""
     return tuple(
         dict.fromkeys(
             word.strip() for text in texts or () for word in text.split(",") if word.strip()
@@ -271,9 +268,7 @@ def read_names(texts: Sequence[str] | None) -> tuple[str, ...]:
 
 
 def read_models(texts: Sequence[str] | None) -> tuple[str, ...]:
-    """Words of spring models. Raises :class:`InputError` with the nearest one for a word that is
-    none.
-    """
+    """Names of spring models. Raises :class:`InputError` with the nearest name for an unknown one."""
     from valvetrain.registry import find
 
     models = read_names(texts)
@@ -392,7 +387,7 @@ def _spring_paths(text: str) -> list[str]:
 
 
 def folder_of(name: str) -> Path:
-    """Folder that files named in the case are looked for in."""
+    """Folder of the files that a case names."""
     from valvetrain.parameters.loading import LIBRARY, library_names
     from valvetrain.runs.saved_runs import run_of_path
 

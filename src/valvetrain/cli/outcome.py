@@ -1,4 +1,4 @@
-"""What a command hands back: one JSON object, the same for people, and what went wrong."""
+"""Outcome of a command: one JSON object or tables for people, and what went wrong."""
 
 from __future__ import annotations
 
@@ -28,9 +28,8 @@ _STREAMS = (("stdin", "r"), ("stdout", "w"), ("stderr", "w"))
 
 
 def mend_streams() -> None:
-    """Put the null device where a standard stream is closed (``>&-``): else the next file that is
-    opened takes its number, and whatever prints writes into it. Names that a stream cannot show are
-    written with backslashes.
+    """Open the null device in place of closed standard streams (``>&-``), whose number the next
+    opened file would take. Characters that a stream cannot encode are written with backslashes.
     """
     for number in range(len(_STREAMS)):
         with contextlib.suppress(OSError):
@@ -47,8 +46,8 @@ def mend_streams() -> None:
 
 
 def reader_left() -> bool:
-    """Whether standard output has no reader any more (``| head -1``); then nothing goes there from
-    now on, at exit either.
+    """Whether the reader of standard output has left (``| head -1``); then nothing more is written
+    to it.
     """
     try:
         place = sys.stdout.fileno()
@@ -66,8 +65,8 @@ def reader_left() -> bool:
 
 
 def unread() -> bool:
-    """As :func:`reader_left`, also where rich has seen it first and put the null device in the
-    place of standard output.
+    """As :func:`reader_left`, also where rich has already replaced standard output by the null
+    device.
     """
     try:
         return os.path.samestat(os.fstat(sys.stdout.fileno()), os.stat(os.devnull)) or reader_left()
@@ -81,8 +80,8 @@ PLAIN_WIDTH = 100
 
 @dataclass(frozen=True, slots=True)
 class Manner:
-    """Which output the command line requests: one JSON object on standard output, and nothing but
-    errors on standard error.
+    """Output requested on the command line: one JSON object on standard output, or nothing but
+    errors.
     """
 
     json: bool = False
@@ -94,14 +93,12 @@ _MANNER: ContextVar[Manner] = ContextVar("manner", default=_DEFAULT)
 
 
 def set_manner(label: Sequence[str]) -> None:
-    """Read ``--json`` and ``--quiet`` from the words of the command line, so that errors of the
-    parser obey them too.
-    """
+    """Read ``--json`` and ``--quiet`` before parsing, so that errors of the parser obey them too."""
     _MANNER.set(Manner("--json" in label, "--quiet" in label))
 
 
 def manner() -> Manner:
-    """How this command speaks."""
+    """The output requested on the command line."""
     return _MANNER.get()
 
 
@@ -140,9 +137,7 @@ def deliver(outcome: Outcome) -> None:
 
 
 def _show(outcome: Outcome) -> tuple[str, ...]:
-    """Print for people; what of it could not be shown, for the numbers are computed and written
-    whatever a table meets.
-    """
+    """Print for people; what could not be printed, since results are saved whatever printing does."""
     try:
         outcome.show(output_console())
     except (OSError, InputError, typer.Exit):
@@ -163,18 +158,16 @@ def output_console() -> Console:
 
 
 class _Plain(Console):
-    """A console to which no words from outside can speak in control sequences, and whose caller
-    says what follows when its reader left.
+    """A console that prints control sequences of foreign text as text and reports a reader that
+    left.
     """
 
     def on_broken_pipe(self) -> None:
-        """Called inside the handling of the error, which continues; rich would end the process with
-        code 1.
-        """
+        """Replace rich's handling of a broken pipe, which would end the process with code 1."""
         raise BrokenPipeError
 
     def render_str(self, text: str, **manner: Any) -> Text:
-        """Words as they may be shown; see the base class."""
+        """Text with control sequences escaped; see the base class."""
         return super().render_str(
             "".join(char if char.isprintable() or char in "\n\xa0" else "?" for char in text),
             **manner,
@@ -182,13 +175,13 @@ class _Plain(Console):
 
 
 def tell(sentence: str) -> None:
-    """One line on standard error, whatever the sentence holds; nothing under ``--quiet``."""
+    """Print one line on standard error, whatever the sentence contains; nothing under ``--quiet``."""
     if not manner().quiet:
         complain(sentence)
 
 
 def complain(sentence: str) -> None:
-    """One line on standard error that is an error, so that ``--quiet`` does not hold it back."""
+    """Print one error line on standard error, under ``--quiet`` too."""
     clean = "".join(char if char.isprintable() else "?" for char in sentence)
     sys.stderr.write(clean + "\n")
     sys.stderr.flush()
@@ -205,13 +198,13 @@ def measured(value: float | None, unit: str) -> dict[str, Any]:
 
 
 def to_json(data: Mapping[str, Any]) -> str:
-    """One JSON object; what is no finite number becomes null, for JSON has no other word for it."""
+    """One JSON object; numbers that are not finite become null."""
     return json.dumps(plain(data), indent=2, allow_nan=False)
 
 
 def plain(item: Any) -> Any:
-    """``item`` as JSON has it: numbers that are not finite are null, arrays lists, anything else
-    its words.
+    """``item`` as JSON values: numbers that are not finite are null, arrays lists, anything else
+    text.
     """
     if isinstance(item, Mapping):
         return {str(key): plain(value) for key, value in item.items()}
@@ -270,9 +263,8 @@ WORTH_SAYING = 20.0
 
 
 def say_cost(cost: Cost, limits: Limits, fewer: str) -> None:
-    """Say what a request will cost where it takes a while; raise :class:`InputError` with the
-    numbers, and the advice to ask for ``fewer`` of what makes it large, where it lies beyond
-    ``limits``.
+    """Print the estimated cost of a long request; raise :class:`InputError` with the numbers, and
+    the advice to request ``fewer``, for one beyond ``limits``.
     """
     from valvetrain.runs.cost import refuse_cost
 

@@ -1,6 +1,4 @@
-"""How long it still takes: on standard error, and as JSON lines to whoever started the command and
-requested them.
-"""
+"""Progress and remaining time on standard error, and as JSON lines for a calling program."""
 
 from __future__ import annotations
 
@@ -66,8 +64,8 @@ def progress_bar(title: str) -> Iterator[Report]:
 
 
 def time_left(elapsed: float, done: float) -> str:
-    """Words on the time left after ``elapsed`` seconds with the share ``done``; empty while nothing
-    can be said.
+    """The remaining time as text after ``elapsed`` seconds with the share ``done``; empty while
+    unknown.
     """
     if not 0 < done < 1:
         return ""

@@ -92,7 +92,9 @@ def short_unit(unit: str) -> str:
 
 
 def difference_text(row: Comparison) -> str:
-    """In percent of what was published; angles, and what was published as zero, in their unit."""
+    """Difference in per cent of the published value; angles, and differences from a published zero,
+    in their unit.
+    """
     from valvetrain.parameters.summary import in_unit, number
     from valvetrain.report.text import percent
 
@@ -108,7 +110,7 @@ def difference_text(row: Comparison) -> str:
 
 
 def short_verdict(row: Comparison) -> str:
-    """The verdict without the difference, which has a column of its own."""
+    """The verdict without the difference."""
     first, _, rest = row.verdict.partition(",")
     if first.startswith("differs"):
         return "–"
@@ -140,8 +142,8 @@ MIN_BAR = 1e-4
 
 @dataclass(frozen=True)
 class ErrorBars:
-    """Stored uncertainties by quantity; ``between`` stands around the sign of a bar, None shows
-    none.
+    """Stored uncertainties by quantity; ``between`` is the text around the ± sign, None hides the
+    bars.
     """
 
     rows: Mapping[str, Sequence[Uncertainty]] = field(default_factory=dict)
@@ -149,7 +151,7 @@ class ErrorBars:
 
     @classmethod
     def of(cls, study: Study) -> ErrorBars:
-        """Those of the numbers that this study computed."""
+        """Error bars of the quantities of this study."""
         from valvetrain.runs.uncertainty_file import fresh_uncertainty
 
         rows: dict[str, list[Uncertainty]] = {}

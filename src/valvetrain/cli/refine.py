@@ -46,8 +46,8 @@ def register_refine(app: typer.Typer) -> None:
 
 @dataclass(frozen=True)
 class RefineRequest:
-    """What was requested: the case, the folder its file lies in, where results go, and the time;
-    ``engine_speeds`` (rad/s of the crank, None: the case's own), workers and bounds of the runs,
+    """A request of ``refine``: case, folder of the case file, output folder and time;
+    ``engine_speeds`` (rad/s of the crank, None: the case's own), workers and limits of the runs,
     and whether implausible values pass.
     """
 

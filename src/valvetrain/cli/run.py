@@ -269,8 +269,8 @@ def read_motion(sentence: str | None, request: StudyRequest) -> SolidMotion | No
 
 
 def _tell_cost(request: StudyRequest, motion: SolidMotion | None) -> None:
-    """Say what the solids will take, and refuse what lies beyond the bound; a solver that is not
-    there is found out as well.
+    """Print the estimated cost of the solids and refuse one beyond the limits; a missing solver is
+    an error too.
     """
     from valvetrain.cam.build import build_lift_law
     from valvetrain.runs.cost import Cost, refuse_cost

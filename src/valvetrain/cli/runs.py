@@ -1,4 +1,4 @@
-"""``valvetrain runs`` lists the runs that were saved."""
+"""``valvetrain runs`` and ``compare-runs``: saved runs listed and compared."""
 
 from __future__ import annotations
 

@@ -28,7 +28,7 @@ from valvetrain.cli.options import (
     read_models,
     read_names,
 )
-from valvetrain.cli.study_command import SavedRequest, keep_run
+from valvetrain.cli.study_command import SavedRequest, save_study
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -51,44 +51,17 @@ KeepOption = Annotated[
 def saved_outcome(
     outcome: Outcome, study: Study, case: Case, folder: Path, choices: Mapping[str, Any]
 ) -> Outcome:
-    """The outcome with its ``study`` written to a new folder of saved runs; ``folder``: where the
-    case's file lies, ``choices``: what was further choices.
+    """The outcome with its ``study`` written to a new folder of saved runs; ``folder``: that of the
+    case file, ``choices``: further choices of the command.
     """
-    from valvetrain.cli.progress import busy
-    from valvetrain.report.study import write_parts
     from valvetrain.solution.partial_failures import PartialFailures
 
-    gaps, data = PartialFailures(), dict(outcome.data)
-    pages: list[Path] = []
-
-    def write(target: Path) -> list[Path]:
-        files = write_parts(study, target)
-        pages.extend([files.page] if files.page else [])
-        for sentence in files.gaps:
-            gaps.add(sentence)
-        failed = tuple(dict.fromkeys((*outcome.failures, *gaps.sentences)))
-        data.update(completed=not failed, failures=list(failed))
-        return [*files.data, *pages]
-
-    request_choices = {
-        **choices,
-        "spring_models": list(dict.fromkeys(one.model for one in study.rest)),
-    }
-    request = SavedRequest(
-        study.command, case, None, datetime.now(UTC).replace(microsecond=0), folder
-    )
-    with busy("writing files"):
-        home, files = keep_run(
-            request, study.record.text, request_choices, data, write, study.provenance, gaps=gaps
-        )
-    failed = tuple(dict.fromkeys((*outcome.failures, *gaps.sentences)))
-    data.update(
-        folder=str(home),
-        files=files,
-        page=str(pages[0]) if pages else None,
-        completed=not failed,
-        failures=list(failed),
-    )
+    data = dict(outcome.data)
+    made = {**choices, "spring_models": list(dict.fromkeys(one.model for one in study.rest))}
+    now = datetime.now(UTC).replace(microsecond=0)
+    home, _, failed = save_study(
+        SavedRequest(study.command, case, None, now, folder), study, made, data, outcome.failures, study.provenance, PartialFailures()
+    )  # fmt: skip
 
     def show(console: Any) -> None:
         outcome.show(console)

@@ -1,5 +1,5 @@
-"""What ``run``, ``compare`` and ``sweep`` share: their options, the bound on a request, the folder
-that is saved, and the answer.
+"""Common parts of ``run``, ``compare`` and ``sweep``: their options, the limit of a request, the
+saved folder and the answer.
 """
 
 from __future__ import annotations
@@ -7,7 +7,7 @@ from __future__ import annotations
 import functools
 import inspect
 import sys
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from datetime import UTC, datetime
@@ -60,16 +60,14 @@ if TYPE_CHECKING:
 
 
 class Named(Protocol):
-    """A case, or what else is saved under its name."""
+    """A case, or another subject whose runs are saved under its name."""
 
     @property
     def name(self) -> str: ...
 
 
 class KeepRequest(Protocol):
-    """What the folder of a saved run needs to know: command, case, the folder its file lies in,
-    where results go, and the time.
-    """
+    """A request whose run is saved: command, case, folder of the case file, output folder and time."""
 
     @property
     def command(self) -> str: ...
@@ -85,7 +83,7 @@ class KeepRequest(Protocol):
 
 @dataclass(frozen=True)
 class SavedRequest:
-    """A request that is no study of runs, for its folder."""
+    """A :class:`KeepRequest` of a command that runs no study."""
 
     command: str
     case: Named
@@ -102,7 +100,7 @@ def show_page(page: Path) -> None:
 
 
 class PointsRequest(Protocol):
-    """What the folder of a study of points needs to know."""
+    """A request of a study of points whose folder is saved."""
 
     @property
     def folder(self) -> Path: ...
@@ -263,8 +261,8 @@ def answer_study(
     compute: Callable[[Report, Finished], Study],
     choices: Mapping[str, Any] = MappingProxyType({}),
 ) -> None:
-    """Compute the study, keep it in its folder and print its answer; one that is stopped leaves
-    what was finished of it.
+    """Compute the study, save its folder and print its answer; a stopped one saves what was
+    finished.
 
     ``compute`` tells its progress and each solution as it comes; ``choices``: what the command was
     further choices, saved among the inputs.
@@ -319,9 +317,7 @@ def _saved_outcome(
     """The study written to its folder: its answer, with a sentence per part of it that failed."""
     from valvetrain.cli.answers import show_study
     from valvetrain.cli.outcome import Outcome
-    from valvetrain.cli.progress import busy
     from valvetrain.report.json import study_json
-    from valvetrain.report.study import write_parts
     from valvetrain.report.text import rpm
     from valvetrain.solution.partial_failures import PartialFailures
 
@@ -330,44 +326,71 @@ def _saved_outcome(
     failures = gaps.part("list of failures", none, lambda: study.failures)
     plain: dict[str, Any] = {"case": request.case.name, "failures": list(failures)}
     data = gaps.part("JSON answer", plain, study_json, study) | {"command": request.command}
-    pages: list[Path] = []
-
-    def write(folder: Path) -> list[Path]:
-        unfinished.moved_to(folder)
-        files = write_parts(study, folder, request.report, request.figures, unfinished.file_of)
-        pages.extend([files.page] if files.page else [])
-        for sentence in files.gaps:
-            gaps.add(sentence)
-        failed = tuple(dict.fromkeys((*failures, *gaps.sentences)))
-        data.update(completed=not failed, failures=list(failed))
-        return [*files.data, *files.figures, *pages]
-
     choices_made = {
         **choices, "engine_speeds": [rpm(value) for value in study.engine_speeds], "engine_speed_unit": "rpm",
         "spring_models": list(dict.fromkeys(run.model for run in study.solutions)) or list(request.spring_models),
         "spring_sets": list(request.spring_sets),
     }  # fmt: skip
-    with busy("writing files"):
-        origin = study.solutions[0].provenance if study.solutions else None
-        folder, files = keep_run(
-            request, study.record.text, choices_made, data, write, origin, unfinished.folder, gaps
-        )
-        if (folder / ANSWER).is_file():
-            gaps.part("list of finished runs", None, unfinished.close)
-    page = pages[0] if pages else None
+    origin = study.solutions[0].provenance if study.solutions else None
+    folder, page, failed = save_study(
+        request, study, choices_made, data, failures, origin, gaps, unfinished, request.report, request.figures
+    )  # fmt: skip
     if page is not None and request.open_page:
         show_page(page)
-    failed = tuple(dict.fromkeys((*failures, *gaps.sentences)))
-    data.update(
-        folder=str(folder),
-        files=files,
-        page=None if page is None else str(page),
-        completed=not failed,
-        failures=list(failed),
-    )
     return Outcome(
         data, lambda console: show_study(console, study, folder, page, request.published), failed
     )
+
+
+def save_study(
+    request: KeepRequest,
+    study: Study,
+    choices: Mapping[str, Any],
+    data: dict[str, Any],
+    failures: Sequence[str],
+    made_by: Provenance | None,
+    gaps: PartialFailures,
+    unfinished: UnfinishedRun | None = None,
+    report: bool = True,
+    figures: bool = False,
+) -> tuple[Path, Path | None, tuple[str, ...]]:
+    """Write a study to the folder of its run: the folder, the page, and all that failed.
+
+    ``data``, the JSON answer, is completed with them; the other arguments are those of
+    :func:`keep_run` and :func:`valvetrain.report.study.write_parts`.
+    """
+    from valvetrain.cli.progress import busy
+    from valvetrain.report.study import write_parts
+
+    pages: list[Path] = []
+
+    def all_failures() -> tuple[str, ...]:
+        failed = tuple(dict.fromkeys((*failures, *gaps.sentences)))
+        data.update(completed=not failed, failures=list(failed))
+        return failed
+
+    def write(folder: Path) -> list[Path]:
+        if unfinished is None:
+            files = write_parts(study, folder, report, figures)
+        else:
+            unfinished.moved_to(folder)
+            files = write_parts(study, folder, report, figures, unfinished.file_of)
+        pages.extend([files.page] if files.page else [])
+        for sentence in files.gaps:
+            gaps.add(sentence)
+        all_failures()
+        return [*files.data, *files.figures, *pages]
+
+    with busy("writing files"):
+        begun = None if unfinished is None else unfinished.folder
+        folder, files = keep_run(
+            request, study.record.text, choices, data, write, made_by, begun, gaps
+        )
+        if unfinished is not None and (folder / ANSWER).is_file():
+            gaps.part("list of finished runs", None, unfinished.close)
+    page = pages[0] if pages else None
+    data.update(folder=str(folder), files=files, page=None if page is None else str(page))
+    return folder, page, all_failures()
 
 
 def keep_run(
@@ -434,19 +457,19 @@ def keep_run(
             **origin.dependencies,
         },
     }
-    unfinished_ = missing.part(
+    saved = missing.part(
         f"file '{ANSWER}' could not be written", None, keep, folder, inputs, answer
     )
-    if unfinished_ is None:
+    if saved is None:
         return folder, [str(folder / name) for name in written]
     if request.output is None:
         missing.part("link to the latest run", None, link_latest, folder)
-    return folder, [str(folder / name) for name in (*unfinished_.answer["files"], ANSWER)]
+    return folder, [str(folder / name) for name in (*saved.answer["files"], ANSWER)]
 
 
 def refuse_beyond(request: StudyRequest, whole: bool = True, searches: bool = False) -> None:
-    """Say what the request will cost where it takes a while; raise :class:`InputError` with the
-    numbers where it is too large.
+    """Print the estimated cost of a long request; raise :class:`InputError` with the numbers for
+    one beyond its limits.
 
     ``whole``: whether every run is saved with its channels; ``searches``: whether a train's
     critical speeds are searched as well.
