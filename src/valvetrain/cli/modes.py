@@ -246,10 +246,8 @@ def _show(console: Console, study: Study) -> None:
             )
         )
         if len(one.modes.axial_modes) and mass is None:
-            console.print(_surge_sentence(float(one.modes.axial_frequencies[0])), soft_wrap=True)
-
-
-def _surge_sentence(frequency: float) -> str:
-    """Engine speeds at which the surge (Hz) meets the cam orders of :data:`SURGE_ORDERS`."""
-    met = ", ".join(f"{order} at {120 * frequency / order:.0f}" for order in SURGE_ORDERS)
-    return f"the first axial mode meets cam order {met} rpm of the crank"
+            surge = float(one.modes.axial_frequencies[0])  # Hz
+            met = ", ".join(f"{order} at {120 * surge / order:.0f}" for order in SURGE_ORDERS)
+            console.print(
+                f"the first axial mode meets cam order {met} rpm of the crank", soft_wrap=True
+            )

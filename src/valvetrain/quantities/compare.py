@@ -48,7 +48,13 @@ def compare(
             if id(value) in partners
             else _of_run(value, label, runs).get(value.quantity)
         )
-        difference = None if computed is None else _difference(value, computed)
+        difference = None if computed is None else computed - value.value
+        if (
+            difference is not None
+            and value.quantity.endswith("_cam_angle")
+            and "interval" not in value.quantity
+        ):
+            difference = _turn_difference(difference)
         rows.append(
             Comparison(
                 quantity=value.quantity,
@@ -153,12 +159,6 @@ def _pair_in_order(
             row.append(min(choices, key=lambda choice: choice[0]))
         best = row
     return best[-1]
-
-
-def _difference(value: PublishedValue, computed: float) -> float:
-    difference = computed - value.value
-    wraps = value.quantity.endswith("_cam_angle") and "interval" not in value.quantity
-    return _turn_difference(difference) if wraps else difference
 
 
 def _turn_difference(difference: float) -> float:

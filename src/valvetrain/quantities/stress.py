@@ -86,10 +86,6 @@ def _nominal(cycle: Cycle, name: str, spring: InstalledSpring) -> dict[str, floa
     }
 
 
-def _extremes(coil: Array, shear: Array, equivalent: Array) -> WireStress:
-    return WireStress(coil, shear.min(axis=0), shear.max(axis=0), equivalent.max(axis=0))
-
-
 def _traces(
     cycle: Cycle, spring: str, wire: SpringDefinition | None
 ) -> tuple[Array, Array, Array] | None:
@@ -154,8 +150,8 @@ def _of_wire(cycle: Cycle, name: str, spring: InstalledSpring, frame: Frame) -> 
     traces = _traces(cycle, name, spring.wire)
     if traces is None:
         return {}
-    coil, shear, _ = traces
-    stress = _extremes(*traces)
+    coil, shear, equivalent = traces
+    stress = WireStress(coil, shear.min(axis=0), shear.max(axis=0), equivalent.max(axis=0))
     worst, most = stress.worst, int(np.argmax(stress.amplitude))
     found = {
         "peak_shear_stress": float(stress.largest_shear[worst]),

@@ -139,10 +139,12 @@ def reason_for(found: FidelityMap, quantity: str) -> str:
     costs = dict(found.costs)
     if chosen == found.reference:
         best = min(
-            (found.reach(quantity, model) for model in found.models), key=_miss, default=None
+            (found.reach(quantity, model) for model in found.models),
+            key=lambda reach: reach.largest if math.isfinite(reach.largest) else math.inf,
+            default=None,
         )
         if best is None or not math.isfinite(best.largest):
-            return "no other model tells it"
+            return "no other model gives it"
         if math.isinf(best.largest_doubt):
             return f"{best.model} comes nearest, but a finer run that should tell the error gave no result"
         if best.largest_doubt > best.largest:
@@ -160,10 +162,6 @@ def _apart(reach: ValidSpeedRange) -> str:
     return share(reach.largest) + (
         f" ± {share(reach.largest_doubt)}" if reach.largest_doubt > 0 else ""
     )
-
-
-def _miss(reach: ValidSpeedRange) -> float:
-    return reach.largest if math.isfinite(reach.largest) else math.inf
 
 
 def fidelity_notes(found: FidelityMap) -> tuple[str, ...]:

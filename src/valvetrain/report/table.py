@@ -172,13 +172,9 @@ def _cells(row: Comparison) -> tuple[Cell, ...]:
     exact = row.difference is not None and abs(row.difference) < 1e-9 * max(
         abs(row.published), abs(row.computed or 0.0)
     )
-    difference = (
-        "–"
-        if row.difference is None
-        else "0"
-        if exact
-        else _signed(in_unit(row.difference, row.unit))
-    )
+    size = 0.0 if row.difference is None else in_unit(row.difference, row.unit)
+    signed = ("+" if size > 0 else "") + number(size, 3)
+    difference = "–" if row.difference is None else "0" if exact else signed
     return (
         Cell(quantity_label(row.quantity), "long", row.quantity),
         Cell(_speed(row), "quiet"),
@@ -209,7 +205,3 @@ def tone(row: Comparison) -> str:
 
 def _in(value: float | None, unit: str) -> str:
     return "–" if value is None else number(in_unit(value, unit))
-
-
-def _signed(value: float) -> str:
-    return ("+" if value > 0 else "") + number(value, 3)

@@ -7,6 +7,7 @@ from __future__ import annotations
 import base64
 import json
 from dataclasses import dataclass
+from html import escape
 from itertools import pairwise
 from typing import Any
 
@@ -396,10 +397,4 @@ def still_svg(variant: Variant, frame: int | None = None, key: str = "") -> str:
         lines.append(f'<path d="{path}Z" fill="{colour}" stroke="{colour}"/>')
     label = f"{variant.title} at cam angle {np.degrees(variant.cam_angle[place]):.1f} degrees"
     size = f"0 0 {1e3 * (right - left):.2f} {1e3 * (high - low):.2f}"
-    return f'<svg viewBox="{size}" height="{HEIGHT}" role="img" aria-label="{_escaped(label)}" stroke-width=".15">{"".join(lines)}</svg>'
-
-
-def _escaped(label: str) -> str:
-    from html import escape
-
-    return escape(label, quote=True)
+    return f'<svg viewBox="{size}" height="{HEIGHT}" role="img" aria-label="{escape(label)}" stroke-width=".15">{"".join(lines)}</svg>'
