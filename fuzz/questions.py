@@ -37,7 +37,7 @@ def sentence(error: InputError) -> str:
 
 def case(content: bytes) -> str:
     """Read and build everything that ``run`` builds, as ``valvetrain check`` does."""
-    from valvetrain.cli.cases import case_facts, case_quantities
+    from valvetrain.cli.case_facts import case_facts, case_quantities
     from valvetrain.cli.cases import put_together
     from valvetrain.parameters.loading import parse_case, read_case
 

@@ -22,7 +22,7 @@ if __name__ == "__main__":
     sys.path.insert(0, str(Path(__file__).parents[1]))
 
 from valvetrain.cam.build import build_lift_law
-from valvetrain.cli.cases import case_facts
+from valvetrain.cli.case_facts import case_facts
 from valvetrain.errors import InputError
 from valvetrain.parameters.loading import LIBRARY, parse_case
 from valvetrain.parameters.templates import KINDS, TEMPLATES

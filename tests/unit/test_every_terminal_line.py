@@ -341,7 +341,7 @@ def test_static_curves_are_printed_thinned_and_written_whole():
 
 
 def test_what_a_case_holds_is_said_in_the_fields_units():
-    from valvetrain.cli.cases import case_facts, case_quantities
+    from valvetrain.cli.case_facts import case_facts, case_quantities
     from valvetrain.parameters.loading import load_case
     from valvetrain.system.build import build
 

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import valvetrain as vt
-from valvetrain.cli.cases import case_facts
+from valvetrain.cli.case_facts import case_facts
 from valvetrain.explore.paths import vary
 from valvetrain.explore.space import Varied
 from valvetrain.quantities.cycle import reported_cycle
