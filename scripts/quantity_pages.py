@@ -122,7 +122,7 @@ def plausible_page() -> str:
         "Equations have solutions for numbers that no valvetrain has. Beyond these ranges a request is refused before it is run,",
         "and a run, or a static curve, that reaches one ends with the status `diverged`, with its numbers. `--implausible`, or",
         "`implausible=True` in Python, accepts all of them; `scripts/write_pages.py plausible` writes this page.\n",
-        "| | quantity | least | largest | reason |",
+        "| | quantity | minimum | maximum | reason |",
         "|---|---|---|---|---|",
     ]
     for kind, ranges in TABLES.items():

@@ -264,7 +264,7 @@ def stress(study: Study, place: str, number: str, spring: str) -> Panels:
             {
                 rest: (coil, np.full(15, still.max())),
                 "largest": (coil, shear.max(axis=0)),
-                "least": (coil, shear.min(axis=0)),
+                "minimum": (coil, shear.min(axis=0)),
             },
         ),
         (

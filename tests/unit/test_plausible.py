@@ -59,7 +59,7 @@ def test_a_lift_below_the_base_circle_is_refused(kind):
     assert dense.min() < -50e-6
     assert lift_extremes(law)[0] == pytest.approx(dense.min(), rel=0.02)
     with pytest.raises(
-        InputError, match=r"the least lift is -.* mm, below -0.05 mm: .*implausible=True"
+        InputError, match=r"the minimum lift is -.* mm, below -0.05 mm: .*implausible=True"
     ):
         refuse_implausible_motion(law, (100.0,))
 

@@ -289,7 +289,7 @@ def test_stress_along_the_wire_and_over_the_cycle(own):
         1e-6 * rod_run().channel("inner_fibre_shear_stress")[-720:],
     )
     np.testing.assert_allclose(lines(chart)["largest"].y, shear.max(axis=0))
-    np.testing.assert_allclose(lines(chart)["least"].y, shear.min(axis=0))
+    np.testing.assert_allclose(lines(chart)["minimum"].y, shear.min(axis=0))
     np.testing.assert_allclose(lines(chart, 1)["largest"].y, shear[:, 7])
     np.testing.assert_allclose(
         lines(chart, 1)["static curve at the same lift"].y, 41e3 * (7e-3 + LIFT), rtol=1e-6

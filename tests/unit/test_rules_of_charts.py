@@ -263,7 +263,7 @@ def test_every_model_with_a_curve_is_drawn_over_the_test(monkeypatch, cycles):
     }
     (panel,) = compare_test_page.overlay_chart(found, test, "mm", 1e3, known).panels
     drawn = [(one.name, float(one.y[0])) for one in panel.layers]
-    spread = [(f"least and largest of the {cycles} cycles", 1.0), ("", 3.0)] if cycles > 1 else []
+    spread = [(f"minimum and maximum of the {cycles} cycles", 1.0), ("", 3.0)] if cycles > 1 else []
     assert drawn == [
         *spread,
         ("mean of the test", (1 + cycles) / 2),

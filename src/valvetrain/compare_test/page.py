@@ -174,7 +174,7 @@ def overlay_chart(
         layers += [
             Line(
                 *thin(degrees, values.min(axis=0)),
-                f"least and largest of the {len(values)} cycles",
+                f"minimum and maximum of the {len(values)} cycles",
                 theme.MUTED,
                 0.8,
                 "dot",

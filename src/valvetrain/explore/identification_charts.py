@@ -229,7 +229,7 @@ def profiles_chart(found: Identified) -> Chart | None:
         panels.append(
             Panel(
                 title_of(unknown),
-                "misfit above the least",
+                "misfit above the minimum",
                 (layer, marks),
                 rules=(Rule("y", 1.0, "68 %"), Rule("y", 3.84, "95 %")),
             )

@@ -58,7 +58,7 @@ def _range(
 
 #: Of the motion that is requested, by lift law and engine speed.
 MIN_LIFT = _range(
-    "the least lift",
+    "the minimum lift",
     "least_lift",
     -50e-6,
     math.inf,

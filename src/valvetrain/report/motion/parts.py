@@ -178,7 +178,7 @@ def still_frame(variant: Variant) -> int:
         (
             mark
             for mark in variant.marks
-            if mark.kind == "peak" and not mark.label.startswith(("least", "minimum"))
+            if mark.kind == "peak" and not mark.label.startswith("minimum")
         ),
         None,
     )
@@ -200,7 +200,10 @@ def _peaks(run: Solution, cycle: Cycle) -> list[Mark]:
             )
     if not found and run.has("seat_force"):
         force = cycle.channel("seat_force")
-        for place, label in ((int(np.argmax(force)), "largest"), (int(np.argmin(force)), "least")):
+        for place, label in (
+            (int(np.argmax(force)), "largest"),
+            (int(np.argmin(force)), "minimum"),
+        ):
             found.append(
                 Mark(
                     float(cycle.cam_angle[place]),

@@ -241,7 +241,7 @@ def stress_chart(study: Study, run: Solution, spring: str, key: str, title: str)
     )
     first: list[Layer] = [
         Line(coil, shear.max(axis=0) * 1e-6, "largest", dynamic),
-        Line(coil, shear.min(axis=0) * 1e-6, "least", theme.mix(dynamic, "#ffffff", 0.5)),
+        Line(coil, shear.min(axis=0) * 1e-6, "minimum", theme.mix(dynamic, "#ffffff", 0.5)),
     ]
     second: list[Layer] = [
         Line(*thin(angle, shear[:, worst] * 1e-6), "largest", dynamic, in_legend=False)
