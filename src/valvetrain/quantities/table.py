@@ -256,7 +256,7 @@ TRAINS: tuple[QuantityRow, ...] = (
     train("peak_lever_speed_valve_lift", "valve lift at the peak lever rotation speed",
         "Valve lift where lever or rocker turns fastest."),
     train("minimum_piston_clearance_gap", "minimum clearance to the piston",
-        "Least distance of piston and valve along the cylinder.", sense=MORE),
+        "Minimum distance of piston and valve along the cylinder.", sense=MORE),
     train("cycle_work_energy", "work of the cam", "Work of the cam per cycle.", shown_unit="J"),
     train("cycle_dissipated_energy", "energy lost in contacts, links and guides",
         "Energy that contacts, links and guides turn to heat per cycle.", shown_unit="J"),

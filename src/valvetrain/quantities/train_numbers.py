@@ -146,8 +146,8 @@ def _open_spans(solution: Solution, events: Sequence[Event]) -> list[Span]:
 
 
 def margin_quantities(rigid: RigidTable) -> dict[str, float]:
-    """Least surplus of the spring over what inertia, weight and gas ask for at the valve by rigid
-    theory, and as a ratio; none from a table without these columns.
+    """Minimum surplus of the spring over inertia, weight and gas at the valve with rigid parts
+    (N), and its ratio; empty for a table without these columns.
     """
     if not {"spring_margin", "inertia_force"} <= set(rigid.columns):
         return {}
