@@ -154,7 +154,7 @@ def test_the_cheapest_good_model_is_recommended_and_else_the_reference():
         == "the nearest, massless, is 10 % off at worst"
     )
     blind = mapped(*rows_of((math.nan,) * 3))
-    assert reason_for(blind, "peak_spring_force") == "no other model tells it"
+    assert reason_for(blind, "peak_spring_force") == "no other model gives it"
     wide = mapped(*rows_of((600.0, 500.0, 500.0), error=150.0))
     assert "its error bar, 15 %, is larger than the difference" in reason_for(
         wide, "peak_spring_force"
