@@ -35,7 +35,7 @@ from unit.cli_parts import SMALL, process_environment
 OBSERVED = """
 import signal
 signal.signal(signal.SIGINT, signal.SIG_DFL)  # as valvetrain/__main__.py, while the package loads
-from valvetrain.report.unfinished import UnfinishedRun
+from valvetrain.report.files import UnfinishedRun
 usual = UnfinishedRun.add
 def add(self, place, solution):
     usual(self, place, solution)

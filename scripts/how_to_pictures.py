@@ -93,7 +93,7 @@ def margin_over_speed() -> tuple[str, tuple[Panel, ...]]:
     )
     panel = Panel(
         "engine speed (rpm)",
-        "least spring force over what slows the valve (1)",
+        "minimum spring force over what slows the valve (1)",
         tuple(layers),
         rules=rules,
     )
@@ -110,7 +110,7 @@ def loss_and_float() -> tuple[str, tuple[Panel, ...]]:
     )
     label, panels = swept.labels[0], []
     shown = (
-        ("minimum_cam_contact_force", "least cam contact force (N)", 1.0), ("float_excess_lift", "lift above the rigid one (µm)", 1e6),
+        ("minimum_cam_contact_force", "minimum cam contact force (N)", 1.0), ("float_excess_lift", "lift above the rigid lift (µm)", 1e6),
         ("surge_amplitude_force", "surge amplitude (N)", 1.0), ("seating_velocity", "seating velocity (m/s)", 1.0),
     )  # fmt: skip
     for name, words, factor in shown:
@@ -217,7 +217,7 @@ def over_rubbing() -> tuple[str, tuple[Panel, ...]]:
     press = table.column("train.rubbing.normal_force")
     shown = (
         ("surge_amplitude_force", "surge amplitude (N)"),
-        ("minimum_spring_force", "least spring force (N)"),
+        ("minimum_spring_force", "minimum spring force (N)"),
     )
     panels = (
         Panel("normal force between the springs (N)", words, (single(press, table.column(name)),))
@@ -246,7 +246,7 @@ def speed_bought() -> tuple[str, tuple[Panel, ...]]:
         "engine speed gained (rpm)",
         "",
         (*layers, marks),
-        y_words=named,
+        y_tick_labels=named,
         y_range=(0.4, len(words) + 0.6),
         x_range=ends,
     )

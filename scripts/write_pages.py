@@ -34,6 +34,7 @@ import how_to_pictures
 import numpy as np
 import sample_test_cycles
 from numpy.typing import NDArray
+from quantity_pages import plausible_page, quantities_page
 
 import valvetrain as vt
 from valvetrain import registry
@@ -44,10 +45,8 @@ from valvetrain.errors import InputError
 from valvetrain.measured.sensor import Sensor
 from valvetrain.parameters.case import Case
 from valvetrain.parameters.installed_spring import InstalledSpring
-from valvetrain.quantities.page import quantities_page
-from valvetrain.quantities.plausible import plausible_page
 from valvetrain.report.chart import Chart, Line, Marks, Panel
-from valvetrain.report.run_charts import looks
+from valvetrain.report.run_charts import line_styles
 from valvetrain.report.run_summary import reach_rows, share
 from valvetrain.report.svg_chart import svg
 from valvetrain.runs.compare import compare_study
@@ -335,7 +334,7 @@ def tutorial_pictures(folder: Path) -> dict[str, str]:
     )
     above = Panel(
         "engine speed (rpm)",
-        "lift above the rigid one (mm)",
+        "lift above the rigid lift (mm)",
         (Line(speeds, above_rigid, "", BLUE),),
     )
     return {
@@ -367,8 +366,8 @@ def swept(file: Path) -> tuple[Array, Array, Array]:
         rows = list(csv.DictReader(lines))
     names = (
         "engine speed [rpm]",
-        "least cam contact force while open [N]",
-        "lift above the rigid one [mm]",
+        "minimum cam contact force while open [N]",
+        "lift above the rigid lift [mm]",
     )
     first, second, third = (np.array([float(row[name]) for row in rows]) for name in names)
     return first, second, third
@@ -416,7 +415,7 @@ def fidelity_table(found: FidelityMap) -> str:
         cells = [
             one.text if one.missing else f"{one.text} ({share(one.largest)})" for one in reaches
         ]
-        lines.append(f"| {row.words} | " + " | ".join(cells) + f" | `{row.cheapest}` |")
+        lines.append(f"| {row.label} | " + " | ".join(cells) + f" | `{row.cheapest}` |")
     return "\n".join(lines)
 
 
@@ -450,10 +449,10 @@ def write_model_against_test() -> None:
         unit, factor = unit_of_test(force)
         write_text(
             PICTURES / "model-less-test.svg",
-            svg(difference_chart(force, force.runs, unit, factor, looks(force.study))),
+            svg(difference_chart(force, force.runs, unit, factor, line_styles(force.study))),
         )
         head = compare_with_test("gu2021-beehive", samples / "engine-head.csv")
-        write_text(PICTURES / "engine-head.svg", svg(values_chart(head, looks(head.study))))
+        write_text(PICTURES / "engine-head.svg", svg(values_chart(head, line_styles(head.study))))
 
 
 #: Name on the command line -> what writes it.

@@ -19,7 +19,7 @@ def watched(self: Chart, *given: Any, **more: Any) -> None:
     usual(self, *given, **more)
     if not self.panels or self.key in ("", "a", "key"):  # figures of tests themselves
         return
-    named = max(len(panel.y_words) for panel in self.panels)
+    named = max(len(panel.y_tick_labels) for panel in self.panels)
     least = max(WORDS, 20 * named) if named else ONE_ROW if self.rows == 1 else SEVERAL
     most = max(MOST, 60 * named + 200)
     assert least <= self.height / self.rows <= most, (

@@ -13,7 +13,7 @@ from valvetrain.mechanism.build import build_mechanism
 from valvetrain.parameters.train import CamParameters
 from valvetrain.quantities.cycle import Frame
 from valvetrain.quantities.evaluate import evaluate
-from valvetrain.quantities.spectrum import surge_engine_speeds
+from valvetrain.quantities.forces import surge_engine_speeds
 from valvetrain.quantities.valve_events import rigid_events
 from valvetrain.solution.status import Event
 

@@ -240,7 +240,7 @@ def orders(study: Study) -> Panels:
         panels.append(
             (
                 rpm(runs[0]),
-                "cam order (oscillations per cam turn)",
+                "cam order (oscillations per cam revolution)",
                 "dynamic spring force (N, 0 to peak)",
                 drawn,
             )
@@ -264,7 +264,7 @@ def stress(study: Study, place: str, number: str, spring: str) -> Panels:
             {
                 rest: (coil, np.full(15, still.max())),
                 "largest": (coil, shear.max(axis=0)),
-                "least": (coil, shear.min(axis=0)),
+                "minimum": (coil, shear.min(axis=0)),
             },
         ),
         (
@@ -341,8 +341,8 @@ def rigid(study: Study, place: str) -> Panels:
 
 
 def sweep(study: Study) -> Panels:
-    shown = (("peak_spring_force", "peak spring force (N)", 1), ("minimum_spring_force", "least spring force (N)", 1),
-             ("clash_energy", "clash energy (mJ)", 1e3), ("surge_amplitude_force", "surge amplitude (N)", 1),
+    shown = (("peak_spring_force", "peak spring force (N)", 1), ("minimum_spring_force", "minimum spring force (N)", 1),
+             ("surge_amplitude_force", "surge amplitude (N)", 1), ("clash_energy", "clash energy (mJ)", 1e3),
              ("seating_velocity", "seating velocity (m/s)", 1), ("lift_loss_displacement", "lift lost (mm)", 1e3))  # fmt: skip
     panels = []
     for name, label, factor in shown:

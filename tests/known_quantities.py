@@ -22,10 +22,9 @@ from valvetrain.parameters.constructors import conical, cylindrical
 from valvetrain.parameters.installed_spring import InstalledSpring, SpringCard
 from valvetrain.parameters.spring import OPEN_END
 from valvetrain.quantities.cycle import Frame
-from valvetrain.quantities.design import design_quantities
 from valvetrain.quantities.evaluate import evaluate
 from valvetrain.quantities.kinematics import rigid_motion, rigid_quantities
-from valvetrain.quantities.statics import rest_quantities
+from valvetrain.quantities.statics import design_quantities, rest_quantities
 from valvetrain.runs.critical_speeds import (
     CriticalOptions,
     Limit,
@@ -251,6 +250,7 @@ def energies() -> Known:
     )
     return evaluate(made).quantities, {
         "dissipated_energy": 0.5 * heat[-1],
+        "cycle_damper_energy": 0.05 * 2 * np.pi,
         "energy_imbalance_ratio": 0.5 * heat[-1] / np.ptp(stored + heat),
     }
 
@@ -450,6 +450,7 @@ def moving_train() -> Known:
         "cycle_work_energy": 1.7,
         "cycle_dissipated_energy": 1.1,
         "spring_dissipated_energy": 0.6,
+        "cycle_damper_energy": 0.6,
         "contact_friction_dissipated_energy": 0.4,
         "steady_cycles_count": 7.0,
         "steady_residual_ratio": 3e-5,

@@ -8,8 +8,7 @@ import numpy as np
 
 from valvetrain.parameters.constructors import cylindrical
 from valvetrain.parameters.installed_spring import InstalledSpring
-from valvetrain.quantities.design import design_quantities
-from valvetrain.quantities.statics import rest_quantities
+from valvetrain.quantities.statics import design_quantities, rest_quantities
 from valvetrain.solution.modes import ModalResult
 from valvetrain.solution.static import RestPoint, SpringAtRest
 

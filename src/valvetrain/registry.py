@@ -71,10 +71,10 @@ BUILT_IN["springs"] = {
 }
 #: Kind of result -> the figure that its ``plot()`` draws.
 BUILT_IN["figures"] = {
-    "solution": "valvetrain.report.quick:plot_solution",
-    "study": "valvetrain.report.quick:plot_study",
-    "static_curve": "valvetrain.report.quick:plot_static_curve",
-    "modes": "valvetrain.report.quick:plot_modes",
+    "solution": "valvetrain.report.run_charts:plot_solution",
+    "study": "valvetrain.report.run_charts:plot_study",
+    "static_curve": "valvetrain.report.run_charts:plot_static_curve",
+    "modes": "valvetrain.report.run_charts:plot_modes",
 }
 BUILT_IN["integrators"] = {
     "train-leapfrog": "valvetrain.integrate.train_leapfrog:SPEC",  # before those that a train never needs, so that they are not loaded

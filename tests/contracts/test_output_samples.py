@@ -16,11 +16,11 @@ from valvetrain.integrate.run import run
 from valvetrain.integrate.train_run import TrainOptions, runner
 from valvetrain.parameters.loading import load_case
 from valvetrain.quantities.evaluate import evaluate
-from valvetrain.report.headlines import TOPICS
 from valvetrain.runs.prepared import Plan, judge, prepare
 from valvetrain.runs.refine_trains import HEADLINES
 from valvetrain.runs.run import run_study
 from valvetrain.runs.stored_error_bars import load_uncertainty
+from valvetrain.solution.definition import topics
 from valvetrain.solution.netcdf import load_netcdf, save_netcdf
 from valvetrain.solution.quantity import same_speed
 from valvetrain.solution.result import Solution
@@ -259,7 +259,7 @@ def test_no_headline_number_of_a_train_depends_on_the_samples_kept(case, label, 
         )
     names = {
         name
-        for name in (*HEADLINES, *(one for topic in TOPICS.values() for one in topic))
+        for name in (*HEADLINES, *(one for topic in topics().values() for one in topic))
         if name in found[-1]
     }
     named = (

@@ -60,7 +60,7 @@ def test_a_signal_keeps_what_was_finished(number, train, tmp_path):
     last = errors.splitlines()[-1]
     assert (
         last.startswith("interrupted: ")
-        and "were finished, and their numbers are kept in 'out'" in last
+        and "were finished, and their numbers are saved in 'out'" in last
     )
     answer = json.loads((tmp_path / "out" / "run.json").read_text())
     assert not answer["completed"] and any(

@@ -53,11 +53,11 @@ def test_a_card_gives_surge_seating_bind_and_valve_events(engine):
     )
     assert (opens, closes) == pytest.approx((108 - 121, 108 + 121), abs=1e-6)
     assert 0.05 < found["seating_velocity"] < 0.6 and found["bounce_height"] < 0.1e-3
-    assert any("steel parts of typical size" in note for note in study.notes)
+    assert any("default steel values" in note for note in study.notes)
 
 
 def test_it_holds_the_cam_below_the_speed_of_rigid_theory_and_floats_above(engine):
-    """Loss of contact by rigid theory against the mass of this train at the nose by hand; the runs
+    """Float speed, rigid parts against the mass of this train at the nose by hand; the runs
     on both sides of it.
     """
     law = vt.build_lift_law(engine.lift_law)

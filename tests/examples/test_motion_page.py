@@ -9,7 +9,8 @@ import shlex
 from pathlib import Path
 
 from unit.cli_parts import call
-from valvetrain.report.motion import film, scene, script
+from valvetrain.report import page as script
+from valvetrain.report.motion import film, scene
 from valvetrain.report.motion import parts as outlines
 
 PAGE = (Path(__file__).parents[2] / "docs" / "motion.md").read_text(encoding="utf-8")

@@ -21,9 +21,8 @@ from valvetrain.parameters.templates import TEMPLATES
 from valvetrain.parameters.train import CamParameters
 from valvetrain.quantities.evaluate import evaluate
 from valvetrain.quantities.kinematics import rigid_motion
-from valvetrain.quantities.run_up import OpenWindow
 from valvetrain.quantities.signal import ring_peak
-from valvetrain.quantities.train_numbers import margin_quantities
+from valvetrain.quantities.train_numbers import OpenWindow, margin_quantities
 from valvetrain.quantities.valve_events import (
     lift_crossings,
     open_window,

@@ -232,6 +232,47 @@ def test_a_package_adds_a_spring_model_a_contact_law_and_a_lift_law_that_run_in_
     print(python(END_TO_END, EXAMPLE, text=SPRING_CASE))
 
 
+QUANTITY = """
+import json, os, re, sys
+from pathlib import Path
+from typer.testing import CliRunner
+from valvetrain.cli.main import app
+from valvetrain.parameters.loading import read_case
+from valvetrain.workbench.answers import numbers
+from valvetrain.workbench.pages.orders import outputs_for
+from valvetrain.workbench.workspace import Workspace
+
+def command(*arguments):
+    done = CliRunner().invoke(app, arguments)
+    assert done.exit_code == 0, done.output
+    return done.output
+
+os.chdir(sys.argv[1])
+Path("own-case.toml").write_text(sys.stdin.read())
+few = ("own-case.toml", "--spring", "massless")
+terminal = command("run", *few)
+swept = command("sweep", *few, "--engine-speed", "2000:4000:1000 rpm")
+many = command("run", *few, "--engine-speed", "2000:4000:400 rpm")
+assert "Mean spring force" in swept and re.search("Peak +Minimum +Mean ", many), (swept, many)
+answer = json.loads(command("run", *few, "--json"))
+found = answer["runs"][0]["quantities"]["mean_spring_force"]
+assert found["unit"] == "N" and found["value"] > 0, found
+shown = f"{found['value']:.4g}"
+assert re.search(rf"Mean spring force +N +{shown}", terminal), terminal
+page = Path(answer["page"]).read_text(encoding="utf-8")
+assert re.search(r"Mean spring force \\(N\\)", page)
+workspace = Workspace(Path.cwd())
+run = next(run for run in workspace.runs() if run.command == "run")
+row = next(row for row in numbers(run) if row.name == "mean_spring_force")
+assert (row.label, row.unit, row.topic) == ("mean spring force", "N", "Spring force and coil bind"), row
+assert "mean_spring_force" in {one["name"] for one in outputs_for(read_case(Path("own-case.toml")))}
+"""
+
+
+def test_a_package_adds_a_quantity_to_terminal_json_page_and_workbench(tmp_path):
+    python(QUANTITY, EXAMPLE, text=SPRING_CASE, arguments=[str(tmp_path)])
+
+
 def test_an_added_spring_model_keeps_the_contract():
     code = (
         "import sys; sys.path[:0] = [sys.argv[1]]\n"

@@ -13,9 +13,9 @@ from valvetrain.errors import InputError
 from valvetrain.parameters.installed_spring import CoilContact, InstalledSpring, SpringCard
 from valvetrain.parameters.loading import load_case
 from valvetrain.quantities.cycle import Frame
-from valvetrain.quantities.design import design_quantities
 from valvetrain.quantities.evaluate import evaluate
-from valvetrain.quantities.spectrum import lift_harmonic
+from valvetrain.quantities.forces import lift_harmonic
+from valvetrain.quantities.statics import design_quantities
 from valvetrain.solution.static import SpringAtRest, StaticCurve, StaticStress
 from valvetrain.springs.stress import nominal_stress_per_force
 

@@ -14,9 +14,8 @@ from valvetrain.quantities.clash import (
     main_clash_quantities,
 )
 from valvetrain.quantities.cycle import reported_cycle
-from valvetrain.quantities.forces import energy_balance
+from valvetrain.quantities.forces import energy_balance, order_spectrum, surge_order
 from valvetrain.quantities.signal import filtered_force, low_pass
-from valvetrain.quantities.spectrum import order_spectrum, surge_order
 from valvetrain.sources.gu2021_stages import stage_quantities
 
 DEG = np.pi / 180

@@ -168,7 +168,7 @@ def test_check_prints_what_follows_from_the_definition_by_hand():
 def test_the_estimated_rate_of_a_conical_spring_is_the_closed_form():
     from valvetrain.parameters.constructors import conical
     from valvetrain.parameters.spring import OPEN_END
-    from valvetrain.quantities.design import definition_quantities
+    from valvetrain.quantities.statics import definition_quantities
 
     ends = {"lower_end": OPEN_END, "upper_end": OPEN_END}
     spring = conical(3e-3, 30e-3, 18e-3, 8e-3, 6, closed_coils=0.0, **ends)
@@ -294,7 +294,7 @@ def test_modes_agree_with_the_library():
             ("run", "job-c", "--set", "operation.cam_speeds=30000 rpm"),
             "60000 rpm of engine speed lies outside",
         ),
-        (("run", "job-c", "--engine-speed", "9:1:1 rpm"), "rising"),
+        (("run", "job-c", "--engine-speed", "9:1:1 rpm"), "below the first"),
         (("run", "job-c", "--engine-speed", "1:2:1e-9 rpm"), "larger step"),
         (("run", "job-c", "--spring", "modal"), "did you mean modal-varied or modal-uniform?"),
         (
@@ -391,7 +391,7 @@ def test_what_may_not_be_read_or_written_is_refused(small, monkeypatch):
 
 
 def test_a_set_value_loses_the_note_of_the_value_it_replaces():
-    from valvetrain.cli.case_choice import choose_case
+    from valvetrain.cli.options import choose_case
 
     assert choose_case("gu2021-beehive").notes["spring.wire_diameter"].status == "identified"
     changed = choose_case(

@@ -178,7 +178,7 @@ def test_ctrl_c_ends_at_once_with_one_sentence_and_130(tmp_path):
     )
     assert (
         errors.splitlines()[-1].startswith(
-            "interrupted: 1 of 2 runs were finished and are kept in 'runs/small/"
+            "interrupted: 1 of 2 runs were finished and are saved in 'runs/small/"
         )
         and "Traceback" not in errors
     )

@@ -116,7 +116,7 @@ def test_a_picture_read_by_its_ticks_gives_the_numbers_back(name):
     for chart in drawn(name):
         tree = ElementTree.fromstring(svg(chart))
         for panel, (box, group) in zip(chart.panels, panels_of(tree), strict=True):
-            x_scale, y_scale = scales(tree, box, bool(panel.y_words))
+            x_scale, y_scale = scales(tree, box, bool(panel.y_tick_labels))
             (low, high), (least, most) = visible_range(panel)
             assert np.polyval(x_scale, [box.left, box.left + box.wide]) == pytest.approx(
                 [low, high], abs=0.004 * (high - low)
@@ -181,8 +181,8 @@ def test_a_picture_says_every_word_of_its_chart(name):
             *(panel.y_label for panel in chart.panels),
             *(panel.title for panel in chart.panels if panel.title),
         ]
-        wanted += [rule.words for panel in chart.panels for rule in panel.rules if rule.words]
-        wanted += [band.words for panel in chart.panels for band in panel.bands if band.words]
+        wanted += [rule.label for panel in chart.panels for rule in panel.rules if rule.label]
+        wanted += [band.label for panel in chart.panels for band in panel.bands if band.label]
         wanted += [entry.name for entry in legend_entries(chart)] if chart.legend else []
         wanted += [
             layer.direct
@@ -231,7 +231,7 @@ def test_rules_and_bands_stand_at_their_numbers(name):
         tree = ElementTree.fromstring(svg(chart))
         shapes = figure(chart)["layout"]["shapes"]
         for index, (panel, (box, _)) in enumerate(zip(chart.panels, panels_of(tree), strict=True)):
-            x_scale, y_scale = scales(tree, box, bool(panel.y_words))
+            x_scale, y_scale = scales(tree, box, bool(panel.y_tick_labels))
             axis = "" if index == 0 else str(index + 1)
             mine = [
                 one
@@ -304,7 +304,7 @@ def test_the_figure_of_a_page_holds_its_layers_in_their_panels(name):
                     and trace["coloraxis"] == f"coloraxis{suffix}"
                 )
                 assert trace["hovertemplate"].startswith(
-                    f"%{{x:.1f}}, {layer.y_words} %{{y:.4g}}: %{{z:.4g}} {layer.unit}"
+                    f"%{{x:.1f}}, {layer.y_tick_labels} %{{y:.4g}}: %{{z:.4g}} {layer.unit}"
                 )
                 if layer.second is not None:
                     np.testing.assert_allclose(
@@ -342,9 +342,9 @@ def test_the_figure_of_a_page_holds_its_layers_in_their_panels(name):
                     panel.y_label.replace("<", "&lt;") in notes
                     and panel.title.replace("<", "&lt;") in notes
                 )
-                if panel.y_words:
+                if panel.y_tick_labels:
                     assert list(zip(y["tickvals"], y["ticktext"], strict=True)) == list(
-                        panel.y_words
+                        panel.y_tick_labels
                     )
             assert len(set(places)) == len(places)
             for place, ((left, right), (low, high)) in enumerate(places):

@@ -88,7 +88,7 @@ def test_a_section_stands_where_there_is_something_to_tell(sections, beside, pea
 def cells(section, first: str) -> list[list[str]]:
     (grid,) = (one for one in section.blocks if isinstance(one, Grid) and one.headers[0] == first)
     assert all(cell.tone == "number" for row, _ in grid.rows for cell in row)
-    return [list(grid.headers), *([cell.words for cell in row] for row, _ in grid.rows)]
+    return [list(grid.headers), *([cell.text for cell in row] for row, _ in grid.rows)]
 
 
 def test_peaks_are_millimetres_with_their_interval(sections):

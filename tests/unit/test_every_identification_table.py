@@ -89,14 +89,22 @@ def grids(found: Identified, key: str) -> dict[str, Grid]:
 def read(grid: Grid) -> tuple[list[list[str]], list[list[str]]]:
     """Words and tones of the cells; there is a cell under every head."""
     assert all(len(row) == len(grid.headers) for row, _ in grid.rows)
-    return [[cell.words for cell in row] for row, _ in grid.rows], [
+    return [[cell.text for cell in row] for row, _ in grid.rows], [
         [cell.tone for cell in row] for row, _ in grid.rows
     ]
 
 
 def test_what_was_found() -> None:
     (grid,) = grids(identified(), "found").values()
-    assert grid.headers == ("quantity", "likeliest", "2.5 %", "97.5 %", "", "prior", "told")
+    assert grid.headers == (
+        "quantity",
+        "likeliest",
+        "2.5 %",
+        "97.5 %",
+        "",
+        "prior",
+        "learned from data",
+    )
     words, tones = read(grid)
     assert words == [
         ["Rate", "32", "30", "35", "N/mm", "25 to 40", "93 %"],

@@ -23,7 +23,7 @@ from synthetic_study import (
 )
 from unit.test_every_table import COMPARED
 from valvetrain.report.json import status_object, study_json
-from valvetrain.report.quick import plot_modes, plot_solution, plot_static_curve, plot_study
+from valvetrain.report.run_charts import plot_modes, plot_solution, plot_static_curve, plot_study
 from valvetrain.report.study import write_study
 from valvetrain.solution.netcdf import load_netcdf
 from valvetrain.solution.status import Event, Status

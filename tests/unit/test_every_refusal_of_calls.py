@@ -16,8 +16,8 @@ import valvetrain as vt
 from valvetrain.cam.closed_form import SinePower
 from valvetrain.parameters.installed_spring import InstalledSpring, SpringCard
 from valvetrain.quantities.cycle import Cycle, reported_cycle
-from valvetrain.report.quick import plot_study
-from valvetrain.report.unfinished import UnfinishedRun
+from valvetrain.report.files import UnfinishedRun
+from valvetrain.report.run_charts import plot_study
 from valvetrain.runs.solid import SolidMotion, check_motion
 from valvetrain.solution.channels import Variable, spring_channels
 from valvetrain.solution.netcdf import load_netcdf

@@ -129,7 +129,7 @@ def test_the_answer_comes_first(name):
 
 
 STILL = "A small step still improves it ({}): more trials will find more."
-DONE = "No step of a hundredth of a range improves it within the bounds."
+DONE = "Small changes no longer improve it within the bounds."
 LATE = "The best value came with trial {} of 40: more trials may find more."
 NARROW = "It is narrow: a hundredth of one range away the wire mass is {}, so count on {}."
 

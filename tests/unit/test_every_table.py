@@ -21,13 +21,13 @@ from synthetic_study import (
 )
 from valvetrain.registry import find
 from valvetrain.report.page import Cards, Details, Grid, Tabs, Text
-from valvetrain.report.study import study_page
-from valvetrain.report.uncertainty_section import (
+from valvetrain.report.sections.published import (
     lead,
     uncertainty_grid,
     uncertainty_page,
     uncertainty_table,
 )
+from valvetrain.report.study import study_page
 from valvetrain.runs.error_bars import Uncertainty, UncertaintyStudy
 from valvetrain.solution.comparison import Comparison
 from valvetrain.solution.provenance import CaseRecord
@@ -51,7 +51,7 @@ def blocks(section: str, study: Study) -> tuple:
 
 
 def cells(grid: Grid) -> list[list[str]]:
-    return [[cell.words for cell in row] for row, _ in grid.rows]
+    return [[cell.text for cell in row] for row, _ in grid.rows]
 
 
 def the(kind: type, found: tuple):
@@ -85,9 +85,9 @@ def test_answers_say_each_number_of_each_run():
     assert list(card.lines) == [
         ("Spring force and coil bind", ()),
         row("Peak spring force (N)", "peak_spring_force"),
-        row("Least spring force (N)", "minimum_spring_force"),
+        row("Minimum spring force (N)", "minimum_spring_force"),
         row("Peak retainer force (N)", "peak_retainer_force"),
-        row("Least retainer force (N)", "minimum_retainer_force"),
+        row("Minimum retainer force (N)", "minimum_retainer_force"),
         row("Clearance to coil bind (mm)", "coil_bind_clearance", 1e3),
         ("Surge", ()),
         row("Surge frequency (Hz)", "surge_frequency"),
@@ -104,9 +104,9 @@ def test_answers_say_each_number_of_each_run():
         row("Clash energy (mJ)", "clash_energy", 1e3),
         ("Wire stress", ()),
         row("Peak shear stress (MPa)", "peak_shear_stress", 1e-6),
-        row("Least shear stress (MPa)", "minimum_shear_stress", 1e-6),
+        row("Minimum shear stress (MPa)", "minimum_shear_stress", 1e-6),
         row("Peak shear stress by EN 13906-1 (MPa)", "nominal_peak_shear_stress", 1e-6),
-        row("Least shear stress by EN 13906-1 (MPa)", "nominal_minimum_shear_stress", 1e-6),
+        row("Minimum shear stress by EN 13906-1 (MPa)", "nominal_minimum_shear_stress", 1e-6),
     ]
 
 
@@ -128,7 +128,7 @@ def test_answers_of_a_train_stand_under_its_sets():
             four(run.quantities[name] * factor) for run in (stock, race)
         ), words
     assert (
-        shown["Loss of contact by rigid theory (rpm)"] == (four(700 * 30 / np.pi),) * 2
+        shown["Float speed, rigid parts (rpm)"] == (four(700 * 30 / np.pi),) * 2
     )  # of the study, not of a run
 
 
@@ -138,7 +138,7 @@ def test_a_sweep_answers_with_the_worst_of_each_label_and_its_speed():
     assert dict(card.lines) == {
         "Spring force and coil bind": (),
         "Peak spring force (N)": ("820 at 8000 rpm", "864 at 8000 rpm"),
-        "Least spring force (N)": ("181 at 8000 rpm", "181 at 8000 rpm"),
+        "Minimum spring force (N)": ("181 at 8000 rpm", "181 at 8000 rpm"),
         "Surge": (),
         "Surge frequency (Hz)": ("560", "672"),
         "Surge amplitude (N)": ("64.99 at 7454.55 rpm", "64.8 at 4727.27 rpm"),
@@ -546,10 +546,10 @@ def test_given_and_computed_stand_in_their_own_columns():
             "no tolerance stated",
         ],
     ]
-    assert {cells_of[0].words: cells_of[-2].hint for cells_of, _ in grid.rows}[
+    assert {cells_of[0].text: cells_of[-2].hint for cells_of, _ in grid.rows}[
         "Installed gap of coils 1 and 2"
     ] == "the pitch"
-    tones = {cells_of[0].words: cells_of[-1].tone for cells_of, _ in grid.rows}
+    tones = {cells_of[0].text: cells_of[-1].tone for cells_of, _ in grid.rows}
     assert (
         tones["Stage II peak force"],
         tones["Installed gap of coils 1 and 2"],
@@ -660,7 +660,7 @@ def test_the_page_of_a_refinement_names_its_meshes():
             {
                 "case": "own-spring",
                 "engine speed": "4200, 5600 rpm",
-                "springs by": ", ".join(NAMES),
+                "spring model": ", ".join(NAMES),
                 "runs": "4 of 4 completed",
             },
         ),
@@ -670,7 +670,7 @@ def test_the_page_of_a_refinement_names_its_meshes():
             {
                 "case": "own-train",
                 "engine speed": "5600 rpm",
-                "springs by": "stock, multi-mass; race, multi-mass",
+                "spring model": "stock, multi-mass; race, multi-mass",
                 "runs": "2 of 2 completed",
             },
         ),
@@ -680,7 +680,7 @@ def test_the_page_of_a_refinement_names_its_meshes():
             {
                 "case": "own-train",
                 "engine speed": "12 from 2000 to 8000 rpm",
-                "springs by": "stock, <race & co>",
+                "spring model": "stock, <race & co>",
                 "runs": "22 of 24 settled",
             },
         ),

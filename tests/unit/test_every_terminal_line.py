@@ -17,9 +17,9 @@ from rich.console import Console
 from known_figures import STUDIES
 from synthetic_study import at_rest, own_study, published_study, rod_run, sweep_study
 from unit.test_every_table import COMPARED, four
-from valvetrain.cli.answers import published_words, show_study
+from valvetrain.cli.answers import published_summary, show_study
 from valvetrain.cli.outcome import quantity_rows, shown_text
-from valvetrain.cli.published import difference_words, short_verdict, show_comparisons, tally
+from valvetrain.cli.published import difference_text, short_verdict, show_comparisons, tally
 from valvetrain.runs.saved_runs import SavedRun
 
 RPM = np.pi / 30
@@ -49,9 +49,9 @@ def test_a_run_says_each_number_once_under_its_run():
     expected = []
     for words, unit, name, factor in (
         ("Peak spring force", "N", "peak_spring_force", 1),
-        ("Least spring force", "N", "minimum_spring_force", 1),
+        ("Minimum spring force", "N", "minimum_spring_force", 1),
         ("Peak retainer force", "N", "peak_retainer_force", 1),
-        ("Least retainer force", "N", "minimum_retainer_force", 1),
+        ("Minimum retainer force", "N", "minimum_retainer_force", 1),
         ("Clearance to coil bind", "mm", "coil_bind_clearance", 1e3),
         ("Surge frequency", "Hz", "surge_frequency", 1),
         ("Surge order", "", "surge_cam_order", 1),
@@ -64,9 +64,9 @@ def test_a_run_says_each_number_once_under_its_run():
         ("energy", "mJ", "–/17/–/–", 0),
         ("Clash energy", "mJ", "clash_energy", 1e3),
         ("Peak shear stress", "MPa", "peak_shear_stress", 1e-6),
-        ("Least shear stress", "MPa", "minimum_shear_stress", 1e-6),
+        ("Minimum shear stress", "MPa", "minimum_shear_stress", 1e-6),
         ("Peak shear stress by EN 13906-1", "MPa", "nominal_peak_shear_stress", 1e-6),
-        ("Least shear stress by EN 13906-1", "MPa", "nominal_minimum_shear_stress", 1e-6),
+        ("Minimum shear stress by EN 13906-1", "MPa", "nominal_minimum_shear_stress", 1e-6),
     ):
         runs = study.solutions
         cells = (
@@ -120,7 +120,7 @@ def test_a_sweep_says_the_worst_of_each_label_and_where():
     told = {line[0]: line[1:] for line in lines(sweep_study())}
     assert (
         told["Peak spring force"] == ["N", "820 at 8000", "864 at 8000"]
-        and told["Least spring force"] == ["N"] + ["181 at 8000"] * 2
+        and told["Minimum spring force"] == ["N"] + ["181 at 8000"] * 2
     )
     assert told["Surge frequency"] == ["Hz", "560", "672"]
     assert told["Surge amplitude"] == ["N", "64.99 at 7454.55", "64.8 at 4727.27"]
@@ -240,7 +240,7 @@ def test_published_values_are_told_in_a_line_and_in_full():
     ],
 )
 def test_difference_and_verdict_of_a_row(place, difference, verdict):
-    assert (difference_words(COMPARED[place]), short_verdict(COMPARED[place])) == (
+    assert (difference_text(COMPARED[place]), short_verdict(COMPARED[place])) == (
         difference,
         verdict,
     )
@@ -250,12 +250,12 @@ def test_a_bound_is_told_without_its_distance_and_a_zero_in_its_unit():
     bound = replace(COMPARED[0], verdict="stated as at most: beyond by 5.0 %")
     assert short_verdict(bound) == "stated as at most"
     nothing = replace(COMPARED[1], published=0.0, difference=-2e-6)
-    assert difference_words(nothing) == "−0.002 mm"
+    assert difference_text(nothing) == "−0.002 mm"
     assert "no tolerance was stated" in tally(
         COMPARED[2:3], "prediction"
     ) and "not computed" not in tally(COMPARED[:1], "prediction")
-    assert published_words(COMPARED[3:4]) == "1 published value"
-    assert published_words(COMPARED[:1]).endswith(
+    assert published_summary(COMPARED[3:4]) == "1 published value"
+    assert published_summary(COMPARED[:1]).endswith(
         "largest 1.9 % (Stage II peak force at 5600 rpm); 1 of 1 stated tolerances met"
     )
     console = Console(file=StringIO(), width=140, no_color=True)
@@ -373,7 +373,7 @@ def test_what_a_case_holds_is_said_in_the_fields_units():
     )
     assert (
         told["spring"] == "uniform-spring, right-handed"
-        and told["cam turns"] == "2, the last one reported"
+        and told["cam revolutions"] == "2, the last one reported"
     )
     assert (
         told["title"] == case.title
@@ -392,7 +392,7 @@ def test_what_a_case_holds_is_said_in_the_fields_units():
     )
     assert (
         told["springs 'nested'"]
-        == "outer: wire known, installed 16.3 mm short; inner: wire known, installed 9.5 mm short"
+        == "outer: wire known, compressed 16.3 mm when installed; inner: wire known, compressed 9.5 mm when installed"
     )
     cards = "outer: rate 17.39 N/mm, preload 283.4 N, mass 31.8 g; inner: rate 14.35 N/mm, preload 136.3 N, mass 11.5 g"
     assert told["springs 'nested-cards'"] == cards

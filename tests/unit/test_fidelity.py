@@ -127,7 +127,7 @@ def test_what_a_failed_run_leaves_unknown_is_open_and_said():
         fidelity_notes(gone)
     )
     *_, last = blocks(Study(CaseRecord("own"), fidelity=gone))[2].rows[0][0]
-    assert (last.words, last.hint) == ("?", "no value of the reference: open")
+    assert (last.text, last.hint) == ("?", "no value of the reference: open")
     blind = mapped(*rows_of((510.0, 500.0, 500.0), error=math.inf))
     assert blind.reach("peak_spring_force", "massless").text == "open"
     assert (
@@ -155,7 +155,7 @@ def test_the_cheapest_good_model_is_recommended_and_else_the_reference():
         == "the nearest, massless, is 10 % off at worst"
     )
     blind = mapped(*rows_of((math.nan,) * 3))
-    assert reason_for(blind, "peak_spring_force") == "no other model tells it"
+    assert reason_for(blind, "peak_spring_force") == "no other model gives it"
     wide = mapped(*rows_of((600.0, 500.0, 500.0), error=150.0))
     assert "its error bar, 15 %, is larger than the difference" in reason_for(
         wide, "peak_spring_force"
@@ -167,7 +167,7 @@ def test_rows_stand_by_model_in_order_of_cost_and_notes_name_what_has_no_bar():
     (line,) = reach_rows(found)
     assert (
         line.cells == ("none", "all")
-        and line.words == "Peak spring force"
+        and line.label == "Peak spring force"
         and line.cheapest == "multi-mass"
     )
     notes = " ".join(fidelity_notes(found))
@@ -184,14 +184,14 @@ def test_the_page_shows_signed_differences_in_the_tone_of_their_verdict():
         *rows_of((540.0, 500.0, 500.2), model="multi-mass", error=20.0),
     )
     recommended, reaches, one_map, *_ = blocks(Study(CaseRecord("own"), fidelity=found))
-    assert [cell.words for cell in recommended.rows[0][0]][:2] == [
+    assert [cell.text for cell in recommended.rows[0][0]][:2] == [
         "Peak spring force",
         "finite-element rod",
     ]
-    assert [cell.words for cell in reaches.rows[0][0]] == ["Peak spring force", "to 1000", "open"]
-    assert [cell.words for cell in reaches.rows[1][0]][1:] == ["0.0042", "0.042"]
+    assert [cell.text for cell in reaches.rows[0][0]] == ["Peak spring force", "to 1000", "open"]
+    assert [cell.text for cell in reaches.rows[1][0]][1:] == ["0.0042", "0.042"]
     assert one_map.headers == ("model", "1000", "2000", "3000")
-    told = [[(cell.words, cell.tone) for cell in cells[1:]] for cells, _ in one_map.rows]
+    told = [[(cell.text, cell.tone) for cell in cells[1:]] for cells, _ in one_map.rows]
     assert told[0] == [("+3.0", "number good"), ("−11", "number bad"), ("–", "number quiet")]
     assert told[1] == [("+4.0", "number quiet"), ("0.0", "number good"), ("0.0", "number good")]
     assert "± 2 %: open" in one_map.rows[1][0][1].hint

@@ -229,7 +229,7 @@ def test_the_closed_valve_is_shaded_where_the_dwell_lies(dwell, shaded):
     assert [(band.first, band.last) for band in panel.bands] == [
         pytest.approx(one) for one in shaded
     ]
-    assert [band.words for band in panel.bands] == ["valve closed", ""][
+    assert [band.label for band in panel.bands] == ["valve closed", ""][
         : len(shaded)
     ] and panel.x_range == (0, 360)
 

@@ -64,11 +64,14 @@ def test_what_is_kept_is_said_with_the_answer_and_all_that_failed(
     tmp_path, monkeypatch, failures, missing, told, page
 ):
     parts = SimpleNamespace(
-        page=tmp_path / "page.html" if page else None, data=(tmp_path / "a.csv",), gaps=missing
+        page=tmp_path / "page.html" if page else None,
+        data=(tmp_path / "a.csv",),
+        figures=(),
+        gaps=missing,
     )
     written, said = [], []
 
-    def keep_run(request, text, choices, data, write, made_by, gaps):
+    def keep_run(request, text, choices, data, write, made_by, begun, gaps):
         written.extend(write(tmp_path))
         assert data["completed"] is (not told) and data["failures"] == list(told), (
             "run.json says so too"
@@ -80,16 +83,16 @@ def test_what_is_kept_is_said_with_the_answer_and_all_that_failed(
         ) == ("static", "text", "me")
         return tmp_path, ["files"]
 
-    monkeypatch.setattr(keep_rest, "keep_run", keep_run)
-    monkeypatch.setattr("valvetrain.report.study.write_parts", lambda study, target: parts)
+    monkeypatch.setattr("valvetrain.cli.study_command.keep_run", keep_run)
+    monkeypatch.setattr("valvetrain.report.study.write_parts", lambda study, target, *_: parts)
     rest = tuple(SimpleNamespace(model=word) for word in ("rod", "chain", "rod"))
     study = SimpleNamespace(
         command="static", rest=rest, record=SimpleNamespace(text="text"), provenance="me"
     )
     outcome = Outcome({"answer": 1}, lambda console: console.print("the answer"), failures)
-    found = keep_rest.kept(outcome, study, None, tmp_path, {"steps": 4})
+    found = keep_rest.saved_outcome(outcome, study, None, tmp_path, {"steps": 4})
     found.show(SimpleNamespace(print=lambda words, **more: said.append(words)))
-    assert said == ["the answer", f"\nkept in {tmp_path}"] and found.failures == told
+    assert said == ["the answer", f"\nsaved in {tmp_path}"] and found.failures == told
     assert written == [*parts.data, *([parts.page] if page else [])]
     assert found.data == {
         "answer": 1,

@@ -204,7 +204,7 @@ def test_a_kept_run_is_drawn_from_its_file_unless_a_value_is_changed(
         run_store, "run_of_path", lambda path: kept if path.name == "kept" else None
     )
     monkeypatch.setattr(animate, "_computed", stopped("computed"))
-    monkeypatch.setattr(animate, "_kept", stopped("read"))
+    monkeypatch.setattr(animate, "_of_saved_run", stopped("read"))
     found = call("animate", place, "--output", str(tmp_path / "a.gif"), *more)
     assert (
         found.exit_code == 2

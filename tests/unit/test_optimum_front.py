@@ -54,7 +54,7 @@ def search(made: list[tuple[float, float]]) -> Optimum:
 def front_table(found: Optimum) -> list[list[str]]:
     (section,) = [one for one in optimum_page(found).sections if one.key == "front-designs"]
     (grid,) = [one for one in section.blocks if isinstance(one, Grid)]
-    return [[cell.words for cell in cells] for cells, _ in grid.rows]
+    return [[cell.text for cell in cells] for cells, _ in grid.rows]
 
 
 def test_balanced_is_nearest_to_the_best_of_both_and_the_ends_are_the_best_by_each():

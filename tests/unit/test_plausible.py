@@ -11,6 +11,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from quantity_pages import plausible_page
 
 import valvetrain as vt
 from unit.cli_parts import SMALL, call, sentence
@@ -24,7 +25,6 @@ from valvetrain.quantities.plausible import (
     TABLES,
     implausible,
     lift_extremes,
-    plausible_page,
     plausible_rest,
     refuse_implausible_motion,
 )
@@ -59,7 +59,7 @@ def test_a_lift_below_the_base_circle_is_refused(kind):
     assert dense.min() < -50e-6
     assert lift_extremes(law)[0] == pytest.approx(dense.min(), rel=0.02)
     with pytest.raises(
-        InputError, match=r"the least lift is -.* mm, below -0.05 mm: .*implausible=True"
+        InputError, match=r"the minimum lift is -.* mm, below -0.05 mm: .*implausible=True"
     ):
         refuse_implausible_motion(law, (100.0,))
 

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import re
 
-from valvetrain.cli.answers import published_words
+from valvetrain.cli.answers import published_summary
 from valvetrain.cli.published import short_verdict
 from valvetrain.quantities.compare import compare
 from valvetrain.solution.provenance import PublishedValue
@@ -31,7 +31,7 @@ def rows(doubt: str):
 
 
 def test_a_number_in_doubt_is_told_apart():
-    told = published_words(rows("too slow for its own lift"))
+    told = published_summary(rows("too slow for its own lift"))
     assert "largest 10.0 % (peak spring force" in told
     assert re.search(
         r"peak lever rotation speed \+400.0 %, but the number is in doubt: too slow for its own lift$",
@@ -40,7 +40,7 @@ def test_a_number_in_doubt_is_told_apart():
 
 
 def test_a_number_that_is_not_in_doubt_counts():
-    told = published_words(rows(""))
+    told = published_summary(rows(""))
     assert "largest 400.0 % (peak lever rotation speed" in told and "doubt" not in told
 
 

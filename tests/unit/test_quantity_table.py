@@ -9,11 +9,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from quantity_pages import quantities_page
 
 from valvetrain.errors import InputError
 from valvetrain.parameters.loading import library_names, load_case
 from valvetrain.parameters.schema_case import dimension_of_quantity
-from valvetrain.quantities.page import quantities_page
 from valvetrain.registry import BUILT_IN
 from valvetrain.report.text import quantity_label
 from valvetrain.solution import definition
@@ -204,7 +204,7 @@ def test_every_number_of_a_study_is_defined(name, model):
 
 @pytest.mark.parametrize("name", ["gu2021-beehive", "job-t"])
 def test_every_number_of_a_definition_is_defined(name):
-    from valvetrain.quantities.design import design_quantities
+    from valvetrain.quantities.statics import design_quantities
 
     names = [key for spring in load_case(name).springs for key in design_quantities(spring)]
     assert names and not [one for one in names if not is_defined(one)]

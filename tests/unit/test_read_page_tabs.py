@@ -19,7 +19,7 @@ def test_parts_before_behind_and_after_tabs():
     )  # fmt: skip
     found = sections_of(render(Page("Own", "", "", (), sections)))
     assert [one.key for one in found] == ["a", "b", "c", "d"]
-    assert [(part.words, part.tab) for one in found for part in one.parts] == [
+    assert [(part.text, part.tab) for one in found for part in one.parts] == [
         ("before", ""),
         ("slow", "3000 rpm"),
         ("slow too", "3000 rpm"),

@@ -96,7 +96,7 @@ def test_values_without_a_ratio_are_counted_under_the_figure(told, left):
     (marks,) = [one for one in chart.panels[0].layers if isinstance(one, Marks)]
     assert marks.x == pytest.approx(np.full(told, 1.05)) and len(set(marks.y)) == told
     assert ("without a ratio" in chart.caption) == bool(left)
-    assert not left or f" {left} values without a ratio stand in the table only." in chart.caption
+    assert not left or f" {left} values without a ratio are in the table only." in chart.caption
     assert published.ratio_chart(replace(study, comparisons=tuple(without))) is None
 
 

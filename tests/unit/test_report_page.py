@@ -277,7 +277,7 @@ def test_a_figure_that_cannot_be_rendered_is_a_named_gap(monkeypatch):
         for part in section.parts
         if isinstance(part, PageSentence)
     ]
-    assert [part.words for part in gaps if "drawn" in part.words] == [
+    assert [part.text for part in gaps if "drawn" in part.text] == [
         "The figure could not be drawn: ValueError: no such luck"
     ]
 

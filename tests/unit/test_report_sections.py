@@ -29,8 +29,8 @@ from valvetrain.report.headlines import headline_columns, headline_rows
 from valvetrain.report.json import unit_of_number
 from valvetrain.report.page import Details, Figure, Grid, Text, charts, render
 from valvetrain.report.sections import coils, published, sweep
+from valvetrain.report.sections.published import firmness, uncertainty_grid, uncertainty_table
 from valvetrain.report.study import study_page
-from valvetrain.report.uncertainty_section import firmness, uncertainty_grid, uncertainty_table
 from valvetrain.runs.error_bars import Uncertainty
 from valvetrain.runs.stored_error_bars import load_uncertainty
 from valvetrain.solution.provenance import CaseRecord
@@ -249,7 +249,7 @@ def test_static_curves_by_model_with_their_marks(own):
     np.testing.assert_allclose(force["multi-mass chain"].x, 1e3 * curve.compression)
     np.testing.assert_allclose(stiffness["finite-element rod"].y, 41.0)
     np.testing.assert_allclose(apart["multi-mass chain"].y[1:], -2.0)
-    rules = {rule.words: rule.value for rule in chart.panels[0].rules}
+    rules = {rule.label: rule.value for rule in chart.panels[0].rules}
     assert rules == pytest.approx({"installed": 7.0, "open": 16.0, "bind": 17.25})
 
 
@@ -264,7 +264,7 @@ def test_modes_and_frequencies_side_by_side(own):
         for block in find("sections", "at-rest").blocks(own_study())
         if isinstance(block, Grid)
     )
-    assert [cell.words for cell in grid.rows[0][0]] == ["1", "631", "620", "−1.7"]
+    assert [cell.text for cell in grid.rows[0][0]] == ["1", "631", "620", "−1.7"]
 
 
 def test_orders_are_bars_of_their_amplitude_with_the_surge_marked(train):
@@ -273,7 +273,7 @@ def test_orders_are_bars_of_their_amplitude_with_the_surge_marked(train):
     np.testing.assert_allclose(bars.y[1::3], 30.0 / np.arange(1, 25))
     assert [rule.value for rule in panel.rules] == pytest.approx(
         [560 * 4 * np.pi / SPEED]
-    ) and panel.rules[0].words == "surge 560 Hz"
+    ) and panel.rules[0].label == "surge 560 Hz"
 
 
 def test_orders_without_named_ones_come_from_the_channel():
@@ -289,7 +289,7 @@ def test_stress_along_the_wire_and_over_the_cycle(own):
         1e-6 * rod_run().channel("inner_fibre_shear_stress")[-720:],
     )
     np.testing.assert_allclose(lines(chart)["largest"].y, shear.max(axis=0))
-    np.testing.assert_allclose(lines(chart)["least"].y, shear.min(axis=0))
+    np.testing.assert_allclose(lines(chart)["minimum"].y, shear.min(axis=0))
     np.testing.assert_allclose(lines(chart, 1)["largest"].y, shear[:, 7])
     np.testing.assert_allclose(
         lines(chart, 1)["static curve at the same lift"].y, 41e3 * (7e-3 + LIFT), rtol=1e-6
@@ -381,8 +381,8 @@ def test_the_five_largest_clashes_are_named_and_all_are_counted():
         for block in find("sections", "answers").blocks(own_study())
         if isinstance(block, Grid)
     )
-    assert "5 of 7 clashes" in grid.rows[0][0][0].words and len(grid.rows) == 6
-    assert [cell.words for cell in grid.rows[1][0]] == ["1–2", "250", "31", "17", "345"]
+    assert "5 of 7 clashes" in grid.rows[0][0][0].text and len(grid.rows) == 6
+    assert [cell.text for cell in grid.rows[1][0]] == ["1–2", "250", "31", "17", "345"]
 
 
 def test_published_values_are_one_dot_plot_and_one_table_with_three_filters():
@@ -415,7 +415,7 @@ def test_figures_of_a_source_are_drawn_for_its_case_only():
     assert [(layer.x.tolist(), layer.y.tolist()) for layer in marks] == [
         ([pytest.approx(np.degrees(3.1))], [790.0])
     ]
-    assert [band.words for band in shown["gu2021-2-force"].panels[0].bands] == [
+    assert [band.label for band in shown["gu2021-2-force"].panels[0].bands] == [
         "Stage I",
         "Stage II",
         "Stage III",

@@ -16,7 +16,7 @@ from valvetrain.cli.main import app
 from valvetrain.cosserat.static import NewtonOptions, compress
 from valvetrain.errors import InputError
 from valvetrain.parameters.loading import parse_case
-from valvetrain.quantities.design import solid_quantities
+from valvetrain.quantities.statics import solid_quantities
 from valvetrain.runs.statics import static_study
 
 TEXT = """
@@ -96,7 +96,7 @@ def test_the_command_shows_and_writes_them(case, tmp_path):
         app, ["static", str(path), "--steps", "4", "--height", "40 mm", "--load", "200, 300 N"]
     ).stdout
     assert (
-        "as asked" in text
+        "as requested" in text
         and "on the retainer" in text
         and "wire shear (MPa)" in text
         and "Largest pitch" in text

@@ -153,7 +153,7 @@ def test_a_dwell_is_looked_for_from_the_first_sample_on():
 def test_an_abort_of_the_parser_is_an_interrupt_and_nothing_else_is(
     error, words, capsys, monkeypatch
 ):
-    monkeypatch.setattr(guard, "_told", [])
+    monkeypatch.setattr(guard, "_reported", [])
     monkeypatch.delenv(guard.TRACEBACK_VARIABLE, raising=False)
     code = guard._report(error)
     assert words in capsys.readouterr().err and code == (130 if words == "interrupted" else 1)
@@ -209,7 +209,7 @@ def test_a_local_search_has_its_share_where_one_quantity_at_least_may_move_a_lit
 
 
 def test_an_interrupt_is_told_once(capsys, monkeypatch):
-    monkeypatch.setattr(guard, "_told", [])
+    monkeypatch.setattr(guard, "_reported", [])
     assert guard.interrupted("interrupted: one is kept") == guard.interrupted() == 130
     assert capsys.readouterr().err.count("interrupted") == 1
 

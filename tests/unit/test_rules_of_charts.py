@@ -56,7 +56,7 @@ def test_shaded_are_the_cycles_that_were_left_out_and_no_others(kept, outliers, 
         assert [(band.first, band.last) for band in panel.bands] == [
             pytest.approx((0.1 * one, 0.1 * one + 0.1)) for one in out
         ]
-        assert {band.words for band in panel.bands} <= {"left out"}
+        assert {band.label for band in panel.bands} <= {"left out"}
         assert [rule.value for rule in panel.rules] == pytest.approx(0.1 * np.arange(9))
 
 
@@ -259,11 +259,11 @@ def test_every_model_with_a_curve_is_drawn_over_the_test(monkeypatch, cycles):
         runs=[SimpleNamespace(label=name, curve=curve) for name, curve in curves.items()]
     )
     known = {
-        name: SimpleNamespace(words=f"the {name}", colour="#000000", dash="") for name in curves
+        name: SimpleNamespace(label=f"the {name}", colour="#000000", dash="") for name in curves
     }
     (panel,) = compare_test_page.overlay_chart(found, test, "mm", 1e3, known).panels
     drawn = [(one.name, float(one.y[0])) for one in panel.layers]
-    spread = [(f"least and largest of the {cycles} cycles", 1.0), ("", 3.0)] if cycles > 1 else []
+    spread = [(f"minimum and maximum of the {cycles} cycles", 1.0), ("", 3.0)] if cycles > 1 else []
     assert drawn == [
         *spread,
         ("mean of the test", (1 + cycles) / 2),

@@ -13,7 +13,7 @@ from pathlib import Path
 import pytest
 
 from valvetrain.errors import InputError
-from valvetrain.report.run_differences import result_rows
+from valvetrain.report.run_summary import result_rows
 from valvetrain.runs.cost import estimate
 from valvetrain.runs.differences import input_differences, result_differences
 from valvetrain.runs.run_folders import ANSWER, check_folder, link_latest, new_folder

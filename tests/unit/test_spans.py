@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from valvetrain.quantities.spans import TURN, covered, shared, span_of, spans_above
+from valvetrain.quantities.train_events import TURN, covered, shared, span_of, spans_above
 
 FINE = np.arange(72000) * TURN / 72000
 

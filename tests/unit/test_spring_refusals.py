@@ -44,7 +44,10 @@ def installed(**options):
 @pytest.mark.parametrize(
     ("slip", "reason"),
     [
-        (lambda: definition(wire="thin"), "'thin' is no quantity; a length is needed here"),
+        (
+            lambda: definition(wire="thin"),
+            "'thin' is not a number with a unit; a length is needed here",
+        ),
         (lambda: definition(mean=24.0), "can only be meant as 24 mm"),
         (
             lambda: variable_pitch("4 mm", "24 mm", "7 N", 6),

@@ -222,12 +222,12 @@ def test_the_first_runs_have_figures_and_all_have_answers(count, drawn, notes):
     answers = sections["answers"]
     (grid,) = (one for one in answers.blocks if isinstance(one, Grid))
     assert answers.title == "What comes out" and len(grid.rows) == 2 * count
-    assert [row[0][1].words for row in grid.rows[::2]] == [
+    assert [row[0][1].text for row in grid.rows[::2]] == [
         f"{3000 + 100 * place} rpm, massless" for place in range(count)
     ]
     assert [one.html for one in answers.blocks if isinstance(one, Text)] == notes
     assert [sections[f"run-{place}"].title for place in range(drawn)] == [
-        row[0][1].words for row in grid.rows[: 2 * drawn : 2]
+        row[0][1].text for row in grid.rows[: 2 * drawn : 2]
     ]
 
 

@@ -32,7 +32,7 @@ def blocks(study: Study) -> tuple:
 
 
 def cells(grid: Grid) -> list[list[tuple[str, str]]]:
-    return [[(cell.words, cell.tone) for cell in row] for row, _ in grid.rows]
+    return [[(cell.text, cell.tone) for cell in row] for row, _ in grid.rows]
 
 
 def study(**changes: object) -> Study:

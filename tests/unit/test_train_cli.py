@@ -145,7 +145,10 @@ def test_run_prints_a_table_for_people(folder):
     [
         (("compare", "tdi-pushrod", "--spring", "masles"), "massless"),
         (("compare", "tdi-pushrod", "--spring", "wave-rod-clash"), "coil gaps of its wire"),
-        (("sweep", "tdi-pushrod", "--engine-speed", "0:100:10"), "leads nowhere"),
+        (
+            ("sweep", "tdi-pushrod", "--engine-speed", "0:100:10"),
+            "first speed and step must be above zero",
+        ),
         (
             ("sweep", "tdi-pushrod", "--spring-set", "racing", "--engine-speed", "1000, 2000 rpm"),
             "stock, performance",

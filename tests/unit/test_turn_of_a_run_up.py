@@ -9,7 +9,7 @@ import pytest
 
 from valvetrain.integrate.train_tuples import LOADS
 from valvetrain.integrate.transitions import Transitions
-from valvetrain.quantities.run_up import OpenWindow, turn_quantities
+from valvetrain.quantities.train_numbers import OpenWindow, turn_quantities
 
 NAMES = ("cam", "tappet", "valve tip", "pushrod bar", "seat")
 TOP, COUNT = 10e-3, 360

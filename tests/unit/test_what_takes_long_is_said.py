@@ -11,7 +11,7 @@ import pytest
 from unit.cli_parts import call
 from unit.test_identification_answer import CARD, FILE
 from unit.test_optimise_command import LIGHT
-from valvetrain.cli import limits
+from valvetrain.cli import outcome as limits
 from valvetrain.explore import identify_command as identify
 
 STUDY = """

@@ -91,7 +91,7 @@ def test_every_figure_and_table_of_a_page_is_read_back(read):
         tables = [part for part in found.parts if isinstance(part, PageTable)]
         assert len(tables) == len(grids) + len(cards)
         due = {
-            tuple(tuple(" ".join(cell.words.split()) for cell in cells) for cells, _ in grid.rows)
+            tuple(tuple(" ".join(cell.text.split()) for cell in cells) for cells, _ in grid.rows)
             for grid in grids
         }
         assert due <= {table.rows for table in tables}

@@ -40,7 +40,7 @@ class CamCardModel(LiftModel):
     """A symmetric lobe by the values of its cam card; every specified duration is met."""
 
     lift_of: Literal["valve", "tappet"] = Field(
-        default="tappet", description="whose lift it is: a card gives that of the lobe"
+        default="tappet", description="lift measured at: a cam card gives the lift of the lobe"
     )
     angle_of: Literal["crank", "cam"]
     lobe_lift: PositiveLength | None = Field(
@@ -50,10 +50,10 @@ class CamCardModel(LiftModel):
         default=None, description="gross, without lash; without it from lobe_lift"
     )
     rocker_ratio: RockerRatio | None = Field(
-        default=None, description="also of the lever in [train.lever] that gives none"
+        default=None, description="also sets the rocker's arm ratio where [train.lever] gives none"
     )
     lash: Length | None = Field(
-        default=None, description="at the valve; also of the [train] that gives none"
+        default=None, description="at the valve; also sets the lash of [train] where it gives none"
     )
     duration: PositiveAngle
     duration_lift: PositiveLength = Field(

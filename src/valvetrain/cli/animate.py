@@ -1,4 +1,4 @@
-"""``valvetrain animate``: one cam turn of a spring or a train as a GIF or MP4 for slides."""
+"""``valvetrain animate``: one cam revolution of a spring or a train as a GIF or MP4 for slides."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from valvetrain.solution.result import Solution
     from valvetrain.solution.study import Study
 
-#: Files of a kept run that are looked at.
+#: Files of a saved run that are looked at.
 MAX_FILES = 200
 
 
@@ -40,7 +40,7 @@ def animate(
     case: Annotated[
         str,
         typer.Argument(
-            metavar="CASE_OR_RUN", help="A case (name or file), or the folder of a kept run."
+            metavar="CASE_OR_RUN", help="A case (name or file), or the folder of a saved run."
         ),
     ],
     output: Annotated[
@@ -66,7 +66,8 @@ def animate(
         ),
     ] = "",
     duration: Annotated[
-        str, typer.Option("--duration", metavar="TIME", help="Time for one cam turn, 1 to 20 s.")
+        str,
+        typer.Option("--duration", metavar="TIME", help="Time for one cam revolution, 1 to 20 s."),
     ] = "4 s",
     width: Annotated[
         int, typer.Option("--width", metavar="PIXELS", help="Width (height: 16:9), 320 to 1920.")
@@ -75,8 +76,8 @@ def animate(
     as_json: JsonOption = False,
     quiet: QuietOption = False,
 ) -> None:
-    """One cam turn of the spring or the train, slowed, as a film for slides."""
-    from valvetrain.cli.case_choice import choose_case
+    """One cam revolution of the spring or the train, slowed, as a film for slides."""
+    from valvetrain.cli.options import choose_case
     from valvetrain.cli.outcome import Outcome, deliver, measured
     from valvetrain.cli.progress import busy
     from valvetrain.report.motion.film import FilmRequest, check_ending, write_film
@@ -102,11 +103,11 @@ def animate(
             "a film shows one run; give one spring model and one spring set", "--spring"
         )
     chosen = choose_case(case, settings)
-    kept = None if settings else run_of_path(Path(case))
+    saved = None if settings else run_of_path(Path(case))
     study = (
         _computed(chosen, speeds, models, sets)
-        if kept is None
-        else _kept(kept.folder, chosen, speeds, models, sets)
+        if saved is None
+        else _of_saved_run(saved.folder, chosen, speeds, models, sets)
     )
     variant = _variant(study)
     with busy("drawing the film"):
@@ -119,7 +120,7 @@ def animate(
 
     def show(console: Console) -> None:
         seen = f"{film.pictures} pictures, {request.duration:g} s, 1/{film.slowness:.0f} of real time, {film.size / 1e6:.2g} MB"
-        console.print(f"{film.path}: {variant.words}, {seen}", soft_wrap=True)
+        console.print(f"{film.path}: {variant.title}, {seen}", soft_wrap=True)
         for note in variant.notes:
             console.print(f"{note[:1].upper()}{note[1:].rstrip('.')}.", soft_wrap=True)
 
@@ -131,9 +132,9 @@ def _path(output: str) -> Path:
         raise InputError("a film needs a file; give --output FILE.gif or FILE.mp4", "--output")
     path = Path(output)
     if path.is_dir() or not path.parent.is_dir():
-        words = "is a folder" if path.is_dir() else "lies in a folder that does not exist"
+        sentence = "is a folder" if path.is_dir() else "lies in a folder that does not exist"
         raise InputError(
-            f"'{output[:80]}' {words}; give a file in a folder that is there", "--output"
+            f"'{output[:80]}' {sentence}; give a file in a folder that is there", "--output"
         )
     return path
 
@@ -142,7 +143,7 @@ def _computed(
     case: Case, speeds: tuple[float, ...] | None, models: tuple[str, ...], sets: tuple[str, ...]
 ) -> Study:
     """The one run of a case: its highest speed, first model and first spring set where none is
-    asked for.
+    requested.
     """
     from valvetrain.cli.progress import busy
     from valvetrain.runs.api import simulate
@@ -151,8 +152,8 @@ def _computed(
     problem = build(case, spring_models=models, spring_sets=sets)
     known = speeds or (max(problem.engine_speeds),) if speeds or problem.engine_speeds else ()
     if not known or not problem.moves:
-        words = f"case '{case.name}' names no engine speed or has no lift law, so nothing moves; give --engine-speed"
-        raise InputError(words, "--engine-speed")
+        sentence = f"case '{case.name}' names no engine speed or has no lift law, so nothing moves; give --engine-speed"
+        raise InputError(sentence, "--engine-speed")
     first = next((member for member in problem.members if not member.refusal), problem.members[0])
     with busy("computing the run"):
         return simulate(
@@ -164,14 +165,14 @@ def _computed(
         )
 
 
-def _kept(
+def _of_saved_run(
     folder: Path,
     case: Case,
     speeds: tuple[float, ...] | None,
     models: tuple[str, ...],
     sets: tuple[str, ...],
 ) -> Study:
-    """The kept run that fits best, read from its file."""
+    """The saved run that fits best, read from its file."""
     from valvetrain.solution.netcdf import load_netcdf
     from valvetrain.solution.quantity import same_speed
     from valvetrain.solution.study import Study
@@ -189,7 +190,7 @@ def _kept(
             found.append(run)
     if not found:
         raise InputError(
-            f"the kept run '{folder}' holds no solution that fits; run its case again, or name another model or speed"
+            f"the saved run '{folder}' holds no solution that fits; run its case again, or name another model or speed"
         )
     fastest = max(run.engine_speed for run in found)
     return Study(

@@ -23,7 +23,7 @@ from valvetrain.report.headlines import (
 from valvetrain.report.run_summary import critical_rows, reach_rows, reason_for, searched, share
 from valvetrain.report.text import rpm
 from valvetrain.solution.critical import KINDS
-from valvetrain.solution.definition import label_of
+from valvetrain.solution.definition import label_of, names_for
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -34,30 +34,8 @@ if TYPE_CHECKING:
     from valvetrain.solution.study import Study
 
 #: Runs that stand side by side in 100 columns; more stand below each other, up to this many.
-BESIDE, BELOW = 4, 24
-#: What a sweep answers: the worst of each with its engine speed but for :data:`NO_SPEED`, and where
-#: control is lost.
-SWEPT = (
-    "peak_spring_force", "minimum_spring_force", "coil_bind_clearance", "outer_coil_bind_clearance", "inner_coil_bind_clearance",
-    "surge_frequency", "outer_surge_frequency", "inner_surge_frequency", "surge_amplitude_force", "clash_count", "clash_energy",
-    "seating_velocity", "bounce_count", *KINDS.values(), "rigid_contact_loss_engine_speed", "lift_loss_displacement",
-    "peak_shear_stress", "minimum_shear_stress", "nominal_peak_shear_stress", "nominal_minimum_shear_stress",
-)  # fmt: skip
-NO_SPEED = tuple(
-    f"{spring}{name}"
-    for name in ("coil_bind_clearance", "surge_frequency")
-    for spring in ("", "outer_", "inner_")
-)
-#: Of many runs, what is said once for all of them.
-OF_THE_CASE = (*NO_SPEED, "rigid_contact_loss_engine_speed")
-#: Answers of the page that the terminal leaves out: they stand in other rows, or decide nothing.
-ON_PAGE_ONLY = ("largest_clash_impulse", "nearest_lift_harmonic_lift")
-#: Of many runs, what is shown of each.
-BRIEF = (
-    "peak_spring_force", "minimum_spring_force", "surge_amplitude_force", "clash_count", "clash_energy", "seating_velocity", "bounce_count",
-    "loss_of_contact_duration", "nominal_peak_shear_stress", "nominal_minimum_shear_stress",
-)  # fmt: skip
-#: Runs up to which what does not fit beside each other stands in a second table.
+MAX_COLUMNS, MAX_TABLE_ROWS = 4, 24
+#: Runs up to which what does not fit side by side is in a second table.
 TWICE = 12
 
 
@@ -71,7 +49,7 @@ def show_study(
             console.print()
             console.print(table)
         _show_published(console, study, published)
-    finally:  # where it all lies is told whatever a table meets
+    finally:  # the folder is printed even where a table fails
         console.print(f"\nresults  {folder}", soft_wrap=True)
         if page is not None:
             console.print(f"report   {page}", soft_wrap=True)
@@ -87,18 +65,20 @@ def _tables(study: Study) -> Iterator[Table]:
     ):  # a stretch of motion alone answers nothing
         yield from _rest_tables(study)
     if study.over_speed:
-        for first in range(0, len(columns), BESIDE):
-            yield _over_speeds(study, columns[first : first + BESIDE], rows, first)
-    elif len(columns) <= BESIDE:
+        for first in range(0, len(columns), MAX_COLUMNS):
+            yield _over_speeds(study, columns[first : first + MAX_COLUMNS], rows, first)
+    elif len(columns) <= MAX_COLUMNS:
         if rows:
             yield _side_by_side(study, columns, rows, bars)
     else:
         same = [
-            (row.words, row.unit, _range(row.values)) for row in rows if row.name in OF_THE_CASE
+            (row.label, row.unit, _range(row.values))
+            for row in rows
+            if row.name in names_for("case")
         ]
         if same:
             yield plain_table(("", "", ""), same)
-        brief = [row for row in rows if row.name in BRIEF]
+        brief = [row for row in rows if row.name in names_for("brief")]
         fits = _fitting(columns, brief, bars)
         yield _by_run(columns, brief[:fits], "run", bars)
         if fits < len(brief) and len(columns) <= TWICE:
@@ -115,7 +95,7 @@ def _fidelity(found: FidelityMap) -> Iterator[Table]:
         right=range(1, 1 + len(found.models)),
     )
     for row in reach_rows(found):
-        table.add_row(row.words, *row.cells)
+        table.add_row(row.label, *row.cells)
     costs = dict(found.costs)
     table.add_row(
         "Time of a run, the reference's being 1",
@@ -124,7 +104,7 @@ def _fidelity(found: FidelityMap) -> Iterator[Table]:
     yield table
     yield plain_table(
         ("Cheapest at all speeds", "", ""),
-        [(row.words, row.cheapest, reason_for(found, row.quantity)) for row in reach_rows(found)],
+        [(row.label, row.cheapest, reason_for(found, row.quantity)) for row in reach_rows(found)],
     )
 
 
@@ -141,16 +121,16 @@ def _side_by_side(
     headers = [
         "",
         "",
-        *(column.label + words for column, words in zip(columns, speeds, strict=True)),
+        *(column.label + label for column, label in zip(columns, speeds, strict=True)),
     ]
     table = plain_table(headers, (), right=range(2, len(headers)))
     table.columns[0].no_wrap = table.columns[1].no_wrap = True
-    told = [row for row in rows if row.name not in ON_PAGE_ONLY]
+    shown = [row for row in rows if row.name not in names_for("page")]
 
     def width(chosen: ErrorBars) -> int:
         lines = [
             headers,
-            *([row.words, unit_text(row.unit), *chosen.cells(row, columns)] for row in told),
+            *([row.label, unit_text(row.unit), *chosen.cells(row, columns)] for row in shown),
         ]
         return (
             sum(
@@ -162,11 +142,11 @@ def _side_by_side(
 
     bars = fitting(bars, width)
     for row in rows:
-        if row.name not in ON_PAGE_ONLY:
-            table.add_row(row.words, unit_text(row.unit), *bars.cells(row, columns))
+        if row.name not in names_for("page"):
+            table.add_row(row.label, unit_text(row.unit), *bars.cells(row, columns))
         if row.name == "clash_count":
-            for words, unit, cells in largest_clash_rows(study, columns):
-                table.add_row(f"  {words}", unit, *cells)
+            for label, unit, cells in largest_clash_rows(study, columns):
+                table.add_row(f"  {label}", unit, *cells)
     return table
 
 
@@ -182,13 +162,13 @@ def _over_speeds(
     table.columns[0].no_wrap = table.columns[1].no_wrap = True
     known = {row.name: row for row in rows}
     control = critical_rows(study, [column.label for column in columns]) if searched(study) else []
-    for name in SWEPT:
+    for name in names_for("sweep"):
         row = known.get(name)
         if name in KINDS.values() and control:
             for line in control:
                 if line.name == name:
                     table.add_row(
-                        line.words if line.main else f"  {line.words}", "rpm", *line.cells
+                        line.label if line.main else f"  {line.label}", "rpm", *line.cells
                     )
         elif row is not None:
             pairs = zip(
@@ -196,12 +176,12 @@ def _over_speeds(
                 row.engine_speeds[first : first + len(columns)],
                 strict=True,
             )
-            still = name in NO_SPEED
+            still = name in names_for("case")
             cells = [
                 "–" if value is None else _at_speed(value, None if still else speed)
                 for value, speed in pairs
             ]
-            table.add_row(row.words, unit_text(row.unit), *cells)
+            table.add_row(row.label, unit_text(row.unit), *cells)
     speeds = [study.runs(column.label) for column in columns]
     unsettled = [sum(run.status.code == "not-converged" for run in runs) for runs in speeds]
     table.add_row("Engine speeds run", "", *(str(len(runs)) for runs in speeds))
@@ -213,7 +193,7 @@ def _over_speeds(
 def _fitting(
     columns: Sequence[HeadlineColumn], rows: Sequence[HeadlineRow], bars: ErrorBars
 ) -> int:
-    """How many of the ``rows`` stand as columns beside the names of the runs without breaking a
+    """How many of the ``rows`` fit as columns next to the names of the runs without breaking a
     word.
     """
     room = PLAIN_WIDTH - max(len(column.label) for column in columns) - 2 - 7
@@ -226,9 +206,9 @@ def _fitting(
 
 def _header(row: HeadlineRow) -> str:
     return (
-        f"{row.words} ({unit_text(row.unit)})".replace("N s)", "N\u00a0s)")
+        f"{row.label} ({unit_text(row.unit)})".replace("N s)", "N\u00a0s)")
         if row.unit
-        else row.words
+        else row.label
     )
 
 
@@ -238,7 +218,9 @@ def _width(columns: Sequence[HeadlineColumn], row: HeadlineRow, bars: ErrorBars)
 
 
 def _cells(columns: Sequence[HeadlineColumn], row: HeadlineRow, bars: ErrorBars) -> list[str]:
-    """Values of a row with their bars, or with the engine speed where a sweep has its worst."""
+    """Values of a row with their error bars, or with the engine speed of the worst value of a
+    sweep.
+    """
     if any(speed is not None for speed in row.engine_speeds):
         return list(map(_at_speed, row.values, row.engine_speeds))
     return bars.cells(row, columns)
@@ -261,15 +243,15 @@ def _by_run(
     for place in range(1 + timed):
         table.columns[place].no_wrap = True
     cells = [_cells(columns, row, bars) for row in rows]
-    for place, column in enumerate(columns[:BELOW]):
+    for place, column in enumerate(columns[:MAX_TABLE_ROWS]):
         speed = (
             []
             if not timed
             else [f"{rpm(column.engine_speed):g}" if column.engine_speed is not None else ""]
         )
         table.add_row(column.label, *speed, *(one[place] for one in cells))
-    if len(columns) > BELOW:
-        table.add_row(f"and {len(columns) - BELOW} more")
+    if len(columns) > MAX_TABLE_ROWS:
+        table.add_row(f"and {len(columns) - MAX_TABLE_ROWS} more")
     return table
 
 
@@ -306,13 +288,13 @@ def _rest_tables(study: Study) -> Iterator[Table]:
             else [_percent(*pair) for pair in zip(cells, first, strict=True)]
         )
         error = one.facts.get("force error of the mesh")
-        words = [
-            _words(value) + (f" ({share})" if share else "")
+        label = [
+            _cell(value) + (f" ({share})" if share else "")
             for value, share in zip(cells, compared or [""] * 5, strict=True)
         ]
         if isinstance(error, float):
-            words[0] += f" ±{100 * error:.2g} %"
-        rows.append((one.model if several == 1 else f"{one.spring}, {one.model}", *words))
+            label[0] += f" ±{100 * error:.2g} %"
+        rows.append((one.model if several == 1 else f"{one.spring}, {one.model}", *label))
     if rows:
         table = plain_table(
             ("at rest", "preload (N)", "rate (N/mm)", "mode 1 (Hz)", "mode 2 (Hz)", "mode 3 (Hz)"),
@@ -334,7 +316,7 @@ def _show_published(console: Console, study: Study, whole: bool) -> None:
     from valvetrain.cli.published import show_comparisons
 
     if study.comparisons:
-        console.print(f"\n{published_words(study.comparisons)}")
+        console.print(f"\n{published_summary(study.comparisons)}")
     more = [
         f"{len(found)} {noun}{'s' if len(found) > 1 else ''}"
         for found, noun in ((study.findings, "finding"), (study.notes, "note"))
@@ -362,7 +344,7 @@ def _show_published(console: Console, study: Study, whole: bool) -> None:
         console.print(f"\n{note}", soft_wrap=True)
 
 
-def published_words(rows: Sequence[Comparison]) -> str:
+def published_summary(rows: Sequence[Comparison]) -> str:
     """One sentence: how many published values, the median and the largest difference, and how many
     stated tolerances are met.
     """
@@ -388,15 +370,15 @@ def published_words(rows: Sequence[Comparison]) -> str:
 
 
 def _at_speed(value: float | None, engine_speed: float | None) -> str:
-    return _words(value) + ("" if engine_speed is None else f" at {rpm(engine_speed):g}")
+    return _cell(value) + ("" if engine_speed is None else f" at {rpm(engine_speed):g}")
 
 
 def _range(values: Sequence[float | None]) -> str:
-    """One value, or the least and the largest of several."""
+    """One value, or the minimum and maximum of several."""
     return " to ".join(
         dict.fromkeys(
             map(
-                _words,
+                _cell,
                 (min(known), max(known))
                 if (known := [v for v in values if v is not None])
                 else (None,),
@@ -405,5 +387,5 @@ def _range(values: Sequence[float | None]) -> str:
     )
 
 
-def _words(value: float | None) -> str:
+def _cell(value: float | None) -> str:
     return number(value, 4)

@@ -1,6 +1,4 @@
-"""What a case says, in short lines for people, and the numbers that follow from it before anything
-is solved.
-"""
+"""What a case file says, as short lines, and the quantities that follow before any run."""
 
 from __future__ import annotations
 
@@ -21,7 +19,7 @@ if TYPE_CHECKING:
 
 
 def case_facts(case: Case) -> list[tuple[str, str]]:
-    """(subject, words) of everything the case holds; values that follow from it stand in its named
+    """(subject, text) of everything the case holds; values that follow from it are in its named
     quantities.
     """
     facts = [("title", case.title)] if case.title else []
@@ -49,7 +47,7 @@ def case_facts(case: Case) -> list[tuple[str, str]]:
         if said := default_contacts(train.contacts):
             facts.append(("", said))
         facts += [
-            (f"springs '{name}'", "; ".join(map(_short, springs)))
+            (f"springs '{name}'", "; ".join(map(_spring_fact, springs)))
             for name, springs in train.springs.items()
         ]
     if case.operation.engine_speeds:
@@ -60,7 +58,7 @@ def case_facts(case: Case) -> list[tuple[str, str]]:
             )
         )
     if case.springs:
-        facts.append(("cam turns", f"{case.operation.cycles}, the last one reported"))
+        facts.append(("cam revolutions", f"{case.operation.cycles}, the last one reported"))
     if case.points:
         facts.append(
             (
@@ -87,11 +85,9 @@ def case_facts(case: Case) -> list[tuple[str, str]]:
     return facts
 
 
-def _short(spring: InstalledSpring) -> str:
+def _spring_fact(spring: InstalledSpring) -> str:
     if spring.card is None:
-        return (
-            f"{spring.name}: wire known, installed {number(spring.precompression * 1e3)} mm short"
-        )
+        return f"{spring.name}: wire known, compressed {number(spring.precompression * 1e3)} mm when installed"
     card = spring.card
     mass = "" if card.mass is None else f", mass {number(card.mass * 1e3)} g"
     return (
@@ -103,7 +99,7 @@ def _spring_facts(spring: InstalledSpring) -> list[tuple[str, str]]:
     facts = (
         _wire_facts(spring.wire)
         if spring.wire is not None
-        else [("spring", f"known by its card, {_short(spring)}")]
+        else [("spring", f"known by its card, {_spring_fact(spring)}")]
     )
     if spring.wire is not None:
         facts.append(
@@ -150,7 +146,7 @@ def case_quantities(case: Case, problem: Problem | None) -> dict[str, float]:
     """Named quantities (SI) of the springs of a case, of a nested pair with ``outer_`` and
     ``inner_`` in front, and of its lift.
     """
-    from valvetrain.quantities.design import design_quantities
+    from valvetrain.quantities.statics import design_quantities
 
     springs = case.springs or (case.train.spring_parts() if case.train is not None else ())
     places = ("",) if len(springs) == 1 else ("outer_", "inner_")

@@ -1,4 +1,4 @@
-"""``valvetrain cases`` lists and prints the library."""
+"""``valvetrain cases``, ``check`` and ``new``: the library, what a case file says, and templates."""
 
 from __future__ import annotations
 
@@ -119,8 +119,8 @@ def check(
     """Check a case file: print its values as they were understood, or what is wrong with it, and
     where.
     """
-    from valvetrain.cli.case_choice import choose_case
     from valvetrain.cli.case_facts import case_facts, case_quantities
+    from valvetrain.cli.options import choose_case
     from valvetrain.cli.outcome import Outcome, deliver
     from valvetrain.report.json import quantities_object
 
@@ -136,8 +136,8 @@ def check(
 
 
 def put_together(case: Case, models: tuple[str, ...], implausible: bool = False) -> Problem | None:
-    """Build everything that ``run`` builds, the springs of every set too: what is wrong may only
-    show there. None for a lift law alone.
+    """Build everything that ``run`` builds, the springs of every set too, since some errors appear
+    only there. None for a lift law alone.
 
     ``implausible``: values pass that no valvetrain can have.
     """
@@ -196,7 +196,7 @@ def new(
             "--kind",
             "--train",
             metavar="KIND",
-            help=f"Kind of case: {', '.join(f'{word} ({told})' for word, told in KINDS.items())}.",
+            help=f"Kind of case: {', '.join(f'{word} ({meaning})' for word, meaning in KINDS.items())}.",
         ),
     ] = "spring",
     as_json: JsonOption = False,
@@ -207,13 +207,13 @@ def new(
 
     path = write_template(name, kind)
     data = {"command": "new", "kind": kind, "files": [str(path)]}
-    words = f"{path}: {KINDS[kind]}; put in your values, then run 'valvetrain run {path}'"
-    deliver(Outcome(data, lambda console: console.print(words, soft_wrap=True)))
+    label = f"{path}: {KINDS[kind]}; put in your values, then run 'valvetrain run {path}'"
+    deliver(Outcome(data, lambda console: console.print(label, soft_wrap=True)))
 
 
 def write_template(name: str, kind: str) -> Path:
-    """Write the template of ``kind`` (a word of :data:`KINDS`) to ``name`` with ``.toml`` behind;
-    the path.
+    """Write the template of ``kind`` (a key of :data:`KINDS`) to ``name`` with the ending
+    ``.toml``; its path.
 
     Raises :class:`InputError` for an unknown kind, a name that no file may bear, or a file that is
     there.

@@ -1,4 +1,4 @@
-"""The outer rim of the command line: one sentence and an exit code for whatever goes wrong, never a
+"""Error handling of the command line: one sentence and an exit code for every error, never a
 traceback.
 """
 
@@ -28,8 +28,8 @@ from valvetrain.solution.partial_failures import TRACEBACK_VARIABLE
 
 WRONG_INPUT, FAILED, INTERRUPTED = 2, 1, 130
 INTERRUPTED_SENTENCE = "interrupted: nothing more is written; start the command again to repeat it"
-#: Whether the user was told what an interrupted command kept.
-_told: list[str] = []
+#: The sentence on what an interrupted command saved, once it is printed.
+_reported: list[str] = []
 
 
 class GuardedGroup(TyperGroup):
@@ -51,7 +51,7 @@ class GuardedGroup(TyperGroup):
         """
         mend_streams()
         set_manner(sys.argv[1:] if args is None else list(args))
-        _told.clear()
+        _reported.clear()
         with listening(), giving_back():
             try:
                 result = super().main(
@@ -68,31 +68,29 @@ class GuardedGroup(TyperGroup):
                 code = interrupted()
             except (
                 SystemExit
-            ) as error:  # rich and the parser end the process where nobody reads what they print
+            ) as error:  # rich and the parser end the process where nothing reads what they print
                 code = (
                     0
                     if isinstance(error.__context__, BrokenPipeError) and unread()
-                    else _code_of(error)
+                    else error.code
+                    if isinstance(error.code, int)
+                    else FAILED
                 )
             stopped = noted()
         if not standalone_mode:
             return code
-        if stopped:  # threads may still compute what nobody asks for any more
+        if stopped:  # threads may still compute what is no longer needed
             with contextlib.suppress(OSError, ValueError):
                 sys.stdout.flush()
             os._exit(code)
         sys.exit(code)
 
 
-def _code_of(error: SystemExit) -> int:
-    return error.code if isinstance(error.code, int) else FAILED
-
-
 def interrupted(sentence: str = INTERRUPTED_SENTENCE) -> int:
-    """Say, once, that the command was stopped and what it kept; the exit code."""
+    """Print once that the command was interrupted and what it saved; the exit code."""
     code = exit_code(noted())
-    if not _told:
-        _told.append(sentence)
+    if not _reported:
+        _reported.append(sentence)
         complain(sentence)
         if sentence == INTERRUPTED_SENTENCE:
             _as_json(sentence, "", code)
@@ -139,7 +137,7 @@ def _usage(error: Any) -> int:
 
 
 def _say(sentence: str, code: int, where: str = "") -> int:
-    """The sentence on standard error, and under ``--json`` as an object on standard output."""
+    """Print an error on standard error, and under ``--json`` as an object on standard output."""
     message = " ".join(sentence.split())
     complain(f"error: {where}: {message}" if where else f"error: {message}")
     _as_json(message, where, code)

@@ -12,11 +12,11 @@ import typer
 
 from valvetrain.cli.guard import GuardedGroup
 from valvetrain.errors import InputError
-from valvetrain.registry import find, words
+from valvetrain.registry import find, places
 
 
-def _version(wanted: bool) -> None:
-    if wanted:
+def _version(requested: bool) -> None:
+    if requested:
         from valvetrain import __version__
 
         typer.echo(f"valvetrain {__version__}")
@@ -61,11 +61,11 @@ def app_of(chosen: Sequence[str]) -> typer.Typer:
 
 @cache
 def _whole() -> typer.Typer:
-    return app_of(words("commands"))
+    return app_of(tuple(places("commands")))
 
 
 def __getattr__(name: str) -> typer.Typer:
-    """``app``: the command line with all commands, made when it is first asked for."""
+    """``app``: the command line with all commands, made when it is first requested."""
     if name == "app":
         return _whole()
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
@@ -76,10 +76,12 @@ def main() -> None:
     # Runs are parallel over cases; linear algebra on matrices of this size only loses to threads of
     # its own (2.2 s instead of 1.5).
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
-    asked = sys.argv[1:2]
+    requested = sys.argv[1:2]
     # one command needs none of the others, whose modules and options take a tenth of a second;
     # completion asks for all
     alone = (
-        bool(asked) and asked[0] in words("commands") and "_VALVETRAIN_COMPLETE" not in os.environ
+        bool(requested)
+        and requested[0] in places("commands")
+        and "_VALVETRAIN_COMPLETE" not in os.environ
     )
-    (app_of(asked) if alone else _whole())(prog_name="valvetrain")
+    (app_of(requested) if alone else _whole())(prog_name="valvetrain")

@@ -85,9 +85,8 @@ def modes(
     """Natural frequencies of springs, both ends fixed or one with a mass; of a train also with its
     springs, as one.
     """
-    from valvetrain.cli.case_choice import choose_case, folder_of
-    from valvetrain.cli.limits import say_cost
-    from valvetrain.cli.outcome import deliver
+    from valvetrain.cli.options import choose_case, folder_of
+    from valvetrain.cli.outcome import deliver, say_cost
     from valvetrain.runs.cost import FEWER_AT_REST, read_limits
     from valvetrain.runs.request_cost import static_cost
     from valvetrain.runs.statics import CURVE_OF_MODES
@@ -131,12 +130,12 @@ def compute_modes(
     keep: Path | None = None,
 ) -> Outcome:
     """The ``count`` lowest modes of every spring about ``compression`` (m from the free state;
-    None: as installed), ``attached_mass`` (kg)
-    on the retainer, 0 for a free end (None: both ends fixed); ``keep``: keep the answer of the case
-    whose file lies there."""
+    None: as installed), ``attached_mass`` (kg) on the retainer, 0 for a free end (None: both ends
+    fixed); ``keep``: keep the answer of the case whose file lies there.
+    """
     from valvetrain.cli.outcome import Outcome
     from valvetrain.cli.progress import announce_compilation, progress_bar
-    from valvetrain.cli.static import kept
+    from valvetrain.cli.static import saved_outcome
     from valvetrain.report.json import study_json
     from valvetrain.runs.statics import static_study
     from valvetrain.runs.train_runs import train_modes
@@ -168,7 +167,7 @@ def compute_modes(
             _show_train(console, one, count)
 
     outcome = Outcome(data, show, study.failures)
-    return outcome if keep is None else kept(outcome, study, case, keep, {"count": count})
+    return outcome if keep is None else saved_outcome(outcome, study, case, keep, {"count": count})
 
 
 def _object(modes: TrainModes, count: int) -> dict[str, Any]:
@@ -182,13 +181,13 @@ def _object(modes: TrainModes, count: int) -> dict[str, Any]:
         }
         for place, frequency in enumerate(modes.natural_frequency[:count])
     ]
-    told = {
+    content = {
         "cam_angle": {"value": modes.cam_angle, "unit": "rad"},
         "valve_lift": {"value": modes.valve_lift, "unit": "m"},
     }
     return (
         {"label": modes.label, "state": modes.state, "closed": modes.closed, "open": modes.open}
-        | told
+        | content
         | {"modes": each}
     )
 
@@ -247,10 +246,8 @@ def _show(console: Console, study: Study) -> None:
             )
         )
         if len(one.modes.axial_modes) and mass is None:
-            console.print(_surge_words(float(one.modes.axial_frequencies[0])), soft_wrap=True)
-
-
-def _surge_words(frequency: float) -> str:
-    """Engine speeds at which the surge (Hz) meets the cam orders of :data:`SURGE_ORDERS`."""
-    met = ", ".join(f"{order} at {120 * frequency / order:.0f}" for order in SURGE_ORDERS)
-    return f"the first axial mode meets cam order {met} rpm of the crank"
+            surge = float(one.modes.axial_frequencies[0])  # Hz
+            met = ", ".join(f"{order} at {120 * surge / order:.0f}" for order in SURGE_ORDERS)
+            console.print(
+                f"the first axial mode meets cam order {met} rpm of the crank", soft_wrap=True
+            )

@@ -1,9 +1,12 @@
-"""Options that several commands share, and how their text is read."""
+"""Options that several commands share, how their text is read, and the case that a command works
+on.
+"""
 
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterator, Sequence
+import tomllib
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -14,6 +17,7 @@ from valvetrain.errors import InputError
 
 if TYPE_CHECKING:
     from valvetrain.measured.sensor import Sensor
+    from valvetrain.parameters.case import Case
 
 
 _HELD: list[ExitStack] = []
@@ -21,7 +25,7 @@ _HELD: list[ExitStack] = []
 
 @contextmanager
 def giving_back() -> Iterator[None]:
-    """Give back at the end of the block what :func:`at_end` was told within it."""
+    """Call at the end of the block every release that :func:`at_end` received in it."""
     with ExitStack() as held:
         _HELD.append(held)
         try:
@@ -39,15 +43,13 @@ def at_end(release: Callable[[], None]) -> None:
 MAX_COUNTED = 10**9
 
 
-def asks(flag: str, metavar: str, words: str) -> Any:
+def asks(flag: str, metavar: str, label: str) -> Any:
     """An option that takes text, empty by default."""
-    return typer.Option(flag, metavar=metavar, help=words, show_default=False)
+    return typer.Option(flag, metavar=metavar, help=label, show_default=False)
 
 
 def matching_cases(begun: str) -> list[str]:
-    """Library cases whose names begin so, for the completion of the shell; file names are the
-    shell's own.
-    """
+    """Library cases whose names start with ``begun``, for shell completion."""
     from valvetrain.parameters.loading import library_names
 
     return [name for name in library_names() if name.startswith(begun)]
@@ -95,9 +97,7 @@ SpeedOption = Annotated[
 
 
 def read_folder(text: str) -> Path:
-    """The folder of that name. Raises :class:`InputError` for an empty one, as a variable without a
-    value gives it, and a zero byte.
-    """
+    """The folder of that name. Raises :class:`InputError` for an empty name or a zero byte."""
     if not text.strip():
         raise InputError(
             "the name of the folder is empty; give one, or leave the option out", "--output"
@@ -111,9 +111,8 @@ def read_folder(text: str) -> Path:
 
 
 def take_folder(output: Path | None, resumes: str = "") -> None:
-    """Check the folder of ``--output``, or the home of kept runs where it is None, and hold it
-    until the command ends. ``resumes``: file
-    by which a folder of the same command, cut short, is known.
+    """Check and lock the folder of ``--output``, or the home of saved runs where it is None, until
+    the command ends. ``resumes``: file that identifies an unfinished folder of the same command.
 
     Raises :class:`InputError` for a folder that cannot be used or that another run writes into.
     """
@@ -170,9 +169,9 @@ DaskOption = Annotated[
 
 def points_folder(default: str) -> Any:
     """The option of a folder that keeps finished points."""
-    words = f"Folder of points and results; points that it holds are not computed again (default: {default})."
+    label = f"Folder of points and results; points that it holds are not computed again (default: {default})."
     return typer.Option(
-        "--output", metavar="FOLDER", parser=read_folder, show_default=False, help=words
+        "--output", metavar="FOLDER", parser=read_folder, show_default=False, help=label
     )
 
 
@@ -200,7 +199,7 @@ ImplausibleOption = Annotated[
 PublishedOption = Annotated[
     bool,
     typer.Option(
-        "--published", help="Print every published value beside the computed one, and findings."
+        "--published", help="Print every published value next to the computed one, and findings."
     ),
 ]
 
@@ -250,7 +249,7 @@ def read_count(value: int, low: int, high: int, where: str) -> int:
 
 
 def read_workers(value: int | None) -> int:
-    """Number of runs at a time: as asked, else the cores this process may use, at most 4."""
+    """Number of runs at a time: as requested, else the cores this process may use, at most 4."""
     if value is not None:
         return read_count(value, 1, 256, "--workers")
     cores = (
@@ -260,7 +259,7 @@ def read_workers(value: int | None) -> int:
 
 
 def read_names(texts: Sequence[str] | None) -> tuple[str, ...]:
-    """Words of a repeatable option whose values may be lists with commas, in order, each once."""
+    """Names of a repeatable option whose values may be lists with commas, in order, each once."""
     return tuple(
         dict.fromkeys(
             word.strip() for text in texts or () for word in text.split(",") if word.strip()
@@ -269,9 +268,7 @@ def read_names(texts: Sequence[str] | None) -> tuple[str, ...]:
 
 
 def read_models(texts: Sequence[str] | None) -> tuple[str, ...]:
-    """Words of spring models. Raises :class:`InputError` with the nearest one for a word that is
-    none.
-    """
+    """Names of spring models. Raises :class:`InputError` with the nearest name for an unknown one."""
     from valvetrain.registry import find
 
     models = read_names(texts)
@@ -287,14 +284,14 @@ SENSOR_KEYS = (
 )  # fmt: skip
 
 
-def read_sensor(bandwidth: str | None, words: str | None, sampling_rate: str | None) -> Sensor:
+def read_sensor(bandwidth: str | None, sentence: str | None, sampling_rate: str | None) -> Sensor:
     """The gauge of ``--bandwidth``, ``--sampling-rate`` and ``--sensor 'KEY=VALUE, ...'``. Raises
     :class:`InputError` for other words.
     """
     from valvetrain.measured.sensor import Sensor
 
     given: dict[str, Any] = {}
-    for part in (words or "").split(","):
+    for part in (sentence or "").split(","):
         if not part.strip():
             continue
         key, sign, value = (one.strip() for one in part.partition("="))
@@ -326,3 +323,85 @@ def _sensor_value(key: str, value: str) -> Any:
                 f"{key} is a number, not '{value[:20]}'; correct it", "--sensor"
             ) from error
     return value
+
+
+#: Options of the command line -> what they set in the table of every spring.
+IN_EVERY_SPRING = {
+    "--elements-per-coil": "options.finite-element.elements_per_coil", "--solid-elements-per-coil": "options.solid.elements_per_coil",
+    "--solid-core": "options.solid.core", "--solid-rings": "options.solid.rings", "--solid-time-limit": "options.solid.time_limit",
+}  # fmt: skip
+
+
+def choose_case(
+    name: str,
+    settings: Sequence[str] | None = None,
+    elements_per_coil: int | None = None,
+    more: Mapping[str, Any] | None = None,
+) -> Case:
+    """Load the case ``name`` with ``settings`` (``key.path=value``), the mesh of
+    ``--elements-per-coil`` and ``more`` options of :data:`IN_EVERY_SPRING` by their names.
+
+    A saved run is called by its folder. Raises :class:`InputError`; an error in a value set here is
+    placed at its option, not at a line of the file.
+    """
+    from valvetrain.parameters.loading import library_names, load_case
+    from valvetrain.parameters.overrides import read_assignment
+    from valvetrain.runs.saved_runs import run_of_path
+
+    changes: dict[str, Any] = {}
+    options: dict[str, str] = {}
+    for text in settings or ():
+        path, value = read_assignment(text, "--set")
+        changes[path], options[path] = value, f"--set {path}"
+    saved = None if not name.strip() or name in library_names() else run_of_path(Path(name))
+    source = name if saved is None else saved.case_file
+    try:
+        given = {"--elements-per-coil": elements_per_coil, **(more or {})}
+        for option, value in given.items():
+            for path in _spring_paths(load_case(source).text) if value is not None else ():
+                (
+                    changes[f"{path}.{IN_EVERY_SPRING[option]}"],
+                    options[f"{path}.{IN_EVERY_SPRING[option]}"],
+                ) = value, option
+        return load_case(source, changes)
+    except InputError as error:
+        raise _placed(error, options) from None
+
+
+def _spring_paths(text: str) -> list[str]:
+    """Key paths of every spring of a case file."""
+    tree = tomllib.loads(text)
+    places = {"spring": tree.get("spring", {})} if "train" not in tree else {}
+    places |= {
+        f"train.springs.{name}": springs
+        for name, springs in tree.get("train", {}).get("springs", {}).items()
+    }
+    paths = []
+    for path, springs in places.items():
+        paths += (
+            [f"{path}.{place}" for place in range(len(springs))]
+            if isinstance(springs, list)
+            else [path]
+        )
+    return paths
+
+
+def folder_of(name: str) -> Path:
+    """Folder of the files that a case names."""
+    from valvetrain.parameters.loading import LIBRARY, library_names
+    from valvetrain.runs.saved_runs import run_of_path
+
+    if name in library_names():
+        return LIBRARY
+    saved = run_of_path(Path(name))
+    return Path(name).parent if saved is None else saved.case_file.parent
+
+
+def _placed(error: InputError, options: dict[str, str]) -> InputError:
+    key = error.where.rpartition(", ")[2]
+    for path, option in options.items():
+        if key == path or key.startswith(f"{path}."):
+            return InputError(error.reason, option)
+    if options and key and any(path.startswith(f"{key}.") for path in options):
+        return InputError(error.reason, f"{key} with {', '.join(dict.fromkeys(options.values()))}")
+    return error

@@ -1,4 +1,4 @@
-"""What a command hands back: one JSON object, the same for people, and what went wrong."""
+"""Outcome of a command: one JSON object or tables for people, and what went wrong."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ import sys
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextvars import ContextVar
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import typer
 from rich.console import Console
@@ -21,13 +21,16 @@ from rich.text import Text
 from valvetrain.errors import InputError
 from valvetrain.solution.partial_failures import TRACEBACK_VARIABLE, reason
 
+if TYPE_CHECKING:
+    from valvetrain.runs.cost import Cost, Limits
+
 _STREAMS = (("stdin", "r"), ("stdout", "w"), ("stderr", "w"))
 
 
 def mend_streams() -> None:
-    """Put the null device where a standard stream is closed (``>&-``): else the next file that is
-    opened takes its number, and whatever
-    prints writes into it. Names that a stream cannot show are written with backslashes."""
+    """Open the null device in place of closed standard streams (``>&-``), whose number the next
+    opened file would take. Characters that a stream cannot encode are written with backslashes.
+    """
     for number in range(len(_STREAMS)):
         with contextlib.suppress(OSError):
             try:
@@ -43,14 +46,14 @@ def mend_streams() -> None:
 
 
 def reader_left() -> bool:
-    """Whether nobody reads standard output any more (``| head -1``); then nothing goes there from
-    now on, at exit either.
+    """Whether the reader of standard output has left (``| head -1``); then nothing more is written
+    to it.
     """
     try:
         place = sys.stdout.fileno()
         if hasattr(
             select, "poll"
-        ):  # elsewhere it is taken for granted: this is asked after an error of a pipe
+        ):  # elsewhere it is taken for granted: this is called after an error of a pipe
             watch = select.poll()
             watch.register(place, select.POLLOUT)
             if not any(what & (select.POLLERR | select.POLLHUP) for _, what in watch.poll(0)):
@@ -62,8 +65,8 @@ def reader_left() -> bool:
 
 
 def unread() -> bool:
-    """As :func:`reader_left`, also where rich has seen it first and put the null device in the
-    place of standard output.
+    """As :func:`reader_left`, also where rich has already replaced standard output by the null
+    device.
     """
     try:
         return os.path.samestat(os.fstat(sys.stdout.fileno()), os.stat(os.devnull)) or reader_left()
@@ -77,8 +80,8 @@ PLAIN_WIDTH = 100
 
 @dataclass(frozen=True, slots=True)
 class Manner:
-    """How the command was asked to speak: one JSON object on standard output, and nothing but
-    errors on standard error.
+    """Output requested on the command line: one JSON object on standard output, or nothing but
+    errors.
     """
 
     json: bool = False
@@ -89,15 +92,13 @@ _DEFAULT = Manner()
 _MANNER: ContextVar[Manner] = ContextVar("manner", default=_DEFAULT)
 
 
-def set_manner(words: Sequence[str]) -> None:
-    """Read ``--json`` and ``--quiet`` from the words of the command line, so that errors of the
-    parser obey them too.
-    """
-    _MANNER.set(Manner("--json" in words, "--quiet" in words))
+def set_manner(label: Sequence[str]) -> None:
+    """Read ``--json`` and ``--quiet`` before parsing, so that errors of the parser obey them too."""
+    _MANNER.set(Manner("--json" in label, "--quiet" in label))
 
 
 def manner() -> Manner:
-    """How this command speaks."""
+    """The output requested on the command line."""
     return _MANNER.get()
 
 
@@ -136,9 +137,7 @@ def deliver(outcome: Outcome) -> None:
 
 
 def _show(outcome: Outcome) -> tuple[str, ...]:
-    """Print for people; what of it could not be shown, for the numbers are computed and written
-    whatever a table meets.
-    """
+    """Print for people; what could not be printed, since results are saved whatever printing does."""
     try:
         outcome.show(output_console())
     except (OSError, InputError, typer.Exit):
@@ -159,18 +158,16 @@ def output_console() -> Console:
 
 
 class _Plain(Console):
-    """A console to which no words from outside can speak in control sequences, and whose caller
-    says what follows when its reader left.
+    """A console that prints control sequences of foreign text as text and reports a reader that
+    left.
     """
 
     def on_broken_pipe(self) -> None:
-        """Called inside the handling of the error, which goes on; rich would end the process with
-        code 1.
-        """
+        """Replace rich's handling of a broken pipe, which would end the process with code 1."""
         raise BrokenPipeError
 
     def render_str(self, text: str, **manner: Any) -> Text:
-        """Words as they may be shown; see the base class."""
+        """Text with control sequences escaped; see the base class."""
         return super().render_str(
             "".join(char if char.isprintable() or char in "\n\xa0" else "?" for char in text),
             **manner,
@@ -178,13 +175,13 @@ class _Plain(Console):
 
 
 def tell(sentence: str) -> None:
-    """One line on standard error, whatever the sentence holds; nothing under ``--quiet``."""
+    """Print one line on standard error, whatever the sentence contains; nothing under ``--quiet``."""
     if not manner().quiet:
         complain(sentence)
 
 
 def complain(sentence: str) -> None:
-    """One line on standard error that is an error, so that ``--quiet`` does not hold it back."""
+    """Print one error line on standard error, under ``--quiet`` too."""
     clean = "".join(char if char.isprintable() else "?" for char in sentence)
     sys.stderr.write(clean + "\n")
     sys.stderr.flush()
@@ -201,13 +198,13 @@ def measured(value: float | None, unit: str) -> dict[str, Any]:
 
 
 def to_json(data: Mapping[str, Any]) -> str:
-    """One JSON object; what is no finite number becomes null, for JSON has no other word for it."""
+    """One JSON object; numbers that are not finite become null."""
     return json.dumps(plain(data), indent=2, allow_nan=False)
 
 
 def plain(item: Any) -> Any:
-    """``item`` as JSON has it: numbers that are not finite are null, arrays lists, anything else
-    its words.
+    """``item`` as JSON values: numbers that are not finite are null, arrays lists, anything else
+    text.
     """
     if isinstance(item, Mapping):
         return {str(key): plain(value) for key, value in item.items()}
@@ -256,9 +253,21 @@ def shown_text(name: str, value: float | None, digits: int = 5) -> tuple[str, st
 
 def quantity_rows(values: Mapping[str, float]) -> list[tuple[str, str, str]]:
     """(name, number, unit) of named SI quantities."""
-    from valvetrain.solution.definition import label_of
+    from valvetrain.report.text import quantity_label
 
-    return [
-        (label_of(name)[:1].upper() + label_of(name)[1:], *shown_text(name, value))
-        for name, value in values.items()
-    ]
+    return [(quantity_label(name), *shown_text(name, value)) for name, value in values.items()]
+
+
+#: Estimates above this are printed (s).
+WORTH_SAYING = 20.0
+
+
+def say_cost(cost: Cost, limits: Limits, fewer: str) -> None:
+    """Print the estimated cost of a long request; raise :class:`InputError` with the numbers, and
+    the advice to request ``fewer``, for one beyond ``limits``.
+    """
+    from valvetrain.runs.cost import refuse_cost
+
+    estimate = refuse_cost(cost, limits, fewer=fewer)
+    if cost.seconds > WORTH_SAYING:
+        tell(f"this will take {estimate}")

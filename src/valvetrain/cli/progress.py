@@ -1,6 +1,4 @@
-"""How long it still takes: on standard error, and as JSON lines to whoever started the command and
-asked for them.
-"""
+"""Progress and remaining time on standard error, and as JSON lines for a calling program."""
 
 from __future__ import annotations
 
@@ -16,7 +14,7 @@ from typing import Any
 from valvetrain.cli.outcome import manner, tell
 
 Report = Callable[[float, str], None]
-#: Names the open file (its number) that is told the progress, ``{"share": 0.25, "text":
+#: Names the open file (its number) that receives the progress, ``{"share": 0.25, "text":
 #: "multi-mass, 4200 rpm"}`` a line.
 PROGRESS_VARIABLE = "VALVETRAIN_PROGRESS"
 #: What was announced to come before the first share of the work.
@@ -46,8 +44,8 @@ def progress_bar(title: str) -> Iterator[Report]:
     from rich.console import Console
     from rich.progress import BarColumn, Progress, SpinnerColumn, TaskProgressColumn, TextColumn
 
-    words, left = TextColumn("{task.description}", markup=False), TextColumn("{task.fields[left]}")
-    columns = SpinnerColumn(), words, BarColumn(24), TaskProgressColumn(), left
+    label, left = TextColumn("{task.description}", markup=False), TextColumn("{task.fields[left]}")
+    columns = SpinnerColumn(), label, BarColumn(24), TaskProgressColumn(), left
     bar = Progress(*columns, console=Console(stderr=True), transient=True)
     task = bar.add_task(title, total=1.0, left="")
     begun = time.monotonic()
@@ -66,8 +64,8 @@ def progress_bar(title: str) -> Iterator[Report]:
 
 
 def time_left(elapsed: float, done: float) -> str:
-    """Words on the time left after ``elapsed`` seconds with the share ``done``; empty while nothing
-    can be said.
+    """The remaining time as text after ``elapsed`` seconds with the share ``done``; empty while
+    unknown.
     """
     if not 0 < done < 1:
         return ""
@@ -92,10 +90,10 @@ def announce_compilation(*kinds: str) -> None:
 
     seconds = seconds_to_compile(*kinds)
     if seconds:
-        words = f"compiling kernels, once, about {seconds:.0f} s"
-        tell_progress(None, words)
-        _AHEAD[:] = [words]
-        tell(words)
+        label = f"compiling kernels, once, about {seconds:.0f} s"
+        tell_progress(None, label)
+        _AHEAD[:] = [label]
+        tell(label)
 
 
 #: Kind of work -> a kernel that is compiled last in it, and the seconds that all of its kernels
@@ -118,7 +116,7 @@ def seconds_to_compile(*kinds: str) -> float:
 
 def _compiled(kernel: Any) -> bool:
     """Whether ``kernel`` is compiled in this process or has a valid entry in its cache; True where
-    that cannot be told.
+    that cannot be written.
     """
     if getattr(kernel, "signatures", ()):
         return True
@@ -128,5 +126,5 @@ def _compiled(kernel: Any) -> bool:
         return bool(kernel._cache._cache_file._load_index())
     except AttributeError:
         return True
-    except Exception:  # damaged bytes raise whatever they happen to spell; they are compiled anew
+    except Exception:  # damaged bytes raise whatever they happen to spell; they are compiled again
         return False

@@ -1,4 +1,4 @@
-"""Every published value beside the computed one, for people."""
+"""Every published value next to the computed one, for people."""
 
 from __future__ import annotations
 
@@ -48,9 +48,9 @@ def show_comparisons(console: Console, rows: Sequence[Comparison]) -> None:
     console.print()
     for origin in origins:
         model = next(row.model for row in reversed(rows) if row.origin == origin)
-        beside = f", beside our {theme.model_label(model)}" if model else ""
+        compared = f", next to our {theme.model_label(model)}" if model else ""
         console.print(
-            f"{theme.origin_style(origin)[0]}  published by {origin or 'its source'}{beside}"
+            f"{theme.origin_style(origin)[0]}  published by {origin or 'its source'}{compared}"
         )
     for role in dict.fromkeys(row.role for row in rows):
         console.print(tally([row for row in rows if row.role == role], role))
@@ -62,7 +62,7 @@ def comparison_table(rows: Sequence[Comparison], title: str) -> Table:
     from valvetrain.report import theme
     from valvetrain.solution.definition import label_of
 
-    def words(value: float | None, unit: str) -> str:
+    def shown(value: float | None, unit: str) -> str:
         return "–" if value is None else number(in_unit(value, unit))
 
     table = plain_table(
@@ -74,13 +74,13 @@ def comparison_table(rows: Sequence[Comparison], title: str) -> Table:
     for column, width in zip(table.columns, (36, 2, 15, 10, 10, 17), strict=True):
         column.width, column.overflow = width, "fold"
     for row in rows:
-        published = f"{words(row.published, row.unit)} {short_unit(row.unit)}".strip()
+        published = f"{shown(row.published, row.unit)} {short_unit(row.unit)}".strip()
         table.add_row(
             label_of(row.quantity),
             theme.origin_style(row.origin)[0],
             published,
-            words(row.computed, row.unit),
-            difference_words(row),
+            shown(row.computed, row.unit),
+            difference_text(row),
             short_verdict(row),
         )
     return table
@@ -91,8 +91,10 @@ def short_unit(unit: str) -> str:
     return unit.replace("^2", "²").replace("^3", "³")
 
 
-def difference_words(row: Comparison) -> str:
-    """In percent of what was published; angles, and what was published as zero, in their unit."""
+def difference_text(row: Comparison) -> str:
+    """Difference in per cent of the published value; angles, and differences from a published zero,
+    in their unit.
+    """
     from valvetrain.parameters.summary import in_unit, number
     from valvetrain.report.text import percent
 
@@ -108,7 +110,7 @@ def difference_words(row: Comparison) -> str:
 
 
 def short_verdict(row: Comparison) -> str:
-    """The verdict without the difference, which has a column of its own."""
+    """The verdict without the difference."""
     first, _, rest = row.verdict.partition(",")
     if first.startswith("differs"):
         return "–"
@@ -140,8 +142,8 @@ MIN_BAR = 1e-4
 
 @dataclass(frozen=True)
 class ErrorBars:
-    """Stored uncertainties by quantity; ``between`` stands around the sign of a bar, None shows
-    none.
+    """Stored uncertainties by quantity; ``between`` is the text around the ± sign, None hides the
+    bars.
     """
 
     rows: Mapping[str, Sequence[Uncertainty]] = field(default_factory=dict)
@@ -149,7 +151,7 @@ class ErrorBars:
 
     @classmethod
     def of(cls, study: Study) -> ErrorBars:
-        """Those of the numbers that this study computed."""
+        """Error bars of the quantities of this study."""
         from valvetrain.runs.stored_error_bars import fresh_uncertainty
 
         rows: dict[str, list[Uncertainty]] = {}
@@ -165,14 +167,14 @@ class ErrorBars:
         ]
 
     def _cell(self, value: float | None, row: HeadlineRow, column: HeadlineColumn) -> str:
-        words = number(value, DIGITS)
+        label = number(value, DIGITS)
         if (
             self.between is None
             or not value
             or not math.isfinite(value)
             or column.engine_speed is None
         ):
-            return words
+            return label
         for held in self.rows.get(row.name, ()):
             if held.label in ("", column.label) and same_speed(
                 held.engine_speed, column.engine_speed
@@ -183,11 +185,11 @@ class ErrorBars:
                     value, float(shown(row.name, held.value)[0]), rel_tol=1e-3, abs_tol=bar
                 )
                 return (
-                    f"{words}{self.between}±{self.between}{number(bar, BAR_DIGITS)}"
+                    f"{label}{self.between}±{self.between}{number(bar, BAR_DIGITS)}"
                     if near and bar >= max(last / 2, MIN_BAR)
-                    else words
+                    else label
                 )
-        return words
+        return label
 
 
 def fitting(bars: ErrorBars, width: Callable[[ErrorBars], int]) -> ErrorBars:

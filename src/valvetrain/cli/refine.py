@@ -46,9 +46,10 @@ def register_refine(app: typer.Typer) -> None:
 
 @dataclass(frozen=True)
 class RefineRequest:
-    """What was asked for: the case, the folder its file lies in, where results go, and the time;
-    ``engine_speeds`` (rad/s of the crank,
-    None: the case's own), workers and bounds of the runs, and whether implausible values pass."""
+    """A request of ``refine``: case, folder of the case file, output folder and time;
+    ``engine_speeds`` (rad/s of the crank, None: the case's own), workers and limits of the runs,
+    and whether implausible values pass.
+    """
 
     case: Case
     folder: Path
@@ -76,10 +77,9 @@ def refine(
     """State the uncertainty of the headline numbers of a spring or a train: finer meshes and steps,
     other contact constants.
     """
-    from valvetrain.cli.case_choice import choose_case, folder_of
     from valvetrain.cli.guard import interrupted
-    from valvetrain.cli.limits import say_cost
-    from valvetrain.cli.outcome import deliver
+    from valvetrain.cli.options import choose_case, folder_of
+    from valvetrain.cli.outcome import deliver, say_cost
     from valvetrain.runs.cost import FEWER_REFINED, read_limits
     from valvetrain.runs.request_cost import refine_cost
 
@@ -99,14 +99,14 @@ def refine(
         refine_cost(chosen, request.engine_speeds, request.workers), request.limits, FEWER_REFINED
     )
     study, stopped = _refined(request)
-    outcome = _kept(request, study, stopped)
+    outcome = _saved_outcome(request, study, stopped)
     if not stopped:
         deliver(outcome)
         return
     with suppress(typer.Exit):
         deliver(outcome)
-    words = f"{study.finished} of {study.runs} runs were finished, and their numbers are kept in '{outcome.data['folder']}'"
-    raise typer.Exit(interrupted(f"interrupted: {words}; start the command again for the rest"))
+    sentence = f"{study.finished} of {study.runs} runs were finished, and their numbers are saved in '{outcome.data['folder']}'"
+    raise typer.Exit(interrupted(f"interrupted: {sentence}; start the command again for the rest"))
 
 
 def _refined(request: RefineRequest) -> tuple[UncertaintyStudy, bool]:
@@ -131,7 +131,7 @@ def _refined(request: RefineRequest) -> tuple[UncertaintyStudy, bool]:
         return cut.study, True
 
 
-def _kept(request: RefineRequest, study: UncertaintyStudy, stopped: bool) -> Outcome:
+def _saved_outcome(request: RefineRequest, study: UncertaintyStudy, stopped: bool) -> Outcome:
     """The study written to its folder, with a sentence where it was ``stopped`` or a variant
     failed.
     """
@@ -139,13 +139,13 @@ def _kept(request: RefineRequest, study: UncertaintyStudy, stopped: bool) -> Out
     from valvetrain.cli.progress import busy
     from valvetrain.cli.study_command import keep_run
     from valvetrain.report.json import uncertainty_object
-    from valvetrain.report.study import write_page
-    from valvetrain.report.text import rpm
-    from valvetrain.report.uncertainty_section import (
+    from valvetrain.report.sections.published import (
         levels_table,
         uncertainty_page,
         uncertainty_table,
     )
+    from valvetrain.report.study import write_page
+    from valvetrain.report.text import rpm
     from valvetrain.solution.atomic import write_text
 
     case, engine_speeds = request.case, request.engine_speeds
@@ -257,9 +257,9 @@ def fidelity(
     ] = "5 %",
 ) -> None:
     """Which spring model is good enough where: all models over engine speed (default: 1000:9000:500
-    rpm) beside finite elements.
+    rpm) next to finite elements.
     """
-    from valvetrain.cli.limits import say_cost
+    from valvetrain.cli.outcome import say_cost
     from valvetrain.cli.progress import announce_compilation
     from valvetrain.errors import InputError
     from valvetrain.runs.cost import FEWER

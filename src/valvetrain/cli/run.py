@@ -26,8 +26,8 @@ def register_run(app: typer.Typer) -> None:
 @study_command
 def run(request: StudyRequest) -> None:
     """Run a case at all its engine speeds: answer, data files and a report page."""
-    from valvetrain.cli.limits import refuse_beyond
     from valvetrain.cli.progress import announce_compilation
+    from valvetrain.cli.study_command import refuse_beyond
     from valvetrain.runs.run import run_study
 
     refuse_beyond(request)
@@ -75,7 +75,9 @@ ResolutionOption = Annotated[
 FloatOption = Annotated[
     str,
     typer.Option(
-        "--float-lift", metavar="LIFT", help="Lift above the rigid one beyond which a valve floats."
+        "--float-lift",
+        metavar="LIFT",
+        help="Lift above the rigid lift beyond which a valve floats.",
     ),
 ]
 BounceOption = Annotated[
@@ -100,8 +102,8 @@ def sweep(
     """Sweep a case over engine speed (default: 1000:9000:100 rpm): forces, clash, surge, and where
     contact is lost.
     """
-    from valvetrain.cli.limits import refuse_beyond
     from valvetrain.cli.progress import announce_compilation
+    from valvetrain.cli.study_command import refuse_beyond
     from valvetrain.runs.critical_speeds import read_options
     from valvetrain.runs.run import sweep_study
 
@@ -196,18 +198,18 @@ def compare(
     """Run a case by several spring models, side by side; a spring alone by solid finite elements
     too.
     """
-    from valvetrain.cli.limits import refuse_beyond
     from valvetrain.cli.progress import announce_compilation
+    from valvetrain.cli.study_command import refuse_beyond
     from valvetrain.runs.compare import compare_study
 
-    wanted = SOLID in request.spring_models
+    solid = SOLID in request.spring_models
     given = (solid_elements_per_coil, solid_core, solid_rings, solid_motion, solid_time_limit)
-    if any(value is not None for value in given) and not wanted:
+    if any(value is not None for value in given) and not solid:
         raise InputError(
             "options of the solid model need the solid model; add --spring finite-element,solid",
             "--solid-...",
         )
-    if wanted and request.case.train is not None:
+    if solid and request.case.train is not None:
         name = request.case.name
         raise InputError(
             f"solid finite elements run for a spring alone, and case '{name}' is a train; leave solid out",
@@ -215,7 +217,7 @@ def compare(
         )
     refuse_beyond(request)
     motion = read_motion(solid_motion, request)
-    if wanted:
+    if solid:
         _tell_cost(request, motion)
     announce_compilation(
         *(("train",) if request.case.train is not None else ("statics", "transient"))
@@ -238,19 +240,19 @@ def compare(
     )
 
 
-def read_motion(words: str | None, request: StudyRequest) -> SolidMotion | None:
+def read_motion(sentence: str | None, request: StudyRequest) -> SolidMotion | None:
     """The stretch of motion between two cam angles from ``'85:105 deg'``; None for None. Raises
     :class:`InputError`.
     """
-    if words is None:
+    if sentence is None:
         return None
     from valvetrain.runs.solid import SolidMotion
     from valvetrain.units import parse_quantity
 
-    match = re.fullmatch(r"\s*([^:\s]+)\s*:\s*([^:\s]+)\s+(\S+)\s*", words)
+    match = re.fullmatch(r"\s*([^:\s]+)\s*:\s*([^:\s]+)\s+(\S+)\s*", sentence)
     if match is None:
         raise InputError(
-            f"'{words[:40]}' is no stretch of motion; write two cam angles such as '85:105 deg'",
+            f"'{sentence[:40]}' is no stretch of motion; write two cam angles such as '85:105 deg'",
             "--solid-motion",
         )
     engine_speeds = request.engine_speeds or request.case.operation.engine_speeds
@@ -267,8 +269,8 @@ def read_motion(words: str | None, request: StudyRequest) -> SolidMotion | None:
 
 
 def _tell_cost(request: StudyRequest, motion: SolidMotion | None) -> None:
-    """Say what the solids will take, and refuse what lies beyond the bound; a solver that is not
-    there is found out as well.
+    """Print the estimated cost of the solids and refuse one beyond the limits; a missing solver is
+    an error too.
     """
     from valvetrain.cam.build import build_lift_law
     from valvetrain.runs.cost import Cost, refuse_cost
@@ -278,12 +280,12 @@ def _tell_cost(request: StudyRequest, motion: SolidMotion | None) -> None:
         check_motion(build_lift_law(request.case.lift_law), motion)
     for spring in request.case.springs:
         cost = solid_cost(spring, motion)
-        words = f"solid finite elements: {cost.elements} elements, {cost.unknowns} unknowns; statics and modes take about "
-        words += duration_text(cost.statics)
+        label = f"solid finite elements: {cost.elements} elements, {cost.unknowns} unknowns; statics and modes take about "
+        label += duration_text(cost.statics)
         tell(
-            words
+            label
             if motion is None
-            else f"{words}, the motion of {cost.increments} increments about {duration_text(cost.motion)}"
+            else f"{label}, the motion of {cost.increments} increments about {duration_text(cost.motion)}"
         )
         longest = solid_of(spring).time_limit
         refuse_cost(
@@ -318,8 +320,8 @@ def run_up(
     """Accelerate a train through its speeds: envelope of forces, loss of contact and float over
     engine speed.
     """
-    from valvetrain.cli.limits import say_cost
     from valvetrain.cli.options import read_engine_speeds
+    from valvetrain.cli.outcome import say_cost
     from valvetrain.cli.progress import announce_compilation
     from valvetrain.runs.cost import FEWER
     from valvetrain.runs.request_cost import run_up_cost

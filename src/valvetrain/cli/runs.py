@@ -1,4 +1,4 @@
-"""``valvetrain runs`` lists the runs that were kept."""
+"""``valvetrain runs`` and ``compare-runs``: saved runs listed and compared."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 
 RootOption = Annotated[
-    Path, typer.Option("--folder", metavar="FOLDER", help="Folder that runs are kept in.")
+    Path, typer.Option("--folder", metavar="FOLDER", help="Folder that runs are saved in.")
 ]
 #: Rows printed; --json has them all.
 RUNS_MAX_ROWS = 15
@@ -40,7 +40,7 @@ def runs(
     as_json: JsonOption = False,
     quiet: QuietOption = False,
 ) -> None:
-    """List the runs that were kept, newest first, and those that were begun and not finished."""
+    """List the runs that were saved, newest first, and those that were begun and not finished."""
     from valvetrain.cli.outcome import Outcome, deliver
     from valvetrain.runs.run_folders import unfinished_runs
     from valvetrain.runs.saved_runs import list_saved_runs
@@ -49,7 +49,17 @@ def runs(
     data = {
         "command": "runs",
         "runs": [_run_object(run) for run in found],
-        "unfinished": [_unfinished_object(one) for one in begun],
+        "unfinished": [
+            {
+                "created_at": one.created_at,
+                "case": one.case,
+                "state": "going on" if one.living else "killed",
+                "finished_runs": one.finished,
+                "command_line": list(one.command_line),
+                "folder": str(one.folder),
+            }
+            for one in begun
+        ],
     }
 
     def show(console: Console) -> None:
@@ -127,7 +137,7 @@ def _row(run: SavedRun, named: bool) -> tuple[str, ...]:
 
     best = run.headline
     speeds = run.engine_speeds
-    words = (
+    speed_range = (
         "–"
         if not speeds
         else f"{speeds[0]:g}"
@@ -135,19 +145,19 @@ def _row(run: SavedRun, named: bool) -> tuple[str, ...]:
         else f"{speeds[0]:g}–{speeds[-1]:g} ({len(speeds)})"
     )
     models = run.spring_models
-    told = ""
+    summary = ""
     if best is not None:
         value, unit = shown(best["quantity"], best["value"])
-        told = f"{label_of(best['quantity']) if named else ''} {number(value)} {unit}".strip()
+        summary = f"{label_of(best['quantity']) if named else ''} {number(value)} {unit}".strip()
     return (
         run.created_at[5:16].replace("T", " "),
         run.case,
         run.digest,
         run.command,
         ",\n".join(models[:2]) + (f" +{len(models) - 2}" if len(models) > 2 else ""),
-        words,
+        speed_range,
         "" if (ended := run.state) == "completed" else ended,
-        told,
+        summary,
     )
 
 
@@ -192,7 +202,7 @@ def compare_runs(
     as_json: JsonOption = False,
     quiet: QuietOption = False,
 ) -> None:
-    """Show what differs between two kept runs: inputs by key path, then results, headline numbers
+    """Show what differs between two saved runs: inputs by key path, then results, headline numbers
     first.
     """
     from valvetrain.cli.outcome import Outcome, deliver, measured
@@ -224,7 +234,7 @@ def _show_compare_runs(
     results: tuple[ResultDifference, ...],
 ) -> None:
     from valvetrain.cli.outcome import plain_table
-    from valvetrain.report.run_differences import INPUT_HEADS, RESULT_HEADS, input_rows, result_rows
+    from valvetrain.report.run_summary import INPUT_HEADS, RESULT_HEADS, input_rows, result_rows
 
     for name, run in zip("AB", pair, strict=True):
         console.print(f"{name}  {run.folder}", soft_wrap=True)

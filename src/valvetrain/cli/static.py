@@ -28,7 +28,7 @@ from valvetrain.cli.options import (
     read_models,
     read_names,
 )
-from valvetrain.cli.study_command import SavedRequest, keep_run
+from valvetrain.cli.study_command import SavedRequest, save_study
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -43,55 +43,31 @@ if TYPE_CHECKING:
 KeepOption = Annotated[
     bool,
     typer.Option(
-        "--keep", help="Keep the answer as runs are kept: data files, report page and inputs."
+        "--keep", help="Keep the answer as runs are saved: data files, report page and inputs."
     ),
 ]
 
 
-def kept(
+def saved_outcome(
     outcome: Outcome, study: Study, case: Case, folder: Path, choices: Mapping[str, Any]
 ) -> Outcome:
-    """The outcome with its ``study`` written to a new folder of kept runs; ``folder``: where the
-    case's file lies, ``choices``: what was
-    asked besides."""
-    from valvetrain.cli.progress import busy
-    from valvetrain.report.study import write_parts
+    """The outcome with its ``study`` written to a new folder of saved runs; ``folder``: that of the
+    case file, ``choices``: further choices of the command.
+    """
     from valvetrain.solution.partial_failures import PartialFailures
 
-    gaps, data = PartialFailures(), dict(outcome.data)
-    pages: list[Path] = []
-
-    def write(target: Path) -> list[Path]:
-        files = write_parts(study, target)
-        pages.extend([files.page] if files.page else [])
-        for sentence in files.gaps:
-            gaps.add(sentence)
-        told = tuple(dict.fromkeys((*outcome.failures, *gaps.sentences)))
-        data.update(completed=not told, failures=list(told))
-        return [*files.data, *pages]
-
-    asked = {**choices, "spring_models": list(dict.fromkeys(one.model for one in study.rest))}
-    request = SavedRequest(
-        study.command, case, None, datetime.now(UTC).replace(microsecond=0), folder
-    )
-    with busy("writing files"):
-        home, files = keep_run(
-            request, study.record.text, asked, data, write, study.provenance, gaps=gaps
-        )
-    told = tuple(dict.fromkeys((*outcome.failures, *gaps.sentences)))
-    data.update(
-        folder=str(home),
-        files=files,
-        page=str(pages[0]) if pages else None,
-        completed=not told,
-        failures=list(told),
-    )
+    data = dict(outcome.data)
+    made = {**choices, "spring_models": list(dict.fromkeys(one.model for one in study.rest))}
+    now = datetime.now(UTC).replace(microsecond=0)
+    home, _, failed = save_study(
+        SavedRequest(study.command, case, None, now, folder), study, made, data, outcome.failures, study.provenance, PartialFailures()
+    )  # fmt: skip
 
     def show(console: Any) -> None:
         outcome.show(console)
-        console.print(f"\nkept in {home}", soft_wrap=True)
+        console.print(f"\nsaved in {home}", soft_wrap=True)
 
-    return replace(outcome, data=data, show=show, failures=told)
+    return replace(outcome, data=data, show=show, failures=failed)
 
 
 #: Most rows of a curve that are printed; the CSV file has them all.
@@ -154,11 +130,10 @@ def static(
     quiet: QuietOption = False,
 ) -> None:
     """Force, stiffness and stress over compression, coils closing, of every spring of a case, and
-    at heights and loads asked for.
+    at heights and loads requested.
     """
-    from valvetrain.cli.case_choice import choose_case, folder_of
-    from valvetrain.cli.limits import say_cost
-    from valvetrain.cli.outcome import deliver
+    from valvetrain.cli.options import choose_case, folder_of
+    from valvetrain.cli.outcome import deliver, say_cost
     from valvetrain.runs.cost import FEWER_AT_REST, read_limits
     from valvetrain.runs.request_cost import static_cost
     from valvetrain.solution.atomic import check_target
@@ -195,9 +170,9 @@ def compute_static(
     keep: Path | None = None,
 ) -> Outcome:
     """Solve the static curves up to ``largest`` (m; None: a little beyond full lift), and at
-    ``heights`` (m) and ``loads`` (N); write
-    ``csv`` where asked. ``implausible``: let values pass that no spring can have; ``keep``: folder
-    of the case, to keep the answer."""
+    ``heights`` (m) and ``loads`` (N); write ``csv`` on request. ``implausible``: let values pass
+    that no spring can have; ``keep``: folder of the case, to keep the answer.
+    """
     from valvetrain.cli.outcome import Outcome
     from valvetrain.cli.progress import announce_compilation, progress_bar
     from valvetrain.report.json import study_json
@@ -222,11 +197,11 @@ def compute_static(
     if csv is not None:
         data["files"] = [str(write_text(csv, curve_text(study)))]
     outcome = Outcome(data, lambda console: _show(console, study, csv), study.failures)
-    return outcome if keep is None else kept(outcome, study, case, keep, {"steps": steps})
+    return outcome if keep is None else saved_outcome(outcome, study, case, keep, {"steps": steps})
 
 
 def curve_text(study: Study) -> str:
-    """The static curves as CSV; with several, the spring and its model stand in front."""
+    """The static curves as CSV; with several, the spring and its model are its first columns."""
     several = len(study.rest) > 1
     lines = [
         ("spring,model," if several else "")
@@ -272,20 +247,20 @@ def _rows(one: SpringAtRest) -> list[tuple[float | None, ...]]:
 
 
 def _point_tables(points: tuple[RestPoint, ...]) -> Iterator[Table]:
-    """The states asked for: the columns of a curve, and what acts on the retainer where it is
+    """The states requested: the columns of a curve, and what acts on the retainer where it is
     known.
     """
     from valvetrain.cli.outcome import plain_table
     from valvetrain.parameters.summary import number
 
     def rows(fields: tuple[tuple[str, float], ...]) -> list[list[str]]:
-        told = [[getattr(point, name) for name, _ in fields] for point in points]
+        failed = [[getattr(point, name) for name, _ in fields] for point in points]
         return [
             [
                 number(None if v is None else v * scale, 5)
                 for v, (_, scale) in zip(row, fields, strict=True)
             ]
-            for row in told
+            for row in failed
         ]
 
     columns = (
@@ -300,7 +275,7 @@ def _point_tables(points: tuple[RestPoint, ...]) -> Iterator[Table]:
     yield plain_table(
         headers,
         rows(tuple(zip(columns, (1e3, 1.0, 1e-3, 1e3, 1e-6, 1e-6), strict=True))),
-        "as asked",
+        "as requested",
         right=range(6),
     )
     if any(point.torque is not None for point in points):
@@ -329,14 +304,14 @@ def _show(console: Console, study: Study, csv: Path | None) -> None:
     for one, quantities in zip(study.rest, study.still.values(), strict=True):
         rows = _rows(one)
         each = -(-len(rows) // MAX_ROWS)
-        told = [
+        failed = [
             place for place in range(len(COLUMNS)) if any(row[place] is not None for row in rows)
         ]
         console.print()
-        words = ([number(row[place], 5) for place in told] for row in rows[::each])
-        headers = [f"{COLUMNS[place][0]} ({COLUMNS[place][1]})" for place in told]
+        label = ([number(row[place], 5) for place in failed] for row in rows[::each])
+        headers = [f"{COLUMNS[place][0]} ({COLUMNS[place][1]})" for place in failed]
         console.print(
-            plain_table(headers, words, f"{one.spring} by {one.model}", right=range(len(told)))
+            plain_table(headers, label, f"{one.spring} by {one.model}", right=range(len(failed)))
         )
         for table in _point_tables(one.points) if one.points else ():
             console.print()

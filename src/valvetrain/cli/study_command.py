@@ -1,5 +1,5 @@
-"""What ``run``, ``compare`` and ``sweep`` share: their options, the bound on a request, the folder
-that is kept, and the answer.
+"""Common parts of ``run``, ``compare`` and ``sweep``: their options, the limit of a request, the
+saved folder and the answer.
 """
 
 from __future__ import annotations
@@ -7,7 +7,7 @@ from __future__ import annotations
 import functools
 import inspect
 import sys
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from datetime import UTC, datetime
@@ -17,8 +17,8 @@ from typing import TYPE_CHECKING, Any, Protocol, get_type_hints
 
 import typer
 
-from valvetrain.cli.case_choice import IN_EVERY_SPRING, choose_case, folder_of
 from valvetrain.cli.options import (
+    IN_EVERY_SPRING,
     CaseArgument,
     ElementsOption,
     FiguresOption,
@@ -35,13 +35,15 @@ from valvetrain.cli.options import (
     SpringOption,
     SpringSetOption,
     WorkersOption,
+    choose_case,
+    folder_of,
     read_engine_speeds,
     read_models,
     read_names,
     read_workers,
     take_folder,
 )
-from valvetrain.cli.outcome import complain
+from valvetrain.cli.outcome import complain, say_cost
 from valvetrain.errors import InputError
 from valvetrain.runs.run_folders import ANSWER
 
@@ -49,7 +51,7 @@ if TYPE_CHECKING:
     from valvetrain.cli.outcome import Outcome
     from valvetrain.cli.progress import Report
     from valvetrain.parameters.case import Case
-    from valvetrain.report.unfinished import UnfinishedRun
+    from valvetrain.report.files import UnfinishedRun
     from valvetrain.runs.cost import Limits
     from valvetrain.runs.train_runs import Finished
     from valvetrain.solution.partial_failures import PartialFailures
@@ -58,16 +60,14 @@ if TYPE_CHECKING:
 
 
 class Named(Protocol):
-    """A case, or what else is kept under its name."""
+    """A case, or another subject whose runs are saved under its name."""
 
     @property
     def name(self) -> str: ...
 
 
 class KeepRequest(Protocol):
-    """What the kept folder of a run needs to know: command, case, the folder its file lies in,
-    where results go, and the time.
-    """
+    """A request whose run is saved: command, case, folder of the case file, output folder and time."""
 
     @property
     def command(self) -> str: ...
@@ -83,7 +83,7 @@ class KeepRequest(Protocol):
 
 @dataclass(frozen=True)
 class SavedRequest:
-    """A request that is no study of runs, for its kept folder."""
+    """A :class:`KeepRequest` of a command that runs no study."""
 
     command: str
     case: Named
@@ -100,7 +100,7 @@ def show_page(page: Path) -> None:
 
 
 class PointsRequest(Protocol):
-    """What the folder of a study of points needs to know."""
+    """A request of a study of points whose folder is saved."""
 
     @property
     def folder(self) -> Path: ...
@@ -116,8 +116,8 @@ def keep_points(
     name: str,
     gaps: PartialFailures,
 ) -> dict[str, Any]:
-    """Let ``write`` fill the folder of a study of points, put its ``answer`` beside as ``name``,
-    show its page where asked; the answer.
+    """Let ``write`` fill the folder of a study of points, put its ``answer`` there as ``name``,
+    show its page on request; the answer.
     """
     from valvetrain.cli.outcome import plain, to_json
     from valvetrain.cli.progress import busy
@@ -143,10 +143,10 @@ def keep_points(
 
 @dataclass(frozen=True)
 class StudyRequest:
-    """One study as asked for: the ``case`` with its changes and the ``folder`` its file lies in;
-    ``engine_speeds`` (rad/s of the crank,
-    None: the case's own); words of spring models and sets (empty: the study's own choice); where
-    results go and how they are shown."""
+    """One study as requested: the ``case`` with its changes and the ``folder`` its file lies in;
+    ``engine_speeds`` (rad/s of the crank, None: the case's own); words of spring models and sets
+    (empty: the study's own choice); where results go and how they are shown.
+    """
 
     command: str
     case: Case
@@ -218,7 +218,7 @@ def study_command(function: Callable[..., None]) -> Callable[..., None]:
     """Give ``function(request, own options...)`` the options that all studies share; its own come
     after them in the help.
 
-    An own option that :data:`valvetrain.cli.case_choice.IN_EVERY_SPRING` knows is set in the case.
+    An own option that :data:`valvetrain.cli.options.IN_EVERY_SPRING` knows is set in the case.
     """
     own = list(inspect.signature(function).parameters.values())[1:]
     shared = list(inspect.signature(_shared).parameters.values())[:-1]
@@ -261,111 +261,136 @@ def answer_study(
     compute: Callable[[Report, Finished], Study],
     choices: Mapping[str, Any] = MappingProxyType({}),
 ) -> None:
-    """Compute the study, keep it in its folder and print its answer; one that is stopped leaves
-    what was finished of it.
+    """Compute the study, save its folder and print its answer; a stopped one saves what was
+    finished.
 
     ``compute`` tells its progress and each solution as it comes; ``choices``: what the command was
-    asked besides, kept among the inputs.
+    further choices, saved among the inputs.
     """
     from valvetrain.cli.guard import interrupted
     from valvetrain.cli.outcome import deliver
     from valvetrain.cli.progress import progress_bar
-    from valvetrain.report.unfinished import UnfinishedRun
+    from valvetrain.report.files import UnfinishedRun
     from valvetrain.runs.run_folders import unfinished_folder
     from valvetrain.runs.stopping import StudyStopped
 
     begun = ("valvetrain", *sys.argv[1:])
-    kept = UnfinishedRun(
+    unfinished = UnfinishedRun(
         lambda: request.output or unfinished_folder(request.case.name, request.created_at), begun
     )
     stopped = False
     try:
         with progress_bar(request.case.name) as report:
-            study = compute(report, kept.add)
+            study = compute(report, unfinished.add)
     except StudyStopped as cut:
         study, stopped = cut.study, True
     except BaseException as error:
-        if kept.folder is not None:
-            told = f"what was finished is kept in '{kept.folder}'"
+        if unfinished.folder is not None:
+            sentence = f"what was finished is saved in '{unfinished.folder}'"
             if isinstance(error, KeyboardInterrupt):
-                interrupted(f"interrupted: {told}")
+                interrupted(f"interrupted: {sentence}")
             else:
-                complain(told)
+                complain(sentence)
         raise
-    outcome = _kept(request, study, choices, kept)
+    outcome = _saved_outcome(request, study, choices, unfinished)
     if not stopped:
         deliver(outcome)
         return
     with suppress(typer.Exit):
         deliver(outcome)
     done = sum(run.status.code != "interrupted" for run in study.solutions)
-    words = (
-        f"{done} of {len(study.solutions)} runs were finished and are kept"
+    sentence = (
+        f"{done} of {len(study.solutions)} runs were finished and are saved"
         if done
-        else "springs at rest, which were finished, are kept"
+        else "springs at rest, which were finished, are saved"
     )
     raise typer.Exit(
         interrupted(
-            f"interrupted: {words} in '{outcome.data['folder']}'; start the command again for the rest"
+            f"interrupted: {sentence} in '{outcome.data['folder']}'; start the command again for the rest"
         )
     )
 
 
-def _kept(
-    request: StudyRequest, study: Study, choices: Mapping[str, Any], kept: UnfinishedRun
+def _saved_outcome(
+    request: StudyRequest, study: Study, choices: Mapping[str, Any], unfinished: UnfinishedRun
 ) -> Outcome:
     """The study written to its folder: its answer, with a sentence per part of it that failed."""
     from valvetrain.cli.answers import show_study
     from valvetrain.cli.outcome import Outcome
-    from valvetrain.cli.progress import busy
     from valvetrain.report.json import study_json
-    from valvetrain.report.study import write_parts
     from valvetrain.report.text import rpm
     from valvetrain.solution.partial_failures import PartialFailures
 
-    gaps = PartialFailures(kept.gaps.sentences)
+    gaps = PartialFailures(unfinished.gaps.sentences)
     none: tuple[str, ...] = ()
     failures = gaps.part("list of failures", none, lambda: study.failures)
     plain: dict[str, Any] = {"case": request.case.name, "failures": list(failures)}
     data = gaps.part("JSON answer", plain, study_json, study) | {"command": request.command}
-    pages: list[Path] = []
-
-    def write(folder: Path) -> list[Path]:
-        kept.moved_to(folder)
-        files = write_parts(study, folder, request.report, request.figures, kept.file_of)
-        pages.extend([files.page] if files.page else [])
-        for sentence in files.gaps:
-            gaps.add(sentence)
-        told = tuple(dict.fromkeys((*failures, *gaps.sentences)))
-        data.update(completed=not told, failures=list(told))
-        return [*files.data, *files.figures, *pages]
-
-    asked = {
+    choices_made = {
         **choices, "engine_speeds": [rpm(value) for value in study.engine_speeds], "engine_speed_unit": "rpm",
         "spring_models": list(dict.fromkeys(run.model for run in study.solutions)) or list(request.spring_models),
         "spring_sets": list(request.spring_sets),
     }  # fmt: skip
-    with busy("writing files"):
-        origin = study.solutions[0].provenance if study.solutions else None
-        folder, files = keep_run(
-            request, study.record.text, asked, data, write, origin, kept.folder, gaps
-        )
-        if (folder / ANSWER).is_file():
-            gaps.part("list of finished runs", None, kept.close)
-    page = pages[0] if pages else None
+    origin = study.solutions[0].provenance if study.solutions else None
+    folder, page, failed = save_study(
+        request, study, choices_made, data, failures, origin, gaps, unfinished, request.report, request.figures
+    )  # fmt: skip
     if page is not None and request.open_page:
         show_page(page)
-    told = tuple(dict.fromkeys((*failures, *gaps.sentences)))
-    data.update(
-        folder=str(folder),
-        files=files,
-        page=None if page is None else str(page),
-        completed=not told,
-        failures=list(told),
-    )
     return Outcome(
-        data, lambda console: show_study(console, study, folder, page, request.published), told
+        data, lambda console: show_study(console, study, folder, page, request.published), failed
     )
+
+
+def save_study(
+    request: KeepRequest,
+    study: Study,
+    choices: Mapping[str, Any],
+    data: dict[str, Any],
+    failures: Sequence[str],
+    made_by: Provenance | None,
+    gaps: PartialFailures,
+    unfinished: UnfinishedRun | None = None,
+    report: bool = True,
+    figures: bool = False,
+) -> tuple[Path, Path | None, tuple[str, ...]]:
+    """Write a study to the folder of its run: the folder, the page, and all that failed.
+
+    ``data``, the JSON answer, is completed with them; the other arguments are those of
+    :func:`keep_run` and :func:`valvetrain.report.study.write_parts`.
+    """
+    from valvetrain.cli.progress import busy
+    from valvetrain.report.study import write_parts
+
+    pages: list[Path] = []
+
+    def all_failures() -> tuple[str, ...]:
+        failed = tuple(dict.fromkeys((*failures, *gaps.sentences)))
+        data.update(completed=not failed, failures=list(failed))
+        return failed
+
+    def write(folder: Path) -> list[Path]:
+        if unfinished is None:
+            files = write_parts(study, folder, report, figures)
+        else:
+            unfinished.moved_to(folder)
+            files = write_parts(study, folder, report, figures, unfinished.file_of)
+        pages.extend([files.page] if files.page else [])
+        for sentence in files.gaps:
+            gaps.add(sentence)
+        all_failures()
+        return [*files.data, *files.figures, *pages]
+
+    with busy("writing files"):
+        begun = None if unfinished is None else unfinished.folder
+        folder, files = keep_run(
+            request, study.record.text, choices, data, write, made_by, begun, gaps
+        )
+        if unfinished is not None and (folder / ANSWER).is_file():
+            gaps.part("list of finished runs", None, unfinished.close)
+    page = pages[0] if pages else None
+    data.update(folder=str(folder), files=files, page=None if page is None else str(page))
+    return folder, page, all_failures()
 
 
 def keep_run(
@@ -379,11 +404,11 @@ def keep_run(
     gaps: PartialFailures | None = None,
 ) -> tuple[Path, list[str]]:
     """Make the folder of a run, let ``write`` fill it, and put inputs (``text``: the resolved case)
-    and ``run.json`` beside.
+    and ``run.json``.
 
     ``data``: the JSON answer; ``made_by``: versions that ran (default: those here); ``unfinished``:
-    the folder the run had while it went
-    on. The folder, and the paths of all files in it; parts that fail are named in ``gaps``.
+    the folder the run had while it went on. The folder, and the paths of all files in it; parts
+    that fail are named in ``gaps``.
     """
     from valvetrain.cli.outcome import plain
     from valvetrain.runs.run_folders import (
@@ -397,10 +422,16 @@ def keep_run(
     from valvetrain.solution.provenance import collect_provenance
 
     missing = PartialFailures() if gaps is None else gaps
-    asked = {"command": request.command, **choices}
-    bare = Inputs(request.case.name, text, {}, asked)
+    choices_made = {"command": request.command, **choices}
+    bare = Inputs(request.case.name, text, {}, choices_made)
     inputs = missing.part(
-        "inputs of the run", bare, collect_inputs, request.case.name, text, request.folder, asked
+        "inputs of the run",
+        bare,
+        collect_inputs,
+        request.case.name,
+        text,
+        request.folder,
+        choices_made,
     )
     if request.output is not None:
         folder = request.output
@@ -430,11 +461,24 @@ def keep_run(
             **origin.dependencies,
         },
     }
-    kept = missing.part(
+    saved = missing.part(
         f"file '{ANSWER}' could not be written", None, save_run, folder, inputs, answer
     )
-    if kept is None:
+    if saved is None:
         return folder, [str(folder / name) for name in written]
     if request.output is None:
         missing.part("link to the latest run", None, link_latest, folder)
-    return folder, [str(folder / name) for name in (*kept.answer["files"], ANSWER)]
+    return folder, [str(folder / name) for name in (*saved.answer["files"], ANSWER)]
+
+
+def refuse_beyond(request: StudyRequest, whole: bool = True, searches: bool = False) -> None:
+    """Print the estimated cost of a long request; raise :class:`InputError` with the numbers for
+    one beyond its limits.
+
+    ``whole``: whether every run is saved with its channels; ``searches``: whether a train's
+    critical speeds are searched as well.
+    """
+    from valvetrain.runs.cost import FEWER
+    from valvetrain.runs.request_cost import request_cost
+
+    say_cost(request_cost(request, whole, searches), request.limits, FEWER)

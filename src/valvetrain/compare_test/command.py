@@ -99,8 +99,7 @@ def compare_test(
     """Model against test: overlay, errors by event and stage, band of the difference, Fisher's test
     of adequacy.
     """
-    from valvetrain.cli.case_choice import choose_case, folder_of
-    from valvetrain.cli.options import read_sensor
+    from valvetrain.cli.options import choose_case, folder_of, read_sensor
     from valvetrain.cli.progress import announce_compilation, progress_bar
     from valvetrain.compare_test.compare import compare_with_test
 

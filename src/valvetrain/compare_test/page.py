@@ -41,7 +41,7 @@ from valvetrain.report import theme
 from valvetrain.report.chart import Band, Chart, Layer, Line, Marks, Panel, Rule, thin
 from valvetrain.report.columns import RowColumn, csv_row, grid, json_row
 from valvetrain.report.page import Block, Figure, Page, Section, text
-from valvetrain.report.run_charts import ANGLE_LABEL, Look, looks
+from valvetrain.report.run_charts import ANGLE_LABEL, LineStyle, line_styles
 from valvetrain.report.text import quantity_label, speed_text
 from valvetrain.solution.atomic import write_text
 
@@ -103,7 +103,7 @@ def _of_cycles(found: ModelAgainstTest) -> list[Section]:
     test = found.test
     assert isinstance(test, MeasuredCycles)
     unit, factor = unit_of_test(found)
-    known = looks(found.study)
+    known = line_styles(found.study)
     drawn = found.runs[:MAX_DRAWN]
     sections = [
         Section("overlay", "Model and test", (Figure(overlay_chart(found, test, unit, factor, known)),)),
@@ -113,7 +113,7 @@ def _of_cycles(found: ModelAgainstTest) -> list[Section]:
     ]  # fmt: skip
     student = float(stdtrit(len(test.values) - 1, 0.975)) if len(test.values) > 1 else float("nan")
     for one in drawn:
-        name = known[one.label].words
+        name = known[one.label].label
         spikes = [row for row in one.events if is_spike(row)]
         others = [row for row in one.events if not is_spike(row)]
         blocks: list[Block] = [
@@ -133,7 +133,11 @@ def _of_cycles(found: ModelAgainstTest) -> list[Section]:
 
 
 def overlay_chart(
-    found: ModelAgainstTest, test: MeasuredCycles, unit: str, factor: float, known: dict[str, Look]
+    found: ModelAgainstTest,
+    test: MeasuredCycles,
+    unit: str,
+    factor: float,
+    known: dict[str, LineStyle],
 ) -> Chart:
     """Mean and range of the cycles, and every model."""
     degrees, values = np.degrees(test.cam_angle), test.values * factor
@@ -143,7 +147,7 @@ def overlay_chart(
         layers += [
             Line(
                 *thin(degrees, values.min(axis=0)),
-                f"least and largest of the {len(values)} cycles",
+                f"minimum and maximum of the {len(values)} cycles",
                 theme.MUTED,
                 0.8,
                 "dot",
@@ -155,7 +159,7 @@ def overlay_chart(
         if one.curve is not None:
             look = known[one.label]
             layers.append(
-                Line(*thin(degrees, one.curve * factor), look.words, look.colour, 1.4, look.dash)
+                Line(*thin(degrees, one.curve * factor), look.label, look.colour, 1.4, look.dash)
             )
     panel = Panel(
         ANGLE_LABEL,
@@ -181,7 +185,7 @@ def difference_chart(
     runs: tuple[RunAgainstTest, ...],
     unit: str,
     factor: float,
-    known: dict[str, Look],
+    known: dict[str, LineStyle],
 ) -> Chart:
     """Model less test with its band; red where the band leaves zero out."""
     test = found.test
@@ -207,7 +211,7 @@ def difference_chart(
                 Line(*thin(degrees, off + half), "", theme.MUTED, 0.9, "solid", in_legend=False),
             ]
         layers.append(
-            Line(*thin(degrees, off), f"{look.words} less test", look.colour, 1.5, look.dash)
+            Line(*thin(degrees, off), f"{look.label} less test", look.colour, 1.5, look.dash)
         )
         layers.append(
             Line(np.array([0.0, 360.0]), np.zeros(2), "", theme.RULE, 1.0, in_legend=False)
@@ -221,7 +225,7 @@ def difference_chart(
                 ANGLE_LABEL,
                 f"model less test ({unit})" if unit else "model less test",
                 tuple(layers),
-                look.words,
+                look.label,
                 _stretches(found),
                 x_range=(0.0, 360.0),
                 x_step=30,
@@ -260,21 +264,21 @@ def _stretches(found: ModelAgainstTest) -> tuple[Band, ...]:
 
 
 def _of_values(found: ModelAgainstTest) -> list[Section]:
-    known = looks(found.study)
+    known = line_styles(found.study)
     sections = [Section("values", "Off by, in scatters", (Figure(values_chart(found, known)),))]
     for one in found.runs:
         key = one.label.replace(" ", "-").replace(",", "")
         sections.append(
             Section(
                 f"values-{key}",
-                f"Values, {known[one.label].words}",
+                f"Values, {known[one.label].label}",
                 (text(outside_sentence(one), "note"), grid(value_columns(), one.values)),
             )
         )
     return sections
 
 
-def values_chart(found: ModelAgainstTest, known: dict[str, Look]) -> Chart:
+def values_chart(found: ModelAgainstTest, known: dict[str, LineStyle]) -> Chart:
     """Difference of every value in units of its scatter, one mark a run."""
     rows = found.runs[0].values
     several = len({row.engine_speed for row in rows}) > 1
@@ -290,7 +294,7 @@ def values_chart(found: ModelAgainstTest, known: dict[str, Look]) -> Chart:
             if np.isfinite(value)
         )
         layers.append(
-            Marks(off[there], height[there], look.words, look.colour, filled=True, hints=hints)
+            Marks(off[there], height[there], look.label, look.colour, filled=True, hints=hints)
         )
     reach = 1.1 * max(
         [
@@ -309,7 +313,7 @@ def values_chart(found: ModelAgainstTest, known: dict[str, Look]) -> Chart:
         tuple(layers),
         x_range=(-reach, reach),
         y_range=(-0.7, len(rows) + 0.5),
-        y_words=tuple(zip(height.tolist(), names, strict=True)),
+        y_tick_labels=tuple(zip(height.tolist(), names, strict=True)),
         rules=(Rule("x", -2.0), Rule("x", 0.0, "test"), Rule("x", 2.0)),
     )
     caption = "From the top in the order of the table below; the name of each shows on it. Thin lines: the test and two scatters either way."

@@ -16,8 +16,12 @@ from valvetrain.explore.point import Outcome, Point, PointRequest
 from valvetrain.parameters.case import Case
 from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.parameters.lift_law import LiftLawParameters
-from valvetrain.quantities.design import design_quantities, size_quantities
-from valvetrain.quantities.statics import buckling_quantities, rest_quantities
+from valvetrain.quantities.statics import (
+    buckling_quantities,
+    design_quantities,
+    rest_quantities,
+    size_quantities,
+)
 from valvetrain.runs.notes import refuse_implausible, refuse_speeds
 from valvetrain.runs.prepared import (
     FAILURES,

@@ -192,7 +192,7 @@ def dots_chart(found: Identified) -> Chart:
         "off by (standard deviations)",
         "",
         tuple(layers),
-        y_words=along,
+        y_tick_labels=along,
         x_range=(-reach, reach),
         y_range=(0.3, len(rows) + 0.7),
         rules=(Rule("x", -2.0), Rule("x", 0.0, "measured"), Rule("x", 2.0)),
@@ -229,7 +229,7 @@ def profiles_chart(found: Identified) -> Chart | None:
         panels.append(
             Panel(
                 title_of(unknown),
-                "misfit above the least",
+                "misfit above the minimum",
                 (layer, marks),
                 rules=(Rule("y", 1.0, "68 %"), Rule("y", 3.84, "95 %")),
             )

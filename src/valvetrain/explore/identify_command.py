@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from valvetrain.cli.limits import WORTH_SAYING
 from valvetrain.cli.options import (
     JsonOption,
     LimitOption,
@@ -24,6 +23,7 @@ from valvetrain.cli.options import (
     read_workers,
     take_folder,
 )
+from valvetrain.cli.outcome import WORTH_SAYING
 from valvetrain.cli.study_command import SavedRequest, keep_run, show_page
 from valvetrain.errors import InputError
 

@@ -58,8 +58,7 @@ def optimise(
     """Search the best spring or lift law within bounds on space, coil bind, stress, float and
     clash. A cut search is resumed.
     """
-    from valvetrain.cli.limits import WORTH_SAYING
-    from valvetrain.cli.outcome import tell
+    from valvetrain.cli.outcome import WORTH_SAYING, tell
     from valvetrain.cli.progress import announce_compilation
     from valvetrain.explore.objective import read_optimum
     from valvetrain.explore.optimum_file import read_optimum_file

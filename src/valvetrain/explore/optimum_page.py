@@ -84,7 +84,7 @@ def optimum_page(found: Optimum) -> Page:
     facts = (
         ("case", plan.case.name), ("trials", f"{len(found.trials)}, {found.feasible} feasible"),
         ("method", METHODS[plan.search.method] + f", seed {plan.search.seed}{seeds}"),
-        ("computed now", f"{found.computed} points in {found.seconds:.0f} s"),
+        ("computed", f"{found.computed} runs, {found.seconds:.0f} s"),
     )  # fmt: skip
     return Page(
         plan.title,

@@ -150,7 +150,7 @@ def _steps(best: Design, found: Optimum) -> list[str]:
             f"A small step still improves it ({', '.join(dict.fromkeys(better))}): more trials will find more."
         )
     elif best.steps:
-        lines.append("No step of a hundredth of a range improves it within the bounds.")
+        lines.append("Small changes no longer improve it within the bounds.")
     lines += _narrow(best, found)
     if found.finished and len(found.plan.objectives) == 1 and best.trial.number and not better:
         history = found.history(best.trial.seed)

@@ -152,7 +152,7 @@ def _first_listed(varied: Sequence[Varied], options: SamplerOptions) -> Array:
     return np.array(columns, dtype=float).T
 
 
-LISTED_SPEC = SamplerSpec("list", "points as listed", SamplerOptions, _first_listed)
+LISTED_SPEC = SamplerSpec("list", "your list", SamplerOptions, _first_listed)
 
 
 def _first_latin_hypercube(varied: Sequence[Varied], options: SamplerOptions) -> Array:

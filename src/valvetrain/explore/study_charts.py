@@ -121,7 +121,7 @@ def histogram_chart(table: StudyTable, run: Run, key: str) -> Chart | None:
     if not panels:
         return None
     columns = min(2, len(panels))
-    caption = "Upright lines: 5 %, half and 95 % of the points lie below."
+    caption = "Upright lines: 5 %, median and 95 % of the points."
     return Chart(
         f"{key}-scatter",
         _titled("How the outputs scatter", table, run),
@@ -177,7 +177,7 @@ def map_chart(table: StudyTable, name: str, run: Run, key: str) -> Chart | None:
         y_range=_ends(up),
     )
     title = f"{definition_of(name).label[:1].upper()}{definition_of(name).label[1:]} over both quantities"
-    caption = f"Colour: what the output is above its least value of {number(least, 4)} {unit_text(definition_of(name).shown_unit)}."
+    caption = f"Colour: what the output is above its minimum of {number(least, 4)} {unit_text(definition_of(name).shown_unit)}."
     return Chart(f"{key}-map", _titled(title, table, run), caption, (panel,), 1, 420)
 
 
@@ -220,7 +220,7 @@ def sensitivity_chart(one: Sensitivity, key: str) -> Chart:
         tuple(layers),
         x_range=(-3.0, high + 3.0),
         y_range=(-0.6, len(order) - 0.4),
-        y_words=names,
+        y_tick_labels=names,
     )
     caption = "Lines: 95 % intervals by bootstrap over the base rows. Shares lie between 0 and 100 %; their estimates may miss that a little."
     words = definition_of(one.output).label

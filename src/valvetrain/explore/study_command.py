@@ -57,8 +57,7 @@ def study(
     """Parameter study: grid, list or random draws over any quantities of a case; tolerances with
     Sobol indices, surrogates.
     """
-    from valvetrain.cli.limits import WORTH_SAYING
-    from valvetrain.cli.outcome import tell
+    from valvetrain.cli.outcome import WORTH_SAYING, tell
     from valvetrain.cli.progress import announce_compilation
     from valvetrain.explore.experiment import estimate_study
     from valvetrain.explore.plan import read_plan

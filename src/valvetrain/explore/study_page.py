@@ -66,7 +66,7 @@ def points_page(table: StudyTable) -> Page:
     done = int(np.count_nonzero(table.completed))
     facts = (
         ("case", plan.case.name), ("points", f"{done} of {len(table)} completed"), ("sampler", plan.sampler.words),
-        ("computed now", f"{table.computed} in {table.seconds:.0f} s"),
+        ("computed", f"{table.computed} runs, {table.seconds:.0f} s"),
     )  # fmt: skip
     return Page(
         plan.title,
@@ -107,7 +107,7 @@ def answer_rows(table: StudyTable) -> list[tuple[str, ...]]:
 
 
 #: Heads of :func:`answer_rows`.
-ANSWER_HEADS = ("", "run", "least", "5 %", "half", "95 %", "largest", "")
+ANSWER_HEADS = ("", "run", "minimum", "5 %", "median", "95 %", "maximum", "")
 
 
 def sentences(table: StudyTable) -> tuple[str, ...]:

@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from valvetrain.cli.limits import say_cost
 from valvetrain.cli.options import (
     JsonOption,
     LimitOption,
@@ -28,6 +27,7 @@ from valvetrain.cli.options import (
     read_workers,
     take_folder,
 )
+from valvetrain.cli.outcome import say_cost
 from valvetrain.cli.study_command import SavedRequest, keep_run, show_page
 from valvetrain.errors import InputError
 

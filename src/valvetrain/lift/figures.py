@@ -139,7 +139,7 @@ def lift_figures(
         _figure("largest_acceleration", "largest acceleration", curves[2].max(axis=1), "mm/deg2"),
         _figure(
             "nose_acceleration",
-            "least acceleration, over the nose",
+            "minimum acceleration, over the nose",
             curves[2].min(axis=1),
             "mm/deg2",
         ),

@@ -72,7 +72,7 @@ CHOICES = {
 ASSUMED = {"angle_unit": "deg", "zero": "file", "direction": "forward"}
 #: Question -> how it reads in a refusal.
 QUESTIONS = {
-    "angle_of": "whether its angles are of the cam or the crank", "lift_of": "whose lift it is, the valve's or the tappet's",
+    "angle_of": "whether its angles are of the cam or the crank", "lift_of": "lift measured at the valve or the tappet",
     "lift_unit": "the unit of its lifts, such as mm or inch", "peak_lift": "the largest lift that its fractions mean",
     "duration": "the angle from the first to the last of its fractions", "opening": "the angle at which it begins",
 }  # fmt: skip

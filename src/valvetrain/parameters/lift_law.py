@@ -38,10 +38,11 @@ class LiftLawParameters:
     """Kind of a lift law and its numbers.
 
     ``kind``: spline, polynomial, polydyne, cycloidal, modified-sine, modified-trapezoid, harmonic,
-    sine-power, ramped, shaped, cam-card, three-arc, tangent, stations or zero. ``values``: the
-    keyword arguments of that law's class in `valvetrain.cam`, SI (m, cam rad). ``lift_of``: whose
-    lift it is, the tappet's (cam) or the valve's. ``zero_of_angle``: what the zero of the cam angle
-    means, printed on every plot.
+    sine-power, ramped, shaped,
+    cam-card, three-arc, tangent, stations or zero.
+    ``values``: the keyword arguments of that law's class in `valvetrain.cam`, SI (m, cam rad).
+    ``lift_of``: where the lift is measured, at the tappet (cam) or the valve.
+    ``zero_of_angle``: what the zero of the cam angle means, printed on every plot.
     """
 
     kind: str

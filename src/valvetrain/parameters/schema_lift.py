@@ -42,7 +42,7 @@ class LiftModel(StrictModel):
     law: ClassVar[str] = ""
     kind: str
     lift_of: Literal["valve", "tappet"] = Field(
-        default="valve", description="whose lift it is, the valve's or the tappet's"
+        default="valve", description="lift measured at the valve or the tappet"
     )
     zero_of_angle: Line = Field(default="", description="what the zero of the cam angle means")
 

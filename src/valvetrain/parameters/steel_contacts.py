@@ -32,7 +32,7 @@ TIP_LENGTH = 7e-3
 BALL_RADIUS, CUP_RADIUS = 0.15625 * 25.4e-3, 1.05 * 0.15625 * 25.4e-3
 #: Radius at the seat and thickness of a valve head (m).
 HEAD_RADIUS, HEAD_THICKNESS = 20e-3, 5e-3
-ORIGIN = "steel parts of typical size"
+ORIGIN = "default steel values"
 
 
 def steel_contact(place: str, cam: CamParameters) -> ContactParameters:
@@ -101,6 +101,6 @@ def default_contacts(contacts: Mapping[str, ContactParameters]) -> str:
         return ""
     listed = f"{', '.join(places[:-1])} and {places[-1]}" if len(places) > 1 else places[0]
     return (
-        f"Contact at {listed}: values of {ORIGIN} (Hertz, restitution {RESTITUTION:g}), not the case's; camshaft and pivots are rigid "
-        "unless the case says otherwise."
+        f"Contact stiffness at {listed}: {ORIGIN} (Hertz, restitution {RESTITUTION:g}); your file gives none. Camshaft and pivots are "
+        "rigid unless the case says otherwise."
     )

@@ -183,7 +183,7 @@ class SupportModel(StrictModel):
 class ValveModel(StrictModel):
     """The [train.valve] table."""
 
-    mass: Mass
+    mass: Mass = Field(description="valve, retainer, locks")
     opening_direction: Angle = Field(
         default=-math.pi / 2, description="polar angle of the opening motion"
     )

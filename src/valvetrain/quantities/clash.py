@@ -1,5 +1,5 @@
-"""Numbers of a run's coil clashes; the clashes themselves where its integrator kept no record of
-the contacts.
+"""Coil clashes: their number, forces, impulses and energies, and clash events from samples where
+the integrator recorded none.
 """
 
 from __future__ import annotations
@@ -25,8 +25,8 @@ from valvetrain.solution.study import LiftEvent
 
 
 def clash_events(solution: Solution, rule: ClashRule = ClashRule()) -> tuple[Event, ...]:
-    """Events of kind ``clash`` by start time: those that the integrator found on its own steps,
-    else those that the samples show.
+    """Events of kind ``clash`` by start time, from the integrator's own steps where it recorded
+    them, else from the samples.
 
     Empty for a model without coil pairs. From the samples, the energy of a pressed pair is half of
     force times overlap.
@@ -44,7 +44,7 @@ def clash_events(solution: Solution, rule: ClashRule = ClashRule()) -> tuple[Eve
 
 
 def _recorded(solution: Solution) -> bool:
-    """Whether the integrator looked for clashes itself, in any spring of the run."""
+    """Whether the integrator recorded clashes in any spring of the run."""
     return any(name.endswith(RECORDED) for name in solution.statistics)
 
 
@@ -152,14 +152,14 @@ def find_clash_window(
 
 
 def _touched(cycle: Cycle, window: ClashWindow) -> bool:
-    """Whether any coil meets the one below anew within the window; without it a spike is a wave,
-    not a clash.
+    """Whether two coils come into contact within the window; without contact a spike is a wave, not
+    a clash.
     """
     inside, solution = cycle.window(window.first, window.last), cycle.solution
     names = [solution.channel_of(spring, "coil_contact_force") for spring in solution.springs]
     if not any(
         solution.has(name) for name in names
-    ):  # a run that kept its ends alone still knows its clashes
+    ):  # a run with end forces alone still has its clashes
         first = float(solution.cam_angle[cycle.samples.start])
         begun = (event.cam_angle - first for event in solution.events if event.kind == "clash")
         return any(window.first <= angle <= window.last for angle in begun)
@@ -172,8 +172,8 @@ def main_clash_quantities(cycle: Cycle, window: ClashWindow) -> dict[str, float]
     ``window`` (docs/quantities.md).
 
     The impulse is that of the raw force above the base circle's mean over 0.1 ms either side of the
-    angle: a fixed time, since the
-    width of a spike with ripples on it is no smooth function of the mesh.
+    angle: a fixed time, since the width of a spike with ripples on it is no smooth function of the
+    mesh.
     """
     force = _force(cycle)
     if force is None:

@@ -1,4 +1,4 @@
-"""Computed beside published: one row per published value, with an honest verdict."""
+"""Comparison of computed with published values: one row and verdict per published value."""
 
 from __future__ import annotations
 
@@ -26,12 +26,10 @@ def compare(
     """One row per published value, in their order.
 
     A published value meets the computed one of the same name and engine speed in the run that
-    ``counterparts`` names for what produced
-    it (label of ours; values at rest have no label); in a case that re-runs no study (None) what
-    produced it is the label itself.
-    ``counted``: words of angles that are counted through a cycle, such as ``clash`` for
-    ``clash_3_cam_angle``; an extra one early on would
-    shift the count of all that follow, so they meet one to one in their order.
+    ``counterparts`` names for what produced it (label of ours; values at rest have no label); in a
+    case that re-runs no study (None) what produced it is the label itself. ``counted``: words of
+    angles that are counted through a cycle, such as ``clash`` for ``clash_3_cam_angle``; an extra
+    one early on would shift the count of all that follow, so they meet one to one in their order.
     """
     rows, listed = [], tuple(published)
     runs: dict[tuple[str, float | None], dict[str, float]] = {}
@@ -50,7 +48,13 @@ def compare(
             if id(value) in partners
             else _of_run(value, label, runs).get(value.quantity)
         )
-        difference = None if computed is None else _difference(value, computed)
+        difference = None if computed is None else computed - value.value
+        if (
+            difference is not None
+            and value.quantity.endswith("_cam_angle")
+            and "interval" not in value.quantity
+        ):
+            difference = _turn_difference(difference)
         rows.append(
             Comparison(
                 quantity=value.quantity,
@@ -73,7 +77,7 @@ def compare(
 
 
 def _label(value: PublishedValue, counterparts: Mapping[str, str] | None) -> str:
-    """Label of ours for what produced a value."""
+    """Label of the run that a published value is compared with."""
     return (
         ""
         if value.engine_speed is None
@@ -100,9 +104,7 @@ def _counted(
     counterparts: Mapping[str, str] | None,
     pattern: re.Pattern[str],
 ) -> dict[int, float | None]:
-    """Computed partner of every counted published angle, by ``id``: one to one within an origin,
-    engine speed and kind.
-    """
+    """Computed partner of every counted published angle, by ``id``."""
     series: dict[tuple[str, float | None, str], list[PublishedValue]] = {}
     for value in published:
         match = pattern.fullmatch(value.quantity)
@@ -127,9 +129,8 @@ def pair_angles(published: Sequence[float], computed: Sequence[float]) -> list[f
     circle, each at most once, or None.
 
     Least sum of distances, where a published angle without a partner counts as much as the median
-    step between published
-    ones: a collision that did not come must not shift all that follow. A single published angle
-    meets the nearest.
+    step between published ones: a collision that did not come must not shift all that follow. A
+    single published angle meets the nearest.
     """
     alone = float(np.median(np.diff(published))) if len(published) > 1 else TURN
     ordered = sorted(computed)
@@ -142,7 +143,7 @@ def pair_angles(published: Sequence[float], computed: Sequence[float]) -> list[f
 def _pair_in_order(
     published: Sequence[float], computed: Sequence[float], alone: float
 ) -> tuple[float, list[float | None]]:
-    """Least cost and the partners, both lists taken in their order."""
+    """Minimum cost and the partners, both lists in ascending order."""
     # best[j]: cost and partners of the published angles so far with the first j computed ones.
     best: list[tuple[float, list[float | None]]] = [(0.0, [])] * (len(computed) + 1)
     for angle in published:
@@ -160,18 +161,12 @@ def _pair_in_order(
     return best[-1]
 
 
-def _difference(value: PublishedValue, computed: float) -> float:
-    difference = computed - value.value
-    wraps = value.quantity.endswith("_cam_angle") and "interval" not in value.quantity
-    return _turn_difference(difference) if wraps else difference
-
-
 def _turn_difference(difference: float) -> float:
     return float((difference + np.pi) % (2 * np.pi) - np.pi)
 
 
 def verdict(value: PublishedValue, difference: float | None) -> str:
-    """Words for one row: within or outside a stated tolerance, else just how far apart.
+    """Verdict of one row: within or outside its tolerance, or without a tolerance the difference.
 
     A bound ("spikes up to 620 N") is no tolerance: staying below it is not agreement, so the
     distance is given there too.

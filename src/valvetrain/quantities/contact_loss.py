@@ -1,6 +1,4 @@
-"""Forces in all contacts of a train by rigid theory, and the speed at which the first of them is
-lost.
-"""
+"""Contact forces of a train with rigid parts, and the speed at which the first contact is lost."""
 
 from __future__ import annotations
 
@@ -20,7 +18,7 @@ from valvetrain.system.train_system import TrainSystem
 
 Array = NDArray[np.float64]
 #: Distance (rad) from a jump of the law at which its two sides are looked at.
-BESIDE = 1e-9
+NEXT_TO = 1e-9
 #: Lowest local minima of the coarse search that are followed to their exact angle: how many, and up
 #: to which multiple of the lowest.
 FOLLOWED, NEAR_LOWEST = 6, 1.1
@@ -40,9 +38,9 @@ class ContactLoss(NamedTuple):
 
 class ContactShares(NamedTuple):
     """Contact forces (S, contacts) by rigid theory as ``static`` (N) plus ``inertia`` (N s2) times
-    cam speed squared, with the travel of
-    the cam's normal per valve travel ``per_lift`` (S,) and per cam angle ``per_angle`` (S,) in
-    m/rad."""
+    cam speed squared, with the travel of the cam's normal per valve travel ``per_lift`` (S,) and
+    per cam angle ``per_angle`` (S,) in m/rad.
+    """
 
     static: Array
     inertia: Array
@@ -75,8 +73,8 @@ class RigidForces:
         )
 
     def poses_at(self, valve_lift: Array) -> Array:
-        """Lift (m) at which the poses stand: that of the driving side, which is ahead by the lash
-        once the valve is off its seat.
+        """Lift (m) of the driving side, which is ahead of the valve by the lash once the valve is
+        off its seat.
         """
         return np.where(valve_lift > 0, valve_lift + self.system.mechanism.kinematics.lash, 0.0)
 
@@ -88,8 +86,8 @@ class RigidForces:
         return np.array([table_value(arrays.gas, 0, angle)[0] for angle in cam_angle.tolist()])
 
     def shares(self, cam_angle: Array) -> ContactShares:
-        """Forces of all contacts of the drive at cam angles (S,) in rad; of no meaning where the
-        valve is on its seat.
+        """Contact forces of the drive at cam angles (S,) in rad; meaningless where the valve is
+        seated.
         """
         motion, system, arrays = self.system.mechanism.kinematics, self.system, self.system.arrays
         lift, velocity, acceleration = (motion.valve_lift(cam_angle, order) for order in range(3))
@@ -105,20 +103,19 @@ class RigidForces:
         forces = _solved(
             np.swapaxes(gradients[:, self.active], 1, 2), np.stack([loads, inertia], axis=2)
         )
-        kept, cam = (
+        driving, cam = (
             [place for place, k in enumerate(self.active) if arrays.laws[k] >= 0],
             system.mechanism.interaction_index("cam"),
         )
         per_lift = -np.sum(gradients[:, cam] * modes, axis=1)
-        return ContactShares(forces[:, kept, 0], forces[:, kept, 1], per_lift, slopes[:, cam])
+        return ContactShares(forces[:, driving, 0], forces[:, driving, 1], per_lift, slopes[:, cam])
 
     def first_loss(self, cam_angle: Array) -> ContactLoss:
         """The lowest cam speed at which a contact is lost, found to the exact angle from a coarse
         search over ``cam_angle`` (S,) in rad.
 
         A contact is lost where static + inertia * cam_speed**2 = 0. Between the jumps of the law
-        that ratio is followed continuously, on
-        both sides of every jump.
+        that ratio is followed continuously, on both sides of every jump.
         """
         points, segment = self._points(cam_angle)
         squares = self._squares(points)
@@ -193,7 +190,7 @@ class RigidForces:
         motion = self.system.mechanism.kinematics
         turned = np.mod(np.asarray(motion.law.joints, dtype=float), 2 * np.pi)
         edges: Array = np.unique(np.round(np.append(turned, self.openings(cam_angle)), 12))
-        points = np.unique(np.concatenate([cam_angle, edges - BESIDE, edges + BESIDE]))
+        points = np.unique(np.concatenate([cam_angle, edges - NEXT_TO, edges + NEXT_TO]))
         points = points[~np.isin(points, edges)]
         return points, np.searchsorted(edges, points)
 
@@ -229,7 +226,7 @@ def _solved(matrices: Array, sides: Array) -> Array:
 
 
 def _low_points(values: Array, segment: NDArray[np.int64]) -> list[int]:
-    """Places of finite ``values`` that no neighbour of the same segment undercuts."""
+    """Indices of local minima of finite ``values`` within their segments."""
     before = np.where(
         np.append(-1, segment[:-1]) == segment, np.append(np.inf, values[:-1]), np.inf
     )

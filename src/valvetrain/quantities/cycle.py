@@ -21,8 +21,8 @@ _TURN = 2 * np.pi
 
 @dataclass(frozen=True, eq=False)
 class Cycle:
-    """A stretch of ``solution``: ``samples`` of the last whole cam turn, or of the last begun one
-    when none is whole.
+    """One cam revolution of a run: ``samples`` of the last whole one, or of the unfinished one when
+    none is whole.
 
     ``cam_angle`` (sample,) rad from 0 to 2 pi, ascending; ``time`` (sample,) s; ``whole`` tells
     whether the turn is complete.
@@ -86,14 +86,12 @@ class Cycle:
 
 
 def is_closed(solution: Solution) -> bool:
-    """Whether the samples are one closed period whose end follows on its beginning: so for trains,
-    not under prescribed motion.
-    """
+    """Whether the samples are one closed period: true for trains, false under prescribed motion."""
     return solution.provenance.system == "train"
 
 
 def reported_cycle(solution: Solution) -> Cycle:
-    """The last whole cam turn of a run; :class:`InputError` for a run without two samples."""
+    """The last whole cam revolution of a run; :class:`InputError` for a run without two samples."""
     angle = solution.cam_angle
     if len(angle) < 2:
         raise InputError("the run holds fewer than two samples, so it has no cycle; see its status")
@@ -113,16 +111,14 @@ def reported_cycle(solution: Solution) -> Cycle:
 
 @dataclass(frozen=True, eq=False)
 class Frame:
-    """What :func:`~valvetrain.quantities.evaluate.evaluate` needs beside the run; everything may be
-    left out, and what needs it with it.
+    """Inputs of :func:`~valvetrain.quantities.evaluate.evaluate` other than the run; each is
+    optional, and quantities that need a missing one are left out.
 
     ``springs``: outer first. ``rest``: springs at rest. ``surge_frequencies`` (Hz): first axial
-    natural frequency of each spring.
-    ``lift_event``: main lift event. ``valve_lift``: lift (m) over cam angle (rad) as the cam asks
-    for it. ``source``: word of the
-    published study whose own quantities are wanted. ``rigid``: rigid motion of a train at the run's
-    speed. ``points``: coil numbers of the
-    study's points on the wire, where they are others than its own.
+    natural frequency of each spring. ``lift_event``: main lift event. ``valve_lift``: lift (m) over
+    cam angle (rad) as the cam asks for it. ``source``: word of the published study whose own
+    quantities are wanted. ``rigid``: rigid motion of a train at the run's speed. ``points``: coil
+    numbers of the study's points on the wire, where they are others than its own.
     """
 
     springs: tuple[InstalledSpring, ...] = ()

@@ -12,8 +12,12 @@ from valvetrain.quantities.clash import (
     main_clash_quantities,
 )
 from valvetrain.quantities.cycle import Cycle, Frame, is_closed, reported_cycle
-from valvetrain.quantities.forces import energy_quantities, force_quantities, lift_quantities
-from valvetrain.quantities.spectrum import surge_quantities
+from valvetrain.quantities.forces import (
+    energy_quantities,
+    force_quantities,
+    lift_quantities,
+    surge_quantities,
+)
 from valvetrain.quantities.stress import stress_quantities, with_wire_stress
 from valvetrain.quantities.train_events import LOGGED, RigidCycle, rigid_cycle, train_events
 from valvetrain.quantities.train_numbers import (
@@ -23,6 +27,7 @@ from valvetrain.quantities.train_numbers import (
 )
 from valvetrain.quantities.valve_events import run_events
 from valvetrain.solution.channels import Variable
+from valvetrain.solution.definition import computed_rows
 from valvetrain.solution.partial_failures import PartialFailures
 from valvetrain.solution.result import Solution
 from valvetrain.solution.status import Event
@@ -36,16 +41,18 @@ RIGID_CHANNELS = {
 
 
 def evaluate(solution: Solution, frame: Frame = Frame()) -> Solution:
-    """The run with its events and every quantity that it supports (docs/quantities.md); SI, angles
-    in cam rad.
+    """The run with its events and every quantity that its channels support (docs/quantities.md); SI
+    units, angles in cam rad.
 
     What the run does not cover, because it lacks the channel or ended early, is absent; a part that
-    fails is among its ``gaps``. A run
-    that holds numbers that are not finite comes back with nothing found. ``frame.source`` adds the
-    quantities of a published study.
-    Raises :class:`InputError` for an unknown source.
+    fails is among its ``gaps``. A run that holds numbers that are not finite comes back with
+    nothing found. ``frame.source`` adds the quantities of a published study. Raises
+    :class:`InputError` for an unknown source.
     """
-    if len(solution.time) < 3 or not _is_finite(solution):
+    names = ("valve_lift", "seat_force", "retainer_force")
+    if len(solution.time) < 3 or not all(
+        np.all(np.isfinite(solution.channel(name))) for name in names if solution.has(name)
+    ):
         return solution.with_found((), {})
     gaps = PartialFailures(solution.gaps)
     solution = gaps.part("stress of the wire", solution, with_wire_stress, solution, frame)
@@ -55,13 +62,17 @@ def evaluate(solution: Solution, frame: Frame = Frame()) -> Solution:
         rigid = gaps.part("motion of rigid parts", None, rigid_cycle, solution, frame.rigid)
     events = _events(solution, frame, rigid, gaps)
     found = _whole_cycle(cycle, frame, events, gaps) if cycle is not None and cycle.whole else {}
-    found |= gaps.part("energy", {}, energy_quantities, solution)
+    found |= gaps.part("energy", {}, energy_quantities, solution, cycle)
     found |= gaps.part("counted numbers", {}, counted_quantities, solution)
     if rigid is not None:
         assert frame.rigid is not None
         found |= gaps.part("numbers of the train", {}, train_quantities, solution, rigid, events)
         found |= gaps.part("valve events", {}, run_events, solution, events)
         found |= gaps.part("margins of rigid parts", {}, margin_quantities, frame.rigid)
+    for row, compute in computed_rows():
+        if ("train" if is_closed(solution) else "spring") in row.systems:
+            value = gaps.part(row.label, None, compute, solution)
+            found |= {} if value is None else {row.name: float(value)}
     done = gaps.part("channels of rigid parts", solution, _with_rigid, solution, rigid).with_found(
         events, found, gaps.sentences
     )
@@ -72,17 +83,8 @@ def evaluate(solution: Solution, frame: Frame = Frame()) -> Solution:
     return done.with_found(events, found, gaps.sentences)
 
 
-def _is_finite(solution: Solution) -> bool:
-    names = ("valve_lift", "seat_force", "retainer_force")
-    return all(
-        bool(np.all(np.isfinite(solution.channel(name)))) for name in names if solution.has(name)
-    )
-
-
 def _meets(frame: Frame) -> bool:
-    """Whether coils can meet: not where the contact of every spring has no stiffness, whatever gaps
-    a model shows.
-    """
+    """Whether coils can touch: false where no spring has a contact stiffness."""
     return not frame.springs or any(spring.contact.stiffness > 0 for spring in frame.springs)
 
 
@@ -91,10 +93,10 @@ def _events(
 ) -> tuple[Event, ...]:
     none: tuple[Event, ...] = ()
     clashes = gaps.part("clashes", none, clash_events, solution) if _meets(frame) else none
-    kept = tuple(event for event in solution.events if event.kind not in (*LOGGED, "clash"))
+    other = tuple(event for event in solution.events if event.kind not in (*LOGGED, "clash"))
     if rigid is not None:
-        kept = gaps.part("events of the train", none, lambda: tuple(train_events(solution, rigid)))
-    return tuple(sorted((*kept, *clashes), key=lambda event: event.cam_angle))
+        other = gaps.part("events of the train", none, lambda: tuple(train_events(solution, rigid)))
+    return tuple(sorted((*other, *clashes), key=lambda event: event.cam_angle))
 
 
 def _whole_cycle(
@@ -133,7 +135,7 @@ def _with_rigid(solution: Solution, rigid: RigidCycle | None) -> Solution:
     if rigid is None:
         return solution
     added = {
-        name: Variable(("sample",), getattr(rigid, column), {"units": unit, "long_name": words})
-        for name, (column, unit, words) in RIGID_CHANNELS.items()
+        name: Variable(("sample",), getattr(rigid, column), {"units": unit, "long_name": label})
+        for name, (column, unit, label) in RIGID_CHANNELS.items()
     }
     return solution.with_channels(added)

@@ -1,16 +1,17 @@
-"""Extremes of the spring force over a cycle, on every instant that the run holds, raw and in a
-stated bandwidth.
+"""Spring forces of a cycle (extremes raw and band-limited, surge by cam order) and the energy
+balance of a run.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from valvetrain.parameters.installed_spring import InstalledSpring
-from valvetrain.quantities.cycle import Cycle
+from valvetrain.quantities.cycle import Cycle, Frame
 from valvetrain.quantities.signal import BANDWIDTHS, extreme_series, fine_filtered, fine_series
 from valvetrain.solution.result import Solution
 
@@ -19,17 +20,15 @@ END_FORCES = {"seat_force": "spring_force", "retainer_force": "retainer_force"}
 
 
 def fine_of_cycle(cycle: Cycle, channel: str) -> tuple[Array, Array]:
-    """Cam angle (rad, from 0) and values of a force over the cycle, as finely as the run holds
-    them.
-    """
+    """Cam angle (rad, from 0) and values of a force over the cycle at the finest stored sampling."""
     _, angle, values = fine_series(cycle.solution, channel)
     mine, begin = within_cycle(cycle, angle)
     return angle[mine] - begin, values[mine]
 
 
 def extreme_of_cycle(cycle: Cycle, channel: str, kind: str) -> tuple[float, float]:
-    """The ``highest`` or ``lowest`` value of a force over the cycle, on every step where the run
-    tells, and its cam angle (rad, from 0).
+    """The ``highest`` or ``lowest`` value of a force over the cycle, of every step where they are
+    recorded, and its cam angle (rad, from 0).
     """
     angle, values = extreme_series(cycle.solution, channel, kind)
     mine, begin = within_cycle(cycle, angle)
@@ -38,8 +37,8 @@ def extreme_of_cycle(cycle: Cycle, channel: str, kind: str) -> tuple[float, floa
 
 
 def within_cycle(cycle: Cycle, cam_angle: Array) -> tuple[slice, float]:
-    """Samples of a finer record at ``cam_angle`` (rad, unwrapped) that belong to the cycle, and the
-    angle from which the cycle counts.
+    """Slice of a finer record at ``cam_angle`` (rad, unwrapped) that belongs to the cycle, and the
+    angle at which the cycle begins.
     """
     begin = float(cycle.solution.cam_angle[cycle.samples.start] - cycle.cam_angle[0])
     return slice(
@@ -49,7 +48,7 @@ def within_cycle(cycle: Cycle, cam_angle: Array) -> tuple[slice, float]:
 
 
 def force_quantities(cycle: Cycle) -> dict[str, float]:
-    """Largest and least force at seat (with its angle) and retainer, and the largest seat force
+    """Maximum and minimum force at seat (with its angle) and retainer, and the maximum seat force
     below 10 and 20 kHz.
     """
     found: dict[str, float] = {}
@@ -73,8 +72,8 @@ def force_quantities(cycle: Cycle) -> dict[str, float]:
 
 
 def spring_extremes(cycle: Cycle, spring: str) -> tuple[float, float] | None:
-    """Least and largest seat force (N) of one spring over the cycle; None where the run does not
-    tell it.
+    """Minimum and maximum seat force (N) of one spring over the cycle; None where the run has no
+    force of it.
     """
     logged = cycle.solution.statistics
     first = f"{spring}_" if len(cycle.solution.springs) > 1 else ""
@@ -88,8 +87,8 @@ def spring_extremes(cycle: Cycle, spring: str) -> tuple[float, float] | None:
 
 
 def lift_quantities(cycle: Cycle, springs: tuple[InstalledSpring, ...]) -> dict[str, float]:
-    """Largest lift (m) of the cycle, and the lift left to coil bind, least over the springs that
-    tell their solid height.
+    """Maximum lift (m) of the cycle and the clearance to coil bind, the smallest of the springs
+    with a known solid height.
     """
     if not cycle.solution.has("valve_lift"):
         return {}
@@ -134,7 +133,7 @@ class EnergyBalance:
 
 
 def energy_balance(solution: Solution) -> EnergyBalance | None:
-    """Balance over the whole run, both cycles; None for a model without energies."""
+    """Energy balance over the whole run; None for a model without energies."""
     if not solution.has(*_CHANNELS):
         return None
     kinetic = solution.channel("kinetic_energy")
@@ -158,12 +157,151 @@ def energy_balance(solution: Solution) -> EnergyBalance | None:
     )
 
 
-def energy_quantities(solution: Solution) -> dict[str, float]:
-    """Largest imbalance over the work done, and the energy turned to heat in the run (J)."""
+def energy_quantities(solution: Solution, cycle: Cycle | None) -> dict[str, float]:
+    """Energy imbalance and the energy turned to heat (J): in the whole run and, of a whole cycle,
+    by the springs' damping.
+    """
     balance = energy_balance(solution)
     if balance is None:
         return {}
-    return {
+    found = {
         "energy_imbalance_ratio": balance.relative_imbalance,
         "dissipated_energy": float(balance.dissipated[-1]),
     }
+    if cycle is not None and cycle.whole:
+        start, end = cycle.samples.start, cycle.samples.stop
+        heat = balance.dissipated
+        last = (
+            heat[end] if end < len(heat) else 2 * heat[-1] - heat[-2]
+        )  # the sample that closes it
+        found["cycle_damper_energy"] = float(last - heat[start])
+    return found
+
+
+#: Cam orders whose amplitude is a quantity.
+ORDERS = 40
+#: Surge shows in the cam orders within this share of its own, below and above.
+SURGE_BAND = (0.5, 1.5)
+
+
+@dataclass(frozen=True, eq=False)
+class OrderSpectrum:
+    """``order`` (order): oscillations per cam revolution, from 0; ``amplitude`` (order): zero to
+    peak, in the channel's unit.
+    """
+
+    order: Array
+    amplitude: Array
+    unit: str
+
+
+def order_spectrum(
+    cycle: Cycle, channel: str = "seat_force", largest_order: int | None = None
+) -> OrderSpectrum:
+    """Amplitudes by cam order over one whole cycle; order 0 is the mean.
+
+    The cycle is resampled to even cam angles first. A jump between its ends (a run not yet
+    periodic) leaks into all orders.
+    """
+    amplitude = order_amplitudes(cycle.cam_angle, cycle.channel(channel))
+    keep = len(amplitude) if largest_order is None else min(largest_order + 1, len(amplitude))
+    unit = cycle.solution.unit(channel)
+    return OrderSpectrum(np.arange(keep, dtype=float), amplitude[:keep], unit)
+
+
+def order_amplitudes(cam_angle: Array, values: Array) -> Array:
+    """Amplitude (0 to peak) of every order of ``values`` over one turn; ``cam_angle`` (rad)
+    ascending.
+    """
+    count = len(cam_angle)
+    even = np.arange(count) * 2 * np.pi / count
+    amplitude: Array = (
+        np.abs(np.fft.rfft(np.interp(even, cam_angle, values, period=2 * np.pi))) / count
+    )
+    amplitude[1 : (count + 1) // 2] *= 2
+    return amplitude
+
+
+def surge_order(natural_frequency: float, engine_speed: float) -> float:
+    """Cam order of a natural frequency (Hz) at ``engine_speed`` (rad/s of the crank)."""
+    return natural_frequency * 2 * np.pi / (engine_speed / 2)
+
+
+def surge_engine_speeds(
+    natural_frequency: float, lowest: float, highest: float
+) -> dict[str, float]:
+    """Engine speeds (rad/s) from ``lowest`` to ``highest`` at which a cam order, to :data:`ORDERS`,
+    meets a natural frequency (Hz).
+
+    By order: 4 pi f / n, where harmonic n of the lift turns n times as fast as the cam.
+    """
+    met = {n: 4 * np.pi * natural_frequency / n for n in range(1, ORDERS + 1)}
+    return {
+        f"surge_order_{n}_engine_speed": speed
+        for n, speed in met.items()
+        if lowest <= speed <= highest
+    }
+
+
+def surge_residual(cycle: Cycle, frame: Frame) -> tuple[Array, Array] | None:
+    """Cam angle (rad) and seat force less the static force at the same lift (N) over the cycle, at
+    the finest stored sampling.
+
+    None where either force is not known. Output samples alone would fold the clashes' high
+    frequencies into the low orders.
+    """
+    solution = cycle.solution
+    if not solution.has("seat_force", "valve_lift"):
+        return None
+    known = solution.has("static_retainer_force")
+    static = (
+        cycle.channel("static_retainer_force")
+        if known
+        else frame.static_force(cycle.channel("valve_lift"), solution.model)
+    )
+    if static is None:
+        return None
+    angle, force = fine_of_cycle(cycle, "seat_force")
+    return angle, force - np.interp(angle, cycle.cam_angle, static, period=2 * np.pi)
+
+
+def surge_quantities(cycle: Cycle, frame: Frame) -> dict[str, float]:
+    """Surge frequency, its cam order, the nearest harmonic of the lift, and the surge in the seat
+    force by cam order.
+    """
+    found: dict[str, float] = {}
+    residual, highest = surge_residual(cycle, frame), frame.surge_frequency
+    amplitude = None if residual is None else order_amplitudes(*residual)
+    if amplitude is not None:
+        found |= {
+            f"surge_order_{order}_force": float(size)
+            for order, size in enumerate(amplitude[: ORDERS + 1])
+            if order > 0
+        }
+    if highest is None or not cycle.solution.engine_speed > 0:
+        return found
+    place = surge_order(highest, cycle.solution.engine_speed)
+    found |= {"surge_frequency": highest, "surge_cam_order": place}
+    if len(frame.surge_frequencies) == len(cycle.solution.springs) > 1:
+        found |= {
+            f"{name}_surge_frequency": one
+            for name, one in zip(cycle.solution.springs, frame.surge_frequencies, strict=True)
+        }
+    if frame.valve_lift is not None:
+        nearest = max(1, round(place))
+        found |= {
+            "nearest_lift_harmonic_order": float(nearest),
+            "nearest_lift_harmonic_lift": lift_harmonic(frame.valve_lift, nearest),
+        }
+    first, last = int(np.ceil(SURGE_BAND[0] * place)), int(np.floor(SURGE_BAND[1] * place))
+    if amplitude is not None and max(first, 1) <= last < len(amplitude):
+        found["surge_amplitude_force"] = float(np.max(amplitude[max(first, 1) : last + 1]))
+    return found
+
+
+def lift_harmonic(valve_lift: Callable[[Array], Array], order: int) -> float:
+    """Amplitude (m, 0 to peak) of one cam harmonic of a lift law."""
+    count = max(4096, 16 * order)
+    return float(
+        2 * np.abs(np.fft.rfft(valve_lift(np.arange(count) * 2 * np.pi / count))[order]) / count
+    )

@@ -1,5 +1,5 @@
-"""Kinematics and quasi-statics of a train before any dynamics: rigid parts, closed contacts, a
-spring at rest in itself.
+"""Kinematics and quasi-statics of a train: rigid parts, closed contacts, springs in static
+equilibrium.
 """
 
 from __future__ import annotations
@@ -29,13 +29,11 @@ class RigidTable:
     units.
 
     ``columns``: name -> (S,): valve_lift, valve_velocity, valve_acceleration, valve_jerk,
-    motion_ratio (valve per follower travel along
-    the cam normal), reduced_mass, inertia_force, spring_force, spring_margin (spring and inertia
-    less weight and gas, at the valve),
+    motion_ratio (valve per follower travel along the cam normal), reduced_mass, inertia_force,
+    spring_force, spring_margin (spring and inertia less weight and gas, at the valve),
     contact_force (on the cam) and that of every other contact of the drive, such as
-    valve_tip_contact_force, cam_torque, contact_radius
-    (of the cam, infinite where straight), contact_offset, sliding_velocity, hertz_pressure.
-    ``open_spans``: begin and end (cam rad) of
+    valve_tip_contact_force, cam_torque, contact_radius (of the cam, infinite where straight),
+    contact_offset, sliding_velocity, hertz_pressure. ``open_spans``: begin and end (cam rad) of
     every stretch in which the valve is off its seat; none: they are not known, and the column
     tells.
     """
@@ -51,18 +49,15 @@ class RigidTable:
 
 @dataclass(frozen=True, eq=False)
 class RigidMotion:
-    """Rigid motion of one train over ``cam_angle`` (S,), everything in it that does not depend on
-    the cam speed; SI units.
+    """Rigid motion of one train over ``cam_angle`` (S,): all that is independent of the cam speed;
+    SI units.
 
     ``maximum_lift`` (m) with all contacts closed. ``derivatives`` (4, S): valve lift and its
-    derivatives by the cam angle.
-    ``spring_force``, ``weight`` (N): of the springs at rest and of gravity, at the valve.
-    ``inertia``: inertia force at the valve per cam
-    speed squared. ``gas`` (N): its force on the valve, opening positive. ``forces``: of every
-    contact, ``shares`` at the cam angles.
-    ``geometry``: columns of the cam contact, with ``sliding_velocity`` per cam speed and
-    ``pressure_root`` (Pa per sqrt N).
-    ``kinematics``: the rigid chain itself.
+    derivatives by the cam angle. ``spring_force``, ``weight`` (N): of the springs at rest and of
+    gravity, at the valve. ``inertia``: inertia force at the valve per cam speed squared. ``gas``
+    (N): its force on the valve, opening positive. ``forces``: of every contact, ``shares`` at the
+    cam angles. ``geometry``: columns of the cam contact, with ``sliding_velocity`` per cam speed
+    and ``pressure_root`` (Pa per sqrt N). ``kinematics``: the rigid chain itself.
     """
 
     cam_angle: Array
@@ -123,9 +118,9 @@ class RigidMotion:
         )
 
     def contact_loss(self) -> tuple[float, float]:
-        """Cam speed (rad/s) at which rigid theory first lets a contact of the drive go, and the cam
-        angle (rad) where; infinite when it
-        never does."""
+        """Cam speed (rad/s) at which a contact of the drive is first lost with rigid parts, and the
+        cam angle (rad) where; infinite when none is.
+        """
         return self.first_loss[:2]
 
     @cached_property
@@ -140,9 +135,10 @@ def rigid_motion(
     samples: int = 720,
     rest: TrainRest | None = None,
 ) -> RigidMotion:
-    """Rigid motion of a train on ``samples`` cam angles, found once for all speeds; ``train`` adds
-    the geometry of a planar
-    cam contact, ``rest`` holds the springs' static curve where it is known already."""
+    """Rigid motion of a train on ``samples`` cam angles, computed once for all speeds.
+
+    ``train`` adds the geometry of a planar cam contact; ``rest`` holds the springs' static curve.
+    """
     angle = np.arange(samples) * 2 * np.pi / samples
     motion, poses = system.mechanism.kinematics, rigid_poses(system)
     derivatives = np.stack([motion.valve_lift(angle, n) for n in range(4)])
@@ -160,7 +156,12 @@ def rigid_motion(
         if train is None
         else _contact_geometry(system, train, poses, angle, lift, derivatives[1])
     )
-    inertia = _inertia(poses, tight, derivatives[1], derivatives[2])
+    # m a + (dm/dlift) v**2 / 2, from the kinetic energy m(lift) v**2 / 2
+    inertia = np.where(
+        tight > 0,
+        poses.mass(tight) * derivatives[2] + poses.mass(tight, 1) * derivatives[1] ** 2 / 2,
+        0.0,
+    )
     return RigidMotion(
         angle,
         float(motion.maximum_lift),
@@ -178,8 +179,8 @@ def rigid_motion(
 
 
 def rigid_quantities(motion: RigidMotion) -> dict[str, float]:
-    """Numbers of rigid theory that belong to no run: largest lift, and where and at which engine
-    speed (rad/s) contact is first lost.
+    """Quantities of the train with rigid parts that belong to no run: maximum lift, and cam angle
+    and engine speed (rad/s) of the first loss of contact.
     """
     cam_speed, angle = motion.contact_loss()
     values = {
@@ -200,15 +201,6 @@ def rigid_table(
 
 def _between(lifts: Array, spring_forces: Array, valve_lift: Array) -> Array:
     return np.asarray(np.interp(valve_lift, lifts, spring_forces))
-
-
-def _inertia(poses: RigidPoses, lift: Array, velocity: Array, acceleration: Array) -> Array:
-    """Inertia force reduced to the valve (N): m a + (dm/dlift) v**2 / 2, from the kinetic energy
-    m(lift) v**2 / 2.
-    """
-    return np.where(
-        lift > 0, poses.mass(lift) * acceleration + poses.mass(lift, 1) * velocity**2 / 2, 0.0
-    )
 
 
 def _contact_geometry(

@@ -1,5 +1,5 @@
-"""Values beyond which a number is nonsense though every equation was solved: of what is asked for,
-and of what comes out.
+"""Plausible ranges of requested motion, parts and results; beyond them a request is refused or a
+run has diverged.
 """
 
 from __future__ import annotations
@@ -19,11 +19,11 @@ from valvetrain.solution.status import Status
 
 @dataclass(frozen=True, slots=True)
 class PlausibleRange:
-    """``low`` to ``high`` (SI) of a quantity whose name begins and ends with the parts of
-    ``names``; ``unit`` it is shown in, ``scale`` of
-    that unit, and the ``reason`` why nothing real lies beyond."""
+    """Range ``low`` to ``high`` (SI) of the quantities whose names begin and end as a pair of
+    ``names``; ``unit`` and ``scale`` for display, and the ``reason`` for the bounds.
+    """
 
-    words: str
+    label: str
     names: tuple[tuple[str, str], ...]
     low: float
     high: float
@@ -32,33 +32,33 @@ class PlausibleRange:
     reason: str
 
     def holds(self, name: str) -> bool:
-        """Whether the range is that of the quantity or channel ``name``."""
+        """Whether the range applies to the quantity or channel ``name``."""
         return any(name.startswith(head) and name.endswith(tail) for head, tail in self.names)
 
     def why_not(self, value: float) -> str:
-        """What is wrong with a value, in words without a remedy; empty for a plausible one."""
+        """Why a value is implausible, as a sentence without a remedy; empty for a plausible one."""
         if self.low <= value <= self.high:
             return ""
         bound = self.high if not value < self.low else self.low
         side = "above" if bound == self.high else "below"
-        return f"{self.words} is {value / self.scale:.4g} {self.unit}, {side} {bound / self.scale:g} {self.unit}: {self.reason}"
+        return f"{self.label} is {value / self.scale:.4g} {self.unit}, {side} {bound / self.scale:g} {self.unit}: {self.reason}"
 
 
 def _range(
-    words: str, names: str, low: float, high: float, unit: str, scale: float, reason: str
+    label: str, names: str, low: float, high: float, unit: str, scale: float, reason: str
 ) -> PlausibleRange:
-    """``names``: separated by blanks, ``*`` for whatever stands between head and tail."""
+    """A range from ``names`` separated by blanks, ``*`` for any text between head and tail."""
     parts = (
         (head, tail if star else "")
         for head, star, tail in (name.partition("*") for name in names.split())
     )
     exact = tuple((head, tail or head) for head, tail in parts)
-    return PlausibleRange(words, exact, low, high, unit, scale, reason)
+    return PlausibleRange(label, exact, low, high, unit, scale, reason)
 
 
-#: Of the motion that is asked for, by lift law and engine speed.
+#: Of the motion that is requested, by lift law and engine speed.
 MIN_LIFT = _range(
-    "the least lift",
+    "the minimum lift",
     "least_lift",
     -50e-6,
     math.inf,
@@ -93,7 +93,7 @@ ACCELERATION = _range(
     1.0,
     "racing valves reach about 1e5 m/s², and a blow on a cam tears it",
 )
-ASKED = (MIN_LIFT, MAX_LIFT, SPEED, ACCELERATION)
+MOTION = (MIN_LIFT, MAX_LIFT, SPEED, ACCELERATION)
 #: Of parts: a force that holds a part in its guide.
 GUIDE_FRICTION = _range(
     "the friction in a guide",
@@ -116,7 +116,7 @@ FOUND = (
            "the ideal strength of a steel crystal is G / 8"),
 )  # fmt: skip
 TABLES: Mapping[str, tuple[PlausibleRange, ...]] = {
-    "asked for": ASKED,
+    "requested": MOTION,
     "of parts": PARTS,
     "of a run": FOUND,
 }
@@ -148,49 +148,49 @@ def lift_extremes(law: LiftLaw) -> tuple[float, float, float, float]:
 
 def refuse_implausible_motion(law: LiftLaw, cam_speeds: Iterable[float]) -> None:
     """Raise :class:`InputError` where the lift of ``law`` at the highest of ``cam_speeds`` (rad/s)
-    lies outside :data:`ASKED`.
+    lies outside :data:`MOTION`.
     """
     least, largest, rate, bend = lift_extremes(law)
     speed = max(cam_speeds, default=0.0)
-    for limit, value in zip(ASKED, (least, largest, rate * speed, bend * speed**2), strict=True):
-        if words := limit.why_not(value):
-            raise InputError(f"{words}; {REMEDY}")
+    for limit, value in zip(MOTION, (least, largest, rate * speed, bend * speed**2), strict=True):
+        if sentence := limit.why_not(value):
+            raise InputError(f"{sentence}; {REMEDY}")
 
 
 def refuse_implausible_parts(values: Mapping[str, float]) -> None:
-    """Raise :class:`InputError` for the first of ``values`` (SI, by the place it stands at) outside
-    its range of :data:`PARTS`.
+    """Raise :class:`InputError` for the first of ``values`` (SI, by key path) outside its range of
+    :data:`PARTS`.
     """
     for place, value in values.items():
         for limit in PARTS:
-            if limit.holds(place.rpartition(".")[2]) and (words := limit.why_not(value)):
-                raise InputError(f"{words}; {REMEDY}", place)
+            if limit.holds(place.rpartition(".")[2]) and (sentence := limit.why_not(value)):
+                raise InputError(f"{sentence}; {REMEDY}", place)
 
 
 def implausible(solution: Solution) -> str:
-    """What is nonsense in an evaluated run, in words without a remedy; empty where nothing is."""
+    """The first implausible number of an evaluated run as a sentence without a remedy; empty where
+    all are plausible.
+    """
     for name, value in _numbers(solution):
         for limit in FOUND:
-            if limit.holds(name) and (words := limit.why_not(value)):
-                return words
+            if limit.holds(name) and (label := limit.why_not(value)):
+                return label
     return ""
 
 
 def plausible_rest(one: SpringAtRest) -> SpringAtRest:
-    """The spring at rest, its curve or, where it has none, nothing as ``diverged`` where a number
-    of it is nonsense; all numbers stay.
+    """A spring at rest, its curve marked ``diverged`` where a number of it is implausible; all
+    numbers stay.
     """
     if one.curve is None or not (found := _implausible_rest(one)):
         return one
-    words, compression = found
-    status = Status("diverged", words, where=f"{compression * 1e3:.4g} mm", remedy=REMEDY)
+    label, compression = found
+    status = Status("diverged", label, where=f"{compression * 1e3:.4g} mm", remedy=REMEDY)
     return replace(one, curve=replace(one.curve, status=status))
 
 
 def _implausible_rest(one: SpringAtRest) -> tuple[str, float] | None:
-    """The first nonsense of a spring at rest, in words without a remedy, and the compression (m) it
-    comes out at.
-    """
+    """The first implausible number of a spring at rest as a sentence, and its compression (m)."""
     assert one.curve is not None
     curve, nominal = one.curve, one.stress_per_force
     rows = [("peak_spring_force", curve.compression, curve.force)]
@@ -229,33 +229,3 @@ def _numbers(solution: Solution) -> Iterator[tuple[str, float]]:
             values = np.asarray(solution.channel(name), dtype=float)
             if values.size:
                 yield name, float(values.flat[int(np.argmax(np.abs(values)))])
-
-
-def plausible_page() -> str:
-    """The text of docs/plausible.md: every range with its reason."""
-    lines = [
-        "# Plausible values\n",
-        "Equations have solutions for numbers that no valvetrain has. Beyond these ranges a request is refused before it is run,",
-        "and a run, or a static curve, that reaches one ends with the status `diverged`, its numbers kept. `--implausible`, or",
-        "`implausible=True` in Python, accepts all of them; `scripts/write_pages.py plausible` writes this page.\n",
-        "| | quantity | least | largest | reason |",
-        "|---|---|---|---|---|",
-    ]
-    for kind, ranges in TABLES.items():
-        for one in ranges:
-            low, high = (
-                ("" if math.isinf(value) else f"{value / one.scale:g} {one.unit}")
-                for value in (one.low, one.high)
-            )
-            names = ", ".join(
-                f"`{head}`" if head == tail else f"`{head}*{tail}`" for head, tail in one.names
-            )
-            shown = f" ({names})" if kind == "of a run" else ""
-            lines.append(f"| {kind} | {one.words}{shown} | {low} | {high} | {one.reason} |")
-    lines += [
-        "",
-        "Engine speeds lie between 10 and 30 000 rpm, and numbers of a case within the ranges of its tables; those are mistakes or wrong",
-        "units, and no option accepts them.",
-        "",
-    ]
-    return "\n".join(lines)

@@ -1,6 +1,4 @@
-"""A force in a stated bandwidth: zero-phase low-pass, so that spikes of different samplings can be
-compared.
-"""
+"""Forces in a stated bandwidth by a zero-phase low-pass, and peaks of sampled periodic signals."""
 
 from __future__ import annotations
 
@@ -17,7 +15,7 @@ from valvetrain.solution.study import LiftEvent
 
 Array = NDArray[np.float64]
 
-#: Bandwidths (Hz) in which spike heights are stated beside the raw value.
+#: Bandwidths (Hz) in which spike heights are stated next to the raw value.
 BANDWIDTHS = (10e3, 20e3)
 #: Order of the Butterworth filter, run forward and backward: 6 dB down at the cutoff, no phase
 #: shift.
@@ -91,7 +89,7 @@ def _filtered_substeps(solution: Solution, cutoff_frequency: float, channel: str
 
 
 def fine_series(solution: Solution, channel: str = "seat_force") -> tuple[Array, Array, Array]:
-    """Time (s), cam angle (rad, unwrapped) and values of a channel as finely as the run holds them."""
+    """Time (s), cam angle (rad, unwrapped) and values of a channel at the finest stored sampling."""
     if not solution.has(f"{channel}_fine"):
         return solution.time, solution.cam_angle, solution.channel(channel)
     fine = solution.channel(f"{channel}_fine")[:-1]
@@ -104,9 +102,9 @@ def fine_series(solution: Solution, channel: str = "seat_force") -> tuple[Array,
 
 
 def extreme_series(solution: Solution, channel: str, kind: str) -> tuple[Array, Array]:
-    """Cam angle (rad, unwrapped) and value of the ``kind`` (``highest`` or ``lowest``) force on
-    every step, one per sample interval, or
-    :func:`fine_series` where the run does not tell."""
+    """Cam angle (rad, unwrapped) and value of the ``kind`` (``highest`` or ``lowest``) force of
+    every step, one per sample interval; :func:`fine_series` where the run has none.
+    """
     name = f"{channel}_{kind}"
     if not solution.has(name):
         return fine_series(solution, channel)[1:]
@@ -212,8 +210,8 @@ def ring_value(cam_angle: Array, values: Array, place: float) -> float:
 
 
 def prominences(values: Array, peaks: Index) -> Array:
-    """How far each peak rises above the higher of the lowest points on its two sides, up to a
-    higher value or the end.
+    """Prominence of each peak: its height above the higher of the lowest points on its two sides,
+    up to a higher value or the end.
     """
     rises = np.zeros(len(peaks))
     for number, peak in enumerate(peaks):

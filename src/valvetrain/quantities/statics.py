@@ -1,4 +1,4 @@
-"""Named quantities of the static curve and of the modes."""
+"""Quantities of a spring without motion: of its wire or card, static curve, modes and buckling."""
 
 from __future__ import annotations
 
@@ -8,14 +8,15 @@ from collections.abc import Iterable
 import numpy as np
 
 from valvetrain.errors import InputError
-from valvetrain.parameters.installed_spring import InstalledSpring
+from valvetrain.parameters.installed_spring import InstalledSpring, SpringCard
 from valvetrain.parameters.material import OTEVA_90_SC, Material
 from valvetrain.parameters.spring import SpringDefinition
 from valvetrain.solution.modes import ModalResult
 from valvetrain.solution.static import Array, SpringAtRest, StaticCurve, named
+from valvetrain.springs.stress import bergstraesser
 from valvetrain.units import Given, si
 
-#: What is named of the installed state beside its force and rate; the nominal stress is that of
+#: What is named of the installed state next to its force and rate; the nominal stress is that of
 #: every model, the rest of a rod's.
 POINT_NAMES = tuple(
     f"installed_{name}"
@@ -36,18 +37,18 @@ POINT_NAMES = tuple(
 SLOPE_SHARE = 0.02
 
 
-def rest_quantities(rest: SpringAtRest, wanted: Iterable[str] = ()) -> dict[str, float]:
-    """All named numbers (SI) of one spring at rest; ``wanted``: names such as
-    ``natural_3_frequency`` that a publication numbers so.
+def rest_quantities(rest: SpringAtRest, outputs: Iterable[str] = ()) -> dict[str, float]:
+    """All quantities (SI) of one spring at rest; ``outputs``: further names, such as
+    ``natural_3_frequency``.
     """
     found = {} if rest.curve is None else static_quantities(rest.curve, rest.precompression)
     if rest.installed is not None:
-        told = named(rest.installed, "installed_")
-        found |= {name: told[name] for name in POINT_NAMES if name in told}
+        shares = named(rest.installed, "installed_")
+        found |= {name: shares[name] for name in POINT_NAMES if name in shares}
     return (
         found
         if rest.modes is None
-        else found | modal_quantities(rest.modes) | natural_quantities(rest.modes, wanted)
+        else found | modal_quantities(rest.modes) | natural_quantities(rest.modes, outputs)
     )
 
 
@@ -83,8 +84,8 @@ def static_quantities(curve: StaticCurve, precompression: float) -> dict[str, fl
 
 
 def slope_change(compression: Array, force: Array) -> float | None:
-    """Compression (m) at which two straight lines that fit the force best meet; None where one line
-    does as well.
+    """Compression (m) where the two best-fitting straight lines of the force meet; None where one
+    line fits as well.
 
     This is what an eye reads off a drawn curve whose slope "changes at about" somewhere.
     """
@@ -112,9 +113,9 @@ def modal_quantities(result: ModalResult) -> dict[str, float]:
     }
 
 
-def natural_quantities(result: ModalResult, wanted: Iterable[str]) -> dict[str, float]:
+def natural_quantities(result: ModalResult, outputs: Iterable[str]) -> dict[str, float]:
     """Natural frequencies (Hz) in rising order, whatever their direction: those of the names
-    ``wanted``, ``natural_n_frequency``.
+    ``outputs``, ``natural_n_frequency``.
 
     Only what a publication numbers so is named so; the axial ones have their own names.
     """
@@ -122,7 +123,7 @@ def natural_quantities(result: ModalResult, wanted: Iterable[str]) -> dict[str, 
         f"natural_{number}_frequency": float(value)
         for number, value in enumerate(result.natural_frequency, start=1)
     }
-    return {name: every[name] for name in wanted if name in every}
+    return {name: every[name] for name in outputs if name in every}
 
 
 #: A spring is cylindrical, as the formula has it, where its mean diameter varies by no more than
@@ -140,10 +141,8 @@ def buckling_compression(
     13906-1.
 
     s_K = L_0 / (2 (1 - G/E)) [1 - sqrt(1 - (1 - G/E) / (1/2 + G/E) (pi D / (nu L_0))^2)], J. A.
-    Haringx, "On highly compressible helical
-    springs and rubber rods", Philips Research Reports 3 (1948) 401-449. The spring is taken for an
-    elastic column with shear, its lead
-    angle for small.
+    Haringx, "On highly compressible helical springs and rubber rods", Philips Research Reports 3
+    (1948) 401-449. The spring is taken for an elastic column with shear, its lead angle for small.
 
     Parameters
     ----------
@@ -191,8 +190,8 @@ def buckling_compression(
 
 
 def formula_compression(wire: SpringDefinition) -> float | None:
-    """Buckling compression (m) of a wire between two seats by the formula, before it is solid; None
-    where it has none.
+    """Buckling compression (m) of a wire between two seats by the formula; None where it is solid
+    before.
 
     The formula knows cylindrical springs; L_0 is the height between the places where the wire is
     held, of axis to axis.
@@ -209,9 +208,9 @@ def formula_compression(wire: SpringDefinition) -> float | None:
 def buckling_quantities(
     spring: InstalledSpring, rest: SpringAtRest, maximum_lift: float
 ) -> dict[str, float]:
-    """Where the spring buckles by the rod and by the formula (m), what is left at the largest lift
-    (m), and how it
-    leans on its guide."""
+    """Buckling compression by the rod and by the formula (m), the clearance to it at full lift (m),
+    and the force on a guide.
+    """
     found: dict[str, float] = {}
     if rest.curve is not None and rest.curve.buckling is not None:
         buckling = rest.curve.buckling
@@ -226,3 +225,113 @@ def buckling_quantities(
         }
     formula = None if spring.wire is None else formula_compression(spring.wire)
     return found if formula is None else found | {"formula_buckling_compression": formula}
+
+
+_SAMPLES = 4001
+
+
+def design_quantities(spring: InstalledSpring) -> dict[str, float]:
+    """Quantities (SI, docs/quantities.md) of an installed spring's wire or card."""
+    room = {} if spring.room is None else {"coil_bind_lift": spring.room}
+    if spring.card is not None:
+        return card_quantities(spring.card) | room
+    assert spring.wire is not None
+    installed = {
+        "installed_compression": spring.precompression,
+        "installed_height": spring.wire.free_length - spring.precompression,
+    }
+    formula = formula_compression(spring.wire)
+    buckling = {} if formula is None else {"formula_buckling_compression": formula}
+    return (
+        definition_quantities(spring.wire)
+        | solid_quantities(spring.wire)
+        | installed
+        | room
+        | buckling
+    )
+
+
+def closing_quantities(spring: InstalledSpring) -> dict[str, float]:
+    """Force and stress of a wire with all coils closed; nothing of a card."""
+    return {} if spring.wire is None else solid_quantities(spring.wire)
+
+
+def size_quantities(spring: InstalledSpring) -> dict[str, float]:
+    """Sizes of a wire that its static curve is compared with, and what closes it."""
+    if spring.wire is None:
+        return {}
+    names = ("free_length", "solid_height", "largest_pitch")
+    return {
+        name: value for name, value in definition_quantities(spring.wire).items() if name in names
+    } | solid_quantities(spring.wire)
+
+
+def solid_quantities(wire: SpringDefinition) -> dict[str, float]:
+    """Force (N) that closes the last coil, by torsion of the wire, and the largest shear (Pa) along
+    the closed wire, by EN 13906-1.
+
+    A turn closes under (pitch - rise when closed) G d**4 / (8 D**3) and then twists no further; of
+    a cylindrical spring of constant pitch that is the theoretical force at solid, rate times
+    compression to solid.
+    """
+    coil = np.linspace(*wire.free_coils, _SAMPLES)
+    diameter, mean, pitch = (
+        law.value(coil) for law in (wire.wire_diameter, wire.mean_diameter, wire.pitch)
+    )
+    force = (
+        (pitch - wire.solid_rise(coil)) * wire.material.shear_modulus * diameter**4 / (8 * mean**3)
+    )
+    shear = bergstraesser(mean / diameter) * 8 * force * mean / (np.pi * diameter**3)
+    return {"solid_force": float(np.max(force)), "solid_nominal_shear_stress": float(np.max(shear))}
+
+
+def definition_quantities(spring: SpringDefinition) -> dict[str, float]:
+    """Geometry, mass, and the estimates of rate and first surge frequency in the free state."""
+    coil = np.linspace(0.0, spring.total_coils, _SAMPLES)
+    index = spring.index(coil)
+    rate, active_mass = estimated_rate(spring)
+    return {
+        "total_coil_count": spring.total_coils,
+        "active_coil_count": spring.active_coils,
+        "free_length": spring.free_length,
+        "solid_height": spring.solid_height,
+        "solid_compression": spring.free_length - spring.solid_height,
+        "largest_pitch": float(np.max(spring.pitch.value(coil))),
+        "wire_length": spring.wire_length,
+        "wire_mass": spring.mass,
+        "smallest_index_ratio": float(np.min(index)),
+        "largest_index_ratio": float(np.max(index)),
+        "largest_outer_diameter": float(np.max(spring.outer_diameter(coil))),
+        "smallest_inner_diameter": float(
+            np.min(spring.mean_diameter.value(coil) - spring.wire_diameter.value(coil))
+        ),
+        "estimated_rate": rate,
+        "estimated_surge_frequency": 0.5 * float(np.sqrt(rate / active_mass)),
+    }
+
+
+def estimated_rate(spring: SpringDefinition) -> tuple[float, float]:
+    """Rate (N/m) of the active turns by torsion of the wire alone, 1/k = integral of 8 D**3 / (G
+    d**4) du, and their mass (kg).
+
+    For a cylindrical spring this is G d**4 / (8 D**3 n) (EN 13906-1); with the mass, 0.5 sqrt(k/m)
+    is its surge frequency.
+    """
+    coil = np.linspace(*spring.free_coils, _SAMPLES)
+    active = (spring.coil_gap(coil + 1.0) > 1e-6) | (spring.coil_gap(coil) > 1e-6)
+    wire, mean = spring.wire_diameter.value(coil), spring.mean_diameter.value(coil)
+    give = np.where(active, 8 * mean**3 / (spring.material.shear_modulus * wire**4), 0.0)
+    weight = np.where(
+        active, np.pi / 4 * wire**2 * spring.material.density * spring.line_speed(coil), 0.0
+    )
+    return 1.0 / float(np.trapezoid(give, coil)), float(np.trapezoid(weight, coil))
+
+
+def card_quantities(card: SpringCard) -> dict[str, float]:
+    """What a spring card tells, and the surge frequency that follows."""
+    values = {
+        "card_rate": card.rate, "card_preload": card.preload, "card_mass": card.mass, "card_installed_height": card.installed_height,
+        "card_open_force": card.open_load, "card_open_lift": card.open_lift, "card_solid_height": card.solid_height,
+        "card_surge_frequency": card.surge_frequency,
+    }  # fmt: skip
+    return {name: value for name, value in values.items() if value is not None}

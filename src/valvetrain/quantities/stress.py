@@ -14,7 +14,6 @@ from valvetrain.quantities.cycle import Array, Cycle, Frame
 from valvetrain.quantities.forces import spring_extremes
 from valvetrain.solution.channels import Variable
 from valvetrain.solution.result import Solution
-from valvetrain.solution.static import StaticStress
 from valvetrain.springs.stress import LOADS, STRESS_CHANNELS, nominal_stress_per_force, wire_stress
 
 SHEAR, EQUIVALENT = "inner_fibre_shear_stress", "inner_fibre_equivalent_stress"
@@ -87,10 +86,6 @@ def _nominal(cycle: Cycle, name: str, spring: InstalledSpring) -> dict[str, floa
     }
 
 
-def _extremes(coil: Array, shear: Array, equivalent: Array) -> WireStress:
-    return WireStress(coil, shear.min(axis=0), shear.max(axis=0), equivalent.max(axis=0))
-
-
 def _traces(
     cycle: Cycle, spring: str, wire: SpringDefinition | None
 ) -> tuple[Array, Array, Array] | None:
@@ -116,7 +111,7 @@ def _traces(
 
 def with_wire_stress(solution: Solution, frame: Frame) -> Solution:
     """The run with the stresses (Pa) at the inner fibre as channels, of every spring whose section
-    loads were kept.
+    loads were saved.
     """
     added: dict[str, Variable] = {}
     for spring, place in zip(solution.springs, frame.springs, strict=False):
@@ -155,8 +150,8 @@ def _of_wire(cycle: Cycle, name: str, spring: InstalledSpring, frame: Frame) -> 
     traces = _traces(cycle, name, spring.wire)
     if traces is None:
         return {}
-    coil, shear, _ = traces
-    stress = _extremes(*traces)
+    coil, shear, equivalent = traces
+    stress = WireStress(coil, shear.min(axis=0), shear.max(axis=0), equivalent.max(axis=0))
     worst, most = stress.worst, int(np.argmax(stress.amplitude))
     found = {
         "peak_shear_stress": float(stress.largest_shear[worst]),
@@ -168,7 +163,10 @@ def _of_wire(cycle: Cycle, name: str, spring: InstalledSpring, frame: Frame) -> 
         "largest_amplitude_mean_shear_stress": float(stress.mean[most]),
         "largest_amplitude_coil_number": float(coil[most]),
     }
-    static = _static_stress(frame, spring)
+    static = next(
+        (one.stress for one in frame.rest if one.spring == spring.name and one.stress is not None),
+        None,
+    )
     if static is not None and cycle.solution.has("valve_lift"):
         slow = static.shear_at(spring.precompression + cycle.channel("valve_lift"))
         found["quasi_static_peak_shear_stress"] = float(np.max(slow))
@@ -177,10 +175,3 @@ def _of_wire(cycle: Cycle, name: str, spring: InstalledSpring, frame: Frame) -> 
             found["peak_shear_stress"] / found["quasi_static_peak_shear_stress"]
         )
     return found
-
-
-def _static_stress(frame: Frame, spring: InstalledSpring) -> StaticStress | None:
-    return next(
-        (one.stress for one in frame.rest if one.spring == spring.name and one.stress is not None),
-        None,
-    )

@@ -37,14 +37,14 @@ CARD_LENGTH = 1.5
 Active = Mapping[str, tuple[float, float]]
 #: Where nothing is known of inactive coils.
 WHOLE: Active = MappingProxyType({})
-#: A wire has a point, and a pair of coils a place, within this many turns of the coil asked for.
+#: A wire has a point, and a pair of coils a place, within this many turns of the coil requested.
 REACH = 0.3
 
 
 @dataclass(frozen=True, eq=False)
 class Trace:
-    """A curve over one cam turn: ``cam_angle`` (rad, from 0, rising, shape (samples,)), ``values``
-    and their SI ``unit``.
+    """A curve over one cam revolution: ``cam_angle`` (rad, from 0, rising, shape (samples,)),
+    ``values`` and their SI ``unit``.
 
     ``time`` (s) that the turn takes; ``closed``: the end follows on the beginning.
 
@@ -84,13 +84,11 @@ def trace_of(solution: Solution, name: str, active: Active = WHOLE) -> Trace:
     """The curve ``name`` of the reported cycle of a run: a channel, ``spring_force``,
     ``coil_2_displacement``, ``outer_coil_3.5_gap``.
 
-    ``section_0.5`` stands for a share of the active wire from the seat, for springs known by their
-    card have no coils; ``active``: spring
-    -> coil numbers between which its wire is active, where not all of it is. Displacement, velocity
-    and acceleration of a coil count
-    towards the seat, as it moves when the valve opens. Raises :class:`InputError`, listing the
-    names there are, for a name that the run
-    does not tell.
+    ``section_0.5`` represents a share of the active wire from the seat, for springs known by their
+    card have no coils; ``active``: spring -> coil numbers between which its wire is active, where
+    not all of it is. Displacement, velocity and acceleration of a coil count towards the seat, as
+    it moves when the valve opens. Raises :class:`InputError`, listing the names there are, for a
+    name that the run does not tell.
     """
     cycle = reported_cycle(solution)
     channel = ALIASES.get(name, name)
@@ -146,7 +144,7 @@ def _trace(solution: Solution, cam_angle: Array, values: Array, channel: str) ->
 
 
 def trace_names(solution: Solution) -> tuple[str, ...]:
-    """Names that :func:`trace_of` takes for a run; coils are told as a range, ``coil_{0.5 to
+    """Names that :func:`trace_of` takes for a run; coils are given as a range, ``coil_{0.5 to
     6.5}_gap``.
     """
     arrays = solution.arrays.variables

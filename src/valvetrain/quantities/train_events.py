@@ -4,7 +4,7 @@ with its cause.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -14,7 +14,6 @@ from valvetrain.integrate.clash import runs
 from valvetrain.integrate.transitions import CONTACTS_LOGGED
 from valvetrain.quantities.kinematics import RigidTable
 from valvetrain.quantities.signal import ring_peak, ring_top
-from valvetrain.quantities.spans import TURN, Span, shared, span_of, spans_above
 from valvetrain.solution.result import Solution
 from valvetrain.solution.status import Detail, Event
 
@@ -33,7 +32,7 @@ PLACES = {
 CAUSE_INERTIA = "inertia exceeds the spring force (rigid theory loses contact here too)"
 CAUSE_SURGE = "surge lowers the spring force below its static value"
 CAUSE_VIBRATION = "vibration of the train unloads the contact"
-#: Closings of contacts that the integrator logged are read and not kept.
+#: Closings of contacts that the integrator logged are read and then dropped.
 LOGGED = ("touch",)
 #: Losses of contact that follow on each other within this angle (rad) are one stretch in which the
 #: train is open.
@@ -43,10 +42,9 @@ NEXT_TO = 1e-9
 @dataclass(frozen=True, eq=False)
 class RigidCycle:
     """Rigid motion at the samples of a run (S,): lift (m), acceleration (m/s2), contact force at
-    the cam (N); ``top`` (m) and
-    ``nose`` (cam rad): its largest lift and where it stands, whatever the samples; ``open_spans``:
-    begin and end (cam rad) of the
-    stretches off the seat."""
+    the cam (N); ``top`` (m) and ``nose`` (cam rad): its largest lift and where it stands, whatever
+    the samples; ``open_spans``: begin and end (cam rad) of the stretches off the seat.
+    """
 
     valve_lift: Array
     valve_acceleration: Array
@@ -77,7 +75,7 @@ def train_events(solution: Solution, rigid: RigidCycle) -> tuple[Event, ...]:
 
 
 def lost_spans(events: Sequence[Event], turn: float) -> list[Span]:
-    """Cam angles in which any contact of the drive is lost; ``turn``: time (s) of a cam turn."""
+    """Cam angles in which any contact of the drive is lost; ``turn``: time (s) of a cam revolution."""
     return [
         span_of(event.cam_angle, event.cam_angle + event.duration / turn * TURN)
         for event in events
@@ -202,10 +200,16 @@ def _seatings_and_bounces(solution: Solution) -> list[Event]:
     """Every touch of the seat with its velocity (m/s) and which one it is, and every bounce with
     its height (m).
     """
-    kept = [event for event in solution.events if event.kind in ("seating", "bounce")]
-    if kept:  # found by an evaluation before this one, from what the integrator saw
-        return kept
-    openings = _logged_openings(solution) or _sampled_openings(solution)
+    logged = [event for event in solution.events if event.kind in ("seating", "bounce")]
+    if logged:  # found by an evaluation before this one, from what the integrator saw
+        return logged
+    openings = [  # of every step: the same for any number of samples
+        _Opening(float(event.details["release_cam_angle"]), event.cam_angle, event.size, height)
+        for event in solution.events
+        if event.kind == "touch"
+        and event.where == "seat"
+        and (height := float(event.details["largest_gap"])) > SMALLEST_GAP
+    ] or _sampled_openings(solution)
     main, found = max(range(len(openings)), key=lambda k: openings[k].height, default=0), []
     for turn in range(len(openings)):
         one = openings[(main + turn) % len(openings)]
@@ -247,20 +251,9 @@ def _seatings_and_bounces(solution: Solution) -> list[Event]:
     return found
 
 
-def _logged_openings(solution: Solution) -> list[_Opening]:
-    """As the integrator saw them on every step: the same for any number of samples."""
-    return [
-        _Opening(float(event.details["release_cam_angle"]), event.cam_angle, event.size, height)
-        for event in solution.events
-        if event.kind == "touch"
-        and event.where == "seat"
-        and (height := float(event.details["largest_gap"])) > SMALLEST_GAP
-    ]
-
-
 def _sampled_openings(solution: Solution) -> list[_Opening]:
     """From the samples, of a run without such a log: from the last two before the touch the valve
-    goes on, straight in velocity.
+    continues, straight in velocity.
 
     Second order, and free of what the blow did to the velocity after it.
     """
@@ -329,3 +322,65 @@ def _event(
 ) -> Event:
     lasts = (span[1] - span[0]) / TURN * _period(solution)
     return Event(kind, span[0], _time_at(solution, span[0]), lasts, size, "m", where, details)
+
+
+#: Cam angles (rad) of begin, within the first turn, and end, which may pass it.
+Span = tuple[float, float]
+TURN = 2 * np.pi
+
+
+def spans_above(cam_angle: Array, values: Array, level: float = 0.0) -> list[Span]:
+    """Where one closed turn of even samples stands above ``level``, straight between samples; the
+    whole turn where it always does.
+    """
+    above = values > level
+    if np.all(above):
+        return [(0.0, TURN)]
+    step = TURN / len(values)
+    rises, falls = (
+        np.flatnonzero(change)
+        for change in (~above & np.roll(above, -1), above & ~np.roll(above, -1))
+    )
+
+    def crossing(place: int) -> float:
+        low, high = float(values[place]), float(values[(place + 1) % len(values)])
+        return float(cam_angle[place]) + step * (level - low) / (high - low)
+
+    found = []
+    for rise in rises.tolist():
+        fall = int(falls[np.argmin((falls - rise) % len(values))])
+        begin = crossing(rise)
+        found.append(span_of(begin, begin + (crossing(fall) - begin) % TURN))
+    return found
+
+
+def span_of(begin: float, end: float) -> Span:
+    """A span whose begin lies within the first turn, at most a turn long."""
+    first = begin % TURN
+    return first, first + min(end - begin, TURN)
+
+
+def shared(first: Iterable[Span], second: Sequence[Span]) -> list[Span]:
+    """Parts that lie in both sets."""
+    found = []
+    for begin, end in first:
+        for low, high in second:
+            for turn in (-TURN, 0.0, TURN):
+                left, right = max(begin, low + turn), min(end, high + turn)
+                if right > left:
+                    found.append(span_of(left, right))
+    return found
+
+
+def covered(spans: Sequence[Span]) -> float:
+    """Angle (rad) that the spans cover together, what several cover counted once."""
+    cut = sorted(
+        part
+        for begin, end in spans
+        for part in ((begin, min(end, TURN)), (0.0, max(end - TURN, 0.0)))
+    )
+    total, reached = 0.0, 0.0
+    for begin, end in cut:
+        total += max(0.0, end - max(begin, reached))
+        reached = max(reached, end)
+    return total

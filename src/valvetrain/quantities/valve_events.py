@@ -1,7 +1,7 @@
 """Where a lift passes a height: opening and closing at lash, at 1 mm and at 0.050 in, of the lobe,
 of the rigid valve and of a run.
 
-Curves are solved, not read off their samples: a lift law by itself, a run by the cubic of lift and
+Curves are solved, not read off their samples: a lift law directly, a run by the cubic of lift and
 velocity between samples.
 """
 
@@ -30,9 +30,9 @@ OPEN_SHARE = 0.1
 
 def lift_crossings(cam_lift: Callable[[Array], Array], height: float) -> tuple[float, float] | None:
     """Cam angles (rad) at which ``cam_lift`` (m over cam rad, periodic) rises through ``height``
-    (m) before its largest value and falls
-    through it after; the first in one turn from zero, the second after it. None where it never
-    stands above, or always."""
+    (m) before its largest value and falls through it after; the first in one turn from zero, the
+    second after it. None where it never stands above, or always.
+    """
     angle = np.arange(GRID) * _TURN / GRID
     lift = np.asarray(cam_lift(angle))
     above = lift > height
@@ -76,8 +76,9 @@ def top_of(kinematics: RigidKinematics) -> float:
 
 def open_window(kinematics: RigidKinematics) -> tuple[float, float]:
     """Begin and end (cam rad; the end may pass the turn) of the stretch around the largest lift of
-    a rigid valve in which it stands above
-    :data:`OPEN_SHARE` of that; the whole turn of a lift that never falls below."""
+    a rigid valve in which it stands above :data:`OPEN_SHARE` of that; the whole turn of a lift that
+    never falls below.
+    """
     found = lift_crossings(kinematics.valve_lift, OPEN_SHARE * top_of(kinematics))
     return (0.0, _TURN) if found is None else found
 
@@ -107,8 +108,8 @@ def rigid_events(kinematics: RigidKinematics) -> dict[str, float]:
     if kinematics.law_of == "drive":
         for word, height in HEIGHTS.items():
             found |= event_numbers("lobe", word, lift_crossings(law, height))
-    words, heights = ("lash", *HEIGHTS), np.array([0.0, *HEIGHTS.values()])
-    for word, height in zip(words, kinematics.law_lift(heights).tolist(), strict=True):
+    label, heights = ("lash", *HEIGHTS), np.array([0.0, *HEIGHTS.values()])
+    for word, height in zip(label, kinematics.law_lift(heights).tolist(), strict=True):
         found |= event_numbers("rigid_valve", word, lift_crossings(law, height))
     return found
 

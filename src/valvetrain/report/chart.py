@@ -1,4 +1,5 @@
-"""What a figure shows, free of any drawing library: panels of lines, marks and maps.
+"""Description of a figure, independent of any drawing library: panels of lines, marks and maps,
+rendered by ``plotly_chart`` for the page and by ``svg_chart`` for files.
 
 Two renderers read it: ``plotly_chart`` for the page and ``svg_chart`` for the picture files, so
 both show the same data.
@@ -19,7 +20,7 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class Line:
-    """A curve; ``dash`` is solid, dash, dot or dashdot; ``direct`` is written beside its end."""
+    """A curve; ``dash`` is solid, dash, dot or dashdot; ``direct`` is written next to its end."""
 
     x: Array
     y: Array
@@ -33,7 +34,7 @@ class Line:
 
 @dataclass(frozen=True, eq=False)
 class Marks:
-    """Single points, published values or events, each with a text beside it (empty for none) and
+    """Single points, published values or events, each with a text next to it (empty for none) and
     ``hints`` read on hover.
     """
 
@@ -51,8 +52,8 @@ class Marks:
 
 @dataclass(frozen=True, eq=False)
 class HeatMap:
-    """``z`` (y, x) as colour, from zero; the scale is drawn out at small values, the numbers stay
-    as they are.
+    """``z`` (y, x) as colour from zero; the colour scale is stretched at small values, the numbers
+    are not.
 
     ``second`` (y, x) is read on hover too, in words such as ``{:.0f} Hz`` given by ``second_unit``.
     """
@@ -63,7 +64,7 @@ class HeatMap:
     name: str
     unit: str
     power: float = 0.5
-    y_words: str = "coil"
+    y_tick_labels: str = "coil"
     second: Array | None = None
     second_unit: str = ""
     colours: tuple[str, ...] = theme.SEQUENTIAL
@@ -74,21 +75,21 @@ Layer = Line | Marks | HeatMap
 
 @dataclass(frozen=True, slots=True)
 class Band:
-    """A lightly shaded stretch of the x axis with a word on top."""
+    """A lightly shaded interval of the x axis with a label on top."""
 
     first: float
     last: float
-    words: str
+    label: str
     shaded: bool = True
 
 
 @dataclass(frozen=True, slots=True)
 class Rule:
-    """A thin line across the panel at ``value`` of axis ``x`` or ``y``, with a word."""
+    """A thin line across the panel at ``value`` of axis ``x`` or ``y``, with a label."""
 
     axis: str
     value: float
-    words: str = ""
+    label: str = ""
 
 
 @dataclass(frozen=True, eq=False)
@@ -96,7 +97,7 @@ class Panel:
     """One pair of axes. Ranges are (low, high) or None for what the data need; labels carry the
     unit. ``y_log``: y in decades.
 
-    ``y_words``: (value, words) in place of numbers along y.
+    ``y_tick_labels``: (value, words) in place of numbers along y.
     """
 
     x_label: str
@@ -109,18 +110,18 @@ class Panel:
     y_range: tuple[float, float] | None = None
     x_step: float | None = None
     y_log: bool = False
-    y_words: tuple[tuple[float, str], ...] = ()
+    y_tick_labels: tuple[tuple[float, str], ...] = ()
 
 
 def rule_levels(panel: Panel) -> list[int]:
-    """How many lines down the words of each upright rule stand, so that those of near neighbours do
-    not meet.
+    """Line on which the label of each vertical rule is written, so that labels of close rules do
+    not overlap.
     """
     (low, high), levels = visible_range(panel)[0], [0] * len(panel.rules)
     upright = sorted(
         (rule.value, index)
         for index, rule in enumerate(panel.rules)
-        if rule.axis == "x" and rule.words
+        if rule.axis == "x" and rule.label
     )
     for (before, first), (after, second) in itertools.pairwise(upright):
         levels[second] = levels[first] + 1 if after - before < 0.3 * (high - low) else 0
@@ -162,9 +163,7 @@ class Chart:
 
 
 def visible_range(panel: Panel) -> tuple[tuple[float, float], tuple[float, float]]:
-    """Axis ranges of a panel: those given, else what its layers need (y with a margin, from what x
-    shows).
-    """
+    """Axis ranges of a panel: as specified, else fitted to its layers (y with a margin)."""
     x_values = [np.asarray(layer.x, dtype=float) for layer in panel.layers]
     x_range = panel.x_range or _limits(x_values, 0.0)
     if panel.y_range is not None:
@@ -214,8 +213,8 @@ def legend_entries(chart: Chart) -> list[Line | Marks]:
 
 
 def thin(x: Array, y: Array, limit: int = 2000) -> tuple[Array, Array]:
-    """At most about ``limit`` points of a curve, the smallest and largest of every stretch among
-    them, so no spike is lost.
+    """At most about ``limit`` points of a curve that include the extremes of every interval, so no
+    spike is lost.
     """
     x, y = np.asarray(x, dtype=float), np.asarray(y, dtype=float)
     if len(x) <= limit:

@@ -1,9 +1,16 @@
-"""Names of files that no two results share, whatever their labels hold."""
+"""Files of a run: unique file names, solutions written while the run is in progress, and removal of
+outdated files.
+"""
 
 from __future__ import annotations
 
+import hashlib
+import json
+import os
 import unicodedata
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -13,16 +20,22 @@ from valvetrain.parameters.curves import Constant, Curve, PiecewiseLinear
 from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.parameters.spring import EndCoil
 from valvetrain.parameters.toml_text import toml_text
+from valvetrain.report.json import engine_speed_object, quantities_object, status_object
+from valvetrain.runs.run_folders import LIST as RUNS_LIST
+from valvetrain.runs.run_folders import mark_unfinished
+from valvetrain.solution.atomic import append_whole, write_text
+from valvetrain.solution.netcdf import save_netcdf
+from valvetrain.solution.partial_failures import PartialFailures
+from valvetrain.solution.result import Solution
 
-#: Bytes of a name's stem, so that endings and the name of a temporary file beside it fit into the
+#: Bytes of a name's stem, so that endings and the name of a temporary file next to it fit into the
 #: 255 that file systems take.
 MAX_LENGTH = 120
 
 
 @dataclass
 class FreeNames:
-    """Free file names: labels that differ only in signs, case or accents written otherwise still
-    get files of their own.
+    """Unique file names, also for labels that differ only in signs, case or accents.
 
     >>> names = FreeNames()
     >>> names.free("x 1"), names.free("x/1"), names.free("X-1")
@@ -31,9 +44,9 @@ class FreeNames:
 
     taken: set[str] = field(default_factory=set)
 
-    def free(self, words: str) -> str:
-        """A name of letters, digits, points and dashes that was not given before."""
-        composed = unicodedata.normalize("NFC", words)
+    def free(self, label: str) -> str:
+        """A name of letters, digits, points and dashes that is not in use yet."""
+        composed = unicodedata.normalize("NFC", label)
         plain = (
             "-".join(
                 "".join(
@@ -47,37 +60,33 @@ class FreeNames:
             for number in range(1, len(self.taken) + 2)
         )
         name = next(
-            one for words, ending in tries if _key(one := _short(words, ending)) not in self.taken
+            one for label, ending in tries if _key(one := _short(label, ending)) not in self.taken
         )
         self.taken.add(_key(name))
         return name
 
 
 def _key(name: str) -> str:
-    """What two names share that some file system takes for one."""
+    """The form in which file systems may treat two names as equal."""
     return unicodedata.normalize("NFKC", unicodedata.normalize("NFKC", name).casefold())
 
 
-def _short(words: str, ending: str) -> str:
-    """The words with the ending, cut to :data:`MAX_LENGTH` bytes; of long ones the end stays, where
-    speed and number stand.
-    """
-    content = words.encode()
+def _short(label: str, ending: str) -> str:
+    """The name with its ending, shortened in the middle to :data:`MAX_LENGTH` bytes."""
+    content = label.encode()
     room = MAX_LENGTH - len(ending)
     if len(content) > room:
         half = room // 2
-        words = (
+        label = (
             content[:half].decode(errors="ignore")
             + "~"
             + content[half + 1 - room :].decode(errors="ignore")
         )
-    return words + ending
+    return label + ending
 
 
 def spring_text(name: str, spring: InstalledSpring, source: str) -> str:
-    """A case that holds nothing but the spring; its block can be put into any case file. Raises
-    :class:`InputError` for a card.
-    """
+    """A case file with the spring alone. Raises :class:`InputError` for a card."""
     wire = spring.wire
     if wire is None:
         raise InputError(
@@ -112,3 +121,121 @@ def _curve(curve: Curve) -> str | dict[str, Any]:
     assert isinstance(curve, PiecewiseLinear)
     coils, values = np.asarray(curve.coils, dtype=float), np.asarray(curve.values, dtype=float)
     return {"coils": coils.tolist(), "values": [f"{value!r} m" for value in values.tolist()]}
+
+
+class UnfinishedRun:
+    """Saves each solution when it is computed, in a folder that ``make_folder`` creates for the
+    first of them.
+
+    ``unfinished-runs.jsonl`` holds a line per solution: label, model, engine speed, status,
+    quantities and, where it keeps channels, its ``file`` (NetCDF); the first holds the
+    ``command_line`` too, words of the command that began it. Nothing here ends a study: what cannot
+    be written is among the ``gaps``.
+    """
+
+    def __init__(self, make_folder: Callable[[], Path], command_line: Sequence[str] = ()) -> None:
+        self._make_folder = make_folder
+        self._command_line = tuple(command_line)
+        self._handle: int | None = None
+        self._files: dict[int, tuple[Solution, str]] = {}
+        self.folder: Path | None = None
+        self.gaps = PartialFailures()
+
+    def add(self, place: int, solution: Solution) -> None:
+        """Save the solution of the run at ``place`` of its study."""
+        self.gaps.part("runs could not be saved as they came", None, self._add, place, solution)
+
+    def file_of(self, solution: Solution) -> Path | None:
+        """The file that a solution was saved to."""
+        found = next((name for saved, name in self._files.values() if saved is solution), None)
+        path = self.folder / found if found is not None and self.folder is not None else None
+        return path if path is not None and path.is_file() else None
+
+    def moved_to(self, folder: Path) -> None:
+        """Set the final folder."""
+        self.folder = folder
+
+    def close(self) -> None:
+        """Remove the marks of an unfinished run after everything is written."""
+        if self._handle is None or self.folder is None:
+            return
+        for _, name in self._files.values():
+            (self.folder / name).unlink(missing_ok=True)
+        (self.folder / RUNS_LIST).unlink(missing_ok=True)
+        os.close(self._handle)
+        self._handle = None
+
+    def _add(self, place: int, solution: Solution) -> None:
+        begins = self.folder is None
+        if self.folder is None:
+            folder = self._make_folder()
+            self._handle, self.folder = mark_unfinished(folder), folder
+        assert self._handle is not None
+        row: dict[str, Any] = {
+            "label": solution.label, "model": solution.model, "engine_speed": engine_speed_object(solution.engine_speed),
+            "status": status_object(solution.status), "quantities": quantities_object(solution.quantities),
+        }  # fmt: skip
+        if begins:
+            row["command_line"] = list(self._command_line)
+        if solution.arrays.variables and len(solution.time):
+            name = row["file"] = f"run-{place + 1:04d}.nc"
+            save_netcdf(solution, self.folder / name)
+            self._files[place] = solution, name
+        append_whole(self._handle, (json.dumps(row) + "\n").encode())
+
+
+#: The list of what was written, with the digest of every file, saved in the folder itself.
+LIST = ".valvetrain-files.json"
+
+
+def remove_earlier(folder: Path, kind: str, written: Iterable[Path]) -> tuple[Path, ...]:
+    """Remove files listed by the last run of this ``kind`` that this run did not write, then list
+    what it wrote; the files removed.
+
+    A file goes only if it is on the list and still holds, byte by byte, what was written: a file of
+    the user's, or one changed since, stays. A folder without a list loses nothing.
+    """
+    base = folder.resolve()
+    now = {path.resolve().relative_to(base).as_posix(): path for path in written}
+    lists = _read(folder / LIST)
+    removed = []
+    for name, digest in lists.get(kind, {}).items():
+        if (
+            name not in now
+            and not any(name in other for key, other in lists.items() if key != kind)
+            and _is_ours(base, name, digest)
+        ):
+            (base / name).unlink()
+            removed.append(folder / name)
+    lists[kind] = {name: _digest(path) for name, path in now.items()}
+    write_text(folder / LIST, json.dumps(lists, indent=1) + "\n")
+    return tuple(removed)
+
+
+def _is_ours(base: Path, name: str, digest: str) -> bool:
+    path = base / name
+    return (
+        path.resolve() == path
+        and path.is_relative_to(base)
+        and path.is_file()
+        and _digest(path) == digest
+    )
+
+
+def _digest(path: Path) -> str:
+    return hashlib.sha256(path.read_bytes()).hexdigest()
+
+
+def _read(path: Path) -> dict[str, dict[str, str]]:
+    """The lists by kind; empty for a file that is not such a list."""
+    try:
+        lists = json.loads(path.read_text("utf-8"))
+    except (OSError, ValueError):
+        return {}
+    if not isinstance(lists, dict):
+        return {}
+    return {
+        kind: {str(name): str(digest) for name, digest in files.items()}
+        for kind, files in lists.items()
+        if isinstance(files, dict)
+    }

@@ -1,6 +1,4 @@
-"""The answers a user asks for first, in their order: one table that the terminal, JSON readers and
-the page's first screen share.
-"""
+"""Headline quantities of a study in the order of their topics, for terminal, JSON and page."""
 
 from __future__ import annotations
 
@@ -9,39 +7,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from valvetrain.report.run_summary import critical_rows, searched
-from valvetrain.report.text import number, speed_text
-from valvetrain.solution.definition import definition_of, label_of, shown
+from valvetrain.report.text import number, quantity_label, speed_text
+from valvetrain.solution.definition import definition_of, names_for, shown, topics
 from valvetrain.solution.result import Solution
 from valvetrain.solution.status import Event
 from valvetrain.solution.study import Study
 
-#: Topic -> quantities in the order in which they are answered.
-TOPICS: dict[str, tuple[str, ...]] = {
-    "Spring force and coil bind": (
-        "peak_spring_force", "minimum_spring_force", "peak_retainer_force", "minimum_retainer_force",
-        "coil_bind_clearance", "outer_coil_bind_clearance", "inner_coil_bind_clearance",
-    ),
-    "Surge": (
-        "surge_frequency", "outer_surge_frequency", "inner_surge_frequency", "surge_cam_order", "nearest_lift_harmonic_order",
-        "nearest_lift_harmonic_lift", "surge_amplitude_force",
-    ),
-    "Coil clash": ("clash_count", "clash_energy", "largest_clash_impulse"),
-    "Seating and contact": (
-        "seating_velocity", "bounce_height", "bounce_count", "loft_gap", "loss_of_contact_duration", "lift_loss_displacement",
-    ),
-    "Scatter from cycle to cycle": tuple(
-        f"cycle_scatter_{name}" for name in (
-            "valve_lift", "peak_spring_force", "minimum_spring_force", "peak_cam_contact_force", "peak_seat_contact_force",
-            "seating_velocity", "bounce_height", "bounce_count", "loft_gap",
-        )
-    ),
-    "Loss of control": (
-        "contact_loss_engine_speed", "float_engine_speed", "bounce_engine_speed", "rigid_contact_loss_engine_speed",
-    ),
-    "Wire stress": ("peak_shear_stress", "minimum_shear_stress", "nominal_peak_shear_stress", "nominal_minimum_shear_stress"),
-}  # fmt: skip
-#: Numbers that belong to one engine speed and have no worst value over several.
-OF_ONE_SPEED = ("surge_cam_order", "nearest_lift_harmonic_order", "nearest_lift_harmonic_lift")
 #: What is nothing but rounding, in any shown unit.
 _ROUNDING = 1e-9
 #: Clashes that are named one by one, per run.
@@ -50,13 +21,13 @@ NAMED_CLASHES = 5
 
 @dataclass(frozen=True, slots=True)
 class HeadlineColumn:
-    """A run, or, in a sweep, all runs of a label (``engine_speed`` None)."""
+    """A run or, in a sweep, all runs of a label (``engine_speed`` None)."""
 
     label: str
     engine_speed: float | None = None
 
     @property
-    def words(self) -> str:
+    def heading(self) -> str:
         """Label and engine speed."""
         return (
             self.label
@@ -70,13 +41,13 @@ class HeadlineRow:
     """One quantity over the columns: ``values`` in ``unit`` (None where not given).
 
     ``engine_speeds`` (rad/s): where a sweep has the worst value of each column, None where that
-    does not apply. ``cells``: what is shown
-    where a number alone does not tell it (a bracket, "never up to 9000"), empty elsewhere.
+    does not apply. ``cells``: what is shown where a number alone does not tell it (a bracket,
+    "never up to 9000"), empty elsewhere.
     """
 
     topic: str
     name: str
-    words: str
+    label: str
     unit: str
     values: tuple[float | None, ...]
     engine_speeds: tuple[float | None, ...]
@@ -84,8 +55,8 @@ class HeadlineRow:
 
 
 def headline_columns(study: Study) -> tuple[HeadlineColumn, ...]:
-    """Runs by label and engine speed; in a sweep labels only; without runs the labels of what was
-    found at rest.
+    """Runs by label and engine speed; in a sweep labels alone; without runs the labels of the
+    static results.
     """
     if not study.solutions:
         return tuple(HeadlineColumn(label) for label in study.still)
@@ -99,18 +70,18 @@ def headline_columns(study: Study) -> tuple[HeadlineColumn, ...]:
 
 
 def headline_rows(study: Study) -> tuple[HeadlineRow, ...]:
-    """What a user asks first, topic by topic; a sweep gives the worst value of each label and the
-    engine speed where it stands.
+    """Headline quantities by topic; a sweep gives the worst value of each label and its engine
+    speed.
     """
     columns = headline_columns(study)
-    told = (
+    critical = (
         [row for row in critical_rows(study, [one.label for one in columns]) if row.main]
         if searched(study)
         else []
     )
-    cells = {row.name: row.cells for row in told}
+    cells = {row.name: row.cells for row in critical}
     rows = []
-    for topic, names in TOPICS.items():
+    for topic, names in topics().items():
         for name in names:
             found = [_value(study, column, name) for column in columns]
             if name == "surge_frequency" and any(
@@ -119,23 +90,15 @@ def headline_rows(study: Study) -> tuple[HeadlineRow, ...]:
                 continue  # said of each spring of the pair
             if name in cells or any(value is not None for value, _ in found):
                 values, speeds = zip(*found, strict=True)
-                words, unit = label_of(name), definition_of(name).shown_unit
+                unit, own = definition_of(name).shown_unit, cells.get(name, ())
                 rows.append(
-                    HeadlineRow(
-                        topic,
-                        name,
-                        words[:1].upper() + words[1:],
-                        unit,
-                        values,
-                        speeds,
-                        cells.get(name, ()),
-                    )
+                    HeadlineRow(topic, name, quantity_label(name), unit, values, speeds, own)
                 )
     return tuple(rows)
 
 
 def clashes_of(run: Solution) -> tuple[Event, ...]:
-    """All coil clashes of a run, the one of most energy (or else the hardest) first."""
+    """All coil clashes of a run by decreasing energy, then impulse."""
     mine = (event for event in run.events if event.kind == "clash")
     return tuple(
         sorted(
@@ -157,8 +120,8 @@ def clash_pair(event: Event) -> str:
 def largest_clash_rows(
     study: Study, columns: Sequence[HeadlineColumn]
 ) -> list[tuple[str, str, tuple[str, ...]]]:
-    """(words, unit, cells) of coils, first touch, impulse and energy of the largest clash of every
-    run; none where no coils clash.
+    """(label, unit, cells) of coils, first touch, impulse and energy of the largest clash of every
+    run; empty without clashes.
     """
     runs = [
         None
@@ -213,7 +176,9 @@ def _value(study: Study, column: HeadlineColumn, name: str) -> tuple[float | Non
         seen = float(shown(name, value)[0])
         seen = 0.0 if abs(seen) < _ROUNDING else seen
         return (
-            (None, None) if several and name in OF_ONE_SPEED else (seen, speed if several else None)
+            (None, None)
+            if several and name in names_for("one speed")
+            else (seen, speed if several else None)
         )
     models = (run.model for run in runs)
     for label in dict.fromkeys((column.label, *models, "")):

@@ -1,4 +1,4 @@
-"""A study as one JSON shape, whatever was studied: numbers as value and unit, SI but the engine
+"""A study as JSON: one shape for every command, numbers as value and unit, SI except the engine
 speed (rpm of the crank).
 """
 
@@ -53,15 +53,15 @@ def engine_speed_object(engine_speed: float | None) -> dict[str, Any] | None:
 
 
 def status_object(status: Status) -> dict[str, Any]:
-    """How something ended."""
+    """Status of a run."""
     if status.completed:
         return {"code": status.code} | ({"message": status.message} if status.message else {})
-    words = {"message": status.message, "where": status.where, "remedy": status.remedy}
-    return {"code": status.code, "time": measured(status.time, "s"), **words}
+    label = {"message": status.message, "where": status.where, "remedy": status.remedy}
+    return {"code": status.code, "time": measured(status.time, "s"), **label}
 
 
 def comparison_object(row: Comparison) -> dict[str, Any]:
-    """Computed beside given."""
+    """Computed and published value of one comparison."""
     unit = unit_of(row.quantity)
     values = {
         name: getattr(row, name) for name in ("published", "computed", "difference", "tolerance")
@@ -83,7 +83,7 @@ def comparison_object(row: Comparison) -> dict[str, Any]:
 
 
 def uncertainty_object(row: Uncertainty) -> dict[str, Any]:
-    """One number with its error bar and what the contact constants make of it."""
+    """A number with its error bar and its range over the contact constants."""
     unit = unit_of(row.quantity)
     ranges = {
         name: {"least": measured(values[0], unit), "largest": measured(values[1], unit)}
@@ -107,8 +107,8 @@ def uncertainty_object(row: Uncertainty) -> dict[str, Any]:
 
 
 def fidelity_object(found: FidelityMap) -> dict[str, Any]:
-    """Models beside a reference: verdicts by quantity and model, and every row behind them; shares
-    as numbers of unit 1.
+    """Comparison of models with a reference: verdicts by quantity and model, and every row behind
+    them; ratios have unit 1.
     """
     reaches = [found.reach(name, model) for name in found.quantities for model in found.models]
     return {
@@ -235,9 +235,7 @@ def _event_object(event: Event) -> dict[str, Any]:
 
 
 def _critical_object(one: CriticalSpeed) -> dict[str, Any]:
-    """An answer of the search; ``engine_speed`` is null where control is never lost between
-    ``searched``.
-    """
+    """A critical speed; ``engine_speed`` is null where control is not lost within ``searched``."""
 
     def bracket(found: SpeedBracket | None) -> dict[str, Any] | None:
         if found is None:
@@ -317,8 +315,8 @@ def _rest_object(one: SpringAtRest) -> dict[str, Any]:
 
 
 def _with_unit(name: str, value: object) -> Any:
-    """A number with the unit of its name (``1`` for counts and shares); words and switches as they
-    are.
+    """A number with the unit of its name (``1`` for counts and ratios); text and booleans
+    unchanged.
     """
     if isinstance(value, np.generic):
         value = value.item()

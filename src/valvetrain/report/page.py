@@ -1,4 +1,4 @@
-"""Parts of a report page, and the page itself: one HTML file that loads nothing from anywhere."""
+"""Blocks of a report page, and the page: one HTML file that loads nothing from elsewhere."""
 
 from __future__ import annotations
 
@@ -13,7 +13,6 @@ from typing import TYPE_CHECKING, Any, ParamSpec
 
 from valvetrain.report import theme
 from valvetrain.report.chart import Chart, legend_entries
-from valvetrain.report.motion.script import motion_script
 from valvetrain.solution.partial_failures import PartialFailures, reason
 
 if TYPE_CHECKING:
@@ -51,19 +50,18 @@ class Figure:
 
 @dataclass(frozen=True, slots=True)
 class Cell:
-    """One table cell: escaped ``words``; ``tone`` styles it (number, good, bad, quiet, tag...),
+    """One table cell: escaped ``text``; ``tone`` styles it (number, good, bad, quiet, tag...),
     ``sort`` is a title shown on hover.
     """
 
-    words: str
+    text: str
     tone: str = ""
     hint: str = ""
 
 
 @dataclass(frozen=True, eq=False)
 class Grid:
-    """A table; a row is its cells and one word per filter that may select it; a row of one cell is
-    a heading across.
+    """A table; a row is its cells and one value per filter; a row of one cell is a heading across.
 
     ``filters``: what is chosen by, such as ``role``; its words are those that the rows carry.
     """
@@ -77,18 +75,18 @@ class Grid:
 
     @property
     def right(self) -> tuple[bool, ...]:
-        """Columns of numbers, whose heads stand at the right as their numbers do."""
+        """Columns of numbers, whose headings are aligned right, as their numbers are."""
         cells = next((row for row, _ in self.rows if len(row) == len(self.headers)), ())
         return tuple("number" in cell.tone for cell in cells) or (False,) * len(self.headers)
 
     @property
     def choices(self) -> tuple[tuple[str, tuple[str, ...]], ...]:
         """Filters that part the rows, each with its words in order of appearance."""
-        words = [
+        label = [
             tuple(dict.fromkeys(row[place] for _, row in self.rows if row))
             for place in range(len(self.filters))
         ]
-        return tuple((name, found) for name, found in zip(self.filters, words, strict=True))
+        return tuple((name, found) for name, found in zip(self.filters, label, strict=True))
 
 
 @dataclass(frozen=True, slots=True)
@@ -126,7 +124,7 @@ class Cards:
 
 @dataclass(frozen=True, eq=False)
 class Tabs:
-    """Blocks of which one set is seen at a time, such as one per engine speed."""
+    """Alternative sets of blocks behind tabs, such as one per engine speed."""
 
     items: tuple[tuple[str, tuple[Any, ...]], ...]
     key: str = "tabs"
@@ -136,7 +134,7 @@ class Tabs:
 
 @dataclass(frozen=True, eq=False)
 class Details:
-    """Blocks that open when asked for."""
+    """Blocks that a click opens."""
 
     summary: str
     blocks: tuple[Any, ...]
@@ -146,16 +144,16 @@ class Details:
 
 @dataclass(frozen=True, slots=True)
 class Listing:
-    """Text as it stands in a file."""
+    """Text of a file, unchanged."""
 
-    words: str
+    text: str
 
     kind = "listing"
 
 
 @dataclass(frozen=True, slots=True)
 class Motion:
-    """A moving picture: ``data`` is what motion.js mounts, as JSON that may stand in a script;
+    """A moving picture: ``data`` is what motion.js mounts, as JSON that is safe in a script;
     ``still`` an SVG element until it does.
     """
 
@@ -205,14 +203,14 @@ class Page:
     footer: str = ""
 
 
-def text(words: str, tone: str = "") -> Text:
-    """A paragraph of plain words, escaped."""
-    return Text(escape(words), tone)
+def text(label: str, tone: str = "") -> Text:
+    """A paragraph of plain text, escaped."""
+    return Text(escape(label), tone)
 
 
-def gap(words: str) -> Text:
-    """What stands for a part that failed."""
-    return Text(escape(words), "alert", gap=True)
+def gap(sentence: str) -> Text:
+    """A sentence in place of a part that failed."""
+    return Text(escape(sentence), "alert", gap=True)
 
 
 def gaps_of(page: Page) -> tuple[str, ...]:
@@ -226,26 +224,24 @@ def gaps_of(page: Page) -> tuple[str, ...]:
 
 
 def prose(paragraphs: Sequence[str], summary: str, tone: str = "note") -> tuple[Block, ...]:
-    """Paragraphs; more than three sentences stand behind a word to click."""
-    blocks = tuple(text(words, tone) for words in paragraphs)
+    """Paragraphs; text after the third sentence is folded."""
+    blocks = tuple(text(sentence, tone) for sentence in paragraphs)
     return (
         (Details(summary, blocks),)
-        if sum(len(sentences(words)) for words in paragraphs) > 3
+        if sum(len(sentences(sentence)) for sentence in paragraphs) > 3
         else blocks
     )
 
 
-def sentences(words: str) -> list[str]:
+def sentences(sentence: str) -> list[str]:
     """Sentences of a text, each with its closing sign."""
-    return [part for part in re.split(r"(?<=[.!?])\s+(?=[A-Z])", words.strip()) if part]
+    return [part for part in re.split(r"(?<=[.!?])\s+(?=[A-Z])", sentence.strip()) if part]
 
 
 def figure_or_gap(
     title: str, build: Callable[P, Chart | None], *args: P.args, **more: P.kwargs
 ) -> tuple[Block, ...]:
-    """The figure that ``build`` gives, nothing for None, and a sentence in its place where it
-    cannot be drawn.
-    """
+    """The figure of ``build``, nothing for None, or a sentence where it cannot be drawn."""
     try:
         chart = build(*args, **more)
     except Exception as error:  # one figure must not cost the others
@@ -264,7 +260,7 @@ def charts(page: Page) -> list[Chart]:
 
 
 def _all(blocks: Sequence[Any]) -> Iterator[Any]:
-    """Every block, those behind tabs and words to click included."""
+    """Every block, those behind tabs and folds included."""
     for block in blocks:
         if isinstance(block, Details):
             yield from _all(block.blocks)
@@ -276,8 +272,8 @@ def _all(blocks: Sequence[Any]) -> Iterator[Any]:
 
 
 def render(page: Page, gaps: PartialFailures | None = None) -> str:
-    """The page as one self-contained HTML document, Plotly and data included; ``gaps`` is told the
-    figures that cannot be drawn.
+    """The page as one self-contained HTML document, Plotly and data included; figures that cannot
+    be drawn are added to ``gaps``.
     """
     drawn = {chart.key: _drawn(chart, gaps) for chart in charts(page)}
     library, moving = plotly_script() if drawn else "", _moving(page)
@@ -289,7 +285,7 @@ def render(page: Page, gaps: PartialFailures | None = None) -> str:
         plotly=library,
         moving=moving,
         mover=motion_script() if moving else "",
-        header=_css_words(f"{page.title} – {page.kicker}"),
+        header=_css_string(f"{page.title} – {page.kicker}"),
         still={
             key: picture
             for key, picture in ((chart.key, _still(chart)) for chart in charts(page))
@@ -299,8 +295,8 @@ def render(page: Page, gaps: PartialFailures | None = None) -> str:
 
 
 def render_part(sections: Sequence[Section]) -> str:
-    """Sections with the data of their figures as HTML to stand in another page, which brings style,
-    script and Plotly.
+    """Sections with the data of their figures as HTML for another page, which brings style, script
+    and Plotly.
     """
     page = Page("", "", "", (), tuple(sections))
     drawn = {chart.key: _drawn(chart, None) for chart in charts(page)}
@@ -349,9 +345,7 @@ def _template(name: str) -> jinja2.Template:
 
 
 def _still(chart: Chart) -> str:
-    """The figure for a reader without scripts; nothing where it cannot be drawn, which the figure
-    says itself.
-    """
+    """The figure for a reader without scripts; empty where it cannot be drawn."""
     from valvetrain.report.svg_chart import svg
 
     try:
@@ -360,37 +354,33 @@ def _still(chart: Chart) -> str:
         return ""
 
 
-def _css_words(words: str) -> str:
-    """Words as a string of a style sheet, whatever stands in them."""
+def _css_string(label: str) -> str:
+    """A text as a string of a style sheet, escaped."""
     return (
         '"'
         + "".join(
             sign if sign.isalnum() or sign in " .,-–()/" else f"\\{ord(sign):x} "
-            for sign in words[:120]
+            for sign in label[:120]
         )
         + '"'
     )
 
 
 def _drawn(chart: Chart, gaps: PartialFailures | None) -> str:
-    """The figure as JSON, or the reason why it cannot be drawn, which the page then shows in its
-    place.
-    """
+    """The figure as JSON, or the reason why it cannot be drawn."""
     from valvetrain.report.plotly_chart import in_script, to_json
 
     try:
         return to_json(chart)
     except Exception as error:  # one figure must not cost the page
-        words = f"The figure could not be drawn: {reason(error)}"
+        label = f"The figure could not be drawn: {reason(error)}"
         if gaps is not None:
-            gaps.add(f"report page, {chart.key}: {words}")
-        return in_script(json.dumps({"gap": words}))
+            gaps.add(f"report page, {chart.key}: {label}")
+        return in_script(json.dumps({"gap": label}))
 
 
 def plotly_script() -> str:
-    """The text of plotly.js, safe inside a script element (none for a page without charts is the
-    caller's choice).
-    """
+    """The text of plotly.js, safe inside a script element."""
     source = (
         resources.files("plotly")
         .joinpath("package_data", "plotly.min.js")
@@ -407,3 +397,39 @@ def plotly_script() -> str:
 
 def _static(name: str) -> str:
     return resources.files("valvetrain.report").joinpath("static", name).read_text(encoding="utf-8")
+
+
+#: The one list of names that the module of three.js ends with.
+_EXPORT = re.compile(r"export\s*\{([^{}]*)\}\s*;?\s*$")
+#: What motion.js takes of three.js.
+USED = (
+    "AmbientLight", "BufferAttribute", "BufferGeometry", "DirectionalLight", "DoubleSide", "DynamicDrawUsage", "ExtrudeGeometry", "Group",
+    "HemisphereLight", "LatheGeometry", "Mesh", "MeshLambertMaterial", "OrthographicCamera", "Scene", "Shape", "Vector2", "Vector3",
+    "WebGLRenderer",
+)  # fmt: skip
+
+
+@cache
+def motion_script() -> str:
+    """Classic script of three.js (MIT, see static/three.LICENSE.txt) and motion.js that sets
+    ``valvetrainMotion.mount(element, data)``; safe inside a script element.
+
+    A strict policy lets an inline script import no module by name, so three.js becomes a function.
+    """
+    source = _static("three.module.min.js")
+    found = _EXPORT.search(source)
+    if found is None:
+        raise RuntimeError(
+            "three.module.min.js does not end with its list of names; vendor an unchanged file"
+        )
+    inner = dict(_exported(entry) for entry in found[1].split(","))
+    names = ",".join(f"{name}:{inner[name]}" for name in USED)
+    library = f"{source[: found.start()]}\nreturn {{{names}}};"
+    text = f'(function(){{"use strict";\nconst THREE=(function(){{{library}\n}})();\n{_static("motion.js")}\n}})();'
+    return text.replace("</script", "<\\/script")
+
+
+def _exported(entry: str) -> tuple[str, str]:
+    """Public and inner name of ``inner as Public``."""
+    inner, _, public = entry.strip().partition(" as ")
+    return (public or inner).strip(), inner.strip()

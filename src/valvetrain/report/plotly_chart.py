@@ -40,7 +40,7 @@ _GAP_X, _MIN_WIDTH = 60, 620
 #: Letters of a panel's words that one line of a narrow page holds; a title beyond them stands on a
 #: line of its own.
 _MAX_LETTERS = 40
-#: Height in px of a panel on a narrow page, where all stand in one column.
+#: Height in px of a panel on a narrow page, where all are in one column.
 NARROW_PANEL = 220
 
 
@@ -71,14 +71,12 @@ def figure(chart: Chart) -> dict[str, Any]:
 
 
 def _columns(panel: Panel, layer: Layer) -> list[str]:
-    """Heads of the columns of a layer as the page gives its data away: what stands along x and y,
-    and of a map its colour.
-    """
+    """Column headings of the data of a layer: its x and y, and the colour of a map."""
     named = f"{panel.title}, {layer.name}" if panel.title else layer.name
     if isinstance(layer, HeatMap):
         return [
             f"{named}: {panel.x_label}",
-            f"{named}: {layer.y_words}",
+            f"{named}: {layer.y_tick_labels}",
             f"{layer.name} ({layer.unit})",
         ]
     return [f"{named}: {panel.x_label}", f"{named}: {panel.y_label}"]
@@ -90,7 +88,9 @@ def _layout(chart: Chart, columns: int, panel_height: int) -> dict[str, Any]:
     """
     narrow, rows = panel_height > 0, -(-len(chart.panels) // columns)
     shared = shares_axis(chart, columns)
-    worded = [max((len(words) for _, words in panel.y_words), default=0) for panel in chart.panels]
+    worded = [
+        max((len(label) for _, label in panel.y_tick_labels), default=0) for panel in chart.panels
+    ]
     maps = any(isinstance(layer, HeatMap) for panel in chart.panels for layer in panel.layers)
     direct = any(
         isinstance(layer, Line) and layer.direct for panel in chart.panels for layer in panel.layers
@@ -141,7 +141,7 @@ def _layout(chart: Chart, columns: int, panel_height: int) -> dict[str, Any]:
 
 
 def to_json(chart: Chart) -> str:
-    """The figure as JSON text that may stand inside a script element."""
+    """The figure as JSON text that is safe in a script element."""
     return in_script(json.dumps(figure(chart), separators=(",", ":"), allow_nan=False))
 
 
@@ -233,12 +233,12 @@ def _add_axes(
     }
     if panel.y_log:
         y_axis |= {"type": "log", "range": [float(np.log10(end)) for end in y_range], "dtick": 1}
-    if panel.y_words:
-        places, words = zip(*panel.y_words, strict=True)
+    if panel.y_tick_labels:
+        places, label = zip(*panel.y_tick_labels, strict=True)
         y_axis |= {
             "tickmode": "array",
             "tickvals": list(places),
-            "ticktext": [_plain(one) for one in words],
+            "ticktext": [_plain(one) for one in label],
             "showticklabels": not narrow,
         }
     layout[f"yaxis{suffix}"] = common | y_axis
@@ -270,7 +270,7 @@ def _add_furniture(
                 "fillcolor": theme.BAND,
             }
             shapes.append(across | box | {"line": {"width": 0}, "layer": "below"})
-        if band.words:
+        if band.label:
             notes.append(
                 across
                 | small
@@ -278,7 +278,7 @@ def _add_furniture(
                     "x": (band.first + band.last) / 2,
                     "y": 1,
                     "yanchor": "bottom",
-                    "text": _plain(band.words),
+                    "text": _plain(band.label),
                 }
             )
     for level, rule in zip(rule_levels(panel), panel.rules, strict=True):
@@ -304,8 +304,8 @@ def _add_furniture(
                 along | thin_line | {"x0": 0, "x1": 1, "y0": rule.value, "y1": rule.value}
             )
             place = along | {"x": 1, "y": rule.value, "xanchor": "right", "yanchor": "bottom"}
-        if rule.words:
-            notes.append(place | small | {"text": _plain(rule.words)})
+        if rule.label:
+            notes.append(place | small | {"text": _plain(rule.label)})
     for layer in panel.layers:
         if isinstance(layer, Line) and layer.direct and len(layer.x):
             place = {
@@ -314,8 +314,8 @@ def _add_furniture(
                 "x": float(layer.x[-1]),
                 "y": float(layer.y[-1]),
             }
-            words = {"text": _plain(layer.direct), "font": {"size": 12, "color": layer.colour}}
-            notes.append(place | words | {"showarrow": False, "xanchor": "left", "xshift": 4})
+            sentence = {"text": _plain(layer.direct), "font": {"size": 12, "color": layer.colour}}
+            notes.append(place | sentence | {"showarrow": False, "xanchor": "left", "xshift": 4})
     # What stands along y is said above the panel, level: a long word up the side of a low panel
     # would be cut off.
     corner = {
@@ -342,13 +342,13 @@ def _add_furniture(
     notes.append(corner | head | {"text": title + _plain(panel.y_label)})
 
 
-def _plain(words: str) -> str:
-    """Words from outside as Plotly shows them, its own markup disarmed."""
-    return words.replace("&", "&amp;").replace("<", "&lt;").replace(">", "&gt;")
+def _plain(label: str) -> str:
+    """Text with Plotly's markup escaped."""
+    return label.replace("&", "&amp;").replace("<", "&lt;").replace(">", "&gt;")
 
 
 def _spaced(label: str, side: str) -> str:
-    """Words beside a mark keep clear of it."""
+    """Text next to a mark with a distance from it."""
     return {"middle right": f"  {label}", "middle left": f"{label}  "}.get(side, label)
 
 
@@ -372,15 +372,15 @@ def _trace(layer: Layer) -> dict[str, Any]:
             "color": layer.colour,
             "line": {"width": 1.8, "color": layer.colour},
         }
-        words_shown = {
+        text_options = {
             "mode": "markers+text",
             "text": [_spaced(_plain(label), side) for label in layer.labels],
             "textposition": side,
         }
-        text = words_shown if any(layer.labels) else {"mode": "markers"}
-        words = {"textfont": {"size": 11.5, "color": layer.colour}, "cliponaxis": False}
-        return place | {"type": "scatter", "marker": marker, **_hover(layer)} | text | words
-    hover = f"%{{x:.1f}}, {_plain(layer.y_words)} %{{y:.4g}}: %{{z:.4g}} {layer.unit}"
+        text = text_options if any(layer.labels) else {"mode": "markers"}
+        caption = {"textfont": {"size": 11.5, "color": layer.colour}, "cliponaxis": False}
+        return place | {"type": "scatter", "marker": marker, **_hover(layer)} | text | caption
+    hover = f"%{{x:.1f}}, {_plain(layer.y_tick_labels)} %{{y:.4g}}: %{{z:.4g}} {layer.unit}"
     second = {} if layer.second is None else {"customdata": packed(layer.second)}
     more = f" (%{{customdata:.4g}} {layer.second_unit})" if second else ""
     return (
@@ -391,7 +391,7 @@ def _trace(layer: Layer) -> dict[str, Any]:
 
 
 def _colour_axis(heat: HeatMap, narrow: bool) -> dict[str, Any]:
-    """Scale of a map: beside it on a wide page, below it on a narrow one."""
+    """Scale of a map: next to it on a wide page, below it on a narrow one."""
     stops = [
         [(index / (len(heat.colours) - 1)) ** (1 / heat.power), colour]
         for index, colour in enumerate(heat.colours)
@@ -425,6 +425,6 @@ def _hover(marks: Marks) -> dict[str, Any]:
     if not marks.hints:
         return {"hovertemplate": "%{x:.2f}, %{y:.4g}"}
     return {
-        "customdata": [_plain(words) for words in marks.hints],
+        "customdata": [_plain(label) for label in marks.hints],
         "hovertemplate": "%{customdata}",
     }

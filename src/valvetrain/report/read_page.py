@@ -1,7 +1,7 @@
 """A report page read back: the figures, tables and sentences that
 :func:`valvetrain.report.page.render` wrote.
 
-Whoever shows a kept run elsewhere than in its page takes them from here, so that nothing is
+Whoever shows a saved run elsewhere than in its page takes them from here, so that nothing is
 computed or written twice.
 """
 
@@ -81,7 +81,7 @@ class PageSentence:
     of a figure.
     """
 
-    words: str
+    text: str
     tone: str = ""
     tab: str = ""
 
@@ -122,7 +122,7 @@ def sections_of(text: str, where: str = "page") -> tuple[PageSection, ...]:
     if '<meta name="generator" content="valvetrain">' not in text[:4000]:
         raise InputError("is no report page; repeat the run", where)
     try:
-        told = {
+        page_data = {
             (match[1], match[2]): json.loads(match[3])
             for match in _SCRIPT.finditer(text)
             if match[1]
@@ -130,20 +130,20 @@ def sections_of(text: str, where: str = "page") -> tuple[PageSection, ...]:
     except (ValueError, RecursionError):
         raise InputError("is damaged; repeat the run", where) from None
     bare = _SCRIPT.sub("", text)
-    reader = _Reader(told, dict(_STILL.findall(bare)))
+    reader = _Reader(page_data, dict(_STILL.findall(bare)))
     reader.feed(_LEFT_OUT.sub("", bare))
     reader.close()
     return tuple(reader.sections)
 
 
 class _Reader(HTMLParser):
-    """Follows the elements of the page's template."""
+    """Parser of the elements of the page's template."""
 
-    def __init__(self, told: Mapping[tuple[str, str], Any], stills: Mapping[str, str]) -> None:
+    def __init__(self, page_data: Mapping[tuple[str, str], Any], stills: Mapping[str, str]) -> None:
         super().__init__(convert_charrefs=True)
-        self.told, self.stills, self.sections = told, stills, list[PageSection]()
+        self.page_data, self.stills, self.sections = page_data, stills, list[PageSection]()
         self._key, self._title, self._parts = "", "", list[PagePart]()
-        self._words: list[str] | None = None
+        self._text: list[str] | None = None
         self._open: list[tuple[str, dict[str, str]]] = []
         self._tabs: list[list[str]] = []
         self._tab = ""
@@ -152,14 +152,14 @@ class _Reader(HTMLParser):
         self._card = self._caption = ""
 
     def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
-        """Remember what begins."""
+        """Open an element."""
         given = {name: value or "" for name, value in attrs}
         if tag not in _EMPTY:
             self._open.append((tag, given))
         kind = given.get("class", "").split()
         if tag == "button" and any(name == "figcaption" for name, _ in self._open):
-            self._caption, self._words = (
-                "".join(self._words or ()),
+            self._caption, self._text = (
+                "".join(self._text or ()),
                 None,
             )  # its words are none of the caption's
             return
@@ -197,15 +197,15 @@ class _Reader(HTMLParser):
             "summary",
             "pre",
         ):
-            self._words = []
+            self._text = []
 
     def handle_data(self, data: str) -> None:
-        """Words of the element that is open."""
-        if self._words is not None:
-            self._words.append(data)
+        """Collect the text of the open element."""
+        if self._text is not None:
+            self._text.append(data)
 
     def handle_endtag(self, tag: str) -> None:
-        """Put what ended in its place."""
+        """Close an element."""
         if tag in _EMPTY or not any(tag == name for name, _ in self._open):
             return
         given: dict[str, str] = {}
@@ -213,8 +213,8 @@ class _Reader(HTMLParser):
             last, given = self._open.pop()
             if last == tag:
                 break
-        words = "".join(self._words or ())
-        words = words if tag == "pre" else " ".join(words.split())
+        label = "".join(self._text or ())
+        label = label if tag == "pre" else " ".join(label.split())
         inside = {name for name, _ in self._open}
         if tag in (
             "h2",
@@ -228,31 +228,31 @@ class _Reader(HTMLParser):
             "summary",
             "pre",
         ):
-            self._words = None
+            self._text = None
         if tag == "h2":
-            self._title = words
+            self._title = label
         elif tag == "h3":
             if "figure" in inside:
-                self._figure["title"] = words
+                self._figure["title"] = label
             else:
-                self._card = words
+                self._card = label
         elif tag == "figcaption":
-            self._figure["caption"] = words or " ".join(self._caption.split())
+            self._figure["caption"] = label or " ".join(self._caption.split())
             self._caption = ""
         elif tag == "caption":
-            self._table["title"] = words
+            self._table["title"] = label
         elif tag in ("th", "td") and self._table:
-            self._cell(words, given, "thead" in inside)
+            self._cell(label, given, "thead" in inside)
         elif tag == "tr" and self._table:
             self._row("thead" in inside)
         elif tag == "table":
             self._end_table()
         elif tag == "figure":
             self._end_figure()
-        elif tag in ("p", "pre") and "section" in inside and words:
-            self._parts.append(PageSentence(words, given.get("class", ""), self._tab))
+        elif tag in ("p", "pre") and "section" in inside and label:
+            self._parts.append(PageSentence(label, given.get("class", ""), self._tab))
         elif tag == "button" and given.get("role") == "tab" and self._tabs:
-            self._tabs[-1].append(words)
+            self._tabs[-1].append(label)
         elif tag == "button" and "data-name" in given and self._figure:
             self._figure["legend"].append((given["data-name"], self._figure.get("colour", "")))
         elif tag == "div" and "tabpanel" in given.get("class", "").split():
@@ -262,52 +262,59 @@ class _Reader(HTMLParser):
         elif tag == "section":
             self.sections.append(PageSection(self._key, self._title, tuple(self._parts)))
 
-    def _cell(self, words: str, given: Mapping[str, str], head: bool) -> None:
+    def _cell(self, label: str, given: Mapping[str, str], head: bool) -> None:
         number = "number" in given.get("class", "").split()
         if head:
-            self._table["headers"].append(words)
+            self._table["headers"].append(label)
             self._table["right"].append(number)
         else:
-            self._table["row"].append(words)
+            self._table["row"].append(label)
 
     def _row(self, head: bool) -> None:
         if not head and self._table.get("row"):
             self._table["rows"].append(tuple(self._table["row"]))
 
     def _end_table(self) -> None:
-        told = self._table
+        page_data = self._table
         self._parts.append(
             PageTable(
-                told["title"],
-                tuple(told["headers"]),
-                tuple(told["rows"]),
-                tuple(told["right"]),
+                page_data["title"],
+                tuple(page_data["headers"]),
+                tuple(page_data["rows"]),
+                tuple(page_data["right"]),
                 self._tab,
             )
         )
         self._table = {}
 
     def _end_figure(self) -> None:
-        told, self._figure = self._figure, {}
-        if "motion" in told:
+        page_data, self._figure = self._figure, {}
+        if "motion" in page_data:
             data, still = (
-                self.told.get(("motion", told["motion"]), {}),
-                self.stills.get(told["motion"], ""),
+                self.page_data.get(("motion", page_data["motion"]), {}),
+                self.stills.get(page_data["motion"], ""),
             )
             self._parts.append(
-                PageMotion(told["motion"], told["title"], told["caption"], data, still, self._tab)
+                PageMotion(
+                    page_data["motion"],
+                    page_data["title"],
+                    page_data["caption"],
+                    data,
+                    still,
+                    self._tab,
+                )
             )
             return
-        drawn = self.told.get(("data", told["key"]))
+        drawn = self.page_data.get(("data", page_data["key"]))
         if isinstance(drawn, dict) and "data" in drawn:
             self._parts.append(
                 PageFigure(
-                    told["key"],
-                    told["title"],
-                    told["caption"],
+                    page_data["key"],
+                    page_data["title"],
+                    page_data["caption"],
                     drawn,
                     self._tab,
-                    tuple(told["legend"]),
+                    tuple(page_data["legend"]),
                 )
             )
         elif isinstance(drawn, dict) and "gap" in drawn:

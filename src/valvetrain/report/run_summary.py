@@ -1,14 +1,18 @@
-"""Critical speeds of a sweep as rows of a table, the same in the terminal and on the page."""
+"""Rows for terminal and page: critical speeds of a sweep, valid speed ranges of models, differences
+of two saved runs.
+"""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
-from valvetrain.report.text import in_unit, number, rpm
+from valvetrain.report.text import in_unit, number, percent, quantity_label, rpm
+from valvetrain.runs.differences import ResultDifference
 from valvetrain.solution.critical import KINDS, CriticalSpeed
-from valvetrain.solution.definition import definition_of, label_of
+from valvetrain.solution.definition import definition_of, is_defined, label_of, shown, topics
 from valvetrain.solution.fidelity import RPM, FidelityMap, ValidSpeedRange
 from valvetrain.solution.study import Study
 from valvetrain.system.contract import TRAIN
@@ -20,33 +24,30 @@ MAX_AGAIN = 2
 
 @dataclass(frozen=True, slots=True)
 class CriticalRow:
-    """One line: the quantity it belongs to, words, and a cell per label (speeds in rpm)."""
+    """One row: quantity, label, and a cell per label of the study (speeds in rpm)."""
 
     name: str
-    words: str
+    label: str
     cells: tuple[str, ...]
     main: bool = False
 
 
 def searched(study: Study) -> bool:
-    """Whether the study is a sweep of a train, of which critical speeds are told or said not to be
-    computed.
-    """
+    """Whether the study is a sweep of a train, which reports critical speeds."""
     return study.command == "sweep" and any(
         run.provenance.system == TRAIN for run in study.solutions
     )
 
 
 def critical_rows(study: Study, labels: Sequence[str]) -> list[CriticalRow]:
-    """A line per kind, and below it where control comes back, what rising and falling speed show,
-    and further stretches.
+    """A row per kind of critical speed; below it the speed at which control returns, hysteresis,
+    and further ranges.
     """
     rows = []
     for kind, name in KINDS.items():
         found = [study.critical_speeds.of(kind, label) for label in labels]
-        words = label_of(name)
         main = tuple(NOT_COMPUTED if one is None else one.text for one in found)
-        rows.append(CriticalRow(name, words[:1].upper() + words[1:], main, True))
+        rows.append(CriticalRow(name, quantity_label(name), main, True))
         for text, cell in (
             ("until", _until),
             ("rising / falling speed", _hysteresis),
@@ -59,7 +60,7 @@ def critical_rows(study: Study, labels: Sequence[str]) -> list[CriticalRow]:
 
 
 def critical_notes(study: Study) -> tuple[str, ...]:
-    """What must be known of the numbers: how they were searched."""
+    """How the critical speeds were searched."""
     if not len(study.critical_speeds):
         return ()
     one = study.critical_speeds.rows[0]
@@ -67,8 +68,8 @@ def critical_notes(study: Study) -> tuple[str, ...]:
     return (
         f"Searched from {rpm(one.first_engine_speed):.6g} to {rpm(one.last_engine_speed):.6g} rpm, every speed from rest, and about each "
         f"change with the motion of the neighbouring speed carried on, rising and falling; brackets of {rpm(one.resolution):.3g} rpm or "
-        f"less. Float: lift more than {limits['float']} above the rigid one with a contact open; bounce: higher than {limits['bounce']}. "
-        "A stretch of speeds that is narrower than the slopes seen beside it suggest can be missed.",
+        f"less. Float: valve more than {limits['float']} above its rigid lift, off the cam; bounce: higher than {limits['bounce']}. "
+        "A very narrow speed range may be missed.",
     )
 
 
@@ -100,28 +101,29 @@ def _again(one: CriticalSpeed) -> str:
 
 @dataclass(frozen=True, slots=True)
 class ReachRow:
-    """One quantity: its words, a cell per model, and the cheapest model that is good enough at
-    every speed.
-    """
+    """One quantity: a cell per model, and the cheapest model that is good enough at every speed."""
 
     quantity: str
-    words: str
+    label: str
     cells: tuple[str, ...]
     cheapest: str
 
 
 def reach_rows(found: FidelityMap) -> list[ReachRow]:
     """A row per quantity: engine speeds (rpm) up to which each model is good enough."""
-    rows = []
-    for name in found.quantities:
-        words = label_of(name)
-        cells = tuple(found.reach(name, model).text for model in found.models)
-        rows.append(ReachRow(name, words[:1].upper() + words[1:], cells, found.cheapest(name)))
-    return rows
+    return [
+        ReachRow(
+            name,
+            quantity_label(name),
+            tuple(found.reach(name, model).text for model in found.models),
+            found.cheapest(name),
+        )
+        for name in found.quantities
+    ]
 
 
 def share(value: float) -> str:
-    """A share in per cent with two digits that count; empty where there is none."""
+    """A ratio in per cent with two significant digits; empty for none."""
     return (
         ""
         if not math.isfinite(value)
@@ -132,15 +134,17 @@ def share(value: float) -> str:
 
 
 def reason_for(found: FidelityMap, quantity: str) -> str:
-    """Why the cheapest model is recommended for a quantity, or what keeps each cheaper one from it."""
+    """Why the cheapest model is recommended for a quantity, or why no cheaper one is."""
     chosen = found.cheapest(quantity)
     costs = dict(found.costs)
     if chosen == found.reference:
         best = min(
-            (found.reach(quantity, model) for model in found.models), key=_miss, default=None
+            (found.reach(quantity, model) for model in found.models),
+            key=lambda reach: reach.largest if math.isfinite(reach.largest) else math.inf,
+            default=None,
         )
         if best is None or not math.isfinite(best.largest):
-            return "no other model tells it"
+            return "no other model gives it"
         if math.isinf(best.largest_doubt):
             return f"{best.model} comes nearest, but a finer run that should tell the error gave no result"
         if best.largest_doubt > best.largest:
@@ -160,12 +164,8 @@ def _apart(reach: ValidSpeedRange) -> str:
     )
 
 
-def _miss(reach: ValidSpeedRange) -> float:
-    return reach.largest if math.isfinite(reach.largest) else math.inf
-
-
 def fidelity_notes(found: FidelityMap) -> tuple[str, ...]:
-    """What must be known of the verdicts."""
+    """How the verdicts were reached and what limits them."""
     speeds = [row.engine_speed / RPM for row in found]
     undivided = [model for model in (*found.models, found.reference) if model not in found.divided]
     sizes = "; ".join(f"{label_of(name)} {_scale(found, name)}" for name in found.quantities)
@@ -215,3 +215,66 @@ def _scale(found: FidelityMap, name: str) -> str:
 def speed_axis(found: FidelityMap) -> list[float]:
     """Engine speeds (rpm) in order."""
     return [rpm(speed) for speed in sorted({row.engine_speed for row in found})]
+
+
+INPUT_HEADS = ("inputs", "A", "B")
+RESULT_HEADS = ("results", "run", "A", "B", "", "difference")
+
+
+def input_rows(inputs: Sequence[tuple[str, Any, Any]]) -> list[tuple[str, ...]]:
+    """Rows of the inputs that differ: key path, value in A, value in B.
+
+    >>> input_rows([("spring.total_coils", 6, None)])
+    [('spring.total_coils', '6', '–')]
+    """
+    return [(key, _word(first), _word(second)) for key, first, second in inputs]
+
+
+def result_rows(results: Sequence[ResultDifference]) -> list[tuple[str, ...]]:
+    """Rows of the numbers that both runs have and that differ: headline quantities first, then the
+    largest difference.
+
+    >>> result_rows([ResultDifference("peak_spring_force", "massless", "N", 800.0, 840.0)])
+    [('peak spring force', 'massless', '800', '840', 'N', '+5.0 %')]
+    """
+    first = [name for names in topics().values() for name in names]
+    place = {name: index for index, name in enumerate(first)}
+    both = sorted(
+        (row for row in results if row.difference is not None),
+        key=lambda row: place.get(row.quantity, len(first)),
+    )
+    rows: list[tuple[str, ...]] = []
+    for row in both:
+        change = "" if row.relative is None else percent(row.relative)
+        if is_defined(row.quantity):
+            a, b = (
+                number(float(shown(row.quantity, value)[0]))
+                for value in (row.a or 0.0, row.b or 0.0)
+            )
+            rows.append(
+                (label_of(row.quantity), row.run, a, b, shown(row.quantity, 1.0)[1], change)
+            )
+        else:
+            label = row.quantity.replace("_", " ")
+            rows.append(
+                (
+                    label,
+                    row.run.replace("_", " "),
+                    number(row.a or 0.0),
+                    number(row.b or 0.0),
+                    row.unit,
+                    change,
+                )
+            )
+    return rows
+
+
+def _word(value: Any) -> str:
+    text = (
+        "–"
+        if value is None
+        else ", ".join(map(str, value))
+        if isinstance(value, list)
+        else str(value)
+    )
+    return text if len(text) <= 60 else text[:57] + "..."

@@ -14,9 +14,9 @@ from typing import Any
 import numpy as np
 
 from valvetrain.errors import InputError, RunFailedError
-from valvetrain.registry import find, words
+from valvetrain.registry import find, places
 from valvetrain.report.chart import Chart
-from valvetrain.report.files import FreeNames
+from valvetrain.report.files import FreeNames, remove_earlier
 from valvetrain.report.page import (
     Block,
     Details,
@@ -32,12 +32,11 @@ from valvetrain.report.page import (
     render,
     sentences,
 )
-from valvetrain.report.run_charts import looks, told_by_source
+from valvetrain.report.run_charts import covered_by_source, line_styles
 from valvetrain.report.sections.sweep import order_table
 from valvetrain.report.svg_chart import svg
 from valvetrain.report.table import Table, comparison_table, table
 from valvetrain.report.text import rpm
-from valvetrain.report.unfinished import remove_earlier
 from valvetrain.solution.atomic import write_text
 from valvetrain.solution.definition import definition_of, label_of, shown
 from valvetrain.solution.modes import ModalResult
@@ -85,17 +84,17 @@ def study_page(study: Study) -> Page:
     """
     sections = tuple(
         section
-        for word in words("sections")
+        for word in places("sections")
         if (section := _section(find("sections", word), study)) is not None
     )
     record, gaps = study.record, PartialFailures()
-    by_source = gaps.part("what the source tells of the case", False, told_by_source, study)
-    told = sentences(record.description) if by_source else []
+    by_source = gaps.part("what the source tells of the case", False, covered_by_source, study)
+    lines = sentences(record.description) if by_source else []
     facts = gaps.part("facts below the title", (), _facts, study)
-    lead, more = " ".join(told[:_LEAD_SENTENCES]), tuple(told[_LEAD_SENTENCES:])
+    lead, more = " ".join(lines[:_LEAD_SENTENCES]), tuple(lines[_LEAD_SENTENCES:])
     if more and sections:
         about = Section(
-            "about", "About the case", prose((" ".join(told),), "The whole description")
+            "about", "About the case", prose((" ".join(lines),), "The whole description")
         )
         sections = (*sections[:-1], about, sections[-1])
     zero = f" Zero of the cam angle: {record.zero_of_angle}." if record.zero_of_angle else ""
@@ -106,7 +105,9 @@ def study_page(study: Study) -> Page:
     )
     if gaps.sentences:
         sections = (
-            Section("missing", "What is missing", tuple(gap(words) for words in gaps.sentences)),
+            Section(
+                "missing", "What is missing", tuple(gap(sentence) for sentence in gaps.sentences)
+            ),
             *sections,
         )
     return _unique_keys(
@@ -130,8 +131,8 @@ def _section(spec: SectionSpec, study: Study) -> Section | None:
 
 
 def _facts(study: Study) -> tuple[tuple[str, str], ...]:
-    speeds, known = study.engine_speeds, looks(study)
-    names = [look.words for look in known.values()]
+    speeds, known = study.engine_speeds, line_styles(study)
+    names = [look.label for look in known.values()]
     mark = "; " if any("," in name for name in names) else ", "
     listed = ", ".join(f"{rpm(speed):.10g}" for speed in speeds)
     if len(speeds) > _MAX_SPEEDS:
@@ -146,7 +147,7 @@ def _facts(study: Study) -> tuple[tuple[str, str], ...]:
     )
     facts = {
         "case": study.record.name, "engine speed": f"{listed} rpm" if speeds else "",
-        "springs by": mark.join(names), "changed": ", ".join(study.record.changed),
+        "spring model": mark.join(names), "changed": ", ".join(study.record.changed),
         "runs": f"{ended} of {len(study.solutions)} {word}" if study.solutions else "none run",
     }  # fmt: skip
     return tuple((name, value) for name, value in facts.items() if value)
@@ -198,7 +199,7 @@ CSV_SPACING = 0.5
 
 @dataclass(frozen=True, slots=True)
 class StudyFiles:
-    """What was written: the page (None where none was asked for), data files and pictures;
+    """What was written: the page (None where none was requested), data files and pictures;
     ``gaps``: a sentence per part that was not.
     """
 
@@ -217,7 +218,7 @@ def write_study(
     Parameters
     ----------
     study : what ``simulate``, ``compare`` or ``sweep`` gave
-    folder : made if absent; files of an earlier study there that nobody changed are removed
+    folder : made if absent; files of an earlier study there that are unchanged are removed
     page : write report.html, one file that needs no network
     figures : write every chart of the page as an SVG picture too
 
@@ -295,8 +296,8 @@ def write_parts(
     pictures: tuple[Path, ...] = ()
     if page:
         whole = gaps.part("report page", None, study_page, study)
-        for words in gaps_of(whole) if whole is not None else ():
-            gaps.add(f"report page: {words}")
+        for sentence in gaps_of(whole) if whole is not None else ():
+            gaps.add(f"report page: {sentence}")
         if whole is not None:
             written, pictures = gaps.part(
                 "report page", (None, ()), write_page, whole, target, "report.html", figures, gaps
@@ -338,9 +339,9 @@ def _tables(study: Study, names: FreeNames) -> dict[str, Callable[[], Table]]:
 
 
 def fidelity_table(study: Study) -> Table:
-    """Every model beside the reference, quantity by quantity and speed by speed, SI."""
+    """Every model next to the reference, quantity by quantity and speed by speed, SI."""
     found = study.fidelity
-    words = {
+    label = {
         name: np.array([getattr(row, name) for row in found], dtype=object)
         for name in ("quantity", "model")
     }
@@ -349,7 +350,7 @@ def fidelity_table(study: Study) -> Table:
         for name in ("value", "error", "reference", "reference_error", "difference", "doubt")
     }
     return table(
-        *((name, "", values) for name, values in words.items()),
+        *((name, "", values) for name, values in label.items()),
         ("engine speed", "rpm", [rpm(row.engine_speed) for row in found]),
         *(
             (name.replace("_", " "), "1" if name in ("difference", "doubt") else "SI", values)
@@ -375,13 +376,13 @@ def write_page(
     figures: bool = True,
     gaps: PartialFailures | None = None,
 ) -> tuple[Path, tuple[Path, ...]]:
-    """Write a page and, where ``figures`` are asked for, each of its charts as SVG; a chart that
+    """Write a page and, where ``figures`` are requested, each of its charts as SVG; a chart that
     fails is left out (the page names it).
     """
     pictures = []
-    told = gaps or PartialFailures()
+    failures = gaps or PartialFailures()
     for chart in charts(page) if figures else ():
-        picture = told.part(f"picture '{chart.key}.svg'", None, _picture, chart, folder)
+        picture = failures.part(f"picture '{chart.key}.svg'", None, _picture, chart, folder)
         pictures += [picture] if picture is not None else []
     return write_text(folder / name, render(page, gaps)), tuple(pictures)
 
@@ -399,12 +400,12 @@ def at_wire_points(solution: Solution, spacing: float) -> Solution:
         dimension = coordinate.dims[0] if len(coordinate.dims) == 1 else ""
         if dimension.endswith("wire_point") and dimension not in places and len(coordinate.values):
             coils = np.asarray(coordinate.values, dtype=float)
-            wanted: Iterable[float] = (
+            targets: Iterable[float] = (
                 np.arange(np.ceil(coils.min() / spacing), np.floor(coils.max() / spacing) + 1)
                 * spacing
             )
             places[dimension] = sorted(
-                {int(np.argmin(np.abs(coils - coil))) for coil in wanted}
+                {int(np.argmin(np.abs(coils - coil))) for coil in targets}
             ) or [0]
     return replace(solution, channels=solution.arrays.at(places)) if places else solution
 
@@ -472,19 +473,19 @@ def quantity_table(study: Study) -> Table:
     """
     items = list(study.quantities.items())
     speeds = [None if key.engine_speed is None else rpm(key.engine_speed) for key, _ in items]
-    words = {"label": [key.label for key, _ in items], "quantity": [key.name for key, _ in items]}
+    label = {"label": [key.label for key, _ in items], "quantity": [key.name for key, _ in items]}
     units = [definition_of(key.name).si_unit for key, _ in items]
     return table(
-        ("label", "", np.array(words["label"], dtype=object)),
+        ("label", "", np.array(label["label"], dtype=object)),
         ("engine speed", "rpm", np.array(speeds, dtype=object)),
-        ("quantity", "", np.array(words["quantity"], dtype=object)),
+        ("quantity", "", np.array(label["quantity"], dtype=object)),
         ("value", "SI", np.array([float(value) for _, value in items])),
         ("unit", "", np.array(units, dtype=object)),
     )
 
 
 def event_table(study: Study) -> Table:
-    """Every event of every run, details included where they are told."""
+    """Every event of every run, details included where they are given."""
     rows = [
         (
             run.label,
@@ -517,7 +518,7 @@ def event_table(study: Study) -> Table:
 
 
 def sweep_table(study: Study, label: str) -> Table:
-    """All quantities of one label over the engine speed in the units shown; cam orders stand in a
+    """All quantities of one label over the engine speed in the units shown; cam orders are in a
     table of their own.
     """
     runs = study.runs(label)

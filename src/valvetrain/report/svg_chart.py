@@ -31,7 +31,7 @@ Array = NDArray[np.float64]
 WIDTH = 960
 _TITLE, _LEGEND, _LEFT, _RIGHT, _BOTTOM, _GAP_X, _GAP_Y = 30, 24, 64, 22, 46, 74, 66
 #: Side of a mark -> steps right and down in px, and the anchor of the words there.
-_BESIDE = {
+_OFFSETS = {
     "top": (0, -9, "middle"),
     "right": (9, 4, "start"),
     "left": (-9, 4, "end"),
@@ -78,7 +78,8 @@ def svg(chart: Chart) -> str:
             + int(
                 6.6
                 * max(
-                    (len(words) for panel in chart.panels for _, words in panel.y_words), default=0
+                    (len(label) for panel in chart.panels for _, label in panel.y_tick_labels),
+                    default=0,
                 )
             ),
         ),
@@ -142,7 +143,12 @@ def _panel(frame: _Frame, name: str, x_named: bool) -> list[str]:
     parts += [_rules(frame)]
     parts += [_marks(frame, layer) for layer in panel.layers if isinstance(layer, Marks)]
     parts += [
-        _direct(frame, layer)
+        _text(
+            float(frame.x(layer.x[-1])) + 4,
+            float(frame.y(layer.y[-1])) + 4,
+            layer.direct,
+            colour=layer.colour,
+        )
         for layer in panel.layers
         if isinstance(layer, Line) and layer.direct and len(layer.x)
     ]
@@ -169,7 +175,7 @@ def _box(frame: _Frame) -> str:
 def _text(
     x: float,
     y: float,
-    words: str,
+    label: str,
     *,
     size: float = 11.5,
     colour: str = theme.INK,
@@ -181,17 +187,17 @@ def _text(
     look = f'font-size="{size}" fill="{colour}" text-anchor="{anchor}"' + (
         f' font-weight="{weight}"' if weight != 400 else ""
     )
-    return f'<text x="{x:.1f}" y="{y:.1f}" {look}{turned}>{escape(words)}</text>'
+    return f'<text x="{x:.1f}" y="{y:.1f}" {look}{turned}>{escape(label)}</text>'
 
 
 def _grid(frame: _Frame, x_named: bool) -> str:
     parts, base = [], frame.top + frame.high
-    for value, words in _y_ticks(frame):
+    for value, label in _y_ticks(frame):
         place = float(frame.y(value))
         parts.append(
             f'<path d="M{frame.left:.1f} {place:.1f}h{frame.wide:.1f}" stroke="{theme.GRID}"/>'
         )
-        parts.append(_text(frame.left - 7, place + 4, words, colour=theme.MUTED, anchor="end"))
+        parts.append(_text(frame.left - 7, place + 4, label, colour=theme.MUTED, anchor="end"))
     values, decimals = ticks(
         *frame.x_range, count=max(3, int(frame.wide / 75)), step=frame.panel.x_step
     )
@@ -215,8 +221,8 @@ def _grid(frame: _Frame, x_named: bool) -> str:
 
 def _y_ticks(frame: _Frame) -> list[tuple[float, str]]:
     """Values and words of the ticks up the side; whole decades on a logarithmic axis."""
-    if frame.panel.y_words:
-        return list(frame.panel.y_words)
+    if frame.panel.y_tick_labels:
+        return list(frame.panel.y_tick_labels)
     if frame.panel.y_log:
         low, high = (round(float(np.log10(end))) for end in frame.y_range)
         return [(10.0**power, f"{10.0**power:g}") for power in range(low, high + 1)]
@@ -239,7 +245,7 @@ def _bands(frame: _Frame) -> str:
                 _text(
                     (left + right) / 2,
                     frame.top - 5,
-                    band.words,
+                    band.label,
                     colour=theme.MUTED,
                     anchor="middle",
                     size=11,
@@ -254,14 +260,14 @@ def _rules(frame: _Frame) -> str:
         if rule.axis == "x":
             place = float(frame.x(rule.value))
             path = f"M{place:.1f} {frame.top:.1f}v{frame.high:.1f}"
-            words = _text(place + 4, frame.top + 13 + 15 * level, rule.words, colour=theme.MUTED)
+            label = _text(place + 4, frame.top + 13 + 15 * level, rule.label, colour=theme.MUTED)
         else:
             place = float(frame.y(rule.value))
             path = f"M{frame.left:.1f} {place:.1f}h{frame.wide:.1f}"
-            words = _text(
-                frame.left + frame.wide, place - 4, rule.words, colour=theme.MUTED, anchor="end"
+            label = _text(
+                frame.left + frame.wide, place - 4, rule.label, colour=theme.MUTED, anchor="end"
             )
-        parts.append(f'<path d="{path}" stroke="{theme.MUTED}" stroke-dasharray="1.5 3"/>{words}')
+        parts.append(f'<path d="{path}" stroke="{theme.MUTED}" stroke-dasharray="1.5 3"/>{label}')
     return "".join(parts)
 
 
@@ -277,15 +283,6 @@ def _line(frame: _Frame, line: Line) -> str:
     return f'<path d="{path}" fill="none" {style}/>'
 
 
-def _direct(frame: _Frame, line: Line) -> str:
-    return _text(
-        float(frame.x(line.x[-1])) + 4,
-        float(frame.y(line.y[-1])) + 4,
-        line.direct,
-        colour=line.colour,
-    )
-
-
 def _marks(frame: _Frame, marks: Marks) -> str:
     parts = []
     labels = marks.labels or ("",) * len(marks.x)
@@ -299,7 +296,7 @@ def _marks(frame: _Frame, marks: Marks) -> str:
         across, down = float(frame.x(x)), float(frame.y(y))
         parts.append(_symbol(across, down, marks))
         if label:
-            right, lower, anchor = _BESIDE[theme.LABEL_SIDES.get(marks.symbol, "top")]
+            right, lower, anchor = _OFFSETS[theme.LABEL_SIDES.get(marks.symbol, "top")]
             parts.append(
                 _text(
                     across + right, down + lower, label, colour=marks.colour, anchor=anchor, size=11

@@ -13,9 +13,16 @@ from numpy.typing import NDArray
 from valvetrain.errors import InputError
 from valvetrain.report import theme
 from valvetrain.report.page import Cell, Grid
-from valvetrain.report.text import in_unit, number, percent, rpm, speed_text, unit_text
+from valvetrain.report.text import (
+    in_unit,
+    number,
+    percent,
+    quantity_label,
+    rpm,
+    speed_text,
+    unit_text,
+)
 from valvetrain.solution.comparison import Comparison
-from valvetrain.solution.definition import label_of
 
 #: Signs with which a spreadsheet takes a cell for a formula, and words that are numbers all the
 #: same.
@@ -83,8 +90,8 @@ def table(*columns: tuple[str, str, Sequence[Any] | NDArray[Any]]) -> Table:
 
 def quoted(value: Any) -> str:
     """One CSV cell: floats to the last digit, nothing for None, quotes where needed; words that a
-    spreadsheet would compute are led by
-    an apostrophe."""
+    spreadsheet would compute are led by an apostrophe.
+    """
     if value is None:
         return ""
     if isinstance(value, float):
@@ -116,28 +123,30 @@ def comparison_table(rows: Sequence[Comparison]) -> Table:
     def shown(value: float | None, unit: str) -> float | None:
         return None if value is None else in_unit(value, unit)
 
-    def words(values: list[object]) -> np.ndarray:
+    def text_cells(values: list[object]) -> np.ndarray:
         return np.array(values, dtype=object)
 
     return table(
-        ("quantity", "", words([row.quantity for row in rows])),
+        ("quantity", "", text_cells([row.quantity for row in rows])),
         (
             "engine speed",
             "rpm",
-            words([None if row.engine_speed is None else rpm(row.engine_speed) for row in rows]),
+            text_cells(
+                [None if row.engine_speed is None else rpm(row.engine_speed) for row in rows]
+            ),
         ),
-        ("given by", "", words([row.origin for row in rows])),
-        ("given", "", words([shown(row.published, row.unit) for row in rows])),
-        ("computed by", "", words([row.model for row in rows])),
-        ("computed", "", words([shown(row.computed, row.unit) for row in rows])),
-        ("difference", "", words([shown(row.difference, row.unit) for row in rows])),
-        ("unit", "", words([row.unit for row in rows])),
-        ("relative difference", "", words([row.relative_difference for row in rows])),
-        ("tolerance", "", words([shown(row.tolerance, row.unit) for row in rows])),
-        ("role", "", words([row.role for row in rows])),
-        ("verdict", "", words([row.verdict for row in rows])),
-        ("source", "", words([row.source for row in rows])),
-        ("used for", "", words([row.used_for for row in rows])),
+        ("given by", "", text_cells([row.origin for row in rows])),
+        ("given", "", text_cells([shown(row.published, row.unit) for row in rows])),
+        ("computed by", "", text_cells([row.model for row in rows])),
+        ("computed", "", text_cells([shown(row.computed, row.unit) for row in rows])),
+        ("difference", "", text_cells([shown(row.difference, row.unit) for row in rows])),
+        ("unit", "", text_cells([row.unit for row in rows])),
+        ("relative difference", "", text_cells([row.relative_difference for row in rows])),
+        ("tolerance", "", text_cells([shown(row.tolerance, row.unit) for row in rows])),
+        ("role", "", text_cells([row.role for row in rows])),
+        ("verdict", "", text_cells([row.verdict for row in rows])),
+        ("source", "", text_cells([row.source for row in rows])),
+        ("used for", "", text_cells([row.used_for for row in rows])),
     )
 
 
@@ -156,25 +165,20 @@ def _speed(row: Comparison) -> str:
 
 
 def _cells(row: Comparison) -> tuple[Cell, ...]:
-    sign, words, _, _ = theme.origin_style(row.origin)
+    sign, caption, _, _ = theme.origin_style(row.origin)
     relative = row.relative_difference
     wraps = row.unit == "deg" and row.quantity.endswith("_cam_angle")
     share = "" if relative is None or wraps else percent(relative)
     exact = row.difference is not None and abs(row.difference) < 1e-9 * max(
         abs(row.published), abs(row.computed or 0.0)
     )
-    difference = (
-        "–"
-        if row.difference is None
-        else "0"
-        if exact
-        else _signed(in_unit(row.difference, row.unit))
-    )
-    label = label_of(row.quantity)
+    size = 0.0 if row.difference is None else in_unit(row.difference, row.unit)
+    signed = ("+" if size > 0 else "") + number(size, 3)
+    difference = "–" if row.difference is None else "0" if exact else signed
     return (
-        Cell(label[:1].upper() + label[1:], "long", row.quantity),
+        Cell(quantity_label(row.quantity), "long", row.quantity),
         Cell(_speed(row), "quiet"),
-        Cell(sign, "tag", words),
+        Cell(sign, "tag", caption),
         Cell(_in(row.published, row.unit), "number"),
         Cell(theme.model_label(row.model) if row.model else "", "quiet", row.model),
         Cell(_in(row.computed, row.unit), "number"),
@@ -201,7 +205,3 @@ def tone(row: Comparison) -> str:
 
 def _in(value: float | None, unit: str) -> str:
     return "–" if value is None else number(in_unit(value, unit))
-
-
-def _signed(value: float) -> str:
-    return ("+" if value > 0 else "") + number(value, 3)

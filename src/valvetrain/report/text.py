@@ -1,4 +1,4 @@
-"""Numbers and names as a reader sees them."""
+"""Numbers, units and labels as text."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from valvetrain.solution.definition import label_of
 
 
 def rpm(engine_speed: float) -> float:
-    """rad/s as revolutions per minute, rounded to what nobody would call rounding."""
+    """rad/s as revolutions per minute, rounded to 1e-6."""
     return round(engine_speed * 30 / math.pi, 6)
 
 

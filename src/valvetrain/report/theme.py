@@ -55,7 +55,7 @@ def model_colour(model: str) -> str:
     """Colour of a spring model, its own; the same name always gives the same colour."""
     return (
         spring_model(model).colour
-        if model in registry.words("springs")
+        if model in registry.places("springs")
         else _SPARE[sum(map(ord, model)) % len(_SPARE)]
     )
 
@@ -63,7 +63,9 @@ def model_colour(model: str) -> str:
 def model_label(model: str) -> str:
     """A spring model's name as a reader knows it; any other label without its hyphens."""
     return (
-        spring_model(model).label if model in registry.words("springs") else model.replace("-", " ")
+        spring_model(model).label
+        if model in registry.places("springs")
+        else model.replace("-", " ")
     )
 
 
@@ -72,7 +74,7 @@ def origin_style(origin: str) -> tuple[str, str, str, str]:
     """Short sign, words, colour and mark of what produced a published value, as its source study
     tells.
     """
-    for word in registry.words("sources"):
+    for word in registry.places("sources"):
         source: SourceStudy = registry.find("sources", word)
         if origin in source.origins:
             sign, place = source.origins[origin].sign, list(source.origins).index(origin)
@@ -81,7 +83,7 @@ def origin_style(origin: str) -> tuple[str, str, str, str]:
     return (sign, f"{sign}, published", INK, "square")
 
 
-#: Where the words beside a mark stand, so that marks of several origins at one place stay readable.
+#: Where the words next to a mark stand, so that marks of several origins at one place stay readable.
 LABEL_SIDES = {"circle": "top", "diamond": "right", "triangle": "left", "square": "bottom"}
 
 

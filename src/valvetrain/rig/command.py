@@ -268,7 +268,7 @@ def _recording_answer(
     """Cycles of a recording."""
     from hashlib import file_digest
 
-    from valvetrain.cli.case_choice import choose_case, folder_of
+    from valvetrain.cli.options import choose_case, folder_of
     from valvetrain.cli.outcome import plain_table
     from valvetrain.cli.progress import busy
     from valvetrain.measured.cycles import write_cycles
@@ -339,7 +339,7 @@ def _case_answer(
     sensor: Sensor,
 ) -> _Answer:
     """True and recorded peaks of the runs of a case."""
-    from valvetrain.cli.case_choice import choose_case, folder_of
+    from valvetrain.cli.options import choose_case, folder_of
     from valvetrain.cli.outcome import plain_table
     from valvetrain.cli.progress import busy
     from valvetrain.report.columns import text_table

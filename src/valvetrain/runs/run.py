@@ -16,8 +16,7 @@ from valvetrain.integrate.contract import Keep
 from valvetrain.parameters.case import Case
 from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.parameters.steel_contacts import default_contacts
-from valvetrain.quantities.design import closing_quantities
-from valvetrain.quantities.statics import buckling_quantities, rest_quantities
+from valvetrain.quantities.statics import buckling_quantities, closing_quantities, rest_quantities
 from valvetrain.runs.cost import Limits
 from valvetrain.runs.critical_speeds import CriticalOptions, find_critical_speeds
 from valvetrain.runs.notes import (

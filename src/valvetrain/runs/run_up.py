@@ -17,7 +17,7 @@ from valvetrain.integrate.train_run import CycleRecord, TrainOptions, runner
 from valvetrain.integrate.train_steady import steady_train
 from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.parameters.loading import AnyCase, case_of
-from valvetrain.quantities.run_up import OpenWindow, turn_quantities
+from valvetrain.quantities.train_numbers import OpenWindow, turn_quantities
 from valvetrain.runs.cost import limits_of, refuse_cost
 from valvetrain.runs.critical_speeds import CriticalOptions
 from valvetrain.runs.notes import refuse_implausible

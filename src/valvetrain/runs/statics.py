@@ -16,12 +16,12 @@ from valvetrain.cosserat.static import Equilibrium
 from valvetrain.errors import InputError
 from valvetrain.parameters.case import Case
 from valvetrain.parameters.installed_spring import InstalledSpring
-from valvetrain.quantities.design import size_quantities
 from valvetrain.quantities.plausible import plausible_rest, refuse_implausible_motion
 from valvetrain.quantities.statics import (
     buckling_quantities,
     formula_compression,
     rest_quantities,
+    size_quantities,
 )
 from valvetrain.quantities.stress import EQUIVALENT, SHEAR
 from valvetrain.runs.buckling import find_buckling, find_leaning, path_status

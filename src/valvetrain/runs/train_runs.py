@@ -12,7 +12,7 @@ import numpy as np
 from valvetrain.errors import InputError
 from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.parameters.loading import AnyCase
-from valvetrain.quantities.spectrum import surge_engine_speeds
+from valvetrain.quantities.forces import surge_engine_speeds
 from valvetrain.quantities.valve_events import rigid_events
 from valvetrain.runs.prepared import (
     Plan,

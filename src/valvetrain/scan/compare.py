@@ -266,7 +266,7 @@ def _end(own: EndCoil, other: EndCoil) -> EndCoil:
 
 
 def _at_rest(cases: tuple[Case, Case], design: Study, scanned: Study) -> list[ComparedNumber]:
-    from valvetrain.quantities.design import design_quantities
+    from valvetrain.quantities.statics import design_quantities
 
     found = []
     values = [

@@ -186,19 +186,19 @@ FINE: dict[str, tuple[tuple[str, ...], str, str]] = {
     ),
     "seat_force_highest": ((), "N", "largest seat force on any step up to the next sample"),
     "seat_force_highest_time": ((), "s", "time of the largest seat force up to the next sample"),
-    "seat_force_lowest": ((), "N", "least seat force on any step up to the next sample"),
-    "seat_force_lowest_time": ((), "s", "time of the least seat force up to the next sample"),
+    "seat_force_lowest": ((), "N", "minimum seat force on any step up to the next sample"),
+    "seat_force_lowest_time": ((), "s", "time of the minimum seat force up to the next sample"),
     "retainer_force_highest": ((), "N", "largest retainer force on any step up to the next sample"),
     "retainer_force_highest_time": (
         (),
         "s",
         "time of the largest retainer force up to the next sample",
     ),
-    "retainer_force_lowest": ((), "N", "least retainer force on any step up to the next sample"),
+    "retainer_force_lowest": ((), "N", "minimum retainer force on any step up to the next sample"),
     "retainer_force_lowest_time": (
         (),
         "s",
-        "time of the least retainer force up to the next sample",
+        "time of the minimum retainer force up to the next sample",
     ),
     "coil_contact_peak_force": (("coil_pair",), "N", "largest contact force since the last sample"),
 }

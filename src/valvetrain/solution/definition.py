@@ -7,10 +7,11 @@ published study.
 from __future__ import annotations
 
 import re
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from difflib import get_close_matches
 from functools import cache
-from typing import Literal, TypeVar
+from typing import Any, Literal, TypeVar, get_args
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,6 +23,16 @@ from valvetrain.units import DIMENSIONS, unit_factor
 
 Sense = Literal["larger is better", "smaller is better", ""]
 Systems = tuple[Literal["spring", "train"], ...]
+#: Where a quantity is shown beside the table of all: ``brief`` in the row of a run among many, ``sweep``
+#: in the terminal's table of a sweep, ``curve`` drawn over engine speed, ``study`` offered as an output of
+#: a study, ``stress`` in the table of stresses; ``page`` on the page but not in the terminal. ``case``:
+#: one value for all engine speeds; ``one speed``: no worst value over several.
+Use = Literal["brief", "sweep", "curve", "study", "stress", "page", "case", "one speed"]
+#: Topics of the answers in the order of page, terminal and workbench; those of other packages follow.
+TOPICS = (
+    "Spring force and coil bind", "Surge", "Coil clash", "Seating and contact", "Scatter from cycle to cycle", "Loss of control",
+    "Wire stress",
+)  # fmt: skip
 Number = TypeVar("Number", float, NDArray[np.float64])
 
 #: Last word of a name -> dimension and shown unit, unless its row gives others; for a range, that
@@ -55,10 +66,13 @@ class QuantityRow:
     """One quantity, or a family of them where ``name`` is a template: ``mode_{n}_frequency``,
     ``peak_{place}_contact_force``.
 
-    ``dimension``: a key of :data:`valvetrain.units.DIMENSIONS`, empty where it is unknown.
-    ``shown_unit``: the unit in tables. ``label``: plain text; ``definition``: one sentence; both
-    may repeat the fields of the template. ``systems``: those that have it, a spring under
-    prescribed motion or a train.
+    ``dimension``: key of :data:`valvetrain.units.DIMENSIONS`, empty where the name has none; ``shown_unit``
+    is printed in tables. ``label``: plain English; ``definition``: one sentence for docs/quantities.md;
+    both may repeat the fields of the template. ``systems`` that have it: a spring under prescribed
+    motion, a train. ``topic`` of the answers on the page, in the terminal and in the workbench, empty for
+    the table of all quantities alone; ``uses``: where else it is shown; ``answered_as``: names for
+    topic and uses where they are not ``name`` alone. ``compute`` (a quantity of another package): SI
+    value of a :class:`~valvetrain.solution.result.Solution`, None where it has none.
     """
 
     name: str
@@ -68,6 +82,10 @@ class QuantityRow:
     definition: str = ""
     sense: Sense = ""
     systems: Systems = ()
+    topic: str = ""
+    uses: tuple[Use, ...] = ()
+    answered_as: tuple[str, ...] = ()
+    compute: Callable[[Any], float | None] | None = None
 
     @property
     def si_unit(self) -> str:
@@ -84,20 +102,23 @@ def row(
     systems: Systems = (),
     dimension: str = "",
     shown_unit: str | None = None,
+    topic: str = "",
+    uses: tuple[Use, ...] = (),
+    answered_as: tuple[str, ...] = (),
+    compute: Callable[[Any], float | None] | None = None,
 ) -> QuantityRow:
     """A :class:`QuantityRow` whose dimension and shown unit follow from the last word of ``name``
-    where they are left out.
+    where they are left out. Raises :class:`InputError` for an unknown use.
     """
-    default_dimension, default_unit = _by_last_word(name)
+    if unknown := [use for use in uses if use not in get_args(Use)]:
+        raise InputError(
+            f"quantity '{name}' has the unknown use '{unknown[0]}'; use {', '.join(get_args(Use))}"
+        )
+    usual = _by_last_word(name)
     return QuantityRow(
-        name,
-        dimension or default_dimension,
-        default_unit if shown_unit is None else shown_unit,
-        label,
-        definition,
-        sense,
-        systems,
-    )
+        name, dimension or usual[0], usual[1] if shown_unit is None else shown_unit, label, definition, sense, systems, topic, uses,
+        answered_as, compute,
+    )  # fmt: skip
 
 
 @cache
@@ -117,6 +138,36 @@ def tables() -> dict[str, tuple[QuantityRow, ...]]:
                 )
             owner[one.name] = table
     return found
+
+
+@cache
+def topics() -> dict[str, tuple[str, ...]]:
+    """Topic -> its quantities, in the order in which page, terminal and workbench answer them."""
+    names: dict[str, list[str]] = {topic: [] for topic in TOPICS}
+    for one in _rows():
+        if one.topic:
+            names.setdefault(one.topic, []).extend(one.answered_as or (one.name,))
+    return {topic: tuple(some) for topic, some in names.items()}
+
+
+@cache
+def names_for(use: Use, system: Literal["spring", "train", ""] = "") -> tuple[str, ...]:
+    """Names of the quantities with a ``use``, in the order of the topics, of ``system`` alone where
+    one is given.
+    """
+    order = list(topics())
+    rows = [one for one in _rows() if use in one.uses and (not system or system in one.systems)]
+    rows.sort(key=lambda one: order.index(one.topic) if one.topic else len(order))
+    return tuple(name for one in rows for name in one.answered_as or (one.name,))
+
+
+def computed_rows() -> tuple[tuple[QuantityRow, Callable[[Any], float | None]], ...]:
+    """The rows that compute their own value of a run, each with its function."""
+    return tuple((one, one.compute) for one in _rows() if one.compute is not None)
+
+
+def _rows() -> list[QuantityRow]:
+    return [one for rows in tables().values() for one in rows]
 
 
 @cache
@@ -232,7 +283,7 @@ def angle_name(quantity: str) -> str:
 @cache
 def _index() -> tuple[dict[str, QuantityRow], tuple[tuple[QuantityRow, re.Pattern[str]], ...]]:
     """Rows by whole name, and templates with their patterns, the one with most fixed letters first."""
-    every = [one for rows in tables().values() for one in rows]
+    every = _rows()
     templates = sorted(
         (one for one in every if "{" in one.name), key=lambda one: -len(fixed_part(one.name))
     )

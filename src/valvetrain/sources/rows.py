@@ -35,7 +35,7 @@ def _force(place: str, label: str, definition: str) -> tuple[QuantityRow, Quanti
 
 
 _STAGES = (
-    _row("stage_1_minimum_force", "Stage I least force", "Smallest force in Stage I."),
+    _row("stage_1_minimum_force", "Stage I minimum force", "Smallest force in Stage I."),
     _row("stage_1_maximum_force", "Stage I largest force", "Largest force in Stage I."),
     _row("stage_1_force_range", "Stage I range of the force", "Largest less smallest force in Stage I."),
     _row("stage_1_peak_{n}_cam_angle", "Stage I peak {n}, cam angle",
@@ -63,10 +63,10 @@ _NODES = (
     _row("node_2_stage_1_maximum_displacement", "largest displacement of node 2 in Stage I",
          "Largest displacement of node 2 in Stage I, zero where coil 2 touches coil 1."),
     _row("node_2_stage_1_displacement_range", "displacement range of node 2 in Stage I", "Displacement range of node 2 in Stage I."),
-    *_both("node_2_stage_{s}_minimum_velocity", "least velocity of node 2 in stage {s}", "Smallest velocity of node 2 in stage {s}."),
+    *_both("node_2_stage_{s}_minimum_velocity", "minimum velocity of node 2 in stage {s}", "Smallest velocity of node 2 in stage {s}."),
     *_both("node_2_stage_{s}_maximum_velocity", "largest velocity of node 2 in stage {s}", "Largest velocity of node 2 in stage {s}."),
     _row("node_2_stage_1_velocity_range", "velocity range of node 2 in Stage I", "Velocity of node 2 in Stage I, peak to peak."),
-    _row("node_2_late_stage_3_minimum_velocity", "least velocity of node 2 late in Stage III",
+    _row("node_2_late_stage_3_minimum_velocity", "minimum velocity of node 2 late in Stage III",
          "Smallest velocity of node 2 in Stage III after the first clash."),
     _row("node_2_late_stage_3_maximum_velocity", "largest velocity of node 2 late in Stage III",
          "Largest velocity of node 2 in Stage III after the first clash."),

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from valvetrain.parameters.installed_spring import InstalledSpring
-from valvetrain.quantities.design import design_quantities
+from valvetrain.quantities.statics import design_quantities
 from valvetrain.report import theme
 from valvetrain.report.chart import Chart, Layer, Line, Marks, Panel
 from valvetrain.report.page import Block, Cell, Figure, Grid, Page, Section, text

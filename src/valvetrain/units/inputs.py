@@ -181,8 +181,13 @@ def _speeds_of_text(text: str, quantity: str, where: str) -> tuple[float, ...]:
             parse_quantity(f"{part}{unit}", "angular speed", where) for part in match.groups()[:3]
         )
         if not (first > 0 and last >= first and step > 0):
+            why = (
+                "the last speed is below the first"
+                if last < first
+                else "first speed and step must be above zero"
+            )
             raise InputError(
-                f"range '{clipped(text)}' leads nowhere; write first:last:step, rising, as in '1000:9000:500 rpm'",
+                f"range '{clipped(text)}': {why}; write first:last:step as in '1000:9000:500 rpm'",
                 where,
             )
         if (last - first) / step > MAX_SPEEDS:

@@ -141,7 +141,7 @@ def split_quantity(text: object, dimension: str | None, where: str) -> tuple[flo
     phrase = due.phrase if due else f"a quantity in {dimension}"
     if isinstance(text, bool) or not isinstance(text, (int, float, str)):
         raise InputError(
-            f"{clipped(repr(text))} is no quantity; {phrase} is needed here, such as '1 {example_unit}'".rstrip(),
+            f"{clipped(repr(text))} is not a number with a unit; {phrase} is needed here, such as '1 {example_unit}'".rstrip(),
             where,
         )
     if isinstance(text, (int, float)):
@@ -156,7 +156,7 @@ def split_quantity(text: object, dimension: str | None, where: str) -> tuple[flo
     match = _QUANTITY.match(text.strip())
     if match is None:
         raise InputError(
-            f"'{clipped(text)}' is no quantity; {phrase} is needed here, such as '1 {example_unit}'".rstrip(),
+            f"'{clipped(text)}' is not a number with a unit; {phrase} is needed here, such as '1 {example_unit}'".rstrip(),
             where,
         )
     number, unit = match.groups()

@@ -15,7 +15,6 @@ from valvetrain.compare_test import ModelAgainstTest, compare_study_with_test, c
 from valvetrain.errors import InputError
 from valvetrain.parameters.case import Case
 from valvetrain.parameters.loading import read_case
-from valvetrain.report.headlines import TOPICS
 from valvetrain.report.page import render
 from valvetrain.report.read_page import (
     PageFigure,
@@ -26,10 +25,10 @@ from valvetrain.report.read_page import (
     read_page,
     sections_of,
 )
-from valvetrain.report.run_differences import INPUT_HEADS, RESULT_HEADS, input_rows, result_rows
+from valvetrain.report.run_summary import INPUT_HEADS, RESULT_HEADS, input_rows, result_rows
 from valvetrain.runs.differences import input_differences, result_differences
 from valvetrain.runs.saved_runs import SavedRun
-from valvetrain.solution.definition import is_defined, label_of, shown
+from valvetrain.solution.definition import is_defined, label_of, shown, topics
 from valvetrain.solution.netcdf import load_netcdf
 from valvetrain.solution.study import Study
 from valvetrain.system.build import build
@@ -100,7 +99,7 @@ def numbers(run: Run) -> list[Number]:
     place = {
         name: (row, topic)
         for row, (name, topic) in enumerate(
-            (name, topic) for topic, names in TOPICS.items() for name in names
+            (name, topic) for topic, names in topics().items() for name in names
         )
     }
     found = [
@@ -166,7 +165,7 @@ def overlay(
     parts = sections_of(render(compare_test_page(found))) if found.runs else ()
     drawn = [part for section in parts for part in section.parts if isinstance(part, PageFigure)]
     said = tuple(
-        part.words
+        part.text
         for section in parts
         if section.key == "verdict"
         for part in section.parts

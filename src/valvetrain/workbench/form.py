@@ -324,7 +324,7 @@ def _steel(place: str, word: str) -> Field:
     key = f"train.contacts.{place}".rstrip(".")
     label, told = (
         f"contact at the {text_of(place)}" if place else "all contacts",
-        "contacts of steel parts of usual size; or tables of laws",
+        "contact stiffness: default steel values; or a table for each contact",
     )
     return Field(key, label, "text", word, help=told, choices=(STEEL,))
 

@@ -27,7 +27,7 @@ from valvetrain.units import DIMENSIONS, parse_quantity, to_unit, unit_factor
 
 #: Last word of a key -> label, where the key's own words are not those of the field.
 LABELS = {
-    "youngs_modulus": "Young's modulus", "poisson_ratio": "Poisson's ratio", "lift_of": "lift of", "zero_of_angle": "zero of the cam angle",
+    "youngs_modulus": "Young's modulus", "poisson_ratio": "Poisson's ratio", "lift_of": "lift measured at", "zero_of_angle": "zero of the cam angle",
     "kind": "kind", "law": "contact law", "ends": "both ends",
 }  # fmt: skip
 
@@ -47,7 +47,7 @@ HELP = {
     "closing_start": "where it is left", "closing_end": "where the valve is closed", "cam_angles": "angles of the stations",
     "lifts": "lifts at the stations", "file": "table beside the case", "base_radius": "radius of the base circle",
     "pivot": "point the lever turns about, from the cam centre", "drive_arm": "pivot to the point that the cam or pushrod moves",
-    "inertia": "moment of inertia about the pivot", "mass": "that moves", "stiffness": "force per way",
+    "inertia": "moment of inertia about the pivot", "mass": "moving mass", "stiffness": "force per way",
     "law": "how a contact presses", "radius": "of the crank", "rod_length": "of the connecting rod",
     "clearance": "piston to cylinder head at top dead centre", "top_dead_centre": "cam angle of it",
     "forces": "gas force on the valve head",

@@ -37,8 +37,8 @@ _OPENCV = "an MP4 needs OpenCV; install it with: pip install 'valvetrain[film]',
 
 @dataclass(frozen=True, slots=True)
 class FilmRequest:
-    """A film as asked for: ``duration`` (s) of one cam turn, ``picture_width`` (px; height 16:9),
-    ``colour``: key of the colouring.
+    """A film as requested: ``duration`` (s) of one cam revolution, ``picture_width`` (px; height
+    16:9), ``colour``: key of the colouring.
     """
 
     duration: float = 4.0
@@ -78,8 +78,8 @@ class Film:
 
 
 def check_ending(path: Path) -> None:
-    """Raise :class:`InputError` for a file that is neither GIF nor MP4, and where what writes it is
-    not installed.
+    """Raise :class:`InputError` for a file that is neither GIF nor MP4, or whose writer is not
+    installed.
     """
     if path.suffix.lower() not in ENDINGS:
         raise InputError(f"a film ends in .gif or .mp4; '{path.name[:60]}' does not", "--output")
@@ -90,7 +90,7 @@ def check_ending(path: Path) -> None:
 
 
 def write_film(variant: Variant, path: Path, request: FilmRequest = FilmRequest()) -> Film:
-    """Write one cam turn of a run as a film.
+    """Write one cam revolution of a run as a film.
 
     Parameters
     ----------
@@ -120,8 +120,8 @@ def write_film(variant: Variant, path: Path, request: FilmRequest = FilmRequest(
     check_ending(path)
     known = sorted({one.key for spring in variant.springs for one in spring.colourings})
     if request.colour and request.colour not in known:
-        words = f"it has {', '.join(known)}" if known else "its springs show no colours"
-        raise InputError(f"this run has no colour '{request.colour[:40]}'; {words}", "--colour")
+        sentence = f"it has {', '.join(known)}" if known else "its springs show no colours"
+        raise InputError(f"this run has no colour '{request.colour[:40]}'; {sentence}", "--colour")
     count = round(request.duration * RATE)
     frames = film_frames(variant, count)
     pictures = (picture for picture in _pictures(variant, frames, request))
@@ -139,12 +139,12 @@ def film_frames(variant: Variant, count: int) -> list[int]:
     """Frames next to ``count`` even steps of the cam; that of the largest force in place of the
     step next to it.
     """
-    wanted = np.arange(count) * 2 * np.pi / count
-    found = [int(np.argmin(np.abs(variant.cam_angle - angle))) for angle in wanted]
+    angles = np.arange(count) * 2 * np.pi / count
+    found = [int(np.argmin(np.abs(variant.cam_angle - angle))) for angle in angles]
     if variant.forces:
         force = variant.forces[0]
         peak = float(force.cam_angle[int(np.argmax(force.values))])
-        found[int(np.argmin(np.abs(wanted - peak)))] = int(
+        found[int(np.argmin(np.abs(angles - peak)))] = int(
             np.argmin(np.abs(variant.cam_angle - peak))
         )
     return found
@@ -171,8 +171,8 @@ def _pictures(variant: Variant, frames: list[int], request: FilmRequest) -> Iter
 
 
 class _Place:
-    """Where things stand in the picture: the view on the left, the forces on the right, in pixels
-    of the finer picture.
+    """Layout of the picture: the view on the left, the forces on the right, in pixels of the finer
+    picture.
     """
 
     def __init__(self, variant: Variant, size: tuple[int, int]) -> None:
@@ -215,9 +215,9 @@ class _Place:
 
 
 def _still_parts(draw: ImageDraw, variant: Variant, place: _Place, request: FilmRequest) -> None:
-    """What does not move: title, curves with their axes, colours with their ends."""
+    """The static parts of the picture: title, curves with their axes, colour scale."""
     unit = place.unit
-    draw.text((0.02 * place.width, 2 * unit), variant.words, fill=theme.INK, font=place.font)
+    draw.text((0.02 * place.width, 2 * unit), variant.title, fill=theme.INK, font=place.font)
     x0, y0, x1, y1 = place.plot
     for angle in range(0, 361, 90):
         x = x0 + (x1 - x0) * angle / 360
@@ -245,15 +245,15 @@ def _still_parts(draw: ImageDraw, variant: Variant, place: _Place, request: Film
             joint="curve",
         )
         draw.text(
-            (left, y0 - 5 * unit), force.words, fill=force.colour, font=place.small, anchor="la"
+            (left, y0 - 5 * unit), force.label, fill=force.colour, font=place.small, anchor="la"
         )
-        left += draw.textlength(force.words, font=place.small) + 2 * unit
+        left += draw.textlength(force.label, font=place.small) + 2 * unit
     _scale(draw, variant, place, request.colour)
     slowness = request.duration * variant.engine_speed / (4 * np.pi)
-    words = (
+    label = (
         f"{rpm(variant.engine_speed):.6g} rpm of the crank, 1/{number(slowness, 3)} of real time"
     )
-    draw.text((x1, 96 * unit), words, fill=theme.MUTED, font=place.small, anchor="rs")
+    draw.text((x1, 96 * unit), label, fill=theme.MUTED, font=place.small, anchor="rs")
 
 
 def _scale(draw: ImageDraw, variant: Variant, place: _Place, key: str) -> None:
@@ -265,12 +265,12 @@ def _scale(draw: ImageDraw, variant: Variant, place: _Place, key: str) -> None:
     for part, tone in enumerate(tones):
         left, right = (x0 + (x1 - x0) * (part + side) / 128 for side in (0, 1))
         draw.rectangle((left, y, right, y + 2.4 * unit), fill=tuple(int(value) for value in tone))
-    for x, anchor, words in (
+    for x, anchor, label in (
         (x0, "la", f"{number(colouring.low, 3)}"),
-        ((x0 + x1) / 2, "ma", f"{colouring.words} ({colouring.unit})"),
+        ((x0 + x1) / 2, "ma", f"{colouring.label} ({colouring.unit})"),
         (x1, "ra", f"{number(colouring.high, 3)}"),
     ):
-        draw.text((x, y + 3.2 * unit), words, fill=theme.INK, font=place.small, anchor=anchor)
+        draw.text((x, y + 3.2 * unit), label, fill=theme.INK, font=place.small, anchor=anchor)
 
 
 def _cursor(draw: ImageDraw, variant: Variant, frame: int, place: _Place) -> None:
@@ -284,10 +284,10 @@ def _cursor(draw: ImageDraw, variant: Variant, frame: int, place: _Place) -> Non
         )
         size = 0.9 * place.unit
         draw.ellipse((x - size, y - size, x + size, y + size), fill=force.colour)
-    words = (
+    label = (
         f"cam angle {np.degrees(angle):.1f}°   valve lift {1e3 * variant.valve_lift[frame]:.2f} mm"
     )
-    draw.text((x0, y1 + 12 * place.unit), words, fill=theme.INK, font=place.font, anchor="la")
+    draw.text((x0, y1 + 12 * place.unit), label, fill=theme.INK, font=place.font, anchor="la")
 
 
 def _nice(span: float) -> float:

@@ -1,5 +1,5 @@
-"""What a moving picture is made of: springs, rigid bodies, forces and marks over chosen samples of
-one cam turn. SI, angles in rad.
+"""Parts of a moving picture: springs, rigid bodies, forces and marks over selected samples of one
+cam revolution; SI units, angles in rad.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ class Colouring:
     """
 
     key: str
-    words: str
+    label: str
     unit: str
     values: Array
     low: float
@@ -41,10 +41,9 @@ class SpringDrawing:
     ``wire_radius`` (node,), in m.
 
     The axis of node n stands ``rest`` + ``displacement`` (m; (node,) and (frame, node)) above the
-    lower seat. ``seat`` (x, y in m) and
-    ``direction`` (rad): foot and direction of the spring's axis in the plane of the train.
-    ``retainer`` (frame,): height (m) of the
-    retainer's plane. ``sign``: +1 of a right-hand helix, -1 of a left-hand one.
+    lower seat. ``seat`` (x, y in m) and ``direction`` (rad): foot and direction of the spring's
+    axis in the plane of the train. ``retainer`` (frame,): height (m) of the retainer's plane.
+    ``sign``: +1 of a right-hand helix, -1 of a left-hand one.
     """
 
     name: str
@@ -68,8 +67,8 @@ class SpringDrawing:
 @dataclass(frozen=True, eq=False)
 class Shape:
     """A part of a body in its own frame (m): ``extrude`` is a closed outline (point, 2) between two
-    depths, ``lathe`` a profile of
-    radius and height (point, 2) turned about the body's y axis."""
+    depths, ``lathe`` a profile of radius and height (point, 2) turned about the body's y axis.
+    """
 
     kind: str
     points: Array
@@ -92,7 +91,7 @@ class Body:
 class Series:
     """A force (N) over every sample of the cycle (``cam_angle``, rad), whatever frames are drawn."""
 
-    words: str
+    label: str
     colour: str
     cam_angle: Array
     values: Array
@@ -101,23 +100,23 @@ class Series:
 @dataclass(frozen=True, slots=True)
 class Mark:
     """A place to jump to: cam angle (rad, 0 to 2 pi), kind (``peak``, ``clash``, ``other``) and
-    words.
+    label.
     """
 
     cam_angle: float
     kind: str
-    words: str
+    label: str
 
 
 @dataclass(frozen=True, eq=False)
 class Variant:
     """One run in motion. ``sample``: places (frame,) of the frames in the reported cycle;
-    ``cam_angle`` (frame,) rad, ascending;
-    ``valve_lift`` (frame,) m; ``closed``: whether the last frame goes on into the first. ``notes``:
-    what is reconstructed or not told."""
+    ``cam_angle`` (frame,) rad, ascending; ``valve_lift`` (frame,) m; ``closed``: whether the last
+    frame leads into the first. ``notes``: what is reconstructed or not given.
+    """
 
     label: str
-    words: str
+    title: str
     engine_speed: float
     sample: Places
     cam_angle: Array
@@ -132,9 +131,7 @@ class Variant:
 
 @dataclass(frozen=True, eq=False)
 class Moving:
-    """All that one moving picture shows: its variants, and a sentence where there are more runs
-    than are drawn.
-    """
+    """A moving picture: its variants, and a sentence where some runs are left out."""
 
     title: str
     variants: tuple[Variant, ...] = ()
@@ -150,18 +147,18 @@ _PEAKS = ("peak_spring_force", "minimum_spring_force")
 
 def marks_of(run: Solution, cycle: Cycle) -> tuple[Mark, ...]:
     """Marks of a run by cam angle: largest and least spring force (on every step where the run
-    tells it), the hardest clashes at their
-    peaks, the first of its other events."""
+    tells it), the hardest clashes at their peaks, the first of its other events.
+    """
     found = _peaks(run, cycle)
     clashes = sorted(
         (event for event in run.events if event.kind == "clash"), key=lambda event: -event.size
     )[:MAX_CLASHES]
     for event in clashes:
         at = float(event.details.get("peak_cam_angle", event.cam_angle))
-        words = f"clash {shown_text(event.size, event.unit, 3)}" + (
+        label = f"clash {shown_text(event.size, event.unit, 3)}" + (
             f", {event.where}" if event.where else ""
         )
-        found.append(Mark(at % _TURN, "clash", words))
+        found.append(Mark(at % _TURN, "clash", label))
     for event in [event for event in run.events if event.kind != "clash"][:MAX_OTHERS]:
         size = f" {shown_text(event.size, event.unit, 3)}" if event.unit else ""
         where = f", {event.where}" if event.where else ""
@@ -176,14 +173,12 @@ def marks_of(run: Solution, cycle: Cycle) -> tuple[Mark, ...]:
 
 
 def still_frame(variant: Variant) -> int:
-    """Frame at which a picture begins and is printed: next to the mark of the largest spring force,
-    else that of the largest lift.
-    """
+    """Frame of the printed picture: at the mark of the largest spring force, else at full lift."""
     peak = next(
         (
             mark
             for mark in variant.marks
-            if mark.kind == "peak" and not mark.words.startswith(("least", "minimum"))
+            if mark.kind == "peak" and not mark.label.startswith("minimum")
         ),
         None,
     )
@@ -205,12 +200,15 @@ def _peaks(run: Solution, cycle: Cycle) -> list[Mark]:
             )
     if not found and run.has("seat_force"):
         force = cycle.channel("seat_force")
-        for place, words in ((int(np.argmax(force)), "largest"), (int(np.argmin(force)), "least")):
+        for place, label in (
+            (int(np.argmax(force)), "largest"),
+            (int(np.argmin(force)), "minimum"),
+        ):
             found.append(
                 Mark(
                     float(cycle.cam_angle[place]),
                     "peak",
-                    f"{words} force on the seat {number(float(force[place]))} N",
+                    f"{label} force on the seat {number(float(force[place]))} N",
                 )
             )
     return found

@@ -1,10 +1,13 @@
-"""A moment of a moving picture as flat shapes, far ones first: for still pictures and for films."""
+"""Projection of one frame of a moving picture to flat shapes in drawing order, for still pictures
+and films.
+"""
 
 from __future__ import annotations
 
 import base64
 import json
 from dataclasses import dataclass
+from html import escape
 from itertools import pairwise
 from typing import Any
 
@@ -53,7 +56,7 @@ def motion_data(moving: Moving) -> dict[str, Any]:
 def _variant(one: Variant) -> dict[str, Any]:
     return {
         "label": one.label,
-        "words": one.words,
+        "words": one.title,
         "rpm": rpm(one.engine_speed),
         "closed": one.closed,
         "notes": list(one.notes),
@@ -67,7 +70,7 @@ def _variant(one: Variant) -> dict[str, Any]:
             {
                 "angle": round(float(np.degrees(mark.cam_angle)), 3),
                 "kind": mark.kind,
-                "words": mark.words,
+                "words": mark.label,
             }
             for mark in one.marks
         ],
@@ -96,7 +99,7 @@ def _colouring(one: Colouring) -> dict[str, Any]:
     share = np.clip((one.values - one.low) / (one.high - one.low), 0.0, 1.0)
     return {
         "key": one.key,
-        "words": one.words,
+        "words": one.label,
         "unit": one.unit,
         "low": one.low,
         "high": one.high,
@@ -127,7 +130,7 @@ def _body(body: Body) -> dict[str, Any]:
 
 def _series(series: Series) -> dict[str, Any]:
     x, y = thin(np.degrees(series.cam_angle), series.values)
-    return {"words": series.words, "colour": series.colour, "angle": single(x), "values": single(y)}
+    return {"words": series.label, "colour": series.colour, "angle": single(x), "values": single(y)}
 
 
 def single(values: ArrayLike) -> str:
@@ -159,7 +162,7 @@ class Flat:
 
 
 def flat_shapes(variant: Variant, frame: int, key: str = "", strips: int = 5) -> list[Flat]:
-    """What is seen of one frame, far shapes first.
+    """Visible shapes of one frame, far ones first.
 
     Parameters
     ----------
@@ -355,12 +358,12 @@ def _hull(points: Array) -> Array:
     ordered = points[order].tolist()
 
     def half(run: list[list[float]]) -> list[list[float]]:
-        kept: list[list[float]] = []
+        hull: list[list[float]] = []
         for p in run:
-            while len(kept) > 1 and _cross(kept[-2], kept[-1], p) <= 0:
-                kept.pop()
-            kept.append(p)
-        return kept[:-1]
+            while len(hull) > 1 and _cross(hull[-2], hull[-1], p) <= 0:
+                hull.pop()
+            hull.append(p)
+        return hull[:-1]
 
     return np.array(half(ordered) + half(ordered[::-1]) or ordered[:1])
 
@@ -392,12 +395,6 @@ def still_svg(variant: Variant, frame: int | None = None, key: str = "") -> str:
         path = "M" + "L".join(f"{a:.2f} {b:.2f}" for a, b in zip(x, y, strict=True))
         colour = "#" + "".join(f"{part:02x}" for part in one.colour)
         lines.append(f'<path d="{path}Z" fill="{colour}" stroke="{colour}"/>')
-    words = f"{variant.words} at cam angle {np.degrees(variant.cam_angle[place]):.1f} degrees"
+    label = f"{variant.title} at cam angle {np.degrees(variant.cam_angle[place]):.1f} degrees"
     size = f"0 0 {1e3 * (right - left):.2f} {1e3 * (high - low):.2f}"
-    return f'<svg viewBox="{size}" height="{HEIGHT}" role="img" aria-label="{_escaped(words)}" stroke-width=".15">{"".join(lines)}</svg>'
-
-
-def _escaped(words: str) -> str:
-    from html import escape
-
-    return escape(words, quote=True)
+    return f'<svg viewBox="{size}" height="{HEIGHT}" role="img" aria-label="{escape(label)}" stroke-width=".15">{"".join(lines)}</svg>'

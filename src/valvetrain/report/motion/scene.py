@@ -1,4 +1,4 @@
-"""From the runs of a study to what moves: parts, frames, forces and marks of every run that can be
+"""Builds the moving picture of a study: parts, frames, forces and marks of every run that can be
 drawn.
 """
 
@@ -43,12 +43,12 @@ EVEN_SHARE = 0.8
 def choose_frames(
     cam_angle: Array, most: int, keep: Sequence[int] = (), spans: Sequence[tuple[float, float]] = ()
 ) -> Places:
-    """Samples that are drawn, ascending: all where ``most`` allows.
+    """Samples to draw, ascending: all where ``most`` allows.
 
     Parameters
     ----------
     cam_angle : (sample,) rad, ascending from 0 to less than one turn
-    most : largest number of frames; what must be kept may exceed it
+    most : largest number of frames; required frames may exceed it
     keep : samples that stay whatever happens, such as those of peaks
     spans : first and last cam angle (rad) of clashes, most wanted first; every sample inside one is
         drawn until ``most`` is reached
@@ -84,13 +84,13 @@ def _even(cam_angle: Array, most: int) -> Places:
     """Samples next to even steps of the cam, no more than ``most``."""
     degrees = np.degrees(cam_angle)
     for step in STEPS:
-        wanted = np.arange(0.0, 360.0, step)
-        if len(wanted) <= most:
+        angles = np.arange(0.0, 360.0, step)
+        if len(angles) <= most:
             break
     else:
-        wanted = np.linspace(0.0, 360.0, most, endpoint=False)
-    right = np.clip(np.searchsorted(degrees, wanted), 1, len(degrees) - 1)
-    nearer = np.where(wanted - degrees[right - 1] <= degrees[right] - wanted, right - 1, right)
+        angles = np.linspace(0.0, 360.0, most, endpoint=False)
+    right = np.clip(np.searchsorted(degrees, angles), 1, len(degrees) - 1)
+    nearer = np.where(angles - degrees[right - 1] <= degrees[right] - angles, right - 1, right)
     return np.unique(nearer)
 
 
@@ -101,7 +101,7 @@ MAX_VARIANTS, MAX_FRAMES, MAX_RUN_BYTES, MAX_BYTES = 4, 1000, 500_000, 1_000_000
 MIN_FRAMES = 120
 #: Clashes around which frames stand closer, most wanted first.
 MAX_SPANS = 60
-#: Forces beside the picture: words, channel, colour; the first that a run has of each line, three
+#: Forces next to the picture: words, channel, colour; the first that a run has of each line, three
 #: at most.
 _FORCES = (
     ("spring on retainer", "retainer_force"),
@@ -125,7 +125,7 @@ class Limits:
 
 
 def moving_picture(study: Study, limits: Limits = Limits()) -> Moving | None:
-    """What moves in the runs of a study, from its solutions and the parts of its case.
+    """The moving picture of a study, from its solutions and the parts of its case.
 
     Parameters
     ----------
@@ -177,17 +177,15 @@ def moving_picture(study: Study, limits: Limits = Limits()) -> Moving | None:
             f"{len(chosen)} of {len(runs)} runs are drawn; 'valvetrain animate' draws any of them"
         )
     title = (
-        "Train and spring over the cam turn"
+        "Train and spring over the cam revolution"
         if any(one.bodies for one in variants)
-        else "Spring over the cam turn"
+        else "Spring over the cam revolution"
     )
     return Moving(title, one_range(tuple(variants)), tuple(notes))
 
 
 def _worth(run: Solution) -> tuple[int, float]:
-    """Which runs are drawn where there are too many: those that know most of their coils, then the
-    fastest.
-    """
+    """Runs to draw where there are too many: those with most coils known, then the fastest."""
     known = sum(
         any(str(name).endswith(ending) for name in run.arrays.variables)
         for ending in ("_shear_stress", "coil_gap", "axial_displacement")
@@ -201,8 +199,8 @@ def _problem(record: CaseRecord, models: tuple[str, ...], sets: tuple[str, ...])
 
 
 def member_of(record: CaseRecord, run: Solution) -> Member | None:
-    """The variant of the case behind a run: springs, lift law and the parts of its train; None
-    where the case holds none.
+    """The variant of the case behind a run: springs, lift law and parts of its train; None where
+    the case has none.
 
     Raises :class:`InputError` where the case cannot be built.
     """
@@ -277,8 +275,8 @@ def _springs(
         rest = study.at_rest(run.model, name) or next(
             (one for one in study.rest if one.spring in (name, installed.name)), None
         )
-        drawn, told = draw_spring(installed, name, cycle, sample, travel, rest, shared)
-        notes += tuple(words for words in told if words not in notes)
+        drawn, remarks = draw_spring(installed, name, cycle, sample, travel, rest, shared)
+        notes += tuple(sentence for sentence in remarks if sentence not in notes)
         if drawn is not None:
             springs.append(drawn)
     if train is not None:
@@ -294,10 +292,10 @@ def forces_of(run: Solution, cycle: Cycle) -> tuple[Series, ...]:
     """Forces on the retainer, on the seat and, in a train, at the cam, over every sample of the
     cycle.
     """
-    known = [(words, name) for words, name in _FORCES if run.has(name)]
+    known = [(label, name) for label, name in _FORCES if run.has(name)]
     return tuple(
-        Series(words, colour, cycle.cam_angle, cycle.channel(name))
-        for (words, name), colour in zip(known, _FORCE_COLOURS, strict=False)
+        Series(label, colour, cycle.cam_angle, cycle.channel(name))
+        for (label, name), colour in zip(known, _FORCE_COLOURS, strict=False)
     )
 
 

@@ -1,6 +1,4 @@
-"""A spring as it is drawn: nodes on the helix of its wire, moved along the axis as the solution
-says.
-"""
+"""Drawing of a spring: nodes on the helix of its wire, displaced along the axis by the solution."""
 
 from __future__ import annotations
 
@@ -91,15 +89,15 @@ def colourings_of(
         )
     if (velocity := _along(cycle, channel[_ALONG["velocity"]], nodes, sample)) is not None:
         reach = max(float(np.abs(velocity).max(initial=0.0)), 1e-9)
-        words = "axial velocity, towards the retainer positive"
-        found.append(Colouring("velocity", words, "m/s", velocity, -reach, reach, BOTH_WAYS))
+        label = "axial velocity, towards the retainer positive"
+        found.append(Colouring("velocity", label, "m/s", velocity, -reach, reach, BOTH_WAYS))
     return found
 
 
 def slope_stress(
     wire: SpringDefinition, coil: Array, displacement: Array, preload: float
 ) -> Colouring:
-    """Shear stress of a model that tells how its coils move and no section loads, by the textbook.
+    """Shear stress from coil displacements by the textbook, for models without section loads.
 
     Parameters
     ----------
@@ -139,7 +137,7 @@ def largest_between(values: Array, sample: Places) -> Array:
 
 
 def one_range(variants: tuple[Variant, ...]) -> tuple[Variant, ...]:
-    """The variants with one range per colouring, so that a colour means the same in all of them."""
+    """The variants with one common range per colouring."""
     ends: dict[str, tuple[float, float]] = {}
     for variant in variants:
         for one in (one for spring in variant.springs for one in spring.colourings):
@@ -157,10 +155,10 @@ def one_range(variants: tuple[Variant, ...]) -> tuple[Variant, ...]:
     )
 
 
-def _rising(key: str, words: str, unit: str, values: Array) -> Colouring:
+def _rising(key: str, label: str, unit: str, values: Array) -> Colouring:
     return Colouring(
         key,
-        words,
+        label,
         unit,
         values,
         min(0.0, float(values.min(initial=0.0))),
@@ -187,7 +185,7 @@ def _along(cycle: Cycle, name: str, nodes: Places, sample: Places) -> Array | No
 
 def _pairs(cycle: Cycle, name: str, wire: SpringDefinition) -> tuple[Places, Array, Array] | None:
     """Coil pairs in order of the coil number of the upper partner: places, coil numbers, length of
-    wire (m) that each stands for.
+    wire (m) that each represents.
     """
     if not cycle.solution.has(name):
         return None
@@ -241,7 +239,7 @@ def draw_spring(
     rest: SpringAtRest | None,
     shared: bool = False,
 ) -> tuple[SpringDrawing | None, tuple[str, ...]]:
-    """One spring over the frames, and sentences on what is reconstructed.
+    """One spring over the frames, and notes on what is reconstructed.
 
     Parameters
     ----------
@@ -263,7 +261,7 @@ def draw_spring(
         return None, notes
     known = not shared or name != "inner"
     channel = {one: cycle.solution.channel_of(name, one) if known else "" for one in _CHANNELS}
-    coil, nodes, told = _nodes(cycle, channel["axial_displacement"], wire)
+    coil, nodes, remarks = _nodes(cycle, channel["axial_displacement"], wire)
     exact = cycle.solution.has(channel["axial_position"], channel["axial_displacement"])
     if np.any(nodes >= 0):
         moved = np.where(coil < wire.total_coils / 2, 0.0, -travel[:, None])
@@ -277,7 +275,7 @@ def draw_spring(
             if known
             else "of springs that rub the run tells the coils of the outer one alone"
         )
-        told = (f"{whose}: they are spread over the wire by its compliance, as in slow motion",)
+        remarks = (f"{whose}: they are spread over the wire by its compliance, as in slow motion",)
     if exact:
         both = (
             cycle.solution.channel(channel[one])[0, nodes]
@@ -286,7 +284,7 @@ def draw_spring(
         heights = next(both) - next(both)
     else:
         heights = installed_heights(wire, precompression, coil, rest)
-        told += (
+        remarks += (
             "the installed shape is that of the static curve"
             if _curve(rest)
             else "the installed shape follows the wire's compliance",
@@ -299,7 +297,7 @@ def draw_spring(
         and _knows_turns(cycle, channel["axial_displacement"], wire)
     ):
         colourings.insert(0, slope_stress(wire, coil, moved, closed_force(cycle, name)))
-        told += (
+        remarks += (
             "stress follows from the slope of the coils by the textbook's torsion, for the model gives no section loads",
         )
     spring = SpringDrawing(
@@ -313,7 +311,7 @@ def draw_spring(
         wire.free_length - precompression - travel,
         tuple(colourings),
     )
-    return spring, (*notes, *told)
+    return spring, (*notes, *remarks)
 
 
 def closed_force(cycle: Cycle, name: str) -> float:
@@ -371,8 +369,8 @@ def _curve(rest: SpringAtRest | None) -> tuple[Array, Array, Array] | None:
 def wire_of(
     installed: InstalledSpring, valve_lift: float
 ) -> tuple[SpringDefinition | None, float, tuple[str, ...]]:
-    """The wire that is drawn, its precompression (m) and a note where a card does not tell it; None
-    for a card without a mass.
+    """The wire to draw, its precompression (m) and a note where a card does not give it; None for a
+    card without a mass.
 
     ``valve_lift`` (m): a wire made up for a card has room for it.
     """
@@ -389,8 +387,8 @@ def wire_of(
                 f"spring '{installed.name}' is known by a card without a mass, so its wire is not drawn",
             ),
         )
-    words = f"a card does not tell the wire: drawn is one of {ACTIVE_COILS:g} turns with the rate, preload and mass of the card"
-    return wire, precompression, (words,)
+    sentence = f"a card does not tell the wire: drawn is one of {ACTIVE_COILS:g} turns with the rate, preload and mass of the card"
+    return wire, precompression, (sentence,)
 
 
 def _shares(places: Array, wire: SpringDefinition) -> bool:
@@ -445,6 +443,6 @@ def _nodes(
     if not cycle.solution.has(name.replace("displacement", "position")):
         notes = (
             *notes,
-            "coils stand at their axial displacements on the helix of the wire; inactive turns move with seat and retainer",
+            "coils are drawn at their axial displacements on the helix of the wire; inactive turns move with seat and retainer",
         )
     return coil, nodes.astype(np.int64), notes

@@ -1,5 +1,5 @@
-"""A train as it is drawn: every part whose geometry the case holds, to scale, at the coordinates of
-the solution.
+"""Drawing of a train: every part whose geometry the case holds, to scale, at the coordinates of the
+solution.
 """
 
 from __future__ import annotations
@@ -80,8 +80,8 @@ class Contact:
 
     @cached_property
     def slopes(self) -> tuple[float, float]:
-        """Least and largest slope of the contour by the cam angle: of a flat face the place of the
-        contact (m), of an arc its tangent.
+        """Minimum and maximum slope of the contour by the cam angle: the position of the contact
+        (m) on a flat face, its tangent on an arc.
         """
         slope = self.table[:, 1] if self.flat else self.table[:, 1] / self.table[:, 0]
         return float(np.min(self.sense * slope)), float(np.max(self.sense * slope))
@@ -196,9 +196,7 @@ def turning_pad(
 
 
 def contact_direction(contact: Contact, turned: Array, cam_angle: Array) -> Array:
-    """Direction (frame,) in a lever's frame, unwrapped, from the arc's centre to the cam: where on
-    its arc the pad is touched.
-    """
+    """Direction (frame,) in a lever's frame, unwrapped, from the arc's centre to the cam."""
     row = contact.row
     turn = row[5] * turned
     x = row[1] + np.cos(turn) * row[3] - np.sin(turn) * row[4]
@@ -231,14 +229,15 @@ POINTED = 1e-6
 #: Where no spring is drawn: outer radius and installed height (m) of the space for one.
 NO_SPRING = (14e-3, 40e-3)
 TO_SCALE = "To scale: lobe, follower arc or face, lever arms and pivot, pushrod length, springs, lash, lift and every gap."
-NOT_TOLD = "Of usual size, for no case holds them: tappet and pushrod diameters, stem, head, hub, arms, the place of the spring on the stem."
+TYPICAL_SIZES = "Typical sizes, not in the case: tappet and pushrod diameters, stem, head, hub, arms, the place of the spring on the stem."
 
 
 @dataclass(frozen=True, eq=False)
 class TrainDrawing:
     """Bodies over the frames; ``travel`` (frame,): retainer displacement (m) towards the seat;
-    ``axis`` (rad): from seat to retainer;
-    ``retainer``: the closed valve's retainer plane on the axis of the stem (x, y in m)."""
+    ``axis`` (rad): from seat to retainer; ``retainer``: the closed valve's retainer plane on the
+    axis of the stem (x, y in m).
+    """
 
     bodies: tuple[Body, ...]
     travel: Array
@@ -293,7 +292,7 @@ def draw_train(member: Member, cycle: Cycle, sample: Places) -> TrainDrawing:
         travel,
         train.valve.opening_direction + math.pi,
         retainer,
-        (TO_SCALE, NOT_TOLD, *notes),
+        (TO_SCALE, TYPICAL_SIZES, *notes),
     )
 
 
@@ -301,7 +300,7 @@ def coordinates(
     mechanism: AssembledMechanism, cycle: Cycle, sample: Places
 ) -> tuple[dict[str, Array], tuple[str, ...]]:
     """Every coordinate (m or rad) of a planar mechanism over the frames by name, and a note where
-    rigid kinematics stand in.
+    rigid kinematics replace it.
     """
     found: dict[str, Array] = {}
     missing: list[str] = []
@@ -323,8 +322,8 @@ def coordinates(
             found[part.name] = (
                 rigid if part.name != "pushrod" and part.name != "pushrod top" else drive
             )
-    words = f"the run does not hold the motion of {', '.join(missing)}, drawn as rigid parts move"
-    return found, ((words,) if missing else ())
+    label = f"the run does not hold the motion of {', '.join(missing)}, drawn as rigid parts move"
+    return found, ((label,) if missing else ())
 
 
 def stem_end(
@@ -475,7 +474,7 @@ def _valve(
 
 @dataclass(frozen=True, slots=True)
 class SpringRoom:
-    """What a spring takes on the stem: largest outer and least inner radius, installed height (m)."""
+    """Space of a spring on the stem: largest outer and smallest inner radius, installed height (m)."""
 
     name: str
     outer: float
@@ -484,7 +483,7 @@ class SpringRoom:
 
 
 def spring_rooms(member: Member, valve_lift: float) -> tuple[SpringRoom, ...]:
-    """Room of every spring of a member that is drawn, or a usual one; ``valve_lift`` (m) as for
+    """Space of every spring of a member that is drawn, or a typical one; ``valve_lift`` (m) as for
     ``wire_of``.
     """
     found = []

@@ -1,5 +1,5 @@
-"""First on the page: what a user asks of his spring, one card per question, and the largest clashes
-by name.
+"""Answers of a study: headline quantities by topic, largest clashes, and which model is good
+enough.
 """
 
 from __future__ import annotations
@@ -11,7 +11,6 @@ import numpy as np
 from valvetrain.report import theme
 from valvetrain.report.headlines import (
     NAMED_CLASHES,
-    TOPICS,
     HeadlineRow,
     clash_pair,
     clash_size,
@@ -21,16 +20,16 @@ from valvetrain.report.headlines import (
     largest_clash_rows,
 )
 from valvetrain.report.page import Block, Card, Cards, Cell, Details, Grid, SectionSpec, Tabs, text
-from valvetrain.report.run_charts import looks
+from valvetrain.report.run_charts import line_styles
 from valvetrain.report.run_summary import fidelity_notes, reach_rows, reason_for, share, speed_axis
-from valvetrain.report.text import number, rpm, speed_text, unit_text
-from valvetrain.solution.definition import label_of
+from valvetrain.report.text import number, quantity_label, rpm, speed_text, unit_text
+from valvetrain.solution.definition import topics
 from valvetrain.solution.fidelity import GOOD, MISSING, OPEN, POOR, FidelityMap, FidelityRow
 from valvetrain.solution.status import Event
 from valvetrain.solution.study import Study
 
 #: Runs that stand side by side in one table; more stand below each other, a table per question.
-BESIDE = 8
+MAX_COLUMNS = 8
 #: Runs of which several clashes are listed at once; of more the largest of each, and the others
 #: behind a word to click.
 OPEN_LISTS = 2
@@ -38,65 +37,67 @@ _CLASH_HEADERS = ("coils", "cam angle (deg)", "impulse (mN s)", "energy (mJ)", "
 
 
 def answers_blocks(study: Study) -> tuple[Block, ...]:
-    """What failed, the answers in the order of :data:`TOPICS`, what must be known of them, then the
-    clashes of each run.
-    """
+    """Failures, headline quantities by topic, notes, then the clashes of each run."""
     rows = headline_rows(study)
     across = _columns(study)
-    topics = {topic: [row for row in rows if row.topic == topic] for topic in TOPICS}
-    if len(across) <= BESIDE:
+    by_topic = {topic: [row for row in rows if row.topic == topic] for topic in topics()}
+    if len(across) <= MAX_COLUMNS:
         cards = (
-            [_beside(study, across, {topic: found for topic, found in topics.items() if found})]
+            [
+                _side_by_side(
+                    study, across, {topic: found for topic, found in by_topic.items() if found}
+                )
+            ]
             if rows
             else []
         )
     else:
-        cards = [_below(topic, across, found) for topic, found in topics.items() if found]
-    failed = tuple(text(words, "alert") for words in study.failures)
+        cards = [_below(topic, across, found) for topic, found in by_topic.items() if found]
+    failed = tuple(text(sentence, "alert") for sentence in study.failures)
     own = (
         ()
         if study.comparisons or study.findings
-        else tuple(text(words, "note") for words in study.notes)
+        else tuple(text(sentence, "note") for sentence in study.notes)
     )
     return (*failed, *((Cards(tuple(cards)),) if cards else ()), *own, *_clashes(study))
 
 
 def _columns(study: Study) -> list[str]:
-    known = looks(study)
+    known = line_styles(study)
     return [
-        (known[one.label].words if one.label in known else one.label)
+        (known[one.label].label if one.label in known else one.label)
         + (f", {speed_text(one.engine_speed)}" if one.engine_speed is not None else "")
         for one in headline_columns(study)
     ]
 
 
-def _beside(study: Study, across: list[str], topics: dict[str, list[HeadlineRow]]) -> Card:
-    """Every question in one table, runs across, a line without values above each topic."""
+def _side_by_side(study: Study, across: list[str], topics: dict[str, list[HeadlineRow]]) -> Card:
+    """All topics in one table with a column per run; a heading above each topic."""
     lines: list[tuple[str, tuple[str, ...]]] = []
     largest = largest_clash_rows(study, headline_columns(study))
     for topic, rows in topics.items():
         lines.append((topic, ()))
         for row in rows:
             if row.name != "largest_clash_impulse" or not largest:
-                lines.append((_name(row.words, row.unit), _values(row)))
+                lines.append((_name(row.label, row.unit), _values(row)))
             if row.name == "clash_count":
-                lines += [(_name(f"\u2003{words}", unit), cells) for words, unit, cells in largest]
+                lines += [(_name(f"\u2003{label}", unit), cells) for label, unit, cells in largest]
     return Card("", tuple(across), tuple(lines))
 
 
 def _below(topic: str, across: list[str], rows: list[HeadlineRow]) -> Card:
-    """One question, a run per line, those without any value left out."""
+    """One topic with a row per run; runs without any value are left out."""
     values = list(zip(*map(_values, rows), strict=True))
     lines = [
         (run, cells)
         for run, cells in zip(across, values, strict=True)
         if any(cell != "–" for cell in cells)
     ]
-    return Card(topic, tuple(_name(row.words, row.unit) for row in rows), tuple(lines))
+    return Card(topic, tuple(_name(row.label, row.unit) for row in rows), tuple(lines))
 
 
-def _name(words: str, unit: str) -> str:
-    return f"{words} ({unit_text(unit)})".replace("N s)", "N\u00a0s)") if unit else words
+def _name(label: str, unit: str) -> str:
+    return f"{label} ({unit_text(unit)})".replace("N s)", "N\u00a0s)") if unit else label
 
 
 def _values(row: HeadlineRow) -> tuple[str, ...]:
@@ -107,23 +108,21 @@ def _values(row: HeadlineRow) -> tuple[str, ...]:
 
 
 def _clashes(study: Study) -> tuple[Block, ...]:
-    """The largest clashes open: several of one run or two, else one of each; all that are named of
-    many runs behind a word to click.
-    """
-    known = looks(study)
+    """The largest clashes: several of one run or two, else one of each, and a folded table of more."""
+    known = line_styles(study)
     found = [
-        (f"{known[run.label].words}, {speed_text(run.engine_speed)}", clashes_of(run))
+        (f"{known[run.label].label}, {speed_text(run.engine_speed)}", clashes_of(run))
         for label in study.labels
         for run in study.runs(label)
         if not study.over_speed
     ]
-    found = [(words, events) for words, events in found if events]
+    found = [(caption, events) for caption, events in found if events]
     if not found:
         return ()
     rows: list[tuple[tuple[Cell, ...], tuple[str, ...]]] = []
-    for words, events in found:
+    for caption, events in found:
         rows.append(
-            ((Cell(f"{words}: {min(len(events), NAMED_CLASHES)} of {len(events)} clashes"),), ())
+            ((Cell(f"{caption}: {min(len(events), NAMED_CLASHES)} of {len(events)} clashes"),), ())
         )
         rows += [(_clash_cells(event), ()) for event in events[:NAMED_CLASHES]]
     several = Grid(
@@ -133,7 +132,7 @@ def _clashes(study: Study) -> tuple[Block, ...]:
     )
     if len(found) <= OPEN_LISTS:
         return (several,)
-    first = tuple(((Cell(words), *_clash_cells(events[0])), ()) for words, events in found)
+    first = tuple(((Cell(caption), *_clash_cells(events[0])), ()) for caption, events in found)
     largest = Grid(
         ("largest clash", *_CLASH_HEADERS),
         first,
@@ -152,7 +151,7 @@ ANSWERS_SPEC = SectionSpec("answers", "Answers", answers_blocks)
 
 
 def fidelity_blocks(study: Study) -> tuple[Block, ...]:
-    """The recommendation, up to where each model reaches, and the maps."""
+    """The recommended models, their valid speed ranges, and maps of the differences."""
     found = study.fidelity
     if not len(found):
         return ()
@@ -160,7 +159,7 @@ def fidelity_blocks(study: Study) -> tuple[Block, ...]:
         _recommended(found),
         _reaches(found),
         *_maps(found),
-        *(text(words, "note") for words in fidelity_notes(found)),
+        *(text(sentence, "note") for sentence in fidelity_notes(found)),
     )
 
 
@@ -168,7 +167,7 @@ def _recommended(found: FidelityMap) -> Grid:
     rows = tuple(
         (
             (
-                Cell(row.words),
+                Cell(row.label),
                 Cell(theme.model_label(row.cheapest), "", row.cheapest),
                 Cell(reason_for(found, row.quantity), "quiet long"),
             ),
@@ -184,7 +183,7 @@ def _reaches(found: FidelityMap) -> Grid:
     rows = [
         (
             (
-                Cell(row.words),
+                Cell(row.label),
                 *(Cell(cell, "number good" if cell == "all" else "number") for cell in row.cells),
             ),
             (),
@@ -209,10 +208,7 @@ def _maps(found: FidelityMap) -> tuple[Block, ...]:
     """A table per quantity: difference to the reference by model and engine speed, in the tone of
     its verdict.
     """
-    maps = tuple(
-        (label_of(name)[:1].upper() + label_of(name)[1:], (_map(found, name),))
-        for name in found.quantities
-    )
+    maps = tuple((quantity_label(name), (_map(found, name),)) for name in found.quantities)
     return (Tabs(maps, "fidelity-map"),) if len(maps) > 1 else maps[0][1]
 
 
@@ -222,7 +218,7 @@ def _map(found: FidelityMap, name: str) -> Grid:
         cells = [_cell(row, row.verdict(found.tolerance)) for row in found.of(name, model)]
         rows.append(((Cell(theme.model_label(model), "", model), *cells), ()))
     caption = (
-        f"{label_of(name)[:1].upper() + label_of(name)[1:]}: difference to {theme.model_label(found.reference)} in per cent of its largest "
+        f"{quantity_label(name)}: difference to {theme.model_label(found.reference)} in per cent of its largest "
         "value, by engine speed (rpm). Green: good enough; red: not; grey: the error bars leave it open."
     )
     return Grid(
@@ -232,14 +228,14 @@ def _map(found: FidelityMap, name: str) -> Grid:
 
 def _cell(row: FidelityRow, verdict: str) -> Cell:
     if verdict == MISSING:
-        return Cell("–", "number quiet", "not told, or no result")
+        return Cell("–", "number quiet", "not given, or no result")
     if not math.isfinite(row.reference):
         return Cell("?", "number quiet", "no value of the reference: open")
     size = f"{abs(100 * row.difference):.{0 if abs(row.difference) >= 0.0995 else 1}f}"
-    words = size if float(size) == 0 else f"{'+' if row.difference > 0 else '−'}{size}"
+    label = size if float(size) == 0 else f"{'+' if row.difference > 0 else '−'}{size}"
     tone = {GOOD: "good", POOR: "bad", OPEN: "quiet"}[verdict]
     bar = f"± {share(row.doubt) or 'unknown'}: " if row.doubt > 0 else ""
-    return Cell(words, f"number {tone}", f"{bar}{verdict}")
+    return Cell(label, f"number {tone}", f"{bar}{verdict}")
 
 
 FIDELITY_SPEC = SectionSpec("fidelity", "Which model is good enough", fidelity_blocks)

@@ -96,12 +96,12 @@ def static_chart(study: Study, members: list[SpringAtRest], key: str, title: str
     stiffness: list[Layer] = []
     apart: list[Layer] = []
     for one, curve in known:
-        words, colour = theme.model_label(one.model), theme.model_colour(one.model)
-        force.append(Line(*thin(curve.compression * 1e3, curve.force), words, colour))
+        label, colour = theme.model_label(one.model), theme.model_colour(one.model)
+        force.append(Line(*thin(curve.compression * 1e3, curve.force), label, colour))
         stiffness.append(
             Line(
                 *thin(curve.compression * 1e3, curve.stiffness * 1e-3),
-                words,
+                label,
                 colour,
                 in_legend=False,
             )
@@ -111,7 +111,7 @@ def static_chart(study: Study, members: list[SpringAtRest], key: str, title: str
                 Line(
                     curve.compression * 1e3,
                     difference(curve, known[0][1]),
-                    words,
+                    label,
                     colour,
                     in_legend=False,
                 )
@@ -123,7 +123,7 @@ def static_chart(study: Study, members: list[SpringAtRest], key: str, title: str
     every = np.concatenate([np.asarray(curve.stiffness, dtype=float) for _, curve in known]) * 1e-3
     # The wall of the solid spring would flatten all else.
     top = 1.08 * min(float(every.max()), 4 * float(np.median(every)))
-    # Room at the right for the words beside the last mark.
+    # Room at the right for the words next to the last mark.
     reach = (
         0.0,
         1.08
@@ -211,7 +211,7 @@ def modes_chart(members: list[SpringAtRest], key: str, title: str) -> Chart | No
         result, lines = one.modes, []
         if result is None or not len(result.natural_frequency):
             continue
-        words = theme.model_label(one.model)
+        label = theme.model_label(one.model)
         for place, (mode, colour) in enumerate(
             zip(result.axial_modes[:MAX_SHAPES], theme.SERIES, strict=False), start=1
         ):
@@ -232,11 +232,11 @@ def modes_chart(members: list[SpringAtRest], key: str, title: str) -> Chart | No
                     x_label,
                     "axial part, largest 1",
                     tuple(lines),
-                    f"Shapes, {words}",
+                    f"Shapes, {label}",
                     y_range=(-1.15, 1.15),
                 )
             )
-        panels.append(_carried(one, words))
+        panels.append(_carried(one, label))
     caption = (
         "Modes about the installed state, both ends fixed. Axial modes carry force from end to end, found by the residue of the axial "
         "force transmission."
@@ -248,7 +248,7 @@ def modes_chart(members: list[SpringAtRest], key: str, title: str) -> Chart | No
     )
 
 
-def _carried(one: SpringAtRest, words: str) -> Panel:
+def _carried(one: SpringAtRest, label: str) -> Panel:
     result = one.modes
     assert result is not None
     share = np.abs(np.asarray(result.axial_transmission, dtype=float))
@@ -272,7 +272,7 @@ def _carried(one: SpringAtRest, words: str) -> Panel:
         "natural frequency (Hz)",
         "force carried, largest 1",
         tuple(layers),
-        f"Modes, {words}",
+        f"Modes, {label}",
         x_range=(0, top),
         y_range=(0, 1.15),
     )

@@ -17,9 +17,9 @@ from valvetrain.report.page import (
     figure_or_gap,
     text,
 )
-from valvetrain.report.run_charts import ANGLE_LABEL, Array, by_speed, event_bands, looks
-from valvetrain.report.text import number, speed_text
-from valvetrain.solution.definition import label_of, shown
+from valvetrain.report.run_charts import ANGLE_LABEL, Array, by_speed, event_bands, line_styles
+from valvetrain.report.text import number, quantity_label, speed_text
+from valvetrain.solution.definition import names_for, shown
 from valvetrain.solution.result import Solution
 from valvetrain.solution.study import Study
 
@@ -35,7 +35,7 @@ _HEIGHTS = (
 
 def coils_blocks(study: Study) -> tuple[Block, ...]:
     """Coil positions (or displacements) and clash map of each run and spring, by engine speed."""
-    known = looks(study)
+    known = line_styles(study)
 
     def at(engine_speed: float, runs: list[Solution], key: str) -> tuple[Block, ...]:
         items: list[tuple[str, tuple[Block, ...]]] = []
@@ -43,24 +43,24 @@ def coils_blocks(study: Study) -> tuple[Block, ...]:
             found: tuple[Block, ...] = ()
             for spring in run.springs:
                 whose = (
-                    f"{known[run.label].words}, {spring} spring"
+                    f"{known[run.label].label}, {spring} spring"
                     if len(run.springs) > 1
-                    else known[run.label].words
+                    else known[run.label].label
                 )
                 title, place = f"{whose}, {speed_text(engine_speed)}", f"{key}-{index}-{spring}"
                 for name, build in (("Coil motion", position_chart), ("Clash map", clash_chart)):
-                    words = f"{name}: {title}"
+                    label = f"{name}: {title}"
                     found += figure_or_gap(
-                        words,
+                        label,
                         build,
                         study,
                         run,
                         spring,
                         f"{name.split()[0].lower()}-{place}",
-                        words,
+                        label,
                     )
             if found:
-                items.append((known[run.label].words, found))
+                items.append((known[run.label].label, found))
         if len(items) > MAX_OPEN and len(study.engine_speeds) == 1:
             return (Tabs(tuple(items), f"{key}-runs"),)
         return tuple(block for _, blocks in items for block in blocks)
@@ -79,26 +79,26 @@ def along(run: Solution, channel: str) -> tuple[Array, Array] | None:
 
 
 def position_chart(study: Study, run: Solution, spring: str, key: str, title: str) -> Chart | None:
-    """Height of the wire, or its displacement where no height is told (mm), at even distances along
-    the spring.
+    """Height of the wire, or its displacement where no height is given (mm), at even distances
+    along the spring.
     """
     known = (
-        (found, words)
-        for name, words in _HEIGHTS
+        (found, label)
+        for name, label in _HEIGHTS
         if (found := along(run, run.channel_of(spring, name))) is not None
     )
     first = next(known, None)
     if first is None:
         return None
-    (places, values), words = first
+    (places, values), label = first
     angle, order = np.degrees(reported_cycle(run).cam_angle), np.argsort(places)
-    wanted = np.linspace(places.min(), places.max(), min(MAX_LINES, len(places)))
-    chosen = np.unique([int(np.argmin(np.abs(places[order] - place))) for place in wanted])
+    targets = np.linspace(places.min(), places.max(), min(MAX_LINES, len(places)))
+    chosen = np.unique([int(np.argmin(np.abs(places[order] - place))) for place in targets])
     lines = []
     for index, (place, colour) in enumerate(
         zip(order[chosen], theme.ramp(len(chosen)), strict=True)
     ):
-        direct = f"{places[place]:.3g}" if index % 5 == 0 and words == _HEIGHTS[0][1] else ""
+        direct = f"{places[place]:.3g}" if index % 5 == 0 and label == _HEIGHTS[0][1] else ""
         x, y = thin(angle, values[:, place] * 1e3)
         lines.append(
             Line(
@@ -112,16 +112,14 @@ def position_chart(study: Study, run: Solution, spring: str, key: str, title: st
             )
         )
     panel = Panel(
-        ANGLE_LABEL, words, tuple(lines), bands=event_bands(study), x_range=(0, 360), x_step=30
+        ANGLE_LABEL, label, tuple(lines), bands=event_bands(study), x_range=(0, 360), x_step=30
     )
-    told = (
+    given = (
         "coil number at the right"
-        if words == _HEIGHTS[0][1]
+        if label == _HEIGHTS[0][1]
         else "light at the seat, dark at the retainer"
     )
-    caption = (
-        f"Wire at even distances along the spring, {told}. Waves run up and down between the coils."
-    )
+    caption = f"Wire at even distances along the spring, {given}. Waves run up and down between the coils."
     return Chart(key, title, caption, (panel,), height=400, legend=False)
 
 
@@ -145,10 +143,10 @@ def clash_chart(study: Study, run: Solution, spring: str, key: str, title: str) 
         _largest(force, 0, COILS_MAX_ROWS),
         "contact force",
         "N",
-        y_words="coil",
+        y_tick_labels="coil",
     )
     bands = tuple(
-        type(band)(band.first, band.last, band.words, False) for band in event_bands(study)
+        type(band)(band.first, band.last, band.label, False) for band in event_bands(study)
     )
     panel = Panel(
         ANGLE_LABEL,
@@ -179,27 +177,21 @@ COILS_SPEC = SectionSpec("coils", "Motion of the coils", coils_blocks)
 
 
 SHEAR = "inner_fibre_shear_stress"
-NAMES = (
-    "peak_shear_stress", "minimum_shear_stress", "peak_shear_stress_coil_number", "peak_equivalent_stress",
-    "largest_amplitude_shear_stress",
-    "largest_amplitude_mean_shear_stress", "quasi_static_peak_shear_stress", "quasi_static_amplitude_shear_stress",
-    "dynamic_to_static_stress_ratio", "nominal_peak_shear_stress", "nominal_minimum_shear_stress",
-)  # fmt: skip
 _LEAD = "Shear at the inner fibre: torsion and direct shear with the curvature of the wire. No stress concentration under coil contacts."
 
 
 def stress_blocks(study: Study) -> tuple[Block, ...]:
     """Figures by engine speed, then the named numbers, one column per run."""
-    known = looks(study)
+    known = line_styles(study)
 
     def at(engine_speed: float, runs: list[Solution], key: str) -> tuple[Block, ...]:
         found: tuple[Block, ...] = ()
         for place, run in enumerate(runs, start=1):
             for spring in run.springs:
                 whose = (
-                    f"{known[run.label].words}, {spring} spring"
+                    f"{known[run.label].label}, {spring} spring"
                     if len(run.springs) > 1
-                    else known[run.label].words
+                    else known[run.label].label
                 )
                 title = f"Wire stress: {whose}, {speed_text(engine_speed)}"
                 found += figure_or_gap(
@@ -208,17 +200,19 @@ def stress_blocks(study: Study) -> tuple[Block, ...]:
         return found
 
     figures = by_speed(study, "stress", at)
-    runs = [run for run in study.solutions if any(name in run.quantities for name in NAMES)]
+    runs = [run for run in study.solutions if run.quantities.keys() & names_for("stress")]
     if study.over_speed or not runs:
         return figures
     rows = []
-    for name in (name for name in NAMES if any(name in run.quantities for run in runs)):
-        words, unit = label_of(name), shown(name, 1.0)[1]
+    for name in names_for("stress"):
+        if not any(name in run.quantities for run in runs):
+            continue
+        unit = shown(name, 1.0)[1]
         values = [
             shown(name, run.quantities[name])[0] if name in run.quantities else None for run in runs
         ]
         cells = (
-            Cell(f"{words[:1].upper()}{words[1:]}", "", name),
+            Cell(quantity_label(name), "", name),
             Cell(unit, "quiet"),
             *(Cell(number(value), "number") for value in values),
         )
@@ -226,13 +220,13 @@ def stress_blocks(study: Study) -> tuple[Block, ...]:
     headers = (
         "",
         "unit",
-        *(f"{known[run.label].words}, {speed_text(run.engine_speed)}" for run in runs),
+        *(f"{known[run.label].label}, {speed_text(run.engine_speed)}" for run in runs),
     )
     return (text(_LEAD, "quiet"), *figures, Grid(headers, tuple(rows)))
 
 
 def stress_chart(study: Study, run: Solution, spring: str, key: str, title: str) -> Chart | None:
-    """Largest and least shear along the wire, and the worst point over one cam cycle (MPa), beside
+    """Largest and least shear along the wire, and the worst point over one cam cycle (MPa), next to
     those of the static curve.
     """
     found = along(run, run.channel_of(spring, SHEAR))
@@ -240,14 +234,14 @@ def stress_chart(study: Study, run: Solution, spring: str, key: str, title: str)
         return None
     (coil, shear), cycle = found, reported_cycle(run)
     angle, worst = np.degrees(cycle.cam_angle), int(np.argmax(shear.max(axis=0)))
-    dynamic, slow, words = (
+    dynamic, slow, label = (
         theme.model_colour(run.model),
         theme.model_colour("massless"),
         "static curve at the same lift",
     )
     first: list[Layer] = [
         Line(coil, shear.max(axis=0) * 1e-6, "largest", dynamic),
-        Line(coil, shear.min(axis=0) * 1e-6, "least", theme.mix(dynamic, "#ffffff", 0.5)),
+        Line(coil, shear.min(axis=0) * 1e-6, "minimum", theme.mix(dynamic, "#ffffff", 0.5)),
     ]
     second: list[Layer] = [
         Line(*thin(angle, shear[:, worst] * 1e-6), "largest", dynamic, in_legend=False)
@@ -258,8 +252,8 @@ def stress_chart(study: Study, run: Solution, spring: str, key: str, title: str)
     if rest is not None and rest.stress is not None and run.has("valve_lift"):
         still = rest.stress.shear_at(rest.precompression + cycle.channel("valve_lift")) * 1e-6
         near = int(np.argmin(np.abs(rest.stress.coil_number - coil[worst])))
-        first.insert(0, Line(rest.stress.coil_number, still.max(axis=0), words, slow, 1.4, "dash"))
-        second.insert(0, Line(*thin(angle, still[:, near]), words, slow, 1.4, "dash"))
+        first.insert(0, Line(rest.stress.coil_number, still.max(axis=0), label, slow, 1.4, "dash"))
+        second.insert(0, Line(*thin(angle, still[:, near]), label, slow, 1.4, "dash"))
     place = f"At coil number {coil[worst]:.3g}"
     panels = (
         Panel("coil number from the seat", "shear stress (MPa)", tuple(first), "Along the wire"),
@@ -306,11 +300,11 @@ def events_blocks(study: Study) -> tuple[Block, ...]:
     """A table with filters by run and kind; a sweep's events are in its file."""
     if study.over_speed:
         return ()
-    known, rows = looks(study), []
+    known, rows = line_styles(study), []
     for run in study.solutions:
         for event in run.events:
             if event.kind != "clash":
-                words, speed = known[run.label].words, speed_text(run.engine_speed)
+                label, speed = known[run.label].label, speed_text(run.engine_speed)
                 angle = float(np.degrees(event.cam_angle)) % 360
                 numbers = [
                     Cell(number(value), "number")
@@ -318,7 +312,7 @@ def events_blocks(study: Study) -> tuple[Block, ...]:
                 ]
                 cause = Cell(str(event.details.get("cause", "")), "quiet long")
                 cells = (
-                    Cell(words),
+                    Cell(label),
                     Cell(speed, "number"),
                     Cell(event.kind),
                     Cell(event.where),
@@ -326,7 +320,7 @@ def events_blocks(study: Study) -> tuple[Block, ...]:
                     Cell(event.unit, "quiet"),
                     cause,
                 )
-                rows.append((cells, (words, speed, event.kind)))
+                rows.append((cells, (label, speed, event.kind)))
     if not rows:
         return ()
     caption = (

@@ -1,4 +1,6 @@
-"""Spring force on the cylinder head and on the retainer over the cam angle, at rest beside it."""
+"""Curves over the cam angle: spring force, motion, rigid parts, contact forces, moving picture and
+energy balance.
+"""
 
 from __future__ import annotations
 
@@ -12,11 +14,11 @@ from valvetrain.report.motion.scene import moving_picture
 from valvetrain.report.page import Block, Motion, SectionSpec, figure_or_gap, gap
 from valvetrain.report.run_charts import (
     ANGLE_LABEL,
-    STILL_WORDS,
+    STATIC_LABEL,
     angle_panels,
     by_speed,
     event_bands,
-    looks,
+    line_styles,
     over_angle,
     panels_chart,
     runs_at,
@@ -38,28 +40,28 @@ def force_blocks(study: Study) -> tuple[Block, ...]:
     """A figure per end of the spring, a panel per engine speed."""
     return tuple(
         block
-        for channel, words in FORCES.items()
-        for block in figure_or_gap(words[1], force_chart, study, channel)
+        for channel, label in FORCES.items()
+        for block in figure_or_gap(label[1], force_chart, study, channel)
     )
 
 
 def force_chart(study: Study, channel: str) -> Chart | None:
-    """One channel of force by engine speed with the force at rest at the same lift; None where no
-    run has it.
+    """One force channel by engine speed with the static force at the same lift; None where no run
+    has it.
     """
-    key, title, words = FORCES[channel]
+    key, title, label = FORCES[channel]
     panels = []
     for engine_speed in study.engine_speeds:
         panels += angle_panels(
             study,
             runs_at(study, engine_speed),
             channel,
-            words,
+            label,
             speed_text(engine_speed),
             "static_retainer_force",
         )
     still = any(
-        isinstance(layer, Line) and layer.name == STILL_WORDS
+        isinstance(layer, Line) and layer.name == STATIC_LABEL
         for panel in panels
         for layer in panel.layers
     )
@@ -79,20 +81,22 @@ MOTIONS = {
 
 
 def motion_blocks(study: Study) -> tuple[Block, ...]:
-    """Three panels per engine speed; where all runs are told the same motion, one line stands for
-    them.
-    """
+    """Three panels per engine speed; one line where all runs have the same prescribed motion."""
 
     def at(engine_speed: float, runs: list[Solution], key: str) -> tuple[Block, ...]:
-        told = all(run.provenance.system == "prescribed-spring" for run in runs)
-        shown = runs[:1] if told else runs
-        title = f"{'Prescribed motion' if told else 'Valve motion'} at {speed_text(engine_speed)}"
+        prescribed = all(run.provenance.system == "prescribed-spring" for run in runs)
+        shown = runs[:1] if prescribed else runs
+        title = (
+            f"{'Prescribed motion' if prescribed else 'Valve motion'} at {speed_text(engine_speed)}"
+        )
         panels = []
-        for words, channels in MOTIONS.items():
+        for label, channels in MOTIONS.items():
             channel = next((one for one in channels if any(run.has(one) for run in shown)), "")
-            panels += angle_panels(study, shown, channel, words) if channel else []
+            panels += angle_panels(study, shown, channel, label) if channel else []
         caption = (
-            "The prescribed motion of the retainer." if told else "Motion over the steady cycle."
+            "The prescribed motion of the retainer."
+            if prescribed
+            else "Motion over the steady cycle."
         )
         return figure_or_gap(title, panels_chart, key, title, caption, panels, 190)
 
@@ -113,7 +117,7 @@ def kinematics_blocks(study: Study) -> tuple[Block, ...]:
 
 
 def rigid_chart(study: Study, runs: list[Solution], key: str, title: str) -> Chart | None:
-    """A panel per rigid channel; runs of one train share them, so one line stands for all."""
+    """A panel per rigid channel; runs of one train share them, so one line represents all."""
     panels = []
     for name in dict.fromkeys(
         str(name) for run in runs for name in run.arrays.variables if str(name).startswith("rigid_")
@@ -121,9 +125,11 @@ def rigid_chart(study: Study, runs: list[Solution], key: str, title: str) -> Cha
         run = next(run for run in runs if run.has(name))
         found, (unit, factor) = over_angle(run, name), unit_of_channel(run, name)
         if found is not None:
-            words = name.removeprefix("rigid_").replace("_", " ")
-            line = Line(*thin(found[0], found[1] * factor), words, theme.INK, 1.4, in_legend=False)
-            label = f"{words} ({unit})" if unit else words
+            caption = name.removeprefix("rigid_").replace("_", " ")
+            line = Line(
+                *thin(found[0], found[1] * factor), caption, theme.INK, 1.4, in_legend=False
+            )
+            label = f"{caption} ({unit})" if unit else caption
             panels.append(
                 Panel(
                     ANGLE_LABEL,
@@ -186,7 +192,7 @@ def train_blocks(study: Study) -> tuple[Block, ...]:
                 ("rigid_contact_force", "rigid parts") if name == "cam_contact_force" else ("", "")
             )
             found += angle_panels(
-                study, runs, name, name.replace("_", " "), still=rigid[0], still_words=rigid[1]
+                study, runs, name, name.replace("_", " "), still=rigid[0], static_label=rigid[1]
             )
         return found
 
@@ -223,16 +229,14 @@ TRAIN_SPEC = SectionSpec("train", "Contacts and cam torque", train_blocks)
 
 
 def in_motion_blocks(study: Study) -> tuple[Block, ...]:
-    """The picture of the runs that can be drawn; nothing where none moves, a sentence where it
-    fails.
-    """
+    """The moving picture; nothing where no run moves, a sentence where it fails."""
     try:
         moving = moving_picture(study)
         if moving is None:
             return ()
         first = moving.variants[0]
         caption = (
-            "The reported cam turn, slowed. Drag or use the arrow keys on the picture to turn it; space plays, arrow keys step by one cam "
+            "The reported cam revolution, slowed. Drag or use the arrow keys on the picture to turn it; space plays, arrow keys step by one cam "
             "degree, with shift by ten, page keys go from mark to mark. Triangles on the slider are peaks of the force, orange strokes "
             "clashes."
         )
@@ -246,12 +250,12 @@ IN_MOTION_SPEC = SectionSpec("in-motion", "In motion", in_motion_blocks)
 
 def energy_blocks(study: Study) -> tuple[Block, ...]:
     """A figure per run with energies."""
-    known = looks(study)
+    known = line_styles(study)
 
     def at(engine_speed: float, runs: list[Solution], key: str) -> tuple[Block, ...]:
         found: tuple[Block, ...] = ()
         for number, run in enumerate(runs, start=1):
-            title = f"Energy balance: {known[run.label].words}, {speed_text(engine_speed)}"
+            title = f"Energy balance: {known[run.label].label}, {speed_text(engine_speed)}"
             found += figure_or_gap(title, energy_chart, run, f"{key}-{number}", title)
         return found
 
@@ -259,8 +263,8 @@ def energy_blocks(study: Study) -> tuple[Block, ...]:
 
 
 def energy_chart(run: Solution, key: str, title: str) -> Chart | None:
-    """What went in, what is stored, what became heat, and what is missing, over the whole run in
-    mJ; None for a run without energies.
+    """Work done, stored and dissipated energy and the imbalance over the whole run in mJ; None for
+    a run without energies.
     """
     balance = energy_balance(run)
     if balance is None:

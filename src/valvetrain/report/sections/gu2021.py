@@ -15,9 +15,9 @@ from valvetrain.report.run_charts import (
     ANGLE_LABEL,
     Array,
     by_speed,
-    looks,
+    covered_by_source,
+    line_styles,
     over_angle,
-    told_by_source,
 )
 from valvetrain.report.text import number, speed_text
 from valvetrain.solution.provenance import PublishedValue
@@ -43,7 +43,7 @@ def blocks(study: Study) -> tuple[Block, ...]:
     """Nothing for any other case, nor where the run is not that of the source: changed values,
     other speeds or models.
     """
-    if study.record.study != STUDY or study.lift_event is None or not told_by_source(study):
+    if study.record.study != STUDY or study.lift_event is None or not covered_by_source(study):
         return ()
 
     def at(engine_speed: float, runs: list[Solution], key: str) -> tuple[Block, ...]:
@@ -97,13 +97,13 @@ def published_forces(study: Study, engine_speed: float) -> list[tuple[PublishedV
     found = []
     for value in values:
         if value.quantity.startswith("stage_") and value.quantity.endswith("_force"):
-            wanted = value.quantity.removesuffix("_force") + "_cam_angle"
-            whose = [value.model, *(model for model, name in angles if name == wanted)]
+            angle_ = value.quantity.removesuffix("_force") + "_cam_angle"
+            whose = [value.model, *(model for model, name in angles if name == angle_)]
             angle = next(
                 (
-                    float(np.degrees(angles[model, wanted]))
+                    float(np.degrees(angles[model, angle_]))
                     for model in whose
-                    if (model, wanted) in angles
+                    if (model, angle_) in angles
                 ),
                 None,
             )
@@ -118,13 +118,13 @@ def _marks(found: list[tuple[PublishedValue, float]], factor: float = 1.0) -> li
     marks: list[Layer] = []
     for origin in dict.fromkeys(value.model for value, _ in found):
         mine = [(value, angle) for value, angle in found if value.model == origin]
-        sign, words, colour, symbol = theme.origin_style(origin)
+        sign, label, colour, symbol = theme.origin_style(origin)
         labels = tuple(f"{sign} {number(value.value * factor)}" for value, _ in mine)
         x, y = (
             np.array([angle for _, angle in mine]),
             np.array([value.value * factor for value, _ in mine]),
         )
-        marks.append(Marks(x, y, words, colour, symbol, labels))
+        marks.append(Marks(x, y, label, colour, symbol, labels))
     return marks
 
 
@@ -135,14 +135,14 @@ def _last(lines: list[Line]) -> list[Line]:
 
 def force_chart(study: Study, runs: list[Solution], engine_speed: float, key: str) -> Chart | None:
     """Force on the lower seat (N) of every model over one cam cycle with the published values."""
-    known, lines = looks(study), []
+    known, lines = line_styles(study), []
     for run in runs:
         found = over_angle(run, "seat_force")
         if found is not None:
             lines.append(
                 Line(
                     *thin(*found),
-                    known[run.label].words,
+                    known[run.label].label,
                     known[run.label].colour,
                     1.6,
                     known[run.label].dash,
@@ -188,17 +188,17 @@ def spike_series(study: Study, run: Solution) -> tuple[Array, Array, Array] | No
 
 def spike_chart(study: Study, runs: list[Solution], engine_speed: float, key: str) -> Chart | None:
     """The same force close up after the event, raw and below 10 kHz (N)."""
-    known, lines = looks(study), []
+    known, lines = line_styles(study), []
     for run in runs:
         found, look = spike_series(study, run), known[run.label]
         if found is not None and len(found[0]):
-            lines.append(Line(*thin(found[0], found[1]), look.words, look.colour, 1.4))
+            lines.append(Line(*thin(found[0], found[1]), look.label, look.colour, 1.4))
             if np.any(np.isfinite(found[2])):
                 # Darker than the raw line, so that the two part where they lie on each other.
                 dark = theme.mix(look.colour, theme.INK, 0.75)
                 lines.append(
                     Line(
-                        *thin(found[0], found[2]), f"{look.words}, below 10 kHz", dark, 1.4, "dash"
+                        *thin(found[0], found[2]), f"{look.label}, below 10 kHz", dark, 1.4, "dash"
                     )
                 )
     if not lines:
@@ -250,7 +250,7 @@ def node_chart(study: Study, run: Solution, key: str) -> Chart | None:
                     x_step=30,
                 )
             )
-    title = f"Nodes 1 and 2: {looks(study)[run.label].words}, {speed_text(run.engine_speed)}"
+    title = f"Nodes 1 and 2: {line_styles(study)[run.label].label}, {speed_text(run.engine_speed)}"
     caption = "Axial motion, seat to retainer positive. Node 2 counts from where coil 2 touches coil 1, node 1 from the installed state."
     return Chart(key, title, caption, tuple(panels), height=720) if panels else None
 

@@ -1,4 +1,4 @@
-"""Values of the case with their status and source, remarks, and the resolved case file."""
+"""Values of the case with status and source, how the runs were computed, and papers to cite."""
 
 from __future__ import annotations
 
@@ -8,14 +8,14 @@ from collections.abc import Mapping
 from valvetrain.report import theme
 from valvetrain.report.json import unit_of_number
 from valvetrain.report.page import Block, Cell, Details, Grid, Listing, SectionSpec, prose, text
-from valvetrain.report.run_charts import looks, told_by_source
+from valvetrain.report.run_charts import covered_by_source, line_styles
 from valvetrain.report.text import number, speed_text, unit_text
 from valvetrain.solution.provenance import CaseValue
 from valvetrain.solution.study import Study
 
 
 def case_blocks(study: Study) -> tuple[Block, ...]:
-    """Table with a filter by status; what was changed is said first."""
+    """Changed values, then a table of all values with a filter by status."""
     record = study.record
     found: list[Block] = []
     if record.changed:
@@ -23,7 +23,7 @@ def case_blocks(study: Study) -> tuple[Block, ...]:
     if record.values:
         rows = tuple((_cells(one), (one.status,)) for one in record.values)
         found.append(Grid(("value of the case", "", "status", "source"), rows, ("status",)))
-    if told_by_source(study):
+    if covered_by_source(study):
         found += prose(record.remarks, "Remarks on the case")
     if record.text:
         found.append(Details("The case file, resolved", (Listing(record.text),)))
@@ -49,14 +49,14 @@ OPEN_ROWS = 12
 
 def runs_blocks(study: Study) -> tuple[Block, ...]:
     """A row per run and per spring at rest, then the versions behind them."""
-    known, rows = looks(study), []
+    known, rows = line_styles(study), []
     for run in study.solutions:
         state = Cell(run.status.sentence(), "good" if run.status.completed else "bad")
         options = Cell(_facts({**run.provenance.options, **run.statistics}), "quiet long")
         rows.append(
             (
                 (
-                    Cell(known[run.label].words),
+                    Cell(known[run.label].label),
                     Cell(speed_text(run.engine_speed), "number"),
                     state,
                     options,
@@ -96,7 +96,7 @@ def runs_blocks(study: Study) -> tuple[Block, ...]:
         or "not recorded"
     )
     digest = study.record.digest if study.record.text else source.case_digest
-    words = (
+    label = (
         f"Versions: {listed}."
         + (f" Case digest {digest}." if digest else "")
         + (f" Computed {source.created_at}." if source.created_at else "")
@@ -107,7 +107,7 @@ def runs_blocks(study: Study) -> tuple[Block, ...]:
         if len(rows) <= OPEN_ROWS
         else (Details(f"Options and statistics of {len(rows)} runs", (grid,)),)
     )
-    return (*(shown if rows else ()), text(words, "quiet"))
+    return (*(shown if rows else ()), text(label, "quiet"))
 
 
 def _facts(facts: Mapping[str, float | int | str | bool | None]) -> str:
@@ -119,7 +119,7 @@ def _facts(facts: Mapping[str, float | int | str | bool | None]) -> str:
 
 
 def _plain(key: str, value: object) -> str:
-    """A number with its SI unit, the output step in degrees; words and switches as they are."""
+    """A number with its SI unit, the output step in degrees; text and booleans unchanged."""
     if isinstance(value, bool) or not isinstance(value, (int, float)):
         return str(value).lower() if isinstance(value, bool) else str(value)
     unit = unit_of_number(key)

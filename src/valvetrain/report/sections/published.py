@@ -1,10 +1,10 @@
-"""Computed beside given values, only where there are any: one dot plot, one table with filters,
+"""Computed and given values values, only where there are any: one dot plot, one table with filters,
 findings, notes behind them.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
@@ -15,22 +15,32 @@ from valvetrain.report.page import (
     Cell,
     Details,
     Grid,
+    Page,
+    Section,
     SectionSpec,
     figure_or_gap,
     prose,
     text,
 )
-from valvetrain.report.table import comparison_grid
-from valvetrain.report.text import in_unit, number, speed_text, unit_text
-from valvetrain.report.uncertainty_section import firmness, lead, uncertainty_grid
-from valvetrain.runs.error_bars import Uncertainty
+from valvetrain.report.table import Table, comparison_grid, table
+from valvetrain.report.text import in_unit, number, rpm, speed_text, unit_text
+from valvetrain.runs.error_bars import (
+    CONTACT_FACTORS,
+    DAMPING_FACTORS,
+    STIFFNESS_FACTORS,
+    Range,
+    Uncertainty,
+    UncertaintyStudy,
+    grouped,
+)
 from valvetrain.runs.stored_error_bars import fresh_uncertainty, load_uncertainty, meshes_of
 from valvetrain.solution.comparison import Comparison
 from valvetrain.solution.definition import label_of
-from valvetrain.solution.quantity import same_speed
+from valvetrain.solution.display import SHOWN_UNITS
+from valvetrain.solution.quantity import Quantity, same_speed
 from valvetrain.solution.study import Study
 
-#: Ends of the ratio axis; what lies beyond stands at the end as a triangle, its number on hover.
+#: Ends of the ratio axis; what lies beyond is drawn at the end as a triangle, its number on hover.
 AXIS = (0.5, 1.5)
 #: Rows up to which each is named at the side; more are named on hover and in the table.
 NAMED_ROWS = 40
@@ -46,7 +56,8 @@ def published_blocks(study: Study) -> tuple[Block, ...]:
         rows = tuple(
             (
                 tuple(
-                    Cell(words) for words in (one.place, one.statement, one.computed, one.verdict)
+                    Cell(sentence)
+                    for sentence in (one.place, one.statement, one.computed, one.verdict)
                 ),
                 (),
             )
@@ -103,10 +114,10 @@ def ratio_chart(study: Study) -> Chart | None:
     sides = (
         [label_of(row.quantity) for row, _ in known]
         if named
-        else _group_words([row for row, _ in known])
+        else _group_labels([row for row, _ in known])
     )
     value_text_at = tuple(
-        (float(place), words) for place, words in zip(height, sides, strict=True) if words
+        (float(place), label) for place, label in zip(height, sides, strict=True) if label
     )
     span = (-1.0, float(len(known)))
     panel = Panel(
@@ -116,17 +127,17 @@ def ratio_chart(study: Study) -> Chart | None:
         rules=(Rule("x", 1.0),),
         x_range=AXIS,
         y_range=span,
-        y_words=value_text_at,
+        y_tick_labels=value_text_at,
     )
     left = len(study.comparisons) - len(known)
     caption = "Each mark is a computed value over the given one; name, engine speed and source show on it. Triangles stand beyond the axis."
-    caption += f" {left} values without a ratio stand in the table only." if left else ""
+    caption += f" {left} values without a ratio are in the table only." if left else ""
     size = int(np.clip((17 if named else 7) * len(known), 120, 1100)) + 90
     return Chart("ratios", "Computed over given values", caption, (panel,), height=size)
 
 
 def _spans(
-    words: str, colour: str, width: float, spans: list[tuple[float, float | None]]
+    label: str, colour: str, width: float, spans: list[tuple[float, float | None]]
 ) -> list[Line]:
     """Level strokes of half width about a centre, one per row where a half width is known."""
     known = [(place, centre, half) for place, (centre, half) in enumerate(spans) if half]
@@ -136,7 +147,7 @@ def _spans(
         .ravel()
     )
     return (
-        [Line(x, np.repeat([float(place) for place, _, _ in known], 3), words, colour, width)]
+        [Line(x, np.repeat([float(place) for place, _, _ in known], 3), label, colour, width)]
         if known
         else []
     )
@@ -146,7 +157,7 @@ def _dots(known: list[tuple[Comparison, float]], height: np.ndarray) -> list[Mar
     found: list[Marks] = []
     beyond = np.array([not AXIS[0] <= ratio <= AXIS[1] for _, ratio in known])
     for origin in dict.fromkeys(row.origin for row, _ in known):
-        _, words, colour, symbol = theme.origin_style(origin)
+        _, label, colour, symbol = theme.origin_style(origin)
         for outside in (False, True):
             mine = np.array([row.origin == origin for row, _ in known]) & (beyond == outside)
             chosen = [known[place] for place in np.flatnonzero(mine)]
@@ -156,9 +167,9 @@ def _dots(known: list[tuple[Comparison, float]], height: np.ndarray) -> list[Mar
             )
             alone = outside and not (found and found[-1].colour == colour)
             name, sign = (
-                (f"{words}, beyond", "triangle")
+                (f"{label}, beyond", "triangle")
                 if outside
-                else (words, "square" if symbol == "triangle" else symbol)
+                else (label, "square" if symbol == "triangle" else symbol)
             )
             if chosen:
                 found.append(
@@ -199,14 +210,14 @@ def _half(row: Comparison, unsure: Mapping[tuple[str, float], Uncertainty]) -> f
     return abs(held.numerical / row.published) if held is not None and fits else None
 
 
-def _group_words(rows: list[Comparison]) -> list[str]:
+def _group_labels(rows: list[Comparison]) -> list[str]:
     """The engine speed, at the first row (from the top) of each."""
-    words = [
+    label = [
         "at rest" if row.engine_speed is None else speed_text(row.engine_speed) for row in rows
     ]
     return [
-        word if place == len(words) - 1 or words[place + 1] != word else ""
-        for place, word in enumerate(words)
+        word if place == len(label) - 1 or label[place + 1] != word else ""
+        for place, word in enumerate(label)
     ]
 
 
@@ -233,3 +244,175 @@ def uncertainty_blocks(study: Study) -> tuple[Block, ...]:
 
 
 UNCERTAINTY_SPEC = SectionSpec("uncertainty", "Numbers with error bars", uncertainty_blocks)
+
+
+#: Share of a value that its numerical uncertainty may be for it to count as firm.
+FIRM = 0.01
+_HEADERS = ("quantity", "value", "± numerical", "", "unit", "order", "extrapolated")
+
+
+def lead(meshes: Sequence[int]) -> str:
+    """What the table shows of a spring on ``meshes``, or of a train (none)."""
+    if not meshes:
+        return (
+            "Numerical uncertainty from a step halved twice (grid convergence index; a wide bound, marked –, where the three values do "
+            "not converge evenly), springs divided 1.5 and 2.25 times as finely, half the samples per cycle, and the scatter of motions "
+            "that do not repeat. The last columns are physical: what the value does where all contacts are half or twice as stiff, or "
+            "damped so."
+        )
+    return (
+        f"Numerical uncertainty from meshes of {', '.join(map(str, meshes))} elements per coil and a halved step (grid convergence index, "
+        "1.25 times the distance to the Richardson value; a wide bound from the range of the three, marked –, where they do not converge "
+        "evenly). "
+        "The last columns are physical: what the value does over a range of contact constants, which were not published."
+    )
+
+
+def uncertainty_grid(rows: Sequence[Uncertainty]) -> Grid:
+    """One line per quantity, grouped by engine speed and variant."""
+    lines: list[tuple[tuple[Cell, ...], tuple[str, ...]]] = []
+    for (speed, label), group in grouped(rows).items():
+        caption = (
+            "Statics and modes"
+            if speed is None
+            else f"Engine speed {speed_text(speed)}{f', {label}' if label else ''}"
+        )
+        lines += [((Cell(caption),), ()), *((_cells(row), ()) for row in group)]
+    stiffness, damping = (
+        (CONTACT_FACTORS,) * 2
+        if any(row.label for row in rows)
+        else (STIFFNESS_FACTORS, DAMPING_FACTORS)
+    )
+    ranges = (
+        f"contact {word} × {least:g} to {most:g}"
+        for word, (least, most) in (("stiffness", stiffness), ("damping", damping))
+    )
+    return Grid((*_HEADERS, *ranges), tuple(lines))
+
+
+def firmness(rows: Sequence[Uncertainty]) -> str:
+    """How many numbers are firm to :data:`FIRM`, and which are the least so, in a sentence."""
+    share = {
+        row: abs(row.numerical / row.value)
+        for row in rows
+        if row.value != 0 and Quantity(row.quantity).unit != "rad"
+    }
+    loose = sorted((row for row in share if share[row] > FIRM), key=lambda row: -share[row])
+    firm = f"{len(share) - len(loose)} of {len(share)} numbers that are not zero are firm to {100 * FIRM:g} %"
+    if not loose:
+        return f"{firm}."
+    named = [
+        f"{label_of(row.quantity)}{_whose(row)} {_per_cent(share[row])} %" for row in loose[:3]
+    ]
+    return f"{firm}; the least firm: {', '.join(named)}."
+
+
+def _per_cent(share: float) -> str:
+    return f"{100 * share:.0f}" if share >= 0.1 else f"{100 * share:.2g}"
+
+
+def _whose(row: Uncertainty) -> str:
+    label = [
+        word
+        for word in (row.label, "" if row.engine_speed is None else speed_text(row.engine_speed))
+        if word
+    ]
+    return f" ({', '.join(label)})" if label else ""
+
+
+def uncertainty_table(rows: Sequence[Uncertainty]) -> Table:
+    """All rows in SI for ``uncertainty.csv``; speed in rpm of the crank, nan for statics and modes."""
+    numbers = {
+        "value": [row.value for row in rows], "numerical uncertainty": [row.numerical for row in rows],
+        "observed order": [float("nan") if row.observed_order is None else row.observed_order for row in rows],
+        "extrapolated": [row.extrapolated for row in rows], "part of the step": [row.step_part for row in rows],
+        "least over contact stiffness": [row.contact_stiffness[0] for row in rows],
+        "largest over contact stiffness": [row.contact_stiffness[1] for row in rows],
+        "least over contact damping": [row.contact_damping[0] for row in rows],
+        "largest over contact damping": [row.contact_damping[1] for row in rows],
+    }  # fmt: skip
+    speeds = [float("nan") if row.engine_speed is None else rpm(row.engine_speed) for row in rows]
+    units = [Quantity(row.quantity).unit for row in rows]
+    variant = (
+        (("variant", "", [row.label for row in rows]),) if any(row.label for row in rows) else ()
+    )
+    head = (
+        ("quantity", "", [row.quantity for row in rows]),
+        *variant,
+        ("engine speed", "rpm", speeds),
+        ("unit", "", units),
+    )
+    return table(*head, *((name, "", values) for name, values in numbers.items()))
+
+
+def levels_table(study: UncertaintyStudy) -> Table:
+    """Every number (SI) of every run behind the error bars for ``levels.csv``, as
+    :func:`uncertainty_table`.
+    """
+    found = [
+        (level, speed, name, value)
+        for level, by_speed in study.values.items()
+        for speed, numbers in by_speed.items()
+        for name, value in numbers.items()
+    ]
+    speeds = [float("nan") if speed is None else rpm(speed) for _, speed, _, _ in found]
+    names = [name for _, _, name, _ in found]
+    return table(
+        ("level", "", [level for level, _, _, _ in found]),
+        ("engine speed", "rpm", speeds),
+        ("quantity", "", names),
+        ("unit", "", [Quantity(name).unit for name in names]),
+        ("value", "", [value for _, _, _, value in found]),
+    )
+
+
+def uncertainty_page(study: UncertaintyStudy) -> Page:
+    """The page of ``valvetrain refine``."""
+    case = study.record
+    failed = (text(sentence, "alert") for sentence in study.failures)
+    blocks: tuple[Block, ...] = (
+        text(lead(study.elements_per_coil), "quiet"),
+        uncertainty_grid(study.rows),
+        *failed,
+    )
+    meshes = (
+        (("elements per coil", ", ".join(map(str, study.elements_per_coil))),)
+        if study.elements_per_coil
+        else ()
+    )
+    facts = (("case", case.name), *meshes)
+    footer = "Angles are cam degrees. Engine speed is crank speed."
+    section = Section("uncertainty", "Numbers with error bars", blocks)
+    return Page(
+        f"{case.title or case.name}: uncertainty",
+        "Refinement study",
+        case.description,
+        facts,
+        (section,),
+        footer,
+    )
+
+
+def _cells(row: Uncertainty) -> tuple[Cell, ...]:
+    unit = Quantity(row.quantity).unit
+    label, factor = SHOWN_UNITS.get(unit, (unit, 1.0))
+    share = (
+        "" if unit == "rad" or row.value == 0 else f"{100 * row.numerical / abs(row.value):.2g} %"
+    )
+    order = "–" if row.trusted_order is None else f"{row.trusted_order:.1f}"
+
+    def between(values: Range) -> str:
+        low, high = (number(value * factor, 5) for value in values)
+        return low if low == high else f"{low} to {high}"
+
+    return (
+        Cell(label_of(row.quantity), hint=row.quantity),
+        Cell(number(row.value * factor, 5), "number"),
+        Cell(number(row.numerical * factor, 2), "number"),
+        Cell(share, "number quiet"),
+        Cell(label, "quiet"),
+        Cell(order, "number quiet"),
+        Cell(number(row.extrapolated * factor, 5), "number"),
+        Cell(between(row.contact_stiffness), "number"),
+        Cell(between(row.contact_damping), "number"),
+    )

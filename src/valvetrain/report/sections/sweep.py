@@ -9,14 +9,14 @@ import re
 import numpy as np
 
 from valvetrain.quantities.cycle import reported_cycle
-from valvetrain.quantities.spectrum import order_spectrum
+from valvetrain.quantities.forces import order_spectrum
 from valvetrain.report import theme
 from valvetrain.report.chart import Chart, HeatMap, Layer, Line, Marks, Panel, Rule
 from valvetrain.report.page import Block, Cell, Grid, SectionSpec, Tabs, figure_or_gap, text
-from valvetrain.report.run_charts import MAX_LINES, Array, bars, looks, panels_chart, runs_at
+from valvetrain.report.run_charts import MAX_LINES, Array, bars, line_styles, panels_chart, runs_at
 from valvetrain.report.run_summary import critical_notes, critical_rows, searched
 from valvetrain.report.text import number, rpm, speed_text
-from valvetrain.solution.definition import label_of, shown
+from valvetrain.solution.definition import label_of, names_for, shown
 from valvetrain.solution.result import Solution
 from valvetrain.solution.study import Study
 
@@ -66,7 +66,7 @@ def surge_orders(study: Study, run: Solution) -> dict[str, float]:
 
 def order_chart(study: Study) -> Chart | None:
     """Bars of the dynamic force per cam order; None where no run gives them."""
-    known, panels = looks(study), []
+    known, panels = line_styles(study), []
     for engine_speed in study.engine_speeds:
         found = [
             (run, *given)
@@ -82,24 +82,24 @@ def order_chart(study: Study) -> Chart | None:
                     Line(
                         x,
                         y,
-                        known[run.label].words,
+                        known[run.label].label,
                         known[run.label].colour,
                         max(2.0, 8.0 / len(part)),
                     )
                 )
             last = max(float(orders.max()) for _, orders, _ in part)
             marks = {
-                round(order, 3): words
+                round(order, 3): label
                 for run, _, _ in part
-                for words, order in surge_orders(study, run).items()
+                for label, order in surge_orders(study, run).items()
                 if order <= last
             }
-            rules = tuple(Rule("x", order, words) for order, words in list(marks.items())[:3])
+            rules = tuple(Rule("x", order, label) for order, label in list(marks.items())[:3])
             tall = max(float(np.nanmax(sizes)) for _, _, sizes in part)
             y_label, span = "dynamic spring force (N, 0 to peak)", (0.0, 1.12 * tall or 1.0)
             panels.append(
                 Panel(
-                    "cam order (oscillations per cam turn)",
+                    "cam order (oscillations per cam revolution)",
                     y_label,
                     tuple(layers),
                     speed_text(engine_speed),
@@ -116,12 +116,6 @@ def order_chart(study: Study) -> Chart | None:
 ORDERS_SPEC = SectionSpec("orders", "Cam orders", orders_blocks)
 
 
-#: Drawn over engine speed, those that a study gives.
-CURVES = (
-    "peak_spring_force", "minimum_spring_force", "peak_retainer_force", "minimum_retainer_force", "clash_energy", "surge_amplitude_force",
-    "seating_velocity", "lift_loss_displacement", "bounce_height", "loft_gap", "float_excess_lift", "minimum_cam_contact_force",
-    "peak_shear_stress",
-)  # fmt: skip
 #: Engine speeds from which curves over them say something.
 MIN_SPEEDS = 3
 _ORDER = re.compile(r"surge_order_(\d+)_force")
@@ -131,12 +125,12 @@ def sweep_blocks(study: Study) -> tuple[Block, ...]:
     """Curves, then an order map per label."""
     if len(study.engine_speeds) < MIN_SPEEDS:
         return ()
-    known, maps = looks(study), []
+    known, maps = line_styles(study), []
     for place, label in enumerate(study.labels, start=1):
-        title = f"Order map: {known[label].words}"
+        title = f"Order map: {known[label].label}"
         found = figure_or_gap(title, order_map, study, label, f"order-map-{place}", title)
         if found:
-            maps.append((known[label].words, found))
+            maps.append((known[label].label, found))
     tabs: tuple[Block, ...] = (
         (maps[0][1] if maps else ()) if len(maps) < 2 else (Tabs(tuple(maps), "order-map"),)
     )
@@ -146,7 +140,7 @@ def sweep_blocks(study: Study) -> tuple[Block, ...]:
 def sweep_chart(study: Study) -> Chart | None:
     """One panel per quantity, a line per label; open marks where the motion did not settle."""
     panels = []
-    for name in CURVES:
+    for name in names_for("curve"):
         given = [
             label for label in study.labels if np.any(np.isfinite(study.series(label, name)[1]))
         ]
@@ -158,20 +152,22 @@ def sweep_chart(study: Study) -> Chart | None:
         return None
     caption = "Each engine speed on its own. Open marks: the motion did not repeat there, its last cycle is shown."
     if study.command == "run-up":
-        caption = "One value per cam turn, at its mean engine speed: the envelope of the run-up."
+        caption = (
+            "One value per cam revolution, at its mean engine speed: the envelope of the run-up."
+        )
     return Chart(
         "sweep", "Over engine speed", caption, tuple(panels), 2, 240 * (-(-len(panels) // 2)) + 30
     )
 
 
 def _panel(study: Study, name: str, labels: list[str]) -> Panel:
-    known, unit = looks(study), ""
+    known, unit = line_styles(study), ""
     layers: list[Layer] = []
     for label in labels:
         speeds, values = study.series(label, name)
         values, unit = shown(name, values)
         x, look = np.array([rpm(speed) for speed in speeds]), known[label]
-        layers.append(Line(x, values, look.words, look.colour, 1.6, look.dash))
+        layers.append(Line(x, values, look.label, look.colour, 1.6, look.dash))
         restless = np.array([not run.status.completed for run in study.runs(label)]) & np.isfinite(
             values
         )
@@ -180,7 +176,7 @@ def _panel(study: Study, name: str, labels: list[str]) -> Panel:
                 Marks(
                     x[restless],
                     values[restless],
-                    f"{look.words}, not settled",
+                    f"{look.label}, not settled",
                     look.colour,
                     size=6,
                     in_legend=False,
@@ -232,7 +228,7 @@ def order_map(study: Study, label: str, key: str, title: str) -> Chart | None:
         np.nan_to_num(sizes),
         "surge amplitude",
         "N",
-        y_words="cam order",
+        y_tick_labels="cam order",
         second=hertz,
         second_unit="Hz",
     )
@@ -241,14 +237,14 @@ def order_map(study: Study, label: str, key: str, title: str) -> Chart | None:
     for value in _round_steps(float(hertz.max())):
         layers.append(_frequency_line(fine, value, top, f"{value:g} Hz", "#7b8794", 0.9, "dot"))
     surges = {
-        words: order * run.engine_speed / (4 * np.pi)
+        line: order * run.engine_speed / (4 * np.pi)
         for run in study.runs(label)
-        for words, order in surge_orders(study, run).items()
+        for line, order in surge_orders(study, run).items()
     }
-    for words, value in surges.items():
+    for line, value in surges.items():
         layers.append(
             _frequency_line(
-                fine, value, top, words.partition("surge")[0] + "surge", theme.ALERT, 1.8, "dash"
+                fine, value, top, line.partition("surge")[0] + "surge", theme.ALERT, 1.8, "dash"
             )
         )
     panel = Panel(
@@ -262,7 +258,7 @@ def order_map(study: Study, label: str, key: str, title: str) -> Chart | None:
 
 
 def _frequency_line(
-    speeds: Array, frequency: float, top: float, words: str, colour: str, width: float, dash: str
+    speeds: Array, frequency: float, top: float, label: str, colour: str, width: float, dash: str
 ) -> Line:
     """Cam order of ``frequency`` (Hz) over engine speed (rad/s), drawn up to order ``top``, in rpm."""
     order = frequency * 4 * np.pi / speeds
@@ -270,12 +266,12 @@ def _frequency_line(
     return Line(
         speeds[inside] * 30 / np.pi,
         order[inside],
-        words,
+        label,
         colour,
         width,
         dash,
         in_legend=False,
-        direct=words,
+        direct=label,
     )
 
 
@@ -293,11 +289,11 @@ def critical_blocks(study: Study) -> tuple[Block, ...]:
     """A table of critical speeds, a column per label, and how they were searched."""
     if not searched(study) or not len(study.critical_speeds):
         return ()
-    known, labels = looks(study), study.labels
+    known, labels = line_styles(study), study.labels
     rows = tuple(
         (
             (
-                Cell(row.words if row.main else f"\u2003{row.words}"),
+                Cell(row.label if row.main else f"\u2003{row.label}"),
                 *(Cell(cell, "number") for cell in row.cells),
             ),
             (),
@@ -306,9 +302,9 @@ def critical_blocks(study: Study) -> tuple[Block, ...]:
     )
     headers = (
         "engine speed (rpm)",
-        *(known[label].words if label in known else label for label in labels),
+        *(known[label].label if label in known else label for label in labels),
     )
-    return (Grid(headers, rows), *(text(words, "note") for words in critical_notes(study)))
+    return (Grid(headers, rows), *(text(sentence, "note") for sentence in critical_notes(study)))
 
 
 CRITICAL_SPEC = SectionSpec("critical-speeds", "Critical speeds", critical_blocks)

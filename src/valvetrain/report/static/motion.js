@@ -493,7 +493,7 @@ function mount(element, data) {
   const scale = make("div", { class: "vtm-scale" }), list = make("ol", { class: "vtm-list", "aria-label": "Moments to jump to" });
   const slide = make("div", { class: "vtm-slide" }), now = make("output", { class: "vtm-now", "aria-live": "polite" });
   const slider = make("input", { type: "range", min: "0", max: "360", step: "0.01", value: "0", "aria-label": "cam angle in degrees" });
-  const told = make("details", { class: "vtm-told" }, make("summary", { text: "What is drawn and what is not told" }), make("ul", {}));
+  const told = make("details", { class: "vtm-told" }, make("summary", { text: "About this drawing" }), make("ul", {}));
 
   function request() { state.dirty = true; if (!asked && !gone) { asked = requestAnimationFrame(frame); } }
   function seek(angle) { state.angle = Math.max(0, Math.min(360, angle)); request(); }

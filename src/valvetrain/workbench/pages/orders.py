@@ -13,18 +13,14 @@ from valvetrain.errors import InputError
 from valvetrain.parameters.case import Case
 from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.parameters.summary import number
-from valvetrain.report.headlines import TOPICS
-from valvetrain.report.text import rpm
-from valvetrain.solution.definition import label_of
+from valvetrain.report.text import quantity_label, rpm
+from valvetrain.solution.definition import names_for
 from valvetrain.springs.spec import SpringModelSpec, spring_model
 from valvetrain.system.build import default_models
 from valvetrain.workbench.jobs import JobRequest
 
 #: The model that a first run uses: seconds, and it moves.
 FIRST_MODEL, SWEEP = "multi-mass", "1000:8000:250 rpm"
-#: Topics whose quantities a study may tell, of a spring alone; a train adds those of its contacts.
-_SPRING_TOPICS = ("Spring force and coil bind", "Coil clash", "Surge")
-_TRAIN_TOPICS = ("Seating and contact",)
 #: Points of a study.
 MIN_POINTS, MAX_POINTS = 2, 200
 
@@ -82,12 +78,9 @@ def sets_for(case: Case, kept: str = "") -> list[dict[str, Any]]:
 
 
 def outputs_for(case: Case) -> list[dict[str, str]]:
-    """Quantities that a study may tell."""
-    topics = _SPRING_TOPICS if case.train is None else (*_SPRING_TOPICS, *_TRAIN_TOPICS)
-    names = [name for topic in topics for name in TOPICS[topic]]
-    return [
-        {"name": name, "label": label_of(name)[:1].upper() + label_of(name)[1:]} for name in names
-    ]
+    """Quantities that a study can have as outputs."""
+    names = names_for("study", "spring" if case.train is None else "train")
+    return [{"name": name, "label": quantity_label(name)} for name in names]
 
 
 def choices_for(

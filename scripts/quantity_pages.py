@@ -1,11 +1,13 @@
-"""docs/quantities.md, written from the tables of quantities."""
+"""docs/quantities.md and docs/plausible.md, written from the tables of quantities and of plausible values."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from importlib import import_module
 from inspect import getdoc
 
+from valvetrain.quantities.plausible import TABLES
 from valvetrain.quantities.table import AT_REST, EVENTS, RUNS, SCATTER, SWEEP, TRAINS
 from valvetrain.registry import BUILT_IN
 from valvetrain.solution.definition import QuantityRow, tables
@@ -20,10 +22,10 @@ name, engine speed (rad/s of the crank; none for what belongs to no run) and lab
 
 All values are SI inside and in JSON; tables show the unit given here. Angles are cam angles, engine speed is crank speed. Forces are
 compressive positive and taken over the reported cycle. Motion along the spring is positive from seat to retainer; coil numbers count
-from 1 at the seat. In a name, `{n}` and other single letters stand for a number, longer words in braces for a place, a link or a spring.
+from 1 at the seat. In a name, `{n}` and other single letters represent a number, longer words in braces for a place, a link or a spring.
 Quantities of one spring of a nested pair carry its name in front: `outer_coil_bind_clearance`.
 
-A name that stands in no table has the dimension of its last word (`_force`, `_cam_angle`, `_displacement`, ...). A package adds a
+A name that is in no table has the dimension of its last word (`_force`, `_cam_angle`, `_displacement`, ...). A package adds a
 table of its own by the entry-point group `valvetrain.quantities`.
 """
 
@@ -45,7 +47,7 @@ _GROUPS: tuple[tuple[str, str, tuple[QuantityRow, ...]], ...] = (
         EVENTS,
     ),
     ("Scatter of a train", "Of a train whose motion does not repeat: over 8 cycles.", SCATTER),
-    ("Sweeps", "Of a sweep over engine speeds.", SWEEP),
+    ("Loss of control", "Of a sweep over engine speeds, and by rigid theory.", SWEEP),
 )
 _SYSTEMS = {("spring", "train"): "both", ("spring",): "spring", ("train",): "train"}
 
@@ -58,7 +60,7 @@ object from the names above to such numbers.
 
 | key | content |
 |---|---|
-| `command`, `case`, `title`, `digest` | what was asked; the fingerprint of the resolved case file |
+| `command`, `case`, `title`, `digest` | the request; the fingerprint of the resolved case file |
 | `changed` | key paths set from outside the file |
 | `completed`, `failures` | true when nothing failed; a sentence per part that did, numbers that could not be found and files that could not be written among them |
 | `quantities`, `quantities_by_label` | what belongs to no run; the same by label, such as what a sweep found |
@@ -73,15 +75,15 @@ object from the names above to such numbers.
 | `events` | per event `kind`, `cam_angle`, `time`, `duration`, `size`, `where`, `details`; of a clash `lower_coil`, `upper_coil`, `impulse`, `energy`, `peak_cam_angle` |
 | `options`, `statistics` | of a run: options of its model, and step, counts, residuals; numbers as value and unit, unit `1` for counts and shares |
 | `comparisons` | per published value `quantity`, `engine_speed`, `model`, `published_by`, `role`, `used_for`, `doubt`, `published`, `computed`, `difference`, `tolerance`, `verdict`, `source` |
-| `findings`, `notes` | findings of the source beside what was computed; sentences on what must be known of the numbers |
+| `findings`, `notes` | findings of the source next to what was computed; sentences on what must be known of the numbers |
 | `cite` | references behind the results |
-| `created_at`, `command_line`, `versions`, `choices` | of a kept run: when, by what, with which packages; engine speeds, models and sets that were run |
+| `created_at`, `command_line`, `versions`, `choices` | of a saved run: when, by what, with which packages; engine speeds, models and sets that were run |
 | `folder`, `files`, `page` | where the results were written |
 | `holds`, `facts` | of `check`: tables of the case; what it says, in words |
 | `cases` | of `cases`: per case `name`, `title`, `holds`, `sources`; with a name, `text` of the file instead |
 | `uncertainties` | of `refine`, and of a run whose case ships with its error bars: per number `quantity`, `label` of a variant of a train, `engine_speed`, `value`, `numerical_uncertainty`, `observed_order` (null: not monotonic), `extrapolated`, `step_part`, and `contact_stiffness`, `contact_damping` each with `least` and `largest` |
 | `inputs`, `results` | of `compare-runs`, with the folders `a` and `b`: per input `key`, `a`, `b`; per number `quantity`, `run`, `a`, `b`, `difference` |
-| `runs` | of the command `runs`: per kept run `created_at`, `case`, `digest`, `asked`, `spring_models`, `engine_speeds`, `completed`, `headline`, `folder` |
+| `runs` | of the command `runs`: per saved run `created_at`, `case`, `digest`, `asked`, `spring_models`, `engine_speeds`, `completed`, `headline`, `folder` |
 | `error` | in place of all of these: `message`, `where`, `code` (the exit code) |
 """  # noqa: E501  a row of a table is one line
 
@@ -111,3 +113,33 @@ def _table(rows: Sequence[QuantityRow]) -> str:
             f"| `{one.name}` | {one.label} | {one.shown_unit or '1'} | {_SYSTEMS[one.systems]} | {one.definition}{better} |"
         )
     return "\n".join(lines) + "\n"
+
+
+def plausible_page() -> str:
+    """The text of docs/plausible.md: every range with its reason."""
+    lines = [
+        "# Plausible values\n",
+        "Equations have solutions for numbers that no valvetrain has. Beyond these ranges a request is refused before it is run,",
+        "and a run, or a static curve, that reaches one ends with the status `diverged`, with its numbers. `--implausible`, or",
+        "`implausible=True` in Python, accepts all of them; `scripts/write_pages.py plausible` writes this page.\n",
+        "| | quantity | minimum | maximum | reason |",
+        "|---|---|---|---|---|",
+    ]
+    for kind, ranges in TABLES.items():
+        for one in ranges:
+            low, high = (
+                ("" if math.isinf(value) else f"{value / one.scale:g} {one.unit}")
+                for value in (one.low, one.high)
+            )
+            names = ", ".join(
+                f"`{head}`" if head == tail else f"`{head}*{tail}`" for head, tail in one.names
+            )
+            shown = f" ({names})" if kind == "of a run" else ""
+            lines.append(f"| {kind} | {one.label}{shown} | {low} | {high} | {one.reason} |")
+    lines += [
+        "",
+        "Engine speeds lie between 10 and 30 000 rpm, and numbers of a case within the ranges of its tables; those are mistakes or wrong",
+        "units, and no option accepts them.",
+        "",
+    ]
+    return "\n".join(lines)
