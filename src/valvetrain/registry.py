@@ -18,6 +18,7 @@ from valvetrain.errors import InputError
 KINDS: dict[str, tuple[str, str]] = {
     "springs": ("valvetrain.springs", "spring model"),
     "contacts": ("valvetrain.contacts", "contact law"),
+    "coil_contacts": ("valvetrain.coil_contacts", "law of contact between coils"),
     "lifts": ("valvetrain.lifts", "lift law"),
     "mechanisms": ("valvetrain.mechanisms", "train kind"),
     "integrators": ("valvetrain.integrators", "integrator"),
@@ -134,6 +135,9 @@ BUILT_IN["contacts"] = {
     "flores": "valvetrain.contact.dissipative:FLORES_SPEC",
     "impact": "valvetrain.contact.impact:SPEC",
     "impact-as-printed": "valvetrain.contact.impact:AS_PRINTED",
+}
+BUILT_IN["coil_contacts"] = {
+    "linear": "valvetrain.coil_contact.law:LINEAR_SPEC",
 }
 BUILT_IN["mechanisms"] = {
     "direct": "valvetrain.mechanism.direct:SPEC",

@@ -93,7 +93,7 @@ def weights(place):
     return np.stack([0.5 * (0.5 - t) ** 2, 0.75 - t**2, 0.5 * (0.5 + t) ** 2], axis=-1)
 
 
-def contact_forces(b, first, last, t, s, damping_time, dt, suffix=""):
+def contact_forces(b, first, last, t, s, damping_time, dt, law=0, numbers=0, suffix=""):
     """Kelvin-Voigt force along the separation at the foot, never adhesive; one Newton step with the
     stored 1/slope^2.
     """
@@ -160,7 +160,7 @@ def return_contact(b, first, last, offset):
     )
 
 
-def seat_contact(b, first, last, displacement):
+def seat_contact(b, first, last, displacement, law=0, numbers=0):
     """Axial unilateral seats; returns the forces on lower and upper seat."""
     i = np.arange(first, last)
     z, seat = row(b, "Z", last)[i], row(b, "SEAT", last)[i]

@@ -11,6 +11,7 @@ import pytest
 
 from twins import rod_energy as twin
 from twins.rod_cases import random_state, small_mesh
+from valvetrain.coil_contact.kernels import LINEAR, NO_NUMBERS
 from valvetrain.cosserat import energy_kernels as kern
 from valvetrain.cosserat.contact_line import no_contact
 from valvetrain.cosserat.mesh import RodMesh
@@ -189,7 +190,9 @@ def test_kernels_equal_their_twins(per_coil, seed):
         x[:, 2] + 1e-5 * np.cos(np.arange(mesh.vertices)) + 1e-5,
     )
     residual = np.zeros(size)
-    energy = kern.seat_terms(x, lower, upper, mesh.node_length, 2e10, residual, band, False)
+    energy = kern.seat_terms(
+        x, lower, upper, mesh.node_length, 2e10, LINEAR, NO_NUMBERS, residual, band, False
+    )
     depth = np.maximum(lower - x[:, 2], 0)
     upper = np.where(depth > 0, np.inf, upper)
     same(energy, residual, *twin.seats(x, lower, upper, mesh.node_length, 2e10))
@@ -221,6 +224,8 @@ def test_contact_kernels_equal_their_twins(per_coil):
     finite = np.isfinite(gaps)
     assert np.abs(found[finite] - gaps[finite]).max() < 1e-15
     none = np.empty(0, np.int64)
-    got, used = kern.contact_terms(*arguments, 2e10, residual, none, none, np.empty(0))
+    got, used = kern.contact_terms(
+        *arguments, 2e10, LINEAR, NO_NUMBERS, residual, none, none, np.empty(0)
+    )
     assert used == 0
     same(got, residual, energy, gradient)

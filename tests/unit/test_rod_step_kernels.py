@@ -8,6 +8,7 @@ import pytest
 from twins import rod_energy as energies
 from twins import rod_step as twin
 from twins.rod_cases import random_state, small_mesh
+from valvetrain.coil_contact.kernels import LINEAR
 from valvetrain.cosserat import step_kernels as kern
 from valvetrain.cosserat import time_stepping as stepping
 from valvetrain.cosserat.buffer import RodDynamics, fill_buffer, stepping_numbers
@@ -136,7 +137,7 @@ def test_contact_forces_and_their_spreading(group):
     first, last = line.offset + 1, mesh.vertices - 1
     twin.copy_lower_wire(b, line.offset, mesh.vertices, line.offset)
     t, s = line.upper_place[group], line.lower_place[group]
-    arguments = (first, last, t, s, 1e-6, STEP)
+    arguments = (first, last, t, s, 1e-6, STEP, LINEAR, 0)
     _, got, _, expected = both(
         kern.contact_forces_of(g, ONE), twin.contact_forces, b, *arguments, suffix=suffix
     )
@@ -172,7 +173,7 @@ def test_seat_contact():
     row(b, "LOWER", mesh.vertices)[:] = z + 1e-5 * np.sin(np.arange(mesh.vertices))
     row(b, "UPPER", mesh.vertices)[:] = z + 1e-5 * np.cos(np.arange(mesh.vertices)) + 1e-3
     forces, got, expected_forces, expected = both(
-        kern.seat_contact, twin.seat_contact, b, 2, mesh.vertices - 2, 1e-3
+        kern.seat_contact, twin.seat_contact, b, 2, mesh.vertices - 2, 1e-3, LINEAR, 0
     )
     assert forces == pytest.approx(expected_forces, rel=1e-12) and min(forces) > 0
     agree(got, expected, b)
@@ -182,7 +183,7 @@ def test_seat_contact():
 def test_every_point_force_reaches_the_wire_once(width):
     """Two pressed stretches of wire with ``width`` vertices out of contact between them."""
     b, mesh = buffer(2, per_coil=24)
-    integers, _, places = stepping_numbers(mesh, DYNAMICS, STEP)
+    integers, numbers, places = stepping_numbers(mesh, DYNAMICS, STEP)
     offset, vertices = mesh.contact.offset, mesh.vertices
     for name in ("KC", "KCb"):
         row(b, name, vertices)[offset + 9 : offset + 9 + width] = 0.0
@@ -191,16 +192,7 @@ def test_every_point_force_reaches_the_wire_once(width):
     assert count == 1 if width < 4 else width < 6 or count == 2
     for _ in range(2):
         stepping.all_contact(
-            b,
-            np.uint64(offset),
-            2,
-            places,
-            stretches,
-            count,
-            np.uint64(0),
-            np.uint64(vertices),
-            1e-6,
-            STEP,
+            b, integers, numbers, places, stretches, count, np.uint64(0), np.uint64(vertices)
         )
     force = np.stack([row(b, n, vertices) for n in ("CX", "CY", "CZ")], axis=1)
     assert np.abs(force.sum(axis=0)).max() < 1e-9 * np.abs(force).sum()

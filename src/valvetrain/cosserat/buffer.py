@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from scipy.sparse import diags
 from scipy.sparse.linalg import ArpackError, eigsh
 
+from valvetrain.coil_contact.law import LINEAR, CoilContactLaw, law_address, law_numbers
 from valvetrain.cosserat import quaternion as quat
 from valvetrain.cosserat.layout import empty_buffer, row
 from valvetrain.cosserat.mesh import RodMesh
@@ -29,7 +30,7 @@ class RodDynamics:
     Stiffness damping acts through a Maxwell branch of ``relaxation_time`` (s) on bending and
     torsion, since plain
     Kelvin-Voigt damping would cut the explicit step to a few per cent. ``contact_stiffness`` in N/m
-    per m of wire.
+    per m of wire, of a contact by ``contact_law``.
     """
 
     mass_damping: float = 0.0
@@ -38,6 +39,7 @@ class RodDynamics:
     contact_stiffness: float = 2e10
     contact_damping_time: float = 1e-6
     step_safety: float = 0.94
+    contact_law: CoilContactLaw = LINEAR
 
     @property
     def branch_stiffness(self) -> float:
@@ -54,7 +56,11 @@ def stable_time_step(mesh: RodMesh, dynamics: RodDynamics) -> float:
     where stiffness, damping and mass lie so far apart that the largest frequency cannot be
     computed.
     """
-    loaded = RodStatics(_with_branch(mesh, dynamics.branch_stiffness), dynamics.contact_stiffness)
+    loaded = RodStatics(
+        _with_branch(mesh, dynamics.branch_stiffness),
+        dynamics.contact_stiffness,
+        contact_law=dynamics.contact_law,
+    )
     free = loaded.free
     stiffness = loaded.tangent(RodState(mesh.position, mesh.frame))[free][:, free]
     scale = 1.0 / np.sqrt(inertia_of(mesh)[free])
@@ -72,7 +78,7 @@ def stable_time_step(mesh: RodMesh, dynamics: RodDynamics) -> float:
     moving = slice(mesh.first + 1, mesh.last)
     contact = (
         4
-        * dynamics.contact_stiffness
+        * (dynamics.contact_stiffness * dynamics.contact_law.steepest)
         * float(np.max((mesh.contact.length.sum(axis=0) / mesh.node_mass)[moving], initial=0.0))
     )
     # A guide pushes across the coils' own contact and its wall stands still: it counts where it is
@@ -192,12 +198,13 @@ def stepping_numbers(
     half = 0.5 * dynamics.mass_damping * time_step
     numbers = np.array([
         time_step, (1 - half) / (1 + half), time_step / (1 + half), decay, gain_old, gain_new, dynamics.branch_stiffness,
-        dynamics.contact_damping_time, dynamics.mass_damping, dynamics.relaxation_time,
+        dynamics.contact_damping_time, dynamics.mass_damping, dynamics.relaxation_time, *law_numbers(dynamics.contact_law),
     ])  # fmt: skip
     low = np.flatnonzero(np.isfinite(mesh.lower_seat_limit))
     high = np.flatnonzero(np.isfinite(mesh.upper_seat_limit))
     integers = np.array([
         mesh.first, mesh.last, mesh.contact.offset, mesh.contact.groups, mesh.vertices,
         low.max(initial=-1) + 1, high.min(initial=mesh.vertices), mesh.guide is not None,
+        law_address(dynamics.contact_law),
     ], dtype=np.int64)  # fmt: skip
     return integers, numbers, np.stack([mesh.contact.upper_place, mesh.contact.lower_place], axis=1)

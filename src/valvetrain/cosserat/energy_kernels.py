@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from valvetrain.coil_contact.kernels import contact_response, contact_tangent
 from valvetrain.compiled import njit
 
 #: Half bandwidth of the tangent without contact: vertex, edge, vertex, edge couple over 9 unknowns
@@ -181,6 +182,8 @@ def contact_terms(
     distance,
     length,
     stiffness,
+    law,
+    numbers,
     residual,
     rows,
     columns,
@@ -189,10 +192,10 @@ def contact_terms(
     """Add coil-contact forces to ``residual``; fill triplets of the contact tangent; returns
     (energy, triplets used).
 
-    Each active point couples 6 vertices: up to 324 entries. Penalty energy 1/2 k length (d0 -
-    distance)^2.
+    Each active point couples 6 vertices: up to 324 entries. ``law`` and ``numbers``: of the contact
+    (``coil_contact.kernels``), whose overlap is d0 - distance.
     """
-    energy, used = 0.0, 0
+    energy, used, parameters = 0.0, 0, numbers.ctypes.data
     weight, vertex = np.empty(6), np.empty(6, np.int64)
     gap, slope = np.empty(3), np.empty(3)
     for g in range(length.shape[0]):
@@ -218,14 +221,16 @@ def contact_terms(
             for k in range(3):
                 vertex[k], vertex[k + 3] = i - 1 + k, j - 1 + k
             k_line = stiffness * length[g, i]
-            force, dist = k_line * overlap, np.sqrt(square)
-            energy += 0.5 * force * overlap
+            dist = np.sqrt(square)
+            _, force, _, stored = contact_response(law, parameters, k_line, 0.0, overlap, 0.0)
+            energy += stored
             norm = np.sqrt(slope[0] ** 2 + slope[1] ** 2 + slope[2] ** 2)
             for a in range(6):
                 for r in range(3):
                     residual[6 * vertex[a] + r] -= force * weight[a] * gap[r] / dist
             if rows.size == 0:
                 continue
+            k_line = contact_tangent(law, parameters, k_line, 0.0, overlap)
             for a in range(6):
                 for b in range(6):
                     for r in range(3):
@@ -286,9 +291,11 @@ def contact_state(x, offset, upper_place, lower_place, distance, length, gaps):
 
 
 @njit(cache=True)
-def seat_terms(x, lower_limit, upper_limit, length, stiffness, residual, band, with_tangent):
+def seat_terms(
+    x, lower_limit, upper_limit, length, stiffness, law, numbers, residual, band, with_tangent
+):
     """Add wire-to-seat contact (axial, unilateral) on the vertices; returns the energy."""
-    energy = 0.0
+    energy, row = 0.0, numbers.ctypes.data
     for i in range(x.shape[0]):
         depth = lower_limit[i] - x[i, 2]
         sign = -1.0
@@ -296,10 +303,11 @@ def seat_terms(x, lower_limit, upper_limit, length, stiffness, residual, band, w
             depth, sign = x[i, 2] - upper_limit[i], 1.0
         if depth > 0.0:
             k = stiffness * length[i]
-            energy += 0.5 * k * depth * depth
-            residual[6 * i + 2] += sign * k * depth
+            _, force, _, stored = contact_response(law, row, k, 0.0, depth, 0.0)
+            energy += stored
+            residual[6 * i + 2] += sign * force
             if with_tangent:
-                band[HALF_BAND, 6 * i + 2] += k
+                band[HALF_BAND, 6 * i + 2] += contact_tangent(law, row, k, 0.0, depth)
     return energy
 
 

@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from valvetrain.coil_contact.kernels import LINEAR, linear_contact, own_contact
 from valvetrain.compiled import njit
 from valvetrain.cosserat.layout import GROUP as _GROUP
 from valvetrain.cosserat.layout import ROW
@@ -37,6 +38,7 @@ from valvetrain.cosserat.time_stepping import (
     KEEP,
     KICK,
     LAST,
+    LAW,
     LOWER_END,
     OFFSET,
     OPTIONS,
@@ -46,6 +48,7 @@ from valvetrain.cosserat.time_stepping import (
     VISCOUS,
     WATCH_MARGIN,
     WATCH_STEPS,
+    law_row,
 )
 
 X, Y, Z, VX, VY, VZ, FZ = (ROW[n] for n in ("X", "Y", "Z", "VX", "VY", "VZ", "FZ"))
@@ -67,6 +70,10 @@ turn_edges, move_vertices = turn_edges_of(WIDTH), move_vertices_of(WIDTH, 0)
 contact_forces, contact_forces_second = (
     contact_forces_of(np.uint64(0), WIDTH, 0),
     contact_forces_of(_GROUP, WIDTH, 0),
+)
+own_forces, own_forces_second = (
+    contact_forces_of(np.uint64(0), WIDTH, 0, own=True),
+    contact_forces_of(_GROUP, WIDTH, 0, own=True),
 )
 spread_contact, spread_contact_second = (
     spread_contact_of(np.uint64(0), WIDTH),
@@ -121,8 +128,14 @@ def watch_lanes(b, integers, reach, stretches):
 
 
 @njit(forceinline=True, **OPTIONS)
-def contact_of_lanes(b, integers, places, stretches, count, damping_time, dt):
+def contact_of_lanes(b, integers, numbers, places, stretches, count):
     """Contact forces of all watched stretches on the vertices (rows C) of all variants."""
+    damping_time, dt, law, row_of_law = (
+        numbers[CONTACT_TIME],
+        numbers[DT],
+        integers[LAW],
+        law_row(numbers),
+    )
     offset, end_of_rows = np.uint64(integers[OFFSET]) * WIDTH, np.uint64(integers[VERTICES]) * WIDTH
     for row in (CX, CY, CZ):
         for j in range(np.uint64(0), end_of_rows):
@@ -133,16 +146,24 @@ def contact_of_lanes(b, integers, places, stretches, count, damping_time, dt):
         for row in (GX, GY, GZ):
             for j in range(start - WIDTH, end + WIDTH):
                 b[row + j] = 0.0
-        contact_forces(b, start, end, places[0, 0], places[0, 1], damping_time, dt)
+        t, s = places[0, 0], places[0, 1]
+        if law == LINEAR:
+            contact_forces(b, start, end, t, s, damping_time, dt, law, row_of_law)
+        else:
+            own_forces(b, start, end, t, s, damping_time, dt, law, row_of_law)
         spread_contact(b, start - WIDTH, end + WIDTH, places[0, 0])
         if integers[GROUPS] > 1:
-            contact_forces_second(b, start, end, places[1, 0], places[1, 1], damping_time, dt)
+            t, s = places[1, 0], places[1, 1]
+            if law == LINEAR:
+                contact_forces_second(b, start, end, t, s, damping_time, dt, law, row_of_law)
+            else:
+                own_forces_second(b, start, end, t, s, damping_time, dt, law, row_of_law)
             spread_contact_second(b, start - WIDTH, end + WIDTH, places[1, 0])
         return_contact(b, start - WIDTH, end + WIDTH, offset)
 
 
 @njit(**OPTIONS)
-def seats_of_lanes(b, first, last, displacement, sign, forces):
+def seats_of_lanes(b, first, last, displacement, sign, forces, law, row):
     """Push the wire of vertices first .. last - 1 out of a seat plane (``sign`` 1 lower, -1 upper);
     adds to ``forces`` (lanes,).
     """
@@ -151,7 +172,11 @@ def seats_of_lanes(b, first, last, displacement, sign, forces):
             j = i * WIDTH + lane
             below, above = b[LOWER + j] - b[Z + j], b[Z + j] - (b[UPPER + j] - displacement)
             depth = below if sign > 0.0 else above
-            push = b[SEAT + j] * (depth if depth > 0.0 else 0.0)
+            depth = depth if depth > 0.0 else 0.0
+            if law == LINEAR:
+                _, push, _, _ = linear_contact(law, row, b[SEAT + j], 0.0, depth, 0.0)
+            else:
+                _, push, _, _ = own_contact(law, row, b[SEAT + j], 0.0, depth, 0.0)
             b[CZ + j] += sign * push
             forces[lane] += push
 
@@ -170,9 +195,11 @@ def outer_forces_of_lanes(
     )
     for lane in range(WIDTH):
         retainer[lane], seat[lane] = 0.0, 0.0
-    contact_of_lanes(b, integers, places, stretches, count, numbers[CONTACT_TIME], numbers[DT])
-    seats_of_lanes(b, np.uint64(0), np.uint64(integers[LOWER_END]), displacement, 1.0, seat)
-    seats_of_lanes(b, np.uint64(integers[UPPER_START]), vertices, displacement, -1.0, retainer)
+    contact_of_lanes(b, integers, numbers, places, stretches, count)
+    start, law, row = np.uint64(0), integers[LAW], law_row(numbers)
+    lower_end, upper_start = np.uint64(integers[LOWER_END]), np.uint64(integers[UPPER_START])
+    seats_of_lanes(b, start, lower_end, displacement, 1.0, seat, law, row)
+    seats_of_lanes(b, upper_start, vertices, displacement, -1.0, retainer, law, row)
     if integers[GUIDED] > 0:
         guide_contact(b, (first + ONE) * WIDTH, last * WIDTH)
     for i in range(np.uint64(0), first + ONE):

@@ -27,8 +27,11 @@ def turning_field(statics: RodStatics, state: RodState) -> Array:
 
 def _plane(statics: RodStatics, state: RodState) -> Array:
     """Stiffness (nv,) in N/m of the retainer's plane on the wire that touches it."""
-    touching = state.position[:, 2] > statics.mesh.upper_seat_limit - state.compression
-    found: Array = statics.contact_stiffness * statics.mesh.node_length * touching
+    found: Array = (
+        statics.contact_stiffness
+        * statics.mesh.node_length
+        * statics.retainer_contact(state).tangent
+    )
     return found
 
 
@@ -115,9 +118,8 @@ def retainer_loads(
     unknowns = residual.reshape(-1, 6)
     force = np.zeros_like(x)
     force[mesh.last :] = -unknowns[mesh.last :, :3]
-    touched = np.flatnonzero(plane := _plane(statics, state))
-    force[touched, 2] += plane[touched] * (
-        x[touched, 2] - (mesh.upper_seat_limit[touched] - state.compression)
+    force[:, 2] += (
+        statics.contact_stiffness * mesh.node_length * statics.retainer_contact(state).elastic
     )
     arm = x - np.array([0.0, 0.0, plane_height])
     frames = quat.to_matrix(state.frame[mesh.last + 1 :])

@@ -12,6 +12,14 @@ from scipy.linalg import solve_banded
 from scipy.sparse import coo_matrix, csc_matrix, dia_matrix
 from scipy.sparse.linalg import splu
 
+from valvetrain.coil_contact.law import (
+    LINEAR,
+    CoilContactLaw,
+    ContactResponse,
+    contact_response,
+    law_address,
+    law_numbers,
+)
 from valvetrain.cosserat import energy_kernels as kern
 from valvetrain.cosserat import quaternion as quat
 from valvetrain.cosserat.mesh import RodMesh
@@ -79,9 +87,11 @@ class RodStatics:
         contact_stiffness: float = 2e10,
         options: NewtonOptions | None = None,
         loads: TipLoads | None = None,
+        contact_law: CoilContactLaw = LINEAR,
     ) -> None:
         self.mesh = mesh
         self.contact_stiffness = contact_stiffness
+        self.contact_law = contact_law
         self.options = options or NewtonOptions()
         self.loads = loads
         slots = np.zeros((mesh.vertices, 6), dtype=bool)
@@ -135,6 +145,8 @@ class RodStatics:
             mesh.upper_seat_limit - state.compression,
             mesh.node_length,
             self.contact_stiffness,
+            law_address(self.contact_law),
+            law_numbers(self.contact_law),
             residual,
             band,
             with_tangent,
@@ -186,6 +198,8 @@ class RodStatics:
             line.distance,
             line.length,
             self.contact_stiffness,
+            law_address(self.contact_law),
+            law_numbers(self.contact_law),
             residual,
             rows,
             columns,
@@ -260,12 +274,16 @@ class RodStatics:
         """
         mesh, x = self.mesh, state.position
         axial = residual.reshape(-1, 6)[:, 2]
-        lower = np.maximum(mesh.lower_seat_limit - x[:, 2], 0.0)
-        upper = np.maximum(x[:, 2] - (mesh.upper_seat_limit - state.compression), 0.0)
+        lower = contact_response(self.contact_law, mesh.lower_seat_limit - x[:, 2]).elastic
         seats = self.contact_stiffness * mesh.node_length
-        return float(-np.sum(axial[mesh.last :]) + upper @ seats), float(
-            np.sum(axial[: mesh.first + 1]) + lower @ seats
-        )
+        return float(
+            -np.sum(axial[mesh.last :]) + self.retainer_contact(state).elastic @ seats
+        ), float(np.sum(axial[: mesh.first + 1]) + lower @ seats)
+
+    def retainer_contact(self, state: RodState) -> ContactResponse:
+        """Contact of the wire at every vertex with the retainer's plane, per stiffness."""
+        limit = self.mesh.upper_seat_limit - state.compression
+        return contact_response(self.contact_law, state.position[:, 2] - limit)
 
     def _predict(self, state: RodState, compression: float) -> RodState:
         """Move the retainer and let the wire follow by the tangent: the increment spreads along the

@@ -18,6 +18,7 @@ from typing import Any
 
 import numpy as np
 
+from valvetrain.coil_contact.kernels import linear_contact, own_contact
 from valvetrain.compiled import njit
 from valvetrain.cosserat.layout import GROUP as _GROUP
 from valvetrain.cosserat.layout import ROW
@@ -57,13 +58,22 @@ OPTIONS: dict[str, Any] = {
 }
 
 
-def _compiled(kernel: Callable[..., Any], *constants: int | np.uint64) -> Callable[..., Any]:
+#: Of a kernel with a law of contact of its own: one function for all loops that call it, without
+#: fast maths, so that it has the same bits in each.
+OWN_OPTIONS: dict[str, Any] = {
+    name: value for name, value in OPTIONS.items() if name not in ("fastmath", "forceinline")
+}
+
+
+def _compiled(
+    kernel: Callable[..., Any], *constants: int | np.uint64, options: dict[str, Any] = OPTIONS
+) -> Callable[..., Any]:
     # The constants belong to the name: compiled code of equal name from two cached runs would be
     # taken for the same.
     kernel.__qualname__ = "_".join(
         [kernel.__name__, *(str(int(constant)) for constant in constants)]
     )
-    found: Callable[..., Any] = njit(**OPTIONS)(kernel)
+    found: Callable[..., Any] = njit(**options)(kernel)
     return found
 
 
@@ -235,16 +245,18 @@ def copy_lower_wire(b, first, last, offset):
         b[VZL + j] = b[VZ + j - offset]
 
 
-def contact_forces_of(g: np.uint64, one: np.uint64, records: int = 1) -> Callable[..., Any]:
+def contact_forces_of(
+    g: np.uint64, one: np.uint64, records: int = 1, own: bool = False
+) -> Callable[..., Any]:
     """Kernel: force of one contact group at points first .. last - 1; span places t above and s
-    below.
+    below; ``own``: by the law at an address, else by the linear one.
 
     The group is a compile-time shift of the buffer, so that the loop vectorises (18 -> 7 ns per
-    point). The overlap
-    d0 - dist is expanded in 1 - dist^2 / d0^2: no root, no division. Kelvin-Voigt, never adhesive.
+    point). The overlap d0 - dist is expanded in 1 - dist^2 / d0^2: no root, no division.
     """
+    respond = own_contact if own else linear_contact
 
-    def contact_forces(b, first, last, t, s, damping_time, dt):
+    def contact_forces(b, first, last, t, s, damping_time, dt, law, row):
         u0, u1, u2 = 0.5 * (0.5 - t) * (0.5 - t), 0.75 - t * t, 0.5 * (0.5 + t) * (0.5 + t)
         c0, c1, c2 = 0.5 * (0.5 - s) * (0.5 - s), 0.75 - s * s, 0.5 * (0.5 + s) * (0.5 + s)
         for j in range(first, last):
@@ -299,18 +311,21 @@ def contact_forces_of(g: np.uint64, one: np.uint64, records: int = 1) -> Callabl
             vz = u0 * b[VZ - one + j] + u1 * b[VZ + j] + u2 * b[VZ + one + j]
             vz -= w0 * b[VZL - one + j] + w1 * b[VZL + j] + w2 * b[VZL + one + j]
             closing = -(nx * vx + ny * vy + nz * vz)
-            force = b[KC + g + j] * (overlap + damping_time * closing)
-            force = force if force > 0.0 else 0.0
-            loss = (force - b[KC + g + j] * overlap) * closing
+            force, elastic, _, stored = respond(
+                law, row, b[KC + g + j], damping_time, overlap, closing
+            )
+            loss = (force - elastic) * closing
             force = force if e > 0.0 else 0.0
             if records:
                 b[LOSS + g + j] += dt * (loss if e > 0.0 else 0.0)
                 b[IMPULSE + g + j] += dt * force
                 b[PEAK + g + j] = force if force > b[PEAK + g + j] else b[PEAK + g + j]
-                b[STORED + g + j] = 0.5 * b[KC + g + j] * overlap * overlap if e > 0.0 else 0.0
+                b[STORED + g + j] = stored if e > 0.0 else 0.0
             b[PX + g + j], b[PY + g + j], b[PZ + g + j] = force * nx, force * ny, force * nz
             b[S0 + g + j], b[S1 + g + j], b[S2 + g + j] = w0, w1, w2
 
+    if own:
+        return _compiled(contact_forces, g, one, records, 1, options=OWN_OPTIONS)
     return _compiled(contact_forces, g, one, records)
 
 
@@ -356,6 +371,10 @@ contact_forces, contact_forces_second = (
     contact_forces_of(np.uint64(0), _ONE),
     contact_forces_of(_GROUP, _ONE),
 )
+own_forces, own_forces_second = (
+    contact_forces_of(np.uint64(0), _ONE, own=True),
+    contact_forces_of(_GROUP, _ONE, own=True),
+)
 spread_contact, spread_contact_second = (
     spread_contact_of(np.uint64(0), _ONE),
     spread_contact_of(_GROUP, _ONE),
@@ -373,20 +392,29 @@ def return_contact(b, first, last, offset):
         b[CZ + i - offset] -= b[GZ + i]
 
 
-@njit(**OPTIONS)
-def seat_contact(b, first, last, displacement):
-    """Push wire out of the seat planes (axial, unilateral); returns the force on lower and upper
-    seat.
-    """
-    lower, upper = 0.0, 0.0
-    for i in range(first, last):
-        below, above = b[LOWER + i] - b[Z + i], b[Z + i] - (b[UPPER + i] - displacement)
-        below = b[SEAT + i] * (below if below > 0.0 else 0.0)
-        above = b[SEAT + i] * (above if above > 0.0 else 0.0)
-        b[CZ + i] += below - above
-        lower += below
-        upper += above
-    return lower, upper
+def seat_contact_of(own: bool) -> Callable[..., Any]:
+    """Kernel: push of the seat planes on the wire, by the elastic part of the law of contact."""
+    respond = own_contact if own else linear_contact
+
+    def seat_contact(b, first, last, displacement, law, row):
+        """Push wire out of the seat planes (axial, unilateral); returns the force on lower and
+        upper seat.
+        """
+        lower, upper = 0.0, 0.0
+        for i in range(first, last):
+            below, above = b[LOWER + i] - b[Z + i], b[Z + i] - (b[UPPER + i] - displacement)
+            below, above = below if below > 0.0 else 0.0, above if above > 0.0 else 0.0
+            _, below, _, _ = respond(law, row, b[SEAT + i], 0.0, below, 0.0)
+            _, above, _, _ = respond(law, row, b[SEAT + i], 0.0, above, 0.0)
+            b[CZ + i] += below - above
+            lower += below
+            upper += above
+        return lower, upper
+
+    return _compiled(seat_contact, int(own), options=OWN_OPTIONS if own else OPTIONS)
+
+
+seat_contact, own_seat_contact = seat_contact_of(False), seat_contact_of(True)
 
 
 @njit(**OPTIONS)

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from valvetrain.coil_contact.kernels import LINEAR
 from valvetrain.compiled import njit
 from valvetrain.cosserat.layout import GROUP as _GROUP
 from valvetrain.cosserat.layout import ROW
@@ -19,6 +20,9 @@ from valvetrain.cosserat.step_kernels import (
     copy_lower_wire,
     guide_contact,
     move_vertices,
+    own_forces,
+    own_forces_second,
+    own_seat_contact,
     return_contact,
     seat_contact,
     section_forces,
@@ -49,7 +53,9 @@ WATCH_MARGIN = 1e-4
 DT, KEEP, KICK, DECAY, GAIN_OLD, GAIN_NEW, VISCOUS, CONTACT_TIME, MASS_DAMPING, RELAXATION = range(
     10
 )
-FIRST, LAST, OFFSET, GROUPS, VERTICES, LOWER_END, UPPER_START, GUIDED = range(8)
+#: First of the numbers of the law of contact, the last of all ``numbers``.
+LAW_NUMBERS = RELAXATION + 1
+FIRST, LAST, OFFSET, GROUPS, VERTICES, LOWER_END, UPPER_START, GUIDED, LAW = range(9)
 
 
 @njit(**OPTIONS)
@@ -104,8 +110,16 @@ def watch_contacts(b, integers, reach, stretches):
 
 
 @njit(forceinline=True, **OPTIONS)
-def all_contact(b, offset, groups, places, stretches, count, first, last, damping_time, dt):
+def law_row(numbers):
+    """Address of the numbers of the law of contact."""
+    return numbers.ctypes.data + 8 * LAW_NUMBERS
+
+
+@njit(forceinline=True, **OPTIONS)
+def all_contact(b, integers, numbers, places, stretches, count, first, last):
     """Contact forces of all watched stretches on the vertices (rows C)."""
+    offset, law, row = np.uint64(integers[OFFSET]), integers[LAW], law_row(numbers)
+    damping_time, dt = numbers[CONTACT_TIME], numbers[DT]
     for j in range(first, last):
         b[CX + j] = 0.0
     for j in range(first, last):
@@ -119,10 +133,18 @@ def all_contact(b, offset, groups, places, stretches, count, first, last, dampin
             b[GX + j] = 0.0
             b[GY + j] = 0.0
             b[GZ + j] = 0.0
-        contact_forces(b, start, end, places[0, 0], places[0, 1], damping_time, dt)
+        t, s = places[0, 0], places[0, 1]
+        if law == LINEAR:
+            contact_forces(b, start, end, t, s, damping_time, dt, law, row)
+        else:
+            own_forces(b, start, end, t, s, damping_time, dt, law, row)
         spread_contact(b, start - ONE, end + ONE, places[0, 0])
-        if groups > 1:
-            contact_forces_second(b, start, end, places[1, 0], places[1, 1], damping_time, dt)
+        if integers[GROUPS] > 1:
+            t, s = places[1, 0], places[1, 1]
+            if law == LINEAR:
+                contact_forces_second(b, start, end, t, s, damping_time, dt, law, row)
+            else:
+                own_forces_second(b, start, end, t, s, damping_time, dt, law, row)
             spread_contact_second(b, start - ONE, end + ONE, places[1, 0])
         return_contact(b, start - ONE, end + ONE, offset)
 
@@ -149,21 +171,15 @@ def forces_now(b, integers, numbers, places, stretches, count, displacement):
         np.uint64(integers[LAST]),
         np.uint64(integers[VERTICES]),
     )
-    offset, damping_time = np.uint64(integers[OFFSET]), numbers[CONTACT_TIME]
-    all_contact(
-        b,
-        offset,
-        integers[GROUPS],
-        places,
-        stretches,
-        count,
-        np.uint64(0),
-        vertices,
-        damping_time,
-        numbers[DT],
-    )
-    lower_down, _ = seat_contact(b, np.uint64(0), np.uint64(integers[LOWER_END]), displacement)
-    _, upper_up = seat_contact(b, np.uint64(integers[UPPER_START]), vertices, displacement)
+    start, law, row = np.uint64(0), integers[LAW], law_row(numbers)
+    all_contact(b, integers, numbers, places, stretches, count, start, vertices)
+    lower_end, upper_start = np.uint64(integers[LOWER_END]), np.uint64(integers[UPPER_START])
+    if law == LINEAR:
+        lower_down, _ = seat_contact(b, start, lower_end, displacement, law, row)
+        _, upper_up = seat_contact(b, upper_start, vertices, displacement, law, row)
+    else:
+        lower_down, _ = own_seat_contact(b, start, lower_end, displacement, law, row)
+        _, upper_up = own_seat_contact(b, upper_start, vertices, displacement, law, row)
     if integers[GUIDED] > 0:
         guide_contact(b, first + ONE, last)
     section_forces(b, first + ONE, last + ONE)

@@ -10,6 +10,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from valvetrain.coil_contact.law import LINEAR, contact_response
 from valvetrain.springs import chain_statics
 from valvetrain.springs.multi_mass import MultiMassSpring
 
@@ -67,13 +68,16 @@ class ChainForces:
                 )
         carried = held * carried
         stiffness, depth = layout.contacts.stiffness, chain_statics.contact_depths(layout, nodes)
-        nearing = self.rows @ velocities
-        push = stiffness * (depth + model.contact_damping_time * nearing)
-        closed = (
-            push > 0
-        )  # not from zero overlap on: there the damper would jump, and a coarse step finds no balance at a jump
-        pushed = np.where(closed, push, 0.0)
-        beyond = pushed - stiffness * np.maximum(depth, 0.0)
+        found = contact_response(
+            layout.contacts.law,
+            depth,
+            self.rows @ velocities,
+            model.contact_damping_time,
+            early=True,
+        )
+        pushed = stiffness * found.force
+        closed = pushed > 0
+        beyond = pushed - stiffness * found.elastic
         total, slowed = (
             carried @ self.steps + pushed @ self.rows,
             model.mass_damping * layout.masses * velocities[1:-1],
@@ -84,7 +88,12 @@ class ChainForces:
             float(np.max(layout.stiffness * np.abs(nodes[1:]))),
             float(np.max(pushed, initial=0.0)),
         )
-        tangents = self._tangents(held * layout.stiffness, closed)
+        tangents = self._tangents(
+            held * layout.stiffness,
+            closed,
+            (stiffness * found.tangent)[closed],
+            (stiffness * found.damping)[closed],
+        )
         return Resistance(
             total[1:-1] + slowed,
             *tangents,
@@ -95,14 +104,21 @@ class ChainForces:
             max(largest),
         )
 
-    def _tangents(self, held: Array, closed: NDArray[np.bool_]) -> tuple[Array, Array]:
+    def _tangents(
+        self, held: Array, closed: NDArray[np.bool_], tangent: Array, viscous: Array
+    ) -> tuple[Array, Array]:
         """Stiffness and damping matrices of the inner nodes: elements of rates ``held`` (N/m) and
-        the ``closed`` contacts.
+        the ``closed`` contacts of these tangents (N/m) and damping coefficients (N s/m).
         """
         model, layout, inner = self.model, self.model.layout, slice(1, -1)
         steps, rows = self.steps[:, inner], self.rows[closed][:, inner]
         elements = steps.T @ (held[:, None] * steps)
-        contacts = rows.T @ (layout.contacts.stiffness[closed][:, None] * rows)
-        damping = model.stiffness_damping * elements + model.contact_damping_time * contacts
+        contacts = rows.T @ (tangent[:, None] * rows)
+        damped = (
+            model.contact_damping_time * contacts
+            if layout.contacts.law == LINEAR
+            else rows.T @ (viscous[:, None] * rows)
+        )
+        damping = model.stiffness_damping * elements + damped
         damping[np.diag_indices_from(damping)] += model.mass_damping * layout.masses
         return elements + contacts, damping

@@ -209,14 +209,18 @@ ROTATIONS = ("fixed", "free")
 @dataclass(frozen=True, slots=True)
 class CoilContact:
     """Contact of coil on coil and of coil on seat, the same for every model: ``stiffness`` (N/m per
-    m of wire; 0: coils pass through each other) and ``damping_time`` (s), damping over stiffness.
+    m of wire; 0: coils pass through each other), ``damping_time`` (s), damping over stiffness, the
+    name of its ``law`` and the ``values`` of that law alone (:mod:`valvetrain.coil_contact`).
     """
 
     stiffness: float = 2e10
     damping_time: float = 1e-6
+    law: str = "linear"
+    values: Mapping[str, float] = field(default_factory=FrozenMapping)
 
     def __post_init__(self) -> None:
         keep_si(self, "the coil contact", stiffness="line stiffness", damping_time="time")
+        object.__setattr__(self, "values", FrozenMapping(self.values))
         for name in ("stiffness", "damping_time"):
             value = getattr(self, name)
             if not value >= 0:

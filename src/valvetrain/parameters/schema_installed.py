@@ -8,8 +8,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Annotated, Any, Literal
 
-from pydantic import Field, PlainValidator
+from pydantic import Field, PlainValidator, ValidatorFunctionWrapHandler, WrapValidator
 
+from valvetrain import registry
 from valvetrain.parameters.installed_spring import (
     DEFAULT_STIFFNESS_SHARE,
     GUIDE_STIFFNESS,
@@ -83,6 +84,27 @@ class CoilContactModel(StrictModel):
         description="stiffness per length of wire; 0: coils pass through each other",
     )
     damping_time: Time = Field(default=_CONTACT.damping_time, description="damping over stiffness")
+    law: str = Field(
+        default=_CONTACT.law, description="law of the force, with keys of its own where it has some"
+    )
+
+    def build(self) -> CoilContact:
+        """The contact; what the table of a law has beyond this one are the values of that law."""
+        common = {name: getattr(self, name) for name in CoilContactModel.model_fields}
+        own = {name: value for name, value in self if name not in common}
+        built: CoilContact = guarded(lambda: CoilContact(**common, values=own))
+        return built
+
+
+def _by_law(raw: Any, read: ValidatorFunctionWrapHandler) -> Any:
+    """A ``contact`` by the table of the law that it names."""
+    law = raw.get("law", _CONTACT.law) if isinstance(raw, dict) else _CONTACT.law
+    if law == _CONTACT.law or not isinstance(law, str):
+        return read(raw)
+    return validate_as(guarded(registry.find, "coil_contacts", law, path=("law",)).table, raw)
+
+
+CoilContactField = Annotated[CoilContactModel, WrapValidator(_by_law)]
 
 
 class GuideModel(StrictModel):
@@ -150,7 +172,7 @@ class WireBlock(SpringModel):
         default="planes", description="flat seats, or nothing but the fixed inactive ends"
     )
     damping: DampingModel = DampingModel()
-    contact: CoilContactModel = CoilContactModel()
+    contact: CoilContactField = CoilContactModel()
     retainer_rotation: Literal["fixed", "free"] = Field(
         default="fixed", description="whether the retainer may turn about the axis at rest"
     )
@@ -199,7 +221,7 @@ class CardBlock(SpringCardModel):
     """A spring by its catalogue card."""
 
     damping: DampingModel = DampingModel()
-    contact: CoilContactModel = CoilContactModel()
+    contact: CoilContactField = CoilContactModel()
     options: Options = Field(default_factory=dict)
 
     def installed(self, name: str) -> InstalledSpring:
@@ -216,7 +238,7 @@ def _assembled(block: WireBlock | CardBlock, **known: Any) -> InstalledSpring:
     if (wrong := options_problem(options, "card" in known)) is not None:
         raise problem(wrong[2], ("options", *wrong[:2]))
     damping = placed("damping", block.damping.build)
-    contact = CoilContact(block.contact.stiffness, block.contact.damping_time)
+    contact = placed("contact", block.contact.build)
     built: InstalledSpring = guarded(
         lambda: InstalledSpring(damping=damping, contact=contact, options=options, **known)
     )

@@ -7,11 +7,11 @@ last]; nodes 0 = seat, n + 1 =
 retainer. In the run both nodes count up by one and the fraction is constant, so its overlaps are
 one vectorised loop. Ends that do not
 pull are open while their element is longer than free: it then carries neither elastic nor damping
-force.
+force. Last in ``integers``: address of the law of contact (``coil_contact.kernels``).
 ``parameters`` = [initial compression (m), mass damping (1/s), stiffness damping (s), contact
 damping time (s)],
 stiffness (n + 1), masses (n), inverse masses (n), then per contact gap, stiffness, fraction (p
-each), weights of the end rows.
+each), weights of the end rows, numbers of the law of contact.
 ``state`` = positions (n), velocities (n), dissipated energy, then scratch of all nodes (n + 2
 each): forces, positions, velocities
 at the half step before, predicted velocities; then per contact (p each) overlap, damping impulse of
@@ -32,6 +32,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
+from valvetrain.coil_contact.kernels import WIDTH, contact_response
 from valvetrain.compiled import njit
 
 HEADER = 4
@@ -247,7 +248,8 @@ def _contact_forces(parameters, integers, state):
     their number.
     """
     n, p = integers[0], integers[1]
-    start, depth_at = HEADER + 3 * n + 1, 6 * n + 9
+    start, depth_at, law = HEADER + 3 * n + 1, 6 * n + 9, integers[len(integers) - 1]
+    row = parameters.ctypes.data + 8 * (len(parameters) - WIDTH)
     for c in range(integers[2], p):
         state[depth_at + c] = (
             _across(parameters, integers, state, 3 * n + 3, c) - parameters[start + c]
@@ -259,7 +261,9 @@ def _contact_forces(parameters, integers, state):
             state[depth_at + 2 * p + closed] = float(c)
             closed += 1
             if depth > 0.0:
-                _press(parameters, integers, state, c, parameters[start + p + c] * depth)
+                stiffness = parameters[start + p + c]
+                _, elastic, _, _ = contact_response(law, row, stiffness, 0.0, depth, 0.0)
+                _press(parameters, integers, state, c, elastic)
     return closed
 
 
@@ -270,13 +274,14 @@ def _contact_damping(parameters, integers, state, closed, time_step):
     """
     n, p = integers[0], integers[1]
     start, depth_at, lost = HEADER + 3 * n + 1, 6 * n + 9, 0.0
+    law, row = integers[len(integers) - 1], parameters.ctypes.data + 8 * (len(parameters) - WIDTH)
     for k in range(closed):
         c = int(state[depth_at + 2 * p + k])
         depth, damping = state[depth_at + c], 0.0
         if depth > 0.0:
-            stiffness = parameters[start + p + c]
-            damping = stiffness * max(
-                -depth, parameters[3] * _across(parameters, integers, state, 5 * n + 7, c)
+            closing = _across(parameters, integers, state, 5 * n + 7, c)
+            _, _, damping, _ = contact_response(
+                law, row, parameters[start + p + c], parameters[3], depth, closing
             )
             _press(parameters, integers, state, c, damping)
         if time_step > 0.0:

@@ -14,6 +14,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from valvetrain.coil_contact.law import LINEAR, CoilContactLaw
 from valvetrain.errors import InputError
 from valvetrain.parameters.spring import SpringDefinition
 
@@ -70,7 +71,7 @@ class CoilContacts:
     contacts with the seat plane, the total turns for those with the retainer). The last contacts of
     the list, as many as ``end_rows``
     (e, N + 1) has rows, join the wire to a fixed end: there overlap is row . node positions less
-    the gap (``springs.chain_ends``).
+    the gap. ``law``: the law of them all.
     """
 
     upper: NDArray[np.int64]
@@ -80,6 +81,7 @@ class CoilContacts:
     stiffness: Array
     upper_coil: Array
     end_rows: Array = field(default_factory=lambda: np.zeros((0, 0)))
+    law: CoilContactLaw = LINEAR
 
     @property
     def ends(self) -> int:
@@ -155,7 +157,10 @@ class ChainLayout:
 
 
 def chain_from_definition(
-    spring: SpringDefinition, elements: int, contact_stiffness: float
+    spring: SpringDefinition,
+    elements: int,
+    contact_stiffness: float,
+    contact_law: CoilContactLaw = LINEAR,
 ) -> ChainLayout:
     """Chain of ``elements`` equal turns between the fixed ends; ``contact_stiffness`` in N/m per m
     of wire, 0 for no coil contact.
@@ -168,7 +173,9 @@ def chain_from_definition(
     lumps = _wire_mass(spring, middle)
     held = _wire_mass(spring, np.array([0.0, first, last, spring.total_coils]))
     contacts = (
-        coil_contacts(spring, coil, contact_stiffness) if contact_stiffness > 0 else NO_CONTACTS
+        coil_contacts(spring, coil, contact_stiffness, contact_law)
+        if contact_stiffness > 0
+        else NO_CONTACTS
     )
     return ChainLayout(
         1 / local_compliance(spring, coil),
@@ -241,7 +248,12 @@ def axial_clearance(spring: SpringDefinition, coil: Array) -> Array:
     return np.where(nested, np.inf, np.maximum(rise - touching_rise, 0.0))
 
 
-def coil_contacts(spring: SpringDefinition, coil: Array, contact_stiffness: float) -> CoilContacts:
+def coil_contacts(
+    spring: SpringDefinition,
+    coil: Array,
+    contact_stiffness: float,
+    contact_law: CoilContactLaw = LINEAR,
+) -> CoilContacts:
     """All contacts of the chain with nodes at ``coil``: neighbouring coils, lower seat, retainer."""
     width, last_node = coil[1] - coil[0], len(coil) - 1
     held = coil[-1] + width * np.arange(
@@ -279,11 +291,14 @@ def coil_contacts(spring: SpringDefinition, coil: Array, contact_stiffness: floa
         (last_node, i + 1, 0.0, below[i], stiffness[i], spring.total_coils)
         for i in np.flatnonzero((inner > spring.total_coils - 1) | spring.telescopes(inner + 1.0))
     ]
-    return _with_ends(spring, coil, rows)
+    return _with_ends(spring, coil, rows, contact_law)
 
 
 def _with_ends(
-    spring: SpringDefinition, coil: Array, rows: Sequence[tuple[float, ...]]
+    spring: SpringDefinition,
+    coil: Array,
+    rows: Sequence[tuple[float, ...]],
+    contact_law: CoilContactLaw,
 ) -> CoilContacts:
     """The contacts in order, those of a free wire with a fixed end last and with their own rows."""
     if not rows:
@@ -317,6 +332,7 @@ def _with_ends(
         stiffness[order],
         upper_coil[order],
         np.array(ends).reshape(-1, last + 1),
+        contact_law,
     )
 
 

@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from valvetrain.coil_contact.law import contact_response
 from valvetrain.errors import InputError
 from valvetrain.springs.chain_layout import Array, ChainLayout
 
@@ -48,18 +49,24 @@ def element_matrix(layout: ChainLayout) -> Array:
     return matrix
 
 
-def stiffness_matrix(layout: ChainLayout, closed: Array) -> Array:
-    """Elements plus the contacts in ``closed`` (p,), shape (N + 1, N + 1)."""
+def stiffness_matrix(layout: ChainLayout, tangent: Array) -> Array:
+    """Elements plus the contacts, each with its stiffness times ``tangent`` (p,): (N + 1, N + 1)."""
     rows = contact_rows(layout)
-    return element_matrix(layout) + rows.T @ ((layout.contacts.stiffness * closed)[:, None] * rows)
+    return element_matrix(layout) + rows.T @ ((layout.contacts.stiffness * tangent)[:, None] * rows)
+
+
+def contact_tangents(layout: ChainLayout, nodes: Array) -> Array:
+    """Tangent (p,) of every contact over its stiffness: 0 where it is open, 1 where the linear law
+    presses.
+    """
+    return contact_response(layout.contacts.law, contact_depths(layout, nodes)).tangent
 
 
 def potential(layout: ChainLayout, nodes: Array) -> tuple[float, float]:
     """Elastic energy of the elements and of the contacts (J)."""
-    depth = np.maximum(contact_depths(layout, nodes), 0.0)
-    return float(layout.stiffness @ np.diff(nodes) ** 2 / 2), float(
-        layout.contacts.stiffness @ depth**2 / 2
-    )
+    contacts = layout.contacts
+    stored = contact_response(contacts.law, contact_depths(layout, nodes)).energy
+    return float(layout.stiffness @ np.diff(nodes) ** 2 / 2), float(contacts.stiffness @ stored)
 
 
 def solve_static(layout: ChainLayout, compression: float, iterations: int = 200) -> Array:
@@ -73,12 +80,12 @@ def solve_static(layout: ChainLayout, compression: float, iterations: int = 200)
     nodes: Array = compression * flow / flow[-1]
     scale = layout.rate * max(abs(compression), 1e-6)
     for _ in range(iterations):
-        depth = contact_depths(layout, nodes)
-        push = layout.contacts.stiffness * np.maximum(depth, 0.0)
+        found = contact_response(layout.contacts.law, contact_depths(layout, nodes))
+        push = layout.contacts.stiffness * found.elastic
         residual = (elements @ nodes + push @ rows)[1:-1]
         if np.max(np.abs(residual)) < 1e-11 * scale * len(nodes):
             return nodes
-        matrix = elements + rows.T @ ((layout.contacts.stiffness * (depth > 0))[:, None] * rows)
+        matrix = elements + rows.T @ ((layout.contacts.stiffness * found.tangent)[:, None] * rows)
         move = np.zeros_like(nodes)
         move[1:-1] = np.linalg.solve(matrix[1:-1, 1:-1], -residual)
         nodes = nodes + _line_search(layout, nodes, move, float(residual @ move[1:-1])) * move
@@ -103,13 +110,10 @@ def static_curve(layout: ChainLayout, compressions: Array) -> tuple[Array, Array
     force, rate = np.zeros(len(compressions)), np.zeros(len(compressions))
     for i, compression in enumerate(compressions):
         nodes = solve_static(layout, float(compression))
-        depth = contact_depths(layout, nodes)
-        matrix = stiffness_matrix(layout, (depth > 0).astype(float))
-        rows = contact_rows(layout)
-        force[i] = (
-            element_matrix(layout) @ nodes
-            + (layout.contacts.stiffness * np.maximum(depth, 0.0)) @ rows
-        )[-1]
+        found = contact_response(layout.contacts.law, contact_depths(layout, nodes))
+        matrix = stiffness_matrix(layout, found.tangent)
+        pushed = (layout.contacts.stiffness * found.elastic) @ contact_rows(layout)
+        force[i] = (element_matrix(layout) @ nodes + pushed)[-1]
         inner = np.linalg.solve(matrix[1:-1, 1:-1], matrix[1:-1, -1])
         rate[i] = matrix[-1, -1] - matrix[-1, 1:-1] @ inner
     return force, rate

@@ -10,6 +10,7 @@ from typing import ClassVar
 import numpy as np
 from pydantic import Field
 
+from valvetrain.coil_contact.law import law_of
 from valvetrain.cosserat.buffer import RodDynamics
 from valvetrain.errors import InputError
 from valvetrain.parameters.installed_spring import InstalledSpring
@@ -114,6 +115,7 @@ def _make(
         stiffness_damping=spring.damping.stiffness_damping,
         contact_stiffness=spring.contact.stiffness,
         contact_damping_time=spring.contact.damping_time,
+        contact_law=law_of(spring.contact),
     )
     return FiniteElementRod(
         wire,

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from valvetrain.coil_contact.law import contact_response
 from valvetrain.cosserat import quaternion as quat
 from valvetrain.cosserat.mesh import RodMesh
 from valvetrain.cosserat.state import RodState
@@ -164,8 +165,8 @@ def pair_values(model: RodModel, gaps: Array) -> tuple[Array, Array, Array]:
     """
     mesh = model.mesh
     upper_coil, pairs, pair_of = _pairs(model)
-    overlap = np.maximum(-np.where(np.isfinite(gaps), gaps, 0.0), 0.0)
-    pressed = model.dynamics.contact_stiffness * np.sum(mesh.contact.length * overlap, axis=1)
+    found = contact_response(model.dynamics.contact_law, -gaps)
+    pressed = model.dynamics.contact_stiffness * np.sum(mesh.contact.length * found.elastic, axis=1)
     return (
         upper_coil,
         _least(gaps[:, :, pairs].min(axis=1), pair_of, len(upper_coil)),
@@ -224,16 +225,17 @@ def _strains(mesh: RodMesh, position: Array, frame: Array) -> dict[str, Array]:
 def _energies(
     model: RodModel, strains: dict[str, Array], gaps: Array, run: RodTransient
 ) -> tuple[Array, Array]:
-    mesh, stiffness = model.mesh, model.dynamics.contact_stiffness
-    overlap = np.maximum(-np.where(np.isfinite(gaps), gaps, 0.0), 0.0)
-    contact = 0.5 * stiffness * np.sum(mesh.contact.length * overlap**2, axis=(1, 2))
+    mesh, stiffness, law = model.mesh, model.dynamics.contact_stiffness, model.dynamics.contact_law
+    pressed = mesh.contact.length * contact_response(law, -gaps).energy
+    contact = stiffness * np.sum(pressed, axis=(1, 2))
     height = run.position[..., 2]
     depth = np.maximum(mesh.lower_seat_limit - height, 0.0) + np.maximum(
         height - (mesh.upper_seat_limit - run.displacement[:, None]), 0.0
     )
     if mesh.guide is not None:
         contact = contact + mesh.guide.energy(run.position, mesh.node_length)
-    return strains["energy"], contact + 0.5 * stiffness * (depth**2 @ mesh.node_length)
+    seats = contact_response(law, depth).energy
+    return strains["energy"], contact + stiffness * (seats @ mesh.node_length)
 
 
 def _kinetic(mesh: RodMesh, run: RodTransient) -> Array:

@@ -6,11 +6,13 @@ from __future__ import annotations
 
 import numpy as np
 
+from valvetrain.coil_contact.kernels import WIDTH
 from valvetrain.compiled import njit
 from valvetrain.cosserat.layout import SIZE
 from valvetrain.cosserat.time_stepping import (
     DT,
     GROUPS,
+    LAW_NUMBERS,
     STRETCHES,
     VERTICES,
     WATCH_MARGIN,
@@ -27,7 +29,7 @@ TRAVEL, COUNTER, WATCHED, LOST, STRETCH = SIZE, SIZE + 1, SIZE + 2, SIZE + 3, SI
 STATE_SIZE = STRETCH + 2 * STRETCHES
 #: Places in the parameters: precompression and whether it pulls first, then the numbers of the time
 #: integration and the contact places.
-NUMBERS, NUMBER_COUNT = 2, 10
+NUMBERS, NUMBER_COUNT = 2, LAW_NUMBERS + WIDTH
 
 
 @njit(cache=True, nogil=True, error_model="numpy")

@@ -12,12 +12,14 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import NDArray
 
+from valvetrain.coil_contact.law import contact_response, law_address
 from valvetrain.cosserat.buffer import RodDynamics, fill_buffer, stable_time_step, stepping_numbers
 from valvetrain.cosserat.guide import walls
 from valvetrain.cosserat.layout import ROW, STRIDE, row
 from valvetrain.cosserat.mesh import RodMesh, mesh_spring
 from valvetrain.cosserat.state import RodState
 from valvetrain.cosserat.static import Equilibrium, RodStatics, compress
+from valvetrain.cosserat.time_stepping import LAW
 from valvetrain.cosserat.turning import TurningStatics
 from valvetrain.errors import InputError
 from valvetrain.parameters.installed_spring import ROTATIONS, Guide
@@ -107,15 +109,17 @@ class RodModel:
     def statics(self) -> RodStatics:
         """Residual, tangent and Newton solver of the mesh."""
         kind = TurningStatics if self.retainer_rotation == "free" else RodStatics
-        return kind(self.mesh, self.dynamics.contact_stiffness)
+        return kind(
+            self.mesh, self.dynamics.contact_stiffness, contact_law=self.dynamics.contact_law
+        )
 
     @cached_property
     def _turned(self) -> RodStatics:
         """As ``statics``, the retainer at the angle that it has."""
-        return (
-            RodStatics(self.mesh, self.dynamics.contact_stiffness)
-            if self.statics.turns
-            else self.statics
+        if not self.statics.turns:
+            return self.statics
+        return RodStatics(
+            self.mesh, self.dynamics.contact_stiffness, contact_law=self.dynamics.contact_law
         )
 
     @cached_property
@@ -167,7 +171,9 @@ class RodModel:
         return self._numbers[0].copy()
 
     def integers(self) -> NDArray[np.int64]:
-        return self._numbers[1].copy()
+        integers = self._numbers[1].copy()
+        integers[LAW] = law_address(self.dynamics.contact_law)  # of this process
+        return integers
 
     def with_time_step(self, time_step: float) -> Self:
         """The rod for another step; the solved installed state is kept."""
@@ -281,8 +287,9 @@ class RodModel:
         if work is None:
             work = _SCRATCH.state = np.empty(stepping.STATE_SIZE)
         np.copyto(work, state)
+        parameters, integers = self._numbers[0], self.integers()
         return EndForces(
-            *self.kernel(*self._numbers, work, retainer_displacement, retainer_velocity, 0.0)
+            *self.kernel(parameters, integers, work, retainer_displacement, retainer_velocity, 0.0)
         )
 
     def tangent(self, state: Array, retainer_displacement: float) -> float:
@@ -290,7 +297,7 @@ class RodModel:
         held = np.zeros(matrix.shape[0])
         held[6 * self.mesh.last + 2 :: 6] = 1.0
         rod = self.rod_state(state, retainer_displacement)
-        seat = rod.position[:, 2] > self.mesh.upper_seat_limit - rod.compression
+        seat = self.statics.retainer_contact(rod).tangent
         return float(held @ (matrix @ held)) + self.dynamics.contact_stiffness * float(
             self.mesh.node_length @ seat
         )
@@ -303,8 +310,8 @@ class RodModel:
         gaps = self.statics.gaps(rod.position)
         points, line = self.mesh.contact.points, self.mesh.contact.length
         pairs = np.any(points, axis=0)
-        overlap = np.maximum(-np.where(points, gaps, 0.0), 0.0)
-        pressed = self.dynamics.contact_stiffness * np.sum(line * overlap, axis=0)
+        found = contact_response(self.dynamics.contact_law, -np.where(points, gaps, 0.0))
+        pressed = self.dynamics.contact_stiffness * np.sum(line * found.elastic, axis=0)
         return SpringOutputs(
             *forces,
             coil_number=self.mesh.coil_number,

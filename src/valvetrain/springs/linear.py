@@ -48,8 +48,8 @@ def spring_matrices(
 
 def _chain(model: MultiMassSpring, retainer_displacement: float) -> SpringMatrices:
     nodes = chain_statics.solve_static(model.layout, model.precompression + retainer_displacement)
-    closed = (chain_statics.contact_depths(model.layout, nodes) > 0).astype(float)
-    stiffness = chain_statics.stiffness_matrix(model.layout, closed)[1:, 1:]
+    touching = chain_statics.contact_tangents(model.layout, nodes)
+    stiffness = chain_statics.stiffness_matrix(model.layout, touching)[1:, 1:]
     return SpringMatrices(np.append(model.layout.masses, model.retainer_mass()), stiffness)
 
 

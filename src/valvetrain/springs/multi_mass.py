@@ -12,6 +12,14 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field
 
+from valvetrain.coil_contact.law import (
+    LINEAR,
+    CoilContactLaw,
+    contact_response,
+    law_address,
+    law_numbers,
+    law_of,
+)
 from valvetrain.errors import InputError
 from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.parameters.spring import SpringDefinition
@@ -83,6 +91,7 @@ class MultiMassSpring:
         *,
         masses_per_coil: int = 12,
         contact_stiffness: float = CONTACT_STIFFNESS,
+        contact_law: CoilContactLaw = LINEAR,
         **options: Any,
     ) -> MultiMassSpring:
         """From the wire: ``masses_per_coil`` elements per turn; ``contact_stiffness`` in N/m per m
@@ -97,7 +106,7 @@ class MultiMassSpring:
             spring.refuse_solid(compression)
         first, last = spring.free_coils
         layout = chain_from_definition(
-            spring, max(2, round((last - first) * masses_per_coil)), contact_stiffness
+            spring, max(2, round((last - first) * masses_per_coil)), contact_stiffness, contact_law
         )
         return cls(layout, compression, **options)
 
@@ -157,6 +166,7 @@ class MultiMassSpring:
                 c.stiffness,
                 c.fraction,
                 weights,
+                law_numbers(c.law),
             )
         )
 
@@ -166,7 +176,8 @@ class MultiMassSpring:
     def integers(self) -> NDArray[np.int64]:
         c = self.layout.contacts
         head = [self.unknowns, c.count, c.regular(self.unknowns), c.ends, int(self.pulls)]
-        return np.concatenate((head, c.upper, c.lower, c.spans()[0])).astype(np.int64)
+        law = np.array([law_address(c.law)], dtype=np.int64)
+        return np.concatenate((head, c.upper, c.lower, c.spans()[0], law)).astype(np.int64)
 
     def with_time_step(self, time_step: float) -> MultiMassSpring:
         return self
@@ -187,9 +198,9 @@ class MultiMassSpring:
     def _time_step(self) -> float:
         root = 1 / np.sqrt(self.layout.masses)
         elements = chain_statics.element_matrix(self.layout)[1:-1, 1:-1]
-        closed = chain_statics.stiffness_matrix(self.layout, np.ones(self.layout.contacts.count))[
-            1:-1, 1:-1
-        ]
+        contacts = self.layout.contacts
+        steepest = np.full(contacts.count, contacts.law.steepest)
+        closed = chain_statics.stiffness_matrix(self.layout, steepest)[1:-1, 1:-1]
         damped = self.stiffness_damping * elements + self.contact_damping_time * (closed - elements)
         stiff, lossy = (
             float(np.linalg.eigvalsh(root[:, None] * m * root)[-1]) for m in (closed, damped)
@@ -206,7 +217,7 @@ class MultiMassSpring:
         touching coils stay closed.
         """
         nodes = chain_statics.solve_static(self.layout, self.precompression + retainer_displacement)
-        closed = (chain_statics.contact_depths(self.layout, nodes) > 0).astype(float)
+        closed = chain_statics.contact_tangents(self.layout, nodes)
         root = 1 / np.sqrt(self.layout.masses)
         matrix = (
             root[:, None] * chain_statics.stiffness_matrix(self.layout, closed)[1:-1, 1:-1] * root
@@ -233,10 +244,10 @@ class MultiMassSpring:
         layout = self.layout
         push = layout.stiffness * (np.diff(nodes) + self.stiffness_damping * np.diff(velocities))
         rows, depth = self._contact_rows, chain_statics.contact_depths(layout, nodes)
-        push_back = layout.contacts.stiffness * (
-            depth + self.contact_damping_time * (rows @ velocities)
+        found = contact_response(
+            layout.contacts.law, depth, rows @ velocities, self.contact_damping_time
         )
-        contact = np.where(depth > 0, np.maximum(push_back, 0.0), 0.0)
+        contact = layout.contacts.stiffness * found.force
         if not self.pulls:
             for end in (0, -1):
                 push[end] = max(push[end], 0.0) if np.diff(nodes)[end] > 0 else 0.0
@@ -290,11 +301,10 @@ class MultiMassSpring:
             return replace(self, pulls=True).tangent(state, retainer_displacement) - float(
                 self.layout.stiffness[-1]
             )
-        depth = chain_statics.contact_depths(self.layout, self._nodes(state, retainer_displacement))
+        nodes = self._nodes(state, retainer_displacement)
+        tangent = chain_statics.contact_tangents(self.layout, nodes)
         last = self._contact_rows[:, -1]
-        return float(
-            self.layout.stiffness[-1] + self.layout.contacts.stiffness * (depth > 0) @ last**2
-        )
+        return float(self.layout.stiffness[-1] + self.layout.contacts.stiffness * tangent @ last**2)
 
     @cached_property
     def _installed(self) -> Array:
@@ -337,11 +347,9 @@ class MultiMassSpring:
             overlap, impulse = (
                 np.ascontiguousarray(record[:, first + chosen].T) for first in (0, contacts.count)
             )
-            np.maximum(overlap, 0.0, out=overlap)
-            force = pushed * overlap
-            energy = 0.5 * force * overlap
-            force += np.where(overlap > 0, impulse / time_step, 0.0)
-            return touched, contacts.upper_coil[chosen], force, energy
+            found = contact_response(contacts.law, overlap)
+            force = pushed * found.elastic + np.where(overlap > 0, impulse / time_step, 0.0)
+            return touched, contacts.upper_coil[chosen], force, pushed * found.energy
 
         first = chain_kernels.overlap_place(self.unknowns)
         return ContactWatch(
@@ -385,6 +393,7 @@ def _make(
         spring.precompression,
         masses_per_coil=options.masses_per_coil,
         contact_stiffness=spring.contact.stiffness,
+        contact_law=law_of(spring.contact),
         **damping,
     )
 

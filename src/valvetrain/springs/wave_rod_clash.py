@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from valvetrain.coil_contact.law import LINEAR, law_of
 from valvetrain.errors import InputError
 from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.parameters.spring import SpringDefinition
@@ -196,6 +197,11 @@ def _make(
     spring: InstalledSpring, options: NoOptions, rest: SpringAtRest | None
 ) -> WaveRodWithClash:
     assert spring.wire is not None
+    if law_of(spring.contact) != LINEAR:
+        raise InputError(
+            f"a rod with clash presses its coils apart by a linear penalty of its own, so the law '{spring.contact.law}' of "
+            f"spring '{spring.name}' has no effect; use multi-mass or finite-element"
+        )
     equivalent = EquivalentSpring.from_installed(spring)
     gaps = installed_gaps(spring.wire, spring.precompression)
     return WaveRodWithClash(
