@@ -78,7 +78,7 @@ MODELS_HEAD = "| word | model | what it knows | what it leaves out |\n|---|---|-
 
 def models_table() -> str:
     """The spring models that ship, in the order of the registry, as a table of the README."""
-    specs = [spring_model(word) for word in registry.words("springs")]
+    specs = [spring_model(word) for word in registry.names("springs")]
     return MODELS_HEAD + "".join(
         f"| `{one.word}` | {one.label} | {one.knows} | {one.leaves_out} |\n" for one in specs
     )
@@ -155,7 +155,7 @@ def coarse(case: Case) -> Case:
 
 def outcomes(case: Case) -> dict[tuple[str, str], str]:
     """(model word, command) -> empty where it ran, else the reason in a sentence."""
-    words = registry.words("springs")
+    words = registry.names("springs")
     found: dict[tuple[str, str], str] = {}
     problem = build(case, spring_models=words)
     still = [member.model.word for member in problem.members if member.model.no_motion]
@@ -210,7 +210,7 @@ def _study(case: Case, command: str, speeds: list[float], words: list[str]) -> S
 
 def models_text(found: dict[str, dict[tuple[str, str], str]]) -> str:
     """The page of what was found per case."""
-    words = registry.words("springs")
+    words = registry.names("springs")
     notes: dict[str, str] = {}
 
     def letter(reason: str) -> str:
@@ -251,7 +251,7 @@ def _plain(reason: str) -> str:
 
 
 def _knowledge() -> str:
-    specs = [spring_model(word) for word in registry.words("springs")]
+    specs = [spring_model(word) for word in registry.names("springs")]
     rows = "".join(f"| `{spec.word}` | {spec.knows} | {spec.leaves_out} |\n" for spec in specs)
     return f"| model | knows | leaves out |\n|---|---|---|\n{rows}"
 

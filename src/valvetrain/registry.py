@@ -201,8 +201,8 @@ def places(kind: str) -> dict[str, str]:
     return found
 
 
-def words(kind: str) -> tuple[str, ...]:
-    """The words of ``kind``, in order."""
+def names(kind: str) -> tuple[str, ...]:
+    """The names of ``kind``, in order."""
     return tuple(places(kind))
 
 

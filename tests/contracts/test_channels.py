@@ -41,7 +41,7 @@ def promised() -> dict[str, str]:
 @cache
 def runs(case: str) -> tuple[Solution, ...]:
     """One coarse run by every model that moves."""
-    words = [word for word in registry.words("springs") if not spring_model(word).no_motion]
+    words = [word for word in registry.names("springs") if not spring_model(word).no_motion]
     key = "spring" if case == "job-c" else "train.springs.nested.{}"
     coarse = {
         f"{key.format(place)}.options.finite-element.elements_per_coil": 6

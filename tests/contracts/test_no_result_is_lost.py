@@ -21,7 +21,7 @@ from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.parameters.loading import load_case
 from valvetrain.parameters.material import OTEVA_90_SC
 from valvetrain.parameters.spring import OPEN_END
-from valvetrain.registry import words
+from valvetrain.registry import names as registered_names
 from valvetrain.report import page, plotly_chart
 from valvetrain.report import study as build
 from valvetrain.report import study as write
@@ -107,7 +107,7 @@ def test_most_numbers_outlive_a_quantity_that_fails(raw, monkeypatch):
     assert min(left.values()) > 0.5, left
 
 
-@pytest.mark.parametrize("word", words("sections"))
+@pytest.mark.parametrize("word", registered_names("sections"))
 def test_a_section_that_fails_is_named_in_its_place(monkeypatch, word):
     study, usual = own_study(), build.find
     monkeypatch.setattr(

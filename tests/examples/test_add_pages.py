@@ -83,7 +83,7 @@ def test_the_line_of_a_page_fits_the_registry(page):
     (word, module, attribute), (group,) = ENTRY.search(added).groups(), entry_points(page)
     assert (
         f'BUILT_IN["{group.removeprefix("valvetrain.")}"]' in diff
-        and word not in registry.words(group.removeprefix("valvetrain."))
+        and word not in registry.names(group.removeprefix("valvetrain."))
     )
     assert f"`src/{module.replace('.', '/')}.py`" in page.read_text(encoding="utf-8")
     assert entry_points(page)[group] == {word: f"{module.rpartition('.')[2]}:{attribute}"}

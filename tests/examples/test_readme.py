@@ -65,4 +65,4 @@ def test_the_picture_stands_in_the_repository():
 
 def test_the_readme_names_every_command():
     named = set(re.findall(r"`valvetrain ([a-z-]+)", README))
-    assert set(valvetrain.registry.words("commands")) <= named
+    assert set(valvetrain.registry.names("commands")) <= named

@@ -48,10 +48,10 @@ def test_the_guide_names_every_key_and_every_sampler():
         for model in (StudyModel, VaryModel)
         for name, field in model.model_fields.items()
     }
-    assert not keys - named - {"points", "vary", "as"} and set(registry.words("samplers")) <= named
+    assert not keys - named - {"points", "vary", "as"} and set(registry.names("samplers")) <= named
     options = {
         key
-        for word in registry.words("samplers")
+        for word in registry.names("samplers")
         for key in registry.find("samplers", word).options.model_fields
     }
     assert options <= named

@@ -119,7 +119,7 @@ def read_any(folder, content):
     if any(
         registry.find("rig_formats", word).isolated
         and registry.find("rig_formats", word).recognise(content, "any")
-        for word in registry.words("rig_formats")
+        for word in registry.names("rig_formats")
     ):
         return
     try:

@@ -102,7 +102,7 @@ def test_an_installed_package_brings_a_lift_law_and_a_contact_law(tmp_path):
 
 def test_every_law_of_the_registry_has_a_maker_and_a_table():
     for kind, maker in (("lifts", "make"), ("contacts", "law")):
-        for word in registry.words(kind):
+        for word in registry.names(kind):
             spec = registry.find(kind, word)
             assert callable(getattr(spec, maker)) and spec.table.__doc__, word
 
@@ -174,7 +174,7 @@ from valvetrain.runs.run import run_study
 from valvetrain.runs.run import sweep_study
 from valvetrain.system.build import build
 
-assert {"progressive"} < set(registry.words("springs")) and {"versine"} < set(registry.words("lifts"))
+assert {"progressive"} < set(registry.names("springs")) and {"versine"} < set(registry.names("lifts"))
 case = parse_case(sys.stdin.read(), "own-case")
 study = run_study(case, spring_models=["progressive", "massless"], workers=1)
 run = study.solution("progressive")

@@ -69,9 +69,9 @@ def test_the_exit_code_tells_of_the_work_not_of_a_reader_that_left(command, tmp_
 HELP_OF_ALL = """
 import json, os, sys
 from valvetrain.cli.main import app
-from valvetrain.registry import words
+from valvetrain.registry import names as registered_names
 found = {}
-for asked in (["--version"], ["--help"], [], *([word, "--help"] for word in words("commands")), ["lift", "no-such-file", "--help"]):
+for asked in (["--version"], ["--help"], [], *([word, "--help"] for word in registered_names("commands")), ["lift", "no-such-file", "--help"]):
     sys.stdout.flush()
     child = os.fork()
     if not child:

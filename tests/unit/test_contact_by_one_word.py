@@ -14,7 +14,7 @@ from valvetrain.errors import InputError
 from valvetrain.parameters.loading import load_case
 from valvetrain.parameters.summary import value_text
 
-LAWS = registry.words("contacts")
+LAWS = registry.names("contacts")
 TABLES = {
     "linear": ({"contact_stiffness": 1e8, "damping": 300.0}, 1.0, "N s/m"),
     "impact": (

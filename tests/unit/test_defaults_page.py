@@ -31,7 +31,7 @@ def test_the_page_tells_units_and_meanings():
     assert all(all(cell.strip() for cell in row.strip("|").split(" | ")) for row in rows)
 
 
-@pytest.mark.parametrize("word", registry.words("contacts"))
+@pytest.mark.parametrize("word", registry.names("contacts"))
 def test_defaults_of_contact_tables_are_those_of_the_laws(word):
     spec = registry.find("contacts", word)
     for item in fields(spec.law):

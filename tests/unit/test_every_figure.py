@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from known_figures import FIGURES, STUDIES, expected
-from valvetrain.registry import words
+from valvetrain.registry import names as registered_names
 from valvetrain.report.chart import Chart, HeatMap
 from valvetrain.report.page import Page, charts
 from valvetrain.report.study import study_page
@@ -80,7 +80,7 @@ def test_every_kind_of_figure_was_drawn():
 def test_every_section_of_the_registry_stood_on_a_page():
     shown = {section.key for name in STUDIES for section in page_of(name)[1].sections}
     assert (
-        not set(words("sections"))
+        not set(registered_names("sections"))
         - shown
         - {"uncertainty", "critical-speeds", "in-motion", "fidelity"}
     )  # which have tests of their own

@@ -63,7 +63,7 @@ POLYDYNE_SI = EVENT_SI | {"exponents": (2, 10, 18, 26, 34), "dynamic_deflection"
 #: Kind, its table, the law's arguments.
 TABLES: list[tuple[str, str, dict[str, Any]]] = [
     ("zero", "", {}),
-    *((word, FLANKS, IN_SI) for word in registry.words("lifts") if registry.find("lifts", word).table is FlankModel),
+    *((word, FLANKS, IN_SI) for word in registry.names("lifts") if registry.find("lifts", word).table is FlankModel),
     ("polynomial", FLANKS, IN_SI | {"exponents": (3, 4, 5)}),
     ("polynomial", FLANKS + 'exponents = "4-5-6-7"\n', IN_SI | {"exponents": (4, 5, 6, 7)}),
     ("sine-power", EVENT, EVENT_SI | {"power": 4}), ("sine-power", EVENT + "power = 6\n", EVENT_SI | {"power": 6}),
@@ -155,7 +155,7 @@ def law(kind: str, text: str) -> Any:
 
 
 def test_every_kind_has_a_table_here():
-    assert {kind for kind, _, _ in TABLES} | {"measured"} == set(registry.words("lifts"))
+    assert {kind for kind, _, _ in TABLES} | {"measured"} == set(registry.names("lifts"))
 
 
 @pytest.mark.parametrize(

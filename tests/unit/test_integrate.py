@@ -37,7 +37,7 @@ def train(spring=DAMPED):
 
 
 def test_every_integrator_of_the_registry_answers_the_contract():
-    for word in registry.words("integrators"):
+    for word in registry.names("integrators"):
         found = registry.find("integrators", word)
         assert isinstance(found, Integrator) and found.word == word and found.order in (0, 2)
 

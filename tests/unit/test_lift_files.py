@@ -204,7 +204,7 @@ TABLE = LiftTable(
 )
 
 
-@pytest.mark.parametrize("form", registry.words("lift_formats"))
+@pytest.mark.parametrize("form", registry.names("lift_formats"))
 def test_what_is_written_is_read_again(form):
     found = registry.find("lift_formats", form)
     content = found.write(TABLE)

@@ -26,7 +26,7 @@ from valvetrain.parameters.lift_law import LiftLawParameters
 from valvetrain.parameters.loading import load_case, parse_case
 
 #: A table is a spline by another name.
-LAWS = [word for word in registry.words("lifts") if word != "table"]
+LAWS = [word for word in registry.names("lifts") if word != "table"]
 FLANKS = {
     "maximum_lift": 0.009,
     "opening_start": 1.7,

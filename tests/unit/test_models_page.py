@@ -40,7 +40,7 @@ def test_the_page_has_every_case_every_model_and_a_reason_for_every_gap():
     head = next(line for line in lines if line.startswith("| case |"))
     assert tuple(
         word.strip().strip("`") for word in head.strip("|").split("|")[1:]
-    ) == registry.words("springs")
+    ) == registry.names("springs")
     rows = {
         line.split("`")[1]: [cell.strip() for cell in line.strip("|").split("|")[1:]]
         for line in lines

@@ -24,7 +24,8 @@ from synthetic_study import (
     train_study,
 )
 from valvetrain.errors import InputError
-from valvetrain.registry import find, words
+from valvetrain.registry import find
+from valvetrain.registry import names as registered_names
 from valvetrain.report import page as page_module
 from valvetrain.report import study as write
 from valvetrain.report.json import study_json
@@ -361,7 +362,7 @@ def test_every_number_of_the_study_is_in_its_json():
 
 
 def test_sections_are_listed_once_and_load():
-    keys = [find("sections", word).key for word in words("sections")]
+    keys = [find("sections", word).key for word in registered_names("sections")]
     assert len(set(keys)) == len(keys) and keys[0] == "answers"
 
 

@@ -22,7 +22,8 @@ from synthetic_study import (
     train_study,
 )
 from valvetrain.parameters.loading import load_case
-from valvetrain.registry import find, words
+from valvetrain.registry import find
+from valvetrain.registry import names as registered_names
 from valvetrain.report import theme
 from valvetrain.report.chart import Chart, HeatMap, Line, Marks
 from valvetrain.report.headlines import headline_columns, headline_rows
@@ -574,13 +575,13 @@ def test_runs_that_end_alike_are_told_once():
 
 
 def test_models_and_origins_look_as_their_own_entries_say():
-    specs = [spring_model(word) for word in words("springs")]
+    specs = [spring_model(word) for word in registered_names("springs")]
     assert [(theme.model_label(one.word), theme.model_colour(one.word)) for one in specs] == [
         (one.label, one.colour) for one in specs
     ]
     assert len({one.colour for one in specs}) == len(specs)
     assert theme.model_label("a-run-of-my-own") == "a run of my own"
-    for word in words("sources"):
+    for word in registered_names("sources"):
         origins = find("sources", word).origins
         styles = [theme.origin_style(name) for name in origins]
         assert [style[0] for style in styles] == [one.sign for one in origins.values()]

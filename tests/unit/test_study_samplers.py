@@ -19,7 +19,7 @@ def drawn(word, varied=UNIT, **options):
     return spec.first(varied, spec.read_options(options))
 
 
-@pytest.mark.parametrize("word", [word for word in registry.words("samplers") if word != "list"])
+@pytest.mark.parametrize("word", [word for word in registry.names("samplers") if word != "list"])
 def test_the_same_options_give_the_same_points_within_the_bounds(word):
     options = {"levels": 3} if word == "grid" else {"count": 40}
     points = drawn(word, **options)
@@ -150,7 +150,7 @@ DRAWN = {
 }  # fmt: skip
 
 
-@pytest.mark.parametrize("word", sorted({*registry.words("samplers"), *DRAWN}))
+@pytest.mark.parametrize("word", sorted({*registry.names("samplers"), *DRAWN}))
 def test_points_count_as_draws_where_they_follow_their_distribution(word):
     """Points of a normal quantity: those that are draws have its deviation, those on levels or rows
     do not.

@@ -14,7 +14,7 @@ import pytest
 from valvetrain.errors import InputError
 from valvetrain.parameters.loading import LIBRARY, library_names
 from valvetrain.parameters.templates import KINDS, template_text
-from valvetrain.registry import words
+from valvetrain.registry import names as registered_names
 from valvetrain.workbench.lift_laws import KEPT, law_of, with_law, with_law_of
 from valvetrain.workbench.workspace import Workspace
 from workbench_parts import SMALL, SPRING
@@ -47,7 +47,9 @@ def test_a_kind_that_is_chosen_again_has_the_values_it_had(workspace, name):
     """
     case = workspace.new_case("mine", name)
     before, kind = workspace.text(case), law(workspace, case)["kind"]
-    for other in words("lifts") if name == "spring" else ("zero", "polynomial", "cycloidal"):
+    for other in (
+        registered_names("lifts") if name == "spring" else ("zero", "polynomial", "cycloidal")
+    ):
         try:
             workspace.change_law(case, other)
         except InputError as error:

@@ -21,7 +21,7 @@ from numba.extending import intrinsic
 
 from valvetrain.compiled import njit
 
-#: Address that stands for the linear law, and how many numbers a law of its own may have.
+#: Address of the linear law, and how many numbers a law of its own may have.
 LINEAR, WIDTH = 0, 8
 
 

@@ -399,7 +399,7 @@ def _stages(study: Study) -> tuple[Stage, ...]:
     if study.lift_event is None:
         return ()
     event, names = study.lift_event, {}
-    if study.record.study and study.record.study in registry.words("sources"):
+    if study.record.study and study.record.study in registry.names("sources"):
         names = registry.find("sources", study.record.study).window_names
     return tuple((names.get(word, word), *window_bounds(event, word)) for word in WINDOWS)
 

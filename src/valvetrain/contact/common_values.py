@@ -20,9 +20,9 @@ from valvetrain.parameters.schema_contact import RESTITUTION, ContactTable
 
 _DEFAULTS = {name: field.default for name, field in ContactTable.model_fields.items()}
 REFERENCE_FORCE: float = _DEFAULTS["reference_force"]
-"""Force (N) at which laws of different exponents have the same penetration: a usual cam force."""
+"""Force (N) at which laws of different exponents have the same penetration: a typical cam force."""
 REFERENCE_VELOCITY: float = _DEFAULTS["reference_velocity"]
-"""Approach velocity (m/s) at which a restitution becomes a damping: a usual seating velocity."""
+"""Approach velocity (m/s) at which a restitution becomes a damping: a typical seating velocity."""
 HERTZ_EXPONENT = 1.5
 
 
@@ -70,7 +70,7 @@ def _refuse_unknown(name: str, values: Mapping[str, float]) -> None:
         return
     known = {
         key: None
-        for word in registry.words("contacts")
+        for word in registry.names("contacts")
         for key in registry.find("contacts", word).table.model_fields
         if key != "law"
     }

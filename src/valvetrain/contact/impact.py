@@ -23,7 +23,7 @@ from valvetrain.contact.law import (
 from valvetrain.parameters.schema_contact import ContactTable
 from valvetrain.parameters.schema_types import Ratio
 
-#: The rate (m/s) that the printed sum of force and damping stands for in millimetres, newtons and
+#: The rate (m/s) that the printed sum of force and damping means in millimetres, newtons and
 #: seconds.
 PRINTED_RATE = 1e-3
 
@@ -129,7 +129,7 @@ class ImpactAsPrinted:
     """The IMPACT law as the pushrod study prints it: K d**n + c(d), the damping term WITHOUT the
     penetration rate.
 
-    Kept to reproduce the print only: N s/m added to N has no physical meaning, and the force no
+    Provided to reproduce the print only: N s/m added to N has no physical meaning, and the force no
     longer depends on the rate, so nothing
     is dissipated. The number enters in the study's own system, as if the rate were 1 mm/s. Use
     :class:`ImpactContact`.

@@ -54,13 +54,13 @@ def law_address(kernel: LawKernel) -> int:
         out[0], out[1] = force, damping
 
     built = cfunc(_SIGNATURE)(entry)
-    _KEPT.append(built)
+    _COMPILED.append(built)
     address: Any = built.address
     return int(address)
 
 
 #: Compiled entries live as long as the process: the loop holds nothing but their addresses.
-_KEPT: list[Any] = []
+_COMPILED: list[Any] = []
 
 
 @intrinsic

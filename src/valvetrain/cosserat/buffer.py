@@ -24,7 +24,7 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, slots=True)
 class RodDynamics:
-    """What the time integration needs beside the mesh: ``mass_damping`` (1/s),
+    """What the time integration needs besides the mesh: ``mass_damping`` (1/s),
     ``stiffness_damping`` (s), contact constants.
 
     Stiffness damping acts through a Maxwell branch of ``relaxation_time`` (s) on bending and
@@ -103,7 +103,7 @@ def _with_branch(mesh: RodMesh, share: float) -> RodMesh:
 
     with np.errstate(
         invalid="ignore"
-    ):  # what is beyond all bounds is refused where the step is sought
+    ):  # what is beyond all bounds is refused where the step is searched
         return replace(mesh, bend_stiffness=mesh.bend_stiffness * (1 + share))
 
 

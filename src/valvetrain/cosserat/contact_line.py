@@ -31,7 +31,7 @@ class ContactLine:
     point and of its
     partner's first guess; ``offset``: vertices per turn; ``distance``: axis distance at which
     contact begins;
-    ``length``: wire length that a point stands for (0 where there is no partner).
+    ``length``: wire length that a point represents (0 where there is no partner).
     """
 
     offset: int
@@ -72,7 +72,7 @@ def pair_coils(
     total_coils: float,
     axis: Callable[[Array], Array],
 ) -> ContactLine:
-    """Pair every contact point with the wire one turn below; a point stands for its cell as far as
+    """Pair every contact point with the wire one turn below; a point represents its cell as far as
     both wires reach.
 
     Contact begins at the wire diameter, or at the free distance where free coils already lie closer

@@ -105,7 +105,7 @@ def mesh_spring(
     """
     if elements_per_coil != int(elements_per_coil):
         raise InputError(
-            f"elements_per_coil is {elements_per_coil:g}; give a whole number, 24 is usual"
+            f"elements_per_coil is {elements_per_coil:g}; give a whole number, 24 is typical"
         )
     if elements_per_coil < 6:
         raise InputError(

@@ -59,7 +59,7 @@ OPTIONS: dict[str, Any] = {
 
 
 #: Of a kernel with a law of contact of its own: one function for all loops that call it, without
-#: fast maths, so that it has the same bits in each.
+#: fast maths, so that results are bit-identical in each.
 OWN_OPTIONS: dict[str, Any] = {
     name: value for name, value in OPTIONS.items() if name not in ("fastmath", "forceinline")
 }

@@ -238,9 +238,9 @@ def integrate_in_time(
     """Integrate ``len(displacement) - 1`` steps of prescribed retainer displacement (m, from the
     free state).
 
-    ``clock`` = (steps per dense record, dense records per sample, first sample kept, steps per
+    ``clock`` = (steps per dense record, dense records per sample, first sample stored, steps per
     record of coil pairs); ``stretches``
-    (STRETCHES, 2) is working space. Fills ``snapshots`` (samples kept, 13, nv + 1) with positions,
+    (STRETCHES, 2) is working space. Fills ``snapshots`` (samples stored, 13, nv + 1) with positions,
     frames, velocities and spins,
     ``contacts`` (samples, 3, groups, nv) with mean force, peak force and loss since the last
     sample, ``dense`` (records, 4) with
@@ -248,7 +248,7 @@ def integrate_in_time(
     largest seat force of all steps from a
     sample up to the next, its step, the least and its step, and the same of the retainer force,
     ``pressed`` (records from the first
-    sample kept, 2, pairs) with force and stored energy of the contact points of each pair, vertex i
+    sample stored, 2, pairs) with force and stored energy of the contact points of each pair, vertex i
     in pair ``bins[i]``. Returns (steps
     done, largest vertex speed); a run that diverged stops early.
     """
@@ -290,14 +290,14 @@ def integrate_in_time(
         later = n - per_sample * clock[2]
         if later >= 0 and later % clock[3] == 0:
             take_pairs(b, integers, stretches, count, bins, pressed[later // clock[3]])
-        kept = row - clock[2]
-        if sample and kept >= 0:
-            take_snapshot(b, integers, snapshots[kept], 0.5)
+        stored = row - clock[2]
+        if sample and stored >= 0:
+            take_snapshot(b, integers, snapshots[stored], 0.5)
         if sample:
             take_contacts(b, integers, contacts[row], dt * per_sample)
         lost += kick_and_drift(b, integers, numbers)
-        if sample and kept >= 0:
-            finish_snapshot(b, integers, snapshots[kept], 0.5)
+        if sample and stored >= 0:
+            finish_snapshot(b, integers, snapshots[stored], 0.5)
         if n < steps:
             travel = displacement[n + 1] - displacement[n]
             place_retainer(b, integers, travel, travel / dt)

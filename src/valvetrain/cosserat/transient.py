@@ -86,7 +86,7 @@ def simulate(
 
     The displacement counts from the free state; ``start`` is the equilibrium at ``motion(0)``.
     ``discard`` samples at
-    the beginning are not kept. ``pair_of`` (nv,): coil pair to which the contact points of a vertex
+    the beginning are not stored. ``pair_of`` (nv,): coil pair to which the contact points of a vertex
     count, -1 for none. Raises
     :class:`InputError` when a given ``time_step`` is not positive.
     """
@@ -126,7 +126,7 @@ def simulate(
     reached = min(samples, (done - 1) // (dense * sub)) if done <= steps else samples
     if (
         reached < discard
-    ):  # diverged among the samples not kept: run again and keep the last one before
+    ):  # diverged among the samples not stored: run again and keep the last one before
         return simulate(
             mesh, start, motion, sample_interval, samples, dynamics, time_step, reached, pair_of
         )

@@ -1,4 +1,4 @@
-"""Statics of a rod whose retainer may turn about the axis: it stands at the angle at which no
+"""Statics of a rod whose retainer may turn about the axis: it takes the angle at which no
 torque holds it.
 """
 

@@ -10,7 +10,8 @@ import numpy as np
 
 from valvetrain.errors import InputError
 from valvetrain.integrate.contract import Integrator, Periodic, RunOptions, Until
-from valvetrain.registry import find, words
+from valvetrain.registry import find
+from valvetrain.registry import names as registered_names
 from valvetrain.solution.provenance import Provenance
 from valvetrain.solution.result import Solution
 from valvetrain.system.contract import TRAIN, System
@@ -71,7 +72,7 @@ def integrator_for(system: System, until: Until, word: str | None = None) -> Int
     """The integrator called ``word``, or the first of the registry that serves. Raises
     :class:`InputError` where none does.
     """
-    for name in (word,) if word else words("integrators"):
+    for name in (word,) if word else registered_names("integrators"):
         found = find("integrators", name)
         assert isinstance(found, Integrator)
         if found.serves(system, until):

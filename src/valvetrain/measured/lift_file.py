@@ -181,7 +181,7 @@ def read_lift(file: str | Path, answers: LiftAnswers | None = None) -> tuple[Mea
 def lifts_in(content: bytes, name: str, answers: LiftAnswers) -> tuple[MeasuredLift, ...]:
     """The lobes in the ``content`` of a file called ``name``; as :func:`read_lift`."""
     form = next(
-        (word for word in registry.words("lift_formats") if _format(word).recognise(content, name)),
+        (word for word in registry.names("lift_formats") if _format(word).recognise(content, name)),
         None,
     )
     if form is None:

@@ -248,7 +248,7 @@ class CaseModel(StrictModel):
                 "a train carries its springs in [train.springs], so this one would stay unused; move it there",
                 ("spring",),
             )
-        known = registry.words("sources")
+        known = registry.names("sources")
         if self.study and known and self.study not in known:
             raise problem(
                 f"study '{self.study[:40]}' is unknown; {nearest(self.study, known)}", ("study",)

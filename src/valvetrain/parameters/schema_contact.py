@@ -82,9 +82,9 @@ def _read_contact(raw: Any) -> ContactParameters:
     if not isinstance(raw, dict) or not isinstance(raw.get("law"), str):
         raise problem(f"a contact needs its law, such as law = 'impact', or the word '{STEEL}'")
     law = raw["law"]
-    if law not in registry.words("contacts"):
+    if law not in registry.names("contacts"):
         raise problem(
-            f"contact law '{law[:40]}' is unknown; {nearest(law, registry.words('contacts'))}",
+            f"contact law '{law[:40]}' is unknown; {nearest(law, registry.names('contacts'))}",
             ("law",),
         )
     # Laws are loaded for keys of their own only: their files bring compiled kernels along.
@@ -103,7 +103,7 @@ def _table_with(key: str, law: str) -> type[ContactTable]:
     """The table of ``law``, or of another law, that has ``key`` (it then waits unused); else that
     of ``law``, to refuse it.
     """
-    laws = (law, *(word for word in registry.words("contacts") if word != law))
+    laws = (law, *(word for word in registry.names("contacts") if word != law))
     tables: list[type[ContactTable]] = [
         guarded(registry.find, "contacts", word).table for word in laws
     ]

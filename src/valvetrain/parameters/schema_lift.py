@@ -105,11 +105,11 @@ def read_lift_model(raw: Any) -> LiftModel:
     against it.
     """
     if not isinstance(raw, dict) or not isinstance(raw.get("kind"), str):
-        raise problem(f"a lift law needs its kind, one of {', '.join(registry.words('lifts'))}")
+        raise problem(f"a lift law needs its kind, one of {', '.join(registry.names('lifts'))}")
     kind = raw["kind"]
-    if kind not in registry.words("lifts"):
+    if kind not in registry.names("lifts"):
         raise problem(
-            f"kind '{kind[:40]}' of a lift law is unknown; {nearest(kind, registry.words('lifts'))}",
+            f"kind '{kind[:40]}' of a lift law is unknown; {nearest(kind, registry.names('lifts'))}",
             ("kind",),
         )
     table: LiftModel = validate_as(guarded(registry.find, "lifts", kind).table, raw)

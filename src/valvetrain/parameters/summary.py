@@ -60,7 +60,7 @@ def _lift_dimensions() -> Mapping[str, str]:
     from valvetrain.parameters.schema_types import Quantity
 
     found: dict[str, str] = {}
-    for word in registry.words("lifts"):
+    for word in registry.names("lifts"):
         for name, one in registry.find("lifts", word).table.model_fields.items():
             kinds = (
                 *one.metadata,

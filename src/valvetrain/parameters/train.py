@@ -12,7 +12,7 @@ from typing import Any, Literal
 from valvetrain.errors import InputError
 from valvetrain.parameters.installed_spring import InstalledSpring, Rubbing
 from valvetrain.parameters.lift_law import FrozenMapping
-from valvetrain.registry import words
+from valvetrain.registry import names as registered_names
 
 TrainModel = Literal["planar", "lumped", "single-mass"]
 FollowerShape = Literal["flat", "domed", "roller", "knife"]
@@ -360,7 +360,7 @@ def check_kind(kind: str) -> None:
     """Raise :class:`InputError` unless ``kind`` is a registered train kind; what the kind needs is
     checked where it is built.
     """
-    known = words("mechanisms")
+    known = registered_names("mechanisms")
     if kind not in known:
         raise InputError(
             f"train kind '{kind}' is unknown; use {', '.join(known[:-1])} or {known[-1]}"

@@ -186,7 +186,7 @@ def form_of(path: Path, name: str) -> str:
         raise InputError(f"'{name}' is larger than {MAX_BYTES / 1e9:g} GB; cut the recording")
     if not head.strip():
         raise InputError(f"'{name}' is empty; export the recording again")
-    readers = {form: registry.find("rig_formats", form) for form in registry.words("rig_formats")}
+    readers = {form: registry.find("rig_formats", form) for form in registry.names("rig_formats")}
     form = next((form for form, reader in readers.items() if reader.recognise(head, name)), None)
     if form is None:
         labels = ", ".join(reader.label for reader in readers.values())

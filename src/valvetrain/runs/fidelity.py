@@ -15,7 +15,7 @@ from dataclasses import replace
 from valvetrain.errors import InputError
 from valvetrain.parameters.case import Case
 from valvetrain.parameters.loading import AnyCase, case_of
-from valvetrain.registry import words as registered_names
+from valvetrain.registry import names as registered_names
 from valvetrain.runs.cost import Cost, Limits, limits_of, refuse_cost
 from valvetrain.runs.error_bars import two_grids
 from valvetrain.runs.refine_trains import divided

@@ -10,7 +10,7 @@ from typing import Protocol
 from valvetrain.parameters.case import Case
 from valvetrain.parameters.curves import Constant
 from valvetrain.parameters.installed_spring import InstalledSpring
-from valvetrain.registry import words as registered_names
+from valvetrain.registry import names as registered_names
 from valvetrain.runs.cost import Cost, estimate
 from valvetrain.springs.spec import SpringModelSpec, spring_model
 from valvetrain.system.build import default_models

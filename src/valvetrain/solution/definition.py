@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from valvetrain.errors import InputError
 from valvetrain.registry import find
-from valvetrain.registry import words as registered_names
+from valvetrain.registry import names as registered_names
 from valvetrain.units import DIMENSIONS, unit_factor
 
 Sense = Literal["larger is better", "smaller is better", ""]

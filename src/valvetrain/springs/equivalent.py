@@ -79,7 +79,7 @@ class EquivalentSpring:
     @classmethod
     def from_definition(cls, spring: SpringDefinition, precompression: Given) -> EquivalentSpring:
         """Same tangent rate, preload and first surge frequency as the wire at its installed state,
-        coils that touch kept closed.
+        coils that touch stay closed.
 
         Equal first frequency fixes the mass (rate / (4 f1**2)): for a cylindrical spring the wire's
         own, for a beehive the mass that

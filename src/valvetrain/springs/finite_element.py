@@ -74,7 +74,7 @@ class FiniteElementRod(RodModel):
         Raises :class:`InputError` for a negative mass, and for less than one mode.
         """
         if count < 1:
-            raise InputError(f"one mode or more can be asked for; count is {count}", "count")
+            raise InputError(f"one mode or more can be requested; count is {count}", "count")
         mass = None if attached_mass is None else si(attached_mass, "mass", "attached_mass")
         if mass is not None and mass < 0:
             raise InputError(

@@ -134,7 +134,7 @@ class RodModel:
         if compression == 0.0:
             return self.statics.solve(RodState(self.mesh.position, self.mesh.frame), 0.0)
         # Every other state is reached from the installed one, so that the answer does not depend on
-        # what was asked before.
+        # what was computed before.
         away = retainer_displacement != 0.0
         start, statics = (self.installed.state, self._turned) if away else (None, self.statics)
         result = compress(statics, [compression], start)[-1]
@@ -176,7 +176,7 @@ class RodModel:
         return integers
 
     def with_time_step(self, time_step: float) -> Self:
-        """The rod for another step; the solved installed state is kept."""
+        """The rod for another step; the solved installed state is reused."""
         model = replace(self, time_step=time_step)
         for name in ("mesh", "statics", "installed"):
             if name in self.__dict__:
@@ -324,7 +324,7 @@ class RodModel:
 
     @cached_property
     def coil_pairs(self) -> tuple[Array, NDArray[np.int64]]:
-        """Upper coil numbers of the pairs in which contacts are told, at every eighth of a turn,
+        """Upper coil numbers of the pairs in which contacts are reported, at every eighth of a turn,
         and the pair of each vertex (-1: none).
         """
         points, pair_of = (

@@ -40,7 +40,7 @@ def curve_over(
     """Curve over rising ``compressions`` (m) from the free state on, as far as equilibria are
     found, and those.
 
-    Ends early with a status. ``visit`` is told each equilibrium as it is found.
+    Ends early with a status. ``visit`` is called with each equilibrium.
     """
     path = [
         rod.statics.solve(free_state(rod.mesh), 0.0),
@@ -125,7 +125,7 @@ def rest_point(rod: RodModel, equilibrium: Equilibrium) -> RestPoint:
 
 
 def modal_result(rod: RodModel, count: int = 24, attached_mass: float | None = None) -> ModalResult:
-    """Modes about the installed state, touching coils kept together: both ends fixed, or with
+    """Modes about the installed state, touching coils held together: both ends fixed, or with
     ``attached_mass`` (kg, 0 for none) on a
     retainer that moves along the axis."""
     end_mass = None if attached_mass is None else attached_mass + rod.retainer_mass()

@@ -15,7 +15,7 @@ from valvetrain.springs.equivalent import EquivalentSpring
 from valvetrain.springs.modal_uniform import ModalUniform
 from valvetrain.springs.multi_mass import MultiMassSpring
 
-#: Modes of the uniform spring that stands for models without matrices of their own.
+#: Modes of the uniform spring that represents models without matrices of their own.
 MODES = 8
 
 
@@ -33,7 +33,7 @@ def spring_matrices(
     model: SpringModel, installed: InstalledSpring | None, retainer_displacement: float
 ) -> SpringMatrices:
     """A spring about rest at ``retainer_displacement`` (m): a chain by its own masses with touching
-    coils kept together, a model without
+    coils held together, a model without
     inner motion by its tangent, any other by the modes of the uniform spring of equal rate, mass
     and first frequency."""
     if isinstance(model, MultiMassSpring):

@@ -137,7 +137,7 @@ class MasslessTable:
     by straight lines.
 
     Straight lines keep the force continuous and the energy exact; beyond the table the last slopes
-    go on, down to no force unless the
+    continue, down to no force unless the
     spring ``pulls``.
 
     >>> spring = MasslessTable((0.0, 5e-3, 10e-3), (250.0, 400.0, 600.0))

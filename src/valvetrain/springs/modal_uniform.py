@@ -40,7 +40,7 @@ class ModalUniform:
     ``stiffness_damping`` (s) adds
     w * s / 2 to it; ``mass_damping`` (1/s) acts on the absolute modal velocity. Where it
     does not pull (``pulls``) its end forces stop at zero; its modes, which are those of fixed ends,
-    go on. Residual inertia and inactive
+    continue. Residual inertia and inactive
     coils move with the retainer.
 
     >>> import valvetrain as vt

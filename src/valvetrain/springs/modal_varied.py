@@ -66,7 +66,7 @@ class ModalVaried:
     ``precompression`` (m) is the installed compression x0; ``residual_mass`` (kg) what of the
     spring's inertia the modes do not carry.
     Where it does not pull (``pulls``) its end forces in time stop at zero; its modes, which are
-    those of fixed ends, go on.
+    those of fixed ends, continue.
     Raises :class:`InputError` for a curve or frequencies that cannot be.
 
     >>> model = ModalVaried((433.0, 866.0), 0.02, (0.0, 10e-3, 20e-3), (0.0, 300.0, 640.0), precompression=8e-3)
@@ -142,7 +142,7 @@ class ModalVaried:
         cam_speed: Given,
         samples: int = SAMPLES,
     ) -> ModalSolution:
-        """Steady periodic response over one cam turn.
+        """Steady periodic response over one cam revolution.
 
         ``valve_lift`` (m): function of the cam angle (rad), sampled at ``samples`` angles, or
         samples over one turn (end point left out);
@@ -163,7 +163,7 @@ class ModalVaried:
         )
 
     def modal_coordinates(self, valve_lift: Array, cam_speed: float) -> Array:
-        """G_n (m) at the samples of one cam turn, shape (modes, samples), harmonic by harmonic."""
+        """G_n (m) at the samples of one cam revolution, shape (modes, samples), harmonic by harmonic."""
         harmonic = np.arange(len(valve_lift) // 2 + 1)
         spectrum = np.fft.rfft(valve_lift)
         number = np.arange(1, len(self.natural_frequencies) + 1)[:, None]
@@ -237,7 +237,7 @@ class ModalVaried:
 
     def _static(self, retainer_displacement: float) -> tuple[float, float, float]:
         """Static force (N), its slope (N/m) and the secant stiffness (N/m); beyond the curve the
-        last slopes go on.
+        last slopes continue.
         """
         x, f = self.compressions, self.forces
         at = self.precompression + retainer_displacement
@@ -323,7 +323,7 @@ def _sampled(
     given = np.asarray(valve_lift, dtype=float)
     if given.ndim != 1 or len(given) < 16 or not np.all(np.isfinite(given)):
         raise InputError(
-            "lift samples must be a row of at least 16 finite numbers over one cam turn"
+            "lift samples must be a row of at least 16 finite numbers over one cam revolution"
         )
     return given, 2 * np.pi * np.arange(len(given)) / len(given)
 

@@ -99,7 +99,7 @@ class MultiMassSpring:
         """
         if masses_per_coil < 1 or masses_per_coil != int(masses_per_coil):
             raise InputError(
-                f"masses_per_coil of spring '{spring.name}' is {masses_per_coil}; give a whole number, 12 is usual"
+                f"masses_per_coil of spring '{spring.name}' is {masses_per_coil}; give a whole number, 12 is typical"
             )
         compression = si(precompression, "compression", f"precompression of spring '{spring.name}'")
         if contact_stiffness > 0:

@@ -221,7 +221,7 @@ class NestedSprings:
         )
 
     def contact_watch(self) -> ContactWatch | None:
-        """That of the outer spring, whose sections stand for the pair."""
+        """That of the outer spring, whose sections represent the pair."""
         outer = contact_watch_of(self.outer)
         return (
             None
@@ -265,7 +265,7 @@ def carried_state(
     follow the step) the departure from rest
     at ``retainer_displacement`` (m) and the velocities, zero at the seat and ``retainer_velocity``
     (m/s) above, are interpolated
-    along evenly spaced unknowns; bookkeeping starts anew.
+    along evenly spaced unknowns; bookkeeping starts again.
     """
     if isinstance(spring, NestedSprings) and isinstance(other, NestedSprings):
         pairs = zip(spring.split(state), spring.members, other.members, strict=True)

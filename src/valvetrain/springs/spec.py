@@ -54,7 +54,7 @@ class SpringModelSpec:
     citation: str = ""
 
     def why_not(self, spring: InstalledSpring) -> str:
-        """Why this model cannot stand for ``spring``; empty when it can."""
+        """Why this model cannot represent ``spring``; empty when it can."""
         if spring.card is None:
             return ""
         if self.wire_only:
@@ -64,7 +64,7 @@ class SpringModelSpec:
         return ""
 
     def build(self, spring: InstalledSpring, rest: SpringAtRest | None = None) -> SpringModel:
-        """The model of an installed spring. Raises :class:`InputError` where it cannot stand for
+        """The model of an installed spring. Raises :class:`InputError` where it cannot represent
         it, or for options it does not take.
         """
         reason = self.why_not(spring)
@@ -81,15 +81,15 @@ class SpringModelSpec:
             known = ", ".join(self.options.model_fields) or "no options"
             raise InputError(f"a {self.word} spring has no option '{unknown[0]}'; it takes {known}")
         for name, value in values.items():
-            kept = self.options.model_fields[name]
-            if kept.annotation in (int, bool):
-                kind: Any = Annotated[kept.annotation, *kept.metadata, Strict()]
+            field = self.options.model_fields[name]
+            if field.annotation in (int, bool):
+                kind: Any = Annotated[field.annotation, *field.metadata, Strict()]
                 try:
                     TypeAdapter(kind).validate_python(value)
                 except ValidationError as error:
-                    words = error.errors()[0]["msg"].removeprefix("Input should be ")
+                    requirement = error.errors()[0]["msg"].removeprefix("Input should be ")
                     raise InputError(
-                        f"{name} of a {self.word} spring is {value!r}; it should be {words}"
+                        f"{name} of a {self.word} spring is {value!r}; it should be {requirement}"
                     ) from error
         return self.options.model_construct(**values)
 

@@ -166,7 +166,7 @@ def nominal_stress_per_force(wire: SpringDefinition) -> float:
 def with_stress(
     solution: Solution, definition: SpringDefinition, curvature: str | None = DEFAULT_FACTOR
 ) -> Solution:
-    """The solution with the channels of :data:`STRESS_CHANNELS`; what it has is kept, an earlier
+    """The solution with the channels of :data:`STRESS_CHANNELS`; what it has stays, an earlier
     stress replaced.
 
     Raises :class:`InputError` for a model that gives no section loads, or an unknown factor.

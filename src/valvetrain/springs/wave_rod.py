@@ -61,7 +61,7 @@ class WaveRod:
         keep_si(self, f"the rod of spring '{self.spring.name}'", friction="damping rate")
         if self.cells < 3:
             raise InputError(
-                f"the rod of spring '{self.spring.name}' has {self.cells} cells; give at least 3 (200 is usual)"
+                f"the rod of spring '{self.spring.name}' has {self.cells} cells; give at least 3 (200 is typical)"
             )
         if not self.friction >= 0:
             raise InputError(

@@ -63,7 +63,7 @@ class WaveRodWithClash:
         keep_si(self, f"the rod of spring '{self.spring.name}'", friction="damping rate")
         if self.cells < 3:
             raise InputError(
-                f"the rod of spring '{self.spring.name}' has {self.cells} cells; give at least 3 (200 is usual)"
+                f"the rod of spring '{self.spring.name}' has {self.cells} cells; give at least 3 (200 is typical)"
             )
 
     @classmethod

@@ -1,4 +1,4 @@
-"""A wire for a spring known by its card only, so that a finite-element spring can stand in its
+"""A wire for a spring given by its card only, so that a finite-element spring can take its
 place.
 """
 

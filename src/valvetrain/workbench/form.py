@@ -191,7 +191,7 @@ class _Form:
                 self.tree.get("rubbing", {}),
             )
         law = self.tree.get("lift_law")
-        if isinstance(law, dict) and law.get("kind") in registry.words("lifts"):
+        if isinstance(law, dict) and law.get("kind") in registry.names("lifts"):
             yield self.group("lift_law", "Lift law", registry.find("lifts", law["kind"]).table, law)
         yield self.group("operation", "Operation", OperationModel, self.tree.get("operation", {}))
         if isinstance(self.tree.get("train"), dict):
@@ -219,7 +219,7 @@ class _Form:
             tuple(_steel(place, word) for place, word in named.items() if isinstance(word, str)),
         )
         for place, one in contacts.items() if isinstance(contacts, dict) else ():
-            if isinstance(one, dict) and one.get("law") in registry.words("contacts"):
+            if isinstance(one, dict) and one.get("law") in registry.names("contacts"):
                 law = registry.find("contacts", one["law"]).table
                 yield self.group(
                     f"train.contacts.{place}", f"Contact at the {text_of(place)}", law, one
@@ -273,7 +273,7 @@ class _Form:
         given = raw.get("options")
         options: Mapping[str, Any] = given if isinstance(given, dict) else {}
         for word in dict.fromkeys(
-            (*(word for word in options if word in registry.words("springs")), *_DEFAULT_OPTIONS)
+            (*(word for word in options if word in registry.names("springs")), *_DEFAULT_OPTIONS)
         ):
             table = options_table(word)
             useless = table.wire_only if by_card else table.card_only

@@ -199,7 +199,7 @@ def _with_registry(key: str, name: str, form: _Form | None) -> _Form | None:
     kinds = {"lift_law.kind": "lifts", "train.kind": "mechanisms"}
     named = {"law": "contacts", "spring_model": "springs"} if key.startswith("train.") else {}
     kind = kinds.get(key) or named.get(name, "")
-    return _Form("choice", choices=registry.words(kind)) if kind else form
+    return _Form("choice", choices=registry.names(kind)) if kind else form
 
 
 def _unit(form: _Form) -> str:

@@ -53,9 +53,9 @@ def with_law(text: str, kind: str, files: Sequence[str]) -> str:
     there is none.
     """
     document = opened(text)
-    if kind not in registry.words("lifts") or "lift_law" not in document:
+    if kind not in registry.names("lifts") or "lift_law" not in document:
         raise InputError(
-            f"kind '{kind[:40]}' of a lift law is unknown; {nearest(kind, registry.words('lifts'))}",
+            f"kind '{kind[:40]}' of a lift law is unknown; {nearest(kind, registry.names('lifts'))}",
             "lift_law.kind",
         )
     law, known = _in_one_table(document), registry.find("lifts", kind).table.model_fields
@@ -214,7 +214,7 @@ class CachedLaws:
     def _texts(self, text: str, kind: str, files: Sequence[str]) -> Iterator[str]:
         """Case files to try, the first that reads being the one."""
         law = self._told.get(kind)
-        if law is not None and kind in registry.words("lifts"):
+        if law is not None and kind in registry.names("lifts"):
             with suppress(ValueError):
                 if kind_of(law) == kind:
                     yield with_law_of(text, law)

@@ -33,8 +33,8 @@ def axis_points(mesh: SolidMesh) -> tuple[Array, Integers, Array]:
 def averaged(table: Array, mesh: SolidMesh, index: Integers, points: int) -> Array:
     """Mean vector (points, 3) per axis point of a printed node table with rows (node, x, y, z)."""
     order = np.argsort(table[:, 0])
-    wanted = np.searchsorted(table[order, 0], mesh.node_sets["axis"] + 1)
-    values = table[order][wanted, 1:4]
+    axis_rows = np.searchsorted(table[order, 0], mesh.node_sets["axis"] + 1)
+    values = table[order][axis_rows, 1:4]
     count = np.bincount(index, minlength=points)
     return np.stack(
         [np.bincount(index, values[:, k], minlength=points) / count for k in range(3)], axis=-1

@@ -90,7 +90,7 @@ INSTALL_HINT = (
     "(Debian, Ubuntu) or 'conda install -c conda-forge calculix', or name its file in the environment variable CCX"
 )
 REMEDY = "take smaller increments or softer contact"
-#: Told the solver time that a run has reached.
+#: Called with the solver time that a run has reached.
 Watch = Callable[[float], None]
 #: Time (s) between two looks at a running solver.
 POLL_INTERVAL = 0.2
@@ -98,7 +98,7 @@ POLL_INTERVAL = 0.2
 
 @dataclass(frozen=True)
 class SolverOutput:
-    """Texts of the result files (``fields`` only when asked for), the end of the run and its wall
+    """Texts of the result files (``fields`` only when requested), the end of the run and its wall
     time (s).
     """
 
@@ -130,7 +130,7 @@ def run_deck(
     """Run ``deck`` and return what was written; a failed run is a status, with the solver's own
     reason.
 
-    ``watch`` is told the solver time reached, again and again; what it raises stops the solver and
+    ``watch`` is called with the solver time reached, repeatedly; what it raises stops the solver and
     is raised here.
     Raises :class:`MissingExtraError` without ``ccx`` and :class:`InputError` for a time limit or
     threads below zero.
@@ -171,14 +171,14 @@ def _execute(
             code = _wait(process, folder, time_limit, watch)
         finally:
             end(process)
-    words = _text(folder, "job.log")
+    output = _text(folder, "job.output")
     if code is None:
         why = f"CalculiX was stopped after {time_limit:g} s"
-        return Status("interrupted", why, remedy="raise the time limit or coarsen the mesh"), words
+        return Status("interrupted", why, remedy="raise the time limit or coarsen the mesh"), output
     if code == 0:
-        return None, words
-    reason = _reason(words) or f"it gave no reason and ended with code {code}"
-    return Status("not-converged", f"CalculiX gave up: {reason}", remedy=REMEDY), words
+        return None, output
+    reason = _reason(output) or f"it gave no reason and ended with code {code}"
+    return Status("not-converged", f"CalculiX gave up: {reason}", remedy=REMEDY), output
 
 
 def _wait(
@@ -223,12 +223,12 @@ def _reason(log: str) -> str:
         if line.startswith("*ERROR"):
             follow = lines[number + 1] if number + 1 < len(lines) else ""
             return " ".join(f"{line.removeprefix('*ERROR').lstrip(': ')} {follow}".split())
-    told = [
+    errors = [
         line
         for line in lines
         if "divergence" in line or "too many" in line.lower() or "smaller than minimum" in line
     ]
-    return told[-1] if told else ""
+    return errors[-1] if errors else ""
 
 
 def _text(folder: str, name: str) -> str:

@@ -109,11 +109,11 @@ class SolidContact:
     seats: bool = True
 
 
-def comment(words: str) -> str:
-    """``words`` as they may stand in a comment of the deck: one line of ASCII, at most 60
+def comment(sentence: str) -> str:
+    """``sentence`` made safe for a comment of the deck: one line of ASCII, at most 60
     characters.
     """
-    return "".join(char if " " <= char <= "~" else "?" for char in words[:60])
+    return "".join(char if " " <= char <= "~" else "?" for char in sentence[:60])
 
 
 def model_text(

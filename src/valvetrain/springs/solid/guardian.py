@@ -3,7 +3,7 @@ works for.
 
 ``guardian.py FOLDER PROGRAM ...``: when the pipe on standard input closes, because its master let
 it go or was killed, the program is
-killed with all that it started, and the work folder removed. It is run by itself and needs the
+killed with all that it started, and the work folder removed. It runs alone and needs the
 standard library alone.
 """
 

@@ -34,7 +34,7 @@ class InstalledStatics:
 def installed_statics(
     model: SolidSpring, installed: float, reach: float, modes: int = 12, points: int = 12
 ) -> InstalledStatics:
-    """Compress to ``installed`` (m, may be 0), find the lowest ``modes`` there, and go on to
+    """Compress to ``installed`` (m, may be 0), find the lowest ``modes`` there, and continue to
     ``reach`` (m).
 
     At least ``points`` increments up to the installed state, four beyond. A solver that gives up

@@ -1,4 +1,4 @@
-"""The solid model of one spring and what it is asked: static curve and modes about a compressed
+"""The solid model of one spring and its requests: static curve and modes about a compressed
 state.
 """
 
@@ -42,7 +42,7 @@ class SolidSpring:
     """Solid finite-element model of ``spring``. ``contact`` None leaves coils free to pass through
     each other.
 
-    ``time_limit`` (s) and ``threads`` bound each run of the solver; ``watch`` is told the solver
+    ``time_limit`` (s) and ``threads`` bound each run of the solver; ``watch`` is called with the solver
     time that a run has reached.
 
     >>> import valvetrain as vt

@@ -25,7 +25,7 @@ class NodalField:
     """One field: ``name`` (DISP, STRESS, ...), solver ``time``, ``nodes`` numbered from 1,
     ``values`` (nodes, components).
 
-    Stress components stand in the order xx, yy, zz, xy, yz, zx (MPa); displacements in mm.
+    Stress components are in the order xx, yy, zz, xy, yz, zx (MPa); displacements in mm.
     """
 
     name: str
@@ -222,11 +222,12 @@ class Printed:
 
     def modal(self, quantity: str, node_set: str, step: int = -1) -> list[Array]:
         """Rows of every mode of the modal step (-1 the last), in order."""
-        wanted = len(self.natural_frequencies) + step + 1 if step < 0 else step + 1
+        modal_step = len(self.natural_frequencies) + step + 1 if step < 0 else step + 1
         return [
             t.rows
             for t in self.tables
-            if (t.quantity, t.node_set, t.modal_step) == (quantity, node_set, wanted) and t.mode > 0
+            if (t.quantity, t.node_set, t.modal_step) == (quantity, node_set, modal_step)
+            and t.mode > 0
         ]
 
 

@@ -208,7 +208,7 @@ def _cut_below(section: SectionMesh, nodes: Array, level: float) -> Array:
 
 
 def _straightened(section: SectionMesh, mapped: Array, round_side: NDArray[np.bool_]) -> Array:
-    """Edge middles put between their corners, except on edges of the uncut circle: a middle beside
+    """Edge middles put between their corners, except on edges of the uncut circle: a middle next to
     a kink folds an element.
     """
     rim = np.zeros(len(mapped), dtype=bool)

@@ -45,7 +45,7 @@ def solid_spring(spring: InstalledSpring, options: SolidOptions) -> SolidSpring:
         )
     if spring.guide is not None:
         raise InputError(
-            f"spring '{spring.name}' stands in a guide, which solid finite elements do not know; remove it or use finite-element"
+            f"spring '{spring.name}' is in a guide, which solid finite elements do not support; remove it or use finite-element"
         )
     contact = SolidContact(seats=spring.seats != "clamps")
     mesh = MeshOptions(options.elements_per_coil, options.core, options.rings, ends="bonded")

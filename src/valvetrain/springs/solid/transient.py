@@ -128,21 +128,21 @@ def transient_solution(
     solver_time, retainer = printed.history("total force", "RETAINER")
     _, seat = printed.history("total force", "SEAT")
     _, axis = printed.history("displacements", "AXIS")
-    kept = _kept_increments(solver_time[: min(len(retainer), len(seat), len(axis))], job)
-    if len(kept) < 3:
+    chosen = _evenly_spaced(solver_time[: min(len(retainer), len(seat), len(axis))], job)
+    if len(chosen) < 3:
         return _empty_solution(model, job, output, case_name)
-    time = np.maximum(solver_time[kept] - job.duration, 0.0)
+    time = np.maximum(solver_time[chosen] - job.duration, 0.0)
     angle = job.first_angle + job.cam_speed * time
     coil, index, free = axis_motion.axis_points(model.mesh)
     moved = np.stack(
-        [axis_motion.averaged(axis[i], model.mesh, index, len(coil)) / MILLIMETRE for i in kept]
+        [axis_motion.averaged(axis[i], model.mesh, index, len(coil)) / MILLIMETRE for i in chosen]
     )
-    force = np.array([-retainer[i][0, 2] for i in kept])
+    force = np.array([-retainer[i][0, 2] for i in chosen])
     values: dict[str, Array] = {
         "valve_lift": np.asarray(job.lift_law.lift(angle), dtype=float),
         "retainer_velocity": np.asarray(job.lift_law.lift(angle, 1), dtype=float) * job.cam_speed,
         "retainer_force": force,
-        "seat_force": np.array([seat[i][0, 2] for i in kept]),
+        "seat_force": np.array([seat[i][0, 2] for i in chosen]),
         "axial_displacement": moved[:, :, 2] - moved[0, :, 2],
         "axial_position": free[None, :, 2] + moved[:, :, 2] - model.spring.lower_seat_height,
     }
@@ -151,28 +151,28 @@ def transient_solution(
         values["coil_gap"] = axis_motion.coil_gaps(
             model.spring, coil, free + moved, model.pairs, model.contact
         )
-        values["coil_contact_force"] = model.pair_forces(printed, len(retainer) + 1)[1:][kept]
+        values["coil_contact_force"] = model.pair_forces(printed, len(retainer) + 1)[1:][chosen]
     channels = spring_channels(
         time, angle, values, coil_number=coil, upper_coil=model.pairs if len(model.pairs) else None
     )
     return Solution(
         channels,
         status=replace(output.status, time=float(time[-1])),
-        statistics=_statistics(model, output, len(kept) - 1),
+        statistics=_statistics(model, output, len(chosen) - 1),
         provenance=_provenance(model, job, case_name),
     )
 
 
-def _kept_increments(solver_time: Array, job: TransientJob) -> list[int]:
+def _evenly_spaced(solver_time: Array, job: TransientJob) -> list[int]:
     """Printed increments from the end of the preload (at solver time job.duration) on, at least
     half a time step apart.
     """
-    kept: list[int] = []
+    chosen: list[int] = []
     for number, time in enumerate(solver_time):
         late = time >= job.duration * (1 - 1e-5)
-        if late and (not kept or time - solver_time[kept[-1]] >= 0.45 * job.time_step):
-            kept.append(number)
-    return kept
+        if late and (not chosen or time - solver_time[chosen[-1]] >= 0.45 * job.time_step):
+            chosen.append(number)
+    return chosen
 
 
 def _balanced_seat_force(

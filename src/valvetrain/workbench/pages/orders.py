@@ -39,7 +39,7 @@ def models_for(case: Case, chosen: Sequence[str] = ()) -> list[dict[str, Any]]:
     usual first one is ticked.
     """
     springs = springs_of(case)
-    fit = [spec for spec in map(spring_model, registry.words("springs")) if _fits(spec, springs)]
+    fit = [spec for spec in map(spring_model, registry.names("springs")) if _fits(spec, springs)]
     words = [spec.word for spec in fit]
     ticked = [word for word in chosen if word in words] or [
         word for word in (FIRST_MODEL, *default_models(springs)) if word in words
