@@ -22,7 +22,7 @@ from valvetrain.runs.cost import Limits
 from valvetrain.workbench import job_process
 from valvetrain.workbench.answers import numbers, sections
 from valvetrain.workbench.jobs import JobRequest, Jobs
-from valvetrain.workbench.requests import check_request, command_words, request_json, request_of
+from valvetrain.workbench.requests import check_request, command_arguments, request_json, request_of
 from valvetrain.workbench.workspace import Workspace
 from workbench_parts import SMALL, lives, stand_in, wait_for
 
@@ -115,7 +115,7 @@ def test_the_longest_time_ends_a_job(workspace, fake):
     assert (
         found.state == "failed"
         and "the longest time of a job" in found.error
-        and "is kept" in found.error
+        and "is saved" in found.error
     )
 
 
@@ -226,7 +226,7 @@ def test_no_word_of_a_request_can_be_an_option_of_its_own():
     """
     evil = "--output=/tmp/x"
     asked = JobRequest("run", "small", (evil,), evil, (evil,), {evil: evil}, {}, "", True)
-    words = command_words(asked, evil, 2, Limits(), evil)
+    words = command_arguments(asked, evil, 2, Limits(), evil)
     flags = (
         "--json",
         "--limit=",

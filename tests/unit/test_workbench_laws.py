@@ -15,7 +15,7 @@ from valvetrain.errors import InputError
 from valvetrain.parameters.loading import LIBRARY, library_names
 from valvetrain.parameters.templates import KINDS, template_text
 from valvetrain.registry import names as registered_names
-from valvetrain.workbench.lift_laws import KEPT, law_of, with_law, with_law_of
+from valvetrain.workbench.lift_laws import STORE, law_of, with_law, with_law_of
 from valvetrain.workbench.workspace import Workspace
 from workbench_parts import SMALL, SPRING
 
@@ -133,16 +133,16 @@ def test_notes_stand_over_the_law_that_they_describe(workspace):
 def test_what_is_kept_of_a_law_is_no_file_of_the_case(workspace):
     case = workspace.upload("mine.toml", SMALL.encode())
     workspace.change_law(case, "zero")
-    assert (workspace.case_folder(case) / KEPT).is_file()
+    assert (workspace.case_folder(case) / STORE).is_file()
     assert (
         workspace.files(case) == {}
         and workspace.side_files(case) == []
         and workspace.stamps(case) == ()
     )
     for call in (
-        lambda: workspace.side_file(case, KEPT),
-        lambda: workspace.attach(case, KEPT, b"{}"),
-        lambda: workspace.detach(case, KEPT),
+        lambda: workspace.side_file(case, STORE),
+        lambda: workspace.attach(case, STORE, b"{}"),
+        lambda: workspace.detach(case, STORE),
     ):
         with pytest.raises(InputError):
             call()
@@ -172,7 +172,7 @@ def test_what_is_kept_of_a_law_is_no_file_of_the_case(workspace):
 def test_what_is_kept_may_be_damaged(workspace, tmp_path, content):
     case = workspace.upload("mine.toml", SMALL.encode())
     workspace.change_law(case, "zero")
-    path = workspace.case_folder(case) / KEPT
+    path = workspace.case_folder(case) / STORE
     path.unlink()
     (tmp_path / "outside").write_text("{}")
     os.symlink(tmp_path / "outside", path) if content is None else path.write_bytes(content)
@@ -188,7 +188,7 @@ def test_the_file_that_reads_becomes_the_lift_law(workspace, kind):
     workspace.attach(case, "a-readme.txt", b"hello")
     with pytest.raises(InputError, match=r"a-readme.txt.*download"):
         workspace.change_law(case, kind)
-    assert workspace.text(case) == SMALL and not (workspace.case_folder(case) / KEPT).exists()
+    assert workspace.text(case) == SMALL and not (workspace.case_folder(case) / STORE).exists()
     workspace.attach(case, "b-lift.txt", LIFTS)
     workspace.attach(case, "c-notes.txt", b"a word")
     workspace.change_law(case, kind)
@@ -205,7 +205,7 @@ def test_a_law_whose_file_has_gone_is_made_of_another_or_refused(workspace):
     workspace.change_law(case, "polynomial")
     workspace.detach(case, "lift.txt")
     with pytest.raises(
-        InputError, match=r"last told reads no more \(.*lift.txt.*add it below 'Files of this case'"
+        InputError, match=r"are no longer readable \(.*lift.txt.*add it below 'Files of this case'"
     ):
         workspace.change_law(case, "table")
     workspace.attach(case, "other.txt", LIFTS)

@@ -19,7 +19,7 @@ from valvetrain.workbench.pages.orders import choices_for, request_of, sets_for
 from valvetrain.workbench.requests import (
     JobRequest,
     check_request,
-    command_words,
+    command_arguments,
     cost_of,
     study_text,
 )
@@ -59,12 +59,12 @@ def test_chosen_sets_reach_the_command_line(kind):
     train = load_case("tdi-pushrod")
     request = request_of("tdi-pushrod", WISH | {"kind": kind, "sets": ["stock", "performance"]})
     check_request(request, train)
-    words = command_words(request, "case.toml", 1, Limits(1.0, 1e6), "")
+    words = command_arguments(request, "case.toml", 1, Limits(1.0, 1e6), "")
     told = [word.partition("=")[2] for word in words if word.startswith("--spring-set=")]
     assert read_names(told) == ("stock", "performance")
     assert not [
         word
-        for word in command_words(
+        for word in command_arguments(
             request_of("c", WISH | {"sets": None}), "f", 1, Limits(1.0, 1e6), ""
         )
         if "spring-set" in word

@@ -19,7 +19,7 @@ from types import SimpleNamespace
 import pytest
 
 from valvetrain.errors import InputError
-from valvetrain.parameters import schema_case as kept_tables
+from valvetrain.parameters import schema_case as table_cache
 from valvetrain.parameters.loading import parse_case
 from valvetrain.workbench import lift_laws
 from valvetrain.workbench import saved_runs as saved_tests
@@ -218,7 +218,7 @@ def test_a_table_is_read_once_while_it_stays_as_it_is(workspace, table, monkeypa
     monkeypatch.setattr(
         spline, "read_lift", lambda path, answers: names.append(path.name) or read(path, answers)
     )
-    kept_tables._kept.clear()
+    table_cache._cache.clear()
     first = workspace.read(table).lift_law
     for mass in ("45 g", "46 g"):
         workspace.set_value(table, "spring.mass", mass)
@@ -238,13 +238,13 @@ def test_a_table_is_read_once_while_it_stays_as_it_is(workspace, table, monkeypa
 
 
 def test_tables_that_are_kept_are_few(tmp_path):
-    for place in range(2 * kept_tables.MAX_KEPT):
+    for place in range(2 * table_cache.MAX_CACHED):
         peak = 9 + place / 100
         (tmp_path / "lift.txt").write_bytes(lifts(peak))
         assert max(
             parse_case(SPRING + TABLE, "case", tmp_path).lift_law.values["lifts"]
         ) == pytest.approx(peak * 1e-3, rel=1e-4)
-    assert len(kept_tables._kept) <= kept_tables.MAX_KEPT
+    assert len(table_cache._cache) <= table_cache.MAX_CACHED
 
 
 # -- a full disk

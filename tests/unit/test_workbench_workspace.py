@@ -113,7 +113,7 @@ def test_a_case_names_no_file_elsewhere(workspace, file):
     by value.
     """
     table = f"[lift_law]\nkind = 'measured'\nfile = {json.dumps(file)}\n"
-    with pytest.raises(InputError, match="not beside the case"):
+    with pytest.raises(InputError, match="not next to the case"):
         workspace.upload("a.toml", table.encode())
     name, law = (
         workspace.upload("small.toml", SMALL.encode()),
@@ -130,7 +130,7 @@ def test_a_case_names_no_file_elsewhere(workspace, file):
             lambda: jobs.submit(JobRequest("run", name, settings={"lift_law": law})),
             lambda: jobs.submit(JobRequest("study", name, study=study)),
         ):
-            with pytest.raises(InputError, match="not beside the case"):
+            with pytest.raises(InputError, match="not next to the case"):
                 change()
 
 
@@ -143,9 +143,9 @@ def test_the_process_of_a_job_opens_no_file_elsewhere(tmp_path, monkeypatch, fil
     text = f"[lift_law]\nkind = 'table'\nfile = {json.dumps(file)}\nangle_of = 'cam'\nangle_unit = 'deg'\nlift_unit = 'mm'\n"
     with pytest.raises(InputError) as opened:
         parse_case(text, "case", tmp_path)
-    assert "elsewhere than beside the case" not in str(opened.value)
+    assert "elsewhere than next to the case" not in str(opened.value)
     monkeypatch.setenv(SIDE_FILES_VARIABLE, "1")
-    with pytest.raises(InputError, match="elsewhere than beside the case"):
+    with pytest.raises(InputError, match="elsewhere than next to the case"):
         parse_case(text, "case", tmp_path)
     with pytest.raises(InputError):
         collect_inputs("case", text, tmp_path, {})

@@ -1,4 +1,4 @@
-"""What a kept run says: its numbers, figures and tables as its report has them, and beside another
+"""Answers of a saved run: its numbers, figures and tables as its report has them, and next to another
 run or test data.
 """
 
@@ -57,7 +57,7 @@ class Number:
     value : the value in ``unit`` (as shown), None where it is not finite
     unit : unit shown
     run : label and speed of the run it belongs to, empty for what belongs to the case
-    topic : what it answers, empty for the numbers that nobody asks for first
+    topic : what it answers, empty for the numbers that are not shown first
     """
 
     name: str
@@ -70,7 +70,7 @@ class Number:
 
 @dataclass(frozen=True, eq=False)
 class RunsCompared:
-    """Two runs side by side: ``inputs`` that differ, ``results`` that differ (what is asked first,
+    """Two runs side by side: ``inputs`` that differ, ``results`` that differ (headline numbers first,
     then the largest difference).
     """
 
@@ -90,11 +90,11 @@ class Overlaid:
 
 
 def numbers(run: Run) -> list[Number]:
-    """The numbers of a run in the units shown, what is asked first in front.
+    """The numbers of a run in the units shown, headline numbers first.
 
     Parameters
     ----------
-    run : a kept run (:meth:`Workspace.run`)
+    run : a saved run (:meth:`Workspace.run`)
     """
     place = {
         name: (row, topic)
@@ -103,8 +103,8 @@ def numbers(run: Run) -> list[Number]:
         )
     }
     found = [
-        _number(name, told, whose, place.get(name, (0, ""))[1])
-        for whose, name, told in _quantities(run.answer)
+        _number(name, entry, whose, place.get(name, (0, ""))[1])
+        for whose, name, entry in _quantities(run.answer)
     ]
     return sorted(found, key=lambda one: place.get(one.name, (len(place), ""))[0])
 
@@ -151,8 +151,8 @@ def overlay(
 
     Parameters
     ----------
-    run : a kept run
-    name : name of the file of the test, whose ending is kept
+    run : a saved run
+    name : name of the file of the test, whose ending stays
     test_data : its content
     quantity, channel : as ``--quantity`` and ``--channel``
 
@@ -202,7 +202,7 @@ def against(
 
 
 def saved_study(run: Run) -> tuple[Study, Case]:
-    """The study of a kept run with its solutions read from disk, and its case.
+    """The study of a saved run with its solutions read from disk, and its case.
 
     Raises :class:`InputError` for a run without solutions, as a sweep keeps none, and for damaged
     files.
@@ -222,7 +222,8 @@ def saved_study(run: Run) -> tuple[Study, Case]:
             "test",
         )
     still = {
-        str(name): _values(told) for name, told in run.answer.get("quantities_by_label", {}).items()
+        str(name): _values(entry)
+        for name, entry in run.answer.get("quantities_by_label", {}).items()
     }
     still = {"": _values(run.answer.get("quantities", {}))} | still
     return Study(
@@ -235,8 +236,8 @@ def _read(page: Path, _: int) -> tuple[PageSection, ...]:
     return read_page(page)
 
 
-def _values(told: Any) -> dict[str, float]:
-    rows = told.items() if isinstance(told, Mapping) else ()
+def _values(entry: Any) -> dict[str, float]:
+    rows = entry.items() if isinstance(entry, Mapping) else ()
     return {
         name: float(one["value"])
         for name, one in rows
@@ -246,8 +247,8 @@ def _values(told: Any) -> dict[str, float]:
 
 def _quantities(answer: Mapping[str, Any]) -> Iterator[tuple[str, str, Mapping[str, Any]]]:
     """(label and speed, name, value with its unit) of every quantity of an answer."""
-    for told in (answer.get("runs"),):
-        for one in told if isinstance(told, list) else ():
+    for entry in (answer.get("runs"),):
+        for one in entry if isinstance(entry, list) else ():
             speed = one.get("engine_speed")
             known = isinstance(speed, Mapping) and isinstance(speed.get("value"), (int, float))
             at = f", {speed['value']:.10g} {speed.get('unit', 'rpm')}" if known else ""
@@ -256,18 +257,18 @@ def _quantities(answer: Mapping[str, Any]) -> Iterator[tuple[str, str, Mapping[s
                 for name, row in _rows(one.get("quantities"))
             )
     yield from (("", name, row) for name, row in _rows(answer.get("quantities")))
-    for label, told in (answer.get("quantities_by_label") or {}).items():
-        yield from ((str(label), name, row) for name, row in _rows(told))
+    for label, entry in (answer.get("quantities_by_label") or {}).items():
+        yield from ((str(label), name, row) for name, row in _rows(entry))
 
 
-def _rows(told: Any) -> Iterator[tuple[str, Mapping[str, Any]]]:
-    for name, row in told.items() if isinstance(told, Mapping) else ():
+def _rows(entry: Any) -> Iterator[tuple[str, Mapping[str, Any]]]:
+    for name, row in entry.items() if isinstance(entry, Mapping) else ():
         if isinstance(row, Mapping) and "value" in row:
             yield str(name), row
 
 
-def _number(name: str, told: Mapping[str, Any], whose: str, topic: str) -> Number:
-    value, unit = told.get("value"), str(told.get("unit", ""))
+def _number(name: str, entry: Mapping[str, Any], whose: str, topic: str) -> Number:
+    value, unit = entry.get("value"), str(entry.get("unit", ""))
     if isinstance(value, (int, float)) and is_defined(name):
         found, unit = shown(name, float(value))
         return Number(name, label_of(name), float(found), unit, whose, topic)

@@ -23,7 +23,7 @@ from valvetrain.errors import InputError, MissingExtraError
 if TYPE_CHECKING:
     from valvetrain.workbench.settings import ServeSettings
 
-#: Usual bounds of one job.
+#: Default bounds of one job.
 DEFAULT_LIMITS = ("1 h", "4 GB")
 PORT, DEFAULT_FOLDER = 8420, Path("workbench")
 MISSING = (
@@ -137,7 +137,7 @@ def _serve(
         tell(
             "the server has ended"
             + (
-                f"; {going} running jobs were stopped, what they had finished is kept"
+                f"; {going} running jobs were stopped, what they had finished is saved"
                 if going
                 else ""
             )
@@ -150,7 +150,7 @@ def _serve(
 def _ended_by_signals() -> Iterator[None]:
     """While a server runs, a signal ends it and nothing else: where an event loop runs, the loop's
     server has its own way of ending, and an
-    exception in the midst of it would be told as a fault."""
+    exception in the midst of it would be reported as a fault."""
 
     def end(number: int, _: Any) -> None:
         try:

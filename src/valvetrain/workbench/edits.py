@@ -72,7 +72,7 @@ def with_name(text: str, name: str) -> str:
 
 def refuse_foreign_files(text: str, changes: Mapping[str, Any] | None = None) -> None:
     """Refuse a case, as it is with ``changes`` (key path -> value), that names a file elsewhere
-    than beside it, whatever reads it later.
+    than next to it, whatever reads it later.
 
     Raises :class:`InputError` with the name, or where a change leads nowhere.
     """
@@ -85,7 +85,7 @@ def refuse_foreign_files(text: str, changes: Mapping[str, Any] | None = None) ->
         if not _PLAIN_FILE.fullmatch(name) or ".." in name:
             shown = clipped(name, 60)
             raise InputError(
-                f"names the file '{shown}', which is not beside the case; add the file and name it plainly, as in 'lift.csv'",
+                f"names the file '{shown}', which is not next to the case; add the file and name it plainly, as in 'lift.csv'",
                 "file",
             )
 

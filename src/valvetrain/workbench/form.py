@@ -53,7 +53,7 @@ class Field:
     kind : ``number`` (with a unit), ``text``, ``choice`` (one of ``choices``), ``flag`` (true,
         false), ``curve`` (over the coils)
     value_text : as written in the file, empty where it is left out
-    unit : usual unit, in which ``limits`` are told
+    unit : default unit, in which ``limits`` are given
     limits : lowest and highest value in ``unit``, None for none
     help : what it means
     source : where the value comes from (status and source of its note)
@@ -310,7 +310,7 @@ class _Form:
         return FieldGroup(key, title, tuple(found))
 
     def source(self, path: str) -> str:
-        """Status and source of a value: its own note, else that of the table it stands in."""
+        """Status and source of a value: its own note, else that of its table."""
         parts = path.split(".")
         for length in range(len(parts), 0, -1):
             note = self.notes.get(".".join(parts[:length]))
@@ -322,11 +322,11 @@ class _Form:
 def _steel(place: str, word: str) -> Field:
     """A contact, or all of them, given by one word."""
     key = f"train.contacts.{place}".rstrip(".")
-    label, told = (
+    label, hint = (
         f"contact at the {text_of(place)}" if place else "all contacts",
         "contact stiffness: default steel values; or a table for each contact",
     )
-    return Field(key, label, "text", word, help=told, choices=(STEEL,))
+    return Field(key, label, "text", word, help=hint, choices=(STEEL,))
 
 
 def _field(made: FieldOf, source: str) -> Field:

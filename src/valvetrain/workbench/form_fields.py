@@ -45,7 +45,7 @@ HELP = {
     "cam_speeds": "speeds of the cam, in place of those of the crank", "kind": "which law or train",
     "maximum_lift": "largest lift", "opening_start": "where the lift begins", "opening_end": "where the largest lift is reached",
     "closing_start": "where it is left", "closing_end": "where the valve is closed", "cam_angles": "angles of the stations",
-    "lifts": "lifts at the stations", "file": "table beside the case", "base_radius": "radius of the base circle",
+    "lifts": "lifts at the stations", "file": "table next to the case", "base_radius": "radius of the base circle",
     "pivot": "point the lever turns about, from the cam centre", "drive_arm": "pivot to the point that the cam or pushrod moves",
     "inertia": "moment of inertia about the pivot", "mass": "moving mass", "stiffness": "force per way",
     "law": "how a contact presses", "radius": "of the crank", "rod_length": "of the connecting rod",
@@ -207,7 +207,7 @@ def _unit(form: _Form) -> str:
 
 
 def _number(value: Any, form: _Form, unit: str) -> tuple[float | None, str]:
-    """A value and its unit: the one it is written in, else the usual one; None where it is no
+    """A value and its unit: the one it is written in, else the default one; None where it is no
     single number or refused.
     """
     if isinstance(value, bool) or not isinstance(value, (str, int, float)):

@@ -19,7 +19,7 @@ from valvetrain.parameters.bounded_file import SIDE_FILES_VARIABLE
 from valvetrain.runs.cost import Limits, duration_text, memory_text
 from valvetrain.runs.run_folders import unfinished_runs
 from valvetrain.solution.atomic import is_living, write_bytes, write_text
-from valvetrain.workbench.requests import JobRequest, command_words, study_text
+from valvetrain.workbench.requests import JobRequest, command_arguments, study_text
 from valvetrain.workbench.saved_runs import STUDIES
 from valvetrain.workbench.store import inside, writing
 from valvetrain.workbench.supervisor import GRACE, MEMORY_UP, TIME_UP, read_progress
@@ -75,14 +75,14 @@ def wait_until_left(workspace: Workspace, job_id: str) -> None:
         time.sleep(0.1)
 
 
-def settle(workspace: Workspace, job_id: str, state: str, words: str) -> Outcome:
+def settle(workspace: Workspace, job_id: str, state: str, sentence: str) -> Outcome:
     """How a job ended that was not watched to its end: a run with what it had, or folders of runs
     it left.
     """
     answer = _answer(workspace.jobs_folder / job_id)
     if run_id := _run_id(workspace, answer):
-        return Outcome(state, f"{words}; what it had finished is kept", run_id)
-    return Outcome(state, f"{words}{_left(workspace, job_id)}; start it again")
+        return Outcome(state, f"{sentence}; what it had finished is saved", run_id)
+    return Outcome(state, f"{sentence}{_left(workspace, job_id)}; start it again")
 
 
 class JobProcess:
@@ -106,7 +106,7 @@ class JobProcess:
             limits,
         )
         self._process: subprocess.Popen[bytes] | None = None
-        self._asked = ""
+        self._requested_end = ""
         self._share, self._text, self._begun = 0.0, "starting", 0.0
 
     @property
@@ -121,7 +121,7 @@ class JobProcess:
         return share, self._text, left
 
     def cancel(self) -> None:
-        """Ask the job to stop because nobody wants it any more."""
+        """Ask the job to stop because it was cancelled."""
         self._end("cancelled")
 
     def stop(self) -> None:
@@ -136,9 +136,9 @@ class JobProcess:
             if self.request.kind == "study"
             else f"{self.request.case}.toml"
         )
-        kept = f"runs/{STUDIES}/{self.request.case}-{self.job_id}"
-        words = command_words(
-            self.request, f"jobs/{self.job_id}/{name}", self.workers, self.limits, kept
+        saved = f"runs/{STUDIES}/{self.request.case}-{self.job_id}"
+        sentence = command_arguments(
+            self.request, f"jobs/{self.job_id}/{name}", self.workers, self.limits, saved
         )
         bounds = [str(self.limits.seconds), str(self.limits.bytes), str(folder / LOCK)]
         reading, writing = os.pipe()
@@ -155,15 +155,15 @@ class JobProcess:
                 (folder / COMPLAINTS).open("wb") as complaints,
             ):
                 self._process = subprocess.Popen(
-                    [*SUPERVISOR, *bounds, *words], cwd=self.workspace.folder, env=environment,
+                    [*SUPERVISOR, *bounds, *sentence], cwd=self.workspace.folder, env=environment,
                     stdin=subprocess.PIPE, stdout=answer, stderr=complaints, pass_fds=(writing,), start_new_session=True,
                 )  # fmt: skip
         finally:
             os.close(writing)
-        if self._asked:
-            self._end(self._asked)
-        with os.fdopen(reading, "rb") as told:
-            for line in told:
+        if self._requested_end:
+            self._end(self._requested_end)
+        with os.fdopen(reading, "rb") as report_lines:
+            for line in report_lines:
                 self._hear(line)
         code = self._process.wait()
         self._close()
@@ -178,7 +178,7 @@ class JobProcess:
 
     def _end(self, state: str) -> None:
         """The end of its standard input is what asks the process to stop."""
-        self._asked, self._text = self._asked or state, "stopping"
+        self._requested_end, self._text = self._requested_end or state, "stopping"
         if self._process is not None:
             self._close()
 
@@ -190,20 +190,20 @@ class JobProcess:
     def _outcome(self, folder: Path, code: int) -> Outcome:
         answer = _answer(folder)
         run_id, share = _run_id(self.workspace, answer), self._share
-        kept = "; what it had finished is kept" if run_id else _left(self.workspace, self.job_id)
+        saved = "; what it had finished is saved" if run_id else _left(self.workspace, self.job_id)
         if code == TIME_UP:
-            words = f"was stopped after {duration_text(self.limits.seconds)}, the longest time of a job{kept}; ask for fewer speeds or models"
-            return Outcome("failed", words, run_id, share)
+            sentence = f"was stopped after {duration_text(self.limits.seconds)}, the longest time of a job{saved}; ask for fewer speeds or models"
+            return Outcome("failed", sentence, run_id, share)
         if code == MEMORY_UP:
-            words = f"was stopped because it took more than {memory_text(self.limits.bytes)}, the largest memory of a job{kept}"
-            return Outcome("failed", f"{words}; ask for fewer speeds or elements", run_id, share)
-        if self._asked:
-            words = {
+            sentence = f"was stopped because it took more than {memory_text(self.limits.bytes)}, the largest memory of a job{saved}"
+            return Outcome("failed", f"{sentence}; ask for fewer speeds or elements", run_id, share)
+        if self._requested_end:
+            sentence = {
                 "cancelled": "was cancelled",
                 "interrupted": "the server ended while this job ran",
-            }[self._asked]
-            return Outcome(self._asked, f"{words}{kept}", run_id, share)
-        sentences = [str(words) for words in answer.get("failures", ()) or ()]
+            }[self._requested_end]
+            return Outcome(self._requested_end, f"{sentence}{saved}", run_id, share)
+        sentences = [str(sentence) for sentence in answer.get("failures", ()) or ()]
         if run_id and (code == 0 or _some_completed(answer)):
             return Outcome("finished", "; ".join(sentences[:3]), run_id, 1.0)
         return Outcome(
@@ -227,7 +227,7 @@ def _answer(folder: Path) -> dict[str, Any]:
 
 
 def _run_id(workspace: Workspace, answer: dict[str, Any]) -> str:
-    """Id of the run that the command kept, empty where there is none."""
+    """Id of the run that the command saved, empty where there is none."""
     folder = answer.get("folder")
     if not isinstance(folder, str) or not (workspace.folder / folder).is_dir():
         return ""

@@ -1,7 +1,7 @@
 """Jobs: runs, comparisons, sweeps and studies, each in a process of its own that a server starts,
 watches, bounds and ends.
 
-What a job was asked and how it went stands in the database, so that a closed tab and a server that
+The request of a job and its outcome are in the database, so that a closed tab and a server that
 is started again find it.
 """
 
@@ -32,7 +32,7 @@ from valvetrain.workbench.requests import (
     changes_of,
     check_request,
     cost_of,
-    cost_words,
+    cost_text,
     request_json,
     request_of,
 )
@@ -42,7 +42,7 @@ __all__ = ["JobKind", "JobRequest", "JobState", "JobStatus", "Jobs"]
 
 JobState = Literal["queued", "running", "finished", "failed", "cancelled", "interrupted"]
 #: Jobs that the database keeps; older ones that have ended are forgotten, their runs stay.
-MAX_KEPT = 1000
+MAX_ENDED = 1000
 _COLUMNS = "id, case_name, kind, state, share, text, seconds_left, error, run_id, created_at, started_at, ended_at"
 
 
@@ -59,7 +59,7 @@ class JobStatus:
     seconds_left : estimate (s), None while nothing can be said
     error : sentence where it failed or was interrupted, and on parts that a finished one could not
         do
-    run_id : the kept run, empty while there is none; a cancelled or interrupted job may have one
+    run_id : the saved run, empty while there is none; a cancelled or interrupted job may have one
         with what was finished
     created_at, started_at, ended_at : seconds since the epoch, None where not yet
     """
@@ -86,7 +86,7 @@ class JobStatus:
 class Jobs:
     """The jobs of a workspace; use it as a context, or call :meth:`stop` at the end.
 
-    Jobs that a killed server left running are ``interrupted``; those that waited go on.
+    Jobs that a killed server left running are ``interrupted``; those that waited continue.
 
     Parameters
     ----------
@@ -124,7 +124,7 @@ class Jobs:
         """Put a job in the queue; its id. Raises :class:`InputError` for a case or choice that is
         refused, and beyond the bounds.
         """
-        with self.workspace.turn:  # the files beside a case stay those that its text names
+        with self.workspace.turn:  # the files of a case stay those that its text names
             job_id = self._queued(request)
         self._forget()
         return job_id
@@ -158,7 +158,7 @@ class Jobs:
         return [self._with_progress(JobStatus(*row)) for row in rows]
 
     def request(self, job_id: str) -> JobRequest:
-        """What was asked of a job. Raises :class:`InputError` for an unknown id."""
+        """The request of a job. Raises :class:`InputError` for an unknown id."""
         with self.workspace.store.connected() as base:
             row = base.execute("SELECT request FROM jobs WHERE id = ?", (str(job_id),)).fetchone()
         if row is None:
@@ -168,7 +168,7 @@ class Jobs:
         return request_of(row["request"])
 
     def cancel(self, job_id: str) -> None:
-        """Stop a job; what was finished is kept. Nothing where it has ended."""
+        """Stop a job; what was finished is saved. Nothing where it has ended."""
         with self._changed:
             if (process := self._running.get(job_id)) is not None:
                 process.cancel()
@@ -176,7 +176,7 @@ class Jobs:
             self._end(job_id, Outcome("cancelled"), ("queued",))
 
     def restart(self, job_id: str) -> str:
-        """Start a job that ended again, as it was asked and with its case as it now stands; the new
+        """Start a job that ended again, with its request and its case as it is now; the new
         id.
         """
         if not self.status(job_id).ended:
@@ -205,7 +205,7 @@ class Jobs:
     def _check(self, request: JobRequest, text: str) -> str:
         case = self.workspace.parse(request.case, text, changes_of(request) or None)
         check_request(request, case)
-        return cost_words(cost_of(request, case, self.workers), self.limits)
+        return cost_text(cost_of(request, case, self.workers), self.limits)
 
     def _queued(self, request: JobRequest) -> str:
         text = self.workspace.text(request.case)
@@ -335,11 +335,11 @@ class Jobs:
 
     def _forget(self) -> None:
         """Forget the oldest ended jobs beyond :data:`MAX_KEPT`, and the inputs of those that
-        nobody will start again.
+        will not be started again.
         """
         with self.workspace.store.connected() as base:
             query = "SELECT id FROM jobs WHERE state NOT IN ('queued', 'running') ORDER BY created_at DESC LIMIT -1 OFFSET ?"
-            old = [row["id"] for row in base.execute(query, (MAX_KEPT,))]
+            old = [row["id"] for row in base.execute(query, (MAX_ENDED,))]
             base.executemany("DELETE FROM jobs WHERE id = ?", [(one,) for one in old])
         for one in old:
             shutil.rmtree(self.workspace.jobs_folder / one, ignore_errors=True)

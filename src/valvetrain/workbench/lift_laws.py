@@ -1,4 +1,4 @@
-"""A lift law of another kind: what both kinds know stays, and what a kind last told comes back when
+"""A lift law of another kind: values common to both kinds stay, and the last values of a kind return when
 it is chosen again.
 """
 
@@ -23,11 +23,11 @@ from valvetrain.workbench.edits import opened, saved
 from valvetrain.workbench.side_files import names_in
 from valvetrain.workbench.starts import assumed
 
-#: What a case keeps of the kinds that its lift law had, beside the case; hidden, so that nothing
+#: File next to the case with the kinds that its lift law had; hidden, so that nothing
 #: hands it out or takes it for an input.
-KEPT = ".lift-laws.json"
+STORE = ".lift-laws.json"
 #: Larger ones are not read (bytes).
-MAX_KEPT = 100_000_000
+MAX_STORE_BYTES = 100_000_000
 #: Values that the tables of lift laws begin with.
 _LAW = {
     "maximum_lift": "9 mm", "opening_start": "115 deg", "opening_end": "180 deg", "closing_start": "180 deg", "closing_end": "245 deg",
@@ -47,7 +47,7 @@ def with_law(text: str, kind: str, files: Sequence[str]) -> str:
     rest is assumed to begin with.
 
     Notes on the whole law go, and what the zero of its angle means where its numbers do not stay.
-    ``files``: names of the files beside the
+    ``files``: names of the files next to the
     case, of which a law that reads one gets the first. Raises :class:`InputError` for an unknown
     kind, and for one that reads a file where
     there is none.
@@ -86,14 +86,16 @@ def with_law(text: str, kind: str, files: Sequence[str]) -> str:
 
 def law_of(text: str) -> str:
     """The lift law of the case file ``text`` as a text of its own, with its comments where it
-    stands in one table.
+    is in one table.
     """
     tree = {"lift_law": tomllib.loads(text)["lift_law"]}
     found = ""
     with suppress(InputError, AttributeError, LookupError, TypeError, ValueError):
         law = opened(text)["lift_law"]
-        words = law.as_string()
-        found = f"lift_law = {words}\n" if words.startswith("{") else f"{_HEAD}{words}"
+        table_text = law.as_string()
+        found = (
+            f"lift_law = {table_text}\n" if table_text.startswith("{") else f"{_HEAD}{table_text}"
+        )
         if tomllib.loads(found) == tree:
             return found
     return toml_text(tree)
@@ -149,7 +151,7 @@ def _in_one_table(document: Any) -> Any:
 
 
 class CachedLaws:
-    """What the kinds of the lift law of a case last told, in a file beside it.
+    """The last values of each kind of the lift law of a case, in a file next to it.
 
     Parameters
     ----------
@@ -157,10 +159,10 @@ class CachedLaws:
     """
 
     def __init__(self, folder: Path) -> None:
-        self._path = folder / KEPT
+        self._path = folder / STORE
         found: Any = None
         with suppress(OSError, ValueError, RecursionError):
-            if not self._path.is_symlink() and self._path.stat().st_size <= MAX_KEPT:
+            if not self._path.is_symlink() and self._path.stat().st_size <= MAX_STORE_BYTES:
                 found = json.loads(self._path.read_text("utf-8"))
         read: dict[str, dict[str, str]] = {"told": {}, "begun": {}}
         for part, laws in read.items():
@@ -172,12 +174,12 @@ class CachedLaws:
                     if isinstance(law, str)
                 }
             )
-        self._told, self._begun = read["told"], read["begun"]
+        self._last_values, self._begun = read["told"], read["begun"]
 
     def changed(
         self, text: str, kind: str, files: Sequence[str], read: Callable[[str], object]
     ) -> str:
-        """The case file ``text`` with a law of ``kind``: what that last told, else what is made of
+        """The case file ``text`` with a law of ``kind``: its last values, else what is made of
         ``text``.
 
         Of ``files`` the first that reads as one is named. ``read`` reads a case file, or raises
@@ -203,17 +205,17 @@ class CachedLaws:
             if not refused:
                 raise
             raise InputError(
-                f"what kind '{kind}' last told reads no more ({refused}); {error.reason}",
+                f"the last values of kind '{kind}' are no longer readable ({refused}); {error.reason}",
                 "lift_law.kind",
             ) from None
-        told = f"kind '{kind}' needs more than this lift law tells ({refused})"
+        reason = f"kind '{kind}' needs more than this lift law tells ({refused})"
         raise InputError(
-            f"{told}; write its table in the downloaded case, and open that", "lift_law.kind"
+            f"{reason}; write its table in the downloaded case, and open that", "lift_law.kind"
         )
 
     def _texts(self, text: str, kind: str, files: Sequence[str]) -> Iterator[str]:
         """Case files to try, the first that reads being the one."""
-        law = self._told.get(kind)
+        law = self._last_values.get(kind)
         if law is not None and kind in registry.names("lifts"):
             with suppress(ValueError):
                 if kind_of(law) == kind:
@@ -229,15 +231,16 @@ class CachedLaws:
         """Keep what the law of the case file ``text`` tells before that of ``made`` takes its
         place, but where it was only begun.
         """
-        told, begun = law_of(text), law_of(made)
-        if not _same(told, self._begun.get(kind_of(text))):
-            self._told[kind_of(text)] = told
-        if _same(begun, self._told.get(kind_of(made))):
+        reason, begun = law_of(text), law_of(made)
+        if not _same(reason, self._begun.get(kind_of(text))):
+            self._last_values[kind_of(text)] = reason
+        if _same(begun, self._last_values.get(kind_of(made))):
             self._begun.pop(kind_of(made), None)
         else:
             self._begun[kind_of(made)] = begun
         write_text(
-            self._path, json.dumps({"told": self._told, "begun": self._begun}, ensure_ascii=False)
+            self._path,
+            json.dumps({"told": self._last_values, "begun": self._begun}, ensure_ascii=False),
         )
 
 

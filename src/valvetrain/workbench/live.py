@@ -42,7 +42,7 @@ class LiveResult:
     sentence : what went wrong, or is to be said of the curve; empty where there is nothing
     quantities : words -> (value, unit shown) of a few numbers, such as the largest force
     engine_speed : crank speed (rpm)
-    skipped : no curve was computed, for a newer one was asked for meanwhile
+    skipped : no curve was computed, for a newer one was requested meanwhile
     """
 
     angle_deg: tuple[float, ...] = ()
@@ -126,20 +126,20 @@ class LiveChain:
 
 class _Worker:
     """The process, started at its first use and again after it was ended; ``warm``: it computes a
-    curve before it is asked for one.
+    curve before the first request.
     """
 
     def __init__(
         self, case_text: str, folder: Path, spring_model: str, longest: float, warm: bool = False
     ) -> None:
-        told = {
+        entry = {
             "case_text": case_text,
             "folder": str(folder),
             "spring_model": spring_model,
             "memory": MEMORY,
             "warm": warm,
         }
-        self._first = json.dumps(told)
+        self._first = json.dumps(entry)
         self._longest, self._process, self._closed = longest, None, False
         self._turn, self._last = threading.Lock(), 0
         self._busy = False
@@ -171,18 +171,18 @@ class _Worker:
                 self._end(process)
                 if self._last != mine or self._closed:
                     return LiveResult(skipped=True)
-                words = (
+                label = (
                     f"took longer than {self._longest:.0f} s"
                     if line is None
                     else "ended without an answer"
                 )
                 return LiveResult(
-                    sentence=f"the curve {words}; ask for fewer elements or a higher speed"
+                    sentence=f"the curve {label}; ask for fewer elements or a higher speed"
                 )
             return _result(json.loads(line))
 
     def begin(self) -> None:
-        """Start the process, so that it is ready when it is asked."""
+        """Start the process, so that it is ready for the first request."""
         with self._turn:
             self._begun()
 
@@ -214,7 +214,7 @@ class _Worker:
                 stderr=subprocess.DEVNULL, env=environment, start_new_session=True,
             )  # fmt: skip
             assert process.stdin is not None
-            with suppress(OSError):  # one that has ended at once is found out when it is asked
+            with suppress(OSError):  # one that has ended at once is found out at the next request
                 process.stdin.write(self._first.encode() + b"\n")
                 process.stdin.flush()
         return process
@@ -245,18 +245,20 @@ def _line(process: subprocess.Popen[bytes], longest: float) -> bytes | None:
     return found
 
 
-def _result(told: Mapping[str, Any]) -> LiveResult:
-    angle, force, lift = (tuple(told.get(name, ())) for name in ("angle_deg", "force_N", "lift_mm"))
+def _result(entry: Mapping[str, Any]) -> LiveResult:
+    angle, force, lift = (
+        tuple(entry.get(name, ())) for name in ("angle_deg", "force_N", "lift_mm")
+    )
     quantities = {
-        words: (float(value), str(unit))
-        for words, (value, unit) in told.get("quantities", {}).items()
+        label: (float(value), str(unit))
+        for label, (value, unit) in entry.get("quantities", {}).items()
     }
     return LiveResult(
         angle,
         force,
         lift,
-        float(told["seconds"]),
-        str(told["sentence"]),
+        float(entry["seconds"]),
+        str(entry["sentence"]),
         quantities,
-        float(told.get("engine_speed", 0.0)),
+        float(entry.get("engine_speed", 0.0)),
     )

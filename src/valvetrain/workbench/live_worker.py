@@ -38,7 +38,7 @@ from valvetrain.system.build import build
 from valvetrain.system.problem import Problem
 from valvetrain.units import si_speeds
 
-#: Cases built that are kept, changed or not: a slider goes to and fro.
+#: Number of built cases in the cache, changed or not: a slider goes to and fro.
 MAX_BUILT = 8
 
 
@@ -65,7 +65,7 @@ class LiveCase:
             found = self._curve(changes, engine_speed)
         except ValvetrainError as error:
             found = {"sentence": str(error)}
-        except Exception as error:  # whatever goes wrong in one curve, the next is asked for
+        except Exception as error:  # whatever goes wrong in one curve, the next is still computed
             found = {"sentence": reason(error)}
         return found | {"seconds": time.perf_counter() - begun}
 
@@ -133,14 +133,14 @@ def main() -> None:
     if first["warm"]:
         case.answer({}, "")
     while True:
-        asked = json.loads(lines.get())
-        answer = case.answer(asked["changes"], asked["engine_speed"])
+        request = json.loads(lines.get())
+        answer = case.answer(request["changes"], request["engine_speed"])
         sys.stdout.write(json.dumps(answer, allow_nan=False) + "\n")
         sys.stdout.flush()
 
 
 def _listen(lines: queue.SimpleQueue[str]) -> None:
-    """Hand on what is asked; end the process, whatever it computes, once nobody asks any more."""
+    """Pass requests on; end the process, whatever it computes, once there are no more."""
     for line in sys.stdin:
         lines.put(line)
     os._exit(0)

@@ -1,4 +1,4 @@
-"""What a job is asked, checked and put into words of the command line; nothing of it reaches a
+"""The request of a job, checked and turned into arguments of the command; nothing of it reaches a
 shell.
 """
 
@@ -38,7 +38,7 @@ _WORD = re.compile(r"[^\W_][\w.,:+/ ()-]*")
 
 @dataclass(frozen=True)
 class JobRequest:
-    """What is asked.
+    """A request.
 
     Parameters
     ----------
@@ -87,7 +87,7 @@ def changes_of(request: JobRequest) -> dict[str, Any]:
 
 def check_request(request: JobRequest, case: Case) -> None:
     """Refuse, with an :class:`InputError`, what the command line would refuse later, and what it
-    must never be told.
+    must never be shown.
     """
     if request.kind not in OPTIONS:
         raise InputError(
@@ -138,34 +138,34 @@ def check_request(request: JobRequest, case: Case) -> None:
         refuse_foreign_files(case.text, dict(given) if isinstance(given, dict) else None)
 
 
-def command_words(
+def command_arguments(
     request: JobRequest, file: str, workers: int, limits: Limits, folder: str
 ) -> list[str]:
     """Words of the command line; ``file``: the case, or the study file, whose points and answer go
     to ``folder``.
     """
-    words = [
+    arguments = [
         request.kind,
         "--json",
         f"--limit={limits.seconds:.0f} s",
         f"--limit={limits.bytes / 1e6:.0f} MB",
     ]
     if request.kind not in ("static", "modes"):
-        words.append(f"--workers={workers}")
+        arguments.append(f"--workers={workers}")
     if request.kind == "study":
-        return [*words, f"--output={folder}", "--", file]
-    words += [f"--spring={word}" for word in request.spring_models] + [
+        return [*arguments, f"--output={folder}", "--", file]
+    arguments += [f"--spring={word}" for word in request.spring_models] + [
         f"--spring-set={word}" for word in request.spring_sets
     ]
-    words += [f"--engine-speed={request.engine_speeds}"] if request.engine_speeds else []
-    words += [f"--set={key}={value}" for key, value in request.settings.items()]
+    arguments += [f"--engine-speed={request.engine_speeds}"] if request.engine_speeds else []
+    arguments += [f"--set={key}={value}" for key, value in request.settings.items()]
     for name, value in request.options.items():
-        words += (
+        arguments += (
             ([f"--{name}"] if value == "true" else []) if name in _FLAGS else [f"--{name}={value}"]
         )
-    words += ["--keep"] if request.kind in ("static", "modes") else []
-    words += ["--implausible"] if request.implausible and request.kind != "modes" else []
-    return [*words, "--", file]
+    arguments += ["--keep"] if request.kind in ("static", "modes") else []
+    arguments += ["--implausible"] if request.implausible and request.kind != "modes" else []
+    return [*arguments, "--", file]
 
 
 def cost_of(request: JobRequest, case: Case, workers: int) -> Cost:
@@ -192,16 +192,16 @@ def cost_of(request: JobRequest, case: Case, workers: int) -> Cost:
         )
     text = request.engine_speeds or (_SWEEP if request.kind == "sweep" else "")
     speeds = si_speeds(text, "engine_speed", "engine_speeds") if text else None
-    asked = _Request(
+    run_request = _Request(
         request.kind, case, speeds, request.spring_models, request.spring_sets, workers
     )
     sweeps = request.kind == "sweep"
     return request_cost(
-        asked, not sweeps, sweeps and request.options.get("no-critical-speeds") != "true"
+        run_request, not sweeps, sweeps and request.options.get("no-critical-speeds") != "true"
     )
 
 
-def cost_words(cost: Cost, limits: Limits) -> str:
+def cost_text(cost: Cost, limits: Limits) -> str:
     """The cost in words. Raises :class:`InputError` where it lies beyond the bounds of a job."""
     return refuse_cost(cost, limits, "valvetrain serve --limit ")
 

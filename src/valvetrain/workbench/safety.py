@@ -87,7 +87,7 @@ Receive = Callable[[], Awaitable[Message]]
 Send = Callable[[Message], Awaitable[None]]
 App = Callable[[Scope, Receive, Send], Awaitable[None]]
 
-#: The cookie that stands for the token, with the port behind it: browsers share cookies between the
+#: The cookie with the token, with the port behind it: browsers share cookies between the
 #: ports of a host.
 COOKIE = "valvetrain"
 #: How long (s) a browser is known, and how many are; wrong tokens in a minute after which none is
@@ -330,7 +330,7 @@ class Guard:
         self._known[hashlib.sha256(name.encode()).digest()] = now + KNOWN_FOR
 
     def _is_known(self, heads: dict[str, str]) -> bool:
-        """Whether no token is asked for, or the cookie is one that was given for it."""
+        """Whether no token is required, or the cookie is one that was given for it."""
         if not self.settings.token:
             return True
         try:
@@ -343,8 +343,8 @@ class Guard:
             > time.monotonic()
         )
 
-    def _refusal(self, scope: Scope, heads: dict[str, str], told: bool) -> str:
-        """Why a request is refused before anything looks at it, empty where not; ``told``: it says
+    def _refusal(self, scope: Scope, heads: dict[str, str], is_declared: bool) -> str:
+        """Why a request is refused before anything looks at it, empty where not; ``is_declared``: it says
         where it comes from, or need not.
         """
         if not self.is_own(heads.get("host", "")):
@@ -356,7 +356,7 @@ class Guard:
             mode == "navigate" and scope.get("method") == "GET"
         ):
             return "another site sent this request"
-        if not told:
+        if not is_declared:
             return "this request does not tell where it comes from"
         return "" if _is_plain(scope) else "this address leads nowhere"
 

@@ -1,4 +1,4 @@
-"""Kept runs of a workspace, as the run store holds them: listed, found, handed out and removed;
+"""Saved runs of a workspace, as the run store has them: listed, found, served and removed;
 nothing of them is written twice.
 """
 
@@ -27,17 +27,17 @@ from valvetrain.units.text import clipped
 from valvetrain.workbench.store import checked_name, inside, writing
 
 RunFiles = Literal["case", "data", "report", "csv"]
-#: Answers of studies of points, which are kept beside the runs.
+#: Answers of studies of points, which are saved next to the runs.
 STUDIES, STUDY_ANSWER = "studies", "study.json"
 #: Folder of a run in which tests lie that were laid over it; they are none of its results.
 TESTS = "laid-over"
-#: Largest study.json that is read, and largest folder that is handed out (bytes).
+#: Largest study.json that is read, and largest folder that is served (bytes).
 MAX_ANSWER, MAX_HANDED = 50_000_000, 2_000_000_000
 
 
 @dataclass(frozen=True)
 class Run:
-    """A kept run.
+    """A saved run.
 
     Parameters
     ----------
@@ -83,7 +83,7 @@ class Run:
 
 
 def list_saved(root: Path, case: str | None = None) -> list[Run]:
-    """Every kept run below ``root``, newest first, of one ``case`` where given; studies of points
+    """Every saved run below ``root``, newest first, of one ``case`` where given; studies of points
     too.
     """
     found = []
@@ -115,7 +115,7 @@ def saved_run(root: Path, run_id: str) -> Run:
 
 
 def delete_saved(root: Path, run_id: str) -> None:
-    """Remove a kept run; the link to the latest run of its case then leads to the newest of those
+    """Remove a saved run; the link to the latest run of its case then leads to the newest of those
     left.
     """
     run = saved_run(root, run_id)
@@ -137,7 +137,7 @@ def delete_saved(root: Path, run_id: str) -> None:
 
 
 def file_of(root: Path, passing: Path, run_id: str, kind: RunFiles) -> Path:
-    """The file to hand out of a run; archives are made below ``passing``."""
+    """The file to serve of a run; archives are made below ``passing``."""
     run = saved_run(root, run_id)
     if kind == "case":
         return _there(run.folder / CASE_FILE, run, "case file")
@@ -203,7 +203,7 @@ def _answer(path: Path, _: int) -> Mapping[str, Any]:
 
 @lru_cache(maxsize=5000)
 def _card(root: Path, folder: Path, path: Path, changed: int) -> Run | None:
-    """What a list shows of a run; kept until its answer is written anew, so that a long list is not
+    """What a list shows of a run; cached until its answer is written again, so that a long list is not
     read again and again.
     """
     answer = _answer(path, changed)
@@ -235,9 +235,9 @@ def _run(root: Path, folder: Path, answer: Mapping[str, Any]) -> Run:
 
 #: Bounds of the tests of one run: files, and bytes together.
 MAX_TESTS, MAX_TESTS_BYTES = 5, 25_000_000
-#: Longest stem of the name of a kept test, and longest ending (characters).
+#: Longest stem of the name of a saved test, and longest ending (characters).
 _STEM, _ENDING = 50, 10
-#: What is checked still holds when it is written: one change of the kept tests at a time.
+#: What is checked still holds when it is written: one change of the saved tests at a time.
 _turn = threading.RLock()
 
 
@@ -249,7 +249,7 @@ class SavedTest:
     ----------
     name : its name
     size : bytes
-    changed : time at which it was kept (ns since the epoch)
+    changed : time at which it was saved (ns since the epoch)
     path : where it is
     """
 
@@ -269,8 +269,8 @@ def saved_tests(run: Run) -> list[SavedTest]:
         for path in folder.iterdir():
             if path.is_file() and not path.is_symlink() and not path.name.startswith("."):
                 with suppress(OSError):
-                    told = path.stat()
-                    found.append(SavedTest(path.name, told.st_size, told.st_mtime_ns, path))
+                    status = path.stat()
+                    found.append(SavedTest(path.name, status.st_size, status.st_mtime_ns, path))
     return sorted(found, key=lambda one: (-one.changed, one.name))
 
 
@@ -296,7 +296,7 @@ def read_test(run: Run, name: str) -> tuple[SavedTest, bytes]:
 
 
 def saved_name(sent: str) -> str:
-    """The name under which a test that was sent as ``sent`` is kept: that name where a file here
+    """The name under which a test that was sent as ``sent`` is saved: that name where a file here
     may bear it, else one of its own.
 
     Raises :class:`InputError` for a name of which nothing can be made.
@@ -322,12 +322,12 @@ def keep_test(run: Run, name: str, content: bytes) -> SavedTest:
     Parameters
     ----------
     run : the run
-    name : name of the file; :func:`saved_name` tells under which it is kept
+    name : name of the file; :func:`saved_name` gives the name under which it is saved
     content : its bytes
 
     Raises
     ------
-    InputError : beyond the bounds, for a run that goes on, and where it cannot be written
+    InputError : beyond the bounds, for a run in progress, and where it cannot be written
     """
     ours = saved_name(name)
     with _turn:
@@ -338,7 +338,7 @@ def keep_test(run: Run, name: str, content: bytes) -> SavedTest:
         ):
             most = f"{MAX_TESTS} tests of {MAX_TESTS_BYTES / 1e6:.0f} MB"
             raise InputError(
-                f"with a run are kept at most {most}; remove one that is laid over it",
+                f"with a run are saved at most {most}; remove one that is laid over it",
                 clipped(name, 60),
             )
         refuse_living(run.folder)

@@ -1,4 +1,4 @@
-"""Files that lie beside a case, such as tables of lifts: listed, put there and taken away, none of
+"""Files next to a case, such as tables of lifts: listed, put there and taken away, none of
 them larger or more than a bound.
 """
 
@@ -19,15 +19,15 @@ from valvetrain.workbench.edits import named_files
 from valvetrain.workbench.store import inside, writing
 
 CASE_FILE = "case.toml"
-#: Bounds of the files beside one case: number, and bytes together.
+#: Bounds of the files of one case: number, and bytes together.
 MAX_FILES, MAX_FILE_BYTES = 20, 20_000_000
-#: Names of what a job writes beside the case that it was given.
+#: Names of what a job writes next to the case that it was given.
 _OF_JOBS = ("answer.json", "complaints.txt", "lock")
 
 
 @dataclass(frozen=True, slots=True)
 class SideFile:
-    """A file beside a case.
+    """A file next to a case.
 
     Parameters
     ----------
@@ -48,19 +48,19 @@ def list_files(folder: Path, text: str) -> list[SideFile]:
 
 
 def file_stamps(folder: Path) -> tuple[tuple[str, int, int], ...]:
-    """Name, time of the last change (ns) and bytes of each file beside the case in ``folder``, by
+    """Name, time of the last change (ns) and bytes of each file next to the case in ``folder``, by
     name.
     """
     found = []
     for path in sorted(plain_files(folder)):
         with suppress(OSError):  # removed meanwhile
-            told = path.stat()
-            found.append((path.name, told.st_mtime_ns, told.st_size))
+            status = path.stat()
+            found.append((path.name, status.st_mtime_ns, status.st_size))
     return tuple(found)
 
 
 def plain_files(folder: Path) -> list[Path]:
-    """Paths of the files beside the case in ``folder``: no links, and nothing that is half written."""
+    """Paths of the files next to the case in ``folder``: no links, and nothing that is half written."""
     return [
         path
         for path in folder.iterdir()
@@ -80,13 +80,13 @@ def names_in(text: str) -> frozenset[str]:
 
 
 def found_file(folder: Path, name: str) -> Path:
-    """The file of that name beside the case in ``folder``. Raises :class:`InputError` where there
+    """The file of that name next to the case in ``folder``. Raises :class:`InputError` where there
     is none.
     """
     path = inside(folder, name)
     if name == CASE_FILE or not path.is_file():
         raise InputError(
-            f"there is no file '{clipped(name, 60)}' beside this case; it may have been removed",
+            f"there is no file '{clipped(name, 60)}' next to this case; it may have been removed",
             "file",
         )
     return path
@@ -95,7 +95,7 @@ def found_file(folder: Path, name: str) -> Path:
 def check_bounds(
     files: Mapping[str, bytes | int], where: str, new: Collection[str] | None = None
 ) -> None:
-    """Refuse, with an :class:`InputError`, more files beside a case than may be, and names that a
+    """Refuse, with an :class:`InputError`, more files than a case may have, and names that a
     case or a job has for its own.
 
     ``files``: contents, or numbers of bytes, by name; ``new``: those that are put there, whose
@@ -114,7 +114,7 @@ def check_bounds(
     size = sum(one if isinstance(one, int) else len(one) for one in files.values())
     if len(files) > MAX_FILES or size > MAX_FILE_BYTES:
         raise InputError(
-            f"beside a case stand at most {MAX_FILES} files of {MAX_FILE_BYTES / 1e6:.0f} MB; leave this one out",
+            f"a case has at most {MAX_FILES} files of {MAX_FILE_BYTES / 1e6:.0f} MB; leave this one out",
             where,
         )
 
@@ -124,9 +124,9 @@ def not_sent(text: str, sent: Mapping[str, bytes]) -> str:
     missing = sorted(names_in(text) - set(sent))
     if not missing:
         return ""
-    words = " and ".join(f"'{clipped(name, 60)}'" for name in missing[:3])
+    missing_names = " and ".join(f"'{clipped(name, 60)}'" for name in missing[:3])
     what = "which was" if len(missing) == 1 else "which were"
-    return f"names {words}, {what} not sent with it; choose the case and the files it names together, then send them at once"
+    return f"names {missing_names}, {what} not sent with it; choose the case and the files it names together, then send them at once"
 
 
 #: What their names begin with.
@@ -134,7 +134,7 @@ _SENT, _NEW = "upload-", ".new-"
 
 
 @contextmanager
-def beside(passing: Path, files: Mapping[str, bytes]) -> Iterator[Path]:
+def side_by_side(passing: Path, files: Mapping[str, bytes]) -> Iterator[Path]:
     """A passing folder below ``passing`` with ``files``, where a case that names them is read for
     the first time.
     """

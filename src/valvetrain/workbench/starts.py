@@ -146,25 +146,27 @@ def additions(case: Case, text: str) -> list[Addition]:
     found = []
     if case.train is None and not case.springs:
         found.append(Addition("spring", "Spring", "a spring by its wire"))
-    for key, springs, words in _places(case):
+    for key, springs, suffix in _places(case):
         for place, spring in enumerate(springs):
             if spring.wire is not None and spring.guide is None:
                 whose = f"{key}.{place}" if isinstance(_table(tree, key.split(".")), list) else key
                 found.append(
                     Addition(
                         f"{whose}.guide",
-                        f"Guide{words}{_which(springs, place)}",
+                        f"Guide{suffix}{_which(springs, place)}",
                         "a bore around the spring, or a rod inside it",
                     )
                 )
         if len(springs) == 1:
-            found.append(Addition(f"{key}.1", f"Second spring{words}", "a spring inside the first"))
+            found.append(
+                Addition(f"{key}.1", f"Second spring{suffix}", "a spring inside the first")
+            )
     if case.lift_law is None:
         found.append(Addition("lift_law", "Lift law", "the lift over the cam angle"))
     if case.train is not None:
         found += [
-            Addition(f"train.{name}", label, told)
-            for name, (label, told, _) in PARTS.items()
+            Addition(f"train.{name}", label, meaning)
+            for name, (label, meaning, _) in PARTS.items()
             if getattr(case.train, name) is None
         ]
     return sorted(found, key=lambda one: one.key.endswith(".guide"))
@@ -236,7 +238,7 @@ def _start(case: Case, heads: Sequence[str], name: str) -> dict[str, Any]:
 
 
 def _nest(document: Any, heads: Sequence[str], inner: Mapping[str, Any]) -> None:
-    """Put a second spring behind the one at ``heads``, which then stands in a list."""
+    """Put a second spring behind the one at ``heads``, which then is in a list."""
     import tomlkit
 
     *above, last = heads
@@ -261,7 +263,7 @@ def _nest(document: Any, heads: Sequence[str], inner: Mapping[str, Any]) -> None
 
 
 def _table(document: Any, heads: Sequence[str]) -> Any:
-    """What stands at ``heads`` in a document or the tree of a file."""
+    """The value at ``heads`` in a document or the tree of a file."""
     for head in heads:
         document = document[int(head)] if isinstance(document, list) else document[head]
     return document

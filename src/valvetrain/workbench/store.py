@@ -58,13 +58,13 @@ class Store:
                 base.execute(f"PRAGMA user_version={_LAYOUT}")
         except sqlite3.Error as error:
             raise InputError(
-                f"cannot be used ({error}); move it away, the cases and runs beside it stay",
+                f"cannot be used ({error}); move it away, the cases and runs next to it stay",
                 DATABASE,
             ) from None
 
     @contextmanager
     def connected(self) -> Iterator[sqlite3.Connection]:
-        """A connection whose changes are kept when the block ends well, all or none."""
+        """A connection whose changes are saved when the block ends well, all or none."""
         base = sqlite3.connect(self.path, timeout=10.0)
         base.row_factory = sqlite3.Row
         try:

@@ -4,7 +4,7 @@ and ends it with the server.
 ``python -m valvetrain.workbench.supervisor SECONDS BYTES LOCK WORD...`` runs ``valvetrain WORD...``
 and locks the file LOCK as long as it
 lives. Standard input is the lifeline: when it
-ends, because the server closed it or was killed, the job is asked to stop, keeps what it finished,
+ends, because the server closed it or was killed, the job is requested to stop, saves what it finished,
 and is killed where it does not obey.
 Nothing of the package is computed here.
 """
@@ -22,12 +22,12 @@ import time
 from contextlib import suppress
 from pathlib import Path
 
-#: What a job is given to write what it finished, once it is asked to stop; time between two looks
+#: What a job is given to write what it finished, once it is requested to stop; time between two looks
 #: at the server, and at the memory (s).
 GRACE, LOOK, WEIGH = 15.0, 0.1, 0.5
 #: What is run: the command line of this package.
 PROGRAM = [sys.executable, "-m", "valvetrain"]
-#: Exit codes of this process beside those of the command line: ended for its time, for its memory.
+#: Exit codes of this process besides those of the command line: ended for its time, for its memory.
 TIME_UP, MEMORY_UP = 64, 65
 #: Address space that libraries reserve and never touch (bytes).
 RESERVED = 4e9
@@ -35,35 +35,35 @@ _stop: list[int] = []
 _PR_SET_PDEATHSIG, _KILL = 1, getattr(signal, "SIGKILL", signal.SIGTERM)
 
 
-def main(words: list[str]) -> int:
-    """Run the command line with ``words[3:]``, at most ``words[0]`` seconds and ``words[1]`` bytes;
+def main(arguments: list[str]) -> int:
+    """Run the command line with ``arguments[3:]``, at most ``arguments[0]`` seconds and ``arguments[1]`` bytes;
     its exit code or one of those above.
     """
-    seconds, memory = float(words[0]), float(words[1])
-    held = _locked(words[2])
-    begun, asked, reason, weighed = time.monotonic(), 0.0, 0, 0.0
+    seconds, memory = float(arguments[0]), float(arguments[1])
+    held = _locked(arguments[2])
+    begun, stop_time, reason, weighed = time.monotonic(), 0.0, 0, 0.0
     with suppress(ValueError):
         for name in ("SIGTERM", "SIGINT"):
             signal.signal(getattr(signal, name), lambda *_: _stop.append(1))
     lifeline = sys.stdin.fileno()
     progress = os.environ.get("VALVETRAIN_PROGRESS", "")
     job = subprocess.Popen(
-        [*PROGRAM, *words[3:]], stdin=subprocess.DEVNULL, close_fds=True,
+        [*PROGRAM, *arguments[3:]], stdin=subprocess.DEVNULL, close_fds=True,
         pass_fds=(int(progress),) if progress.isdecimal() else (), preexec_fn=(lambda: _bound(memory)) if os.name == "posix" else None,
     )  # fmt: skip
     while job.poll() is None:
-        if not asked:
+        if not stop_time:
             now = time.monotonic()
             if now - begun > seconds:
                 reason = TIME_UP
             elif now - weighed > WEIGH:
                 reason, weighed = MEMORY_UP if memory_of_group() > memory else 0, now
             if reason or _stop or _ended(lifeline):
-                asked = time.monotonic()
+                stop_time = time.monotonic()
                 with suppress(OSError):
                     job.send_signal(signal.SIGTERM)
             continue
-        if time.monotonic() - asked > (GRACE if reason != MEMORY_UP else GRACE / 4):
+        if time.monotonic() - stop_time > (GRACE if reason != MEMORY_UP else GRACE / 4):
             _kill_group(job)
         time.sleep(LOOK)
     code = job.wait()
@@ -111,7 +111,7 @@ def _kill_group(job: subprocess.Popen[bytes]) -> None:
             os.kill(number, _KILL)
     if sys.platform != "linux" and hasattr(
         os, "killpg"
-    ):  # the group is not told, so all of it is asked, but for this process
+    ):  # the group is unknown, so all processes but this one are checked
         signal.signal(signal.SIGTERM, signal.SIG_IGN)
         with suppress(OSError):
             os.killpg(0, signal.SIGTERM)
@@ -126,8 +126,8 @@ def memory_of_group() -> float:
     total = 0.0
     for number in _group():
         with suppress(OSError, ValueError, IndexError):
-            words = Path(f"/proc/{number}/statm").read_text("ascii").split()
-            total += (int(words[1]) - int(words[2])) * os.sysconf("SC_PAGE_SIZE")
+            fields = Path(f"/proc/{number}/statm").read_text("ascii").split()
+            total += (int(fields[1]) - int(fields[2])) * os.sysconf("SC_PAGE_SIZE")
     return total
 
 
@@ -147,8 +147,8 @@ def _group() -> list[int]:
 def read_progress(line: bytes) -> tuple[float | None, str] | None:
     """Share and text of a line of progress; None for one that is none."""
     try:
-        told = json.loads(line)
-        share, text = told["share"], str(told["text"])[:200]
+        message = json.loads(line)
+        share, text = message["share"], str(message["text"])[:200]
         return (None if share is None else min(1.0, max(0.0, float(share)))), text
     except (ValueError, KeyError, TypeError):
         return None

@@ -1,8 +1,8 @@
-"""The workspace of a workbench: a folder with cases, kept runs and one database, and everything
+"""The workspace of a workbench: a folder with cases, saved runs and one database, and everything
 that may be done to them.
 
-``cases/NAME/case.toml`` (and the files it names beside it), ``runs/`` as the run store keeps it,
-``jobs/`` inputs of jobs that go on,
+``cases/NAME/case.toml`` (and the files it names next to it), ``runs/`` as the run store saves it,
+``jobs/`` inputs of running jobs,
 ``workbench.sqlite``. Cases and runs are plain files that the command line reads too.
 """
 
@@ -28,7 +28,7 @@ from valvetrain.solution.atomic import lock, write_bytes, write_text
 from valvetrain.units.text import clipped
 from valvetrain.workbench.edits import refuse_foreign_files, with_change, with_name
 from valvetrain.workbench.form import read_change
-from valvetrain.workbench.lift_laws import KEPT, CachedLaws, kind_of
+from valvetrain.workbench.lift_laws import STORE, CachedLaws, kind_of
 from valvetrain.workbench.saved_runs import (
     Run,
     RunFiles,
@@ -40,7 +40,6 @@ from valvetrain.workbench.saved_runs import (
 from valvetrain.workbench.side_files import (
     CASE_FILE,
     SideFile,
-    beside,
     check_bounds,
     file_stamps,
     found_file,
@@ -50,6 +49,7 @@ from valvetrain.workbench.side_files import (
     not_sent,
     plain_files,
     remove_passing,
+    side_by_side,
 )
 from valvetrain.workbench.starts import with_addition
 from valvetrain.workbench.store import Store, case_name, checked_name, inside, writing
@@ -59,18 +59,18 @@ CaseId = str
 #: Most cases of one workspace.
 MAX_CASES = 500
 _Given = ParamSpec("_Given")
-_Found = TypeVar("_Found")
+_Result = TypeVar("_Result")
 
 
 def _in_turn(
-    method: Callable[Concatenate[Workspace, _Given], _Found],
-) -> Callable[Concatenate[Workspace, _Given], _Found]:
+    method: Callable[Concatenate[Workspace, _Given], _Result],
+) -> Callable[Concatenate[Workspace, _Given], _Result]:
     """One of the methods that check something and then write: no two of them at a time, so that
     what was checked still holds.
     """
 
     @wraps(method)
-    def waiting(self: Workspace, /, *given: _Given.args, **named: _Given.kwargs) -> _Found:
+    def waiting(self: Workspace, /, *given: _Given.args, **named: _Given.kwargs) -> _Result:
         with self.turn:
             return method(self, *given, **named)
 
@@ -150,7 +150,7 @@ class Workspace:
         """
         cards = [CaseCard(one.name, one.title, "library", one.holds) for one in list_cases()]
         return cards + [
-            CaseCard(kind, f"Template: {words}", "template") for kind, words in KINDS.items()
+            CaseCard(kind, f"Template: {title}", "template") for kind, title in KINDS.items()
         ]
 
     def cases(self) -> list[CaseCard]:
@@ -240,7 +240,7 @@ class Workspace:
         sides = dict(side_files or {})
         refuse_foreign_files(text)
         check_bounds(sides, "upload")
-        with beside(self.jobs_folder, sides) as folder:
+        with side_by_side(self.jobs_folder, sides) as folder:
             try:
                 parse_case(text, self._free(name, numbered=True), folder, clipped(name, 60))
             except InputError:
@@ -260,7 +260,7 @@ class Workspace:
         return self.parse(case, self.text(case))
 
     def parse(self, case: CaseId, toml: str, changes: Mapping[str, Any] | None = None) -> Case:
-        """``toml`` as the case would be read, with the files beside it and ``changes``;
+        """``toml`` as the case would be read, with the files next to it and ``changes``;
         :class:`InputError` otherwise.
         """
         refuse_foreign_files(toml, changes)
@@ -301,23 +301,23 @@ class Workspace:
 
     @_in_turn
     def change_law(self, case: CaseId, kind: str) -> None:
-        """Give a case a lift law of another kind: what that kind last told here, else what both
+        """Give a case a lift law of another kind: the last values of that kind here, else what both
         kinds know with the rest assumed.
 
-        Raises :class:`InputError`, and changes nothing, for a kind whose values cannot be told for
+        Raises :class:`InputError`, and changes nothing, for a kind whose values cannot be given for
         it.
         """
-        text, kept = self.text(case), CachedLaws(self.case_folder(case))
+        text, laws = self.text(case), CachedLaws(self.case_folder(case))
         if kind_of(text) == kind:
             return
-        made = kept.changed(
+        made = laws.changed(
             text,
             kind,
             [one.name for one in self.side_files(case)],
             lambda toml: self.parse(case, toml),
         )
         with writing("this case", case):
-            kept.keep(text, made)
+            laws.keep(text, made)
         self._write(case, made)
 
     @_in_turn
@@ -344,9 +344,9 @@ class Workspace:
         self._put(
             ours, with_name(self.text(case), ours), f"copy of {case}", self.files(path.parent.name)
         )
-        if (path.parent / KEPT).is_file() and not (path.parent / KEPT).is_symlink():
+        if (path.parent / STORE).is_file() and not (path.parent / STORE).is_symlink():
             with writing("what the copy keeps of its lift laws", ours):
-                write_bytes(self.case_folder(ours) / KEPT, (path.parent / KEPT).read_bytes())
+                write_bytes(self.case_folder(ours) / STORE, (path.parent / STORE).read_bytes())
         return ours
 
     @_in_turn
@@ -358,26 +358,26 @@ class Workspace:
             base.execute("DELETE FROM choices WHERE name = ?", (case,))
 
     def files(self, case: CaseId) -> dict[str, bytes]:
-        """Files beside a case, by name."""
+        """Files next to a case, by name."""
         return {path.name: path.read_bytes() for path in plain_files(self._file(case).parent)}
 
     def side_files(self, case: CaseId) -> list[SideFile]:
-        """What lies beside a case. Raises :class:`InputError` for an unknown case."""
+        """The files next to a case. Raises :class:`InputError` for an unknown case."""
         return list_files(self._file(case).parent, self.text(case))
 
     def stamps(self, case: CaseId) -> tuple[tuple[str, int, int], ...]:
-        """Name, time of the last change (ns) and bytes of each file beside a case: another content
+        """Name, time of the last change (ns) and bytes of each file next to a case: another content
         is another stamp.
         """
         return file_stamps(self._file(case).parent)
 
     def side_file(self, case: CaseId, name: str) -> Path:
-        """The path of a file beside a case. Raises :class:`InputError` where there is none."""
+        """The path of a file next to a case. Raises :class:`InputError` where there is none."""
         return found_file(self._file(case).parent, name)
 
     @_in_turn
     def attach(self, case: CaseId, name: str, content: bytes) -> None:
-        """Put a file (a table of lifts) beside a case, which may then name it.
+        """Put a file (a table of lifts) next to a case, which may then name it.
 
         Raises :class:`InputError` beyond the bounds, and for another content of a file that the
         case names, with which it cannot be read.
@@ -386,14 +386,14 @@ class Workspace:
         check_bounds({**sizes, checked_name(name): len(content)}, name, new=(name,))
         if name in (named := names_in(text := self.text(case))):
             others = {one: held for one, held in self.files(case).items() if one in named}
-            with beside(self.jobs_folder, {**others, name: content}) as folder:
+            with side_by_side(self.jobs_folder, {**others, name: content}) as folder:
                 parse_case(text, case, folder, case)
         with writing("this file", name):
             write_bytes(inside(self._file(case).parent, name), content)
 
     @_in_turn
     def detach(self, case: CaseId, name: str) -> None:
-        """Remove a file beside a case. Raises :class:`InputError` where there is none, or the case
+        """Remove a file next to a case. Raises :class:`InputError` where there is none, or the case
         names it.
         """
         path = self.side_file(case, name)
@@ -406,14 +406,14 @@ class Workspace:
     # choices that a page remembers
 
     def remember(self, case: CaseId, key: str, value: str) -> None:
-        """Keep a choice made for a case, such as the speeds asked for last."""
+        """Save a choice made for a case, such as the speeds requested last."""
         with writing("what this page remembers", case), self.store.connected() as base:
             base.execute(
                 "INSERT OR REPLACE INTO choices VALUES (?, ?, ?)", (case, key[:80], value[:2000])
             )
 
     def remembered(self, case: CaseId) -> dict[str, str]:
-        """Choices kept for a case."""
+        """Choices saved for a case."""
         with self.store.connected() as base:
             return {
                 row["key"]: row["value"]
@@ -423,7 +423,7 @@ class Workspace:
     # runs
 
     def runs(self, case: CaseId | None = None) -> list[Run]:
-        """Kept runs, newest first; of one case where given."""
+        """Saved runs, newest first; of one case where given."""
         return list_saved(self.runs_folder, case)
 
     def run(self, run_id: str) -> Run:
@@ -433,11 +433,11 @@ class Workspace:
         return saved_run(self.runs_folder, run_id)
 
     def delete_run(self, run_id: str) -> None:
-        """Remove a kept run with its files."""
+        """Remove a saved run with its files."""
         delete_saved(self.runs_folder, run_id)
 
     def download(self, run_id: str, kind: RunFiles) -> Path:
-        """The file to hand out: ``case`` (TOML), ``data`` (all files, zip), ``report`` (HTML) or
+        """The file to serve: ``case`` (TOML), ``data`` (all files, zip), ``report`` (HTML) or
         ``csv`` (all tables, zip).
 
         The path lies inside the workspace. Raises :class:`InputError` for an unknown run or kind,

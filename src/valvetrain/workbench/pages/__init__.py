@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from valvetrain.workbench.settings import ServeSettings
     from valvetrain.workbench.workspace import Workspace
 
-#: A valve spring, drawn by a line: the icon of the page, so that none is asked for elsewhere.
+#: A valve spring, drawn by a line: the icon of the page, so that none is fetched elsewhere.
 ICON = (
     '<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 32 32"><path d="M6 5h20M6 27h20M7 9l18 4M7 14l18 4M7 19l18 4" '
     'stroke="#1f5aa6" stroke-width="3" stroke-linecap="round" fill="none"/></svg>'

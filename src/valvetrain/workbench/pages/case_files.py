@@ -1,4 +1,4 @@
-"""The panel of files beside a case: what lies there, one more sent, one taken away."""
+"""The panel of files of a case: list, upload, removal."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from urllib.parse import quote
 from valvetrain.errors import ValvetrainError
 from valvetrain.workbench.pages.desk import Desk
 from valvetrain.workbench.pages.elements import Upload, button, link, tag
-from valvetrain.workbench.pages.html import sentence_of, size_words
+from valvetrain.workbench.pages.html import sentence_of, size_text
 from valvetrain.workbench.side_files import SideFile
 from valvetrain.workbench.workspace import CaseId
 
@@ -76,7 +76,7 @@ class CaseFiles:
             link(file.name, f"/case-file/{quote(self.case)}/{quote(file.name)}", download="")
             tag(
                 "span",
-                f"{size_words(file.size)}{', named by the case' if file.is_named else ''}",
+                f"{size_text(file.size)}{', named by the case' if file.is_named else ''}",
                 "hint",
             )
             button(

@@ -49,7 +49,7 @@ from valvetrain.workbench.saved_runs import Run
 from valvetrain.workbench.starts import additions, removable
 from valvetrain.workbench.workspace import CaseId
 
-#: Time between two looks at a job (s), and how many of them are one where no job goes on.
+#: Time between two looks at a job (s), and how many of them are one where no job is running.
 LOOK, SLOW_LOOK = 0.05, 10
 #: Groups of the form that are open at first, and earlier runs listed.
 OPEN_GROUPS, MAX_RUNS = 1, 8
@@ -58,14 +58,14 @@ OPEN_GROUPS, MAX_RUNS = 1, 8
 async def case_page(desk: Desk, case: CaseId) -> None:
     """The page of a case of the workspace."""
     try:
-        text, read = await asyncio.to_thread(as_it_stands, desk, case)
+        text, read = await asyncio.to_thread(current_text, desk, case)
     except ValvetrainError as error:
         missing_page("This case cannot be shown", sentence_of(error))
         return
     CasePage(desk, case, text, read).build()
 
 
-def as_it_stands(desk: Desk, case: CaseId) -> tuple[str, Case]:
+def current_text(desk: Desk, case: CaseId) -> tuple[str, Case]:
     """Text of a case, and what is read of it. Raises :class:`InputError` for an unknown one."""
     text = desk.workspace.text(case)
     return text, desk.workspace.parse(case, text)
@@ -80,7 +80,7 @@ def missing_page(title: str, sentence: str) -> None:
 
 
 class CasePage:
-    """One visit of a case's page; what it shows stands in the workspace, so that a reload or
+    """One visit of a case's page; what it shows is in the workspace, so that a reload or
     another tab finds the same.
     """
 
@@ -98,7 +98,7 @@ class CasePage:
     def build(self) -> None:
         """Make the page."""
         groups = form.fields(self.text)
-        kept = self.desk.workspace.remembered(self.case)
+        remembered = self.desk.workspace.remembered(self.case)
         with frame(self.read.title or self.case):
             with tag("div", classes="split"):
                 tag("h1", self.read.title or self.case)
@@ -110,7 +110,7 @@ class CasePage:
                         download="",
                     )
                     button("Copy of the case", self.copy, "button small")
-            tag("p", f"Case {self.case}. Changes are kept as you make them.", "said")
+            tag("p", f"Case {self.case}. Changes are saved as you make them.", "said")
             with tag("div", classes="bench"):
                 with tag("section", classes="inputs", aria_labelledby="inputs-title"):
                     tag("h2", "Case", id="inputs-title")
@@ -126,7 +126,7 @@ class CasePage:
                         [one["key"] for one in shown if one["key"]][:OPEN_GROUPS],
                         changes,
                     )
-                    self.beside = CaseFiles(self.desk, self.case, self.refresh)
+                    self.side_files = CaseFiles(self.desk, self.case, self.refresh)
                 with tag("div", classes="outputs"):
                     handlers: dict[str, Handler] = {
                         "begin": self.begin,
@@ -137,7 +137,7 @@ class CasePage:
                     }
                     quantities = sliding(groups)
                     self.order = Order(
-                        choices_for(self.read, quantities, kept), self.estimate, self.start
+                        choices_for(self.read, quantities, remembered), self.estimate, self.start
                     )
                     self.panel = JobPanel(self.cancel, self.again)
                     self.slider = Slider([*engine_speed(self.read), *quantities], "", handlers)
@@ -161,7 +161,7 @@ class CasePage:
         return await self.done(lambda: self.desk.put(self.case, key, value), key)
 
     async def done(self, change: Callable[[], None], key: str) -> str:
-        """Make a change to the case, after those asked for before and beside what the pages do; the
+        """Make a change to the case, after those requested before and in a thread; the
         refusal, empty where it was made.
         """
         async with self.line:
@@ -193,29 +193,29 @@ class CasePage:
         )
 
     async def after_changes(self, ask: Callable[[], str]) -> str:
-        """Ask for something once the changes that were asked for before are made; it goes on beside
+        """Request something once the changes that were requested before are made; it runs next to
         what the pages do.
         """
         async with self.line:
             return await asyncio.to_thread(ask)
 
     async def refresh(self) -> None:
-        """Show the case as it stands, after the changes that were asked for before."""
+        """Show the case as it is, after the changes that were requested before."""
         async with self.line:
             await self.refreshed()
 
     async def refreshed(self) -> None:
-        """Show the case as it stands; it is read beside what the pages do."""
-        self.text, self.read = await asyncio.to_thread(as_it_stands, self.desk, self.case)
+        """Show the case as it is; it is read in a thread."""
+        self.text, self.read = await asyncio.to_thread(current_text, self.desk, self.case)
         self.moved = None
         groups = form.fields(self.text)
         self.form.show(*self.shown(groups))
-        self.beside.show()
+        self.side_files.show()
         self.slider.show([*engine_speed(self.read), *sliding(groups)], "")
         self.order.tell(quantities=sliding(groups), models=models_for(self.read))
 
     def files(self) -> list[str]:
-        """Names of the files beside the case."""
+        """Names of the files next to the case."""
         return [one.name for one in self.desk.workspace.side_files(self.case)]
 
     async def copy(self) -> None:
@@ -293,7 +293,7 @@ class CasePage:
             return
         try:
             async with self.line:
-                pass  # changes that were asked for before are made; those that come need not wait for this
+                pass  # changes that were requested before are made; those that come need not wait for this
             cost = await asyncio.to_thread(self.desk.jobs.estimate, request_of(self.case, wish))
             self.order.tell(estimate=f"Takes {cost}." if cost else "", refusal="")
         except ValvetrainError as error:

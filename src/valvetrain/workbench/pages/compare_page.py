@@ -102,19 +102,19 @@ def compare_page(desk: Desk, a: str, b: str) -> None:
             )
             return
         with tag("form", classes="row end compare", action="/compare", method="get"):
-            for name, words, chosen in (
+            for name, label, chosen in (
                 ("a", "Run A", a or runs[1].run_id),
                 ("b", "Run B", b or runs[0].run_id),
             ):
-                _choice(name, words, chosen, runs)
+                _choice(name, label, chosen, runs)
             tag("button", "Compare", "button main", type="submit")
         if a and b:
             Results(f"/part-compare?a={quote(a)}&b={quote(b)}", whole=True)
 
 
-def _choice(name: str, words: str, chosen: str, runs: Sequence[Run]) -> None:
+def _choice(name: str, label: str, chosen: str, runs: Sequence[Run]) -> None:
     with tag("div", classes="labelled"):
-        tag("label", words, for_=f"run-{name}")
+        tag("label", label, for_=f"run-{name}")
         with tag("select", id=f"run-{name}", name=name):
             for run in runs:
                 selected = "selected" if run.run_id == chosen else None

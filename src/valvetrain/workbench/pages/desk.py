@@ -13,15 +13,15 @@ from valvetrain.workbench.pages.forms import ENGINE_SPEED
 from valvetrain.workbench.settings import ServeSettings
 from valvetrain.workbench.workspace import CaseId, Workspace
 
-#: Cases whose chains are kept running.
+#: Number of cases whose chains stay running.
 MAX_CHAINS = 3
-#: Times that the curve of a case is asked for where other questions come between.
+#: Times that the curve of a case is requested where other questions come between.
 MAX_TRIES = 3
 
 
 @dataclass
 class OpenChain:
-    """A chain, the text of the case as it now stands, stamps of the files beside it, what was
+    """A chain, the text of the case as it is now, stamps of the files next to it, what was
     changed since the chain was built, and the
     curve of the case."""
 
@@ -43,8 +43,8 @@ class Desk:
     _lock: threading.Lock = field(default_factory=threading.Lock)
 
     def put(self, case: CaseId, key: str, value: str) -> None:
-        """Set a value of a case; a chain that holds the case is told of the change, and need not be
-        begun anew.
+        """Set a value of a case; a chain that holds the case receives the change, and need not be
+        begun again.
 
         Raises :class:`InputError`, and changes nothing, for a value that is refused.
         """
@@ -74,7 +74,9 @@ class Desk:
                 )
             self.chains[case] = found
             for _ in range(MAX_TRIES):
-                if found.base is None or found.base.skipped:  # another tab asked at the same moment
+                if (
+                    found.base is None or found.base.skipped
+                ):  # another tab requested it at the same moment
                     found.base = found.chain.curve(found.changes)
             return found, found.base or LiveResult()
 
@@ -105,7 +107,7 @@ class Desk:
 
 
 def moved_to(changes: Mapping[str, str], key: str, value: str) -> tuple[dict[str, str], str]:
-    """Changes of the case, and the engine speed, that a place of the slider stands for.
+    """Changes of the case, and the engine speed, of a position of the slider.
 
     >>> moved_to({"a": "1"}, "b", "2"), moved_to({}, "engine_speed", "5000 rpm")
     (({'a': '1', 'b': '2'}, ''), ({}, '5000 rpm'))

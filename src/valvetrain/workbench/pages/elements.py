@@ -21,16 +21,16 @@ QUICK, SLOW = "multi-mass", "finite-element"
 
 
 def live_lines(
-    base: LiveResult, moved: LiveResult | None, rod: LiveResult | None, words: str = ""
+    base: LiveResult, moved: LiveResult | None, rod: LiveResult | None, label: str = ""
 ) -> list[Line]:
     """Lines of the figure; ``words``: where the quantity was moved to."""
     lines = [_line(base, "the case", theme.MUTED, "dash")]
     if moved is not None and moved.angle_deg:
         lines.append(
-            _line(moved, f"{words}, {theme.model_label(QUICK)}", theme.model_colour(QUICK))
+            _line(moved, f"{label}, {theme.model_label(QUICK)}", theme.model_colour(QUICK))
         )
     if rod is not None and rod.angle_deg:
-        lines.append(_line(rod, f"{words}, {theme.model_label(SLOW)}", theme.model_colour(SLOW)))
+        lines.append(_line(rod, f"{label}, {theme.model_label(SLOW)}", theme.model_colour(SLOW)))
     return lines
 
 
@@ -62,18 +62,20 @@ def live_numbers(base: LiveResult, moved: LiveResult | None) -> list[dict[str, s
     """Numbers of the moved case with the change from the case itself."""
     seen = moved if moved is not None and moved.quantities else base
     found = []
-    for words, (value, unit) in seen.quantities.items():
+    for label, (value, unit) in seen.quantities.items():
         change = (
-            value - base.quantities[words][0]
-            if seen is not base and words in base.quantities
+            value - base.quantities[label][0]
+            if seen is not base and label in base.quantities
             else 0.0
         )
-        told = (
+        shown_unit = (
             f"{unit} ({'+' if change > 0 else '−'}{number(abs(change), 3)})"
             if abs(change) > 1e-9 * abs(value)
             else unit
         )
-        found.append({"label": words[:1].upper() + words[1:], "value": number(value), "unit": told})
+        found.append(
+            {"label": label[:1].upper() + label[1:], "value": number(value), "unit": shown_unit}
+        )
     return found
 
 
@@ -91,11 +93,11 @@ def _line(result: LiveResult, name: str, colour: str, dash: str = "solid") -> Li
 Handler = Callable[..., Any]
 
 
-def tag(name: str, /, words: str = "", classes: str = "", **attributes: str | None) -> ui.element:
+def tag(name: str, /, label: str = "", classes: str = "", **attributes: str | None) -> ui.element:
     """An HTML element ``name`` holding ``words``; an underscore in the name of an attribute stands
     for a hyphen, None leaves it out.
     """
-    made = TextElement(tag=name, text=words) if words else ui.element(name)
+    made = TextElement(tag=name, text=label) if label else ui.element(name)
     if classes:
         made.classes(classes)
     for key, value in attributes.items():
@@ -105,15 +107,15 @@ def tag(name: str, /, words: str = "", classes: str = "", **attributes: str | No
 
 
 def button(
-    words: str, on_click: Handler, classes: str = "button", **attributes: str | None
+    label: str, on_click: Handler, classes: str = "button", **attributes: str | None
 ) -> ui.element:
     """A button."""
-    return tag("button", words, classes, type="button", **attributes).on("click", on_click, args=[])
+    return tag("button", label, classes, type="button", **attributes).on("click", on_click, args=[])
 
 
-def link(words: str, href: str, classes: str = "", **attributes: str | None) -> ui.element:
+def link(label: str, href: str, classes: str = "", **attributes: str | None) -> ui.element:
     """A link."""
-    return tag("a", words, classes, href=href, **attributes)
+    return tag("a", label, classes, href=href, **attributes)
 
 
 class Theme(ui.element, component="theme.js"):
@@ -217,7 +219,7 @@ class JobPanel(ui.element, component="job.js"):
 
 
 class Results(ui.element, component="results.js"):
-    """The sections of a run, asked for from ``source`` (an address of this server); ``whole``: all
+    """The sections of a run, fetched from ``source`` (an address of this server); ``whole``: all
     below each other, no tabs.
     """
 
@@ -247,7 +249,7 @@ class Upload(ui.element, component="upload.js"):
         many: bool = False,
     ) -> None:
         super().__init__()
-        told = {
+        shown_unit = {
             "field": field,
             "label": label,
             "hint": hint,
@@ -256,7 +258,7 @@ class Upload(ui.element, component="upload.js"):
             "most": most,
             "many": many,
         }
-        for key, value in told.items():
+        for key, value in shown_unit.items():
             self.props[key] = value
         if on_done is not None:
             self.on("done", on_done)

@@ -1,4 +1,4 @@
-"""Addresses that hand out parts of pages and files, and that take files."""
+"""Addresses that serve parts of pages and files, and that take files."""
 
 from __future__ import annotations
 
@@ -23,15 +23,15 @@ from valvetrain.workbench.pages.html import test_part
 from valvetrain.workbench.saved_runs import Run, SavedTest, keep_test, read_test
 from valvetrain.workbench.side_files import CASE_FILE, MAX_FILES
 
-#: Comparisons with a test that are kept while the server runs.
+#: Comparisons with a test that are cached while the server runs.
 MAX_OVERLAYS = 20
 
 
 class Overlays:
-    """Comparisons of runs with tests as HTML; the last :data:`MAX_OVERLAYS` are kept, so that a
+    """Comparisons of runs with tests as HTML; the last :data:`MAX_OVERLAYS` are cached, so that a
     page that opens again has them at once.
 
-    Each is kept for the content it was made of: a test that takes the place of another is never
+    Each is cached for the content it was made of: a test that takes the place of another is never
     shown with the comparison of that.
     """
 
@@ -51,9 +51,9 @@ class Overlays:
                 "test",
             )
         made = test_part(found)
-        kept = keep_test(run, name, content)
-        self._keep(kept, content, made)
-        return kept
+        saved = keep_test(run, name, content)
+        self._keep(saved, content, made)
+        return saved
 
     def part(self, run: Run, name: str) -> str:
         """The comparison with a test that was laid over a run. Raises :class:`InputError` where
@@ -153,7 +153,7 @@ def _attached(desk: Desk, case: str, name: str, content: bytes) -> str:
 
 
 async def _answered(take: Callable[[], dict[str, str]]) -> Response:
-    """What was taken in, or the sentence why it was not; it is read beside what the pages do."""
+    """What was taken in, or the sentence why it was not; it is read in a thread."""
     try:
         return JSONResponse(await asyncio.to_thread(take))
     except ValvetrainError as error:
@@ -171,7 +171,7 @@ def _missing(error: ValvetrainError) -> Response:
 async def _sent_case(request: Request) -> tuple[str, bytes, dict[str, bytes]]:
     """Name and content of the case file that was sent, and the files sent with it.
 
-    Raises :class:`InputError` for more files than may lie beside a case, and where none or several
+    Raises :class:`InputError` for more files than a case may have, and where none or several
     of them are case files.
     """
     try:

@@ -44,11 +44,11 @@ def _shown(field: Field, files: Sequence[str]) -> dict[str, Any]:
     choices = files if field.key.endswith(".file") else field.choices
     return {
         "key": field.key,
-        "label": _head(field.label),
+        "label": _capitalized(field.label),
         "kind": field.kind,
         "text": field.value_text,
         "unit": field.unit,
-        "limits": limit_words(field),
+        "limits": limit_text(field),
         "help": field.help,
         "source": field.source,
         "required": field.required,
@@ -57,11 +57,11 @@ def _shown(field: Field, files: Sequence[str]) -> dict[str, Any]:
     }
 
 
-def _head(words: str) -> str:
-    return words[:1].upper() + words[1:]
+def _capitalized(label: str) -> str:
+    return label[:1].upper() + label[1:]
 
 
-def limit_words(field: Field) -> str:
+def limit_text(field: Field) -> str:
     """Limits of a field in words: "0.1 to 20 mm", "at least 0"; empty without any."""
     low, high = field.limits
     unit = f" {field.unit}" if field.unit else ""
@@ -81,7 +81,7 @@ def sliding(groups: Sequence[FieldGroup]) -> list[dict[str, Any]]:
     return [
         {
             "key": field.key,
-            "label": _head(field.label),
+            "label": _capitalized(field.label),
             "group": group.title,
             "unit": field.unit,
             "value": field.number,

@@ -35,7 +35,7 @@ def content(name: str) -> bytes:
 
 @cache
 def address(name: str) -> str:
-    """Where an asset is asked for; it changes with the content, so that a browser may keep it."""
+    """Address of an asset; it changes with the content, so that a browser may keep it."""
     return f"/assets/{hashlib.sha256(content(name)).hexdigest()[:12]}/{name}"
 
 
@@ -61,7 +61,7 @@ def _own_style() -> str:
 
 
 async def warm() -> None:
-    """Make ready, while nobody waits for it, what the first pages need: assets, and the tables
+    """Prepare in the background what the first pages need: assets, and the tables
     behind forms.
     """
     await asyncio.to_thread(_prepare)
@@ -88,14 +88,14 @@ _HEAD = """
 document.documentElement.lang = "en";
 document.documentElement.dataset.workbench = "";
 (function () {
-  let kept = null;
-  try { kept = localStorage.getItem("valvetrain-theme"); } catch (error) { kept = null; }
-  const dark = kept ? kept === "dark" : window.matchMedia("(prefers-color-scheme: dark)").matches;
+  let theme = null;
+  try { theme = localStorage.getItem("valvetrain-theme"); } catch (error) { theme = null; }
+  const dark = theme ? theme === "dark" : window.matchMedia("(prefers-color-scheme: dark)").matches;
   document.documentElement.dataset.theme = dark ? "dark" : "light";
 })();
 </script>
 """
-# What draws figures is large: it is asked for once the page stands.
+# What draws figures is large: it is fetched once the page is shown.
 _LATER = """<script>
 window.valvetrainDrawing = new Promise(function (done) {
   window.addEventListener("load", function () {
@@ -113,7 +113,7 @@ window.valvetrainDrawing = new Promise(function (done) {
 
 @contextmanager
 def frame(title: str, here: str = "", figures: bool = True) -> Iterator[None]:
-    """A page with ``title``; what is made inside stands in its main part. ``figures``: it draws
+    """A page with ``title``; what is made inside is in its main part. ``figures``: it draws
     some.
     """
     ui.page_title(f"{title} - valvetrain")
@@ -129,8 +129,8 @@ def frame(title: str, here: str = "", figures: bool = True) -> Iterator[None]:
     with top:
         link("valvetrain", "/", "brand")
         with tag("nav", aria_label="places"):
-            for words, href in PLACES:
-                link(words, href, aria_current="page" if href == here else None)
+            for label, href in PLACES:
+                link(label, href, aria_current="page" if href == here else None)
         Theme()
     with tag("div", classes="sheet") as sheet:
         yield

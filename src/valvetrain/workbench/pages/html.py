@@ -16,7 +16,7 @@ from valvetrain.report.read_page import PageTable
 from valvetrain.workbench.jobs import JobStatus
 
 
-def size_words(count: int) -> str:
+def size_text(count: int) -> str:
     """A number of bytes in words.
 
     >>> size_words(812), size_words(20_480), size_words(3_200_000)
@@ -32,7 +32,7 @@ def size_words(count: int) -> str:
 
 
 def sentence_of(error: ValvetrainError, key: str = "") -> str:
-    """An error as a sentence; at the field of ``key`` the place is not told again."""
+    """An error as a sentence; at the field of ``key`` the location is not repeated."""
     text = (
         error.reason
         if key and isinstance(error, InputError) and error.where.endswith(key)
@@ -65,8 +65,8 @@ def grid(table: PageTable) -> Grid:
     rows = tuple(
         (
             tuple(
-                Cell(words, "number" if place < len(right) and right[place] else "")
-                for place, words in enumerate(row)
+                Cell(text_of, "number" if place < len(right) and right[place] else "")
+                for place, text_of in enumerate(row)
             ),
             (),
         )
@@ -79,7 +79,7 @@ def test_part(found: ModelAgainstTest) -> str:
     """Test data over a run, as ``valvetrain compare-test`` shows them."""
     if not found.runs:
         return render_part(
-            [Section("test", "Test", tuple(text(words, "alert") for words in found.failures))]
+            [Section("test", "Test", tuple(text(text_of, "alert") for text_of in found.failures))]
         )
     return render_part(
         [
@@ -100,7 +100,7 @@ _TITLES = {
 _TONES = {"finished": "good", "failed": "bad", "cancelled": "warn", "interrupted": "warn"}
 
 
-def left_words(seconds: float | None) -> str:
+def time_left_text(seconds: float | None) -> str:
     """Words on the time left; empty while nothing can be said."""
     if seconds is None:
         return ""
@@ -117,19 +117,19 @@ def job_shown(job: JobStatus | None) -> dict[str, Any] | None:
         return None
     going = not job.ended
     parts = (
-        (f"{100 * job.share:.0f} %", job.text, left_words(job.seconds_left))
+        (f"{100 * job.share:.0f} %", job.text, time_left_text(job.seconds_left))
         if going and job.state == "running"
         else (job.text,)
     )
-    words = ", ".join(part for part in parts if part) if going else job.error
-    if job.state == "cancelled" and not words:
-        words = (
-            "Cancelled. What was finished is kept."
+    text_of = ", ".join(part for part in parts if part) if going else job.error
+    if job.state == "cancelled" and not text_of:
+        text_of = (
+            "Cancelled. What was finished is saved."
             if job.run_id
             else "Cancelled before anything was finished."
         )
     if job.state == "queued":
-        words = words or "Waits for the job before it."
+        text_of = text_of or "Waits for the job before it."
     return {
         "id": job.job_id,
         "title": _TITLES.get(job.kind, job.kind),
@@ -137,6 +137,6 @@ def job_shown(job: JobStatus | None) -> dict[str, Any] | None:
         "tone": _TONES.get(job.state, ""),
         "going": going,
         "percent": round(100 * job.share),
-        "words": words,
+        "words": text_of,
         "again": job.state in ("failed", "cancelled", "interrupted"),
     }

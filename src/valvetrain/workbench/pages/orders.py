@@ -36,13 +36,13 @@ def springs_of(case: Case) -> tuple[InstalledSpring, ...]:
 
 def models_for(case: Case, chosen: Sequence[str] = ()) -> list[dict[str, Any]]:
     """Spring models that can run the case: word, words, what they know; ``chosen`` or else the
-    usual first one is ticked.
+    default first one is ticked.
     """
     springs = springs_of(case)
     fit = [spec for spec in map(spring_model, registry.names("springs")) if _fits(spec, springs)]
-    words = [spec.word for spec in fit]
-    ticked = [word for word in chosen if word in words] or [
-        word for word in (FIRST_MODEL, *default_models(springs)) if word in words
+    names = [spec.word for spec in fit]
+    ticked = [word for word in chosen if word in names] or [
+        word for word in (FIRST_MODEL, *default_models(springs)) if word in names
     ][:1]
     return [
         {
@@ -61,16 +61,16 @@ def _fits(spec: SpringModelSpec, springs: tuple[InstalledSpring, ...]) -> bool:
     )
 
 
-def sets_for(case: Case, kept: str = "") -> list[dict[str, Any]]:
+def sets_for(case: Case, remembered: str = "") -> list[dict[str, Any]]:
     """Spring sets to choose from, where a train has more than one: word and whether it is ticked;
-    ``kept``: those chosen last (JSON).
+    ``remembered``: those chosen last (JSON).
     """
     names = [] if case.train is None else list(case.train.springs)
     if case.train is None or len(names) < 2:
         return []
     last: Any = None
     with suppress(ValueError, RecursionError):
-        last = json.loads(kept)
+        last = json.loads(remembered)
     ticked = [name for name in names if isinstance(last, list) and name in last] or [
         case.train.spring_set or names[0]
     ]
@@ -84,22 +84,22 @@ def outputs_for(case: Case) -> list[dict[str, str]]:
 
 
 def choices_for(
-    case: Case, quantities: Sequence[Mapping[str, Any]], kept: Mapping[str, str]
+    case: Case, quantities: Sequence[Mapping[str, Any]], remembered: Mapping[str, str]
 ) -> dict[str, Any]:
-    """All that the page offers; ``kept``: what was chosen last."""
+    """All that the page offers; ``remembered``: what was chosen last."""
     own = ", ".join(f"{rpm(speed):.10g}" for speed in case.operation.engine_speeds)
     return {
-        "models": models_for(case, kept.get("models", "").split(",")),
-        "sets": sets_for(case, kept.get("sets", "")),
-        "speeds": kept.get("speeds") or (f"{own} rpm" if own else "4000 rpm"),
-        "sweep": kept.get("sweep") or SWEEP,
+        "models": models_for(case, remembered.get("models", "").split(",")),
+        "sets": sets_for(case, remembered.get("sets", "")),
+        "speeds": remembered.get("speeds") or (f"{own} rpm" if own else "4000 rpm"),
+        "sweep": remembered.get("sweep") or SWEEP,
         "quantities": list(quantities),
         "outputs": outputs_for(case),
     }
 
 
 def request_of(case: str, wish: Mapping[str, Any]) -> JobRequest:
-    """The request of what was chosen on the page; ``sets`` are told where the train has more than
+    """The request of what was chosen on the page; ``sets`` are given where the train has more than
     one.
 
     Raises :class:`InputError` for a choice that is missing.
@@ -129,10 +129,10 @@ def _study(
         )
     ends = {"low": str(wish.get("low", "")).strip(), "high": str(wish.get("high", "")).strip()}
     vary = "".join(f"{name} = {_quoted(value)}\n" for name, value in ends.items())
-    asked = f"engine_speeds = {json.dumps(speeds)}\n" if speeds else ""
-    asked += f"spring_sets = {json.dumps(list(sets), ensure_ascii=False)}\n" if sets else ""
+    header = f"engine_speeds = {json.dumps(speeds)}\n" if speeds else ""
+    header += f"spring_sets = {json.dumps(list(sets), ensure_ascii=False)}\n" if sets else ""
     return (
-        f"case = {json.dumps(case)}\n{asked}spring_models = {json.dumps(list(models))}\n"
+        f"case = {json.dumps(case)}\n{header}spring_models = {json.dumps(list(models))}\n"
         f"outputs = {json.dumps([str(wish.get('output', ''))])}\n"
         f'points = {{ sampler = "grid", levels = {int(points)} }}\n\n[[vary]]\nkey = {json.dumps(key)}\n{vary}'
     )

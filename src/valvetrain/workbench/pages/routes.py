@@ -45,7 +45,9 @@ def home_page(desk: Desk) -> None:
             with tag("ul", classes="cases"):
                 for card in mine:
                     with tag("li"), link("", f"/case/{card.name}"):
-                        _words(card.title or card.name, card.name if card.title else card.origin)
+                        _title_and_more(
+                            card.title or card.name, card.name if card.title else card.origin
+                        )
         known = desk.workspace.library()
         tag("h2", "Begin with a template")
         _choices(desk, [card for card in known if card.kind == "template"])
@@ -73,13 +75,13 @@ def _choices(desk: Desk, cards: Sequence[CaseCard]) -> None:
                 ),
             ):
                 title = card.title.removeprefix("Template: ")
-                _words(
+                _title_and_more(
                     title[:1].upper() + title[1:],
                     ", ".join(_HOLDS.get(one, one) for one in card.holds) or "template",
                 )
 
 
-def _words(title: str, more: str) -> None:
+def _title_and_more(title: str, more: str) -> None:
     tag("strong", title)
     tag("span", more)
 

@@ -10,7 +10,7 @@ from valvetrain.workbench.pages.case_page import missing_page
 from valvetrain.workbench.pages.desk import Desk
 from valvetrain.workbench.pages.elements import Results, Upload, button, tag
 from valvetrain.workbench.pages.frame import frame
-from valvetrain.workbench.pages.html import sentence_of, size_words
+from valvetrain.workbench.pages.html import sentence_of, size_text
 from valvetrain.workbench.pages.runs import run_head, run_table
 from valvetrain.workbench.saved_runs import Run, remove_test, saved_tests
 
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 
 class RunTests:
-    """The panel of one visit: the tests that are kept with a run, one of which is shown.
+    """The panel of one visit: the tests that are saved with a run, one of which is shown.
 
     Parameters
     ----------
@@ -75,7 +75,7 @@ class RunTests:
         """One test; ``several``: there are others to show in its place."""
         with tag("li"):
             tag("span", name)
-            tag("span", size_words(size), "hint")
+            tag("span", size_text(size), "hint")
             with tag("span", classes="row"):
                 if several:
                     pressed = "true" if name == self.shown else "false"
@@ -101,7 +101,7 @@ class RunTests:
 
 
 def run_page(desk: Desk, run_id: str) -> None:
-    """The page of a kept run."""
+    """The page of a saved run."""
     try:
         run = desk.workspace.run(run_id)
     except ValvetrainError as error:
@@ -114,7 +114,7 @@ def run_page(desk: Desk, run_id: str) -> None:
 
 
 def runs_page(desk: Desk) -> None:
-    """All kept runs."""
+    """All saved runs."""
     with frame("Runs", "/runs", figures=False):
         tag("h1", "Runs")
         runs = desk.workspace.runs()

@@ -71,16 +71,16 @@ def run_table(runs: Sequence[Run], alone: bool = False) -> None:
         tag("table", classes="plain runs"),
     ):
         with tag("thead"), tag("tr"):
-            for words in heads:
-                tag("th", words, scope="col")
+            for label in heads:
+                tag("th", label, scope="col")
         with tag("tbody"):
             for run in runs:
                 with tag("tr"):
                     with tag("th", scope="row"):
                         link(when(run), f"/run/{run.run_id}", aria_label=f"Open {name_of(run)}")
                     cells = (KINDS.get(run.command, run.command), models_of(run), speeds_of(run))
-                    for words in cells if alone else (run.case, *cells):
-                        tag("td", words)
+                    for label in cells if alone else (run.case, *cells):
+                        tag("td", label)
                     tag(
                         "td",
                         "complete" if run.completed else "in part",
@@ -130,8 +130,8 @@ def run_head(desk: Desk, run: Run, full: bool) -> None:
     for sentence in run.failures:
         tag("p", sentence, "alert")
     with tag("div", classes="row"):
-        for file, words in DOWNLOADS:
-            link(words, f"/download/{run.run_id}/{file}", "button small", download="")
+        for file, label in DOWNLOADS:
+            link(label, f"/download/{run.run_id}/{file}", "button small", download="")
         link("Compare with …", f"/compare?a={run.run_id}", "button small")
         if full and run.case in {card.name for card in desk.workspace.cases()}:
             link("Change the case", f"/case/{run.case}", "button small")
