@@ -103,7 +103,7 @@ REFUSED = [
     (("quantities", "wire", "mean"), None, "missing"),
     (("quantities", "wire", "standard_deviation"), "0.1 N", "give both in one unit"),
     (("quantities", "wire", "standard_deviation"), "0 mm", "positive spread"),
-    (("quantities", "wire", "low"), "5 mm", "outside its bounds"),
+    (("quantities", "wire", "low"), "5 mm", "outside the bounds"),
     (("quantities", "pitch", "low"), "1 mm", "in one unit"),
     (("quantities", "damping", "factor"), 0.5, "above 1"),
     (("quantities", "wire", "center"), 1, "unknown"),

@@ -8,15 +8,8 @@ import numpy as np
 import pytest
 
 from valvetrain.explore import optimum_summary as said
-from valvetrain.explore.measure import (
-    BELOW,
-    BEYOND,
-    FOUND,
-    LimitFound,
-    LimitSearch,
-    Measure,
-    Objective,
-)
+from valvetrain.explore.measure import BELOW, BEYOND, FOUND, LimitFound, Measure, Objective
+from valvetrain.explore.outputs import LimitSearch
 
 RPM = np.pi / 30
 MASS = Measure("rest", "wire_mass", (), "wire mass")

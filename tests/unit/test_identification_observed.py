@@ -12,13 +12,14 @@ import pytest
 
 import valvetrain as vt
 from valvetrain.errors import InputError
-from valvetrain.explore.data import Datum, Station, Target
 from valvetrain.explore.identification_file import Search, parse_request
 from valvetrain.explore.identify import identify_request
+from valvetrain.explore.measurements import Station, Target
 from valvetrain.explore.observe import Observed, groups_of, numbers_at, numbers_of
-from valvetrain.explore.posterior import Posterior, Unknown
-from valvetrain.explore.prior import Prior
-from valvetrain.explore.solve import Journal, solve
+from valvetrain.explore.posterior import Datum, Posterior, Unknown
+from valvetrain.explore.solve import solve
+from valvetrain.explore.space import Prior
+from valvetrain.explore.store import Store
 from valvetrain.parameters.toml_text import toml_text
 from valvetrain.runs import run
 
@@ -388,7 +389,7 @@ def test_an_ensemble_that_begins_at_the_case_is_spread_before_it_has_taken_many_
     data = (Datum("sum", 1.0, 0.2),)
     posterior = Posterior(unknowns, data, lambda points: [{"sum": float(a + b)} for a, b in points])
     search = Search("ensemble", walkers=100, steps=12, draws=200)
-    with Journal(None, "") as journal:
+    with Store(None, "") as journal:
         found = solve(posterior, search, journal, begin=np.array([[0.9, -0.4]]))
     exact = np.linalg.inv(np.eye(2) + np.ones((2, 2)) / 0.2**2)
     assert np.cov(found.values.T) == pytest.approx(exact, rel=0.3)

@@ -11,10 +11,9 @@ import numpy as np
 import pytest
 
 import valvetrain as vt
-from valvetrain.explore.plan import read_plan
 from valvetrain.explore.sensitivity import surrogate_of
 from valvetrain.explore.study import analysed
-from valvetrain.explore.study_file import StudyText
+from valvetrain.explore.study_file import StudyText, read_plan
 from valvetrain.explore.study_page import points_csv, points_json, points_page, sentences
 from valvetrain.explore.table import StudyTable
 from valvetrain.report.page import Grid, Text, charts, render

@@ -187,7 +187,7 @@ def information_of(posterior: Posterior, jacobian: Array, whole_search: bool = T
     count = jacobian.shape[1]
     owners = [one.name for one in posterior.used]
     measurements = tuple(dict.fromkeys(owners))
-    whole: NDArray[Any] = np.linalg.inv(np.eye(count) + jacobian.T @ jacobian)
+    whole: NDArray[Any] = np.linalg.inv(posterior.precision + jacobian.T @ jacobian)
     variance = np.diag(whole)
     lost, brought = np.zeros((len(measurements), count)), np.zeros((len(measurements), count))
     every = np.sum(jacobian**2, axis=0)
@@ -196,7 +196,7 @@ def information_of(posterior: Posterior, jacobian: Array, whole_search: bool = T
         brought[place] = np.sum(
             jacobian[[owner == name for owner in owners]] ** 2, axis=0
         ) / np.where(every > 0, every, 1.0)
-        without = np.diag(np.linalg.inv(np.eye(count) + others.T @ others))
+        without = np.diag(np.linalg.inv(posterior.precision + others.T @ others))
         lost[place] = np.clip(1.0 - variance / without, 0.0, 1.0)
     correlation = np.asarray(whole / np.sqrt(np.outer(variance, variance)), dtype=np.float64)
     return Information(

@@ -1,9 +1,8 @@
-"""One point to its numbers, the same bits as a run of the same case; many points over processes."""
+"""Evaluation of one point, bit-identical to a run of the same case."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import numpy as np
@@ -11,14 +10,14 @@ import numpy as np
 from valvetrain.cam.build import build_lift_law
 from valvetrain.cam.cached import RememberedLift
 from valvetrain.errors import InputError
-from valvetrain.explore.paths import vary
-from valvetrain.explore.point import Outcome, Point, PointRequest
+from valvetrain.explore.case_paths import vary
+from valvetrain.explore.outputs import Outcome, PointRequest
+from valvetrain.explore.space import ENGINE_SPEED, Varied
 from valvetrain.parameters.case import Case
 from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.parameters.lift_law import LiftLawParameters
 from valvetrain.quantities.design import design_quantities, size_quantities
 from valvetrain.quantities.statics import buckling_quantities, rest_quantities
-from valvetrain.runs.engine import LOST, LOST_REMEDY, map_points
 from valvetrain.runs.notes import refuse_implausible, refuse_speeds
 from valvetrain.runs.prepared import (
     FAILURES,
@@ -42,7 +41,32 @@ from valvetrain.system.problem import Member, Problem, Rest
 #: Steps of a static curve by a spring model; named numbers come from a path of their own and do not
 #: depend on it.
 CURVE_STEPS, MODES = 24, 12
-Finished = Callable[[int, Outcome], None]
+
+
+@dataclass(frozen=True)
+class Point:
+    """One point: a case, its varied quantities with their values (SI), the engine speed (rad/s of
+    the crank; None for static quantities), spring model and spring set (empty: the case's own).
+
+    >>> import valvetrain as vt
+    >>> Point(vt.load_case("job-t"), ((Varied(ENGINE_SPEED, "rpm"), 300.0),)).speed
+    300.0
+    """
+
+    case: Case
+    values: tuple[tuple[Varied, float], ...] = ()
+    engine_speed: float | None = None
+    spring_model: str = ""
+    spring_set: str = ""
+    wanted: PointRequest = PointRequest()
+
+    @property
+    def speed(self) -> float | None:
+        """Engine speed (rad/s), the varied one where it is varied."""
+        return next(
+            (value for varied, value in self.values if varied.key == ENGINE_SPEED),
+            self.engine_speed,
+        )
 
 
 def evaluate(point: Point) -> Outcome:
@@ -207,48 +231,3 @@ def _train(
 def _train_lift(problem: Problem, member: Member) -> float:
     assert member.gear is not None
     return float(member.gear.mechanism.kinematics.maximum_lift)
-
-
-def evaluate_points(
-    points: Sequence[Point],
-    workers: int | None = None,
-    finished: Finished | None = None,
-    tell: Callable[[int, int], None] | None = None,
-) -> tuple[Outcome, ...]:
-    """Outcomes of ``points``, in order; runs go over processes (None: one per core) and results do
-    not depend on their number.
-
-    ``finished(place, outcome)`` as each comes, ``tell(done, total)`` after each. Raises
-    :class:`valvetrain.runs.stopping.PointsStopped` with what is finished when it is stopped.
-    """
-    cases = tuple(dict.fromkeys(point.case for point in points))
-    places = {case: place for place, case in enumerate(cases)}
-    shared = (cases, tuple(dict.fromkeys(point.wanted for point in points)))
-    jobs = [
-        (
-            places[p.case],
-            p.values,
-            p.engine_speed,
-            p.spring_model,
-            p.spring_set,
-            shared[1].index(p.wanted),
-        )
-        for p in points
-    ]
-    return map_points(
-        _job, shared, jobs, workers, processes=True, tell=tell, finished=finished, lost=_lost
-    )
-
-
-_Job = tuple[int, tuple[tuple[object, float], ...], float | None, str, str, int]
-
-
-def _job(shared: tuple[tuple[Case, ...], tuple[PointRequest, ...]], job: _Job) -> Outcome:
-    place, values, engine_speed, model, spring_set, wanted = job
-    return evaluate(
-        Point(shared[0][place], values, engine_speed, model, spring_set, shared[1][wanted])  # type: ignore[arg-type]
-    )
-
-
-def _lost(job: _Job) -> Outcome:
-    return Outcome(Status("worker-lost", LOST, remedy=LOST_REMEDY))

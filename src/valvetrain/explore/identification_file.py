@@ -8,17 +8,20 @@ from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Literal, get_args
 
+from pydantic import ValidationError
+
 from valvetrain.errors import InputError
-from valvetrain.explore.data import Datum, Part, Target, same_dimension
 from valvetrain.explore.ensembles import EVALUATIONS, LANES, LIVE_POINTS, PRECISION, STEPS
+from valvetrain.explore.files import DISTRIBUTIONS, VaryModel, correlation_of, varied_of_table
 from valvetrain.explore.least_squares import SIDE
-from valvetrain.explore.measurements import read_measurement, read_station
-from valvetrain.explore.posterior import Unknown
-from valvetrain.explore.prior import KINDS, Kind, Prior
-from valvetrain.explore.space import Varied
+from valvetrain.explore.measurements import Target, read_measurement, read_station
+from valvetrain.explore.part import Part, same_dimension
+from valvetrain.explore.posterior import Array, Datum, Unknown
+from valvetrain.explore.space import Kind, Prior, Varied
 from valvetrain.parameters.bounded_file import bounded_bytes
 from valvetrain.parameters.case import Case
 from valvetrain.parameters.loading import library_names, load_case, parse_toml
+from valvetrain.parameters.schema_types import first_problem
 from valvetrain.registry import find
 from valvetrain.solution.atomic import digest
 from valvetrain.solution.definition import definition_of, no_quantity
@@ -114,8 +117,6 @@ class Search:
         return (self.starts if self.keep else 0) + kept * each + self.draws + after
 
 
-#: Words of a prior in a file: those of :class:`Prior`, and a normal one whose bounds are meant.
-WORDS = (*KINDS, "truncated-normal")
 _OPERATIONS = ("value", "factor", "offset")
 
 
@@ -143,6 +144,7 @@ class Request:
     from_case: bool
     text: str
     folder: Path
+    correlation: Array | None = None
 
     @property
     def parts(self) -> tuple[tuple[Target, ...], tuple[Target, ...]]:
@@ -231,8 +233,8 @@ def parse_request(text: str, name: str, folder: Path) -> Request:
         find("sources", evaluator, "evaluator").points_of_identification() if evaluator else None
     )
     unknowns, varied = [], []
-    for one, part in whole.parts("quantities"):
-        unknown, keys = _unknown(one, part, bool(evaluator))
+    for one, part in _quantities(whole):
+        unknown, keys = _unknown(one, part, case, bool(evaluator))
         unknowns.append(unknown)
         varied.append(keys)
     if source is not None:
@@ -251,6 +253,11 @@ def parse_request(text: str, name: str, folder: Path) -> Request:
     search, profiles, from_case = _search(
         Part(whole.take("search", {}), "search"), tuple(one.name for one in unknowns)
     )
+    pairs = [
+        (part.texts("between"), part.plain("coefficient"))
+        for part in (Part(one, "correlation") for one in whole.take("correlation", []))
+    ]
+    correlation = correlation_of([one.name for one in unknowns], pairs)
     title = whole.text("title", name.replace("_", " "))
     whole.text("description", "")
     whole.finish()
@@ -269,12 +276,34 @@ def parse_request(text: str, name: str, folder: Path) -> Request:
         from_case,
         text,
         folder,
+        correlation,
     )
+
+
+def _quantities(whole: Part) -> tuple[tuple[str, Part], ...]:
+    """Tables of the quantities by name: ``[[vary]]`` tables by their labels or keys, or
+    ``[quantities.NAME]`` tables.
+    """
+    key = "quantities" if whole.has("quantities") else "vary"
+    tables = whole.table.get(key)
+    if isinstance(tables, list):
+        named: dict[str, object] = {}
+        for index, table in enumerate(tables):
+            own = dict(Part(table, f"{key}.{index}").table)
+            name = own.pop("label", own.get("key", str(index)))
+            if not isinstance(name, str) or name in named:
+                raise InputError("has no name of its own; give a label", f"{key}.{index}")
+            named[name] = own
+        whole.table = {**whole.table, key: named}
+    elif key == "vary" and tables is None:
+        key = "quantities"
+    return whole.parts(key)
 
 
 def _case(whole: Part, folder: Path) -> Case:
     name = whole.text("case")
-    changes = Part(whole.take("set", {}), "set").table
+    key = "changes" if whole.has("changes") else "set"
+    changes = Part(whole.take(key, {}), key).table
     if name not in library_names() and not Path(name).is_absolute():
         name = str(folder / name) if name.endswith(".toml") else name
     try:
@@ -292,7 +321,7 @@ def _asked(part: Part) -> Target:
     return Target(station, "quantity", name)
 
 
-def _unknown(name: str, part: Part, bare: bool) -> tuple[Unknown, tuple[Varied, ...]]:
+def _unknown(name: str, part: Part, case: Case, bare: bool) -> tuple[Unknown, tuple[Varied, ...]]:
     """A quantity with its prior; ``bare``: an evaluator knows it by name, so it has no key of the
     case.
     """
@@ -303,7 +332,7 @@ def _unknown(name: str, part: Part, bare: bool) -> tuple[Unknown, tuple[Varied, 
             part.place("key"),
         )
     operation = part.text("as", "value", _OPERATIONS)
-    prior, unit = _prior(part)
+    prior, unit = _tolerance(part, case, keys, operation) or _prior(part)
     part.finish()
     try:
         return Unknown(name, prior, unit), tuple(Varied(key, unit, operation) for key in keys)  # type: ignore[arg-type]
@@ -311,9 +340,39 @@ def _unknown(name: str, part: Part, bare: bool) -> tuple[Unknown, tuple[Varied, 
         raise InputError(error.reason, part.where) from None
 
 
+def _distribution_key(part: Part) -> str:
+    """The key that names the distribution; where there is none, the name that the other keys imply
+    is filled in.
+    """
+    key = "distribution" if part.has("distribution") else "prior"
+    implied = {"mean": "normal", "median": "lognormal"}
+    ways = [kind for one, kind in implied.items() if part.has(one)]
+    if not part.has(key) and (ways or (part.has("low") and part.has("high"))):
+        part.table = {**part.table, key: ways[0] if ways else "uniform"}
+    return key
+
+
+def _tolerance(
+    part: Part, case: Case, keys: tuple[str, ...], operation: str
+) -> tuple[Prior, str] | None:
+    """The distribution of a ``tolerance`` about the case's own value; None without the key."""
+    if not part.has("tolerance") or not keys:
+        return None
+    given = {key: part.take(key) for key in ("tolerance", "shape", "source") if part.has(key)}
+    try:
+        table = VaryModel.model_validate({"key": keys[0], "as": operation, **given})
+        found = varied_of_table(table, case)
+    except ValidationError as error:
+        raise InputError(first_problem(error)[1], part.place("tolerance")) from None
+    except InputError as error:
+        raise InputError(error.reason, part.place("tolerance")) from None
+    assert isinstance(found.distribution, Prior)
+    return found.distribution, found.unit
+
+
 def _prior(part: Part) -> tuple[Prior, str]:
     """The prior of a table and the unit its numbers are written in."""
-    word = part.text("prior", choices=WORDS)
+    word = part.text(_distribution_key(part), choices=DISTRIBUTIONS)
     kind: Kind = "normal" if word == "truncated-normal" else word  # type: ignore[assignment]
     source = part.text("source", "")
     first = (

@@ -7,10 +7,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from valvetrain.explore.data import Datum
 from valvetrain.explore.identified import Branch, Conflict, Identified, Predicted, Prediction
-from valvetrain.explore.posterior import Unknown
-from valvetrain.explore.prior import Prior
+from valvetrain.explore.posterior import Datum, Unknown
+from valvetrain.explore.space import Prior
 from valvetrain.report.text import number, unit_text
 from valvetrain.units import unit_factor
 

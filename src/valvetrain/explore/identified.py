@@ -6,16 +6,20 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from valvetrain.errors import InputError
-from valvetrain.explore.data import Datum
-from valvetrain.explore.draws import Information
+from valvetrain.errors import InputError, MissingExtraError
+from valvetrain.explore.draws import Information, even_draws
 from valvetrain.explore.least_squares import Profile
-from valvetrain.explore.posterior import Outcome, Posterior, Unknown
+from valvetrain.explore.posterior import Datum, Outcome, Posterior, Unknown
 from valvetrain.solution.display import table
+
+if TYPE_CHECKING:
+    import xarray
 
 Array = NDArray[np.float64]
 #: Scatters within which a datum is met.
@@ -60,7 +64,7 @@ def conflicts_of(
     Examples
     --------
     >>> from valvetrain.explore.posterior import Unknown
-    >>> from valvetrain.explore.prior import Prior
+    >>> from valvetrain.explore.space import Prior
     >>> data = (Datum("load", 280.0, 2.0), Datum("same load", 300.0, 2.0), Datum("rate", 40e3, 9e3))
     >>> posterior = Posterior((Unknown("rate", Prior("uniform", 20e3, 60e3)),), data, lambda points: [])
     >>> points = [(np.array([rate]), {"load": 7e-3 * rate, "same load": 7e-3 * rate, "rate": rate}) for rate in range(36000, 46000, 100)]
@@ -297,6 +301,36 @@ class Identified:
                 f"{len(fits) or 'no'} measured values are called '{measurement[:60]}'; look through 'predicted'"
             )
         return fits[0].percentile
+
+    def to_xarray(self) -> xarray.Dataset:
+        """A Dataset over draw: the quantities (SI), the weight and branch of each draw, and every
+        computed number.
+        """
+        import xarray
+
+        columns: dict[str, Any] = dict(zip(self.names, self.values.T, strict=True))
+        columns |= {f"computed {name}": values for name, values in self.computed.items()}
+        columns |= {"weight": self.weights, "branch": self.branch_of}
+        data = {name: ("draw", values) for name, values in columns.items()}
+        return xarray.Dataset(data, attrs={"method": self.method, "title": self.name})
+
+    def to_arviz(self, draws: int = 1000, seed: int = 1) -> Any:
+        """About ``draws`` equally weighted draws of the posterior as ArviZ takes them. Raises
+        :class:`MissingExtraError` where ArviZ is not installed.
+        """
+        try:
+            arviz: Any = import_module("arviz")
+        except ImportError as error:
+            raise MissingExtraError(
+                "arviz is not installed; install it with pip install arviz"
+            ) from error
+        index, counts = even_draws(self.weights, draws, seed)
+        rows = np.repeat(self.values[index], counts, axis=0)
+        posterior = {name: rows[None, :, k] for k, name in enumerate(self.names)}
+        try:
+            return arviz.from_dict({"posterior": posterior})
+        except TypeError:  # before ArviZ 1.0
+            return arviz.from_dict(posterior=posterior)
 
     def __repr__(self) -> str:
         count = len(self.branches)

@@ -68,11 +68,11 @@ def identify(
     solutions. A cut search is resumed.
     """
     from valvetrain.explore.identification_file import read_request
-    from valvetrain.explore.solve import NAME
+    from valvetrain.explore.store import FILE
     from valvetrain.runs.cost import read_limits
     from valvetrain.runs.saved_runs import ROOT, safe_name
 
-    take_folder(output, NAME)
+    take_folder(output, FILE)
     request = read_request(file)
     asked: dict[str, Any] = {"method": method} if method else {}
     if seed is not None:
@@ -100,7 +100,7 @@ def _answer(
     from valvetrain.cli.progress import busy, progress_bar
     from valvetrain.explore.identification_page import identification_json, write_identification
     from valvetrain.explore.identify import identify_request
-    from valvetrain.explore.solve import NAME
+    from valvetrain.explore.store import FILE
     from valvetrain.solution.atomic import is_abandoned
 
     def told(words: str, seconds: float) -> None:
@@ -114,12 +114,12 @@ def _answer(
             )
     except KeyboardInterrupt:
         interrupted(
-            f"interrupted: the points computed so far are kept in '{points}'; start the command again to go on"
+            f"interrupted: the points computed so far are kept in '{points}'; start the command again to continue"
         )
         raise
     except InputError:
         with suppress(OSError):  # nothing was computed, so nothing is kept
-            journal = points / NAME
+            journal = points / FILE
             if (
                 not kept.output
                 and is_abandoned(journal)
@@ -140,7 +140,7 @@ def _answer(
         deliver(Outcome(data, lambda console: _show(console, found, points)))
         raise typer.Exit(
             interrupted(
-                f"interrupted: what was computed is kept in '{points}'; start the command again to go on"
+                f"interrupted: what was computed is kept in '{points}'; start the command again to continue"
             )
         )
     folder, files = _keep(request, kept, points, found, data)
@@ -155,15 +155,15 @@ def _keep(
 ) -> tuple[Path, list[str]]:
     from valvetrain.cli.progress import busy
     from valvetrain.explore.identification_page import write_identification
-    from valvetrain.explore.solve import NAME
+    from valvetrain.explore.store import FILE
     from valvetrain.solution.atomic import write_text
 
     def fill(folder: Path) -> list[Path]:
         written = [write_text(folder / "identification.toml", request.text)]
         if folder.resolve() != points.resolve():
-            shutil.move(str(points / NAME), folder / NAME)
+            shutil.move(str(points / FILE), folder / FILE)
             shutil.rmtree(points, ignore_errors=True)
-        return [*written, folder / NAME, *write_identification(found, folder, request.title)]
+        return [*written, folder / FILE, *write_identification(found, folder, request.title)]
 
     choices = {
         "identification": request.text,

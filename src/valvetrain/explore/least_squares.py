@@ -78,7 +78,7 @@ def least_squares(
     damping, done, steps = 1.0, 0, np.full(len(work), step or FIRST_STEP)
     for done in range(1, iterations + 1):
         jacobian = differences(posterior, work, outcome, steps, chosen)
-        whole = np.vstack([jacobian, _prior_rows(posterior)])[:, chosen]
+        whole = np.vstack([jacobian, posterior.prior_rows])[:, chosen]
         normal, gradient = whole.T @ whole, whole.T @ misses
         tried = [max(damping, MIN_DAMPING) * 10.0**power for power in TRIALS]
         places = np.tile(work, (len(tried), 1))
@@ -115,7 +115,7 @@ def covariance_of(posterior: Posterior, jacobian: Array) -> Array:
     """Covariance of the working coordinates: inverse of the data's and the priors' information (a
     flat prior by its spread).
     """
-    information = jacobian.T @ jacobian + np.eye(jacobian.shape[1])
+    information = jacobian.T @ jacobian + posterior.precision
     return np.asarray(np.linalg.inv(information) * np.outer(posterior.spread, posterior.spread))
 
 
@@ -154,11 +154,6 @@ def differences(
 def _misses(posterior: Posterior, outcome: Outcome, work: Array) -> Array | None:
     off = posterior.residuals(outcome)
     return None if off is None else np.concatenate([off, posterior.pulls(work)])
-
-
-def _prior_rows(posterior: Posterior) -> Array:
-    """Slopes of :meth:`Posterior.pulls` by quantities in standard deviations of their priors."""
-    return np.diag([0.0 if one.prior.flat else 1.0 for one in posterior.unknowns])
 
 
 def _steps(jacobian: Array, posterior: Posterior, chosen: Array) -> Array:

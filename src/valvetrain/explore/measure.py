@@ -1,16 +1,16 @@
-"""What a search looks at in a design: quantities at its runs, speeds up to which a quantity stays
-within a bound; objectives, bounds.
+"""Measures of a design: one number from the runs of a quantity, or a limit speed; objectives and
+constraints on them.
 """
 
 from __future__ import annotations
 
-from collections.abc import Generator, Mapping, Sequence
+from collections.abc import Callable, Generator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
-from valvetrain.explore.plan import Run
-from valvetrain.explore.point import Outcome
+from valvetrain.explore.engine import Engine, Evaluation, PointJob
+from valvetrain.explore.outputs import LimitSearch, Outcome, Run
 from valvetrain.solution.definition import definition_of, not_given, shown
 
 #: How a search ended: a bracket was found; the bound is left at the lowest speed already; it is
@@ -20,23 +20,6 @@ FOUND, BELOW, BEYOND = "found", "below", "beyond"
 #: possible between them.
 CAUTION = 2.0
 Scan = Generator[list[float], list[float], "LimitFound"]
-
-
-@dataclass(frozen=True, slots=True)
-class LimitSearch:
-    """Keep ``quantity`` at or below (``upper``), or at or above, ``bound`` (SI), over
-    ``engine_speeds`` (rad/s, rising).
-
-    ``resolution`` (rad/s): width of the bracket at the end. ``share``: the bound is this share of
-    what the case has at the lowest speed.
-    """
-
-    quantity: str
-    upper: bool
-    bound: float
-    engine_speeds: tuple[float, ...]
-    resolution: float
-    share: float | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -299,6 +282,38 @@ def _at(run: Run, sentence: str) -> str:
     return f"{speed}{sentence}"
 
 
-__all__ = [
-    "BELOW", "BEYOND", "LIMIT", "REST", "RUNS", "Answers", "Ask", "Constraint", "Measure", "Measured", "Objective", "measuring",
-]  # fmt: skip
+#: A design to be measured: its experiments by source, with or without what is varied, and its
+#: values (SI).
+Subject = tuple[Mapping[str, Evaluation], tuple[float, ...]]
+Stop = Callable[[Mapping[Measure, float]], bool]
+
+
+def measure_designs(
+    engine: Engine,
+    subjects: Sequence[Subject],
+    measures: Sequence[Measure],
+    stop: Stop | None = None,
+) -> list[Measured]:
+    """The numbers of every design, in order, measured side by side batch by batch;
+    ``stop(values)`` may spare a design the search for limit speeds.
+    """
+    if not measures:
+        return [Measured({}, {}) for _ in subjects]
+    running = {index: measuring(measures, stop) for index in range(len(subjects))}
+    requested = {index: next(one, None) for index, one in running.items()}
+    done: dict[int, Measured] = {}
+    while running:
+        batch: list[PointJob] = [
+            (subjects[index][0][source], subjects[index][1], run)
+            for index in running
+            for source, run in requested[index] or ()
+        ]
+        outcomes = iter(engine.outcomes(batch))
+        for index in tuple(running):
+            answer = [next(outcomes) for _ in requested[index] or ()]
+            try:
+                requested[index] = running[index].send(answer)
+            except StopIteration as end:
+                done[index] = end.value
+                del running[index], requested[index]
+    return [done[index] for index in range(len(subjects))]

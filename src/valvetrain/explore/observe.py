@@ -13,10 +13,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from valvetrain.errors import InputError, RunFailedError
-from valvetrain.explore.data import Station, Target
-from valvetrain.explore.evaluate import MODES, evaluate_case
-from valvetrain.explore.paths import vary
-from valvetrain.explore.point import Point, PointRequest
+from valvetrain.explore.case_paths import vary
+from valvetrain.explore.evaluate import MODES, Point, evaluate_case
+from valvetrain.explore.measurements import Station, Target
+from valvetrain.explore.outputs import PointRequest
 from valvetrain.explore.posterior import Outcome
 from valvetrain.explore.space import Varied
 from valvetrain.parameters.case import Case

@@ -62,8 +62,8 @@ def optimise(
     from valvetrain.cli.outcome import tell
     from valvetrain.cli.progress import announce_compilation
     from valvetrain.explore.objective import read_optimum
+    from valvetrain.explore.optimise import FEWER, estimate_search
     from valvetrain.explore.optimum_file import read_optimum_file
-    from valvetrain.explore.search import FEWER, estimate_search
     from valvetrain.runs.cost import read_limits, refuse_cost
     from valvetrain.runs.saved_runs import safe_name
 
@@ -76,12 +76,12 @@ def optimise(
         tell(
             f"{estimate.trials} trials, {told} at most; finished points are kept in '{folder / POINTS}'"
         )
-    moves = any(one.wanted.motion for one in plan.plans.values())
-    if moves or any(not one.wanted.sizes_alone for one in plan.plans.values()):
+    moves = any(one.outputs.request.motion for one in plan.plans.values())
+    if moves or any(not one.outputs.request.sizes_alone for one in plan.plans.values()):
         announce_compilation(
             "statics",
             *(["transient"] if moves else []),
-            *(["train"] if plan.case.train is not None else []),
+            *(["train"] if plan.case and plan.case.train is not None else []),
         )
     _answer(_Request(plan, folder, count, dask, open_page), limits)
 
@@ -99,7 +99,7 @@ def _answer(request: _Request, limits: Any) -> None:
     from valvetrain.cli.guard import interrupted
     from valvetrain.cli.outcome import deliver
     from valvetrain.cli.progress import progress_bar
-    from valvetrain.explore.search import SearchInterrupted, run_search
+    from valvetrain.explore.optimise import SearchInterrupted, run_search
 
     try:
         with progress_bar(request.plan.title) as report:
@@ -109,7 +109,7 @@ def _answer(request: _Request, limits: Any) -> None:
     except SearchInterrupted as cut:
         done = len(cut.optimum.trials) - 1
         _written(request, cut.optimum)
-        words = f"{done} trials are told in '{request.folder}'; start the command again to go on"
+        words = f"{done} trials are in '{request.folder}'; start the command again to continue"
         raise typer.Exit(interrupted(f"interrupted: {words}")) from None
     deliver(_written(request, found))
 

@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 
 from valvetrain.explore.measure import Measure
 from valvetrain.explore.optimum import Optimum
-from valvetrain.explore.searchers import Trial
 from valvetrain.explore.space import Varied
+from valvetrain.explore.trial import Trial
 from valvetrain.report import theme
 from valvetrain.report.chart import Chart, Layer, Line, Marks, Panel
 from valvetrain.report.text import unit_text

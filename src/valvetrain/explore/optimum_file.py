@@ -9,7 +9,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BeforeValidator, Field
 
-from valvetrain.explore.study_file import (
+from valvetrain.explore.files import (
     MAX_VARIED,
     Amount,
     FileText,
@@ -138,6 +138,14 @@ class OptimumText(FileText[OptimumModel]):
 
     def __init__(self, text: str, where: str, folder: Path) -> None:
         super().__init__(text, where, folder, OptimumModel)
+
+    @classmethod
+    def of_tables(cls, tables: dict[str, Any], where: str) -> OptimumText:
+        """The same from the tables of a program."""
+        made = cls.__new__(cls)
+        made.text, made.where, made.folder = "", where, Path()
+        made._read(tables, OptimumModel)
+        return made
 
 
 def read_optimum_file(path: Path) -> OptimumText:

@@ -13,12 +13,18 @@ from typing import Any
 import numpy as np
 
 from valvetrain.explore.measure import LimitFound, Measure
-from valvetrain.explore.optimum import Confirmed, Design, Optimum, bound_words
+from valvetrain.explore.optimum import (
+    Confirmed,
+    Design,
+    Optimum,
+    bound_words,
+    case_text,
+    write_optuna,
+)
 from valvetrain.explore.optimum_charts import convergence_chart, front_chart, over_chart
-from valvetrain.explore.optimum_files import case_text, write_optuna
 from valvetrain.explore.optimum_summary import confirmed_words, sentences
-from valvetrain.explore.searchers import Trial
 from valvetrain.explore.study_page import distribution_words
+from valvetrain.explore.trial import Trial
 from valvetrain.report.page import Block, Cell, Grid, Page, Section, figure_or_gap, render, text
 from valvetrain.report.text import number, percent, unit_text
 from valvetrain.solution.atomic import write_text
@@ -82,7 +88,7 @@ def optimum_page(found: Optimum) -> Page:
     sections.append(Section("asked", "What was asked", _asked(found)))
     seeds = "" if len(found.seeds) == 1 else f", {len(found.seeds)} seeds"
     facts = (
-        ("case", plan.case.name), ("trials", f"{len(found.trials)}, {found.feasible} feasible"),
+        ("case", plan.case_name), ("trials", f"{len(found.trials)}, {found.feasible} feasible"),
         ("method", METHODS[plan.search.method] + f", seed {plan.search.seed}{seeds}"),
         ("computed now", f"{found.computed} points in {found.seconds:.0f} s"),
     )  # fmt: skip
@@ -317,7 +323,7 @@ def optimum_json(found: Optimum) -> dict[str, Any]:
     """The JSON answer, SI."""
     plan = found.plan
     data: dict[str, Any] = {
-        "case": plan.case.name, "title": plan.title, "method": plan.search.method, "seeds": list(found.seeds),
+        "case": plan.case_name, "title": plan.title, "method": plan.search.method, "seeds": list(found.seeds),
         "trials": len(found.trials), "feasible_trials": found.feasible, "computed_now": found.computed,
         "varied": [
             {"name": one.name, "key": one.key, "as": one.operation, "unit": one.si_unit or "1", "label": one.words} for one in plan.varied

@@ -8,7 +8,7 @@ import numpy as np
 
 from valvetrain.explore.measure import BELOW, BEYOND, FOUND, Measure
 from valvetrain.explore.optimum import Confirmed, Design, Optimum, bound_words
-from valvetrain.explore.searchers import Trial
+from valvetrain.explore.trial import Trial
 
 #: A search whose best value came in this last share of its trials was still rising.
 LATE = 0.1

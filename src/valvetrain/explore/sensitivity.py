@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from valvetrain.errors import InputError, MissingExtraError
-from valvetrain.explore.plan import Run
+from valvetrain.explore.outputs import Run
 from valvetrain.solution.definition import definition_of, label_of, shown
 
 Array = NDArray[np.float64]

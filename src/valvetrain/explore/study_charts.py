@@ -7,7 +7,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from valvetrain.explore.plan import Run
+from valvetrain.explore.outputs import Run
 from valvetrain.explore.sensitivity import Sensitivity, Surrogate
 from valvetrain.explore.table import StudyTable, run_words
 from valvetrain.report import theme

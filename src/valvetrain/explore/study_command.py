@@ -24,8 +24,7 @@ from valvetrain.cli.study_command import keep_points
 if TYPE_CHECKING:
     from rich.console import Console
 
-    from valvetrain.explore.plan import StudyPlan
-    from valvetrain.explore.table import StudyTable
+    from valvetrain.explore.table import StudyPlan, StudyTable
 
 #: Where studies are kept whose folder is not given, by the name of their file.
 HOME = Path("runs/studies")
@@ -60,9 +59,8 @@ def study(
     from valvetrain.cli.limits import WORTH_SAYING
     from valvetrain.cli.outcome import tell
     from valvetrain.cli.progress import announce_compilation
-    from valvetrain.explore.experiment import estimate_study
-    from valvetrain.explore.plan import read_plan
-    from valvetrain.explore.study_file import read_study_file
+    from valvetrain.explore.study import estimate_study
+    from valvetrain.explore.study_file import read_plan, read_study_file
     from valvetrain.runs.cost import read_limits, refuse_cost
     from valvetrain.runs.saved_runs import safe_name
 
@@ -74,7 +72,7 @@ def study(
     if estimate.cost.seconds > WORTH_SAYING:
         tell(f"{estimate.points} points, {told}; finished ones are kept in '{folder / POINTS}'")
     announce_compilation(
-        "statics", "transient", *(["train"] if plan.case.train is not None else [])
+        "statics", "transient", *(["train"] if plan.case and plan.case.train is not None else [])
     )
     _answer(_Request(plan, folder, count, dask, open_page), limits)
 
@@ -92,17 +90,16 @@ def _answer(request: _Request, limits: Any) -> None:
     from valvetrain.cli.guard import interrupted
     from valvetrain.cli.outcome import deliver
     from valvetrain.cli.progress import progress_bar
-    from valvetrain.explore.experiment import PointsInterrupted
-    from valvetrain.explore.study import study_of
+    from valvetrain.explore.study import PointsInterrupted, run_plan
 
     try:
         with progress_bar(request.plan.title) as report:
-            table = study_of(
+            table = run_plan(
                 request.plan, request.workers, request.dask, request.folder / POINTS, limits, report
             )
     except PointsInterrupted as cut:
         done = sum(one.code != "interrupted" for one in cut.table.statuses)
-        words = f"{done} of {len(cut.table)} points are kept in '{request.folder / POINTS}'; start the command again to go on"
+        words = f"{done} of {len(cut.table)} points are kept in '{request.folder / POINTS}'; start the command again to continue"
         raise typer.Exit(interrupted(f"interrupted: {words}")) from None
     deliver(_written(request, table))
 
@@ -161,7 +158,7 @@ def _show(console: Console, table: StudyTable, folder: Path) -> None:
         console.print(f"  {sentence}", soft_wrap=True)
     there = len(table) - table.computed
     console.print(
-        f"{table.computed} points computed{f', {there} were there' if there > 0 else ''}",
+        f"{table.computed} points computed{f', {there} read from the store' if there > 0 else ''}",
         soft_wrap=True,
     )
     console.print(f"results  {folder}", soft_wrap=True)

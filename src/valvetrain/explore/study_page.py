@@ -6,13 +6,14 @@ from __future__ import annotations
 
 import csv
 import io
+import math
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from valvetrain.explore.sensitivity import Sensitivity
-from valvetrain.explore.space import LogNormal, Normal, Uniform, Values, Varied
+from valvetrain.explore.space import Values, Varied
 from valvetrain.explore.study_charts import (
     PERCENTILES,
     histogram_chart,
@@ -65,7 +66,7 @@ def points_page(table: StudyTable) -> Page:
     sections.append(Section("asked", "What was varied", (varied_grid(table),)))
     done = int(np.count_nonzero(table.completed))
     facts = (
-        ("case", plan.case.name), ("points", f"{done} of {len(table)} completed"), ("sampler", plan.sampler.words),
+        ("case", plan.case_name), ("points", f"{done} of {len(table)} completed"), ("sampler", plan.sampler.words),
         ("computed now", f"{table.computed} in {table.seconds:.0f} s"),
     )  # fmt: skip
     return Page(
@@ -202,20 +203,21 @@ def distribution_words(one: Varied) -> str:
         return f"{number(one.shown(value), 6)} {unit}".strip()
 
     found = one.distribution
-    if isinstance(found, Uniform):
-        return f"even from {told(found.low)} to {told(found.high)}"
-    if isinstance(found, Normal):
-        bounds = (
-            f", cut at {told(found.low)} and {told(found.high)}"
-            if np.isfinite(found.low) and np.isfinite(found.high)
-            else ""
-        )
-        return f"normal about {told(found.mean)}, standard deviation {told(found.standard_deviation)}{bounds}"
-    if isinstance(found, LogNormal):
-        return f"lognormal about {told(found.median)}, two thirds within a factor of {number(found.factor)}"
-    if isinstance(found, Values) and len(found.values) <= 12:
-        return ", ".join(told(value) for value in found.values)
-    return f"{len(getattr(found, 'values', ()))} values"
+    if isinstance(found, Values):
+        listed = ", ".join(told(value) for value in found.values)
+        return listed if len(found.values) <= 12 else f"{len(found.values)} values"
+    if found.flat:
+        scale = " in its logarithm" if found.logarithmic else ""
+        return f"even{scale} from {told(found.low)} to {told(found.high)}"
+    bounds = (
+        f", cut at {told(found.low)} and {told(found.high)}"
+        if np.isfinite(found.low) and np.isfinite(found.high)
+        else ""
+    )
+    if found.kind == "normal":
+        return f"normal about {told(found.centre)}, standard deviation {told(found.spread)}{bounds}"
+    factor = number(math.exp(found.spread))
+    return f"lognormal about {told(found.centre)}, two thirds within a factor of {factor}{bounds}"
 
 
 #: Rows that the JSON answer holds whole; a larger table stands in points.csv.
@@ -230,7 +232,7 @@ def points_json(table: StudyTable) -> dict[str, Any]:
     ]
     places = {run: place for place, run in enumerate(plan.runs)}
     data: dict[str, Any] = {
-        "case": plan.case.name, "title": plan.title, "kind": plan.kind, "sampler": plan.sampler.word, "points": len(table),
+        "case": plan.case_name, "title": plan.title, "kind": plan.kind, "sampler": plan.sampler.word, "points": len(table),
         "completed_points": int(np.count_nonzero(table.completed)), "computed_now": table.computed, "runs": runs,
         "varied": [
             {"name": one.name, "key": one.key, "as": one.operation, "unit": one.si_unit or "1", "label": one.words} for one in plan.varied
