@@ -91,12 +91,12 @@ def test_the_quick_numbers_at_rest_are_those_of_a_run(folder: Path) -> None:
     """Preload and frequencies by a model alone, beside all its numbers at rest."""
     seat = '[measurements.seat]\nquantity = "preload"\nvalue = "250 N"\nscatter = "1 N"\nspring_model = "wave-rod"\n'
     request = parse_request(FILE.format(method="nested") + seat, "card", folder)
-    case = Observed(request.case, request.varied, request.sought).case_at((31e3, 0.044))
+    case = Observed(request.case, request.varied, request.targets).case_at((31e3, 0.044))
     whole = evaluate_case(
-        case, Point(case, wanted=PointRequest(("preload", "mode_1_frequency"), "wave-rod"))
+        case, Point(case, request=PointRequest(("preload", "mode_1_frequency"), "wave-rod"))
     ).values
-    for station in dict.fromkeys(one.station for one in request.sought if one.kind == "quantity"):
-        quick = numbers_at(case, station, request.sought)
+    for station in dict.fromkeys(one.station for one in request.targets if one.kind == "quantity"):
+        quick = numbers_at(case, station, request.targets)
         assert quick == pytest.approx(
             {f"wave-rod: {name}": value for name, value in whole.items()}, rel=1e-12
         )

@@ -21,7 +21,7 @@ SPEED = Measure(
     limit=LimitSearch("minimum_spring_force", False, 0.0, (), RPM),
 )
 VARIED = tuple(
-    SimpleNamespace(words=words, unit="mm", shown=lambda value: 1e3 * value)
+    SimpleNamespace(shown_name=words, unit="mm", shown=lambda value: 1e3 * value)
     for words in ("wire", "coil", "pitch")
 )
 
@@ -29,7 +29,7 @@ VARIED = tuple(
 def trial(*objectives: float, **changes: object) -> SimpleNamespace:
     told = {
         "number": 7, "objectives": objectives, "feasible": True, "failure": "", "missed": (), "seed": 1, "values": (4e-3, 22e-3, 7e-3),
-        "measured": SimpleNamespace(limits={}), "told_missed": (0.02, 0.135), "constraints": (0.4, 0.5), "plan": None,
+        "measured": SimpleNamespace(limits={}), "penalties": (0.02, 0.135), "constraints": (0.4, 0.5), "plan": None,
     }  # fmt: skip
     return SimpleNamespace(**told | changes)
 
@@ -67,7 +67,7 @@ def search(
 @pytest.fixture(autouse=True)
 def bounds(monkeypatch):
     """A bound in words is its number."""
-    monkeypatch.setattr(said, "bound_words", lambda _plan, place: f"bound {place}")
+    monkeypatch.setattr(said, "bound_label", lambda _plan, place: f"bound {place}")
 
 
 @pytest.mark.parametrize(
@@ -82,8 +82,11 @@ def bounds(monkeypatch):
 )
 def test_a_difference_has_its_sign_and_a_share_where_that_says_something(value, before, told):
     assert said.change(MASS, value, before) == told
-    assert said.told(MASS, np.nan) == "no number" and said.told(MASS, -0.0123456) == "−12.346 g"
-    assert said.told(SPEED, 8123.4 * RPM) == "8123.4 rpm"
+    assert (
+        said.reported(MASS, np.nan) == "no number"
+        and said.reported(MASS, -0.0123456) == "−12.346 g"
+    )
+    assert said.reported(SPEED, 8123.4 * RPM) == "8123.4 rpm"
 
 
 CASE = "The case itself keeps every bound."
@@ -202,7 +205,7 @@ def test_another_model_beside_the_search():
         "By rod, the design cannot be computed: no wire": confirmed(trial(np.nan, failure="no wire"), trial(0.052)),
         "By rod, the case cannot be computed: no rest": confirmed(trial(0.041), trial(np.nan, failure="no rest")),
     }  # fmt: skip
-    assert [said.confirmed_words(one, found) for one in rows.values()] == list(rows)
+    assert [said.confirmed_text(one, found) for one in rows.values()] == list(rows)
     assert said.trust(search(best=design(best, confirmed=tuple(rows.values()))))[1:] == tuple(rows)
     beyond = confirmed(
         trial(9000 * RPM, measured=bracket(BEYOND, 9000, 9000)),
@@ -213,4 +216,4 @@ def test_another_model_beside_the_search():
     told = (
         "limit speed 9000 rpm or more against 7000 rpm of the case, where the search has 8800 rpm"
     )
-    assert said.confirmed_words(beyond, fast) == f"By rod: {told}. All bounds are kept."
+    assert said.confirmed_text(beyond, fast) == f"By rod: {told}. All bounds are kept."

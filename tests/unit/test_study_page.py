@@ -154,7 +154,7 @@ def test_a_surrogate_of_a_smooth_function_predicts_points_kept_out():
     table = made("surrogate", function=lambda c: 800 + 30 * np.sin(3 * c[:, 0]) * (1 + c[:, 1]))
     (one,) = table.surrogates  # the other output never changes
     assert (
-        one.kept_out == 51
+        one.held_out == 51
         and one.share < 0.01
         and one.error < 0.1
         and "so it does not" not in one.sentence
@@ -190,7 +190,7 @@ def test_a_surrogate_of_few_points_is_not_made():
 
 def test_a_row_stands_in_words():
     table = made()
-    assert table.row_words(0).endswith("6000 rpm, massless") and "mm" in table.row_words(0)
+    assert table.row_label(0).endswith("6000 rpm, massless") and "mm" in table.row_label(0)
 
 
 def many_runs(count: int, failed=()) -> StudyTable:

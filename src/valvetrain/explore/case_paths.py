@@ -94,18 +94,18 @@ def set_in_tree(tree: dict[str, Any], varied: Varied, value: float) -> None:
             holder[head] = {}
         holder = _unpacked(holder, head, varied)
     if varied.operation == "value" and isinstance(holder, dict):
-        holder[last] = in_words(value, varied.si_unit)
+        holder[last] = as_written(value, varied.si_unit)
         return
     before = _unpacked(holder, last, varied)
     after = (
-        in_words(value, varied.si_unit)
+        as_written(value, varied.si_unit)
         if varied.operation == "value"
         else _changed(before, varied, value)
     )
     holder[int(last) if isinstance(holder, list) else last] = after
 
 
-def in_words(value: float, unit: str) -> Any:
+def as_written(value: float, unit: str) -> Any:
     """A value (SI) as a case file holds it: text with its unit, a plain number where it has none, a
     whole one where it is whole.
     """
@@ -131,7 +131,7 @@ def _unpacked(holder: Any, key: str, varied: Varied) -> Any:
             and key == varied.key.split(".")[-2]
         ):
             values, unit = numbers_of(found, varied)
-            holder[key] = found = [in_words(one, unit) for one in values]
+            holder[key] = found = [as_written(one, unit) for one in values]
         return found
     if isinstance(holder, list):
         if not key.isdecimal() or int(key) >= len(holder):
@@ -179,7 +179,7 @@ def _changed(before: Any, varied: Varied, value: float) -> Any:
             f"stands in the case as '{before[:40]}', and an offset of it has a unit of the same kind; give one",
             varied.key,
         )
-    moved = [in_words(_moved(one, varied, value), unit) for one in values]
+    moved = [as_written(_moved(one, varied, value), unit) for one in values]
     return moved if "," in before else moved[0]
 
 
@@ -364,7 +364,7 @@ def nominal(case: Case, varied: Varied) -> float:
     """
     if varied.operation != "value":
         return 1.0 if varied.operation == "factor" else 0.0
-    found, place = _stands(case, varied.key)
+    found, place = _entry(case, varied.key)
     if place is not None:
         return numbers_of(found, varied)[0][place]
     if isinstance(found, str) and "," not in found:
@@ -388,7 +388,7 @@ def unit_in_case(case: Case, key: str) -> str:
     >>> unit_in_case(vt.load_case("gu2021-beehive"), "spring.precompression")
     'mm'
     """
-    found, _ = _stands(case, key)
+    found, _ = _entry(case, key)
     if isinstance(found, dict):  # a curve
         found = next((found[name] for name in CURVE_KEYS if name in found), "")
     return unit_of(found) if isinstance(found, str) else ""
@@ -400,11 +400,11 @@ def unit_of(text: str) -> str:
     >>> unit_of("3.7, 3.8 mm"), unit_of("5 %"), unit_of("7")
     ('mm', '%', '')
     """
-    words = text.split(",")[-1].strip()
-    return words.lstrip("+-0123456789.eE ").strip() if words else ""
+    phrase = text.split(",")[-1].strip()
+    return phrase.lstrip("+-0123456789.eE ").strip() if phrase else ""
 
 
-def _stands(case: Case, key: str) -> tuple[Any, int | None]:
+def _entry(case: Case, key: str) -> tuple[Any, int | None]:
     """What stands under ``key``, and the place in it where it is a text of several numbers of which
     one is meant.
     """

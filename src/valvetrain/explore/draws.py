@@ -96,16 +96,16 @@ def branches_of_draws(posterior: Posterior, draws: Draws, seed: int = 1) -> Labe
         allow_single_cluster=True,
         copy=True,
     ).fit_predict(scaled[chosen])
-    words = sorted(set(found.tolist()) - {-1})
-    if len(words) < 2:
+    phrase = sorted(set(found.tolist()) - {-1})
+    if len(phrase) < 2:
         return np.zeros(len(draws.work), dtype=np.int64)
     at = posterior.at(draws.work[chosen]).log_posterior
     peaks = np.array(
-        [chosen[np.flatnonzero(found == word)[np.argmax(at[found == word])]] for word in words]
+        [chosen[np.flatnonzero(found == word)[np.argmax(at[found == word])]] for word in phrase]
     )
     joined = joined_peaks(posterior, draws.work[peaks])
     known = found >= 0
-    labels = np.array([joined[words.index(one)] for one in found[known]])
+    labels = np.array([joined[phrase.index(one)] for one in found[known]])
     near = KNeighborsClassifier(n_neighbors=min(5, int(known.sum()))).fit(
         scaled[chosen[known]], labels
     )
@@ -143,15 +143,15 @@ def even_draws(weights: Array, count: int, seed: int) -> tuple[Labels, Labels]:
 
 def _by_share(labels: Labels, weights: Array) -> Labels:
     """The same parts numbered by their probability."""
-    words = np.unique(labels)
-    share = [weights[labels == word].sum() for word in words]
-    order = words[np.argsort(-np.array(share), kind="stable")].tolist()
+    phrase = np.unique(labels)
+    share = [weights[labels == word].sum() for word in phrase]
+    order = phrase[np.argsort(-np.array(share), kind="stable")].tolist()
     return np.array([order.index(one) for one in labels.tolist()], dtype=np.int64)
 
 
 #: Posterior correlation beyond which two quantities are one, and information (over the prior's)
 #: that each would have were the other known.
-TWINS, TOLD_ALONE = 0.9, 4.0
+TWINS, KNOWN_ALONE = 0.9, 4.0
 #: Share of the prior's deviation that must be left of one of the two, for a narrow stretch within a
 #: wide prior is knowledge all the same.
 OPEN = 0.4
@@ -163,7 +163,7 @@ NAMED = 0.3
 
 @dataclass(frozen=True, eq=False)
 class Information:
-    """``told`` (quantities): share of the prior's variance that the data remove. ``brought``
+    """``determined`` (quantities): share of the prior's variance that the data remove. ``brought``
     (measurements, quantities): share that each
     measurement has of all the data's information on a quantity, the others known. ``lost``
     (measurements, quantities): share by which the
@@ -173,11 +173,16 @@ class Information:
     apart."""
 
     measurements: tuple[str, ...]
-    told: Array
+    determined: Array
     brought: Array
     lost: Array
     correlation: Array
     warnings: tuple[str, ...]
+
+    @property
+    def told(self) -> Array:
+        """:attr:`determined` by its earlier name."""
+        return self.determined
 
 
 def information_of(posterior: Posterior, jacobian: Array, whole_search: bool = True) -> Information:
@@ -215,7 +220,7 @@ def _warnings(
     alone = np.sum(jacobian**2, axis=0)
     found, spoken = [], set()
     for one, other in itertools.combinations(range(len(names)), 2):
-        known = alone[one] > TOLD_ALONE and alone[other] > TOLD_ALONE
+        known = alone[one] > KNOWN_ALONE and alone[other] > KNOWN_ALONE
         vague = np.sqrt(np.diag(covariance)[[one, other]])
         if known and abs(correlation[one, other]) > TWINS and vague.max() > OPEN:
             found.append(_pair(names[one], names[other], correlation[one, other], vague))
@@ -229,14 +234,14 @@ def _warnings(
             value < 1.0
             and len(large) > 2
             and not set(large) <= spoken
-            and all(alone[place] > TOLD_ALONE for place in large)
+            and all(alone[place] > KNOWN_ALONE for place in large)
         ):
-            words = (
+            phrase = (
                 ", ".join(f"'{names[place]}'" for place in sorted(large)[:-1])
                 + f" and '{names[sorted(large)[-1]]}'"
             )
             found.append(
-                f"the data cannot tell {words} apart: they know combinations of them only, and one is left to the priors"
+                f"the data cannot tell {phrase} apart: they know combinations of them only, and one is left to the priors"
             )
             spoken |= set(large)
     for place, name in enumerate(names):

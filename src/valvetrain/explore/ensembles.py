@@ -87,9 +87,11 @@ def ensemble(
     work = chain[::thin].reshape(-1, count)
     notes = []
     if not np.isfinite(time) or (1 - BEGINNING) * done < ENOUGH_TIMES * time:
-        told = f"{(1 - BEGINNING) * done / time:.0f}" if np.isfinite(time) and time > 0 else "few"
+        reported = (
+            f"{(1 - BEGINNING) * done / time:.0f}" if np.isfinite(time) and time > 0 else "few"
+        )
         notes.append(
-            f"the chain holds {told} autocorrelation times, {ENOUGH_TIMES} are wanted; take more steps"
+            f"the chain holds {reported} autocorrelation times, {ENOUGH_TIMES} are wanted; take more steps"
         )
     return Draws(work, np.full(len(work), 1.0 / len(work)), whole=whole, notes=tuple(notes))
 
@@ -165,9 +167,9 @@ def evolution(
             -first if np.isfinite(first) else np.inf
         )  # a search ends no worse than where it began
         while used < evaluations and not strategy.should_stop():
-            asked = [strategy.ask() for _ in range(size)]
+            requested = [strategy.ask() for _ in range(size)]
             work = np.clip(
-                posterior.centre + posterior.spread * np.array(asked)[:, :count], low, high
+                posterior.centre + posterior.spread * np.array(requested)[:, :count], low, high
             )
             scores = -posterior.at(work).log_posterior
             used += size
@@ -176,7 +178,7 @@ def evolution(
             strategy.tell(
                 [
                     (one, float(score) if good else worst + WORSE)
-                    for one, score, good in zip(asked, scores, possible, strict=True)
+                    for one, score, good in zip(requested, scores, possible, strict=True)
                 ]
             )
             place = int(np.argmin(np.where(possible, scores, np.inf)))
@@ -378,11 +380,11 @@ def nested(
         found = sampler.results
     log_weights = np.asarray(found.logwt) - np.max(found.logwt)
     weights = np.exp(log_weights)
-    kept = weights > NO_WEIGHT
+    retained = weights > NO_WEIGHT
     evidence, doubt = float(found.logz[-1]), float(found.logzerr[-1])
     return Draws(
-        posterior.from_shares(np.asarray(found.samples_u)[kept]),
-        weights[kept] / weights[kept].sum(),
+        posterior.from_shares(np.asarray(found.samples_u)[retained]),
+        weights[retained] / weights[retained].sum(),
         evidence,
         doubt,
         "nested sampling",

@@ -58,7 +58,7 @@ class Point:
     engine_speed: float | None = None
     spring_model: str = ""
     spring_set: str = ""
-    wanted: PointRequest = PointRequest()
+    request: PointRequest = PointRequest()
 
     @property
     def speed(self) -> float | None:
@@ -94,22 +94,22 @@ def evaluate_case(case: Case, point: Point) -> Outcome:
     problem = build(case, spring_models=models, spring_sets=sets)
     if problem.kind != TRAIN and case.lift_law is not None:
         problem = _with_remembered_lift(problem, case.lift_law)
-    member, engine_speed, wanted = problem.members[0], point.speed, point.wanted
+    member, engine_speed, request = problem.members[0], point.speed, point.request
     if member.refusal:
         raise InputError(member.refusal)
-    moves = engine_speed is not None and wanted.motion and problem.moves
+    moves = engine_speed is not None and request.motion and problem.moves
     if moves:
         assert engine_speed is not None
         refuse_speeds(problem, (engine_speed,))
         refuse_implausible(problem, (engine_speed,))
     if problem.kind == TRAIN:
-        status, values = _train(problem, member, engine_speed if moves else None, wanted)
+        status, values = _train(problem, member, engine_speed if moves else None, request)
     else:
-        status, values = _spring(problem, member, engine_speed if moves else None, wanted)
+        status, values = _spring(problem, member, engine_speed if moves else None, request)
     chosen = (
         values
-        if not wanted.outputs
-        else {name: values[name] for name in wanted.outputs if name in values}
+        if not request.outputs
+        else {name: values[name] for name in request.outputs if name in values}
     )
     return Outcome(status, {name: float(value) for name, value in chosen.items()})
 
@@ -130,12 +130,12 @@ def _with_remembered_lift(problem: Problem, law: LiftLawParameters) -> Problem:
 
 
 def _spring(
-    problem: Problem, member: Member, engine_speed: float | None, wanted: PointRequest
+    problem: Problem, member: Member, engine_speed: float | None, request: PointRequest
 ) -> tuple[Status, dict[str, float]]:
     """Prescribed motion, as :func:`valvetrain.runs.run.run_study` runs it."""
     lift = float(np.max(problem.valve_lift.lift(np.linspace(0.0, 2 * np.pi, 721))))
-    by_rod = (engine_speed is not None and (member.model.needs_rest or not wanted.light)) or (
-        wanted.rest and not wanted.rest_model and not wanted.sizes_alone
+    by_rod = (engine_speed is not None and (member.model.needs_rest or not request.light)) or (
+        request.rest and not request.rest_model and not request.sizes_alone
     )
     rest: Rest = (
         {spring: rest_of_spring(problem, spring, lift) for spring in member.springs}
@@ -148,40 +148,40 @@ def _spring(
             problem,
             member,
             rest if member.model.needs_rest else {},
-            "" if wanted.light else problem.record.study,
+            "" if request.light else problem.record.study,
         )
         samples = round(2 * np.pi / problem.output_step)
-        plan = Plan("ends" if wanted.light else "all", samples, not wanted.light, problem.cycles)
+        plan = Plan("ends" if request.light else "all", samples, not request.light, problem.cycles)
         solution = integrate_point(
             ready, engine_speed, plan, provenance_of(problem, member, engine_speed, "")
         )
         judged = judge(ready, solution, plan, rest)
         status, values = judged.status, dict(judged.quantities)
-    return status, values | (_still(problem, member, rest, lift, wanted) if wanted.rest else {})
+    return status, values | (_still(problem, member, rest, lift, request) if request.rest else {})
 
 
 def _still(
-    problem: Problem, member: Member, rest: Rest, lift: float, wanted: PointRequest
+    problem: Problem, member: Member, rest: Rest, lift: float, request: PointRequest
 ) -> dict[str, float]:
     """Numbers of the springs at rest, those of a nested pair with the name of each in front."""
     found: dict[str, float] = {}
     names = ("",) if len(member.springs) == 1 else ("outer_", "inner_")
     published = [value.quantity for value in problem.record.published]
     for name, spring in zip(names, member.springs, strict=True):
-        own = size_quantities(spring) if not wanted.outputs else design_quantities(spring)
-        if not wanted.sizes_alone:
+        own = size_quantities(spring) if not request.outputs else design_quantities(spring)
+        if not request.sizes_alone:
             at_rest = (
-                _by_model(problem, spring, wanted.rest_model, lift)
-                if wanted.rest_model
+                _by_model(problem, spring, request.rest_model, lift)
+                if request.rest_model
                 else rest.get(spring)
             )
-            told = (
+            reported = (
                 {}
                 if at_rest is None
                 else rest_quantities(at_rest, published)
                 | buckling_quantities(spring, at_rest, lift)
             )
-            own |= told
+            own |= reported
         found |= {name + key: value for key, value in own.items()}
     return found
 
@@ -197,7 +197,7 @@ def _by_model(problem: Problem, spring: InstalledSpring, word: str, lift: float)
 
 
 def _train(
-    problem: Problem, member: Member, engine_speed: float | None, wanted: PointRequest
+    problem: Problem, member: Member, engine_speed: float | None, request: PointRequest
 ) -> tuple[Status, dict[str, float]]:
     """A train to its periodic state, as a run does it, with what rigid theory says and its springs
     at rest where they are asked for.
@@ -206,24 +206,24 @@ def _train(
     status = COMPLETED
     gaps = PartialFailures()
     speeds = (engine_speed,) if engine_speed is not None else problem.engine_speeds
-    if engine_speed is not None or wanted.rigid:
+    if engine_speed is not None or request.rigid:
         ready, _ = ready_trains(problem, speeds, gaps)
     if engine_speed is not None:
         plan = Plan("all", None, True, problem.cycles, problem.cycles_to_settle)
         solution: Solution = train_point((problem, ready, plan), (0, engine_speed))
         status, values = solution.status, dict(solution.quantities)
-    if wanted.rigid or (wanted.rest and engine_speed is not None):
+    if request.rigid or (request.rest and engine_speed is not None):
         values |= rigid_numbers(problem, ready, speeds).get(member.spring_set, {})
-    if wanted.rest and (wanted.rest_model or wanted.sizes_alone):
-        values |= _still(problem, member, {}, _train_lift(problem, member), wanted)
-    elif wanted.rest and wanted.outputs and not all(name in values for name in wanted.outputs):
+    if request.rest and (request.rest_model or request.sizes_alone):
+        values |= _still(problem, member, {}, _train_lift(problem, member), request)
+    elif request.rest and request.outputs and not all(name in values for name in request.outputs):
         lift = _train_lift(problem, member)
         values |= _still(
             problem,
             member,
             {spring: rest_of_spring(problem, spring, lift) for spring in member.springs},
             lift,
-            wanted,
+            request,
         )
     return status, values
 

@@ -66,13 +66,13 @@ def _amounts(raw: Any) -> Any:
     return raw
 
 
-def _words(raw: Any) -> Any:
+def _plain_name(raw: Any) -> Any:
     return [word.strip() for word in raw.split(",")] if isinstance(raw, str) else raw
 
 
 Amount = Annotated[str | int | float, BeforeValidator(_amount)]
 Amounts = Annotated[str | list[Any], BeforeValidator(_amounts)]
-Words = Annotated[list[str], BeforeValidator(_words)]
+Names = Annotated[list[str], BeforeValidator(_plain_name)]
 
 
 class VaryModel(StrictModel):

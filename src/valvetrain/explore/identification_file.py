@@ -93,7 +93,7 @@ class Search:
         """About how many points will be computed for so many unknown quantities, profiles and
         ``given`` starts beside those of its own.
         """
-        slopes, kept = quantities + 1, min(self.keep, self.starts) + given
+        slopes, retained = quantities + 1, min(self.keep, self.starts) + given
         after = slopes + profiles * 2 * SIDE * 4 * (slopes + 4)
         if (
             self.method == "nested"
@@ -114,7 +114,7 @@ class Search:
             if self.method == "least-squares"
             else self.evaluations + 4 * (slopes + 4)
         )
-        return (self.starts if self.keep else 0) + kept * each + self.draws + after
+        return (self.starts if self.keep else 0) + retained * each + self.draws + after
 
 
 _OPERATIONS = ("value", "factor", "offset")
@@ -136,7 +136,7 @@ class Request:
     unknowns: tuple[Unknown, ...]
     varied: tuple[tuple[Varied, ...], ...]
     data: tuple[Datum, ...]
-    sought: tuple[Target, ...]
+    targets: tuple[Target, ...]
     search: Search
     profiles: tuple[str, ...]
     evaluator: str
@@ -152,16 +152,18 @@ class Request:
         and what of the draws alone.
         """
         fitted = {one.key for one in self.data if one.used}
-        searched = {one.station for one in self.sought if one.key in fitted}
+        searched = {one.station for one in self.targets if one.key in fitted}
         measured = {one.key for one in self.data}
-        first = tuple(one for one in self.sought if one.station in searched and one.key in measured)
-        return first, tuple(one for one in self.sought if one not in first)
+        first = tuple(
+            one for one in self.targets if one.station in searched and one.key in measured
+        )
+        return first, tuple(one for one in self.targets if one not in first)
 
     @property
     def identity(self) -> str:
         """What the outcome of a point depends on, in 32 digits."""
         names = tuple(one.name for one in self.unknowns)
-        asked = (
+        requested = (
             self.case.record().digest,
             self.varied,
             names,
@@ -169,7 +171,7 @@ class Request:
             self.evaluator,
             self.options,
         )
-        return digest(repr(asked).encode())
+        return digest(repr(requested).encode())
 
     @property
     def digest(self) -> str:
@@ -246,8 +248,10 @@ def parse_request(text: str, name: str, folder: Path) -> Request:
         for one, part in whole.parts("measurements")
         for pair in read_measurement(one, part, folder, bool(evaluator))
     ]
-    asked = (
-        [_asked(part) for _, part in whole.parts("predictions")] if whole.has("predictions") else []
+    requested = (
+        [_requested(part) for _, part in whole.parts("predictions")]
+        if whole.has("predictions")
+        else []
     )
     whole.take("predictions")
     search, profiles, from_case = _search(
@@ -268,7 +272,7 @@ def parse_request(text: str, name: str, folder: Path) -> Request:
         tuple(unknowns),
         tuple(varied),
         tuple(datum for _, datum in found),
-        tuple(dict.fromkeys([*(one for one, _ in found), *asked])),
+        tuple(dict.fromkeys([*(one for one, _ in found), *requested])),
         search,
         profiles,
         evaluator,
@@ -312,7 +316,7 @@ def _case(whole: Part, folder: Path) -> Case:
         raise InputError(error.reason, f"case{', ' + error.where if error.where else ''}") from None
 
 
-def _asked(part: Part) -> Target:
+def _requested(part: Part) -> Target:
     """A number that is computed for the draws although nobody measured it."""
     station, name = read_station(part), part.text("quantity")
     part.finish()

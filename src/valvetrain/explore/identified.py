@@ -122,14 +122,14 @@ def _inside(posterior: Posterior, values: Array) -> bool:
 
 def _deviations(posterior: Posterior, points: Sequence[tuple[Array, Outcome]]) -> Array:
     """Misses (points, data) of the fitted data in scatters; NaN where a point lacks one."""
-    told = np.array(
+    reported = np.array(
         [
             [np.nan if outcome is None else outcome.get(one.key, np.nan) for one in posterior.used]
             for _, outcome in points
         ]
     )
     return np.column_stack(
-        [one.deviation(told[:, place]) for place, one in enumerate(posterior.used)]
+        [one.deviation(reported[:, place]) for place, one in enumerate(posterior.used)]
     )
 
 
@@ -165,9 +165,9 @@ def _instead(
         for place in range(len(data))
         if place != met and abs(other[place]) > max(MET, abs(own[place]) + 1.0)
     ]
-    kept = _worst(data, {place: float(other[place]) for place in worse})
+    retained = _worst(data, {place: float(other[place]) for place in worse})
     return tuple(
-        (data[place], off) for place, off in sorted(kept.items(), key=lambda one: -abs(one[1]))
+        (data[place], off) for place, off in sorted(retained.items(), key=lambda one: -abs(one[1]))
     )
 
 
@@ -240,7 +240,7 @@ class Identified:
     ``conflicts``: what meeting a missed measurement
     costs the others; ``computed``: each computed quantity over the draws; ``log_evidence`` with its
     error (NaN where it was not found);
-    ``notes`` on the search; ``evaluations``: points that were computed, beside those ``kept`` of an
+    ``notes`` on the search; ``evaluations``: points that were computed, ``reused``: those of an
     earlier start; ``whole``: False where
     it was cut short.
 
@@ -269,7 +269,7 @@ class Identified:
     profiles: tuple[Profile, ...] = ()
     notes: tuple[str, ...] = ()
     evaluations: int = 0
-    kept: int = 0
+    reused: int = 0
     whole: bool = True
     wall_time: float = field(default=0.0, compare=False)
     name: str = ""
@@ -281,6 +281,11 @@ class Identified:
         return tuple(one.name for one in self.unknowns)
 
     @property
+    def kept(self) -> int:
+        """:attr:`reused` by its earlier name."""
+        return self.reused
+
+    @property
     def best(self) -> Mapping[str, float]:
         """The likeliest point of the most probable branch, by quantity."""
         return {name: one.best for name, one in self.branches[0].quantities.items()}
@@ -288,7 +293,7 @@ class Identified:
     @property
     def warnings(self) -> tuple[str, ...]:
         """Sentences on what the data do not tell, and on the search."""
-        found = [words for branch in self.branches for words in branch.information.warnings]
+        found = [phrase for branch in self.branches for phrase in branch.information.warnings]
         return tuple(dict.fromkeys((*found, *self.notes)))
 
     def percentile(self, measurement: str) -> float:

@@ -156,10 +156,10 @@ def calibrate(
     with Engine((experiment,), executor_for(count, dask), folder) as engine, Store(None) as seen:
 
         def evaluate(points: Array) -> list[Outcome]:
-            wanted = [
+            request = [
                 (experiment, tuple(row), run) for row in np.asarray(points).tolist() for run in runs
             ]
-            outcomes = engine.outcomes(wanted)
+            outcomes = engine.outcomes(request)
             if any(one.status.code == "worker-lost" for one in outcomes):
                 raise RunFailedError(f"a point is lost: {LOST}; {LOST_REMEDY}")
             return [
@@ -171,7 +171,7 @@ def calibrate(
         posterior = Posterior(unknowns, measurements, seen.through(evaluate), correlation)
         before = engine.store.before
         found = solve(posterior, search, seen, profiles=profiles, report=progress or silent)
-        return replace(found, evaluations=engine.computed, kept=before)
+        return replace(found, evaluations=engine.computed, reused=before)
 
 
 def _prior_of(one: Varied) -> Prior:
@@ -199,7 +199,7 @@ def identify_request(
     report: Report = silent,
     limits: Limits = Limits(),
     option: str = "--limit ",
-    tell: TellCost = lambda words, seconds: None,
+    tell: TellCost = lambda phrase, seconds: None,
 ) -> Identified:
     """The identification of a file; arguments as :func:`identify`, ``tell`` is told the estimated
     cost.
@@ -230,15 +230,18 @@ def identify_request(
             else (request.search.draws + 1)
             * _timed(compare, posterior.values(posterior.centre[None, :]))
         )
-        told = refuse_cost(
+        reported = refuse_cost(
             Cost(
                 (left * seconds + later) / count,
-                points * (POINT_BYTES + NUMBER_BYTES * len(request.sought)),
+                points * (POINT_BYTES + NUMBER_BYTES * len(request.targets)),
             ),
             limits,
             option,
         )
-        tell(f"{told} ({left} points of {1e3 * seconds:.3g} ms)", (left * seconds + later) / count)
+        tell(
+            f"{reported} ({left} points of {1e3 * seconds:.3g} ms)",
+            (left * seconds + later) / count,
+        )
         compared = None if compare is None else journal.through(compare, b"compared")
         return solve(
             posterior,
@@ -249,7 +252,7 @@ def identify_request(
             name=request.name,
             report=report,
             compare=compared,
-            units={one.key: one.unit for one in request.sought},
+            units={one.key: one.unit for one in request.targets},
         )
 
 
@@ -266,7 +269,7 @@ def evaluators_of(request: Request, workers: int) -> Iterator[tuple[Evaluate, Ev
             yield lambda points: pool.map([tuple(map(float, point)) for point in points]), None
         return
     first, later = request.parts
-    every = tuple(Observed(request.case, request.varied, sought) for sought in (first, later))
+    every = tuple(Observed(request.case, request.varied, targets) for targets in (first, later))
     with StandingPool(observe, every, workers) as pool:
         yield CaseEvaluator(pool, 0), CaseEvaluator(pool, 1) if later else None
 
@@ -328,7 +331,7 @@ def _refuse_keys(request: Request, values: Array) -> None:
     """Raise where a key or a word is wrong, which no other values mend."""
     if request.evaluator:
         return
-    observed = Observed(request.case, request.varied, request.sought)
+    observed = Observed(request.case, request.varied, request.targets)
     for row, value in zip(observed.varied, values, strict=True):
         for one in row:
             try:
@@ -345,11 +348,11 @@ def _refuse_keys(request: Request, values: Array) -> None:
 def _why(request: Request, posterior: Posterior) -> str:
     if request.evaluator:
         return "; narrow the priors to what is possible"
-    observed = Observed(request.case, request.varied, request.sought)
+    observed = Observed(request.case, request.varied, request.targets)
     try:
         case = observed.case_at(posterior.values(posterior.centre[None, :])[0])
         for station in observed.stations:
-            numbers_at(case, station, observed.sought)
+            numbers_at(case, station, observed.targets)
     except Exception as error:
         return f", at their middle because: {error}"
     return "; narrow the priors to what is possible"

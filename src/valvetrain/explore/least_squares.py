@@ -160,8 +160,8 @@ def _steps(jacobian: Array, posterior: Posterior, chosen: Array) -> Array:
     """A tenth of what the data leave open of each quantity were the others known, in standard
     deviations of the prior.
     """
-    told = np.sqrt(np.sum(jacobian**2, axis=0) + 1.0)
-    return np.where(chosen, np.clip(LATER_STEP / told, MIN_STEP, FIRST_STEP), FIRST_STEP)
+    reported = np.sqrt(np.sum(jacobian**2, axis=0) + 1.0)
+    return np.where(chosen, np.clip(LATER_STEP / reported, MIN_STEP, FIRST_STEP), FIRST_STEP)
 
 
 #: Branches of less than this share of the probability are left out.
@@ -212,15 +212,17 @@ def ends_of(posterior: Posterior, peaks: list[Peak]) -> Ends:
     """
     ordered = sorted(peaks, key=lambda one: one.misfit)
     numbers = joined_peaks(posterior, np.array([one.work for one in ordered]))
-    kept = [ordered[numbers.index(number)] for number in range(max(numbers) + 1)]
-    evidence = np.array([_log_evidence(posterior, one) for one in kept])
+    retained = [ordered[numbers.index(number)] for number in range(max(numbers) + 1)]
+    evidence = np.array([_log_evidence(posterior, one) for one in retained])
     shares = np.exp(evidence - evidence.max())
     shares /= shares.sum()
     order = [
         place for place in np.argsort(-shares, kind="stable").tolist() if shares[place] >= MIN_SHARE
     ]
     total = float(evidence.max() + np.log(np.sum(np.exp(evidence - evidence.max()))))
-    return Ends(tuple(kept[place] for place in order), shares[order] / shares[order].sum(), total)
+    return Ends(
+        tuple(retained[place] for place in order), shares[order] / shares[order].sum(), total
+    )
 
 
 def places_of(

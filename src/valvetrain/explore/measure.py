@@ -260,19 +260,19 @@ def _limit(
     one counts as beyond the bound.
     """
     run, search = one.runs[place], find_limit(one.limit_of(place))
-    asked = next(search)
+    requested = next(search)
     first = True
     while True:
-        found = yield [(LIMIT, (engine_speed, run[1], run[2])) for engine_speed in asked]
+        found = yield [(LIMIT, (engine_speed, run[1], run[2])) for engine_speed in requested]
         if first and not found[0].status.completed:
-            return LimitFound(BELOW, 0.0, asked[0]), found[0]
+            return LimitFound(BELOW, 0.0, requested[0]), found[0]
         first = False
-        told = [
+        reported = [
             outcome.values.get(one.quantity, np.nan) if outcome.status.completed else np.nan
             for outcome in found
         ]
         try:
-            asked = search.send(told)
+            requested = search.send(reported)
         except StopIteration as end:
             return end.value, None
 

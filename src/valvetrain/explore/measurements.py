@@ -37,7 +37,7 @@ class Station:
     spring_set: str = ""
 
     @property
-    def words(self) -> str:
+    def shown_name(self) -> str:
         """How keys begin, empty at rest by the case's own model."""
         speed = (
             [] if self.engine_speed is None else [f"{format_quantity(self.engine_speed, 'rpm')}"]
@@ -71,7 +71,7 @@ class Target:
             own = f"{self.name} {self.at:.0f} cam angle"
         else:
             own = f"{self.name} at {format_quantity(self.at, 'deg')}"
-        return f"{self.station.words}: {own}" if self.station.words else own
+        return f"{self.station.shown_name}: {own}" if self.station.shown_name else own
 
     @property
     def unit(self) -> str:
@@ -175,10 +175,10 @@ FORMS = ("quantity", "frequencies", "peak", "event", "channel", "compressions", 
 LAWS = ("normal", "student")
 #: Most data of one measurement.
 MAX_DATA = 5000
-Found = list[tuple[Target, Datum]]
+TargetData = list[tuple[Target, Datum]]
 
 
-def read_measurement(name: str, part: Part, folder: Path, own_names: bool = False) -> Found:
+def read_measurement(name: str, part: Part, folder: Path, own_names: bool = False) -> TargetData:
     """The data of one table. ``folder``: where files it names lie; ``own_names``: quantities are
     those of an evaluator, of any name.
 

@@ -264,10 +264,10 @@ def _measure(
             raise text.located(path, "a function has no limit speed; give a quantity")
         label = one.label or one.quantity.replace("_", " ")
         return Measure(RUNS, one.quantity, ((None, "", ""),), label, largest_is_worst, one.over)
-    words = one.quantity or (one.limit_speed.quantity if one.limit_speed else "")
-    if not is_defined(words):
+    phrase = one.quantity or (one.limit_speed.quantity if one.limit_speed else "")
+    if not is_defined(phrase):
         key = (*path, "quantity") if one.quantity else (*path, "limit_speed", "quantity")
-        raise text.located(key, no_quantity(words))
+        raise text.located(key, no_quantity(phrase))
     kinds = itertools.product(
         dict.fromkeys(model.spring_models or ("",)), dict.fromkeys(model.spring_sets or ("",))
     )
@@ -277,10 +277,10 @@ def _measure(
                 (*path, "engine_speeds"),
                 "a limit_speed has engine_speeds of its own; give them there",
             )
-        if is_at_rest(words):
+        if is_at_rest(phrase):
             raise text.located(
                 (*path, "limit_speed"),
-                f"'{words}' belongs to springs at rest, so it has no limit speed",
+                f"'{phrase}' belongs to springs at rest, so it has no limit speed",
             )
         limit = text.guarded(
             (*path, "limit_speed"), lambda: limit_search(**one.limit_speed.model_dump())
@@ -290,18 +290,18 @@ def _measure(
         )
         label = (
             one.label
-            or f"speed up to which the {definition_of(words).label} stays within its bound"
+            or f"speed up to which the {definition_of(phrase).label} stays within its bound"
         )
-        return Measure(LIMIT, words, runs, label, largest_is_worst, one.over, limit)
-    label = one.label or definition_of(words).label
-    if is_at_rest(words):
+        return Measure(LIMIT, phrase, runs, label, largest_is_worst, one.over, limit)
+    label = one.label or definition_of(phrase).label
+    if is_at_rest(phrase):
         if one.engine_speeds is not None:
             raise text.located(
                 (*path, "engine_speeds"),
-                f"'{words}' belongs to springs at rest, at no engine speed; leave it out",
+                f"'{phrase}' belongs to springs at rest, at no engine speed; leave it out",
             )
         runs = tuple((None, spring_model, spring_set) for spring_model, spring_set in kinds)
-        return Measure(REST, words, runs, label, largest_is_worst, one.over)
+        return Measure(REST, phrase, runs, label, largest_is_worst, one.over)
     own = one.engine_speeds is not None
     given, key = (
         (one.engine_speeds, (*path, "engine_speeds"))
@@ -314,11 +314,11 @@ def _measure(
     if not speeds:
         raise text.located(
             path,
-            f"the case names no engine speed, and '{words}' needs one; add engine_speeds = '6000 rpm'",
+            f"the case names no engine speed, and '{phrase}' needs one; add engine_speeds = '6000 rpm'",
         )
     return Measure(
         RUNS,
-        words,
+        phrase,
         tuple((speed, *kind) for speed, kind in itertools.product(speeds, tuple(kinds))),
         label,
         largest_is_worst,

@@ -225,15 +225,15 @@ class _Search:
         first = list(latin_hypercube(size, len(plan.varied), [seed, len(plan.varied)]))
         begin = shares_of(plan, self.case.values)
         known = [] if begin is None else [begin]
-        asked = searcher.ask(0, [*known, *first])[len(known) :]
-        searcher.tell([*([self.case] if known else []), *self._round(points, asked, seed)])
+        requested = searcher.ask(0, [*known, *first])[len(known) :]
+        searcher.tell([*([self.case] if known else []), *self._round(points, requested, seed)])
         done, last = len(first), self._local_share()
         while done < search.trials - last:
-            asked = searcher.ask(min(search.per_round, search.trials - last - done))
-            if not asked:
+            requested = searcher.ask(min(search.per_round, search.trials - last - done))
+            if not requested:
                 break
-            searcher.tell(self._round(points, asked, seed))
-            done += len(asked)
+            searcher.tell(self._round(points, requested, seed))
+            done += len(requested)
         if last:
             self._local(points, seed, search.trials - done)
 
@@ -291,14 +291,14 @@ class _Search:
         if self.progress is not None:
             total = self.plan.search.trials * len(self.seeds) + 1
             one, best = self.plan.objectives[0].measure, best_of(self.trials)
-            words = (
+            phrase = (
                 "none feasible yet"
                 if best is None
                 else f"best {one.shown(float(best.objectives[0])):.5g} {one.unit}".rstrip()
             )
             self.progress(
                 min(0.97, len(self.trials) / total),
-                f"{len(self.trials) - 1} of {total - 1} trials, {words}",
+                f"{len(self.trials) - 1} of {total - 1} trials, {phrase}",
             )
 
     def _optimum(self, computed: int, finished: bool) -> Optimum:

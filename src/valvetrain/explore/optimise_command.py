@@ -71,10 +71,10 @@ def optimise(
     plan = read_optimum(read_optimum_file(file))
     folder = output or HOME / safe_name(file.stem)
     estimate = estimate_search(plan, count)
-    told = refuse_cost(estimate.cost, limits, fewer=FEWER)
+    reported = refuse_cost(estimate.cost, limits, fewer=FEWER)
     if estimate.cost.seconds > WORTH_SAYING:
         tell(
-            f"{estimate.trials} trials, {told} at most; finished points are kept in '{folder / POINTS}'"
+            f"{estimate.trials} trials, {reported} at most; finished points are kept in '{folder / POINTS}'"
         )
     moves = any(one.outputs.request.motion for one in plan.plans.values())
     if moves or any(not one.outputs.request.sizes_alone for one in plan.plans.values()):
@@ -109,8 +109,8 @@ def _answer(request: _Request, limits: Any) -> None:
     except SearchInterrupted as cut:
         done = len(cut.optimum.trials) - 1
         _written(request, cut.optimum)
-        words = f"{done} trials are in '{request.folder}'; start the command again to continue"
-        raise typer.Exit(interrupted(f"interrupted: {words}")) from None
+        phrase = f"{done} trials are in '{request.folder}'; start the command again to continue"
+        raise typer.Exit(interrupted(f"interrupted: {phrase}")) from None
     deliver(_written(request, found))
 
 

@@ -127,10 +127,10 @@ class Optimum:
         the first objective; nan before any.
         """
         goal = self.plan.objectives[0]
-        wanted = self.seeds[0] if seed is None and self.seeds else seed
+        request = self.seeds[0] if seed is None and self.seeds else seed
         best, found = np.nan, []
         for one in self.trials:
-            if one.seed not in (wanted, CASE_SEED):
+            if one.seed not in (request, CASE_SEED):
                 continue
             if one.feasible and not goal.sign * one.objectives[0] >= goal.sign * best:
                 best = float(one.objectives[0])
@@ -209,8 +209,8 @@ class Optimum:
         if not computed:
             return None
         nearest = min(computed, key=lambda one: (one.total_missed, one.number))
-        place = int(np.argmax(nearest.told_missed))
-        return nearest, bound_words(self.plan, place)
+        place = int(np.argmax(nearest.penalties))
+        return nearest, bound_label(self.plan, place)
 
     def __repr__(self) -> str:
         cut = "" if self.finished else ", stopped before its end"
@@ -227,12 +227,12 @@ class Optimum:
                 )
             for varied, value in zip(self.plan.varied, self.best.trial.values, strict=True):
                 lines.append(
-                    f"  {varied.words}: {varied.shown(float(value)):.5g} {varied.unit}".rstrip()
+                    f"  {varied.shown_name}: {varied.shown(float(value)):.5g} {varied.unit}".rstrip()
                 )
         return "\n".join(lines)
 
 
-def bound_words(plan: OptimumPlan, place: int) -> str:
+def bound_label(plan: OptimumPlan, place: int) -> str:
     """A bound in words, by its place in ``Trial.missed``."""
     if place >= len(plan.constraints):
         one = plan.objectives[place - len(plan.constraints)].measure
@@ -383,7 +383,7 @@ def optuna_study(found: Optimum, storage: Any = None) -> Any:
         )
         study.set_user_attr("case", plan.case_name)
         study.set_user_attr(
-            "constraints", [bound_words(plan, one) for one in range(len(plan.constraints))]
+            "constraints", [bound_label(plan, one) for one in range(len(plan.constraints))]
         )
         axes = {_axis(one): _distribution(optuna, one) for one in plan.varied}
         for trial in found.trials:
@@ -394,11 +394,11 @@ def optuna_study(found: Optimum, storage: Any = None) -> Any:
 
 
 def _axis(one: Varied) -> str:
-    return _with_unit(one.words, one.unit)
+    return _with_unit(one.shown_name, one.unit)
 
 
-def _with_unit(words: str, unit: str) -> str:
-    return f"{words} [{unit}]" if unit else words
+def _with_unit(phrase: str, unit: str) -> str:
+    return f"{phrase} [{unit}]" if unit else phrase
 
 
 def _distribution(optuna: Any, one: Varied) -> Any:
@@ -434,7 +434,7 @@ def _frozen(optuna: Any, found: Optimum, trial: Trial, axes: dict[str, Any]) -> 
         )
     attributes: dict[str, Any] = {"number": trial.number, "seed": trial.seed}
     attributes |= {
-        bound_words(found.plan, index): float(one)
+        bound_label(found.plan, index): float(one)
         for index, one in enumerate(trial.constraints)
         if np.isfinite(one)
     }
@@ -446,5 +446,5 @@ def _frozen(optuna: Any, found: Optimum, trial: Trial, axes: dict[str, Any]) -> 
         params=params,
         distributions=axes,
         user_attrs=attributes,
-        system_attrs={"constraints": trial.told_missed},
+        system_attrs={"constraints": trial.penalties},
     )

@@ -32,7 +32,7 @@ def measure_label(one: Measure) -> str:
 
 def varied_label(one: Varied) -> str:
     """A varied quantity with its unit."""
-    return f"{one.words} ({unit_text(one.unit)})" if one.unit else one.words
+    return f"{one.shown_name} ({unit_text(one.unit)})" if one.unit else one.shown_name
 
 
 def convergence_chart(found: Optimum) -> Chart | None:

@@ -13,8 +13,8 @@ from valvetrain.explore.files import (
     MAX_VARIED,
     Amount,
     FileText,
+    Names,
     VaryModel,
-    Words,
     text_of_file,
 )
 from valvetrain.parameters.schema_types import Line, StrictModel, problem
@@ -121,8 +121,8 @@ class OptimumModel(StrictModel):
     case: str
     changes: dict[str, Any] = Field(default_factory=dict)
     engine_speeds: Speeds | None = None
-    spring_models: Words = Field(default_factory=list)
-    spring_sets: Words = Field(default_factory=list)
+    spring_models: Names = Field(default_factory=list)
+    spring_sets: Names = Field(default_factory=list)
     rest_model: str = ""
     objective: list[ObjectiveModel] = Field(min_length=1, max_length=MAX_OBJECTIVES)
     constraint: list[ConstraintModel] = Field(default_factory=list, max_length=MAX_CONSTRAINTS)

@@ -17,13 +17,13 @@ from valvetrain.explore.optimum import (
     Confirmed,
     Design,
     Optimum,
-    bound_words,
+    bound_label,
     case_text,
     write_optuna,
 )
 from valvetrain.explore.optimum_charts import convergence_chart, front_chart, over_chart
-from valvetrain.explore.optimum_summary import confirmed_words, sentences
-from valvetrain.explore.study_page import distribution_words
+from valvetrain.explore.optimum_summary import confirmed_text, sentences
+from valvetrain.explore.study_page import distribution_text
 from valvetrain.explore.trial import Trial
 from valvetrain.report.page import Block, Cell, Grid, Page, Section, figure_or_gap, render, text
 from valvetrain.report.text import number, percent, unit_text
@@ -46,11 +46,11 @@ STEP_HEADS = ("step of", "by", "objective", "change", "bounds")
 def optimum_page(found: Optimum) -> Page:
     """The whole page."""
     plan = found.plan
-    told = sentences(found)
-    answers: list[Block] = [text(told[0], "" if found.best else "alert")]
+    reported = sentences(found)
+    answers: list[Block] = [text(reported[0], "" if found.best else "alert")]
     if found.best:
         answers.append(_grid(ANSWER_HEADS, answer_rows(found), (1, 2, 4)))
-    answers += [text(sentence) for sentence in told[1:]]
+    answers += [text(sentence) for sentence in reported[1:]]
     figures: list[Block] = [
         *figure_or_gap("front", front_chart, found),
         *figure_or_gap("convergence", convergence_chart, found),
@@ -85,7 +85,7 @@ def optimum_page(found: Optimum) -> Page:
                 text(f"And {len(failed) - MAX_FAILURES} more; trials.csv has them all.", "note")
             )
         sections.append(Section("failed", "Trials that could not be computed", tuple(lines)))
-    sections.append(Section("asked", "What was asked", _asked(found)))
+    sections.append(Section("asked", "What was asked", _requested(found)))
     seeds = "" if len(found.seeds) == 1 else f", {len(found.seeds)} seeds"
     facts = (
         ("case", plan.case_name), ("trials", f"{len(found.trials)}, {found.feasible} feasible"),
@@ -123,7 +123,7 @@ def answer_rows(found: Optimum) -> list[tuple[str, ...]]:
         )
         rows.append(
             (
-                one.words,
+                one.shown_name,
                 number(own if np.isfinite(own) else None, 5),
                 number(there, 5),
                 unit_text(one.unit),
@@ -148,15 +148,15 @@ def bound_rows(found: Optimum, design: Design) -> list[tuple[str, ...]]:
         one = bound.measure
         values = (float(found.case.constraints[place]), float(design.trial.constraints[place]))
         miss = float(design.trial.missed[place])
-        words = "missed" if miss > 0 else "active" if place in active else "kept"
+        phrase = "missed" if miss > 0 else "active" if place in active else "kept"
         shown_values = (_shown(one, value) for value in values)
         rows.append(
             (
-                bound_words(found.plan, place),
+                bound_label(found.plan, place),
                 *shown_values,
                 unit_text(one.unit),
                 percent(-miss),
-                words,
+                phrase,
             )
         )
     return rows
@@ -177,7 +177,7 @@ def step_rows(found: Optimum, design: Design) -> list[tuple[str, ...]]:
             if not np.isfinite(value)
             else _difference(one.shown(value) - one.shown(before), unit)
         )
-        words = (
+        phrase = (
             "cannot be computed"
             if step.failure
             else "kept, and better"
@@ -186,7 +186,9 @@ def step_rows(found: Optimum, design: Design) -> list[tuple[str, ...]]:
             if step.feasible
             else "missed"
         )
-        rows.append((varied.words, size, f"{_shown(one, value)} {unit}".strip(), apart, words))
+        rows.append(
+            (varied.shown_name, size, f"{_shown(one, value)} {unit}".strip(), apart, phrase)
+        )
     return rows
 
 
@@ -225,7 +227,7 @@ def _front(found: Optimum) -> tuple[Block, ...]:
             f"{one.measure.label} ({unit_text(one.measure.unit)})".replace(" ()", "")
             for one in plan.objectives
         ),
-        *(f"{one.words} ({unit_text(one.unit)})".replace(" ()", "") for one in plan.varied),
+        *(f"{one.shown_name} ({unit_text(one.unit)})".replace(" ()", "") for one in plan.varied),
         "",
     )
     chosen = {id(one.trial): one.chosen.partition(":")[0] for one in found.designs}
@@ -262,26 +264,26 @@ def _confirmed(found: Optimum, design: Design) -> tuple[Block, ...]:
                 float(one.case.constraints[place]),
                 float(one.design.constraints[place]),
             )
-            rows.append((bound_words(one.plan, place), *row[1:]))
+            rows.append((bound_label(one.plan, place), *row[1:]))
         blocks += [
-            text(confirmed_words(one, found)),
+            text(confirmed_text(one, found)),
             _grid((one.label, *ANSWER_HEADS[1:]), rows, (1, 2, 4)),
         ]
     return tuple(blocks)
 
 
-def _asked(found: Optimum) -> tuple[Block, ...]:
+def _requested(found: Optimum) -> tuple[Block, ...]:
     rows: list[tuple[str, ...]] = []
     for varied in found.plan.varied:
         how = "its value" if varied.operation == "value" else varied.operation
-        rows.append((varied.words, varied.key, how, distribution_words(varied)))
+        rows.append((varied.shown_name, varied.key, how, distribution_text(varied)))
     goals: list[tuple[str, ...]] = []
     for goal in found.plan.objectives:
         most = "most" if goal.maximise else "least"
         goals.append((f"{most} {goal.measure.label}", goal.measure.quantity, _where(goal.measure)))
     for place, bound in enumerate(found.plan.constraints):
         goals.append(
-            (bound_words(found.plan, place), bound.measure.quantity, _where(bound.measure))
+            (bound_label(found.plan, place), bound.measure.quantity, _where(bound.measure))
         )
     return (
         _grid(("quantity", "key of the case", "varied by", "over"), rows, ()),
@@ -303,15 +305,15 @@ def _where(one: Measure) -> str:
         of_case = (
             "" if one.limit.share is None else f" ({one.limit.share:g} x case at {first:.6g} rpm)"
         )
-        kept = f"{'at most' if one.limit.upper else 'at least'} {bounds} {unit_text(definition_of(one.quantity).shown_unit)}{of_case}"
-        words = f"{kept}, from {first:.6g} to {last:.6g} rpm, to {one.shown(one.limit.resolution):.3g} rpm"
+        retained = f"{'at most' if one.limit.upper else 'at least'} {bounds} {unit_text(definition_of(one.quantity).shown_unit)}{of_case}"
+        phrase = f"{retained}, from {first:.6g} to {last:.6g} rpm, to {one.shown(one.limit.resolution):.3g} rpm"
     else:
         speeds = dict.fromkeys(run[0] for run in one.runs if run[0] is not None)
-        words = ", ".join(f"{speed * 30 / np.pi:.6g}" for speed in speeds) + " rpm"
+        phrase = ", ".join(f"{speed * 30 / np.pi:.6g}" for speed in speeds) + " rpm"
         if not speeds:
             return "rest"
     several = f", the {one.over} of them" if len(one.runs) > 1 else ""
-    return ", ".join([words, *models]) + several
+    return ", ".join([phrase, *models]) + several
 
 
 #: Trials that the JSON answer holds whole; more stand in trials.csv.
@@ -326,12 +328,12 @@ def optimum_json(found: Optimum) -> dict[str, Any]:
         "case": plan.case_name, "title": plan.title, "method": plan.search.method, "seeds": list(found.seeds),
         "trials": len(found.trials), "feasible_trials": found.feasible, "computed_now": found.computed,
         "varied": [
-            {"name": one.name, "key": one.key, "as": one.operation, "unit": one.si_unit or "1", "label": one.words} for one in plan.varied
+            {"name": one.name, "key": one.key, "as": one.operation, "unit": one.si_unit or "1", "label": one.shown_name} for one in plan.varied
         ],
         "objectives": [{**_of(one.measure), "direction": "maximise" if one.maximise else "minimise"} for one in plan.objectives],
         "constraints": [
             {**_of(one.measure), "sense": "at_most" if one.upper else "at_least", "bound": one.bound, "share_of_case": one.share,
-             "words": bound_words(plan, place)} for place, one in enumerate(plan.constraints)
+             "words": bound_label(plan, place)} for place, one in enumerate(plan.constraints)
         ],
         "of_case": _trial(found.case), "designs": [_design(found, one) for one in found.designs],
         "front": [one.number for one in found.front], "history": found.history() if len(plan.objectives) == 1 else None,
@@ -345,15 +347,15 @@ def optimum_json(found: Optimum) -> dict[str, Any]:
 
 def _of(one: Measure) -> dict[str, Any]:
     speeds = [run[0] for run in one.runs if run[0] is not None]
-    told: dict[str, Any] = {"quantity": one.quantity, "unit": one.si_unit, "label": one.label}
+    reported: dict[str, Any] = {"quantity": one.quantity, "unit": one.si_unit, "label": one.label}
     if one.limit is not None:
         sense = "at_most" if one.limit.upper else "at_least"
-        told["limit_speed"] = {
+        reported["limit_speed"] = {
             sense: one.limit.bound,
             "engine_speeds": list(one.limit.engine_speeds),
             "resolution": one.limit.resolution,
         }
-    return told | (
+    return reported | (
         {"engine_speeds": list(dict.fromkeys(speeds)), "over": one.over} if speeds else {}
     )
 

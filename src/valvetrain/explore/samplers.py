@@ -59,7 +59,7 @@ class SamplerSpec:
     """
 
     word: str
-    words: str
+    shown_name: str
     options: type[SamplerOptions]
     first: First
     more: More = no_more

@@ -100,7 +100,7 @@ class OptunaSearch:
                 f"{place:03d}": optuna.distributions.FloatDistribution(0.0, 1.0)
                 for place in range(dimensions)
             }
-        self._asked: list[Any] = []
+        self._requested: list[Any] = []
 
     def ask(self, count: int, fixed: Sequence[Array] = ()) -> list[Array]:
         """Points (d,) of the next round."""
@@ -110,25 +110,25 @@ class OptunaSearch:
             )
             for point in fixed:
                 self._study.enqueue_trial(dict(zip(self._axes, map(float, point), strict=True)))
-            self._asked = [self._study.ask(self._axes) for _ in range(len(fixed) or count)]
+            self._requested = [self._study.ask(self._axes) for _ in range(len(fixed) or count)]
         self.round += 1
-        return [np.array([one.params[name] for name in self._axes]) for one in self._asked]
+        return [np.array([one.params[name] for name in self._axes]) for one in self._requested]
 
     def tell(self, trials: Sequence[Trial]) -> None:
         """Objectives of what was computed; the rest, and what could not be, counts as infeasible
         without a number.
         """
         with quiet_optuna() as optuna:
-            for asked, trial in zip(self._asked, trials, strict=True):
-                asked.set_user_attr("missed", trial.told_missed)
+            for requested, trial in zip(self._requested, trials, strict=True):
+                requested.set_user_attr("missed", trial.penalties)
                 if trial.failure or not np.all(np.isfinite(trial.objectives)):
-                    self._study.tell(asked, state=optuna.trial.TrialState.PRUNED)
+                    self._study.tell(requested, state=optuna.trial.TrialState.PRUNED)
                 else:
                     costs = [
                         float(sign * value)
                         for sign, value in zip(self.signs, trial.objectives, strict=True)
                     ]
-                    self._study.tell(asked, costs)
+                    self._study.tell(requested, costs)
 
     def _sampler(self, optuna: Any, seed: int) -> Any:
         def missed(trial: Any) -> list[float]:
@@ -165,7 +165,7 @@ class EvolutionSearch:
         )
         self._make: Any = cmaes.CMA
         self._strategy: Any = None
-        self._asked: list[Array] = []
+        self._requested: list[Array] = []
         self._first: list[Array] = []
 
     def ask(self, count: int, fixed: Sequence[Array] = ()) -> list[Array]:
@@ -175,8 +175,8 @@ class EvolutionSearch:
             return list(fixed)
         if self._strategy.should_stop():
             return []
-        self._asked = [self._strategy.ask() for _ in range(self.per_round)]
-        return [np.clip(one[: self.dimensions], 0.0, 1.0) for one in self._asked[:count]]
+        self._requested = [self._strategy.ask() for _ in range(self.per_round)]
+        return [np.clip(one[: self.dimensions], 0.0, 1.0) for one in self._requested[:count]]
 
     def tell(self, trials: Sequence[Trial]) -> None:
         """The ranks of a generation; of the first designs only the best counts, about which the
@@ -187,9 +187,11 @@ class EvolutionSearch:
             self._begin(self._first[order[0]])
             return
         ranks = {place: float(rank) for rank, place in enumerate(order)}
-        if len(trials) == len(self._asked):  # a last generation that is cut short teaches nothing
+        if len(trials) == len(
+            self._requested
+        ):  # a last generation that is cut short teaches nothing
             self._strategy.tell(
-                [(self._asked[place], ranks[place]) for place in range(len(trials))]
+                [(self._requested[place], ranks[place]) for place in range(len(trials))]
             )
 
     def _begin(self, centre: Array) -> None:
@@ -246,7 +248,7 @@ def shares_of(plan: OptimumPlan, values: Array) -> Array | None:
     return np.array(found)
 
 
-Look = Callable[[Array], Trial]
+ComputeTrial = Callable[[Array], Trial]
 #: First radius of the neighbourhood in shares of the ranges, what it shrinks by, and the radius at
 #: which the search ends.
 RADIUS, SHRINK, SMALLEST = 0.1, 0.3, 0.003
@@ -259,7 +261,9 @@ class _Spent(Exception):
     """All trials are used."""
 
 
-def local_search(start: Array, best: Trial, free: Sequence[int], look: Look, budget: int) -> None:
+def local_search(
+    start: Array, best: Trial, free: Sequence[int], look: ComputeTrial, budget: int
+) -> None:
     """Look at up to ``budget`` designs about ``start`` (d, shares of the ranges), whose trial is
     ``best``; ``free``: places that may move.
 
@@ -293,7 +297,7 @@ def local_search(start: Array, best: Trial, free: Sequence[int], look: Look, bud
         )
         return float(sign * value / (scale or 1.0)) if np.isfinite(value) else 0.0
 
-    def kept(point: Array) -> Array:
+    def retained(point: Array) -> Array:
         one = trial_at(point)
         missed = (
             np.full(len(one.missed), 1.0) if one.failure else np.nan_to_num(one.missed, nan=1.0)
@@ -309,7 +313,9 @@ def local_search(start: Array, best: Trial, free: Sequence[int], look: Look, bud
 
     while used < budget and radius >= SMALLEST:
         before = best
-        best, centre = _around(best, centre, moving, objective, kept, known, radius, budget - used)
+        best, centre = _around(
+            best, centre, moving, objective, retained, known, radius, budget - used
+        )
         if best is before:
             radius *= SHRINK
 
@@ -319,7 +325,7 @@ def _around(
     centre: Array,
     moving: Array,
     objective: Callable[[Array], float],
-    kept: Callable[[Array], Array],
+    retained: Callable[[Array], Array],
     known: dict[bytes, Trial],
     radius: float,
     budget: int,
@@ -333,7 +339,7 @@ def _around(
             objective,
             centre[moving],
             method="COBYLA",
-            constraints=[{"type": "ineq", "fun": kept}],
+            constraints=[{"type": "ineq", "fun": retained}],
             options=options,
         )
     except _Spent:

@@ -226,7 +226,7 @@ def _ends(
     peaks: list[Peak] = []
     for number, begin in enumerate(begins):
 
-        def told(text: str, number: int = number) -> None:
+        def reported(text: str, number: int = number) -> None:
             report(number / len(begins), f"start {number + 1} of {len(begins)}, {text}")
 
         try:
@@ -237,7 +237,7 @@ def _ends(
                     seed=search.seed + number,
                     evaluations=search.evaluations,
                     population=search.population,
-                    report=lambda share, text: told(text),
+                    report=lambda share, text: reported(text),
                 )
                 if not whole:
                     raise Stopped("stopped")
@@ -248,7 +248,7 @@ def _ends(
                     begin,
                     iterations=search.iterations,
                     step=search.difference_step or None,
-                    report=told,
+                    report=reported,
                 )
             )
         except Stopped:

@@ -331,7 +331,7 @@ class Varied:
         return self.key + _SUFFIXES[self.operation]
 
     @property
-    def words(self) -> str:
+    def shown_name(self) -> str:
         """What people read."""
         return self.label or self.name.replace("_", " ")
 

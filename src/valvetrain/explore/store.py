@@ -219,10 +219,10 @@ def _record(key: bytes, outcome: Outcome) -> list[Any]:
     status = outcome.status
     if status == IMPOSSIBLE:
         return [key.hex(), None]
-    told: list[Any] = [key.hex(), dict(outcome.values)]
+    reported: list[Any] = [key.hex(), dict(outcome.values)]
     if status != COMPLETED:
-        told.append([status.code, status.message, status.time, status.where, status.remedy])
-    return told
+        reported.append([status.code, status.message, status.time, status.where, status.remedy])
+    return reported
 
 
 def _point(record: Sequence[Any]) -> tuple[bytes, Outcome]:

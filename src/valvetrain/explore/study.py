@@ -126,7 +126,7 @@ def run_experiment(
 ) -> StudyTable:
     """The table of an experiment by a sampler; see the verbs of :class:`valvetrain.Experiment`."""
     plan = StudyPlan(experiment, sampler, sampler.read_options(dict(options)), kind=kind)
-    plan = replace(plan, title=f"{plan.case_name}: {sampler.words}")
+    plan = replace(plan, title=f"{plan.case_name}: {sampler.shown_name}")
     return run_plan(plan, workers, dask, output, limits_of(limit), progress)
 
 
@@ -254,7 +254,7 @@ def analysed(table: StudyTable) -> StudyTable:
     """The table with what its kind adds: Sobol indices, surrogates."""
     plan = table.plan
     pairs = [(run, table.rows_of(run), name) for run in plan.runs for name in table.outputs]
-    names = [one.words for one in plan.varied]
+    names = [one.shown_name for one in plan.varied]
     if plan.kind == "tolerance":
         indices = [
             sensitivity_of(name, run, names, _completed(table, name)[rows])

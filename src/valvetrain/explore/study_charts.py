@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from valvetrain.explore.outputs import Run
 from valvetrain.explore.sensitivity import Sensitivity, Surrogate
-from valvetrain.explore.table import StudyTable, run_words
+from valvetrain.explore.table import StudyTable, run_label
 from valvetrain.report import theme
 from valvetrain.report.chart import Chart, HeatMap, Layer, Line, Marks, Panel, Rule
 from valvetrain.report.text import number, unit_text
@@ -33,7 +33,7 @@ def output_label(name: str) -> str:
 def input_label(table: StudyTable, place: int) -> str:
     """A varied quantity with its unit."""
     one = table.plan.varied[place]
-    return f"{one.words} ({unit_text(one.unit)})" if one.unit else one.words
+    return f"{one.shown_name} ({unit_text(one.unit)})" if one.unit else one.shown_name
 
 
 def shown_input(table: StudyTable, place: int) -> Array:
@@ -150,11 +150,11 @@ def map_chart(table: StudyTable, name: str, run: Run, key: str) -> Chart | None:
     points = np.column_stack([(x - across[0]) / np.ptp(x[there]), (y - up[0]) / np.ptp(y[there])])[
         there
     ]
-    wanted = np.stack(
+    request = np.stack(
         np.meshgrid((across - across[0]) / np.ptp(across), (up - up[0]) / np.ptp(up)), axis=-1
     )
     try:
-        found = griddata(points, z[there], wanted, method="linear")
+        found = griddata(points, z[there], request, method="linear")
     except QhullError:  # all points on one line
         return None
     least = float(np.min(z[there]))
@@ -196,7 +196,7 @@ def sensitivity_chart(one: Sensitivity, key: str) -> Chart:
         ("with all it acts together with", one.total, one.total_interval, theme.SERIES[0], 0.12),
         ("alone", one.first, one.first_interval, theme.SERIES[1], -0.12),
     )
-    for words, values, interval, colour, shift in kinds:
+    for phrase, values, interval, colour, shift in kinds:
         for at, place in enumerate(order):
             ends = 100 * np.clip(interval[place], 0.0, MAX_SHARE)
             layers.append(
@@ -206,7 +206,7 @@ def sensitivity_chart(one: Sensitivity, key: str) -> Chart:
             Marks(
                 100 * np.clip(values[order], 0.0, MAX_SHARE),
                 places + shift,
-                words,
+                phrase,
                 colour,
                 filled=True,
                 size=8.0,
@@ -223,9 +223,9 @@ def sensitivity_chart(one: Sensitivity, key: str) -> Chart:
         y_words=names,
     )
     caption = "Lines: 95 % intervals by bootstrap over the base rows. Shares lie between 0 and 100 %; their estimates may miss that a little."
-    words = definition_of(one.output).label
-    told = run_words(one.run)
-    title = f"What makes the spread of the {words}{f', {told}' if told else ''}"
+    phrase = definition_of(one.output).label
+    reported = run_label(one.run)
+    title = f"What makes the spread of the {phrase}{f', {reported}' if reported else ''}"
     return Chart(f"{key}-shares", title, caption, (panel,), 1, 110 + 44 * len(order))
 
 
@@ -250,5 +250,5 @@ def surrogate_chart(one: Surrogate, key: str) -> Chart:
 
 
 def _titled(title: str, table: StudyTable, run: Run) -> str:
-    words = run_words(run)
-    return f"{title}, {words}" if words else title
+    phrase = run_label(run)
+    return f"{title}, {phrase}" if phrase else title

@@ -68,9 +68,9 @@ def study(
     plan = read_plan(read_study_file(file))
     folder = output or HOME / safe_name(file.stem)
     estimate = estimate_study(plan, count)
-    told = refuse_cost(estimate.cost, limits)
+    reported = refuse_cost(estimate.cost, limits)
     if estimate.cost.seconds > WORTH_SAYING:
-        tell(f"{estimate.points} points, {told}; finished ones are kept in '{folder / POINTS}'")
+        tell(f"{estimate.points} points, {reported}; finished ones are kept in '{folder / POINTS}'")
     announce_compilation(
         "statics", "transient", *(["train"] if plan.case and plan.case.train is not None else [])
     )
@@ -99,8 +99,8 @@ def _answer(request: _Request, limits: Any) -> None:
             )
     except PointsInterrupted as cut:
         done = sum(one.code != "interrupted" for one in cut.table.statuses)
-        words = f"{done} of {len(cut.table)} points are kept in '{request.folder / POINTS}'; start the command again to continue"
-        raise typer.Exit(interrupted(f"interrupted: {words}")) from None
+        phrase = f"{done} of {len(cut.table)} points are kept in '{request.folder / POINTS}'; start the command again to continue"
+        raise typer.Exit(interrupted(f"interrupted: {phrase}")) from None
     deliver(_written(request, table))
 
 

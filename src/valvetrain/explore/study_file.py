@@ -12,8 +12,8 @@ from valvetrain.explore.files import (
     MAX_VARIED,
     CorrelationModel,
     FileText,
+    Names,
     VaryModel,
-    Words,
     case_of_file,
     space_of_file,
     text_of_file,
@@ -52,9 +52,9 @@ class StudyModel(StrictModel):
     case: str
     changes: dict[str, Any] = Field(default_factory=dict)
     engine_speeds: str | list[Any] | None = None
-    spring_models: Words = Field(default_factory=list)
-    spring_sets: Words = Field(default_factory=list)
-    outputs: Words
+    spring_models: Names = Field(default_factory=list)
+    spring_sets: Names = Field(default_factory=list)
+    outputs: Names
     rest_model: str = ""
     points: PointsModel = PointsModel()
     vary: list[VaryModel] = Field(min_length=1, max_length=MAX_VARIED)
@@ -115,7 +115,7 @@ def read_plan(text: StudyText) -> StudyPlan:
             ),
         ),
     )
-    title = model.title or f"{case.name}: {spec.words}"
+    title = model.title or f"{case.name}: {spec.shown_name}"
     plan = StudyPlan(experiment, spec, options, title, model.kind, model.description)
     if space.correlation is not None:
         text.guarded(("points", "sampler"), plan.draws)

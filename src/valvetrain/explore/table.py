@@ -138,7 +138,7 @@ class StudyTable:
     def failures(self) -> tuple[str, ...]:
         """A sentence per row that did not complete: its varied values and its status."""
         return tuple(
-            f"{self.row_words(row)}: {self.statuses[row].sentence()}"
+            f"{self.row_label(row)}: {self.statuses[row].sentence()}"
             for row in np.flatnonzero(~self.completed).tolist()
         )
 
@@ -154,11 +154,13 @@ class StudyTable:
         ]
         return tuple(f"{text[0].upper()}{text[1:]}." for text in map(not_given, gone))
 
-    def row_words(self, row: int) -> str:
+    def row_label(self, row: int) -> str:
         """The inputs of a row in words."""
         pairs = zip(self.plan.varied, self.inputs[row], strict=True)
-        inputs = [f"{one.words} {one.shown(value):.6g} {one.unit}".strip() for one, value in pairs]
-        return ", ".join([*inputs, *filter(None, [run_words(self.runs[row])])])
+        inputs = [
+            f"{one.shown_name} {one.shown(value):.6g} {one.unit}".strip() for one, value in pairs
+        ]
+        return ", ".join([*inputs, *filter(None, [run_label(self.runs[row])])])
 
     def column(self, name: str) -> Array:
         """Values (n,) in SI of an output, or of a varied quantity by its name. Raises
@@ -234,7 +236,7 @@ class StudyTable:
             one.name: (
                 "point",
                 self.inputs[:: len(runs), column],
-                {"units": one.si_unit or "1", "long_name": one.words},
+                {"units": one.si_unit or "1", "long_name": one.shown_name},
             )
             for column, one in enumerate(self.plan.varied)
         }
@@ -265,7 +267,7 @@ class StudyTable:
     def __repr__(self) -> str:
         done = int(np.count_nonzero(self.completed))
         lines = [f"study '{self.plan.title}': {done} of {len(self)} points completed"]
-        lines += [f"  over {one.words} ({one.name})" for one in self.plan.varied]
+        lines += [f"  over {one.shown_name} ({one.name})" for one in self.plan.varied]
         for name in self.outputs:
             found = self.column(name)[np.isfinite(self.column(name))]
             if len(found):
@@ -294,7 +296,7 @@ def _shown(name: str, value: float) -> float:
     return float(shown(name, float(value))[0])
 
 
-def run_words(run: Run) -> str:
+def run_label(run: Run) -> str:
     """A run in words: speed, model, set, those that it has."""
     engine_speed, model, spring_set = run
     speed = "" if engine_speed is None else f"{engine_speed * 30 / np.pi:.6g} rpm"

@@ -85,7 +85,7 @@ class Trial:
         )
 
     @property
-    def told_missed(self) -> list[float]:
+    def penalties(self) -> list[float]:
         """What a search is told of the bounds: no number of a design that could not be computed."""
         if self.failure:
             return [UNKNOWN] * max(1, len(self.missed))
@@ -102,7 +102,7 @@ class Trial:
     @property
     def total_missed(self) -> float:
         """Sum of what is missed, in shares of the bounds."""
-        return float(sum(max(0.0, one) for one in self.told_missed))
+        return float(sum(max(0.0, one) for one in self.penalties))
 
 
 def beats(one: Trial, other: Trial) -> bool:
@@ -131,7 +131,7 @@ def front_of(trials: list[Trial]) -> list[Trial]:
         return []
     signs = np.array([goal.sign for goal in feasible[0].plan.objectives])
     costs = np.array([signs * one.objectives for one in feasible])
-    kept: list[Trial] = []
+    retained: list[Trial] = []
     seen: set[bytes] = set()
     for place, one in enumerate(feasible):
         beaten = np.any(
@@ -140,5 +140,5 @@ def front_of(trials: list[Trial]) -> list[Trial]:
         key = costs[place].tobytes()
         if not beaten and key not in seen:
             seen.add(key)
-            kept.append(one)
-    return sorted(kept, key=lambda one: (*(signs * one.objectives), one.number))
+            retained.append(one)
+    return sorted(retained, key=lambda one: (*(signs * one.objectives), one.number))
