@@ -202,7 +202,7 @@ def test_points_of_another_identification_and_of_another_process_are_not_taken(
     with Store(tmp_path / "old", "asked 1.0"):
         pass
     with pytest.raises(
-        InputError, match=r"another version of valvetrain .* remove the file to begin anew"
+        InputError, match=r"another version of valvetrain .* remove the file to start again"
     ):
         Store(tmp_path / "old", "asked 1.1")
     with pytest.raises(InputError, match="another identification"):

@@ -176,13 +176,13 @@ def test_counts_bounds_ends_and_limits_are_told():
     found = search(active=lambda _trial: (0, 2), at_ends=lambda _trial: ((0, "low"), (1, "high")))
     assert said.trust(found)[1:] == (
         "What limits it: bound 0; bound 2.",
-        "The wire stands at the lower end of its range, 4 mm: widen the range.",
-        "The coil stands at the upper end of its range, 22 mm: widen the range.",
+        "The wire is at the lower end of its range, 4 mm: widen the range.",
+        "The coil is at the upper end of its range, 22 mm: widen the range.",
     )
     for kind, told in (
         (FOUND, ("The limit speed lies between 8000 and 8010 rpm.",)),
         (BELOW, ()),
-        (BEYOND, ("The bound is kept up to the highest speed searched, 8000 rpm: search higher.",)),
+        (BEYOND, ("The bound is met up to the highest speed searched, 8000 rpm: search higher.",)),
     ):
         best = design(trial(8000 * RPM, measured=bracket(kind, 8000, 8010)))
         assert said.trust(search((SPEED,), best=best))[1:] == told
@@ -198,7 +198,7 @@ def test_another_model_beside_the_search():
 
     best, found = trial(0.04), search()
     rows = {
-        "By rod: wire mass 41 g against 52 g of the case (−11 g, −21.2 %), where the search has 40 g. All bounds are kept.":
+        "By rod: wire mass 41 g against 52 g of the case (−11 g, −21.2 %), where the search has 40 g. All bounds are met.":
             confirmed(trial(0.041), trial(0.052)),
         "By rod: wire mass 41 g against 52 g of the case (−11 g, −21.2 %), where the search has 40 g. "
         "It misses: bound 0, it has 400 g; bound 1.": confirmed(trial(0.041, missed=(0.1, 0.2)), trial(0.052)),
@@ -216,4 +216,4 @@ def test_another_model_beside_the_search():
     told = (
         "limit speed 9000 rpm or more against 7000 rpm of the case, where the search has 8800 rpm"
     )
-    assert said.confirmed_text(beyond, fast) == f"By rod: {told}. All bounds are kept."
+    assert said.confirmed_text(beyond, fast) == f"By rod: {told}. All bounds are met."

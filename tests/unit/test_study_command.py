@@ -129,7 +129,7 @@ def test_a_study_that_is_ended_goes_on_with_the_same_bits_and_computes_nothing_t
         began.send_signal(stop)
         _, said = began.communicate(timeout=60)
         assert began.returncode == code and (
-            stop == signal.SIGKILL or b"points are kept in" in said
+            stop == signal.SIGKILL or b"points are stored in" in said
         )
     ended = subprocess.run(
         [sys.executable, *command],

@@ -173,7 +173,7 @@ def test_a_surrogate_of_noise_says_that_it_does_not_stand_for_a_run():
     (one,) = made("surrogate", function=lambda c: noise).surrogates
     assert (
         one.share > 0.8
-        and one.sentence.endswith("so it does not stand for a run.")
+        and one.sentence.endswith("so it cannot replace a run.")
         and one.covered > 0.85
     )
 

@@ -116,7 +116,7 @@ def as_written(value: float, unit: str) -> Any:
 
 def _unpacked(holder: Any, key: str, varied: Varied) -> Any:
     """The part of ``holder`` under ``key``; numbers written as one text become a list where a place
-    in it is asked for.
+    in it is requested.
     """
     if isinstance(holder, dict):
         if key not in holder:
@@ -146,10 +146,10 @@ def _unpacked(holder: Any, key: str, varied: Varied) -> Any:
 
 
 def _changed(before: Any, varied: Varied, value: float) -> Any:
-    """What stands in the case, multiplied by or shifted by ``value``."""
+    """The value of the case, multiplied by or shifted by ``value``."""
     if isinstance(before, bool):
         raise InputError(
-            f"stands as {str(before).lower()} in the case, which has no {varied.operation}; vary its value",
+            f"is {str(before).lower()} in the case, which has no {varied.operation}; vary its value",
             varied.key,
         )
     if isinstance(before, (int, float)):
@@ -176,7 +176,7 @@ def _changed(before: Any, varied: Varied, value: float) -> Any:
     values, unit = numbers_of(before, varied)
     if varied.operation == "offset" and varied.si_unit != unit:
         raise InputError(
-            f"stands in the case as '{before[:40]}', and an offset of it has a unit of the same kind; give one",
+            f"is in the case '{before[:40]}', and an offset of it has a unit of the same kind; give one",
             varied.key,
         )
     moved = [as_written(_moved(one, varied, value), unit) for one in values]
@@ -194,7 +194,7 @@ def numbers_of(text: str, varied: Varied) -> tuple[tuple[float, ...], str]:
     dimension = None if not numeric else dimension_of(unit[0].strip()) if unit else "ratio"
     if dimension is None:
         raise InputError(
-            f"stands in the case as '{text[:40]}', which is no number with a unit; vary its value",
+            f"is in the case '{text[:40]}', which is no number with a unit; vary its value",
             varied.key,
         )
     return parse_quantities(text, dimension, varied.key), DIMENSIONS[dimension].si_unit
@@ -375,7 +375,7 @@ def nominal(case: Case, varied: Varied) -> float:
     if isinstance(level, float):
         return level
     raise InputError(
-        "stands for several numbers in the case; vary it as = 'factor' or 'offset', or name one of its parts",
+        "has several numbers in the case; vary it as = 'factor' or 'offset', or name one of its parts",
         varied.key,
     )
 
@@ -405,7 +405,7 @@ def unit_of(text: str) -> str:
 
 
 def _entry(case: Case, key: str) -> tuple[Any, int | None]:
-    """What stands under ``key``, and the place in it where it is a text of several numbers of which
+    """The value under ``key``, and the index in it where it is a text of several numbers of which
     one is meant.
     """
     tree = tree_of(case)

@@ -1,4 +1,4 @@
-"""What a method hands on: weighted points that stand for the posterior, and how it was found."""
+"""Weighted draws of a posterior, its separate branches, and what the data determine."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from valvetrain.errors import MissingExtraError
 from valvetrain.explore.posterior import Posterior
 
 Array = NDArray[np.float64]
-#: Told the share done and what was done.
+#: Called with the share done and a text.
 Report = Callable[[float, str], None]
 
 
@@ -155,7 +155,7 @@ TWINS, KNOWN_ALONE = 0.9, 4.0
 #: Share of the prior's deviation that must be left of one of the two, for a narrow stretch within a
 #: wide prior is knowledge all the same.
 OPEN = 0.4
-#: A quantity is told where the data leave less than this share of the prior's variance.
+#: A quantity is determined where the data leave less than this share of the prior's variance.
 UNTOLD = 0.75
 #: Least part of a combination that is named in words.
 NAMED = 0.3
@@ -169,8 +169,8 @@ class Information:
     (measurements, quantities): share by which the
     variance is smaller than it were without that measurement. ``correlation`` (quantities,
     quantities) of what is left open;
-    ``warnings``: a sentence per quantity that is not told, and per group that cannot be told
-    apart."""
+    ``warnings``: a sentence per quantity that is not determined, and per group that cannot be
+    separated."""
 
     measurements: tuple[str, ...]
     determined: Array
@@ -258,5 +258,5 @@ def _pair(one: str, other: str, correlation: float, vague: Array) -> str:
     left = ", ".join(f"{100 * part:.0f} %" for part in vague)
     return (
         f"the data cannot tell '{one}' and '{other}' apart: they know a kind of {together} of the two, of their {apart} little more than "
-        f"the priors do (correlation {correlation:.3f}; {left} of the priors' deviations are left); measure one of them by itself"
+        f"the priors do (correlation {correlation:.3f}; {left} of the priors' deviations are left); measure one of them alone"
     )

@@ -27,7 +27,7 @@ from valvetrain.runs.stopping import Stopped
 Array = NDArray[np.float64]
 STEPS = 1000
 #: Share of the steps at the beginning that are left out, autocorrelation times that a chain should
-#: hold, most draws that are kept.
+#: hold, most draws that are stored.
 BEGINNING, ENOUGH_TIMES, MAX_DRAWS = 0.4, 50, 4000
 #: Rounds of draws from the prior in which starts that can be computed are looked for.
 ROUNDS = 20
@@ -122,7 +122,7 @@ def _starts(
     )
 
 
-#: What stands for an impossible point, over the worst possible one of its generation.
+#: Score of an impossible point above the worst possible one of its generation.
 WORSE = 1e6
 EVALUATIONS, FIRST_SPREAD = 2000, 0.5
 
@@ -136,7 +136,7 @@ def evolution(
     population: int = 0,
     report: Report = silent,
 ) -> tuple[Array, bool]:
-    """The best point found from ``begin`` (working coordinates) and whether it ended by itself or
+    """The best point found from ``begin`` (working coordinates) and whether it converged or ended
     at ``evaluations``, not by a stop.
 
     ``population``: points of a generation, all computed at once. Raises :class:`MissingExtraError`
@@ -195,7 +195,7 @@ MAX_END = 20.0
 
 
 class _Cut(BaseException):
-    """Ends a chain nobody waits for any more."""
+    """Ends a chain whose result is no longer needed."""
 
 
 class _Chain(threading.Thread):
@@ -232,8 +232,8 @@ class _Chain(threading.Thread):
 
 
 class Lockstep:
-    """A pool as samplers want it (``map``) whose chains ask :meth:`ask`; what ``answers`` told of a
-    batch of points is handed out in order.
+    """A pool as samplers want it (``map``) whose chains ask :meth:`ask`; the ``answers`` to a
+    batch of points are distributed in order.
 
     ``lanes``: chains at a time, which is also the size of a batch. The questions of a batch stand
     in the order of the chains, so nothing
@@ -281,13 +281,11 @@ class Lockstep:
         return results
 
     def _end(self, chains: list[_Chain]) -> None:
-        """Let chains end that nobody waits for any more; what a sampler prints of that is nobody's
-        concern.
-        """
+        """End chains whose results are no longer needed, without the output of the sampler."""
         with redirect_stdout(StringIO()), redirect_stderr(StringIO()), self.turn:
             self.cut = True
             self.turn.notify_all()
-            # asked of the chains themselves: a signal within a thread's start leaves it running,
+            # by flags of the chains themselves: a signal within a thread's start leaves it running,
             # yet not «alive»
             self.turn.wait_for(
                 lambda: all(chain.ended or not chain.inside for chain in chains),
@@ -309,7 +307,7 @@ class Lockstep:
                 self.turn.notify_all()
 
 
-#: Live points, points asked for at once, and what of the logarithm of the evidence may be left in
+#: Live points, points requested at once, and what of the logarithm of the evidence may be left in
 #: the live points at the end.
 LIVE_POINTS, LANES, PRECISION = 400, 16, 0.1
 #: Draws with less than this share of the largest weight tell nothing.
@@ -328,7 +326,7 @@ def nested(
     """Weighted draws of the posterior and the logarithm of its evidence, by :data:`LIVE_POINTS`
     live points.
 
-    ``lanes``: points asked for at once; another number is another (equally good) sequence of
+    ``lanes``: points requested at once; another number is another (equally good) sequence of
     points. Raises :class:`InputError` where no
     point of the prior can be computed, :class:`MissingExtraError` without the library.
     """

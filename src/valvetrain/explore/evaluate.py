@@ -120,7 +120,7 @@ def _remembered(law: LiftLawParameters) -> RememberedLift:
 
 
 def _with_remembered_lift(problem: Problem, law: LiftLawParameters) -> Problem:
-    """The problem with the law of other points, which have asked for the same angles."""
+    """The problem with the cached lift of other points of the same law."""
     known = _remembered(law)
     return replace(
         problem,
@@ -200,7 +200,7 @@ def _train(
     problem: Problem, member: Member, engine_speed: float | None, request: PointRequest
 ) -> tuple[Status, dict[str, float]]:
     """A train to its periodic state, as a run does it, with what rigid theory says and its springs
-    at rest where they are asked for.
+    at rest where they are requested.
     """
     values: dict[str, float] = {}
     status = COMPLETED

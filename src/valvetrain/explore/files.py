@@ -219,7 +219,7 @@ class FileText(Generic[FileModel]):
             self.guarded(("vary", place), lambda one=one: one.way)
 
     def located(self, path: tuple[str | int, ...], reason: str) -> InputError:
-        """The refusal of what stands under ``path``, with its line."""
+        """The refusal of the value at ``path``, with its line."""
         shown = tuple("as" if part == "varied" else part for part in path)
         line = find_line(self.text, shown)
         place = self.where if line is None else f"{self.where}, line {line}"
@@ -261,7 +261,7 @@ def text_of_file(path: Path, what: str) -> str:
 
 
 def case_of_file(name: str, changes: Mapping[str, Any], folder: Path) -> Case:
-    """The case of the library or beside the file in ``folder``, with its changes; an empty text
+    """The case of the library or next to the file in ``folder``, with its changes; an empty text
     removes a key.
     """
     path = folder / name
@@ -300,9 +300,7 @@ def varied_of_table(one: VaryModel, case: Case) -> Varied:
     ]
     texts += [one.values] if isinstance(one.values, str) else [str(raw) for raw in one.values or ()]
     unit = one.unit or next((found for text in texts if (found := unit_of(text))), "")
-    share = (
-        one.way == "tolerance" and unit_of(str(one.tolerance)) == "%"
-    )  # of what stands in the case
+    share = one.way == "tolerance" and unit_of(str(one.tolerance)) == "%"  # of the case's own value
     unit = unit_in_case(case, one.key) if share and one.varied == "value" else "" if share else unit
     bare = Varied(one.key, unit, one.varied, label=one.label)
     dimension = dimension_of(unit) if unit else "ratio"

@@ -148,7 +148,7 @@ def pairs_chart(found: Identified) -> Chart | None:
 
 
 def dots_chart(found: Identified) -> Chart:
-    """Every measurement beside its prediction, in standard deviations of the measurement."""
+    """Every measurement and its prediction, in standard deviations of the measurement."""
     rows = list(found.predicted[:ROWS])
     height = np.arange(len(rows), 0, -1, dtype=float)
     off = np.array(
@@ -199,7 +199,7 @@ def dots_chart(found: Identified) -> Chart:
     )
     left = len(found.predicted) - len(rows)
     caption = "Computed less measured; the name of each shows on it. Thin lines: the measured value and two standard deviations."
-    caption += f" {left} more stand in the table." if left else ""
+    caption += f" {left} more are in the table." if left else ""
     return Chart(
         "dots",
         "In standard deviations of each measurement",

@@ -45,7 +45,7 @@ class Search:
     of ``population`` (cma-es; 0: by the number of quantities); ``difference_step`` in standard
     deviations of the priors (0: follows what
     the data leave open); ``draws`` of the linearised posterior. ``nested``: ``live_points``,
-    ``lanes`` asked for at once, ``precision`` of
+    ``lanes`` requested at once, ``precision`` of
     the log evidence. ``ensemble``: ``walkers`` (0: by the number of quantities), ``steps``. Raises
     :class:`InputError` for an unknown
     method or a number out of range.
@@ -91,7 +91,7 @@ class Search:
 
     def evaluations_of(self, quantities: int, profiles: int = 0, given: int = 0) -> int:
         """About how many points will be computed for so many unknown quantities, profiles and
-        ``given`` starts beside those of its own.
+        ``given`` starts besides its own.
         """
         slopes, retained = quantities + 1, min(self.keep, self.starts) + given
         after = slopes + profiles * 2 * SIDE * 4 * (slopes + 4)
@@ -148,7 +148,7 @@ class Request:
 
     @property
     def parts(self) -> tuple[tuple[Target, ...], tuple[Target, ...]]:
-        """What is sought of every point, measured under conditions of which something is fitted;
+        """Targets of every point, measured under conditions of which something is fitted;
         and what of the draws alone.
         """
         fitted = {one.key for one in self.data if one.used}
@@ -317,7 +317,7 @@ def _case(whole: Part, folder: Path) -> Case:
 
 
 def _requested(part: Part) -> Target:
-    """A number that is computed for the draws although nobody measured it."""
+    """A number that is computed for the draws without having been measured."""
     station, name = read_station(part), part.text("quantity")
     part.finish()
     if not definition_of(name).dimension:

@@ -118,7 +118,9 @@ def _found_grid(found: Identified, branch: Branch) -> Grid:
         (tuple(Cell(*cell) for cell in zip(row, tones, strict=True)), ())
         for row in found_rows(found, branch)
     )
-    return Grid(FOUND, rows, caption="told: share of the prior's variance that the data remove")
+    return Grid(
+        FOUND, rows, caption="determined: share of the prior's variance that the data remove"
+    )
 
 
 def _measured(found: Identified) -> tuple[Block, ...]:
@@ -225,7 +227,7 @@ PAGE, DRAWS = "report.html", "draws.nc"
 
 
 def identification_json(found: Identified) -> dict[str, Any]:
-    """The JSON answer: every number that has a unit beside its unit, SI."""
+    """The JSON answer: every number that has a unit with its unit, SI."""
     units = {one.name: si_unit(one.unit) for one in found.unknowns}
     spread = {
         "best": "best",

@@ -14,7 +14,7 @@ from valvetrain.report.text import number, unit_text
 from valvetrain.units import unit_factor
 
 #: Heads of the tables whose rows the functions below give.
-FOUND = ("quantity", "likeliest", "2.5 %", "97.5 %", "", "prior", "told")
+FOUND = ("quantity", "likeliest", "2.5 %", "97.5 %", "", "prior", "determined")
 MEASURED = ("measurement", "measured", "±", "computed", "2.5 %", "97.5 %", "", "percentile")
 CONFLICTS = ("missed", "scatters", "met by", "cost", "missed instead")
 PREDICTED = ("not measured", "likeliest", "2.5 %", "50 %", "97.5 %", "")

@@ -26,7 +26,7 @@ Array = NDArray[np.float64]
 MET = 2.0
 #: Points that are looked at together: a curve of many data over many points would fill the memory.
 _TOGETHER = 2000
-#: Values are kept as they were computed: one on a bound may lie beyond it by rounding.
+#: Values are stored as they were computed: one on a bound may lie beyond it by rounding.
 _ROUNDING = 1e-9
 
 
@@ -171,7 +171,7 @@ def _instead(
     )
 
 
-#: Ends of the intervals that are told (percent).
+#: Ends of the intervals (percent).
 LOW, HIGH = 2.5, 97.5
 
 
@@ -203,7 +203,7 @@ class Branch:
 
 @dataclass(frozen=True, slots=True)
 class Predicted:
-    """A measurement beside its prediction (SI): computed at the ``best`` point, 2.5, 50 and 97.5 %
+    """A measurement and its prediction (SI): computed at the ``best`` point, 2.5, 50 and 97.5 %
     of the computed values over the
     posterior, and the ``percentile`` at which the measured value lies among what would be measured
     (0 to 100)."""
@@ -218,7 +218,7 @@ class Predicted:
 
 @dataclass(frozen=True, slots=True)
 class Prediction:
-    """A computed number that nobody measured (SI; shown in ``unit``): at the ``best`` point, and
+    """A computed number that was not measured (SI; shown in ``unit``): at the ``best`` point, and
     2.5, 50 and 97.5 % over the posterior.
     """
 
@@ -236,7 +236,7 @@ class Identified:
 
     ``branches``, the most probable first; ``values`` (draw, quantity) with ``weights`` (draw) and
     ``branch_of`` (draw); ``predicted``:
-    every measurement beside its prediction; ``predictions`` of what was not measured;
+    every measurement with its prediction; ``predictions`` of what was not measured;
     ``conflicts``: what meeting a missed measurement
     costs the others; ``computed``: each computed quantity over the draws; ``log_evidence`` with its
     error (NaN where it was not found);

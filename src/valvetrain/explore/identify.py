@@ -35,14 +35,14 @@ from valvetrain.runs.engine import LOST, LOST_REMEDY, available_cores
 from valvetrain.runs.workers import StandingPool
 
 Array = NDArray[np.float64]
-#: Points of the priors that are tried until one can be computed; bytes of a point that is kept and
+#: Points of the priors that are tried until one can be computed; bytes of a stored point and
 #: of each of its numbers.
 TRIED, POINT_BYTES, NUMBER_BYTES = 40, 1000.0, 150.0
 #: Work (s of each worker) that a kill may cost at most.
 LOST_SECONDS = 5.0
 #: Times a point is timed, for the first may wait for kernels.
 ROUNDS = 3
-#: Told what the request will cost, in words, before it begins, and its seconds.
+#: Called with the estimated cost as text and in seconds before the start.
 TellCost = Callable[[str, float], None]
 
 
@@ -70,10 +70,10 @@ def identify(
         one that is impossible
     search : method and its options; those of the file by default
     profiles : quantities whose profile is computed
-    folder : where computed points are kept as they come, so that an identification that is started
-        again goes on; none by default
+    folder : store of the computed points, where an identification that is started again
+        continues; none by default
     workers : points at a time of a file's case; results do not depend on it
-    progress : told the share done and what was done
+    progress : called with the share done and a text
     limit : largest estimated time and memory, such as "2 h, 8 GB"; 10 min and 2 GB by default, of a
         file alone
 
@@ -201,7 +201,7 @@ def identify_request(
     option: str = "--limit ",
     tell: TellCost = lambda phrase, seconds: None,
 ) -> Identified:
-    """The identification of a file; arguments as :func:`identify`, ``tell`` is told the estimated
+    """The identification of a file; arguments as :func:`identify`, ``tell`` is called with the estimated
     cost.
 
     Raises :class:`InputError` where the estimate is beyond ``limits`` (the message names

@@ -119,11 +119,11 @@ def _answer(
             )
     except KeyboardInterrupt:
         interrupted(
-            f"interrupted: the points computed so far are kept in '{points}'; start the command again to continue"
+            f"interrupted: the points computed so far are stored in '{points}'; start the command again to continue"
         )
         raise
     except InputError:
-        with suppress(OSError):  # nothing was computed, so nothing is kept
+        with suppress(OSError):  # nothing was computed, so nothing is stored
             journal = points / FILE
             if (
                 not retained.output
@@ -145,7 +145,7 @@ def _answer(
         deliver(Outcome(data, lambda console: _show(console, found, points)))
         raise typer.Exit(
             interrupted(
-                f"interrupted: what was computed is kept in '{points}'; start the command again to continue"
+                f"interrupted: what was computed is stored in '{points}'; start the command again to continue"
             )
         )
     folder, files = _keep(request, retained, points, found, data)

@@ -207,7 +207,7 @@ def best_starts(posterior: Posterior, tried: Array, keep: int) -> Array:
 
 
 def ends_of(posterior: Posterior, peaks: list[Peak]) -> Ends:
-    """Peaks that are one branch are joined, the better one is kept; those without probability are
+    """Peaks that are one branch are joined, the better one remains; those without probability are
     left out.
     """
     ordered = sorted(peaks, key=lambda one: one.misfit)

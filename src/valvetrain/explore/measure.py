@@ -14,7 +14,7 @@ from valvetrain.explore.outputs import LimitSearch, Outcome, Run
 from valvetrain.solution.definition import definition_of, not_given, shown
 
 #: How a search ended: a bracket was found; the bound is left at the lowest speed already; it is
-#: kept up to the highest one.
+#: met up to the highest one.
 FOUND, BELOW, BEYOND = "found", "below", "beyond"
 #: A rise over its neighbours this many times what a parabola through the three tells is thought
 #: possible between them.
@@ -24,7 +24,7 @@ Scan = Generator[list[float], list[float], "LimitFound"]
 
 @dataclass(frozen=True, slots=True)
 class LimitFound:
-    """The bracket: the bound is kept up to ``low`` and left at ``high`` (rad/s); ``kind`` says
+    """The bracket: the bound is met up to ``low`` and exceeded at ``high`` (rad/s); ``kind`` says
     whether there is one.
 
     ``missed``: where the bound is left at the lowest speed already, by which share of it.
@@ -37,8 +37,8 @@ class LimitFound:
 
     @property
     def value(self) -> float:
-        """The limit speed (rad/s): the highest one at which the bound was seen kept; the lowest
-        looked at where there is none.
+        """The limit speed (rad/s): the highest one at which the bound was met; the lowest
+        searched where there is none.
         """
         return self.high if self.kind == BELOW else self.low
 
@@ -115,7 +115,7 @@ def _rise(
 #: Where a number comes from: springs at rest, runs at the speeds of the file, runs of a search for
 #: a limit speed.
 REST, RUNS, LIMIT = "rest", "runs", "limit"
-#: A point that is asked for: which of these, and the run.
+#: A requested point: its source, and the run.
 Ask = tuple[str, Run]
 Answers = Generator[list[Ask], list[Outcome], "Measured"]
 #: Dimension and shown unit of a limit speed.
@@ -161,7 +161,7 @@ class Measure:
         return value / _RPM if self.limit is not None else float(shown(self.quantity, value)[0])
 
     def of(self, values: Sequence[float]) -> float:
-        """The number that stands for several runs; nan where one is missing."""
+        """The number of several runs; nan where one is missing."""
         if not len(values) or not all(map(np.isfinite, values)):
             return float("nan")
         if self.over == "mean":
@@ -184,7 +184,7 @@ class Objective:
 
 @dataclass(frozen=True)
 class Constraint:
-    """A measure kept at or below (``upper``), or at or above, ``bound`` (SI), ``share`` of what the
+    """A measure to be at or below (``upper``), or at or above, ``bound`` (SI), ``share`` of what the
     case has where that is given.
     """
 

@@ -85,7 +85,7 @@ def trace_file(part: Part, folder: Path) -> tuple[Array, Array, str]:
     """Cam angles (rad), values (SI) and their unit from the first two columns of the part's
     ``file``.
 
-    Units stand in the headings, or in ``units``. Raises :class:`InputError` for a column without a
+    Units are in the headings, or in ``units``. Raises :class:`InputError` for a column without a
     unit, and for a first one that is no
     angle or is called a crank angle.
     """
@@ -208,7 +208,7 @@ def read_measurement(name: str, part: Part, folder: Path, own_names: bool = Fals
 
 
 def read_station(part: Part) -> Station:
-    """Where something is measured or asked for. Raises :class:`InputError` for a speed that is not
+    """Where something is measured or predicted. Raises :class:`InputError` for a speed that is not
     positive.
     """
     speed = part.amount("engine_speed", "angular speed")[0] if part.has("engine_speed") else None

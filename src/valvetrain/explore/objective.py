@@ -1,5 +1,5 @@
-"""An optimisation file made ready: its case, what is varied, what is asked of a design, and the
-plans of its points.
+"""The plan of an optimisation file: case, varied quantities, objectives, constraints, and the
+evaluations of its points.
 """
 
 from __future__ import annotations
@@ -163,7 +163,7 @@ def read_optimum(text: OptimumText) -> OptimumPlan:
         for place, one in enumerate(model.objective)
     )
     if len({one.measure for one in objectives}) < len(objectives):
-        raise text.located(("objective",), "the same objective stands there twice; say it once")
+        raise text.located(("objective",), "the same objective is there twice; give it once")
     constraints = tuple(
         itertools.chain.from_iterable(
             _constraints(text, ("constraint", place), one, case)

@@ -39,8 +39,8 @@ _MODE = re.compile(r"mode_(\d+)_frequency")
 
 @dataclass(frozen=True)
 class Observed:
-    """A ``case``, what of it is ``varied`` (one row of keys per quantity, moved alike) and what is
-    ``sought`` of it.
+    """A ``case``, what of it is ``varied`` (one row of keys per quantity, moved alike) and the
+    ``targets`` to compute.
     """
 
     case: Case
@@ -49,7 +49,7 @@ class Observed:
 
     @property
     def stations(self) -> tuple[Station, ...]:
-        """Conditions under which something is sought, each once."""
+        """Conditions of the targets, each once."""
         return tuple(dict.fromkeys(one.station for one in self.targets))
 
     def case_at(self, values: Sequence[float]) -> Case:
@@ -67,7 +67,7 @@ Job = tuple[tuple[float, ...], int, tuple[int, ...]]
 
 
 def observe(every: tuple[Observed, ...], job: Job) -> Outcome:
-    """What is sought under some conditions, by key; None where the case is impossible or does not
+    """Values of the targets under some conditions, by key; None where the case is impossible or does not
     run.
     """
     values, which, places = job
@@ -83,7 +83,7 @@ def observe(every: tuple[Observed, ...], job: Job) -> Outcome:
 
 def groups_of(observed: Observed) -> tuple[tuple[int, ...], ...]:
     """Places of conditions parted into those that one study of a case tells together: speeds by one
-    model, the rod at rest beside them.
+    model, the static rod with them.
     """
     found: dict[object, list[int]] = {}
     places = range(len(observed.stations))
@@ -98,7 +98,7 @@ def groups_of(observed: Observed) -> tuple[tuple[int, ...], ...]:
 
 
 def _needs_run(station: Station, targets: Sequence[Target]) -> bool:
-    """Whether what is sought in motion needs a whole solution."""
+    """Whether the targets in motion need a whole solution."""
     here = [one for one in targets if one.station == station]
     names = tuple(one.name for one in here if one.kind == "quantity")
     return station.engine_speed is not None and (
@@ -107,7 +107,7 @@ def _needs_run(station: Station, targets: Sequence[Target]) -> bool:
 
 
 def numbers_of(case: Case, stations: Sequence[Station], targets: Sequence[Target]) -> Outcome:
-    """What is ``sought`` of a case under several conditions, by key; None where one does not run.
+    """Values of the ``targets`` of a case under several conditions, by key; None where one does not run.
     Raises as building and running do.
     """
     moving = [station for station in stations if _needs_run(station, targets)]
@@ -134,7 +134,7 @@ def numbers_of(case: Case, stations: Sequence[Station], targets: Sequence[Target
 
 
 def numbers_at(case: Case, station: Station, targets: Sequence[Target]) -> Outcome:
-    """What is ``sought`` of a case under one condition, by key; None where it does not run. Raises
+    """Values of the ``targets`` of a case under one condition, by key; None where it does not run. Raises
     what building and running raises.
     """
     here = [one for one in targets if one.station == station]

@@ -134,7 +134,7 @@ def case_of_plan(plan: OptimumPlan) -> Subject:
 
 
 class _Search:
-    """One search, or several of different seeds, while they go on."""
+    """A running search, or several of different seeds."""
 
     def __init__(self, plan: OptimumPlan, progress: Progress | None) -> None:
         self.plan, self.progress, self.begun = plan, progress, time.perf_counter()

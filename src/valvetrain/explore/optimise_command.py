@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from valvetrain.explore.objective import OptimumPlan
     from valvetrain.explore.optimum import Optimum
 
-#: Where searches are kept whose folder is not given, by the name of their file.
+#: Folder of searches by default, by the name of their file.
 HOME = Path("runs/optimise")
 #: Finished points, below the folder of a search.
 POINTS = "points"
@@ -74,7 +74,7 @@ def optimise(
     reported = refuse_cost(estimate.cost, limits, fewer=FEWER)
     if estimate.cost.seconds > WORTH_SAYING:
         tell(
-            f"{estimate.trials} trials, {reported} at most; finished points are kept in '{folder / POINTS}'"
+            f"{estimate.trials} trials, {reported} at most; finished points are stored in '{folder / POINTS}'"
         )
     moves = any(one.outputs.request.motion for one in plan.plans.values())
     if moves or any(not one.outputs.request.sizes_alone for one in plan.plans.values()):

@@ -177,7 +177,7 @@ class Optimum:
         )
 
     def at_ends(self, trial: Trial) -> tuple[tuple[int, str], ...]:
-        """(place, ``low`` or ``high``) of varied quantities that stand at an end of their range in
+        """(place, ``low`` or ``high``) of varied quantities at an end of their range in
         a design.
         """
         found = []

@@ -131,7 +131,7 @@ def over_chart(found: Optimum, place: int) -> Chart | None:
     columns = min(3, len(panels)) if len(panels) != 4 else 2
     title = f"{goal.measure.label[:1].upper()}{goal.measure.label[1:]} over what is varied"
     caption = (
-        "Where the best design stands at an end of its range, a wider range may hold a better one."
+        "Where the best design is at an end of its range, a wider range may hold a better one."
     )
     return Chart(
         f"over-{place}",

@@ -22,7 +22,7 @@ from valvetrain.parameters.schema_types import Line, StrictModel, problem
 #: Most objectives and constraints of a file, trials of a search and searches of other seeds: more
 #: are taken for a mistake.
 MAX_OBJECTIVES, MAX_CONSTRAINTS, MAX_TRIALS, MAX_SEEDS, MAX_PER_ROUND = 4, 32, 20_000, 20, 256
-#: Engine speeds are told this closely where nobody says otherwise.
+#: Default width of the bracket of a limit speed.
 RESOLUTION = "10 rpm"
 Direction = Literal["minimise", "maximise"]
 Method = Literal["tpe", "nsga2", "cma-es"]
@@ -89,7 +89,7 @@ class ConstraintModel(MeasureModel):
 
 
 class SearchModel(StrictModel):
-    """The ``[search]`` table. ``per_round`` trials are asked for together, whatever the workers;
+    """The ``[search]`` table. ``per_round`` trials are requested together, whatever the workers;
     ``seeds`` searches show their scatter;
     ``local``: share of the trials that a local search about the best has at the end, of one
     objective.

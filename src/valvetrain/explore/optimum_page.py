@@ -1,5 +1,5 @@
 """The page of a search: the answer first, case against best, figures, bounds, what other models
-say, then what was asked.
+say, then the request.
 """
 
 from __future__ import annotations
@@ -85,7 +85,7 @@ def optimum_page(found: Optimum) -> Page:
                 text(f"And {len(failed) - MAX_FAILURES} more; trials.csv has them all.", "note")
             )
         sections.append(Section("failed", "Trials that could not be computed", tuple(lines)))
-    sections.append(Section("asked", "What was asked", _requested(found)))
+    sections.append(Section("asked", "The request", _requested(found)))
     seeds = "" if len(found.seeds) == 1 else f", {len(found.seeds)} seeds"
     facts = (
         ("case", plan.case_name), ("trials", f"{len(found.trials)}, {found.feasible} feasible"),
@@ -148,7 +148,7 @@ def bound_rows(found: Optimum, design: Design) -> list[tuple[str, ...]]:
         one = bound.measure
         values = (float(found.case.constraints[place]), float(design.trial.constraints[place]))
         miss = float(design.trial.missed[place])
-        phrase = "missed" if miss > 0 else "active" if place in active else "kept"
+        phrase = "missed" if miss > 0 else "active" if place in active else "met"
         shown_values = (_shown(one, value) for value in values)
         rows.append(
             (
@@ -164,7 +164,7 @@ def bound_rows(found: Optimum, design: Design) -> list[tuple[str, ...]]:
 
 def step_rows(found: Optimum, design: Design) -> list[tuple[str, ...]]:
     """What a small step of each varied quantity does to the first objective, and whether the bounds
-    are kept there.
+    are met there.
     """
     one, rows = found.plan.objectives[0].measure, list[tuple[str, ...]]()
     for step in design.steps:
@@ -180,9 +180,9 @@ def step_rows(found: Optimum, design: Design) -> list[tuple[str, ...]]:
         phrase = (
             "cannot be computed"
             if step.failure
-            else "kept, and better"
+            else "met, and better"
             if step.improves
-            else "kept"
+            else "met"
             if step.feasible
             else "missed"
         )
@@ -287,7 +287,7 @@ def _requested(found: Optimum) -> tuple[Block, ...]:
         )
     return (
         _grid(("quantity", "key of the case", "varied by", "over"), rows, ()),
-        _grid(("asked for", "quantity", "at"), goals, ()),
+        _grid(("objective or bound", "quantity", "at"), goals, ()),
     )
 
 
@@ -316,7 +316,7 @@ def _where(one: Measure) -> str:
     return ", ".join([phrase, *models]) + several
 
 
-#: Trials that the JSON answer holds whole; more stand in trials.csv.
+#: Trials that the JSON answer holds whole; more are in trials.csv.
 MAX_TRIALS = 2000
 TRIALS, OPTUNA, BEST = "trials.csv", "optuna.db", "best.toml"
 
@@ -448,7 +448,7 @@ def write_optimum(
     found: Optimum, folder: Path, gaps: PartialFailures
 ) -> tuple[list[Path], Path | None]:
     """Write trials, Optuna study, case files and page into ``folder``; what could not be written
-    stands in ``gaps``. Files, and page.
+    is in ``gaps``. Files, and page.
     """
     made = [
         gaps.part(f"file '{TRIALS}'", None, lambda: write_text(folder / TRIALS, trials_csv(found))),

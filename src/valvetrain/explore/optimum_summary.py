@@ -118,7 +118,7 @@ def trust(found: Optimum) -> tuple[str, ...]:
         one = varied[place]
         value = f"{one.shown(float(trial.values[place])):.5g} {one.unit}".rstrip()
         lines.append(
-            f"The {one.shown_name} stands at the {'lower' if end == 'low' else 'upper'} end of its range, {value}: widen the range."
+            f"The {one.shown_name} is at the {'lower' if end == 'low' else 'upper'} end of its range, {value}: widen the range."
         )
     lines += _limits(best, found)
     lines += _steps(best, found)
@@ -137,7 +137,7 @@ def _limits(best: Design, found: Optimum) -> list[str]:
                 lines.append(f"The {goal.measure.label} lies {ends}.")
             elif one.kind == BEYOND:
                 lines.append(
-                    f"The bound is kept up to the highest speed searched, {reported(goal.measure, one.low)}: search higher."
+                    f"The bound is met up to the highest speed searched, {reported(goal.measure, one.low)}: search higher."
                 )
     return lines
 
@@ -212,7 +212,7 @@ def confirmed_text(one: Confirmed, found: Optimum) -> str:
             f"{measure.label} {apart}, where the search has {_own_value(searched, found.plan.objectives[place].measure, place)}"
         )
     missed = [_missed_text(one, place) for place, miss in enumerate(one.design.missed) if miss > 0]
-    bounds = f"It misses: {'; '.join(missed)}." if missed else "All bounds are kept."
+    bounds = f"It misses: {'; '.join(missed)}." if missed else "All bounds are met."
     return f"By {one.label}: {'; '.join(parts)}. {bounds}"
 
 

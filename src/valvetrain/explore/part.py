@@ -32,7 +32,7 @@ class Part:
         return f"{self.where}.{key}" if self.where else key
 
     def take(self, key: str, fallback: Any = None) -> Any:
-        """What stands at a key."""
+        """The value of a key."""
         self.taken.append(key)
         return self.table.get(key, fallback)
 
@@ -121,7 +121,7 @@ class Part:
         )
 
     def finish(self) -> None:
-        """Refuse what nobody took."""
+        """Refuse keys that were not read."""
         unknown = next((key for key in self.table if key not in self.taken), None)
         if unknown is not None:
             raise InputError(

@@ -80,7 +80,7 @@ def quiet_optuna() -> Iterator[Any]:
 
 
 class OptunaSearch:
-    """TPE or NSGA-II, its sampler made anew for every round from the seed and the number of the
+    """TPE or NSGA-II, its sampler new for every round from the seed and the number of the
     round.
     """
 
@@ -196,7 +196,7 @@ class EvolutionSearch:
 
     def _begin(self, centre: Array) -> None:
         """About ``centre``; the library knows two quantities or more, so a second one without
-        effect stands beside one alone.
+        effect is added to a single one.
         """
         count = max(2, self.dimensions)
         mean = np.full(count, 0.5)
@@ -252,7 +252,7 @@ ComputeTrial = Callable[[Array], Trial]
 #: First radius of the neighbourhood in shares of the ranges, what it shrinks by, and the radius at
 #: which the search ends.
 RADIUS, SHRINK, SMALLEST = 0.1, 0.3, 0.003
-#: Bounds are kept with this much to spare, in shares of them, so that what ends on one does not end
+#: Bounds are met with this much to spare, in shares of them, so that what ends on one does not end
 #: beyond it.
 TO_SPARE = 1e-4
 

@@ -18,10 +18,10 @@ from valvetrain.solution.definition import definition_of, label_of, shown
 Array = NDArray[np.float64]
 #: Resamples behind an interval, and its ends in per cent.
 RESAMPLES, ENDS = 1000, (2.5, 97.5)
-#: Base rows below which no index is told; a spread (over the size of the mean) below which there is
+#: Base rows below which there is no index; a spread (over the size of the mean) below which there is
 #: nothing to explain.
 MIN_ROWS, NO_SPREAD = 8, 1e-9
-#: Base rows that are asked for where fewer cannot tell quantities apart.
+#: Base rows that are recommended where fewer cannot separate quantities.
 ENOUGH_ROWS = 64
 
 
@@ -98,8 +98,8 @@ def indices(parts: Array) -> tuple[Array, Array]:
 
 
 def verdict(output: str, names: Sequence[str], total: Array, interval: Array, base: Array) -> str:
-    """One sentence: the quantity that makes the spread of an output, those that cannot be told
-    apart, or that there is none.
+    """One sentence: the quantity that makes the spread of an output, those that cannot be
+    separated, or that there is none.
     """
     label = label_of(output)
     if not np.std(base) > NO_SPREAD * max(abs(float(np.mean(base))), 1e-300):
@@ -119,13 +119,13 @@ def verdict(output: str, names: Sequence[str], total: Array, interval: Array, ba
             if rows < ENOUGH_ROWS
             else ""
         )
-        return f"No single quantity makes the spread of the {label}: the shares of {reported} cannot be told apart{more}."
+        return f"No single quantity makes the spread of the {label}: the shares of {reported} cannot be separated{more}."
     second = f"; next is {share(int(order[1]))}" if len(order) > 1 else ""
     return f"What makes the spread of the {label} is {share(leader)} of its variance{second}."
 
 
 HINT = "a surrogate needs scikit-learn, which is not installed; install the extra: pip install 'valvetrain[studies]'"
-#: Share of the points kept out of the fit; least points that a surrogate is made of; most that it
+#: Share of the points held out of the fit; least points that a surrogate is made of; most that it
 #: is fitted to, for its time grows with
 #: the cube of their number.
 HELD_OUT, LEAST, MOST = 0.2, 12, 1000
@@ -159,8 +159,8 @@ class Surrogate:
         """What its error is, in words."""
         unit = definition_of(self.output).shown_unit
         error = float(shown(self.output, self.error)[0])
-        reported = f"The surrogate of the {label_of(self.output)} errs by {error:.3g} {unit} (rms) on {self.held_out} points kept out of its fit"
-        good = "" if self.share < 0.3 else ", so it does not stand for a run"
+        reported = f"The surrogate of the {label_of(self.output)} errs by {error:.3g} {unit} (rms) on {self.held_out} points held out of its fit"
+        good = "" if self.share < 0.3 else ", so it cannot replace a run"
         return f"{reported}, {100 * self.share:.0f} % of their scatter{good}."
 
     def predict(self, inputs: ArrayLike) -> tuple[Array, Array]:
@@ -228,7 +228,7 @@ def surrogate_of(
 
 
 def _quiet_fit(process: Any, points: Array, values: Sequence[float] | Array) -> None:
-    """Fit; that a length reaches its bound is no news to a user: the error on points kept out tells
+    """Fit; that a length reaches its bound is no news to a user: the error on held-out points tells
     how good it is.
     """
     import warnings

@@ -78,9 +78,9 @@ def solve(
 ) -> Identified:
     """Search the posterior, find its branches, and tell of each what the data determine.
 
-    ``begin`` (n, quantities): starts of a search for a point in SI, beside those of ``search``; an
+    ``begin`` (n, quantities): starts of a search for a point in SI, besides those of ``search``; an
     ensemble begins about what they lead to.
-    ``compare``: tells of a point what is not fitted, asked for ``search.draws`` of the draws.
+    ``compare``: computes what is not fitted, for ``search.draws`` of the draws.
     ``units``: those that computed quantities are
     shown in, by key. A stop in a search leaves what it had, one before that raises
     :class:`Stopped`.
@@ -339,9 +339,8 @@ def _linear(posterior: Posterior, ends: Ends) -> tuple[Branch, ...]:
 
 @dataclass(frozen=True, eq=False)
 class _Table:
-    """What one computation tells of the draws, by key (NaN where it was not asked), with the
-    ``weights`` of those it was asked for, and of
-    the likeliest point."""
+    """Numbers of one computation over the draws, by key (NaN where not computed), with the
+    ``weights`` of the computed draws, and those of the likeliest point."""
 
     computed: dict[str, Array]
     weights: Array

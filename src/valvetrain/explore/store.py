@@ -254,7 +254,7 @@ def _other(there: str, identity: str) -> str:
     if version and there.partition(" ")[0] == request and there != BY_DIGEST:
         return (
             "holds points that another version of valvetrain or of its libraries computed; continue with that version, or "
-            "remove the file to begin anew"
+            "remove the file to start again"
         )
     return "holds points of another identification or of a study; give another folder"
 

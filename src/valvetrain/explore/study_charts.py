@@ -121,7 +121,7 @@ def histogram_chart(table: StudyTable, run: Run, key: str) -> Chart | None:
     if not panels:
         return None
     columns = min(2, len(panels))
-    caption = "Upright lines: 5 %, half and 95 % of the points lie below."
+    caption = "Vertical lines: 5, 50 and 95 % of the points lie below."
     return Chart(
         f"{key}-scatter",
         _titled("How the outputs scatter", table, run),
@@ -230,7 +230,7 @@ def sensitivity_chart(one: Sensitivity, key: str) -> Chart:
 
 
 def surrogate_chart(one: Surrogate, key: str) -> Chart:
-    """The surrogate beside runs that were kept out of its fit."""
+    """The surrogate against runs that were held out of its fit."""
     computed, predicted = (
         np.asarray(shown(one.output, values)[0]) for values in (one.computed, one.predicted)
     )
@@ -238,7 +238,7 @@ def surrogate_chart(one: Surrogate, key: str) -> Chart:
     layers: tuple[Layer, ...] = (
         Line(ends, ends, "agreement", theme.MUTED, 1.0, "dash"),
         Marks(
-            computed, predicted, "point kept out of the fit", theme.SERIES[0], filled=True, size=5.0
+            computed, predicted, "point held out of the fit", theme.SERIES[0], filled=True, size=5.0
         ),
     )
     label = output_label(one.output)

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
     from valvetrain.explore.table import StudyPlan, StudyTable
 
-#: Where studies are kept whose folder is not given, by the name of their file.
+#: Folder of studies by default, by the name of their file.
 HOME = Path("runs/studies")
 #: Finished points, below the folder of a study.
 POINTS = "points"
@@ -70,7 +70,9 @@ def study(
     estimate = estimate_study(plan, count)
     reported = refuse_cost(estimate.cost, limits)
     if estimate.cost.seconds > WORTH_SAYING:
-        tell(f"{estimate.points} points, {reported}; finished ones are kept in '{folder / POINTS}'")
+        tell(
+            f"{estimate.points} points, {reported}; finished ones are stored in '{folder / POINTS}'"
+        )
     announce_compilation(
         "statics", "transient", *(["train"] if plan.case and plan.case.train is not None else [])
     )
@@ -99,7 +101,7 @@ def _answer(request: _Request, limits: Any) -> None:
             )
     except PointsInterrupted as cut:
         done = sum(one.code != "interrupted" for one in cut.table.statuses)
-        phrase = f"{done} of {len(cut.table)} points are kept in '{request.folder / POINTS}'; start the command again to continue"
+        phrase = f"{done} of {len(cut.table)} points are stored in '{request.folder / POINTS}'; start the command again to continue"
         raise typer.Exit(interrupted(f"interrupted: {phrase}")) from None
     deliver(_written(request, table))
 

@@ -1,5 +1,5 @@
-"""The page of a study of points: what comes out first, then figures, then what failed and what was
-asked.
+"""The page of a study of points: what comes out first, then figures, then failed points and the
+request.
 """
 
 from __future__ import annotations
@@ -108,7 +108,7 @@ def answer_rows(table: StudyTable) -> list[tuple[str, ...]]:
 
 
 #: Heads of :func:`answer_rows`.
-ANSWER_HEADS = ("", "run", "least", "5 %", "half", "95 %", "largest", "")
+ANSWER_HEADS = ("", "run", "minimum", "5 %", "median", "95 %", "maximum", "")
 
 
 def sentences(table: StudyTable) -> tuple[str, ...]:
@@ -222,7 +222,7 @@ def distribution_text(one: Varied) -> str:
     )
 
 
-#: Rows that the JSON answer holds whole; a larger table stands in points.csv.
+#: Rows that the JSON answer holds whole; a larger table is in points.csv.
 MAX_ROWS = 2000
 
 
@@ -318,7 +318,7 @@ def points_csv(table: StudyTable) -> str:
 def write_points(
     table: StudyTable, folder: Path, gaps: PartialFailures
 ) -> tuple[list[Path], Path | None]:
-    """Write table and page into ``folder``; what could not be written stands in ``gaps``. The
+    """Write table and page into ``folder``; what could not be written is in ``gaps``. The
     files, and the page.
     """
     files: list[Path] = []

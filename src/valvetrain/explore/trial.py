@@ -14,10 +14,10 @@ from valvetrain.explore.measure import BELOW, Measured
 from valvetrain.explore.objective import OptimumPlan
 
 Array = NDArray[np.float64]
-#: What is told of a bound where there is no number, as a share of the bound: beyond any that is
+#: Penalty of a bound without a number, as a share of the bound: beyond any that is
 #: computed.
 UNKNOWN = 1e6
-#: Stands for the seed of the case, which no search asked for.
+#: Seed of the case, which belongs to no search.
 CASE_SEED = -1
 
 
@@ -25,7 +25,7 @@ CASE_SEED = -1
 class Trial:
     """``number`` counts from 0, the case itself; ``values`` (d, SI) of the varied quantities;
     ``measured``: its numbers; ``seed`` of the
-    search that asked for it. ``plan`` tells bounds and directions.
+    search that requested it. ``plan`` tells bounds and directions.
     """
 
     number: int
@@ -77,7 +77,7 @@ class Trial:
 
     @property
     def feasible(self) -> bool:
-        """Whether it was computed, all bounds are kept and all objectives are there."""
+        """Whether it was computed, all bounds are met and all objectives are there."""
         return (
             not self.failure
             and bool(np.all(self.missed <= 0.0))
@@ -86,7 +86,7 @@ class Trial:
 
     @property
     def penalties(self) -> list[float]:
-        """What a search is told of the bounds: no number of a design that could not be computed."""
+        """Missed shares of the bounds for a search, large where a design could not be computed."""
         if self.failure:
             return [UNKNOWN] * max(1, len(self.missed))
         known = [float(one) if np.isfinite(one) else UNKNOWN for one in self.missed]
