@@ -17,7 +17,7 @@ from typer.testing import CliRunner
 
 from valvetrain.cli.cases import write_template
 from valvetrain.cli.main import app
-from valvetrain.explore.study_file import read_plan, read_study_file
+from valvetrain.explore.study import read_plan, read_study_file
 from valvetrain.units import unit_factor
 
 ROOT = Path(__file__).resolve().parents[1]

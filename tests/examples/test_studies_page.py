@@ -11,7 +11,7 @@ import pytest
 
 from valvetrain import registry
 from valvetrain.explore.files import VaryModel
-from valvetrain.explore.study_file import StudyModel, StudyText, read_plan, read_study_file
+from valvetrain.explore.study import StudyModel, StudyText, read_plan, read_study_file
 
 ROOT = Path(__file__).parents[2]
 PAGE = (ROOT / "docs" / "studies.md").read_text(encoding="utf-8")

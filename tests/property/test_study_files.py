@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from valvetrain import InputError
-from valvetrain.explore.study_file import StudyText, read_plan, read_study_file
+from valvetrain.explore.study import StudyText, read_plan, read_study_file
 
 FILES = sorted((Path(__file__).parents[2] / "examples" / "studies").glob("*.toml"))
 TEXTS = [path.read_text(encoding="utf-8") for path in FILES]

@@ -12,8 +12,7 @@ import pytest
 
 import valvetrain as vt
 from valvetrain.explore.identification_file import parse_request
-from valvetrain.explore.study import PointsInterrupted
-from valvetrain.explore.study_file import StudyText, read_plan
+from valvetrain.explore.study import PointsInterrupted, StudyText, read_plan
 
 RPM = math.pi / 30
 PRECOMPRESSION = vt.Space({"spring.precompression": vt.Prior("uniform", 6e-3, 8e-3)})

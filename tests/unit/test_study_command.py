@@ -17,7 +17,7 @@ import pytest
 import valvetrain as vt
 from unit.cli_parts import MODULE, call, hear_interrupts, process_environment, wait_until
 from valvetrain.explore.store import FILE, Store
-from valvetrain.explore.study_file import StudyText, read_plan
+from valvetrain.explore.study import StudyText, read_plan
 
 #: A grid of short runs; one in four has a lift beyond coil bind.
 GRID = """

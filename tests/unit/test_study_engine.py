@@ -13,8 +13,13 @@ import pytest
 
 from valvetrain import InputError
 from valvetrain.explore.outputs import Outcome
-from valvetrain.explore.study import PointsInterrupted, estimate_study, run_points
-from valvetrain.explore.study_file import StudyText, read_plan
+from valvetrain.explore.study import (
+    PointsInterrupted,
+    StudyText,
+    estimate_study,
+    read_plan,
+    run_points,
+)
 from valvetrain.runs.cost import Limits
 from valvetrain.runs.workers import Lost
 

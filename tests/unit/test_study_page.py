@@ -12,8 +12,7 @@ import pytest
 
 import valvetrain as vt
 from valvetrain.explore.sensitivity import surrogate_of
-from valvetrain.explore.study import analysed
-from valvetrain.explore.study_file import StudyText, read_plan
+from valvetrain.explore.study import StudyText, analysed, read_plan
 from valvetrain.explore.study_page import points_csv, points_json, points_page, sentences
 from valvetrain.explore.table import StudyTable
 from valvetrain.report.page import Grid, Text, charts, render
