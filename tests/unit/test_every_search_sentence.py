@@ -45,7 +45,7 @@ def design(
 
 
 def step(place: int, improves: bool, objective: float = 0.04) -> SimpleNamespace:
-    return SimpleNamespace(place=place, improves=improves, objectives=(objective,))
+    return SimpleNamespace(index=place, improves=improves, objectives=(objective,))
 
 
 def search(

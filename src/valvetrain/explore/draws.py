@@ -135,10 +135,10 @@ def joined_peaks(posterior: Posterior, peaks: Array) -> list[int]:
 def even_draws(weights: Array, count: int, seed: int) -> tuple[Labels, Labels]:
     """Places of about ``count`` draws chosen evenly by weight, and how often each was."""
     steps = (np.arange(max(count, 1)) + np.random.default_rng(seed).random()) / max(count, 1)
-    places, counts = np.unique(
+    indices, counts = np.unique(
         np.searchsorted(np.cumsum(weights), steps).clip(0, len(weights) - 1), return_counts=True
     )
-    return places, counts
+    return indices, counts
 
 
 def _by_share(labels: Labels, weights: Array) -> Labels:

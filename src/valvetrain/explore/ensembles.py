@@ -181,9 +181,9 @@ def evolution(
                     for one, score, good in zip(requested, scores, possible, strict=True)
                 ]
             )
-            place = int(np.argmin(np.where(possible, scores, np.inf)))
-            if possible[place] and scores[place] < least:
-                best, least = work[place], float(scores[place])
+            index = int(np.argmin(np.where(possible, scores, np.inf)))
+            if possible[index] and scores[index] < least:
+                best, least = work[index], float(scores[index])
             report(min(used / evaluations, 0.99), f"{used} evaluations, log posterior {-least:.3f}")
     except Stopped:
         return best, False

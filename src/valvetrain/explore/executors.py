@@ -145,19 +145,19 @@ class DaskExecutor:
             pure=False,
             retries=TRIALS,
         )
-        places = {future.key: place for place, future in enumerate(futures)}
+        indices = {future.key: index for index, future in enumerate(futures)}
         waiting: Any = distributed.as_completed  # untyped
         coming = waiting(futures, loop=client.loop)
         del futures
         try:
             for future in coming:
                 look()
-                place = places.pop(future.key)
+                index = indices.pop(future.key)
                 error = future.exception() if future.status == "error" else None
                 if error is not None and type(error).__name__ != "KilledWorker":
                     raise error
                 yield (
-                    place,
+                    index,
                     Lost() if error is not None or future.status != "finished" else future.result(),
                 )
                 future.release()

@@ -129,8 +129,8 @@ def _measured(found: Identified) -> tuple[Block, ...]:
     for one in found.predicted:
         phrase, role = measured_cells(one), "fitted" if one.datum.used else "compared"
         cells = [
-            Cell(word, f"{tone} bad" if is_odd(one) and place == len(tones) - 1 else tone)
-            for place, (word, tone) in enumerate(zip(phrase, tones, strict=True))
+            Cell(word, f"{tone} bad" if is_odd(one) and index == len(tones) - 1 else tone)
+            for index, (word, tone) in enumerate(zip(phrase, tones, strict=True))
         ]
         rows.append(((*cells, Cell(role, "tag")), (role,)))
     grid = Grid(

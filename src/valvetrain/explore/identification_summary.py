@@ -48,8 +48,8 @@ def found_rows(found: Identified, branch: Branch) -> list[tuple[str, ...]]:
     variance the data remove.
     """
     rows = []
-    for place, one in enumerate(found.unknowns):
-        interval, reported = branch.quantities[one.name], branch.information.determined[place]
+    for index, one in enumerate(found.unknowns):
+        interval, reported = branch.quantities[one.name], branch.information.determined[index]
         ends = (shown(value, one.unit) for value in (interval.best, interval.low, interval.high))
         rows.append(
             (

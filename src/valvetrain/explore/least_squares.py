@@ -81,15 +81,15 @@ def least_squares(
         whole = np.vstack([jacobian, posterior.prior_rows])[:, chosen]
         normal, gradient = whole.T @ whole, whole.T @ misses
         tried = [max(damping, MIN_DAMPING) * 10.0**power for power in TRIALS]
-        places = np.tile(work, (len(tried), 1))
-        for row, one in zip(places, tried, strict=True):
+        indices = np.tile(work, (len(tried), 1))
+        for row, one in zip(indices, tried, strict=True):
             row[chosen] -= spread[chosen] * np.linalg.solve(
                 normal + one * np.eye(len(gradient)), gradient
             )
-        places = np.clip(places, low, high)
+        indices = np.clip(indices, low, high)
         best: tuple[Array, Outcome, Array] | None = None
         least = float(misses @ misses)
-        for one, place, found in zip(tried, places, posterior.at(places).outcomes, strict=True):
+        for one, place, found in zip(tried, indices, posterior.at(indices).outcomes, strict=True):
             off = _misses(posterior, found, place)
             if off is not None and off @ off < (least if best is None else best[2] @ best[2]):
                 best, damping = (place, found, off), one
@@ -225,7 +225,7 @@ def ends_of(posterior: Posterior, peaks: list[Peak]) -> Ends:
     )
 
 
-def places_of(
+def draws_of_peaks(
     posterior: Posterior, ends: Ends, count: int, seed: int
 ) -> tuple[Array, NDArray[np.int64], Array]:
     """About ``count`` draws (working coordinates) of the linearised posteriors within the bounds by
@@ -247,8 +247,8 @@ def linear_draws(
     """Draws of the linearised posteriors within the bounds, all of one weight, and the branch of
     each; how far they hold is noted.
     """
-    places, numbers, density = places_of(posterior, ends, count, seed)
-    at = posterior.at(places).log_posterior
+    indices, numbers, density = draws_of_peaks(posterior, ends, count, seed)
+    at = posterior.at(indices).log_posterior
     notes = []
     for number in range(len(ends.peaks)):
         here = numbers == number
@@ -260,8 +260,8 @@ def linear_draws(
                 f"the linearised posterior does not hold ({100 * holds:.0f} % of its draws tell); sample with nested or ensemble"
             )
     draws = Draws(
-        places,
-        np.full(len(places), 1.0 / len(places)),
+        indices,
+        np.full(len(indices), 1.0 / len(indices)),
         ends.log_evidence,
         np.nan,
         "linearised",

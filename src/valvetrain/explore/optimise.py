@@ -158,7 +158,7 @@ class _Search:
                     self._search(points, seed)
                 made = self._optimum(points.computed, True)
                 designs = [
-                    self._looked_at(points, one, place) for place, one in enumerate(made.designs)
+                    self._looked_at(points, one, index) for index, one in enumerate(made.designs)
                 ]
                 best = made.designs[0].trial if made.designs else None
                 confirmed = (
@@ -258,7 +258,7 @@ class _Search:
         begin = shares_of(self.plan, best.values)
         assert begin is not None
         free = [
-            place for place, one in enumerate(self.plan.varied) if one.distribution.kind != "values"
+            index for index, one in enumerate(self.plan.varied) if one.distribution.kind != "values"
         ]
         local_search(
             begin,
@@ -322,9 +322,9 @@ class _Search:
             }
         return replace(made, best_by_seed=by_seed, designs=chosen_designs(made))
 
-    def _looked_at(self, points: Engine, one: Design, place: int) -> Design:
+    def _looked_at(self, points: Engine, one: Design, index: int) -> Design:
         """A chosen design with what small steps do to it; of several designs the first one alone."""
-        if place or (one.trial.number == 0 and shares_of(self.plan, one.trial.values) is None):
+        if index or (one.trial.number == 0 and shares_of(self.plan, one.trial.values) is None):
             return one
 
         def measure(values: Sequence[Array]) -> list[Measured]:

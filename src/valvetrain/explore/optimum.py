@@ -38,7 +38,7 @@ class Step:
     objectives (m,) and feasibility there.
     """
 
-    place: int
+    index: int
     size: float
     objectives: Array
     feasible: bool

@@ -55,8 +55,8 @@ def optimum_page(found: Optimum) -> Page:
         *figure_or_gap("front", front_chart, found),
         *figure_or_gap("convergence", convergence_chart, found),
     ]
-    for place in range(len(plan.objectives)):
-        figures += figure_or_gap("objective", over_chart, found, place)
+    for index in range(len(plan.objectives)):
+        figures += figure_or_gap("objective", over_chart, found, index)
     sections = [
         Section("answer", "The answer", tuple(answers)),
         Section("figures", "The search", tuple(figures)),
@@ -144,15 +144,15 @@ def bound_rows(found: Optimum, design: Design) -> list[tuple[str, ...]]:
     """Every bound with what the case and a design have, and what is to spare."""
     rows = []
     active = found.active(design.trial)
-    for place, bound in enumerate(found.plan.constraints):
+    for index, bound in enumerate(found.plan.constraints):
         one = bound.measure
-        values = (float(found.case.constraints[place]), float(design.trial.constraints[place]))
-        miss = float(design.trial.missed[place])
-        phrase = "missed" if miss > 0 else "active" if place in active else "met"
+        values = (float(found.case.constraints[index]), float(design.trial.constraints[index]))
+        miss = float(design.trial.missed[index])
+        phrase = "missed" if miss > 0 else "active" if index in active else "met"
         shown_values = (_shown(one, value) for value in values)
         rows.append(
             (
-                bound_label(found.plan, place),
+                bound_label(found.plan, index),
                 *shown_values,
                 unit_text(one.unit),
                 percent(-miss),
@@ -168,7 +168,7 @@ def step_rows(found: Optimum, design: Design) -> list[tuple[str, ...]]:
     """
     one, rows = found.plan.objectives[0].measure, list[tuple[str, ...]]()
     for step in design.steps:
-        varied = found.plan.varied[step.place]
+        varied = found.plan.varied[step.index]
         size = f"{varied.shown(step.size):+.3g} {unit_text(varied.unit)}".strip().replace("-", "−")
         value, before = float(step.objectives[0]), float(design.trial.objectives[0])
         unit = unit_text(one.unit)
@@ -212,8 +212,8 @@ def _grid(heads: tuple[str, ...], rows: list[tuple[str, ...]], numbers: tuple[in
     made = []
     for row in rows:
         cells = tuple(
-            Cell(word, "number" if place in numbers else tones.get(word, ""))
-            for place, word in enumerate(row)
+            Cell(word, "number" if index in numbers else tones.get(word, ""))
+            for index, word in enumerate(row)
         )
         made.append((cells, ()))
     return Grid(heads, tuple(made))
@@ -250,21 +250,21 @@ def _confirmed(found: Optimum, design: Design) -> tuple[Block, ...]:
     blocks: list[Block] = []
     for one in design.confirmed:
         rows = []
-        for place, goal in enumerate(one.plan.objectives):
+        for index, goal in enumerate(one.plan.objectives):
             rows.append(
                 _row(
                     goal.measure,
-                    float(one.case.objectives[place]),
-                    float(one.design.objectives[place]),
+                    float(one.case.objectives[index]),
+                    float(one.design.objectives[index]),
                 )
             )
-        for place, bound in enumerate(one.plan.constraints):
+        for index, bound in enumerate(one.plan.constraints):
             row = _row(
                 bound.measure,
-                float(one.case.constraints[place]),
-                float(one.design.constraints[place]),
+                float(one.case.constraints[index]),
+                float(one.design.constraints[index]),
             )
-            rows.append((bound_label(one.plan, place), *row[1:]))
+            rows.append((bound_label(one.plan, index), *row[1:]))
         blocks += [
             text(confirmed_text(one, found)),
             _grid((one.label, *ANSWER_HEADS[1:]), rows, (1, 2, 4)),
@@ -281,9 +281,9 @@ def _requested(found: Optimum) -> tuple[Block, ...]:
     for goal in found.plan.objectives:
         most = "most" if goal.maximise else "least"
         goals.append((f"{most} {goal.measure.label}", goal.measure.quantity, _where(goal.measure)))
-    for place, bound in enumerate(found.plan.constraints):
+    for index, bound in enumerate(found.plan.constraints):
         goals.append(
-            (bound_label(found.plan, place), bound.measure.quantity, _where(bound.measure))
+            (bound_label(found.plan, index), bound.measure.quantity, _where(bound.measure))
         )
     return (
         _grid(("quantity", "key of the case", "varied by", "over"), rows, ()),
@@ -333,7 +333,7 @@ def optimum_json(found: Optimum) -> dict[str, Any]:
         "objectives": [{**_of(one.measure), "direction": "maximise" if one.maximise else "minimise"} for one in plan.objectives],
         "constraints": [
             {**_of(one.measure), "sense": "at_most" if one.upper else "at_least", "bound": one.bound, "share_of_case": one.share,
-             "words": bound_label(plan, place)} for place, one in enumerate(plan.constraints)
+             "words": bound_label(plan, index)} for index, one in enumerate(plan.constraints)
         ],
         "of_case": _trial(found.case), "designs": [_design(found, one) for one in found.designs],
         "front": [one.number for one in found.front], "history": found.history() if len(plan.objectives) == 1 else None,
@@ -386,12 +386,12 @@ def _design(found: Optimum, one: Design) -> dict[str, Any]:
         "chosen": one.chosen,
         "active": list(found.active(one.trial)),
         "at_ends": [
-            {"quantity": found.plan.varied[place].name, "end": end}
-            for place, end in found.at_ends(one.trial)
+            {"quantity": found.plan.varied[index].name, "end": end}
+            for index, end in found.at_ends(one.trial)
         ],
         "steps": [
             {
-                "quantity": found.plan.varied[step.place].name,
+                "quantity": found.plan.varied[step.index].name,
                 "step": step.size,
                 "objectives": step.objectives,
                 "feasible": step.feasible,
@@ -419,14 +419,14 @@ def trials_csv(found: Optimum) -> str:
     writer = csv.writer(stream, lineterminator="\n")
     heads = [f"{one.name} [{one.si_unit or '1'}]" for one in plan.varied]
     heads += [
-        f"objective {place + 1}: {one.measure.label} [{one.measure.si_unit}]"
-        for place, one in enumerate(plan.objectives)
+        f"objective {index + 1}: {one.measure.label} [{one.measure.si_unit}]"
+        for index, one in enumerate(plan.objectives)
     ]
     heads += [
-        f"constraint {place + 1}: {one.measure.label} [{one.measure.si_unit}]"
-        for place, one in enumerate(plan.constraints)
+        f"constraint {index + 1}: {one.measure.label} [{one.measure.si_unit}]"
+        for index, one in enumerate(plan.constraints)
     ]
-    heads += [f"missed {place + 1} [1]" for place in range(len(plan.constraints))]
+    heads += [f"missed {index + 1} [1]" for index in range(len(plan.constraints))]
     writer.writerow(["trial", "seed", *heads, "state", "sentence"])
     for one in found.trials:
         missed = one.missed[: len(plan.constraints)]
@@ -454,8 +454,8 @@ def write_optimum(
         gaps.part(f"file '{TRIALS}'", None, lambda: write_text(folder / TRIALS, trials_csv(found))),
         gaps.part(f"file '{OPTUNA}'", None, lambda: write_optuna(found, folder / OPTUNA)),
     ]
-    for place, design in enumerate(found.designs):
-        name = BEST if place == 0 else f"design-{place + 1}.toml"
+    for index, design in enumerate(found.designs):
+        name = BEST if index == 0 else f"design-{index + 1}.toml"
         made.append(
             gaps.part(f"file '{name}'", None, partial(_write_case, found, design, folder / name))
         )

@@ -52,8 +52,8 @@ def answer(found: Optimum) -> str:
     case, goals = found.case, found.plan.objectives
     if len(goals) > 1:
         spans = []
-        for place, goal in enumerate(goals):
-            values = [float(one.objectives[place]) for one in found.front]
+        for index, goal in enumerate(goals):
+            values = [float(one.objectives[index]) for one in found.front]
             spans.append(
                 f"{goal.measure.label} {reported(goal.measure, min(values))} to {reported(goal.measure, max(values))}"
             )
@@ -83,7 +83,7 @@ def _own(case: Trial) -> str:
         return f"The case itself cannot be computed: {case.failure}."
     if case.feasible:
         return "The case itself keeps every bound."
-    missed = [bound_label(case.plan, place) for place, one in enumerate(case.missed) if one > 0]
+    missed = [bound_label(case.plan, index) for index, one in enumerate(case.missed) if one > 0]
     return f"The case itself misses: {'; '.join(missed)}."
 
 
@@ -112,11 +112,11 @@ def trust(found: Optimum) -> tuple[str, ...]:
     trial, varied = best.trial, found.plan.varied
     if active := found.active(trial):
         lines.append(
-            f"What limits it: {'; '.join(bound_label(found.plan, place) for place in active)}."
+            f"What limits it: {'; '.join(bound_label(found.plan, index) for index in active)}."
         )
-    for place, end in found.at_ends(trial):
-        one = varied[place]
-        value = f"{one.shown(float(trial.values[place])):.5g} {one.unit}".rstrip()
+    for index, end in found.at_ends(trial):
+        one = varied[index]
+        value = f"{one.shown(float(trial.values[index])):.5g} {one.unit}".rstrip()
         lines.append(
             f"The {one.shown_name} is at the {'lower' if end == 'low' else 'upper'} end of its range, {value}: widen the range."
         )
@@ -143,7 +143,7 @@ def _limits(best: Design, found: Optimum) -> list[str]:
 
 
 def _steps(best: Design, found: Optimum) -> list[str]:
-    better = [found.plan.varied[one.place].shown_name for one in best.steps if one.improves]
+    better = [found.plan.varied[one.index].shown_name for one in best.steps if one.improves]
     lines = []
     if better:
         lines.append(
@@ -201,17 +201,17 @@ def confirmed_text(one: Confirmed, found: Optimum) -> str:
             f"By {one.label}, {which} cannot be computed: {one.design.failure or one.case.failure}"
         )
     parts = []
-    for place, goal in enumerate(one.plan.objectives):
+    for index, goal in enumerate(one.plan.objectives):
         measure = goal.measure
-        value, before = float(one.design.objectives[place]), float(one.case.objectives[place])
+        value, before = float(one.design.objectives[index]), float(one.case.objectives[index])
         searched = found.best.trial if found.best else one.design
-        apart = f"{_own_value(one.design, measure, place)} against {_own_value(one.case, measure, place)} of the case"
+        apart = f"{_own_value(one.design, measure, index)} against {_own_value(one.case, measure, index)} of the case"
         if not any(_beyond(trial, measure) for trial in (one.design, one.case)):
             apart += f" ({change(measure, value, before)})"
         parts.append(
-            f"{measure.label} {apart}, where the search has {_own_value(searched, found.plan.objectives[place].measure, place)}"
+            f"{measure.label} {apart}, where the search has {_own_value(searched, found.plan.objectives[index].measure, index)}"
         )
-    missed = [_missed_text(one, place) for place, miss in enumerate(one.design.missed) if miss > 0]
+    missed = [_missed_text(one, index) for index, miss in enumerate(one.design.missed) if miss > 0]
     bounds = f"It misses: {'; '.join(missed)}." if missed else "All bounds are met."
     return f"By {one.label}: {'; '.join(parts)}. {bounds}"
 
@@ -223,9 +223,9 @@ def _beyond(trial: Trial, measure: Measure) -> bool:
     return any(bracket.kind != FOUND for bracket in trial.measured.limits.get(measure, ()))
 
 
-def _own_value(trial: Trial, measure: Measure, place: int) -> str:
+def _own_value(trial: Trial, measure: Measure, index: int) -> str:
     """An objective of a trial; of a limit speed outside the speeds searched, on which side."""
-    phrase = reported(measure, float(trial.objectives[place]))
+    phrase = reported(measure, float(trial.objectives[index]))
     if not _beyond(trial, measure):
         return phrase
     return (
@@ -235,10 +235,10 @@ def _own_value(trial: Trial, measure: Measure, place: int) -> str:
     )
 
 
-def _missed_text(one: Confirmed, place: int) -> str:
+def _missed_text(one: Confirmed, index: int) -> str:
     """A bound that a design misses by another model, with what it has."""
-    phrase = bound_label(one.plan, place)
-    if place >= len(one.plan.constraints):
+    phrase = bound_label(one.plan, index)
+    if index >= len(one.plan.constraints):
         return phrase
-    measure = one.plan.constraints[place].measure
-    return f"{phrase}, it has {reported(measure, float(one.design.constraints[place]), 4)}"
+    measure = one.plan.constraints[index].measure
+    return f"{phrase}, it has {reported(measure, float(one.design.constraints[index]), 4)}"

@@ -192,7 +192,7 @@ class Posterior:
     def values(self, work: Array) -> Array:
         """Values (n, quantities) in SI of working coordinates."""
         return np.column_stack(
-            [one.prior.value(work[:, place]) for place, one in enumerate(self.unknowns)]
+            [one.prior.value(work[:, index]) for index, one in enumerate(self.unknowns)]
         )
 
     def work_of(self, values: Array) -> Array:
@@ -200,11 +200,11 @@ class Posterior:
         them.
         """
         inside = [
-            np.clip(values[:, place], one.prior.low, one.prior.high)
-            for place, one in enumerate(self.unknowns)
+            np.clip(values[:, index], one.prior.low, one.prior.high)
+            for index, one in enumerate(self.unknowns)
         ]
         return np.column_stack(
-            [one.prior.work(inside[place]) for place, one in enumerate(self.unknowns)]
+            [one.prior.work(inside[index]) for index, one in enumerate(self.unknowns)]
         )
 
     @cached_property
@@ -230,14 +230,14 @@ class Posterior:
             inside = np.clip(shares, 2.0**-53, 1 - 2.0**-53)
             shares = ndtr(ndtri(inside) @ np.linalg.cholesky(self.correlation).T)
         return np.column_stack(
-            [one.prior.from_share(shares[:, place]) for place, one in enumerate(self.unknowns)]
+            [one.prior.from_share(shares[:, index]) for index, one in enumerate(self.unknowns)]
         )
 
     def log_prior(self, work: Array) -> Array:
         """Logarithm of the prior density (n) over working coordinates."""
         independent = np.asarray(
             np.sum(
-                [one.prior.log_density(work[:, place]) for place, one in enumerate(self.unknowns)],
+                [one.prior.log_density(work[:, index]) for index, one in enumerate(self.unknowns)],
                 axis=0,
             )
         )
@@ -261,10 +261,10 @@ class Posterior:
         inside = np.flatnonzero(np.isfinite(prior))
         outcomes: list[Outcome] = [None] * len(work)
         if len(inside):
-            for place, outcome in zip(
+            for index, outcome in zip(
                 inside, self.evaluate(self.values(work[inside])), strict=True
             ):
-                outcomes[place] = outcome
+                outcomes[index] = outcome
         likelihood = np.array([self.log_likelihood(one) for one in outcomes])
         return Points(work, tuple(outcomes), prior, likelihood)
 

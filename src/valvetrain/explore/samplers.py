@@ -82,10 +82,10 @@ class SamplerSpec:
             return self.options.model_validate(given)
         except ValidationError as error:
             first = error.errors(include_url=False)[0]
-            place = ".".join(str(part) for part in first["loc"])
+            index = ".".join(str(part) for part in first["loc"])
             raise InputError(
                 f"{str(first['input'])[:40]!r} does not fit: {first['msg'][:1].lower()}{first['msg'][1:]}; correct it",
-                f"points.{place}",
+                f"points.{index}",
             ) from None
 
 
@@ -230,7 +230,7 @@ def _first_saltelli(varied: Sequence[Varied], options: SamplerOptions) -> Array:
     size, rows = len(varied), base_rows(options.count, len(varied))
     both = sequence(2 * size, rows, options.seed)
     a, b = both[:, :size], both[:, size:]
-    mixed = [np.where(np.arange(size) == place, b, a) for place in range(size)]
+    mixed = [np.where(np.arange(size) == index, b, a) for index in range(size)]
     return spread(varied, np.concatenate([a, b, *mixed]))
 
 

@@ -64,8 +64,8 @@ def sensitivity_of(
         return None
     first, total = indices(retained)
     generator, drawn = np.random.default_rng(seed), np.empty((RESAMPLES, 2, size))
-    for place in range(RESAMPLES):
-        drawn[place] = indices(
+    for index in range(RESAMPLES):
+        drawn[index] = indices(
             retained[:, generator.integers(0, retained.shape[1], retained.shape[1])]
         )
     low, high = (np.nanpercentile(drawn, end, axis=0) for end in ENDS)
@@ -106,13 +106,13 @@ def verdict(output: str, names: Sequence[str], total: Array, interval: Array, ba
         return f"None of the varied quantities moves the {label}."
     order = np.argsort(-total)
     leader = int(order[0])
-    rivals = [int(place) for place in order[1:] if interval[place, 1] >= interval[leader, 0]]
+    rivals = [int(index) for index in order[1:] if interval[index, 1] >= interval[leader, 0]]
 
-    def share(place: int) -> str:
-        return f"{names[place]} ({100 * total[place]:.0f} %, {100 * interval[place, 0]:.0f} to {100 * interval[place, 1]:.0f})"
+    def share(index: int) -> str:
+        return f"{names[index]} ({100 * total[index]:.0f} %, {100 * interval[index, 0]:.0f} to {100 * interval[index, 1]:.0f})"
 
     if rivals:
-        reported = ", ".join(share(place) for place in (leader, *rivals[:3]))
+        reported = ", ".join(share(index) for index in (leader, *rivals[:3]))
         rows = base.shape[1]
         more = (
             f" by {rows} base rows; count = {ENOUGH_ROWS * (len(names) + 2)} gives {ENOUGH_ROWS}"

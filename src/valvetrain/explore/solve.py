@@ -39,10 +39,10 @@ from valvetrain.explore.least_squares import (
     Peak,
     best_starts,
     covariance_of,
+    draws_of_peaks,
     ends_of,
     least_squares,
     linear_draws,
-    places_of,
     profile,
     starts,
 )
@@ -151,9 +151,9 @@ def solve(
     ]
     if compare is not None and draws.whole:
         report(0.99, "what is compared only")
-        places, counts = even_draws(draws.weights, search.draws, search.seed)
+        indices, counts = even_draws(draws.weights, search.draws, search.seed)
         tables.append(
-            _table(posterior, draws.work, places, compare, counts.astype(float), peaks[0])
+            _table(posterior, draws.work, indices, compare, counts.astype(float), peaks[0])
         )
     computed = {key: values for table in tables for key, values in table.computed.items()}
     return Identified(
@@ -206,7 +206,7 @@ def _around(posterior: Posterior, search: Search, given: Array, report: Report) 
         )
         for one in given
     ]
-    return places_of(posterior, ends_of(posterior, peaks), search.draws, search.seed)[0]
+    return draws_of_peaks(posterior, ends_of(posterior, peaks), search.draws, search.seed)[0]
 
 
 def _ends(
@@ -350,19 +350,19 @@ class _Table:
 def _table(
     posterior: Posterior,
     work: Array,
-    places: Places,
+    indices: Places,
     evaluate: Evaluate,
     weights: Array,
     peak: Peak,
 ) -> _Table:
-    (best, *outcomes) = evaluate(posterior.values(np.vstack([peak.work, work[places]])))
+    (best, *outcomes) = evaluate(posterior.values(np.vstack([peak.work, work[indices]])))
     keys = dict.fromkeys(key for outcome in outcomes if outcome is not None for key in outcome)
     computed = {key: np.full(len(work), np.nan) for key in keys}
-    for place, outcome in zip(places, outcomes, strict=True):
+    for index, outcome in zip(indices, outcomes, strict=True):
         for key in keys:
-            computed[key][place] = finite(outcome, key)
+            computed[key][index] = finite(outcome, key)
     every = np.zeros(len(work))
-    every[places] = weights
+    every[indices] = weights
     return _Table(computed, every, best)
 
 

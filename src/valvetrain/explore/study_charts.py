@@ -30,15 +30,15 @@ def output_label(name: str) -> str:
     return f"{row.label} ({unit_text(row.shown_unit)})" if row.shown_unit else row.label
 
 
-def input_label(table: StudyTable, place: int) -> str:
+def input_label(table: StudyTable, index: int) -> str:
     """A varied quantity with its unit."""
-    one = table.plan.varied[place]
+    one = table.plan.varied[index]
     return f"{one.shown_name} ({unit_text(one.unit)})" if one.unit else one.shown_name
 
 
-def shown_input(table: StudyTable, place: int) -> Array:
+def shown_input(table: StudyTable, index: int) -> Array:
     """Values (n,) of a varied quantity in its unit."""
-    return np.array([table.plan.varied[place].shown(value) for value in table.inputs[:, place]])
+    return np.array([table.plan.varied[index].shown(value) for value in table.inputs[:, index]])
 
 
 def shown_output(table: StudyTable, name: str) -> Array:
@@ -53,20 +53,20 @@ def scatter_chart(table: StudyTable, name: str, run: Run, key: str) -> Chart | N
     if np.count_nonzero(np.isfinite(y)) < 2:
         return None
     panels = []
-    for place in range(len(table.plan.varied)):
-        x = shown_input(table, place)[rows]
+    for index in range(len(table.plan.varied)):
+        x = shown_input(table, index)[rows]
         there = np.flatnonzero(np.isfinite(y))
         few = there[:: max(1, len(there) // MAX_DOTS)]
         colour = theme.mix(theme.SERIES[0], theme.PAPER, 0.45)
         layers: list[Layer] = [
-            Marks(x[few], y[few], "point", colour, filled=True, size=4.0, in_legend=place == 0)
+            Marks(x[few], y[few], "point", colour, filled=True, size=4.0, in_legend=index == 0)
         ]
         means = _means(x[there], y[there])
         if means is not None:
             layers.append(
-                Line(*means, "mean of the points there", theme.SERIES[1], 2.0, in_legend=place == 0)
+                Line(*means, "mean of the points there", theme.SERIES[1], 2.0, in_legend=index == 0)
             )
-        panels.append(Panel(input_label(table, place), output_label(name), tuple(layers)))
+        panels.append(Panel(input_label(table, index), output_label(name), tuple(layers)))
     columns = min(3, len(panels)) if len(panels) != 4 else 2
     caption = "A line that rises or falls shows that the output follows this quantity; a cloud about a level line, that it does not."
     title = f"{definition_of(name).label[:1].upper()}{definition_of(name).label[1:]} over what is varied"
@@ -140,7 +140,7 @@ def map_chart(table: StudyTable, name: str, run: Run, key: str) -> Chart | None:
 
     rows = table.rows_of(run)
     z = shown_output(table, name)[rows]
-    x, y = (shown_input(table, place)[rows] for place in (0, 1))
+    x, y = (shown_input(table, index)[rows] for index in (0, 1))
     there = np.isfinite(z)
     if np.count_nonzero(there) < 4 or not (
         np.ptp(x[there]) > 0 and np.ptp(y[there]) > 0 and np.ptp(z[there]) > 0
@@ -190,29 +190,29 @@ def sensitivity_chart(one: Sensitivity, key: str) -> Chart:
     with its interval.
     """
     order = np.argsort(one.total)
-    places = np.arange(len(order), dtype=float)
+    indices = np.arange(len(order), dtype=float)
     layers: list[Layer] = []
     kinds = (
         ("with all it acts together with", one.total, one.total_interval, theme.SERIES[0], 0.12),
         ("alone", one.first, one.first_interval, theme.SERIES[1], -0.12),
     )
     for phrase, values, interval, colour, shift in kinds:
-        for at, place in enumerate(order):
-            ends = 100 * np.clip(interval[place], 0.0, MAX_SHARE)
+        for at, index in enumerate(order):
+            ends = 100 * np.clip(interval[index], 0.0, MAX_SHARE)
             layers.append(
                 Line(ends, np.full(2, at + shift), "95 % interval", colour, 1.4, in_legend=False)
             )
         layers.append(
             Marks(
                 100 * np.clip(values[order], 0.0, MAX_SHARE),
-                places + shift,
+                indices + shift,
                 phrase,
                 colour,
                 filled=True,
                 size=8.0,
             )
         )
-    names = tuple((float(at), one.names[place]) for at, place in enumerate(order))
+    names = tuple((float(at), one.names[index]) for at, index in enumerate(order))
     high = 100 * float(np.clip(np.max(one.total_interval), 1.0, MAX_SHARE))
     panel = Panel(
         "share of the variance (%)",

@@ -133,11 +133,11 @@ def front_of(trials: list[Trial]) -> list[Trial]:
     costs = np.array([signs * one.objectives for one in feasible])
     retained: list[Trial] = []
     seen: set[bytes] = set()
-    for place, one in enumerate(feasible):
+    for index, one in enumerate(feasible):
         beaten = np.any(
-            np.all(costs <= costs[place], axis=1) & np.any(costs < costs[place], axis=1)
+            np.all(costs <= costs[index], axis=1) & np.any(costs < costs[index], axis=1)
         )
-        key = costs[place].tobytes()
+        key = costs[index].tobytes()
         if not beaten and key not in seen:
             seen.add(key)
             retained.append(one)
