@@ -74,7 +74,7 @@ def evaluate(point: Point) -> Outcome:
     exception.
 
     >>> import valvetrain as vt
-    >>> point = Point(vt.load_case("job-c"), engine_speed=400.0, spring_model="massless", wanted=PointRequest(("peak_spring_force",)))
+    >>> point = Point(vt.load_case("job-c"), engine_speed=400.0, spring_model="massless", request=PointRequest(("peak_spring_force",)))
     >>> evaluate(point).status.code
     'completed'
     """
