@@ -95,7 +95,7 @@ def read(grid: Grid) -> tuple[list[list[str]], list[list[str]]]:
 
 def test_what_was_found() -> None:
     (grid,) = grids(identified(), "found").values()
-    assert grid.headers == ("quantity", "likeliest", "2.5 %", "97.5 %", "", "prior", "told")
+    assert grid.headers == ("quantity", "likeliest", "2.5 %", "97.5 %", "", "prior", "determined")
     words, tones = read(grid)
     assert words == [
         ["Rate", "32", "30", "35", "N/mm", "25 to 40", "93 %"],

@@ -360,3 +360,41 @@ coefficient = 0.5
         )
     with pytest.raises(vt.InputError, match="knows no correlation"):
         read_plan(StudyText(text.replace('"sobol", count = 512', '"grid"'), "s", Path()))
+
+
+CORRELATED = """
+case = "job-c"
+[[vary]]
+key = "spring.precompression"
+mean = "7 mm"
+standard_deviation = "0.1 mm"
+[[vary]]
+key = "spring.wire_diameter"
+mean = "4 mm"
+standard_deviation = "0.01 mm"
+[[correlation]]
+between = ["spring.precompression", "spring.wire_diameter"]
+coefficient = 0.5
+"""
+
+
+def test_correlation_of_an_identification_file_reaches_its_priors():
+    request = parse_request(CORRELATED + MEASURED, "file", Path())
+    assert request.correlation.tolist() == [[1.0, 0.5], [0.5, 1.0]]
+
+
+@pytest.mark.parametrize(
+    ("now", "then", "words"),
+    [
+        ("coefficient = 0.5", "coefficient = 1.5", "symmetric matrix"),
+        ("coefficient = 0.5", 'coefficient = "half"', "write a number"),
+        ("coefficient = 0.5", "coefficient = 0.5\nof = 1", "is unknown"),
+        ('", "spring.wire_diameter"]', '"]', "two of the varied quantities"),
+        ("[[correlation]]", "[correlation]", "no list of tables"),
+    ],
+)
+def test_a_correlation_that_is_none_is_refused_in_one_sentence(now, then, words):
+    assert now in CORRELATED
+    with pytest.raises(vt.InputError, match=words) as caught:
+        parse_request(CORRELATED.replace(now, then) + MEASURED, "file", Path())
+    assert "\n" not in str(caught.value) and "correlation" in str(caught.value)

@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import Annotated, Any, Generic, Literal, TypeVar
 
 import numpy as np
+from numpy.typing import NDArray
 from pydantic import BeforeValidator, Field, ValidationError, model_validator
 from pydantic_core import PydanticCustomError
 
@@ -174,14 +175,16 @@ def standard_names(tree: Mapping[str, Any]) -> dict[str, Any]:
     return found
 
 
-def correlation_of(names: Sequence[str], pairs: Sequence[tuple[Sequence[str], float]]) -> Any:
+def correlation_of(
+    names: Sequence[str], pairs: Sequence[tuple[Sequence[str], float]]
+) -> NDArray[np.float64] | None:
     """The correlation matrix of ``[[correlation]]`` tables, None without any."""
     if not pairs:
         return None
     matrix = np.eye(len(names))
     for between, coefficient in pairs:
         unknown = next((name for name in between if name not in names), None)
-        if unknown is not None or between[0] == between[1]:
+        if unknown is not None or len(set(between)) != 2:
             raise InputError(
                 f"between names two of the varied quantities: {', '.join(names)[:200]}",
                 "correlation",

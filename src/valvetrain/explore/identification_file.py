@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import os
+from collections.abc import Sequence
 from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Literal, get_args
@@ -17,7 +18,7 @@ from valvetrain.explore.least_squares import SIDE
 from valvetrain.explore.measurements import Target, read_measurement, read_station
 from valvetrain.explore.part import Part, same_dimension
 from valvetrain.explore.posterior import Array, Datum, Unknown
-from valvetrain.explore.space import Kind, Prior, Varied
+from valvetrain.explore.space import Kind, Prior, Space, Varied
 from valvetrain.parameters.bounded_file import bounded_bytes
 from valvetrain.parameters.case import Case
 from valvetrain.parameters.loading import library_names, load_case, parse_toml
@@ -257,11 +258,7 @@ def parse_request(text: str, name: str, folder: Path) -> Request:
     search, profiles, from_case = _search(
         Part(whole.take("search", {}), "search"), tuple(one.name for one in unknowns)
     )
-    pairs = [
-        (part.texts("between"), part.plain("coefficient"))
-        for part in (Part(one, "correlation") for one in whole.take("correlation", []))
-    ]
-    correlation = correlation_of([one.name for one in unknowns], pairs)
+    correlation = _correlation(whole, unknowns)
     title = whole.text("title", name.replace("_", " "))
     whole.text("description", "")
     whole.finish()
@@ -302,6 +299,22 @@ def _quantities(whole: Part) -> tuple[tuple[str, Part], ...]:
     elif key == "vary" and tables is None:
         key = "quantities"
     return whole.parts(key)
+
+
+def _correlation(whole: Part, unknowns: Sequence[Unknown]) -> Array | None:
+    """The correlation matrix of ``[[correlation]]`` tables, None without any."""
+    tables = whole.take("correlation", [])
+    if not isinstance(tables, list):
+        raise InputError("is no list of tables; write [[correlation]]", "correlation")
+    pairs = []
+    for index, table in enumerate(tables):
+        part = Part(table, f"correlation.{index}")
+        pairs.append((part.texts("between"), part.plain("coefficient")))
+        part.finish()
+    matrix = correlation_of([one.name for one in unknowns], pairs)
+    if matrix is not None:
+        Space({one.name: one.prior for one in unknowns}, matrix)  # refuses what is none
+    return matrix
 
 
 def _case(whole: Part, folder: Path) -> Case:
