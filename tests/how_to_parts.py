@@ -17,9 +17,7 @@ from typer.testing import CliRunner
 
 from valvetrain.cli.cases import write_template
 from valvetrain.cli.main import app
-from valvetrain.explore.evaluate import evaluate
-from valvetrain.explore.plan import read_plan
-from valvetrain.explore.study_file import read_study_file
+from valvetrain.explore.study import read_plan, read_study_file
 from valvetrain.units import unit_factor
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -205,12 +203,12 @@ def rows_of_study(guide: Guide) -> dict[str, Any]:
     """Those points of a study that its page prints, computed and shaped as the command's answer."""
     plan = read_plan(read_study_file(ROOT / guide.words[1]))
     draws = plan.sampler.first(plan.varied, plan.options)
-    outputs, varied = list(plan.wanted.outputs), [{"key": one.key} for one in plan.varied]
+    outputs, varied = list(plan.outputs), [{"key": one.key} for one in plan.varied]
     answer: dict[str, Any] = {"command": "study", "varied": varied, "outputs": outputs, "rows": []}
     for draw in draws:
         nothing = {"inputs": list(draw), "outputs": [0.0] * len(outputs)}
         if any(_stands({**answer, "rows": [nothing]}, row) for row in guide.rows):
-            outcome = evaluate(plan.point(draw, plan.runs[0]))
+            outcome = plan.experiment.evaluate(draw, plan.runs[0])
             assert outcome.status.completed, outcome.status.sentence()
             answer["rows"].append(
                 {"inputs": list(draw), "outputs": [outcome.values[name] for name in outputs]}

@@ -66,8 +66,8 @@ _HOMES = {
     # identification
     "identify": "explore.identify",
     "Identified": "explore.identified",
-    "Prior": "explore.prior",
-    "Datum": "explore.data",
+    "Prior": "explore.space",
+    "Datum": "explore.posterior",
     "Search": "explore.identification_file",
     # springs from cards and from a spring tester
     "SpringLoad": "spring_card.card",
@@ -116,6 +116,9 @@ _HOMES = {
     "simulate_batch": "cosserat.batch",
     "RodBatch": "cosserat.batch",
     "map_cases": "runs.workers",
+    "Space": "explore.space",
+    "Outputs": "explore.outputs",
+    "Experiment": "explore.experiment",
     "study": "explore.study",
     "StudyTable": "explore.table",
     "optimise": "explore.optimise",
@@ -166,13 +169,16 @@ if TYPE_CHECKING:
     from valvetrain.cosserat.batch import simulate_batch as simulate_batch
     from valvetrain.errors import InputError as InputError
     from valvetrain.errors import ValvetrainError as ValvetrainError
-    from valvetrain.explore.data import Datum as Datum
+    from valvetrain.explore.experiment import Experiment as Experiment
     from valvetrain.explore.identification_file import Search as Search
     from valvetrain.explore.identified import Identified as Identified
     from valvetrain.explore.identify import identify as identify
     from valvetrain.explore.optimise import optimise as optimise
     from valvetrain.explore.optimum import Optimum as Optimum
-    from valvetrain.explore.prior import Prior as Prior
+    from valvetrain.explore.outputs import Outputs as Outputs
+    from valvetrain.explore.posterior import Datum as Datum
+    from valvetrain.explore.space import Prior as Prior
+    from valvetrain.explore.space import Space as Space
     from valvetrain.explore.study import study as study
     from valvetrain.explore.table import StudyTable as StudyTable
     from valvetrain.film.model import FilmedModel as FilmedModel

@@ -20,12 +20,13 @@ import valvetrain as vt
 from architecture.layout import PACKAGE
 from valvetrain.cli.main import app
 from valvetrain.errors import InputError
-from valvetrain.explore.evaluate import evaluate_case
+from valvetrain.explore.evaluate import Point, evaluate_case
 from valvetrain.explore.identification_file import parse_request
 from valvetrain.explore.identify import identify_request
 from valvetrain.explore.observe import Observed, numbers_at
-from valvetrain.explore.point import Point, PointRequest
-from valvetrain.explore.solve import NAME, Journal
+from valvetrain.explore.outputs import PointRequest
+from valvetrain.explore.store import FILE as STORED
+from valvetrain.explore.store import Store, key_of
 
 CARD = 'title = "card"\n[spring]\npreload = "250 N"\nrate = "32 N/mm"\nmass = "42 g"\n'
 FILE = """
@@ -90,12 +91,12 @@ def test_the_quick_numbers_at_rest_are_those_of_a_run(folder: Path) -> None:
     """Preload and frequencies by a model alone, beside all its numbers at rest."""
     seat = '[measurements.seat]\nquantity = "preload"\nvalue = "250 N"\nscatter = "1 N"\nspring_model = "wave-rod"\n'
     request = parse_request(FILE.format(method="nested") + seat, "card", folder)
-    case = Observed(request.case, request.varied, request.sought).case_at((31e3, 0.044))
+    case = Observed(request.case, request.varied, request.targets).case_at((31e3, 0.044))
     whole = evaluate_case(
-        case, Point(case, wanted=PointRequest(("preload", "mode_1_frequency"), "wave-rod"))
+        case, Point(case, request=PointRequest(("preload", "mode_1_frequency"), "wave-rod"))
     ).values
-    for station in dict.fromkeys(one.station for one in request.sought if one.kind == "quantity"):
-        quick = numbers_at(case, station, request.sought)
+    for station in dict.fromkeys(one.station for one in request.targets if one.kind == "quantity"):
+        quick = numbers_at(case, station, request.targets)
         assert quick == pytest.approx(
             {f"wave-rod: {name}": value for name, value in whole.items()}, rel=1e-12
         )
@@ -125,7 +126,7 @@ def test_killed_and_started_again_it_ends_as_if_it_had_not_been(tmp_path: Path) 
     environment = {**os.environ, "PYTHONPATH": str(PACKAGE.parent)}
     slow, fast = (SLOW.format(pause=pause) for pause in (0.005, 0))
     killed = subprocess.Popen([sys.executable, "-c", slow, str(tmp_path / "one")], env=environment)
-    points = tmp_path / "one" / NAME
+    points = tmp_path / "one" / STORED
     deadline = time.monotonic() + 60
     while (
         not points.exists() or points.read_bytes().count(b"\n") < 100
@@ -155,16 +156,16 @@ def test_a_record_that_was_cut_is_computed_again_and_the_rest_is_kept(tmp_path: 
     def double(points: np.ndarray) -> list[dict[str, float]]:
         return [{"double": 2.0 * float(value)} for (value,) in points]
 
-    with Journal(tmp_path, "a") as journal:
+    with Store(tmp_path, "a") as journal:
         journal.through(double)(np.arange(5.0)[:, None])
-    path = tmp_path / NAME
+    path = tmp_path / STORED
     path.write_bytes(path.read_bytes()[:-7])
-    with Journal(tmp_path, "a") as journal:
+    with Store(tmp_path, "a") as journal:
         assert len(journal) == 4
         assert journal.through(double)(np.arange(5.0)[:, None])[4] == {"double": 8.0}
         assert journal.computed == 1
-    with Journal(tmp_path, "a") as journal:
-        assert len(journal) == 5 and journal.outcome(np.array([4.0])) == {"double": 8.0}
+    with Store(tmp_path, "a") as journal:
+        assert len(journal) == 5 and journal.numbers(key_of(np.array([4.0]))) == {"double": 8.0}
 
 
 @pytest.mark.parametrize(("line", "kept"), [(0, 0), (1, 0), (3, 2), (5, 4)])
@@ -177,14 +178,14 @@ def test_a_damaged_record_and_all_behind_it_leave_the_file(
     tmp_path: Path, line: int, kept: int, damage
 ) -> None:
     """What is behind it is computed again, so it must not lie under or after what is written then."""
-    path, points = tmp_path / NAME, np.arange(5.0)[:, None]
-    with Journal(tmp_path, "a") as journal:
+    path, points = tmp_path / STORED, np.arange(5.0)[:, None]
+    with Store(tmp_path, "a") as journal:
         journal.through(lambda asked: [{"double": 2.0 * float(value)} for (value,) in asked])(
             points
         )
     whole = path.read_bytes().splitlines(keepends=True)
     path.write_bytes(b"".join(whole[:line]) + damage(whole[line]) + b"end of a damaged disk\n" * 9)
-    with Journal(tmp_path, "a") as journal:
+    with Store(tmp_path, "a") as journal:
         assert (len(journal), journal.before) == (kept, kept)
     assert path.read_bytes() == b"".join(whole[: max(line, 1)])
 
@@ -192,20 +193,20 @@ def test_a_damaged_record_and_all_behind_it_leave_the_file(
 def test_points_of_another_identification_and_of_another_process_are_not_taken(
     tmp_path: Path,
 ) -> None:
-    with Journal(tmp_path, "a"):
+    with Store(tmp_path, "a"):
         if os.name == "posix":
             with pytest.raises(InputError, match="another process"):
-                Journal(tmp_path, "a")
+                Store(tmp_path, "a")
     with pytest.raises(InputError, match="another identification"):
-        Journal(tmp_path, "b")
-    with Journal(tmp_path / "old", "asked 1.0"):
+        Store(tmp_path, "b")
+    with Store(tmp_path / "old", "asked 1.0"):
         pass
     with pytest.raises(
-        InputError, match=r"another version of valvetrain .* remove the file to begin anew"
+        InputError, match=r"another version of valvetrain .* remove the file to start again"
     ):
-        Journal(tmp_path / "old", "asked 1.1")
+        Store(tmp_path / "old", "asked 1.1")
     with pytest.raises(InputError, match="another identification"):
-        Journal(tmp_path / "old", "else 1.0")
+        Store(tmp_path / "old", "else 1.0")
 
 
 def test_what_is_not_asked_for_changes_nothing(folder: Path) -> None:
@@ -254,8 +255,8 @@ def test_a_cut_search_with_a_folder_of_its_own_goes_on_there(
     monkeypatch.chdir(folder)
     request = parse_request((folder / "card-rate.toml").read_text(), "card-rate.toml", folder)
     whole = identify_request(request, folder=folder / "mine", workers=1)
-    lines = (folder / "mine" / NAME).read_bytes().splitlines(keepends=True)
-    (folder / "mine" / NAME).write_bytes(b"".join(lines[:20]))
+    lines = (folder / "mine" / STORED).read_bytes().splitlines(keepends=True)
+    (folder / "mine" / STORED).write_bytes(b"".join(lines[:20]))
     command = ["identify", "card-rate.toml", "--workers", "1", "--json", "--output", "mine"]
     told = CliRunner().invoke(app, command)
     assert told.exit_code == 0, told.output
@@ -263,9 +264,9 @@ def test_a_cut_search_with_a_folder_of_its_own_goes_on_there(
     assert answer["kept_from_before"] == 19 and answer["evaluations"] == whole.evaluations - 19
     assert answer["branches"][0]["quantities"]["rate"]["best"]["value"] == whole.best["rate"]
     (folder / "half").mkdir()
-    (folder / "half" / NAME).write_bytes(b"".join(lines[:20]))
+    (folder / "half" / STORED).write_bytes(b"".join(lines[:20]))
     refused = CliRunner().invoke(app, ["run", "card.toml", "--output", "half"])
-    assert refused.exit_code == 2 and (folder / "half" / NAME).exists()
+    assert refused.exit_code == 2 and (folder / "half" / STORED).exists()
 
 
 @pytest.mark.slow
@@ -298,13 +299,13 @@ def test_the_command_keeps_what_it_found_and_goes_on_after_an_interrupt(folder: 
     )
     deadline, points = time.monotonic() + 60, folder / "runs" / "card"
     while (
-        sum(path.read_bytes().count(b"\n") for path in points.glob(f"*/{NAME}")) < 800
+        sum(path.read_bytes().count(b"\n") for path in points.glob(f"*/{STORED}")) < 800
         and time.monotonic() < deadline
     ):
         time.sleep(0.02)
     started.send_signal(signal.SIGINT)
     out, said = started.communicate(timeout=60)
-    assert started.returncode == 130 and "start the command again to go on" in said
+    assert started.returncode == 130 and "start the command again to continue" in said
     partial = json.loads(out)
     assert (
         partial["whole"] is False
@@ -319,7 +320,7 @@ def test_the_command_keeps_what_it_found_and_goes_on_after_an_interrupt(folder: 
     answer = json.loads(done.stdout)
     assert answer["completed"] and answer["method"] == "least-squares"
     kept = Path(folder / answer["folder"])
-    assert {"report.html", "draws.nc", NAME, "identification.toml", "run.json"} <= {
+    assert {"report.html", "draws.nc", STORED, "identification.toml", "run.json"} <= {
         path.name for path in kept.iterdir()
     }
     assert not list(points.glob("points-*")), "the folder of the points has become that of the run"
@@ -335,9 +336,9 @@ def test_points_of_a_large_batch_are_written_a_few_at_a_time(tmp_path: Path) -> 
             raise KeyboardInterrupt
         return [{"double": 2.0 * float(value)} for (value,) in points]
 
-    with pytest.raises(KeyboardInterrupt), Journal(tmp_path, "a") as journal:
+    with pytest.raises(KeyboardInterrupt), Store(tmp_path, "a") as journal:
         journal.at_a_time = 4
         journal.through(slow)(np.arange(20.0)[:, None])
     assert asked == [4, 4, 4]
-    with Journal(tmp_path, "a") as journal:
+    with Store(tmp_path, "a") as journal:
         assert len(journal) == journal.before == 8

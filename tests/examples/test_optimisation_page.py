@@ -10,8 +10,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from valvetrain.explore.designs import Design, Points
+from valvetrain.explore.engine import Engine
+from valvetrain.explore.executors import LocalExecutor
+from valvetrain.explore.measure import measure_designs
 from valvetrain.explore.objective import read_optimum
+from valvetrain.explore.optimise import case_of_plan, estimate_search
 from valvetrain.explore.optimum_file import (
     ConfirmModel,
     ConstraintModel,
@@ -22,7 +25,6 @@ from valvetrain.explore.optimum_file import (
     SearchModel,
     read_optimum_file,
 )
-from valvetrain.explore.search import case_plans, estimate_search
 
 ROOT = Path(__file__).parents[2]
 PAGE = (ROOT / "docs" / "optimisation.md").read_text(encoding="utf-8")
@@ -38,22 +40,18 @@ def case_is_measured(text: OptimumText) -> None:
     """All that a search asks of the case is there."""
     plan = read_optimum(text)
     assert estimate_search(plan, 2).cost.seconds < 600  # within the usual bound
-    with Points(list(case_plans(plan).items()), 1, "", None) as points:
-        begins = points.measure(
-            [Design(case_plans_of(points), ())],
-            [one for several in plan.begins.values() for one in several],
+    case = case_of_plan(plan)
+    with Engine(list(case[0].values()), LocalExecutor(1), None) as engine:
+        begins = measure_designs(
+            engine, [case], [one for several in plan.begins.values() for one in several]
         )
         plan = plan.with_limits(begins[0].values)
-        (measured,) = points.measure([Design(case_plans_of(points), ())], plan.measures)
+        (measured,) = measure_designs(engine, [case], plan.measures)
     assert (
         not measured.failure
         and set(measured.values) == set(plan.measures)
         and all(map(np.isfinite, measured.values.values()))
     )
-
-
-def case_plans_of(points: Points) -> dict:
-    return dict(points.plans)
 
 
 @pytest.mark.parametrize("path", FILES, ids=lambda path: path.stem)

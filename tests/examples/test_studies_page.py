@@ -10,9 +10,8 @@ from pathlib import Path
 import pytest
 
 from valvetrain import registry
-from valvetrain.explore.evaluate import evaluate
-from valvetrain.explore.plan import read_plan
-from valvetrain.explore.study_file import StudyModel, StudyText, VaryModel, read_study_file
+from valvetrain.explore.files import VaryModel
+from valvetrain.explore.study import StudyModel, StudyText, read_plan, read_study_file
 
 ROOT = Path(__file__).parents[2]
 PAGE = (ROOT / "docs" / "studies.md").read_text(encoding="utf-8")
@@ -22,9 +21,9 @@ BLOCKS = re.findall(r"^```toml\n(.*?)^```", PAGE, re.MULTILINE | re.DOTALL)
 
 def first_point_runs(plan) -> None:
     draws = plan.sampler.first(plan.varied, plan.options)
-    outcome = evaluate(plan.point(draws[0], plan.runs[0]))
+    outcome = plan.experiment.evaluate(draws[0], plan.runs[0])
     assert outcome.status.completed, outcome.status.sentence()
-    assert set(outcome.values) == set(plan.wanted.outputs)
+    assert set(outcome.values) == set(plan.outputs)
 
 
 @pytest.mark.parametrize("path", FILES, ids=lambda path: path.stem)

@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 import valvetrain as vt
-from valvetrain.explore.measure import BELOW, BEYOND, FOUND, LimitSearch, find_limit
+from valvetrain.explore.measure import BELOW, BEYOND, FOUND, find_limit
+from valvetrain.explore.outputs import LimitSearch
 
 LIGHTEST = """
 case = "job-c"

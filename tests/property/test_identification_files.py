@@ -75,7 +75,7 @@ def test_tables_beside_the_file_are_read_with_their_units(tmp_path: Path) -> Non
     tree = copy.deepcopy(PLAIN)
     tree["measurements"] = {"curve": {"file": "curve.csv", "scatter": "1 lbf"}}
     request = parse_request(toml_text(tree), "test", tmp_path)
-    assert [one.at for one in request.sought if one.kind == "force"] == pytest.approx(
+    assert [one.at for one in request.targets if one.kind == "force"] == pytest.approx(
         [2.54e-3, 5.08e-3]
     )
     assert [datum.value for datum in request.data] == pytest.approx([88.96443, 177.92886])
@@ -103,7 +103,7 @@ REFUSED = [
     (("quantities", "wire", "mean"), None, "missing"),
     (("quantities", "wire", "standard_deviation"), "0.1 N", "give both in one unit"),
     (("quantities", "wire", "standard_deviation"), "0 mm", "positive spread"),
-    (("quantities", "wire", "low"), "5 mm", "outside its bounds"),
+    (("quantities", "wire", "low"), "5 mm", "outside the bounds"),
     (("quantities", "pitch", "low"), "1 mm", "in one unit"),
     (("quantities", "damping", "factor"), 0.5, "above 1"),
     (("quantities", "wire", "center"), 1, "unknown"),

@@ -9,8 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from valvetrain import InputError
-from valvetrain.explore.plan import read_plan
-from valvetrain.explore.study_file import StudyText, read_study_file
+from valvetrain.explore.study import StudyText, read_plan, read_study_file
 
 FILES = sorted((Path(__file__).parents[2] / "examples" / "studies").glob("*.toml"))
 TEXTS = [path.read_text(encoding="utf-8") for path in FILES]
@@ -109,7 +108,7 @@ def test_any_values_of_the_known_keys_are_taken_or_refused_in_one_sentence(vary,
     ("old", "new", "words"),
     [
         ('kind = "tolerance"', 'kind = "tolerances"', "kind"),
-        ('sampler = "saltelli"', 'sampler = "sobol"', "stands on the sampler saltelli"),
+        ('sampler = "saltelli"', 'sampler = "sobol"', "needs the sampler saltelli"),
         ('outputs = ["peak_spring_force"', 'outputs = ["peak_spring_forc"', "docs/quantities.md"),
         ('case = "gu2021-beehive"', 'case = "gu2021-beehiv"', "did you mean gu2021-beehive"),
         ('tolerance = "0.02 mm"', 'tolerance = "0.02 N"', "spring.wire_diameter"),

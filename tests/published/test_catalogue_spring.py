@@ -16,7 +16,7 @@ import pytest
 from architecture.layout import ROOT
 from valvetrain.explore.identification_file import read_request
 from valvetrain.explore.identify import identify_request
-from valvetrain.explore.prior import Prior
+from valvetrain.explore.space import Prior
 
 DENSITY, SHEAR_MODULUS, COIL, TOTAL = 7850.0, 79.5e9, 25e-3, 7.0
 

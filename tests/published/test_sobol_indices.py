@@ -89,7 +89,7 @@ def test_quantities_that_cannot_be_told_apart_are_said_to_be_so():
         and "second (" in told.sentence
         and "third (" not in told.sentence
     )
-    assert told.rows == 128 and told.sentence.endswith("cannot be told apart.")
+    assert told.rows == 128 and told.sentence.endswith("cannot be separated.")
 
 
 def test_few_base_rows_are_named_with_the_count_that_gives_more():
@@ -98,7 +98,7 @@ def test_few_base_rows_are_named_with_the_count_that_gives_more():
     """
     for count, rows, end in (
         (319, 32, " by 32 base rows; count = 320 gives 64."),
-        (320, 64, "told apart."),
+        (320, 64, "cannot be separated."),
     ):
         points = design(count)
         told = sensitivity_of("peak_spring_force", RUN, NAMES, points[:, 1] + points[:, 0])

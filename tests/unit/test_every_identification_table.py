@@ -8,7 +8,6 @@ from dataclasses import replace
 
 import numpy as np
 
-from valvetrain.explore.data import Datum
 from valvetrain.explore.draws import Information
 from valvetrain.explore.identification_page import identification_page
 from valvetrain.explore.identified import (
@@ -19,8 +18,8 @@ from valvetrain.explore.identified import (
     Predicted,
     Prediction,
 )
-from valvetrain.explore.posterior import Unknown
-from valvetrain.explore.prior import Prior
+from valvetrain.explore.posterior import Datum, Unknown
+from valvetrain.explore.space import Prior
 from valvetrain.report.page import Details, Grid, Text
 
 NUMBER = "number"

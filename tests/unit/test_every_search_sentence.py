@@ -8,15 +8,8 @@ import numpy as np
 import pytest
 
 from valvetrain.explore import optimum_summary as said
-from valvetrain.explore.measure import (
-    BELOW,
-    BEYOND,
-    FOUND,
-    LimitFound,
-    LimitSearch,
-    Measure,
-    Objective,
-)
+from valvetrain.explore.measure import BELOW, BEYOND, FOUND, LimitFound, Measure, Objective
+from valvetrain.explore.outputs import LimitSearch
 
 RPM = np.pi / 30
 MASS = Measure("rest", "wire_mass", (), "wire mass")
@@ -28,7 +21,7 @@ SPEED = Measure(
     limit=LimitSearch("minimum_spring_force", False, 0.0, (), RPM),
 )
 VARIED = tuple(
-    SimpleNamespace(words=words, unit="mm", shown=lambda value: 1e3 * value)
+    SimpleNamespace(shown_name=words, unit="mm", shown=lambda value: 1e3 * value)
     for words in ("wire", "coil", "pitch")
 )
 
@@ -36,7 +29,7 @@ VARIED = tuple(
 def trial(*objectives: float, **changes: object) -> SimpleNamespace:
     told = {
         "number": 7, "objectives": objectives, "feasible": True, "failure": "", "missed": (), "seed": 1, "values": (4e-3, 22e-3, 7e-3),
-        "measured": SimpleNamespace(limits={}), "told_missed": (0.02, 0.135), "constraints": (0.4, 0.5), "plan": None,
+        "measured": SimpleNamespace(limits={}), "penalties": (0.02, 0.135), "constraints": (0.4, 0.5), "plan": None,
     }  # fmt: skip
     return SimpleNamespace(**told | changes)
 
@@ -52,7 +45,7 @@ def design(
 
 
 def step(place: int, improves: bool, objective: float = 0.04) -> SimpleNamespace:
-    return SimpleNamespace(place=place, improves=improves, objectives=(objective,))
+    return SimpleNamespace(index=place, improves=improves, objectives=(objective,))
 
 
 def search(
@@ -74,7 +67,7 @@ def search(
 @pytest.fixture(autouse=True)
 def bounds(monkeypatch):
     """A bound in words is its number."""
-    monkeypatch.setattr(said, "bound_words", lambda _plan, place: f"bound {place}")
+    monkeypatch.setattr(said, "bound_label", lambda _plan, place: f"bound {place}")
 
 
 @pytest.mark.parametrize(
@@ -89,8 +82,11 @@ def bounds(monkeypatch):
 )
 def test_a_difference_has_its_sign_and_a_share_where_that_says_something(value, before, told):
     assert said.change(MASS, value, before) == told
-    assert said.told(MASS, np.nan) == "no number" and said.told(MASS, -0.0123456) == "−12.346 g"
-    assert said.told(SPEED, 8123.4 * RPM) == "8123.4 rpm"
+    assert (
+        said.reported(MASS, np.nan) == "no number"
+        and said.reported(MASS, -0.0123456) == "−12.346 g"
+    )
+    assert said.reported(SPEED, 8123.4 * RPM) == "8123.4 rpm"
 
 
 CASE = "The case itself keeps every bound."
@@ -180,13 +176,13 @@ def test_counts_bounds_ends_and_limits_are_told():
     found = search(active=lambda _trial: (0, 2), at_ends=lambda _trial: ((0, "low"), (1, "high")))
     assert said.trust(found)[1:] == (
         "What limits it: bound 0; bound 2.",
-        "The wire stands at the lower end of its range, 4 mm: widen the range.",
-        "The coil stands at the upper end of its range, 22 mm: widen the range.",
+        "The wire is at the lower end of its range, 4 mm: widen the range.",
+        "The coil is at the upper end of its range, 22 mm: widen the range.",
     )
     for kind, told in (
         (FOUND, ("The limit speed lies between 8000 and 8010 rpm.",)),
         (BELOW, ()),
-        (BEYOND, ("The bound is kept up to the highest speed searched, 8000 rpm: search higher.",)),
+        (BEYOND, ("The bound is met up to the highest speed searched, 8000 rpm: search higher.",)),
     ):
         best = design(trial(8000 * RPM, measured=bracket(kind, 8000, 8010)))
         assert said.trust(search((SPEED,), best=best))[1:] == told
@@ -202,14 +198,14 @@ def test_another_model_beside_the_search():
 
     best, found = trial(0.04), search()
     rows = {
-        "By rod: wire mass 41 g against 52 g of the case (−11 g, −21.2 %), where the search has 40 g. All bounds are kept.":
+        "By rod: wire mass 41 g against 52 g of the case (−11 g, −21.2 %), where the search has 40 g. All bounds are met.":
             confirmed(trial(0.041), trial(0.052)),
         "By rod: wire mass 41 g against 52 g of the case (−11 g, −21.2 %), where the search has 40 g. "
         "It misses: bound 0, it has 400 g; bound 1.": confirmed(trial(0.041, missed=(0.1, 0.2)), trial(0.052)),
         "By rod, the design cannot be computed: no wire": confirmed(trial(np.nan, failure="no wire"), trial(0.052)),
         "By rod, the case cannot be computed: no rest": confirmed(trial(0.041), trial(np.nan, failure="no rest")),
     }  # fmt: skip
-    assert [said.confirmed_words(one, found) for one in rows.values()] == list(rows)
+    assert [said.confirmed_text(one, found) for one in rows.values()] == list(rows)
     assert said.trust(search(best=design(best, confirmed=tuple(rows.values()))))[1:] == tuple(rows)
     beyond = confirmed(
         trial(9000 * RPM, measured=bracket(BEYOND, 9000, 9000)),
@@ -220,4 +216,4 @@ def test_another_model_beside_the_search():
     told = (
         "limit speed 9000 rpm or more against 7000 rpm of the case, where the search has 8800 rpm"
     )
-    assert said.confirmed_words(beyond, fast) == f"By rod: {told}. All bounds are kept."
+    assert said.confirmed_text(beyond, fast) == f"By rod: {told}. All bounds are met."

@@ -12,8 +12,8 @@ from types import SimpleNamespace
 import pytest
 
 from valvetrain.errors import InputError
+from valvetrain.explore.files import text_of_file
 from valvetrain.explore.identification_file import read_request
-from valvetrain.explore.study_file import text_of_file
 from valvetrain.film.frames import open_film
 from valvetrain.measured.tables import read_content
 from valvetrain.parameters.loading import load_case

@@ -11,13 +11,13 @@ import numpy as np
 import pytest
 
 from valvetrain.errors import InputError, MissingExtraError
-from valvetrain.explore.data import Datum
 from valvetrain.explore.ensembles import evolution
 from valvetrain.explore.identification_file import METHODS, Search
 from valvetrain.explore.least_squares import ends_of, least_squares, linear_draws, profile
-from valvetrain.explore.posterior import Posterior, Unknown
-from valvetrain.explore.prior import Prior
-from valvetrain.explore.solve import NAME, Journal, read_points, solve
+from valvetrain.explore.posterior import Datum, Posterior, Unknown
+from valvetrain.explore.solve import solve
+from valvetrain.explore.space import Prior
+from valvetrain.explore.store import FILE, Store, read_points
 from valvetrain.runs.stopping import Stopped
 
 TRUE_RATE, TRUE_MASS = 42e3, 0.05
@@ -51,20 +51,20 @@ def data_of(rate: float, mass: float, scatter: float = 1.0) -> tuple[Datum, ...]
 
 def test_points_of_a_finished_search_are_read_up_to_what_a_kill_cut_short(tmp_path) -> None:
     asked = np.array([[1.0, 2.0], [3.0, 4.0], [5.0, 6.0]])
-    with Journal(tmp_path, "any") as journal:
+    with Store(tmp_path, "any") as journal:
         journal.through(lambda points: [None if x > 4 else {"sum": x + y} for x, y in points])(
             asked
         )
         journal.through(lambda points: [{"other": 1.0}] * len(points), b"compared")(asked)
-    found = read_points(tmp_path / NAME, 2)
+    found = read_points(tmp_path / FILE, 2)
     assert [values.tolist() for values, _ in found] == asked.tolist() and [
         told for _, told in found
     ] == [{"sum": 3.0}, {"sum": 7.0}, None]
-    whole = (tmp_path / NAME).read_bytes().splitlines(keepends=True)
-    (tmp_path / NAME).write_bytes(b"".join(whole[:3]) + whole[3][:-5])
-    assert len(read_points(tmp_path / NAME, 2)) == 2
+    whole = (tmp_path / FILE).read_bytes().splitlines(keepends=True)
+    (tmp_path / FILE).write_bytes(b"".join(whole[:3]) + whole[3][:-5])
+    assert len(read_points(tmp_path / FILE, 2)) == 2
     with pytest.raises(InputError, match="holds no points of 3 quantities"):
-        read_points(tmp_path / NAME, 3)
+        read_points(tmp_path / FILE, 3)
     with pytest.raises(InputError, match="cannot be read"):
         read_points(tmp_path / "gone", 2)
 
@@ -93,7 +93,7 @@ def test_known_parameters_are_recovered_without_a_prior_that_pulls() -> None:
 def test_each_method_finds_the_closed_form(method: str) -> None:
     """Rate from the force, mass from both; the spread of the rate is that of the force."""
     search = Search(method, live_points=60, steps=150, evaluations=300, starts=4)
-    with Journal(None, "") as journal:
+    with Store(None, "") as journal:
         found = solve(
             Posterior(WIDE, data_of(TRUE_RATE, TRUE_MASS), journal.through(spring_numbers)),
             search,
@@ -127,7 +127,7 @@ def test_an_impossible_start_is_refused() -> None:
 )
 def test_priors_that_hold_no_possible_point_are_refused(method) -> None:
     stiff = (Unknown("rate", Prior("uniform", 59.1e3, 60e3)), WIDE[1])
-    with Journal(None, "") as journal, pytest.raises(InputError, match="computed"):
+    with Store(None, "") as journal, pytest.raises(InputError, match="computed"):
         solve(
             Posterior(stiff, data_of(TRUE_RATE, TRUE_MASS), journal.through(spring_numbers)),
             Search(method, live_points=20),
@@ -171,10 +171,10 @@ def test_priors_have_the_quantiles_of_the_textbook(
 @pytest.mark.parametrize(
     ("given", "words"),
     [
-        ({"kind": "uniform", "low": 2.0, "high": 1.0}, "must lie below"),
-        ({"kind": "uniform", "low": 2.0}, "needs both bounds"),
+        ({"kind": "uniform", "low": 2.0, "high": 1.0}, "is not below high"),
+        ({"kind": "uniform", "low": 2.0}, "needs two finite bounds"),
         ({"kind": "normal", "centre": 1.0}, "positive spread"),
-        ({"kind": "normal", "centre": 1.0, "spread": 1.0, "low": 2.0}, "outside its bounds"),
+        ({"kind": "normal", "centre": 1.0, "spread": 1.0, "low": 2.0}, "outside the bounds"),
         ({"kind": "log-uniform", "low": -1.0, "high": 2.0}, "positive values"),
         ({"kind": "flat"}, "unknown"),
     ],
@@ -218,7 +218,7 @@ def test_a_library_that_is_not_installed_is_named_with_its_remedy(
     monkeypatch.setitem(sys.modules, library, None)
     search = Search(method, live_points=20, steps=20, evaluations=20)
     with (
-        Journal(None, "") as journal,
+        Store(None, "") as journal,
         pytest.raises(MissingExtraError, match=r"pip install 'valvetrain\[studies\]'"),
     ):
         solve(
@@ -242,7 +242,7 @@ def test_what_a_computation_raises_in_a_chain_reaches_the_caller() -> None:
         return spring_numbers(points)
 
     before = threading.active_count()
-    with Journal(None, "") as journal, pytest.raises(ZeroDivisionError, match="here"):
+    with Store(None, "") as journal, pytest.raises(ZeroDivisionError, match="here"):
         solve(
             Posterior(WIDE, data_of(TRUE_RATE, TRUE_MASS), journal.through(fails)),
             Search("nested", live_points=30, lanes=4),
@@ -266,7 +266,7 @@ def test_a_library_that_is_interrupted_says_nothing_on_standard_output(
             raise Stopped
         return spring_numbers(points)
 
-    with Journal(None, "") as journal, contextlib.suppress(Stopped):
+    with Store(None, "") as journal, contextlib.suppress(Stopped):
         posterior = Posterior(WIDE, data_of(TRUE_RATE, TRUE_MASS), journal.through(interrupted))
         solve(posterior, Search(method, live_points=30, steps=100), journal)
     assert sum(calls) > asked and capfd.readouterr().out == ""

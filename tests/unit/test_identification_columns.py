@@ -53,8 +53,8 @@ CURVES = [
 def test_a_curve_is_over_height_or_compression_as_its_headings_say(tmp_path, table, more, kind):
     """3 and 5 mm with 90 and 150 N in every form, other columns left out."""
     request = read(tmp_path, table, more)
-    assert {one.kind for one in request.sought} == {kind}
-    np.testing.assert_allclose([one.at for one in request.sought], [3e-3, 5e-3], rtol=1e-6)
+    assert {one.kind for one in request.targets} == {kind}
+    np.testing.assert_allclose([one.at for one in request.targets], [3e-3, 5e-3], rtol=1e-6)
     np.testing.assert_allclose([datum.value for datum in request.data], [90.0, 150.0], rtol=1e-6)
 
 
@@ -96,7 +96,7 @@ def test_a_curve_whose_columns_are_not_told_is_refused_at_its_file(tmp_path, tab
 
 def test_a_trace_is_over_the_cam_angle_and_its_channel_in_the_units_of_its_headings(tmp_path):
     request = read(tmp_path, "cam angle [deg]; force [kN]\n90; 0.2\n180; 0.5\n", head=TRACE)
-    assert [one.at for one in request.sought] == pytest.approx([math.pi / 2, math.pi])
+    assert [one.at for one in request.targets] == pytest.approx([math.pi / 2, math.pi])
     assert [datum.value for datum in request.data] == pytest.approx([200.0, 500.0])
 
 

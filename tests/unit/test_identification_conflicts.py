@@ -10,11 +10,10 @@ import numpy as np
 import pytest
 
 from unit.cli_parts import call
-from valvetrain.explore.data import Datum
 from valvetrain.explore.identified import conflicts_of
 from valvetrain.explore.identify import identify
-from valvetrain.explore.posterior import Posterior, Unknown
-from valvetrain.explore.prior import Prior
+from valvetrain.explore.posterior import Datum, Posterior, Unknown
+from valvetrain.explore.space import Prior
 
 #: Three measurements of x itself: two at 10 and one at 20, each within 1; the prior is even.
 DATA = (

@@ -12,13 +12,14 @@ import pytest
 
 import valvetrain as vt
 from valvetrain.errors import InputError
-from valvetrain.explore.data import Datum, Station, Target
 from valvetrain.explore.identification_file import Search, parse_request
 from valvetrain.explore.identify import identify_request
+from valvetrain.explore.measurements import Station, Target
 from valvetrain.explore.observe import Observed, groups_of, numbers_at, numbers_of
-from valvetrain.explore.posterior import Posterior, Unknown
-from valvetrain.explore.prior import Prior
-from valvetrain.explore.solve import Journal, solve
+from valvetrain.explore.posterior import Datum, Posterior, Unknown
+from valvetrain.explore.solve import solve
+from valvetrain.explore.space import Prior
+from valvetrain.explore.store import Store
 from valvetrain.parameters.toml_text import toml_text
 from valvetrain.runs import statics
 
@@ -47,8 +48,8 @@ def test_peaks_events_and_traces_are_those_of_the_run(tmp_path) -> None:
         },
         tmp_path, case="vaz-ohc", quantities={"speed": {"key": "train.lash", "prior": "uniform", "low": "0 mm", "high": "0.2 mm"}},
     )  # fmt: skip
-    case = Observed(request.case, request.varied, request.sought).case_at((0.0,))
-    found = numbers_at(case, request.sought[0].station, request.sought)
+    case = Observed(request.case, request.varied, request.targets).case_at((0.0,))
+    found = numbers_at(case, request.targets[0].station, request.targets)
     (run,) = vt.simulate(case, "4136 rpm", spring_models=["modal-uniform"]).solutions
     assert found is not None
     named = {key.partition(": ")[2]: value for key, value in found.items()}
@@ -65,8 +66,8 @@ def test_peaks_events_and_traces_are_those_of_the_run(tmp_path) -> None:
     assert np.isnan(
         numbers_at(
             case,
-            request.sought[0].station,
-            [Target(request.sought[0].station, "event", "seating", 99)],
+            request.targets[0].station,
+            [Target(request.targets[0].station, "event", "seating", 99)],
         ).popitem()[1]
     )
 
@@ -83,7 +84,7 @@ def test_curves_and_loads_are_those_of_the_static_curve(tmp_path) -> None:
         },
         tmp_path,
     )
-    found = numbers_at(request.case, request.sought[0].station, request.sought)
+    found = numbers_at(request.case, request.targets[0].station, request.targets)
     curve = vt.static_curve("job-t", "10 mm", spring_model="multi-mass", steps=5)
     assert list(found.values()) == pytest.approx(
         [curve.force_at("4 mm"), curve.force_at("8 mm")], rel=1e-9
@@ -113,7 +114,7 @@ def test_springs_of_a_pair_are_named(tmp_path) -> None:
         InputError,
         match="4 springs of the case could be meant; give spring, one of 'outer', 'inner'",
     ):
-        numbers_at(request.case, request.sought[0].station, request.sought)
+        numbers_at(request.case, request.targets[0].station, request.targets)
     forces = []
     for name in ("outer", "inner"):
         named = request_of(
@@ -122,7 +123,7 @@ def test_springs_of_a_pair_are_named(tmp_path) -> None:
             case="vaz-ohc",
             quantities=quantities,
         )
-        (value,) = numbers_at(named.case, named.sought[0].station, named.sought).values()
+        (value,) = numbers_at(named.case, named.targets[0].station, named.targets).values()
         forces.append(value)
     assert forces[0] > forces[1] > 0, "the outer spring is the stronger one"
 
@@ -310,14 +311,14 @@ def test_conditions_that_one_study_tells_are_computed_together_with_the_same_bit
         "spring_model": "wave-rod",
     }
     request = request_of(speeds | {"light": light}, tmp_path)
-    observed = Observed(request.case, request.varied, request.sought)
+    observed = Observed(request.case, request.varied, request.targets)
     groups = groups_of(observed)
     assert sorted(map(len, groups)) == [1, 1, 2]
     case = observed.case_at((4e-3,))
     for group in groups:
         stations = [observed.stations[place] for place in group]
-        alone = [numbers_at(case, station, request.sought) for station in stations]
-        assert numbers_of(case, stations, request.sought) == {
+        alone = [numbers_at(case, station, request.targets) for station in stations]
+        assert numbers_of(case, stations, request.targets) == {
             key: value for one in alone for key, value in one.items()
         }
 
@@ -362,12 +363,12 @@ def test_a_rod_in_motion_tells_its_numbers_at_rest_too_and_is_put_to_rest_once(
         tmp_path,
         case="gu2021-beehive",
     )
-    observed = Observed(request.case, request.varied, request.sought)
+    observed = Observed(request.case, request.varied, request.targets)
     assert groups_of(observed) == ((1, 0),)
     apart = {
         key: value
         for one in observed.stations
-        for key, value in (numbers_at(request.case, one, request.sought) or {}).items()
+        for key, value in (numbers_at(request.case, one, request.targets) or {}).items()
     }
     rests = []
     monkeypatch.setattr(
@@ -375,7 +376,7 @@ def test_a_rod_in_motion_tells_its_numbers_at_rest_too_and_is_put_to_rest_once(
         "spring_statics",
         lambda *given, real=statics.spring_statics: rests.append(1) or real(*given),
     )
-    together = numbers_of(request.case, observed.stations, request.sought)
+    together = numbers_of(request.case, observed.stations, request.targets)
     assert together == apart and len(together) == 2
     assert len(rests) == 1
 
@@ -388,7 +389,7 @@ def test_an_ensemble_that_begins_at_the_case_is_spread_before_it_has_taken_many_
     data = (Datum("sum", 1.0, 0.2),)
     posterior = Posterior(unknowns, data, lambda points: [{"sum": float(a + b)} for a, b in points])
     search = Search("ensemble", walkers=100, steps=12, draws=200)
-    with Journal(None, "") as journal:
+    with Store(None, "") as journal:
         found = solve(posterior, search, journal, begin=np.array([[0.9, -0.4]]))
     exact = np.linalg.inv(np.eye(2) + np.ones((2, 2)) / 0.2**2)
     assert np.cov(found.values.T) == pytest.approx(exact, rel=0.3)

@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 from valvetrain.errors import InputError
-from valvetrain.explore.data import MAX_LENGTH, Part
+from valvetrain.explore.part import MAX_LENGTH, Part
 
 MISSING = object()
 #: Way of taking, what is told beside the key, what the file holds, what is read.

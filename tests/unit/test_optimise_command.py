@@ -19,10 +19,10 @@ import pytest
 
 import valvetrain as vt
 from unit.cli_parts import MODULE, call, process_environment, sentence, wait_until
-from valvetrain.explore.optimum_files import write_optuna
+from valvetrain.explore.optimise import SearchInterrupted
+from valvetrain.explore.optimum import write_optuna
 from valvetrain.explore.optimum_page import optimum_page
 from valvetrain.explore.optimum_summary import _seeds, sentences
-from valvetrain.explore.search import SearchInterrupted
 
 #: Short runs of the chain: a limit speed, a bound at rest that is a share of the case, one trial in
 #: a few that cannot be built.
@@ -226,8 +226,8 @@ def test_a_search_beyond_the_bound_is_refused_before_it_begins(file):
 
 
 def points_kept(folder: Path) -> int:
-    """Whole lines of the journals, read from outside."""
-    return sum(path.read_bytes().count(b"\n") for path in folder.glob("*/journal.jsonl"))
+    """Points in the store, read from outside: its whole lines without the first."""
+    return sum(path.read_bytes().count(b"\n") - 1 for path in folder.glob("points.jsonl"))
 
 
 @pytest.mark.long
@@ -296,13 +296,13 @@ def test_a_search_that_is_stopped_keeps_what_it_has_and_goes_on(tmp_path, monkey
     assert again.computed <= light().computed - 20
     same(again, [_row(one) for one in light().trials])
 
-    def interrupted(*_: object) -> None:
+    def interrupted(*_: object, **__: object) -> None:
         raise SearchInterrupted(held)
 
-    monkeypatch.setattr("valvetrain.explore.search.run_search", interrupted)
+    monkeypatch.setattr("valvetrain.explore.optimise.run_search", interrupted)
     (tmp_path / "light.toml").write_text(LIGHT)
     answer = call("optimise", str(tmp_path / "light.toml"), "--output", str(tmp_path / "out"))
-    assert answer.exit_code == 130 and "start the command again to go on" in answer.stderr
+    assert answer.exit_code == 130 and "start the command again to continue" in answer.stderr
     assert {"trials.csv", "optuna.db", "report.html", "optimum.json"} <= {
         path.name for path in (tmp_path / "out").iterdir()
     }

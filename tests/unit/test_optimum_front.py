@@ -13,11 +13,10 @@ import pytest
 
 from valvetrain.explore.measure import Measured
 from valvetrain.explore.objective import read_optimum
-from valvetrain.explore.optimum import Optimum, chosen_designs
+from valvetrain.explore.optimum import Optimum, case_text, chosen_designs
 from valvetrain.explore.optimum_file import OptimumText
-from valvetrain.explore.optimum_files import case_text
 from valvetrain.explore.optimum_page import MAX_DESIGNS, optimum_page
-from valvetrain.explore.searchers import CASE_SEED, Trial
+from valvetrain.explore.trial import CASE_SEED, Trial
 from valvetrain.report.page import Grid
 
 FILE = """

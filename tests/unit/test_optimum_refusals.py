@@ -154,7 +154,7 @@ def test_a_limit_speed_that_cannot_be_is_refused_where_it_stands(old, new, words
 
 def test_two_objectives_alike_or_two_for_one_method_are_refused():
     objective = FILE[FILE.index("[[objective]]") : FILE.index("[[constraint]]")]
-    with pytest.raises(vt.InputError, match="stands there twice"):
+    with pytest.raises(vt.InputError, match="is there twice"):
         plan_of(FILE.replace(objective, objective * 2))
     other = objective.replace("peak_spring_force", "minimum_spring_force")
     with pytest.raises(vt.InputError, match="cma-es knows one objective"):

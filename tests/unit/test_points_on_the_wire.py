@@ -11,7 +11,7 @@ import pytest
 
 import valvetrain as vt
 from valvetrain.cli.case_facts import case_facts
-from valvetrain.explore.paths import vary
+from valvetrain.explore.case_paths import vary
 from valvetrain.explore.space import Varied
 from valvetrain.quantities.cycle import reported_cycle
 from valvetrain.report.sections.gu2021 import node_chart

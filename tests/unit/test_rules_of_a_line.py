@@ -16,9 +16,8 @@ import valvetrain as vt
 from valvetrain.cam.closed_form import Harmonic
 from valvetrain.cli import guard
 from valvetrain.errors import InputError
-from valvetrain.explore import search as run_search
-from valvetrain.explore import searchers
-from valvetrain.explore.space import Uniform
+from valvetrain.explore import optimise, searchers
+from valvetrain.explore.space import Uniform, Values
 from valvetrain.parameters.train import ContactParameters
 from valvetrain.report.motion.scene import _bytes_per_frame
 from valvetrain.report.motion.springs import _shares
@@ -191,14 +190,15 @@ def test_a_local_search_has_its_share_where_one_quantity_at_least_may_move_a_lit
 
     def share(uniform: list[bool], objectives: int = 1) -> int:
         varied = [
-            SimpleNamespace(distribution=Uniform(0.0, 1.0) if one else None) for one in uniform
+            SimpleNamespace(distribution=Uniform(0.0, 1.0) if one else Values((1.0, 2.0)))
+            for one in uniform
         ]
         plan = SimpleNamespace(
             varied=varied,
             objectives=[None] * objectives,
             search=SimpleNamespace(local=0.6, trials=50),
         )
-        return run_search._Search._local_share(SimpleNamespace(plan=plan))
+        return optimise._Search._local_share(SimpleNamespace(plan=plan))
 
     assert [
         share([True]),

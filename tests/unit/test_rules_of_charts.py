@@ -12,7 +12,7 @@ import pytest
 from valvetrain.compare_test import page as compare_test_page
 from valvetrain.explore import identification_charts
 from valvetrain.explore.identification_charts import _density
-from valvetrain.explore.prior import Prior
+from valvetrain.explore.space import Prior
 from valvetrain.lift.page import derivatives_chart, residuals_chart
 from valvetrain.report.chart import Band, Chart, Line, Panel, Rule
 from valvetrain.report.motion.parts import Body, Colouring, Shape, SpringDrawing

@@ -11,7 +11,7 @@ import pytest
 
 import valvetrain as vt
 from valvetrain.errors import InputError
-from valvetrain.explore.paths import set_in_tree
+from valvetrain.explore.case_paths import set_in_tree
 from valvetrain.explore.space import Varied
 from valvetrain.film.result import surge_text
 from valvetrain.integrate.contract import Cycles, RunOptions

@@ -13,7 +13,6 @@ from scipy.special import ndtr
 from valvetrain.errors import InputError
 from valvetrain.explore import least_squares as profiles
 from valvetrain.explore import solve
-from valvetrain.explore.data import Datum
 from valvetrain.explore.draws import silent
 from valvetrain.explore.identification_file import Search
 from valvetrain.explore.least_squares import Peak, _inside
@@ -24,16 +23,13 @@ from valvetrain.explore.measure import (
     LIMIT,
     REST,
     RUNS,
-    LimitSearch,
     Measure,
     _limit,
     measuring,
 )
-from valvetrain.explore.objective import _limit as limit_of_file
-from valvetrain.explore.optimum_file import MeasureModel
-from valvetrain.explore.point import Outcome
-from valvetrain.explore.posterior import Posterior, Unknown
-from valvetrain.explore.prior import Prior
+from valvetrain.explore.outputs import LimitSearch, Outcome, limit_search
+from valvetrain.explore.posterior import Datum, Posterior, Unknown
+from valvetrain.explore.space import Prior
 from valvetrain.solution.status import COMPLETED, Status
 
 BEGIN = np.array([0.25, 3.0])
@@ -249,7 +245,7 @@ def test_a_run_that_fails_counts_as_beyond_the_bound_but_at_the_lowest_speed(fai
 
 def test_speeds_of_a_limit_rise_however_they_are_told():
     told = {"quantity": "clash_energy", "at_most": "5 mJ", "engine_speeds": "9000, 5000, 7000 rpm"}
-    found = limit_of_file(MeasureModel(limit_speed=told))
+    found = limit_search(**told)
     assert np.asarray(found.engine_speeds) == pytest.approx(
         np.array([5000, 7000, 9000]) * np.pi / 30
     )

@@ -16,9 +16,8 @@ import pytest
 
 import valvetrain as vt
 from unit.cli_parts import MODULE, call, hear_interrupts, process_environment, wait_until
-from valvetrain.explore.plan import read_plan
-from valvetrain.explore.store import PointStore
-from valvetrain.explore.study_file import StudyText
+from valvetrain.explore.store import FILE, Store
+from valvetrain.explore.study import StudyText, read_plan
 
 #: A grid of short runs; one in four has a lift beyond coil bind.
 GRID = """
@@ -80,7 +79,7 @@ def test_the_answer_for_people_says_the_same(file):
         and "16 points computed" in text
     )
     again = call("study", str(file), "--workers", "1").stdout
-    assert "0 points computed, 16 were there" in again
+    assert "0 points computed, 16 read from the store" in again
 
 
 def test_a_file_in_which_nothing_comes_out_is_a_failure(file):
@@ -101,13 +100,13 @@ def test_a_study_beyond_the_bound_is_refused_before_it_begins(file):
 
 
 def store_of(folder, text):
-    return PointStore(folder, read_plan(StudyText(text, "study", folder)).wanted.outputs)
+    return Store(folder)
 
 
 def points_kept(folder) -> int:
-    """Whole lines of the journal, which is empty when a process begins, read from outside."""
-    journal = folder / "journal.jsonl"
-    return journal.read_bytes().count(b"\n") if journal.exists() else 0
+    """Whole lines of the store without its first, read from outside."""
+    file = folder / FILE
+    return max(0, file.read_bytes().count(b"\n") - 1) if file.exists() else 0
 
 
 def test_a_study_that_is_ended_goes_on_with_the_same_bits_and_computes_nothing_twice(tmp_path):
@@ -116,7 +115,7 @@ def test_a_study_that_is_ended_goes_on_with_the_same_bits_and_computes_nothing_t
     file, folder = tmp_path / "grid.toml", tmp_path / "out"
     file.write_text(text)
     command = [*MODULE, "study", str(file), "--output", str(folder), "--workers", "2", "--json"]
-    for stop, code, kept in ((signal.SIGTERM, 143, 4), (signal.SIGKILL, -9, 8)):
+    for stop, code, kept in ((signal.SIGTERM, 143, 4), (signal.SIGKILL, -9, 12)):
         began = subprocess.Popen(
             [sys.executable, *command], cwd=tmp_path, env=process_environment(), stdout=subprocess.PIPE, stderr=subprocess.PIPE,
             preexec_fn=hear_interrupts,
@@ -130,7 +129,7 @@ def test_a_study_that_is_ended_goes_on_with_the_same_bits_and_computes_nothing_t
         began.send_signal(stop)
         _, said = began.communicate(timeout=60)
         assert began.returncode == code and (
-            stop == signal.SIGKILL or b"points are kept in" in said
+            stop == signal.SIGKILL or b"points are stored in" in said
         )
     ended = subprocess.run(
         [sys.executable, *command],
@@ -162,7 +161,7 @@ def test_the_digest_of_a_point_changes_with_everything_of_it():
     run = (600.0, "massless", "")
 
     def digest(text, values=(9e-3, 7e-3), run=run):
-        return read_plan(StudyText(text, "study", Path())).digest(values, run)
+        return read_plan(StudyText(text, "study", Path())).experiment.digest(values, run)
 
     first = digest(base)
     others = [

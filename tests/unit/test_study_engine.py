@@ -12,10 +12,14 @@ import numpy as np
 import pytest
 
 from valvetrain import InputError
-from valvetrain.explore.experiment import PointsInterrupted, estimate_study, run_points
-from valvetrain.explore.plan import read_plan
-from valvetrain.explore.point import Outcome
-from valvetrain.explore.study_file import StudyText
+from valvetrain.explore.outputs import Outcome
+from valvetrain.explore.study import (
+    PointsInterrupted,
+    StudyText,
+    estimate_study,
+    read_plan,
+    run_points,
+)
 from valvetrain.runs.cost import Limits
 from valvetrain.runs.workers import Lost
 
@@ -37,7 +41,7 @@ def plan_of(levels: int, model: str = "massless"):
 
 
 class Instant:
-    """A crew whose points take no time: their outputs are their inputs."""
+    """An executor whose points take no time: their outputs are their inputs."""
 
     workers = 2
 
@@ -51,8 +55,8 @@ class Instant:
                 raise KeyboardInterrupt
             self.points += len(job)
             found = [
-                Outcome(values=dict(zip(shared.wanted.outputs, values, strict=True)))
-                for values, _ in job
+                Outcome(values=dict(zip(shared[index].outputs.quantities, values, strict=True)))
+                for index, values, _ in job
             ]
             yield place, Lost() if self.jobs in self.lose else found
 
@@ -61,7 +65,7 @@ class Instant:
 
 
 def test_a_point_costs_the_engine_less_than_a_millisecond(tmp_path):
-    """Processor time of this process, digest, journal, chunks and table included, on disk."""
+    """Processor time of this process, digest, store and table included, on disk."""
     plan = plan_of(60)
     begun = time.process_time()
     table = run_points(plan, Instant(), tmp_path / "points", Limits(1e9, 1e12))

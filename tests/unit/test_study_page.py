@@ -11,10 +11,8 @@ import numpy as np
 import pytest
 
 import valvetrain as vt
-from valvetrain.explore.plan import read_plan
 from valvetrain.explore.sensitivity import surrogate_of
-from valvetrain.explore.study import analysed
-from valvetrain.explore.study_file import StudyText
+from valvetrain.explore.study import StudyText, analysed, read_plan
 from valvetrain.explore.study_page import points_csv, points_json, points_page, sentences
 from valvetrain.explore.table import StudyTable
 from valvetrain.report.page import Grid, Text, charts, render
@@ -155,7 +153,7 @@ def test_a_surrogate_of_a_smooth_function_predicts_points_kept_out():
     table = made("surrogate", function=lambda c: 800 + 30 * np.sin(3 * c[:, 0]) * (1 + c[:, 1]))
     (one,) = table.surrogates  # the other output never changes
     assert (
-        one.kept_out == 51
+        one.held_out == 51
         and one.share < 0.01
         and one.error < 0.1
         and "so it does not" not in one.sentence
@@ -174,7 +172,7 @@ def test_a_surrogate_of_noise_says_that_it_does_not_stand_for_a_run():
     (one,) = made("surrogate", function=lambda c: noise).surrogates
     assert (
         one.share > 0.8
-        and one.sentence.endswith("so it does not stand for a run.")
+        and one.sentence.endswith("so it cannot replace a run.")
         and one.covered > 0.85
     )
 
@@ -191,7 +189,7 @@ def test_a_surrogate_of_few_points_is_not_made():
 
 def test_a_row_stands_in_words():
     table = made()
-    assert table.row_words(0).endswith("6000 rpm, massless") and "mm" in table.row_words(0)
+    assert table.row_label(0).endswith("6000 rpm, massless") and "mm" in table.row_label(0)
 
 
 def many_runs(count: int, failed=()) -> StudyTable:

@@ -10,10 +10,9 @@ import pytest
 
 from unit.cli_parts import SMALL
 from valvetrain import InputError, load_case, simulate
-from valvetrain.explore.evaluate import evaluate, evaluate_points
-from valvetrain.explore.paths import vary
-from valvetrain.explore.plan import nominal
-from valvetrain.explore.point import LIGHT, Point, PointRequest
+from valvetrain.explore.case_paths import nominal, vary
+from valvetrain.explore.evaluate import Point, evaluate
+from valvetrain.explore.outputs import LIGHT, PointRequest
 from valvetrain.explore.space import ENGINE_SPEED, LogNormal, Normal, Uniform, Values, Varied
 from valvetrain.parameters.loading import parse_case
 
@@ -90,7 +89,7 @@ def test_a_set_of_springs_in_a_train_is_varied_by_its_place():
 
 
 def test_a_case_changed_in_a_program_is_varied_by_the_paths_of_its_parts():
-    """Its text no longer tells it, so the file's key would change another case."""
+    """Its text no longer describes it; the keys of a file name the same values all the same."""
     case = BEEHIVE.replace({"springs.0.precompression": 6.5e-3})
     longer = vary(
         case,
@@ -103,8 +102,36 @@ def test_a_case_changed_in_a_program_is_varied_by_the_paths_of_its_parts():
     assert float(longer.spring.pitch.value(4.0)) == pytest.approx(
         1.01 * float(case.spring.pitch.value(4.0)), rel=1e-12
     )
+    same = {
+        Varied("spring.precompression", "mm", "offset"): 1e-4,
+        Varied("spring.pitch", operation="factor"): 1.01,
+    }
+    assert vary(case, same).springs == longer.springs
     with pytest.raises(InputError, match=r"Case\.replace"):
-        vary(case, {Varied("spring.precompression", "mm", "offset"): 1e-4})
+        vary(case, {Varied("spring.precompresion", "mm", "offset"): 1e-4})
+
+
+@pytest.mark.parametrize(
+    ("name", "file_key", "object_key", "value", "unit"),
+    [
+        ("gu2021-beehive", "spring.wire_diameter", "springs.0.wire.wire_diameter", 3.8e-3, "mm"),
+        ("gu2021-beehive", "spring.precompression", "springs.0.precompression", 6e-3, "mm"),
+        (
+            "vaz-ohc",
+            "train.springs.nested.1.wire_diameter",
+            "train.springs.nested.1.wire.wire_diameter",
+            2.5e-3,
+            "mm",
+        ),
+    ],
+)
+def test_keys_of_files_and_of_case_objects_name_the_same_value(
+    name, file_key, object_key, value, unit
+):
+    for case in (load_case(name), load_case(name).replace({"operation.cycles": 3})):
+        one, other = (vary(case, {Varied(key, unit): value}) for key in (file_key, object_key))
+        assert parts(one) == parts(other) and parts(one) != parts(case)
+        assert nominal(case, Varied(file_key, unit)) == nominal(case, Varied(object_key, unit))
 
 
 @pytest.mark.parametrize(
@@ -260,28 +287,5 @@ def test_a_varied_engine_speed_is_the_speed_of_the_run():
 def test_a_point_that_cannot_be_keeps_its_status_and_sentence(values, code, words):
     found = evaluate(point(BEEHIVE, "multi-mass", 6000 * RPM, ("peak_spring_force",), values))
     assert found.status.code == code and words in found.status.sentence() and not found.values
-    with pytest.raises(InputError, match="gave no 'peak_spring_force'"):
+    with pytest.raises(InputError, match="has no 'peak_spring_force'"):
         _ = found["peak_spring_force"]
-
-
-def test_points_side_by_side_are_the_points_one_by_one_whatever_the_workers():
-    points = [
-        point(
-            BEEHIVE,
-            "massless",
-            6000 * RPM,
-            ("peak_spring_force",),
-            ((Varied("spring.precompression", "mm"), 6e-3 + n * 1e-4),),
-        )
-        for n in range(5)
-    ]
-    one_by_one = tuple(map(evaluate, points))
-    seen = []
-    assert (
-        evaluate_points(points, 1, finished=lambda place, outcome: seen.append(place)) == one_by_one
-    )
-    assert evaluate_points(points, 2) == one_by_one
-    assert (
-        sorted(seen) == list(range(5))
-        and len({one["peak_spring_force"] for one in one_by_one}) == 5
-    )

@@ -9,8 +9,7 @@ import pytest
 import valvetrain as vt
 from unit.test_identification_answer import CARD
 from valvetrain.errors import InputError
-from valvetrain.explore.plan import _varied
-from valvetrain.explore.study_file import VaryModel
+from valvetrain.explore.files import VaryModel, varied_of_table
 from valvetrain.parameters.loading import parse_case
 
 CASE = parse_case(CARD)
@@ -18,7 +17,7 @@ CASE = parse_case(CARD)
 
 def reached(case: vt.Case, **told: object) -> tuple[float, float, float, str]:
     """Least, middle and largest value (SI), and the unit shown."""
-    varied = _varied(VaryModel(**told), case)
+    varied = varied_of_table(VaryModel(**told), case)
     low, middle, high = varied.distribution.at([0.0, 0.5, 1.0])
     return float(low), float(middle), float(high), varied.unit
 

@@ -25,8 +25,8 @@ low = "30 N/mm"
 high = "34 N/mm"
 """
 SAID = {
-    "optimise": r"\d+ trials, .*about .* at most; finished points are kept in '.*out/points.*'",
-    "study": r"3 points, about .*; finished ones are kept in '.*out/points.*'",
+    "optimise": r"\d+ trials, .*about .* at most; finished points are stored in '.*out/points.*'",
+    "study": r"3 points, about .*; finished ones are stored in '.*out/points.*'",
     "identify": r"this will take about .* \(\d+ points of .* ms\)",
 }
 

@@ -10,8 +10,7 @@ import pytest
 
 from valvetrain.cli.options import read_names
 from valvetrain.errors import InputError
-from valvetrain.explore.plan import read_plan
-from valvetrain.explore.study_file import read_study_file
+from valvetrain.explore.study import read_plan, read_study_file
 from valvetrain.parameters.loading import load_case, parse_case
 from valvetrain.runs.cost import Cost, Limits
 from valvetrain.runs.request_cost import RunRequest, request_cost, static_cost

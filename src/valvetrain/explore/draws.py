@@ -1,4 +1,4 @@
-"""What a method hands on: weighted points that stand for the posterior, and how it was found."""
+"""Weighted draws of a posterior, its separate branches, and what the data determine."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from valvetrain.errors import MissingExtraError
 from valvetrain.explore.posterior import Posterior
 
 Array = NDArray[np.float64]
-#: Told the share done and what was done.
+#: Called with the share done and a text.
 Report = Callable[[float, str], None]
 
 
@@ -96,16 +96,16 @@ def branches_of_draws(posterior: Posterior, draws: Draws, seed: int = 1) -> Labe
         allow_single_cluster=True,
         copy=True,
     ).fit_predict(scaled[chosen])
-    words = sorted(set(found.tolist()) - {-1})
-    if len(words) < 2:
+    phrase = sorted(set(found.tolist()) - {-1})
+    if len(phrase) < 2:
         return np.zeros(len(draws.work), dtype=np.int64)
     at = posterior.at(draws.work[chosen]).log_posterior
     peaks = np.array(
-        [chosen[np.flatnonzero(found == word)[np.argmax(at[found == word])]] for word in words]
+        [chosen[np.flatnonzero(found == word)[np.argmax(at[found == word])]] for word in phrase]
     )
     joined = joined_peaks(posterior, draws.work[peaks])
     known = found >= 0
-    labels = np.array([joined[words.index(one)] for one in found[known]])
+    labels = np.array([joined[phrase.index(one)] for one in found[known]])
     near = KNeighborsClassifier(n_neighbors=min(5, int(known.sum()))).fit(
         scaled[chosen[known]], labels
     )
@@ -135,27 +135,27 @@ def joined_peaks(posterior: Posterior, peaks: Array) -> list[int]:
 def even_draws(weights: Array, count: int, seed: int) -> tuple[Labels, Labels]:
     """Places of about ``count`` draws chosen evenly by weight, and how often each was."""
     steps = (np.arange(max(count, 1)) + np.random.default_rng(seed).random()) / max(count, 1)
-    places, counts = np.unique(
+    indices, counts = np.unique(
         np.searchsorted(np.cumsum(weights), steps).clip(0, len(weights) - 1), return_counts=True
     )
-    return places, counts
+    return indices, counts
 
 
 def _by_share(labels: Labels, weights: Array) -> Labels:
     """The same parts numbered by their probability."""
-    words = np.unique(labels)
-    share = [weights[labels == word].sum() for word in words]
-    order = words[np.argsort(-np.array(share), kind="stable")].tolist()
+    phrase = np.unique(labels)
+    share = [weights[labels == word].sum() for word in phrase]
+    order = phrase[np.argsort(-np.array(share), kind="stable")].tolist()
     return np.array([order.index(one) for one in labels.tolist()], dtype=np.int64)
 
 
 #: Posterior correlation beyond which two quantities are one, and information (over the prior's)
 #: that each would have were the other known.
-TWINS, TOLD_ALONE = 0.9, 4.0
+TWINS, KNOWN_ALONE = 0.9, 4.0
 #: Share of the prior's deviation that must be left of one of the two, for a narrow stretch within a
 #: wide prior is knowledge all the same.
 OPEN = 0.4
-#: A quantity is told where the data leave less than this share of the prior's variance.
+#: A quantity is determined where the data leave less than this share of the prior's variance.
 UNTOLD = 0.75
 #: Least part of a combination that is named in words.
 NAMED = 0.3
@@ -163,21 +163,26 @@ NAMED = 0.3
 
 @dataclass(frozen=True, eq=False)
 class Information:
-    """``told`` (quantities): share of the prior's variance that the data remove. ``brought``
+    """``determined`` (quantities): share of the prior's variance that the data remove. ``brought``
     (measurements, quantities): share that each
     measurement has of all the data's information on a quantity, the others known. ``lost``
     (measurements, quantities): share by which the
     variance is smaller than it were without that measurement. ``correlation`` (quantities,
     quantities) of what is left open;
-    ``warnings``: a sentence per quantity that is not told, and per group that cannot be told
-    apart."""
+    ``warnings``: a sentence per quantity that is not determined, and per group that cannot be
+    separated."""
 
     measurements: tuple[str, ...]
-    told: Array
+    determined: Array
     brought: Array
     lost: Array
     correlation: Array
     warnings: tuple[str, ...]
+
+    @property
+    def told(self) -> Array:
+        """:attr:`determined` by its earlier name."""
+        return self.determined
 
 
 def information_of(posterior: Posterior, jacobian: Array, whole_search: bool = True) -> Information:
@@ -187,7 +192,7 @@ def information_of(posterior: Posterior, jacobian: Array, whole_search: bool = T
     count = jacobian.shape[1]
     owners = [one.name for one in posterior.used]
     measurements = tuple(dict.fromkeys(owners))
-    whole: NDArray[Any] = np.linalg.inv(np.eye(count) + jacobian.T @ jacobian)
+    whole: NDArray[Any] = np.linalg.inv(posterior.precision + jacobian.T @ jacobian)
     variance = np.diag(whole)
     lost, brought = np.zeros((len(measurements), count)), np.zeros((len(measurements), count))
     every = np.sum(jacobian**2, axis=0)
@@ -196,7 +201,7 @@ def information_of(posterior: Posterior, jacobian: Array, whole_search: bool = T
         brought[place] = np.sum(
             jacobian[[owner == name for owner in owners]] ** 2, axis=0
         ) / np.where(every > 0, every, 1.0)
-        without = np.diag(np.linalg.inv(np.eye(count) + others.T @ others))
+        without = np.diag(np.linalg.inv(posterior.precision + others.T @ others))
         lost[place] = np.clip(1.0 - variance / without, 0.0, 1.0)
     correlation = np.asarray(whole / np.sqrt(np.outer(variance, variance)), dtype=np.float64)
     return Information(
@@ -215,7 +220,7 @@ def _warnings(
     alone = np.sum(jacobian**2, axis=0)
     found, spoken = [], set()
     for one, other in itertools.combinations(range(len(names)), 2):
-        known = alone[one] > TOLD_ALONE and alone[other] > TOLD_ALONE
+        known = alone[one] > KNOWN_ALONE and alone[other] > KNOWN_ALONE
         vague = np.sqrt(np.diag(covariance)[[one, other]])
         if known and abs(correlation[one, other]) > TWINS and vague.max() > OPEN:
             found.append(_pair(names[one], names[other], correlation[one, other], vague))
@@ -229,14 +234,14 @@ def _warnings(
             value < 1.0
             and len(large) > 2
             and not set(large) <= spoken
-            and all(alone[place] > TOLD_ALONE for place in large)
+            and all(alone[place] > KNOWN_ALONE for place in large)
         ):
-            words = (
+            phrase = (
                 ", ".join(f"'{names[place]}'" for place in sorted(large)[:-1])
                 + f" and '{names[sorted(large)[-1]]}'"
             )
             found.append(
-                f"the data cannot tell {words} apart: they know combinations of them only, and one is left to the priors"
+                f"the data cannot tell {phrase} apart: they know combinations of them only, and one is left to the priors"
             )
             spoken |= set(large)
     for place, name in enumerate(names):
@@ -253,5 +258,5 @@ def _pair(one: str, other: str, correlation: float, vague: Array) -> str:
     left = ", ".join(f"{100 * part:.0f} %" for part in vague)
     return (
         f"the data cannot tell '{one}' and '{other}' apart: they know a kind of {together} of the two, of their {apart} little more than "
-        f"the priors do (correlation {correlation:.3f}; {left} of the priors' deviations are left); measure one of them by itself"
+        f"the priors do (correlation {correlation:.3f}; {left} of the priors' deviations are left); measure one of them alone"
     )

@@ -27,7 +27,7 @@ from valvetrain.runs.stopping import Stopped
 Array = NDArray[np.float64]
 STEPS = 1000
 #: Share of the steps at the beginning that are left out, autocorrelation times that a chain should
-#: hold, most draws that are kept.
+#: hold, most draws that are stored.
 BEGINNING, ENOUGH_TIMES, MAX_DRAWS = 0.4, 50, 4000
 #: Rounds of draws from the prior in which starts that can be computed are looked for.
 ROUNDS = 20
@@ -87,9 +87,11 @@ def ensemble(
     work = chain[::thin].reshape(-1, count)
     notes = []
     if not np.isfinite(time) or (1 - BEGINNING) * done < ENOUGH_TIMES * time:
-        told = f"{(1 - BEGINNING) * done / time:.0f}" if np.isfinite(time) and time > 0 else "few"
+        reported = (
+            f"{(1 - BEGINNING) * done / time:.0f}" if np.isfinite(time) and time > 0 else "few"
+        )
         notes.append(
-            f"the chain holds {told} autocorrelation times, {ENOUGH_TIMES} are wanted; take more steps"
+            f"the chain holds {reported} autocorrelation times, {ENOUGH_TIMES} are wanted; take more steps"
         )
     return Draws(work, np.full(len(work), 1.0 / len(work)), whole=whole, notes=tuple(notes))
 
@@ -120,7 +122,7 @@ def _starts(
     )
 
 
-#: What stands for an impossible point, over the worst possible one of its generation.
+#: Score of an impossible point above the worst possible one of its generation.
 WORSE = 1e6
 EVALUATIONS, FIRST_SPREAD = 2000, 0.5
 
@@ -134,7 +136,7 @@ def evolution(
     population: int = 0,
     report: Report = silent,
 ) -> tuple[Array, bool]:
-    """The best point found from ``begin`` (working coordinates) and whether it ended by itself or
+    """The best point found from ``begin`` (working coordinates) and whether it converged or ended
     at ``evaluations``, not by a stop.
 
     ``population``: points of a generation, all computed at once. Raises :class:`MissingExtraError`
@@ -165,9 +167,9 @@ def evolution(
             -first if np.isfinite(first) else np.inf
         )  # a search ends no worse than where it began
         while used < evaluations and not strategy.should_stop():
-            asked = [strategy.ask() for _ in range(size)]
+            requested = [strategy.ask() for _ in range(size)]
             work = np.clip(
-                posterior.centre + posterior.spread * np.array(asked)[:, :count], low, high
+                posterior.centre + posterior.spread * np.array(requested)[:, :count], low, high
             )
             scores = -posterior.at(work).log_posterior
             used += size
@@ -176,12 +178,12 @@ def evolution(
             strategy.tell(
                 [
                     (one, float(score) if good else worst + WORSE)
-                    for one, score, good in zip(asked, scores, possible, strict=True)
+                    for one, score, good in zip(requested, scores, possible, strict=True)
                 ]
             )
-            place = int(np.argmin(np.where(possible, scores, np.inf)))
-            if possible[place] and scores[place] < least:
-                best, least = work[place], float(scores[place])
+            index = int(np.argmin(np.where(possible, scores, np.inf)))
+            if possible[index] and scores[index] < least:
+                best, least = work[index], float(scores[index])
             report(min(used / evaluations, 0.99), f"{used} evaluations, log posterior {-least:.3f}")
     except Stopped:
         return best, False
@@ -193,7 +195,7 @@ MAX_END = 20.0
 
 
 class _Cut(BaseException):
-    """Ends a chain nobody waits for any more."""
+    """Ends a chain whose result is no longer needed."""
 
 
 class _Chain(threading.Thread):
@@ -230,8 +232,8 @@ class _Chain(threading.Thread):
 
 
 class Lockstep:
-    """A pool as samplers want it (``map``) whose chains ask :meth:`ask`; what ``answers`` told of a
-    batch of points is handed out in order.
+    """A pool as samplers want it (``map``) whose chains ask :meth:`ask`; the ``answers`` to a
+    batch of points are distributed in order.
 
     ``lanes``: chains at a time, which is also the size of a batch. The questions of a batch stand
     in the order of the chains, so nothing
@@ -279,13 +281,11 @@ class Lockstep:
         return results
 
     def _end(self, chains: list[_Chain]) -> None:
-        """Let chains end that nobody waits for any more; what a sampler prints of that is nobody's
-        concern.
-        """
+        """End chains whose results are no longer needed, without the output of the sampler."""
         with redirect_stdout(StringIO()), redirect_stderr(StringIO()), self.turn:
             self.cut = True
             self.turn.notify_all()
-            # asked of the chains themselves: a signal within a thread's start leaves it running,
+            # by flags of the chains themselves: a signal within a thread's start leaves it running,
             # yet not «alive»
             self.turn.wait_for(
                 lambda: all(chain.ended or not chain.inside for chain in chains),
@@ -307,7 +307,7 @@ class Lockstep:
                 self.turn.notify_all()
 
 
-#: Live points, points asked for at once, and what of the logarithm of the evidence may be left in
+#: Live points, points requested at once, and what of the logarithm of the evidence may be left in
 #: the live points at the end.
 LIVE_POINTS, LANES, PRECISION = 400, 16, 0.1
 #: Draws with less than this share of the largest weight tell nothing.
@@ -326,7 +326,7 @@ def nested(
     """Weighted draws of the posterior and the logarithm of its evidence, by :data:`LIVE_POINTS`
     live points.
 
-    ``lanes``: points asked for at once; another number is another (equally good) sequence of
+    ``lanes``: points requested at once; another number is another (equally good) sequence of
     points. Raises :class:`InputError` where no
     point of the prior can be computed, :class:`MissingExtraError` without the library.
     """
@@ -378,11 +378,11 @@ def nested(
         found = sampler.results
     log_weights = np.asarray(found.logwt) - np.max(found.logwt)
     weights = np.exp(log_weights)
-    kept = weights > NO_WEIGHT
+    retained = weights > NO_WEIGHT
     evidence, doubt = float(found.logz[-1]), float(found.logzerr[-1])
     return Draws(
-        posterior.from_shares(np.asarray(found.samples_u)[kept]),
-        weights[kept] / weights[kept].sum(),
+        posterior.from_shares(np.asarray(found.samples_u)[retained]),
+        weights[retained] / weights[retained].sum(),
         evidence,
         doubt,
         "nested sampling",

@@ -1,9 +1,8 @@
-"""One point to its numbers, the same bits as a run of the same case; many points over processes."""
+"""Evaluation of one point, bit-identical to a run of the same case."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import numpy as np
@@ -11,8 +10,9 @@ import numpy as np
 from valvetrain.cam.build import build_lift_law
 from valvetrain.cam.cached import RememberedLift
 from valvetrain.errors import InputError
-from valvetrain.explore.paths import vary
-from valvetrain.explore.point import Outcome, Point, PointRequest
+from valvetrain.explore.case_paths import vary
+from valvetrain.explore.outputs import Outcome, PointRequest
+from valvetrain.explore.space import ENGINE_SPEED, Varied
 from valvetrain.parameters.case import Case
 from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.parameters.lift_law import LiftLawParameters
@@ -33,7 +33,6 @@ from valvetrain.runs.prepared import (
 )
 from valvetrain.runs.statics import reach_of, spring_statics, statics_by_model
 from valvetrain.runs.train_runs import prepare_trains, rigid_numbers, train_point
-from valvetrain.runs.workers import LOST, LOST_REMEDY, map_points
 from valvetrain.solution.partial_failures import PartialFailures, reason
 from valvetrain.solution.result import Solution
 from valvetrain.solution.static import SpringAtRest
@@ -46,7 +45,32 @@ from valvetrain.system.problem import Member, Problem, Rest
 #: Steps of a static curve by a spring model; named numbers come from a path of their own and do not
 #: depend on it.
 CURVE_STEPS, MODES = 24, 12
-Finished = Callable[[int, Outcome], None]
+
+
+@dataclass(frozen=True)
+class Point:
+    """One point: a case, its varied quantities with their values (SI), the engine speed (rad/s of
+    the crank; None for static quantities), spring model and spring set (empty: the case's own).
+
+    >>> import valvetrain as vt
+    >>> Point(vt.load_case("job-t"), ((Varied(ENGINE_SPEED, "rpm"), 300.0),)).speed
+    300.0
+    """
+
+    case: Case
+    values: tuple[tuple[Varied, float], ...] = ()
+    engine_speed: float | None = None
+    spring_model: str = ""
+    spring_set: str = ""
+    request: PointRequest = PointRequest()
+
+    @property
+    def speed(self) -> float | None:
+        """Engine speed (rad/s), the varied one where it is varied."""
+        return next(
+            (value for varied, value in self.values if varied.key == ENGINE_SPEED),
+            self.engine_speed,
+        )
 
 
 def evaluate(point: Point) -> Outcome:
@@ -54,7 +78,7 @@ def evaluate(point: Point) -> Outcome:
     exception.
 
     >>> import valvetrain as vt
-    >>> point = Point(vt.load_case("job-c"), engine_speed=400.0, spring_model="massless", wanted=PointRequest(("peak_spring_force",)))
+    >>> point = Point(vt.load_case("job-c"), engine_speed=400.0, spring_model="massless", request=PointRequest(("peak_spring_force",)))
     >>> evaluate(point).status.code
     'completed'
     """
@@ -74,22 +98,22 @@ def evaluate_case(case: Case, point: Point) -> Outcome:
     problem = build(case, spring_models=models, spring_sets=sets)
     if problem.kind != TRAIN and case.lift_law is not None:
         problem = _with_remembered_lift(problem, case.lift_law)
-    member, engine_speed, wanted = problem.members[0], point.speed, point.wanted
+    member, engine_speed, request = problem.members[0], point.speed, point.request
     if member.refusal:
         raise InputError(member.refusal)
-    moves = engine_speed is not None and wanted.motion and problem.moves
+    moves = engine_speed is not None and request.motion and problem.moves
     if moves:
         assert engine_speed is not None
         refuse_speeds(problem, (engine_speed,))
         refuse_implausible(problem, (engine_speed,))
     if problem.kind == TRAIN:
-        status, values = _train(problem, member, engine_speed if moves else None, wanted)
+        status, values = _train(problem, member, engine_speed if moves else None, request)
     else:
-        status, values = _spring(problem, member, engine_speed if moves else None, wanted)
+        status, values = _spring(problem, member, engine_speed if moves else None, request)
     chosen = (
         values
-        if not wanted.outputs
-        else {name: values[name] for name in wanted.outputs if name in values}
+        if not request.outputs
+        else {name: values[name] for name in request.outputs if name in values}
     )
     return Outcome(status, {name: float(value) for name, value in chosen.items()})
 
@@ -100,7 +124,7 @@ def _remembered(law: LiftLawParameters) -> RememberedLift:
 
 
 def _with_remembered_lift(problem: Problem, law: LiftLawParameters) -> Problem:
-    """The problem with the law of other points, which have asked for the same angles."""
+    """The problem with the cached lift of other points of the same law."""
     known = _remembered(law)
     return replace(
         problem,
@@ -110,12 +134,12 @@ def _with_remembered_lift(problem: Problem, law: LiftLawParameters) -> Problem:
 
 
 def _spring(
-    problem: Problem, member: Member, engine_speed: float | None, wanted: PointRequest
+    problem: Problem, member: Member, engine_speed: float | None, request: PointRequest
 ) -> tuple[Status, dict[str, float]]:
     """Prescribed motion, as :func:`valvetrain.runs.run.run_study` runs it."""
     lift = float(np.max(problem.valve_lift.lift(np.linspace(0.0, 2 * np.pi, 721))))
-    by_rod = (engine_speed is not None and (member.model.needs_rest or not wanted.light)) or (
-        wanted.rest and not wanted.rest_model and not wanted.sizes_alone
+    by_rod = (engine_speed is not None and (member.model.needs_rest or not request.light)) or (
+        request.rest and not request.rest_model and not request.sizes_alone
     )
     rest: Rest = (
         {spring: spring_statics(problem, spring, lift) for spring in member.springs}
@@ -128,40 +152,40 @@ def _spring(
             problem,
             member,
             rest if member.model.needs_rest else {},
-            "" if wanted.light else problem.record.study,
+            "" if request.light else problem.record.study,
         )
         samples = round(2 * np.pi / problem.output_step)
-        plan = Plan("ends" if wanted.light else "all", samples, not wanted.light, problem.cycles)
+        plan = Plan("ends" if request.light else "all", samples, not request.light, problem.cycles)
         solution = integrate_point(
             ready, engine_speed, plan, provenance_of(problem, member, engine_speed, "")
         )
         judged = judge(ready, solution, plan, rest)
         status, values = judged.status, dict(judged.quantities)
-    return status, values | (_still(problem, member, rest, lift, wanted) if wanted.rest else {})
+    return status, values | (_still(problem, member, rest, lift, request) if request.rest else {})
 
 
 def _still(
-    problem: Problem, member: Member, rest: Rest, lift: float, wanted: PointRequest
+    problem: Problem, member: Member, rest: Rest, lift: float, request: PointRequest
 ) -> dict[str, float]:
     """Numbers of the springs at rest, those of a nested pair with the name of each in front."""
     found: dict[str, float] = {}
     names = ("",) if len(member.springs) == 1 else ("outer_", "inner_")
     published = [value.quantity for value in problem.record.published]
     for name, spring in zip(names, member.springs, strict=True):
-        own = size_quantities(spring) if not wanted.outputs else design_quantities(spring)
-        if not wanted.sizes_alone:
+        own = size_quantities(spring) if not request.outputs else design_quantities(spring)
+        if not request.sizes_alone:
             at_rest = (
-                _by_model(problem, spring, wanted.rest_model, lift)
-                if wanted.rest_model
+                _by_model(problem, spring, request.rest_model, lift)
+                if request.rest_model
                 else rest.get(spring)
             )
-            told = (
+            reported = (
                 {}
                 if at_rest is None
                 else rest_quantities(at_rest, published)
                 | buckling_quantities(spring, at_rest, lift)
             )
-            own |= told
+            own |= reported
         found |= {name + key: value for key, value in own.items()}
     return found
 
@@ -177,33 +201,33 @@ def _by_model(problem: Problem, spring: InstalledSpring, word: str, lift: float)
 
 
 def _train(
-    problem: Problem, member: Member, engine_speed: float | None, wanted: PointRequest
+    problem: Problem, member: Member, engine_speed: float | None, request: PointRequest
 ) -> tuple[Status, dict[str, float]]:
     """A train to its periodic state, as a run does it, with what rigid theory says and its springs
-    at rest where they are asked for.
+    at rest where they are requested.
     """
     values: dict[str, float] = {}
     status = COMPLETED
     gaps = PartialFailures()
     speeds = (engine_speed,) if engine_speed is not None else problem.engine_speeds
-    if engine_speed is not None or wanted.rigid:
+    if engine_speed is not None or request.rigid:
         ready, _ = prepare_trains(problem, speeds, gaps)
     if engine_speed is not None:
         plan = Plan("all", None, True, problem.cycles, problem.cycles_to_settle)
         solution: Solution = train_point((problem, ready, plan), (0, engine_speed))
         status, values = solution.status, dict(solution.quantities)
-    if wanted.rigid or (wanted.rest and engine_speed is not None):
+    if request.rigid or (request.rest and engine_speed is not None):
         values |= rigid_numbers(problem, ready, speeds).get(member.spring_set, {})
-    if wanted.rest and (wanted.rest_model or wanted.sizes_alone):
-        values |= _still(problem, member, {}, _train_lift(problem, member), wanted)
-    elif wanted.rest and wanted.outputs and not all(name in values for name in wanted.outputs):
+    if request.rest and (request.rest_model or request.sizes_alone):
+        values |= _still(problem, member, {}, _train_lift(problem, member), request)
+    elif request.rest and request.outputs and not all(name in values for name in request.outputs):
         lift = _train_lift(problem, member)
         values |= _still(
             problem,
             member,
             {spring: spring_statics(problem, spring, lift) for spring in member.springs},
             lift,
-            wanted,
+            request,
         )
     return status, values
 
@@ -211,48 +235,3 @@ def _train(
 def _train_lift(problem: Problem, member: Member) -> float:
     assert member.gear is not None
     return float(member.gear.mechanism.kinematics.maximum_lift)
-
-
-def evaluate_points(
-    points: Sequence[Point],
-    workers: int | None = None,
-    finished: Finished | None = None,
-    tell: Callable[[int, int], None] | None = None,
-) -> tuple[Outcome, ...]:
-    """Outcomes of ``points``, in order; runs go over processes (None: one per core) and results do
-    not depend on their number.
-
-    ``finished(place, outcome)`` as each comes, ``tell(done, total)`` after each. Raises
-    :class:`valvetrain.runs.stopping.PointsStopped` with what is finished when it is stopped.
-    """
-    cases = tuple(dict.fromkeys(point.case for point in points))
-    places = {case: place for place, case in enumerate(cases)}
-    shared = (cases, tuple(dict.fromkeys(point.wanted for point in points)))
-    jobs = [
-        (
-            places[p.case],
-            p.values,
-            p.engine_speed,
-            p.spring_model,
-            p.spring_set,
-            shared[1].index(p.wanted),
-        )
-        for p in points
-    ]
-    return map_points(
-        _job, shared, jobs, workers, processes=True, tell=tell, finished=finished, lost=_lost
-    )
-
-
-_Job = tuple[int, tuple[tuple[object, float], ...], float | None, str, str, int]
-
-
-def _job(shared: tuple[tuple[Case, ...], tuple[PointRequest, ...]], job: _Job) -> Outcome:
-    place, values, engine_speed, model, spring_set, wanted = job
-    return evaluate(
-        Point(shared[0][place], values, engine_speed, model, spring_set, shared[1][wanted])  # type: ignore[arg-type]
-    )
-
-
-def _lost(job: _Job) -> Outcome:
-    return Outcome(Status("worker-lost", LOST, remedy=LOST_REMEDY))

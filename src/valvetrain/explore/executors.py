@@ -1,23 +1,20 @@
-"""Who computes the points of a study: this process, processes of this machine, or a Dask cluster.
-The same bits from each.
-"""
+"""Executors of points: in-process, processes of this machine, or Dask. Results are bit-identical."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack
-from dataclasses import dataclass
 from typing import Any, Protocol
 
 from valvetrain.errors import InputError, MissingExtraError
 from valvetrain.runs.stopping import check_stop
-from valvetrain.runs.workers import Lost, in_processes, one_thread
+from valvetrain.runs.workers import Lost, StandingPool
 
 Function = Callable[[Any, Any], Any]
-HINT = "Dask is asked for (--dask) but not installed; install the extra: pip install 'valvetrain[studies]'"
+HINT = "Dask is requested (--dask) but not installed; install the extra: pip install 'valvetrain[studies]'"
 #: Times that Dask tries a job whose worker is lost, and a job alone after that.
 TRIALS = 3
-#: Classes of dask-jobqueue by the word of their scheduler.
+#: Classes of dask-jobqueue by the name of their scheduler.
 QUEUES = {
     "slurm": "SLURMCluster",
     "pbs": "PBSCluster",
@@ -28,49 +25,55 @@ QUEUES = {
 
 
 class Executor(Protocol):
-    """Computes ``function(shared, job)`` of jobs, each answered once."""
+    """Computes ``function(shared, job)`` of jobs, one result each."""
 
     @property
     def workers(self) -> int:
-        """Jobs at a time, as far as it is known."""
+        """Jobs at a time."""
         ...
 
     def run(
         self, function: Function, shared: Any, jobs: Sequence[Any]
     ) -> Iterator[tuple[int, Any]]:
         """(place, result) of every job as it is finished; :class:`valvetrain.runs.workers.Lost`
-        for one that is not to be had.
+        for one whose workers were killed.
         """
         ...
 
     def close(self) -> None:
-        """Give back what it holds."""
+        """Release processes and connections."""
         ...
 
 
-@dataclass(frozen=True, slots=True)
 class LocalExecutor:
-    """This process for one worker, else processes of this machine."""
+    """This process for one worker, else processes of this machine that stay for many batches of the
+    same function and shared object.
+    """
 
-    workers: int
+    def __init__(self, workers: int) -> None:
+        self.workers = workers
+        self._pool: StandingPool | None = None
 
     def run(
         self, function: Function, shared: Any, jobs: Sequence[Any]
     ) -> Iterator[tuple[int, Any]]:
-        if self.workers > 1 and len(jobs) > 1:
-            yield from in_processes(function, shared, jobs, min(self.workers, len(jobs)))
+        if not jobs:
             return
-        with one_thread():
-            for place, job in enumerate(jobs):
-                check_stop()
-                yield place, function(shared, job)
+        pool = self._pool
+        if pool is None or pool.function is not function or pool.shared is not shared:
+            self.close()
+            self._pool = pool = StandingPool(function, shared, self.workers).__enter__()
+        yield from pool.stream(jobs)
 
     def close(self) -> None:
-        """Nothing is held."""
+        """End the processes."""
+        pool, self._pool = self._pool, None
+        if pool is not None:
+            pool.__exit__()
 
 
 class DaskExecutor:
-    """A Dask cluster: ``local``, the address of a scheduler, or the word of a queue of
+    """A Dask cluster: ``local``, the address of a scheduler, or the name of a queue of
     dask-jobqueue (``slurm``, ``pbs``).
 
     Raises :class:`MissingExtraError` where Dask, or dask-jobqueue for a queue, is not installed,
@@ -100,7 +103,7 @@ class DaskExecutor:
 
     def _cluster(self, distributed: Any, where: str, workers: int) -> Any:
         if where == "local":
-            made = distributed.LocalCluster(
+            cluster = distributed.LocalCluster(
                 n_workers=workers,
                 threads_per_worker=1,
                 processes=True,
@@ -115,13 +118,13 @@ class DaskExecutor:
                 raise MissingExtraError(
                     f"--dask {where} needs dask-jobqueue; install it: pip install dask-jobqueue"
                 ) from error
-            made = getattr(
+            cluster = getattr(
                 dask_jobqueue, QUEUES[where]
             )()  # its settings are those of the site (jobqueue.yaml)
-            made.scale(workers)
+            cluster.scale(workers)
         else:
             return where
-        return self._left.enter_context(made)
+        return self._left.enter_context(cluster)
 
     def run(
         self, function: Function, shared: Any, jobs: Sequence[Any]
@@ -133,28 +136,28 @@ class DaskExecutor:
             # sent once and under a name of its own: by a name made from the content, a batch could
             # lose it to the release of the last
             self._sent = shared, client.scatter(shared, broadcast=True, hash=False)
-        common = self._sent[1]
+        on_cluster = self._sent[1]
         futures = client.map(
             _one,
             list(enumerate(jobs)),
             function=function,
-            shared=common,
+            shared=on_cluster,
             pure=False,
             retries=TRIALS,
         )
-        places = {future.key: place for place, future in enumerate(futures)}
+        indices = {future.key: index for index, future in enumerate(futures)}
         waiting: Any = distributed.as_completed  # untyped
         coming = waiting(futures, loop=client.loop)
         del futures
         try:
             for future in coming:
                 check_stop()
-                place = places.pop(future.key)
+                index = indices.pop(future.key)
                 error = future.exception() if future.status == "error" else None
                 if error is not None and type(error).__name__ != "KilledWorker":
                     raise error
                 yield (
-                    place,
+                    index,
                     Lost() if error is not None or future.status != "finished" else future.result(),
                 )
                 future.release()
@@ -162,7 +165,7 @@ class DaskExecutor:
             coming.clear()
 
     def close(self) -> None:
-        """Leave the cluster; one made here ends."""
+        """Leave the cluster; a local one ends."""
         self._sent = None
         self._left.close()
 
@@ -172,5 +175,5 @@ def _one(numbered: tuple[int, Any], *, function: Function, shared: Any) -> Any:
 
 
 def executor_for(workers: int, dask: str = "") -> Executor:
-    """The crew asked for."""
+    """The executor for ``--workers`` and ``--dask``."""
     return DaskExecutor(dask, workers) if dask else LocalExecutor(workers)

@@ -7,7 +7,7 @@ import itertools
 import numpy as np
 from numpy.typing import NDArray
 
-from valvetrain.explore.identification_summary import datum_words, title_of
+from valvetrain.explore.identification_summary import datum_label, title_of
 from valvetrain.explore.identified import Branch, Identified
 from valvetrain.report import theme
 from valvetrain.report.chart import Chart, Layer, Line, Marks, Panel, Rule
@@ -148,7 +148,7 @@ def pairs_chart(found: Identified) -> Chart | None:
 
 
 def dots_chart(found: Identified) -> Chart:
-    """Every measurement beside its prediction, in standard deviations of the measurement."""
+    """Every measurement and its prediction, in standard deviations of the measurement."""
     rows = list(found.predicted[:ROWS])
     height = np.arange(len(rows), 0, -1, dtype=float)
     off = np.array(
@@ -156,7 +156,7 @@ def dots_chart(found: Identified) -> Chart:
         dtype=float,
     )
     gap = np.full(len(rows), np.nan)
-    hints = tuple(f"{datum_words(one.datum)}: percentile {one.percentile:.1f}" for one in rows)
+    hints = tuple(f"{datum_label(one.datum)}: percentile {one.percentile:.1f}" for one in rows)
     layers: list[Layer] = [
         Line(
             np.stack([off[:, 0], off[:, 2], gap], 1).ravel(),
@@ -166,27 +166,27 @@ def dots_chart(found: Identified) -> Chart:
             3.0,
         )
     ]
-    for used, words, colour in (
+    for used, phrase, colour in (
         (True, "fitted", theme.SERIES[0]),
         (False, "compared only", theme.SERIES[1]),
     ):
         here = np.array([one.datum.used is used for one in rows])
         if here.any():
-            told = tuple(hint for hint, one in zip(hints, here, strict=True) if one)
+            reported = tuple(hint for hint, one in zip(hints, here, strict=True) if one)
             layers.append(
                 Marks(
                     off[here, 1],
                     height[here],
-                    f"median, {words}",
+                    f"median, {phrase}",
                     colour,
                     size=8.0,
                     filled=True,
-                    hints=told,
+                    hints=reported,
                 )
             )
     reach = min(max(4.0, 1.1 * float(np.nanmax(np.abs(off), initial=0.0))), 40.0)
     along = tuple(
-        (float(at), _short(datum_words(one.datum))) for at, one in zip(height, rows, strict=True)
+        (float(at), _short(datum_label(one.datum))) for at, one in zip(height, rows, strict=True)
     )
     panel = Panel(
         "off by (standard deviations)",
@@ -199,7 +199,7 @@ def dots_chart(found: Identified) -> Chart:
     )
     left = len(found.predicted) - len(rows)
     caption = "Computed less measured; the name of each shows on it. Thin lines: the measured value and two standard deviations."
-    caption += f" {left} more stand in the table." if left else ""
+    caption += f" {left} more are in the table." if left else ""
     return Chart(
         "dots",
         "In standard deviations of each measurement",
@@ -210,8 +210,8 @@ def dots_chart(found: Identified) -> Chart:
     )
 
 
-def _short(words: str) -> str:
-    return words if len(words) < 44 else f"{words[:20]} … {words[-20:]}"
+def _short(phrase: str) -> str:
+    return phrase if len(phrase) < 44 else f"{phrase[:20]} … {phrase[-20:]}"
 
 
 def profiles_chart(found: Identified) -> Chart | None:

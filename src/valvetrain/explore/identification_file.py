@@ -4,21 +4,25 @@ from __future__ import annotations
 
 import math
 import os
+from collections.abc import Sequence
 from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Literal, get_args
 
+from pydantic import ValidationError
+
 from valvetrain.errors import InputError
-from valvetrain.explore.data import Datum, Part, Target, same_dimension
 from valvetrain.explore.ensembles import EVALUATIONS, LANES, LIVE_POINTS, PRECISION, STEPS
+from valvetrain.explore.files import DISTRIBUTIONS, VaryModel, correlation_of, varied_of_table
 from valvetrain.explore.least_squares import SIDE
-from valvetrain.explore.measurements import read_measurement, read_station
-from valvetrain.explore.posterior import Unknown
-from valvetrain.explore.prior import KINDS, Kind, Prior
-from valvetrain.explore.space import Varied
+from valvetrain.explore.measurements import Target, read_measurement, read_station
+from valvetrain.explore.part import Part, same_dimension
+from valvetrain.explore.posterior import Array, Datum, Unknown
+from valvetrain.explore.space import Kind, Prior, Space, Varied
 from valvetrain.parameters.bounded_file import bounded_bytes
 from valvetrain.parameters.case import Case
 from valvetrain.parameters.loading import library_names, load_case, parse_toml
+from valvetrain.parameters.schema_types import first_problem
 from valvetrain.registry import find
 from valvetrain.solution.atomic import digest
 from valvetrain.solution.definition import definition_of, no_quantity
@@ -42,7 +46,7 @@ class Search:
     of ``population`` (cma-es; 0: by the number of quantities); ``difference_step`` in standard
     deviations of the priors (0: follows what
     the data leave open); ``draws`` of the linearised posterior. ``nested``: ``live_points``,
-    ``lanes`` asked for at once, ``precision`` of
+    ``lanes`` requested at once, ``precision`` of
     the log evidence. ``ensemble``: ``walkers`` (0: by the number of quantities), ``steps``. Raises
     :class:`InputError` for an unknown
     method or a number out of range.
@@ -88,9 +92,9 @@ class Search:
 
     def evaluations_of(self, quantities: int, profiles: int = 0, given: int = 0) -> int:
         """About how many points will be computed for so many unknown quantities, profiles and
-        ``given`` starts beside those of its own.
+        ``given`` starts besides its own.
         """
-        slopes, kept = quantities + 1, min(self.keep, self.starts) + given
+        slopes, retained = quantities + 1, min(self.keep, self.starts) + given
         after = slopes + profiles * 2 * SIDE * 4 * (slopes + 4)
         if (
             self.method == "nested"
@@ -111,11 +115,9 @@ class Search:
             if self.method == "least-squares"
             else self.evaluations + 4 * (slopes + 4)
         )
-        return (self.starts if self.keep else 0) + kept * each + self.draws + after
+        return (self.starts if self.keep else 0) + retained * each + self.draws + after
 
 
-#: Words of a prior in a file: those of :class:`Prior`, and a normal one whose bounds are meant.
-WORDS = (*KINDS, "truncated-normal")
 _OPERATIONS = ("value", "factor", "offset")
 
 
@@ -135,7 +137,7 @@ class Request:
     unknowns: tuple[Unknown, ...]
     varied: tuple[tuple[Varied, ...], ...]
     data: tuple[Datum, ...]
-    sought: tuple[Target, ...]
+    targets: tuple[Target, ...]
     search: Search
     profiles: tuple[str, ...]
     evaluator: str
@@ -143,23 +145,26 @@ class Request:
     from_case: bool
     text: str
     folder: Path
+    correlation: Array | None = None
 
     @property
     def parts(self) -> tuple[tuple[Target, ...], tuple[Target, ...]]:
-        """What is sought of every point, measured under conditions of which something is fitted;
+        """Targets of every point, measured under conditions of which something is fitted;
         and what of the draws alone.
         """
         fitted = {one.key for one in self.data if one.used}
-        searched = {one.station for one in self.sought if one.key in fitted}
+        searched = {one.station for one in self.targets if one.key in fitted}
         measured = {one.key for one in self.data}
-        first = tuple(one for one in self.sought if one.station in searched and one.key in measured)
-        return first, tuple(one for one in self.sought if one not in first)
+        first = tuple(
+            one for one in self.targets if one.station in searched and one.key in measured
+        )
+        return first, tuple(one for one in self.targets if one not in first)
 
     @property
     def identity(self) -> str:
         """What the outcome of a point depends on, in 32 digits."""
         names = tuple(one.name for one in self.unknowns)
-        asked = (
+        requested = (
             self.case.record().digest,
             self.varied,
             names,
@@ -167,7 +172,7 @@ class Request:
             self.evaluator,
             self.options,
         )
-        return digest(repr(asked).encode())
+        return digest(repr(requested).encode())
 
     @property
     def digest(self) -> str:
@@ -231,8 +236,8 @@ def parse_request(text: str, name: str, folder: Path) -> Request:
         find("sources", evaluator, "evaluator").points_of_identification() if evaluator else None
     )
     unknowns, varied = [], []
-    for one, part in whole.parts("quantities"):
-        unknown, keys = _unknown(one, part, bool(evaluator))
+    for one, part in _quantities(whole):
+        unknown, keys = _unknown(one, part, case, bool(evaluator))
         unknowns.append(unknown)
         varied.append(keys)
     if source is not None:
@@ -244,13 +249,16 @@ def parse_request(text: str, name: str, folder: Path) -> Request:
         for one, part in whole.parts("measurements")
         for pair in read_measurement(one, part, folder, bool(evaluator))
     ]
-    asked = (
-        [_asked(part) for _, part in whole.parts("predictions")] if whole.has("predictions") else []
+    requested = (
+        [_requested(part) for _, part in whole.parts("predictions")]
+        if whole.has("predictions")
+        else []
     )
     whole.take("predictions")
     search, profiles, from_case = _search(
         Part(whole.take("search", {}), "search"), tuple(one.name for one in unknowns)
     )
+    correlation = _correlation(whole, unknowns)
     title = whole.text("title", name.replace("_", " "))
     whole.text("description", "")
     whole.finish()
@@ -261,7 +269,7 @@ def parse_request(text: str, name: str, folder: Path) -> Request:
         tuple(unknowns),
         tuple(varied),
         tuple(datum for _, datum in found),
-        tuple(dict.fromkeys([*(one for one, _ in found), *asked])),
+        tuple(dict.fromkeys([*(one for one, _ in found), *requested])),
         search,
         profiles,
         evaluator,
@@ -269,12 +277,50 @@ def parse_request(text: str, name: str, folder: Path) -> Request:
         from_case,
         text,
         folder,
+        correlation,
     )
+
+
+def _quantities(whole: Part) -> tuple[tuple[str, Part], ...]:
+    """Tables of the quantities by name: ``[[vary]]`` tables by their labels or keys, or
+    ``[quantities.NAME]`` tables.
+    """
+    key = "quantities" if whole.has("quantities") else "vary"
+    tables = whole.table.get(key)
+    if isinstance(tables, list):
+        named: dict[str, object] = {}
+        for index, table in enumerate(tables):
+            own = dict(Part(table, f"{key}.{index}").table)
+            name = own.pop("label", own.get("key", str(index)))
+            if not isinstance(name, str) or name in named:
+                raise InputError("has no name of its own; give a label", f"{key}.{index}")
+            named[name] = own
+        whole.table = {**whole.table, key: named}
+    elif key == "vary" and tables is None:
+        key = "quantities"
+    return whole.parts(key)
+
+
+def _correlation(whole: Part, unknowns: Sequence[Unknown]) -> Array | None:
+    """The correlation matrix of ``[[correlation]]`` tables, None without any."""
+    tables = whole.take("correlation", [])
+    if not isinstance(tables, list):
+        raise InputError("is no list of tables; write [[correlation]]", "correlation")
+    pairs = []
+    for index, table in enumerate(tables):
+        part = Part(table, f"correlation.{index}")
+        pairs.append((part.texts("between"), part.plain("coefficient")))
+        part.finish()
+    matrix = correlation_of([one.name for one in unknowns], pairs)
+    if matrix is not None:
+        Space({one.name: one.prior for one in unknowns}, matrix)  # refuses what is none
+    return matrix
 
 
 def _case(whole: Part, folder: Path) -> Case:
     name = whole.text("case")
-    changes = Part(whole.take("set", {}), "set").table
+    key = "changes" if whole.has("changes") else "set"
+    changes = Part(whole.take(key, {}), key).table
     if name not in library_names() and not Path(name).is_absolute():
         name = str(folder / name) if name.endswith(".toml") else name
     try:
@@ -283,8 +329,8 @@ def _case(whole: Part, folder: Path) -> Case:
         raise InputError(error.reason, f"case{', ' + error.where if error.where else ''}") from None
 
 
-def _asked(part: Part) -> Target:
-    """A number that is computed for the draws although nobody measured it."""
+def _requested(part: Part) -> Target:
+    """A number that is computed for the draws without having been measured."""
     station, name = read_station(part), part.text("quantity")
     part.finish()
     if not definition_of(name).dimension:
@@ -292,7 +338,7 @@ def _asked(part: Part) -> Target:
     return Target(station, "quantity", name)
 
 
-def _unknown(name: str, part: Part, bare: bool) -> tuple[Unknown, tuple[Varied, ...]]:
+def _unknown(name: str, part: Part, case: Case, bare: bool) -> tuple[Unknown, tuple[Varied, ...]]:
     """A quantity with its prior; ``bare``: an evaluator knows it by name, so it has no key of the
     case.
     """
@@ -303,7 +349,7 @@ def _unknown(name: str, part: Part, bare: bool) -> tuple[Unknown, tuple[Varied, 
             part.place("key"),
         )
     operation = part.text("as", "value", _OPERATIONS)
-    prior, unit = _prior(part)
+    prior, unit = _tolerance(part, case, keys, operation) or _prior(part)
     part.finish()
     try:
         return Unknown(name, prior, unit), tuple(Varied(key, unit, operation) for key in keys)  # type: ignore[arg-type]
@@ -311,9 +357,39 @@ def _unknown(name: str, part: Part, bare: bool) -> tuple[Unknown, tuple[Varied, 
         raise InputError(error.reason, part.where) from None
 
 
+def _distribution_key(part: Part) -> str:
+    """The key that names the distribution; where there is none, the name that the other keys imply
+    is filled in.
+    """
+    key = "distribution" if part.has("distribution") else "prior"
+    implied = {"mean": "normal", "median": "lognormal"}
+    ways = [kind for one, kind in implied.items() if part.has(one)]
+    if not part.has(key) and (ways or (part.has("low") and part.has("high"))):
+        part.table = {**part.table, key: ways[0] if ways else "uniform"}
+    return key
+
+
+def _tolerance(
+    part: Part, case: Case, keys: tuple[str, ...], operation: str
+) -> tuple[Prior, str] | None:
+    """The distribution of a ``tolerance`` about the case's own value; None without the key."""
+    if not part.has("tolerance") or not keys:
+        return None
+    given = {key: part.take(key) for key in ("tolerance", "shape", "source") if part.has(key)}
+    try:
+        table = VaryModel.model_validate({"key": keys[0], "as": operation, **given})
+        found = varied_of_table(table, case)
+    except ValidationError as error:
+        raise InputError(first_problem(error)[1], part.place("tolerance")) from None
+    except InputError as error:
+        raise InputError(error.reason, part.place("tolerance")) from None
+    assert isinstance(found.distribution, Prior)
+    return found.distribution, found.unit
+
+
 def _prior(part: Part) -> tuple[Prior, str]:
     """The prior of a table and the unit its numbers are written in."""
-    word = part.text("prior", choices=WORDS)
+    word = part.text(_distribution_key(part), choices=DISTRIBUTIONS)
     kind: Kind = "normal" if word == "truncated-normal" else word  # type: ignore[assignment]
     source = part.text("source", "")
     first = (

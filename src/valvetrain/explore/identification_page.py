@@ -24,15 +24,15 @@ from valvetrain.explore.identification_summary import (
     MEASURED,
     ODD,
     PREDICTED,
-    conflict_words,
-    datum_words,
+    conflict_cells,
+    datum_label,
     facts,
     found_rows,
     is_odd,
-    measured_words,
+    measured_cells,
     odd,
-    prediction_words,
-    prior_words,
+    prediction_cells,
+    prior_text,
     share_rows,
 )
 from valvetrain.explore.identified import MET, Branch, Identified
@@ -82,7 +82,7 @@ def identification_page(title: str, found: Identified) -> Page:
     pairs = figure_or_gap("pairs", pairs_chart, found)
     if pairs:
         sections.append(Section("pairs", "What depends on what", pairs))
-    sections.append(Section("told", "What each measurement contributes", _told(found)))
+    sections.append(Section("told", "What each measurement contributes", _reported(found)))
     profiles = figure_or_gap("profiles", profiles_chart, found)
     if profiles:
         sections.append(Section("profiles", "Profiles", profiles))
@@ -108,7 +108,7 @@ def _found(found: Identified) -> tuple[Block, ...]:
         blocks.append(_found_grid(found, branch))
     return (
         *blocks,
-        *(text(words[:1].upper() + words[1:] + ".", "alert") for words in found.warnings),
+        *(text(phrase[:1].upper() + phrase[1:] + ".", "alert") for phrase in found.warnings),
     )
 
 
@@ -118,17 +118,19 @@ def _found_grid(found: Identified, branch: Branch) -> Grid:
         (tuple(Cell(*cell) for cell in zip(row, tones, strict=True)), ())
         for row in found_rows(found, branch)
     )
-    return Grid(FOUND, rows, caption="told: share of the prior's variance that the data remove")
+    return Grid(
+        FOUND, rows, caption="determined: share of the prior's variance that the data remove"
+    )
 
 
 def _measured(found: Identified) -> tuple[Block, ...]:
     tones = ("", "number", "number quiet", "number", "number", "number", "", "number")
     rows = []
     for one in found.predicted:
-        words, role = measured_words(one), "fitted" if one.datum.used else "compared"
+        phrase, role = measured_cells(one), "fitted" if one.datum.used else "compared"
         cells = [
-            Cell(word, f"{tone} bad" if is_odd(one) and place == len(tones) - 1 else tone)
-            for place, (word, tone) in enumerate(zip(words, tones, strict=True))
+            Cell(word, f"{tone} bad" if is_odd(one) and index == len(tones) - 1 else tone)
+            for index, (word, tone) in enumerate(zip(phrase, tones, strict=True))
         ]
         rows.append(((*cells, Cell(role, "tag")), (role,)))
     grid = Grid(
@@ -138,8 +140,8 @@ def _measured(found: Identified) -> tuple[Block, ...]:
         "computed: at the likeliest point; 2.5 and 97.5 % over what is left open",
     )
     far_off = odd(found)
-    said = ", ".join(f"{datum_words(one.datum)} ({one.percentile:.1f})" for one in far_off[:8])
-    told = (
+    said = ", ".join(f"{datum_label(one.datum)} ({one.percentile:.1f})" for one in far_off[:8])
+    reported = (
         (
             text(
                 f"Outside {ODD[0]} to {ODD[1]} % of their predictions: {said}{' and more' if len(far_off) > 8 else ''}.",
@@ -151,7 +153,7 @@ def _measured(found: Identified) -> tuple[Block, ...]:
     )
     return (
         *figure_or_gap("measured against predicted", dots_chart, found),
-        *told,
+        *reported,
         grid,
         *_conflicts(found),
         *_predictions(found),
@@ -161,14 +163,14 @@ def _measured(found: Identified) -> tuple[Block, ...]:
 def _conflicts(found: Identified) -> tuple[Block, ...]:
     """What meeting a missed measurement costs the others."""
     tones = ("", "number bad", "number", "number", "")
-    rows = tuple((tuple(map(Cell, conflict_words(one), tones)), ()) for one in found.conflicts)
+    rows = tuple((tuple(map(Cell, conflict_cells(one), tones)), ()) for one in found.conflicts)
     return (Grid(CONFLICTS, rows, caption=_CONFLICTS),) if rows else ()
 
 
 def _predictions(found: Identified) -> tuple[Block, ...]:
     """What was computed and not measured."""
     tones = ("", "number", "number", "number", "number", "")
-    rows = tuple((tuple(map(Cell, prediction_words(one), tones)), ()) for one in found.predictions)
+    rows = tuple((tuple(map(Cell, prediction_cells(one), tones)), ()) for one in found.predictions)
     return (
         (
             Grid(
@@ -180,11 +182,11 @@ def _predictions(found: Identified) -> tuple[Block, ...]:
     )
 
 
-def _told(found: Identified) -> tuple[Block, ...]:
+def _reported(found: Identified) -> tuple[Block, ...]:
     heads = ("measurement", *(name.replace("_", " ") for name in found.names))
     blocks: list[Block] = []
     for number, branch in enumerate(found.branches, start=1):
-        told = branch.information
+        reported = branch.information
         grids = tuple(
             Grid(
                 heads,
@@ -193,11 +195,11 @@ def _told(found: Identified) -> tuple[Block, ...]:
                     for row in rows
                 ),
                 (),
-                words,
+                phrase,
             )
-            for rows, words in (
-                (share_rows(branch, told.brought), _BROUGHT),
-                (share_rows(branch, told.lost), _LOST),
+            for rows, phrase in (
+                (share_rows(branch, reported.brought), _BROUGHT),
+                (share_rows(branch, reported.lost), _LOST),
             )
         )
         blocks += grids if number == 1 else [Details(f"branch {number}", grids)]
@@ -210,7 +212,7 @@ def _priors(found: Identified) -> Grid:
             (
                 Cell(one.name.replace("_", " ")),
                 Cell(one.prior.kind),
-                Cell(prior_words(one.prior, one.unit)),
+                Cell(prior_text(one.prior, one.unit)),
                 Cell(unit_text(one.unit)),
                 Cell(one.prior.source, "quiet"),
             ),
@@ -225,7 +227,7 @@ PAGE, DRAWS = "report.html", "draws.nc"
 
 
 def identification_json(found: Identified) -> dict[str, Any]:
-    """The JSON answer: every number that has a unit beside its unit, SI."""
+    """The JSON answer: every number that has a unit with its unit, SI."""
     units = {one.name: si_unit(one.unit) for one in found.unknowns}
     spread = {
         "best": "best",
@@ -242,7 +244,7 @@ def identification_json(found: Identified) -> dict[str, Any]:
                 name: _each(one, spread, units[name]) for name, one in branch.quantities.items()
             },
             "correlation": branch.correlation,
-            "told": dict(zip(found.names, branch.information.told.tolist(), strict=True)),
+            "told": dict(zip(found.names, branch.information.determined.tolist(), strict=True)),
             "brought_by": _by_measurement(found, branch, branch.information.brought),
             "lost_without": _by_measurement(found, branch, branch.information.lost),
         }
@@ -302,7 +304,7 @@ def identification_json(found: Identified) -> dict[str, Any]:
         "profiles": profiles,
         "warnings": list(found.warnings),
         "evaluations": found.evaluations,
-        "kept_from_before": found.kept,
+        "kept_from_before": found.reused,
     }
 
 
@@ -341,8 +343,8 @@ def draws_image(found: Identified) -> bytes:
     draws; ends in a checksum.
     """
 
-    def over(values: Any, words: str, unit: str = "1") -> Variable:
-        return Variable(("draw",), np.asarray(values), {"units": unit, "long_name": words})
+    def over(values: Any, phrase: str, unit: str = "1") -> Variable:
+        return Variable(("draw",), np.asarray(values), {"units": unit, "long_name": phrase})
 
     units = {one.name: si_unit(one.unit) for one in found.unknowns} | {
         one.datum.key: si_unit(one.datum.unit) for one in found.predicted

@@ -7,10 +7,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from valvetrain.explore.data import Datum
 from valvetrain.explore.identified import Branch, Conflict, Identified, Predicted, Prediction
-from valvetrain.explore.posterior import Unknown
-from valvetrain.explore.prior import Prior
+from valvetrain.explore.posterior import Datum, Unknown
+from valvetrain.explore.space import Prior
 from valvetrain.report.text import number, unit_text
 from valvetrain.units import unit_factor
 
@@ -28,7 +27,7 @@ def shown(value: float, unit: str, digits: int = 5) -> str:
     return number(float(value) / unit_factor(unit), digits)
 
 
-def prior_words(prior: Prior, unit: str) -> str:
+def prior_text(prior: Prior, unit: str) -> str:
     """A prior in one phrase."""
     low, high = (shown(end, unit, 4) for end in (prior.low, prior.high))
     if prior.flat:
@@ -49,22 +48,22 @@ def found_rows(found: Identified, branch: Branch) -> list[tuple[str, ...]]:
     variance the data remove.
     """
     rows = []
-    for place, one in enumerate(found.unknowns):
-        interval, told = branch.quantities[one.name], branch.information.told[place]
+    for index, one in enumerate(found.unknowns):
+        interval, reported = branch.quantities[one.name], branch.information.determined[index]
         ends = (shown(value, one.unit) for value in (interval.best, interval.low, interval.high))
         rows.append(
             (
-                _words(one.name),
+                _plain_name(one.name),
                 *ends,
                 unit_text(one.unit),
-                prior_words(one.prior, one.unit),
-                f"{100 * told:.0f} %",
+                prior_text(one.prior, one.unit),
+                f"{100 * reported:.0f} %",
             )
         )
     return rows
 
 
-def measured_words(one: Predicted) -> tuple[str, ...]:
+def measured_cells(one: Predicted) -> tuple[str, ...]:
     """Cells under :data:`MEASURED`."""
     datum = one.datum
     values = (
@@ -72,20 +71,20 @@ def measured_words(one: Predicted) -> tuple[str, ...]:
         for value in (datum.value, datum.scatter, one.best, one.low, one.high)
     )
     return (
-        datum_words(datum),
+        datum_label(datum),
         *values,
         unit_text(datum.unit),
         "–" if np.isnan(one.percentile) else f"{one.percentile:.1f}",
     )
 
 
-def conflict_words(one: Conflict) -> tuple[str, ...]:
+def conflict_cells(one: Conflict) -> tuple[str, ...]:
     """Cells under :data:`CONFLICTS`."""
-    instead = ", ".join(f"{datum_words(datum)} ({off:+.1f})" for datum, off in one.instead) or (
+    instead = ", ".join(f"{datum_label(datum)} ({off:+.1f})" for datum, off in one.instead) or (
         "nothing more" if one.meeting else "–"
     )
     return (
-        datum_words(one.datum),
+        datum_label(one.datum),
         f"{one.off:+.1f}",
         f"{one.meeting} points",
         f"{one.cost:.3g}" if one.meeting else "–",
@@ -93,34 +92,34 @@ def conflict_words(one: Conflict) -> tuple[str, ...]:
     )
 
 
-def prediction_words(one: Prediction) -> tuple[str, ...]:
+def prediction_cells(one: Prediction) -> tuple[str, ...]:
     """Cells under :data:`PREDICTED`."""
     return (
-        _words(one.key),
+        _plain_name(one.key),
         *(shown(value, one.unit) for value in (one.best, one.low, one.middle, one.high)),
         unit_text(one.unit),
     )
 
 
-def datum_words(datum: Datum) -> str:
+def datum_label(datum: Datum) -> str:
     """A measurement as a line begins with it; its key where the name does not tell which of several
     values it is.
     """
-    words, key = _words(datum.measurement or datum.key), datum.key.replace("_", " ")
-    return words if datum.measurement in ("", datum.key) else f"{words}: {key}"
+    phrase, key = _plain_name(datum.measurement or datum.key), datum.key.replace("_", " ")
+    return phrase if datum.measurement in ("", datum.key) else f"{phrase}: {key}"
 
 
 def share_rows(branch: Branch, shares: NDArray[np.float64]) -> list[tuple[str, ...]]:
     """Measurement by quantity: shares in per cent, a dot for none."""
     return [
-        (_words(name), *(f"{100 * share:.0f}" if share >= 0.005 else "·" for share in row))
+        (_plain_name(name), *(f"{100 * share:.0f}" if share >= 0.005 else "·" for share in row))
         for name, row in zip(branch.information.measurements, shares, strict=True)
     ]
 
 
 def facts(found: Identified) -> tuple[tuple[str, str], ...]:
     """What a reader wants first."""
-    before = f" and {found.kept} before" if found.kept else ""
+    before = f" and {found.reused} before" if found.reused else ""
     rows = [
         ("method", found.method),
         ("branches", str(len(found.branches))),
@@ -152,9 +151,9 @@ def odd(found: Identified) -> list[Predicted]:
 
 def title_of(one: Unknown) -> str:
     """A quantity with its unit, as an axis has it."""
-    return f"{_words(one.name)}{f' ({unit_text(one.unit)})' if one.unit else ''}"
+    return f"{_plain_name(one.name)}{f' ({unit_text(one.unit)})' if one.unit else ''}"
 
 
-def _words(name: str) -> str:
-    words = name.replace("_", " ")
-    return words[:1].upper() + words[1:]
+def _plain_name(name: str) -> str:
+    phrase = name.replace("_", " ")
+    return phrase[:1].upper() + phrase[1:]

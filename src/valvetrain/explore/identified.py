@@ -6,23 +6,27 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from valvetrain.errors import InputError
-from valvetrain.explore.data import Datum
-from valvetrain.explore.draws import Information
+from valvetrain.errors import InputError, MissingExtraError
+from valvetrain.explore.draws import Information, even_draws
 from valvetrain.explore.least_squares import Profile
-from valvetrain.explore.posterior import Outcome, Posterior, Unknown
+from valvetrain.explore.posterior import Datum, Outcome, Posterior, Unknown
 from valvetrain.solution.display import table
+
+if TYPE_CHECKING:
+    import xarray
 
 Array = NDArray[np.float64]
 #: Scatters within which a datum is met.
 MET = 2.0
 #: Points that are looked at together: a curve of many data over many points would fill the memory.
 _TOGETHER = 2000
-#: Values are kept as they were computed: one on a bound may lie beyond it by rounding.
+#: Values are stored as they were computed: one on a bound may lie beyond it by rounding.
 _ROUNDING = 1e-9
 
 
@@ -60,7 +64,7 @@ def conflicts_of(
     Examples
     --------
     >>> from valvetrain.explore.posterior import Unknown
-    >>> from valvetrain.explore.prior import Prior
+    >>> from valvetrain.explore.space import Prior
     >>> data = (Datum("load", 280.0, 2.0), Datum("same load", 300.0, 2.0), Datum("rate", 40e3, 9e3))
     >>> posterior = Posterior((Unknown("rate", Prior("uniform", 20e3, 60e3)),), data, lambda points: [])
     >>> points = [(np.array([rate]), {"load": 7e-3 * rate, "same load": 7e-3 * rate, "rate": rate}) for rate in range(36000, 46000, 100)]
@@ -118,14 +122,14 @@ def _inside(posterior: Posterior, values: Array) -> bool:
 
 def _deviations(posterior: Posterior, points: Sequence[tuple[Array, Outcome]]) -> Array:
     """Misses (points, data) of the fitted data in scatters; NaN where a point lacks one."""
-    told = np.array(
+    reported = np.array(
         [
             [np.nan if outcome is None else outcome.get(one.key, np.nan) for one in posterior.used]
             for _, outcome in points
         ]
     )
     return np.column_stack(
-        [one.deviation(told[:, place]) for place, one in enumerate(posterior.used)]
+        [one.deviation(reported[:, place]) for place, one in enumerate(posterior.used)]
     )
 
 
@@ -161,13 +165,13 @@ def _instead(
         for place in range(len(data))
         if place != met and abs(other[place]) > max(MET, abs(own[place]) + 1.0)
     ]
-    kept = _worst(data, {place: float(other[place]) for place in worse})
+    retained = _worst(data, {place: float(other[place]) for place in worse})
     return tuple(
-        (data[place], off) for place, off in sorted(kept.items(), key=lambda one: -abs(one[1]))
+        (data[place], off) for place, off in sorted(retained.items(), key=lambda one: -abs(one[1]))
     )
 
 
-#: Ends of the intervals that are told (percent).
+#: Ends of the intervals (percent).
 LOW, HIGH = 2.5, 97.5
 
 
@@ -199,7 +203,7 @@ class Branch:
 
 @dataclass(frozen=True, slots=True)
 class Predicted:
-    """A measurement beside its prediction (SI): computed at the ``best`` point, 2.5, 50 and 97.5 %
+    """A measurement and its prediction (SI): computed at the ``best`` point, 2.5, 50 and 97.5 %
     of the computed values over the
     posterior, and the ``percentile`` at which the measured value lies among what would be measured
     (0 to 100)."""
@@ -214,7 +218,7 @@ class Predicted:
 
 @dataclass(frozen=True, slots=True)
 class Prediction:
-    """A computed number that nobody measured (SI; shown in ``unit``): at the ``best`` point, and
+    """A computed number that was not measured (SI; shown in ``unit``): at the ``best`` point, and
     2.5, 50 and 97.5 % over the posterior.
     """
 
@@ -232,11 +236,11 @@ class Identified:
 
     ``branches``, the most probable first; ``values`` (draw, quantity) with ``weights`` (draw) and
     ``branch_of`` (draw); ``predicted``:
-    every measurement beside its prediction; ``predictions`` of what was not measured;
+    every measurement with its prediction; ``predictions`` of what was not measured;
     ``conflicts``: what meeting a missed measurement
     costs the others; ``computed``: each computed quantity over the draws; ``log_evidence`` with its
     error (NaN where it was not found);
-    ``notes`` on the search; ``evaluations``: points that were computed, beside those ``kept`` of an
+    ``notes`` on the search; ``evaluations``: points that were computed, ``reused``: those of an
     earlier start; ``whole``: False where
     it was cut short.
 
@@ -265,7 +269,7 @@ class Identified:
     profiles: tuple[Profile, ...] = ()
     notes: tuple[str, ...] = ()
     evaluations: int = 0
-    kept: int = 0
+    reused: int = 0
     whole: bool = True
     wall_time: float = field(default=0.0, compare=False)
     name: str = ""
@@ -277,6 +281,11 @@ class Identified:
         return tuple(one.name for one in self.unknowns)
 
     @property
+    def kept(self) -> int:
+        """:attr:`reused` by its earlier name."""
+        return self.reused
+
+    @property
     def best(self) -> Mapping[str, float]:
         """The likeliest point of the most probable branch, by quantity."""
         return {name: one.best for name, one in self.branches[0].quantities.items()}
@@ -284,7 +293,7 @@ class Identified:
     @property
     def warnings(self) -> tuple[str, ...]:
         """Sentences on what the data do not tell, and on the search."""
-        found = [words for branch in self.branches for words in branch.information.warnings]
+        found = [phrase for branch in self.branches for phrase in branch.information.warnings]
         return tuple(dict.fromkeys((*found, *self.notes)))
 
     def percentile(self, measurement: str) -> float:
@@ -297,6 +306,36 @@ class Identified:
                 f"{len(fits) or 'no'} measured values are called '{measurement[:60]}'; look through 'predicted'"
             )
         return fits[0].percentile
+
+    def to_xarray(self) -> xarray.Dataset:
+        """A Dataset over draw: the quantities (SI), the weight and branch of each draw, and every
+        computed number.
+        """
+        import xarray
+
+        columns: dict[str, Any] = dict(zip(self.names, self.values.T, strict=True))
+        columns |= {f"computed {name}": values for name, values in self.computed.items()}
+        columns |= {"weight": self.weights, "branch": self.branch_of}
+        data = {name: ("draw", values) for name, values in columns.items()}
+        return xarray.Dataset(data, attrs={"method": self.method, "title": self.name})
+
+    def to_arviz(self, draws: int = 1000, seed: int = 1) -> Any:
+        """About ``draws`` equally weighted draws of the posterior as ArviZ takes them. Raises
+        :class:`MissingExtraError` where ArviZ is not installed.
+        """
+        try:
+            arviz: Any = import_module("arviz")
+        except ImportError as error:
+            raise MissingExtraError(
+                "arviz is not installed; install it with pip install arviz"
+            ) from error
+        index, counts = even_draws(self.weights, draws, seed)
+        rows = np.repeat(self.values[index], counts, axis=0)
+        posterior = {name: rows[None, :, k] for k, name in enumerate(self.names)}
+        try:
+            return arviz.from_dict({"posterior": posterior})
+        except TypeError:  # before ArviZ 1.0
+            return arviz.from_dict(posterior=posterior)
 
     def __repr__(self) -> str:
         count = len(self.branches)

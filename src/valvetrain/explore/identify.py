@@ -1,4 +1,6 @@
-"""What a program calls: an identification from a file, or of a computation of one's own."""
+"""``valvetrain.identify`` and the calibration of an experiment: from a file, or of a computation of
+one's own.
+"""
 
 from __future__ import annotations
 
@@ -12,31 +14,34 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from valvetrain.errors import InputError
-from valvetrain.explore.data import Datum
+from valvetrain.errors import InputError, RunFailedError
+from valvetrain.explore.case_paths import nominal
 from valvetrain.explore.draws import Report, silent
+from valvetrain.explore.engine import Engine, Evaluation
+from valvetrain.explore.executors import executor_for
 from valvetrain.explore.identification_file import Request, Search, read_request
 from valvetrain.explore.identified import Identified
 from valvetrain.explore.observe import CaseEvaluator, Observed, numbers_at, observe
-from valvetrain.explore.plan import nominal
-from valvetrain.explore.posterior import Evaluate, Outcome, Posterior, Unknown
-from valvetrain.explore.prior import Prior
-from valvetrain.explore.solve import Journal, solve
-from valvetrain.explore.store import versions_digest
+from valvetrain.explore.outputs import Outcome as PointOutcome
+from valvetrain.explore.posterior import Datum, Evaluate, Outcome, Posterior, Unknown
+from valvetrain.explore.solve import solve
+from valvetrain.explore.space import Prior, Varied
+from valvetrain.explore.store import Store, versions_digest
+from valvetrain.explore.study import seconds_of
 from valvetrain.parameters.changes import nearest
 from valvetrain.registry import find
-from valvetrain.runs.cost import Cost, Limits, read_limits, refuse_cost
-from valvetrain.runs.workers import StandingPool, available_cores
+from valvetrain.runs.cost import Cost, Limits, limits_of, refuse_cost
+from valvetrain.runs.workers import LOST, LOST_REMEDY, StandingPool, available_cores
 
 Array = NDArray[np.float64]
-#: Points of the priors that are tried until one can be computed; bytes of a point that is kept and
+#: Points of the priors that are tried until one can be computed; bytes of a stored point and
 #: of each of its numbers.
 TRIED, POINT_BYTES, NUMBER_BYTES = 40, 1000.0, 150.0
 #: Work (s of each worker) that a kill may cost at most.
 LOST_SECONDS = 5.0
 #: Times a point is timed, for the first may wait for kernels.
 ROUNDS = 3
-#: Told what the request will cost, in words, before it begins, and its seconds.
+#: Called with the estimated cost as text and in seconds before the start.
 TellCost = Callable[[str, float], None]
 
 
@@ -64,10 +69,10 @@ def identify(
         one that is impossible
     search : method and its options; those of the file by default
     profiles : quantities whose profile is computed
-    folder : where computed points are kept as they come, so that an identification that is started
-        again goes on; none by default
+    folder : store of the computed points, where an identification that is started again
+        continues; none by default
     workers : points at a time of a file's case; results do not depend on it
-    progress : told the share done and what was done
+    progress : called with the share done and a text
     limit : largest estimated time and memory, such as "2 h, 8 GB"; 10 min and 2 GB by default, of a
         file alone
 
@@ -99,7 +104,7 @@ def identify(
                 "a computation is missing; give evaluate, or the path of an identification file"
             )
         unknowns = tuple(Unknown(name, prior) for name, prior in quantities.items())
-        with Journal(place, repr((unknowns, tuple(measurements)))) as journal:
+        with Store(place, repr((unknowns, tuple(measurements)))) as journal:
             posterior = Posterior(unknowns, tuple(measurements), journal.through(evaluate))
             return solve(
                 posterior, search, journal, profiles=tuple(profiles), report=progress or silent
@@ -112,9 +117,77 @@ def identify(
         folder=place,
         workers=workers,
         report=progress or silent,
-        limits=read_limits((limit,) if limit else (), "limit"),
+        limits=limits_of(limit),
         option="limit=",
     )
+
+
+def calibrate(
+    experiment: Evaluation,
+    measurements: tuple[Datum, ...],
+    search: Search | None,
+    profiles: tuple[str, ...],
+    *,
+    workers: int | None = None,
+    dask: str = "",
+    output: str | os.PathLike[str] | None = None,
+    limit: str = "",
+    progress: Report | None = None,
+) -> Identified:
+    """The quantities of an experiment that agree with measurements; see
+    :meth:`valvetrain.Experiment.calibrate`.
+    """
+    search, space, runs = search or Search(), experiment.space, experiment.runs
+    names = experiment.outputs.quantities
+    known = [experiment.key_of_output(name, run) for run in runs for name in names]
+    for one in measurements:
+        if one.key not in known:
+            raise InputError(
+                f"no output is called '{one.key[:80]}'; {nearest(one.key, tuple(known))}"
+            )
+    unknowns = tuple(Unknown(one.name, _prior_of(one), one.unit) for one in space)
+    count = available_cores() if workers is None else workers
+    points = search.evaluations_of(len(unknowns), len(profiles))
+    seconds = points * sum(seconds_of(experiment, run) for run in runs)
+    cost = Cost(seconds / max(count, 1), points * (POINT_BYTES + NUMBER_BYTES * len(known)))
+    refuse_cost(cost, limits_of(limit), "limit=")
+    folder = None if output is None else Path(output)
+    with Engine((experiment,), executor_for(count, dask), folder) as engine, Store(None) as seen:
+
+        def evaluate(points: Array) -> list[Outcome]:
+            request = [
+                (experiment, tuple(row), run) for row in np.asarray(points).tolist() for run in runs
+            ]
+            outcomes = engine.outcomes(request)
+            if any(one.status.code == "worker-lost" for one in outcomes):
+                raise RunFailedError(f"a point is lost: {LOST}; {LOST_REMEDY}")
+            return [
+                _together(experiment, outcomes[first : first + len(runs)])
+                for first in range(0, len(outcomes), len(runs))
+            ]
+
+        correlation = None if space.correlation is None else np.array(space.correlation)
+        posterior = Posterior(unknowns, measurements, seen.through(evaluate), correlation)
+        before = engine.store.before
+        found = solve(posterior, search, seen, profiles=profiles, report=progress or silent)
+        return replace(found, evaluations=engine.computed, reused=before)
+
+
+def _prior_of(one: Varied) -> Prior:
+    if not isinstance(one.distribution, Prior):
+        raise InputError("is a list of values, which is no prior; give a distribution", one.name)
+    return one.distribution
+
+
+def _together(experiment: Evaluation, outcomes: Sequence[PointOutcome]) -> Outcome:
+    """The numbers of all runs of a point by their keys; None where one did not complete."""
+    if not all(one.status.completed for one in outcomes):
+        return None
+    return {
+        experiment.key_of_output(name, run): value
+        for run, one in zip(experiment.runs, outcomes, strict=True)
+        for name, value in one.values.items()
+    }
 
 
 def identify_request(
@@ -125,9 +198,9 @@ def identify_request(
     report: Report = silent,
     limits: Limits = Limits(),
     option: str = "--limit ",
-    tell: TellCost = lambda words, seconds: None,
+    tell: TellCost = lambda phrase, seconds: None,
 ) -> Identified:
-    """The identification of a file; arguments as :func:`identify`, ``tell`` is told the estimated
+    """The identification of a file; arguments as :func:`identify`, ``tell`` is called with the estimated
     cost.
 
     Raises :class:`InputError` where the estimate is beyond ``limits`` (the message names
@@ -137,10 +210,12 @@ def identify_request(
     if count < 1:
         raise InputError(f"workers must be 1 or more; it is {count}", "--workers")
     with (
-        Journal(folder, f"{request.identity} {versions_digest()}") as journal,
+        Store(folder, f"{request.identity} {versions_digest()}") as journal,
         evaluators_of(request, count) as (evaluate, compare),
     ):
-        posterior = Posterior(request.unknowns, request.data, journal.through(evaluate))
+        posterior = Posterior(
+            request.unknowns, request.data, journal.through(evaluate), request.correlation
+        )
         begin = np.array([values_of_case(request)]) if request.from_case else None
         seconds = _try(request, posterior, evaluate)
         journal.at_a_time = count * max(1, round(LOST_SECONDS / max(seconds, 1e-6)))
@@ -154,15 +229,18 @@ def identify_request(
             else (request.search.draws + 1)
             * _timed(compare, posterior.values(posterior.centre[None, :]))
         )
-        told = refuse_cost(
+        reported = refuse_cost(
             Cost(
                 (left * seconds + later) / count,
-                points * (POINT_BYTES + NUMBER_BYTES * len(request.sought)),
+                points * (POINT_BYTES + NUMBER_BYTES * len(request.targets)),
             ),
             limits,
             option,
         )
-        tell(f"{told} ({left} points of {1e3 * seconds:.3g} ms)", (left * seconds + later) / count)
+        tell(
+            f"{reported} ({left} points of {1e3 * seconds:.3g} ms)",
+            (left * seconds + later) / count,
+        )
         compared = None if compare is None else journal.through(compare, b"compared")
         return solve(
             posterior,
@@ -173,7 +251,7 @@ def identify_request(
             name=request.name,
             report=report,
             compare=compared,
-            units={one.key: one.unit for one in request.sought},
+            units={one.key: one.unit for one in request.targets},
         )
 
 
@@ -190,7 +268,7 @@ def evaluators_of(request: Request, workers: int) -> Iterator[tuple[Evaluate, Ev
             yield lambda points: pool.map([tuple(map(float, point)) for point in points]), None
         return
     first, later = request.parts
-    every = tuple(Observed(request.case, request.varied, sought) for sought in (first, later))
+    every = tuple(Observed(request.case, request.varied, targets) for targets in (first, later))
     with StandingPool(observe, every, workers) as pool:
         yield CaseEvaluator(pool, 0), CaseEvaluator(pool, 1) if later else None
 
@@ -252,7 +330,7 @@ def _refuse_keys(request: Request, values: Array) -> None:
     """Raise where a key or a word is wrong, which no other values mend."""
     if request.evaluator:
         return
-    observed = Observed(request.case, request.varied, request.sought)
+    observed = Observed(request.case, request.varied, request.targets)
     for row, value in zip(observed.varied, values, strict=True):
         for one in row:
             try:
@@ -269,11 +347,11 @@ def _refuse_keys(request: Request, values: Array) -> None:
 def _why(request: Request, posterior: Posterior) -> str:
     if request.evaluator:
         return "; narrow the priors to what is possible"
-    observed = Observed(request.case, request.varied, request.sought)
+    observed = Observed(request.case, request.varied, request.targets)
     try:
         case = observed.case_at(posterior.values(posterior.centre[None, :])[0])
         for station in observed.stations:
-            numbers_at(case, station, observed.sought)
+            numbers_at(case, station, observed.targets)
     except Exception as error:
         return f", at their middle because: {error}"
     return "; narrow the priors to what is possible"

@@ -68,60 +68,65 @@ def identify(
     solutions. A cut search is resumed.
     """
     from valvetrain.explore.identification_file import read_request
-    from valvetrain.explore.solve import NAME
+    from valvetrain.explore.store import FILE
     from valvetrain.runs.cost import read_limits
     from valvetrain.runs.run_folders import ROOT, safe_name
 
-    take_folder(output, NAME)
+    take_folder(output, FILE)
     request = read_request(file)
-    asked: dict[str, Any] = {"method": method} if method else {}
+    requested: dict[str, Any] = {"method": method} if method else {}
     if seed is not None:
-        asked["seed"] = seed
+        requested["seed"] = seed
     try:
         request = replace(
             request,
-            search=replace(request.search, **asked),
+            search=replace(request.search, **requested),
             profiles=read_names(profile) or request.profiles,
         )
     except InputError as error:
         raise InputError(error.reason, f"--{error.where}") from None
     points = output or ROOT / safe_name(request.case.name) / f"points-{request.identity[:12]}"
-    kept = SavedRequest(
+    retained = SavedRequest(
         "identify", request.case, output, datetime.now(UTC).replace(microsecond=0), file.parent
     )
-    _answer(request, kept, points, read_workers(workers), read_limits(limit), open_page)
+    _answer(request, retained, points, read_workers(workers), read_limits(limit), open_page)
 
 
 def _answer(
-    request: Request, kept: SavedRequest, points: Path, workers: int, limits: Any, open_page: bool
+    request: Request,
+    retained: SavedRequest,
+    points: Path,
+    workers: int,
+    limits: Any,
+    open_page: bool,
 ) -> None:
     from valvetrain.cli.guard import interrupted
     from valvetrain.cli.outcome import Outcome, deliver, tell
     from valvetrain.cli.progress import busy, progress_bar
     from valvetrain.explore.identification_page import identification_json, write_identification
     from valvetrain.explore.identify import identify_request
-    from valvetrain.explore.solve import NAME
+    from valvetrain.explore.store import FILE
     from valvetrain.solution.atomic import is_abandoned
 
-    def told(words: str, seconds: float) -> None:
+    def reported(phrase: str, seconds: float) -> None:
         if seconds > WORTH_SAYING:
-            tell(f"this will take {words}")
+            tell(f"this will take {phrase}")
 
     try:
         with progress_bar(request.name) as report:
             found = identify_request(
-                request, folder=points, workers=workers, report=report, limits=limits, tell=told
+                request, folder=points, workers=workers, report=report, limits=limits, tell=reported
             )
     except KeyboardInterrupt:
         interrupted(
-            f"interrupted: the points computed so far are kept in '{points}'; start the command again to go on"
+            f"interrupted: the points computed so far are stored in '{points}'; start the command again to continue"
         )
         raise
     except InputError:
-        with suppress(OSError):  # nothing was computed, so nothing is kept
-            journal = points / NAME
+        with suppress(OSError):  # nothing was computed, so nothing is stored
+            journal = points / FILE
             if (
-                not kept.output
+                not retained.output
                 and is_abandoned(journal)
                 and sum(1 for _ in journal.open("rb")) <= 1
             ):
@@ -140,10 +145,10 @@ def _answer(
         deliver(Outcome(data, lambda console: _show(console, found, points)))
         raise typer.Exit(
             interrupted(
-                f"interrupted: what was computed is kept in '{points}'; start the command again to go on"
+                f"interrupted: what was computed is stored in '{points}'; start the command again to continue"
             )
         )
-    folder, files = _keep(request, kept, points, found, data)
+    folder, files = _keep(request, retained, points, found, data)
     data |= {"folder": str(folder), "files": files, "page": str(folder / "report.html")}
     if open_page:
         show_page(folder / "report.html")
@@ -151,19 +156,19 @@ def _answer(
 
 
 def _keep(
-    request: Request, kept: SavedRequest, points: Path, found: Identified, data: dict[str, Any]
+    request: Request, retained: SavedRequest, points: Path, found: Identified, data: dict[str, Any]
 ) -> tuple[Path, list[str]]:
     from valvetrain.cli.progress import busy
     from valvetrain.explore.identification_page import write_identification
-    from valvetrain.explore.solve import NAME
+    from valvetrain.explore.store import FILE
     from valvetrain.solution.atomic import write_text
 
     def fill(folder: Path) -> list[Path]:
         written = [write_text(folder / "identification.toml", request.text)]
         if folder.resolve() != points.resolve():
-            shutil.move(str(points / NAME), folder / NAME)
+            shutil.move(str(points / FILE), folder / FILE)
             shutil.rmtree(points, ignore_errors=True)
-        return [*written, folder / NAME, *write_identification(found, folder, request.title)]
+        return [*written, folder / FILE, *write_identification(found, folder, request.title)]
 
     choices = {
         "identification": request.text,
@@ -172,7 +177,7 @@ def _keep(
         "profiles": list(request.profiles),
     }
     with busy("writing files"):
-        return keep_run(kept, request.case.record().text, choices, data, fill)
+        return keep_run(retained, request.case.record().text, choices, data, fill)
 
 
 def _show(console: Console, found: Identified, folder: Path) -> None:
@@ -182,11 +187,11 @@ def _show(console: Console, found: Identified, folder: Path) -> None:
         FOUND,
         MEASURED,
         PREDICTED,
-        conflict_words,
+        conflict_cells,
         facts,
         found_rows,
-        measured_words,
-        prediction_words,
+        measured_cells,
+        prediction_cells,
     )
 
     for number, branch in enumerate(found.branches, start=1):
@@ -196,25 +201,25 @@ def _show(console: Console, found: Identified, folder: Path) -> None:
         console.print()
     console.print(
         plain_table(
-            MEASURED, [measured_words(one) for one in found.predicted], right=(1, 2, 3, 4, 5, 7)
+            MEASURED, [measured_cells(one) for one in found.predicted], right=(1, 2, 3, 4, 5, 7)
         )
     )
     console.print()
     if found.conflicts:
         console.print(
             plain_table(
-                CONFLICTS, [conflict_words(one) for one in found.conflicts], right=(1, 2, 3)
+                CONFLICTS, [conflict_cells(one) for one in found.conflicts], right=(1, 2, 3)
             )
         )
         console.print()
     if found.predictions:
         console.print(
             plain_table(
-                PREDICTED, [prediction_words(one) for one in found.predictions], right=(1, 2, 3, 4)
+                PREDICTED, [prediction_cells(one) for one in found.predictions], right=(1, 2, 3, 4)
             )
         )
         console.print()
-    console.print("; ".join(f"{name} {words}" for name, words in facts(found)), soft_wrap=True)
-    for words in found.warnings:
-        console.print(f"{words[:1].upper()}{words[1:]}.", soft_wrap=True)
+    console.print("; ".join(f"{name} {phrase}" for name, phrase in facts(found)), soft_wrap=True)
+    for phrase in found.warnings:
+        console.print(f"{phrase[:1].upper()}{phrase[1:]}.", soft_wrap=True)
     console.print(f"results in {folder}", soft_wrap=True)

@@ -78,18 +78,18 @@ def least_squares(
     damping, done, steps = 1.0, 0, np.full(len(work), step or FIRST_STEP)
     for done in range(1, iterations + 1):
         jacobian = differences(posterior, work, outcome, steps, chosen)
-        whole = np.vstack([jacobian, _prior_rows(posterior)])[:, chosen]
+        whole = np.vstack([jacobian, posterior.prior_rows])[:, chosen]
         normal, gradient = whole.T @ whole, whole.T @ misses
         tried = [max(damping, MIN_DAMPING) * 10.0**power for power in TRIALS]
-        places = np.tile(work, (len(tried), 1))
-        for row, one in zip(places, tried, strict=True):
+        indices = np.tile(work, (len(tried), 1))
+        for row, one in zip(indices, tried, strict=True):
             row[chosen] -= spread[chosen] * np.linalg.solve(
                 normal + one * np.eye(len(gradient)), gradient
             )
-        places = np.clip(places, low, high)
+        indices = np.clip(indices, low, high)
         best: tuple[Array, Outcome, Array] | None = None
         least = float(misses @ misses)
-        for one, place, found in zip(tried, places, posterior.at(places).outcomes, strict=True):
+        for one, place, found in zip(tried, indices, posterior.at(indices).outcomes, strict=True):
             off = _misses(posterior, found, place)
             if off is not None and off @ off < (least if best is None else best[2] @ best[2]):
                 best, damping = (place, found, off), one
@@ -115,7 +115,7 @@ def covariance_of(posterior: Posterior, jacobian: Array) -> Array:
     """Covariance of the working coordinates: inverse of the data's and the priors' information (a
     flat prior by its spread).
     """
-    information = jacobian.T @ jacobian + np.eye(jacobian.shape[1])
+    information = jacobian.T @ jacobian + posterior.precision
     return np.asarray(np.linalg.inv(information) * np.outer(posterior.spread, posterior.spread))
 
 
@@ -156,17 +156,12 @@ def _misses(posterior: Posterior, outcome: Outcome, work: Array) -> Array | None
     return None if off is None else np.concatenate([off, posterior.pulls(work)])
 
 
-def _prior_rows(posterior: Posterior) -> Array:
-    """Slopes of :meth:`Posterior.pulls` by quantities in standard deviations of their priors."""
-    return np.diag([0.0 if one.prior.flat else 1.0 for one in posterior.unknowns])
-
-
 def _steps(jacobian: Array, posterior: Posterior, chosen: Array) -> Array:
     """A tenth of what the data leave open of each quantity were the others known, in standard
     deviations of the prior.
     """
-    told = np.sqrt(np.sum(jacobian**2, axis=0) + 1.0)
-    return np.where(chosen, np.clip(LATER_STEP / told, MIN_STEP, FIRST_STEP), FIRST_STEP)
+    reported = np.sqrt(np.sum(jacobian**2, axis=0) + 1.0)
+    return np.where(chosen, np.clip(LATER_STEP / reported, MIN_STEP, FIRST_STEP), FIRST_STEP)
 
 
 #: Branches of less than this share of the probability are left out.
@@ -212,23 +207,25 @@ def best_starts(posterior: Posterior, tried: Array, keep: int) -> Array:
 
 
 def ends_of(posterior: Posterior, peaks: list[Peak]) -> Ends:
-    """Peaks that are one branch are joined, the better one is kept; those without probability are
+    """Peaks that are one branch are joined, the better one remains; those without probability are
     left out.
     """
     ordered = sorted(peaks, key=lambda one: one.misfit)
     numbers = joined_peaks(posterior, np.array([one.work for one in ordered]))
-    kept = [ordered[numbers.index(number)] for number in range(max(numbers) + 1)]
-    evidence = np.array([_log_evidence(posterior, one) for one in kept])
+    retained = [ordered[numbers.index(number)] for number in range(max(numbers) + 1)]
+    evidence = np.array([_log_evidence(posterior, one) for one in retained])
     shares = np.exp(evidence - evidence.max())
     shares /= shares.sum()
     order = [
         place for place in np.argsort(-shares, kind="stable").tolist() if shares[place] >= MIN_SHARE
     ]
     total = float(evidence.max() + np.log(np.sum(np.exp(evidence - evidence.max()))))
-    return Ends(tuple(kept[place] for place in order), shares[order] / shares[order].sum(), total)
+    return Ends(
+        tuple(retained[place] for place in order), shares[order] / shares[order].sum(), total
+    )
 
 
-def places_of(
+def draws_of_peaks(
     posterior: Posterior, ends: Ends, count: int, seed: int
 ) -> tuple[Array, NDArray[np.int64], Array]:
     """About ``count`` draws (working coordinates) of the linearised posteriors within the bounds by
@@ -250,8 +247,8 @@ def linear_draws(
     """Draws of the linearised posteriors within the bounds, all of one weight, and the branch of
     each; how far they hold is noted.
     """
-    places, numbers, density = places_of(posterior, ends, count, seed)
-    at = posterior.at(places).log_posterior
+    indices, numbers, density = draws_of_peaks(posterior, ends, count, seed)
+    at = posterior.at(indices).log_posterior
     notes = []
     for number in range(len(ends.peaks)):
         here = numbers == number
@@ -263,8 +260,8 @@ def linear_draws(
                 f"the linearised posterior does not hold ({100 * holds:.0f} % of its draws tell); sample with nested or ensemble"
             )
     draws = Draws(
-        places,
-        np.full(len(places), 1.0 / len(places)),
+        indices,
+        np.full(len(indices), 1.0 / len(indices)),
         ends.log_evidence,
         np.nan,
         "linearised",

@@ -1,20 +1,20 @@
-"""What a search looks at in a design: quantities at its runs, speeds up to which a quantity stays
-within a bound; objectives, bounds.
+"""Measures of a design: one number from the runs of a quantity, or a limit speed; objectives and
+constraints on them.
 """
 
 from __future__ import annotations
 
-from collections.abc import Generator, Mapping, Sequence
+from collections.abc import Callable, Generator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
-from valvetrain.explore.plan import Run
-from valvetrain.explore.point import Outcome
+from valvetrain.explore.engine import Engine, Evaluation, PointJob
+from valvetrain.explore.outputs import LimitSearch, Outcome, Run
 from valvetrain.solution.definition import definition_of, not_given, shown
 
 #: How a search ended: a bracket was found; the bound is left at the lowest speed already; it is
-#: kept up to the highest one.
+#: met up to the highest one.
 FOUND, BELOW, BEYOND = "found", "below", "beyond"
 #: A rise over its neighbours this many times what a parabola through the three tells is thought
 #: possible between them.
@@ -23,25 +23,8 @@ Scan = Generator[list[float], list[float], "LimitFound"]
 
 
 @dataclass(frozen=True, slots=True)
-class LimitSearch:
-    """Keep ``quantity`` at or below (``upper``), or at or above, ``bound`` (SI), over
-    ``engine_speeds`` (rad/s, rising).
-
-    ``resolution`` (rad/s): width of the bracket at the end. ``share``: the bound is this share of
-    what the case has at the lowest speed.
-    """
-
-    quantity: str
-    upper: bool
-    bound: float
-    engine_speeds: tuple[float, ...]
-    resolution: float
-    share: float | None = None
-
-
-@dataclass(frozen=True, slots=True)
 class LimitFound:
-    """The bracket: the bound is kept up to ``low`` and left at ``high`` (rad/s); ``kind`` says
+    """The bracket: the bound is met up to ``low`` and exceeded at ``high`` (rad/s); ``kind`` says
     whether there is one.
 
     ``missed``: where the bound is left at the lowest speed already, by which share of it.
@@ -54,8 +37,8 @@ class LimitFound:
 
     @property
     def value(self) -> float:
-        """The limit speed (rad/s): the highest one at which the bound was seen kept; the lowest
-        looked at where there is none.
+        """The limit speed (rad/s): the highest one at which the bound was met; the lowest
+        searched where there is none.
         """
         return self.high if self.kind == BELOW else self.low
 
@@ -132,7 +115,7 @@ def _rise(
 #: Where a number comes from: springs at rest, runs at the speeds of the file, runs of a search for
 #: a limit speed.
 REST, RUNS, LIMIT = "rest", "runs", "limit"
-#: A point that is asked for: which of these, and the run.
+#: A requested point: its source, and the run.
 Ask = tuple[str, Run]
 Answers = Generator[list[Ask], list[Outcome], "Measured"]
 #: Dimension and shown unit of a limit speed.
@@ -178,7 +161,7 @@ class Measure:
         return value / _RPM if self.limit is not None else float(shown(self.quantity, value)[0])
 
     def of(self, values: Sequence[float]) -> float:
-        """The number that stands for several runs; nan where one is missing."""
+        """The number of several runs; nan where one is missing."""
         if not len(values) or not all(map(np.isfinite, values)):
             return float("nan")
         if self.over == "mean":
@@ -201,7 +184,7 @@ class Objective:
 
 @dataclass(frozen=True)
 class Constraint:
-    """A measure kept at or below (``upper``), or at or above, ``bound`` (SI), ``share`` of what the
+    """A measure to be at or below (``upper``), or at or above, ``bound`` (SI), ``share`` of what the
     case has where that is given.
     """
 
@@ -277,19 +260,19 @@ def _limit(
     one counts as beyond the bound.
     """
     run, search = one.runs[place], find_limit(one.limit_of(place))
-    asked = next(search)
+    requested = next(search)
     first = True
     while True:
-        found = yield [(LIMIT, (engine_speed, run[1], run[2])) for engine_speed in asked]
+        found = yield [(LIMIT, (engine_speed, run[1], run[2])) for engine_speed in requested]
         if first and not found[0].status.completed:
-            return LimitFound(BELOW, 0.0, asked[0]), found[0]
+            return LimitFound(BELOW, 0.0, requested[0]), found[0]
         first = False
-        told = [
+        reported = [
             outcome.values.get(one.quantity, np.nan) if outcome.status.completed else np.nan
             for outcome in found
         ]
         try:
-            asked = search.send(told)
+            requested = search.send(reported)
         except StopIteration as end:
             return end.value, None
 
@@ -299,6 +282,38 @@ def _at(run: Run, sentence: str) -> str:
     return f"{speed}{sentence}"
 
 
-__all__ = [
-    "BELOW", "BEYOND", "LIMIT", "REST", "RUNS", "Answers", "Ask", "Constraint", "Measure", "Measured", "Objective", "measuring",
-]  # fmt: skip
+#: A design to be measured: its experiments by source, with or without what is varied, and its
+#: values (SI).
+Subject = tuple[Mapping[str, Evaluation], tuple[float, ...]]
+Stop = Callable[[Mapping[Measure, float]], bool]
+
+
+def measure_designs(
+    engine: Engine,
+    subjects: Sequence[Subject],
+    measures: Sequence[Measure],
+    stop: Stop | None = None,
+) -> list[Measured]:
+    """The numbers of every design, in order, measured side by side batch by batch;
+    ``stop(values)`` may spare a design the search for limit speeds.
+    """
+    if not measures:
+        return [Measured({}, {}) for _ in subjects]
+    running = {index: measuring(measures, stop) for index in range(len(subjects))}
+    requested = {index: next(one, None) for index, one in running.items()}
+    done: dict[int, Measured] = {}
+    while running:
+        batch: list[PointJob] = [
+            (subjects[index][0][source], subjects[index][1], run)
+            for index in running
+            for source, run in requested[index] or ()
+        ]
+        outcomes = iter(engine.outcomes(batch))
+        for index in tuple(running):
+            answer = [next(outcomes) for _ in requested[index] or ()]
+            try:
+                requested[index] = running[index].send(answer)
+            except StopIteration as end:
+                done[index] = end.value
+                del running[index], requested[index]
+    return [done[index] for index in range(len(subjects))]

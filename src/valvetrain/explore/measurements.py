@@ -1,9 +1,10 @@
-"""Measurements of an identification file: values, curves, frequencies, peaks, events, traces ->
-data and what is sought for them.
+"""Measurements of an identification file: tables of values, curves, frequencies, peaks, events and
+traces -> data and the targets that are computed for them.
 """
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
 
@@ -11,12 +12,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from valvetrain.errors import InputError
-from valvetrain.explore.data import Datum, Part, Station, Target
+from valvetrain.explore.part import Part
+from valvetrain.explore.posterior import Datum
 from valvetrain.measured.force_height import column_meaning, column_scale
 from valvetrain.measured.tables import TextTable, read_content, read_text_table, text_of
 from valvetrain.parameters.bounded_file import MAX_BYTES
 from valvetrain.solution.definition import angle_name, definition_of, no_quantity
-from valvetrain.units import parse_quantity, unit_factor
+from valvetrain.units import format_quantity, parse_quantity, unit_factor
 from valvetrain.units.text import split_quantity
 
 Array = NDArray[np.float64]
@@ -24,11 +26,66 @@ Along = Literal["height", "compression"]
 CURVE = ("height", "compression", "force", "ignore")
 
 
+@dataclass(frozen=True, slots=True)
+class Station:
+    """Where something was measured: ``engine_speed`` (rad/s of the crank; None at rest), word of
+    the spring model and set (empty: the
+    case's own)."""
+
+    engine_speed: float | None = None
+    spring_model: str = ""
+    spring_set: str = ""
+
+    @property
+    def shown_name(self) -> str:
+        """How keys begin, empty at rest by the case's own model."""
+        speed = (
+            [] if self.engine_speed is None else [f"{format_quantity(self.engine_speed, 'rpm')}"]
+        )
+        return ", ".join([*speed, *filter(None, (self.spring_model, self.spring_set))])
+
+
+@dataclass(frozen=True, slots=True)
+class Target:
+    """One number: a named ``quantity``; the ``force`` of a spring at a compression ``at`` (m from
+    the free state) or its ``load`` at a
+    height ``at`` (m between its seats), ``name`` being the spring (empty: the only one); the cam
+    angle of the event number ``at`` (from 1)
+    of the kind ``name``; the channel ``name`` at the cam angle ``at`` (rad)."""
+
+    station: Station
+    kind: Literal["quantity", "force", "load", "event", "channel"]
+    name: str = ""
+    at: float = 0.0
+
+    @property
+    def key(self) -> str:
+        """What data and outcomes know it by."""
+        if self.kind == "quantity":
+            own = self.name
+        elif self.kind == "force":
+            own = f"force{' of ' + self.name if self.name else ''} at {1e3 * self.at:.6g} mm"
+        elif self.kind == "load":
+            own = f"load{' of ' + self.name if self.name else ''} at a height of {1e3 * self.at:.6g} mm"
+        elif self.kind == "event":
+            own = f"{self.name} {self.at:.0f} cam angle"
+        else:
+            own = f"{self.name} at {format_quantity(self.at, 'deg')}"
+        return f"{self.station.shown_name}: {own}" if self.station.shown_name else own
+
+    @property
+    def unit(self) -> str:
+        """Unit it is shown in; None's stand-in, an empty one, where it is not known."""
+        if self.kind in ("force", "load"):
+            return "N"
+        return "deg" if self.kind == "event" else definition_of(self.name).shown_unit
+
+
 def trace_file(part: Part, folder: Path) -> tuple[Array, Array, str]:
     """Cam angles (rad), values (SI) and their unit from the first two columns of the part's
     ``file``.
 
-    Units stand in the headings, or in ``units``. Raises :class:`InputError` for a column without a
+    Units are in the headings, or in ``units``. Raises :class:`InputError` for a column without a
     unit, and for a first one that is no
     angle or is called a crank angle.
     """
@@ -118,10 +175,10 @@ FORMS = ("quantity", "frequencies", "peak", "event", "channel", "compressions", 
 LAWS = ("normal", "student")
 #: Most data of one measurement.
 MAX_DATA = 5000
-Found = list[tuple[Target, Datum]]
+TargetData = list[tuple[Target, Datum]]
 
 
-def read_measurement(name: str, part: Part, folder: Path, own_names: bool = False) -> Found:
+def read_measurement(name: str, part: Part, folder: Path, own_names: bool = False) -> TargetData:
     """The data of one table. ``folder``: where files it names lie; ``own_names``: quantities are
     those of an evaluator, of any name.
 
@@ -151,7 +208,7 @@ def read_measurement(name: str, part: Part, folder: Path, own_names: bool = Fals
 
 
 def read_station(part: Part) -> Station:
-    """Where something is measured or asked for. Raises :class:`InputError` for a speed that is not
+    """Where something is measured or predicted. Raises :class:`InputError` for a speed that is not
     positive.
     """
     speed = part.amount("engine_speed", "angular speed")[0] if part.has("engine_speed") else None

@@ -1,22 +1,22 @@
-"""An optimisation file made ready: its case, what is varied, what is asked of a design, and the
-plans of its points.
+"""The plan of an optimisation file: case, varied quantities, objectives, constraints, and the
+evaluations of its points.
 """
 
 from __future__ import annotations
 
 import itertools
-import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
 from valvetrain.errors import InputError
+from valvetrain.explore.engine import Evaluation
+from valvetrain.explore.files import case_of_file, space_of_file
 from valvetrain.explore.measure import (
     LIMIT,
     REST,
     RUNS,
     Constraint,
-    LimitSearch,
     Measure,
     Objective,
 )
@@ -27,16 +27,12 @@ from valvetrain.explore.optimum_file import (
     OptimumText,
     SearchModel,
 )
-from valvetrain.explore.plan import Run, StudyPlan, case_of_file, varied_of_file
-from valvetrain.explore.point import PointRequest, is_at_rest
-from valvetrain.explore.samplers import sampler
-from valvetrain.explore.space import ENGINE_SPEED, Uniform, Values, Varied
+from valvetrain.explore.outputs import Outputs, Run, is_at_rest, limit_search, share_of_case
+from valvetrain.explore.space import ENGINE_SPEED, Space
 from valvetrain.parameters.case import Case
 from valvetrain.registry import find
 from valvetrain.solution.definition import definition_of, is_defined, no_quantity
 from valvetrain.units import parse_quantity, si_speeds
-
-_OF_CASE = re.compile(r"\s*(?:(\d+(?:\.\d+)?)\s*(?:x|\*|times)\s*(?:the\s+)?)?case\s*\Z")
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,13 +53,21 @@ class OptimumPlan:
 
     title: str
     description: str
-    case: Case
-    varied: tuple[Varied, ...]
+    case: Case | None
+    varied: Space
     objectives: tuple[Objective, ...]
     constraints: tuple[Constraint, ...]
     search: SearchModel
-    plans: Mapping[str, StudyPlan]
+    plans: Mapping[str, Evaluation]
     confirmations: tuple[Confirmation, ...] = ()
+
+    @property
+    def case_name(self) -> str:
+        """Name of the case, or of the function."""
+        if self.case is not None:
+            return self.case.name
+        function = next(iter(self.plans.values())).outputs.function
+        return getattr(function, "__name__", "function")
 
     @property
     def measures(self) -> tuple[Measure, ...]:
@@ -126,14 +130,14 @@ def read_optimum(text: OptimumText) -> OptimumPlan:
     """
     model = text.model
     case = text.guarded(("case",), lambda: case_of_file(model.case, model.changes, text.folder))
-    varied = varied_of_file(text, model.vary, case)
+    varied = space_of_file(text, model.vary, case)
     for place, one in enumerate(varied):
         if one.key == ENGINE_SPEED:
             raise text.located(
                 ("vary", place, "key"),
                 "is no part of a design; give engine_speeds, or a limit_speed as an objective",
             )
-        if not isinstance(one.distribution, (Uniform, Values)):
+        if one.distribution.kind not in ("uniform", "log-uniform", "values"):
             raise text.located(
                 ("vary", place),
                 "a search goes between low and high or through values; give one of them",
@@ -159,22 +163,14 @@ def read_optimum(text: OptimumText) -> OptimumPlan:
         for place, one in enumerate(model.objective)
     )
     if len({one.measure for one in objectives}) < len(objectives):
-        raise text.located(("objective",), "the same objective stands there twice; say it once")
+        raise text.located(("objective",), "the same objective is there twice; give it once")
     constraints = tuple(
         itertools.chain.from_iterable(
             _constraints(text, ("constraint", place), one, case)
             for place, one in enumerate(model.constraint)
         )
     )
-    if model.search.method == "cma-es" and len(objectives) > 1:
-        raise text.located(
-            ("search", "method"), "cma-es knows one objective; take nsga2 or tpe for several"
-        )
-    if model.search.method == "nsga2" and model.search.per_round < 4:
-        raise text.located(
-            ("search", "per_round"),
-            "a generation of nsga2 has 4 trials or more; raise per_round, 16 to 40 are usual",
-        )
+    _refuse_method(text, len(objectives))
     title = model.title or f"{case.name}: {objectives[0].measure.label}"
     plan = OptimumPlan(
         title, model.description, case, varied, objectives, constraints, model.search, {}
@@ -187,21 +183,34 @@ def read_optimum(text: OptimumText) -> OptimumPlan:
     return replace(plan, confirmations=confirmations)
 
 
-def _plans(plan: OptimumPlan, rest_model: str) -> dict[str, StudyPlan]:
-    """A study of points for each source of numbers; it has outputs of its own, so that none costs
-    more than it needs.
+def _refuse_method(text: OptimumText, objectives: int) -> None:
+    """Raise for a method that does not fit the number of objectives or its round."""
+    search = text.model.search
+    if search.method == "cma-es" and objectives > 1:
+        raise text.located(
+            ("search", "method"), "cma-es knows one objective; take nsga2 or tpe for several"
+        )
+    if search.method == "nsga2" and search.per_round < 4:
+        raise text.located(
+            ("search", "per_round"),
+            "a generation of nsga2 has 4 trials or more; raise per_round, 16 to 40 are typical",
+        )
+
+
+def _plans(
+    plan: OptimumPlan, rest_model: str, function: Callable[..., Any] | None = None
+) -> dict[str, Evaluation]:
+    """An experiment for each source of numbers, with outputs of its own, so that none costs more
+    than it needs.
     """
-    spec = sampler("list")
-    found: dict[str, StudyPlan] = {}
+    found: dict[str, Evaluation] = {}
     for source in (REST, RUNS, LIMIT):
         here = [one for one in plan.measures if one.source == source]
         if here:
-            wanted = PointRequest(tuple(dict.fromkeys(one.quantity for one in here)), rest_model)
+            names = dict.fromkeys(one.quantity for one in here)
+            outputs = Outputs(tuple(names), rest_model=rest_model, function=function)
             runs = tuple(dict.fromkeys(run for one in here for run in one.runs))
-            options = spec.read_options({})
-            found[source] = StudyPlan(
-                plan.title, "points", plan.case, plan.varied, spec, options, runs, wanted
-            )
+            found[source] = Evaluation(plan.case, plan.varied, outputs, runs)
     return found
 
 
@@ -239,7 +248,7 @@ def _measure(
     text: OptimumText,
     path: tuple[str | int, ...],
     one: MeasureModel,
-    case: Case,
+    case: Case | None,
     largest_is_worst: bool,
 ) -> Measure:
     if bool(one.quantity) == (one.limit_speed is not None):
@@ -250,10 +259,15 @@ def _measure(
             + "; give one of the two",
         )
     model = text.model
-    words = one.quantity or (one.limit_speed.quantity if one.limit_speed else "")
-    if not is_defined(words):
+    if case is None:
+        if one.limit_speed is not None:
+            raise text.located(path, "a function has no limit speed; give a quantity")
+        label = one.label or one.quantity.replace("_", " ")
+        return Measure(RUNS, one.quantity, ((None, "", ""),), label, largest_is_worst, one.over)
+    phrase = one.quantity or (one.limit_speed.quantity if one.limit_speed else "")
+    if not is_defined(phrase):
         key = (*path, "quantity") if one.quantity else (*path, "limit_speed", "quantity")
-        raise text.located(key, no_quantity(words))
+        raise text.located(key, no_quantity(phrase))
     kinds = itertools.product(
         dict.fromkeys(model.spring_models or ("",)), dict.fromkeys(model.spring_sets or ("",))
     )
@@ -263,48 +277,48 @@ def _measure(
                 (*path, "engine_speeds"),
                 "a limit_speed has engine_speeds of its own; give them there",
             )
-        if is_at_rest(words):
+        if is_at_rest(phrase):
             raise text.located(
                 (*path, "limit_speed"),
-                f"'{words}' belongs to springs at rest, so it has no limit speed",
+                f"'{phrase}' belongs to springs at rest, so it has no limit speed",
             )
-        limit = text.guarded((*path, "limit_speed"), lambda: _limit(one))
+        limit = text.guarded(
+            (*path, "limit_speed"), lambda: limit_search(**one.limit_speed.model_dump())
+        )
         runs: tuple[Run, ...] = tuple(
             (None, spring_model, spring_set) for spring_model, spring_set in kinds
         )
         label = (
             one.label
-            or f"speed up to which the {definition_of(words).label} stays within its bound"
+            or f"speed up to which the {definition_of(phrase).label} stays within its bound"
         )
-        return Measure(LIMIT, words, runs, label, largest_is_worst, one.over, limit)
-    label = one.label or definition_of(words).label
-    if is_at_rest(words):
+        return Measure(LIMIT, phrase, runs, label, largest_is_worst, one.over, limit)
+    label = one.label or definition_of(phrase).label
+    if is_at_rest(phrase):
         if one.engine_speeds is not None:
             raise text.located(
                 (*path, "engine_speeds"),
-                f"'{words}' belongs to springs at rest, at no engine speed; leave it out",
+                f"'{phrase}' belongs to springs at rest, at no engine speed; leave it out",
             )
         runs = tuple((None, spring_model, spring_set) for spring_model, spring_set in kinds)
-        return Measure(REST, words, runs, label, largest_is_worst, one.over)
+        return Measure(REST, phrase, runs, label, largest_is_worst, one.over)
     own = one.engine_speeds is not None
     given, key = (
         (one.engine_speeds, (*path, "engine_speeds"))
         if own
         else (model.engine_speeds, ("engine_speeds",))
     )
-    speeds = (
-        text.guarded(key, lambda: si_speeds(given))
-        if given is not None
-        else case.operation.engine_speeds
-    )
+    speeds = case.operation.engine_speeds
+    if given is not None:
+        speeds = given if isinstance(given, tuple) else text.guarded(key, lambda: si_speeds(given))
     if not speeds:
         raise text.located(
             path,
-            f"the case names no engine speed, and '{words}' needs one; add engine_speeds = '6000 rpm'",
+            f"the case names no engine speed, and '{phrase}' needs one; add engine_speeds = '6000 rpm'",
         )
     return Measure(
         RUNS,
-        words,
+        phrase,
         tuple((speed, *kind) for speed, kind in itertools.product(speeds, tuple(kinds))),
         label,
         largest_is_worst,
@@ -312,32 +326,8 @@ def _measure(
     )
 
 
-def _limit(one: MeasureModel) -> LimitSearch:
-    assert one.limit_speed is not None
-    told = one.limit_speed
-    if (told.at_most is None) == (told.at_least is None):
-        raise InputError("has one bound: give at_most or at_least")
-    upper = told.at_most is not None
-    raw = told.at_most if upper else told.at_least
-    share = _OF_CASE.match(raw) if isinstance(raw, str) else None
-    bound = (
-        float("nan")
-        if share
-        else parse_quantity(raw, definition_of(told.quantity).dimension or "ratio")
-    )
-    speeds = tuple(sorted(si_speeds(told.engine_speeds)))
-    if len(speeds) < 2:
-        raise InputError("engine_speeds holds one speed; give a range such as '4000:9000:250 rpm'")
-    resolution = parse_quantity(told.resolution, "angular speed")
-    if not resolution > 0:
-        raise InputError("the resolution is not positive; give such as '10 rpm'")
-    return LimitSearch(
-        told.quantity, upper, bound, speeds, resolution, float(share[1] or 1.0) if share else None
-    )
-
-
 def _constraints(
-    text: OptimumText, path: tuple[str | int, ...], one: ConstraintModel, case: Case
+    text: OptimumText, path: tuple[str | int, ...], one: ConstraintModel, case: Case | None
 ) -> list[Constraint]:
     """One constraint for each bound of a table."""
     bounds: Sequence[tuple[str, Any, bool]] = [
@@ -353,9 +343,9 @@ def _constraints(
     made = []
     for key, raw, upper in bounds:
         measure = _measure(text, path, one, case, upper)
-        share = _OF_CASE.match(raw) if isinstance(raw, str) else None
+        share = share_of_case(raw)
         if share is not None:
-            made.append(Constraint(measure, upper, float("nan"), float(share[1] or 1.0)))
+            made.append(Constraint(measure, upper, float("nan"), share))
             continue
         dimension = (
             "angular speed"
@@ -367,3 +357,44 @@ def _constraints(
         )
         made.append(Constraint(measure, upper, bound, None, abs(bound) or 1.0))
     return made
+
+
+def plan_of_experiment(
+    experiment: Evaluation,
+    objective: Sequence[Mapping[str, Any]],
+    constraint: Sequence[Mapping[str, Any]],
+    search: Mapping[str, Any],
+) -> OptimumPlan:
+    """The search over an experiment; tables as in an optimisation file."""
+    outputs, case = experiment.outputs, experiment.case
+    tables = {
+        "case": "",
+        "vary": [{"key": "x", "values": [1]}],
+        "objective": list(objective),
+        "constraint": list(constraint),
+        "search": dict(search),
+        "spring_models": list(outputs.spring_models),
+        "spring_sets": list(outputs.spring_sets),
+    }
+    text = OptimumText.of_tables(tables, "optimise")
+    model = text.model.model_copy(update={"engine_speeds": outputs.engine_speeds})
+    text.model = model
+    for one in experiment.space:
+        if one.distribution.kind not in ("uniform", "log-uniform", "values"):
+            raise InputError("a search goes between low and high or through values", one.name)
+    objectives = tuple(
+        Objective(
+            _measure(text, ("objective", index), one, case, one.direction == "minimise"),
+            one.direction == "maximise",
+        )
+        for index, one in enumerate(model.objective)
+    )
+    constraints = tuple(
+        made
+        for index, one in enumerate(model.constraint)
+        for made in _constraints(text, ("constraint", index), one, case)
+    )
+    _refuse_method(text, len(objectives))
+    plan = OptimumPlan("", "", case, experiment.space, objectives, constraints, model.search, {})
+    plan = replace(plan, plans=_plans(plan, outputs.rest_model, outputs.function))
+    return replace(plan, title=f"{plan.case_name}: {objectives[0].measure.label}")

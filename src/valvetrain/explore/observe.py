@@ -13,10 +13,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from valvetrain.errors import InputError, RunFailedError
-from valvetrain.explore.data import Station, Target
-from valvetrain.explore.evaluate import MODES, evaluate_case
-from valvetrain.explore.paths import vary
-from valvetrain.explore.point import Point, PointRequest
+from valvetrain.explore.case_paths import vary
+from valvetrain.explore.evaluate import MODES, Point, evaluate_case
+from valvetrain.explore.measurements import Station, Target
+from valvetrain.explore.outputs import PointRequest
 from valvetrain.explore.posterior import Outcome
 from valvetrain.explore.space import Varied
 from valvetrain.parameters.case import Case
@@ -38,18 +38,18 @@ _MODE = re.compile(r"mode_(\d+)_frequency")
 
 @dataclass(frozen=True)
 class Observed:
-    """A ``case``, what of it is ``varied`` (one row of keys per quantity, moved alike) and what is
-    ``sought`` of it.
+    """A ``case``, what of it is ``varied`` (one row of keys per quantity, moved alike) and the
+    ``targets`` to compute.
     """
 
     case: Case
     varied: tuple[tuple[Varied, ...], ...]
-    sought: tuple[Target, ...]
+    targets: tuple[Target, ...]
 
     @property
     def stations(self) -> tuple[Station, ...]:
-        """Conditions under which something is sought, each once."""
-        return tuple(dict.fromkeys(one.station for one in self.sought))
+        """Conditions of the targets, each once."""
+        return tuple(dict.fromkeys(one.station for one in self.targets))
 
     def case_at(self, values: Sequence[float]) -> Case:
         """The case with its quantities at ``values`` (SI). Raises :class:`InputError` for a key
@@ -66,7 +66,7 @@ Job = tuple[tuple[float, ...], int, tuple[int, ...]]
 
 
 def observe(every: tuple[Observed, ...], job: Job) -> Outcome:
-    """What is sought under some conditions, by key; None where the case is impossible or does not
+    """Values of the targets under some conditions, by key; None where the case is impossible or does not
     run.
     """
     values, which, places = job
@@ -75,18 +75,18 @@ def observe(every: tuple[Observed, ...], job: Job) -> Outcome:
         return numbers_of(
             observed.case_at(values),
             [observed.stations[place] for place in places],
-            observed.sought,
+            observed.targets,
         )
     return None
 
 
 def groups_of(observed: Observed) -> tuple[tuple[int, ...], ...]:
     """Places of conditions parted into those that one study of a case tells together: speeds by one
-    model, the rod at rest beside them.
+    model, the static rod with them.
     """
     found: dict[object, list[int]] = {}
     places = range(len(observed.stations))
-    whole = [place for place in places if _needs_run(observed.stations[place], observed.sought)]
+    whole = [place for place in places if _needs_run(observed.stations[place], observed.targets)]
     for place in whole:
         station = observed.stations[place]
         found.setdefault((station.spring_model, station.spring_set), []).append(place)
@@ -96,63 +96,63 @@ def groups_of(observed: Observed) -> tuple[tuple[int, ...], ...]:
     return tuple(map(tuple, found.values()))
 
 
-def _needs_run(station: Station, sought: Sequence[Target]) -> bool:
-    """Whether what is sought in motion needs a whole solution."""
-    here = [one for one in sought if one.station == station]
+def _needs_run(station: Station, targets: Sequence[Target]) -> bool:
+    """Whether the targets in motion need a whole solution."""
+    here = [one for one in targets if one.station == station]
     names = tuple(one.name for one in here if one.kind == "quantity")
     return station.engine_speed is not None and (
         any(one.kind in ("event", "channel") for one in here) or not PointRequest(names).light
     )
 
 
-def numbers_of(case: Case, stations: Sequence[Station], sought: Sequence[Target]) -> Outcome:
-    """What is ``sought`` of a case under several conditions, by key; None where one does not run.
+def numbers_of(case: Case, stations: Sequence[Station], targets: Sequence[Target]) -> Outcome:
+    """Values of the ``targets`` of a case under several conditions, by key; None where one does not run.
     Raises as building and running do.
     """
-    moving = [station for station in stations if _needs_run(station, sought)]
+    moving = [station for station in stations if _needs_run(station, targets)]
     runs, still = (
         _runs(case, moving) if len(moving) > 1 or (moving and Station() in stations) else ({}, {})
     )
     found: dict[str, float] = {}
     for station in stations:
-        here = [one for one in sought if one.station == station]
+        here = [one for one in targets if one.station == station]
         if station in runs:
-            told: Outcome = _of_run(runs[station], still, here)
+            reported: Outcome = _of_run(runs[station], still, here)
         elif (
             runs
             and station == Station()
             and all(one.kind == "quantity" and one.name in still for one in here)
         ):
-            told = {one.key: still[one.name] for one in here}
+            reported = {one.key: still[one.name] for one in here}
         else:
-            told = numbers_at(case, station, sought)
-        if told is None:
+            reported = numbers_at(case, station, targets)
+        if reported is None:
             return None
-        found |= told
+        found |= reported
     return found
 
 
-def numbers_at(case: Case, station: Station, sought: Sequence[Target]) -> Outcome:
-    """What is ``sought`` of a case under one condition, by key; None where it does not run. Raises
+def numbers_at(case: Case, station: Station, targets: Sequence[Target]) -> Outcome:
+    """Values of the ``targets`` of a case under one condition, by key; None where it does not run. Raises
     what building and running raises.
     """
-    here = [one for one in sought if one.station == station]
+    here = [one for one in targets if one.station == station]
     quantities = [one for one in here if one.kind == "quantity"]
     moving = [one for one in here if one.kind in ("event", "channel")]
     found: dict[str, float] = {}
     if moving:
         runs, still = _runs(case, (station,))
-        told = _of_run(runs[station], still, [*moving, *quantities])
-        if told is None:
+        reported = _of_run(runs[station], still, [*moving, *quantities])
+        if reported is None:
             return None
-        found |= told
+        found |= reported
     elif quantities and station.engine_speed is None and all(_is_quick(one) for one in quantities):
         found |= _quick(case, station, quantities)
     elif quantities:
         rest = station.spring_model if station.engine_speed is None else ""
-        wanted = PointRequest(tuple(dict.fromkeys(one.name for one in quantities)), rest)
+        request = PointRequest(tuple(dict.fromkeys(one.name for one in quantities)), rest)
         point = Point(
-            case, (), station.engine_speed, station.spring_model, station.spring_set, wanted
+            case, (), station.engine_speed, station.spring_model, station.spring_set, request
         )
         outcome = evaluate_case(case, point)
         if not outcome.status.completed:
@@ -189,8 +189,8 @@ def _quick(case: Case, station: Station, quantities: Sequence[Target]) -> dict[s
     for one in quantities:
         mode = _MODE.fullmatch(one.name)
         number = int(mode[1]) - 1 if mode else 0
-        told = float(frequencies[number]) if 0 <= number < len(frequencies) else np.nan
-        found[one.key] = told if mode else float(force_of(spring, model, spring.precompression))
+        reported = float(frequencies[number]) if 0 <= number < len(frequencies) else np.nan
+        found[one.key] = reported if mode else float(force_of(spring, model, spring.precompression))
     return found
 
 
@@ -211,14 +211,14 @@ def _runs(
 
 
 def _of_run(
-    run: Solution, still: Mapping[str, float], sought: Sequence[Target]
+    run: Solution, still: Mapping[str, float], targets: Sequence[Target]
 ) -> dict[str, float] | None:
     if not run.status.completed:
         return None
     named = {**still, **run.quantities}
     return {
         one.key: named.get(one.name, np.nan) if one.kind == "quantity" else _in_run(run, one)
-        for one in sought
+        for one in targets
     }
 
 

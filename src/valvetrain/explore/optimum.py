@@ -1,28 +1,32 @@
-"""What a search found: its trials, the best designs, what they gain over the case, and how far that
-can be trusted.
+"""The result of a search: trials, the best designs, their gain over the case, and how far that can
+be trusted.
 """
 
 from __future__ import annotations
 
+import copy
+import tempfile
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from valvetrain.errors import InputError
+from valvetrain.explore.case_paths import set_in_tree, tree_of, vary
 from valvetrain.explore.measure import Measured
 from valvetrain.explore.objective import OptimumPlan
-from valvetrain.explore.paths import vary
-from valvetrain.explore.searchers import (
-    CASE_SEED,
-    Array,
-    Trial,
-    beats,
-    best_of,
-    front_of,
-    neighbours,
-)
+from valvetrain.explore.searchers import quiet_optuna, shares_of
+from valvetrain.explore.space import Values, Varied
+from valvetrain.explore.trial import CASE_SEED, Array, Trial, beats, best_of, front_of
 from valvetrain.parameters.case import Case
+from valvetrain.parameters.toml_text import toml_text
+from valvetrain.solution.atomic import write_bytes
+
+if TYPE_CHECKING:
+    import xarray
 
 #: A varied quantity is at an end of its range, and a bound is active, within these shares of them.
 AT_END, ACTIVE = 0.01, 0.01
@@ -34,7 +38,7 @@ class Step:
     objectives (m,) and feasibility there.
     """
 
-    place: int
+    index: int
     size: float
     objectives: Array
     feasible: bool
@@ -123,18 +127,48 @@ class Optimum:
         the first objective; nan before any.
         """
         goal = self.plan.objectives[0]
-        wanted = self.seeds[0] if seed is None and self.seeds else seed
+        request = self.seeds[0] if seed is None and self.seeds else seed
         best, found = np.nan, []
         for one in self.trials:
-            if one.seed not in (wanted, CASE_SEED):
+            if one.seed not in (request, CASE_SEED):
                 continue
             if one.feasible and not goal.sign * one.objectives[0] >= goal.sign * best:
                 best = float(one.objectives[0])
             found.append(best)
         return np.array(found)
 
+    def to_xarray(self) -> xarray.Dataset:
+        """A Dataset over trial: varied quantities, objectives and constraints in SI, feasibility
+        and state.
+        """
+        import xarray
+
+        plan, data = self.plan, dict[str, Any]()
+        for column, varied in enumerate(plan.varied):
+            values = [trial.values[column] for trial in self.trials]
+            data[varied.name] = ("trial", values, {"units": varied.si_unit or "1"})
+        for kind, measures in (
+            ("objective", [one.measure for one in plan.objectives]),
+            ("constraint", [one.measure for one in plan.constraints]),
+        ):
+            for column, one in enumerate(measures):
+                values = [getattr(trial, f"{kind}s")[column] for trial in self.trials]
+                attributes = {"units": one.si_unit, "long_name": one.label}
+                data[f"{kind}_{column + 1}"] = ("trial", values, attributes)
+        data["feasible"] = ("trial", [trial.feasible for trial in self.trials])
+        data["state"] = ("trial", [trial.state for trial in self.trials])
+        numbers = [trial.number for trial in self.trials]
+        return xarray.Dataset(data, {"trial": numbers}, {"title": plan.title})
+
+    def to_optuna(self) -> Any:
+        """The trials as an Optuna study in memory. Raises :class:`MissingExtraError` where Optuna
+        is not installed.
+        """
+        return optuna_study(self)
+
     def case_of(self, design: Design) -> Case:
         """The case with the values of a design."""
+        assert self.plan.case is not None
         if design.trial is self.case:
             return self.plan.case
         return vary(
@@ -143,7 +177,7 @@ class Optimum:
         )
 
     def at_ends(self, trial: Trial) -> tuple[tuple[int, str], ...]:
-        """(place, ``low`` or ``high``) of varied quantities that stand at an end of their range in
+        """(place, ``low`` or ``high``) of varied quantities at an end of their range in
         a design.
         """
         found = []
@@ -175,8 +209,8 @@ class Optimum:
         if not computed:
             return None
         nearest = min(computed, key=lambda one: (one.total_missed, one.number))
-        place = int(np.argmax(nearest.told_missed))
-        return nearest, bound_words(self.plan, place)
+        place = int(np.argmax(nearest.penalties))
+        return nearest, bound_label(self.plan, place)
 
     def __repr__(self) -> str:
         cut = "" if self.finished else ", stopped before its end"
@@ -193,12 +227,12 @@ class Optimum:
                 )
             for varied, value in zip(self.plan.varied, self.best.trial.values, strict=True):
                 lines.append(
-                    f"  {varied.words}: {varied.shown(float(value)):.5g} {varied.unit}".rstrip()
+                    f"  {varied.shown_name}: {varied.shown(float(value)):.5g} {varied.unit}".rstrip()
                 )
         return "\n".join(lines)
 
 
-def bound_words(plan: OptimumPlan, place: int) -> str:
+def bound_label(plan: OptimumPlan, place: int) -> str:
     """A bound in words, by its place in ``Trial.missed``."""
     if place >= len(plan.constraints):
         one = plan.objectives[place - len(plan.constraints)].measure
@@ -211,9 +245,6 @@ def bound_words(plan: OptimumPlan, place: int) -> str:
     return (
         f"{measure.label} {sign} {measure.shown(bound.bound):.5g} {measure.unit}".rstrip() + of_case
     )
-
-
-__all__ = ["ACTIVE", "AT_END", "Confirmed", "Design", "Optimum", "Step", "bound_words"]
 
 
 #: A small step, as a share of the range of a quantity.
@@ -275,3 +306,145 @@ def steps_of(
             )
         )
     return tuple(found)
+
+
+def neighbours(plan: OptimumPlan, values: Array, place: int, share: float) -> list[Array]:
+    """The design with one quantity a ``share`` of its range lower and higher, or at the next of its
+    values, those inside the range.
+    """
+    levels = plan.varied[place].distribution
+    if isinstance(levels, Values):
+        order = sorted(set(levels.values))
+        at = order.index(min(order, key=lambda one: abs(one - values[place])))
+        near = [order[one] for one in (at - 1, at + 1) if 0 <= one < len(order)]
+    else:
+        step = share * (levels.high - levels.low)
+        near = [
+            one
+            for one in (values[place] - step, values[place] + step)
+            if levels.low <= one <= levels.high
+        ]
+    found = []
+    for value in near:
+        row = values.copy()
+        row[place] = value
+        found.append(row)
+    return found
+
+
+def case_text(found: Optimum, design: Design) -> str:
+    """A case file with the values of a design, ready to run; without the published values of the
+    case, which are not this design's.
+
+    Raises :class:`InputError` where the text of the case does not describe it.
+    """
+    case = found.plan.case
+    bare = None if case is None else tree_of(case)
+    if case is None or bare is None:
+        raise InputError(
+            f"the text of case '{found.plan.case_name}' does not describe it, so no file of the design can be written"
+        )
+    tree = copy.deepcopy(bare)
+    if design.trial is not found.case:
+        for varied, value in zip(found.plan.varied, design.trial.values, strict=True):
+            set_in_tree(tree, varied, float(value))
+    for key in ("study", "published"):
+        tree.pop(key, None)
+    tree["title"] = f"{found.plan.title}, {design.chosen.partition(':')[0]}"
+    tree["description"] = f"Trial {design.trial.number} of a search from the case {case.name}."
+    return toml_text(tree)
+
+
+def write_optuna(found: Optimum, path: Path) -> Path:
+    """The trials as an Optuna study in a SQLite file, whole or not at all, as Optuna's own tools
+    open it.
+    """
+    with quiet_optuna() as optuna, tempfile.TemporaryDirectory(prefix="valvetrain.") as folder:
+        file = Path(folder) / "study.db"
+        storage = optuna.storages.RDBStorage(f"sqlite:///{file}")
+        optuna_study(found, storage)
+        storage.remove_session()
+        storage.engine.dispose()
+        return write_bytes(path, file.read_bytes())
+
+
+def optuna_study(found: Optimum, storage: Any = None) -> Any:
+    """The trials as an Optuna study.
+
+    Missed bounds are positive constraints; a trial that could not be computed has failed, one that
+    misses a bound before its limit speed was searched is pruned.
+    """
+    plan = found.plan
+    with quiet_optuna() as optuna:
+        directions = ["maximize" if one.maximise else "minimize" for one in plan.objectives]
+        study = optuna.create_study(storage=storage, study_name=plan.title, directions=directions)
+        study.set_metric_names(
+            [_with_unit(one.measure.label, one.measure.unit) for one in plan.objectives]
+        )
+        study.set_user_attr("case", plan.case_name)
+        study.set_user_attr(
+            "constraints", [bound_label(plan, one) for one in range(len(plan.constraints))]
+        )
+        axes = {_axis(one): _distribution(optuna, one) for one in plan.varied}
+        for trial in found.trials:
+            if trial.number == 0 and shares_of(plan, trial.values) is None:
+                continue  # the case lies outside the ranges
+            study.add_trial(_frozen(optuna, found, trial, axes))
+    return study
+
+
+def _axis(one: Varied) -> str:
+    return _with_unit(one.shown_name, one.unit)
+
+
+def _with_unit(phrase: str, unit: str) -> str:
+    return f"{phrase} [{unit}]" if unit else phrase
+
+
+def _distribution(optuna: Any, one: Varied) -> Any:
+    levels = one.distribution
+    if isinstance(levels, Values):
+        return optuna.distributions.CategoricalDistribution(
+            [one.shown(value) for value in sorted(set(levels.values))]
+        )
+    return optuna.distributions.FloatDistribution(
+        one.shown(levels.low), one.shown(levels.high), log=levels.logarithmic
+    )
+
+
+def _frozen(optuna: Any, found: Optimum, trial: Trial, axes: dict[str, Any]) -> Any:
+    states = optuna.trial.TrialState
+    values = None
+    if trial.failure:
+        state = states.FAIL
+    elif np.all(np.isfinite(trial.objectives)):
+        state = states.COMPLETE
+        values = [
+            one.measure.shown(float(value))
+            for one, value in zip(found.plan.objectives, trial.objectives, strict=True)
+        ]
+    else:
+        state = states.PRUNED
+    params = {}
+    for one, value in zip(found.plan.varied, trial.values, strict=True):
+        axis = axes[_axis(one)]
+        shown = one.shown(float(value))
+        params[_axis(one)] = (
+            shown if hasattr(axis, "choices") else min(max(shown, axis.low), axis.high)
+        )
+    attributes: dict[str, Any] = {"number": trial.number, "seed": trial.seed}
+    attributes |= {
+        bound_label(found.plan, index): float(one)
+        for index, one in enumerate(trial.constraints)
+        if np.isfinite(one)
+    }
+    if trial.failure:
+        attributes["failure"] = trial.failure
+    return optuna.trial.create_trial(
+        state=state,
+        values=values,
+        params=params,
+        distributions=axes,
+        user_attrs=attributes,
+        system_attrs={"constraints": trial.penalties},
+    )

@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 
 from valvetrain.explore.measure import Measure
 from valvetrain.explore.optimum import Optimum
-from valvetrain.explore.searchers import Trial
 from valvetrain.explore.space import Varied
+from valvetrain.explore.trial import Trial
 from valvetrain.report import theme
 from valvetrain.report.chart import Chart, Layer, Line, Marks, Panel
 from valvetrain.report.text import unit_text
@@ -32,7 +32,7 @@ def measure_label(one: Measure) -> str:
 
 def varied_label(one: Varied) -> str:
     """A varied quantity with its unit."""
-    return f"{one.words} ({unit_text(one.unit)})" if one.unit else one.words
+    return f"{one.shown_name} ({unit_text(one.unit)})" if one.unit else one.shown_name
 
 
 def convergence_chart(found: Optimum) -> Chart | None:
@@ -41,14 +41,14 @@ def convergence_chart(found: Optimum) -> Chart | None:
     if len(found.plan.objectives) > 1 or not found.feasible:
         return None
     one, layers = goal.measure, list[Layer]()
-    for place, seed in enumerate(found.seeds):
+    for index, seed in enumerate(found.seeds):
         history = np.array([one.shown(float(value)) for value in found.history(seed)])
         there = np.flatnonzero(np.isfinite(history))
         if not len(there):
             continue
         name = "best so far" if len(found.seeds) == 1 else f"best so far, seed {seed}"
         x, y = np.repeat(there, 2)[1:].astype(float), np.repeat(history[there], 2)[:-1]
-        layers.append(Line(x, y, name, theme.SERIES[(2, 3, 5, 6, 7)[place % 5]], 2.0))
+        layers.append(Line(x, y, name, theme.SERIES[(2, 3, 5, 6, 7)[index % 5]], 2.0))
     first = [one for one in found.trials if one.seed in (found.seeds[0], -1)]
     for feasible, name, colour in (
         (False, "trial that misses a bound", MISSES),
@@ -90,7 +90,7 @@ def front_chart(found: Optimum) -> Chart | None:
         return None
     panels = []
     for number, (first, second) in enumerate(itertools.combinations(range(len(goals)), 2)):
-        layers = _clouds(found, partial(_objective, found, place=first), second, number == 0)
+        layers = _clouds(found, partial(_objective, found, index=first), second, number == 0)
         if len(goals) == 2:
             x, y = (
                 np.array([_objective(found, trial, at) for trial in found.front])
@@ -119,22 +119,22 @@ def front_chart(found: Optimum) -> Chart | None:
     )
 
 
-def over_chart(found: Optimum, place: int) -> Chart | None:
+def over_chart(found: Optimum, index: int) -> Chart | None:
     """One objective over each varied quantity: trials that keep and that miss the bounds."""
-    goal, varied = found.plan.objectives[place], found.plan.varied
-    if sum(bool(np.isfinite(one.objectives[place])) for one in found.trials) < 2:
+    goal, varied = found.plan.objectives[index], found.plan.varied
+    if sum(bool(np.isfinite(one.objectives[index])) for one in found.trials) < 2:
         return None
     panels = []
     for at, one in enumerate(varied):
-        layers = _clouds(found, partial(_shown, one, place=at), place, at == 0)
+        layers = _clouds(found, partial(_shown, one, index=at), index, at == 0)
         panels.append(Panel(varied_label(one), measure_label(goal.measure), tuple(layers)))
     columns = min(3, len(panels)) if len(panels) != 4 else 2
     title = f"{goal.measure.label[:1].upper()}{goal.measure.label[1:]} over what is varied"
     caption = (
-        "Where the best design stands at an end of its range, a wider range may hold a better one."
+        "Where the best design is at an end of its range, a wider range may hold a better one."
     )
     return Chart(
-        f"over-{place}",
+        f"over-{index}",
         title,
         caption,
         tuple(panels),
@@ -193,9 +193,9 @@ def _clouds(
     return layers
 
 
-def _objective(found: Optimum, trial: Trial, place: int) -> float:
-    return found.plan.objectives[place].measure.shown(float(trial.objectives[place]))
+def _objective(found: Optimum, trial: Trial, index: int) -> float:
+    return found.plan.objectives[index].measure.shown(float(trial.objectives[index]))
 
 
-def _shown(one: Varied, trial: Trial, place: int) -> float:
-    return one.shown(float(trial.values[place]))
+def _shown(one: Varied, trial: Trial, index: int) -> float:
+    return one.shown(float(trial.values[index]))

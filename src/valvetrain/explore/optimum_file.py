@@ -9,12 +9,12 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BeforeValidator, Field
 
-from valvetrain.explore.study_file import (
+from valvetrain.explore.files import (
     MAX_VARIED,
     Amount,
     FileText,
+    Names,
     VaryModel,
-    Words,
     text_of_file,
 )
 from valvetrain.parameters.schema_types import Line, StrictModel, problem
@@ -22,7 +22,7 @@ from valvetrain.parameters.schema_types import Line, StrictModel, problem
 #: Most objectives and constraints of a file, trials of a search and searches of other seeds: more
 #: are taken for a mistake.
 MAX_OBJECTIVES, MAX_CONSTRAINTS, MAX_TRIALS, MAX_SEEDS, MAX_PER_ROUND = 4, 32, 20_000, 20, 256
-#: Engine speeds are told this closely where nobody says otherwise.
+#: Default width of the bracket of a limit speed.
 RESOLUTION = "10 rpm"
 Direction = Literal["minimise", "maximise"]
 Method = Literal["tpe", "nsga2", "cma-es"]
@@ -89,7 +89,7 @@ class ConstraintModel(MeasureModel):
 
 
 class SearchModel(StrictModel):
-    """The ``[search]`` table. ``per_round`` trials are asked for together, whatever the workers;
+    """The ``[search]`` table. ``per_round`` trials are requested together, whatever the workers;
     ``seeds`` searches show their scatter;
     ``local``: share of the trials that a local search about the best has at the end, of one
     objective.
@@ -121,8 +121,8 @@ class OptimumModel(StrictModel):
     case: str
     changes: dict[str, Any] = Field(default_factory=dict)
     engine_speeds: Speeds | None = None
-    spring_models: Words = Field(default_factory=list)
-    spring_sets: Words = Field(default_factory=list)
+    spring_models: Names = Field(default_factory=list)
+    spring_sets: Names = Field(default_factory=list)
     rest_model: str = ""
     objective: list[ObjectiveModel] = Field(min_length=1, max_length=MAX_OBJECTIVES)
     constraint: list[ConstraintModel] = Field(default_factory=list, max_length=MAX_CONSTRAINTS)
@@ -138,6 +138,14 @@ class OptimumText(FileText[OptimumModel]):
 
     def __init__(self, text: str, where: str, folder: Path) -> None:
         super().__init__(text, where, folder, OptimumModel)
+
+    @classmethod
+    def of_tables(cls, tables: dict[str, Any], where: str) -> OptimumText:
+        """The same from the tables of a program."""
+        made = cls.__new__(cls)
+        made.text, made.where, made.folder = "", where, Path()
+        made._read(tables, OptimumModel)
+        return made
 
 
 def read_optimum_file(path: Path) -> OptimumText:

@@ -1,5 +1,5 @@
 """The page of a search: the answer first, case against best, figures, bounds, what other models
-say, then what was asked.
+say, then the request.
 """
 
 from __future__ import annotations
@@ -13,12 +13,18 @@ from typing import Any
 import numpy as np
 
 from valvetrain.explore.measure import LimitFound, Measure
-from valvetrain.explore.optimum import Confirmed, Design, Optimum, bound_words
+from valvetrain.explore.optimum import (
+    Confirmed,
+    Design,
+    Optimum,
+    bound_label,
+    case_text,
+    write_optuna,
+)
 from valvetrain.explore.optimum_charts import convergence_chart, front_chart, over_chart
-from valvetrain.explore.optimum_files import case_text, write_optuna
-from valvetrain.explore.optimum_summary import confirmed_words, sentences
-from valvetrain.explore.searchers import Trial
-from valvetrain.explore.study_page import distribution_words
+from valvetrain.explore.optimum_summary import confirmed_text, sentences
+from valvetrain.explore.study_page import distribution_text
+from valvetrain.explore.trial import Trial
 from valvetrain.report.page import Block, Cell, Grid, Page, Section, figure_or_gap, render, text
 from valvetrain.report.text import number, percent, unit_text
 from valvetrain.solution.atomic import write_text
@@ -40,17 +46,17 @@ STEP_HEADS = ("step of", "by", "objective", "change", "bounds")
 def optimum_page(found: Optimum) -> Page:
     """The whole page."""
     plan = found.plan
-    told = sentences(found)
-    answers: list[Block] = [text(told[0], "" if found.best else "alert")]
+    reported = sentences(found)
+    answers: list[Block] = [text(reported[0], "" if found.best else "alert")]
     if found.best:
         answers.append(_grid(ANSWER_HEADS, answer_rows(found), (1, 2, 4)))
-    answers += [text(sentence) for sentence in told[1:]]
+    answers += [text(sentence) for sentence in reported[1:]]
     figures: list[Block] = [
         *figure_or_gap("front", front_chart, found),
         *figure_or_gap("convergence", convergence_chart, found),
     ]
-    for place in range(len(plan.objectives)):
-        figures += figure_or_gap("objective", over_chart, found, place)
+    for index in range(len(plan.objectives)):
+        figures += figure_or_gap("objective", over_chart, found, index)
     sections = [
         Section("answer", "The answer", tuple(answers)),
         Section("figures", "The search", tuple(figures)),
@@ -79,10 +85,10 @@ def optimum_page(found: Optimum) -> Page:
                 text(f"And {len(failed) - MAX_FAILURES} more; trials.csv has them all.", "note")
             )
         sections.append(Section("failed", "Trials that could not be computed", tuple(lines)))
-    sections.append(Section("asked", "What was asked", _asked(found)))
+    sections.append(Section("asked", "The request", _requested(found)))
     seeds = "" if len(found.seeds) == 1 else f", {len(found.seeds)} seeds"
     facts = (
-        ("case", plan.case.name), ("trials", f"{len(found.trials)}, {found.feasible} feasible"),
+        ("case", plan.case_name), ("trials", f"{len(found.trials)}, {found.feasible} feasible"),
         ("method", METHODS[plan.search.method] + f", seed {plan.search.seed}{seeds}"),
         ("computed", f"{found.computed} runs, {found.seconds:.0f} s"),
     )  # fmt: skip
@@ -117,7 +123,7 @@ def answer_rows(found: Optimum) -> list[tuple[str, ...]]:
         )
         rows.append(
             (
-                one.words,
+                one.shown_name,
                 number(own if np.isfinite(own) else None, 5),
                 number(there, 5),
                 unit_text(one.unit),
@@ -138,19 +144,19 @@ def bound_rows(found: Optimum, design: Design) -> list[tuple[str, ...]]:
     """Every bound with what the case and a design have, and what is to spare."""
     rows = []
     active = found.active(design.trial)
-    for place, bound in enumerate(found.plan.constraints):
+    for index, bound in enumerate(found.plan.constraints):
         one = bound.measure
-        values = (float(found.case.constraints[place]), float(design.trial.constraints[place]))
-        miss = float(design.trial.missed[place])
-        words = "missed" if miss > 0 else "active" if place in active else "kept"
+        values = (float(found.case.constraints[index]), float(design.trial.constraints[index]))
+        miss = float(design.trial.missed[index])
+        phrase = "missed" if miss > 0 else "active" if index in active else "met"
         shown_values = (_shown(one, value) for value in values)
         rows.append(
             (
-                bound_words(found.plan, place),
+                bound_label(found.plan, index),
                 *shown_values,
                 unit_text(one.unit),
                 percent(-miss),
-                words,
+                phrase,
             )
         )
     return rows
@@ -158,11 +164,11 @@ def bound_rows(found: Optimum, design: Design) -> list[tuple[str, ...]]:
 
 def step_rows(found: Optimum, design: Design) -> list[tuple[str, ...]]:
     """What a small step of each varied quantity does to the first objective, and whether the bounds
-    are kept there.
+    are met there.
     """
     one, rows = found.plan.objectives[0].measure, list[tuple[str, ...]]()
     for step in design.steps:
-        varied = found.plan.varied[step.place]
+        varied = found.plan.varied[step.index]
         size = f"{varied.shown(step.size):+.3g} {unit_text(varied.unit)}".strip().replace("-", "−")
         value, before = float(step.objectives[0]), float(design.trial.objectives[0])
         unit = unit_text(one.unit)
@@ -171,16 +177,18 @@ def step_rows(found: Optimum, design: Design) -> list[tuple[str, ...]]:
             if not np.isfinite(value)
             else _difference(one.shown(value) - one.shown(before), unit)
         )
-        words = (
+        phrase = (
             "cannot be computed"
             if step.failure
-            else "kept, and better"
+            else "met, and better"
             if step.improves
-            else "kept"
+            else "met"
             if step.feasible
             else "missed"
         )
-        rows.append((varied.words, size, f"{_shown(one, value)} {unit}".strip(), apart, words))
+        rows.append(
+            (varied.shown_name, size, f"{_shown(one, value)} {unit}".strip(), apart, phrase)
+        )
     return rows
 
 
@@ -204,8 +212,8 @@ def _grid(heads: tuple[str, ...], rows: list[tuple[str, ...]], numbers: tuple[in
     made = []
     for row in rows:
         cells = tuple(
-            Cell(word, "number" if place in numbers else tones.get(word, ""))
-            for place, word in enumerate(row)
+            Cell(word, "number" if index in numbers else tones.get(word, ""))
+            for index, word in enumerate(row)
         )
         made.append((cells, ()))
     return Grid(heads, tuple(made))
@@ -219,7 +227,7 @@ def _front(found: Optimum) -> tuple[Block, ...]:
             f"{one.measure.label} ({unit_text(one.measure.unit)})".replace(" ()", "")
             for one in plan.objectives
         ),
-        *(f"{one.words} ({unit_text(one.unit)})".replace(" ()", "") for one in plan.varied),
+        *(f"{one.shown_name} ({unit_text(one.unit)})".replace(" ()", "") for one in plan.varied),
         "",
     )
     chosen = {id(one.trial): one.chosen.partition(":")[0] for one in found.designs}
@@ -242,44 +250,44 @@ def _confirmed(found: Optimum, design: Design) -> tuple[Block, ...]:
     blocks: list[Block] = []
     for one in design.confirmed:
         rows = []
-        for place, goal in enumerate(one.plan.objectives):
+        for index, goal in enumerate(one.plan.objectives):
             rows.append(
                 _row(
                     goal.measure,
-                    float(one.case.objectives[place]),
-                    float(one.design.objectives[place]),
+                    float(one.case.objectives[index]),
+                    float(one.design.objectives[index]),
                 )
             )
-        for place, bound in enumerate(one.plan.constraints):
+        for index, bound in enumerate(one.plan.constraints):
             row = _row(
                 bound.measure,
-                float(one.case.constraints[place]),
-                float(one.design.constraints[place]),
+                float(one.case.constraints[index]),
+                float(one.design.constraints[index]),
             )
-            rows.append((bound_words(one.plan, place), *row[1:]))
+            rows.append((bound_label(one.plan, index), *row[1:]))
         blocks += [
-            text(confirmed_words(one, found)),
+            text(confirmed_text(one, found)),
             _grid((one.label, *ANSWER_HEADS[1:]), rows, (1, 2, 4)),
         ]
     return tuple(blocks)
 
 
-def _asked(found: Optimum) -> tuple[Block, ...]:
+def _requested(found: Optimum) -> tuple[Block, ...]:
     rows: list[tuple[str, ...]] = []
     for varied in found.plan.varied:
         how = "its value" if varied.operation == "value" else varied.operation
-        rows.append((varied.words, varied.key, how, distribution_words(varied)))
+        rows.append((varied.shown_name, varied.key, how, distribution_text(varied)))
     goals: list[tuple[str, ...]] = []
     for goal in found.plan.objectives:
         most = "most" if goal.maximise else "least"
         goals.append((f"{most} {goal.measure.label}", goal.measure.quantity, _where(goal.measure)))
-    for place, bound in enumerate(found.plan.constraints):
+    for index, bound in enumerate(found.plan.constraints):
         goals.append(
-            (bound_words(found.plan, place), bound.measure.quantity, _where(bound.measure))
+            (bound_label(found.plan, index), bound.measure.quantity, _where(bound.measure))
         )
     return (
         _grid(("quantity", "key of the case", "varied by", "over"), rows, ()),
-        _grid(("asked for", "quantity", "at"), goals, ()),
+        _grid(("objective or bound", "quantity", "at"), goals, ()),
     )
 
 
@@ -297,18 +305,18 @@ def _where(one: Measure) -> str:
         of_case = (
             "" if one.limit.share is None else f" ({one.limit.share:g} x case at {first:.6g} rpm)"
         )
-        kept = f"{'at most' if one.limit.upper else 'at least'} {bounds} {unit_text(definition_of(one.quantity).shown_unit)}{of_case}"
-        words = f"{kept}, from {first:.6g} to {last:.6g} rpm, to {one.shown(one.limit.resolution):.3g} rpm"
+        retained = f"{'at most' if one.limit.upper else 'at least'} {bounds} {unit_text(definition_of(one.quantity).shown_unit)}{of_case}"
+        phrase = f"{retained}, from {first:.6g} to {last:.6g} rpm, to {one.shown(one.limit.resolution):.3g} rpm"
     else:
         speeds = dict.fromkeys(run[0] for run in one.runs if run[0] is not None)
-        words = ", ".join(f"{speed * 30 / np.pi:.6g}" for speed in speeds) + " rpm"
+        phrase = ", ".join(f"{speed * 30 / np.pi:.6g}" for speed in speeds) + " rpm"
         if not speeds:
             return "rest"
     several = f", the {one.over} of them" if len(one.runs) > 1 else ""
-    return ", ".join([words, *models]) + several
+    return ", ".join([phrase, *models]) + several
 
 
-#: Trials that the JSON answer holds whole; more stand in trials.csv.
+#: Trials that the JSON answer holds whole; more are in trials.csv.
 MAX_TRIALS = 2000
 TRIALS, OPTUNA, BEST = "trials.csv", "optuna.db", "best.toml"
 
@@ -317,15 +325,15 @@ def optimum_json(found: Optimum) -> dict[str, Any]:
     """The JSON answer, SI."""
     plan = found.plan
     data: dict[str, Any] = {
-        "case": plan.case.name, "title": plan.title, "method": plan.search.method, "seeds": list(found.seeds),
+        "case": plan.case_name, "title": plan.title, "method": plan.search.method, "seeds": list(found.seeds),
         "trials": len(found.trials), "feasible_trials": found.feasible, "computed_now": found.computed,
         "varied": [
-            {"name": one.name, "key": one.key, "as": one.operation, "unit": one.si_unit or "1", "label": one.words} for one in plan.varied
+            {"name": one.name, "key": one.key, "as": one.operation, "unit": one.si_unit or "1", "label": one.shown_name} for one in plan.varied
         ],
         "objectives": [{**_of(one.measure), "direction": "maximise" if one.maximise else "minimise"} for one in plan.objectives],
         "constraints": [
             {**_of(one.measure), "sense": "at_most" if one.upper else "at_least", "bound": one.bound, "share_of_case": one.share,
-             "words": bound_words(plan, place)} for place, one in enumerate(plan.constraints)
+             "words": bound_label(plan, index)} for index, one in enumerate(plan.constraints)
         ],
         "of_case": _trial(found.case), "designs": [_design(found, one) for one in found.designs],
         "front": [one.number for one in found.front], "history": found.history() if len(plan.objectives) == 1 else None,
@@ -339,15 +347,15 @@ def optimum_json(found: Optimum) -> dict[str, Any]:
 
 def _of(one: Measure) -> dict[str, Any]:
     speeds = [run[0] for run in one.runs if run[0] is not None]
-    told: dict[str, Any] = {"quantity": one.quantity, "unit": one.si_unit, "label": one.label}
+    reported: dict[str, Any] = {"quantity": one.quantity, "unit": one.si_unit, "label": one.label}
     if one.limit is not None:
         sense = "at_most" if one.limit.upper else "at_least"
-        told["limit_speed"] = {
+        reported["limit_speed"] = {
             sense: one.limit.bound,
             "engine_speeds": list(one.limit.engine_speeds),
             "resolution": one.limit.resolution,
         }
-    return told | (
+    return reported | (
         {"engine_speeds": list(dict.fromkeys(speeds)), "over": one.over} if speeds else {}
     )
 
@@ -378,12 +386,12 @@ def _design(found: Optimum, one: Design) -> dict[str, Any]:
         "chosen": one.chosen,
         "active": list(found.active(one.trial)),
         "at_ends": [
-            {"quantity": found.plan.varied[place].name, "end": end}
-            for place, end in found.at_ends(one.trial)
+            {"quantity": found.plan.varied[index].name, "end": end}
+            for index, end in found.at_ends(one.trial)
         ],
         "steps": [
             {
-                "quantity": found.plan.varied[step.place].name,
+                "quantity": found.plan.varied[step.index].name,
                 "step": step.size,
                 "objectives": step.objectives,
                 "feasible": step.feasible,
@@ -411,14 +419,14 @@ def trials_csv(found: Optimum) -> str:
     writer = csv.writer(stream, lineterminator="\n")
     heads = [f"{one.name} [{one.si_unit or '1'}]" for one in plan.varied]
     heads += [
-        f"objective {place + 1}: {one.measure.label} [{one.measure.si_unit}]"
-        for place, one in enumerate(plan.objectives)
+        f"objective {index + 1}: {one.measure.label} [{one.measure.si_unit}]"
+        for index, one in enumerate(plan.objectives)
     ]
     heads += [
-        f"constraint {place + 1}: {one.measure.label} [{one.measure.si_unit}]"
-        for place, one in enumerate(plan.constraints)
+        f"constraint {index + 1}: {one.measure.label} [{one.measure.si_unit}]"
+        for index, one in enumerate(plan.constraints)
     ]
-    heads += [f"missed {place + 1} [1]" for place in range(len(plan.constraints))]
+    heads += [f"missed {index + 1} [1]" for index in range(len(plan.constraints))]
     writer.writerow(["trial", "seed", *heads, "state", "sentence"])
     for one in found.trials:
         missed = one.missed[: len(plan.constraints)]
@@ -440,14 +448,14 @@ def write_optimum(
     found: Optimum, folder: Path, gaps: PartialFailures
 ) -> tuple[list[Path], Path | None]:
     """Write trials, Optuna study, case files and page into ``folder``; what could not be written
-    stands in ``gaps``. Files, and page.
+    is in ``gaps``. Files, and page.
     """
     made = [
         gaps.part(f"file '{TRIALS}'", None, lambda: write_text(folder / TRIALS, trials_csv(found))),
         gaps.part(f"file '{OPTUNA}'", None, lambda: write_optuna(found, folder / OPTUNA)),
     ]
-    for place, design in enumerate(found.designs):
-        name = BEST if place == 0 else f"design-{place + 1}.toml"
+    for index, design in enumerate(found.designs):
+        name = BEST if index == 0 else f"design-{index + 1}.toml"
         made.append(
             gaps.part(f"file '{name}'", None, partial(_write_case, found, design, folder / name))
         )

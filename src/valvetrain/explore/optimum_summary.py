@@ -7,8 +7,8 @@ from __future__ import annotations
 import numpy as np
 
 from valvetrain.explore.measure import BELOW, BEYOND, FOUND, Measure
-from valvetrain.explore.optimum import Confirmed, Design, Optimum, bound_words
-from valvetrain.explore.searchers import Trial
+from valvetrain.explore.optimum import Confirmed, Design, Optimum, bound_label
+from valvetrain.explore.trial import Trial
 
 #: A search whose best value came in this last share of its trials was still rising.
 LATE = 0.1
@@ -16,7 +16,7 @@ LATE = 0.1
 NARROW = 0.5
 
 
-def told(one: Measure, value: float, digits: int = 5) -> str:
+def reported(one: Measure, value: float, digits: int = 5) -> str:
     """A value (SI) with its unit, as people read it."""
     if not np.isfinite(value):
         return "no number"
@@ -52,10 +52,10 @@ def answer(found: Optimum) -> str:
     case, goals = found.case, found.plan.objectives
     if len(goals) > 1:
         spans = []
-        for place, goal in enumerate(goals):
-            values = [float(one.objectives[place]) for one in found.front]
+        for index, goal in enumerate(goals):
+            values = [float(one.objectives[index]) for one in found.front]
             spans.append(
-                f"{goal.measure.label} {told(goal.measure, min(values))} to {told(goal.measure, max(values))}"
+                f"{goal.measure.label} {reported(goal.measure, min(values))} to {reported(goal.measure, max(values))}"
             )
         there = _own(found.case)
         return f"{len(found.front)} designs beat each other in nothing: {'; '.join(spans)}. {there}"
@@ -65,15 +65,15 @@ def answer(found: Optimum) -> str:
         float(case.objectives[0]),
     )
     if best.trial.number == 0:
-        return f"No trial beats the case itself, whose {one.label} is {told(one, value)}."
+        return f"No trial beats the case itself, whose {one.label} is {reported(one, value)}."
     if not case.feasible:
         most = "most" if goals[0].maximise else "least"
-        return f"The {most} that keeps every bound: {one.label} {_own_words(best.trial, one, 0)}. {_own(case)}"
+        return f"The {most} that keeps every bound: {one.label} {_own_value(best.trial, one, 0)}. {_own(case)}"
     verb, least = (
         "rises" if value > before else "falls",
         "at least " if _beyond(best.trial, one) else "",
     )
-    ends = f"from {_own_words(case, one, 0)} of the case to {_own_words(best.trial, one, 0)}"
+    ends = f"from {_own_value(case, one, 0)} of the case to {_own_value(best.trial, one, 0)}"
     return f"Within all bounds the {one.label} {verb} {ends} ({least}{change(one, value, before)})."
 
 
@@ -83,7 +83,7 @@ def _own(case: Trial) -> str:
         return f"The case itself cannot be computed: {case.failure}."
     if case.feasible:
         return "The case itself keeps every bound."
-    missed = [bound_words(case.plan, place) for place, one in enumerate(case.missed) if one > 0]
+    missed = [bound_label(case.plan, index) for index, one in enumerate(case.missed) if one > 0]
     return f"The case itself misses: {'; '.join(missed)}."
 
 
@@ -91,10 +91,10 @@ def _nothing(found: Optimum) -> str:
     nearest = found.missed_by_least
     if nearest is None:
         return f"None of {len(found.trials)} trials could be computed: {found.trials[-1].failure}"
-    trial, words = nearest
-    worst = max(trial.told_missed)
+    trial, phrase = nearest
+    worst = max(trial.penalties)
     return (
-        f"No trial keeps every bound. Trial {trial.number} comes nearest; it misses '{words}' by {100 * worst:.2g} % of the bound: "
+        f"No trial keeps every bound. Trial {trial.number} comes nearest; it misses '{phrase}' by {100 * worst:.2g} % of the bound: "
         "loosen that bound, or widen the ranges."
     )
 
@@ -112,18 +112,18 @@ def trust(found: Optimum) -> tuple[str, ...]:
     trial, varied = best.trial, found.plan.varied
     if active := found.active(trial):
         lines.append(
-            f"What limits it: {'; '.join(bound_words(found.plan, place) for place in active)}."
+            f"What limits it: {'; '.join(bound_label(found.plan, index) for index in active)}."
         )
-    for place, end in found.at_ends(trial):
-        one = varied[place]
-        value = f"{one.shown(float(trial.values[place])):.5g} {one.unit}".rstrip()
+    for index, end in found.at_ends(trial):
+        one = varied[index]
+        value = f"{one.shown(float(trial.values[index])):.5g} {one.unit}".rstrip()
         lines.append(
-            f"The {one.words} stands at the {'lower' if end == 'low' else 'upper'} end of its range, {value}: widen the range."
+            f"The {one.shown_name} is at the {'lower' if end == 'low' else 'upper'} end of its range, {value}: widen the range."
         )
     lines += _limits(best, found)
     lines += _steps(best, found)
     lines += _seeds(found)
-    lines += [confirmed_words(one, found) for one in best.confirmed]
+    lines += [confirmed_text(one, found) for one in best.confirmed]
     return tuple(lines)
 
 
@@ -137,13 +137,13 @@ def _limits(best: Design, found: Optimum) -> list[str]:
                 lines.append(f"The {goal.measure.label} lies {ends}.")
             elif one.kind == BEYOND:
                 lines.append(
-                    f"The bound is kept up to the highest speed searched, {told(goal.measure, one.low)}: search higher."
+                    f"The bound is met up to the highest speed searched, {reported(goal.measure, one.low)}: search higher."
                 )
     return lines
 
 
 def _steps(best: Design, found: Optimum) -> list[str]:
-    better = [found.plan.varied[one.place].words for one in best.steps if one.improves]
+    better = [found.plan.varied[one.index].shown_name for one in best.steps if one.improves]
     lines = []
     if better:
         lines.append(
@@ -176,9 +176,9 @@ def _narrow(best: Design, found: Optimum) -> list[str]:
     if goal.sign * (near[-1] - float(best.trial.objectives[0])) < NARROW * gain:
         return []
     one = goal.measure
-    ends = f"{told(one, near[-1])} to {told(one, near[0])}"
+    ends = f"{reported(one, near[-1])} to {reported(one, near[0])}"
     return [
-        f"It is narrow: a hundredth of one range away the {one.label} is {ends}, so count on {told(one, near[-1])}."
+        f"It is narrow: a hundredth of one range away the {one.label} is {ends}, so count on {reported(one, near[-1])}."
     ]
 
 
@@ -187,13 +187,13 @@ def _seeds(found: Optimum) -> list[str]:
         return []
     one = found.plan.objectives[0].measure
     values = np.array(list(found.best_by_seed.values()))
-    told_each = ", ".join(f"{one.shown(float(value)):.5g}" for value in values)
+    each_value = ", ".join(f"{one.shown(float(value)):.5g}" for value in values)
     half = 0.5 * (one.shown(float(values.max())) - one.shown(float(values.min())))
-    ends = f"{len(values)} searches from different seeds end at {told_each} {one.unit}".rstrip()
+    ends = f"{len(values)} searches from different seeds end at {each_value} {one.unit}".rstrip()
     return [f"{ends}: the search itself is worth {f'±{half:.2g} {one.unit}'.rstrip()}."]
 
 
-def confirmed_words(one: Confirmed, found: Optimum) -> str:
+def confirmed_text(one: Confirmed, found: Optimum) -> str:
     """What another model says of the best design, in one sentence."""
     if one.design.failure or one.case.failure:
         which = "the design" if one.design.failure else "the case"
@@ -201,18 +201,18 @@ def confirmed_words(one: Confirmed, found: Optimum) -> str:
             f"By {one.label}, {which} cannot be computed: {one.design.failure or one.case.failure}"
         )
     parts = []
-    for place, goal in enumerate(one.plan.objectives):
+    for index, goal in enumerate(one.plan.objectives):
         measure = goal.measure
-        value, before = float(one.design.objectives[place]), float(one.case.objectives[place])
+        value, before = float(one.design.objectives[index]), float(one.case.objectives[index])
         searched = found.best.trial if found.best else one.design
-        apart = f"{_own_words(one.design, measure, place)} against {_own_words(one.case, measure, place)} of the case"
+        apart = f"{_own_value(one.design, measure, index)} against {_own_value(one.case, measure, index)} of the case"
         if not any(_beyond(trial, measure) for trial in (one.design, one.case)):
             apart += f" ({change(measure, value, before)})"
         parts.append(
-            f"{measure.label} {apart}, where the search has {_own_words(searched, found.plan.objectives[place].measure, place)}"
+            f"{measure.label} {apart}, where the search has {_own_value(searched, found.plan.objectives[index].measure, index)}"
         )
-    missed = [_missed_words(one, place) for place, miss in enumerate(one.design.missed) if miss > 0]
-    bounds = f"It misses: {'; '.join(missed)}." if missed else "All bounds are kept."
+    missed = [_missed_text(one, index) for index, miss in enumerate(one.design.missed) if miss > 0]
+    bounds = f"It misses: {'; '.join(missed)}." if missed else "All bounds are met."
     return f"By {one.label}: {'; '.join(parts)}. {bounds}"
 
 
@@ -223,22 +223,22 @@ def _beyond(trial: Trial, measure: Measure) -> bool:
     return any(bracket.kind != FOUND for bracket in trial.measured.limits.get(measure, ()))
 
 
-def _own_words(trial: Trial, measure: Measure, place: int) -> str:
+def _own_value(trial: Trial, measure: Measure, index: int) -> str:
     """An objective of a trial; of a limit speed outside the speeds searched, on which side."""
-    words = told(measure, float(trial.objectives[place]))
+    phrase = reported(measure, float(trial.objectives[index]))
     if not _beyond(trial, measure):
-        return words
+        return phrase
     return (
-        f"below {words}"
+        f"below {phrase}"
         if any(one.kind == BELOW for one in trial.measured.limits[measure])
-        else f"{words} or more"
+        else f"{phrase} or more"
     )
 
 
-def _missed_words(one: Confirmed, place: int) -> str:
+def _missed_text(one: Confirmed, index: int) -> str:
     """A bound that a design misses by another model, with what it has."""
-    words = bound_words(one.plan, place)
-    if place >= len(one.plan.constraints):
-        return words
-    measure = one.plan.constraints[place].measure
-    return f"{words}, it has {told(measure, float(one.design.constraints[place]), 4)}"
+    phrase = bound_label(one.plan, index)
+    if index >= len(one.plan.constraints):
+        return phrase
+    measure = one.plan.constraints[index].measure
+    return f"{phrase}, it has {reported(measure, float(one.design.constraints[index]), 4)}"

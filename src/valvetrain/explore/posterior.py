@@ -1,32 +1,115 @@
-"""The posterior of unknown quantities: priors times likelihood, over batches of points in working
-coordinates.
+"""The posterior of unknown quantities: measured data, priors times likelihood, over batches of
+points in working coordinates.
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.special import gammaln, ndtr, ndtri, stdtr
 
 from valvetrain.errors import InputError
-from valvetrain.explore.data import Datum
-from valvetrain.explore.prior import Prior
+from valvetrain.explore.space import Prior
 
 Array = NDArray[np.float64]
-#: What a computation tells of one point, by key (SI); None for a point that cannot be computed,
-#: such as an impossible spring.
+Law = Literal["normal", "student"]
+
+
+@dataclass(frozen=True, slots=True)
+class Datum:
+    """A measured ``value`` (SI) of what the computation calls ``key``, with the standard deviation
+    ``scatter`` (SI) of its errors.
+
+    ``measurement``: the entry of the file that it belongs to, such as a curve of many data. ``law``
+    of the errors: ``normal``, or
+    ``student`` with ``freedom`` degrees, of which outliers are part. ``used``: whether it is
+    fitted, else it is only compared. ``unit`` it
+    is shown in. Raises :class:`InputError` for a scatter that is not positive.
+
+    >>> Datum("preload", 289.0, 1.5).deviation(292.0)
+    np.float64(2.0)
+    """
+
+    key: str
+    value: float
+    scatter: float
+    measurement: str = ""
+    law: Law = "normal"
+    freedom: float = 4.0
+    used: bool = True
+    source: str = ""
+    unit: str = ""
+
+    def __post_init__(self) -> None:
+        if not (math.isfinite(self.value) and math.isfinite(self.scatter) and self.scatter > 0):
+            raise InputError(
+                f"measurement '{self.name[:60]}' needs a finite value and a positive scatter"
+            )
+        if self.law not in ("normal", "student") or not self.freedom > 0:
+            raise InputError(
+                f"the errors of '{self.name[:60]}' are normal, or student with positive freedom; it says '{str(self.law)[:40]}'"
+            )
+
+    @property
+    def name(self) -> str:
+        """The measurement, or the key where it has no name."""
+        return self.measurement or self.key
+
+    def deviation(self, computed: Array | float) -> Array:
+        """Computed less measured in units of the scatter."""
+        return (np.asarray(computed, dtype=float) - self.value) / self.scatter
+
+    def residual(self, computed: Array | float) -> Array:
+        """Signed number whose square is minus twice the log likelihood above its peak: the
+        deviation where errors are normal.
+        """
+        off = self.deviation(computed)
+        if self.law == "normal":
+            return off
+        return np.sign(off) * np.sqrt((self.freedom + 1) * np.log1p(off**2 / self.freedom))
+
+    @property
+    def log_peak(self) -> float:
+        """Logarithm of the likelihood where computed and measured agree."""
+        if self.law == "normal":
+            return -math.log(self.scatter * math.sqrt(2 * math.pi))
+        half = 0.5 * self.freedom
+        return float(
+            gammaln(half + 0.5)
+            - gammaln(half)
+            - 0.5 * math.log(self.freedom * math.pi)
+            - math.log(self.scatter)
+        )
+
+    def percentile(self, computed: Array, weights: Array) -> float:
+        """Where the measured value lies in its own prediction, 0 to 100: over the draws
+        ``computed`` with ``weights`` and its errors.
+        """
+        known = np.isfinite(computed)
+        if not known.any() or weights[known].sum() <= 0:
+            return math.nan
+        below = -self.deviation(computed[known])
+        share = ndtr(below) if self.law == "normal" else stdtr(self.freedom, below)
+        return float(100.0 * np.average(share, weights=weights[known]))
+
+
+#: Computed numbers of one point by key (SI); None for a point that cannot be computed, such as an
+#: impossible spring.
 Outcome = Mapping[str, float] | None
-#: Values (points, quantities) in SI -> the outcome of each point. What is told of a point must not
-#: depend on those beside it.
+#: Values (points, quantities) in SI -> the outcome of each point, which must not depend on the
+#: other points of the batch.
 Evaluate = Callable[[Array], Sequence[Outcome]]
 
 
 @dataclass(frozen=True)
 class Unknown:
-    """A quantity that is looked for: ``name``, its ``prior``, and the ``unit`` it is shown in."""
+    """A quantity to be identified: ``name``, its ``prior``, and the ``unit`` it is shown in."""
 
     name: str
     prior: Prior
@@ -52,7 +135,8 @@ class Points:
 
 @dataclass(frozen=True, eq=False)
 class Posterior:
-    """``unknowns`` with their priors, ``data`` and the computation ``evaluate`` between them.
+    """``unknowns`` with their priors, ``data`` and the computation ``evaluate`` between them;
+    ``correlation`` (quantities, quantities) of normal and lognormal priors, None without any.
 
     Raises :class:`InputError` for none of either and for names that occur twice.
     """
@@ -60,6 +144,7 @@ class Posterior:
     unknowns: tuple[Unknown, ...]
     data: tuple[Datum, ...]
     evaluate: Evaluate
+    correlation: Array | None = None
 
     def __post_init__(self) -> None:
         names = [one.name for one in self.unknowns]
@@ -69,6 +154,14 @@ class Posterior:
             )
         if twice := next((name for name in names if names.count(name) > 1), None):
             raise InputError(f"quantity '{twice[:60]}' is there twice; remove one")
+        if self.correlation is not None:
+            tied = np.any(self.correlation != np.eye(len(names)), axis=0)
+            for one, correlated in zip(self.unknowns, tied, strict=True):
+                if correlated and (one.prior.flat or one.prior.truncated):
+                    raise InputError(
+                        f"'{one.name[:60]}' is correlated, so its prior is normal or lognormal without bounds; change one of the two",
+                        "correlation",
+                    )
 
     @cached_property
     def used(self) -> tuple[Datum, ...]:
@@ -99,7 +192,7 @@ class Posterior:
     def values(self, work: Array) -> Array:
         """Values (n, quantities) in SI of working coordinates."""
         return np.column_stack(
-            [one.prior.value(work[:, place]) for place, one in enumerate(self.unknowns)]
+            [one.prior.value(work[:, index]) for index, one in enumerate(self.unknowns)]
         )
 
     def work_of(self, values: Array) -> Array:
@@ -107,33 +200,60 @@ class Posterior:
         them.
         """
         inside = [
-            np.clip(values[:, place], one.prior.low, one.prior.high)
-            for place, one in enumerate(self.unknowns)
+            np.clip(values[:, index], one.prior.low, one.prior.high)
+            for index, one in enumerate(self.unknowns)
         ]
         return np.column_stack(
-            [one.prior.work(inside[place]) for place, one in enumerate(self.unknowns)]
+            [one.prior.work(inside[index]) for index, one in enumerate(self.unknowns)]
         )
+
+    @cached_property
+    def precision(self) -> Array:
+        """Prior information (quantities, quantities) in standard deviations of the priors."""
+        size = len(self.unknowns)
+        return np.asarray(
+            np.eye(size) if self.correlation is None else np.linalg.inv(self.correlation),
+            dtype=float,
+        )
+
+    @cached_property
+    def prior_rows(self) -> Array:
+        """Slopes of :meth:`pulls` by quantities in standard deviations of their priors."""
+        flat = np.array([one.prior.flat for one in self.unknowns])
+        if self.correlation is None:
+            return np.diag(np.where(flat, 0.0, 1.0))
+        return np.asarray(np.linalg.inv(np.linalg.cholesky(self.correlation)) * ~flat)
 
     def from_shares(self, shares: Array) -> Array:
         """Working coordinates of points of the unit cube, over which the prior is even."""
+        if self.correlation is not None:
+            inside = np.clip(shares, 2.0**-53, 1 - 2.0**-53)
+            shares = ndtr(ndtri(inside) @ np.linalg.cholesky(self.correlation).T)
         return np.column_stack(
-            [one.prior.from_share(shares[:, place]) for place, one in enumerate(self.unknowns)]
+            [one.prior.from_share(shares[:, index]) for index, one in enumerate(self.unknowns)]
         )
 
     def log_prior(self, work: Array) -> Array:
         """Logarithm of the prior density (n) over working coordinates."""
-        return np.asarray(
+        independent = np.asarray(
             np.sum(
-                [one.prior.log_density(work[:, place]) for place, one in enumerate(self.unknowns)],
+                [one.prior.log_density(work[:, index]) for index, one in enumerate(self.unknowns)],
                 axis=0,
             )
         )
+        if self.correlation is None:
+            return independent
+        scores = np.column_stack(
+            [one.prior.pull(work[:, k]) for k, one in enumerate(self.unknowns)]
+        )
+        excess = self.precision - np.eye(len(self.unknowns))
+        copula = np.einsum("ni,ij,nj->n", scores, excess, scores)
+        return np.asarray(independent - 0.5 * (copula + np.linalg.slogdet(self.correlation)[1]))
 
     def pulls(self, work: Array) -> Array:
-        """What least squares add for the priors, (quantities)."""
-        return np.array(
-            [float(one.prior.pull(work[place])) for place, one in enumerate(self.unknowns)]
-        )
+        """Scaled deviations from the priors that least squares add, (quantities)."""
+        own = np.array([float(one.prior.pull(work[k])) for k, one in enumerate(self.unknowns)])
+        return own if self.correlation is None else self.prior_rows @ own
 
     def at(self, work: Array) -> Points:
         """Evaluate points (n, quantities); those outside the bounds are not computed."""
@@ -141,10 +261,10 @@ class Posterior:
         inside = np.flatnonzero(np.isfinite(prior))
         outcomes: list[Outcome] = [None] * len(work)
         if len(inside):
-            for place, outcome in zip(
+            for index, outcome in zip(
                 inside, self.evaluate(self.values(work[inside])), strict=True
             ):
-                outcomes[place] = outcome
+                outcomes[index] = outcome
         likelihood = np.array([self.log_likelihood(one) for one in outcomes])
         return Points(work, tuple(outcomes), prior, likelihood)
 

@@ -1,6 +1,4 @@
-"""What every sampler answers: where in the unit cube the first points of a study lie, and where the
-next ones, once those are known.
-"""
+"""Samplers: the first points of a study, and the next ones once the outputs of those are there."""
 
 from __future__ import annotations
 
@@ -14,13 +12,13 @@ from numpy.typing import NDArray
 from pydantic import BaseModel, ConfigDict, Field
 
 from valvetrain.errors import InputError
-from valvetrain.explore.space import Uniform, Values, Varied
+from valvetrain.explore.space import Space, Values, Varied
 from valvetrain.registry import find
 
 Array = NDArray[np.float64]
-#: Points of a study beyond this number are taken for a mistake.
+#: Most points of a study.
 MAX_POINTS = 1_000_000
-#: Places where nobody says otherwise.
+#: Points drawn and levels of a grid by default.
 COUNT, LEVELS = 100, 5
 
 
@@ -49,20 +47,19 @@ More = Callable[[Sequence[Varied], SamplerOptions, Array, Array], Array]
 def no_more(
     varied: Sequence[Varied], options: SamplerOptions, points: Array, values: Array
 ) -> Array:
-    """A sampler that knows all its points from the start."""
+    """No further points."""
     return np.zeros((0, len(varied)))
 
 
 @dataclass(frozen=True, slots=True)
 class SamplerSpec:
-    """A sampler: ``first`` gives points (n, d) in SI; ``more``, told all points and the first
-    output of each (nan where it failed), those
-    that follow, none at the end. ``independent``: its points are draws from the distributions, so
-    that their percentiles mean something.
+    """A sampler: ``first`` gives points (n, d) in SI; ``more`` those that follow, from all points
+    and the first output of each (nan where it failed), none at the end. ``independent``: its points
+    are draws from the distributions, so that their percentiles mean something.
     """
 
     word: str
-    words: str
+    shown_name: str
     options: type[SamplerOptions]
     first: First
     more: More = no_more
@@ -85,10 +82,10 @@ class SamplerSpec:
             return self.options.model_validate(given)
         except ValidationError as error:
             first = error.errors(include_url=False)[0]
-            place = ".".join(str(part) for part in first["loc"])
+            index = ".".join(str(part) for part in first["loc"])
             raise InputError(
                 f"{str(first['input'])[:40]!r} does not fit: {first['msg'][:1].lower()}{first['msg'][1:]}; correct it",
-                f"points.{place}",
+                f"points.{index}",
             ) from None
 
 
@@ -99,12 +96,10 @@ def sampler(word: str, where: str = "points.sampler") -> SamplerSpec:
 
 
 def spread(varied: Sequence[Varied], shares: Array) -> Array:
-    """Points (n, d) in SI of shares (n, d) in the unit cube, each column by its distribution."""
-    # half of the last bit off either end, where a distribution without bounds is infinite
-    inside = np.clip(shares, 2.0**-53, 1 - 2.0**-53)
-    return np.column_stack(
-        [one.distribution.at(inside[:, place]) for place, one in enumerate(varied)]
-    )
+    """Points (n, d) in SI of shares (n, d) in the unit cube, each column by its distribution,
+    correlated where the space is.
+    """
+    return (varied if isinstance(varied, Space) else Space(varied)).points(shares)
 
 
 class GridOptions(SamplerOptions):
@@ -138,7 +133,7 @@ def _first_listed(varied: Sequence[Varied], options: SamplerOptions) -> Array:
     for one in varied:
         if not isinstance(one.distribution, Values):
             raise InputError(
-                "stands in a list of points, so it needs its values one by one; give 'values'",
+                "is in a list of points, so it needs its values one by one; give 'values'",
                 one.name,
             )
         columns.append(one.distribution.values)
@@ -155,14 +150,22 @@ def _first_listed(varied: Sequence[Varied], options: SamplerOptions) -> Array:
 LISTED_SPEC = SamplerSpec("list", "your list", SamplerOptions, _first_listed)
 
 
-def _first_latin_hypercube(varied: Sequence[Varied], options: SamplerOptions) -> Array:
+def listed(points: Array) -> SamplerSpec:
+    """The sampler of given ``points`` (n, d) in SI."""
+    return SamplerSpec("list", "your list", SamplerOptions, lambda varied, options: points)
+
+
+def latin_hypercube(count: int, dimensions: int, seed: int | Sequence[int]) -> Array:
+    """``count`` points (n, d) of the unit cube, one in each of ``count`` strata of every axis."""
     from scipy.stats import qmc
 
+    sampler = qmc.LatinHypercube(dimensions, seed=np.random.default_rng(seed))
+    return np.asarray(sampler.random(count))
+
+
+def _first_latin_hypercube(varied: Sequence[Varied], options: SamplerOptions) -> Array:
     assert isinstance(options, CountedOptions)
-    drawn = qmc.LatinHypercube(len(varied), seed=np.random.default_rng(options.seed)).random(
-        options.count
-    )
-    return spread(varied, drawn)
+    return spread(varied, latin_hypercube(options.count, len(varied), options.seed))
 
 
 LATIN_HYPERCUBE_SPEC = SamplerSpec(
@@ -227,7 +230,7 @@ def _first_saltelli(varied: Sequence[Varied], options: SamplerOptions) -> Array:
     size, rows = len(varied), base_rows(options.count, len(varied))
     both = sequence(2 * size, rows, options.seed)
     a, b = both[:, :size], both[:, size:]
-    mixed = [np.where(np.arange(size) == place, b, a) for place in range(size)]
+    mixed = [np.where(np.arange(size) == index, b, a) for index in range(size)]
     return spread(varied, np.concatenate([a, b, *mixed]))
 
 
@@ -250,7 +253,7 @@ class AdaptiveOptions(CountedOptions):
 def _first_adaptive(varied: Sequence[Varied], options: SamplerOptions) -> Array:
     assert isinstance(options, AdaptiveOptions)
     for one in varied:
-        if not isinstance(one.distribution, Uniform):
+        if one.distribution.kind != "uniform":
             raise InputError(
                 "is refined where an output changes, so it needs a range; give low and high",
                 one.name,
@@ -274,9 +277,9 @@ def _more(varied: Sequence[Varied], options: SamplerOptions, points: Array, valu
     assert isinstance(options, AdaptiveOptions)
     from scipy.spatial import cKDTree
 
-    room = min(options.per_round, options.count - len(points))
+    left = min(options.per_round, options.count - len(points))
     known = np.isfinite(values)
-    if room < 1 or np.count_nonzero(known) < 2:
+    if left < 1 or np.count_nonzero(known) < 2:
         return np.zeros((0, len(varied)))
     low, span = (
         np.array([getattr(one.distribution, name) for one in varied]) for name in ("low", "high")
@@ -302,7 +305,7 @@ def _more(varied: Sequence[Varied], options: SamplerOptions, points: Array, valu
         middle = 0.5 * (cube[a] + cube[b])
         if score < 0 and all(np.max(np.abs(middle - other)) > 1e-9 for other in (*chosen, *cube)):
             chosen.append(middle)
-        if len(chosen) == room:
+        if len(chosen) == left:
             break
     return low + span * np.array(chosen) if chosen else np.zeros((0, len(varied)))
 

@@ -1,165 +1,29 @@
-"""How a search chooses its next designs: in rounds of a fixed size, from nothing but its seed and
-what it was told.
+"""How a search chooses its next designs: in rounds of a fixed size, from its seed and the trials of
+the rounds before; and the local search at its end.
 
 Sources: J. Bergstra et al. (2011), Algorithms for hyper-parameter optimization (TPE); K. Deb et
-al., IEEE Trans. Evol. Comput. 6 (2002)
-182 (NSGA-II, and that of two designs the one that misses its bounds by less goes first); N. Hansen
-and A. Ostermeier, Evol. Comput. 9
-(2001) 159 (CMA-ES). The libraries optuna and cmaes.
+al., IEEE Trans. Evol. Comput. 6 (2002) 182 (NSGA-II, and that of two designs the one that misses
+its bounds by less goes first); N. Hansen and A. Ostermeier, Evol. Comput. 9 (2001) 159 (CMA-ES).
+The libraries optuna and cmaes; COBYLA of scipy.
 """
 
 from __future__ import annotations
 
 import warnings
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
-from functools import cached_property
 from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
 from valvetrain.errors import MissingExtraError
-from valvetrain.explore.measure import BELOW, Measured
 from valvetrain.explore.objective import OptimumPlan
 from valvetrain.explore.optimum_file import SearchModel
-from valvetrain.explore.space import Uniform, Values
+from valvetrain.explore.space import Values
+from valvetrain.explore.trial import Array, Trial
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
-
-
-Array = NDArray[np.float64]
-#: What is told of a bound where there is no number, as a share of the bound: beyond any that is
-#: computed.
-UNKNOWN = 1e6
-#: Stands for the seed of the case, which no search asked for.
-CASE_SEED = -1
-
-
-@dataclass(frozen=True, eq=False)
-class Trial:
-    """``number`` counts from 0, the case itself; ``values`` (d, SI) of the varied quantities;
-    ``measured``: its numbers; ``seed`` of the
-    search that asked for it. ``plan`` tells bounds and directions.
-    """
-
-    number: int
-    seed: int
-    values: Array
-    measured: Measured
-    plan: OptimumPlan
-
-    @property
-    def failure(self) -> str:
-        """Why it could not be computed, empty where it was."""
-        return self.measured.failure
-
-    @cached_property
-    def objectives(self) -> Array:
-        """Objectives (m,) in SI, nan where they were not computed."""
-        return np.array(
-            [self.measured.values.get(one.measure, np.nan) for one in self.plan.objectives]
-        )
-
-    @cached_property
-    def constraints(self) -> Array:
-        """Values (c,) in SI of what is bounded."""
-        return np.array(
-            [self.measured.values.get(one.measure, np.nan) for one in self.plan.constraints]
-        )
-
-    @cached_property
-    def missed(self) -> Array:
-        """By how much (c + m,) each bound is missed, in shares of it, negative inside; then 0 for
-        each objective, more where a limit speed
-        lies below the lowest one searched."""
-        bounds = [
-            one.missed(value)
-            for one, value in zip(self.plan.constraints, self.constraints, strict=True)
-        ]
-        begins = [
-            max(
-                (
-                    1e-9 + bracket.missed
-                    for bracket in self.measured.limits.get(one.measure, ())
-                    if bracket.kind == BELOW
-                ),
-                default=0.0,
-            )
-            for one in self.plan.objectives
-        ]
-        return np.array([*bounds, *begins])
-
-    @property
-    def feasible(self) -> bool:
-        """Whether it was computed, all bounds are kept and all objectives are there."""
-        return (
-            not self.failure
-            and bool(np.all(self.missed <= 0.0))
-            and bool(np.all(np.isfinite(self.objectives)))
-        )
-
-    @property
-    def told_missed(self) -> list[float]:
-        """What a search is told of the bounds: no number of a design that could not be computed."""
-        if self.failure:
-            return [UNKNOWN] * max(1, len(self.missed))
-        known = [float(one) if np.isfinite(one) else UNKNOWN for one in self.missed]
-        return known or [0.0]
-
-    @property
-    def state(self) -> str:
-        """Its end in a word."""
-        if self.failure:
-            return self.measured.code
-        return "feasible" if self.feasible else "infeasible"
-
-    @property
-    def total_missed(self) -> float:
-        """Sum of what is missed, in shares of the bounds."""
-        return float(sum(max(0.0, one) for one in self.told_missed))
-
-
-def beats(one: Trial, other: Trial) -> bool:
-    """Whether a feasible trial is no worse in any objective, and better in one (both feasible)."""
-    signs = np.array([goal.sign for goal in one.plan.objectives])
-    apart = signs * (one.objectives - other.objectives)
-    return bool(np.all(apart <= 0.0) and np.any(apart < 0.0))
-
-
-def best_of(trials: list[Trial]) -> Trial | None:
-    """The feasible trial with the best first objective, the first of equals; None where there is
-    none.
-    """
-    feasible = [one for one in trials if one.feasible]
-    return min(
-        feasible,
-        key=lambda one: (one.plan.objectives[0].sign * one.objectives[0], one.number),
-        default=None,
-    )
-
-
-def front_of(trials: list[Trial]) -> list[Trial]:
-    """Feasible trials that no other beats, each set of objectives once, by the first objective."""
-    feasible = [one for one in trials if one.feasible]
-    if not feasible:
-        return []
-    signs = np.array([goal.sign for goal in feasible[0].plan.objectives])
-    costs = np.array([signs * one.objectives for one in feasible])
-    kept: list[Trial] = []
-    seen: set[bytes] = set()
-    for place, one in enumerate(feasible):
-        beaten = np.any(
-            np.all(costs <= costs[place], axis=1) & np.any(costs < costs[place], axis=1)
-        )
-        key = costs[place].tobytes()
-        if not beaten and key not in seen:
-            seen.add(key)
-            kept.append(one)
-    return sorted(kept, key=lambda one: (*(signs * one.objectives), one.number))
-
 
 HINT = "a search needs the library {}, which is not installed; install the extra: pip install 'valvetrain[studies]'"
 #: First spread of CMA-ES and change of its population after which it has come to rest, as shares of
@@ -216,7 +80,7 @@ def quiet_optuna() -> Iterator[Any]:
 
 
 class OptunaSearch:
-    """TPE or NSGA-II, its sampler made anew for every round from the seed and the number of the
+    """TPE or NSGA-II, its sampler new for every round from the seed and the number of the
     round.
     """
 
@@ -236,7 +100,7 @@ class OptunaSearch:
                 f"{place:03d}": optuna.distributions.FloatDistribution(0.0, 1.0)
                 for place in range(dimensions)
             }
-        self._asked: list[Any] = []
+        self._requested: list[Any] = []
 
     def ask(self, count: int, fixed: Sequence[Array] = ()) -> list[Array]:
         """Points (d,) of the next round."""
@@ -246,25 +110,25 @@ class OptunaSearch:
             )
             for point in fixed:
                 self._study.enqueue_trial(dict(zip(self._axes, map(float, point), strict=True)))
-            self._asked = [self._study.ask(self._axes) for _ in range(len(fixed) or count)]
+            self._requested = [self._study.ask(self._axes) for _ in range(len(fixed) or count)]
         self.round += 1
-        return [np.array([one.params[name] for name in self._axes]) for one in self._asked]
+        return [np.array([one.params[name] for name in self._axes]) for one in self._requested]
 
     def tell(self, trials: Sequence[Trial]) -> None:
         """Objectives of what was computed; the rest, and what could not be, counts as infeasible
         without a number.
         """
         with quiet_optuna() as optuna:
-            for asked, trial in zip(self._asked, trials, strict=True):
-                asked.set_user_attr("missed", trial.told_missed)
+            for requested, trial in zip(self._requested, trials, strict=True):
+                requested.set_user_attr("missed", trial.penalties)
                 if trial.failure or not np.all(np.isfinite(trial.objectives)):
-                    self._study.tell(asked, state=optuna.trial.TrialState.PRUNED)
+                    self._study.tell(requested, state=optuna.trial.TrialState.PRUNED)
                 else:
                     costs = [
                         float(sign * value)
                         for sign, value in zip(self.signs, trial.objectives, strict=True)
                     ]
-                    self._study.tell(asked, costs)
+                    self._study.tell(requested, costs)
 
     def _sampler(self, optuna: Any, seed: int) -> Any:
         def missed(trial: Any) -> list[float]:
@@ -301,7 +165,7 @@ class EvolutionSearch:
         )
         self._make: Any = cmaes.CMA
         self._strategy: Any = None
-        self._asked: list[Array] = []
+        self._requested: list[Array] = []
         self._first: list[Array] = []
 
     def ask(self, count: int, fixed: Sequence[Array] = ()) -> list[Array]:
@@ -311,8 +175,8 @@ class EvolutionSearch:
             return list(fixed)
         if self._strategy.should_stop():
             return []
-        self._asked = [self._strategy.ask() for _ in range(self.per_round)]
-        return [np.clip(one[: self.dimensions], 0.0, 1.0) for one in self._asked[:count]]
+        self._requested = [self._strategy.ask() for _ in range(self.per_round)]
+        return [np.clip(one[: self.dimensions], 0.0, 1.0) for one in self._requested[:count]]
 
     def tell(self, trials: Sequence[Trial]) -> None:
         """The ranks of a generation; of the first designs only the best counts, about which the
@@ -323,14 +187,16 @@ class EvolutionSearch:
             self._begin(self._first[order[0]])
             return
         ranks = {place: float(rank) for rank, place in enumerate(order)}
-        if len(trials) == len(self._asked):  # a last generation that is cut short teaches nothing
+        if len(trials) == len(
+            self._requested
+        ):  # a last generation that is cut short teaches nothing
             self._strategy.tell(
-                [(self._asked[place], ranks[place]) for place in range(len(trials))]
+                [(self._requested[place], ranks[place]) for place in range(len(trials))]
             )
 
     def _begin(self, centre: Array) -> None:
         """About ``centre``; the library knows two quantities or more, so a second one without
-        effect stands beside one alone.
+        effect is added to a single one.
         """
         count = max(2, self.dimensions)
         mean = np.full(count, 0.5)
@@ -376,34 +242,124 @@ def shares_of(plan: OptimumPlan, values: Array) -> Array | None:
                 return None
             found.append((order.index(value) + 0.5) / len(order))
         else:
-            assert isinstance(levels, Uniform)
-            share = (value - levels.low) / (levels.high - levels.low)
-            if not 0.0 <= share <= 1.0:
+            if not levels.low <= value <= levels.high:
                 return None
-            found.append(share)
+            found.append(float(levels.share(levels.work(value))))
     return np.array(found)
 
 
-def neighbours(plan: OptimumPlan, values: Array, place: int, share: float) -> list[Array]:
-    """The design with one quantity a ``share`` of its range lower and higher, or at the next of its
-    values, those inside the range.
+ComputeTrial = Callable[[Array], Trial]
+#: First radius of the neighbourhood in shares of the ranges, what it shrinks by, and the radius at
+#: which the search ends.
+RADIUS, SHRINK, SMALLEST = 0.1, 0.3, 0.003
+#: Bounds are met with this much to spare, in shares of them, so that what ends on one does not end
+#: beyond it.
+TO_SPARE = 1e-4
+
+
+class _Spent(Exception):
+    """All trials are used."""
+
+
+def local_search(
+    start: Array, best: Trial, free: Sequence[int], look: ComputeTrial, budget: int
+) -> None:
+    """Look at up to ``budget`` designs about ``start`` (d, shares of the ranges), whose trial is
+    ``best``; ``free``: places that may move.
+
+    ``look(shares)`` computes a trial, all of its objectives included.
     """
-    levels = plan.varied[place].distribution
-    if isinstance(levels, Values):
-        order = sorted(set(levels.values))
-        at = order.index(min(order, key=lambda one: abs(one - values[place])))
-        near = [order[one] for one in (at - 1, at + 1) if 0 <= one < len(order)]
-    else:
-        assert isinstance(levels, Uniform)
-        step = share * (levels.high - levels.low)
-        near = [
-            one
-            for one in (values[place] - step, values[place] + step)
-            if levels.low <= one <= levels.high
-        ]
-    found = []
-    for value in near:
-        row = values.copy()
-        row[place] = value
-        found.append(row)
-    return found
+    moving, centre, used = np.array(free, dtype=int), np.array(start, dtype=float), 0
+    known: dict[bytes, Trial] = {centre[moving].tobytes(): best}
+    sign = best.plan.objectives[0].sign
+    scale = abs(float(best.objectives[0])) if np.isfinite(best.objectives[0]) else 1.0
+    radius = RADIUS
+
+    def trial_at(point: Array) -> Trial:
+        nonlocal used
+        inside = np.clip(point, 0.0, 1.0)
+        key = inside.tobytes()
+        if key not in known:
+            if used >= budget:
+                raise _Spent
+            used += 1
+            shares = centre.copy()
+            shares[moving] = inside
+            known[key] = look(shares)
+        return known[key]
+
+    def objective(point: Array) -> float:
+        one = trial_at(point)
+        value = (
+            one.objectives[0]
+            if not one.failure and np.isfinite(one.objectives[0])
+            else best.objectives[0]
+        )
+        return float(sign * value / (scale or 1.0)) if np.isfinite(value) else 0.0
+
+    def retained(point: Array) -> Array:
+        one = trial_at(point)
+        missed = (
+            np.full(len(one.missed), 1.0) if one.failure else np.nan_to_num(one.missed, nan=1.0)
+        )
+        return np.concatenate(
+            [
+                -missed[: len(one.plan.constraints)] - TO_SPARE,
+                -missed[len(one.plan.constraints) :],
+                point,
+                1.0 - point,
+            ]
+        )
+
+    while used < budget and radius >= SMALLEST:
+        before = best
+        best, centre = _around(
+            best, centre, moving, objective, retained, known, radius, budget - used
+        )
+        if best is before:
+            radius *= SHRINK
+
+
+def _around(
+    best: Trial,
+    centre: Array,
+    moving: Array,
+    objective: Callable[[Array], float],
+    retained: Callable[[Array], Array],
+    known: dict[bytes, Trial],
+    radius: float,
+    budget: int,
+) -> tuple[Trial, Array]:
+    """One search from the best design; the best of all looked at, and where it lies."""
+    from scipy.optimize import minimize
+
+    options = {"rhobeg": radius, "tol": radius / 20, "maxiter": max(budget, len(moving) + 3)}
+    try:
+        minimize(
+            objective,
+            centre[moving],
+            method="COBYLA",
+            constraints=[{"type": "ineq", "fun": retained}],
+            options=options,
+        )
+    except _Spent:
+        pass
+    found = best
+    place = centre
+    for key, one in known.items():
+        if one is not found and _before(one, found):
+            found, place = one, centre.copy()
+            place[moving] = np.frombuffer(key)
+    return found, place
+
+
+def _before(one: Trial, other: Trial) -> bool:
+    """Whether a trial is better: feasible before infeasible, then by the objective, or by what is
+    missed.
+    """
+    if one.failure or one.feasible != other.feasible:
+        return bool(not one.failure and one.feasible)
+    if one.feasible:
+        sign = one.plan.objectives[0].sign
+        return bool(sign * one.objectives[0] < sign * other.objectives[0])
+    return one.total_missed < other.total_missed

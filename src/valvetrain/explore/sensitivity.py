@@ -12,16 +12,16 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from valvetrain.errors import InputError, MissingExtraError
-from valvetrain.explore.plan import Run
+from valvetrain.explore.outputs import Run
 from valvetrain.solution.definition import definition_of, label_of, shown
 
 Array = NDArray[np.float64]
 #: Resamples behind an interval, and its ends in per cent.
 RESAMPLES, ENDS = 1000, (2.5, 97.5)
-#: Base rows below which no index is told; a spread (over the size of the mean) below which there is
+#: Base rows below which there is no index; a spread (over the size of the mean) below which there is
 #: nothing to explain.
 MIN_ROWS, NO_SPREAD = 8, 1e-9
-#: Base rows that are asked for where fewer cannot tell quantities apart.
+#: Base rows that are recommended where fewer cannot separate quantities.
 ENOUGH_ROWS = 64
 
 
@@ -59,16 +59,18 @@ def sensitivity_of(
     size = len(names)
     parts = values.reshape(size + 2, -1)
     whole = np.all(np.isfinite(parts), axis=0)
-    kept = parts[:, whole]
-    if kept.shape[1] < MIN_ROWS:
+    retained = parts[:, whole]
+    if retained.shape[1] < MIN_ROWS:
         return None
-    first, total = indices(kept)
+    first, total = indices(retained)
     generator, drawn = np.random.default_rng(seed), np.empty((RESAMPLES, 2, size))
-    for place in range(RESAMPLES):
-        drawn[place] = indices(kept[:, generator.integers(0, kept.shape[1], kept.shape[1])])
+    for index in range(RESAMPLES):
+        drawn[index] = indices(
+            retained[:, generator.integers(0, retained.shape[1], retained.shape[1])]
+        )
     low, high = (np.nanpercentile(drawn, end, axis=0) for end in ENDS)
     intervals = [np.stack([low[kind], high[kind]], axis=1) for kind in (0, 1)]
-    sentence = verdict(output, names, total, intervals[1], kept[:2])
+    sentence = verdict(output, names, total, intervals[1], retained[:2])
     return Sensitivity(
         output,
         run,
@@ -77,7 +79,7 @@ def sensitivity_of(
         total,
         intervals[0],
         intervals[1],
-        kept.shape[1],
+        retained.shape[1],
         int(np.count_nonzero(~whole)),
         sentence,
     )
@@ -96,37 +98,37 @@ def indices(parts: Array) -> tuple[Array, Array]:
 
 
 def verdict(output: str, names: Sequence[str], total: Array, interval: Array, base: Array) -> str:
-    """One sentence: the quantity that makes the spread of an output, those that cannot be told
-    apart, or that there is none.
+    """One sentence: the quantity that makes the spread of an output, those that cannot be
+    separated, or that there is none.
     """
     label = label_of(output)
     if not np.std(base) > NO_SPREAD * max(abs(float(np.mean(base))), 1e-300):
         return f"None of the varied quantities moves the {label}."
     order = np.argsort(-total)
     leader = int(order[0])
-    rivals = [int(place) for place in order[1:] if interval[place, 1] >= interval[leader, 0]]
+    rivals = [int(index) for index in order[1:] if interval[index, 1] >= interval[leader, 0]]
 
-    def share(place: int) -> str:
-        return f"{names[place]} ({100 * total[place]:.0f} %, {100 * interval[place, 0]:.0f} to {100 * interval[place, 1]:.0f})"
+    def share(index: int) -> str:
+        return f"{names[index]} ({100 * total[index]:.0f} %, {100 * interval[index, 0]:.0f} to {100 * interval[index, 1]:.0f})"
 
     if rivals:
-        told = ", ".join(share(place) for place in (leader, *rivals[:3]))
+        reported = ", ".join(share(index) for index in (leader, *rivals[:3]))
         rows = base.shape[1]
         more = (
             f" by {rows} base rows; count = {ENOUGH_ROWS * (len(names) + 2)} gives {ENOUGH_ROWS}"
             if rows < ENOUGH_ROWS
             else ""
         )
-        return f"No single quantity makes the spread of the {label}: the shares of {told} cannot be told apart{more}."
+        return f"No single quantity makes the spread of the {label}: the shares of {reported} cannot be separated{more}."
     second = f"; next is {share(int(order[1]))}" if len(order) > 1 else ""
     return f"What makes the spread of the {label} is {share(leader)} of its variance{second}."
 
 
 HINT = "a surrogate needs scikit-learn, which is not installed; install the extra: pip install 'valvetrain[studies]'"
-#: Share of the points kept out of the fit; least points that a surrogate is made of; most that it
+#: Share of the points held out of the fit; least points that a surrogate is made of; most that it
 #: is fitted to, for its time grows with
 #: the cube of their number.
-KEPT_OUT, LEAST, MOST = 0.2, 12, 1000
+HELD_OUT, LEAST, MOST = 0.2, 12, 1000
 
 
 @dataclass(frozen=True, eq=False)
@@ -142,7 +144,7 @@ class Surrogate:
     output: str
     run: Run
     fitted: int
-    kept_out: int
+    held_out: int
     error: float
     share: float
     covered: float
@@ -157,9 +159,9 @@ class Surrogate:
         """What its error is, in words."""
         unit = definition_of(self.output).shown_unit
         error = float(shown(self.output, self.error)[0])
-        told = f"The surrogate of the {label_of(self.output)} errs by {error:.3g} {unit} (rms) on {self.kept_out} points kept out of its fit"
-        good = "" if self.share < 0.3 else ", so it does not stand for a run"
-        return f"{told}, {100 * self.share:.0f} % of their scatter{good}."
+        reported = f"The surrogate of the {label_of(self.output)} errs by {error:.3g} {unit} (rms) on {self.held_out} points held out of its fit"
+        good = "" if self.share < 0.3 else ", so it cannot replace a run"
+        return f"{reported}, {100 * self.share:.0f} % of their scatter{good}."
 
     def predict(self, inputs: ArrayLike) -> tuple[Array, Array]:
         """Mean and standard deviation (m,) in SI at ``inputs`` (m, d) in SI, in the order of the
@@ -193,8 +195,8 @@ def surrogate_of(
     if len(points) < LEAST or not np.std(found) > 0 or not np.all(scale > 0):
         return None
     order = np.random.default_rng(seed).permutation(len(points))
-    out = max(2, round(KEPT_OUT * len(points)))
-    kept_out, fitted = order[:out], order[out : out + MOST]
+    out = max(2, round(HELD_OUT * len(points)))
+    held_out, fitted = order[:out], order[out : out + MOST]
     centre = np.mean(points, axis=0)
     cube = (points - centre) / scale
     kernel = ConstantKernel(1.0, (1e-3, 1e3)) * RBF(
@@ -204,11 +206,11 @@ def surrogate_of(
         kernel, normalize_y=True, n_restarts_optimizer=2, random_state=seed
     )
     _quiet_fit(process, cube[fitted], found[fitted])
-    mean, deviation = process.predict(cube[kept_out], return_std=True)
-    miss = mean - found[kept_out]
+    mean, deviation = process.predict(cube[held_out], return_std=True)
+    miss = mean - found[held_out]
     error_found = float(np.sqrt(np.mean(miss**2)))
     covered = float(np.mean(np.abs(miss) <= 2 * deviation))
-    share = error_found / max(float(np.std(found[kept_out])), 1e-300)
+    share = error_found / max(float(np.std(found[held_out])), 1e-300)
     return Surrogate(
         output,
         run,
@@ -218,7 +220,7 @@ def surrogate_of(
         share,
         covered,
         np.asarray(mean),
-        found[kept_out],
+        found[held_out],
         centre,
         scale,
         process,
@@ -226,7 +228,7 @@ def surrogate_of(
 
 
 def _quiet_fit(process: Any, points: Array, values: Sequence[float] | Array) -> None:
-    """Fit; that a length reaches its bound is no news to a user: the error on points kept out tells
+    """Fit; that a length reaches its bound is no news to a user: the error on held-out points tells
     how good it is.
     """
     import warnings

@@ -2,15 +2,11 @@
 
 from __future__ import annotations
 
-import json
 import math
-import os
 import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from pathlib import Path
-from types import MappingProxyType, TracebackType
-from typing import Any
+from types import MappingProxyType
 
 import numpy as np
 from numpy.typing import NDArray
@@ -43,187 +39,18 @@ from valvetrain.explore.least_squares import (
     Peak,
     best_starts,
     covariance_of,
+    draws_of_peaks,
     ends_of,
     least_squares,
     linear_draws,
-    places_of,
     profile,
     starts,
 )
 from valvetrain.explore.posterior import Evaluate, Outcome, Posterior
+from valvetrain.explore.store import Store
 from valvetrain.runs.stopping import Stopped
-from valvetrain.solution.atomic import digest, lock
 
 Array = NDArray[np.float64]
-NAME = "points.jsonl"
-_SUM = 16
-
-
-class Journal:
-    """Outcomes of points by their bits, in a file of the folder ``folder``; None keeps them in
-    memory alone.
-
-    ``identity`` is what the outcomes depend on (case, file, version): a journal of another is
-    refused, and so is one that another process
-    writes. ``before``: points that were there; ``computed``: those that came since. ``at_a_time``:
-    most points that
-    are computed before they are written, 0 for all that are asked for at once. Use it as a context.
-    """
-
-    def __init__(self, folder: Path | None, identity: str) -> None:
-        self._known: dict[bytes, Outcome] = {}
-        self._file = None
-        self.computed = self.before = self.at_a_time = 0
-        if folder is None:
-            return
-        folder.mkdir(parents=True, exist_ok=True)
-        path = folder / NAME
-        handle = os.open(path, os.O_RDWR | os.O_CREAT, 0o666)
-        self._file = os.fdopen(handle, "r+b")
-        if not lock(handle):
-            self._file.close()
-            raise InputError(
-                "another process works on this identification; wait for it, or choose another folder",
-                str(folder),
-            )
-        try:
-            self._read(identity, path)
-        except BaseException:
-            self._file.close()
-            raise
-
-    def __enter__(self) -> Journal:
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        if self._file is not None:
-            self._file.flush()
-            os.fsync(self._file.fileno())
-            self._file.close()
-
-    def __len__(self) -> int:
-        return len(self._known)
-
-    def through(self, evaluate: Evaluate, part: bytes = b"") -> Evaluate:
-        """``evaluate`` with every point computed once: those that are known are read, the others
-        written as they come.
-
-        ``part`` keeps apart what several computations tell of one point.
-        """
-
-        def recorded(points: Array) -> Sequence[Outcome]:
-            keys = [part + np.ascontiguousarray(point, dtype=float).tobytes() for point in points]
-            new = [
-                place
-                for place, key in enumerate(keys)
-                if key not in self._known and key not in keys[:place]
-            ]
-            size = self.at_a_time or max(len(new), 1)
-            for first in range(0, len(new), size):
-                places = new[first : first + size]
-                found = evaluate(points[places])
-                self._write(
-                    [(keys[place], outcome) for place, outcome in zip(places, found, strict=True)]
-                )
-            return [self._known[key] for key in keys]
-
-        return recorded
-
-    def points(self, quantities: int) -> list[tuple[Array, Outcome]]:
-        """Every known point (values of so many ``quantities``) and its outcome, without those of a
-        part.
-        """
-        known = [
-            (key, outcome) for key, outcome in self._known.items() if len(key) == 8 * quantities
-        ]
-        return [(np.frombuffer(key, dtype=float), outcome) for key, outcome in known]
-
-    def outcome(self, point: Array) -> Outcome:
-        """What is known of a point; None also of one that was never computed."""
-        return self._known.get(np.ascontiguousarray(point, dtype=float).tobytes())
-
-    def _read(self, identity: str, path: Path) -> None:
-        assert self._file is not None
-        end = 0
-        for number, line in enumerate(self._file):
-            record = _content(line)
-            if record is None:
-                break  # what a kill cut short, and anything behind it, is computed again
-            end += len(line)
-            if number == 0:
-                if record != identity:
-                    asked, _, version = identity.partition(" ")
-                    if version and str(record).partition(" ")[0] == asked:
-                        raise InputError(
-                            "holds points that another version of valvetrain or of its libraries computed; go on with that version, or "
-                            "remove the file to begin anew",
-                            str(path),
-                        )
-                    raise InputError(
-                        "holds points of another identification; give another folder", str(path)
-                    )
-            else:
-                point, outcome = record
-                self._known[bytes.fromhex(point)] = outcome
-        self.before = len(self._known)
-        self._file.truncate(end)
-        self._file.seek(end)
-        if end == 0:
-            self._file.write(_line(identity))
-            self._file.flush()
-
-    def _write(self, found: Sequence[tuple[bytes, Outcome]]) -> None:
-        lines = []
-        for key, outcome in found:
-            told = (
-                None if outcome is None else {name: float(value) for name, value in outcome.items()}
-            )
-            self._known[key] = told
-            lines.append(_line([key.hex(), told]))
-        self.computed += len(found)
-        if self._file is not None:
-            self._file.write(b"".join(lines))
-            self._file.flush()
-
-
-def read_points(path: Path, quantities: int) -> list[tuple[Array, Outcome]]:
-    """Every point of a file of computed points (values of so many ``quantities`` in SI) and its
-    outcome, without those of a part.
-
-    Raises :class:`InputError` where the file cannot be read or holds none.
-    """
-    try:
-        with path.open("rb") as file:
-            records = [_content(line) for line in file]
-    except OSError as error:
-        raise InputError(f"cannot be read: {error.strerror}", str(path)) from None
-    whole = records[1 : records.index(None)] if None in records else records[1:]
-    found = [
-        (np.frombuffer(bytes.fromhex(key), dtype=float), outcome)
-        for key, outcome in whole
-        if len(key) == 16 * quantities
-    ]
-    if not found:
-        raise InputError(f"holds no points of {quantities} quantities", str(path))
-    return found
-
-
-def _line(record: object) -> bytes:
-    body = json.dumps(record, separators=(",", ":")).encode()
-    return digest(body)[:_SUM].encode() + b" " + body + b"\n"
-
-
-def _content(line: bytes) -> Any:
-    """The record of a line; None where its bytes are not those that were written."""
-    body = line[_SUM + 1 : -1]
-    if not line.endswith(b"\n") or digest(body)[:_SUM].encode() != line[:_SUM]:
-        return None
-    return json.loads(body)
 
 
 def finite(outcome: Outcome, key: str) -> float:
@@ -240,7 +67,7 @@ _NORMAL = 1.959963984540054
 def solve(
     posterior: Posterior,
     search: Search,
-    journal: Journal,
+    journal: Store,
     *,
     begin: Array | None = None,
     profiles: Sequence[str] = (),
@@ -251,9 +78,9 @@ def solve(
 ) -> Identified:
     """Search the posterior, find its branches, and tell of each what the data determine.
 
-    ``begin`` (n, quantities): starts of a search for a point in SI, beside those of ``search``; an
+    ``begin`` (n, quantities): starts of a search for a point in SI, besides those of ``search``; an
     ensemble begins about what they lead to.
-    ``compare``: tells of a point what is not fitted, asked for ``search.draws`` of the draws.
+    ``compare``: computes what is not fitted, for ``search.draws`` of the draws.
     ``units``: those that computed quantities are
     shown in, by key. A stop in a search leaves what it had, one before that raises
     :class:`Stopped`.
@@ -324,9 +151,9 @@ def solve(
     ]
     if compare is not None and draws.whole:
         report(0.99, "what is compared only")
-        places, counts = even_draws(draws.weights, search.draws, search.seed)
+        indices, counts = even_draws(draws.weights, search.draws, search.seed)
         tables.append(
-            _table(posterior, draws.work, places, compare, counts.astype(float), peaks[0])
+            _table(posterior, draws.work, indices, compare, counts.astype(float), peaks[0])
         )
     computed = {key: values for table in tables for key, values in table.computed.items()}
     return Identified(
@@ -353,7 +180,7 @@ def solve(
     )
 
 
-def _conflicts(posterior: Posterior, peak: Peak, journal: Journal) -> tuple[Conflict, ...]:
+def _conflicts(posterior: Posterior, peak: Peak, journal: Store) -> tuple[Conflict, ...]:
     """What meeting a datum that the likeliest point misses costs the others, over all points that
     were computed.
     """
@@ -379,7 +206,7 @@ def _around(posterior: Posterior, search: Search, given: Array, report: Report) 
         )
         for one in given
     ]
-    return places_of(posterior, ends_of(posterior, peaks), search.draws, search.seed)[0]
+    return draws_of_peaks(posterior, ends_of(posterior, peaks), search.draws, search.seed)[0]
 
 
 def _ends(
@@ -399,7 +226,7 @@ def _ends(
     peaks: list[Peak] = []
     for number, begin in enumerate(begins):
 
-        def told(text: str, number: int = number) -> None:
+        def reported(text: str, number: int = number) -> None:
             report(number / len(begins), f"start {number + 1} of {len(begins)}, {text}")
 
         try:
@@ -410,7 +237,7 @@ def _ends(
                     seed=search.seed + number,
                     evaluations=search.evaluations,
                     population=search.population,
-                    report=lambda share, text: told(text),
+                    report=lambda share, text: reported(text),
                 )
                 if not whole:
                     raise Stopped("stopped")
@@ -421,7 +248,7 @@ def _ends(
                     begin,
                     iterations=search.iterations,
                     step=search.difference_step or None,
-                    report=told,
+                    report=reported,
                 )
             )
         except Stopped:
@@ -512,9 +339,8 @@ def _linear(posterior: Posterior, ends: Ends) -> tuple[Branch, ...]:
 
 @dataclass(frozen=True, eq=False)
 class _Table:
-    """What one computation tells of the draws, by key (NaN where it was not asked), with the
-    ``weights`` of those it was asked for, and of
-    the likeliest point."""
+    """Numbers of one computation over the draws, by key (NaN where not computed), with the
+    ``weights`` of the computed draws, and those of the likeliest point."""
 
     computed: dict[str, Array]
     weights: Array
@@ -524,19 +350,19 @@ class _Table:
 def _table(
     posterior: Posterior,
     work: Array,
-    places: Places,
+    indices: Places,
     evaluate: Evaluate,
     weights: Array,
     peak: Peak,
 ) -> _Table:
-    (best, *outcomes) = evaluate(posterior.values(np.vstack([peak.work, work[places]])))
+    (best, *outcomes) = evaluate(posterior.values(np.vstack([peak.work, work[indices]])))
     keys = dict.fromkeys(key for outcome in outcomes if outcome is not None for key in outcome)
     computed = {key: np.full(len(work), np.nan) for key in keys}
-    for place, outcome in zip(places, outcomes, strict=True):
+    for index, outcome in zip(indices, outcomes, strict=True):
         for key in keys:
-            computed[key][place] = finite(outcome, key)
+            computed[key][index] = finite(outcome, key)
     every = np.zeros(len(work))
-    every[places] = weights
+    every[indices] = weights
     return _Table(computed, every, best)
 
 

@@ -1,177 +1,247 @@
-"""How a quantity of a case scatters or is stepped through, as the value at a share of its
-probability.
+"""The space of an experiment: varied quantities, the distribution of each, and their correlation.
+
+A distribution is flat or normal in a working coordinate, the value itself or its logarithm, between
+bounds. Studies read it as a scatter or a range, identifications as a prior.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
-from typing import Literal, Protocol
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Literal, get_args, overload
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+from scipy.special import ndtr, ndtri
 
 from valvetrain.errors import InputError
 from valvetrain.units import DIMENSIONS, dimension_of, unit_factor
 
 Array = NDArray[np.float64]
-#: A tolerance is this many standard deviations where nobody says otherwise, as shops draw their
-#: limits.
+Kind = Literal["uniform", "log-uniform", "normal", "lognormal"]
+KINDS: tuple[str, ...] = get_args(Kind)
+#: A tolerance is this many standard deviations by default, as shops draw their limits.
 SIGMAS = 3.0
+#: Bounds of a normal distribution that has none, in standard deviations: what lies beyond has a
+#: probability of 1e-15.
+FAR = 8.0
 
 
-class Distribution(Protocol):
-    """Values of one quantity over the share of its probability."""
+@dataclass(frozen=True)
+class Prior:
+    """Distribution of one quantity (SI): its scatter, its range, or what is known of it before any
+    measurement.
+
+    ``kind``: ``uniform`` or ``log-uniform`` between ``low`` and ``high``; ``normal`` of mean
+    ``centre`` and standard deviation ``spread``; ``lognormal`` of median ``centre`` whose logarithm
+    has the standard deviation ``spread``. Bounds truncate a normal and a lognormal one. ``source``:
+    where it comes from. Raises :class:`InputError` for bounds or spreads that make no density.
+
+    >>> wire = Prior("normal", low=3.5e-3, centre=3.8e-3, spread=0.05e-3, source="tolerance of the wire")
+    >>> float(wire.at(0.5).round(6))
+    0.0038
+    """
+
+    kind: Kind
+    low: float = -math.inf
+    high: float = math.inf
+    centre: float = math.nan
+    spread: float = math.nan
+    source: str = ""
+
+    def __post_init__(self) -> None:
+        if self.kind not in KINDS:
+            raise InputError(
+                f"distribution '{str(self.kind)[:40]}' is unknown; use one of {', '.join(KINDS)}"
+            )
+        if not self.low < self.high:
+            raise InputError(
+                f"low ({self.low:g}) is not below high ({self.high:g}); correct the bounds"
+            )
+        if self.flat and not (math.isfinite(self.low) and math.isfinite(self.high)):
+            raise InputError(
+                f"a {self.kind} distribution needs two finite bounds; give low and high"
+            )
+        if not self.flat and not (
+            math.isfinite(self.centre) and math.isfinite(self.spread) and self.spread > 0
+        ):
+            raise InputError(
+                f"a {self.kind} distribution needs a finite middle and a positive spread; give both"
+            )
+        if self.logarithmic and (self.low <= 0 if self.flat else self.centre <= 0):
+            raise InputError(
+                f"a {self.kind} distribution is of positive values; give positive numbers"
+            )
+        if not self.flat and not self.low <= self.centre <= self.high:
+            raise InputError(
+                f"the middle {self.centre:g} lies outside the bounds {self.low:g} to {self.high:g}; widen them"
+            )
+        if not self.flat and self.inside <= 0:
+            raise InputError("no value of the distribution lies between its bounds; widen them")
+
+    @property
+    def flat(self) -> bool:
+        """Whether no value between the bounds is likelier than another, in the working coordinate."""
+        return self.kind in ("uniform", "log-uniform")
+
+    @property
+    def truncated(self) -> bool:
+        """Whether a bound cuts off more than what lies beyond :data:`FAR` deviations."""
+        return self.inside < 1.0 - 1e-12
+
+    @property
+    def logarithmic(self) -> bool:
+        """Whether the working coordinate is the logarithm of the value."""
+        return self.kind in ("log-uniform", "lognormal")
+
+    def work(self, value: Array | float) -> Array:
+        """Working coordinate of a value (SI)."""
+        return np.log(value) if self.logarithmic else np.asarray(value, dtype=float)
+
+    def value(self, work: Array | float) -> Array:
+        """Value (SI) of a working coordinate, clipped to the bounds against rounding."""
+        found = np.asarray(work, dtype=float)
+        if self.logarithmic:  # one by one: the bits of a value do not depend on its neighbours
+            found = np.array([math.exp(one) for one in found.ravel()]).reshape(found.shape)
+        return np.asarray(np.clip(found, self.low, self.high))
+
+    @cached_property
+    def work_centre(self) -> float:
+        """Middle of the prior in the working coordinate."""
+        return 0.5 * sum(self.work_bounds) if self.flat else float(self.work(self.centre))
+
+    @cached_property
+    def work_spread(self) -> float:
+        """Standard deviation of the prior in the working coordinate, that of the normal one before
+        its bounds truncate it.
+        """
+        low, high = self.work_bounds
+        return (high - low) / math.sqrt(12.0) if self.flat else self.spread
+
+    @cached_property
+    def work_bounds(self) -> tuple[float, float]:
+        """Lowest and highest working coordinate; where a normal one has no bound, :data:`FAR`
+        deviations away.
+        """
+        if self.flat:
+            return float(self.work(self.low)), float(self.work(self.high))
+        middle = float(self.work(self.centre))
+        low = (
+            -math.inf
+            if self.logarithmic and self.low <= 0
+            else float(self.work(self.low))
+            if math.isfinite(self.low)
+            else -math.inf
+        )
+        high = float(self.work(self.high)) if math.isfinite(self.high) else math.inf
+        return max(low, middle - FAR * self.spread), min(high, middle + FAR * self.spread)
+
+    @cached_property
+    def inside(self) -> float:
+        """Share of the normal density that lies between the bounds."""
+        low, high = (
+            (bound - float(self.work(self.centre))) / self.spread for bound in self.work_bounds
+        )
+        return float(ndtr(high) - ndtr(low))
 
     def at(self, share: ArrayLike) -> Array:
         """Values (SI) below which ``share`` (0 to 1) of all lie, in the shape of ``share``."""
-        ...
+        return self.value(self.from_share(np.asarray(share, dtype=float)))
 
     def levels(self, count: int) -> tuple[float, ...]:
-        """``count`` values (SI) that a grid steps through; a list has its own."""
-        ...
+        """``count`` values (SI) that a grid steps through: evenly spaced with both ends, of a
+        normal one the middles of parts of equal probability.
+        """
+        if count == 1:
+            return (self.middle,)
+        shares = np.linspace(0.0, 1.0, count) if self.flat else (np.arange(count) + 0.5) / count
+        if self.kind == "uniform":
+            return tuple(np.linspace(self.low, self.high, count).tolist())
+        return tuple(self.at(shares).tolist())
 
     @property
     def middle(self) -> float:
         """Median (SI)."""
-        ...
+        return float(self.at(0.5))
+
+    def from_share(self, share: Array | float) -> Array:
+        """Working coordinate below which the prior has the probability ``share``."""
+        low, high = self.work_bounds
+        if self.flat:
+            return np.asarray(low + np.asarray(share) * (high - low))
+        begin = ndtr((low - self.work_centre) / self.spread)
+        found = self.work_centre + self.spread * ndtri(begin + np.asarray(share) * self.inside)
+        return np.asarray(np.clip(found, low, high))
+
+    def share(self, work: Array | float) -> Array:
+        """Probability of the prior below a working coordinate."""
+        low, high = self.work_bounds
+        at = np.clip(work, low, high)
+        if self.flat:
+            return np.asarray((at - low) / (high - low))
+        begin = ndtr((low - self.work_centre) / self.spread)
+        return np.asarray(
+            np.clip((ndtr((at - self.work_centre) / self.spread) - begin) / self.inside, 0.0, 1.0)
+        )
+
+    def log_density(self, work: Array | float) -> Array:
+        """Logarithm of the density over the working coordinate; minus infinity beyond the bounds."""
+        low, high = self.work_bounds
+        at = np.asarray(work, dtype=float)
+        outside = (at < low) | (at > high)
+        if self.flat:
+            return np.where(outside, -np.inf, -math.log(high - low))
+        normal = -0.5 * ((at - self.work_centre) / self.spread) ** 2 - math.log(
+            self.spread * math.sqrt(2 * math.pi) * self.inside
+        )
+        return np.where(outside, -np.inf, normal)
+
+    def pull(self, work: Array | float) -> Array:
+        """What least squares add for the prior: distance from its middle in standard deviations,
+        zero of a flat one.
+        """
+        return (
+            np.zeros(np.shape(work))
+            if self.flat
+            else (np.asarray(work, dtype=float) - self.work_centre) / self.spread
+        )
 
 
-def _refuse(found: str) -> None:
-    if found:
-        raise InputError(found)
-
-
-def _finite(one: object) -> str:
-    bad = next(
-        (field.name for field in fields(one) if not np.isfinite(getattr(one, field.name))),  # type: ignore[arg-type]
-        "",
-    )
-    return f"{bad} of a distribution is no finite number; give one" if bad else ""
-
-
-@dataclass(frozen=True, slots=True)
-class Uniform:
+def Uniform(low: float, high: float) -> Prior:
     """Every value from ``low`` to ``high`` alike.
 
     >>> Uniform(1.0, 3.0).levels(3)
     (1.0, 2.0, 3.0)
     """
-
-    low: float
-    high: float
-
-    def __post_init__(self) -> None:
-        _refuse(
-            _finite(self)
-            or (
-                ""
-                if self.low < self.high
-                else f"low ({self.low:g}) is not below high ({self.high:g}); swap them"
-            )
-        )
-
-    def at(self, share: ArrayLike) -> Array:
-        return np.asarray(self.low + (self.high - self.low) * np.asarray(share, dtype=float))
-
-    def levels(self, count: int) -> tuple[float, ...]:
-        return (
-            tuple(float(value) for value in np.linspace(self.low, self.high, count))
-            if count > 1
-            else (self.middle,)
-        )
-
-    @property
-    def middle(self) -> float:
-        return 0.5 * (self.low + self.high)
+    return Prior("uniform", low, high)
 
 
-@dataclass(frozen=True, slots=True)
-class Normal:
-    """Gauss about ``mean`` with ``standard_deviation``, cut off at ``low`` and ``high`` where these
-    are finite.
+def Normal(
+    mean: float, standard_deviation: float, low: float = -math.inf, high: float = math.inf
+) -> Prior:
+    """Gauss about ``mean`` with ``standard_deviation``, truncated at ``low`` and ``high``.
 
     >>> round(float(Normal(10.0, 1.0).at(0.975)), 3)
     11.96
     """
-
-    mean: float
-    standard_deviation: float
-    low: float = -np.inf
-    high: float = np.inf
-
-    def __post_init__(self) -> None:
-        if not (
-            np.isfinite(self.mean)
-            and np.isfinite(self.standard_deviation)
-            and self.standard_deviation > 0
-        ):
-            raise InputError(
-                "a normal distribution has a finite mean and a positive standard deviation; correct them"
-            )
-        if not (self.low < self.high and self._shares()[1] > self._shares()[0]):
-            raise InputError(
-                f"no value of the normal distribution lies between {self.low:g} and {self.high:g}; widen the bounds"
-            )
-
-    def _shares(self) -> tuple[float, float]:
-        from scipy.special import ndtr
-
-        low, high = (
-            (bound - self.mean) / self.standard_deviation for bound in (self.low, self.high)
-        )
-        return float(ndtr(low)), float(ndtr(high))
-
-    def at(self, share: ArrayLike) -> Array:
-        from scipy.special import ndtri
-
-        low, high = self._shares()
-        inside = low + (high - low) * np.asarray(share, dtype=float)
-        found = self.mean + self.standard_deviation * np.asarray(ndtri(inside))
-        return np.asarray(np.clip(found, self.low, self.high))
-
-    def levels(self, count: int) -> tuple[float, ...]:
-        return _even_shares(self, count)
-
-    @property
-    def middle(self) -> float:
-        return float(self.at(0.5))
+    return Prior("normal", low, high, mean, standard_deviation)
 
 
-@dataclass(frozen=True, slots=True)
-class LogNormal:
+def LogNormal(median: float, factor: float) -> Prior:
     """The logarithm is normal: half of all values lie below ``median``, two thirds within a factor
     of ``factor`` about it.
 
     >>> round(float(LogNormal(2.0, 1.5).at(0.5)), 6)
     2.0
     """
-
-    median: float
-    factor: float
-
-    def __post_init__(self) -> None:
-        _refuse(_finite(self))
-        if not (self.median > 0 and self.factor > 1):
-            raise InputError(
-                "a lognormal distribution has a positive median and a factor above 1; correct them"
-            )
-
-    def at(self, share: ArrayLike) -> Array:
-        from scipy.special import ndtri
-
-        return np.asarray(
-            self.median * self.factor ** np.asarray(ndtri(np.asarray(share, dtype=float)))
-        )
-
-    def levels(self, count: int) -> tuple[float, ...]:
-        return _even_shares(self, count)
-
-    @property
-    def middle(self) -> float:
-        return self.median
+    if not (math.isfinite(factor) and factor > 1):
+        raise InputError("a lognormal distribution has a finite factor above 1; correct it")
+    return Prior("lognormal", centre=median, spread=math.log(factor))
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Values:
     """One of ``values``, each as likely as the others; a grid steps through them in their order.
 
@@ -180,6 +250,7 @@ class Values:
     """
 
     values: tuple[float, ...]
+    kind = "values"
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "values", tuple(float(value) for value in self.values))
@@ -189,43 +260,39 @@ class Values:
             )
 
     def at(self, share: ArrayLike) -> Array:
-        place = np.minimum(
+        """Values (SI) at ``share`` (0 to 1), each over an equal part."""
+        index = np.minimum(
             (np.asarray(share, dtype=float) * len(self.values)).astype(int), len(self.values) - 1
         )
-        return np.asarray(np.asarray(self.values)[place])
+        return np.asarray(np.asarray(self.values)[index])
 
     def levels(self, count: int) -> tuple[float, ...]:
+        """The values themselves."""
         return self.values
 
     @property
     def middle(self) -> float:
+        """The value in the middle of the list."""
         return self.values[len(self.values) // 2]
 
 
-def _even_shares(one: Distribution, count: int) -> tuple[float, ...]:
-    """Middles of ``count`` parts of equal probability."""
-    return tuple(float(value) for value in one.at((np.arange(count) + 0.5) / count))
-
-
+Distribution = Prior | Values
 Operation = Literal["value", "factor", "offset"]
-#: Key that stands for the engine speed of a point (rad/s of the crank) instead of for a quantity of
+#: Key of the engine speed of a point (rad/s of the crank), which is no quantity of
 #: its case.
 ENGINE_SPEED = "engine_speed"
-#: Words of an operation in the name of a varied quantity.
-_WORDS = {"value": "", "factor": " factor", "offset": " offset"}
+#: Suffix of an operation in the name of a varied quantity.
+_SUFFIXES = {"value": "", "factor": " factor", "offset": " offset"}
 
 
 @dataclass(frozen=True, slots=True)
 class Varied:
-    """One varied quantity of a case.
+    """One varied quantity of a case or argument of a function.
 
-    ``key``: as ``--set`` takes it, such as ``"spring.wire_diameter"`` or ``"spring.pitch"``.
-    ``unit``: that of its values where they are
-    shown; inside they are SI. ``operation``: the ``value`` itself, or a ``factor`` on or an
-    ``offset`` to what stands in the case, a
-    number, a list or a curve with all its knots. ``distribution``: what it goes through. ``label``:
-    plain words, the key by default.
-    Raises :class:`InputError` for an unknown unit or operation and for a factor with a unit.
+    ``key``: as ``--set`` takes it, such as ``"spring.wire_diameter"``. ``unit``: that of its values
+    where they are shown; inside they are SI. ``operation``: the ``value`` itself, or a ``factor``
+    on or an ``offset`` to the case's own number, list or curve. ``label``: shown name, the key by
+    default. Raises :class:`InputError` for an unknown unit or operation and for a factor with a unit.
 
     >>> Varied("spring.pitch", operation="factor").name
     'spring.pitch factor'
@@ -242,7 +309,7 @@ class Varied:
             raise InputError(
                 f"'{self.key[:60]}' is no key of a case; write one such as 'spring.wire_diameter'"
             )
-        if self.operation not in _WORDS:
+        if self.operation not in _SUFFIXES:
             raise InputError(
                 f"'{str(self.operation)[:40]}' is no way to vary a quantity; choose value, factor or offset",
                 self.key,
@@ -261,10 +328,10 @@ class Varied:
     @property
     def name(self) -> str:
         """Key and operation; tells the varied quantities of a study apart."""
-        return self.key + _WORDS[self.operation]
+        return self.key + _SUFFIXES[self.operation]
 
     @property
-    def words(self) -> str:
+    def shown_name(self) -> str:
         """What people read."""
         return self.label or self.name.replace("_", " ")
 
@@ -282,3 +349,82 @@ class Varied:
     def shown(self, value: float) -> float:
         """A value (SI) in the unit."""
         return value / unit_factor(self.unit) if self.unit else value
+
+
+@dataclass(frozen=True, init=False)
+class Space(Sequence[Varied]):
+    """Varied quantities with their distributions, and the correlation of these.
+
+    ``varied``: a mapping of names to distributions, or :class:`Varied` quantities. A name is a key
+    of the case (``spring.wire_diameter``, or ``springs.0.wire.wire_diameter`` as
+    :meth:`Case.replace` takes it) or an argument of the function that is evaluated.
+    ``correlation`` (d, d): of the normal scores of the distributions (a Gaussian copula); None for
+    independent quantities.
+
+    >>> import valvetrain as vt
+    >>> space = vt.Space(
+    ...     {"rate": vt.Prior("uniform", 20e3, 60e3), "mass": vt.Prior("normal", centre=0.05, spread=0.01)}
+    ... )
+    >>> space.names, space.points([[0.5, 0.5]]).tolist()
+    (('rate', 'mass'), [[40000.0, 0.05]])
+    """
+
+    varied: tuple[Varied, ...]
+    correlation: tuple[tuple[float, ...], ...] | None = None
+
+    def __init__(
+        self,
+        varied: Mapping[str, Distribution] | Sequence[Varied],
+        correlation: ArrayLike | None = None,
+    ) -> None:
+        if isinstance(varied, Mapping):
+            varied = [Varied(name, distribution=one) for name, one in varied.items()]
+        object.__setattr__(self, "varied", tuple(varied))
+        names = self.names
+        if twice := next((name for name in names if names.count(name) > 1), None):
+            raise InputError(f"'{twice[:60]}' is varied twice; give it once")
+        rows = None
+        if correlation is not None:
+            matrix = np.asarray(correlation, dtype=float)
+            size = (len(names), len(names))
+            if matrix.shape != size or not (
+                np.allclose(matrix, matrix.T)
+                and np.allclose(np.diag(matrix), 1.0)
+                and np.all(np.linalg.eigvalsh(matrix) > 1e-12)
+            ):
+                raise InputError(
+                    f"a correlation of {len(names)} quantities is a symmetric matrix of that size, of ones on its diagonal and positive "
+                    "definite; correct it",
+                    "correlation",
+                )
+            rows = tuple(map(tuple, matrix.tolist()))
+        object.__setattr__(self, "correlation", rows)
+
+    @overload
+    def __getitem__(self, index: int) -> Varied: ...
+    @overload
+    def __getitem__(self, index: slice) -> Sequence[Varied]: ...
+    def __getitem__(self, index: int | slice) -> Varied | Sequence[Varied]:
+        return self.varied[index]
+
+    def __len__(self) -> int:
+        return len(self.varied)
+
+    def __iter__(self) -> Iterator[Varied]:
+        return iter(self.varied)
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Name of every quantity: its key, with ``factor`` or ``offset`` behind."""
+        return tuple(one.name for one in self.varied)
+
+    def points(self, shares: ArrayLike) -> Array:
+        """Points (n, d) in SI of shares (n, d) in the unit cube, correlated where the space is."""
+        # half of the last bit off either end, where a distribution without bounds is infinite
+        inside = np.clip(np.asarray(shares, dtype=float), 2.0**-53, 1 - 2.0**-53)
+        if self.correlation is not None:
+            root = np.linalg.cholesky(np.array(self.correlation))
+            inside = np.clip(ndtr(ndtri(inside) @ root.T), 2.0**-53, 1 - 2.0**-53)
+        return np.column_stack(
+            [one.distribution.at(inside[:, index]) for index, one in enumerate(self.varied)]
+        )

@@ -1,277 +1,265 @@
-"""Finished points on disk, keyed by the digest of their content: a journal takes each as it comes,
-and whole chunks take its place.
+"""The store of finished points: an append-only file of JSON lines, each with a checksum of its own.
 
-A journal line carries a checksum of its own, so that what a killed process left half-written is
-known; chunks are NetCDF files with a
-closing checksum, written whole or not at all. Nothing is ever changed in place.
+A killed process leaves at most one line that is not whole; it and what is behind it are computed
+again. Studies, searches and identifications keep their points in the same way.
 """
 
 from __future__ import annotations
 
 import hashlib
-import io
 import json
 import os
 import platform
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import cache
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from valvetrain.errors import InputError
-from valvetrain.explore.point import Outcome
-from valvetrain.solution.atomic import (
-    append_whole,
-    check_target,
-    checked_content,
-    closing_line,
-    digest,
-    remove_abandoned,
-    write_bytes,
-)
-from valvetrain.solution.channels import ChannelArrays, Variable
-from valvetrain.solution.netcdf import write_arrays
+from valvetrain.explore.outputs import Outcome
+from valvetrain.solution.atomic import append_whole, check_target, digest, lock, remove_abandoned
 from valvetrain.solution.provenance import collect_provenance
-from valvetrain.solution.status import COMPLETED, STATUS_CODES, Status
+from valvetrain.solution.status import COMPLETED, Status
 
-JOURNAL, CHUNKS = "journal.jsonl", "chunk-*.nc"
-#: Points of a chunk; until there are so many they stand in the journal.
-CHUNK = 256
-#: Ends of a point that a second trial may change: they are not kept.
-NOT_KEPT = ("worker-lost", "interrupted")
-_TEXT, _FORM = "valvetrain_study_points", 1
+Array = NDArray[np.float64]
+#: Numbers of a point by name (SI); None for a point that cannot be computed.
+Numbers = Mapping[str, float] | None
+#: Name of the file in the folder of the points.
+FILE = "points.jsonl"
+#: First line of a file whose keys are digests of all that a point depends on.
+BY_DIGEST = "valvetrain points by digest"
+#: Ends of a point that a second trial may change: they are not written.
+NOT_WRITTEN = ("worker-lost", "interrupted")
+IMPOSSIBLE = Status("refused", "the point cannot be computed")
+_CHECKSUM = 16
 
 
-class PointStore:
-    """The finished points in ``folder`` (None: in memory only) with ``outputs`` in this order; one
-    process at a time.
+class Store:
+    """Finished points by their keys, in a file of ``folder`` (None: in memory only). Use it as a
+    context.
 
-    ``outcome(key)`` reads one, ``add(key, outcome)`` keeps one; ``key in store`` tells whether it
-    is there. Memory: 16 bytes and a place
-    per point, and the values.
+    ``identity``: what the outcomes depend on where the keys do not say it; a file of another one is
+    refused, and so is one that another process writes. ``before``: points that were in the file;
+    ``computed``: those that came since. ``at_a_time``: most points that :meth:`through` computes
+    before it writes them, 0 for all of a batch.
+
+    >>> with Store(None) as store:
+    ...     store.add(b"one", Outcome(values={"peak_spring_force": 510.0}))
+    ...     store.outcome(b"one")["peak_spring_force"]
+    510.0
     """
 
-    def __init__(self, folder: Path | None, outputs: Sequence[str]) -> None:
-        self.folder, self.outputs = folder, tuple(outputs)
-        self._places: dict[bytes, int] = {}
-        self._values = np.zeros((0, len(self.outputs)))
-        self._statuses: dict[int, Status] = {}
-        self._journalled: list[bytes] = []
+    def __init__(self, folder: Path | None, identity: str = BY_DIGEST) -> None:
+        self.folder = folder
+        self.computed = self.before = self.at_a_time = 0
+        self._names: dict[tuple[str, ...], tuple[str, ...]] = {}
+        #: (names, a value each), with the status in front where it is not completed: compact
+        self._points: dict[bytes, tuple[Any, ...]] = {}
         self._handle = -1
         if folder is not None:
-            self._open(folder)
+            self._open(folder, identity)
+
+    def __enter__(self) -> Store:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
 
     def __len__(self) -> int:
-        return len(self._places)
+        return len(self._points)
 
     def __contains__(self, key: bytes) -> bool:
-        return key in self._places
+        return key in self._points
 
     def outcome(self, key: bytes) -> Outcome:
-        """The outcome of a point that is there."""
-        place = self._places[key]
-        row = self._values[place]
-        values = {
-            name: float(value)
-            for name, value in zip(self.outputs, row, strict=True)
-            if not np.isnan(value)
-        }
-        return Outcome(self._statuses.get(place, COMPLETED), values)
+        """The outcome of a stored point."""
+        status, names, values = self._parts(key)
+        return Outcome(status, dict(zip(names, values, strict=True)))
 
-    def row(self, key: bytes) -> np.ndarray[Any, Any]:
-        """Values (SI) of a point that is there, nan for those that it does not have."""
-        return np.asarray(self._values[self._places[key]])
-
-    def status(self, key: bytes) -> Status:
-        """How a point that is there ended."""
-        return self._statuses.get(self._places[key], COMPLETED)
+    def numbers(self, key: bytes) -> Numbers:
+        """The numbers of a stored point; None where it did not complete."""
+        status, names, values = self._parts(key)
+        return dict(zip(names, values, strict=True)) if status.completed else None
 
     def add(self, key: bytes, outcome: Outcome) -> None:
-        """Keep a finished point; on disk before this returns, as far as the system is concerned."""
-        row = [float(outcome.values.get(name, np.nan)) for name in self.outputs]
-        self._hold(key, row, outcome.status)
-        if self.folder is not None and outcome.status.code not in NOT_KEPT:
-            self._journalled.append(
-                key
-            )  # first, so that a chunk has it wherever a signal stops this
-            append_whole(self._handle, _line(key, row, outcome.status))
-        if len(self._journalled) >= CHUNK:
-            self.flush()
-
-    def flush(self) -> None:
-        """Make a chunk of what stands in the journal."""
-        if self.folder is None or not self._journalled:
-            return
-        keys = self._journalled
-        places = [self._places[key] for key in keys]
-        content = _chunk(
-            keys,
-            self._values[places],
-            [self._statuses.get(place, COMPLETED) for place in places],
-            self.outputs,
-        )
-        name = f"chunk-{digest(b''.join(sorted(keys)))}.nc"
-        write_bytes(self.folder / name, content)
-        os.ftruncate(self._handle, 0)
-        self._journalled = []
+        """Store a finished point; a kill of this process after the return loses nothing of it."""
+        self._remember(key, outcome)
+        self.computed += 1
+        if self._handle >= 0 and outcome.status.code not in NOT_WRITTEN:
+            append_whole(self._handle, _line(_record(key, outcome)))
 
     def close(self) -> None:
-        """End: what is in the journal becomes a chunk, and the next process may come."""
-        try:
-            self.flush()
-        finally:
-            if self._handle >= 0:
+        """Bring the file to the disk and give it free for the next process."""
+        if self._handle >= 0:
+            try:
+                os.fsync(self._handle)
+            finally:
                 os.close(self._handle)
                 self._handle = -1
 
-    def _hold(self, key: bytes, row: Sequence[float], status: Status) -> None:
-        place = self._places.setdefault(key, len(self._places))
-        if place >= len(self._values):
-            grown = np.full((max(64, 2 * len(self._values)), len(self.outputs)), np.nan)
-            grown[: len(self._values)] = self._values
-            self._values = grown
-        self._values[place] = row
-        self._statuses.pop(place, None)
-        if status != COMPLETED:
-            self._statuses[place] = status
+    def through(
+        self, evaluate: Callable[[Array], Sequence[Numbers]], part: bytes = b""
+    ) -> Callable[[Array], list[Numbers]]:
+        """``evaluate`` with every point computed once; ``part`` separates several computations of
+        the same points. The key of a point is the bytes of its values.
+        """
 
-    def _open(self, folder: Path) -> None:
-        check_target(folder / JOURNAL, "--output")
+        def stored(points: Array) -> list[Numbers]:
+            keys = [part + key_of(point) for point in points]
+            missing = {key: row for row, key in enumerate(keys) if key not in self._points}
+            new = list(missing.items())
+            size = self.at_a_time or max(len(new), 1)
+            for first in range(0, len(new), size):
+                batch = new[first : first + size]
+                found = evaluate(points[[row for _, row in batch]])
+                for (key, _), numbers in zip(batch, found, strict=True):
+                    self.add(key, Outcome(IMPOSSIBLE) if numbers is None else _outcome(numbers))
+            return [self.numbers(key) for key in keys]
+
+        return stored
+
+    def points(self, quantities: int) -> list[tuple[Array, Numbers]]:
+        """Values of so many quantities and numbers of every point of :meth:`through` without a
+        part.
+        """
+        return [
+            (np.frombuffer(key, dtype=float), self.numbers(key))
+            for key in self._points
+            if len(key) == 8 * quantities
+        ]
+
+    def _parts(self, key: bytes) -> tuple[Status, tuple[str, ...], tuple[float, ...]]:
+        first, *rest = self._points[key]
+        if isinstance(first, Status):
+            return first, rest[0], tuple(rest[1:])
+        return COMPLETED, first, tuple(rest)
+
+    def _remember(self, key: bytes, outcome: Outcome) -> None:
+        names = tuple(outcome.values)
+        names = self._names.setdefault(names, names)
+        compact = (names, *map(float, outcome.values.values()))
+        self._points[key] = compact if outcome.status == COMPLETED else (outcome.status, *compact)
+
+    def _open(self, folder: Path, identity: str) -> None:
+        path = folder / FILE
+        check_target(path, "--output")
         folder.mkdir(parents=True, exist_ok=True)
         remove_abandoned(folder)
-        self._handle = os.open(folder / JOURNAL, os.O_RDWR | os.O_CREAT | os.O_APPEND, 0o644)
+        self._handle = os.open(path, os.O_RDWR | os.O_CREAT | os.O_APPEND, 0o666)
         try:
-            _refuse_second(self._handle, folder)
-            for path in sorted(folder.glob(CHUNKS)):
-                for key, row, status in _read_chunk(path, self.outputs):
-                    self._hold(key, row, status)
-            left = _read_journal(folder / JOURNAL, len(self.outputs))
-            for key, row, status in left:
-                if key not in self._places:
-                    self._journalled.append(key)
-                self._hold(key, row, status)
-            if left or (folder / JOURNAL).stat().st_size:
-                self.flush()
-                os.ftruncate(self._handle, 0)
+            if not lock(self._handle):
+                raise InputError(
+                    "another process works on the points there; wait for it, or choose another folder",
+                    str(folder)[:120],
+                )
+            self._read(path, identity)
         except BaseException:
             os.close(self._handle)
             self._handle = -1
             raise
 
+    def _read(self, path: Path, identity: str) -> None:
+        end = 0
+        with path.open("rb") as file:
+            for number, line in enumerate(file):
+                record = _content(line)
+                if record is None:
+                    break
+                if number:
+                    self._remember(*_point(record))
+                elif record != identity:
+                    raise InputError(_other(str(record), identity), str(path))
+                end += len(line)
+        self.before = len(self._points)
+        os.ftruncate(self._handle, end)
+        if end == 0:
+            append_whole(self._handle, _line(identity))
 
-_Row = tuple[bytes, list[float], Status]
+
+def key_of(point: Array) -> bytes:
+    """The bytes of a point's values."""
+    return np.ascontiguousarray(point, dtype=float).tobytes()
 
 
-def _refuse_second(handle: int, folder: Path) -> None:
+def read_points(path: Path, quantities: int) -> list[tuple[Array, Numbers]]:
+    """Values (SI, of so many ``quantities``) and numbers of every point of an identification's
+    file, without those of a part. Raises :class:`InputError` where it cannot be read or has none.
+    """
     try:
-        import fcntl
-    except ImportError:
-        return
-    try:
-        fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
-    except OSError:
-        raise InputError(
-            f"another process works on the points in '{str(folder)[:120]}'; wait for it, or give another folder"
-        ) from None
-
-
-def _line(key: bytes, row: Sequence[float], status: Status) -> bytes:
-    """One point as a line: checksum, then JSON with the values to the last bit."""
-    own: dict[str, Any] = {"key": key.hex(), "values": [value.hex() for value in row]}
-    if status != COMPLETED:
-        own["status"] = [status.code, status.message, status.time, status.where, status.remedy]
-    text = json.dumps(own).encode()
-    return digest(text).encode() + b" " + text + b"\n"
-
-
-def _read_journal(path: Path, outputs: int) -> list[_Row]:
-    """Whole lines of a journal; one that is not whole, where a process was killed, ends it."""
-    found: list[_Row] = []
-    for line in path.read_bytes().split(b"\n")[:-1]:
-        checksum, _, text = line.partition(b" ")
-        if digest(text).encode() != checksum:
+        lines = path.read_bytes().splitlines(keepends=True)
+    except OSError as error:
+        raise InputError(f"cannot be read: {error.strerror}", str(path)) from None
+    found: list[tuple[Array, Numbers]] = []
+    for number, line in enumerate(lines):
+        record = _content(line)
+        if record is None:
             break
-        own = json.loads(text)
-        row = [float.fromhex(value) for value in own["values"]]
-        if len(row) == outputs:
+        if number and len(record[0]) == 16 * quantities:
+            key, outcome = _point(record)
             found.append(
                 (
-                    bytes.fromhex(own["key"]),
-                    row,
-                    Status(*own["status"]) if "status" in own else COMPLETED,
+                    np.frombuffer(key, dtype=float),
+                    dict(outcome.values) if outcome.status.completed else None,
                 )
             )
+    if not found:
+        raise InputError(f"holds no points of {quantities} quantities", str(path))
     return found
 
 
-def _chunk(
-    keys: Sequence[bytes],
-    values: np.ndarray[Any, Any],
-    statuses: Sequence[Status],
-    outputs: Sequence[str],
-) -> bytes:
-    codes = np.array([STATUS_CODES.index(one.code) for one in statuses], dtype=np.int8)
-    told = {
-        str(n): [one.message, one.time, one.where, one.remedy]
-        for n, one in enumerate(statuses)
-        if one != COMPLETED
-    }
-    text = json.dumps(
-        {"form": _FORM, "outputs": list(outputs), "sentences": told, "codes": list(STATUS_CODES)},
-        sort_keys=True,
-    )
-    arrays = ChannelArrays(
-        {
-            "key": Variable(("point", "byte"), np.frombuffer(b"".join(keys), dtype=np.uint8).reshape(len(keys), -1), {}),
-            "value": Variable(("point", "output"), np.ascontiguousarray(values), {"long_name": "outputs, SI"}),
-            "status": Variable(("point",), codes, {"long_name": "place of the status among its codes"}),
-        }, {},
-    )  # fmt: skip
-    stream = io.BytesIO()
-    write_arrays(stream, arrays, {_TEXT: text})
-    content = stream.getvalue()
-    return content + closing_line(content)
+def _outcome(numbers: Mapping[str, float]) -> Outcome:
+    return Outcome(values={name: float(value) for name, value in numbers.items()})
 
 
-def _read_chunk(path: Path, outputs: Sequence[str]) -> Iterator[_Row]:
-    """Points of a chunk, none where its outputs are others. Raises :class:`InputError` for a file
-    that is not as it was written.
-    """
-    import h5py
-
-    content, closed = checked_content(path)
-    remedy = "remove the file, and its points are computed again"
-    if not closed:
-        raise InputError(f"is damaged: its closing line is missing; {remedy}", str(path))
-    try:
-        with h5py.File(io.BytesIO(content), "r") as file:
-            text = file[_TEXT][()]
-            keys, values, codes = file["key"][...], file["value"][...], file["status"][...]
-        told: Mapping[str, Any] = json.loads(text)
-        if told["form"] != _FORM:
-            raise ValueError("form")
-        if tuple(told["outputs"]) != tuple(outputs):
-            return
-        names, sentences = told["codes"], told["sentences"]
-        rows = [
-            (
-                keys[n].tobytes(),
-                values[n].tolist(),
-                Status(names[codes[n]], *sentences[str(n)]) if str(n) in sentences else COMPLETED,
-            )
-            for n in range(len(keys))
-        ]
-    except (OSError, ValueError, KeyError, TypeError) as error:
-        raise InputError(
-            f"is no chunk of a study's points ({type(error).__name__}); {remedy}", str(path)
-        ) from error
-    yield from rows
+def _record(key: bytes, outcome: Outcome) -> list[Any]:
+    status = outcome.status
+    if status == IMPOSSIBLE:
+        return [key.hex(), None]
+    reported: list[Any] = [key.hex(), dict(outcome.values)]
+    if status != COMPLETED:
+        reported.append([status.code, status.message, status.time, status.where, status.remedy])
+    return reported
 
 
-#: Folders that show, read or ask and compute no point: a change there makes no stored point stale.
+def _point(record: Sequence[Any]) -> tuple[bytes, Outcome]:
+    key, values, *status = record
+    if values is None:
+        return bytes.fromhex(key), Outcome(IMPOSSIBLE)
+    return bytes.fromhex(key), Outcome(Status(*status[0]) if status else COMPLETED, values)
+
+
+def _line(record: object) -> bytes:
+    body = json.dumps(record, separators=(",", ":")).encode()
+    return digest(body)[:_CHECKSUM].encode() + b" " + body + b"\n"
+
+
+def _content(line: bytes) -> Any:
+    """The record of a line; None where its bytes are not those that were written."""
+    body = line[_CHECKSUM + 1 : -1]
+    if (
+        not line.endswith(b"\n")
+        or line[: _CHECKSUM + 1] != digest(body)[:_CHECKSUM].encode() + b" "
+    ):
+        return None
+    return json.loads(body)
+
+
+def _other(there: str, identity: str) -> str:
+    """Why a file with another first line is refused."""
+    request, _, version = identity.partition(" ")
+    if version and there.partition(" ")[0] == request and there != BY_DIGEST:
+        return (
+            "holds points that another version of valvetrain or of its libraries computed; continue with that version, or "
+            "remove the file to start again"
+        )
+    return "holds points of another identification or of a study; give another folder"
+
+
+#: Folders that compute no point: a change there makes no stored point stale.
 _NOT_COMPUTING = (
     "cli",
     "report",
@@ -304,14 +292,14 @@ def versions_digest() -> str:
     machine.
     """
     origin = collect_provenance("", "")
-    told = hashlib.blake2b(digest_size=16)
-    for words in (
+    combined = hashlib.blake2b(digest_size=16)
+    for text in (
         origin.package_version,
         origin.python_version,
         *map(str, sorted(origin.dependencies.items())),
         platform.machine(),
     ):
-        told.update(words.encode() + b"\0")
+        combined.update(text.encode() + b"\0")
     for path in computing_sources():
-        told.update(path.read_bytes() + b"\0")
-    return told.hexdigest()
+        combined.update(path.read_bytes() + b"\0")
+    return combined.hexdigest()

@@ -1,22 +1,72 @@
-"""What a program calls: a study file, or its text, to a table of points."""
+"""``valvetrain.study``: a study file, or an experiment with a sampler, to a table of points."""
 
 from __future__ import annotations
 
 import os
-from dataclasses import replace
+import time
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any, Literal
 
 import numpy as np
+from pydantic import Field, model_validator
 
 from valvetrain.errors import InputError
-from valvetrain.explore.executors import executor_for
-from valvetrain.explore.experiment import run_points
-from valvetrain.explore.plan import StudyPlan, read_plan
+from valvetrain.explore.engine import Array, Engine, Evaluation
+from valvetrain.explore.executors import Executor, executor_for
+from valvetrain.explore.files import (
+    MAX_VARIED,
+    CorrelationModel,
+    FileText,
+    Names,
+    VaryModel,
+    case_of_file,
+    space_of_file,
+    text_of_file,
+)
+from valvetrain.explore.outputs import LimitSearch, Outputs, Run
+from valvetrain.explore.samplers import SamplerSpec, sampler
 from valvetrain.explore.sensitivity import sensitivity_of, surrogate_of
-from valvetrain.explore.study_file import StudyText, read_study_file
-from valvetrain.explore.table import Array, StudyTable
-from valvetrain.runs.cost import Limits, read_limits
+from valvetrain.explore.table import StudyPlan, StudyTable
+from valvetrain.parameters.schema_types import Line, StrictModel, problem
+from valvetrain.registry import find
+from valvetrain.runs.cost import Cost, Limits, limits_of, refuse_cost
+from valvetrain.runs.request_cost import REST, RunRequest, request_cost
+from valvetrain.runs.stopping import Stopped
 from valvetrain.runs.workers import Progress, available_cores
+from valvetrain.solution.definition import is_defined, no_quantity
+from valvetrain.solution.status import Status
+from valvetrain.units import si_speeds
+
+#: Seconds of one point below which :data:`TOGETHER` points form a job.
+SHORT, TOGETHER = 0.15, 8
+#: Seconds around a point: building the case, sending it and its outcome.
+AROUND = 0.012
+#: Bytes of a stored point, besides 8 for each of its numbers.
+STORED = 400.0
+INTERRUPTED = Status(
+    "interrupted",
+    "the study was stopped before this point was finished",
+    remedy="start it again to continue",
+)
+
+
+class PointsInterrupted(Stopped):
+    """A study was stopped; ``table`` holds all rows, unfinished ones as ``interrupted``."""
+
+    def __init__(self, table: StudyTable) -> None:
+        super().__init__("stopped")
+        self.table = table
+
+
+@dataclass(frozen=True, slots=True)
+class Estimate:
+    """Estimated cost of a study: points, time and memory of all, seconds of one."""
+
+    points: int
+    cost: Cost
+    seconds_each: float
 
 
 def study(
@@ -35,23 +85,23 @@ def study(
     ----------
     file : path of a study file (docs/studies.md), or its text
     workers : points at a time; results do not depend on it
-    dask : "local", the address of a Dask scheduler or the word of a queue ("slurm", "pbs"); empty
+    dask : "local", the address of a Dask scheduler or the name of a queue ("slurm", "pbs"); empty
         for processes of this machine
-    output : folder that keeps finished points, so that a study that was stopped or killed goes on
-        there; nothing is kept by default
+    output : folder of the finished points, where a study that was stopped or killed continues;
+        none by default
     limit : largest estimated time and memory, such as "2 h, 8 GB"; 10 min and 2 GB by default
-    progress : told the share done and what was done
+    progress : called with the share done and a text
 
     Returns
     -------
-    StudyTable with a row per point: inputs (n, d) and outputs (n, m) in SI, how each ended, Sobol
-    indices and surrogates where asked for
+    StudyTable with a row per point: inputs (n, d) and outputs (n, m) in SI, their status, Sobol
+    indices and surrogates where requested
 
     Raises
     ------
     InputError : one sentence on what is wrong in the file and where, or on a request that is too
         large
-    MissingExtraError : Dask or a surrogate is asked for and not installed
+    MissingExtraError : Dask or scikit-learn is needed and not installed
 
     Examples
     --------
@@ -71,58 +121,307 @@ def study(
         text = StudyText(file, "study", Path())
     else:
         text = read_study_file(Path(file))
-    limits = read_limits((limit,) if limit else (), "limit")
-    return study_of(
-        read_plan(text),
-        available_cores() if workers is None else workers,
-        dask,
-        None if output is None else Path(output),
-        limits,
-        progress,
-    )
+    return run_plan(read_plan(text), workers, dask, output, limits_of(limit), progress)
 
 
-def study_of(
-    plan: StudyPlan,
-    workers: int,
+def run_experiment(
+    experiment: Evaluation,
+    sampler: SamplerSpec,
+    kind: str,
+    options: Mapping[str, Any],
+    *,
+    workers: int | None = None,
     dask: str = "",
+    output: str | os.PathLike[str] | None = None,
+    limit: str = "",
+    progress: Progress | None = None,
+) -> StudyTable:
+    """The table of an experiment by a sampler; see the verbs of :class:`valvetrain.Experiment`."""
+    plan = StudyPlan(experiment, sampler, sampler.read_options(dict(options)), kind=kind)
+    plan = replace(plan, title=f"{plan.case_name}: {sampler.shown_name}")
+    return run_plan(plan, workers, dask, output, limits_of(limit), progress)
+
+
+def run_plan(
+    plan: StudyPlan,
+    workers: int | None = None,
+    dask: str = "",
+    folder: str | os.PathLike[str] | None = None,
+    limits: Limits = Limits(),
+    progress: Progress | None = None,
+) -> StudyTable:
+    """The table of a plan with what its kind adds: Sobol indices, surrogates."""
+    count = available_cores() if workers is None else workers
+    if count < 1:
+        raise InputError(f"workers must be 1 or more; it is {count}", "--workers")
+    place = None if folder is None else Path(folder)
+    return analysed(run_points(plan, executor_for(count, dask), place, limits, progress))
+
+
+def run_points(
+    plan: StudyPlan,
+    executor: Executor,
     folder: Path | None = None,
     limits: Limits = Limits(),
     progress: Progress | None = None,
 ) -> StudyTable:
-    """The table of a plan, analysed as its kind says; see :func:`study`."""
-    if workers < 1:
-        raise InputError(f"workers must be 1 or more; it is {workers}", "--workers")
-    executor = executor_for(workers, dask)
+    """The table of a plan; points that the store in ``folder`` holds are not computed again. The
+    executor is closed at the end.
+
+    Raises :class:`InputError` for a request beyond ``limits``, :class:`PointsInterrupted` with the
+    table when it is stopped.
+    """
+    begun = time.perf_counter()
     try:
-        table = run_points(plan, executor, folder, limits, progress)
-    finally:
+        estimate = estimate_study(plan, executor.workers)
+        refuse_cost(estimate.cost, limits)
+        draws = plan.draws()
+    except BaseException:
         executor.close()
-    return analysed(table)
+        raise
+    experiment, total = plan.experiment, max(estimate.points, 1)
 
+    def finished() -> None:
+        if progress is not None:
+            reached = engine.computed + engine.read
+            progress(min(1.0, reached / total), f"{reached} of {total} points")
 
-def analysed(table: StudyTable) -> StudyTable:
-    """The table with what its kind asks for: Sobol indices, surrogates."""
-    plan = table.plan
-    rows = {run: table.rows_of(run) for run in plan.runs}
-    if plan.kind == "tolerance":
-        names = [one.words for one in plan.varied]
-        found = [
-            sensitivity_of(name, run, names, _sound(table, name)[rows[run]])
-            for run in plan.runs
-            for name in table.outputs
-        ]
-        return replace(table, sensitivities=tuple(one for one in found if one is not None))
-    if plan.kind == "surrogate":
-        made = [
-            surrogate_of(name, run, table.inputs[rows[run]], _sound(table, name)[rows[run]])
-            for run in plan.runs
-            for name in table.outputs
-        ]
-        return replace(table, surrogates=tuple(one for one in made if one is not None))
+    together = 1 if estimate.seconds_each > SHORT else TOGETHER
+    with Engine((experiment,), executor, folder, together, finished) as engine:
+        stopped = False
+        limit_speeds: dict[str, Array] = {}
+        try:
+            new = draws
+            while len(new):
+                engine.compute(
+                    (experiment, tuple(row.tolist()), run) for row, run in experiment.rows(new)
+                )
+                first = _column(engine, experiment, draws)
+                new = plan.sampler.more(plan.varied, plan.options, draws, first)
+                draws = np.concatenate([draws, new])
+            for limit in experiment.outputs.limit_speeds:
+                limit_speeds[limit.quantity] = _limit_speeds(engine, experiment, limit, draws)
+        except KeyboardInterrupt:
+            stopped = True
+        table = replace(
+            _table(plan, engine, draws),
+            limit_speeds=limit_speeds,
+            seconds=time.perf_counter() - begun,
+        )
+    if stopped:
+        raise PointsInterrupted(table)
     return table
 
 
-def _sound(table: StudyTable, name: str) -> Array:
+def _column(engine: Engine, experiment: Evaluation, draws: Array) -> Array:
+    """The first output of every draw by the first run, nan where there is none."""
+    run, names = experiment.runs[0], experiment.outputs.quantities
+    if not names:
+        return np.full(len(draws), np.nan)
+    outcomes = (engine.store.outcome(experiment.digest(row, run)) for row in draws)
+    return np.array([one.values.get(names[0], np.nan) for one in outcomes])
+
+
+def _table(plan: StudyPlan, engine: Engine, draws: Array) -> StudyTable:
+    names, experiment = plan.outputs, plan.experiment
+    size = len(draws) * len(plan.runs)
+    values, statuses = np.full((size, len(names)), np.nan), []
+    for row, (draw, run) in enumerate(experiment.rows(draws)):
+        key = experiment.digest(draw, run)
+        if key not in engine.store:
+            statuses.append(INTERRUPTED)
+            continue
+        outcome = engine.store.outcome(key)
+        values[row] = [outcome.values.get(name, np.nan) for name in names]
+        statuses.append(outcome.status)
+    inputs = np.repeat(draws, len(plan.runs), axis=0)
+    runs = plan.runs * len(draws)
+    return StudyTable(plan, inputs, runs, values, tuple(statuses), computed=engine.computed)
+
+
+def _limit_speeds(
+    engine: Engine, experiment: Evaluation, limit: LimitSearch, draws: Array
+) -> Array:
+    """Limit speeds (draws, models times sets) in rad/s, nan where there is none."""
+    from valvetrain.explore.measure import LIMIT, Measure, measure_designs
+
+    if limit.share is not None:
+        raise InputError(
+            "a bound as a share of the case belongs to a search; give a number", "limit_speeds"
+        )
+    outputs = replace(experiment.outputs, quantities=(limit.quantity,), limit_speeds=())
+    own = Evaluation(experiment.case, experiment.space, outputs, experiment.runs)
+    engine.include(own)
+    kinds = dict.fromkeys(run[1:] for run in experiment.runs)
+    measures = [
+        Measure(LIMIT, limit.quantity, ((None, *kind),), "", True, "worst", limit) for kind in kinds
+    ]
+    measured = measure_designs(
+        engine, [({LIMIT: own}, tuple(row)) for row in draws.tolist()], measures
+    )
+    return np.array([[one.values.get(key, np.nan) for key in measures] for one in measured])
+
+
+def analysed(table: StudyTable) -> StudyTable:
+    """The table with what its kind adds: Sobol indices, surrogates."""
+    plan = table.plan
+    pairs = [(run, table.rows_of(run), name) for run in plan.runs for name in table.outputs]
+    names = [one.shown_name for one in plan.varied]
+    if plan.kind == "tolerance":
+        indices = [
+            sensitivity_of(name, run, names, _completed(table, name)[rows])
+            for run, rows, name in pairs
+        ]
+        return replace(table, sensitivities=tuple(one for one in indices if one is not None))
+    if plan.kind == "surrogate":
+        fits = [
+            surrogate_of(name, run, table.inputs[rows], _completed(table, name)[rows])
+            for run, rows, name in pairs
+        ]
+        return replace(table, surrogates=tuple(one for one in fits if one is not None))
+    return table
+
+
+def _completed(table: StudyTable, name: str) -> Array:
     """An output with nan where the point did not complete."""
     return np.where(table.completed, table.column(name), np.nan)
+
+
+def estimate_study(plan: StudyPlan, workers: int) -> Estimate:
+    """Estimated cost of a plan, from its request alone; of an adaptive one at its bound."""
+    draws = len(plan.draws())
+    if plan.sampler.more.__name__ != "no_more":
+        draws = max(draws, int(getattr(plan.options, "count", draws)))
+    seconds = [seconds_of(plan.experiment, run) for run in plan.runs]
+    numbers = len(plan.varied) + len(plan.outputs)
+    memory = draws * len(plan.runs) * (STORED + 8.0 * numbers) + 3e7 * workers
+    time_needed = draws * sum(seconds) / max(1, workers)
+    return Estimate(draws * len(plan.runs), Cost(time_needed, memory), sum(seconds) / len(seconds))
+
+
+def seconds_of(plan: Evaluation, run: Run) -> float:
+    """Estimated seconds of one core for one point of ``run``."""
+    if plan.case is None:
+        return AROUND
+    request = plan.outputs.request
+    engine_speed, model, spring_set = run
+    speeds: tuple[float, ...] = (engine_speed,) if engine_speed is not None else ()
+    if not speeds and request.motion:  # the engine speed is varied: the slowest takes longest
+        ends = [
+            one.distribution.at([0.01, 0.99]) for one in plan.space if one.key == "engine_speed"
+        ]
+        speeds = tuple(float(np.min(one)) for one in ends)
+    single = RunRequest(
+        "run",
+        plan.case,
+        speeds,
+        tuple(filter(None, (model,))),
+        tuple(filter(None, (spring_set,))),
+        1,
+    )
+    found = request_cost(single, whole=not request.light).seconds if speeds else 0.0
+    springs = max(1, len(plan.case.springs))
+    if speeds and plan.case.train is None and request.light:
+        found -= REST * springs
+    by_rod = request.rest and not request.rest_model and not request.sizes_alone
+    return (
+        max(found, 0.0)
+        + AROUND
+        + (0.6 * springs if by_rod and (not speeds or request.light) else 0.0)
+    )
+
+
+#: What is computed from the points besides their own numbers.
+Kind = Literal["points", "tolerance", "surrogate"]
+
+
+class PointsModel(StrictModel):
+    """The ``[points]`` table: the sampler, and its options, which it checks itself."""
+
+    sampler: str = "latin-hypercube"
+
+    @model_validator(mode="before")
+    @classmethod
+    def _known_keys(cls, raw: Any) -> Any:
+        if not isinstance(raw, dict):
+            raise problem("a table with sampler and its options is needed here")
+        return {key: value for key, value in raw.items() if key == "sampler"}
+
+
+class StudyModel(StrictModel):
+    """The whole file."""
+
+    kind: Kind = "points"
+    title: Line = ""
+    description: Line = ""
+    case: str
+    changes: dict[str, Any] = Field(default_factory=dict)
+    engine_speeds: str | list[Any] | None = None
+    spring_models: Names = Field(default_factory=list)
+    spring_sets: Names = Field(default_factory=list)
+    outputs: Names
+    rest_model: str = ""
+    points: PointsModel = PointsModel()
+    vary: list[VaryModel] = Field(min_length=1, max_length=MAX_VARIED)
+    correlation: list[CorrelationModel] = Field(default_factory=list, max_length=MAX_VARIED)
+
+
+class StudyText(FileText[StudyModel]):
+    """A study file read, with the options of its sampler."""
+
+    def __init__(self, text: str, where: str, folder: Path) -> None:
+        super().__init__(text, where, folder, StudyModel)
+        points = self.tree.get("points", {})
+        self.sampler_options = {key: value for key, value in points.items() if key != "sampler"}
+
+
+def read_study_file(path: Path) -> StudyText:
+    """The study file at ``path``. Raises :class:`InputError`, one sentence with file, line and key."""
+    return StudyText(text_of_file(path, "study file"), path.name[:60], path.parent)
+
+
+def read_plan(text: StudyText) -> StudyPlan:
+    """The plan of a study file. Raises :class:`InputError`, one sentence with file, line and key."""
+    model = text.model
+    case = text.guarded(("case",), lambda: case_of_file(model.case, model.changes, text.folder))
+    space = space_of_file(text, model.vary, case, model.correlation)
+    spec = text.guarded(("points", "sampler"), lambda: sampler(model.points.sampler, ""))
+    options = text.guarded(("points",), lambda: spec.read_options(dict(text.sampler_options)))
+    if model.kind == "tolerance" and spec.word != "saltelli":
+        raise text.located(
+            ("points", "sampler"),
+            "a study of kind 'tolerance' needs the sampler saltelli; choose it",
+        )
+    for index, name in enumerate(model.outputs):
+        if not is_defined(name):
+            raise text.located(("outputs", index), no_quantity(name))
+    if not model.outputs:
+        raise text.located(
+            ("outputs",), "names no quantity; name one or more of docs/quantities.md"
+        )
+    for key, word in (
+        ("rest_model", model.rest_model),
+        *(("spring_models", one) for one in model.spring_models),
+    ):
+        if word:
+            text.guarded((key,), lambda word=word: find("springs", word))
+    speeds = model.engine_speeds
+    experiment = text.guarded(
+        ("engine_speeds",),
+        lambda: Evaluation(
+            case,
+            space,
+            Outputs(
+                model.outputs,
+                engine_speeds=None if speeds is None else si_speeds(speeds),
+                spring_models=model.spring_models,
+                spring_sets=model.spring_sets,
+                rest_model=model.rest_model,
+            ),
+        ),
+    )
+    title = model.title or f"{case.name}: {spec.shown_name}"
+    plan = StudyPlan(experiment, spec, options, title, model.kind, model.description)
+    if space.correlation is not None:
+        text.guarded(("points", "sampler"), plan.draws)
+    return plan

@@ -7,9 +7,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from valvetrain.explore.plan import Run
+from valvetrain.explore.outputs import Run
 from valvetrain.explore.sensitivity import Sensitivity, Surrogate
-from valvetrain.explore.table import StudyTable, run_words
+from valvetrain.explore.table import StudyTable, run_label
 from valvetrain.report import theme
 from valvetrain.report.chart import Chart, HeatMap, Layer, Line, Marks, Panel, Rule
 from valvetrain.report.text import number, unit_text
@@ -30,15 +30,15 @@ def output_label(name: str) -> str:
     return f"{row.label} ({unit_text(row.shown_unit)})" if row.shown_unit else row.label
 
 
-def input_label(table: StudyTable, place: int) -> str:
+def input_label(table: StudyTable, index: int) -> str:
     """A varied quantity with its unit."""
-    one = table.plan.varied[place]
-    return f"{one.words} ({unit_text(one.unit)})" if one.unit else one.words
+    one = table.plan.varied[index]
+    return f"{one.shown_name} ({unit_text(one.unit)})" if one.unit else one.shown_name
 
 
-def shown_input(table: StudyTable, place: int) -> Array:
+def shown_input(table: StudyTable, index: int) -> Array:
     """Values (n,) of a varied quantity in its unit."""
-    return np.array([table.plan.varied[place].shown(value) for value in table.inputs[:, place]])
+    return np.array([table.plan.varied[index].shown(value) for value in table.inputs[:, index]])
 
 
 def shown_output(table: StudyTable, name: str) -> Array:
@@ -53,20 +53,20 @@ def scatter_chart(table: StudyTable, name: str, run: Run, key: str) -> Chart | N
     if np.count_nonzero(np.isfinite(y)) < 2:
         return None
     panels = []
-    for place in range(len(table.plan.varied)):
-        x = shown_input(table, place)[rows]
+    for index in range(len(table.plan.varied)):
+        x = shown_input(table, index)[rows]
         there = np.flatnonzero(np.isfinite(y))
         few = there[:: max(1, len(there) // MAX_DOTS)]
         colour = theme.mix(theme.SERIES[0], theme.PAPER, 0.45)
         layers: list[Layer] = [
-            Marks(x[few], y[few], "point", colour, filled=True, size=4.0, in_legend=place == 0)
+            Marks(x[few], y[few], "point", colour, filled=True, size=4.0, in_legend=index == 0)
         ]
         means = _means(x[there], y[there])
         if means is not None:
             layers.append(
-                Line(*means, "mean of the points there", theme.SERIES[1], 2.0, in_legend=place == 0)
+                Line(*means, "mean of the points there", theme.SERIES[1], 2.0, in_legend=index == 0)
             )
-        panels.append(Panel(input_label(table, place), output_label(name), tuple(layers)))
+        panels.append(Panel(input_label(table, index), output_label(name), tuple(layers)))
     columns = min(3, len(panels)) if len(panels) != 4 else 2
     caption = "A line that rises or falls shows that the output follows this quantity; a cloud about a level line, that it does not."
     title = f"{definition_of(name).label[:1].upper()}{definition_of(name).label[1:]} over what is varied"
@@ -121,7 +121,7 @@ def histogram_chart(table: StudyTable, run: Run, key: str) -> Chart | None:
     if not panels:
         return None
     columns = min(2, len(panels))
-    caption = "Upright lines: 5 %, median and 95 % of the points."
+    caption = "Vertical lines: 5, 50 and 95 % of the points lie below."
     return Chart(
         f"{key}-scatter",
         _titled("How the outputs scatter", table, run),
@@ -140,7 +140,7 @@ def map_chart(table: StudyTable, name: str, run: Run, key: str) -> Chart | None:
 
     rows = table.rows_of(run)
     z = shown_output(table, name)[rows]
-    x, y = (shown_input(table, place)[rows] for place in (0, 1))
+    x, y = (shown_input(table, index)[rows] for index in (0, 1))
     there = np.isfinite(z)
     if np.count_nonzero(there) < 4 or not (
         np.ptp(x[there]) > 0 and np.ptp(y[there]) > 0 and np.ptp(z[there]) > 0
@@ -150,11 +150,11 @@ def map_chart(table: StudyTable, name: str, run: Run, key: str) -> Chart | None:
     points = np.column_stack([(x - across[0]) / np.ptp(x[there]), (y - up[0]) / np.ptp(y[there])])[
         there
     ]
-    wanted = np.stack(
+    request = np.stack(
         np.meshgrid((across - across[0]) / np.ptp(across), (up - up[0]) / np.ptp(up)), axis=-1
     )
     try:
-        found = griddata(points, z[there], wanted, method="linear")
+        found = griddata(points, z[there], request, method="linear")
     except QhullError:  # all points on one line
         return None
     least = float(np.min(z[there]))
@@ -190,29 +190,29 @@ def sensitivity_chart(one: Sensitivity, key: str) -> Chart:
     with its interval.
     """
     order = np.argsort(one.total)
-    places = np.arange(len(order), dtype=float)
+    indices = np.arange(len(order), dtype=float)
     layers: list[Layer] = []
     kinds = (
         ("with all it acts together with", one.total, one.total_interval, theme.SERIES[0], 0.12),
         ("alone", one.first, one.first_interval, theme.SERIES[1], -0.12),
     )
-    for words, values, interval, colour, shift in kinds:
-        for at, place in enumerate(order):
-            ends = 100 * np.clip(interval[place], 0.0, MAX_SHARE)
+    for phrase, values, interval, colour, shift in kinds:
+        for at, index in enumerate(order):
+            ends = 100 * np.clip(interval[index], 0.0, MAX_SHARE)
             layers.append(
                 Line(ends, np.full(2, at + shift), "95 % interval", colour, 1.4, in_legend=False)
             )
         layers.append(
             Marks(
                 100 * np.clip(values[order], 0.0, MAX_SHARE),
-                places + shift,
-                words,
+                indices + shift,
+                phrase,
                 colour,
                 filled=True,
                 size=8.0,
             )
         )
-    names = tuple((float(at), one.names[place]) for at, place in enumerate(order))
+    names = tuple((float(at), one.names[index]) for at, index in enumerate(order))
     high = 100 * float(np.clip(np.max(one.total_interval), 1.0, MAX_SHARE))
     panel = Panel(
         "share of the variance (%)",
@@ -223,14 +223,14 @@ def sensitivity_chart(one: Sensitivity, key: str) -> Chart:
         y_tick_labels=names,
     )
     caption = "Lines: 95 % intervals by bootstrap over the base rows. Shares lie between 0 and 100 %; their estimates may miss that a little."
-    words = definition_of(one.output).label
-    told = run_words(one.run)
-    title = f"What makes the spread of the {words}{f', {told}' if told else ''}"
+    phrase = definition_of(one.output).label
+    reported = run_label(one.run)
+    title = f"What makes the spread of the {phrase}{f', {reported}' if reported else ''}"
     return Chart(f"{key}-shares", title, caption, (panel,), 1, 110 + 44 * len(order))
 
 
 def surrogate_chart(one: Surrogate, key: str) -> Chart:
-    """The surrogate beside runs that were kept out of its fit."""
+    """The surrogate against runs that were held out of its fit."""
     computed, predicted = (
         np.asarray(shown(one.output, values)[0]) for values in (one.computed, one.predicted)
     )
@@ -238,7 +238,7 @@ def surrogate_chart(one: Surrogate, key: str) -> Chart:
     layers: tuple[Layer, ...] = (
         Line(ends, ends, "agreement", theme.MUTED, 1.0, "dash"),
         Marks(
-            computed, predicted, "point kept out of the fit", theme.SERIES[0], filled=True, size=5.0
+            computed, predicted, "point held out of the fit", theme.SERIES[0], filled=True, size=5.0
         ),
     )
     label = output_label(one.output)
@@ -250,5 +250,5 @@ def surrogate_chart(one: Surrogate, key: str) -> Chart:
 
 
 def _titled(title: str, table: StudyTable, run: Run) -> str:
-    words = run_words(run)
-    return f"{title}, {words}" if words else title
+    phrase = run_label(run)
+    return f"{title}, {phrase}" if phrase else title

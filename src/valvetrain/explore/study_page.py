@@ -1,18 +1,19 @@
-"""The page of a study of points: what comes out first, then figures, then what failed and what was
-asked.
+"""The page of a study of points: what comes out first, then figures, then failed points and the
+request.
 """
 
 from __future__ import annotations
 
 import csv
 import io
+import math
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from valvetrain.explore.sensitivity import Sensitivity
-from valvetrain.explore.space import LogNormal, Normal, Uniform, Values, Varied
+from valvetrain.explore.space import Values, Varied
 from valvetrain.explore.study_charts import (
     PERCENTILES,
     histogram_chart,
@@ -22,7 +23,7 @@ from valvetrain.explore.study_charts import (
     shown_output,
     surrogate_chart,
 )
-from valvetrain.explore.table import StudyTable, run_words
+from valvetrain.explore.table import StudyTable, run_label
 from valvetrain.report.page import Block, Cell, Grid, Page, Section, figure_or_gap, render, text
 from valvetrain.report.text import number, unit_text
 from valvetrain.solution.atomic import write_text
@@ -53,7 +54,7 @@ def points_page(table: StudyTable) -> Page:
             blocks += figure_or_gap(name, scatter_chart, table, name, run, f"{key}-{name}")
         for made in (found for found in table.surrogates if found.run == run):
             blocks += figure_or_gap(made.output, surrogate_chart, made, f"{key}-{made.output}")
-        sections.append(Section(key, run_words(run) or "Points", tuple(blocks)))
+        sections.append(Section(key, run_label(run) or "Points", tuple(blocks)))
     if len(plan.runs) > MAX_RUNS:
         sections[0] = Section(
             "answers",
@@ -65,7 +66,7 @@ def points_page(table: StudyTable) -> Page:
     sections.append(Section("asked", "What was varied", (varied_grid(table),)))
     done = int(np.count_nonzero(table.completed))
     facts = (
-        ("case", plan.case.name), ("points", f"{done} of {len(table)} completed"), ("sampler", plan.sampler.words),
+        ("case", plan.case_name), ("points", f"{done} of {len(table)} completed"), ("sampler", plan.sampler.shown_name),
         ("computed", f"{table.computed} runs, {table.seconds:.0f} s"),
     )  # fmt: skip
     return Page(
@@ -94,12 +95,12 @@ def answer_rows(table: StudyTable) -> list[tuple[str, ...]]:
                 if len(found)
                 else [None] * 5
             )
-            told = (number(None if value is None else float(value), 5) for value in values)
+            reported = (number(None if value is None else float(value), 5) for value in values)
             rows.append(
                 (
                     label[:1].upper() + label[1:],
-                    run_words(run),
-                    *told,
+                    run_label(run),
+                    *reported,
                     unit_text(definition_of(name).shown_unit),
                 )
             )
@@ -115,7 +116,7 @@ def sentences(table: StudyTable) -> tuple[str, ...]:
     points failed.
     """
     failed = int(np.count_nonzero(~table.completed))
-    told = (
+    reported = (
         *(one.sentence for one in table.sensitivities),
         *(one.sentence for one in table.surrogates),
     )
@@ -123,7 +124,7 @@ def sentences(table: StudyTable) -> tuple[str, ...]:
     rows = "1 base row was" if dropped == 1 else f"{dropped} base rows were"
     left = f", and {rows} left out of the shares of variance" if dropped else ""
     return (
-        *told,
+        *reported,
         *table.not_given,
         *((f"{failed} of {len(table)} points failed{left}.",) if failed else ()),
     )
@@ -148,7 +149,7 @@ def _answers(table: StudyTable) -> tuple[Block, ...]:
 def shares_grid(one: Sensitivity) -> Grid:
     """Shares of an output's variance with their intervals, the largest first."""
 
-    def told(value: float, interval: Any) -> str:
+    def reported(value: float, interval: Any) -> str:
         return f"{100 * value:.0f} ({100 * interval[0]:.0f} to {100 * interval[1]:.0f})".replace(
             "-", "−"
         )
@@ -157,8 +158,8 @@ def shares_grid(one: Sensitivity) -> Grid:
         (
             (
                 Cell(one.names[n]),
-                Cell(told(one.total[n], one.total_interval[n]), "number"),
-                Cell(told(one.first[n], one.first_interval[n]), "number"),
+                Cell(reported(one.total[n], one.total_interval[n]), "number"),
+                Cell(reported(one.first[n], one.first_interval[n]), "number"),
             ),
             (),
         )
@@ -182,10 +183,10 @@ def varied_grid(table: StudyTable) -> Grid:
     rows = tuple(
         (
             (
-                Cell(one.words),
+                Cell(one.shown_name),
                 Cell(one.key),
                 Cell({"value": "its value"}.get(one.operation, one.operation)),
-                Cell(distribution_words(one)),
+                Cell(distribution_text(one)),
             ),
             (),
         )
@@ -194,31 +195,34 @@ def varied_grid(table: StudyTable) -> Grid:
     return Grid(("quantity", "key of the case", "varied by", "over"), rows)
 
 
-def distribution_words(one: Varied) -> str:
+def distribution_text(one: Varied) -> str:
     """A distribution in words, in the unit of its quantity."""
     unit = unit_text(one.unit)
 
-    def told(value: float) -> str:
+    def reported(value: float) -> str:
         return f"{number(one.shown(value), 6)} {unit}".strip()
 
     found = one.distribution
-    if isinstance(found, Uniform):
-        return f"even from {told(found.low)} to {told(found.high)}"
-    if isinstance(found, Normal):
-        bounds = (
-            f", cut at {told(found.low)} and {told(found.high)}"
-            if np.isfinite(found.low) and np.isfinite(found.high)
-            else ""
-        )
-        return f"normal about {told(found.mean)}, standard deviation {told(found.standard_deviation)}{bounds}"
-    if isinstance(found, LogNormal):
-        return f"lognormal about {told(found.median)}, two thirds within a factor of {number(found.factor)}"
-    if isinstance(found, Values) and len(found.values) <= 12:
-        return ", ".join(told(value) for value in found.values)
-    return f"{len(getattr(found, 'values', ()))} values"
+    if isinstance(found, Values):
+        listed = ", ".join(reported(value) for value in found.values)
+        return listed if len(found.values) <= 12 else f"{len(found.values)} values"
+    if found.flat:
+        scale = " in its logarithm" if found.logarithmic else ""
+        return f"even{scale} from {reported(found.low)} to {reported(found.high)}"
+    bounds = (
+        f", cut at {reported(found.low)} and {reported(found.high)}"
+        if np.isfinite(found.low) and np.isfinite(found.high)
+        else ""
+    )
+    if found.kind == "normal":
+        return f"normal about {reported(found.centre)}, standard deviation {reported(found.spread)}{bounds}"
+    factor = number(math.exp(found.spread))
+    return (
+        f"lognormal about {reported(found.centre)}, two thirds within a factor of {factor}{bounds}"
+    )
 
 
-#: Rows that the JSON answer holds whole; a larger table stands in points.csv.
+#: Rows that the JSON answer holds whole; a larger table is in points.csv.
 MAX_ROWS = 2000
 
 
@@ -230,10 +234,10 @@ def points_json(table: StudyTable) -> dict[str, Any]:
     ]
     places = {run: place for place, run in enumerate(plan.runs)}
     data: dict[str, Any] = {
-        "case": plan.case.name, "title": plan.title, "kind": plan.kind, "sampler": plan.sampler.word, "points": len(table),
+        "case": plan.case_name, "title": plan.title, "kind": plan.kind, "sampler": plan.sampler.word, "points": len(table),
         "completed_points": int(np.count_nonzero(table.completed)), "computed_now": table.computed, "runs": runs,
         "varied": [
-            {"name": one.name, "key": one.key, "as": one.operation, "unit": one.si_unit or "1", "label": one.words} for one in plan.varied
+            {"name": one.name, "key": one.key, "as": one.operation, "unit": one.si_unit or "1", "label": one.shown_name} for one in plan.varied
         ],
         "outputs": {name: {"unit": definition_of(name).si_unit, "percentiles": _percentiles(table, name)} for name in table.outputs},
         "sensitivities": [
@@ -244,7 +248,7 @@ def points_json(table: StudyTable) -> dict[str, Any]:
             for one in table.sensitivities
         ],
         "surrogates": [
-            {"output": one.output, "run": places[one.run], "fitted": one.fitted, "kept_out": one.kept_out, "error": one.error,
+            {"output": one.output, "run": places[one.run], "fitted": one.fitted, "kept_out": one.held_out, "error": one.error,
              "error_over_scatter": one.share, "within_two_deviations": one.covered, "sentence": one.sentence} for one in table.surrogates
         ],
         "sentences": list(sentences(table)), "failures": list(table.failures[:MAX_ROWS]), "completed": bool(np.all(table.completed)),
@@ -295,7 +299,7 @@ def points_csv(table: StudyTable) -> str:
         engine_speed, model, spring_set = table.runs[row]
         values = ["" if np.isnan(value) else repr(float(value)) for value in table.values[row]]
         status = table.statuses[row]
-        told = "" if status.completed else status.sentence()
+        reported = "" if status.completed else status.sentence()
         given = [repr(float(value)) for value in table.inputs[row]]
         writer.writerow(
             [
@@ -305,7 +309,7 @@ def points_csv(table: StudyTable) -> str:
                 spring_set,
                 *values,
                 status.code,
-                told,
+                reported,
             ]
         )
     return stream.getvalue()
@@ -314,7 +318,7 @@ def points_csv(table: StudyTable) -> str:
 def write_points(
     table: StudyTable, folder: Path, gaps: PartialFailures
 ) -> tuple[list[Path], Path | None]:
-    """Write table and page into ``folder``; what could not be written stands in ``gaps``. The
+    """Write table and page into ``folder``; what could not be written is in ``gaps``. The
     files, and the page.
     """
     files: list[Path] = []

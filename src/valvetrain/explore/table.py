@@ -1,8 +1,9 @@
-"""The result of a study: a row per draw and run with its inputs, its outputs and how it ended."""
+"""Plan and result of a study: a row per draw and run with its inputs, outputs and status."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -10,13 +11,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from valvetrain.errors import InputError
-from valvetrain.explore.plan import Run, StudyPlan
+from valvetrain.explore.engine import Evaluation
+from valvetrain.explore.outputs import Run
+from valvetrain.explore.samplers import SamplerOptions, SamplerSpec
+from valvetrain.explore.space import Space
+from valvetrain.parameters.case import Case
 from valvetrain.solution.definition import definition_of, label_of, not_given
 from valvetrain.solution.display import frame
 from valvetrain.solution.status import Status
 
 if TYPE_CHECKING:
     import pandas
+    import xarray
 
     from valvetrain.explore.sensitivity import Sensitivity, Surrogate
 
@@ -24,13 +30,71 @@ Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
+class StudyPlan:
+    """Every draw of the ``sampler`` over the space of an ``experiment``; ``kind``: what is computed
+    from the points (``points``, ``tolerance``, ``surrogate``).
+    """
+
+    experiment: Evaluation
+    sampler: SamplerSpec
+    options: SamplerOptions
+    title: str = ""
+    kind: str = "points"
+    description: str = ""
+
+    @property
+    def case(self) -> Case | None:
+        """The case, None of a function."""
+        return self.experiment.case
+
+    @property
+    def case_name(self) -> str:
+        """Name of the case, or of the function."""
+        function = self.experiment.outputs.function
+        return (
+            self.case.name if self.case is not None else getattr(function, "__name__", "function")
+        )
+
+    @property
+    def varied(self) -> Space:
+        """The varied quantities."""
+        return self.experiment.space
+
+    @property
+    def runs(self) -> tuple[Run, ...]:
+        """Runs of every draw."""
+        return self.experiment.runs
+
+    @property
+    def outputs(self) -> tuple[str, ...]:
+        """Names of the outputs."""
+        return self.experiment.outputs.quantities
+
+    def draws(self) -> Array:
+        """The first points (n, d). Raises :class:`InputError` where there is none and for a design
+        of independent quantities over correlated ones.
+        """
+        if self.varied.correlation is not None and (
+            not self.sampler.independent or self.sampler.word == "saltelli"
+        ):
+            raise InputError(
+                f"sampler {self.sampler.word} knows no correlation; choose latin-hypercube, sobol or monte-carlo",
+                "points.sampler",
+            )
+        draws = self.sampler.first(self.varied, self.options)
+        if not len(draws):
+            raise InputError("the sampler gives no point; ask for more", "points")
+        return draws
+
+
+@dataclass(frozen=True, eq=False)
 class StudyTable:
     """``inputs`` (n, d) and ``values`` (n, m), both SI, nan for what a point does not have;
     ``runs`` and ``statuses`` (n).
 
-    ``sensitivities``: Sobol indices of a study of tolerances, ``surrogates`` of one that asks for
-    them; ``computed``: points that this
-    call computed, the others were in its store; ``seconds``: wall time of this call.
+    ``sensitivities`` and ``surrogates``: those of its kind; ``computed``: points that this call
+    computed, the others were in the store; ``seconds``: wall time of this call. ``limit_speeds``:
+    (draws, models times sets) in rad/s by quantity. ``converged``: see :meth:`Experiment.converge`.
 
     >>> import valvetrain as vt
     >>> table = vt.study('''
@@ -54,6 +118,8 @@ class StudyTable:
     surrogates: tuple[Surrogate, ...] = ()
     computed: int = 0
     seconds: float = 0.0
+    limit_speeds: Mapping[str, Array] = field(default_factory=dict)
+    converged: bool | None = None
 
     def __len__(self) -> int:
         return len(self.inputs)
@@ -61,7 +127,7 @@ class StudyTable:
     @property
     def outputs(self) -> tuple[str, ...]:
         """Names of the outputs, in the order of the columns of ``values``."""
-        return self.plan.wanted.outputs
+        return self.plan.outputs
 
     @cached_property
     def completed(self) -> NDArray[np.bool_]:
@@ -72,7 +138,7 @@ class StudyTable:
     def failures(self) -> tuple[str, ...]:
         """A sentence per row that did not complete: its varied values and its status."""
         return tuple(
-            f"{self.row_words(row)}: {self.statuses[row].sentence()}"
+            f"{self.row_label(row)}: {self.statuses[row].sentence()}"
             for row in np.flatnonzero(~self.completed).tolist()
         )
 
@@ -86,13 +152,15 @@ class StudyTable:
             for name in self.outputs
             if not np.isfinite(self.column(name)[self.completed]).any()
         ]
-        return tuple(f"{told[0].upper()}{told[1:]}." for told in map(not_given, gone))
+        return tuple(f"{text[0].upper()}{text[1:]}." for text in map(not_given, gone))
 
-    def row_words(self, row: int) -> str:
+    def row_label(self, row: int) -> str:
         """The inputs of a row in words."""
         pairs = zip(self.plan.varied, self.inputs[row], strict=True)
-        told = [f"{one.words} {one.shown(value):.6g} {one.unit}".strip() for one, value in pairs]
-        return ", ".join([*told, *filter(None, [run_words(self.runs[row])])])
+        inputs = [
+            f"{one.shown_name} {one.shown(value):.6g} {one.unit}".strip() for one, value in pairs
+        ]
+        return ", ".join([*inputs, *filter(None, [run_label(self.runs[row])])])
 
     def column(self, name: str) -> Array:
         """Values (n,) in SI of an output, or of a varied quantity by its name. Raises
@@ -110,6 +178,70 @@ class StudyTable:
     def rows_of(self, run: Run) -> NDArray[np.int64]:
         """Rows of one run, in the order of the draws."""
         return np.flatnonzero([one == run for one in self.runs])
+
+    def statistics(self) -> Array:
+        """Mean, 5, 50 and 95 % and standard deviation (runs, outputs, 5) of completed points."""
+        found = np.full((len(self.plan.runs), len(self.outputs), 5), np.nan)
+        for index, run in enumerate(self.plan.runs):
+            rows = self.rows_of(run)[self.completed[self.rows_of(run)]]
+            for column in range(len(self.outputs)):
+                values = self.values[rows, column]
+                values = values[np.isfinite(values)]
+                if len(values):
+                    found[index, column] = (
+                        np.mean(values), *np.percentile(values, (5, 50, 95)), np.std(values),
+                    )  # fmt: skip
+        return found
+
+    def to_xarray(self) -> xarray.Dataset:
+        """A Dataset over point, speed (rad/s of the crank), model, and spring set where there are
+        several: outputs in SI, the status of every run of every point, and the varied quantities as
+        coordinates of the points.
+        """
+        import xarray
+
+        runs = self.plan.runs
+        speeds, models, sets = (list(dict.fromkeys(column)) for column in zip(*runs, strict=True))
+        dims, count = ("point", "speed", "model", "spring_set"), len(self) // len(runs)
+        shape = (count, len(speeds), len(models), len(sets))
+        numbers = np.full((*shape, len(self.outputs)), np.nan)
+        status = np.full(shape, "not requested", dtype="U16")
+        codes = np.array([one.code for one in self.statuses]).reshape(count, len(runs))
+        values = self.values.reshape(count, len(runs), -1)
+        for column, (speed, model, spring_set) in enumerate(runs):
+            at = speeds.index(speed), models.index(model), sets.index(spring_set)
+            numbers[:, at[0], at[1], at[2]] = values[:, column]
+            status[:, at[0], at[1], at[2]] = codes[:, column]
+        data: dict[str, Any] = {
+            name: (dims, numbers[..., column], _attributes(name))
+            for column, name in enumerate(self.outputs)
+        }
+        data["status"] = (dims, status)
+        for name, found_speeds in self.limit_speeds.items():
+            attributes = {"units": "rad/s", "long_name": f"limit speed of {label_of(name)}"}
+            data[f"{name}_limit_speed"] = (
+                ("point", "model", "spring_set"), found_speeds.reshape(count, len(models), len(sets)), attributes,
+            )  # fmt: skip
+        coordinates: dict[str, Any] = {
+            "speed": np.array([np.nan if one is None else one for one in speeds]),
+            "model": models,
+            "spring_set": sets,
+        }
+        found = xarray.Dataset(data, coordinates, {"title": self.plan.title})
+        if sets == [""]:
+            found = found.isel(spring_set=0, drop=True)
+        if self.plan.case is None:
+            found = found.isel(speed=0, model=0, drop=True)
+        inputs: dict[str, Any] = {
+            one.name: (
+                "point",
+                self.inputs[:: len(runs), column],
+                {"units": one.si_unit or "1", "long_name": one.shown_name},
+            )
+            for column, one in enumerate(self.plan.varied)
+        }
+        found = found.assign_coords(inputs)
+        return found if self.converged is None else found.assign_attrs(converged=self.converged)
 
     def to_pandas(self) -> pandas.DataFrame:
         """A frame with inputs, engine speed (rad/s), model, spring set, outputs (all SI) and
@@ -135,7 +267,7 @@ class StudyTable:
     def __repr__(self) -> str:
         done = int(np.count_nonzero(self.completed))
         lines = [f"study '{self.plan.title}': {done} of {len(self)} points completed"]
-        lines += [f"  over {one.words} ({one.name})" for one in self.plan.varied]
+        lines += [f"  over {one.shown_name} ({one.name})" for one in self.plan.varied]
         for name in self.outputs:
             found = self.column(name)[np.isfinite(self.column(name))]
             if len(found):
@@ -154,13 +286,17 @@ class StudyTable:
         )
 
 
+def _attributes(name: str) -> dict[str, str]:
+    return {"units": definition_of(name).si_unit, "long_name": label_of(name)}
+
+
 def _shown(name: str, value: float) -> float:
     from valvetrain.solution.definition import shown
 
     return float(shown(name, float(value))[0])
 
 
-def run_words(run: Run) -> str:
+def run_label(run: Run) -> str:
     """A run in words: speed, model, set, those that it has."""
     engine_speed, model, spring_set = run
     speed = "" if engine_speed is None else f"{engine_speed * 30 / np.pi:.6g} rpm"

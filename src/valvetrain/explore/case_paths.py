@@ -1,5 +1,8 @@
-"""A case with varied quantities changed: pure, and checked as the case file with those values would
-be.
+"""Key paths into a case: the case with varied quantities changed, checked as its file would be, and
+the values under its keys.
+
+Keys of a case file (``spring.wire_diameter``) and key paths of :meth:`Case.replace`
+(``springs.0.wire.wire_diameter``) name the same value, of any case.
 """
 
 from __future__ import annotations
@@ -38,6 +41,45 @@ CURVE_KEYS = ("values", "clearances", "level")
 _UNIT = re.compile(r"[^\d\s.,+\-eE][^,]*\Z")
 
 
+_IN_OBJECT = re.compile(
+    r"(?:springs\.0|(?P<train>train\.springs\.[^.]+\.\d+))(?:\.(?:wire|card))?\."
+)
+_IN_FILE = re.compile(r"(?:spring|train\.springs\.(?P<set>[^.]+)\.(?P<index>\d+))\.(?P<rest>.+)")
+
+
+def file_key(key: str) -> str:
+    """A key as case files have it.
+
+    >>> file_key("springs.0.wire.wire_diameter"), file_key("train.springs.nested.1.wire.pitch")
+    ('spring.wire_diameter', 'train.springs.nested.1.pitch')
+    """
+    found = _IN_OBJECT.match(key)
+    return key if found is None else f"{found['train'] or 'spring'}.{key[found.end() :]}"
+
+
+def object_key(case: Case, key: str) -> str:
+    """A key as :meth:`Case.replace` has it.
+
+    >>> import valvetrain as vt
+    >>> object_key(vt.load_case("job-t"), "spring.wire_diameter")
+    'springs.0.wire.wire_diameter'
+    """
+    found = _IN_FILE.fullmatch(key)
+    if found is None:
+        return key
+    name, index = found["set"], int(found["index"] or 0)
+    springs = (
+        case.springs if name is None else case.train.springs.get(name, ()) if case.train else ()
+    )
+    if index >= len(springs):
+        return key
+    head = "springs.0" if name is None else f"train.springs.{name}.{index}"
+    first, spring = found["rest"].partition(".")[0], springs[index]
+    if first in spring.__dataclass_fields__:
+        return f"{head}.{found['rest']}"
+    return f"{head}.{'card' if spring.wire is None else 'wire'}.{found['rest']}"
+
+
 def set_in_tree(tree: dict[str, Any], varied: Varied, value: float) -> None:
     """Set, multiply or shift the ``varied`` quantity of a case file's bare ``tree`` in place;
     ``value`` in SI.
@@ -45,25 +87,25 @@ def set_in_tree(tree: dict[str, Any], varied: Varied, value: float) -> None:
     Raises :class:`InputError` for a key that leads nowhere, a factor or an offset on what is no
     number, and an offset of another unit.
     """
-    *heads, last = varied.key.split(".")
+    *heads, last = file_key(varied.key).split(".")
     holder: Any = tree
     for head in heads:
         if isinstance(holder, dict) and head not in holder and varied.operation == "value":
             holder[head] = {}
         holder = _unpacked(holder, head, varied)
     if varied.operation == "value" and isinstance(holder, dict):
-        holder[last] = in_words(value, varied.si_unit)
+        holder[last] = as_written(value, varied.si_unit)
         return
     before = _unpacked(holder, last, varied)
     after = (
-        in_words(value, varied.si_unit)
+        as_written(value, varied.si_unit)
         if varied.operation == "value"
         else _changed(before, varied, value)
     )
     holder[int(last) if isinstance(holder, list) else last] = after
 
 
-def in_words(value: float, unit: str) -> Any:
+def as_written(value: float, unit: str) -> Any:
     """A value (SI) as a case file holds it: text with its unit, a plain number where it has none, a
     whole one where it is whole.
     """
@@ -74,7 +116,7 @@ def in_words(value: float, unit: str) -> Any:
 
 def _unpacked(holder: Any, key: str, varied: Varied) -> Any:
     """The part of ``holder`` under ``key``; numbers written as one text become a list where a place
-    in it is asked for.
+    in it is requested.
     """
     if isinstance(holder, dict):
         if key not in holder:
@@ -85,11 +127,11 @@ def _unpacked(holder: Any, key: str, varied: Varied) -> Any:
         if (
             isinstance(found, str)
             and "," in found
-            and varied.key.split(".")[-1].isdecimal()
+            and varied.key.rpartition(".")[2].isdecimal()
             and key == varied.key.split(".")[-2]
         ):
             values, unit = numbers_of(found, varied)
-            holder[key] = found = [in_words(one, unit) for one in values]
+            holder[key] = found = [as_written(one, unit) for one in values]
         return found
     if isinstance(holder, list):
         if not key.isdecimal() or int(key) >= len(holder):
@@ -104,10 +146,10 @@ def _unpacked(holder: Any, key: str, varied: Varied) -> Any:
 
 
 def _changed(before: Any, varied: Varied, value: float) -> Any:
-    """What stands in the case, multiplied by or shifted by ``value``."""
+    """The value of the case, multiplied by or shifted by ``value``."""
     if isinstance(before, bool):
         raise InputError(
-            f"stands as {str(before).lower()} in the case, which has no {varied.operation}; vary its value",
+            f"is {str(before).lower()} in the case, which has no {varied.operation}; vary its value",
             varied.key,
         )
     if isinstance(before, (int, float)):
@@ -134,10 +176,10 @@ def _changed(before: Any, varied: Varied, value: float) -> Any:
     values, unit = numbers_of(before, varied)
     if varied.operation == "offset" and varied.si_unit != unit:
         raise InputError(
-            f"stands in the case as '{before[:40]}', and an offset of it has a unit of the same kind; give one",
+            f"is in the case '{before[:40]}', and an offset of it has a unit of the same kind; give one",
             varied.key,
         )
-    moved = [in_words(_moved(one, varied, value), unit) for one in values]
+    moved = [as_written(_moved(one, varied, value), unit) for one in values]
     return moved if "," in before else moved[0]
 
 
@@ -152,7 +194,7 @@ def numbers_of(text: str, varied: Varied) -> tuple[tuple[float, ...], str]:
     dimension = None if not numeric else dimension_of(unit[0].strip()) if unit else "ratio"
     if dimension is None:
         raise InputError(
-            f"stands in the case as '{text[:40]}', which is no number with a unit; vary its value",
+            f"is in the case '{text[:40]}', which is no number with a unit; vary its value",
             varied.key,
         )
     return parse_quantities(text, dimension, varied.key), DIMENSIONS[dimension].si_unit
@@ -173,10 +215,9 @@ def vary(case: Case, values: Mapping[Varied, float]) -> Case:
     """The case with the varied quantities at ``values`` (SI), as its file with those values would
     give it.
 
-    A case that was made or changed in a program, so that its text no longer tells it, takes the key
-    paths of :meth:`Case.replace`
-    (``springs.0.precompression``). Raises :class:`InputError`, one sentence, for a key that is not
-    there and for a case that cannot exist.
+    A case that a program made or changed, so that its text no longer describes it, is changed part
+    by part. Raises :class:`InputError`, one sentence, for a key that is not there and for a case
+    that cannot exist.
 
     >>> import valvetrain as vt
     >>> thinner = vary(vt.load_case("gu2021-beehive"), {Varied("spring.wire_diameter", "mm"): 3.7e-3})
@@ -188,22 +229,22 @@ def vary(case: Case, values: Mapping[Varied, float]) -> Case:
     own = {varied: float(value) for varied, value in values.items() if varied.key != ENGINE_SPEED}
     if not own:
         return case
-    told = "".join(
+    remarks = "".join(
         f"# changed: {varied.name} = {value!r} {varied.si_unit}".rstrip() + "\n"
         for varied, value in own.items()
     )
     names = tuple(dict.fromkeys((*case.changed, *(varied.name for varied in own))))
     template = _template(case)
-    made = _changed_case(case, own) if template is None else _from_tree(case, template, own)
+    changed = _changed_case(case, own) if template is None else _from_tree(case, template, own)
     return replace(
-        made, published=case.published, notes=case.notes, text=case.text + told, changed=names
+        changed, published=case.published, notes=case.notes, text=case.text + remarks, changed=names
     )
 
 
 def _from_tree(case: Case, template: _Template, values: Mapping[Varied, float]) -> Case:
     tree = copy.deepcopy(template.bare)
     for varied, value in values.items():
-        if varied.key.partition(".")[0] not in (
+        if file_key(varied.key).partition(".")[0] not in (
             "spring",
             "lift_law",
             "operation",
@@ -240,7 +281,7 @@ def _read(case: Case, tree: dict[str, Any], notes: dict[str, Note]) -> Case:
 
 @lru_cache(maxsize=16)
 def _template(case: Case) -> _Template | None:
-    """The case's text read once; None where the text does not tell the case."""
+    """The case's text read once; None where the text does not describe the case."""
     try:
         bare, notes, bad = split_notes(tomllib.loads(case.text))
         bare.pop("published", None)
@@ -256,11 +297,12 @@ def _changed_case(case: Case, values: Mapping[Varied, float]) -> Case:
     """A case changed by key paths of its parts."""
     changes: dict[str, Any] = {}
     for varied, value in values.items():
-        if varied.operation == "value":
-            changes[varied.key] = value
-            continue
-        before = case.replace(changes) if changes else case
-        changes[varied.key] = _moved_vary(part_of(before, varied.key), varied, value)
+        key = object_key(case, varied.key)
+        if varied.operation != "value":
+            before = case.replace(changes) if changes else case
+            changes[key] = _moved_vary(part_of(before, key), varied, value)
+        else:
+            changes[key] = value
     return case.replace(changes)
 
 
@@ -277,7 +319,7 @@ def part_of(item: Any, path: str) -> Any:
             found = getattr(item, key, values.get(key) if isinstance(values, Mapping) else None)
         if found is None:
             raise InputError(
-                f"the case has no '{key[:60]}' there; its text does not tell it, so keys are those of Case.replace",
+                f"the case has no '{key[:60]}' there; its text does not describe it, so keys are those of Case.replace",
                 path,
             )
         item = found
@@ -304,8 +346,87 @@ def _moved_vary(before: Any, varied: Varied, value: float) -> Any:
 
 
 def tree_of(case: Case) -> dict[str, Any] | None:
-    """The bare tree of the case's text, not to be changed; None where the text does not tell the
-    case.
+    """The bare tree of the case's text, not to be changed; None where the text does not
+    describe the case.
     """
     template = _template(case)
     return None if template is None else template.bare
+
+
+def nominal(case: Case, varied: Varied) -> float:
+    """The value (SI) of the case, 1 for a factor, 0 for an offset.
+
+    Raises :class:`InputError` for a key that is not there, or under which no single number stands.
+
+    >>> import valvetrain as vt
+    >>> nominal(vt.load_case("gu2021-beehive"), Varied("spring.precompression", "mm"))
+    0.007
+    """
+    if varied.operation != "value":
+        return 1.0 if varied.operation == "factor" else 0.0
+    found, place = _entry(case, varied.key)
+    if place is not None:
+        return numbers_of(found, varied)[0][place]
+    if isinstance(found, str) and "," not in found:
+        return numbers_of(found, varied)[0][0]
+    if isinstance(found, (int, float)) and not isinstance(found, bool):
+        return float(found)
+    level = getattr(found, "level", None)
+    if isinstance(level, float):
+        return level
+    raise InputError(
+        "has several numbers in the case; vary it as = 'factor' or 'offset', or name one of its parts",
+        varied.key,
+    )
+
+
+def unit_in_case(case: Case, key: str) -> str:
+    """Unit in which the value of ``key`` is written in the case; empty for a plain number and where
+    the case has no text.
+
+    >>> import valvetrain as vt
+    >>> unit_in_case(vt.load_case("gu2021-beehive"), "spring.precompression")
+    'mm'
+    """
+    found, _ = _entry(case, key)
+    if isinstance(found, dict):  # a curve
+        found = next((found[name] for name in CURVE_KEYS if name in found), "")
+    return unit_of(found) if isinstance(found, str) else ""
+
+
+def unit_of(text: str) -> str:
+    """Unit of a text, of the last of several numbers.
+
+    >>> unit_of("3.7, 3.8 mm"), unit_of("5 %"), unit_of("7")
+    ('mm', '%', '')
+    """
+    phrase = text.split(",")[-1].strip()
+    return phrase.lstrip("+-0123456789.eE ").strip() if phrase else ""
+
+
+def _entry(case: Case, key: str) -> tuple[Any, int | None]:
+    """The value under ``key``, and the index in it where it is a text of several numbers of which
+    one is meant.
+    """
+    tree = tree_of(case)
+    if tree is None:
+        return part_of(case, object_key(case, key)), None
+    found: Any = tree
+    for part in file_key(key).split("."):
+        if isinstance(found, dict) and part in found:
+            found = found[part]
+        elif isinstance(found, list) and part.isdecimal() and int(part) < len(found):
+            found = found[int(part)]
+        elif (
+            isinstance(found, str)
+            and "," in found
+            and part.isdecimal()
+            and int(part) < len(found.split(","))
+        ):
+            return found, int(part)
+        else:
+            raise InputError(
+                "is not in the case, so it has no value to stand about; give low and high, or mean",
+                key,
+            )
+    return found, None

@@ -1,0 +1,261 @@
+"""The outputs of an experiment: quantities at speeds and models, limit speeds, or a function."""
+
+from __future__ import annotations
+
+import itertools
+import re
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+from valvetrain.errors import InputError
+from valvetrain.parameters.case import Case
+from valvetrain.solution.definition import definition_of, is_defined, no_quantity
+from valvetrain.solution.status import COMPLETED, Status
+from valvetrain.units import parse_quantity, si_speeds
+
+#: (engine speed in rad/s or None, spring model, spring set) of a run.
+Run = tuple[float | None, str, str]
+#: Quantities that follow from forces at the ends, lift and clashes alone, without channels of the
+#: wire or its static states.
+LIGHT = frozenset((
+    "peak_spring_force", "peak_spring_force_cam_angle", "minimum_spring_force", "minimum_spring_force_cam_angle", "peak_retainer_force",
+    "minimum_retainer_force", "below_20_khz_peak_spring_force", "below_10_khz_peak_spring_force", "nominal_peak_shear_stress",
+    "nominal_minimum_shear_stress", "peak_valve_lift", "coil_bind_clearance", "clash_count", "clash_energy", "peak_clash_force",
+    "largest_clash_energy", "largest_clash_impulse", "time_step_duration", "steps_per_cycle_count", "steady_cycles_count",
+))  # fmt: skip
+#: Static quantities of a spring begin with one of these.
+AT_REST = (
+    "preload", "installed_", "mode_", "natural_", "stiffness_change_", "solid_", "free_length", "coil_1_2_installed_gap", "buckling_",
+    "rigid_", "largest_pitch", "wire_mass", "wire_length", "smallest_i", "largest_index", "largest_outer", "estimated_", "card_",
+    "total_coil", "active_coil", "coil_bind_lift", "formula_buckling",
+)  # fmt: skip
+#: Of these, what follows without a static curve from the dimensions of the spring or its card.
+BY_SIZE = (
+    "free_length", "solid_height", "largest_pitch", "solid_force", "solid_nominal_shear_stress", "solid_compression", "wire_mass",
+    "wire_length", "smallest_index_ratio", "largest_index_ratio", "largest_outer_diameter", "smallest_inner_diameter", "estimated_rate",
+    "estimated_surge_frequency", "total_coil_count", "active_coil_count", "coil_bind_lift", "installed_compression", "installed_height",
+    "formula_buckling_compression", "card_rate", "card_preload", "card_mass", "card_installed_height", "card_open_force", "card_open_lift",
+    "card_solid_height", "card_surge_frequency",
+)  # fmt: skip
+#: Quantities of rigid theory for a train.
+RIGID = "rigid_"
+
+
+@dataclass(frozen=True, slots=True)
+class PointRequest:
+    """Names of the ``outputs`` of a point (docs/quantities.md), empty for all; ``rest_model``:
+    spring model of the static quantities, empty for the finite-element rod, as in a run.
+    """
+
+    outputs: tuple[str, ...] = ()
+    rest_model: str = ""
+
+    @property
+    def light(self) -> bool:
+        """Whether the forces at the ends and the clashes are enough for the motion."""
+        return bool(self.outputs) and all(
+            name in LIGHT or is_at_rest(name) for name in self.outputs
+        )
+
+    @property
+    def rest(self) -> bool:
+        """Whether a static quantity is requested."""
+        return not self.outputs or any(map(is_at_rest, self.outputs))
+
+    @property
+    def sizes_alone(self) -> bool:
+        """Whether the dimensions of the spring suffice for its static quantities."""
+        still = [name for name in self.outputs if is_at_rest(name)]
+        return bool(self.outputs) and all(
+            _bare(name) in BY_SIZE or name.startswith(RIGID) for name in still
+        )
+
+    @property
+    def rigid(self) -> bool:
+        """Whether rigid theory is requested."""
+        return any(name.startswith(RIGID) for name in self.outputs)
+
+    @property
+    def motion(self) -> bool:
+        """Whether a quantity of a run is requested."""
+        return not self.outputs or not all(map(is_at_rest, self.outputs))
+
+
+def is_at_rest(name: str) -> bool:
+    """Whether a quantity belongs to a spring at rest, of one of a nested pair too."""
+    return _bare(name).startswith(AT_REST)
+
+
+def _bare(name: str) -> str:
+    """A name without that of the spring of a nested pair in front."""
+    first, _, rest = name.partition("_")
+    return rest if first in ("outer", "inner") else name
+
+
+@dataclass(frozen=True, slots=True)
+class Outcome:
+    """Status of a point and its values (SI) by quantity; a failed point retains what it has."""
+
+    status: Status = COMPLETED
+    values: Mapping[str, float] = field(default_factory=dict)
+
+    def __getitem__(self, name: str) -> float:
+        if name not in self.values:
+            raise InputError(
+                f"the point has no '{name[:60]}'; its status is {self.status.sentence()}"
+            )
+        return self.values[name]
+
+
+@dataclass(frozen=True, slots=True)
+class LimitSearch:
+    """Keep ``quantity`` at or below (``upper``), or at or above, ``bound`` (SI), over
+    ``engine_speeds`` (rad/s, rising).
+
+    ``resolution`` (rad/s): width of the bracket at the end. ``share``: the bound is this share of
+    what the case has at the lowest speed.
+    """
+
+    quantity: str
+    upper: bool
+    bound: float
+    engine_speeds: tuple[float, ...]
+    resolution: float
+    share: float | None = None
+
+
+_OF_CASE = re.compile(r"\s*(?:(\d+(?:\.\d+)?)\s*(?:x|\*|times)\s*(?:the\s+)?)?case\s*\Z")
+
+
+def share_of_case(raw: Any) -> float | None:
+    """The share of a bound written as ``"1.05 x case"``; None for a bound with a unit."""
+    found = _OF_CASE.match(raw) if isinstance(raw, str) else None
+    return None if found is None else float(found[1] or 1.0)
+
+
+def limit_search(
+    quantity: str,
+    engine_speeds: Any,
+    at_most: Any = None,
+    at_least: Any = None,
+    resolution: Any = "10 rpm",
+) -> LimitSearch:
+    """The search for a limit speed, from the keys of its table in a file."""
+    if (at_most is None) == (at_least is None):
+        raise InputError("has one bound: give at_most or at_least")
+    upper = at_most is not None
+    raw = at_most if upper else at_least
+    share = share_of_case(raw)
+    bound = (
+        float("nan")
+        if share is not None
+        else parse_quantity(raw, definition_of(quantity).dimension or "ratio")
+    )
+    speeds = tuple(sorted(si_speeds(engine_speeds)))
+    if len(speeds) < 2:
+        raise InputError("engine_speeds holds one speed; give a range such as '4000:9000:250 rpm'")
+    width = parse_quantity(resolution, "angular speed")
+    if not width > 0:
+        raise InputError("the resolution is not positive; give such as '10 rpm'")
+    return LimitSearch(quantity, upper, bound, speeds, width, share)
+
+
+@dataclass(frozen=True, init=False)
+class Outputs:
+    """What an experiment computes at every point.
+
+    ``quantities``: names (docs/quantities.md) or numbers that the function gives. ``engine_speeds``
+    (text such as ``"4000, 6000 rpm"`` or rad/s; None: the case's own), ``spring_models`` and
+    ``spring_sets``: a run of each combination. ``rest_model``: spring model of static quantities.
+    ``limit_speeds``: tables as in an optimisation file, such as
+    ``{"quantity": "clash_energy", "at_most": "1 mJ", "engine_speeds": "4000:9000:250 rpm"}``.
+    ``function``: computed instead of a case: takes the varied quantities by name and returns a
+    mapping of numbers by name, or a number where there is one output.
+
+    >>> import valvetrain as vt
+    >>> vt.Outputs(["peak_spring_force"], engine_speeds="4000 rpm", spring_models=["massless"]).quantities
+    ('peak_spring_force',)
+    """
+
+    quantities: tuple[str, ...]
+    engine_speeds: tuple[float, ...] | None
+    spring_models: tuple[str, ...]
+    spring_sets: tuple[str, ...]
+    rest_model: str
+    limit_speeds: tuple[LimitSearch, ...]
+    function: Callable[..., Any] | None
+
+    def __init__(
+        self,
+        quantities: Sequence[str] | str = (),
+        *,
+        engine_speeds: Any = None,
+        spring_models: Sequence[str] | str = (),
+        spring_sets: Sequence[str] | str = (),
+        rest_model: str = "",
+        limit_speeds: Sequence[Mapping[str, Any] | LimitSearch] = (),
+        function: Callable[..., Any] | None = None,
+    ) -> None:
+        named = (quantities, spring_models, spring_sets)
+        names, models, sets = (
+            tuple(dict.fromkeys([one] if isinstance(one, str) else one)) for one in named
+        )
+        if not names and not limit_speeds:
+            raise InputError("name one output or more", "outputs")
+        for name in names if function is None else ():
+            if not is_defined(name):
+                raise InputError(no_quantity(name), "outputs")
+        speeds = engine_speeds
+        if speeds is not None and not (
+            isinstance(speeds, tuple) and all(isinstance(one, float) for one in speeds)
+        ):
+            speeds = si_speeds(speeds)
+        limits = tuple(
+            one if isinstance(one, LimitSearch) else limit_search(**one) for one in limit_speeds
+        )
+        for name, value in zip(
+            self.__dataclass_fields__,
+            (names, speeds, models, sets, rest_model, limits, function),
+            strict=True,
+        ):
+            object.__setattr__(self, name, value)
+
+    @property
+    def request(self) -> PointRequest:
+        """The request of one run."""
+        return PointRequest(self.quantities, self.rest_model)
+
+    def runs(self, case: Case | None, speed_is_varied: bool) -> tuple[Run, ...]:
+        """Every engine speed with every model and set. Raises :class:`InputError` where a speed or
+        a set is missing.
+        """
+        if case is None:
+            return ((None, "", ""),)
+        speeds: tuple[float | None, ...] = (None,)
+        moving = bool(self.quantities) and self.request.motion
+        if speed_is_varied and self.engine_speeds is not None and moving:
+            raise InputError(
+                "the engine speed is varied, so it is not given here as well; remove one"
+            )
+        if moving and not speed_is_varied:
+            speeds = (
+                case.operation.engine_speeds if self.engine_speeds is None else self.engine_speeds
+            )
+            if not speeds:
+                raise InputError(
+                    "the case names no engine speed, and the outputs need one; add engine_speeds = '6000 rpm'"
+                )
+        if self.spring_sets:
+            refuse_sets(case, self.spring_sets)
+        return tuple(
+            itertools.product(speeds, self.spring_models or ("",), self.spring_sets or ("",))
+        )
+
+
+def refuse_sets(case: Case, sets: Iterable[str]) -> None:
+    """Raise :class:`InputError` for spring sets that the case does not have."""
+    if case.train is None or any(one not in case.train.springs for one in sets):
+        raise InputError(
+            f"case '{case.name}' has no spring set {', '.join(sets)[:80]}; leave spring_sets out or correct it"
+        )

@@ -1,0 +1,400 @@
+"""Experiments: a space and outputs of a case or a function, and the verbs on them, beside single
+runs and closed forms.
+"""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import valvetrain as vt
+from valvetrain.explore.identification_file import parse_request
+from valvetrain.explore.study import PointsInterrupted, StudyText, read_plan
+
+RPM = math.pi / 30
+PRECOMPRESSION = vt.Space({"spring.precompression": vt.Prior("uniform", 6e-3, 8e-3)})
+ANGLE = vt.Prior("uniform", -math.pi, math.pi)
+UNIT_NORMAL = vt.Prior("normal", centre=0.0, spread=1.0)
+
+
+def ishigami(x, y, z):
+    return math.sin(x) + 7 * math.sin(y) ** 2 + 0.1 * z**4 * math.sin(x)
+
+
+def paraboloid(x, y):
+    return {"height": (x - 0.3) ** 2 + (y + 0.2) ** 2, "sum": x + y}
+
+
+def line(intercept, slope):
+    return {f"at {x}": intercept + slope * x for x in (0, 1, 2)}
+
+
+def function_of(function, names, space, correlation=None):
+    return vt.Experiment(None, vt.Space(space, correlation), vt.Outputs(names, function=function))
+
+
+def test_the_dataset_of_an_experiment_equals_single_runs_bit_for_bit():
+    outputs = vt.Outputs(
+        ["peak_spring_force", "peak_valve_lift"],
+        engine_speeds="4000, 5000 rpm",
+        spring_models=["massless", "multi-mass"],
+    )
+    found = vt.Experiment("job-c", PRECOMPRESSION, outputs).run([[6e-3], [8e-3]], workers=1)
+    assert found.peak_spring_force.dims == ("point", "speed", "model")
+    assert found.peak_spring_force.attrs["units"] == "N"
+    assert set(found.status.values.ravel()) == {"completed"}
+    for point, value in enumerate(("6 mm", "8 mm")):
+        case = vt.load_case("job-c", {"spring.precompression": value})
+        for speed in (4000, 5000):
+            runs = vt.simulate(case, f"{speed} rpm", spring_models=["massless", "multi-mass"])
+            for run in runs.solutions:
+                one = found.isel(point=point).sel(speed=speed * RPM, model=run.label)
+                assert float(one.peak_spring_force) == run.quantities["peak_spring_force"]
+                assert float(one.peak_valve_lift) == run.quantities["peak_valve_lift"]
+
+
+def test_workers_change_no_bit_of_an_experiment():
+    outputs = vt.Outputs("peak_spring_force", engine_speeds="4000 rpm", spring_models="multi-mass")
+    one, two = (
+        vt.Experiment("job-c", PRECOMPRESSION, outputs).run(
+            [[6e-3], [7e-3], [8e-3]], workers=workers
+        )
+        for workers in (1, 2)
+    )
+    assert one.identical(two)
+
+
+def test_a_function_is_evaluated_at_the_points_and_refusals_keep_their_sentence():
+    def root(x):
+        return math.sqrt(x)
+
+    experiment = function_of(root, ["root"], {"x": vt.Prior("uniform", -1.0, 4.0)})
+    table = experiment.table([[4.0], [-1.0]], workers=1)
+    found = table.to_xarray()
+    assert found.root.dims == ("point",) and found.x.values.tolist() == [4.0, -1.0]
+    assert found.root.values[0] == 2.0 and np.isnan(found.root.values[1])
+    assert found.status.values.tolist() == ["completed", "refused"]
+    assert table.failures and "domain" in table.failures[0]
+
+
+def test_an_impossible_point_of_a_case_has_its_status_in_the_dataset():
+    outputs = vt.Outputs("peak_spring_force", engine_speeds="4000 rpm", spring_models="massless")
+    found = vt.Experiment("job-c", PRECOMPRESSION, outputs).run([[7e-3], [0.5]], workers=1)
+    assert found.status.values.ravel().tolist() == ["completed", "refused"]
+
+
+def test_sobol_indices_of_the_ishigami_function_agree_with_their_closed_form():
+    """I. Sobol and Y. Levitan (1999): a = 7, b = 0.1."""
+    a, b, pi = 7.0, 0.1, math.pi
+    variance = a**2 / 8 + b * pi**4 / 5 + b**2 * pi**8 / 18 + 0.5
+    x_alone = 0.5 * (1 + b * pi**4 / 5) ** 2
+    with_z = b**2 * pi**8 * (1 / 18 - 1 / 50)
+    first = np.array([x_alone, a**2 / 8, 0.0]) / variance
+    total = np.array([x_alone + with_z, a**2 / 8, with_z]) / variance
+    experiment = function_of(ishigami, ["f"], {"x": ANGLE, "y": ANGLE, "z": ANGLE})
+    (found,) = experiment.sensitivity(5 * 2048, workers=1)
+    assert found.rows == 2048
+    assert found.first == pytest.approx(first, abs=0.03)
+    assert found.total == pytest.approx(total, abs=0.03)
+
+
+@pytest.mark.parametrize("correlation", [None, [[1.0, 0.6], [0.6, 1.0]]])
+def test_the_calibration_of_a_linear_model_is_its_closed_form_posterior(correlation):
+    measured, error = np.array([1.0, 2.2, 2.9]), 0.2
+    experiment = function_of(
+        line,
+        ["at 0", "at 1", "at 2"],
+        {"intercept": UNIT_NORMAL, "slope": UNIT_NORMAL},
+        correlation,
+    )
+    data = [vt.Datum(f"at {x}", value, error) for x, value in enumerate(measured.tolist())]
+    found = experiment.calibrate(data, workers=1)
+    design = np.array([[1.0, x] for x in range(3)])
+    prior = np.eye(2) if correlation is None else np.array(correlation)
+    covariance = np.linalg.inv(np.linalg.inv(prior) + design.T @ design / error**2)
+    mean = covariance @ design.T @ measured / error**2
+    assert list(found.best.values()) == pytest.approx(mean, rel=1e-5)
+    quantities = found.branches[0].quantities.values()
+    assert [one.deviation for one in quantities] == pytest.approx(
+        np.sqrt(np.diag(covariance)), rel=1e-5
+    )
+    between = covariance[0, 1] / math.sqrt(covariance[0, 0] * covariance[1, 1])
+    assert found.branches[0].correlation[0, 1] == pytest.approx(between, abs=1e-5)
+
+
+def test_a_calibration_of_a_case_finds_the_value_that_made_the_measurements():
+    outputs = vt.Outputs(
+        ["peak_spring_force"], engine_speeds="4000 rpm", spring_models=["massless"]
+    )
+    experiment = vt.Experiment("job-c", PRECOMPRESSION, outputs)
+    truth = float(experiment.run([[6.6e-3]], workers=1).peak_spring_force.squeeze())
+    search = vt.Search(draws=25)
+    measured = [vt.Datum("peak_spring_force", truth, 0.5)]
+    found = experiment.calibrate(measured, search, workers=1)
+    assert found.best["spring.precompression"] == pytest.approx(6.6e-3, rel=1e-4)
+    draws = found.to_xarray()
+    assert draws["spring.precompression"].dims == ("draw",)
+    spread = experiment.propagate(found, 20, workers=1)
+    assert float(spread.peak_spring_force.std()) == pytest.approx(0.5, rel=0.25)
+    with pytest.raises(vt.InputError, match="did you mean peak_spring_force"):
+        experiment.calibrate([vt.Datum("peak_spring_forces", truth, 0.5)], workers=1)
+
+
+def test_an_interrupted_sample_continues_without_computing_a_point_again(tmp_path):
+    calls: list[float] = []
+    stop_at = 7
+
+    def square(x):
+        calls.append(x)
+        if len(calls) == stop_at:
+            raise KeyboardInterrupt
+        return x * x
+
+    experiment = function_of(square, ["square"], {"x": vt.Prior("uniform", 0.0, 1.0)})
+    options = {"count": 20, "seed": 3}
+    with pytest.raises(PointsInterrupted) as stopped:
+        experiment.sample(options=options, workers=1, output=tmp_path)
+    codes = [one.code for one in stopped.value.table.statuses]
+    done = codes.count("completed")
+    assert done + codes.count("interrupted") == 20 and done < stop_at
+    stop_at, calls = 0, []
+    table = experiment.sample(options=options, workers=1, output=tmp_path)
+    assert table.completed.all() and table.computed == len(calls) == 20 - done
+    assert np.array_equal(table.values, table.inputs**2)
+
+
+def test_optimise_finds_the_minimum_of_a_function_within_a_constraint():
+    """Of x + y at least 0.5 the nearest point to (0.3, -0.2) is (0.5, 0)."""
+    wide = vt.Prior("uniform", -1.0, 1.0)
+    experiment = function_of(paraboloid, ["height", "sum"], {"x": wide, "y": wide})
+    found = experiment.optimise(
+        [{"quantity": "height", "direction": "minimise"}],
+        [{"quantity": "sum", "at_least": 0.5}],
+        {"trials": 120, "method": "cma-es"},
+        workers=1,
+    )
+    assert found.best.trial.values == pytest.approx([0.5, 0.0], abs=0.01)
+    trials = found.to_xarray()
+    assert trials.sizes["trial"] == len(found.trials)
+    assert float(trials.objective_1.where(trials.feasible).min()) == pytest.approx(0.08, abs=0.002)
+    study = found.to_optuna()
+    assert study.directions[0].name == "MINIMIZE" and len(study.trials) == len(found.trials)
+
+
+def test_correlated_draws_have_the_stated_correlation():
+    experiment = function_of(
+        line,
+        ["at 0"],
+        {"intercept": UNIT_NORMAL, "slope": UNIT_NORMAL},
+        [[1.0, -0.7], [-0.7, 1.0]],
+    )
+    table = experiment.sample("sobol", {"count": 1024}, workers=1)
+    assert np.corrcoef(table.inputs.T)[0, 1] == pytest.approx(-0.7, abs=0.01)
+    assert np.std(table.inputs, axis=0) == pytest.approx(1.0, abs=0.02)
+    with pytest.raises(vt.InputError, match="knows no correlation"):
+        experiment.sensitivity(workers=1)
+
+
+@pytest.mark.parametrize(
+    "matrix",
+    [[[1.0]], [[1.0, 0.2], [0.3, 1.0]], [[1.0, 1.0], [1.0, 1.0]], [[2.0, 0.0], [0.0, 1.0]]],
+)
+def test_a_matrix_that_is_no_correlation_is_refused(matrix):
+    with pytest.raises(vt.InputError, match="symmetric matrix"):
+        vt.Space({"a": UNIT_NORMAL, "b": UNIT_NORMAL}, matrix)
+
+
+def test_converge_doubles_the_sample_until_its_statistics_settle():
+    """Mean and standard deviation of a uniform quantity on (0, 1)."""
+
+    def same(x):
+        return x
+
+    experiment = function_of(same, ["same"], {"x": vt.Prior("uniform", 0.0, 1.0)})
+    table = experiment.converge(0.02, workers=1)
+    mean, low, middle, high, deviation = table.statistics()[0, 0]
+    assert table.converged and table.to_xarray().attrs["converged"]
+    assert (mean, low, middle, high) == pytest.approx((0.5, 0.05, 0.5, 0.95), abs=0.02)
+    assert deviation == pytest.approx(1 / math.sqrt(12), abs=0.01)
+    assert experiment.converge(1e-12, most=256, workers=1).converged is False
+
+
+def test_a_surrogate_of_a_smooth_function_predicts_it():
+    pytest.importorskip("sklearn")
+    wide = vt.Prior("uniform", -1.0, 1.0)
+    experiment = function_of(paraboloid, ["height"], {"x": wide, "y": wide})
+    (found,) = experiment.surrogate(60, workers=1)
+    mean, _ = found.predict([[0.3, -0.2]])
+    assert mean[0] == pytest.approx(0.0, abs=0.02) and found.share < 0.05
+
+
+def test_limit_speeds_are_outputs_beside_quantities():
+    """A falling bound: spring force grows with precompression, so its limit speed falls."""
+    outputs = vt.Outputs(
+        ["peak_spring_force"],
+        engine_speeds="4000 rpm",
+        spring_models=["massless"],
+        limit_speeds=[
+            {
+                "quantity": "peak_spring_force",
+                "at_most": "1 kN",
+                "engine_speeds": "2000:6000:2000 rpm",
+            }
+        ],
+    )
+    found = vt.Experiment("job-c", PRECOMPRESSION, outputs).run([[6e-3]], workers=1)
+    limit = found.peak_spring_force_limit_speed
+    assert limit.dims == ("point", "model") and float(limit.squeeze()) == pytest.approx(6000 * RPM)
+
+
+@pytest.mark.parametrize(
+    ("case", "outputs", "words"),
+    [
+        ("job-c", vt.Outputs(["f"], function=ishigami), "a case or a function"),
+        (None, vt.Outputs(["peak_spring_force"]), "a case or a function"),
+    ],
+)
+def test_an_experiment_has_a_case_or_a_function(case, outputs, words):
+    with pytest.raises(vt.InputError, match=words):
+        vt.Experiment(case, PRECOMPRESSION, outputs)
+
+
+def test_an_unknown_quantity_is_refused_with_the_nearest_name():
+    with pytest.raises(vt.InputError, match="peak_spring_force"):
+        vt.Outputs(["peak_spring_forces"])
+
+
+STUDY = """
+case = "job-c"
+engine_speeds = "4000 rpm"
+spring_models = "massless"
+outputs = "peak_spring_force"
+{tables}
+"""
+OLD = """
+[set]
+"operation.cycles" = 3
+[quantities.wire]
+key = "springs.0.wire.wire_diameter"
+prior = "uniform"
+low = "3.9 mm"
+high = "4.1 mm"
+"""
+NEW = """
+[changes]
+"operation.cycles" = 3
+[[vary]]
+label = "wire"
+key = "spring.wire_diameter"
+distribution = "uniform"
+low = "3.9 mm"
+high = "4.1 mm"
+"""
+MEASURED = '[measurements.load]\nquantity = "preload"\nvalue = "250 N"\nscatter = "1 N"\nspring_model = "massless"\n'
+
+
+def test_both_vocabularies_of_files_say_the_same_of_studies_and_identifications():
+    old, new = (
+        read_plan(StudyText(STUDY.format(tables=tables), "study", Path())) for tables in (OLD, NEW)
+    )
+    assert [(one.distribution, one.label) for one in old.varied] == [
+        (one.distribution, one.label) for one in new.varied
+    ]
+    assert old.experiment.evaluate([4e-3], old.runs[0]) == new.experiment.evaluate(
+        [4e-3], new.runs[0]
+    )
+    first, second = (
+        parse_request('case = "job-c"\n' + tables + MEASURED, "file", Path())
+        for tables in (OLD, NEW)
+    )
+    assert repr(first.unknowns) == repr(second.unknowns) and first.case == second.case
+    assert first.data == second.data
+
+
+def test_a_distribution_may_be_left_to_its_other_keys():
+    normal = NEW.replace('distribution = "uniform"\nlow = "3.9 mm"\nhigh = "4.1 mm"', "{}")
+    for words, prior in (
+        ('low = "3.9 mm"\nhigh = "4.1 mm"', vt.Prior("uniform", 3.9e-3, 4.1e-3)),
+        (
+            'mean = "4 mm"\nstandard_deviation = "0.1 mm"',
+            vt.Prior("normal", centre=4e-3, spread=1e-4),
+        ),
+        ('tolerance = "0.03 mm"', vt.Prior("normal", 3.97e-3, 4.03e-3, 4e-3, 1e-5)),
+    ):
+        text = normal.format(words)
+        study = read_plan(StudyText(STUDY.format(tables=text), "study", Path()))
+        request = parse_request('case = "job-c"\n' + text + MEASURED, "file", Path())
+        for found in (study.varied[0].distribution, request.unknowns[0].prior):
+            assert found.kind == prior.kind
+            assert (found.low, found.high) == pytest.approx((prior.low, prior.high))
+            assert (found.centre, found.spread) == pytest.approx(
+                (prior.centre, prior.spread), nan_ok=True
+            )
+
+
+def test_correlation_of_a_file_reaches_the_draws():
+    text = STUDY.format(
+        tables="""
+points = { sampler = "sobol", count = 512 }
+[[vary]]
+key = "spring.precompression"
+mean = "7 mm"
+standard_deviation = "0.1 mm"
+[[vary]]
+key = "spring.wire_diameter"
+mean = "4 mm"
+standard_deviation = "0.01 mm"
+[[correlation]]
+between = ["spring.precompression", "spring.wire_diameter"]
+coefficient = 0.5
+"""
+    )
+    plan = read_plan(StudyText(text, "study", Path()))
+    assert np.corrcoef(plan.draws().T)[0, 1] == pytest.approx(0.5, abs=0.02)
+    with pytest.raises(vt.InputError, match="two of the varied quantities"):
+        read_plan(
+            StudyText(text.replace('between = ["spring.p', 'between = ["spring.r'), "s", Path())
+        )
+    with pytest.raises(vt.InputError, match="knows no correlation"):
+        read_plan(StudyText(text.replace('"sobol", count = 512', '"grid"'), "s", Path()))
+
+
+CORRELATED = """
+case = "job-c"
+[[vary]]
+key = "spring.precompression"
+mean = "7 mm"
+standard_deviation = "0.1 mm"
+[[vary]]
+key = "spring.wire_diameter"
+mean = "4 mm"
+standard_deviation = "0.01 mm"
+[[correlation]]
+between = ["spring.precompression", "spring.wire_diameter"]
+coefficient = 0.5
+"""
+
+
+def test_correlation_of_an_identification_file_reaches_its_priors():
+    request = parse_request(CORRELATED + MEASURED, "file", Path())
+    assert request.correlation.tolist() == [[1.0, 0.5], [0.5, 1.0]]
+
+
+@pytest.mark.parametrize(
+    ("now", "then", "words"),
+    [
+        ("coefficient = 0.5", "coefficient = 1.5", "symmetric matrix"),
+        ("coefficient = 0.5", 'coefficient = "half"', "write a number"),
+        ("coefficient = 0.5", "coefficient = 0.5\nof = 1", "is unknown"),
+        ('", "spring.wire_diameter"]', '"]', "two of the varied quantities"),
+        ("[[correlation]]", "[correlation]", "no list of tables"),
+    ],
+)
+def test_a_correlation_that_is_none_is_refused_in_one_sentence(now, then, words):
+    assert now in CORRELATED
+    with pytest.raises(vt.InputError, match=words) as caught:
+        parse_request(CORRELATED.replace(now, then) + MEASURED, "file", Path())
+    assert "\n" not in str(caught.value) and "correlation" in str(caught.value)
