@@ -4,8 +4,6 @@
     counts; exit code 1 where there are any
     python scripts/dialect.py --text          docstrings, comments and strings, too
     python scripts/dialect.py --counts        the counts alone
-    python scripts/dialect.py --debts         writes tests/architecture/dialect_debts.txt: what is
-    owed now
 
 An identifier is split at its underscores and capitals: ``kept_tables`` and ``KeptTables`` hold the
 word *kept*.
@@ -25,7 +23,8 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
 PACKAGE = ROOT / "src" / "valvetrain"
-DEBTS = ROOT / "tests" / "architecture" / "dialect_debts.txt"
+#: Names of other libraries.
+FOREIGN = {"break_long_words"}
 
 #: Words that no identifier holds -> what to write instead.
 WORDS = {
@@ -74,6 +73,8 @@ PARTS = re.compile(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+|\d+")
 def is_dialect(name: str) -> bool:
     """Whether an identifier is of the dialect."""
     bare = name.strip("_")
+    if bare in FOREIGN:
+        return False
     first, *_ = bare.split("_")
     if (
         bare in WHOLE
@@ -130,25 +131,6 @@ def counts() -> Counter[str]:
     return Counter(found for _, _, found in in_identifiers())
 
 
-def debts() -> dict[str, int]:
-    """What the list of debts allows."""
-    rows = (
-        line.split()
-        for line in DEBTS.read_text(encoding="utf-8").splitlines()
-        if not line.startswith("#")
-    )
-    return {name: int(number) for name, number in rows}
-
-
-def write_debts() -> None:
-    """The list of debts as the package is now."""
-    head = "# Identifiers of the dialect and how often each is left in src; only to shrink (python scripts/dialect.py --debts).\n"
-    DEBTS.write_text(
-        head + "".join(f"{name} {number}\n" for name, number in sorted(counts().items())),
-        encoding="utf-8",
-    )
-
-
 def main() -> int:
     """Prints what is found."""
     parser = argparse.ArgumentParser(
@@ -157,11 +139,7 @@ def main() -> int:
     parser.add_argument("folder", nargs="?", type=Path, default=PACKAGE)
     parser.add_argument("--text", action="store_true", help="docstrings, comments and strings, too")
     parser.add_argument("--counts", action="store_true", help="counts alone")
-    parser.add_argument("--debts", action="store_true", help="write the list of debts")
     given = parser.parse_args()
-    if given.debts:
-        write_debts()
-        return 0
     found = [("identifiers", list(in_identifiers(given.folder)))]
     found += [("text", list(in_text(given.folder)))] if given.text else []
     for title, rows in found:

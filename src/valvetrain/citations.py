@@ -113,13 +113,13 @@ def bibtex(keys: str | Iterable[str]) -> str:
 
 def _chosen(keys: str | Iterable[str]) -> list[Reference]:
     known = references()
-    wanted = dict.fromkeys([keys] if isinstance(keys, str) else keys)
-    for key in wanted:
+    keys = dict.fromkeys([keys] if isinstance(keys, str) else keys)
+    for key in keys:
         if key not in known:
             near = difflib.get_close_matches(key[:60], known, n=1)
             hint = f"did you mean '{near[0]}'?" if near else f"known are {', '.join(known)}"
             raise InputError(f"reference '{key[:40]}' is unknown; {hint}")
-    return [known[key] for key in wanted]
+    return [known[key] for key in keys]
 
 
 def _people(authors: str) -> str:

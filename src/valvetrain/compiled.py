@@ -30,13 +30,13 @@ def njit(*given: Any, **options: Any) -> Any:
     """``numba.njit`` whose option ``cache`` keeps the machine code by :class:`KernelCache`; to be
     used as a decorator, as numba's is.
     """
-    kept = options.pop("cache", False)
+    cached = options.pop("cache", False)
     if given:
         return compile_kernel(*given, **options)
 
     def decorate(function: Callable[..., Any]) -> Any:
         kernel = compile_kernel(**options)(function)
-        if kept:
+        if cached:
             try:
                 kernel._cache = _cache_of(kernel.py_func)
             except (AttributeError, OSError, RuntimeError, TypeError) as reason:
@@ -132,14 +132,14 @@ def _cache_of(function: Callable[..., Any]) -> KernelCache:
     try:
         return KernelCache(function)
     except RuntimeError:
-        usual = numba.config.CACHE_DIR  # type: ignore[attr-defined]
-        if usual:
+        cache_folder = numba.config.CACHE_DIR  # type: ignore[attr-defined]
+        if cache_folder:
             raise
         numba.config.CACHE_DIR = str(_private_folder())  # type: ignore[attr-defined]
         try:
             return KernelCache(function)
         finally:
-            numba.config.CACHE_DIR = usual  # type: ignore[attr-defined]
+            numba.config.CACHE_DIR = cache_folder  # type: ignore[attr-defined]
 
 
 def _private_folder() -> Path:

@@ -168,16 +168,16 @@ def _show_unfinished(console: Console, begun: tuple[UnfinishedFolder, ...]) -> N
         f"\nbegun and not finished{f', the newest {RUNS_MAX_ROWS} of {len(begun)}' if len(begun) > RUNS_MAX_ROWS else ''}:"
     )
     for one in begun[:RUNS_MAX_ROWS]:
-        when, how = one.created_at[5:16].replace("T", " "), "goes on" if one.living else "killed"
+        when, how = one.created_at[5:16].replace("T", " "), "running" if one.living else "killed"
         holds = f"{one.finished} finished run{'' if one.finished == 1 else 's'}, {one.files} file{'' if one.files == 1 else 's'}"
         console.print(f"  {when}  {one.case}, {how}: {holds} in '{one.folder}'", soft_wrap=True)
         if not one.living and one.command:
             console.print(f"    again from its begin: {one.command}", soft_wrap=True)
     if any(not one.living for one in begun):
-        kept = (
-            f"numbers of finished runs stand in '{LIST}', their channels in run-0001.nc and so on"
+        summary = (
+            f"numbers of finished runs are in '{LIST}', their channels in run-0001.nc and so on"
         )
-        console.print(f"\nOf a killed run {kept}; delete its folder to remove it.", soft_wrap=True)
+        console.print(f"\nOf a killed run {summary}; delete its folder to remove it.", soft_wrap=True)
 
 
 RunArgument = Annotated[

@@ -179,11 +179,6 @@ class Information:
     correlation: Array
     warnings: tuple[str, ...]
 
-    @property
-    def told(self) -> Array:
-        """:attr:`determined` by its earlier name."""
-        return self.determined
-
 
 def information_of(posterior: Posterior, jacobian: Array, whole_search: bool = True) -> Information:
     """From the slopes (used data, quantities) at the likeliest point; without warnings where the

@@ -281,11 +281,6 @@ class Identified:
         return tuple(one.name for one in self.unknowns)
 
     @property
-    def kept(self) -> int:
-        """:attr:`reused` by its earlier name."""
-        return self.reused
-
-    @property
     def best(self) -> Mapping[str, float]:
         """The likeliest point of the most probable branch, by quantity."""
         return {name: one.best for name, one in self.branches[0].quantities.items()}

@@ -105,11 +105,6 @@ class RigResult:
         """Cycles of every channel, as a model is compared with them."""
         return tuple(channel.cycles for channel in self.channels)
 
-    @property
-    def kept(self) -> tuple[int, ...]:
-        """Former name of ``retained``."""
-        return self.retained
-
     def __repr__(self) -> str:
         names = ", ".join(channel.cycles.quantity for channel in self.channels)
         return f"RigResult '{self.name}' ({self.form}): {names}, {len(self.retained)} of {self.grid.cycles} cycles"

@@ -23,7 +23,7 @@ from valvetrain.units import DIMENSIONS, unit_factor
 
 Sense = Literal["larger is better", "smaller is better", ""]
 Systems = tuple[Literal["spring", "train"], ...]
-#: Where a quantity is shown beside the table of all: ``brief`` in the row of a run among many, ``sweep``
+#: Where a quantity is shown besides the table of all: ``brief`` in the row of a run among many, ``sweep``
 #: in the terminal's table of a sweep, ``curve`` drawn over engine speed, ``study`` offered as an output of
 #: a study, ``stress`` in the table of stresses; ``page`` on the page but not in the terminal. ``case``:
 #: one value for all engine speeds; ``one speed``: no worst value over several.
@@ -114,9 +114,9 @@ def row(
         raise InputError(
             f"quantity '{name}' has the unknown use '{unknown[0]}'; use {', '.join(get_args(Use))}"
         )
-    usual = _by_last_word(name)
+    default = _by_last_word(name)
     return QuantityRow(
-        name, dimension or usual[0], usual[1] if shown_unit is None else shown_unit, label, definition, sense, systems, topic, uses,
+        name, dimension or default[0], default[1] if shown_unit is None else shown_unit, label, definition, sense, systems, topic, uses,
         answered_as, compute,
     )  # fmt: skip
 
