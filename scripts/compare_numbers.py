@@ -113,8 +113,10 @@ def main() -> int:
         old, new = (json.loads(Path(one).read_text(encoding="utf-8")) for one in sys.argv[2:])
         count, found = differences(old, new)
         print("\n".join(found[:200]))
+        alone = sum(line.endswith("in one checkout alone") for line in found)
         print(
-            f"{count} numbers of {len(old.keys() & new.keys())} cases compared, {len(found)} differ"
+            f"{count} numbers of {len(old.keys() & new.keys())} cases compared, {len(found) - alone} differ, "
+            f"{alone} in one checkout alone"
         )
         return int(bool(found))
     print(__doc__)
