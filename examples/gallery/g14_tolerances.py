@@ -39,7 +39,7 @@ print(indices.sentence)
 # %%
 # Total shares with their 95 % intervals.
 
-names = [one.words for one in table.plan.varied]
+names = [one.shown_name for one in table.plan.varied]
 figure = go.Figure(
     go.Bar(
         x=names, y=indices.total, error_y={"array": indices.total_interval[:, 1] - indices.total}

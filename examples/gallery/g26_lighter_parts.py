@@ -30,7 +30,7 @@ for words, (changes, springs) in variants.items():
     )
     row = found.of("contact-loss")
     speeds[words] = row.engine_speed / RPM
-    print(f"{words}: {row.words} rpm")
+    print(f"{words}: {row.text} rpm")
 
 # %%
 # Engine speed at which contact is lost first.

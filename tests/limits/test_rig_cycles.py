@@ -410,3 +410,11 @@ def test_a_span_of_the_recording_is_that_part(recorded):
     np.testing.assert_allclose(
         part.grid.cut_times, whole.grid.cut_times[first : first + 5], atol=2e-6
     )
+
+
+def test_a_lift_larger_than_that_of_the_case_is_noted_with_its_share(recorded):
+    found = cycles_in(recorded, "known", WHEEL, lambda angle: lift(angle) / 1.05)
+    (note,) = (note for note in found.notes if "of the lift of the case" in note)
+    assert float(note.split("lift is ")[1].split(" %")[0]) == pytest.approx(105.0, abs=0.3)
+    plain = cycles_in(recorded, "known", WHEEL, lift)
+    assert not any("of the lift of the case" in one for one in plain.notes)

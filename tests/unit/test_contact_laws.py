@@ -148,3 +148,10 @@ def test_library_builds_by_name():
         ).name
         == "impact"
     )
+
+
+@pytest.mark.parametrize("law", [LankaraniNikravesh, Flores])
+@pytest.mark.parametrize("exponent", [0.0, -1.5, float("nan")])
+def test_a_force_that_does_not_grow_with_penetration_is_refused(law, exponent):
+    with pytest.raises(InputError, match="exponent"):
+        law(1e9, 0.7, exponent=exponent)

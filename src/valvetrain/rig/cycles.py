@@ -226,7 +226,7 @@ def _aligned(
         )
     if abs(alignment.gain - 1) > 0.03:
         notes.append(
-            f"the measured lift is {100 * (alignment.gain - 1):+.1f} % of the lift of the case; check calibration, lash and cam"
+            f"the measured lift is {100 * alignment.gain:.1f} % of the lift of the case; check calibration, lash and cam"
         )
     return alignment
 
