@@ -43,13 +43,14 @@ RUN_BUT_FOR_COMMANDS = {
 }
 #: Commands of the remaining pages that take up to some seconds, and those that take longer.
 QUICK = (
-    "valvetrain new my-train --kind pushrod", "valvetrain run my-train.toml --open",
+    "valvetrain new my-train --kind pushrod",
     "valvetrain lift lobe.dat --angle-of cam --lift-of tappet --lift-unit mm",
     'valvetrain lift intake.s96 --exhaust exhaust.s96 --lift-of tappet --lift-unit inch --at "0.2 inch"',
     "valvetrain serve", "valvetrain serve --folder head-2027 --port 0 --no-open",
     'valvetrain serve --most-running 2 --limit "30 min" --limit "8 GB"',
 )  # fmt: skip
 SLOW = (
+    "valvetrain run my-train.toml --open",
     "valvetrain fidelity gu2021-beehive --engine-speed 3000:9000:500",
     'valvetrain fidelity my-engine.toml --engine-speed 2000:9000:500 --tolerance "3 %" --spring massless,multi-mass',
     "valvetrain sweep my-train.toml --engine-speed 3000:8000:250",
