@@ -168,5 +168,5 @@ def test_missing_contacts_are_named_all_at_once_with_the_word_that_fills_them():
 
     with pytest.raises(InputError, match=r"'valve_tip' and 'seat'.*contacts.others = 'steel'"):
         build(parse_case(TRAIN.replace("CONTACTS", 'contacts.cam = "steel"')))
-    with pytest.raises(InputError, match="no usual contact of steel parts is known at 'piston'"):
+    with pytest.raises(InputError, match="no typical contact of steel parts is known at 'piston'"):
         parse_case(TRAIN.replace("CONTACTS", 'contacts.piston = "steel"'))

@@ -114,7 +114,7 @@ CALLS = {
     "rod, negative mass": (lambda: vt.FiniteElementRod(SPRING, 5e-3, 6).modes(1, -0.1), "zero or more"),
     "speed of a stretch": (lambda: check_motion(LAW, motion(engine_speed=0.0)), "needs one engine speed"),
     "stretch backwards": (lambda: check_motion(LAW, motion(last_cam_angle=0.5)), "beyond the first"),
-    "stretch too long": (lambda: check_motion(LAW, motion(last_cam_angle=0.51 + 2 * math.pi)), "one turn at most"),
+    "stretch too long": (lambda: check_motion(LAW, motion(last_cam_angle=0.51 + 2 * math.pi)), "one revolution at most"),
     "stretch begins open": (lambda: check_motion(LAW, motion(first_cam_angle=1.6)), "starts at rest.*start at 6[0-9] deg"),
     "one sample": (lambda: reported_cycle(RUN.reduced()), "fewer than two samples"),
     "one sample alone": (lambda: reported_cycle(replace(RUN, channels=cut(RUN, 1))), "fewer than two samples"),

@@ -279,7 +279,7 @@ def test_the_page_holds_its_sections_in_order(laid, synthetic):
     assert (
         isinstance(grid, Grid)
         and grid.headers == text_table(COLUMNS, ())[0]
-        and [tuple(one.words for one in row) for row, _ in grid.rows]
+        and [tuple(one.text for one in row) for row, _ in grid.rows]
         == text_table(COLUMNS, peak_rows(result()))[1]
     )
     assert all(

@@ -105,7 +105,7 @@ def test_a_recording_is_of_a_known_form_and_size(tmp_path, monkeypatch):
     monkeypatch.setattr(
         reader_process,
         "registry",
-        SimpleNamespace(words=lambda kind: tuple(forms), find=lambda kind, word: forms[word]),
+        SimpleNamespace(names=lambda kind: tuple(forms), find=lambda kind, word: forms[word]),
     )
     for content, name, form in (
         (b"12", "own.csv", "first"),

@@ -98,7 +98,7 @@ def test_json_holds_figures_with_their_spread_and_the_folder_its_files(table):
         -6 * 9 / np.radians(60) ** 2, rel=0.05
     )
     page = open("out/report.html").read()
-    assert "Least acceleration, over the nose" in page and "Plotly" in page
+    assert "Minimum acceleration, over the nose" in page and "Plotly" in page
 
 
 def test_two_lobes_tell_overlap(table, tmp_path):

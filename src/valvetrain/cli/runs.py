@@ -177,7 +177,9 @@ def _show_unfinished(console: Console, begun: tuple[UnfinishedFolder, ...]) -> N
         summary = (
             f"numbers of finished runs are in '{LIST}', their channels in run-0001.nc and so on"
         )
-        console.print(f"\nOf a killed run {summary}; delete its folder to remove it.", soft_wrap=True)
+        console.print(
+            f"\nOf a killed run {summary}; delete its folder to remove it.", soft_wrap=True
+        )
 
 
 RunArgument = Annotated[

@@ -171,7 +171,7 @@ def _execute(
             code = _wait(process, folder, time_limit, watch)
         finally:
             end(process)
-    output = _text(folder, "job.output")
+    output = _text(folder, "job.log")
     if code is None:
         why = f"CalculiX was stopped after {time_limit:g} s"
         return Status("interrupted", why, remedy="raise the time limit or coarsen the mesh"), output

@@ -19,7 +19,7 @@ from valvetrain.workbench.jobs import JobStatus
 def size_text(count: int) -> str:
     """A number of bytes in words.
 
-    >>> size_words(812), size_words(20_480), size_words(3_200_000)
+    >>> size_text(812), size_text(20_480), size_text(3_200_000)
     ('812 bytes', '20 kB', '3.2 MB')
     """
     return (
