@@ -119,7 +119,7 @@ class Experiment(Evaluation):
         **execution: Any,
     ) -> Identified:
         """The quantities that agree with measurements, with the distributions of the space as
-        priors. The key of a datum is that of :meth:`key_of_output`.
+        priors. The key of a datum is that of ``key_of_output``.
         """
         from valvetrain.explore.identify import calibrate
 
