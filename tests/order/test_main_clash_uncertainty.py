@@ -94,8 +94,8 @@ def test_stated_uncertainty_covers_a_mesh_three_times_as_fine(rpm):
 @pytest.mark.slow
 @pytest.mark.parametrize("rpm", [5600, 8000])
 def test_shipped_values_are_those_of_this_version(rpm):
-    """Fails when rod or contact have changed since scripts/write_uncertainty.py was run; run it
-    again then.
+    """Fails when rod or contact have changed the values by more than their own error bars since
+    scripts/write_uncertainty.py was run; run it again then.
     """
     rows = {
         row.quantity: row
@@ -103,4 +103,6 @@ def test_shipped_values_are_those_of_this_version(rpm):
         if row.engine_speed == pytest.approx(rpm * RPM)
     }
     for name in HEIGHTS:
-        assert clash("gu2021-beehive", rpm, 24)[name] == pytest.approx(rows[name].value, rel=1e-4)
+        assert clash("gu2021-beehive", rpm, 24)[name] == pytest.approx(
+            rows[name].value, abs=rows[name].numerical
+        )

@@ -103,6 +103,11 @@ def contact_response(
     >>> found.force.tolist(), found.elastic.tolist()
     ([0.0, 1e-06, 0.0], [0.0, 1e-06, 1e-06])
     """
+    if law.kernel is None and not damping_time:
+        pressed = np.maximum(np.asarray(overlap, dtype=float), 0.0)
+        touching = (pressed > 0.0).astype(float)
+        energy = 0.5 * pressed * pressed
+        return ContactResponse(pressed, pressed, energy, touching, np.zeros_like(pressed))
     depth, rate = np.broadcast_arrays(
         np.asarray(overlap, dtype=float), np.asarray(closing, dtype=float)
     )
@@ -115,6 +120,8 @@ def contact_response(
 
 def law_numbers(law: CoilContactLaw) -> Array:
     """The parameters of a law as the row that compiled loops hold."""
+    if law.kernel is None:
+        return kernels.NO_NUMBERS
     given = np.asarray(law.parameters(), dtype=float)
     if len(given) > kernels.WIDTH:
         raise InputError(
