@@ -30,9 +30,10 @@ branch.
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from typing import Any
 
-from valvetrain.coil_contact.kernels import WIDTH, contact_response
+from valvetrain.coil_contact.kernels import LINEAR, WIDTH, linear_contact, own_contact
 from valvetrain.compiled import njit
 
 HEADER = 4
@@ -242,53 +243,66 @@ def _press(parameters, integers, state, c, force):
         state[lower + 1] += share * force
 
 
-@njit(**BRANCH)
-def _contact_forces(parameters, integers, state):
-    """Elastic contact forces; lists the contacts that are closed or were so a step ago and returns
-    their number.
+def _contacts_of(own: bool) -> tuple[Callable[..., Any], Callable[..., Any]]:
+    """Kernels of contact forces and of their damping: by the linear law, inlined, or by the law at
+    an address, so that the branches of one do not slow the other down.
     """
-    n, p = integers[0], integers[1]
-    start, depth_at, law = HEADER + 3 * n + 1, 6 * n + 9, integers[len(integers) - 1]
-    row = parameters.ctypes.data + 8 * (len(parameters) - WIDTH)
-    for c in range(integers[2], p):
-        state[depth_at + c] = (
-            _across(parameters, integers, state, 3 * n + 3, c) - parameters[start + c]
-        )
-    closed = 0
-    for c in range(p):
-        depth = state[depth_at + c]
-        if depth > 0.0 or state[depth_at + p + c] != 0.0:
-            state[depth_at + 2 * p + closed] = float(c)
-            closed += 1
-            if depth > 0.0:
-                stiffness = parameters[start + p + c]
-                _, elastic, _, _ = contact_response(law, row, stiffness, 0.0, depth, 0.0)
-                _press(parameters, integers, state, c, elastic)
-    return closed
+    respond = own_contact if own else linear_contact
 
-
-@njit(**BRANCH)
-def _contact_damping(parameters, integers, state, closed, time_step):
-    """Damping forces of the ``closed`` contacts, never adhesive; returns the energy lost in them
-    since the last step.
-    """
-    n, p = integers[0], integers[1]
-    start, depth_at, lost = HEADER + 3 * n + 1, 6 * n + 9, 0.0
-    law, row = integers[len(integers) - 1], parameters.ctypes.data + 8 * (len(parameters) - WIDTH)
-    for k in range(closed):
-        c = int(state[depth_at + 2 * p + k])
-        depth, damping = state[depth_at + c], 0.0
-        if depth > 0.0:
-            closing = _across(parameters, integers, state, 5 * n + 7, c)
-            _, _, damping, _ = contact_response(
-                law, row, parameters[start + p + c], parameters[3], depth, closing
+    def contact_forces(parameters, integers, state):
+        """Elastic contact forces; lists the contacts that are closed or were so a step ago and
+        returns their number.
+        """
+        n, p = integers[0], integers[1]
+        start, depth_at, law = HEADER + 3 * n + 1, 6 * n + 9, integers[len(integers) - 1]
+        row = parameters.ctypes.data + 8 * (len(parameters) - WIDTH) if own else 0
+        for c in range(integers[2], p):
+            state[depth_at + c] = (
+                _across(parameters, integers, state, 3 * n + 3, c) - parameters[start + c]
             )
-            _press(parameters, integers, state, c, damping)
-        if time_step > 0.0:
-            rate = _across(parameters, integers, state, 4 * n + 5, c)
-            lost += 0.5 * rate * (state[depth_at + p + c] + time_step * damping)
-            state[depth_at + p + c] = time_step * damping
-    return lost
+        closed = 0
+        for c in range(p):
+            depth = state[depth_at + c]
+            if depth > 0.0 or state[depth_at + p + c] != 0.0:
+                state[depth_at + 2 * p + closed] = float(c)
+                closed += 1
+                if depth > 0.0:
+                    stiffness = parameters[start + p + c]
+                    _, elastic, _, _ = respond(law, row, stiffness, 0.0, depth, 0.0)
+                    _press(parameters, integers, state, c, elastic)
+        return closed
+
+    def contact_damping(parameters, integers, state, closed, time_step):
+        """Damping forces of the ``closed`` contacts, never adhesive; returns the energy lost in
+        them since the last step.
+        """
+        n, p = integers[0], integers[1]
+        start, depth_at, lost = HEADER + 3 * n + 1, 6 * n + 9, 0.0
+        law = integers[len(integers) - 1]
+        row = parameters.ctypes.data + 8 * (len(parameters) - WIDTH) if own else 0
+        for k in range(closed):
+            c = int(state[depth_at + 2 * p + k])
+            depth, damping = state[depth_at + c], 0.0
+            if depth > 0.0:
+                closing = _across(parameters, integers, state, 5 * n + 7, c)
+                stiffness = parameters[start + p + c]
+                _, _, damping, _ = respond(law, row, stiffness, parameters[3], depth, closing)
+                _press(parameters, integers, state, c, damping)
+            if time_step > 0.0:
+                rate = _across(parameters, integers, state, 4 * n + 5, c)
+                lost += 0.5 * rate * (state[depth_at + p + c] + time_step * damping)
+                state[depth_at + p + c] = time_step * damping
+        return lost
+
+    for kernel in (contact_forces, contact_damping):
+        # compiled code of equal name from two cached runs would be taken for the same
+        kernel.__qualname__ = f"{'own' if own else 'linear'}_{kernel.__name__}"
+    options = KERNEL if own else BRANCH
+    return njit(**options)(contact_forces), njit(**options)(contact_damping)
+
+
+_contact_forces, _contact_damping = _contacts_of(own=False)
+_own_contact_forces, _own_contact_damping = _contacts_of(own=True)
 
 
 @njit(**LOOP)
@@ -330,14 +344,20 @@ def advance_chain(parameters, integers, state, retainer_displacement, retainer_v
     if integers[1] > 0:
         if integers[2] > 0:
             _regular_overlaps(parameters, integers, state)
-        closed = _contact_forces(parameters, integers, state)
+        if integers[len(integers) - 1] == LINEAR:
+            closed = _contact_forces(parameters, integers, state)
+        else:
+            closed = _own_contact_forces(parameters, integers, state)
     if closed > 0 or parameters[2] > 0.0:
         _predict(parameters, integers, state, half, time_step)
         if parameters[2] > 0.0:
             lost += time_step * _element_damping(parameters, integers, state, time_step)
             if integers[4] == 0:
                 lost -= time_step * _loosen_damping(parameters, integers, state)
-        lost += _contact_damping(parameters, integers, state, closed, time_step)
+        if integers[len(integers) - 1] == LINEAR:
+            lost += _contact_damping(parameters, integers, state, closed, time_step)
+        else:
+            lost += _own_contact_damping(parameters, integers, state, closed, time_step)
     retainer, seat = -state[3 * n + 2], state[2 * n + 1]
     if time_step > 0.0:
         _kick_and_drift(parameters, integers, state, half, time_step)
