@@ -165,12 +165,12 @@ def test_a_train_on_finite_elements_gets_bars_from_two_grids():
         one for one in case.train.variants if one.label == "finite elements, lash 0 mm"
     )
     variant = case.replace(train=case.train.replace(variants=variants))
-    found = refine_trains(variant, (2000 * RPM,), workers=2)
+    found = refine_trains(variant, (5500 * RPM,), workers=1)
     names = {name.rpartition(", ")[2] for name in found.values}
     contacts = {f"contact {word} {n}" for word in ("damping", "stiffness") for n in (1, 2)}
     assert names == {OWN, "springs 2", "step 2", *contacts} and found.rows
     own, halved, finer = (
-        found.values[f"finite elements, lash 0 mm, {name}"][2000 * RPM]
+        found.values[f"finite elements, lash 0 mm, {name}"][5500 * RPM]
         for name in (OWN, "step 2", "springs 2")
     )
     for row in found.rows:
