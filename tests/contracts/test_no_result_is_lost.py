@@ -82,9 +82,14 @@ def raw():
     return seen
 
 
+@pytest.fixture(scope="module")
+def before(raw):
+    """What is found of them where nothing fails."""
+    return [evaluate.evaluate(*one) for one in raw]
+
+
 @pytest.mark.parametrize("name", parts())
-def test_a_quantity_that_fails_is_a_named_gap(raw, monkeypatch, name):
-    before = [evaluate.evaluate(*one) for one in raw]
+def test_a_quantity_that_fails_is_a_named_gap(raw, before, monkeypatch, name):
     monkeypatch.setattr(evaluate, name, broken)
     after = [evaluate.evaluate(*one) for one in raw]
     assert any(BROKEN in gap for run in after for gap in run.gaps), (
@@ -96,9 +101,9 @@ def test_a_quantity_that_fails_is_a_named_gap(raw, monkeypatch, name):
         assert new.has(*given.arrays.variables) and new.status == given.status
 
 
-def test_most_numbers_outlive_a_quantity_that_fails(raw, monkeypatch):
+def test_most_numbers_outlive_a_quantity_that_fails(raw, before, monkeypatch):
     """One that fails costs its own group, not half of the answer."""
-    whole = sum(len(evaluate.evaluate(*one).quantities) for one in raw)
+    whole = sum(len(one.quantities) for one in before)
     left = {}
     for name in set(parts()) - {"reported_cycle", "rigid_cycle"}:  # what all others are found from
         with monkeypatch.context() as patch:
@@ -162,10 +167,23 @@ WRITERS = (
 )
 
 
+@pytest.fixture(scope="module")
+def short_study():
+    return own_study((rod_run(samples=90),))
+
+
+@pytest.fixture(scope="module")
+def whole(short_study, tmp_path_factory):
+    """Names of the files of that study where none fails."""
+    files = write_parts(short_study, tmp_path_factory.mktemp("whole"), page=False)
+    return {path.name for path in files.data}
+
+
 @pytest.mark.parametrize("name", WRITERS)
-def test_a_file_that_fails_is_named_and_the_others_are_written(tmp_path, monkeypatch, name):
-    study, drawn = own_study(), name in ("study_page", "render", "write_page")
-    whole = {path.name for path in write_parts(study, tmp_path / "whole", page=False).data}
+def test_a_file_that_fails_is_named_and_the_others_are_written(
+    short_study, whole, tmp_path, monkeypatch, name
+):
+    study, drawn = short_study, name in ("study_page", "render", "write_page")
     monkeypatch.setattr(write, name, broken)
     files = write_parts(study, tmp_path / "cut", page=drawn)
     left = {path.name for path in files.data}

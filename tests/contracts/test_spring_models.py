@@ -315,10 +315,15 @@ def test_a_record_of_coil_contacts_is_as_fine_as_its_model_says(name):
         ]
 
 
+@pytest.fixture(scope="module")
+def built_again():
+    return build_models()
+
+
 @pytest.mark.parametrize("name", NAMES)
-def test_is_deterministic(name):
+def test_is_deterministic(name, built_again):
     traces = []
-    for models in (MODELS, build_models()):
+    for models in (MODELS, built_again):
         model = models[name]
         time_step = usable_step(model)
         displacement, velocity = raised_cosine(6e-3, 4e-3, time_step)

@@ -127,9 +127,9 @@ def test_the_calibration_of_a_linear_model_is_its_closed_form_posterior(correlat
 
 def test_a_calibration_of_a_case_finds_the_value_that_made_the_measurements():
     outputs = vt.Outputs(
-        ["peak_spring_force"], engine_speeds="4000 rpm", spring_models=["massless"]
+        ["peak_spring_force"], engine_speeds="4000 rpm", spring_models=["multi-mass"]
     )
-    experiment = vt.Experiment("job-c", PRECOMPRESSION, outputs)
+    experiment = vt.Experiment("job-t", PRECOMPRESSION, outputs)
     truth = float(experiment.run([[6.6e-3]], workers=1).peak_spring_force.squeeze())
     search = vt.Search(draws=25)
     measured = [vt.Datum("peak_spring_force", truth, 0.5)]
