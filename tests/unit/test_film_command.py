@@ -10,13 +10,23 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from rich.console import Console
 
 import film_parts as made
 import valvetrain as vt
 from unit.cli_parts import call as invoke
+from valvetrain.film import command
 from valvetrain.film.model import FilmedModel, alias_text
-from valvetrain.film.page import displacement_chart, film_page, named_cycles, peak_rows
+from valvetrain.film.page import (
+    displacement_chart,
+    film_json,
+    film_page,
+    named_cycles,
+    write_film,
+)
 from valvetrain.film.surge import alias_of, fit_surge
+from valvetrain.film.tables import PEAK_COLUMNS, peak_columns
+from valvetrain.report.columns import RowColumn
 from valvetrain.report.page import charts, gaps_of, render
 
 cv2 = pytest.importorskip("cv2")
@@ -206,9 +216,27 @@ def test_the_page_lays_the_model_over_the_film():
         assert all("(" in panel.x_label or "coil" in panel.x_label for panel in chart.panels)
     assert "model.csv" not in render(page) and "1236 Hz at 764 Hz" in render(page)
     assert [one.quantity for one in named_cycles(motion, beside)] == list(NAMES)
-    assert all(len(row) == 6 for row in peak_rows(motion, beside)) and all(
-        len(row) == 4 for row in peak_rows(motion, None)
+    shown = [one.heading for one in peak_columns(beside) if one.text]
+    assert len(shown) == 6 and len([one for one in peak_columns(None) if one.text]) == 4
+
+
+def test_a_column_added_to_the_list_is_on_page_and_terminal_in_csv_and_json(tmp_path):
+    """One entry; the model's columns stay last."""
+    motion = made.turning_motion()
+    added = RowColumn(
+        "peak in wires", lambda row: f"{row.peak.mean / 4e-3:.3f}", "peak.mean", "in_wires", "wires"
     )
+    PEAK_COLUMNS.append(added)
+    try:
+        page, data = render(film_page(motion, None)), film_json(motion, None)
+        write_film(motion, None, tmp_path)
+        console = Console(record=True, width=200)
+        command._show(console, motion, None, tmp_path)
+    finally:
+        PEAK_COLUMNS.remove(added)
+    assert "peak in wires" in page and "peak in wires" in console.export_text()
+    assert data["peaks"][0]["in_wires"] == motion.peaks[0].mean
+    assert "wires" in (tmp_path / "peaks.csv").read_text().splitlines()[0].split(",")
 
 
 @pytest.mark.parametrize(

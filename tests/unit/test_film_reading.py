@@ -16,8 +16,10 @@ import valvetrain as vt
 from valvetrain.film.cycles import by_marker
 from valvetrain.film.frames import open_film
 from valvetrain.film.motion import _line
-from valvetrain.film.page import film_page, peak_rows
+from valvetrain.film.page import film_page
 from valvetrain.film.space_time import SightLine, find_line, read_space_time
+from valvetrain.film.tables import PEAK_COLUMNS, peak_table
+from valvetrain.report.columns import text_table
 from valvetrain.report.page import gaps_of
 
 cv2 = pytest.importorskip("cv2")
@@ -274,4 +276,7 @@ def test_a_single_turn_has_no_scatter_and_a_white_glare_is_spoken_of():
     words = " ".join(motion.notes)
     assert "cam revolutions, so peaks have no scatter" in words and "the glare is as white" in words
     assert all(np.isnan(one.scatter) and one.spread > 0 for one in motion.peaks)
-    assert not gaps_of(film_page(motion)) and peak_rows(motion, None)[0][3] == "–"
+    assert (
+        not gaps_of(film_page(motion))
+        and text_table(PEAK_COLUMNS, peak_table(motion, None))[1][0][3] == "–"
+    )

@@ -349,30 +349,21 @@ def _model(request: _Request, motion: CoilMotion, case: Any) -> FilmedModel | No
 
 def _show(console: Console, motion: CoilMotion, model: FilmedModel | None, folder: Path) -> None:
     from valvetrain.cli.outcome import plain_table
-    from valvetrain.film.page import (
-        LINES,
-        PEAKS,
-        PEAKS_WITH_MODEL,
-        film_facts,
-        line_rows,
-        peak_rows,
-    )
+    from valvetrain.film.page import film_facts
+    from valvetrain.film.tables import LINE_COLUMNS, line_table, peak_columns, peak_table
+    from valvetrain.report.columns import text_table
 
     console.print(
         "; ".join(f"{name}: {value}" for name, value in film_facts(motion)), soft_wrap=True
     )
     console.print()
     if motion.peaks:
-        console.print(
-            plain_table(
-                PEAKS if model is None else PEAKS_WITH_MODEL,
-                peak_rows(motion, model),
-                right=tuple(range(6 if model else 4)),
-            )
-        )
+        head, rows, right = text_table(peak_columns(model), peak_table(motion, model))
+        console.print(plain_table(head, rows, right=right))
         console.print()
     if motion.surge is not None:
-        console.print(plain_table(LINES, line_rows(motion), right=tuple(range(8))))
+        head, rows, right = text_table(LINE_COLUMNS, line_table(motion))
+        console.print(plain_table(head, rows, right=right))
         console.print()
     for note in (*motion.notes, *(() if model is None else model.notes)):
         console.print(f"{note[:1].upper()}{note[1:]}.", soft_wrap=True)

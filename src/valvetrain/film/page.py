@@ -1,5 +1,5 @@
-"""The page of a film: how the coils moved, their peaks, surge lines with damping, the model next to it
-them, what was found and done.
+"""The page of a film: how the coils moved, their peaks, surge lines with damping, the compared model,
+what was found and done.
 """
 
 from __future__ import annotations
@@ -16,11 +16,19 @@ from valvetrain.film.cycles import mean_of
 from valvetrain.film.model import FilmedModel
 from valvetrain.film.result import CoilMotion
 from valvetrain.film.surge import BAND
+from valvetrain.film.tables import (
+    LINE_COLUMNS,
+    PEAK_COLUMNS,
+    line_table,
+    peak_columns,
+    peak_table,
+)
 from valvetrain.measured.cycles import MeasuredCycles, write_cycles
 from valvetrain.report import theme
 from valvetrain.report.chart import Band, Chart, HeatMap, Layer, Line, Marks, Panel, Rule, thin
+from valvetrain.report.columns import csv_row, grid, json_row
 from valvetrain.report.page import Block, Cell, Grid, Page, Section, figure_or_gap, text
-from valvetrain.report.text import number, percent
+from valvetrain.report.text import number
 from valvetrain.solution.atomic import write_text
 
 Array = NDArray[np.float64]
@@ -272,65 +280,6 @@ def decay_chart(motion: CoilMotion) -> Chart | None:
     return Chart("decay", "Free decay", caption, (panel,), 1, 360)
 
 
-#: Heads of the tables on page and terminal.
-PEAKS = ("coil", "mean peak (mm)", "95 %", "scatter of a turn (mm)")
-PEAKS_WITH_MODEL = (*PEAKS, "model (mm)", "model less film")
-LINES = (
-    "line",
-    "frequency",
-    "95 %",
-    "damping ratio",
-    "95 %",
-    "decay rate",
-    "log. decrement",
-    "amplitude",
-)
-
-
-def peak_rows(motion: CoilMotion, model: FilmedModel | None) -> list[tuple[str, ...]]:
-    """Words of the peaks along the spring; mm."""
-    rows: list[tuple[str, ...]] = []
-    for one in motion.peaks:
-        cells = (
-            str(one.coil),
-            f"{1e3 * one.mean:.3f}",
-            f"±{1e3 * BAND * one.spread:.3f}",
-            "–" if np.isnan(one.scatter) else f"{1e3 * one.scatter:.3f}",
-        )
-        if model is None:
-            rows.append(cells)
-            continue
-        peak = float(model.peaks[one.coil - 1])
-        share = percent(peak / one.mean - 1) if one.mean > 20 * max(one.spread, 1e-6) else "–"
-        rows.append((*cells, f"{1e3 * peak:.3f}", share))
-    return rows
-
-
-def line_rows(motion: CoilMotion) -> list[tuple[str, ...]]:
-    """Words of the surge lines."""
-    lines = () if motion.surge is None else motion.surge.lines
-    return [
-        (
-            str(place),
-            f"{one.natural_frequency:.{digits(BAND * one.frequency_spread)}f} Hz",
-            f"±{number(BAND * one.frequency_spread, 2)}",
-            f"{one.damping_ratio:.{digits(BAND * one.damping_spread)}f}",
-            f"±{number(BAND * one.damping_spread, 2)}",
-            f"{one.decay_rate:.3g} 1/s",
-            f"{one.logarithmic_decrement:.3g}",
-            f"{1e6 * one.amplitude:.3g} µm",
-        )
-        for place, one in enumerate(lines, start=1)
-    ]
-
-
-def digits(width: float) -> int:
-    """Decimals of a value that is known within ``width``."""
-    return (
-        int(np.clip(1 - np.floor(np.log10(width)), 0, 7)) if width > 0 and np.isfinite(width) else 4
-    )
-
-
 def model_rows(motion: CoilMotion, model: FilmedModel) -> list[tuple[str, str, str, str]]:
     """Each surge line of the film and the nearest that the run shows, taken in the same way."""
     lines = () if motion.surge is None else motion.surge.lines
@@ -369,11 +318,12 @@ def film_page(
         )
     ]
     if motion.peaks:
-        head = PEAKS if model is None else PEAKS_WITH_MODEL
         drawn = figure_or_gap("Peak displacement along the spring", peaks_chart, motion, model)
         sections.append(
             Section(
-                "peaks", "Peaks along the spring", (*drawn, _grid(head, peak_rows(motion, model)))
+                "peaks",
+                "Peaks along the spring",
+                (*drawn, grid(peak_columns(model), peak_table(motion, model))),
             )
         )
     if model is not None:
@@ -393,7 +343,7 @@ def film_page(
         *figure_or_gap("Spectrum", spectrum_chart, motion),
     )
     if motion.surge is not None:
-        surge = (surge[0], _grid(LINES, line_rows(motion)), *surge[1:])
+        surge = (surge[0], grid(LINE_COLUMNS, line_table(motion)), *surge[1:])
     sections.append(Section("surge", "Surge lines and damping", surge))
     sections.append(Section("found", "What was found and done", _sentences(motion.notes)))
     lead = "Coils are followed by the glare line on each of them; displacements are of that line, along the picture."
@@ -492,19 +442,8 @@ def write_film(motion: CoilMotion, model: FilmedModel | None, folder: Path) -> l
         )
     )
     if motion.peaks:
-        rows = np.array(
-            [
-                (one.coil, 1e3 * one.mean, 1e3 * one.spread, 1e3 * one.scatter, one.cycles)
-                for one in motion.peaks
-            ]
-        )
-        head = (
-            "coil",
-            "mean peak displacement [mm]",
-            "standard deviation of the mean [mm]",
-            "scatter of a turn [mm]",
-            "turns",
-        )
+        head = [column.csv for column in PEAK_COLUMNS if column.csv]
+        rows = np.array([csv_row(PEAK_COLUMNS, row) for row in peak_table(motion, None)])
         files.append(write_text(folder / "peaks.csv", _csv(head, rows)))
     if model is not None:
         heads = [
@@ -545,13 +484,8 @@ def film_json(motion: CoilMotion, model: FilmedModel | None) -> dict[str, Any]:
         "cam_speed": None if motion.phase is None else {
             "value": motion.phase.cam_speed, "standard_deviation": motion.phase.spread, "by": motion.phase.by},
         "dwell": None if motion.dwell is None else list(motion.dwell),
-        "peaks": [{"coil": one.coil, "mean": one.mean, "standard_deviation": one.spread, "scatter": one.scatter, "turns": one.cycles}
-                  for one in motion.peaks],
-        "surge_lines": [
-            {"frequency": {"value": one.natural_frequency, "standard_deviation": one.frequency_spread},
-             "damping_ratio": {"value": one.damping_ratio, "standard_deviation": one.damping_spread},
-             "decay_rate": one.decay_rate, "logarithmic_decrement": one.logarithmic_decrement, "amplitude": one.amplitude}
-            for one in (() if motion.surge is None else motion.surge.lines)],
+        "peaks": [json_row(PEAK_COLUMNS, row) for row in peak_table(motion, None)],
+        "surge_lines": [json_row(LINE_COLUMNS, row) for row in line_table(motion)],
         "notes": list(motion.notes),
     }  # fmt: skip
     if model is not None:

@@ -1,5 +1,7 @@
-"""Measured valve lifts: figures of a measured lift, and what its noise does to forces and float
-speed.
+"""Measured valve lifts: figures of a measured lift, and what its noise does to forces and float speed.
+
+Begin in ``figures.py``; ``band.py`` carries the noise through runs, ``page.py`` and ``command.py`` show both. Reading and
+smoothing belong to ``valvetrain.measured``, which lift laws share.
 """
 
 from __future__ import annotations

@@ -16,7 +16,8 @@ class RowColumn:
 
     ``heading`` and ``text(row)``: as people read it; without text it is for files alone. ``value``:
     attribute of the row, dotted where it is one of an attribute, or a function of the row; ``key``
-    names it in JSON and ``csv`` in CSV, where they are not empty. ``number``: aligned right.
+    names it in JSON and ``csv`` in CSV, where they are not empty; ``csv_factor``: from SI to the unit
+    of the CSV. ``number``: aligned right.
     ``tones``: text of a cell -> its tone on the page.
     """
 
@@ -25,6 +26,7 @@ class RowColumn:
     value: str | Callable[[Any], Any] = ""
     key: str = ""
     csv: str = ""
+    csv_factor: float = 1.0
     number: bool = True
     tones: Mapping[str, str] = field(default_factory=dict)
 
@@ -71,4 +73,8 @@ def json_row(columns: Sequence[RowColumn], row: Any) -> dict[str, Any]:
 
 def csv_row(columns: Sequence[RowColumn], row: Any) -> list[Any]:
     """The values of a row in the order of the headings ``csv``."""
-    return [column.of(row) for column in columns if column.csv]
+    return [
+        column.of(row) if column.csv_factor == 1.0 else column.csv_factor * column.of(row)
+        for column in columns
+        if column.csv
+    ]

@@ -1,4 +1,8 @@
-"""Springs from 3-D scans: wire axis, section and curves of a point cloud, compared with the design."""
+"""Springs from 3-D scans: wire axis, section and curves of a point cloud, compared with the design.
+
+Begin in ``reconstruct.py``: `spring_from_scan` reads the cloud (``clouds.py``), finds the axis, follows the wire (``axis.py``,
+``tube.py``), fits curves (``fit.py``, ``definition.py``); ``compare.py`` compares with the design, ``page.py`` shows.
+"""
 
 from __future__ import annotations
 

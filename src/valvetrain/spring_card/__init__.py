@@ -1,4 +1,8 @@
-"""Springs from catalogue cards and from tables of a spring tester."""
+"""Springs from catalogue cards and from tables of a spring tester.
+
+Begin in ``card.py`` (a card) and ``fit.py`` (the spring that meets it); ``tester.py`` fits a spring to forces over height;
+``page.py`` and ``command.py`` show both.
+"""
 
 from __future__ import annotations
 
