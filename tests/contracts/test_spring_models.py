@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import cache
+
 import numpy as np
 import pytest
 from numba import njit, types
@@ -315,15 +317,15 @@ def test_a_record_of_coil_contacts_is_as_fine_as_its_model_says(name):
         ]
 
 
-@pytest.fixture(scope="module")
+@cache
 def built_again():
     return build_models()
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_is_deterministic(name, built_again):
+def test_is_deterministic(name):
     traces = []
-    for models in (MODELS, built_again):
+    for models in (MODELS, built_again()):
         model = models[name]
         time_step = usable_step(model)
         displacement, velocity = raised_cosine(6e-3, 4e-3, time_step)

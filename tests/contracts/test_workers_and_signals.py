@@ -9,6 +9,7 @@ import os
 import signal
 import subprocess
 import sys
+import threading
 import time
 import uuid
 
@@ -221,8 +222,9 @@ def test_a_request_to_stop_that_the_interpreter_drops_is_still_heard(monkeypatch
     hears = signal.signal(
         signal.SIGINT, signal.default_int_handler
     )  # tests in the background of a script have it ignored
+    end = threading.Event()
     with threads(1) as pool, listening():
-        job = pool.submit(time.sleep, 3.0)
+        job = pool.submit(end.wait, 3.0)
         begun = time.monotonic()
         monkeypatch.setattr(sys, "unraisablehook", lambda _: None)
         dropped = Dropped()
@@ -230,6 +232,7 @@ def test_a_request_to_stop_that_the_interpreter_drops_is_still_heard(monkeypatch
         with pytest.raises(Stopped):
             result_of(job)
         assert time.monotonic() - begun < 2.0
+        end.set()
     signal.signal(signal.SIGINT, hears)
 
 

@@ -175,7 +175,7 @@ def test_a_quick_command_of_a_page_runs(folder, quiet_rim, line):
 #: stays.
 SHORTER = (
     ("3000:8000:250", "3000:3500:250"), ("gu2021-beehive --engine-speed 3000:9000:500", "job-t --engine-speed 3000:9000:6000"),
-    ("2000:9000:500", "2000:9000:7000"), (' --search "4000:9000:500 rpm"', ""), ("--duration \"6 s\" --width 1280", "--width 320"),
+    ("2000:9000:500", "2000:9000:7000"), (' --search "4000:9000:500 rpm"', " --draws 4"), ("--duration \"6 s\" --width 1280", "--width 320"),
     ("animate gu2021-beehive", "animate job-t --spring multi-mass --width 320"), ("train.gif", "train.gif --width 320"),
     ("animate vaz-ohc", "animate vaz-ohc --duration \"1 s\""), ("latest", "latest --duration \"1 s\""),
     (" --design gu2021-beehive --engine-speed \"5600 rpm\"", ""),

@@ -78,13 +78,13 @@ def lift(angle: np.ndarray) -> np.ndarray:
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Cases, tables and a recording that all commands find beside them."""
     place = tmp_path_factory.mktemp("scenarios")
-    heights = np.linspace(50.0, 33.5, 91)
+    heights = np.linspace(50.0, 33.5, 31)
     forces = (
         40.0 * (55.0 - heights)
         + np.where(heights < 34.0, 400.0 * (34.0 - heights), 0.0)
         + 0.8 * np.sin(7 * heights)
     )
-    few = np.column_stack([heights[::15], forces[::15]])
+    few = np.column_stack([heights[::5], forces[::5]])
     for name, rows in (("tester.csv", np.column_stack([heights, forces])), ("few.csv", few)):
         (place / name).write_text(
             "height [mm]; force [N]\n" + "\n".join(f"{a:.4f};{b:.3f}" for a, b in rows) + "\n"
@@ -132,7 +132,7 @@ COMMANDS: dict[str, tuple[int, tuple[str, ...]]] = {
     "gauge, two speeds": (0, ("rig", "--case", "lifted.toml", "--engine-speed", "2000, 3000 rpm", "--bandwidth", "1 kHz", "--json")),
     "solid at rest": (0, ("compare", "small.toml", "--spring", "finite-element,solid", "--solid-elements-per-coil", "4")),
     "solid in motion": (0, ("compare", "small.toml", "--spring", "solid", "--solid-elements-per-coil", "4", "--solid-motion",
-                            "100:125 deg")),
+                            "100:110 deg")),
     "two springs": (0, ("run", "pair.toml", "--spring", "massless,multi-mass", "--no-report")),
     "two springs in JSON": (0, ("run", "pair.toml", "--spring", "massless", "--json", "--no-report")),
     "two springs at rest": (0, ("static", "pair.toml")),
@@ -142,7 +142,7 @@ COMMANDS: dict[str, tuple[int, tuple[str, ...]]] = {
     "published, at rest": (0, ("static", "told.toml", "--spring", "finite-element")),
     "fidelity of a card": (0, ("fidelity", "lifted.toml", "--engine-speed", "2000:6000:2000 rpm", "--reference", "multi-mass")),
     "fidelity, tight": (0, ("fidelity", "lifted.toml", "--engine-speed", "2000:6000:2000 rpm", "--tolerance", "0.1 %", "--json")),
-    "train, sweep": (0, ("sweep", "vaz-ohc", "--engine-speed", "2000:6000:2000 rpm", "--spring", "massless", "--resolution", "200 rpm")),
+    "train, sweep": (0, ("sweep", "vaz-ohc", "--engine-speed", "2000:4000:2000 rpm", "--spring", "massless", "--resolution", "500 rpm")),
     "train, two sets": (0, ("compare", "tdi-pushrod", "--engine-speed", "2000 rpm", "--spring", "massless", "--spring-set",
                             "stock,performance")),
     "train, run-up": (0, ("run-up", "vaz-ohc", "--spring", "massless", "--from", "2000 rpm", "--to", "2600 rpm", "--duration", "0.3 s")),

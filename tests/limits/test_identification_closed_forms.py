@@ -103,7 +103,7 @@ def test_information_is_that_of_the_linear_model(found: vt.Identified) -> None:
 
 @pytest.mark.parametrize(
     "search",
-    [vt.Search("nested", live_points=200, lanes=8), vt.Search("ensemble", steps=600, walkers=20)],
+    [vt.Search("nested", live_points=120, lanes=8), vt.Search("ensemble", steps=600, walkers=20)],
     ids=["nested", "ensemble"],
 )
 def test_samplers_meet_posterior_and_evidence(search: vt.Search) -> None:

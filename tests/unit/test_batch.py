@@ -74,7 +74,8 @@ def test_a_sweep_is_the_same_to_the_bit_for_any_number_of_workers():
     case = load_case("tdi-pushrod", {"train.cycles": 2})
     speeds = [speed * RPM for speed in (3000, 5000, 7600)]
     one, three = (
-        sweep_study(case, speeds, spring_sets=["stock"], workers=workers) for workers in (1, 3)
+        sweep_study(case, speeds, spring_sets=["stock"], workers=workers, critical=None)
+        for workers in (1, 3)
     )
     same_bits(one, three)
     assert len({run.quantities["peak_retainer_force"] for run in one.solutions}) == 3
@@ -86,11 +87,10 @@ def test_runs_of_a_spring_and_of_a_train_are_the_same_to_the_bit_for_any_number_
         (spring, [2000 * RPM, 5000 * RPM], ["multi-mass", "modal-varied", "wave-rod-clash"]),
         (train, [3000 * RPM], ["multi-mass", "massless"]),
     ):
-        one, two, three = (
+        one, three = (
             run_study(case, engine_speeds=speeds, spring_models=models, workers=workers)
-            for workers in (1, 2, 3)
+            for workers in (1, 3)
         )
-        same_bits(one, two)
         same_bits(one, three)
 
 
