@@ -245,7 +245,7 @@ from valvetrain.workbench.workspace import Workspace
 def command(*arguments):
     done = CliRunner().invoke(app, arguments)
     assert done.exit_code == 0, done.output
-    return done.output
+    return done.stdout
 
 os.chdir(sys.argv[1])
 Path("own-case.toml").write_text(sys.stdin.read())
