@@ -107,8 +107,8 @@ def test_the_largest_force_of_the_rod_is_that_of_all_steps_and_not_of_its_record
 
 
 def test_the_step_that_samples_round_moves_no_headline_number_by_more_than_its_error_bar():
-    """The rod's own step is cut to a whole number per sample; here one whole
-    number more than needed. Error bars: the rows that ship with the case.
+    """The rod's own step is cut to a whole number per sample, 1 to 3 % apart; error bars: the rows
+    that ship with the case.
     """
     case = load_case("gu2021-beehive")
     problem = build(case, spring_models=("finite-element",))
@@ -117,9 +117,10 @@ def test_the_step_that_samples_round_moves_no_headline_number_by_more_than_its_e
         ready.frame, surge_frequencies=(EquivalentSpring.from_installed(spring).surge_frequency,)
     )
     speed = problem.engine_speeds[-1]
-    found = [evaluate(run(ready.system, speed / 2, Cycles(2), RunOptions(720)), frame)]
-    shorter = RunOptions(720, time_step=0.985 * found[0].statistics["time_step_duration"])
-    found.append(evaluate(run(ready.system, speed / 2, Cycles(2), shorter), frame))
+    found = [
+        evaluate(run(ready.system, speed / 2, Cycles(2), RunOptions(samples)), frame)
+        for samples in (720, 1440)
+    ]
     steps = [one.statistics["time_step_duration"] for one in found]
     assert 0.005 < abs(steps[1] / steps[0] - 1) < 0.05
     bars = {
@@ -199,9 +200,9 @@ def test_surge_orders_do_not_depend_on_the_samples_kept(case, word):
     """
     found = []
     for step in ("1 deg", "0.25 deg"):
-        changed = load_case(case, {"operation.output_step": step})
-        highest = build(changed).engine_speeds[-1]
-        study = run_study(changed, engine_speeds=[highest], spring_models=[word], workers=1)
+        study = run_study(
+            load_case(case, {"operation.output_step": step}), spring_models=[word], workers=1
+        )
         found.append(study.solutions[-1].quantities)
     names = [name for name in found[1] if name.startswith("surge_") and name.endswith("_force")]
     assert len(names) == 41
