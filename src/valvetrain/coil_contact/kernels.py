@@ -6,7 +6,8 @@ for the law that ships, else that of a compiled kernel of its own (``coil_contac
 the address of the ``WIDTH`` numbers of such a law.
 
 Functions are inlined before they are compiled, so that each takes the floating-point options of the
-loop that uses it.
+loop that uses it. Each returns what one loop needs at one place and no more: with the energy or the
+damping next to the force, fast maths groups the sums of the rod's loops otherwise.
 """
 
 from __future__ import annotations
@@ -29,31 +30,62 @@ LINEAR, WIDTH = 0, 8
 def linear_contact(law, row, stiffness, damping_time, overlap, closing):
     """Kelvin and Voigt's law k (g + tau dg/dt), never adhesive, at an overlap g > 0 (m).
 
-    Returns the force (N), its elastic part, the rest of it (exact where the two nearly cancel) and
-    the stored energy (J).
+    Returns the force (N) and its elastic part.
     """
     force = stiffness * (overlap + damping_time * closing)
-    viscous = stiffness * max(-overlap, damping_time * closing)
-    energy = 0.5 * stiffness * overlap * overlap
-    return force if force > 0.0 else 0.0, stiffness * overlap, viscous, energy
+    return force if force > 0.0 else 0.0, stiffness * overlap
+
+
+@njit(inline="always")
+def linear_energy(law, row, stiffness, damping_time, overlap):
+    """Stored energy (J) at an overlap > 0."""
+    return 0.5 * stiffness * overlap * overlap
+
+
+@njit(inline="always")
+def linear_damping(law, row, stiffness, damping_time, overlap, closing):
+    """What the force is beyond its elastic part (N), exact where the two nearly cancel."""
+    return stiffness * max(-overlap, damping_time * closing)
 
 
 @njit(inline="always")
 def own_contact(law, row, stiffness, damping_time, overlap, closing):
     """As :func:`linear_contact` by the kernel at address ``law``; nothing where coils are apart."""
     if overlap <= 0.0:
-        return 0.0, 0.0, 0.0, 0.0
-    push, _, energy, damping = call_law(law, row, damping_time, overlap)
-    viscous = max(-push, damping * closing)
-    return stiffness * (push + viscous), stiffness * push, stiffness * viscous, stiffness * energy
+        return 0.0, 0.0
+    push, _, _, damping = call_law(law, row, damping_time, overlap)
+    return stiffness * (push + max(-push, damping * closing)), stiffness * push
+
+
+@njit(inline="always")
+def own_damping(law, row, stiffness, damping_time, overlap, closing):
+    """As :func:`linear_damping` by the kernel at address ``law``, at an overlap > 0."""
+    push, _, _, damping = call_law(law, row, damping_time, overlap)
+    return stiffness * max(-push, damping * closing)
+
+
+@njit(inline="always")
+def own_energy(law, row, stiffness, damping_time, overlap):
+    """As :func:`linear_energy` by the kernel at address ``law``; none where coils are apart."""
+    if overlap <= 0.0:
+        return 0.0
+    return stiffness * call_law(law, row, damping_time, overlap)[2]
 
 
 @njit(inline="always")
 def contact_response(law, row, stiffness, damping_time, overlap, closing):
-    """Force, its elastic and viscous parts (N) and stored energy (J) of any law at an overlap > 0."""
+    """Force and its elastic part (N) of any law at an overlap > 0."""
     if law == LINEAR:
         return linear_contact(law, row, stiffness, damping_time, overlap, closing)
     return own_contact(law, row, stiffness, damping_time, overlap, closing)
+
+
+@njit(inline="always")
+def contact_energy(law, row, stiffness, damping_time, overlap):
+    """Stored energy (J) of any law at an overlap > 0."""
+    if law == LINEAR:
+        return linear_energy(law, row, stiffness, damping_time, overlap)
+    return own_energy(law, row, stiffness, damping_time, overlap)
 
 
 @njit(inline="always")
@@ -65,9 +97,8 @@ def contact_tangent(law, row, stiffness, damping_time, overlap):
 
 
 @njit(cache=True, error_model="numpy")
-def evaluate_contacts(law, numbers, damping_time, early, overlap, closing, out):
-    """Fill ``out`` (5, n) with force, elastic force, energy, tangent and damping of contacts of
-    unit stiffness.
+def evaluate_contacts(law, numbers, damping_time, early, stiffness, overlap, closing, out):
+    """Fill ``out`` (5, n) with force, elastic force, energy, tangent and damping of n contacts.
 
     ``early``: the damper of the linear law acts as soon as overlap and damping together press, even
     before the coils touch; at the jump of the damper a coarse implicit step finds no balance.
@@ -76,16 +107,19 @@ def evaluate_contacts(law, numbers, damping_time, early, overlap, closing, out):
     for i in range(len(overlap)):
         out[:, i] = 0.0
         if overlap[i] > 0.0:
-            out[0, i], out[1, i], _, out[2, i] = contact_response(
-                law, row, 1.0, damping_time, overlap[i], closing[i]
+            force, elastic = contact_response(
+                law, row, stiffness[i], damping_time, overlap[i], closing[i]
             )
+            out[0, i], out[1, i] = force, elastic
+            out[2, i] = contact_energy(law, row, stiffness[i], damping_time, overlap[i])
         elif early and law == LINEAR:
-            out[0, i] = max(overlap[i] + damping_time * closing[i], 0.0)
+            out[0, i] = max(stiffness[i] * (overlap[i] + damping_time * closing[i]), 0.0)
         if out[0, i] > 0.0:
             if law == LINEAR:
-                out[3, i], out[4, i] = 1.0, damping_time
+                out[3, i], out[4, i] = stiffness[i], stiffness[i] * damping_time
             else:
-                _, out[3, i], _, out[4, i] = call_law(law, row, damping_time, overlap[i])
+                _, tangent, _, damping = call_law(law, row, damping_time, overlap[i])
+                out[3, i], out[4, i] = stiffness[i] * tangent, stiffness[i] * damping
 
 
 @intrinsic

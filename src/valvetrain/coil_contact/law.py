@@ -76,9 +76,8 @@ LINEAR: CoilContactLaw = LinearCoilContact()
 
 
 class ContactResponse(NamedTuple):
-    """Contacts of unit stiffness: ``force`` and its ``elastic`` part, stored ``energy``, ``tangent``
-    and ``damping``, the last two where the force presses. Times the stiffness of a contact (N/m)
-    they are N, N, J, N/m and N s/m.
+    """``force`` and its ``elastic`` part (N), stored ``energy`` (J), ``tangent`` (N/m) and
+    ``damping`` (N s/m) of contacts, the last two where the force presses.
     """
 
     force: Array
@@ -94,10 +93,11 @@ def contact_response(
     closing: ArrayLike = 0.0,
     damping_time: float = 0.0,
     *,
+    stiffness: ArrayLike = 1.0,
     early: bool = False,
 ) -> ContactResponse:
-    """The law at arrays of overlap (m) and closing speed (m/s); ``early`` as in
-    :func:`~valvetrain.coil_contact.kernels.evaluate_contacts`.
+    """The law at arrays of overlap (m) and closing speed (m/s) of contacts of a ``stiffness`` (N/m),
+    by default one; ``early`` as in :func:`~valvetrain.coil_contact.kernels.evaluate_contacts`.
 
     >>> found = contact_response(LINEAR, [-1e-6, 1e-6, 1e-6], [0.0, 0.0, -2.0], damping_time=1e-6)
     >>> found.force.tolist(), found.elastic.tolist()
@@ -105,15 +105,23 @@ def contact_response(
     """
     if law.kernel is None and not damping_time:
         pressed = np.maximum(np.asarray(overlap, dtype=float), 0.0)
-        touching = (pressed > 0.0).astype(float)
-        energy = 0.5 * pressed * pressed
-        return ContactResponse(pressed, pressed, energy, touching, np.zeros_like(pressed))
-    depth, rate = np.broadcast_arrays(
-        np.asarray(overlap, dtype=float), np.asarray(closing, dtype=float)
-    )
+        each = np.asarray(stiffness, dtype=float)
+        force, touching = each * pressed, each * (pressed > 0.0)
+        return ContactResponse(
+            force, force, 0.5 * force * pressed, touching, np.zeros_like(pressed)
+        )
+    given = (np.asarray(one, dtype=float) for one in (overlap, closing, stiffness))
+    depth, rate, each = np.broadcast_arrays(*given)
     found = np.empty((5, depth.size))
     kernels.evaluate_contacts(
-        law_address(law), law_numbers(law), damping_time, early, depth.ravel(), rate.ravel(), found
+        law_address(law),
+        law_numbers(law),
+        damping_time,
+        early,
+        each.ravel(),
+        depth.ravel(),
+        rate.ravel(),
+        found,
     )
     return ContactResponse(*found.reshape(5, *depth.shape))
 

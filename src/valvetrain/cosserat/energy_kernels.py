@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from valvetrain.coil_contact.kernels import contact_response, contact_tangent
+from valvetrain.coil_contact.kernels import contact_energy, contact_response, contact_tangent
 from valvetrain.compiled import njit
 
 #: Half bandwidth of the tangent without contact: vertex, edge, vertex, edge couple over 9 unknowns
@@ -222,8 +222,8 @@ def contact_terms(
                 vertex[k], vertex[k + 3] = i - 1 + k, j - 1 + k
             k_line = stiffness * length[g, i]
             dist = np.sqrt(square)
-            _, force, _, stored = contact_response(law, parameters, k_line, 0.0, overlap, 0.0)
-            energy += stored
+            _, force = contact_response(law, parameters, k_line, 0.0, overlap, 0.0)
+            energy += contact_energy(law, parameters, k_line, 0.0, overlap)
             norm = np.sqrt(slope[0] ** 2 + slope[1] ** 2 + slope[2] ** 2)
             for a in range(6):
                 for r in range(3):
@@ -303,8 +303,8 @@ def seat_terms(
             depth, sign = x[i, 2] - upper_limit[i], 1.0
         if depth > 0.0:
             k = stiffness * length[i]
-            _, force, _, stored = contact_response(law, row, k, 0.0, depth, 0.0)
-            energy += stored
+            _, force = contact_response(law, row, k, 0.0, depth, 0.0)
+            energy += contact_energy(law, row, k, 0.0, depth)
             residual[6 * i + 2] += sign * force
             if with_tangent:
                 band[HALF_BAND, 6 * i + 2] += contact_tangent(law, row, k, 0.0, depth)

@@ -174,9 +174,9 @@ def seats_of_lanes(b, first, last, displacement, sign, forces, law, row):
             depth = below if sign > 0.0 else above
             depth = depth if depth > 0.0 else 0.0
             if law == LINEAR:
-                _, push, _, _ = linear_contact(law, row, b[SEAT + j], 0.0, depth, 0.0)
+                _, push = linear_contact(law, row, b[SEAT + j], 0.0, depth, 0.0)
             else:
-                _, push, _, _ = own_contact(law, row, b[SEAT + j], 0.0, depth, 0.0)
+                _, push = own_contact(law, row, b[SEAT + j], 0.0, depth, 0.0)
             b[CZ + j] += sign * push
             forces[lane] += push
 

@@ -18,7 +18,7 @@ from typing import Any
 
 import numpy as np
 
-from valvetrain.coil_contact.kernels import linear_contact, own_contact
+from valvetrain.coil_contact.kernels import linear_contact, linear_energy, own_contact, own_energy
 from valvetrain.compiled import njit
 from valvetrain.cosserat.layout import GROUP as _GROUP
 from valvetrain.cosserat.layout import ROW
@@ -254,7 +254,7 @@ def contact_forces_of(
     The group is a compile-time shift of the buffer, so that the loop vectorises (18 -> 7 ns per
     point). The overlap d0 - dist is expanded in 1 - dist^2 / d0^2: no root, no division.
     """
-    respond = own_contact if own else linear_contact
+    respond, energy = (own_contact, own_energy) if own else (linear_contact, linear_energy)
 
     def contact_forces(b, first, last, t, s, damping_time, dt, law, row):
         u0, u1, u2 = 0.5 * (0.5 - t) * (0.5 - t), 0.75 - t * t, 0.5 * (0.5 + t) * (0.5 + t)
@@ -311,16 +311,16 @@ def contact_forces_of(
             vz = u0 * b[VZ - one + j] + u1 * b[VZ + j] + u2 * b[VZ + one + j]
             vz -= w0 * b[VZL - one + j] + w1 * b[VZL + j] + w2 * b[VZL + one + j]
             closing = -(nx * vx + ny * vy + nz * vz)
-            force, elastic, _, stored = respond(
-                law, row, b[KC + g + j], damping_time, overlap, closing
-            )
+            force, elastic = respond(law, row, b[KC + g + j], damping_time, overlap, closing)
             loss = (force - elastic) * closing
             force = force if e > 0.0 else 0.0
             if records:
                 b[LOSS + g + j] += dt * (loss if e > 0.0 else 0.0)
                 b[IMPULSE + g + j] += dt * force
                 b[PEAK + g + j] = force if force > b[PEAK + g + j] else b[PEAK + g + j]
-                b[STORED + g + j] = stored if e > 0.0 else 0.0
+                b[STORED + g + j] = (
+                    energy(law, row, b[KC + g + j], damping_time, overlap) if e > 0.0 else 0.0
+                )
             b[PX + g + j], b[PY + g + j], b[PZ + g + j] = force * nx, force * ny, force * nz
             b[S0 + g + j], b[S1 + g + j], b[S2 + g + j] = w0, w1, w2
 
@@ -404,8 +404,8 @@ def seat_contact_of(own: bool) -> Callable[..., Any]:
         for i in range(first, last):
             below, above = b[LOWER + i] - b[Z + i], b[Z + i] - (b[UPPER + i] - displacement)
             below, above = below if below > 0.0 else 0.0, above if above > 0.0 else 0.0
-            _, below, _, _ = respond(law, row, b[SEAT + i], 0.0, below, 0.0)
-            _, above, _, _ = respond(law, row, b[SEAT + i], 0.0, above, 0.0)
+            _, below = respond(law, row, b[SEAT + i], 0.0, below, 0.0)
+            _, above = respond(law, row, b[SEAT + i], 0.0, above, 0.0)
             b[CZ + i] += below - above
             lower += below
             upper += above

@@ -33,7 +33,14 @@ import math
 from collections.abc import Callable
 from typing import Any
 
-from valvetrain.coil_contact.kernels import LINEAR, WIDTH, linear_contact, own_contact
+from valvetrain.coil_contact.kernels import (
+    LINEAR,
+    WIDTH,
+    linear_contact,
+    linear_damping,
+    own_contact,
+    own_damping,
+)
 from valvetrain.compiled import njit
 
 HEADER = 4
@@ -254,7 +261,7 @@ def _contacts_of(own: bool) -> tuple[Callable[..., Any], Callable[..., Any]]:
     """Kernels of contact forces and of their damping: by the linear law, inlined, or by the law at
     an address, so that the branches of one do not slow the other down.
     """
-    respond = own_contact if own else linear_contact
+    respond, resist = (own_contact, own_damping) if own else (linear_contact, linear_damping)
 
     def contact_forces(parameters, integers, state):
         """Elastic contact forces; lists the contacts that are closed or were so a step ago and
@@ -275,7 +282,7 @@ def _contacts_of(own: bool) -> tuple[Callable[..., Any], Callable[..., Any]]:
                 closed += 1
                 if depth > 0.0:
                     stiffness = parameters[start + p + c]
-                    _, elastic, _, _ = respond(law, row, stiffness, 0.0, depth, 0.0)
+                    _, elastic = respond(law, row, stiffness, 0.0, depth, 0.0)
                     _press(parameters, integers, state, c, elastic)
         return closed
 
@@ -293,7 +300,7 @@ def _contacts_of(own: bool) -> tuple[Callable[..., Any], Callable[..., Any]]:
             if depth > 0.0:
                 closing = _across(parameters, integers, state, 5 * n + 7, c)
                 stiffness = parameters[start + p + c]
-                _, _, damping, _ = respond(law, row, stiffness, parameters[3], depth, closing)
+                damping = resist(law, row, stiffness, parameters[3], depth, closing)
                 _press(parameters, integers, state, c, damping)
             if time_step > 0.0:
                 rate = _across(parameters, integers, state, 4 * n + 5, c)

@@ -347,9 +347,9 @@ class MultiMassSpring:
             overlap, impulse = (
                 np.ascontiguousarray(record[:, first + chosen].T) for first in (0, contacts.count)
             )
-            found = contact_response(contacts.law, overlap)
-            force = pushed * found.elastic + np.where(overlap > 0, impulse / time_step, 0.0)
-            return touched, contacts.upper_coil[chosen], force, pushed * found.energy
+            found = contact_response(contacts.law, overlap, stiffness=pushed)
+            force = found.elastic + np.where(overlap > 0, impulse / time_step, 0.0)
+            return touched, contacts.upper_coil[chosen], force, found.energy
 
         first = chain_kernels.overlap_place(self.unknowns)
         return ContactWatch(
