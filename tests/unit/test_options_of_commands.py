@@ -1,0 +1,217 @@
+"""Commands with options that no other test of theirs gives, on parts of our own whose answers have
+a closed form.
+"""
+
+from __future__ import annotations
+
+import json
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+from sample_rig import WRITERS, Rig, record
+
+import valvetrain as vt
+from unit.cli_parts import SMALL, call
+from unit.test_identification_answer import CARD
+from workbench_parts import SMALL as LIFTED
+
+#: A card of a spring with a nested one, both given by preload, rate and mass alone.
+PAIR = """
+[[spring]]
+name = "outer"
+preload = "250 N"
+rate = "32 N/mm"
+mass = "42 g"
+[[spring]]
+name = "inner"
+preload = "90 N"
+rate = "14 N/mm"
+mass = "15 g"
+[lift_law]
+kind = "polynomial"
+maximum_lift = "9 mm"
+opening_start = "115 deg"
+opening_end = "180 deg"
+closing_start = "180 deg"
+closing_end = "245 deg"
+[operation]
+engine_speeds = "4000, 5000 rpm"
+"""
+PEAK_LIFT = 10e-3
+
+
+def lift(angle: np.ndarray) -> np.ndarray:
+    """``(1 - x^2)^3`` of a lift of 10 mm, x in radians from its peak."""
+    x = np.asarray(angle) % (2 * np.pi) - np.pi
+    return PEAK_LIFT * np.clip(1 - x**2, 0, None) ** 3
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Cases, tables and a recording that all commands read."""
+    folder = tmp_path_factory.mktemp("options")
+    heights = np.linspace(50.0, 33.5, 31)
+    forces = 40.0 * (55.0 - heights) + np.where(heights < 34.0, 400.0 * (34.0 - heights), 0.0)
+    rows = zip(heights, forces + 0.8 * np.sin(7 * heights), strict=True)
+    angles = np.arange(0.0, 360.0, 3.0)
+    lobe = zip(angles, 1e3 * lift(np.radians(angles)), strict=True)
+    lead = LIFTED + CARD.partition("[spring]")[0]
+    texts = {
+        "small.toml": SMALL, "pair.toml": PAIR,
+        "lifted.toml": lead.replace('title = "card"\n', ""),
+        "tester.csv": "height [mm]; force [N]\n" + "".join(f"{a:.4f};{b:.3f}\n" for a, b in rows),
+        "lobe.csv": "cam angle [deg];valve lift [mm]\n" + "".join(f"{a:g};{b:.4f}\n" for a, b in lobe),
+    }  # fmt: skip
+    for name, text in texts.items():
+        (folder / name).write_text(text)
+    rig = Rig(cycles=8, sampling_rate=20e3, missing=2)
+    WRITERS["rig.csv"](folder / "rig.csv", record(rig, lift, lambda at: 215 + 26e3 * lift(at)))
+    return folder
+
+
+@pytest.fixture
+def answer(folder, tmp_path, monkeypatch):
+    """Runs a command that has to end well; its standard output."""
+    monkeypatch.chdir(folder)
+
+    def run(*words: str) -> str:
+        output = () if words[0] in ("check", "static") else ("--output", str(tmp_path / "out"))
+        done = call(*words, *output)
+        assert done.exit_code == 0, done.output
+        return done.stdout
+
+    return run
+
+
+def value(text: str, name: str) -> float:
+    """The first number of the line that begins with ``name``."""
+    (line,) = re.findall(rf"^{re.escape(name)} +(.*)$", text, re.MULTILINE)
+    return float(re.findall(r"[\d.]+", line)[0])
+
+
+ENCODER = ("--angle-of", "crank", "--encoder", "Crank angle")
+
+
+@pytest.mark.parametrize(
+    ("words", "expected"),
+    [
+        (("--angle-of", "crank", "--pulses", "Crank wheel", "--teeth", "60", "--missing", "2"), {"cycles": 8}),
+        (("--angle-of", "cam", "--once", "Cam pulse", "--dwell", "-60, 60 deg", "--band", "2 kHz"), {"cycles": 8, "angles": 360}),
+        ((*ENCODER, "--span", "0.05, 0.28 s", "--angle-count", "720"), {"cycles": 4, "angles": 720}),
+        ((*ENCODER, "--case", "lifted.toml", "--keep-outliers"), {"cycles": 8, "outliers": []}),
+        ((*ENCODER, "--offset", "12.5 deg"), {"cycles": 8}),
+    ],
+)  # fmt: skip
+def test_a_recording_gives_the_lift_that_was_recorded(answer, words, expected):
+    found = json.loads(answer("rig", "rig.csv", *words, "--json"))
+    assert expected.items() <= found.items()
+    assert found["quantities"]["largest_valve_lift"]["value"] == pytest.approx(PEAK_LIFT, rel=2e-3)
+
+
+def test_a_sensor_is_described_as_it_was_given(answer):
+    parts = (
+        "natural_frequency=6 kHz, damping_ratio=0.02, order=2, sampling_rate=9 kHz, bandwidth=3 kHz"
+    )
+    case = ("--case", "lifted.toml", "--engine-speed", "3000 rpm", "--spring", "massless")
+    text = answer("rig", *case, "--sensor", parts)
+    for part in ("resonance at 6 kHz", "ratio 0.02", "order 2 at 3 kHz", "sampled at 9 kHz"):
+        assert part in text
+
+
+def test_a_sensor_without_speeds_takes_those_of_the_case(answer):
+    words = ("--spring", "massless", "--bandwidth", "1 kHz", "--json")
+    found = json.loads(answer("rig", "--case", "pair.toml", *words))["quantities_by_label"]
+    assert list(found) == ["massless, 4000 rpm", "massless, 5000 rpm"]
+    for run in found.values():  # preloads and rates of both springs at 9 mm of lift
+        assert run["true_peak_retainer_force"]["value"] == pytest.approx(340 + 46 * 9, rel=1e-6)
+
+
+def test_nested_springs_of_a_card_add_up(answer):
+    words = ("--spring", "massless", "--json", "--no-report")
+    found = json.loads(answer("run", "pair.toml", *words))
+    for run in found["runs"]:
+        quantities = run["quantities"]
+        assert quantities["peak_spring_force"]["value"] == pytest.approx(340 + 46 * 9, rel=1e-6)
+        assert quantities["minimum_spring_force"]["value"] == pytest.approx(340, rel=1e-6)
+    text = answer("static", "pair.toml")
+    assert [float(one) for one in re.findall(r"Preload +([\d.]+)", text)] == [250, 90]
+
+
+def test_brackets_of_critical_speeds_are_no_wider_than_the_resolution(answer):
+    words = ("--spring", "massless", "--spring-set", "nested", "--resolution", "500 rpm")
+    text = answer("sweep", "vaz-ohc", "--engine-speed", "4000:5000:1000 rpm", *words)
+    brackets = re.findall(r"(\d+)–(\d+) \(cam\)", text)
+    assert brackets and all(0 < int(high) - int(low) <= 500 for low, high in brackets)
+
+
+def test_a_run_up_covers_the_speeds_that_were_given(answer):
+    words = ("--from", "2000 rpm", "--to", "2600 rpm", "--duration", "0.3 s")
+    text = answer("run-up", "vaz-ohc", "--spring", "massless", *words)
+    assert "Run-up from 2000 to 2600 rpm in 0.3 s" in text
+    speeds = [float(one) for one in re.findall(r" at ([\d.]+)$", text, re.MULTILINE)]
+    assert speeds and all(2000 <= one <= 2600 for one in speeds)
+
+
+def test_durations_of_a_lobe_at_lifts_that_were_given(answer):
+    """A lift of ``10 (1 - x^2)^3`` mm passes L at ``x^2 = 1 - (L/10)^(1/3)``."""
+    text = answer("lift", "lobe.csv", "--at", "1, 5 mm")
+    for height in (1, 5):
+        duration = np.degrees(2 * np.sqrt(1 - (height / 10) ** (1 / 3)))
+        assert value(text, f"duration at {height} mm") == pytest.approx(duration, abs=0.01)
+
+
+def test_a_measured_lift_moves_the_spring_of_a_case(answer):
+    words = ("--spring", "massless", "--engine-speed", "3000 rpm", "--draws", "5")
+    text = answer("lift", "lobe.csv", "--case", "lifted.toml", *words)
+    assert float(re.findall(r"peak spring force +massless, 3000 rpm +([\d.]+)", text)[0]) == (
+        pytest.approx(250 + 32 * 10, rel=1e-3)
+    )
+
+
+def test_a_table_of_forces_beyond_coil_bind_gives_rate_and_bind(answer):
+    """40 N/mm from a free length of 55 mm, and ten times as stiff below 34 mm."""
+    wire = ("--wire-diameter", "4.2 mm", "--outer-diameter", "30.2 mm")
+    text = answer("spring-card", "tester.csv", *wire, "--installed-height", "48 mm")
+    assert value(text, "rate at the installed height") == pytest.approx(40, rel=0.02)
+    assert value(text, "force at the installed height") == pytest.approx(280, rel=0.01)
+    assert value(text, "coil bind begins at") == pytest.approx(34, abs=0.2)
+
+
+STUDY = """
+case = "pair.toml"
+spring_models = ["massless"]
+outputs = ["preload"]
+points = { sampler = "sobol", count = 64, seed = 3 }
+[[vary]]
+key = "spring.0.rate"
+%s
+"""
+
+
+@pytest.mark.parametrize(
+    ("varied", "middle", "sixth", "least", "most"),
+    [
+        ('mean = "32 N/mm"\nstandard_deviation = "1 N/mm"', 32.0, 31.0, 28.0, 36.0),
+        ('mean = "32 N/mm"\nstandard_deviation = "1 N/mm"\nhigh = "32.5 N/mm"', 31.6, 30.8, 28.0, 32.5),
+        ('median = "32 N/mm"\nfactor = 1.1', 32.0, 32.0 / 1.1, 22.0, 46.0),
+        ('tolerance = "5 %"', 32.0, 32.0 * (1 - 0.05 / 3), 30.0, 34.0),
+        ('tolerance = "2 N/mm"\nshape = "uniform"', 32.0, 30.0 + 4 * 0.1587, 30.0, 34.0),
+    ],
+)  # fmt: skip
+def test_a_varied_quantity_has_the_distribution_that_was_given(
+    folder, monkeypatch, varied, middle, sixth, least, most
+):
+    """Median and 15.87 % quantile, one standard deviation below the mean of a normal one."""
+    monkeypatch.chdir(folder)
+    rates = vt.study(STUDY % varied, workers=1).column("spring.0.rate") / 1e3
+    assert np.median(rates) == pytest.approx(middle, rel=4e-3)
+    assert np.quantile(rates, 0.1587) == pytest.approx(sixth, rel=6e-3)
+    assert least <= rates.min() and rates.max() <= most
+
+
+@pytest.mark.calculix
+def test_the_solid_spring_moves_as_its_table_says(answer):
+    parts = ("--solid-elements-per-coil", "4", "--solid-motion", "100:105 deg")
+    assert "solid" in answer("compare", "small.toml", "--spring", "solid", *parts)
