@@ -9,13 +9,14 @@ PYTEST := $(ONE_THREAD) $(BIN)/python -m pytest -n auto --maxprocesses 8 --dist 
 
 export PYTHON VENV LOWEST
 
-.PHONY: help run test test-fast test-processor test-long validate bench identify uncertainty lint docs pins clean environment-run environment-test parts mutants faults fuzz guides workbench
+.PHONY: help run test test-fast test-processor test-development test-long validate bench identify uncertainty lint docs pins clean environment-run environment-test parts mutants faults fuzz guides workbench
 
 help:
 	@echo "make run       set up, then run the published study CASE=$(CASE): table and report"
-	@echo "make test      set up, then run all tests (PYTHON=python3.12: by that interpreter; LOWEST=1: with the lowest versions allowed)"
+	@echo "make test      set up, then run the tests (PYTHON=python3.12: by that interpreter; LOWEST=1: with the lowest versions allowed)"
 	@echo "make test-fast ROOM=springs  the tests that a change of one room (folder of src/valvetrain) can break, about a minute (ARGS=\"--list\")"
 	@echo "make test-processor  tests of limits and orders as another processor would round (OPENBLAS_CORETYPE=Prescott)"
+	@echo "make test-development  benchmarks, scripts, fuzzer and seeded faults run with their smallest inputs"
 	@echo "make test-long the tests that make test leaves out for their length (some minutes)"
 	@echo "make validate  the validation book (docs/validation.md) and the tests behind it"
 	@echo "make docs      the documentation site in build/docs, gallery run, any warning a failure"
@@ -44,7 +45,7 @@ run: environment-run
 	$(BIN)/valvetrain run $(CASE)
 
 test: environment-test parts
-	$(PYTEST) -o junit_family=xunit1 --junitxml=build/tests/all.xml $(ARGS)
+	$(PYTEST) --ignore=tests/development -o junit_family=xunit1 --junitxml=build/tests/all.xml $(ARGS)
 
 test-fast: environment-test
 	$(ONE_THREAD) $(BIN)/python scripts/test_fast.py $(ROOM) $(ARGS)
@@ -81,6 +82,10 @@ faults: environment-test
 # Another processor rounds elsewhere: the tests of limits and orders with the kernels of OpenBLAS for one from 2004.
 test-processor: environment-test
 	OPENBLAS_CORETYPE=Prescott $(PYTEST) -m "not slow and not long and not chromium and not calculix" tests/order tests/limits $(ARGS)
+
+# Benchmarks, scripts, fuzzer and seeded faults, each with its smallest input.
+test-development: environment-test
+	$(PYTEST) tests/development $(ARGS)
 
 test-long: environment-test parts
 	VALVETRAIN_LONG=1 $(PYTEST) -m long $(ARGS)

@@ -79,7 +79,10 @@ def bits(found: vt.Identified) -> tuple[object, ...]:
     )
 
 
-@pytest.mark.parametrize("method", ["least-squares", "cma-es", "nested", "ensemble"])
+@pytest.mark.parametrize(
+    "method",
+    ["least-squares", "cma-es", pytest.param("nested", marks=pytest.mark.long), "ensemble"],
+)
 def test_same_bits_for_any_number_of_workers(folder: Path, method: str) -> None:
     request = parse_request(FILE.format(method=method), "card", folder)
     one, three = (identify_request(request, workers=count) for count in (1, 3))

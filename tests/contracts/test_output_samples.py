@@ -16,7 +16,7 @@ from valvetrain.integrate.run import run
 from valvetrain.integrate.train_run import TrainOptions, runner
 from valvetrain.parameters.loading import load_case
 from valvetrain.quantities.evaluate import evaluate
-from valvetrain.runs.prepared import Plan, judge, prepare
+from valvetrain.runs.prepared import Plan, prepare, with_quantities
 from valvetrain.runs.refine_trains import HEADLINES
 from valvetrain.runs.run import run_study
 from valvetrain.runs.stored_error_bars import load_uncertainty
@@ -117,12 +117,26 @@ def test_the_step_that_samples_round_moves_no_headline_number_by_more_than_its_e
         ready.frame, surge_frequencies=(EquivalentSpring.from_installed(spring).surge_frequency,)
     )
     speed = problem.engine_speeds[-1]
-    found = [
-        evaluate(run(ready.system, speed / 2, Cycles(2), RunOptions(samples)), frame)
-        for samples in (720, 1440)
-    ]
-    steps = [one.statistics["time_step_duration"] for one in found]
-    assert 0.005 < abs(steps[1] / steps[0] - 1) < 0.05
+
+    def solved(samples):
+        return evaluate(run(ready.system, speed / 2, Cycles(2), RunOptions(samples)), frame)
+
+    first = solved(720)
+    for samples in (
+        1440,
+        1000,
+        1100,
+        900,
+        1200,
+        800,
+    ):  # which of them moves it is the step's affair
+        second = solved(samples)
+        ratio = second.statistics["time_step_duration"] / first.statistics["time_step_duration"]
+        if 0.005 < abs(ratio - 1) < 0.05:
+            break
+    else:
+        pytest.fail("no number of samples moves the step by 0.5 to 5 %")
+    found = [first, second]
     bars = {
         row.quantity: row.numerical
         for row in load_uncertainty(case.record())
@@ -255,7 +269,9 @@ def test_no_headline_number_of_a_train_depends_on_the_samples_kept(case, label, 
     for samples in (360, 720, 1440, 2880):
         options = RunOptions(samples, step, rest=ready.rest, window=ready.window, nose=ready.nose)
         found.append(
-            judge(ready, run(ready.system, speed / 2, Periodic(), options), Plan(), {}).quantities
+            with_quantities(
+                ready, run(ready.system, speed / 2, Periodic(), options), Plan(), {}
+            ).quantities
         )
     names = {
         name

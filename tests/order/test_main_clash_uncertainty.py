@@ -52,7 +52,7 @@ def clash(name: str, rpm: float, per_coil: int) -> dict[str, float]:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("rpm", [5600, 8000])
+@pytest.mark.parametrize("rpm", [pytest.param(5600, marks=pytest.mark.long), 8000])
 def test_clash_of_the_beehive_changes_little_from_24_to_48_elements_per_coil(rpm):
     """Asked for: heights 1 %, angle 0.1 deg. The impulse above the base circle's force changes by
     1.3 and 0.8 %, not the 0.5 % asked for;
@@ -76,7 +76,7 @@ def test_clash_of_job_c_changes_by_less_than_4_percent(name):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("rpm", [5600, 8000])
+@pytest.mark.parametrize("rpm", [pytest.param(5600, marks=pytest.mark.long), 8000])
 def test_stated_uncertainty_covers_a_mesh_three_times_as_fine(rpm):
     rows = {
         row.quantity: row
@@ -92,7 +92,7 @@ def test_stated_uncertainty_covers_a_mesh_three_times_as_fine(rpm):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("rpm", [5600, 8000])
+@pytest.mark.parametrize("rpm", [pytest.param(5600, marks=pytest.mark.long), 8000])
 def test_shipped_values_are_those_of_this_version(rpm):
     """Fails when rod or contact have changed the values by more than their own error bars since
     scripts/write_uncertainty.py was run; run it again then.

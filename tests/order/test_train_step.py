@@ -13,7 +13,7 @@ from valvetrain.integrate.contract import Periodic, RunOptions
 from valvetrain.integrate.run import run
 from valvetrain.integrate.train_run import TrainOptions, runner
 from valvetrain.parameters.loading import load_case
-from valvetrain.runs.prepared import Plan, judge, prepare
+from valvetrain.runs.prepared import Plan, prepare, with_quantities
 from valvetrain.system.build import build
 
 FIRM = (
@@ -36,7 +36,7 @@ def numbers(case: str, label: str, share: float) -> dict[str, float]:
     ready, speed = prepared(case, label)
     usual = runner(ready.system, speed / 2, TrainOptions(), rest=ready.rest).time_step
     step = None if share == 1.0 else share * usual * (1 + 1e-9)
-    found = judge(
+    found = with_quantities(
         ready,
         run(ready.system, speed / 2, Periodic(), RunOptions(time_step=step, rest=ready.rest)),
         Plan(),

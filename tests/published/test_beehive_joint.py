@@ -38,7 +38,7 @@ ELSEWHERE = (
 SPEEDS = (4200, 5600, 8000)
 
 
-@pytest.fixture(scope="module", params=[24, 32])
+@pytest.fixture(scope="module", params=[24, pytest.param(32, marks=pytest.mark.long)])
 def found(request, tmp_path_factory):
     """Elements per coil, and each printed quantity as the rod computes it."""
     text = (ROOT / "examples" / "beehive-joint.toml").read_text(encoding="utf-8")

@@ -83,7 +83,7 @@ def test_what_is_kept_is_said_with_the_answer_and_all_that_failed(
         ) == ("static", "text", "me")
         return tmp_path, ["files"]
 
-    monkeypatch.setattr("valvetrain.cli.study_command.keep_run", keep_run)
+    monkeypatch.setattr("valvetrain.cli.run_answer.keep_run", keep_run)
     monkeypatch.setattr("valvetrain.report.study.write_parts", lambda study, target, *_: parts)
     rest = tuple(SimpleNamespace(model=word) for word in ("rod", "chain", "rod"))
     study = SimpleNamespace(

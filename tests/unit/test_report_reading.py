@@ -72,7 +72,7 @@ def downloaded(page, key):
     return list(csv.reader(io.StringIO(path.read_text(encoding="utf-8-sig"))))
 
 
-@pytest.mark.parametrize("name", ["own", "sweep"])
+@pytest.mark.parametrize("name", [pytest.param("own", marks=pytest.mark.long), "sweep"])
 def test_the_data_of_every_figure_are_its_lines(browser, pages, name):
     page, path = pages[name]
     seen, wrong = visit(browser, path)

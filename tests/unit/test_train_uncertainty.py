@@ -152,6 +152,7 @@ def test_a_member_that_cannot_run_is_named_and_the_others_are_refined():
     )
 
 
+@pytest.mark.long
 def test_a_train_on_finite_elements_gets_bars_from_two_grids():
     """Half the step and 1.5 times the elements, no third grid: the bar is Roache's three times the
     two differences over what a second order leaves of them, and the scatter of the cycles.

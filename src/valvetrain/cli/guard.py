@@ -33,8 +33,8 @@ _reported: list[str] = []
 
 
 class GuardedGroup(TyperGroup):
-    """A command group whose errors are sentences on standard error with the exit codes of the
-    README.
+    """A command group whose errors are sentences on standard error with the exit codes of
+    ``docs/reliability.md``.
     """
 
     def main(

@@ -28,7 +28,7 @@ from valvetrain.cli.options import (
     read_workers,
     take_folder,
 )
-from valvetrain.cli.study_command import StudyRequest, answer_study, study_command
+from valvetrain.cli.run_answer import StudyRequest, answer_study, run_command
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -106,7 +106,9 @@ def refine(
     with suppress(typer.Exit):
         deliver(outcome)
     sentence = f"{study.finished} of {study.runs} runs were finished, and their numbers are saved in '{outcome.data['folder']}'"
-    raise typer.Exit(interrupted(f"interrupted: {sentence}; start the command again for the rest"))
+    raise typer.Exit(
+        interrupted(f"interrupted: {sentence}; the same command computes all of them anew")
+    )
 
 
 def _refined(request: RefineRequest) -> tuple[UncertaintyStudy, bool]:
@@ -137,7 +139,7 @@ def _saved_outcome(request: RefineRequest, study: UncertaintyStudy, stopped: boo
     """
     from valvetrain.cli.outcome import Outcome
     from valvetrain.cli.progress import busy
-    from valvetrain.cli.study_command import keep_run
+    from valvetrain.cli.run_answer import keep_run
     from valvetrain.report.json import uncertainty_object
     from valvetrain.report.sections.published import (
         levels_table,
@@ -238,7 +240,7 @@ def register_fidelity(app: typer.Typer) -> None:
     app.command("fidelity")(fidelity)
 
 
-@study_command
+@run_command
 def fidelity(
     request: StudyRequest,
     reference: Annotated[

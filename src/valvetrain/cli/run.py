@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from valvetrain.cli.outcome import tell
-from valvetrain.cli.study_command import StudyRequest, answer_study, study_command
+from valvetrain.cli.run_answer import StudyRequest, answer_study, run_command
 from valvetrain.errors import InputError
 from valvetrain.runs.cost import duration_text
 
@@ -23,11 +23,11 @@ def register_run(app: typer.Typer) -> None:
     app.command("run")(run)
 
 
-@study_command
+@run_command
 def run(request: StudyRequest) -> None:
     """Run a case at all its engine speeds: answer, data files and a report page."""
     from valvetrain.cli.progress import announce_compilation
-    from valvetrain.cli.study_command import refuse_beyond
+    from valvetrain.cli.run_answer import refuse_beyond
     from valvetrain.runs.run import run_study
 
     refuse_beyond(request)
@@ -91,7 +91,7 @@ def register_sweep(app: typer.Typer) -> None:
     app.command("sweep")(sweep)
 
 
-@study_command
+@run_command
 def sweep(
     request: StudyRequest,
     no_critical_speeds: CriticalOption = False,
@@ -103,7 +103,7 @@ def sweep(
     contact is lost.
     """
     from valvetrain.cli.progress import announce_compilation
-    from valvetrain.cli.study_command import refuse_beyond
+    from valvetrain.cli.run_answer import refuse_beyond
     from valvetrain.runs.critical_speeds import read_options
     from valvetrain.runs.run import sweep_study
 
@@ -186,7 +186,7 @@ def register_compare(app: typer.Typer) -> None:
     app.command("compare")(compare)
 
 
-@study_command
+@run_command
 def compare(
     request: StudyRequest,
     solid_elements_per_coil: SolidElementsOption = None,
@@ -199,7 +199,7 @@ def compare(
     too.
     """
     from valvetrain.cli.progress import announce_compilation
-    from valvetrain.cli.study_command import refuse_beyond
+    from valvetrain.cli.run_answer import refuse_beyond
     from valvetrain.runs.compare import compare_study
 
     solid = SOLID in request.spring_models
@@ -298,7 +298,7 @@ def register_run_up(app: typer.Typer) -> None:
     app.command("run-up")(run_up)
 
 
-@study_command
+@run_command
 def run_up(
     request: StudyRequest,
     first: Annotated[

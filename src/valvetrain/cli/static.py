@@ -28,7 +28,7 @@ from valvetrain.cli.options import (
     read_models,
     read_names,
 )
-from valvetrain.cli.study_command import SavedRequest, save_study
+from valvetrain.cli.run_answer import SavedRequest, save_study
 
 if TYPE_CHECKING:
     from rich.console import Console

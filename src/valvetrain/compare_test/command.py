@@ -30,7 +30,7 @@ from valvetrain.cli.options import (
     read_workers,
     take_folder,
 )
-from valvetrain.cli.study_command import SavedRequest, keep_run, show_page
+from valvetrain.cli.run_answer import SavedRequest, keep_run, show_page
 
 if TYPE_CHECKING:
     from rich.console import Console

@@ -27,9 +27,9 @@ from valvetrain.runs.prepared import (
     FAILURES,
     Plan,
     integrate_point,
-    judge,
     prepare,
     provenance_of,
+    with_quantities,
 )
 from valvetrain.runs.statics import reach_of, spring_statics, statics_by_model
 from valvetrain.runs.train_runs import prepare_trains, rigid_numbers, train_point
@@ -159,7 +159,7 @@ def _spring(
         solution = integrate_point(
             ready, engine_speed, plan, provenance_of(problem, member, engine_speed, "")
         )
-        judged = judge(ready, solution, plan, rest)
+        judged = with_quantities(ready, solution, plan, rest)
         status, values = judged.status, dict(judged.quantities)
     return status, values | (_still(problem, member, rest, lift, request) if request.rest else {})
 

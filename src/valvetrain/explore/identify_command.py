@@ -24,7 +24,7 @@ from valvetrain.cli.options import (
     take_folder,
 )
 from valvetrain.cli.outcome import WORTH_SAYING
-from valvetrain.cli.study_command import SavedRequest, keep_run, show_page
+from valvetrain.cli.run_answer import SavedRequest, keep_run, show_page
 from valvetrain.errors import InputError
 
 if TYPE_CHECKING:

@@ -22,7 +22,7 @@ from valvetrain.cli.options import (
     points_folder,
     read_workers,
 )
-from valvetrain.cli.study_command import keep_points
+from valvetrain.cli.run_answer import keep_points
 
 if TYPE_CHECKING:
     from rich.console import Console

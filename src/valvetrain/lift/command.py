@@ -28,7 +28,7 @@ from valvetrain.cli.options import (
     take_folder,
 )
 from valvetrain.cli.outcome import say_cost
-from valvetrain.cli.study_command import SavedRequest, keep_run, show_page
+from valvetrain.cli.run_answer import SavedRequest, keep_run, show_page
 from valvetrain.errors import InputError
 
 if TYPE_CHECKING:

@@ -84,6 +84,7 @@ def train_quantities(
         values["peak_valve_acceleration"] = float(
             np.max(np.abs(solution.channel("valve_acceleration")))
         )
+    # ``counted`` knows every step, samples only some: a number made of such a peak looks there first.
     if solution.has("cam_torque") and "peak_cam_torque" not in counted:
         torque = solution.channel("cam_torque")
         values |= {"peak_cam_torque": ring_peak(torque), "minimum_cam_torque": -ring_peak(-torque)}

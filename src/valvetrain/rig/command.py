@@ -25,7 +25,7 @@ from valvetrain.cli.options import (
     read_sensor,
     take_folder,
 )
-from valvetrain.cli.study_command import SavedRequest, keep_run, show_page
+from valvetrain.cli.run_answer import SavedRequest, keep_run, show_page
 from valvetrain.errors import InputError
 
 if TYPE_CHECKING:

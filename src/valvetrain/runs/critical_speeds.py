@@ -11,7 +11,13 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from valvetrain.errors import InputError
-from valvetrain.runs.prepared import Plan, PreparedRun, integrate_from, judge, provenance_of
+from valvetrain.runs.prepared import (
+    Plan,
+    PreparedRun,
+    integrate_from,
+    provenance_of,
+    with_quantities,
+)
 from valvetrain.runs.workers import map_points
 from valvetrain.solution.critical import (
     KINDS,
@@ -345,7 +351,7 @@ def _search(
     def run_at(engine_speed: float, orbit: Any) -> SpeedSample:
         origin = provenance_of(problem, one.member, engine_speed, plan.created_at)
         solution, ended = integrate_from(one, engine_speed, reduced, origin, orbit)
-        return sample_of(judge(one, solution, reduced, {}), options, ended)
+        return sample_of(with_quantities(one, solution, reduced, {}), options, ended)
 
     search = Search(run_at, samples, options.limits, options.resolution)
     return tuple(

@@ -107,7 +107,7 @@ def law_lift(problem: Problem) -> float:
 
 def prepare(problem: Problem, member: Member, rest: Rest, source: str) -> PreparedRun:
     """The member assembled with its springs at ``rest``; what its parts refuse is its ``refusal``."""
-    # Under prescribed motion the statics of the springs are computed during the first runs: judge() adds their frequencies.
+    # Under prescribed motion the statics of the springs are computed during the first runs: with_quantities() adds their frequencies.
     found, frequencies = _statics_of(member, rest)
     frame = Frame(
         member.springs,
@@ -291,7 +291,7 @@ def bound(solution: Solution, springs: tuple[InstalledSpring, ...]) -> Solution:
     return replace(solution, status=status)
 
 
-def judge(ready: PreparedRun, solution: Solution, plan: Plan, rest: Rest) -> Solution:
+def with_quantities(ready: PreparedRun, solution: Solution, plan: Plan, rest: Rest) -> Solution:
     """The run with events and named quantities, without channels where the plan keeps none."""
     frame = ready.frame
     if rest:

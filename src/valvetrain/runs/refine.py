@@ -35,9 +35,9 @@ from valvetrain.runs.prepared import (
     Plan,
     PreparedRun,
     integrate_point,
-    judge,
     prepare,
     provenance_of,
+    with_quantities,
 )
 from valvetrain.runs.refine_trains import refine_trains
 from valvetrain.runs.request_cost import refine_cost
@@ -300,7 +300,7 @@ def _rods(prepared: PreparedRun) -> tuple[FiniteElementRod, ...]:
 def _run(shared: tuple[Problem, Plan], point: tuple[PreparedRun, float]) -> Solution:
     (problem, plan), (prepared, speed) = shared, point
     provenance = provenance_of(problem, prepared.member, speed, "")
-    return judge(prepared, integrate_point(prepared, speed, plan, provenance), plan, {})
+    return with_quantities(prepared, integrate_point(prepared, speed, plan, provenance), plan, {})
 
 
 def _variants(base: PreparedRun) -> dict[str, tuple[InstalledSpring, ...]]:

@@ -29,9 +29,9 @@ from valvetrain.runs.prepared import (
     FAILURES,
     Plan,
     PreparedRun,
-    judge,
     prepare,
     provenance_of,
+    with_quantities,
 )
 from valvetrain.runs.train_runs import member_statics
 from valvetrain.runs.workers import LOST, LOST_REMEDY, Progress
@@ -284,7 +284,7 @@ def _solution(problem: Problem, prepared: PreparedRun, job: _Job, implausible: b
     )
     provenance = provenance_of(problem, prepared.member, job.engine_speed, "")
     found = run(system, cam_speed, Periodic(problem.cycles_to_settle), options, provenance)
-    return judge(prepared, found, Plan(implausible=implausible), {})
+    return with_quantities(prepared, found, Plan(implausible=implausible), {})
 
 
 def _rows(values: Mapping[str, Numbers], speed: float, label: str) -> list[Uncertainty]:

@@ -31,11 +31,11 @@ from valvetrain.runs.prepared import (
     Plan,
     PreparedRun,
     integrate_point,
-    judge,
     law_lift,
     prepare,
     provenance_of,
     unfinished,
+    with_quantities,
 )
 from valvetrain.runs.stopping import PointsStopped, StudyStopped
 from valvetrain.runs.stored_error_bars import spread_sentences, uncertainty_sentences
@@ -370,7 +370,7 @@ def _run_springs(
             del jobs
             for index, solution in results:
                 member, speed = points[index]
-                done[index] = judge(ready[member], solution, plan, rest)
+                done[index] = with_quantities(ready[member], solution, plan, rest)
                 if finished is not None:
                     finished(index, done[index])
                 tell(f"{member.label} at {speed * 30 / np.pi:.6g} rpm")

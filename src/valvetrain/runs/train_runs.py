@@ -18,11 +18,11 @@ from valvetrain.runs.prepared import (
     Plan,
     PreparedRun,
     integrate_point,
-    judge,
     largest_lift,
     prepare,
     provenance_of,
     unfinished,
+    with_quantities,
 )
 from valvetrain.runs.stopping import PointsStopped
 from valvetrain.runs.workers import LOST, LOST_REMEDY, Progress, map_points
@@ -141,7 +141,7 @@ def train_point(
     problem, ready, plan = shared
     one, engine_speed = ready[point[0]], point[1]
     provenance = provenance_of(problem, one.member, engine_speed, plan.created_at)
-    return judge(one, integrate_point(one, engine_speed, plan, provenance), plan, {})
+    return with_quantities(one, integrate_point(one, engine_speed, plan, provenance), plan, {})
 
 
 def rigid_numbers(

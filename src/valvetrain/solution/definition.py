@@ -28,7 +28,7 @@ Systems = tuple[Literal["spring", "train"], ...]
 #: a study, ``stress`` in the table of stresses; ``page`` on the page but not in the terminal. ``case``:
 #: one value for all engine speeds; ``one speed``: no worst value over several.
 Use = Literal["brief", "sweep", "curve", "study", "stress", "page", "case", "one speed"]
-#: Topics of the answers in the order of page, terminal and workbench; those of other packages follow.
+#: Topics of the answers in the order of page, terminal and workbench; any other text follows them.
 TOPICS = (
     "Spring force and coil bind", "Surge", "Coil clash", "Seating and contact", "Scatter from cycle to cycle", "Loss of control",
     "Wire stress",

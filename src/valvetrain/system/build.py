@@ -1,5 +1,5 @@
 """From a case to a problem: every part built once, what cannot work refused with its numbers. The
-only place that reads a case.
+only place that makes parts from a case.
 """
 
 from __future__ import annotations

@@ -214,7 +214,7 @@ def _shared(
     }
 
 
-def study_command(function: Callable[..., None]) -> Callable[..., None]:
+def run_command(function: Callable[..., None]) -> Callable[..., None]:
     """Give ``function(request, own options...)`` the options that all studies share; its own come
     after them in the help.
 
@@ -306,7 +306,7 @@ def answer_study(
     )
     raise typer.Exit(
         interrupted(
-            f"interrupted: {sentence} in '{outcome.data['folder']}'; start the command again for the rest"
+            f"interrupted: {sentence} in '{outcome.data['folder']}'; the same command computes all of them anew"
         )
     )
 
