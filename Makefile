@@ -9,7 +9,7 @@ PYTEST := $(ONE_THREAD) $(BIN)/python -m pytest -n auto --maxprocesses 8 --dist 
 
 export PYTHON VENV LOWEST
 
-.PHONY: help run test test-fast test-processor test-development test-long validate bench identify uncertainty lint docs pins clean environment-run environment-test parts mutants faults fuzz guides workbench
+.PHONY: help run test test-fast test-processor test-development test-docs test-long validate bench identify uncertainty lint docs pins clean environment-run environment-test parts mutants faults fuzz guides workbench
 
 help:
 	@echo "make run       set up, then run the published study CASE=$(CASE): table and report"
@@ -17,6 +17,7 @@ help:
 	@echo "make test-fast ROOM=springs  the tests that a change of one room (folder of src/valvetrain) can break, about a minute (ARGS=\"--list\")"
 	@echo "make test-processor  tests of limits and orders as another processor would round (OPENBLAS_CORETYPE=Prescott)"
 	@echo "make test-development  benchmarks, scripts, fuzzer and seeded faults run with their smallest inputs"
+	@echo "make test-docs the programs and commands of README, documentation and examples"
 	@echo "make test-long the tests that make test leaves out for their length (some minutes)"
 	@echo "make validate  the validation book (docs/validation.md) and the tests behind it"
 	@echo "make docs      the documentation site in build/docs, gallery run, any warning a failure"
@@ -45,7 +46,7 @@ run: environment-run
 	$(BIN)/valvetrain run $(CASE)
 
 test: environment-test parts
-	$(PYTEST) --ignore=tests/development -o junit_family=xunit1 --junitxml=build/tests/all.xml $(ARGS)
+	$(PYTEST) --ignore=tests/development --ignore=tests/examples -o junit_family=xunit1 --junitxml=build/tests/all.xml $(ARGS)
 
 test-fast: environment-test
 	$(ONE_THREAD) $(BIN)/python scripts/test_fast.py $(ROOM) $(ARGS)
@@ -86,6 +87,10 @@ test-processor: environment-test
 # Benchmarks, scripts, fuzzer and seeded faults, each with its smallest input.
 test-development: environment-test
 	$(PYTEST) tests/development $(ARGS)
+
+# Programs and commands of README, docs and examples.
+test-docs: environment-test parts
+	$(PYTEST) tests/examples $(ARGS)
 
 test-long: environment-test parts
 	VALVETRAIN_LONG=1 $(PYTEST) -m long $(ARGS)

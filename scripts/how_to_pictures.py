@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 import valvetrain as vt
+from valvetrain.parameters.case import Case
 from valvetrain.quantities.cycle import reported_cycle
 from valvetrain.report import theme
 from valvetrain.report.chart import Band, Chart, Layer, Line, Marks, Panel, Rule, stems, thin
@@ -28,7 +29,7 @@ POINTS = 700
 BLUE, ORANGE, GREEN, VIOLET, GREY = theme.SERIES[:5]
 
 
-def template(kind: str) -> vt.Case:
+def template(kind: str) -> Case:
     """The case that ``valvetrain new`` writes."""
     return vt.load_case(TEMPLATES / f"{kind}.toml")
 

@@ -29,7 +29,13 @@ _HOMES = {
     "hourglass": "parameters.constructors",
     "beehive": "parameters.constructors",
     "variable_pitch": "parameters.constructors",
-    "Case": "parameters.case",
+    "Case": "api.case",
+    "Spring": "api.parts",
+    "Train": "api.parts",
+    "load": "api.files",
+    "save": "api.files",
+    "diff": "api.files",
+    "map": "api.files",
     "load_case": "parameters.loading",
     "list_cases": "parameters.loading",
     # parts
@@ -116,6 +122,10 @@ _HOMES = {
     "simulate_batch": "cosserat.batch",
     "RodBatch": "cosserat.batch",
     "map_cases": "runs.workers",
+    "Uniform": "explore.space",
+    "Normal": "explore.space",
+    "LogNormal": "explore.space",
+    "Values": "explore.space",
     "Space": "explore.space",
     "Outputs": "explore.outputs",
     "Experiment": "explore.experiment",
@@ -155,6 +165,13 @@ __all__ = ["__version__", *_HOMES]
 _RENAMED = {"seen_by_sensor": "sensor_response", "card_of_table": "card_from_table"}
 
 if TYPE_CHECKING:
+    from valvetrain.api.case import Case as Case
+    from valvetrain.api.files import diff as diff
+    from valvetrain.api.files import load as load
+    from valvetrain.api.files import map as map
+    from valvetrain.api.files import save as save
+    from valvetrain.api.parts import Spring as Spring
+    from valvetrain.api.parts import Train as Train
     from valvetrain.cam.build import build_lift_law as build_lift_law
     from valvetrain.cam.contract import LiftLaw as LiftLaw
     from valvetrain.citations import bibtex as bibtex
@@ -177,8 +194,12 @@ if TYPE_CHECKING:
     from valvetrain.explore.optimum import Optimum as Optimum
     from valvetrain.explore.outputs import Outputs as Outputs
     from valvetrain.explore.posterior import Datum as Datum
+    from valvetrain.explore.space import LogNormal as LogNormal
+    from valvetrain.explore.space import Normal as Normal
     from valvetrain.explore.space import Prior as Prior
     from valvetrain.explore.space import Space as Space
+    from valvetrain.explore.space import Uniform as Uniform
+    from valvetrain.explore.space import Values as Values
     from valvetrain.explore.study import study as study
     from valvetrain.explore.table import StudyTable as StudyTable
     from valvetrain.film.model import FilmedModel as FilmedModel
@@ -201,7 +222,6 @@ if TYPE_CHECKING:
     from valvetrain.measured.sensor import Sensor as Sensor
     from valvetrain.measured.value_table import ValueTable as ValueTable
     from valvetrain.measured.value_table import read_value_table as read_value_table
-    from valvetrain.parameters.case import Case as Case
     from valvetrain.parameters.constructors import barrel as barrel
     from valvetrain.parameters.constructors import beehive as beehive
     from valvetrain.parameters.constructors import conical as conical

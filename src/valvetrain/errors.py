@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import difflib
+from collections.abc import Iterable
+
 #: Longest sentence and longest place (characters): what a stranger wrote is echoed, never in full.
 MAX_SENTENCE_LENGTH, MAX_LOCATION_LENGTH = 700, 300
 
@@ -31,6 +34,39 @@ class InputError(ValvetrainError):
         super().__init__(f"{where}: {message}" if where else message)
         self.where = where
         self.reason = message
+
+
+class UnknownNameError(InputError, KeyError):
+    """A name that a mapping of results does not have; the message names the nearest that it has.
+
+    >>> print(UnknownNameError("peak_forse", ["peak_force", "preload"]))
+    there is no 'peak_forse'; did you mean peak_force?
+    """
+
+    def __init__(self, name: object, known: Iterable[str], where: str = "") -> None:
+        names = list(dict.fromkeys(known))
+        near = difflib.get_close_matches(str(name)[:60], names, n=3, cutoff=0.5)
+        shown = ", ".join(names[:12]) + (", ..." if len(names) > 12 else "")
+        remedy = f"did you mean {' or '.join(near)}?" if near else f"there are {shown or 'none'}"
+        super().__init__(f"there is no '{str(name)[:60]}'; {remedy}", where)
+
+    __str__ = Exception.__str__
+
+    def __reduce__(self) -> tuple[object, ...]:
+        return InputError, (self.reason, self.where)
+
+
+class NamedNumbers(dict[str, float]):
+    """Numbers by name; a name that is not there is answered with the nearest.
+
+    >>> NamedNumbers(preload=280.0)["prelaod"]
+    Traceback (most recent call last):
+    ...
+    valvetrain.errors.UnknownNameError: there is no 'prelaod'; did you mean preload?
+    """
+
+    def __missing__(self, name: str) -> float:
+        raise UnknownNameError(name, self)
 
 
 class MissingExtraError(ValvetrainError):

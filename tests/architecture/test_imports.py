@@ -108,7 +108,7 @@ def test_the_drawing_is_read_as_it_is_meant():
     )
     assert levels()["measured"] < levels()["cam"] and levels()["quantities"] < levels()["report"]
     assert levels()["report"] < levels()["cli"] < levels()["film"] == levels()["rig"]
-    assert levels()["film"] < levels()["workbench"] == max(levels().values())
+    assert levels()["film"] < levels()["workbench"] < levels()["api"] == max(levels().values())
 
 
 @pytest.mark.parametrize(

@@ -44,7 +44,7 @@ def test_most_mutants_differ_from_every_shipped_case():
     assert len(set(made)) == len(made) and not shipped & set(made)
 
 
-def test_the_questions_notice_what_they_should(monkeypatch):
+def test_the_questions_notice_what_they_should(monkeypatch, tmp_path):
     """A reader that fails with another error, one that takes damage for data, and a refusal of many
     lines are findings.
     """
@@ -69,19 +69,18 @@ def test_the_questions_notice_what_they_should(monkeypatch):
     )
     monkeypatch.setattr(netcdf, "checked_content", lambda path: (path.read_bytes(), True))
     monkeypatch.setattr(checksum, "checked_content", lambda path: (path.read_bytes(), True))
-    taken = []
-    for place in range(len(whole) - 44, 0, -97):
-        try:
-            KINDS["files"][1](
-                b"solution.nc damaged\n"
-                + whole[:place]
-                + bytes([whole[place] ^ 1])
-                + whole[place + 1 :]
-            )
-        except Finding:
-            taken.append(place)
-            break
-    assert taken
+    # One bit of one number: damage of the structure may keep the library for ever, unguarded as it is here.
+    (tmp_path / "whole.nc").write_bytes(whole)
+    force = netcdf.load_netcdf(tmp_path / "whole.nc").channel("seat_force")
+    place = whole.find(force[len(force) // 2 :][:1].tobytes())
+    assert place > 0
+    with pytest.raises(Finding):
+        KINDS["files"][1](
+            b"solution.nc damaged\n"
+            + whole[:place]
+            + bytes([whole[place] ^ 1])
+            + whole[place + 1 :]
+        )
     error = InputError("one")
     error.args = ("one\nline and another",)
     with pytest.raises(Finding):

@@ -5,7 +5,6 @@ computed once by an executor and stored as it comes.
 from __future__ import annotations
 
 import hashlib
-import inspect
 import itertools
 import json
 import math
@@ -13,7 +12,6 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,6 +24,7 @@ from valvetrain.explore.outputs import Outcome, Outputs, Run
 from valvetrain.explore.space import ENGINE_SPEED, Space, Varied
 from valvetrain.explore.store import Store, versions_digest
 from valvetrain.parameters.case import Case
+from valvetrain.parameters.identity import content, function_text
 from valvetrain.parameters.loading import load_case
 from valvetrain.runs.workers import LOST, LOST_REMEDY, Lost
 from valvetrain.solution.status import Status
@@ -107,7 +106,7 @@ class Evaluation:
         """Digest of what all points share: case or function, keys, outputs and versions."""
         keys = [[one.key, one.operation, one.si_unit] for one in self.space]
         subject = (
-            _function_text(self.outputs.function) if self.case is None else _case_text(self.case)
+            function_text(self.outputs.function) if self.case is None else _case_text(self.case)
         )
         request = self.outputs.request
         parts = [subject, keys, list(request.outputs), request.rest_model, versions_digest()]
@@ -152,23 +151,11 @@ def _with_units(case: Case, space: Space) -> Space:
 
 
 def _case_text(case: Case) -> str:
-    """The case for a digest, without titles and notes."""
+    """The case for a digest, without titles and notes, to the last bit."""
     bare = (
         case.springs, case.rubbing, case.lift_law, case.operation, case.train, case.study, case.published,
     )  # fmt: skip
-    return repr(bare)
-
-
-def _function_text(function: Callable[..., Any] | None) -> str:
-    """A function for a digest: its name and source text."""
-    name = (
-        f"{getattr(function, '__module__', '')}.{getattr(function, '__qualname__', repr(function))}"
-    )
-    try:
-        return name + inspect.getsource(function)  # type: ignore[arg-type]
-    except (OSError, TypeError):
-        code = getattr(function, "__code__", None)
-        return name + ("" if code is None else f"{code.co_code.hex()}{code.co_consts!r}")
+    return content(bare).decode()
 
 
 class Engine:

@@ -169,7 +169,14 @@ def calibrate(
         correlation = None if space.correlation is None else np.array(space.correlation)
         posterior = Posterior(unknowns, measurements, seen.through(evaluate), correlation)
         before = engine.store.before
-        found = solve(posterior, search, seen, profiles=profiles, report=progress or silent)
+        try:
+            found = solve(posterior, search, seen, profiles=profiles, report=progress or silent)
+        except InputError as error:
+            point = posterior.values(posterior.centre[None, :])[0].tolist()
+            (middle,) = engine.outcomes([(experiment, tuple(point), runs[0])])
+            if middle.status.completed:
+                raise
+            raise InputError(f"{error.reason}; at their middle: {middle.status.message}") from error
         return replace(found, evaluations=engine.computed, reused=before)
 
 

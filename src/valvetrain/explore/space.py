@@ -10,14 +10,14 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Literal, get_args, overload
+from typing import Any, Literal, get_args, overload
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.special import ndtr, ndtri
 
 from valvetrain.errors import InputError
-from valvetrain.units import DIMENSIONS, dimension_of, unit_factor
+from valvetrain.units import DIMENSIONS, Given, dimension_of, parse_quantity, unit_factor
 
 Array = NDArray[np.float64]
 Kind = Literal["uniform", "log-uniform", "normal", "lognormal"]
@@ -209,36 +209,87 @@ class Prior:
         )
 
 
-def Uniform(low: float, high: float) -> Prior:
-    """Every value from ``low`` to ``high`` alike.
+def _number(value: Any) -> float:
+    """SI number of a plain one, of text with a unit or of a quantity of a units library."""
+    if hasattr(value, "to_base_units"):
+        value = value.to_base_units().magnitude
+    return parse_quantity(value, None) if isinstance(value, str) else float(value)
 
+
+def Uniform(low: Given, high: Given) -> Prior:
+    """Every value from ``low`` to ``high`` alike; SI, or text with a unit, as of all distributions.
+
+    Parameters
+    ----------
+    low, high : smallest and largest value: SI, text with a unit, or a pint quantity
+
+    Returns
+    -------
+    Prior
+
+    Raises
+    ------
+    InputError : numbers that make no distribution, a unit that is not known
+
+    Examples
+    --------
     >>> Uniform(1.0, 3.0).levels(3)
     (1.0, 2.0, 3.0)
     """
-    return Prior("uniform", low, high)
+    return Prior("uniform", _number(low), _number(high))
 
 
 def Normal(
-    mean: float, standard_deviation: float, low: float = -math.inf, high: float = math.inf
+    mean: Given, standard_deviation: Given, low: Given = -math.inf, high: Given = math.inf
 ) -> Prior:
     """Gauss about ``mean`` with ``standard_deviation``, truncated at ``low`` and ``high``.
 
+    Parameters
+    ----------
+    mean, standard_deviation : SI, text with a unit, or a pint quantity
+    low, high : bounds, likewise
+
+    Returns
+    -------
+    Prior
+
+    Raises
+    ------
+    InputError : numbers that make no distribution, a unit that is not known
+
+    Examples
+    --------
     >>> round(float(Normal(10.0, 1.0).at(0.975)), 3)
     11.96
     """
-    return Prior("normal", low, high, mean, standard_deviation)
+    return Prior("normal", _number(low), _number(high), _number(mean), _number(standard_deviation))
 
 
-def LogNormal(median: float, factor: float) -> Prior:
+def LogNormal(median: Given, factor: float) -> Prior:
     """The logarithm is normal: half of all values lie below ``median``, two thirds within a factor
     of ``factor`` about it.
 
+    Parameters
+    ----------
+    median : SI, text with a unit, or a pint quantity
+    factor : above 1
+
+    Returns
+    -------
+    Prior
+
+    Raises
+    ------
+    InputError : numbers that make no distribution, a unit that is not known
+
+    Examples
+    --------
     >>> round(float(LogNormal(2.0, 1.5).at(0.5)), 6)
     2.0
     """
     if not (math.isfinite(factor) and factor > 1):
         raise InputError("a lognormal distribution has a finite factor above 1; correct it")
-    return Prior("lognormal", centre=median, spread=math.log(factor))
+    return Prior("lognormal", centre=_number(median), spread=math.log(factor))
 
 
 @dataclass(frozen=True)

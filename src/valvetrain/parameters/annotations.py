@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any, cast
 
 from valvetrain.errors import InputError
@@ -15,7 +16,7 @@ _VALUE_KEYS = {"value", "status", "source", "comment"}
 _OWN_MEANING = ("published", "train.published")
 
 
-def split_notes(tree: dict[str, Any]) -> tuple[dict[str, Any], dict[str, Note], dict[str, str]]:
+def split_notes(tree: Mapping[str, Any]) -> tuple[dict[str, Any], dict[str, Note], dict[str, str]]:
     """Bare tree, notes by key path, and the reason of each bad note by key path.
 
     ``{ value = "4 mm", status = "published", source = "key" }`` becomes "4 mm" with a note;

@@ -13,6 +13,7 @@ from typing import Any, Literal, get_args
 from valvetrain import registry
 from valvetrain.errors import InputError
 from valvetrain.parameters.changes import changed, differences, nearest
+from valvetrain.parameters.identity import content_digest
 from valvetrain.parameters.installed_spring import (
     CoilContact,
     DampingParameters,
@@ -190,6 +191,11 @@ class Case:
         """Key path -> (value here, value in ``other``) of everything that differs."""
         return differences(self, other)
 
+    @property
+    def digest(self) -> str:
+        """Short fingerprint of what the case says, whatever text and units said so."""
+        return content_digest(self)
+
     def cite(self) -> tuple[str, ...]:
         """Keys of the references (valvetrain/references.bib) this case draws on, in order of first
         use.
@@ -248,4 +254,5 @@ class Case:
             changed=self.changed,
             text=self.text,
             points=tuple(self.points.items()),
+            digest=self.digest,
         )

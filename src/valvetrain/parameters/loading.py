@@ -10,7 +10,7 @@ import tomllib
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import Any, Protocol
 
 from pydantic import ValidationError
 from pydantic_core import PydanticCustomError
@@ -77,8 +77,18 @@ LIBRARY = Path(__file__).parent / "library"
 #: Keys of more parts than this (``a.b.c``) are no case's; reading them takes time with the square
 #: of their number.
 MAX_PARTS = 32
+
+
+class HasParameters(Protocol):
+    """A case as Python users hold it (:class:`valvetrain.Case`)."""
+
+    @property
+    def parameters(self) -> Case:
+        """The frozen case in SI."""
+
+
 #: A case, the name of a library case or the path of a case file.
-AnyCase = Case | str | os.PathLike[str]
+AnyCase = Case | HasParameters | str | os.PathLike[str]
 _DEEP_KEY = re.compile(
     rf"""(?<![\w-])(?:(?:[\w-]+|"[^"\n]*"|'[^'\n]*')[ \t]*\.[ \t]*){{{MAX_PARTS}}}(?=[\w"'-])"""
 )
@@ -86,6 +96,7 @@ _DEEP_KEY = re.compile(
 
 def case_of(case: AnyCase) -> Case:
     """The case itself, or the one of that name or path; errors as :func:`load_case`."""
+    case = getattr(case, "parameters", case)  # of a case as Python users hold it
     if isinstance(case, Case):
         return case
     if not isinstance(case, (str, os.PathLike)):
@@ -166,10 +177,24 @@ def parse_case(
             "the case file is empty; it needs at least one of [spring], [lift_law] and [train]",
             where,
         )
+    return case_of_tree(tree, name, folder, where, changes, text)
+
+
+def case_of_tree(
+    tree: Mapping[str, Any],
+    name: str = "case",
+    folder: Path = Path(),
+    where: str = "case",
+    changes: Mapping[str, Any] | None = None,
+    text: str = "",
+) -> Case:
+    """The case of a ``tree`` of tables as its file would hold them; ``text`` is that file, written
+    from the tree where there is none.
+    """
     try:
         if changes:
             tree = with_values(tree, changes)
-            _refuse_long_integers(tree, "", where)
+        _refuse_long_integers(tree, "", where)
         bare, notes, bad = split_notes(tree)
         for note_path, reason in bad.items():
             raise _located(text, tuple(note_path.split(".")), reason, where)
@@ -179,7 +204,7 @@ def parse_case(
         from_file = case.lift_law is not None and "file" in bare["lift_law"]
         return (
             replace(case, text=toml_text(resolved(tree, case.lift_law if from_file else None)))
-            if changes or from_file
+            if changes or from_file or not text
             else case
         )
     except ValidationError as error:

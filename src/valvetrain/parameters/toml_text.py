@@ -10,6 +10,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from valvetrain.parameters.lift_law import LiftLawParameters
+from valvetrain.units import PlainInteger, PlainNumber
 
 
 def toml_text(tree: Mapping[str, Any], path: tuple[str, ...] = ()) -> str:
@@ -85,6 +86,8 @@ def _value(value: Any) -> str:
         )
     if isinstance(value, (datetime.date, datetime.time)):
         return value.isoformat()
+    if isinstance(value, (PlainNumber, PlainInteger)) and value.unit:
+        return json.dumps(f"{float(value)!r} {value.unit}")
     return repr(value.item() if hasattr(value, "item") else value)
 
 

@@ -36,8 +36,8 @@ def simulate(
     case: AnyCase,
     engine_speeds: Speeds | None = None,
     *,
-    spring_models: Sequence[str] = (),
-    spring_sets: Sequence[str] = (),
+    spring_models: Sequence[str] | str = (),
+    spring_sets: Sequence[str] | str = (),
     workers: int | None = None,
     progress: Progress | None = None,
     limit: str = "",
@@ -50,7 +50,7 @@ def simulate(
     case : Case, name of a library case, or path of a case file
     engine_speeds : speeds of the crank, "4200 rpm", rad/s or pint quantities; the case's own by
         default
-    spring_models : names of spring models, such as "multi-mass"; the case's own or the default ones by default
+    spring_models : a name of a spring model, such as "multi-mass", or several; the case's own or the default ones by default
     spring_sets : names of spring sets of a train
     workers : runs at a time; results do not depend on it
     progress : called with the share done and a text
@@ -73,6 +73,7 @@ def simulate(
     >>> round(study.solution("massless").quantities["peak_spring_force"])
     522
     """
+    spring_models, spring_sets = _names(spring_models), _names(spring_sets)
     limits = _checked(
         "run",
         case := case_of(case),
@@ -96,10 +97,10 @@ def simulate(
 
 def compare(
     case: AnyCase,
-    spring_models: Sequence[str] = (),
+    spring_models: Sequence[str] | str = (),
     engine_speeds: Speeds | None = None,
     *,
-    spring_sets: Sequence[str] = (),
+    spring_sets: Sequence[str] | str = (),
     workers: int | None = None,
     progress: Progress | None = None,
     limit: str = "",
@@ -129,6 +130,7 @@ def compare(
     >>> [round(one.curve.force_at(7e-3)) for one in study.rest]
     [215, 215]
     """
+    spring_models, spring_sets = _names(spring_models), _names(spring_sets)
     limits = _checked(
         "compare",
         case := case_of(case),
@@ -154,8 +156,8 @@ def sweep(
     case: AnyCase,
     engine_speeds: Speeds = "1000:9000:100 rpm",
     *,
-    spring_models: Sequence[str] = (),
-    spring_sets: Sequence[str] = (),
+    spring_models: Sequence[str] | str = (),
+    spring_sets: Sequence[str] | str = (),
     whole: bool = False,
     workers: int | None = None,
     progress: Progress | None = None,
@@ -198,6 +200,7 @@ def sweep(
     >>> len(speeds), round(force[0])
     (3, 522)
     """
+    spring_models, spring_sets = _names(spring_models), _names(spring_sets)
     speeds = _speeds(engine_speeds)
     assert speeds is not None
     critical = read_options(resolution, float_lift, bounce_height) if critical_speeds else None
@@ -230,8 +233,8 @@ def critical_speeds(
     case: AnyCase,
     engine_speeds: Speeds = "1000:9000:100 rpm",
     *,
-    spring_models: Sequence[str] = (),
-    spring_sets: Sequence[str] = (),
+    spring_models: Sequence[str] | str = (),
+    spring_sets: Sequence[str] | str = (),
     resolution: Given = "10 rpm",
     float_lift: Given = "50 um",
     bounce_height: Given = "100 um",
@@ -373,6 +376,11 @@ def _checked(
     request = RunRequest(command, case, speeds, tuple(models), tuple(sets), worker_count(workers))
     refuse_cost(request_cost(request, whole, searches), limits, "limit=")
     return limits
+
+
+def _names(given: Sequence[str] | str) -> tuple[str, ...]:
+    """Names, of which a single one may stand for itself."""
+    return (given,) if isinstance(given, str) and given else tuple(given)
 
 
 def _speeds(engine_speeds: Speeds | None) -> tuple[float, ...] | None:

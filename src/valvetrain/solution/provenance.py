@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 import platform
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, fields
@@ -149,7 +148,7 @@ class CaseRecord:
     ``changed``: key paths that were set from outside the file; a changed case is not compared with
     published numbers. ``text``: the resolved case file (TOML), from which the case is read again.
     ``citations``: whole references. ``points``: coil numbers of the study's points on the wire,
-    where the case gives them.
+    where the case gives them. ``digest``: short fingerprint of what the case says.
     """
 
     name: str
@@ -164,8 +163,4 @@ class CaseRecord:
     changed: tuple[str, ...] = ()
     text: str = ""
     points: tuple[tuple[str, float], ...] = ()
-
-    @property
-    def digest(self) -> str:
-        """Short fingerprint of the resolved case file."""
-        return hashlib.sha256(self.text.encode()).hexdigest()[:16]
+    digest: str = ""

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike
 
-from valvetrain.errors import InputError
+from valvetrain.errors import InputError, UnknownNameError
 from valvetrain.solution.definition import definition_of
 from valvetrain.solution.display import frame, table, value_text
 from valvetrain.units import Given, keep_si, si
@@ -95,7 +95,7 @@ class Quantities(Mapping[Quantity, float]):
         if len(found) == 1:
             return self._values[found[0]]
         if not found:
-            raise KeyError(key)
+            raise UnknownNameError(key, (one.name for one in self._values))
         runs = ", ".join(
             f"{one.label} at {(one.engine_speed or 0.0) * 9.549296585513721:.6g} rpm"
             for one in found[:4]

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from valvetrain.errors import InputError
+from valvetrain.errors import InputError, NamedNumbers
 from valvetrain.solution.channels import ChannelArrays, DatasetField, Variable, empty_channels
 from valvetrain.solution.display import Figure, frame, plotted, span, table, value_text
 from valvetrain.solution.provenance import Provenance
@@ -22,6 +22,7 @@ from valvetrain.solution.status import COMPLETED, Event, Status
 
 if TYPE_CHECKING:
     import pandas
+    import xarray
 
 Array = NDArray[np.float64]
 
@@ -56,7 +57,7 @@ class Solution:
     def __post_init__(self) -> None:
         object.__setattr__(self, "events", tuple(self.events))
         object.__setattr__(self, "gaps", tuple(self.gaps))
-        object.__setattr__(self, "quantities", MappingProxyType(dict(self.quantities)))
+        object.__setattr__(self, "quantities", MappingProxyType(NamedNumbers(self.quantities)))
         object.__setattr__(self, "statistics", MappingProxyType(dict(self.statistics)))
 
     def __reduce__(self) -> tuple[object, ...]:
@@ -133,6 +134,13 @@ class Solution:
                 f"this {self.model or 'unnamed'} run has no channel '{name}'; it has {known}"
             )
         return np.asarray(self.arrays.variables[name].values)
+
+    def __getitem__(self, name: str) -> xarray.DataArray:
+        """A channel with its coordinates and units: ``run["seat_force"].plot()``; ``name`` as for
+        :meth:`channel`.
+        """
+        self.channel(name)
+        return self.channels[name]
 
     def unit(self, name: str) -> str:
         """Unit (SI) of one channel."""

@@ -11,9 +11,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from valvetrain.errors import InputError
+from valvetrain.errors import InputError, UnknownNameError
 from valvetrain.solution.comparison import Comparison, Finding
 from valvetrain.solution.critical import CriticalSpeeds
+from valvetrain.solution.definition import is_defined
 from valvetrain.solution.display import Figure, plotted, table, value_text
 from valvetrain.solution.fidelity import FidelityMap
 from valvetrain.solution.provenance import CaseRecord, Provenance
@@ -191,8 +192,21 @@ class Study:
         )
 
     def series(self, label: str, quantity: str) -> tuple[Array, Array]:
-        """Engine speeds (rad/s) and one quantity (SI) over them, NaN where a run does not give it."""
+        """Engine speeds (rad/s) and one quantity (SI) over them, NaN where a run does not give it.
+
+        Raises :class:`InputError` for a label or a quantity that no run has, with the nearest.
+        """
         runs = self.runs(label)
+        if self.solutions and not runs:
+            raise UnknownNameError(label, self.labels, "label")
+        if (
+            runs
+            and not any(quantity in run.quantities for run in runs)
+            and not is_defined(quantity)
+        ):
+            raise UnknownNameError(
+                quantity, (name for run in runs for name in run.quantities), "quantity"
+            )
         return np.array([run.engine_speed for run in runs]), np.array(
             [run.quantities.get(quantity, np.nan) for run in runs]
         )

@@ -99,7 +99,7 @@ def _is_text_of(text: str, case: Case) -> bool:
 
 def _built(case: Case, spring_models: Sequence[str], spring_sets: Sequence[str]) -> Problem:
     law = lift_law_of(case)
-    specs = tuple(spring_model(word, "--spring") for word in dict.fromkeys(spring_models))
+    specs = tuple(spring_model(word, "spring_models") for word in dict.fromkeys(spring_models))
     if case.train is not None:
         members = _train_members(case, case.train, law, specs, tuple(dict.fromkeys(spring_sets)))
     elif spring_sets:

@@ -14,6 +14,8 @@ from valvetrain.units.inputs import (
     si_speeds,
 )
 from valvetrain.units.text import (
+    PlainInteger,
+    PlainNumber,
     dimension_of,
     dimension_powers,
     format_quantity,
@@ -24,6 +26,7 @@ from valvetrain.units.text import (
 )
 
 __all__ = [
-    "DIMENSIONS", "Dimension", "Given", "MAX_SPEEDS", "PLAUSIBLE", "Window", "dimension_of", "dimension_powers", "format_quantity",
-    "keep_si", "parse_quantities", "parse_quantity", "si", "si_each", "si_speeds", "to_unit", "unit_factor",
+    "DIMENSIONS", "Dimension", "Given", "MAX_SPEEDS", "PLAUSIBLE", "PlainInteger", "PlainNumber", "Window", "dimension_of",
+    "dimension_powers", "format_quantity", "keep_si", "parse_quantities", "parse_quantity", "si", "si_each", "si_speeds", "to_unit",
+    "unit_factor",
 ]  # fmt: skip

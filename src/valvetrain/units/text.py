@@ -99,6 +99,24 @@ def dimension_powers(text: str) -> dict[str, float]:
     return dict(_resolve(split_quantity(text, None, "")[1])[1])
 
 
+class PlainNumber(float):
+    """A number from Python that stands in the tree of a case: SI of the dimension that is due where
+    it is read. ``unit`` is set there, so that the tree can be written with units.
+
+    >>> number = PlainNumber(0.004)
+    >>> parse_quantity(number, "length"), number.unit
+    (0.004, 'm')
+    """
+
+    unit: str = ""
+
+
+class PlainInteger(int):
+    """A whole number from Python, as :class:`PlainNumber`."""
+
+    unit: str = ""
+
+
 def parse_quantity(text: object, dimension: str | None, where: str = "") -> float:
     """Turn ``text`` ("4.0 mm") into an SI float.
 
@@ -144,6 +162,9 @@ def split_quantity(text: object, dimension: str | None, where: str) -> tuple[flo
             f"{clipped(repr(text))} is not a number with a unit; {phrase} is needed here, such as '1 {example_unit}'".rstrip(),
             where,
         )
+    if isinstance(text, (PlainNumber, PlainInteger)) and dimension is not None:
+        text.unit = due.si_unit if due else str(dimension)
+        return finite(float(text), text, where), text.unit
     if isinstance(text, (int, float)):
         if dimension == "ratio":
             return finite(float(text) if abs(text) < 1e300 else math.inf, text, where), ""

@@ -1,0 +1,394 @@
+"""A case as an object: from anything, changed, run, studied, saved."""
+
+from __future__ import annotations
+
+import copy
+import os
+from collections.abc import Mapping, Sequence
+from html import escape
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from valvetrain.api.parts import Lift, Spring, Train, as_table, lift_table, one_run
+from valvetrain.errors import InputError
+from valvetrain.parameters.case import Case as Parameters
+from valvetrain.parameters.loading import case_of_tree, load_case, parse_toml
+from valvetrain.parameters.overrides import REMOVED
+from valvetrain.parameters.toml_text import toml_text
+from valvetrain.units import si_speeds
+
+if TYPE_CHECKING:
+    from valvetrain.explore.experiment import Experiment
+    from valvetrain.explore.identified import Identified
+    from valvetrain.explore.optimum import Optimum
+    from valvetrain.explore.table import StudyTable
+    from valvetrain.report.study import StudyFiles
+    from valvetrain.solution.critical import CriticalSpeeds
+    from valvetrain.solution.result import Solution
+    from valvetrain.solution.static import StaticCurve
+    from valvetrain.solution.study import Study
+
+Source = str | os.PathLike[str] | Mapping[str, Any] | Parameters
+
+
+class Case:
+    """Everything that defines a study, with verbs that run it.
+
+    Parameters
+    ----------
+    source : name of a library case, path of a case file, TOML text, a dict with the tables of the
+        file, or another case
+    name : of the case, by which its runs are found
+    spring : a :class:`Spring`, or two that are nested, outer first, moved by ``lift_law``
+    train : a :class:`Train`, which carries its springs
+    lift_law : table ``[lift_law]``, function of the cam angle (rad) that gives the lift (m), or cam
+        angles (rad) and lifts (m)
+    engine_speeds : of the crank: "4000, 6000 rpm", rad/s, pint quantities
+    tables : other tables and keys of the file, such as ``operation={"cycles": 4}``, ``title="..."``
+
+    ``tree`` holds the tables as its file would, ``parameters`` what they say, frozen and in SI.
+    Cases are equal, and have one ``digest``, when their parameters are, whatever text and units
+    said so.
+
+    Raises
+    ------
+    InputError : one sentence: where, what is wrong and the remedy
+
+    Examples
+    --------
+    >>> import valvetrain as vt
+    >>> case = vt.Case("job-t").set({"spring.wire_diameter": "3.9 mm"})
+    >>> case == vt.Case("job-t").set({"spring.wire_diameter": 0.0039}), case == vt.Case("job-t")
+    (True, False)
+    >>> run = case.run("2000 rpm", model="massless")
+    >>> round(float(run["seat_force"].max()))
+    472
+    """
+
+    def __init__(
+        self,
+        source: Source | Case | None = None,
+        /,
+        *,
+        name: str = "",
+        spring: Spring | Mapping[str, Any] | Sequence[Any] | None = None,
+        train: Train | Mapping[str, Any] | None = None,
+        lift_law: Lift | None = None,
+        engine_speeds: Any = None,
+        **tables: Any,
+    ) -> None:
+        tree, known, self._folder = _tree_of(source)
+        tree |= as_table(tables)
+        if spring is not None:
+            tree["spring"] = as_table(spring)
+        if train is not None:
+            tree["train"] = as_table(train)
+        if lift_law is not None:
+            tree["lift_law"] = lift_table(lift_law)
+        if engine_speeds is not None:
+            speeds = as_table(list(si_speeds(engine_speeds)))
+            others = {
+                key: item for key, item in tree.get("operation", {}).items() if key != "cam_speeds"
+            }
+            tree["operation"] = others | {"engine_speeds": speeds}
+        given = (
+            spring is not None
+            or train is not None
+            or lift_law is not None
+            or engine_speeds is not None
+        )
+        self.tree: dict[str, Any] = tree
+        label = name or known
+        self.parameters: Parameters = (
+            source.parameters
+            if isinstance(source, Case) and not (given or tables or name)
+            else case_of_tree(tree, label or "case", self._folder, label or "vt.Case")
+        )
+
+    @property
+    def name(self) -> str:
+        """Name of the case."""
+        return self.parameters.name
+
+    @property
+    def digest(self) -> str:
+        """Short fingerprint of what the case says, the same for the same parameters."""
+        return self.parameters.digest
+
+    def set(self, changes: Mapping[str, Any] | None = None, /, **tables: Any) -> Case:
+        """A case with the values at key paths changed: ``case.set({"spring.pitch": "7 mm"})``.
+
+        Values are text with units, SI numbers or pint quantities; None removes one. ``tables`` are
+        whole tables or keys of the file, as for :class:`Case`. Raises :class:`InputError` for a
+        path that does not exist.
+        """
+        from valvetrain.explore.case_paths import file_key
+
+        made = {
+            file_key(path): REMOVED if value is None else as_table(value)
+            for path, value in (changes or {}).items()
+        }
+        new = object.__new__(Case)
+        new._folder = self._folder
+        from valvetrain.parameters.overrides import with_values
+
+        new.tree = with_values(self.tree, made) if made else copy.deepcopy(self.tree)
+        new.parameters = case_of_tree(new.tree, self.name, self._folder, self.name)
+        return Case(new, **tables) if tables else new
+
+    def run(
+        self, engine_speed: Any = None, model: str = "", *, spring_set: str = "", **options: Any
+    ) -> Solution:
+        """One run: at one engine speed, by one spring model.
+
+        ``engine_speed`` and ``model`` may be left out where the case has one; options as for
+        :func:`valvetrain.simulate`. The solution gives channels by name, ``run["seat_force"]``, and
+        numbers, ``run.quantities["peak_spring_force"]``. Several: :meth:`compare`, :meth:`sweep`.
+        """
+        return one_run(self.parameters, engine_speed, model, spring_set, **options)
+
+    def compare(
+        self, models: Sequence[str] | str = (), engine_speeds: Any = None, **options: Any
+    ) -> Study:
+        """Spring models side by side, at rest and in motion; options as for
+        :func:`valvetrain.compare`.
+        """
+        from valvetrain.runs.api import compare
+
+        return compare(self.parameters, models, engine_speeds, **options)
+
+    def sweep(
+        self, engine_speeds: Any = "1000:9000:100 rpm", model: str = "", **options: Any
+    ) -> Study:
+        """Numbers over engine speed and, of a train, its critical speeds; options as for
+        :func:`valvetrain.sweep`.
+        """
+        from valvetrain.runs.api import sweep
+
+        models = (model,) if model else ()
+        return sweep(self.parameters, engine_speeds, spring_models=models, **options)
+
+    def critical_speeds(
+        self, engine_speeds: Any = "1000:9000:100 rpm", **options: Any
+    ) -> CriticalSpeeds:
+        """Where a train loses contact, floats and bounces; as :func:`valvetrain.critical_speeds`."""
+        from valvetrain.runs.api import critical_speeds
+
+        return critical_speeds(self.parameters, engine_speeds, **options)
+
+    def static(self, largest_compression: Any = None, **options: Any) -> StaticCurve:
+        """Force over compression of its spring; as :func:`valvetrain.static_curve`."""
+        from valvetrain.runs.api import static_curve
+
+        return static_curve(self.parameters, largest_compression, **options)
+
+    def refine(self, **options: Any) -> Any:
+        """Error bars of the headline numbers; as :func:`valvetrain.refine`."""
+        from valvetrain.runs.refine import refine
+
+        return refine(self.parameters, **options)
+
+    def report(
+        self, folder: str | os.PathLike[str], engine_speeds: Any = None, **options: Any
+    ) -> StudyFiles:
+        """Run the case and write its report page and data files to ``folder``."""
+        from valvetrain.report.study import write_study
+        from valvetrain.runs.api import simulate
+
+        return write_study(simulate(self.parameters, engine_speeds, **options), folder)
+
+    def study(
+        self,
+        varied: Mapping[str, Any],
+        outputs: Sequence[str] | str,
+        *,
+        sampling: str = "latin-hypercube",
+        count: int = 64,
+        seed: int = 1,
+        engine_speeds: Any = None,
+        models: Sequence[str] | str = (),
+        **options: Any,
+    ) -> StudyTable:
+        """Outputs at points of a space, and only these.
+
+        ``varied``: key path -> a distribution (``vt.Uniform("7 mm", "8 mm")``) or a list of values;
+        ``sampling``: name of a sampler (docs/studies.md), ``"listed"`` takes lists of equal length
+        row by row; ``options`` as for :class:`valvetrain.Experiment`.
+        """
+        import numpy as np
+
+        from valvetrain.explore.space import Prior, Values
+
+        experiment = self._experiment(varied, outputs, engine_speeds, models)
+        lists = [item for item in varied.values() if not isinstance(item, (Prior, Values))]
+        if sampling == "listed":
+            return experiment.table(np.column_stack([_si_list(item) for item in lists]), **options)
+        settings = {} if sampling == "grid" else {"count": count, "seed": seed}
+        return experiment.sample(sampling, settings, **options)
+
+    def optimise(
+        self,
+        varied: Mapping[str, Any],
+        objective: Mapping[str, str],
+        constraints: Mapping[str, Mapping[str, Any]] | None = None,
+        *,
+        engine_speeds: Any = None,
+        models: Sequence[str] | str = (),
+        search: Mapping[str, Any] | None = None,
+        **options: Any,
+    ) -> Optimum:
+        """The best design: ``objective`` is quantity -> ``"minimise"`` or ``"maximise"``,
+        ``constraints`` quantity -> ``{"at_most": "800 MPa"}``; ``search`` as in an optimisation file.
+        """
+        limits = constraints or {}
+        experiment = self._experiment(
+            varied, list(dict.fromkeys([*objective, *limits])), engine_speeds, models
+        )
+        return experiment.optimise(
+            [{"quantity": name, "direction": way} for name, way in objective.items()],
+            [{"quantity": name, **bound} for name, bound in limits.items()],
+            search,
+            **options,
+        )
+
+    def identify(
+        self,
+        unknowns: Mapping[str, Any],
+        measured: Mapping[str, tuple[Any, Any]],
+        *,
+        engine_speeds: Any = None,
+        models: Sequence[str] | str = (),
+        **options: Any,
+    ) -> Identified:
+        """Unknowns that agree with measurements.
+
+        ``unknowns``: key path -> (least, largest) or a distribution; ``measured``: quantity ->
+        (value, standard deviation), text with units or SI.
+        """
+        from valvetrain.explore.posterior import Datum
+        from valvetrain.explore.space import Uniform
+
+        priors = {
+            key: Uniform(*item) if isinstance(item, tuple) else item
+            for key, item in unknowns.items()
+        }
+        data = [
+            Datum(name, value, scatter)
+            for name, (value, scatter) in (
+                (name, _si_list(pair)) for name, pair in measured.items()
+            )
+        ]
+        return self._experiment(priors, list(measured), engine_speeds, models).calibrate(
+            data, **options
+        )
+
+    def _experiment(
+        self, varied: Mapping[str, Any], outputs: Any, speeds: Any, models: Any
+    ) -> Experiment:
+        from valvetrain.explore.experiment import Experiment
+        from valvetrain.explore.outputs import Outputs
+        from valvetrain.explore.space import Prior, Space, Values
+
+        space = {
+            key: item if isinstance(item, (Prior, Values)) else Values(tuple(_si_list(item)))
+            for key, item in varied.items()
+        }
+        return Experiment(
+            self.parameters,
+            Space(space),
+            Outputs(outputs, engine_speeds=speeds, spring_models=models),
+        )
+
+    def save(self, path: str | os.PathLike[str]) -> Path:
+        """Write the case file, whole or not at all; read again it gives an equal case."""
+        from valvetrain.parameters.writing import replace_file
+
+        target = Path(path)
+        replace_file(target, self.text)
+        return target
+
+    @property
+    def text(self) -> str:
+        """The case file (TOML)."""
+        return self.parameters.text or toml_text(self.tree)
+
+    def diff(self, other: Case) -> dict[str, tuple[Any, Any]]:
+        """Key path -> (value here, value there) of everything that differs; notes on where values
+        come from are left out.
+        """
+        found = self.parameters.diff(other.parameters)
+        return {path: pair for path, pair in found.items() if not path.startswith("notes.")}
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Case) and self.digest == other.digest
+
+    def __hash__(self) -> int:
+        return hash(self.digest)
+
+    def __getstate__(self) -> dict[str, Any]:
+        return dict(self.__dict__)
+
+    def _lines(self) -> list[str]:
+        found = self.parameters
+        springs = found.springs or tuple(
+            spring
+            for one in (found.train.springs.values() if found.train else ())
+            for spring in one
+        )
+        speeds = [f"{speed * 9.549296585513721:.0f}" for speed in found.operation.engine_speeds]
+        return [
+            f"Case {found.name}" + (f": {found.title}" if found.title else ""),
+            *([f"train: {found.train.kind}"] if found.train else []),
+            *(
+                [f"springs: {', '.join(one.name or 'spring' for one in springs)}"]
+                if springs
+                else []
+            ),
+            *([f"lift: {found.lift_law.kind}"] if found.lift_law else []),
+            *([f"engine speeds: {', '.join(speeds)} rpm"] if speeds else []),
+        ]
+
+    def __repr__(self) -> str:
+        return "\n  ".join(self._lines())
+
+    def _repr_html_(self) -> str:
+        first, *others = self._lines()
+        rows = "".join(f"<li>{escape(line)}</li>" for line in others)
+        return f"<b>{escape(first)}</b><ul>{rows}</ul><details><summary>case file</summary><pre>{escape(self.text)}</pre></details>"
+
+
+def _tree_of(source: Source | Case | None) -> tuple[dict[str, Any], str, Path]:
+    """Tables, name and folder of what a case is made from."""
+    if source is None:
+        return {}, "", Path()
+    if isinstance(source, Case):
+        return copy.deepcopy(source.tree), source.name, source._folder
+    if isinstance(source, Mapping):
+        return as_table(source), "", Path()
+    if isinstance(source, str) and ("\n" in source or "=" in source):
+        return parse_toml(source, "TOML text"), "", Path()
+    if isinstance(source, Parameters):
+        case, folder = source, Path()
+        tree = parse_toml(case.text, case.name) if case.text else {}
+        if not tree or case_of_tree(tree, case.name, folder, case.name, None, case.text) != case:
+            raise InputError(
+                f"case '{case.name}' was put together or changed in Python and has no file; make it with vt.Case and its set",
+                "vt.Case",
+            )
+        return tree, case.name, folder
+    case = load_case(source)
+    path = Path(source)
+    return parse_toml(case.text, case.name), case.name, path.parent if path.is_file() else Path()
+
+
+def _si_list(items: Any) -> list[float]:
+    from valvetrain.units import parse_quantity
+
+    return [
+        float(parse_quantity(item, None)) if isinstance(item, str) else _plain(item)
+        for item in items
+    ]
+
+
+def _plain(item: Any) -> float:
+    return float(item.to_base_units().magnitude if hasattr(item, "to_base_units") else item)

@@ -1,0 +1,186 @@
+"""What was saved read again, two of a kind compared, and a function of many designs."""
+
+from __future__ import annotations
+
+import os
+import pickle
+from collections.abc import Callable, Iterable
+from pathlib import Path
+from typing import Any, TypeVar
+
+from valvetrain.api.case import Case
+from valvetrain.errors import InputError, MissingExtraError
+from valvetrain.solution.result import Solution
+
+Result = TypeVar("Result")
+
+
+def load(path: str | os.PathLike[str]) -> Case | Solution:
+    """A case (``.toml``) or a solution (``.nc``, ``.csv``) that was saved.
+
+    Parameters
+    ----------
+    path : of the file
+
+    Returns
+    -------
+    Case or Solution
+
+    Raises
+    ------
+    InputError : another kind of file, or one that cannot be read
+
+    Examples
+    --------
+    >>> import valvetrain as vt
+    >>> path = vt.Case("job-t").save("mine.toml")
+    >>> vt.load(path) == vt.Case("job-t")
+    True
+    """
+    from valvetrain.solution.netcdf import load_netcdf
+    from valvetrain.solution.textfile import load_csv
+
+    readers: dict[str, Callable[[Any], Case | Solution]] = {
+        ".toml": Case,
+        ".nc": load_netcdf,
+        ".csv": load_csv,
+    }
+    target = Path(path)
+    if target.suffix not in readers:
+        raise InputError(
+            f"files of '{target.suffix or target.name}' are not read; give one that ends in {', '.join(readers)}"
+        )
+    return readers[target.suffix](target)
+
+
+def save(item: Case | Solution, path: str | os.PathLike[str]) -> Path:
+    """Write a case (``.toml``) or a solution (``.nc``, whole; ``.csv``), whole or not at all.
+
+    Parameters
+    ----------
+    item : Case or Solution
+    path : of the file
+
+    Returns
+    -------
+    Path of the file
+
+    Raises
+    ------
+    InputError : a file of another kind
+
+    Examples
+    --------
+    >>> import valvetrain as vt
+    >>> run = vt.Case("job-t").run("2000 rpm", model="massless")
+    >>> vt.load(vt.save(run, "run.nc")).identical(run)
+    True
+    """
+    from valvetrain.solution.netcdf import save_netcdf
+    from valvetrain.solution.textfile import save_csv
+
+    target = Path(path)
+    if isinstance(item, Case) and target.suffix == ".toml":
+        return item.save(target)
+    writers = {".nc": save_netcdf, ".csv": save_csv}
+    if not isinstance(item, Solution) or target.suffix not in writers:
+        raise InputError(
+            "a case is saved to a file that ends in .toml, a solution to one that ends in .nc or .csv"
+        )
+    return writers[target.suffix](item, target)
+
+
+def diff(first: Any, second: Any) -> dict[str, tuple[Any, Any]]:
+    """What differs between two cases (by key path) or two solutions (by quantity).
+
+    Parameters
+    ----------
+    first, second : two cases, or two solutions
+
+    Returns
+    -------
+    dict of name -> (value in first, value in second), SI
+
+    Raises
+    ------
+    InputError : two things of different kinds
+
+    Examples
+    --------
+    >>> import valvetrain as vt
+    >>> case = vt.Case("job-t")
+    >>> vt.diff(case, case.set({"operation.cycles": 4}))
+    {'operation.cycles': (2, 4)}
+    """
+    if isinstance(first, Case) and isinstance(second, Case):
+        return first.diff(second)
+    if isinstance(first, Solution) and isinstance(second, Solution):
+        one, other = first.quantities, second.quantities
+        return {
+            name: (one.get(name), other.get(name))
+            for name in dict.fromkeys([*one, *other])
+            if one.get(name) != other.get(name)
+        }
+    raise InputError("two cases or two solutions are compared; give two of a kind")
+
+
+def map(
+    function: Callable[[Any], Result],
+    designs: Iterable[Any],
+    workers: int | None = None,
+    progress: Callable[[int, int], None] | None = None,
+) -> tuple[Result, ...]:
+    """A function of every design, in their order, over processes; functions of a notebook's cell
+    too.
+
+    Parameters
+    ----------
+    function : of one design; what it uses travels with it
+    designs : what the function takes, one after the other
+    workers : processes; None for one per core, 1 for this process
+    progress : called as ``progress(done, total)`` after each design
+
+    Returns
+    -------
+    tuple of the results, one per design
+
+    Raises
+    ------
+    InputError : a function or result that cannot be sent to another process; what the function raises
+
+    Examples
+    --------
+    >>> import valvetrain as vt
+    >>> vt.map(lambda rate: 2 * rate, [1.0, 2.0], workers=1)
+    (2.0, 4.0)
+    """
+    from valvetrain.runs.workers import map_cases
+
+    items = tuple(designs)
+    return map_cases(function if workers == 1 else _Sent(function), items, workers, progress)
+
+
+class _Sent:
+    """A function that is sent to other processes by its content, not by its name."""
+
+    def __init__(self, function: Callable[[Any], Any]) -> None:
+        try:
+            import cloudpickle
+        except ImportError:
+            raise MissingExtraError(
+                "a function of a notebook needs cloudpickle to run in other processes; install it, or take workers=1"
+            ) from None
+        try:
+            self.content: bytes = cloudpickle.dumps(function)
+        except Exception as error:
+            raise InputError(
+                f"the function cannot be sent to other processes ({error}); leave out what it holds open, or take workers=1"
+            ) from error
+
+    def __call__(self, design: Any) -> Any:
+        if "function" not in self.__dict__:
+            self.function = pickle.loads(self.content)
+        return self.function(design)
+
+    def __getstate__(self) -> dict[str, bytes]:
+        return {"content": self.content}

@@ -1,0 +1,275 @@
+"""A spring, a train and a lift made in Python: tables with the keys of a case file."""
+
+from __future__ import annotations
+
+import copy
+import math
+from collections.abc import Callable, Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from valvetrain.errors import InputError
+from valvetrain.units import Given, PlainInteger, PlainNumber
+from valvetrain.units.text import clipped
+
+if TYPE_CHECKING:
+    from valvetrain.parameters.case import Case as Parameters
+    from valvetrain.parameters.installed_spring import InstalledSpring
+    from valvetrain.solution.result import Solution
+    from valvetrain.solution.static import StaticCurve
+
+TURN = 2 * math.pi
+#: Cam angle between the stations of a lift given as a function (rad).
+LIFT_STEP = math.radians(0.25)
+Lift = Callable[[float], float] | Mapping[str, Any] | Sequence[Any]
+
+
+def as_table(value: Any) -> Any:
+    """A value of Python as the tree of a case file holds it: numbers are SI, quantities of a units
+    library become text, arrays lists, springs and trains their tables.
+    """
+    if isinstance(value, (Spring, Train)):
+        return copy.deepcopy(value.table)
+    if hasattr(value, "to_base_units"):  # pint and what speaks as it does
+        return _quantity_text(value)
+    if isinstance(value, np.ndarray):
+        value = value.tolist()
+    elif isinstance(value, np.generic):
+        value = value.item()
+    if isinstance(value, Mapping):
+        return {str(key): as_table(item) for key, item in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [as_table(item) for item in value]
+    if isinstance(value, (bool, str)):
+        return value
+    if isinstance(value, int):
+        return PlainInteger(value)
+    if isinstance(value, float):
+        return PlainNumber(value)
+    raise InputError(
+        f"{clipped(repr(value))} is no value of a case; give text with a unit, an SI number, a list or a table"
+    )
+
+
+def _quantity_text(value: Any) -> Any:
+    magnitude = value.magnitude
+    if getattr(magnitude, "shape", ()) != ():
+        return [_quantity_text(item) for item in value]
+    return f"{float(magnitude)!r} {value.units}".strip()
+
+
+def lift_table(law: Lift) -> dict[str, Any]:
+    """The ``[lift_law]`` table of a lift: such a table, a function of the cam angle (rad) that
+    gives the lift (m), or two rows of cam angles (rad) and lifts (m).
+
+    A function is taken at every quarter of a degree of its event; a spline of degree 5 goes
+    through these stations and gives the derivatives.
+    """
+    if isinstance(law, Mapping):
+        return dict(as_table(law))
+    if callable(law):
+        angles, lifts = _stations(law)
+    else:
+        try:
+            angles, lifts = (np.asarray(row, dtype=float) for row in law)
+        except (TypeError, ValueError):
+            raise InputError(
+                "a lift is a table, a function of the cam angle, or cam angles (rad) and lifts (m)",
+                "lift_law",
+            ) from None
+    return {
+        "kind": "spline",
+        "cam_angles": as_table(angles),
+        "lifts": as_table(lifts),
+    }
+
+
+def _stations(function: Callable[[float], float]) -> tuple[np.ndarray, np.ndarray]:
+    """Stations over the event of a lift function, from where it leaves zero to where it meets it."""
+
+    def lift(angle: float) -> float:
+        return float(function(angle % TURN))
+
+    grid = np.arange(0.0, TURN, LIFT_STEP)
+    try:
+        lifts = np.array([lift(angle) for angle in grid])
+    except (TypeError, ValueError) as error:
+        raise InputError(
+            f"the lift function fails ({error}); it takes a cam angle (rad) and gives a lift (m)",
+            "lift_law",
+        ) from error
+    if not np.all(np.isfinite(lifts)) or lifts.min() < -1e-9 or not lifts.max() > 0:
+        raise InputError(
+            "the lift function gives no finite lift of zero or more that rises somewhere; correct it",
+            "lift_law",
+        )
+    if lifts.max() > 0.1:
+        raise InputError(
+            f"the lift function gives up to {lifts.max():.4g} m; it takes radians and gives metres",
+            "lift_law",
+        )
+    closed = np.flatnonzero(lifts <= 1e-12 * lifts.max())
+    if not len(closed):
+        raise InputError(
+            "the lift function never gives zero; a valve is closed somewhere in the revolution",
+            "lift_law",
+        )
+    # The longest closed part bounds the event.
+    gaps = np.diff(np.append(closed, closed[0] + len(grid)))
+    last = int(np.argmax(gaps))
+    start, end = grid[closed[last]], grid[closed[last]] + gaps[last] * LIFT_STEP
+    end = min(end, start + TURN)
+    begin = _edge(lift, start, start + LIFT_STEP)
+    finish = _edge(lift, end, end - LIFT_STEP)
+    count = max(math.ceil((finish - begin) / LIFT_STEP), 8)
+    angles = np.linspace(begin, finish, count + 1)
+    values = np.array([max(lift(angle), 0.0) for angle in angles])
+    values[[0, -1]] = 0.0
+    return angles, values
+
+
+def _edge(lift: Callable[[float], float], closed: float, opened: float) -> float:
+    """The cam angle at which a lift leaves zero, by bisection."""
+    if lift(opened) <= 0:
+        return opened
+    for _ in range(50):
+        middle = 0.5 * (closed + opened)
+        closed, opened = (closed, middle) if lift(middle) > 0 else (middle, opened)
+    return closed
+
+
+def one_run(
+    case: Parameters, engine_speed: Any, model: str, spring_set: str = "", **options: Any
+) -> Solution:
+    """The only run of a request. Raises :class:`InputError` where there are several."""
+    from valvetrain.runs.api import simulate
+
+    found = simulate(case, engine_speed, spring_models=model, spring_sets=spring_set, **options)
+    if len(found.solutions) != 1:
+        runs = ", ".join(found.labels)
+        raise InputError(
+            f"these are {len(found.solutions)} runs ({runs}, {len(found.engine_speeds)} engine speeds); name one speed and one model, or use "
+            "compare or sweep",
+            case.name,
+        )
+    return found.solutions[0]
+
+
+class Spring:
+    """A valve spring as installed, by its wire or by its card, with the keys of ``[spring]`` in a
+    case file (docs/case-files.md).
+
+    Parameters
+    ----------
+    table : keys of the spring: text with a unit, an SI number, a pint quantity; a table is a dict
+
+    Raises
+    ------
+    InputError : a key that a spring does not have, with the nearest one; what contradicts itself
+
+    Examples
+    --------
+    >>> import valvetrain as vt
+    >>> spring = vt.Spring(
+    ...     wire_diameter="3.8 mm", mean_diameter=0.022, total_coils=7, pitch="7 mm",
+    ...     material="EN 10270-2 VDSiCr", installed_height="36 mm"
+    ... )
+    >>> round(spring.static().force_at("5 mm"))
+    188
+    """
+
+    def __init__(self, **table: Any) -> None:
+        self.table: dict[str, Any] = as_table(table)
+        from valvetrain.parameters.loading import case_of_tree
+
+        self._case = case_of_tree({"spring": self.table}, "spring", where="vt.Spring")
+
+    @property
+    def parameters(self) -> InstalledSpring:
+        """The frozen spring in SI."""
+        return self._case.springs[0]
+
+    def static(self, largest_compression: Given | None = None, **options: Any) -> StaticCurve:
+        """Force over compression from the free state; options as for
+        :func:`valvetrain.static_curve`.
+        """
+        from valvetrain.runs.api import static_curve
+
+        return static_curve(self.parameters, largest_compression, **options)
+
+    def frequencies(self, model: str = "finite-element", count: int = 12) -> np.ndarray:
+        """Axial natural frequencies (Hz) as installed, both ends fixed, by a spring ``model``."""
+        from valvetrain.runs.statics import axial_frequencies
+        from valvetrain.springs.finite_element import FiniteElementRod
+        from valvetrain.springs.spec import spring_model
+
+        spec = spring_model(model, "model")
+        if reason := spec.why_not(self.parameters):
+            raise InputError(reason, "model")
+        built = spec.build(self.parameters, None)
+        if isinstance(built, FiniteElementRod):
+            return built.modes(2 * count).axial_frequencies[:count]
+        return axial_frequencies(built, count)
+
+    def run(
+        self, engine_speed: Any, lift_law: Lift, model: str = "finite-element", **options: Any
+    ) -> Solution:
+        """The spring under a lift of its retainer, by one spring ``model``; ``lift_law`` and options as
+        for :class:`valvetrain.Case` and its ``run``.
+        """
+        from valvetrain.parameters.loading import case_of_tree
+
+        tree = {"spring": self.table, "lift_law": lift_table(lift_law)}
+        return one_run(
+            case_of_tree(tree, "spring", where="vt.Spring"), engine_speed, model, **options
+        )
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Spring) and self.parameters == other.parameters
+
+    __hash__ = None  # type: ignore[assignment]
+
+    def __repr__(self) -> str:
+        keys = ", ".join(f"{key}={value!r}" for key, value in self.table.items())
+        return f"Spring({keys})"
+
+
+class Train:
+    """A valvetrain with the keys of ``[train]`` in a case file.
+
+    Parameters
+    ----------
+    kind : name of the kind of train, such as ``"direct"``, ``"finger"``, ``"pushrod"``
+    springs : one spring, several that are nested (outer first), or a dict of such sets by name
+    table : keys of the train: dicts of ``cam``, ``valve`` and other parts, ``lash`` and so on
+
+    Examples
+    --------
+    >>> import valvetrain as vt
+    >>> train = vt.Train(**vt.Case("tdi-pushrod").tree["train"])
+    >>> train.table["kind"]
+    'pushrod'
+    """
+
+    def __init__(
+        self,
+        kind: str,
+        *,
+        springs: Spring | Sequence[Spring] | Mapping[str, Any],
+        **table: Any,
+    ) -> None:
+        sets = springs if isinstance(springs, Mapping) else {"main": springs}
+        self.table: dict[str, Any] = {
+            "kind": kind,
+            **as_table(table),
+            "springs": {
+                name: [
+                    as_table(one) for one in (item if isinstance(item, (list, tuple)) else [item])
+                ]
+                for name, item in sets.items()
+            },
+        }
+
+    def __repr__(self) -> str:
+        return f"Train({self.table['kind']!r}, {', '.join(key for key in self.table if key != 'kind')})"

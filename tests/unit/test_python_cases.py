@@ -1,0 +1,253 @@
+"""Cases, springs and trains as objects: identity by content, one language of paths, the numbers of
+the command line.
+"""
+
+from __future__ import annotations
+
+import json
+import threading
+import tomllib
+
+import numpy as np
+import pint
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+import valvetrain as vt
+from unit.cli_parts import call
+
+UNITS = pint.UnitRegistry()
+WIRE = {
+    "wire_diameter": "3.8 mm", "mean_diameter": "22 mm", "total_coils": 7, "pitch": "7 mm", "material": "EN 10270-2 VDSiCr",
+    "installed_height": "36 mm",
+}  # fmt: skip
+
+
+def lift_of(peak):
+    """A smooth lift (m) of the cam angle (rad), zero but for 63 degrees either side of 180."""
+    return lambda cam_angle: peak * max(0.0, 1 - ((cam_angle - np.pi) / 1.1) ** 2) ** 4
+
+
+def test_one_content_is_one_case_whatever_said_it(tmp_path):
+    """Contract: equality and digest by content, not by text."""
+    case = vt.Case("gu2021-beehive")
+    path = case.save(tmp_path / "mine.toml")
+    same = [vt.Case(path), vt.Case(case.text), vt.Case(case.tree), vt.Case(case), vt.load(path)]
+    assert [one.digest for one in same] == [case.digest] * len(same)
+    assert all(one == case for one in same)
+    assert len({*same, case}) == 1
+
+
+@pytest.mark.parametrize(
+    "value", ["3.9 mm", 0.0039, np.float64(0.0039), 3.9 * UNITS.mm, "0.39 cm"], ids=repr
+)
+@pytest.mark.parametrize("path", ["spring.wire_diameter", "springs.0.wire.wire_diameter"])
+def test_one_language_of_paths_and_units(path, value):
+    """Contract: the path of the file and of the object, SI, text and quantity are one change."""
+    changed = vt.Case("job-t").set({path: value})
+    assert changed == vt.Case("job-t").set({"spring.wire_diameter": "3.9 mm"}) != vt.Case("job-t")
+    assert tomllib.loads(changed.text)["spring"]["wire_diameter"]["value"].endswith(("m", "meter"))
+
+
+@settings(max_examples=20, deadline=None)
+@given(
+    diameter=st.floats(3e-3, 4.2e-3), pitch=st.floats(6.8e-3, 8e-3), speed=st.floats(50.0, 900.0)
+)
+def test_what_is_saved_is_read_again(tmp_path_factory, diameter, pitch, speed):
+    """Property: any number given in Python comes back from the file, and every bit counts to 12
+    digits.
+    """
+    spring = vt.Spring(**WIRE | {"wire_diameter": diameter, "pitch": pitch})
+    case = vt.Case(spring=spring, lift_law=lift_of(8e-3), engine_speeds=speed)
+    again = vt.load(case.save(tmp_path_factory.mktemp("case") / "own.toml"))
+    assert again == case and again.parameters.operation.engine_speeds == (speed,)
+    assert case.set({"spring.wire_diameter": diameter * (1 + 1e-9)}) != case
+
+
+def test_different_lifts_are_different_cases():
+    """Two tables that numpy prints alike were one case once."""
+    cases = [vt.Case(spring=vt.Spring(**WIRE), lift_law=lift_of(peak)) for peak in (8e-3, 8.017e-3)]
+    assert cases[0] != cases[1] and cases[0].digest != cases[1].digest
+
+
+def test_a_report_of_a_case_made_in_python_lists_its_inputs(tmp_path):
+    case = vt.Case(spring=vt.Spring(**WIRE), lift_law=lift_of(8e-3), name="own")
+    page = case.report(tmp_path, "4000 rpm", spring_models="massless").page.read_text()
+    assert "wire_diameter" in page and "3.8 mm" in page
+
+
+def test_a_changed_case_has_the_text_of_the_change():
+    changed = vt.Case("job-t").set({"spring.wire_diameter": "3.9 mm"}, title="Thinner wire")
+    assert "3.9 mm" in changed.text and "4.0 mm" not in changed.text
+    found = vt.Case("job-t").diff(changed)
+    assert "title" in found and any(
+        path.startswith("springs.0.wire.wire_diameter") for path in found
+    )
+
+
+def test_a_spring_alone_gives_the_closed_form():
+    """Closed form: rate G d^4 / (8 D^3 n), first surge frequency of a uniform spring
+    d / (2 pi D^2 n) sqrt(G / (2 rho)), of a spring whose end turns are open.
+    """
+    shear_modulus, density, wire, mean, coils = 79e9, 7850.0, 4e-3, 30e-3, 8
+    material = {
+        "name": "steel",
+        "youngs_modulus": 206e9,
+        "shear_modulus": shear_modulus,
+        "density": density,
+    }
+    spring = vt.Spring(
+        wire_diameter=wire, mean_diameter=mean, total_coils=coils, ends="open", pitch=8e-3, material=material, precompression=5e-3,
+        seats="clamps",
+    )  # fmt: skip
+    rate = shear_modulus * wire**4 / (8 * mean**3 * coils)
+    assert spring.static(spring_model="multi-mass").force_at(8e-3) == pytest.approx(
+        8e-3 * rate, rel=0.03
+    )
+    first = wire / (2 * np.pi * mean**2 * coils) * np.sqrt(shear_modulus / (2 * density))
+    assert spring.frequencies("modal-uniform", 1)[0] == pytest.approx(first, rel=0.03)
+
+
+def test_a_lift_that_is_a_function_moves_as_the_law_of_the_library():
+    """Twin: the sine to the fourth power of job-t, as a function of the cam angle."""
+    case = vt.Case("job-t")
+    low, high = np.radians([127.0, 233.0])
+
+    def lift(cam_angle):
+        inside = low < cam_angle < high
+        return 10e-3 * np.sin(np.pi * (cam_angle - low) / (high - low)) ** 4 if inside else 0.0
+
+    own = case.set(lift_law=lift)
+    for name in ("peak_spring_force", "minimum_spring_force"):
+        one, other = (
+            item.run("4000 rpm", model="multi-mass").quantities[name] for item in (case, own)
+        )
+        assert other == pytest.approx(one, rel=1e-5)
+
+
+@pytest.mark.parametrize(
+    ("lift", "sentence"),
+    [
+        (lambda cam_angle: 9.0 * (cam_angle > 3), "metres"),
+        (lambda cam_angle: 1e-3, "closed somewhere"),
+        (lambda cam_angle: "high", "lift function fails"),
+        (7, "cam angles"),
+    ],
+)
+def test_a_lift_that_is_none_is_refused(lift, sentence):
+    with pytest.raises(vt.InputError, match=sentence):
+        vt.Case(spring=vt.Spring(**WIRE), lift_law=lift)
+
+
+def test_a_train_from_parts_is_the_train_of_the_file():
+    whole = vt.Case("tdi-pushrod")
+    parts = dict(whole.tree["train"])
+    kind, springs = parts.pop("kind"), parts.pop("springs")
+    case = vt.Case(
+        train=vt.Train(kind, springs=springs, **parts),
+        lift_law=whole.tree["lift_law"],
+        engine_speeds="3000 rpm",
+    )
+    options = {"model": "massless", "spring_set": "stock"}
+    one, other = (item.run("3000 rpm", **options) for item in (whole, case))
+    assert vt.diff(one, other) == {} and one.quantities["peak_spring_force"] > 0
+
+
+def test_python_and_the_command_give_the_same_numbers(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    case = vt.Case("job-t").set({"spring.pitch": "7.4 mm"})
+    case.save("own.toml")
+    words = ("run", "own.toml", "--spring", "multi-mass", "--engine-speed", "5000 rpm", "--json")
+    answer = json.loads(call(*words).stdout)
+    found = {name: one["value"] for name, one in answer["runs"][0]["quantities"].items()}
+    run = case.run("5000 rpm", model="multi-mass")
+    assert {name: run.quantities[name] for name in found} == found
+
+
+def test_a_study_computes_what_was_requested_and_nothing_else():
+    """Twin: each point is the run of the changed case."""
+    table = vt.Case("job-t").study(
+        {"spring.pitch": vt.Uniform("7.2 mm", "7.8 mm")}, "peak_spring_force", count=3, engine_speeds="4000 rpm", models="massless",
+        workers=1,
+    )  # fmt: skip
+    assert [
+        name for name in table.to_xarray().data_vars if "force" in name or "preload" in name
+    ] == ["peak_spring_force"]
+    for pitch, force in zip(
+        table.column("spring.pitch"), table.column("peak_spring_force"), strict=True
+    ):
+        run = vt.Case("job-t").set({"spring.pitch": float(pitch)}).run("4000 rpm", model="massless")
+        assert force == pytest.approx(run.quantities["peak_spring_force"], rel=1e-12)
+
+
+def test_an_unknown_is_found_again():
+    """Recovery: the precompression that made the measured preload."""
+    case, options = vt.Case("job-t"), {"engine_speeds": "4000 rpm", "models": "multi-mass"}
+    true = case.set({"spring.precompression": "7.3 mm"}).run("4000 rpm", model="multi-mass")
+    measured = {"peak_spring_force": (true.quantities["peak_spring_force"], 0.5)}
+    found = case.identify(
+        {"spring.precompression": ("6 mm", "8 mm")}, measured, workers=1, **options
+    )
+    assert found.best["spring.precompression"] == pytest.approx(7.3e-3, rel=1e-3)
+
+
+def test_starts_that_cannot_be_computed_say_why():
+    with pytest.raises(vt.InputError, match="a damping ratio holds at one frequency"):
+        vt.Case("job-t").identify(
+            {"spring.damping.ratio": (0.002, 0.1)}, {"peak_spring_force": ("560 N", "5 N")}, engine_speeds="4000 rpm", models="massless",
+            workers=1,
+        )  # fmt: skip
+
+
+def test_a_function_of_a_cell_runs_in_workers():
+    """Same bits for one process and for two, of a function that no module holds."""
+    base, factor = vt.Case("job-t"), 1.5
+
+    def force(pitch):
+        run = base.set({"spring.pitch": pitch}).run("3000 rpm", model="massless")
+        return factor * run.quantities["peak_spring_force"]
+
+    designs = ["7.2 mm", "7.4 mm", "7.6 mm"]
+    assert vt.map(force, designs, workers=2) == vt.map(force, designs, workers=1)
+    with pytest.raises(vt.InputError, match="cannot be sent"):
+        lock = threading.Lock()
+        vt.map(lambda one: lock.locked(), [1, 2], workers=2)
+
+
+def test_wrong_names_are_answered_with_the_nearest():
+    case = vt.Case("job-t")
+    sweep = case.sweep("2000:3000:1000 rpm", "multi-mass", workers=1)
+    run = case.run("2000 rpm", model="multi-mass")
+    for wrong, right in (
+        (lambda: sweep.series("multi-mass", "peak_spring_forse"), "peak_spring_force"),
+        (lambda: sweep.series("multimass", "peak_spring_force"), "multi-mass"),
+        (lambda: run.quantities["peak_spring_forse"], "peak_spring_force"),
+        (lambda: sweep.quantities["prelaod"], "preload"),
+        (lambda: run["seat_forse"], "seat_force"),
+        (lambda: case.set({"spring.wire_diametre": 0.004}), "wire_diameter"),
+        (lambda: case.run("2000 rpm", model="multi-masses"), "multi-mass"),
+        (lambda: vt.Spring(wire_diametre=0.004), "wire_diameter"),
+    ):
+        with pytest.raises(vt.InputError, match=right):
+            wrong()
+    assert run.quantities.get("nothing") is None and "nothing" not in run.quantities
+
+
+def test_one_model_may_be_named_by_a_text():
+    one, other = (
+        vt.simulate("job-t", "2000 rpm", spring_models=models)
+        for models in ("massless", ["massless"])
+    )
+    assert vt.diff(one.solutions[0], other.solutions[0]) == {}
+
+
+def test_several_runs_are_not_one():
+    with pytest.raises(vt.InputError, match="name one speed and one model"):
+        vt.Case("gu2021-beehive").run(model="massless")
+
+
+def test_a_case_shows_itself_in_a_few_lines():
+    case = vt.Case("tdi-pushrod")
+    assert len(repr(case).splitlines()) <= 6 and "pushrod" in repr(case)
+    assert "<pre>" in case._repr_html_()
