@@ -13,6 +13,7 @@ import valvetrain
 
 #: Folder -> heading of its page, in the order of reading: what one begins with first.
 FOLDERS = {
+    "api": "Cases, springs and trains as objects",
     "runs": "Runs",
     "parameters": "Springs, materials and cases",
     "springs": "Spring models",

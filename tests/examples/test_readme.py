@@ -20,9 +20,11 @@ README = (ROOT / "README.md").read_text(encoding="utf-8")
 BLOCK = re.compile(
     r"^```python\n(?P<code>.*?)^```\n(?:\n```text\n(?P<printed>.*?)^```)?", re.MULTILINE | re.DOTALL
 )
-NAMES = (ROOT / "docs" / "public-names.md").read_text(encoding="utf-8")
+PAGES = [
+    (ROOT / "docs" / page).read_text(encoding="utf-8") for page in ("public-names.md", "python.md")
+]
 EXAMPLES = [
-    (match["code"], match["printed"]) for text in (README, NAMES) for match in BLOCK.finditer(text)
+    (match["code"], match["printed"]) for text in (README, *PAGES) for match in BLOCK.finditer(text)
 ]
 
 
@@ -40,7 +42,7 @@ def test_the_readme_has_an_example_with_its_output():
 
 
 def test_the_page_of_public_names_lists_every_one():
-    names = set(re.findall(r"`(\w+)`", NAMES))
+    names = set(re.findall(r"`(\w+)`", PAGES[0]))
     assert not set(valvetrain.__all__) - {"__version__"} - names
 
 
@@ -53,7 +55,7 @@ def test_the_readme_is_read_in_two_minutes():
 
 
 def test_the_table_of_spring_models_is_the_one_of_the_registry():
-    assert write_pages.models_table() in NAMES
+    assert write_pages.models_table() in PAGES[0]
 
 
 def test_the_picture_stands_in_the_repository():

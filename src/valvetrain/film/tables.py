@@ -1,6 +1,7 @@
 """Tables of a film: one list of columns each, which terminal, page, CSV and JSON read.
 
-A column more is one entry of :data:`PEAK_COLUMNS` or :data:`LINE_COLUMNS`.
+A column more is one entry of :data:`PEAK_COLUMNS` or :data:`LINE_COLUMNS`; what it needs of other rows
+is a field more of the row, filled in where rows are made.
 """
 
 from __future__ import annotations
