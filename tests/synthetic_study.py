@@ -212,6 +212,7 @@ def record(**more) -> CaseRecord:
         values=values,
         citations=CITED,
         text='name = "own"\n',
+        digest="0123456789abcdef",
     )
     return replace(made, **more)
 

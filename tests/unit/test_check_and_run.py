@@ -155,4 +155,4 @@ def test_what_a_spring_model_that_is_asked_for_refuses_is_told(model):
         InputError, match="would take them days" if model == "solid" else "'nosuch' is unknown"
     ) as refused:
         put_together(case, (model,))
-    assert refused.value.where == "--spring"
+    assert refused.value.where == "spring_models"

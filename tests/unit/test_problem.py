@@ -135,7 +135,7 @@ def test_a_problem_travels_between_processes(name):
 #: Who may take a case: what loads it, what builds from it, and the entries of studies, commands and
 #: figures of a case.
 MAY_SEE_A_CASE = (
-    "parameters", "cli", "system/build.py", "runs", "explore", "workbench", "lift", "film", "rig", "scan", "compare_test",
+    "parameters", "cli", "api", "system/build.py", "runs", "explore", "workbench", "lift", "film", "rig", "scan", "compare_test",
 )  # fmt: skip
 
 

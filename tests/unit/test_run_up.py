@@ -183,7 +183,7 @@ def test_a_model_that_cannot_run_floats_at_no_speed():
 def test_where_no_model_can_run_the_reason_of_the_first_is_the_refusal():
     with pytest.raises(
         InputError,
-        match=r"^--spring: spring 'stock' is known by its card only; a rod with clash needs the coil gaps",
+        match=r"^spring_models: spring 'stock' is known by its card only; a rod with clash needs the coil gaps",
     ):
         vt.run_up(
             "tdi-pushrod",

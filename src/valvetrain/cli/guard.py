@@ -28,6 +28,8 @@ from valvetrain.solution.partial_failures import TRACEBACK_VARIABLE
 
 WRONG_INPUT, FAILED, INTERRUPTED = 2, 1, 130
 INTERRUPTED_SENTENCE = "interrupted: nothing more is written; start the command again to repeat it"
+#: Arguments of functions, which errors name, -> options of commands.
+OPTION_OF = {"spring_models": "--spring", "spring_sets": "--spring-set", "workers": "--workers"}
 #: The sentence on what an interrupted command saved, once it is printed.
 _reported: list[str] = []
 
@@ -99,7 +101,7 @@ def interrupted(sentence: str = INTERRUPTED_SENTENCE) -> int:
 
 def _report(error: Exception) -> int:
     if isinstance(error, InputError):
-        return _say(error.reason, WRONG_INPUT, error.where)
+        return _say(error.reason, WRONG_INPUT, OPTION_OF.get(error.where, error.where))
     if isinstance(error, MissingExtraError):
         return _say(str(error), WRONG_INPUT)
     if isinstance(error, RunFailedError):

@@ -215,7 +215,7 @@ def identify_request(
     """
     count = available_cores() if workers is None else workers
     if count < 1:
-        raise InputError(f"workers must be 1 or more; it is {count}", "--workers")
+        raise InputError(f"workers must be 1 or more; it is {count}", "workers")
     with (
         Store(folder, f"{request.identity} {versions_digest()}") as journal,
         evaluators_of(request, count) as (evaluate, compare),

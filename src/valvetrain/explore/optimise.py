@@ -105,7 +105,7 @@ def run_search(
     what was finished when it is stopped.
     """
     if workers < 1:
-        raise InputError(f"workers must be 1 or more; it is {workers}", "--workers")
+        raise InputError(f"workers must be 1 or more; it is {workers}", "workers")
     refuse_cost(estimate_search(plan, workers).cost, limits, fewer=FEWER)
     for seed in _seeds(plan):
         searcher_of(

@@ -153,7 +153,7 @@ def run_plan(
     """The table of a plan with what its kind adds: Sobol indices, surrogates."""
     count = available_cores() if workers is None else workers
     if count < 1:
-        raise InputError(f"workers must be 1 or more; it is {count}", "--workers")
+        raise InputError(f"workers must be 1 or more; it is {count}", "workers")
     place = None if folder is None else Path(folder)
     return analysed(run_points(plan, executor_for(count, dask), place, limits, progress))
 

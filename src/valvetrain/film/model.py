@@ -195,7 +195,7 @@ def _moved(run: Solution, spring: str, part: InstalledSpring) -> tuple[Array, Ar
     if coil is None:
         raise InputError(
             f"the model {run.model} has no displacement of coils; choose one such as multi-mass or finite-element",
-            "--spring",
+            "spring_models",
         )
     if np.max(coil) <= 1 + 1e-9:  # models of a uniform bar count the share of the compliance passed
         if part.wire is None:

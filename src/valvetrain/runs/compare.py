@@ -78,12 +78,12 @@ def compare_study(
     chosen = tuple(dict.fromkeys(spring_models)) or _default_models(
         case.springs, case.train is not None
     )
-    moving = tuple(word for word in chosen if not spring_model(word, "--spring").no_motion)
+    moving = tuple(word for word in chosen if not spring_model(word, "spring_models").no_motion)
     problem = build(case, spring_models=moving or ("finite-element",), spring_sets=spring_sets)
     if problem.kind == TRAIN and len(moving) < len(chosen):
         raise InputError(
             f"solid finite elements serve a spring alone, and case '{case.name}' is a train; leave solid out",
-            "--spring",
+            "spring_models",
         )
     speeds = (
         (problem.engine_speeds if engine_speeds is None else tuple(engine_speeds)) if moving else ()

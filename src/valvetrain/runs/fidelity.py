@@ -151,12 +151,12 @@ def fidelity_models(
     if case.train is None and spring_set:
         raise InputError(
             f"case '{case.name}' is a spring alone and has no spring sets; leave them out",
-            "--spring-set",
+            "spring_sets",
         )
     if case.train is not None and spring_set and spring_set not in case.train.springs:
         raise InputError(
             f"there is no spring set '{spring_set[:40]}'; use one of {', '.join(case.train.springs)}",
-            "--spring-set",
+            "spring_sets",
         )
     springs = case.springs
     if case.train is not None:
@@ -182,14 +182,14 @@ def fidelity_models(
         name for name in specs if not refusal(name) and name != assumed
     )
     for name in chosen:
-        spring_model(name, "--spring")
+        spring_model(name, "spring_models")
         if why := refusal(name):
-            raise InputError(f"{why}; leave {name} out", "--spring")
+            raise InputError(f"{why}; leave {name} out", "spring_models")
     judged = sorted(
         (name for name in chosen if name != best), key=lambda name: specs[name].processor_time
     )
     if not judged:
-        raise InputError("there is no model but the reference; name one more", "--spring")
+        raise InputError("there is no model but the reference; name one more", "spring_models")
     return (*judged, best)
 
 

@@ -287,7 +287,7 @@ def spring_cost(
     from valvetrain.runs.statics import APPROACH, BEYOND
 
     path = APPROACH + BEYOND + 1
-    spec = spring_model(model, "--spring")
+    spec = spring_model(model, "spring_models")
     steps = min(steps, MAX_COUNTED)
     total = Cost(OVERHEAD + OUTPUT * steps, OUTPUT_BYTES * steps)
     if spec.no_motion or spec.why_not(spring):

@@ -105,18 +105,20 @@ def static_study(
         models = tuple(spring_models) or (default_model(spring),)
         rod_result = None
         for name in models:
-            spec = spring_model(name, "--spring")
+            spec = spring_model(name, "spring_models")
             if reason := spec.why_not(spring):
-                raise InputError(reason, "--spring")
+                raise InputError(reason, "spring_models")
             if spec.no_motion:
                 remedy = f"its curve and modes are compared with the rod's by 'valvetrain compare CASE --spring {WIRE},{name}'"
-                raise InputError(f"{name} finite elements are run by compare: {remedy}", "--spring")
+                raise InputError(
+                    f"{name} finite elements are run by compare: {remedy}", "spring_models"
+                )
             if spec.needs_rest and rod_result is None:
                 rod_result = _by_rod(problem.model_of(WIRE, spring), end, None, max(modes, 8))
             if attached_mass is not None and name != WIRE:
                 raise InputError(
                     f"modes with a mass on the retainer are those of {WIRE}; leave {name} out",
-                    "--spring",
+                    "spring_models",
                 )
             model = problem.model_of(name, spring, rod_result)
             one = (

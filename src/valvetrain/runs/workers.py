@@ -404,7 +404,7 @@ def worker_count(workers: int | None) -> int:
         return available_cores()
     if not (isinstance(workers, Integral) and workers >= 1):
         raise InputError(
-            f"workers must be 1 or more, a whole number; it is {str(workers)[:40]}", "--workers"
+            f"workers must be 1 or more, a whole number; it is {str(workers)[:40]}", "workers"
         )
     return int(workers)
 

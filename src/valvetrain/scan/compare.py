@@ -174,7 +174,7 @@ def compare_scan(
     runs = None
     if engine_speeds is not None:
         for word in spring_models:
-            spring_model(word, "--spring")
+            spring_model(word, "spring_models")
         runs = tuple(
             simulate(
                 one,

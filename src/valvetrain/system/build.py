@@ -105,7 +105,7 @@ def _built(case: Case, spring_models: Sequence[str], spring_sets: Sequence[str])
     elif spring_sets:
         raise InputError(
             f"case '{case.name}' is a spring alone and has no spring sets; leave them out",
-            "--spring-set",
+            "spring_sets",
         )
     else:
         members = _spring_members(case, law, specs)

@@ -126,7 +126,7 @@ class Problem:
     def must_run(self) -> None:
         """Raise :class:`InputError` when no member can run in time, with the reason of the first."""
         if self.members and all(member.refusal for member in self.members):
-            raise InputError(self.members[0].refusal, "--spring")
+            raise InputError(self.members[0].refusal, "spring_models")
 
     def only(self, keep: Callable[[Member], bool]) -> tuple[Member, ...]:
         """Members that ``keep`` says."""
