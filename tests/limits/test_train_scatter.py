@@ -31,7 +31,7 @@ def pushrod(lash: str, torque: str = "0.3 N m", model: str = "multi-mass"):
     changes = {
         "0.3 N m": torque,
         'lash = "0 in"': f'lash = "{lash}"',
-        'spring_model = "multi-mass"': f'spring_model = "{model}"',
+        '# spring_model = "modal-uniform"': f'spring_model = "{model}"',
     }
     for old, new in changes.items():
         assert old in text

@@ -119,8 +119,8 @@ WIRE = InstalledSpring(wire=vt.cylindrical("4 mm", "24 mm", "7 mm", 8), precompr
         (CARD, "multi-mass", {"elements": 2}, 5 / 96, 5.0),
         (CARD, "multi-mass", {"elements": 48}, 0.5, 48.0),
         (CARD, "multi-mass", {"elements": 192}, 2.0, 192.0),
-        (WIRE, "modal-uniform", {}, 1.0, 5.0),
-        (WIRE, "modal-uniform", {"modes": 20}, 4.0, 20.0),
+        (WIRE, "modal-uniform", {}, 1.0, 40.0),
+        (WIRE, "modal-uniform", {"modes": 80}, 2.0, 80.0),
         (WIRE, "massless", {}, 1.0, 1.0),
     ],
 )

@@ -32,7 +32,7 @@ def case_facts(case: Case) -> list[tuple[str, str]]:
         facts.append(
             (
                 "train",
-                f"{train.kind}, {train.model} model, {train.spring_model} springs, lash {number(train.lash * 1e3)} mm",
+                f"{train.kind}, {train.model} model, {train.model_of()} springs, lash {number(train.lash * 1e3)} mm",
             )
         )
         facts.append(

@@ -289,7 +289,7 @@ class TrainParameters:
     ``contacts``: law per place: ``cam``, ``valve_tip``, ``seat``, and for pushrods ``tappet`` and
     ``rocker``. ``springs``: sets of springs by name, each a tuple of one or two
     :class:`InstalledSpring` (outer first); ``spring_set`` is the one in use and ``spring_model``
-    the word for its fidelity. ``rubbing``: friction between nested springs. ``variants``: the runs
+    the name of its model, empty for :meth:`model_of` the set. ``rubbing``: friction between nested springs. ``variants``: the runs
     a case asks for (none: one run as it stands). ``gravity``: vector (m/s2). ``cycles``: most cam
     turns run until the motion repeats; None for the default number.
     """
@@ -301,7 +301,7 @@ class TrainParameters:
     contacts: Mapping[str, ContactParameters]
     springs: Mapping[str, tuple[InstalledSpring, ...]] = field(default_factory=FrozenMapping)
     spring_set: str = ""
-    spring_model: str = "multi-mass"
+    spring_model: str = ""
     rubbing: Rubbing = Rubbing()
     lever: LeverParameters | None = None
     pushrod: PushrodParameters | None = None
@@ -336,6 +336,14 @@ class TrainParameters:
     def replace(self, **changes: Any) -> TrainParameters:
         """A copy with the named fields changed."""
         return replace(self, **changes)
+
+    def model_of(self, spring_set: str = "") -> str:
+        """Name of the spring model of a set: the given one, else modes where all its springs are
+        cards, a chain of masses where one is a wire.
+        """
+        springs = self.springs.get(spring_set or self.spring_set or next(iter(self.springs), ""), ())
+        cards = bool(springs) and all(spring.wire is None for spring in springs)
+        return self.spring_model or ("modal-uniform" if cards else "multi-mass")
 
     def contact(self, place: str) -> ContactParameters:
         """The law at one place. Raises :class:`InputError` when the case gives none."""

@@ -262,7 +262,10 @@ class TrainModel(StrictModel):
     contacts: ContactsField
     springs: dict[Name, SpringField]
     spring_set: Name = Field(default="", description="set in use; without it the first")
-    spring_model: str = Field(default="multi-mass", description="word of the spring model")
+    spring_model: str = Field(
+        default="",
+        description="name of the spring model; without it modal-uniform for cards, multi-mass for wires",
+    )
     rubbing: RubbingModel = RubbingModel()
     lash: Length = Field(default=0.0, description="play at the valve")
     gravity: Gravity = Field(default=(0.0, -9.80665), description="vector in the plane of motion")

@@ -103,13 +103,13 @@ def planned(request: Request) -> list[tuple[tuple[str, ...], Sequence[InstalledS
         return [(models or default_models(case.springs), case.springs)]
     train, sets = case.train, case.train.springs
     if request.command == "sweep" and not request.spring_sets:
-        return [(models or (train.spring_model,), springs) for springs in sets.values()]
+        return [(models or (train.model_of(name),), springs) for name, springs in sets.items()]
     if models or request.spring_sets or not train.variants:
         chosen = request.spring_sets or (train.spring_set or next(iter(sets), ""),)
-        return [(models or (train.spring_model,), sets.get(name, ())) for name in chosen]
+        return [(models or (train.model_of(name),), sets.get(name, ())) for name in chosen]
     return [
         (
-            (one.spring_model or train.spring_model,),
+            (one.spring_model or train.model_of(one.spring_set),),
             sets.get(one.spring_set or train.spring_set, ()),
         )
         for one in train.variants

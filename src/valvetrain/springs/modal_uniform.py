@@ -237,19 +237,33 @@ class ModalUniform:
         return max(self.spring.active_mass / 3 - carried, 0.0) + self.spring.inactive_mass
 
 
+#: Modes by default: forces of trains are within 1 % of their limit up to float speed.
+MODES = 40
+
+
 class ModalUniformOptions(SpringOptions):
     """Options of the modal model of a uniform spring."""
 
-    modes: int = Field(default=5, ge=1, le=500, description="natural modes taken along")
+    modes: int = Field(
+        default=MODES,
+        ge=1,
+        le=500,
+        description="natural modes taken along; where it is not given, only those below critical damping",
+    )
 
 
 def _make(
     spring: InstalledSpring, options: ModalUniformOptions, rest: SpringAtRest | None
 ) -> ModalUniform:
-    damping = spring.damping
+    damping, uniform = spring.damping, EquivalentSpring.from_installed(spring)
+    modes = options.modes
+    if "modes" not in options.model_fields_set:
+        circular = 2 * np.pi * uniform.surge_frequency * np.arange(1, MODES + 1)
+        ratios = 0.5 * (damping.mass_damping / circular + damping.stiffness_damping * circular)
+        modes = max(int(np.argmin(np.append(ratios < 0.95, False))), 1)
     return ModalUniform(
-        EquivalentSpring.from_installed(spring),
-        options.modes,
+        uniform,
+        modes,
         mass_damping=damping.mass_damping,
         stiffness_damping=damping.stiffness_damping,
         pulls=spring.pulls,

@@ -169,17 +169,16 @@ def _train_members(
     if case.lift_law is None:
         raise InputError(f"case '{case.name}' holds no lift law; add a [lift_law] table")
     if specs or sets:
-        model_names = [spec.word for spec in specs] or [train.spring_model]
         variants: tuple[TrainVariant, ...] = tuple(
             TrainVariant(
                 f"{chosen}, {word}" if len(sets) > 1 else word if specs else chosen, chosen, word
             )
             for chosen in sets or (train.spring_set,)
-            for word in model_names
+            for word in [spec.word for spec in specs] or [train.model_of(chosen)]
         )
     else:
         variants = train.variants or (
-            TrainVariant(train.spring_model, train.spring_set, train.spring_model),
+            TrainVariant(train.model_of(), train.spring_set, train.model_of()),
         )
     gears: dict[TrainParameters, Gear] = {}
     members: list[Member] = []
@@ -198,7 +197,7 @@ def _train_members(
         gear = gears[bare]
         if sentence := binding_lift(springs, gear.mechanism.kinematics.maximum_lift):
             raise InputError(f"case '{case.name}': {sentence}")
-        model = spring_model(own.spring_model, "train.spring_model")
+        model = spring_model(own.model_of(chosen), "train.spring_model")
         label = _free_label(variant.label, [member.label for member in members])
         members.append(
             Member(
