@@ -223,6 +223,6 @@ def _branches(heights: Array, forces: Array, name: str, notes: list[str]) -> For
 
 
 def _unique(heights: Array, forces: Array) -> tuple[Array, Array]:
-    """Falling heights, the mean force where a height stands more than once."""
-    places, index = np.unique(-heights, return_inverse=True)
+    """Falling heights, the mean force where a height, to a picometre, stands more than once."""
+    places, index = np.unique(np.round(-heights, 12), return_inverse=True)
     return -places, np.bincount(index, forces) / np.bincount(index)

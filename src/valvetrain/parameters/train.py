@@ -341,7 +341,9 @@ class TrainParameters:
         """Name of the spring model of a set: the given one, else modes where all its springs are
         cards, a chain of masses where one is a wire.
         """
-        springs = self.springs.get(spring_set or self.spring_set or next(iter(self.springs), ""), ())
+        springs = self.springs.get(
+            spring_set or self.spring_set or next(iter(self.springs), ""), ()
+        )
         cards = bool(springs) and all(spring.wire is None for spring in springs)
         return self.spring_model or ("modal-uniform" if cards else "multi-mass")
 
