@@ -251,3 +251,28 @@ def test_a_case_shows_itself_in_a_few_lines():
     case = vt.Case("tdi-pushrod")
     assert len(repr(case).splitlines()) <= 6 and "pushrod" in repr(case)
     assert "<pre>" in case._repr_html_()
+
+
+@pytest.mark.parametrize(
+    ("wrong", "sentence"),
+    [
+        (lambda case: vt.Case(5), "is no case"),
+        (lambda case: case.set({"spring.pitch": 4 * UNITS.kg}), "a length is needed"),
+        (lambda case: case.set({"spring.pitch": object()}), "no value of a case"),
+        (lambda case: vt.Uniform("7 mm", "8 kg"), "one dimension"),
+        (lambda case: vt.load("mine.txt"), r"\.toml"),
+        (lambda case: vt.save(case, "mine.nc"), r"\.toml"),
+        (lambda case: vt.diff(case, 3), "two of a kind"),
+        (lambda case: vt.Case(vt.load_case("job-t").replace({"operation.cycles": 3})), "no file"),
+    ],
+)
+def test_wrong_input_is_refused_in_one_sentence(wrong, sentence):
+    with pytest.raises(vt.InputError, match=sentence):
+        wrong(vt.Case("job-t"))
+
+
+def test_a_speed_may_be_a_quantity():
+    case = vt.Case("job-t", engine_speeds=4000 * UNITS.rpm)
+    changed = vt.Case("job-t").set({"operation": {"engine_speeds": [4000 * UNITS.rpm]}})
+    assert case.parameters.operation.engine_speeds == pytest.approx([4000 * np.pi / 30])
+    assert changed.parameters.operation.engine_speeds == pytest.approx([4000 * np.pi / 30])

@@ -16,6 +16,7 @@ from valvetrain.parameters.loading import case_of_tree, load_case, parse_toml
 from valvetrain.parameters.overrides import REMOVED
 from valvetrain.parameters.toml_text import toml_text
 from valvetrain.units import si_speeds
+from valvetrain.units.text import clipped
 
 if TYPE_CHECKING:
     from valvetrain.explore.experiment import Experiment
@@ -312,11 +313,11 @@ class Case:
         """The case file (TOML)."""
         return self.parameters.text or toml_text(self.tree)
 
-    def diff(self, other: Case) -> dict[str, tuple[Any, Any]]:
+    def diff(self, other: Case | Parameters) -> dict[str, tuple[Any, Any]]:
         """Key path -> (value here, value there) of everything that differs; notes on where values
         come from are left out.
         """
-        found = self.parameters.diff(other.parameters)
+        found = self.parameters.diff(other.parameters if isinstance(other, Case) else other)
         return {path: pair for path, pair in found.items() if not path.startswith("notes.")}
 
     def __eq__(self, other: object) -> bool:
@@ -376,6 +377,11 @@ def _tree_of(source: Source | Case | None) -> tuple[dict[str, Any], str, Path]:
                 "vt.Case",
             )
         return tree, case.name, folder
+    if not isinstance(source, (str, os.PathLike)):
+        raise InputError(
+            f"{clipped(repr(source))} is no case; give a name of the library, a path, TOML text or a dict of tables",
+            "vt.Case",
+        )
     case = load_case(source)
     path = Path(source)
     return parse_toml(case.text, case.name), case.name, path.parent if path.is_file() else Path()

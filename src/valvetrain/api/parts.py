@@ -56,7 +56,7 @@ def _quantity_text(value: Any) -> Any:
     magnitude = value.magnitude
     if getattr(magnitude, "shape", ()) != ():
         return [_quantity_text(item) for item in value]
-    return f"{float(magnitude)!r} {value.units}".strip()
+    return f"{float(magnitude)!r} {value.units:~C}".strip()
 
 
 def lift_table(law: Lift) -> dict[str, Any]:

@@ -17,7 +17,8 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.special import ndtr, ndtri
 
 from valvetrain.errors import InputError
-from valvetrain.units import DIMENSIONS, Given, dimension_of, parse_quantity, unit_factor
+from valvetrain.units import DIMENSIONS, Given, dimension_of, unit_factor
+from valvetrain.units.text import split_quantity, to_si
 
 Array = NDArray[np.float64]
 Kind = Literal["uniform", "log-uniform", "normal", "lognormal"]
@@ -209,11 +210,25 @@ class Prior:
         )
 
 
-def _number(value: Any) -> float:
-    """SI number of a plain one, of text with a unit or of a quantity of a units library."""
-    if hasattr(value, "to_base_units"):
-        value = value.to_base_units().magnitude
-    return parse_quantity(value, None) if isinstance(value, str) else float(value)
+def _numbers(*values: Any) -> tuple[float, ...]:
+    """SI numbers of plain ones, of text with a unit or of quantities of a units library; units must
+    agree.
+    """
+    found, dimensions = [], set()
+    for value in values:
+        if hasattr(value, "to_base_units"):
+            value = f"{float(value.magnitude)!r} {value.units:~C}"
+        if isinstance(value, str):
+            number, unit = split_quantity(value, None, "")
+            dimensions.add(dimension_of(unit))
+            found.append(to_si(number, unit, None, value, ""))
+        else:
+            found.append(float(value))
+    if len(dimensions) > 1:
+        raise InputError(
+            f"the numbers of a distribution have one dimension; {', '.join(map(str, values))} have several"
+        )
+    return tuple(found)
 
 
 def Uniform(low: Given, high: Given) -> Prior:
@@ -236,7 +251,8 @@ def Uniform(low: Given, high: Given) -> Prior:
     >>> Uniform(1.0, 3.0).levels(3)
     (1.0, 2.0, 3.0)
     """
-    return Prior("uniform", _number(low), _number(high))
+    least, largest = _numbers(low, high)
+    return Prior("uniform", least, largest)
 
 
 def Normal(
@@ -262,7 +278,9 @@ def Normal(
     >>> round(float(Normal(10.0, 1.0).at(0.975)), 3)
     11.96
     """
-    return Prior("normal", _number(low), _number(high), _number(mean), _number(standard_deviation))
+    ends = [one for one in (low, high) if not (isinstance(one, float) and math.isinf(one))]
+    middle, spread, *_ = _numbers(mean, standard_deviation, *ends)
+    return Prior("normal", _numbers(low)[0], _numbers(high)[0], middle, spread)
 
 
 def LogNormal(median: Given, factor: float) -> Prior:
@@ -289,7 +307,7 @@ def LogNormal(median: Given, factor: float) -> Prior:
     """
     if not (math.isfinite(factor) and factor > 1):
         raise InputError("a lognormal distribution has a finite factor above 1; correct it")
-    return Prior("lognormal", centre=_number(median), spread=math.log(factor))
+    return Prior("lognormal", centre=_numbers(median)[0], spread=math.log(factor))
 
 
 @dataclass(frozen=True)
