@@ -12,7 +12,7 @@ def main() -> None:
         signal.getsignal(signal.SIGINT) is signal.default_int_handler
     ):  # left alone where the parent chose otherwise
         signal.signal(signal.SIGINT, signal.SIG_DFL)
-    # The libraries make hundreds of thousands of objects that stay; looking through them costs a tenth.
+    # The libraries make hundreds of thousands of objects that stay; looking through them takes a twentieth of a run.
     gc.set_threshold(50_000, 20, 50)
     from valvetrain.cli.main import main as command
 

@@ -259,7 +259,29 @@ def test_a_case_shows_itself_in_a_few_lines():
         (lambda case: vt.Case(5), "is no case"),
         (lambda case: case.set({"spring.pitch": 4 * UNITS.kg}), "a length is needed"),
         (lambda case: case.set({"spring.pitch": object()}), "no value of a case"),
-        (lambda case: vt.Uniform("7 mm", "8 kg"), "one dimension"),
+        (lambda case: vt.Uniform("7 mm", "8 kg"), "a length is needed"),
+        (
+            lambda case: case.study({"spring.pitch": vt.Uniform("7 kg", "8 kg")}, "preload"),
+            "dimension mass",
+        ),
+        (
+            lambda case: case.study({"spring.pitch": ["7 kg", "8 kg"]}, "preload", sampling="grid"),
+            "dimension mass",
+        ),
+        (
+            lambda case: case.identify(
+                {"spring.precompression": ("6 mm", "8 mm")}, {"preload": ("280 mm", "1 N")}
+            ),
+            "a force is needed",
+        ),
+        (
+            lambda case: case.study(
+                {"spring.pitch": [7e-3, 8e-3], "spring.wire_diameter": [4e-3]},
+                "preload",
+                sampling="listed",
+            ),
+            "one length",
+        ),
         (lambda case: vt.load("mine.txt"), r"\.toml"),
         (lambda case: vt.save(case, "mine.nc"), r"\.toml"),
         (lambda case: vt.diff(case, 3), "two of a kind"),
@@ -276,3 +298,36 @@ def test_a_speed_may_be_a_quantity():
     changed = vt.Case("job-t").set({"operation": {"engine_speeds": [4000 * UNITS.rpm]}})
     assert case.parameters.operation.engine_speeds == pytest.approx([4000 * np.pi / 30])
     assert changed.parameters.operation.engine_speeds == pytest.approx([4000 * np.pi / 30])
+
+
+def test_listed_designs_are_run_row_by_row():
+    rows = {"spring.pitch": ["7.4 mm", 7.5e-3], "spring.wire_diameter": ["4 mm", "3.9 mm"]}
+    table = vt.Case("job-t").study(rows, "preload", sampling="listed", workers=1)
+    assert table.column("spring.pitch") == pytest.approx([7.4e-3, 7.5e-3])
+    assert table.column("spring.wire_diameter") == pytest.approx([4e-3, 3.9e-3])
+
+
+def bump(cam_angle, centre, peak, half):
+    away = (cam_angle - centre + np.pi) % (2 * np.pi) - np.pi
+    return peak * max(0.0, 1 - (away / half) ** 2) ** 4
+
+
+@pytest.mark.parametrize(
+    "lift",
+    [
+        lambda cam_angle: bump(cam_angle, 0.1, 9e-3, 0.9),
+        lambda cam_angle: bump(cam_angle, 2.0, 9e-3, 0.9) + bump(cam_angle, 4.9, 2e-3, 0.4),
+        lambda cam_angle: bump(cam_angle, 3.0, 9e-3, 2.9),
+    ],
+    ids=["over the zero of the angle", "two events", "almost the whole turn"],
+)
+def test_all_of_a_lift_function_is_in_the_law(lift):
+    """Closed form: the law is the function at every angle, to a hundredth of a micrometre."""
+    case = vt.Case(spring=vt.Spring(**WIRE), lift_law=lift)
+    law, angles = vt.build_lift_law(case.parameters.lift_law), np.linspace(0, 2 * np.pi, 1441)
+    assert law.lift(angles, 0) == pytest.approx([lift(one) for one in angles], abs=1e-8)
+
+
+def test_a_name_is_of_the_case_and_its_file(tmp_path):
+    case = vt.Case(vt.Case("job-t").tree | {"name": "old"}, name="mine")
+    assert case.name == "mine" == vt.load(case.save(tmp_path / "other.toml")).name

@@ -24,6 +24,7 @@ from valvetrain.quantities.cycle import reported_cycle
 from valvetrain.workbench import live, live_worker
 from valvetrain.workbench.live import LiveChain, LiveResult
 from valvetrain.workbench.live_worker import LiveCase
+from valvetrain.workbench.pages.orders import models_for
 from workbench_parts import SMALL, lives, wait_for
 
 
@@ -73,7 +74,7 @@ def test_a_chain_curve_of_the_beehive_takes_less_than_a_tenth_of_a_second():
     the machine may be busy.
     """
     text = (LIBRARY / "gu2021-beehive.toml").read_text("utf-8")
-    case = LiveCase(text, LIBRARY, live.FAST)
+    case = LiveCase(text, LIBRARY, live_worker.CHAIN)
     case.answer({}, "")
     times = []
     for place in range(5):
@@ -118,6 +119,18 @@ def test_of_questions_that_wait_the_last_is_answered_and_nothing_lives_on(monkey
         assert process is not None
     wait_for(lambda: not lives(process.pid))
     assert chain.curve().skipped, "it is closed"
+
+
+def test_a_train_of_cards_has_the_numbers_of_its_run():
+    """Contract: one headline number, whether a slider, the first run of the page or Python asks."""
+    text = (LIBRARY.parents[1] / "templates" / "pushrod.toml").read_text("utf-8")
+    answer = LiveCase(text, LIBRARY, "").answer({}, "6000 rpm")
+    run = vt.Case(text).run("6000 rpm")
+    force = reported_cycle(run).channel("retainer_force")
+    assert answer["model"] == run.model == "modal-uniform"
+    assert answer["quantities"]["largest force"][0] == pytest.approx(force.max(), rel=1e-3)
+    (first,) = (one for one in models_for(parse_case(text)) if one["chosen"])
+    assert first["word"] == run.model
 
 
 def test_a_rod_is_ended_by_cancel(monkeypatch):

@@ -13,9 +13,8 @@ from valvetrain.api.parts import Lift, Spring, Train, as_table, lift_table, one_
 from valvetrain.errors import InputError
 from valvetrain.parameters.case import Case as Parameters
 from valvetrain.parameters.loading import case_of_tree, load_case, parse_toml
-from valvetrain.parameters.overrides import REMOVED
-from valvetrain.parameters.toml_text import toml_text
-from valvetrain.units import si_speeds
+from valvetrain.parameters.overrides import REMOVED, with_values
+from valvetrain.units import numbers_of, si_speeds
 from valvetrain.units.text import clipped
 
 if TYPE_CHECKING:
@@ -24,6 +23,7 @@ if TYPE_CHECKING:
     from valvetrain.explore.optimum import Optimum
     from valvetrain.explore.table import StudyTable
     from valvetrain.report.study import StudyFiles
+    from valvetrain.runs.error_bars import UncertaintyStudy
     from valvetrain.solution.critical import CriticalSpeeds
     from valvetrain.solution.result import Solution
     from valvetrain.solution.static import StaticCurve
@@ -92,18 +92,12 @@ class Case:
                 key: item for key, item in tree.get("operation", {}).items() if key != "cam_speeds"
             }
             tree["operation"] = others | {"engine_speeds": speeds}
-        given = (
-            spring is not None
-            or train is not None
-            or lift_law is not None
-            or engine_speeds is not None
-        )
+        if name:
+            tree["name"] = name
         self.tree: dict[str, Any] = tree
         label = name or known
-        self.parameters: Parameters = (
-            source.parameters
-            if isinstance(source, Case) and not (given or tables or name)
-            else case_of_tree(tree, label or "case", self._folder, label or "vt.Case")
+        self.parameters: Parameters = case_of_tree(
+            tree, label or "case", self._folder, label or "vt.Case"
         )
 
     @property
@@ -117,11 +111,22 @@ class Case:
         return self.parameters.digest
 
     def set(self, changes: Mapping[str, Any] | None = None, /, **tables: Any) -> Case:
-        """A case with the values at key paths changed: ``case.set({"spring.pitch": "7 mm"})``.
+        """A case with values changed; this one stays as it is.
 
-        Values are text with units, SI numbers or pint quantities; None removes one. ``tables`` are
-        whole tables or keys of the file, as for :class:`Case`. Raises :class:`InputError` for a
-        path that does not exist.
+        Parameters
+        ----------
+        changes : key path -> text with a unit, SI number or pint quantity; None removes the value
+        tables : whole tables or keys of the file, as for :class:`Case`
+
+        Raises
+        ------
+        InputError : a path that does not exist, a value that cannot be
+
+        Examples
+        --------
+        >>> import valvetrain as vt
+        >>> sorted(vt.Case("job-t").set({"operation.cycles": 3}).diff(vt.Case("job-t")))
+        ['operation.cycles']
         """
         from valvetrain.explore.case_paths import file_key
 
@@ -131,8 +136,6 @@ class Case:
         }
         new = object.__new__(Case)
         new._folder = self._folder
-        from valvetrain.parameters.overrides import with_values
-
         new.tree = with_values(self.tree, made) if made else copy.deepcopy(self.tree)
         new.parameters = case_of_tree(new.tree, self.name, self._folder, self.name)
         return Case(new, **tables) if tables else new
@@ -140,11 +143,22 @@ class Case:
     def run(
         self, engine_speed: Any = None, model: str = "", *, spring_set: str = "", **options: Any
     ) -> Solution:
-        """One run: at one engine speed, by one spring model.
+        """One run: at one engine speed, by one spring model. Several: :meth:`compare`, :meth:`sweep`.
 
-        ``engine_speed`` and ``model`` may be left out where the case has one; options as for
-        :func:`valvetrain.simulate`. The solution gives channels by name, ``run["seat_force"]``, and
-        numbers, ``run.quantities["peak_spring_force"]``. Several: :meth:`compare`, :meth:`sweep`.
+        Parameters
+        ----------
+        engine_speed : of the crank: "6000 rpm", rad/s or a pint quantity; the case's own where it has one
+        model : name of the spring model; the case's own where it has one
+        spring_set : name of a spring set of a train
+        options : as for :func:`valvetrain.simulate`
+
+        Returns
+        -------
+        Solution: channels by name, ``run["seat_force"]``, numbers ``run.quantities["peak_spring_force"]``
+
+        Raises
+        ------
+        InputError : several runs; what cannot be built or run
         """
         return one_run(self.parameters, engine_speed, model, spring_set, **options)
 
@@ -183,7 +197,7 @@ class Case:
 
         return static_curve(self.parameters, largest_compression, **options)
 
-    def refine(self, **options: Any) -> Any:
+    def refine(self, **options: Any) -> UncertaintyStudy:
         """Error bars of the headline numbers; as :func:`valvetrain.refine`."""
         from valvetrain.runs.refine import refine
 
@@ -212,18 +226,33 @@ class Case:
     ) -> StudyTable:
         """Outputs at points of a space, and only these.
 
-        ``varied``: key path -> a distribution (``vt.Uniform("7 mm", "8 mm")``) or a list of values;
-        ``sampling``: name of a sampler (docs/studies.md), ``"listed"`` takes lists of equal length
-        row by row; ``options`` as for :class:`valvetrain.Experiment`.
-        """
-        import numpy as np
+        Parameters
+        ----------
+        varied : key path -> distribution (``vt.Uniform("7 mm", "8 mm")``) or list of values
+        outputs : names of quantities (docs/quantities.md)
+        sampling : name of a sampler (docs/studies.md), or ``"listed"``: lists of one length, row by row
+        count, seed : points and random seed of the sampler; a grid and a list have neither
+        engine_speeds, models : a run of each combination at every point
+        options : ``workers``, ``output`` and others of :class:`valvetrain.Experiment`
 
-        from valvetrain.explore.space import Prior, Values
+        Returns
+        -------
+        StudyTable; ``to_xarray()`` has the dimensions point, speed and model
+
+        Raises
+        ------
+        InputError : an unknown quantity or sampler, units that do not fit
+        """
+        from valvetrain.explore.space import Values
 
         experiment = self._experiment(varied, outputs, engine_speeds, models)
-        lists = [item for item in varied.values() if not isinstance(item, (Prior, Values))]
         if sampling == "listed":
-            return experiment.table(np.column_stack([_si_list(item) for item in lists]), **options)
+            lists = [one.distribution for one in experiment.space]
+            lengths = {len(one.values) if isinstance(one, Values) else 0 for one in lists}
+            if len(lengths) > 1 or 0 in lengths:
+                raise InputError("listed points are lists of one length for every key", "varied")
+            rows = zip(*(one.values for one in lists if isinstance(one, Values)), strict=True)
+            return experiment.table(list(rows), **options)
         settings = {} if sampling == "grid" else {"count": count, "seed": seed}
         return experiment.sample(sampling, settings, **options)
 
@@ -238,8 +267,20 @@ class Case:
         search: Mapping[str, Any] | None = None,
         **options: Any,
     ) -> Optimum:
-        """The best design: ``objective`` is quantity -> ``"minimise"`` or ``"maximise"``,
-        ``constraints`` quantity -> ``{"at_most": "800 MPa"}``; ``search`` as in an optimisation file.
+        """The best design.
+
+        Parameters
+        ----------
+        varied : as for :meth:`study`
+        objective : quantity -> ``"minimise"`` or ``"maximise"``
+        constraints : quantity -> ``{"at_most": "800 MPa"}``, ``at_least`` or both
+        engine_speeds, models : as for :meth:`study`
+        search : as in an optimisation file (docs/optimisation.md), such as ``{"trials": 60}``
+        options : as for :meth:`study`
+
+        Raises
+        ------
+        InputError : as :meth:`study`; MissingExtraError without the extra ``studies``
         """
         limits = constraints or {}
         experiment = self._experiment(
@@ -263,22 +304,29 @@ class Case:
     ) -> Identified:
         """Unknowns that agree with measurements.
 
-        ``unknowns``: key path -> (least, largest) or a distribution; ``measured``: quantity ->
-        (value, standard deviation), text with units or SI.
+        Parameters
+        ----------
+        unknowns : key path -> (least, largest) or a distribution
+        measured : quantity -> (value, standard deviation), SI or text with units
+        engine_speeds, models : as for :meth:`study`
+        options : ``search`` (:class:`valvetrain.Search`) and those of :meth:`study`
+
+        Raises
+        ------
+        InputError : as :meth:`study`; no start that can be computed, with the reason
         """
         from valvetrain.explore.posterior import Datum
         from valvetrain.explore.space import Uniform
+        from valvetrain.solution.definition import definition_of
 
         priors = {
             key: Uniform(*item) if isinstance(item, tuple) else item
             for key, item in unknowns.items()
         }
-        data = [
-            Datum(name, value, scatter)
-            for name, (value, scatter) in (
-                (name, _si_list(pair)) for name, pair in measured.items()
-            )
-        ]
+        data = []
+        for name, pair in measured.items():
+            (value, scatter), _ = numbers_of(*pair, dimension=definition_of(name).dimension or None)
+            data.append(Datum(name, value, scatter))
         return self._experiment(priors, list(measured), engine_speeds, models).calibrate(
             data, **options
         )
@@ -291,7 +339,7 @@ class Case:
         from valvetrain.explore.space import Prior, Space, Values
 
         space = {
-            key: item if isinstance(item, (Prior, Values)) else Values(tuple(_si_list(item)))
+            key: item if isinstance(item, (Prior, Values)) else Values(tuple(item))
             for key, item in varied.items()
         }
         return Experiment(
@@ -311,7 +359,7 @@ class Case:
     @property
     def text(self) -> str:
         """The case file (TOML)."""
-        return self.parameters.text or toml_text(self.tree)
+        return self.parameters.text
 
     def diff(self, other: Case | Parameters) -> dict[str, tuple[Any, Any]]:
         """Key path -> (value here, value there) of everything that differs; notes on where values
@@ -325,9 +373,6 @@ class Case:
 
     def __hash__(self) -> int:
         return hash(self.digest)
-
-    def __getstate__(self) -> dict[str, Any]:
-        return dict(self.__dict__)
 
     def _lines(self) -> list[str]:
         found = self.parameters
@@ -385,16 +430,3 @@ def _tree_of(source: Source | Case | None) -> tuple[dict[str, Any], str, Path]:
     case = load_case(source)
     path = Path(source)
     return parse_toml(case.text, case.name), case.name, path.parent if path.is_file() else Path()
-
-
-def _si_list(items: Any) -> list[float]:
-    from valvetrain.units import parse_quantity
-
-    return [
-        float(parse_quantity(item, None)) if isinstance(item, str) else _plain(item)
-        for item in items
-    ]
-
-
-def _plain(item: Any) -> float:
-    return float(item.to_base_units().magnitude if hasattr(item, "to_base_units") else item)

@@ -165,13 +165,16 @@ class _Sent:
 
     def __init__(self, function: Callable[[Any], Any]) -> None:
         try:
-            import cloudpickle
+            from cloudpickle import dumps
         except ImportError:
-            raise MissingExtraError(
-                "a function of a notebook needs cloudpickle to run in other processes; install it, or take workers=1"
-            ) from None
+            if getattr(function, "__module__", "__main__") == "__main__":
+                raise MissingExtraError(
+                    "a function of a notebook needs cloudpickle to run in other processes; install it with pip install "
+                    "'valvetrain[studies]', put the function into a module, or take workers=1"
+                ) from None
+            dumps = pickle.dumps
         try:
-            self.content: bytes = cloudpickle.dumps(function)
+            self.content: bytes = dumps(function)
         except Exception as error:
             raise InputError(
                 f"the function cannot be sent to other processes ({error}); leave out what it holds open, or take workers=1"

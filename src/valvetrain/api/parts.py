@@ -109,17 +109,19 @@ def _stations(function: Callable[[float], float]) -> tuple[np.ndarray, np.ndarra
             f"the lift function gives up to {lifts.max():.4g} m; it takes radians and gives metres",
             "lift_law",
         )
-    closed = np.flatnonzero(lifts <= 1e-12 * lifts.max())
-    if not len(closed):
+    closed = lifts <= 1e-12 * lifts.max()
+    if not closed.any():
         raise InputError(
             "the lift function never gives zero; a valve is closed somewhere in the revolution",
             "lift_law",
         )
-    # The longest closed part bounds the event.
-    gaps = np.diff(np.append(closed, closed[0] + len(grid)))
-    last = int(np.argmax(gaps))
-    start, end = grid[closed[last]], grid[closed[last]] + gaps[last] * LIFT_STEP
-    end = min(end, start + TURN)
+    # From the end of the longest closed stretch, once around, to its beginning: all that opens.
+    count, (opened,) = len(grid), np.nonzero(~closed)
+    gaps = np.diff(np.append(opened, opened[0] + count))
+    after = (int(np.argmax(gaps)) + 1) % len(opened)
+    first = int(opened[after])
+    last = int(opened[after - 1]) + (count if opened[after - 1] < first else 0)
+    start, end = (first - 1) * LIFT_STEP, (last + 1) * LIFT_STEP
     begin = _edge(lift, start, start + LIFT_STEP)
     finish = _edge(lift, end, end - LIFT_STEP)
     count = max(math.ceil((finish - begin) / LIFT_STEP), 8)

@@ -107,7 +107,7 @@ def refine(
         deliver(outcome)
     sentence = f"{study.finished} of {study.runs} runs were finished, and their numbers are saved in '{outcome.data['folder']}'"
     raise typer.Exit(
-        interrupted(f"interrupted: {sentence}; the same command computes all of them anew")
+        interrupted(f"interrupted: {sentence}; start the command again to compute all of them")
     )
 
 

@@ -306,7 +306,7 @@ def answer_study(
     )
     raise typer.Exit(
         interrupted(
-            f"interrupted: {sentence} in '{outcome.data['folder']}'; the same command computes all of them anew"
+            f"interrupted: {sentence} in '{outcome.data['folder']}'; start the command again to compute all of them"
         )
     )
 

@@ -147,6 +147,14 @@ def _with_units(case: Case, space: Space) -> Space:
     varied = [
         replace(one, unit=unit) if (unit := unit_of(one)) != one.unit else one for one in space
     ]
+    for one in varied:
+        given = one.distribution.dimension
+        due = one.dimension if one.unit or one.operation == "factor" else given
+        if given not in (None, due):
+            raise InputError(
+                f"its distribution has the dimension {given}, the quantity {due}; correct the units",
+                one.key,
+            )
     return Space(varied, space.correlation)
 
 

@@ -8,17 +8,16 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any, Literal, get_args, overload
+from typing import TYPE_CHECKING, Literal, get_args, overload
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.special import ndtr, ndtri
 
 from valvetrain.errors import InputError
-from valvetrain.units import DIMENSIONS, Given, dimension_of, unit_factor
-from valvetrain.units.text import split_quantity, to_si
+from valvetrain.units import DIMENSIONS, Given, dimension_of, numbers_of, unit_factor
 
 Array = NDArray[np.float64]
 Kind = Literal["uniform", "log-uniform", "normal", "lognormal"]
@@ -38,7 +37,8 @@ class Prior:
     ``kind``: ``uniform`` or ``log-uniform`` between ``low`` and ``high``; ``normal`` of mean
     ``centre`` and standard deviation ``spread``; ``lognormal`` of median ``centre`` whose logarithm
     has the standard deviation ``spread``. Bounds truncate a normal and a lognormal one. ``source``:
-    where it comes from. Raises :class:`InputError` for bounds or spreads that make no density.
+    where it comes from. ``dimension``: that of the units it was given in, None for SI numbers; a case
+    must agree. Raises :class:`InputError` for bounds or spreads that make no density.
 
     >>> wire = Prior("normal", low=3.5e-3, centre=3.8e-3, spread=0.05e-3, source="tolerance of the wire")
     >>> float(wire.at(0.5).round(6))
@@ -51,6 +51,7 @@ class Prior:
     centre: float = math.nan
     spread: float = math.nan
     source: str = ""
+    dimension: str | None = field(default=None, compare=False, repr=False)
 
     def __post_init__(self) -> None:
         if self.kind not in KINDS:
@@ -210,27 +211,6 @@ class Prior:
         )
 
 
-def _numbers(*values: Any) -> tuple[float, ...]:
-    """SI numbers of plain ones, of text with a unit or of quantities of a units library; units must
-    agree.
-    """
-    found, dimensions = [], set()
-    for value in values:
-        if hasattr(value, "to_base_units"):
-            value = f"{float(value.magnitude)!r} {value.units:~C}"
-        if isinstance(value, str):
-            number, unit = split_quantity(value, None, "")
-            dimensions.add(dimension_of(unit))
-            found.append(to_si(number, unit, None, value, ""))
-        else:
-            found.append(float(value))
-    if len(dimensions) > 1:
-        raise InputError(
-            f"the numbers of a distribution have one dimension; {', '.join(map(str, values))} have several"
-        )
-    return tuple(found)
-
-
 def Uniform(low: Given, high: Given) -> Prior:
     """Every value from ``low`` to ``high`` alike; SI, or text with a unit, as of all distributions.
 
@@ -251,8 +231,8 @@ def Uniform(low: Given, high: Given) -> Prior:
     >>> Uniform(1.0, 3.0).levels(3)
     (1.0, 2.0, 3.0)
     """
-    least, largest = _numbers(low, high)
-    return Prior("uniform", least, largest)
+    (least, largest), dimension = numbers_of(low, high)
+    return Prior("uniform", least, largest, dimension=dimension)
 
 
 def Normal(
@@ -278,9 +258,8 @@ def Normal(
     >>> round(float(Normal(10.0, 1.0).at(0.975)), 3)
     11.96
     """
-    ends = [one for one in (low, high) if not (isinstance(one, float) and math.isinf(one))]
-    middle, spread, *_ = _numbers(mean, standard_deviation, *ends)
-    return Prior("normal", _numbers(low)[0], _numbers(high)[0], middle, spread)
+    (least, largest, middle, spread), dimension = numbers_of(low, high, mean, standard_deviation)
+    return Prior("normal", least, largest, middle, spread, dimension=dimension)
 
 
 def LogNormal(median: Given, factor: float) -> Prior:
@@ -307,22 +286,31 @@ def LogNormal(median: Given, factor: float) -> Prior:
     """
     if not (math.isfinite(factor) and factor > 1):
         raise InputError("a lognormal distribution has a finite factor above 1; correct it")
-    return Prior("lognormal", centre=_numbers(median)[0], spread=math.log(factor))
+    (middle,), dimension = numbers_of(median)
+    return Prior("lognormal", centre=middle, spread=math.log(factor), dimension=dimension)
 
 
 @dataclass(frozen=True)
 class Values:
-    """One of ``values``, each as likely as the others; a grid steps through them in their order.
+    """One of ``values`` (SI, text with units or pint quantities), each as likely as the others; a
+    grid steps through them in their order.
 
     >>> Values((1.0, 2.0, 4.0)).at([0.1, 0.9]).tolist()
     [1.0, 4.0]
     """
 
     values: tuple[float, ...]
+    dimension: str | None = field(default=None, compare=False, repr=False)
     kind = "values"
 
+    if TYPE_CHECKING:  # arguments may have other types than the fields
+
+        def __init__(self, values: Sequence[Given], dimension: str | None = None) -> None: ...
+
     def __post_init__(self) -> None:
-        object.__setattr__(self, "values", tuple(float(value) for value in self.values))
+        values, dimension = numbers_of(*self.values, dimension=self.dimension)
+        object.__setattr__(self, "values", values)
+        object.__setattr__(self, "dimension", dimension)
         if not self.values or not np.all(np.isfinite(self.values)):
             raise InputError(
                 "a list of values holds at least one, and finite numbers only; correct it"

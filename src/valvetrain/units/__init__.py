@@ -19,6 +19,7 @@ from valvetrain.units.text import (
     dimension_of,
     dimension_powers,
     format_quantity,
+    numbers_of,
     parse_quantities,
     parse_quantity,
     to_unit,
@@ -27,6 +28,6 @@ from valvetrain.units.text import (
 
 __all__ = [
     "DIMENSIONS", "Dimension", "Given", "MAX_SPEEDS", "PLAUSIBLE", "PlainInteger", "PlainNumber", "Window", "dimension_of",
-    "dimension_powers", "format_quantity", "keep_si", "parse_quantities", "parse_quantity", "si", "si_each", "si_speeds", "to_unit",
+    "dimension_powers", "format_quantity", "keep_si", "numbers_of", "parse_quantities", "parse_quantity", "si", "si_each", "si_speeds", "to_unit",
     "unit_factor",
 ]  # fmt: skip

@@ -152,6 +152,27 @@ def parse_quantities(text: object, dimension: str | None, where: str = "") -> tu
     )
 
 
+def numbers_of(*values: Any, dimension: str | None = None) -> tuple[tuple[float, ...], str | None]:
+    """SI numbers of plain ones, of text with a unit and of quantities of a units library, and their
+    dimension, None where all are plain. Raises :class:`InputError` where dimensions disagree, or
+    are not the ``dimension`` that is due.
+
+    >>> numbers_of("7 mm", 0.008)
+    ((0.007, 0.008), 'length')
+    """
+    found: list[float] = []
+    for value in values:
+        if hasattr(value, "to_base_units"):
+            value = f"{float(value.magnitude)!r} {value.units:~C}"
+        if isinstance(value, str):
+            number, unit = split_quantity(value, dimension, "")
+            dimension = dimension or dimension_of(unit)
+            found.append(to_si(number, unit, dimension, f"'{clipped(value)}'", ""))
+        else:
+            found.append(float(value))
+    return tuple(found), dimension
+
+
 def split_quantity(text: object, dimension: str | None, where: str) -> tuple[float, str]:
     """Number and unit in ``text``; arguments and errors as :func:`parse_quantity`."""
     due = DIMENSIONS.get(dimension or "ratio", None)

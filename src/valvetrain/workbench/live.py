@@ -22,8 +22,8 @@ from valvetrain.errors import InputError
 from valvetrain.parameters.bounded_file import SIDE_FILES_VARIABLE
 
 _NOTHING: Mapping[str, str] = MappingProxyType({})
-#: Chains that live at a time in one server, and the fast model and the rod.
-MAX_LIVE, FAST, ROD = 4, "multi-mass", "finite-element"
+#: Chains that live at a time in one server, and the slow model.
+MAX_LIVE, ROD = 4, "finite-element"
 #: Longest wait (s) for a curve of the chain, the first one compiling included, and for one of the
 #: rod; memory of a worker (bytes).
 MAX_CURVE_POINTS, MAX_ROD_LENGTH, MEMORY = 120.0, 300.0, 8e9
@@ -43,6 +43,7 @@ class LiveResult:
     quantities : words -> (value, unit shown) of a few numbers, such as the largest force
     engine_speed : crank speed (rpm)
     skipped : no curve was computed, for a newer one was requested meanwhile
+    model : name of the spring model
     """
 
     angle_deg: tuple[float, ...] = ()
@@ -53,6 +54,7 @@ class LiveResult:
     quantities: Mapping[str, tuple[float, str]] = field(default_factory=dict)
     engine_speed: float = 0.0
     skipped: bool = False
+    model: str = ""
 
 
 class LiveChain:
@@ -61,7 +63,8 @@ class LiveChain:
     Parameters
     ----------
     case_text : the case (TOML)
-    spring_model : ``multi-mass``, ``massless`` or ``wave-rod``; empty: the chain of masses
+    spring_model : ``multi-mass``, ``massless`` or ``wave-rod``; empty: the chain of
+        masses, of a train the model that its runs take
     engine_speed : crank speed, such as ``"5600 rpm"``; empty: the highest of the case
     folder : where files that the case names lie
 
@@ -82,7 +85,7 @@ class LiveChain:
                 raise InputError(f"{MAX_LIVE} sliders are in use; close one of them", "slider")
             LiveChain._living += 1
         self._closed = False
-        self._chain = _Worker(case_text, folder, spring_model or FAST, MAX_CURVE_POINTS, warm=True)
+        self._chain = _Worker(case_text, folder, spring_model, MAX_CURVE_POINTS, warm=True)
         self._rod = _Worker(case_text, folder, ROD, MAX_ROD_LENGTH)
         self._chain.begin()
 
@@ -261,4 +264,5 @@ def _result(entry: Mapping[str, Any]) -> LiveResult:
         str(entry["sentence"]),
         quantities,
         float(entry.get("engine_speed", 0.0)),
+        model=str(entry.get("model", "")),
     )

@@ -38,6 +38,9 @@ from valvetrain.system.build import build
 from valvetrain.system.problem import Problem
 from valvetrain.units import si_speeds
 
+#: The model of a spring alone: a curve in milliseconds.
+CHAIN = "multi-mass"
+
 #: Number of built cases in the cache, changed or not: a slider goes to and fro.
 MAX_BUILT = 8
 
@@ -49,7 +52,7 @@ class LiveCase:
     ----------
     case_text : the case (TOML)
     folder : where files that it names lie
-    spring_model : word of the model that runs
+    spring_model : name of the model that runs; empty: a chain of masses, of a train its own model
     """
 
     def __init__(self, case_text: str, folder: Path, spring_model: str) -> None:
@@ -94,6 +97,7 @@ class LiveCase:
         peak = int(np.argmax(force))
         degrees = np.degrees(cycle.cam_angle)
         return {
+            "model": run.model,
             "angle_deg": np.round(degrees, 4).tolist(),
             "force_N": np.round(force, 4).tolist(),
             "lift_mm": np.round(lift * 1e3, 6).tolist(),
@@ -111,10 +115,9 @@ class LiveCase:
         key = tuple(sorted(changes.items()))
         if key not in self._built:
             given = dict(read_assignment(f"{path}={text}", path) for path, text in changes.items())
-            problem = build(
-                parse_case(self.case_text, "case", self.folder, "case", given or None),
-                spring_models=(self.spring_model,),
-            )
+            case = parse_case(self.case_text, "case", self.folder, "case", given or None)
+            own = CHAIN if case.train is None else case.train.model_of()
+            problem = build(case, spring_models=(self.spring_model or own,))
             member = problem.members[0]
             rest = member_statics(problem, member) if member.gear is not None else {}
             self._built[key] = (problem, prepare(problem, member, rest, ""))

@@ -16,9 +16,6 @@ from valvetrain.report.plotly_chart import to_json
 from valvetrain.report.run_charts import ANGLE_LABEL
 from valvetrain.workbench.live import LiveResult
 
-#: The model that answers while the slider moves, and the one that answers when it rests.
-QUICK, SLOW = "multi-mass", "finite-element"
-
 
 def live_lines(
     base: LiveResult, moved: LiveResult | None, rod: LiveResult | None, label: str = ""
@@ -27,10 +24,14 @@ def live_lines(
     lines = [_line(base, "the case", theme.MUTED, "dash")]
     if moved is not None and moved.angle_deg:
         lines.append(
-            _line(moved, f"{label}, {theme.model_label(QUICK)}", theme.model_colour(QUICK))
+            _line(
+                moved, f"{label}, {theme.model_label(moved.model)}", theme.model_colour(moved.model)
+            )
         )
     if rod is not None and rod.angle_deg:
-        lines.append(_line(rod, f"{label}, {theme.model_label(SLOW)}", theme.model_colour(SLOW)))
+        lines.append(
+            _line(rod, f"{label}, {theme.model_label(rod.model)}", theme.model_colour(rod.model))
+        )
     return lines
 
 

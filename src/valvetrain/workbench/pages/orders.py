@@ -19,7 +19,7 @@ from valvetrain.springs.spec import SpringModelSpec, spring_model
 from valvetrain.system.build import default_models
 from valvetrain.workbench.jobs import JobRequest
 
-#: The model that a first run uses: seconds, and it moves.
+#: The model that a first run of a spring alone uses: seconds, and it moves.
 FIRST_MODEL, SWEEP = "multi-mass", "1000:8000:250 rpm"
 #: Points of a study.
 MIN_POINTS, MAX_POINTS = 2, 200
@@ -41,8 +41,9 @@ def models_for(case: Case, chosen: Sequence[str] = ()) -> list[dict[str, Any]]:
     springs = springs_of(case)
     fit = [spec for spec in map(spring_model, registry.names("springs")) if _fits(spec, springs)]
     names = [spec.word for spec in fit]
+    first = FIRST_MODEL if case.train is None else case.train.model_of()
     ticked = [word for word in chosen if word in names] or [
-        word for word in (FIRST_MODEL, *default_models(springs)) if word in names
+        word for word in (first, *default_models(springs)) if word in names
     ][:1]
     return [
         {
