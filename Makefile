@@ -4,12 +4,12 @@ CASE ?= gu2021-beehive
 VENV := .venv$(if $(PYTHON),-$(notdir $(PYTHON)))$(if $(LOWEST),-lowest)
 BIN  := $(VENV)/bin
 # One thread per worker: runs are parallel over cases and tests, never inside one.
-ONE_THREAD := OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 NUMBA_NUM_THREADS=1
+ONE_THREAD := PYTHONDONTWRITEBYTECODE= OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 NUMBA_NUM_THREADS=1
 PYTEST := $(ONE_THREAD) $(BIN)/python -m pytest -n auto --maxprocesses 8 --dist loadfile --no-loadscope-reorder
 
 export PYTHON VENV LOWEST
 
-.PHONY: help run test test-fast test-processor test-development test-docs test-long validate bench identify uncertainty lint docs pins clean environment-run environment-test parts mutants faults fuzz guides workbench
+.PHONY: help run test test-fast test-processor test-development test-docs test-browser test-long validate bench identify uncertainty lint docs pins clean environment-run environment-test parts mutants faults fuzz guides workbench
 
 help:
 	@echo "make run       set up, then run the published study CASE=$(CASE): table and report"
@@ -17,6 +17,7 @@ help:
 	@echo "make test-fast ROOM=springs  the tests that a change of one room (folder of src/valvetrain) can break, about a minute (ARGS=\"--list\")"
 	@echo "make test-processor  tests of limits and orders as another processor would round (OPENBLAS_CORETYPE=Prescott)"
 	@echo "make test-development  benchmarks, scripts, fuzzer and seeded faults run with their smallest inputs"
+	@echo "make test-browser  pages and workbench, looked at in a browser"
 	@echo "make test-docs the programs and commands of README, documentation and examples"
 	@echo "make test-long the tests that make test leaves out for their length (some minutes)"
 	@echo "make validate  the validation book (docs/validation.md) and the tests behind it"
@@ -46,7 +47,7 @@ run: environment-run
 	$(BIN)/valvetrain run $(CASE)
 
 test: environment-test parts
-	$(PYTEST) --ignore=tests/development --ignore=tests/examples -o junit_family=xunit1 --junitxml=build/tests/all.xml $(ARGS)
+	$(PYTEST) --ignore=tests/development --ignore=tests/examples --ignore=tests/browser -o junit_family=xunit1 --junitxml=build/tests/all.xml $(ARGS)
 
 test-fast: environment-test
 	$(ONE_THREAD) $(BIN)/python scripts/test_fast.py $(ROOM) $(ARGS)
@@ -92,6 +93,10 @@ test-development: environment-test
 test-docs: environment-test parts
 	$(PYTEST) tests/examples $(ARGS)
 
+# Pages and workbench as a person sees them, in Chromium.
+test-browser: environment-test parts
+	$(PYTEST) tests/browser $(ARGS)
+
 test-long: environment-test parts
 	VALVETRAIN_LONG=1 $(PYTEST) -m long $(ARGS)
 
@@ -100,7 +105,7 @@ fuzz: environment-test
 
 workbench: environment-test parts
 	$(BIN)/python scripts/measure_workbench.py $(ARGS)
-	VALVETRAIN_LONG=1 $(PYTEST) tests/unit/test_workbench_browser.py
+	VALVETRAIN_LONG=1 $(PYTEST) tests/browser/test_workbench_browser.py
 
 guides: environment-test
 	$(ONE_THREAD) nice $(BIN)/python scripts/write_pages.py how-to

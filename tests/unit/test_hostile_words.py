@@ -14,7 +14,7 @@ import pytest
 
 from synthetic_study import modal_run, own_study, record, rod_run, train_run, train_study
 from unit.cli_parts import SMALL
-from unit.test_report_browser import browse
+from browser.test_report_browser import browse
 from valvetrain.errors import InputError
 from valvetrain.parameters.constructors import cylindrical
 from valvetrain.parameters.loading import load_case, parse_case

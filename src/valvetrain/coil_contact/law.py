@@ -118,9 +118,9 @@ def contact_response(
         law_numbers(law),
         damping_time,
         early,
-        each.ravel(),
-        depth.ravel(),
-        rate.ravel(),
+        each.flatten(),  # a copy: numba warns of a broadcast view
+        depth.flatten(),
+        rate.flatten(),
         found,
     )
     return ContactResponse(*found.reshape(5, *depth.shape))
