@@ -166,5 +166,5 @@ def test_a_case_that_names_an_unknown_law_is_refused_at_its_key(law):
 def test_a_law_is_asked_without_a_warning_of_a_library():
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        found = contact_response(PowerLaw(), [1e-6, 2e-6], 0.0)
+        found = contact_response(PowerLaw(), [1e-6, 2e-6], [0.0, 0.0])
     assert found.force.tolist() == pytest.approx([1e-6 * 0.5**0.4, 2e-6])

@@ -12,9 +12,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from browser.test_report_browser import browse
 from synthetic_study import modal_run, own_study, record, rod_run, train_run, train_study
 from unit.cli_parts import SMALL
-from browser.test_report_browser import browse
 from valvetrain.errors import InputError
 from valvetrain.parameters.constructors import cylindrical
 from valvetrain.parameters.loading import load_case, parse_case
