@@ -4,7 +4,6 @@ twin: the linear law through the same door gives the numbers of the built-in one
 
 from __future__ import annotations
 
-import warnings
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -161,10 +160,3 @@ def test_a_case_that_names_an_unknown_law_is_refused_at_its_key(law):
     with pytest.raises(InputError) as refused:
         load_case("job-c", {"spring.contact": {"law": law}})
     assert "spring.contact.law" in str(refused.value) and "linear" in str(refused.value)
-
-
-def test_a_law_is_asked_without_a_warning_of_a_library():
-    with warnings.catch_warnings():
-        warnings.simplefilter("error")
-        found = contact_response(PowerLaw(), [1e-6, 2e-6], [0.0, 0.0])
-    assert found.force.tolist() == pytest.approx([1e-6 * 0.5**0.4, 2e-6])
