@@ -331,7 +331,7 @@ def static_curve(
     Examples
     --------
     >>> import valvetrain as vt
-    >>> curve = vt.static_curve(vt.cylindrical("3.8 mm", "22 mm", "7 mm", total_coils=7), "8 mm", spring_model="multi-mass")
+    >>> curve = vt.static_curve(vt.parameters.cylindrical("3.8 mm", "22 mm", "7 mm", total_coils=7), "8 mm", spring_model="multi-mass")
     >>> round(curve.force_at("4 mm")), round(curve.force_at("8 mm"))
     (149, 312)
     """

@@ -58,13 +58,15 @@ def build(
     Examples
     --------
     >>> import valvetrain as vt
-    >>> problem = vt.build("job-t", spring_models=["massless", "multi-mass"])
+    >>> problem = vt.system.build.build("job-t", spring_models=["massless", "multi-mass"])
     >>> [member.label for member in problem.members]
     ['massless', 'multi-mass']
     """
     case = case_of(case)
+    models = (spring_models,) if isinstance(spring_models, str) else spring_models
+    sets = (spring_sets,) if isinstance(spring_sets, str) else spring_sets
     try:
-        return _built(case, spring_models, spring_sets)
+        return _built(case, models, sets)
     except (ArithmeticError, ValueError) as error:  # numbers at which the parts' formulas end
         raise InputError(
             f"the parts of case '{case.name}' cannot be built ({error}); check its numbers and their units"
