@@ -24,7 +24,7 @@ from valvetrain.runs.workers import Progress, worker_count
 from valvetrain.solution.critical import CriticalSpeeds
 from valvetrain.solution.static import StaticCurve
 from valvetrain.solution.study import Study
-from valvetrain.system.build import build
+from valvetrain.system.build import build, names_given
 from valvetrain.units import Given, si, si_speeds
 
 #: Engine speeds: ``"4200, 5600 rpm"``, ``"1000:9000:100 rpm"``, one or several numbers (rad/s of
@@ -73,7 +73,7 @@ def simulate(
     >>> round(study.solution("massless").quantities["peak_spring_force"])
     522
     """
-    spring_models, spring_sets = _names(spring_models), _names(spring_sets)
+    spring_models, spring_sets = names_given(spring_models), names_given(spring_sets)
     limits = _checked(
         "run",
         case := case_of(case),
@@ -130,7 +130,7 @@ def compare(
     >>> [round(one.curve.force_at(7e-3)) for one in study.rest]
     [215, 215]
     """
-    spring_models, spring_sets = _names(spring_models), _names(spring_sets)
+    spring_models, spring_sets = names_given(spring_models), names_given(spring_sets)
     limits = _checked(
         "compare",
         case := case_of(case),
@@ -200,7 +200,7 @@ def sweep(
     >>> len(speeds), round(force[0])
     (3, 522)
     """
-    spring_models, spring_sets = _names(spring_models), _names(spring_sets)
+    spring_models, spring_sets = names_given(spring_models), names_given(spring_sets)
     speeds = _speeds(engine_speeds)
     assert speeds is not None
     critical = read_options(resolution, float_lift, bounce_height) if critical_speeds else None
@@ -376,11 +376,6 @@ def _checked(
     request = RunRequest(command, case, speeds, tuple(models), tuple(sets), worker_count(workers))
     refuse_cost(request_cost(request, whole, searches), limits, "limit=")
     return limits
-
-
-def _names(given: Sequence[str] | str) -> tuple[str, ...]:
-    """Names, of which a single one may stand for itself."""
-    return (given,) if isinstance(given, str) and given else tuple(given)
 
 
 def _speeds(engine_speeds: Speeds | None) -> tuple[float, ...] | None:

@@ -34,7 +34,10 @@ WIRE_MODELS, CARD_MODELS, BARE_MODELS = (
 
 
 def build(
-    case: AnyCase, *, spring_models: Sequence[str] = (), spring_sets: Sequence[str] = ()
+    case: AnyCase,
+    *,
+    spring_models: Sequence[str] | str = (),
+    spring_sets: Sequence[str] | str = (),
 ) -> Problem:
     """The problem of a case, every part built once: its variants, or one member per spring model
     (of each spring set) requested.
@@ -63,14 +66,17 @@ def build(
     ['massless', 'multi-mass']
     """
     case = case_of(case)
-    models = (spring_models,) if isinstance(spring_models, str) else spring_models
-    sets = (spring_sets,) if isinstance(spring_sets, str) else spring_sets
     try:
-        return _built(case, models, sets)
+        return _built(case, names_given(spring_models), names_given(spring_sets))
     except (ArithmeticError, ValueError) as error:  # numbers at which the parts' formulas end
         raise InputError(
             f"the parts of case '{case.name}' cannot be built ({error}); check its numbers and their units"
         ) from error
+
+
+def names_given(names: Sequence[str] | str) -> tuple[str, ...]:
+    """Names of spring models or sets, of which a single one may stand for itself."""
+    return (names,) if isinstance(names, str) and names else tuple(names)
 
 
 def lift_law_of(case: Case) -> LiftLaw:
