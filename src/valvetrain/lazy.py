@@ -54,7 +54,7 @@ def public_names(
 def name_of_earlier_release(
     package: str, name: str, file: str, renamed: Mapping[str, str]
 ) -> object:
-    """What a package answers to a name that its stub does not list: a folder of it, or, with a
+    """What a package answers to a name that its stub does not list: a module of it, or, with a
     warning, the object that an earlier release had under that name.
 
     Parameters
@@ -68,13 +68,13 @@ def name_of_earlier_release(
     ------
     AttributeError : an unknown name; the sentence has the nearest
     """
+    inside = Path(file).parent
+    if (inside / f"{name}.py").is_file() or (inside / name / "__init__.py").is_file():
+        return import_module(f"{package}.{name}")
     import difflib  # here: a plain import of the package does not pay for them
     import warnings
-    from pkgutil import iter_modules
 
-    folders = [one.name for one in iter_modules([str(Path(file).parent)]) if one.ispkg]
-    if name in folders:
-        return import_module(f"{package}.{name}")
+    folders = sorted(stub.parent.name for stub in inside.glob("*/__init__.pyi"))
     paths = dict(renamed)
     if not name.startswith("_"):
         for folder in folders:

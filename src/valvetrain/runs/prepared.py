@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from valvetrain.errors import InputError
-from valvetrain.integrate.contract import Cycles, Keep, Periodic, RunOptions
+from valvetrain.integrate.contract import Cycles, Keep, Periodic, RunOptions, Until
 from valvetrain.integrate.run import run_to_orbit
 from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.quantities.cycle import Frame
@@ -59,7 +59,7 @@ class Plan:
     keep: Keep = "all"
     samples: int | None = None
     whole: bool = True
-    cycles: int = 2
+    cycles: int | None = None
     cycles_to_settle: int | None = None
     created_at: str = ""
     max_bytes: float = Limits().bytes
@@ -172,7 +172,8 @@ def provenance_of(
             "stiffness_damping": first.damping.stiffness_damping,
         }
     if member.gear is None:
-        options |= {"cycles": problem.cycles, "output_step": problem.output_step}
+        options |= {} if problem.cycles is None else {"cycles": problem.cycles}
+        options |= {"output_step": problem.output_step}
     count = 1 if member.rubbing is not None and len(member.springs) == 2 else len(member.springs)
     return collect_provenance(
         problem.record.name,
@@ -212,7 +213,9 @@ def integrate_from(
     prescribed = isinstance(ready.system, PrescribedSpring)
     if prescribed and (status := _too_many_steps(ready, engine_speed / 2, plan)) is not None:
         return without_channels(status, provenance), None
-    until = Cycles(plan.cycles) if prescribed else Periodic(plan.cycles_to_settle)
+    until: Until = Periodic(None if prescribed else plan.cycles_to_settle)
+    if prescribed and plan.cycles is not None:
+        until = Cycles(plan.cycles)
     options = RunOptions(
         plan.samples,
         keep=plan.keep,

@@ -28,7 +28,7 @@ from valvetrain.system.problem import Gear, Member, Problem
 #: without a mass.
 WIRE_MODELS, CARD_MODELS, BARE_MODELS = (
     ("finite-element", "modal-varied"),
-    ("multi-mass", "modal-uniform"),
+    ("modal-uniform",),
     ("massless",),
 )
 

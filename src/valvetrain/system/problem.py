@@ -107,7 +107,7 @@ class Problem:
     valve_lift: LiftLaw
     lift_event: LiftEvent | None
     engine_speeds: tuple[float, ...]
-    cycles: int
+    cycles: int | None
     output_step: float
     cycles_to_settle: int | None = None
     moves: bool = True
