@@ -24,7 +24,7 @@ from valvetrain.solution.status import Event, Status
 from valvetrain.solution.study import Study
 
 if TYPE_CHECKING:
-    from valvetrain.runs.error_bars import Uncertainty
+    from valvetrain.solution.uncertainty import Uncertainty
 
 #: Units of numbers whose names do not tell them; an event's details, options and statistics of a
 #: run, facts of a spring at rest.

@@ -108,7 +108,7 @@ def law_lift(problem: Problem) -> float:
 def prepare(problem: Problem, member: Member, rest: Rest, source: str) -> PreparedRun:
     """The member assembled with its springs at ``rest``; what its parts refuse is its ``refusal``."""
     # Under prescribed motion the statics of the springs are computed during the first runs: with_quantities() adds their frequencies.
-    found, frequencies = _statics_of(member, rest)
+    found, frequencies = statics_of(member, rest)
     frame = Frame(
         member.springs,
         found,
@@ -134,7 +134,7 @@ def prepare(problem: Problem, member: Member, rest: Rest, source: str) -> Prepar
         return PreparedRun(member, frame, refusal=reason(error))
 
 
-def _statics_of(member: Member, rest: Rest) -> tuple[tuple[SpringAtRest, ...], tuple[float, ...]]:
+def statics_of(member: Member, rest: Rest) -> tuple[tuple[SpringAtRest, ...], tuple[float, ...]]:
     """The springs of a member at rest, and the first surge frequencies (Hz) that are known."""
     found = tuple(rest[spring] for spring in member.springs if spring in rest)
     frequencies = (surge_frequency(spring, rest.get(spring)) for spring in member.springs)
@@ -298,7 +298,7 @@ def with_quantities(ready: PreparedRun, solution: Solution, plan: Plan, rest: Re
     """The run with events and named quantities, without channels where the plan keeps none."""
     frame = ready.frame
     if rest:
-        found, frequencies = _statics_of(ready.member, rest)
+        found, frequencies = statics_of(ready.member, rest)
         frame = replace(frame, rest=found, surge_frequencies=frequencies)
     if ready.motion is not None:
         frame = replace(frame, rigid=ready.motion.table(solution.engine_speed / 2))
