@@ -24,9 +24,9 @@ from valvetrain.explore.evaluate import Point, evaluate_case
 from valvetrain.explore.identification_file import parse_request
 from valvetrain.explore.identify import identify_request
 from valvetrain.explore.observe import Observed, numbers_at
-from valvetrain.explore.outputs import PointRequest
 from valvetrain.explore.store import FILE as STORED
 from valvetrain.explore.store import Store, key_of
+from valvetrain.quantities.request import PointRequest
 
 CARD = 'title = "card"\n[spring]\npreload = "250 N"\nrate = "32 N/mm"\nmass = "42 g"\n'
 FILE = """

@@ -12,9 +12,9 @@ from unit.cli_parts import SMALL
 from valvetrain import InputError, load_case, simulate
 from valvetrain.explore.case_paths import nominal, vary
 from valvetrain.explore.evaluate import Point, evaluate
-from valvetrain.explore.outputs import LIGHT, PointRequest
 from valvetrain.explore.space import ENGINE_SPEED, LogNormal, Normal, Uniform, Values, Varied
 from valvetrain.parameters.loading import parse_case
+from valvetrain.quantities.request import LIGHT, PointRequest
 
 RPM = math.pi / 30
 BEEHIVE = load_case("gu2021-beehive")

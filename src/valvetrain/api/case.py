@@ -150,7 +150,8 @@ class Case:
         engine_speed : of the crank: "6000 rpm", rad/s or a pint quantity; the case's own where it has one
         model : name of the spring model; the case's own where it has one
         spring_set : name of a spring set of a train
-        options : as for :func:`valvetrain.simulate`
+        options : as for :func:`valvetrain.simulate`, among them ``outputs``, names of quantities and
+            channels: only these are computed
 
         Returns
         -------
@@ -176,7 +177,7 @@ class Case:
         self, engine_speeds: Any = "1000:9000:100 rpm", model: str = "", **options: Any
     ) -> Study:
         """Numbers over engine speed and, of a train, its critical speeds; options as for
-        :func:`valvetrain.sweep`.
+        :func:`valvetrain.sweep`, among them ``outputs``, names of what alone is computed.
         """
         from valvetrain.runs.api import sweep
 

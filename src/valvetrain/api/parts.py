@@ -155,7 +155,11 @@ def one_run(
             "compare or sweep",
             case.name,
         )
-    return found.solutions[0]
+    run = found.solutions[0]
+    if options.get("outputs"):  # those that belong to no run are read from it as well
+        still = {key: one for values in found.still.values() for key, one in values.items()}
+        run = run.with_found(run.events, {**still, **run.quantities})
+    return run
 
 
 class Spring:

@@ -11,11 +11,12 @@ from valvetrain.cam.build import build_lift_law
 from valvetrain.cam.cached import RememberedLift
 from valvetrain.errors import InputError
 from valvetrain.explore.case_paths import vary
-from valvetrain.explore.outputs import Outcome, PointRequest
+from valvetrain.explore.outputs import Outcome
 from valvetrain.explore.space import ENGINE_SPEED, Varied
 from valvetrain.parameters.case import Case
 from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.parameters.lift_law import LiftLawParameters
+from valvetrain.quantities.request import PointRequest
 from valvetrain.quantities.statics import (
     buckling_quantities,
     design_quantities,

@@ -16,11 +16,11 @@ from valvetrain.errors import InputError, RunFailedError
 from valvetrain.explore.case_paths import vary
 from valvetrain.explore.evaluate import MODES, Point, evaluate_case
 from valvetrain.explore.measurements import Station, Target
-from valvetrain.explore.outputs import PointRequest
 from valvetrain.explore.posterior import Outcome
 from valvetrain.explore.space import Varied
 from valvetrain.parameters.case import Case
 from valvetrain.parameters.installed_spring import InstalledSpring
+from valvetrain.quantities.request import PointRequest
 from valvetrain.runs.prepared import FAILURES
 from valvetrain.runs.run import run_study
 from valvetrain.runs.statics import axial_frequencies, force_of

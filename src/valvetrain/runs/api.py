@@ -16,6 +16,7 @@ from valvetrain.parameters.spring import SpringDefinition
 from valvetrain.runs.compare import compare_study
 from valvetrain.runs.cost import FEWER_AT_REST, Limits, limits_of, refuse_cost
 from valvetrain.runs.critical_speeds import read_options
+from valvetrain.runs.outputs import RequestedOutputs
 from valvetrain.runs.prepared import largest_lift
 from valvetrain.runs.request_cost import RunRequest, request_cost, spring_cost
 from valvetrain.runs.run import run_study, sweep_study
@@ -38,6 +39,7 @@ def simulate(
     *,
     spring_models: Sequence[str] | str = (),
     spring_sets: Sequence[str] | str = (),
+    outputs: Sequence[str] | str = (),
     workers: int | None = None,
     progress: Progress | None = None,
     limit: str = "",
@@ -52,6 +54,9 @@ def simulate(
         default
     spring_models : a name of a spring model, such as "multi-mass", or several; the case's own or the default ones by default
     spring_sets : names of spring sets of a train
+    outputs : names of quantities (docs/quantities.md) and channels; only these are computed and in
+        the solutions. Without them all can be read; what belongs to the springs at rest and inside
+        springs under prescribed motion is computed when it is first read
     workers : runs at a time; results do not depend on it
     progress : called with the share done and a text
     limit : largest estimated time and memory, such as "2 h, 8 GB"; 10 min and 2 GB by default
@@ -64,7 +69,7 @@ def simulate(
     Raises
     ------
     InputError : one sentence on what cannot be built or run, is too large or implausible, and the
-        remedy
+        remedy; a name that no output has, with the nearest
 
     Examples
     --------
@@ -72,18 +77,23 @@ def simulate(
     >>> study = vt.simulate("job-t", "2000 rpm", spring_models=["massless"])
     >>> round(study.solution("massless").quantities["peak_spring_force"])
     522
+    >>> study = vt.simulate("job-t", "2000 rpm", spring_models="multi-mass", outputs="minimum_spring_force")
+    >>> dict(study.solutions[0].quantities)
+    {'minimum_spring_force': 210.29213953413347}
     """
     spring_models, spring_sets = names_given(spring_models), names_given(spring_sets)
+    case = case_of(case)
+    requested = RequestedOutputs.of(outputs, case.train is not None) if outputs else None
     limits = _checked(
         "run",
-        case := case_of(case),
+        case,
         speeds := _speeds(engine_speeds),
         spring_models,
         spring_sets,
         workers,
         limit,
     )
-    return run_study(
+    study = run_study(
         case,
         engine_speeds=speeds,
         spring_models=spring_models,
@@ -92,7 +102,10 @@ def simulate(
         progress=progress,
         limits=limits,
         implausible=implausible,
+        later=True,
+        ends_alone=requested is not None and requested.ends_alone,
     )
+    return study if requested is None else requested.of_study(study)
 
 
 def compare(
@@ -158,6 +171,7 @@ def sweep(
     *,
     spring_models: Sequence[str] | str = (),
     spring_sets: Sequence[str] | str = (),
+    outputs: Sequence[str] | str = (),
     whole: bool = False,
     workers: int | None = None,
     progress: Progress | None = None,
@@ -173,14 +187,14 @@ def sweep(
 
     Parameters
     ----------
-    case, spring_models, spring_sets, workers, progress, limit, implausible : as for
+    case, spring_models, spring_sets, outputs, workers, progress, limit, implausible : as for
         :func:`simulate`
     engine_speeds : speeds of the crank, "1000:9000:100 rpm" (first:last:step), rad/s or pint
         quantities
     whole : keep the channels of every solution (megabytes each); without it solutions hold their
         events and named quantities only
     critical_speeds : search a train's critical speeds between the lowest and the highest speed, as
-        :func:`critical_speeds` does
+        :func:`critical_speeds` does; with ``outputs`` only where one of them is among these
     resolution, float_lift, bounce_height : as for :func:`critical_speeds`
 
     Returns
@@ -203,10 +217,15 @@ def sweep(
     spring_models, spring_sets = names_given(spring_models), names_given(spring_sets)
     speeds = _speeds(engine_speeds)
     assert speeds is not None
+    case = case_of(case)
+    requested = RequestedOutputs.of(outputs, case.train is not None) if outputs else None
+    if requested is not None:
+        critical_speeds = critical_speeds and requested.searches
+        whole = whole or bool(requested.channels)
     critical = read_options(resolution, float_lift, bounce_height) if critical_speeds else None
     limits = _checked(
         "sweep",
-        case := case_of(case),
+        case,
         speeds,
         spring_models,
         spring_sets,
@@ -215,7 +234,7 @@ def sweep(
         whole,
         critical is not None,
     )
-    return sweep_study(
+    study = sweep_study(
         case,
         speeds,
         spring_models=spring_models,
@@ -226,7 +245,10 @@ def sweep(
         critical=critical,
         limits=limits,
         implausible=implausible,
+        later=requested is not None,
+        ends_alone=requested is not None and requested.ends_alone,
     )
+    return study if requested is None else requested.of_study(study)
 
 
 def critical_speeds(

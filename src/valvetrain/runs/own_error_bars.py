@@ -14,7 +14,6 @@ from valvetrain.runs.prepared import (
     FAILURES,
     Plan,
     PreparedRun,
-    Rest,
     integrate_point,
     prepare,
     provenance_of,
@@ -28,7 +27,7 @@ from valvetrain.runs.workers import map_points
 from valvetrain.solution.definition import label_of
 from valvetrain.solution.result import Solution
 from valvetrain.solution.uncertainty import Uncertainty
-from valvetrain.system.problem import Member, Problem
+from valvetrain.system.problem import Member, Problem, Rest
 from valvetrain.units import format_quantity
 
 #: Division of the springs of the further run over that of the case; finite elements, whose cost

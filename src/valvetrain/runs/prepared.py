@@ -6,8 +6,9 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from functools import cached_property
-from typing import TYPE_CHECKING
+from functools import cached_property, partial
+from operator import attrgetter
+from typing import TYPE_CHECKING, cast
 
 import numpy as np
 
@@ -19,10 +20,12 @@ from valvetrain.quantities.cycle import Frame
 from valvetrain.quantities.evaluate import evaluate
 from valvetrain.quantities.kinematics import RigidMotion, rigid_motion
 from valvetrain.quantities.plausible import REMEDY, implausible
+from valvetrain.quantities.request import LIGHT
 from valvetrain.quantities.signal import ring_top
 from valvetrain.quantities.valve_events import open_window
 from valvetrain.runs.cost import Limits, memory_text
 from valvetrain.solution.channels import empty_channels
+from valvetrain.solution.later import Later, LaterMapping
 from valvetrain.solution.partial_failures import PartialFailures, reason
 from valvetrain.solution.provenance import Option, Provenance, collect_provenance
 from valvetrain.solution.result import Solution
@@ -53,7 +56,7 @@ class Plan:
     ``keep`` of its channels (``contacts`` for a sweep), ``samples`` per cam revolution (None: the
     default), ``whole``: the solution has channels at all, ``cycles`` of prescribed motion, most
     ``cycles_to_settle`` of a train, ``created_at`` (ISO 8601), ``max_bytes`` of memory of one run;
-    ``implausible`` results pass.
+    ``implausible`` results pass; ``later``: as in :class:`RunOptions`.
     """
 
     keep: Keep = "all"
@@ -64,6 +67,7 @@ class Plan:
     created_at: str = ""
     max_bytes: float = Limits().bytes
     implausible: bool = False
+    later: bool = False
 
 
 @dataclass(frozen=True, eq=False)
@@ -108,11 +112,10 @@ def law_lift(problem: Problem) -> float:
 def prepare(problem: Problem, member: Member, rest: Rest, source: str) -> PreparedRun:
     """The member assembled with its springs at ``rest``; what its parts refuse is its ``refusal``."""
     # Under prescribed motion the statics of the springs are computed during the first runs: with_quantities() adds their frequencies.
-    found, frequencies = statics_of(member, rest)
     frame = Frame(
         member.springs,
-        found,
-        () if member.gear is None else frequencies,
+        tuple(rest[spring] for spring in member.springs if spring in rest),
+        () if member.gear is None else statics_of(member, rest)[1],
         problem.lift_event,
         problem.valve_lift.lift,
         source,
@@ -223,6 +226,7 @@ def integrate_from(
         window=ready.window,
         nose=ready.nose,
         start=start,
+        later=plan.later,
     )
     try:
         return run_to_orbit(ready.system, engine_speed / 2, until, options, provenance)
@@ -311,6 +315,40 @@ def with_quantities(ready: PreparedRun, solution: Solution, plan: Plan, rest: Re
         if failures.sentences:
             solution = replace(solution, gaps=(*solution.gaps, *failures.sentences))
     return solution if plan.whole else solution.reduced()
+
+
+def with_later_quantities(
+    ready: PreparedRun, solution: Solution, plan: Plan, rest: Later[Rest]
+) -> Solution:
+    """The same of prescribed motion, all that needs the inner motion or springs at ``rest`` when it
+    is read.
+    """
+    member, frame, given = ready.member, ready.frame, solution.arrays
+    alone = PreparedRun(member, replace(frame, rest=(), surge_frequencies=(), source=""))
+    inner = isinstance(given.variables, LaterMapping)
+    first = replace(solution, channels=given.known) if inner else solution
+    found = with_quantities(alone, first, plan, {})
+    if not len(solution.time):
+        return found
+    every = rest.then(partial(with_quantities, PreparedRun(member, frame), solution, plan))
+    known, status, between = (
+        dict(found.quantities),
+        cast(Status | Later[Status], found.status),
+        None,
+    )
+    if inner:
+        moved = Later(with_quantities, alone, solution, plan, {})
+        known = {name: one for name, one in known.items() if name in LIGHT}
+        status, between = moved.then(attrgetter("status")), moved.then(attrgetter("quantities"))
+    return Solution(
+        given if inner else found.arrays,
+        found.events,
+        status,
+        found.statistics,
+        found.provenance,
+        LaterMapping(known, every.then(attrgetter("quantities")), between),
+        every.then(attrgetter("gaps")),
+    )
 
 
 def unfinished(

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from valvetrain.errors import InputError, NamedNumbers
 from valvetrain.solution.channels import ChannelArrays, DatasetField, Variable, empty_channels
 from valvetrain.solution.display import Figure, frame, plotted, span, table, value_text
+from valvetrain.solution.later import LaterField, LaterMapping
 from valvetrain.solution.provenance import Provenance
 from valvetrain.solution.quantity import unit_of
 from valvetrain.solution.status import COMPLETED, Event, Status
@@ -35,7 +36,8 @@ class Solution:
     and have ``units`` and ``long_name``, with coordinates ``time`` (s) and ``cam_angle`` (rad,
     unwrapped) along it; a reduced solution has none. ``quantities``: named numbers (SI) by
     :func:`valvetrain.quantities.evaluate.evaluate`; ``gaps``: a sentence per part of them that
-    failed. Raises :class:`InputError` when a channel breaks that rule.
+    failed. What needs the springs at rest or motion inside a spring may be computed when it is first
+    read. Raises :class:`InputError` when a channel breaks that rule.
 
     >>> from valvetrain.solution.channels import spring_channels
     >>> channels = spring_channels(time=[0.0, 0.01], cam_angle=[0.0, 2.0], values={"seat_force": [310.0, 620.0]})
@@ -48,27 +50,30 @@ class Solution:
 
     channels: DatasetField = DatasetField()
     events: tuple[Event, ...] = ()
-    status: Status = COMPLETED
+    status: LaterField[Status] = LaterField(lambda: COMPLETED)
     statistics: Mapping[str, float | int | str | bool] = field(default_factory=dict)
     provenance: Provenance = field(default_factory=lambda: Provenance("", ""))
     quantities: Mapping[str, float] = field(default_factory=dict)
-    gaps: tuple[str, ...] = ()
+    gaps: LaterField[tuple[str, ...]] = LaterField(tuple)
 
     def __post_init__(self) -> None:
+        numbers = self.quantities
+        if not isinstance(numbers, LaterMapping):
+            numbers = NamedNumbers(numbers)
         object.__setattr__(self, "events", tuple(self.events))
-        object.__setattr__(self, "gaps", tuple(self.gaps))
-        object.__setattr__(self, "quantities", MappingProxyType(NamedNumbers(self.quantities)))
+        object.__setattr__(self, "_numbers", numbers)
+        object.__setattr__(self, "quantities", MappingProxyType(numbers))
         object.__setattr__(self, "statistics", MappingProxyType(dict(self.statistics)))
 
     def __reduce__(self) -> tuple[object, ...]:
         return Solution, (
             self.arrays,
             self.events,
-            self.status,
+            self.__dict__["_status"],
             dict(self.statistics),
             self.provenance,
-            dict(self.quantities),
-            self.gaps,
+            self.__dict__["_numbers"],
+            self.__dict__["_gaps"],
         )
 
     @property
@@ -140,7 +145,7 @@ class Solution:
         :meth:`channel`.
         """
         self.channel(name)
-        return self.channels[name]
+        return self.arrays.only([name]).dataset[name]
 
     def unit(self, name: str) -> str:
         """Unit (SI) of one channel."""
