@@ -95,24 +95,19 @@ def steady_train(
         begun = time.perf_counter()
         end, status = runner.after(_unpack(vector, template[0], runner))
         times.append(time.perf_counter() - begun)
-        template[0] = replace(end, cam_angle=0.0)
-        return (
-            _pack(end, runner)
-            if status.completed or np.all(np.isfinite(end.q))
-            else np.full_like(vector, np.nan)
-        )
+        if status.completed:
+            template[0] = replace(end, cam_angle=0.0)
+        return _pack(end, runner) if status.completed else np.full_like(vector, np.nan)
 
     vector, weights = _pack(template[0], runner), _weights(template[0], runner)
     search = (accelerate if method == "anderson" else repeat_cycles)(
         cycle, vector, weights, tolerance, cycles
     )
-    # what is no part of the motion (histories, contact memories) is taken from the last cycle run
-    finite = bool(np.all(np.isfinite(search.state)))
-    first = (
-        _unpack(search.state, template[0], runner) if finite else (start or runner.initial_state())
-    )
+    # what is no part of the motion (histories, contact memories) is taken from the last cycle that
+    # was completed
+    first = _unpack(search.state, template[0], runner)
     scatter = None
-    if compared and finite and not search.converged:
+    if compared and np.isfinite(search.residuals[-1]) and not search.converged:
         scatter, first = scatter_of(runner, first)
     _, record = runner.cycle(first)
     return SteadyTrain(runner, search, first, record, float(np.median(times)), tolerance, scatter)
