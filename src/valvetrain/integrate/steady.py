@@ -73,9 +73,7 @@ def repeat_cycles(
         if residuals[-1] <= tolerance:
             return SteadyState(states[-1], tuple(residuals), 1, len(residuals), "repeat", tolerance)
         if not np.all(np.isfinite(states[-1])):
-            return SteadyState(
-                states[-2], tuple(residuals), 0, len(residuals), "repeat", tolerance
-            )
+            return SteadyState(states[-2], tuple(residuals), 0, len(residuals), "repeat", tolerance)
     return SteadyState(
         states[-1],
         tuple(residuals),

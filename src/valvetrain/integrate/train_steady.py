@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from valvetrain.integrate.steady import SteadyState, accelerate, repeat_cycles
 from valvetrain.integrate.train_channels import COMPARED, LONG_SEARCH, Scatter, scatter_of
-from valvetrain.integrate.train_run import CycleRecord, TrainRunner, TrainState
+from valvetrain.integrate.train_run import OFF_CAM, CycleRecord, TrainRunner, TrainState
 from valvetrain.solution.status import Status
 
 Array = NDArray[np.float64]
@@ -39,11 +39,19 @@ class SteadyTrain:
 
     @property
     def status(self) -> Status:
-        """Completed, also where parts that are loose rattle while the valve repeats; diverged; not
-        converged with the period found.
+        """Completed, also where parts that are loose rattle while the valve repeats; diverged; out
+        of range, also where nothing touches the cam any more; not converged with the period found.
         """
         if not self.record.status.completed:
             return self.record.status
+        if (lift := self._unread_lift) > 0:
+            return Status(
+                "out-of-range",
+                f"the cam touches nothing in a whole revolution, though its law opens the valve by {1e3 * lift:.4g} mm",
+                self.runner.steps * self.runner.time_step,
+                "cam",
+                OFF_CAM,
+            )
         if self.search.converged:
             return self.record.status
         spread = (
@@ -72,6 +80,17 @@ class SteadyTrain:
             "",
             f"set cycles in [train] above {cycles} (--set train.cycles=...), or lower the speed if the train floats or bounces there",
         )
+
+    @property
+    def _unread_lift(self) -> float:
+        """Lift (m) of the law where the cam touches nothing, neither in the last cycle nor, of
+        motion that does not settle, in those compared: such may fly for one; 0 where it touches.
+        """
+        system = self.runner.system
+        alone = self.search.converged or (self.scatter is not None and not self.scatter.on_cam)
+        if self.record.touches(system, "cam") or not alone or system.mechanism.kinematics is None:
+            return 0.0
+        return float(system.mechanism.kinematics.maximum_lift)
 
 
 def steady_train(
