@@ -49,7 +49,7 @@ def build_lever(
         law, "valve" if law_of == "valve" else "drive", ratio, lever.drive_arm, train.lash
     )
     check_lash(kinematics)
-    angle = sample_angles()
+    angle, jumps = sample_angles(law)
     turn = sign * kinematics.drive(angle)
     moved = rotate(arm, turn)
     centre = (lever.pivot[0] + moved[0], lever.pivot[1] + moved[1])
@@ -66,6 +66,7 @@ def build_lever(
         turn,
         face,
         train.cam.rotation,
+        jumps,
     )
     parts, links, valve, retainer = valve_parts(train, laws)
     tip_contact = valve_tip_contact(

@@ -49,7 +49,7 @@ def build_pushrod(
         law, "valve" if law_of == "valve" else "drive", ratio, 1.0, train.lash
     )
     check_lash(kinematics)
-    angle = sample_angles()
+    angle, jumps = sample_angles(law)
     lift = kinematics.drive(angle)
     if follower.shape == "flat":
         reach = cam.base_radius / math.cos(follower.tilt) + follower.offset * math.tan(
@@ -70,6 +70,7 @@ def build_pushrod(
         np.zeros_like(angle),
         math.pi / 2 + follower.tilt,
         cam.rotation,
+        jumps,
     )
     support, support_links, direction, support_name = support_parts(train, lever.mass)
     bodies, bars, driven, driving = lever_bodies(train, lever)
