@@ -123,13 +123,13 @@ def table_from_samples(
     ends = np.zeros((len(jumps), 2))
     for n, (start, stop) in enumerate(pairwise([*jumps, jumps[0] + len(chi)])):
         index, turns = np.arange(start, stop + 1) % len(chi), np.arange(start, stop + 1) // len(chi)
-        x, curve = chi[index] + 2 * np.pi * turns, bend[index]
+        x = chi[index] + 2 * np.pi * turns
         spline = CubicSpline(x, value[index])
-        curve[[0, -1]] = ends[n] = spline(x[[0, -1]], 2)
+        ends[n] = spline(x[[0, -1]], 2)
         node = x[0] - 1e-9 + np.mod(np.arange(nodes) * 2 * np.pi / nodes - x[0] + 1e-9, 2 * np.pi)
         mine = node < x[-1] - 1e-9
         node = node[mine]
-        table[mine] = np.column_stack([spline(node), spline(node, 1), np.interp(node, x, curve)])
+        table[mine] = np.column_stack([spline(node, order) for order in range(3)])
     return with_jumps(table, chi[list(jumps)], ends[:, 0] - np.roll(ends[:, 1], 1))
 
 
