@@ -306,7 +306,8 @@ def with_quantities(ready: PreparedRun, solution: Solution, plan: Plan, rest: Re
         frame = replace(frame, rest=found, surge_frequencies=frequencies)
     if ready.motion is not None:
         frame = replace(frame, rigid=ready.motion.table(solution.engine_speed / 2))
-    if len(solution.time):
+    # outside the range of its model the numbers of a run mean nothing, so it has none
+    if len(solution.time) and solution.status.code != "out-of-range":
         failures = PartialFailures()
         solution = failures.part("all numbers", solution, evaluate, solution, frame)
         solution = failures.part("coil bind", solution, bound, solution, ready.member.springs)

@@ -252,8 +252,9 @@ def _revolutions(one: PreparedRun, ramp: Ramp) -> list[tuple[CycleRecord, dict[s
         for record in turns_of_run_up(ready, last, start):
             values = turn_quantities(ready.system, record, window)
             values |= bind_clearance(record, ready.system, one.member.springs)
+            values = {} if record.status.code == "out-of-range" else values
             found.append((record, values, each * len(record.q)))
-        if found and found[-1][0].status.completed:
+        if found and found[-1][0].status.code != "diverged":
             break
         options = replace(options, step_fraction=options.step_fraction / 3)
     return found
