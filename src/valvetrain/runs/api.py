@@ -13,6 +13,7 @@ from valvetrain.parameters.case import Case
 from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.parameters.loading import AnyCase, case_of
 from valvetrain.parameters.spring import SpringDefinition
+from valvetrain.registry import names as registered_names
 from valvetrain.runs.compare import compare_study
 from valvetrain.runs.cost import FEWER_AT_REST, Limits, limits_of, refuse_cost
 from valvetrain.runs.critical_speeds import read_options
@@ -24,20 +25,22 @@ from valvetrain.runs.workers import Progress, worker_count
 from valvetrain.solution.critical import CriticalSpeeds
 from valvetrain.solution.static import StaticCurve
 from valvetrain.solution.study import Study
+from valvetrain.springs.spec import spring_model as spec_of_model
 from valvetrain.system.build import build
-from valvetrain.units import Given, si, si_speeds
+from valvetrain.units import Given, as_names, renamed, si, si_speeds
 
 #: Engine speeds: ``"4200, 5600 rpm"``, ``"1000:9000:100 rpm"``, one or several numbers (rad/s of
 #: the crank), pint quantities.
 Speeds = Given | Sequence[Given]
 
 
+@renamed(spring_sets="spring_set")
 def simulate(
     case: AnyCase,
     engine_speeds: Speeds | None = None,
-    *,
     spring_models: Sequence[str] | str = (),
-    spring_sets: Sequence[str] | str = (),
+    *,
+    spring_set: Sequence[str] | str = (),
     workers: int | None = None,
     progress: Progress | None = None,
     limit: str = "",
@@ -51,7 +54,7 @@ def simulate(
     engine_speeds : speeds of the crank, "4200 rpm", rad/s or pint quantities; the case's own by
         default
     spring_models : a name of a spring model, such as "multi-mass", or several; the case's own or the default ones by default
-    spring_sets : names of spring sets of a train
+    spring_set : name of a spring set of a train, or several
     workers : runs at a time; results do not depend on it
     progress : called with the share done and a text
     limit : largest estimated time and memory, such as "2 h, 8 GB"; 10 min and 2 GB by default
@@ -73,13 +76,13 @@ def simulate(
     >>> round(study.solution("massless").quantities["peak_spring_force"])
     522
     """
-    spring_models, spring_sets = _names(spring_models), _names(spring_sets)
+    spring_models, sets = as_names(spring_models), as_names(spring_set)
     limits = _checked(
         "run",
         case := case_of(case),
         speeds := _speeds(engine_speeds),
         spring_models,
-        spring_sets,
+        sets,
         workers,
         limit,
     )
@@ -87,7 +90,7 @@ def simulate(
         case,
         engine_speeds=speeds,
         spring_models=spring_models,
-        spring_sets=spring_sets,
+        spring_sets=sets,
         workers=workers,
         progress=progress,
         limits=limits,
@@ -95,12 +98,13 @@ def simulate(
     )
 
 
+@renamed(spring_sets="spring_set")
 def compare(
     case: AnyCase,
-    spring_models: Sequence[str] | str = (),
     engine_speeds: Speeds | None = None,
+    spring_models: Sequence[str] | str = (),
     *,
-    spring_sets: Sequence[str] | str = (),
+    spring_set: Sequence[str] | str = (),
     workers: int | None = None,
     progress: Progress | None = None,
     limit: str = "",
@@ -111,7 +115,7 @@ def compare(
     Parameters
     ----------
     spring_models : names of spring models; by default those that suit the case
-    case, engine_speeds, spring_sets, workers, progress, limit, implausible : as for
+    case, engine_speeds, spring_set, workers, progress, limit, implausible : as for
         :func:`simulate`
 
     Returns
@@ -121,22 +125,22 @@ def compare(
 
     Raises
     ------
-    InputError : as :func:`simulate`; MissingExtraError for solid finite elements without their solver
+    InputError : as :func:`simulate`, and for models where speeds belong; MissingExtraError for solid finite elements without their solver
 
     Examples
     --------
     >>> import valvetrain as vt
-    >>> study = vt.compare("job-t", ["massless", "wave-rod"], "2000 rpm")
+    >>> study = vt.compare("job-t", "2000 rpm", ["massless", "wave-rod"])
     >>> [round(one.curve.force_at(7e-3)) for one in study.rest]
     [215, 215]
     """
-    spring_models, spring_sets = _names(spring_models), _names(spring_sets)
+    spring_models, sets = as_names(spring_models), as_names(spring_set)
     limits = _checked(
         "compare",
         case := case_of(case),
         speeds := _speeds(engine_speeds),
         spring_models,
-        spring_sets,
+        sets,
         workers,
         limit,
     )
@@ -144,7 +148,7 @@ def compare(
         case,
         engine_speeds=speeds,
         spring_models=spring_models,
-        spring_sets=spring_sets,
+        spring_sets=sets,
         workers=workers,
         progress=progress,
         limits=limits,
@@ -152,12 +156,13 @@ def compare(
     )
 
 
+@renamed(spring_sets="spring_set")
 def sweep(
     case: AnyCase,
     engine_speeds: Speeds = "1000:9000:100 rpm",
-    *,
     spring_models: Sequence[str] | str = (),
-    spring_sets: Sequence[str] | str = (),
+    *,
+    spring_set: Sequence[str] | str = (),
     whole: bool = False,
     workers: int | None = None,
     progress: Progress | None = None,
@@ -173,7 +178,7 @@ def sweep(
 
     Parameters
     ----------
-    case, spring_models, spring_sets, workers, progress, limit, implausible : as for
+    case, spring_models, spring_set, workers, progress, limit, implausible : as for
         :func:`simulate`
     engine_speeds : speeds of the crank, "1000:9000:100 rpm" (first:last:step), rad/s or pint
         quantities
@@ -200,7 +205,7 @@ def sweep(
     >>> len(speeds), round(force[0])
     (3, 522)
     """
-    spring_models, spring_sets = _names(spring_models), _names(spring_sets)
+    spring_models, sets = as_names(spring_models), as_names(spring_set)
     speeds = _speeds(engine_speeds)
     assert speeds is not None
     critical = read_options(resolution, float_lift, bounce_height) if critical_speeds else None
@@ -209,7 +214,7 @@ def sweep(
         case := case_of(case),
         speeds,
         spring_models,
-        spring_sets,
+        sets,
         workers,
         limit,
         whole,
@@ -219,7 +224,7 @@ def sweep(
         case,
         speeds,
         spring_models=spring_models,
-        spring_sets=spring_sets,
+        spring_sets=sets,
         whole=whole,
         workers=workers,
         progress=progress,
@@ -229,12 +234,13 @@ def sweep(
     )
 
 
+@renamed(spring_sets="spring_set")
 def critical_speeds(
     case: AnyCase,
     engine_speeds: Speeds = "1000:9000:100 rpm",
-    *,
     spring_models: Sequence[str] | str = (),
-    spring_sets: Sequence[str] | str = (),
+    *,
+    spring_set: Sequence[str] | str = (),
     resolution: Given = "10 rpm",
     float_lift: Given = "50 um",
     bounce_height: Given = "100 um",
@@ -248,7 +254,7 @@ def critical_speeds(
 
     Parameters
     ----------
-    case, spring_models, spring_sets, workers, progress, limit, implausible : as for
+    case, spring_models, spring_set, workers, progress, limit, implausible : as for
         :func:`simulate`
     engine_speeds : speeds of the crank at which the search begins; it continues between them where control may be lost
     resolution : width of a bracket, "10 rpm", rad/s or a pint quantity
@@ -268,7 +274,7 @@ def critical_speeds(
     Examples
     --------
     >>> import valvetrain as vt
-    >>> vt.critical_speeds("tdi-pushrod", "6800:7600:200 rpm", spring_models=["massless"], spring_sets=["stock"], resolution="50 rpm")
+    >>> vt.critical_speeds("tdi-pushrod", "6800:7600:200 rpm", spring_models="massless", spring_set="stock", resolution="50 rpm")
     critical engine speeds (rpm)
       massless, contact-loss: 7100–7150 (cam)
       massless, float: never up to 7600
@@ -278,7 +284,7 @@ def critical_speeds(
         case,
         engine_speeds,
         spring_models=spring_models,
-        spring_sets=spring_sets,
+        spring_set=spring_set,
         workers=workers,
         progress=progress,
         resolution=resolution,
@@ -347,6 +353,7 @@ def static_curve(
                 f"case '{problem.record.name}' holds {len(problem.springs)} springs ({names}); give one, such as case.springs[0]"
             )
         installed, lift = problem.springs[0], largest_lift(problem)
+    spec_of_model(spring_model, "spring_model")
     if not (isinstance(steps, (int, np.integer)) and steps >= 1):
         raise InputError(
             f"a static curve needs a whole number of steps, one or more; it is '{str(steps)[:40]}'",
@@ -378,10 +385,16 @@ def _checked(
     return limits
 
 
-def _names(given: Sequence[str] | str) -> tuple[str, ...]:
-    """Names, of which a single one may stand for itself."""
-    return (given,) if isinstance(given, str) and given else tuple(given)
-
-
 def _speeds(engine_speeds: Speeds | None) -> tuple[float, ...] | None:
-    return None if engine_speeds is None else si_speeds(engine_speeds)
+    if engine_speeds is None:
+        return None
+    given = (engine_speeds,) if isinstance(engine_speeds, str) else engine_speeds
+    texts = [one for one in given if isinstance(one, str)] if isinstance(given, Sequence) else []
+    models = set(",".join(texts).replace(" ", "").split(",")) & set(registered_names("springs"))
+    if models:
+        raise InputError(
+            f"'{min(models)}' is a spring model, and engine speeds come first: (case, engine_speeds, spring_models), such as "
+            "compare('job-t', '3000 rpm', ['massless', 'multi-mass'])",
+            "engine_speeds",
+        )
+    return si_speeds(engine_speeds)
