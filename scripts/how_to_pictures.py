@@ -83,7 +83,7 @@ def margin_over_speed() -> tuple[str, tuple[Panel, ...]]:
             case,
             "4000:8000:250 rpm",
             spring_models=["multi-mass"],
-            spring_sets=["stock"],
+            spring_set=["stock"],
             critical_speeds=False,
         )
         speeds, ratio = swept.series(swept.labels[0], "minimum_spring_margin_ratio")
@@ -107,7 +107,7 @@ def loss_and_float() -> tuple[str, tuple[Panel, ...]]:
         "tdi-pushrod",
         "6000:8000:50 rpm",
         spring_models=["multi-mass"],
-        spring_sets=["stock"],
+        spring_set=["stock"],
         critical_speeds=False,
     )
     label, panels = swept.labels[0], []
@@ -476,7 +476,7 @@ def stress_range() -> tuple[str, tuple[Panel, ...]]:
 def cam_torque() -> tuple[str, tuple[Panel, ...]]:
     case = vt.load_case("tdi-pushrod", {"train.contacts.cam.friction_coefficient": "0.06"})
     study = vt.simulate(
-        case, "4000 rpm", spring_models=["multi-mass"], spring_sets=["stock", "performance"]
+        case, "4000 rpm", spring_models=["multi-mass"], spring_set=["stock", "performance"]
     )
     pairs = zip(study.solutions, (BLUE, ORANGE), strict=True)
     layers = [line(*over_angle(run, "cam_torque"), run.spring_set, colour) for run, colour in pairs]

@@ -61,7 +61,7 @@ def test_static(answer):
 
 def test_modes_and_compare(answer):
     told = values(answer("modes", "job-t", "--spring", "multi-mass")["quantities"])
-    (rest,) = vt.compare("job-t", "multi-mass", "2000 rpm").rest
+    (rest,) = vt.compare("job-t", "2000 rpm", "multi-mass").rest
     assert told["mode_1_frequency"] == rest.modes.natural_frequency[0]
 
 

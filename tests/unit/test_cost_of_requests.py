@@ -183,7 +183,7 @@ def level_force():
 
 REQUESTS = {
     "simulate": lambda limit: vt.simulate("job-t", "2000 rpm", limit=limit),
-    "compare": lambda limit: vt.compare("job-t", ["massless", "wave-rod"], "2000 rpm", limit=limit),
+    "compare": lambda limit: vt.compare("job-t", "2000 rpm", ["massless", "wave-rod"], limit=limit),
     "sweep": lambda limit: vt.sweep("job-t", "1000:9000:1 rpm", limit=limit),
     "fidelity": lambda limit: vt.fidelity("job-t", "1000:9000:100 rpm", limit=limit),
     "critical_speeds": lambda limit: vt.critical_speeds(

@@ -59,7 +59,7 @@ def test_contact_of_parts():
             vt.load_case("tdi-pushrod", {key: "1e30 N/mm"}),
             "3000 rpm",
             spring_models=["massless"],
-            spring_sets=["stock"],
+            spring_set=["stock"],
         )
     assert words in sentence(call("run", "tdi-pushrod", "--set", f"{key}=1e30 N/mm"))
     assert words in sentence(call("check", "tdi-pushrod", "--set", f"{key}=1e30 N/mm"))

@@ -93,7 +93,7 @@ def test_a_sweep_shows_such_a_speed_as_failed_and_gives_it_no_point():
         case,
         ["3000 rpm", "14000 rpm"],
         spring_models="massless",
-        spring_sets="stiff",
+        spring_set="stiff",
         critical_speeds=False,
         workers=1,
     )

@@ -55,7 +55,7 @@ def test_springs_are_solved_at_rest_when_a_number_of_theirs_is_read(counted):
     run = CASE.run("3000 rpm", "multi-mass", workers=1)
     assert run.quantities["peak_spring_force"] > 0 and float(run["seat_force"].max()) > 0
     assert counted == {"rest": 0, "inner": 0}
-    assert run.status.completed and run["axial_velocity"].dims == ("sample", "wire_point")
+    assert run.status.completed and run["axial_velocity"].dims == ("cam_angle", "coil_number")
     assert counted["rest"] == 0 < counted["inner"]
     assert run.quantities["surge_frequency"] > 0 and counted["rest"] == 1
     assert run.gaps == () and len(run.quantities) > 50 and counted["rest"] == 1
@@ -113,7 +113,7 @@ def test_a_sweep_of_outputs_is_that_of_all(counted):
 
 
 def test_a_train_searches_critical_speeds_where_one_is_requested():
-    case, options = vt.Case("tdi-pushrod"), {"spring_sets": "stock", "workers": 1}
+    case, options = vt.Case("tdi-pushrod"), {"spring_set": "stock", "workers": 1}
     few = case.sweep("6000:6400:400 rpm", "massless", outputs="peak_valve_lift", **options)
     assert not len(few.critical_speeds) and set(few.solutions[0].quantities) == {"peak_valve_lift"}
     speeds = "7000:7400:200 rpm"

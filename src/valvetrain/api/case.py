@@ -164,25 +164,27 @@ class Case:
         return one_run(self.parameters, engine_speed, model, spring_set, **options)
 
     def compare(
-        self, models: Sequence[str] | str = (), engine_speeds: Any = None, **options: Any
+        self, engine_speeds: Any = None, models: Sequence[str] | str = (), **options: Any
     ) -> Study:
         """Spring models side by side, at rest and in motion; options as for
         :func:`valvetrain.compare`.
         """
         from valvetrain.runs.api import compare
 
-        return compare(self.parameters, models, engine_speeds, **options)
+        return compare(self.parameters, engine_speeds, models, **options)
 
     def sweep(
-        self, engine_speeds: Any = "1000:9000:100 rpm", model: str = "", **options: Any
+        self,
+        engine_speeds: Any = "1000:9000:100 rpm",
+        model: Sequence[str] | str = (),
+        **options: Any,
     ) -> Study:
         """Numbers over engine speed and, of a train, its critical speeds; options as for
         :func:`valvetrain.sweep`, among them ``outputs``, names of what alone is computed.
         """
         from valvetrain.runs.api import sweep
 
-        models = (model,) if model else ()
-        return sweep(self.parameters, engine_speeds, spring_models=models, **options)
+        return sweep(self.parameters, engine_speeds, model, **options)
 
     def critical_speeds(
         self, engine_speeds: Any = "1000:9000:100 rpm", **options: Any

@@ -147,7 +147,7 @@ def one_run(
     """The only run of a request. Raises :class:`InputError` where there are several."""
     from valvetrain.runs.api import simulate
 
-    found = simulate(case, engine_speed, spring_models=model, spring_sets=spring_set, **options)
+    found = simulate(case, engine_speed, spring_models=model, spring_set=spring_set, **options)
     if len(found.solutions) != 1:
         runs = ", ".join(found.labels)
         raise InputError(

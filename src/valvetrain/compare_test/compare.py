@@ -48,7 +48,7 @@ from valvetrain.solution.result import Solution
 from valvetrain.solution.study import Study
 from valvetrain.system.build import build
 from valvetrain.system.problem import Problem
-from valvetrain.units import Given, si
+from valvetrain.units import Given, renamed, si
 
 
 @dataclass(frozen=True, eq=False)
@@ -120,6 +120,7 @@ class ModelAgainstTest:
         return table(repr(self), ("model", "F", "p"), rows)
 
 
+@renamed(spring_sets="spring_set")
 def compare_with_test(
     case: AnyCase,
     test: AnyTest,
@@ -127,8 +128,8 @@ def compare_with_test(
     quantity: str = "",
     channel: int = 0,
     engine_speed: Given | None = None,
-    spring_models: Sequence[str] = (),
-    spring_sets: Sequence[str] = (),
+    spring_models: Sequence[str] | str = (),
+    spring_set: Sequence[str] | str = (),
     sensor: Sensor | None = None,
     fitted: int = 0,
     shared: str | Sequence[str] = (),
@@ -150,8 +151,9 @@ def compare_with_test(
         that quantity
     engine_speed : speed of the crank where the test does not state it, "4200 rpm", rad/s or a pint
         quantity
-    spring_models : names of spring models, compared side by side; the case's own by default
-    spring_sets : names of spring sets of a train
+    spring_models : a name of a spring model, or several, compared side by side; the case's own by
+        default
+    spring_set : name of a spring set of a train, or several
     sensor : gauge of the test, through which the model is seen before it is compared
     fitted : parameters of the model that were found from this test
     shared : standard deviations of errors that all cycles share, "2 N, 0.5 %, 0.1 deg": of the
@@ -187,7 +189,7 @@ def compare_with_test(
         chosen,
         tuple(f"{speed!r} rad/s" for speed in request.engine_speeds),
         spring_models=spring_models,
-        spring_sets=spring_sets,
+        spring_set=spring_set,
         workers=workers,
         progress=progress,
         limit=limit,
@@ -196,7 +198,7 @@ def compare_with_test(
     return _answer(
         study,
         request,
-        active_wire(build(chosen, spring_models=spring_models, spring_sets=spring_sets)),
+        active_wire(build(chosen, spring_models=spring_models, spring_set=spring_set)),
     )
 
 
@@ -250,7 +252,7 @@ def compare_study_with_test(
             [*dict.fromkeys(word for run in near if (word := getattr(run, name)))]
             for name in ("model", "spring_set")
         )
-        problem = build(chosen, spring_models=models, spring_sets=sets)
+        problem = build(chosen, spring_models=models, spring_set=sets)
     return _answer(replace(study, solutions=near), request, active_wire(problem))
 
 

@@ -96,7 +96,7 @@ def evaluate_case(case: Case, point: Point) -> Outcome:
     models, sets = (
         tuple(word for word in (text,) if word) for text in (point.spring_model, point.spring_set)
     )
-    problem = build(case, spring_models=models, spring_sets=sets)
+    problem = build(case, spring_models=models, spring_set=sets)
     if problem.kind != TRAIN and case.lift_law is not None:
         problem = _with_remembered_lift(problem, case.lift_law)
     member, engine_speed, request = problem.members[0], point.speed, point.request

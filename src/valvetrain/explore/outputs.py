@@ -13,7 +13,7 @@ from valvetrain.parameters.case import Case
 from valvetrain.quantities.request import PointRequest
 from valvetrain.solution.definition import definition_of, is_defined, no_quantity
 from valvetrain.solution.status import COMPLETED, Status
-from valvetrain.units import parse_quantity, si_speeds
+from valvetrain.units import parse_quantity, renamed, si_speeds
 
 #: (engine speed in rad/s or None, spring model, spring set) of a run.
 Run = tuple[float | None, str, str]
@@ -93,7 +93,7 @@ class Outputs:
 
     ``quantities``: names (docs/quantities.md) or numbers that the function gives. ``engine_speeds``
     (text such as ``"4000, 6000 rpm"`` or rad/s; None: the case's own), ``spring_models`` and
-    ``spring_sets``: a run of each combination. ``rest_model``: spring model of static quantities.
+    ``spring_set`` (``spring_sets`` as an attribute): a run of each combination. ``rest_model``: spring model of static quantities.
     ``limit_speeds``: tables as in an optimisation file, such as
     ``{"quantity": "clash_energy", "at_most": "1 mJ", "engine_speeds": "4000:9000:250 rpm"}``.
     ``function``: computed instead of a case: takes the varied quantities by name and returns a
@@ -112,18 +112,19 @@ class Outputs:
     limit_speeds: tuple[LimitSearch, ...]
     function: Callable[..., Any] | None
 
+    @renamed(spring_sets="spring_set")
     def __init__(
         self,
         quantities: Sequence[str] | str = (),
         *,
         engine_speeds: Any = None,
         spring_models: Sequence[str] | str = (),
-        spring_sets: Sequence[str] | str = (),
+        spring_set: Sequence[str] | str = (),
         rest_model: str = "",
         limit_speeds: Sequence[Mapping[str, Any] | LimitSearch] = (),
         function: Callable[..., Any] | None = None,
     ) -> None:
-        named = (quantities, spring_models, spring_sets)
+        named = (quantities, spring_models, spring_set)
         names, models, sets = (
             tuple(dict.fromkeys([one] if isinstance(one, str) else one)) for one in named
         )

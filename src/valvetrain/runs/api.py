@@ -13,6 +13,7 @@ from valvetrain.parameters.case import Case
 from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.parameters.loading import AnyCase, case_of
 from valvetrain.parameters.spring import SpringDefinition
+from valvetrain.registry import names as registered_names
 from valvetrain.runs.compare import compare_study
 from valvetrain.runs.cost import FEWER_AT_REST, Limits, limits_of, refuse_cost
 from valvetrain.runs.critical_speeds import read_options
@@ -25,20 +26,22 @@ from valvetrain.runs.workers import Progress, worker_count
 from valvetrain.solution.critical import CriticalSpeeds
 from valvetrain.solution.static import StaticCurve
 from valvetrain.solution.study import Study
-from valvetrain.system.build import build, names_given
-from valvetrain.units import Given, si, si_speeds
+from valvetrain.springs.spec import spring_model as spec_of_model
+from valvetrain.system.build import build
+from valvetrain.units import Given, as_names, renamed, si, si_speeds
 
 #: Engine speeds: ``"4200, 5600 rpm"``, ``"1000:9000:100 rpm"``, one or several numbers (rad/s of
 #: the crank), pint quantities.
 Speeds = Given | Sequence[Given]
 
 
+@renamed(spring_sets="spring_set")
 def simulate(
     case: AnyCase,
     engine_speeds: Speeds | None = None,
-    *,
     spring_models: Sequence[str] | str = (),
-    spring_sets: Sequence[str] | str = (),
+    *,
+    spring_set: Sequence[str] | str = (),
     outputs: Sequence[str] | str = (),
     workers: int | None = None,
     progress: Progress | None = None,
@@ -53,7 +56,7 @@ def simulate(
     engine_speeds : speeds of the crank, "4200 rpm", rad/s or pint quantities; the case's own by
         default
     spring_models : a name of a spring model, such as "multi-mass", or several; the case's own or the default ones by default
-    spring_sets : names of spring sets of a train
+    spring_set : name of a spring set of a train, or several
     outputs : names of quantities (docs/quantities.md) and channels; only these are computed and in
         the solutions. Without them all can be read; what belongs to the springs at rest and inside
         springs under prescribed motion is computed when it is first read
@@ -81,7 +84,7 @@ def simulate(
     >>> dict(study.solutions[0].quantities)
     {'minimum_spring_force': 210.29213953413347}
     """
-    spring_models, spring_sets = names_given(spring_models), names_given(spring_sets)
+    spring_models, sets = as_names(spring_models), as_names(spring_set)
     case = case_of(case)
     requested = RequestedOutputs.of(outputs, case.train is not None) if outputs else None
     limits = _checked(
@@ -89,7 +92,7 @@ def simulate(
         case,
         speeds := _speeds(engine_speeds),
         spring_models,
-        spring_sets,
+        sets,
         workers,
         limit,
     )
@@ -97,7 +100,7 @@ def simulate(
         case,
         engine_speeds=speeds,
         spring_models=spring_models,
-        spring_sets=spring_sets,
+        spring_sets=sets,
         workers=workers,
         progress=progress,
         limits=limits,
@@ -108,12 +111,13 @@ def simulate(
     return study if requested is None else requested.of_study(study)
 
 
+@renamed(spring_sets="spring_set")
 def compare(
     case: AnyCase,
-    spring_models: Sequence[str] | str = (),
     engine_speeds: Speeds | None = None,
+    spring_models: Sequence[str] | str = (),
     *,
-    spring_sets: Sequence[str] | str = (),
+    spring_set: Sequence[str] | str = (),
     workers: int | None = None,
     progress: Progress | None = None,
     limit: str = "",
@@ -124,7 +128,7 @@ def compare(
     Parameters
     ----------
     spring_models : names of spring models; by default those that suit the case
-    case, engine_speeds, spring_sets, workers, progress, limit, implausible : as for
+    case, engine_speeds, spring_set, workers, progress, limit, implausible : as for
         :func:`simulate`
 
     Returns
@@ -134,22 +138,22 @@ def compare(
 
     Raises
     ------
-    InputError : as :func:`simulate`; MissingExtraError for solid finite elements without their solver
+    InputError : as :func:`simulate`, and for models where speeds belong; MissingExtraError for solid finite elements without their solver
 
     Examples
     --------
     >>> import valvetrain as vt
-    >>> study = vt.compare("job-t", ["massless", "wave-rod"], "2000 rpm")
+    >>> study = vt.compare("job-t", "2000 rpm", ["massless", "wave-rod"])
     >>> [round(one.curve.force_at(7e-3)) for one in study.rest]
     [215, 215]
     """
-    spring_models, spring_sets = names_given(spring_models), names_given(spring_sets)
+    spring_models, sets = as_names(spring_models), as_names(spring_set)
     limits = _checked(
         "compare",
         case := case_of(case),
         speeds := _speeds(engine_speeds),
         spring_models,
-        spring_sets,
+        sets,
         workers,
         limit,
     )
@@ -157,7 +161,7 @@ def compare(
         case,
         engine_speeds=speeds,
         spring_models=spring_models,
-        spring_sets=spring_sets,
+        spring_sets=sets,
         workers=workers,
         progress=progress,
         limits=limits,
@@ -165,12 +169,13 @@ def compare(
     )
 
 
+@renamed(spring_sets="spring_set")
 def sweep(
     case: AnyCase,
     engine_speeds: Speeds = "1000:9000:100 rpm",
-    *,
     spring_models: Sequence[str] | str = (),
-    spring_sets: Sequence[str] | str = (),
+    *,
+    spring_set: Sequence[str] | str = (),
     outputs: Sequence[str] | str = (),
     whole: bool = False,
     workers: int | None = None,
@@ -187,7 +192,7 @@ def sweep(
 
     Parameters
     ----------
-    case, spring_models, spring_sets, outputs, workers, progress, limit, implausible : as for
+    case, spring_models, spring_set, outputs, workers, progress, limit, implausible : as for
         :func:`simulate`
     engine_speeds : speeds of the crank, "1000:9000:100 rpm" (first:last:step), rad/s or pint
         quantities
@@ -214,7 +219,7 @@ def sweep(
     >>> len(speeds), round(force[0])
     (3, 522)
     """
-    spring_models, spring_sets = names_given(spring_models), names_given(spring_sets)
+    spring_models, sets = as_names(spring_models), as_names(spring_set)
     speeds = _speeds(engine_speeds)
     assert speeds is not None
     case = case_of(case)
@@ -228,7 +233,7 @@ def sweep(
         case,
         speeds,
         spring_models,
-        spring_sets,
+        sets,
         workers,
         limit,
         whole,
@@ -238,7 +243,7 @@ def sweep(
         case,
         speeds,
         spring_models=spring_models,
-        spring_sets=spring_sets,
+        spring_sets=sets,
         whole=whole,
         workers=workers,
         progress=progress,
@@ -251,12 +256,13 @@ def sweep(
     return study if requested is None else requested.of_study(study)
 
 
+@renamed(spring_sets="spring_set")
 def critical_speeds(
     case: AnyCase,
     engine_speeds: Speeds = "1000:9000:100 rpm",
-    *,
     spring_models: Sequence[str] | str = (),
-    spring_sets: Sequence[str] | str = (),
+    *,
+    spring_set: Sequence[str] | str = (),
     resolution: Given = "10 rpm",
     float_lift: Given = "50 um",
     bounce_height: Given = "100 um",
@@ -270,7 +276,7 @@ def critical_speeds(
 
     Parameters
     ----------
-    case, spring_models, spring_sets, workers, progress, limit, implausible : as for
+    case, spring_models, spring_set, workers, progress, limit, implausible : as for
         :func:`simulate`
     engine_speeds : speeds of the crank at which the search begins; it continues between them where control may be lost
     resolution : width of a bracket, "10 rpm", rad/s or a pint quantity
@@ -290,7 +296,7 @@ def critical_speeds(
     Examples
     --------
     >>> import valvetrain as vt
-    >>> vt.critical_speeds("tdi-pushrod", "6800:7600:200 rpm", spring_models=["massless"], spring_sets=["stock"], resolution="50 rpm")
+    >>> vt.critical_speeds("tdi-pushrod", "6800:7600:200 rpm", spring_models="massless", spring_set="stock", resolution="50 rpm")
     critical engine speeds (rpm)
       massless, contact-loss: 7100–7150 (cam)
       massless, float: never up to 7600
@@ -300,7 +306,7 @@ def critical_speeds(
         case,
         engine_speeds,
         spring_models=spring_models,
-        spring_sets=spring_sets,
+        spring_set=spring_set,
         workers=workers,
         progress=progress,
         resolution=resolution,
@@ -369,6 +375,7 @@ def static_curve(
                 f"case '{problem.record.name}' holds {len(problem.springs)} springs ({names}); give one, such as case.springs[0]"
             )
         installed, lift = problem.springs[0], largest_lift(problem)
+    spec_of_model(spring_model, "spring_model")
     if not (isinstance(steps, (int, np.integer)) and steps >= 1):
         raise InputError(
             f"a static curve needs a whole number of steps, one or more; it is '{str(steps)[:40]}'",
@@ -401,4 +408,15 @@ def _checked(
 
 
 def _speeds(engine_speeds: Speeds | None) -> tuple[float, ...] | None:
-    return None if engine_speeds is None else si_speeds(engine_speeds)
+    if engine_speeds is None:
+        return None
+    given = (engine_speeds,) if isinstance(engine_speeds, str) else engine_speeds
+    texts = [one for one in given if isinstance(one, str)] if isinstance(given, Sequence) else []
+    models = set(",".join(texts).replace(" ", "").split(",")) & set(registered_names("springs"))
+    if models:
+        raise InputError(
+            f"'{min(models)}' is a spring model, and engine speeds come first: (case, engine_speeds, spring_models), such as "
+            "compare('job-t', '3000 rpm', ['massless', 'multi-mass'])",
+            "engine_speeds",
+        )
+    return si_speeds(engine_speeds)

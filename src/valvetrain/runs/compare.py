@@ -79,7 +79,7 @@ def compare_study(
         case.springs, case.train is not None
     )
     moving = tuple(word for word in chosen if not spring_model(word, "spring_models").no_motion)
-    problem = build(case, spring_models=moving or ("finite-element",), spring_sets=spring_sets)
+    problem = build(case, spring_models=moving or ("finite-element",), spring_set=spring_sets)
     if problem.kind == TRAIN and len(moving) < len(chosen):
         raise InputError(
             f"solid finite elements serve a spring alone, and case '{case.name}' is a train; leave solid out",

@@ -29,7 +29,7 @@ from valvetrain.solution.study import Study
 from valvetrain.springs.spec import spring_model
 from valvetrain.system.build import build
 from valvetrain.system.problem import Problem
-from valvetrain.units import Given, si_speeds
+from valvetrain.units import Given, as_names, si_speeds
 
 #: Elements, masses or modes of the second run of a model over those of its first.
 FINER = 1.5
@@ -52,9 +52,9 @@ NOTHING = 1e-9
 def fidelity(
     case: AnyCase,
     engine_speeds: Given | Sequence[Given] = "1000:9000:500 rpm",
+    spring_models: Sequence[str] | str = (),
     *,
-    spring_models: Sequence[str] = (),
-    spring_set: str = "",
+    spring_set: Sequence[str] | str = "",
     reference: str = "",
     tolerance: float = TOLERANCE,
     workers: int | None = None,
@@ -70,7 +70,7 @@ def fidelity(
     case, workers, progress, limit, implausible : as for :func:`simulate`
     engine_speeds : speeds of the crank, "1000:9000:500 rpm" (first:last:step), rad/s or pint
         quantities
-    spring_models : models that are judged; all that can run by default
+    spring_models : a model that is judged, or several; all that can run by default
     spring_set : spring set of a train, its own by default
     reference : the model they are judged by; finite elements where the wire is known, else the
         equivalent rod
@@ -94,14 +94,17 @@ def fidelity(
     """
     chosen, speeds, limits = case_of(case), si_speeds(engine_speeds), limits_of(limit)
     refuse_tolerance(tolerance)
-    models = fidelity_models(chosen, spring_models, spring_set, reference)
-    cost = fidelity_cost(chosen, speeds, models, spring_set, worker_count(workers))
+    if len(sets := as_names(spring_set)) > 1:
+        raise InputError("models are compared on one spring set; name one of them", "spring_set")
+    own = "".join(sets)
+    models = fidelity_models(chosen, as_names(spring_models), own, reference)
+    cost = fidelity_cost(chosen, speeds, models, own, worker_count(workers))
     refuse_cost(cost, limits, "limit=")
     return fidelity_study(
         chosen,
         speeds,
         spring_models=models,
-        spring_set=spring_set,
+        spring_set=own,
         tolerance=tolerance,
         workers=workers,
         progress=progress,
@@ -116,7 +119,7 @@ def refuse_tolerance(tolerance: float) -> None:
         meant = f"write '{tolerance:g} %'" if 1 <= tolerance < 100 else "write it such as '5 %'"
         raise InputError(
             f"a tolerance is a share between 0 and 1, and {tolerance:g} is none; {meant}",
-            "--tolerance",
+            "tolerance",
         )
 
 
@@ -151,12 +154,12 @@ def fidelity_models(
     if case.train is None and spring_set:
         raise InputError(
             f"case '{case.name}' is a spring alone and has no spring sets; leave them out",
-            "spring_sets",
+            "spring_set",
         )
     if case.train is not None and spring_set and spring_set not in case.train.springs:
         raise InputError(
             f"there is no spring set '{spring_set[:40]}'; use one of {', '.join(case.train.springs)}",
-            "spring_sets",
+            "spring_set",
         )
     springs = case.springs
     if case.train is not None:
@@ -173,9 +176,9 @@ def fidelity_models(
         raise InputError(
             f"case '{case.name}' has no spring whose models could be compared; add one", "spring"
         )
-    spring_model(best, "--reference")
+    spring_model(best, "reference")
     if why := refusal(best):
-        raise InputError(f"the reference cannot run: {why}; name another", "--reference")
+        raise InputError(f"the reference cannot run: {why}; name another", "reference")
     # The wire of a card is assumed, so its rod is not a default.
     assumed = REFERENCES["wire"] if kind == "card" else ""
     chosen = tuple(dict.fromkeys(spring_models)) or tuple(
@@ -214,10 +217,10 @@ def fidelity_study(
     if not speeds:
         raise InputError(
             "a comparison over speed needs at least one engine speed; write such as '1000:9000:500 rpm'",
-            "--engine-speed",
+            "engine_speeds",
         )
     sets = (spring_set,) if spring_set else _own_set(case)
-    problem = build(case, spring_models=spring_models, spring_sets=sets)
+    problem = build(case, spring_models=spring_models, spring_set=sets)
 
     def study(of: Problem, tell: Finished | None, begin: float, end: float) -> Study:
         def part(done: float, text: str) -> None:

@@ -94,7 +94,7 @@ def run_study(
     cores). Raises :class:`InputError` for what cannot be built, for a speed that is not positive
     and when no model can run; a run that fails is a status.
     """
-    problem = build(case, spring_models=spring_models, spring_sets=spring_sets)
+    problem = build(case, spring_models=spring_models, spring_set=spring_sets)
     speeds = problem.engine_speeds if engine_speeds is None else tuple(engine_speeds)
     return run_problem(
         problem,
@@ -140,10 +140,10 @@ def sweep_study(
     if not speeds:
         raise InputError(
             "a sweep needs at least one engine speed; write such as '1000:9000:100 rpm'",
-            "--engine-speed",
+            "engine_speeds",
         )
     sets = tuple(spring_sets) or (tuple(case.train.springs) if case.train is not None else ())
-    problem = build(case, spring_models=spring_models, spring_sets=sets)
+    problem = build(case, spring_models=spring_models, spring_set=sets)
     try:
         return _with_critical(
             run_problem(

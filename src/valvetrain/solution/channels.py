@@ -12,10 +12,20 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from valvetrain.errors import InputError
+from valvetrain.solution.cycle_view import (
+    TURN,
+    angle_within,
+    cycle_dataset,
+    first_revolution,
+    revolution_coordinate,
+)
 from valvetrain.solution.later import Later, LaterMapping
 
 if TYPE_CHECKING:
     import xarray
+
+#: Label of the stored cam angle, which counts on over the revolutions of a run.
+CAM_ANGLE_LABEL = "cam angle, unwrapped"
 
 
 class Variable(NamedTuple):
@@ -39,13 +49,35 @@ class ChannelArrays:
     attributes: Mapping[str, Any] = field(default_factory=dict)
 
     @cached_property
-    def dataset(self) -> xarray.Dataset:
+    def stored(self) -> xarray.Dataset:
         """The same, labelled; the arrays are shared, not copied."""
         import xarray
 
         return xarray.Dataset(
             dict(self.variables), coords=dict(self.coords), attrs=dict(self.attributes)
         )
+
+    @cached_property
+    def dataset(self) -> xarray.Dataset:
+        """As :attr:`stored`, with ``cam_angle`` counted from the start of the revolution in which
+        the samples begin, which is the scalar coordinate ``revolution``.
+        """
+        if "cam_angle" not in self.coords:
+            return self.stored
+        angle = self.coords["cam_angle"]
+        number = first_revolution(angle.values)
+        if number:
+            values = angle_within(angle.values, number)
+            attrs = {**angle.attrs, "long_name": "cam angle from the start of the revolution"}
+            counted = self.stored.assign_coords(cam_angle=(angle.dims, values, attrs))
+        else:
+            counted = self.stored
+        return counted.assign_coords(revolution=revolution_coordinate(number))
+
+    @cached_property
+    def cycle(self) -> xarray.Dataset:
+        """The last cam revolution by cam angle and coil number."""
+        return cycle_dataset(self.variables, self.coords, self.attributes)
 
     def __reduce__(self) -> tuple[object, ...]:
         parts = (
@@ -115,7 +147,7 @@ class ChannelArrays:
 
 
 def arrays_of(channels: xarray.Dataset | ChannelArrays) -> ChannelArrays:
-    """Plain arrays of a labelled dataset, which stays their dataset."""
+    """Plain arrays of a labelled dataset, which stays their dataset where it has ``revolution``."""
     if isinstance(channels, ChannelArrays):
         return channels
     named = {
@@ -123,8 +155,14 @@ def arrays_of(channels: xarray.Dataset | ChannelArrays) -> ChannelArrays:
         for name, one in channels.variables.items()
     }
     coords = {str(name): named.pop(str(name)) for name in channels.coords}
+    if (revolution := coords.pop("revolution", None)) is not None and "cam_angle" in coords:
+        angle = coords["cam_angle"]
+        if number := int(revolution.values):
+            attrs = {**angle.attrs, "long_name": CAM_ANGLE_LABEL}
+            coords["cam_angle"] = Variable(angle.dims, angle.values + number * TURN, attrs)
     made = ChannelArrays(named, coords, channels.attrs)
-    made.__dict__["dataset"] = channels
+    if revolution is not None:
+        made.__dict__["dataset"] = channels
     return made
 
 
@@ -277,7 +315,7 @@ def spring_channels(
         )
     axes = (
         ("time", "sample", time, "s", "time"),
-        ("cam_angle", "sample", cam_angle, "rad", "cam angle, unwrapped"),
+        ("cam_angle", "sample", cam_angle, "rad", CAM_ANGLE_LABEL),
         ("coil_number", "wire_point", coil_number, "1", "turns from the lower wire tip"),
         ("upper_coil", "coil_pair", upper_coil, "1", "coil number of the upper partner"),
     )

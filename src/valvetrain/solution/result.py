@@ -33,8 +33,9 @@ class Solution:
     """What one run computed; see docs/architecture.md for channel names.
 
     ``channels`` is an :class:`xarray.Dataset` whose variables all start with dimension ``sample``
-    and have ``units`` and ``long_name``, with coordinates ``time`` (s) and ``cam_angle`` (rad,
-    unwrapped) along it; a reduced solution has none. ``quantities``: named numbers (SI) by
+    and have ``units`` and ``long_name``, with coordinates ``time`` (s) and ``cam_angle`` (rad, from
+    the start of the revolution in which the samples begin, whose number is ``revolution``) along
+    it; a reduced solution has none. ``cycle``: the last whole revolution alone, by cam angle. ``quantities``: named numbers (SI) by
     :func:`valvetrain.quantities.evaluate.evaluate`; ``gaps``: a sentence per part of them that
     failed. What needs the springs at rest or motion inside a spring may be computed when it is first
     read. Raises :class:`InputError` when a channel breaks that rule.
@@ -136,19 +137,33 @@ class Solution:
         if name not in self.arrays.variables:
             known = ", ".join(self.arrays.variables)
             raise InputError(
-                f"this {self.model or 'unnamed'} run has no channel '{name}'; it has {known}"
+                f"this {self.model or 'unnamed'} run has no channel '{name}'; "
+                f"{f'it has {known}' if known else 'it is reduced to its numbers, so run it whole'}"
             )
         return np.asarray(self.arrays.variables[name].values)
 
+    @property
+    def cycle(self) -> xarray.Dataset:
+        """All channels over the last whole cam revolution, or the unfinished one where none is
+        whole.
+
+        Dimension ``cam_angle`` (rad, from 0 to less than 2 pi), then ``coil_number`` or
+        ``upper_coil``, ascending, each with unit and label; ``time`` (s) along the first, and
+        ``revolution``, which one it is.
+        """
+        return self.arrays.cycle
+
     def __getitem__(self, name: str) -> xarray.DataArray:
-        """A channel with its coordinates and units: ``run["seat_force"].plot()``; ``name`` as for
+        """A channel of :attr:`cycle`: ``run["seat_force"].plot()``,
+        ``run["valve_lift"].sel(cam_angle=np.pi, method="nearest")``; ``name`` as for
         :meth:`channel`.
         """
         self.channel(name)
-        return self.arrays.only([name]).dataset[name]
+        return self.arrays.only([name]).cycle[name]
 
     def unit(self, name: str) -> str:
-        """Unit (SI) of one channel."""
+        """Unit (SI) of one channel; ``name`` as for :meth:`channel`."""
+        self.channel(name)
         return str(self.arrays.variables[name].attrs["units"])
 
     def identical(self, other: Solution) -> bool:

@@ -23,6 +23,7 @@ from valvetrain.parameters.train import TrainParameters, TrainVariant
 from valvetrain.springs.nested import RadialRubbing
 from valvetrain.springs.spec import SpringModelSpec, spring_model
 from valvetrain.system.problem import Gear, Member, Problem
+from valvetrain.units import as_names, renamed
 
 #: Spring models of a case of one's own that names none: those of a known wire, of a card with and
 #: without a mass.
@@ -33,11 +34,12 @@ WIRE_MODELS, CARD_MODELS, BARE_MODELS = (
 )
 
 
+@renamed(spring_sets="spring_set")
 def build(
     case: AnyCase,
     *,
     spring_models: Sequence[str] | str = (),
-    spring_sets: Sequence[str] | str = (),
+    spring_set: Sequence[str] | str = (),
 ) -> Problem:
     """The problem of a case, every part built once: its variants, or one member per spring model
     (of each spring set) requested.
@@ -45,9 +47,9 @@ def build(
     Parameters
     ----------
     case : Case, name of a library case, or path of a case file
-    spring_models : names of spring models, such as "multi-mass"; the case's own or the default ones
-        by default
-    spring_sets : names of spring sets of a train
+    spring_models : a name of a spring model, such as "multi-mass", or several; the case's own or the
+        default ones by default
+    spring_set : name of a spring set of a train, or several
 
     Returns
     -------
@@ -67,16 +69,11 @@ def build(
     """
     case = case_of(case)
     try:
-        return _built(case, names_given(spring_models), names_given(spring_sets))
+        return _built(case, as_names(spring_models), as_names(spring_set))
     except (ArithmeticError, ValueError) as error:  # numbers at which the parts' formulas end
         raise InputError(
             f"the parts of case '{case.name}' cannot be built ({error}); check its numbers and their units"
         ) from error
-
-
-def names_given(names: Sequence[str] | str) -> tuple[str, ...]:
-    """Names of spring models or sets, of which a single one may stand for itself."""
-    return (names,) if isinstance(names, str) and names else tuple(names)
 
 
 def lift_law_of(case: Case) -> LiftLaw:
@@ -113,7 +110,7 @@ def _built(case: Case, spring_models: Sequence[str], spring_sets: Sequence[str])
     elif spring_sets:
         raise InputError(
             f"case '{case.name}' is a spring alone and has no spring sets; leave them out",
-            "spring_sets",
+            "spring_set",
         )
     else:
         members = _spring_members(case, law, specs)
