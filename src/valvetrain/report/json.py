@@ -189,7 +189,7 @@ def study_json(study: Study) -> dict[str, Any]:
             for one in study.findings
         ],
         "uncertainties": [uncertainty_object(row) for row in fresh_uncertainty(study)],
-        "notes": list(study.notes),
+        "notes": list(study.all_notes),
         "cite": list(
             dict.fromkeys(
                 sum(

@@ -67,6 +67,7 @@ def compare_study(
     limits: Limits = Limits(),
     implausible: bool = False,
     finished: Finished | None = None,
+    error_bars: bool = False,
 ) -> Study:
     """The case by each of ``spring_models`` (:data:`SPRING_MODELS` or :data:`TRAIN_MODELS` by
     default): its runs, and every spring at rest by each model.
@@ -101,6 +102,7 @@ def compare_study(
         limits=limits,
         implausible=implausible,
         finished=finished,
+        error_bars=error_bars,
     )
     if problem.kind == TRAIN:
         return study

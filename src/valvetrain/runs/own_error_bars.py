@@ -9,6 +9,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
+from valvetrain.runs.at_rest import AtRest
 from valvetrain.runs.error_bars import two_grids
 from valvetrain.runs.prepared import (
     FAILURES,
@@ -25,8 +26,9 @@ from valvetrain.runs.refine_trains import HEADLINES as TRAIN_HEADLINES
 from valvetrain.runs.refine_trains import ROUNDING, divided
 from valvetrain.runs.workers import map_points
 from valvetrain.solution.definition import label_of
+from valvetrain.solution.later import Later
 from valvetrain.solution.result import Solution
-from valvetrain.solution.uncertainty import Uncertainty
+from valvetrain.solution.uncertainty import ErrorBars, Uncertainty
 from valvetrain.system.problem import Member, Problem, Rest
 from valvetrain.units import format_quantity
 
@@ -37,13 +39,6 @@ RATIO = 1.5
 LARGE = 0.05
 #: Numbers that get a bar where a run has them.
 NAMES = tuple(dict.fromkeys((*TRAIN_HEADLINES, *SPRING_HEADLINES)))
-
-
-class ErrorBars(NamedTuple):
-    """Rows of the runs, and sentences on what they are, which are large and where there are none."""
-
-    rows: tuple[Uncertainty, ...] = ()
-    sentences: tuple[str, ...] = ()
 
 
 class _Further(NamedTuple):
@@ -57,17 +52,18 @@ def own_error_bars(
     problem: Problem,
     solutions: Sequence[Solution],
     plan: Plan,
-    rest: Rest,
+    at_rest: Later[AtRest],
     workers: int,
     tell: Callable[[int, int], None] | None = None,
 ) -> ErrorBars:
     """Error bars of the completed ``solutions`` of a problem that ran by ``plan``.
 
     The bar is Roache's for two grids: three times the difference, over the ratio squared less one;
-    scatter of a motion that does not repeat is added. ``rest``: the springs at rest as computed for
-    the solutions. Raises :class:`PointsStopped` when it is stopped.
+    scatter of a motion that does not repeat is added. ``at_rest``: the springs at rest as computed
+    for the solutions. Raises :class:`PointsStopped` when it is stopped.
     """
     further: dict[str, _Further] = {}
+    rest = at_rest.value.springs
     undivided: list[str] = []
     for member in problem.members:
         found = _further(problem, member, rest)
@@ -80,7 +76,7 @@ def own_error_bars(
     ]
     again = map_points(
         _run_again,
-        (problem, further, replace(plan, keep="ends", whole=False)),
+        (problem, further, replace(plan, keep="ends", whole=False, later=False)),
         [(run.label, run.engine_speed) for run in runs],
         workers,
         processes=bool(problem.members and problem.members[0].gear),

@@ -28,6 +28,7 @@ from valvetrain.runs.notes import (
     ringing_note,
     undamped_notes,
 )
+from valvetrain.runs.own_error_bars import own_error_bars
 from valvetrain.runs.prepared import (
     Plan,
     PreparedRun,
@@ -39,7 +40,11 @@ from valvetrain.runs.prepared import (
     with_quantities,
 )
 from valvetrain.runs.stopping import PointsStopped, StudyStopped
-from valvetrain.runs.stored_error_bars import spread_sentences, uncertainty_sentences
+from valvetrain.runs.stored_error_bars import (
+    load_uncertainty,
+    spread_sentences,
+    uncertainty_sentences,
+)
 from valvetrain.runs.train_runs import (
     STOPPED,
     Finished,
@@ -55,6 +60,7 @@ from valvetrain.solution.provenance import collect_provenance
 from valvetrain.solution.quantity import same_speed
 from valvetrain.solution.result import Solution
 from valvetrain.solution.study import Study
+from valvetrain.solution.uncertainty import ErrorBars
 from valvetrain.sources.contract import against_source
 from valvetrain.system.build import build
 from valvetrain.system.contract import TRAIN
@@ -85,6 +91,7 @@ def run_study(
     finished: Finished | None = None,
     later: bool = False,
     ends_alone: bool = False,
+    error_bars: bool = False,
 ) -> Study:
     """A case at ``engine_speeds`` (rad/s of the crank; None: its own) by its variants, or by given
     models and spring sets.
@@ -109,6 +116,7 @@ def run_study(
         implausible=implausible,
         later=later,
         ends_alone=ends_alone,
+        error_bars=error_bars,
     )
 
 
@@ -128,6 +136,7 @@ def sweep_study(
     implausible: bool = False,
     later: bool = False,
     ends_alone: bool = False,
+    error_bars: bool = False,
 ) -> Study:
     """A case over ``engine_speeds`` (rad/s of the crank): solutions, reduced unless ``whole``, and
     the critical speeds of a train between the lowest and the highest of them (``critical`` None:
@@ -160,6 +169,7 @@ def sweep_study(
                 implausible=implausible,
                 later=later,
                 ends_alone=ends_alone,
+                error_bars=error_bars,
             )
         )
     except StudyStopped as stop:
@@ -191,6 +201,7 @@ def run_problem(
     implausible: bool = False,
     later: bool = False,
     ends_alone: bool = False,
+    error_bars: bool = False,
 ) -> Study:
     """The study of a problem at ``engine_speeds`` (rad/s of the crank); see :func:`run_study`.
 
@@ -198,7 +209,8 @@ def run_problem(
     ``finished``: called with index and solution of each run as it arrives; ``limits`` of one run;
     ``implausible``: do not apply the limits of :mod:`valvetrain.quantities.plausible`; ``later``:
     what springs under prescribed motion have inside and at rest is computed when it is first read;
-    ``ends_alone``: of them the motion inside is not recorded. Raises :class:`StudyStopped`, a
+    ``ends_alone``: of them the motion inside is not recorded; ``error_bars`` are computed at once and
+    not when they are first read. Raises :class:`StudyStopped`, a
     KeyboardInterrupt, with what is finished when it is stopped.
     """
     begun, failures = time.perf_counter(), PartialFailures()
@@ -229,6 +241,7 @@ def run_problem(
     found, stopped = CriticalSpeeds(), False
     at_rest: Later[AtRest] | None = None
     still: dict[str, dict[str, float]] = {}
+    ready: tuple[PreparedRun, ...] = ()
     if problem.kind == TRAIN:
         ready, rest = prepare_trains(problem, speeds, failures)
         part, tell = progress, None
@@ -278,7 +291,25 @@ def run_problem(
         study = replace(study, **named) if later and not stopped else whole_study.value
     if stopped:
         raise StudyStopped(study)
+    if load_uncertainty(problem.record):
+        return study
+    known = at_rest or Later(_rest_of_trains, ready)
+    bars = Later(own_error_bars, problem, solutions, plan, known, count)
+    study = replace(study, error_bars=bars)
+    if error_bars and progress is not None:
+        progress(0.99, "error bars")
+    if error_bars:
+        try:
+            return replace(study, error_bars=study.error_bars)
+        except PointsStopped:
+            raise StudyStopped(replace(study, error_bars=ErrorBars())) from None
     return study
+
+
+def _rest_of_trains(ready: Sequence[PreparedRun]) -> AtRest:
+    """The springs at rest that the models of trains needed."""
+    pairs = (zip(one.member.springs, one.frame.rest, strict=False) for one in ready)
+    return AtRest({spring: rest for pair in pairs for spring, rest in pair})
 
 
 def _completed(study: Study, problem: Problem, failures: PartialFailures) -> Study:

@@ -117,11 +117,13 @@ def belongs(row: Uncertainty, quantities: Mapping[Quantity, float]) -> bool:
 
 
 def fresh_uncertainty(study: Study) -> tuple[Uncertainty, ...]:
-    """Stored rows whose numbers the study computed; none of a study over speeds, nor where only the
+    """Error bars of the runs, or stored rows whose numbers the study computed; none of a study over speeds, nor where only the
     statics of its runs agree.
     """
     if study.over_speed:
         return ()
+    if study.error_bars.rows:
+        return study.error_bars.rows
     rows = load_uncertainty(study.record)
     found = study.quantities if rows else {}
     fresh = tuple(row for row in rows if belongs(row, found))

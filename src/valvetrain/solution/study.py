@@ -29,6 +29,7 @@ from valvetrain.solution.quantity import (
 )
 from valvetrain.solution.result import Solution
 from valvetrain.solution.static import SpringAtRest
+from valvetrain.solution.uncertainty import ErrorBars
 from valvetrain.units import Given
 
 if TYPE_CHECKING:
@@ -56,7 +57,8 @@ class Study:
     case). ``comparisons`` and ``findings``: those with published numbers, empty for a case of one's
     own. ``critical_speeds``: those of a sweep of a train. ``lift_event``: None without lift or
     where it spans the cam's zero. ``gaps``: a sentence per part, of no single run, that failed.
-    ``fidelity``: models against a reference, where they were compared. What needs the springs at rest
+    ``fidelity``: models against a reference, where they were compared. ``error_bars``: of the numbers
+    of its runs, each run once more when they are first read; those of a published study are stored. What needs the springs at rest
     may be computed when it is first read.
 
     >>> study = Study(CaseRecord("own-spring"), still={"": {"preload": 301.5}})
@@ -81,6 +83,12 @@ class Study:
     critical_speeds: CriticalSpeeds = field(default_factory=CriticalSpeeds)
     gaps: LaterField[tuple[str, ...]] = LaterField(tuple)
     fidelity: FidelityMap = field(default_factory=FidelityMap)
+    error_bars: LaterField[ErrorBars] = LaterField(ErrorBars)
+
+    @property
+    def all_notes(self) -> tuple[str, ...]:
+        """The notes, and what is said of the error bars."""
+        return (*self.notes, *self.error_bars.sentences)
 
     def __repr__(self) -> str:
         found = self.quantities

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 Range = tuple[float, float]
 #: Least order of convergence that is trusted.
@@ -40,3 +41,12 @@ class Uncertainty:
             if self.observed_order is None or self.observed_order < MIN_ORDER
             else self.observed_order
         )
+
+
+class ErrorBars(NamedTuple):
+    """Rows of the runs of a study, and sentences on what they are, which are large, and where there
+    are none.
+    """
+
+    rows: tuple[Uncertainty, ...] = ()
+    sentences: tuple[str, ...] = ()

@@ -65,7 +65,7 @@ def published_blocks(study: Study) -> tuple[Block, ...]:
         found.append(
             Grid(("place in the source", "finding of the source", "computed here", "verdict"), rows)
         )
-    return (*found, *prose(study.notes, "Notes on these values")) if found else ()
+    return (*found, *prose(study.all_notes, "Notes on these values")) if found else ()
 
 
 def ratios(rows: tuple[Comparison, ...]) -> list[tuple[Comparison, float]]:
@@ -239,7 +239,13 @@ def uncertainty_blocks(study: Study) -> tuple[Block, ...]:
     grid: Block = uncertainty_grid(fresh)
     if len(fresh) > ONE_SCREEN:
         grid = Details(f"All {len(fresh)} numbers with their error bars", (grid,))
-    return (text(firmness(fresh)), grid, text(lead(meshes_of(study.record)), "quiet"), *notes)
+    own = study.error_bars.sentences
+    return (
+        text(firmness(fresh)),
+        grid,
+        text(own[0] if own else lead(meshes_of(study.record)), "quiet"),
+        *notes,
+    )
 
 
 UNCERTAINTY_SPEC = SectionSpec("uncertainty", "Numbers with error bars", uncertainty_blocks)
