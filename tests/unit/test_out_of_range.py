@@ -32,7 +32,9 @@ def test_a_lever_thrown_past_its_dead_point_fails_the_run_and_keeps_the_motion(k
     assert calm.status.code == "completed"
     assert thrown.status.code == "out-of-range" and thrown.status.where == "lever"
     lever = np.degrees(thrown.record.q[:, built.coordinate_names.index("lever")])
-    assert lever.max() > 130 and f"{lever.max():.1f} degrees" in thrown.status.message
+    dead = np.degrees(built.mechanism.travel["lever"][1])
+    assert lever.max() > dead > lever[0] and "the lever has turned to" in thrown.status.message
+    assert 0 < thrown.status.time < 60 / 5000  # within the revolution that is kept
 
 
 def test_the_dead_points_of_a_lever_are_where_it_moves_tip_or_pad_no_further():
@@ -88,7 +90,10 @@ def test_a_run_up_ends_where_the_lever_is_thrown():
 
 
 def test_a_sweep_shows_such_a_speed_as_failed_and_gives_it_no_point():
-    case = vt.Case(template_text("finger"))
+    stiff, weak = 'preload = "320 N"\nrate = "42 N/mm"', 'preload = "100 N"\nrate = "10 N/mm"'
+    text = template_text("finger")
+    assert stiff in text
+    case = vt.Case(text.replace(stiff, weak))
     sweep = vt.sweep(
         case,
         ["3000 rpm", "14000 rpm"],

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 PROBE_CYCLES = 4
 """Plain cycles that test whether an orbit found by acceleration attracts."""
-BEYOND = 1.0
+BEYOND = 2.0
 """How far an extrapolation may leave the range of the states seen, in scales of its unknown or in
 widths of that range.
 """

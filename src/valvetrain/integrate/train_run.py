@@ -214,7 +214,7 @@ class TrainRunner:
             done, state.cam_angle, extremes[:, PEAK_FORCE] if judged else np.zeros(0)
         )
         if status.completed:
-            status = self._travel_status(written[:, :count])
+            status = self.travel_status(np.vstack([written[:, :count], end.q]))
         record = CycleRecord(
             written[:, 3 * count],
             written[:, :count],
@@ -369,9 +369,14 @@ class TrainRunner:
                 )
         return COMPLETED
 
-    def _travel_status(self, q: Array) -> Status:
-        """Of positions (S, N): whether a body left the range in which its geometry is defined."""
-        mechanism, interval = self.system.mechanism, self.time_step * (self.steps // len(q))
+    def travel_status(self, q: Array) -> Status:
+        """Of positions (S, N) at the samples of a cycle: whether a body left the range in which its
+        geometry is defined.
+        """
+        mechanism, interval = (
+            self.system.mechanism,
+            self.time_step * self.steps / self.options.samples,
+        )
         for name, (low, high) in mechanism.travel.items():
             values = q[:, mechanism.index(name)]
             outside = (values < low) | (values > high)

@@ -114,14 +114,19 @@ def steady_train(
         begun = time.perf_counter()
         end, status = runner.after(_unpack(vector, template[0], runner))
         times.append(time.perf_counter() - begun)
-        if status.completed:
-            template[0] = replace(end, cam_angle=0.0)
-        return _pack(end, runner) if status.completed else np.full_like(vector, np.nan)
+        if not (status.completed and runner.travel_status(end.q[None]).completed):
+            return np.full_like(vector, np.nan)
+        template[0] = replace(end, cam_angle=0.0)
+        return _pack(end, runner)
 
     vector, weights = _pack(template[0], runner), _weights(template[0], runner)
     search = (accelerate if method == "anderson" else repeat_cycles)(
         cycle, vector, weights, tolerance, cycles
     )
+    if not np.isfinite(search.residuals[-1]) and method == "anderson":
+        # an extrapolation may have led there: only plain cycles show that the train itself does
+        template[0] = start or runner.initial_state()
+        search = repeat_cycles(cycle, vector, weights, tolerance, cycles)
     # what is no part of the motion (histories, contact memories) is taken from the last cycle that
     # was completed
     first = _unpack(search.state, template[0], runner)
