@@ -185,6 +185,8 @@ def test_one_name_or_several_and_the_earlier_name():
     with pytest.warns(DeprecationWarning, match="spring_sets of simulate is named spring_set"):
         earlier = vt.simulate(case, "1000 rpm", "massless", spring_sets="stock", workers=1)
     assert vt.diff(one[0], several[0]) == {} == vt.diff(one[0], earlier.solutions[0])
+    with pytest.warns(DeprecationWarning, match="spring_models of Case.run is named model"):
+        vt.Case("job-t").run("2000 rpm", spring_models="massless")
     with pytest.raises(TypeError, match="spring_set or spring_sets"):
         vt.simulate(case, spring_set="stock", spring_sets="stock")
     members = vt.system.build.build(case, spring_models="multi-mass", spring_set="stock").members

@@ -14,7 +14,7 @@ from valvetrain.errors import InputError
 from valvetrain.parameters.case import Case as Parameters
 from valvetrain.parameters.loading import case_of_tree, load_case, parse_toml
 from valvetrain.parameters.overrides import REMOVED, with_values
-from valvetrain.units import numbers_of, si_speeds
+from valvetrain.units import numbers_of, renamed, si_speeds
 from valvetrain.units.text import clipped
 
 if TYPE_CHECKING:
@@ -140,6 +140,7 @@ class Case:
         new.parameters = case_of_tree(new.tree, self.name, self._folder, self.name)
         return Case(new, **tables) if tables else new
 
+    @renamed(spring_models="model")
     def run(
         self, engine_speed: Any = None, model: str = "", *, spring_set: str = "", **options: Any
     ) -> Solution:
@@ -163,6 +164,7 @@ class Case:
         """
         return one_run(self.parameters, engine_speed, model, spring_set, **options)
 
+    @renamed(spring_models="models")
     def compare(
         self, engine_speeds: Any = None, models: Sequence[str] | str = (), **options: Any
     ) -> Study:
@@ -173,6 +175,7 @@ class Case:
 
         return compare(self.parameters, engine_speeds, models, **options)
 
+    @renamed(spring_models="model")
     def sweep(
         self,
         engine_speeds: Any = "1000:9000:100 rpm",

@@ -34,6 +34,7 @@ OPTION_OF = {
     "spring_models": "--spring", "spring_set": "--spring-set", "workers": "--workers", "engine_speeds": "--engine-speed",
     "tolerance": "--tolerance", "reference": "--reference", "resolution": "--resolution", "float_lift": "--float-lift",
     "bounce_height": "--bounce-height", "first_engine_speed": "--from", "duration": "--duration", "draws": "--draws",
+    "output": "--output", "dask": "--dask",
 }  # fmt: skip
 #: The sentence on what an interrupted command saved, once it is printed.
 _reported: list[str] = []

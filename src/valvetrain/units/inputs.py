@@ -69,7 +69,7 @@ PLAUSIBLE: dict[str, Window] = {
     "modulus": Window("modulus", 1e8, 2e12, "GPa"),
     "density": Window("density", 100, 100_000, "kg/m^3"),
     "mass": Window("mass", 1e-6, 20.0, "g"),
-    "moving_mass": Window("mass", 0.0, math.inf, "g"),  # warn_unusual speaks of it
+    "moving_mass": Window("mass", 1e-12, 1e12, "g"),  # warn_unusual speaks of it
 }
 #: Dimension -> units in which a number out of its window may have been meant, the likeliest first.
 _MEANT = {
