@@ -131,7 +131,7 @@ class Case:
         from valvetrain.explore.case_paths import file_key
 
         made = {
-            file_key(path): REMOVED if value is None else as_table(value)
+            file_key(path): REMOVED if value is None else as_table(value, tuple(path.split(".")))
             for path, value in (changes or {}).items()
         }
         new = object.__new__(Case)
@@ -141,14 +141,15 @@ class Case:
         return Case(new, **tables) if tables else new
 
     def run(
-        self, engine_speed: Any = None, model: str = "", *, spring_set: str = "", **options: Any
+        self, engine_speed: Any = None, model: Any = "", *, spring_set: str = "", **options: Any
     ) -> Solution:
         """One run: at one engine speed, by one spring model. Several: :meth:`compare`, :meth:`sweep`.
 
         Parameters
         ----------
         engine_speed : of the crank: "6000 rpm", rad/s or a pint quantity; the case's own where it has one
-        model : name of the spring model; the case's own where it has one
+        model : the spring model: its name, class or an instance, a function of the compression, or a
+            class of one's own (docs/extend/own-parts-in-a-script.md); the case's own by default
         spring_set : name of a spring set of a train
         options : as for :func:`valvetrain.simulate`
 
@@ -162,9 +163,7 @@ class Case:
         """
         return one_run(self.parameters, engine_speed, model, spring_set, **options)
 
-    def compare(
-        self, models: Sequence[str] | str = (), engine_speeds: Any = None, **options: Any
-    ) -> Study:
+    def compare(self, models: Any = (), engine_speeds: Any = None, **options: Any) -> Study:
         """Spring models side by side, at rest and in motion; options as for
         :func:`valvetrain.compare`.
         """
@@ -173,15 +172,14 @@ class Case:
         return compare(self.parameters, models, engine_speeds, **options)
 
     def sweep(
-        self, engine_speeds: Any = "1000:9000:100 rpm", model: str = "", **options: Any
+        self, engine_speeds: Any = "1000:9000:100 rpm", model: Any = "", **options: Any
     ) -> Study:
         """Numbers over engine speed and, of a train, its critical speeds; options as for
         :func:`valvetrain.sweep`.
         """
         from valvetrain.runs.api import sweep
 
-        models = (model,) if model else ()
-        return sweep(self.parameters, engine_speeds, spring_models=models, **options)
+        return sweep(self.parameters, engine_speeds, spring_models=model, **options)
 
     def critical_speeds(
         self, engine_speeds: Any = "1000:9000:100 rpm", **options: Any
@@ -221,7 +219,7 @@ class Case:
         count: int = 64,
         seed: int = 1,
         engine_speeds: Any = None,
-        models: Sequence[str] | str = (),
+        models: Any = (),
         **options: Any,
     ) -> StudyTable:
         """Outputs at points of a space, and only these.
@@ -263,7 +261,7 @@ class Case:
         constraints: Mapping[str, Mapping[str, Any]] | None = None,
         *,
         engine_speeds: Any = None,
-        models: Sequence[str] | str = (),
+        models: Any = (),
         search: Mapping[str, Any] | None = None,
         **options: Any,
     ) -> Optimum:
@@ -299,7 +297,7 @@ class Case:
         measured: Mapping[str, tuple[Any, Any]],
         *,
         engine_speeds: Any = None,
-        models: Sequence[str] | str = (),
+        models: Any = (),
         **options: Any,
     ) -> Identified:
         """Unknowns that agree with measurements.

@@ -190,5 +190,9 @@ def law_of(contact: CoilContact) -> CoilContactLaw:
             raise InputError(
                 f"law '{contact.law}' of contact between coils has no value '{key}'; it takes {', '.join(own) or 'none'}"
             )
+    if contact.law in registry.OWN and not isinstance(registry.OWN[contact.law], CoilContactSpec):
+        from valvetrain.coil_contact.function_law import own_law
+
+        return own_law(contact.law, contact.stiffness, **contact.values)
     law: CoilContactLaw = spec.law(**contact.values)
     return law

@@ -282,7 +282,7 @@ def run_channels(
         )
         for column, name in enumerate(
             ()
-            if not whole
+            if not whole or np.isnan(energy[0]).any()  # a model without energies
             else ("kinetic_energy", "elastic_energy", "contact_energy", "energy_dissipated")
         ):
             values[name] = energy[:, column]

@@ -5,6 +5,7 @@ their arguments.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 
@@ -24,19 +25,22 @@ from valvetrain.runs.workers import Progress, worker_count
 from valvetrain.solution.critical import CriticalSpeeds
 from valvetrain.solution.static import StaticCurve
 from valvetrain.solution.study import Study
+from valvetrain.springs.own_spring import model_name, model_names
 from valvetrain.system.build import build
 from valvetrain.units import Given, si, si_speeds
 
 #: Engine speeds: ``"4200, 5600 rpm"``, ``"1000:9000:100 rpm"``, one or several numbers (rad/s of
 #: the crank), pint quantities.
 Speeds = Given | Sequence[Given]
+#: A spring model or several, by name, class or instance (:func:`valvetrain.springs.own_spring.model_name`).
+Models = Any
 
 
 def simulate(
     case: AnyCase,
     engine_speeds: Speeds | None = None,
     *,
-    spring_models: Sequence[str] | str = (),
+    spring_models: Models = (),
     spring_sets: Sequence[str] | str = (),
     workers: int | None = None,
     progress: Progress | None = None,
@@ -50,7 +54,8 @@ def simulate(
     case : Case, name of a library case, or path of a case file
     engine_speeds : speeds of the crank, "4200 rpm", rad/s or pint quantities; the case's own by
         default
-    spring_models : a name of a spring model, such as "multi-mass", or several; the case's own or the default ones by default
+    spring_models : a spring model, or several: its name, such as "multi-mass", its class, an instance, a function of
+        the compression or a class of one's own (docs/extend/own-parts-in-a-script.md); the case's own or the default ones by default
     spring_sets : names of spring sets of a train
     workers : runs at a time; results do not depend on it
     progress : called with the share done and a text
@@ -73,7 +78,7 @@ def simulate(
     >>> round(study.solution("massless").quantities["peak_spring_force"])
     522
     """
-    spring_models, spring_sets = _names(spring_models), _names(spring_sets)
+    spring_models, spring_sets = model_names(spring_models), _names(spring_sets)
     limits = _checked(
         "run",
         case := case_of(case),
@@ -97,7 +102,7 @@ def simulate(
 
 def compare(
     case: AnyCase,
-    spring_models: Sequence[str] | str = (),
+    spring_models: Models = (),
     engine_speeds: Speeds | None = None,
     *,
     spring_sets: Sequence[str] | str = (),
@@ -110,7 +115,7 @@ def compare(
 
     Parameters
     ----------
-    spring_models : names of spring models; by default those that suit the case
+    spring_models : as for :func:`simulate`; by default those that suit the case
     case, engine_speeds, spring_sets, workers, progress, limit, implausible : as for
         :func:`simulate`
 
@@ -130,7 +135,7 @@ def compare(
     >>> [round(one.curve.force_at(7e-3)) for one in study.rest]
     [215, 215]
     """
-    spring_models, spring_sets = _names(spring_models), _names(spring_sets)
+    spring_models, spring_sets = model_names(spring_models), _names(spring_sets)
     limits = _checked(
         "compare",
         case := case_of(case),
@@ -156,7 +161,7 @@ def sweep(
     case: AnyCase,
     engine_speeds: Speeds = "1000:9000:100 rpm",
     *,
-    spring_models: Sequence[str] | str = (),
+    spring_models: Models = (),
     spring_sets: Sequence[str] | str = (),
     whole: bool = False,
     workers: int | None = None,
@@ -200,7 +205,7 @@ def sweep(
     >>> len(speeds), round(force[0])
     (3, 522)
     """
-    spring_models, spring_sets = _names(spring_models), _names(spring_sets)
+    spring_models, spring_sets = model_names(spring_models), _names(spring_sets)
     speeds = _speeds(engine_speeds)
     assert speeds is not None
     critical = read_options(resolution, float_lift, bounce_height) if critical_speeds else None
@@ -233,7 +238,7 @@ def critical_speeds(
     case: AnyCase,
     engine_speeds: Speeds = "1000:9000:100 rpm",
     *,
-    spring_models: Sequence[str] | str = (),
+    spring_models: Models = (),
     spring_sets: Sequence[str] | str = (),
     resolution: Given = "10 rpm",
     float_lift: Given = "50 um",
@@ -298,7 +303,7 @@ def static_curve(
     spring: SpringDefinition | InstalledSpring | AnyCase,
     largest_compression: Given | None = None,
     *,
-    spring_model: str = "finite-element",
+    spring_model: Any = "finite-element",
     steps: int = STEPS,
     limit: str = "",
     implausible: bool = False,
@@ -312,7 +317,7 @@ def static_curve(
     largest_compression : end of the curve (m, "8 mm" or a pint quantity); by default a little
         beyond the largest lift of the case, or 80 %
         of the way to coil bind where there is no lift
-    spring_model : name of the spring model; one that knows the installed state only (a card) holds
+    spring_model : the spring model, as for :func:`simulate`; one that knows the installed state only (a card) holds
         from there on
     steps : even steps of the curve
     limit, implausible : as for :func:`simulate`
@@ -335,6 +340,7 @@ def static_curve(
     >>> round(curve.force_at("4 mm")), round(curve.force_at("8 mm"))
     (149, 312)
     """
+    spring_model = model_name(spring_model, "spring_model")
     installed, lift = (
         InstalledSpring(wire=spring) if isinstance(spring, SpringDefinition) else spring,
         0.0,

@@ -26,6 +26,7 @@ from valvetrain.runs.train_runs import Finished
 from valvetrain.runs.workers import Progress, worker_count
 from valvetrain.solution.fidelity import FidelityMap, FidelityRow
 from valvetrain.solution.study import Study
+from valvetrain.springs.own_spring import model_names
 from valvetrain.springs.spec import spring_model
 from valvetrain.system.build import build
 from valvetrain.system.problem import Problem
@@ -94,7 +95,7 @@ def fidelity(
     """
     chosen, speeds, limits = case_of(case), si_speeds(engine_speeds), limits_of(limit)
     refuse_tolerance(tolerance)
-    models = fidelity_models(chosen, spring_models, spring_set, reference)
+    models = fidelity_models(chosen, model_names(spring_models), spring_set, reference)
     cost = fidelity_cost(chosen, speeds, models, spring_set, worker_count(workers))
     refuse_cost(cost, limits, "limit=")
     return fidelity_study(

@@ -39,6 +39,7 @@ from valvetrain.solution.provenance import collect_provenance
 from valvetrain.solution.result import Solution
 from valvetrain.solution.status import Status
 from valvetrain.solution.study import Study
+from valvetrain.springs.own_spring import model_names
 from valvetrain.system.build import build
 from valvetrain.system.contract import TRAIN
 from valvetrain.system.problem import Problem
@@ -101,13 +102,13 @@ def run_up(
         si(first_engine_speed, "engine_speed", "first_engine_speed"), si(last_engine_speed, "engine_speed", "last_engine_speed"),
         si(duration, "time", "duration"),
     )  # fmt: skip
-    case, models, sets = case_of(case), tuple(spring_models), tuple(spring_sets)
+    case, models, sets = case_of(case), model_names(spring_models), tuple(spring_sets)
     request = RunRequest("run-up", case, None, models, sets, worker_count(workers))
     refuse_cost(run_up_cost(request, ramp), limits_of(limit), "limit=")
     return run_up_study(
         case,
         ramp,
-        spring_models=spring_models,
+        spring_models=models,
         spring_sets=spring_sets,
         workers=workers,
         progress=progress,

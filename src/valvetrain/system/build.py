@@ -9,6 +9,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from valvetrain import registry
 from valvetrain.cam.build import build_lift_law
 from valvetrain.cam.contract import LiftLaw
 from valvetrain.cam.event import find_lift_event
@@ -21,6 +22,7 @@ from valvetrain.parameters.loading import AnyCase, case_of, parse_case
 from valvetrain.parameters.toml_text import find_line
 from valvetrain.parameters.train import TrainParameters, TrainVariant
 from valvetrain.springs.nested import RadialRubbing
+from valvetrain.springs.own_spring import model_names
 from valvetrain.springs.spec import SpringModelSpec, spring_model
 from valvetrain.system.problem import Gear, Member, Problem
 
@@ -42,8 +44,8 @@ def build(
     Parameters
     ----------
     case : Case, name of a library case, or path of a case file
-    spring_models : names of spring models, such as "multi-mass"; the case's own or the default ones
-        by default
+    spring_models : spring models by name, such as "multi-mass", class or instance; the case's own
+        or the default ones by default
     spring_sets : names of spring sets of a train
 
     Returns
@@ -99,7 +101,9 @@ def _is_text_of(text: str, case: Case) -> bool:
 
 def _built(case: Case, spring_models: Sequence[str], spring_sets: Sequence[str]) -> Problem:
     law = lift_law_of(case)
-    specs = tuple(spring_model(word, "spring_models") for word in dict.fromkeys(spring_models))
+    specs = tuple(
+        spring_model(word, "spring_models") for word in dict.fromkeys(model_names(spring_models))
+    )
     if case.train is not None:
         members = _train_members(case, case.train, law, specs, tuple(dict.fromkeys(spring_sets)))
     elif spring_sets:
@@ -142,10 +146,11 @@ def _spring_members(
         raise InputError(f"case '{case.name}': {sentence}")
     chosen = specs or tuple(spring_model(word) for word in default_models(case.springs))
     rubbing = _rubbing(case.rubbing)
-    return tuple(
-        Member(spec.word, spec, case.springs, law, rubbing=rubbing, name=case.name)
-        for spec in chosen
-    )
+    members: list[Member] = []
+    for spec in chosen:
+        label = _free_label(registry.plain_name(spec.word), [member.label for member in members])
+        members.append(Member(label, spec, case.springs, law, rubbing=rubbing, name=case.name))
+    return tuple(members)
 
 
 def default_models(springs: tuple[InstalledSpring, ...]) -> tuple[str, ...]:
@@ -171,7 +176,13 @@ def _train_members(
     if specs or sets:
         variants: tuple[TrainVariant, ...] = tuple(
             TrainVariant(
-                f"{chosen}, {word}" if len(sets) > 1 else word if specs else chosen, chosen, word
+                f"{chosen}, {registry.plain_name(word)}"
+                if len(sets) > 1
+                else registry.plain_name(word)
+                if specs
+                else chosen,
+                chosen,
+                word,
             )
             for chosen in sets or (train.spring_set,)
             for word in [spec.word for spec in specs] or [train.model_of(chosen)]

@@ -1,0 +1,204 @@
+"""Parts given in Python: a function, class or instance gets a name, by which a case, a run and a
+study speak of it. The name ends in a digest of its content and carries the part to other processes.
+"""
+
+from __future__ import annotations
+
+import copy
+import dis
+import hashlib
+import inspect
+import pickle
+import re
+import sys
+from collections.abc import Iterator, Mapping
+from types import CodeType, FunctionType, MethodType, ModuleType
+from typing import Any
+
+import numpy as np
+
+from valvetrain import registry
+from valvetrain.errors import InputError
+
+#: Longest name before its digits.
+MAX_LENGTH = 40
+
+
+class OwnName(str):
+    """Name of a part given in Python; sent to another process, it brings the part along."""
+
+    def __reduce__(self) -> Any:
+        part = registry.OWN[self]
+        try:
+            return _received, (str(self), pickle.dumps(part) if _is_library(part) else _sent(part))
+        except Exception as error:
+            raise InputError(
+                f"'{registry.plain_name(self)}' cannot be sent to other processes ({error}); take workers=1"
+            ) from error
+
+    def __copy__(self) -> OwnName:
+        return self
+
+    def __deepcopy__(self, memo: Any) -> OwnName:
+        return self
+
+
+def own_name(part: Any) -> OwnName:
+    """The name of a function, class or instance, under which this process now knows it.
+
+    >>> from math import sqrt
+    >>> registry.plain_name(own_name(sqrt))
+    'sqrt'
+    """
+    known = str(getattr(part, "word", "") or getattr(part, "__name__", type(part).__name__))
+    plain = re.sub(r"[^A-Za-z0-9]+", "-", known).strip("-")[:MAX_LENGTH] or "own"
+    digest = hashlib.sha256(b"\0".join(_content(part, set()))).hexdigest()[:8]
+    name = OwnName(f"{plain}-{digest}")
+    if name not in registry.OWN:
+        registry.OWN[name] = copy.deepcopy(part)  # what is changed later is another part
+    return name
+
+
+def carrying(word: str) -> str:
+    """``word``, as :class:`OwnName` where it names a part given in Python."""
+    return OwnName(word) if word in registry.OWN else word
+
+
+def _sent(part: Any) -> bytes:
+    try:
+        from cloudpickle import dumps
+    except ImportError:
+        return pickle.dumps(part)
+    content: bytes = dumps(part)
+    return content
+
+
+def _received(word: str, content: bytes) -> OwnName:
+    if word not in registry.OWN:
+        registry.OWN[word] = pickle.loads(content)
+    return OwnName(word)
+
+
+def _is_library(item: Any) -> bool:
+    """Whether an object is code of an installed package, which its name identifies."""
+    module = getattr(item, "__module__", None) or ""
+    top = module.partition(".")[0]
+    file = getattr(sys.modules.get(module), "__file__", None) or ""
+    return (
+        top in sys.stdlib_module_names - {"__main__"}
+        or top == "valvetrain"
+        or "site-packages" in file
+    )
+
+
+def _content(item: Any, seen: set[int]) -> Iterator[bytes]:
+    """What decides the numbers of a part: code with the values that it uses, values to the last bit."""
+    if isinstance(item, (bool, int, float, complex, str, bytes, type(None), type(...))):
+        yield repr(item).encode()
+        return
+    if isinstance(item, (np.ndarray, np.generic)) and item.dtype != object:
+        yield f"{item.dtype} {item.shape}".encode() + item.tobytes()
+        return
+    if id(item) in seen:
+        return
+    seen.add(id(item))
+    item = getattr(item, "py_func", item)  # compiled by numba
+    if isinstance(item, (tuple, list)):
+        for one in item:
+            yield from _content(one, seen)
+        yield b"]"
+    elif isinstance(item, (set, frozenset)):
+        yield from sorted(b"\0".join(_content(one, seen)) for one in item)
+    elif isinstance(item, Mapping):
+        for key, value in item.items():
+            yield repr(key).encode()
+            yield from _content(value, seen)
+        yield b"}"
+    elif isinstance(item, CodeType):
+        yield item.co_code + repr((item.co_names, item.co_varnames)).encode()
+        yield from _content(item.co_consts, seen)
+    elif isinstance(item, ModuleType):
+        yield item.__name__.encode()
+    elif isinstance(item, (FunctionType, type)) and _is_library(item):
+        yield f"{item.__module__}.{item.__qualname__}".encode()
+    elif isinstance(item, FunctionType):
+        yield from _content(item.__code__, seen)
+        yield from _content((item.__defaults__, item.__kwdefaults__), seen)
+        yield from _content([cell.cell_contents for cell in item.__closure__ or ()], seen)
+        used = set(_names(item.__code__)) & set(item.__globals__)
+        yield from _content({name: item.__globals__[name] for name in sorted(used)}, seen)
+    elif isinstance(item, MethodType):
+        yield from _content((item.__func__, item.__self__), seen)
+    elif isinstance(item, type):
+        for base in item.__mro__[:-1]:
+            own = {} if _is_library(base) else vars(base)
+            parts = {
+                name: own[name] for name in own if not name.startswith("__") or callable(own[name])
+            }
+            yield base.__qualname__.encode()
+            yield from _content(parts, seen)
+    elif isinstance(item, (staticmethod, classmethod)):
+        yield from _content(item.__func__, seen)
+    elif isinstance(item, property):
+        yield from _content((item.fget,), seen)
+    else:
+        yield from _content(type(item), seen)
+        try:
+            state = item.__reduce_ex__(2)
+        except Exception:  # holds something open: its class alone is known
+            return
+        yield from _content(
+            state
+            if isinstance(state, str)
+            else [*state[1:3], *map(list, filter(None, state[3:5]))],
+            seen,
+        )
+
+
+def _names(code: CodeType) -> Iterator[str]:
+    """Global names that code reads."""
+    for one in dis.get_instructions(code):
+        if one.opname in ("LOAD_GLOBAL", "LOAD_NAME"):
+            yield one.argval
+    for one in code.co_consts:
+        if isinstance(one, CodeType):
+            yield from _names(one)
+
+
+def compiled_number(
+    function: Any, counts: tuple[int, ...], label: str, arguments: str, tried: tuple[float, ...]
+) -> Any:
+    """A function of numbers that gives a number, compiled. Raises :class:`InputError` where its
+    arguments, what it gives at ``tried`` or numba refuses it.
+    """
+    import numba
+
+    if not callable(function) or isinstance(function, type):
+        raise InputError(f"{label} is no function; give a function of the {arguments}")
+    try:
+        taken = inspect.signature(getattr(function, "py_func", function))
+    except ValueError:
+        taken = None
+    if taken is not None and len(taken.parameters) not in counts:
+        raise InputError(f"{label} takes {taken}; give a function of the {arguments}")
+    values = tried[: len(taken.parameters) if taken is not None else counts[-1]]
+    try:
+        found = function(*values)
+        number = np.asarray(found, dtype=float)
+    except Exception as error:
+        raise InputError(f"{label} fails ({type(error).__name__}: {error}); correct it") from error
+    if number.shape != () or not np.isfinite(number):
+        what = f"an array of shape {number.shape}" if number.shape else f"{found}"
+        raise InputError(f"{label} gives {what}; it should give one finite number")
+    compiled = function if hasattr(function, "py_func") else numba.njit(function)
+    try:
+        compiled(*values)
+    except Exception as error:
+        first = next(
+            filter(None, (line.strip() for line in str(error).splitlines()[1:])),
+            type(error).__name__,
+        )
+        raise InputError(
+            f"{label} cannot be compiled by numba ({first[:120]}); write it with numbers, arrays of numpy and functions of math alone"
+        ) from error
+    return compiled
