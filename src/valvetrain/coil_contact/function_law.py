@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, cached_property
 from typing import Any
 
 import numpy as np
@@ -12,6 +12,7 @@ from pydantic import Field
 from valvetrain import registry
 from valvetrain.coil_contact.law import CoilContactLaw, CoilContactSpec, CoilKernel
 from valvetrain.errors import InputError
+from valvetrain.parameters.installed_spring import CoilContact
 from valvetrain.parameters.own_parts import compiled_number
 from valvetrain.parameters.schema_installed import CoilContactModel
 from valvetrain.parameters.schema_types import PositiveLength
@@ -39,7 +40,7 @@ class FunctionCoilContact:
         kernel: CoilKernel = _compiled(self.name)[1]
         return kernel
 
-    @property
+    @cached_property
     def steepest(self) -> float:
         function = _compiled(self.name)[0]
         places = self.deepest_overlap * np.linspace(0.0, 1.0, 65)
@@ -62,17 +63,14 @@ def spec_of(word: str, part: Any) -> CoilContactSpec:
     """The entry of the registry for a law given in Python: a function, a law or its spec."""
     if isinstance(part, CoilContactSpec):
         return part
-    whole = isinstance(part, CoilContactLaw) and not isinstance(part, type)
-    return CoilContactSpec(FunctionCoilContact, *(() if whole else (FunctionCoilContactTable,)))
-
-
-def own_law(name: str, stiffness: float, deepest_overlap: float = 1e-4) -> CoilContactLaw:
-    """The law given in Python under ``name``. Raises :class:`InputError` for what is no law."""
-    part = registry.OWN[name]
     if isinstance(part, CoilContactLaw) and not isinstance(part, type):
-        return part
-    _compiled(name)
-    return FunctionCoilContact(name, stiffness, deepest_overlap)
+        return CoilContactSpec(type(part), CoilContactModel, lambda contact: part)
+    return CoilContactSpec(FunctionCoilContact, FunctionCoilContactTable, _build)
+
+
+def _build(contact: CoilContact) -> CoilContactLaw:
+    _compiled(contact.law)  # what is no law is refused where the spring is built
+    return FunctionCoilContact(contact.law, contact.stiffness, **contact.values)
 
 
 @cache
@@ -81,7 +79,7 @@ def _compiled(name: str) -> tuple[Any, Any]:
     import numba
 
     label = f"law '{registry.plain_name(name)}' of contact between coils"
-    given = compiled_number(registry.OWN[name], (1,), label, "overlap (m)", (1e-6,))
+    given, _ = compiled_number(registry.OWN[name], (1,), label, "the overlap (m) alone", (1e-6,))
     function = numba.njit(lambda overlap: 1.0 * given(overlap))
     if not function(1e-5) > 0:
         raise InputError(

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import inspect
 from dataclasses import dataclass
 from functools import cache
 from typing import Any, ClassVar
@@ -102,8 +101,9 @@ def _compiled(name: str) -> tuple[Any, Any]:
     import numba
 
     part, label = registry.OWN[name], f"contact law '{registry.plain_name(name)}'"
-    given = compiled_number(part, (1, 2), label, "penetration (m) and its rate (m/s)", (1e-6, 1e-3))
-    if len(inspect.signature(part).parameters) == 1:
+    needs = "the penetration (m), or of it and its rate (m/s)"
+    given, count = compiled_number(part, (1, 2), label, needs, (1e-6, 1e-3))
+    if count == 1:
         function = numba.njit(lambda depth, rate: 1.0 * given(depth))
     else:
         function = numba.njit(lambda depth, rate: 1.0 * given(depth, rate))

@@ -11,7 +11,9 @@ import inspect
 import pickle
 import re
 import sys
+from collections import namedtuple
 from collections.abc import Iterator, Mapping
+from numbers import Number
 from types import CodeType, FunctionType, MethodType, ModuleType
 from typing import Any
 
@@ -52,7 +54,7 @@ def own_name(part: Any) -> OwnName:
     """
     known = str(getattr(part, "word", "") or getattr(part, "__name__", type(part).__name__))
     plain = re.sub(r"[^A-Za-z0-9]+", "-", known).strip("-")[:MAX_LENGTH] or "own"
-    digest = hashlib.sha256(b"\0".join(_content(part, set()))).hexdigest()[:8]
+    digest = hashlib.sha256(b"\0".join(_content(part, {}))).hexdigest()[:8]
     name = OwnName(f"{plain}-{digest}")
     if name not in registry.OWN:
         registry.OWN[name] = copy.deepcopy(part)  # what is changed later is another part
@@ -91,7 +93,7 @@ def _is_library(item: Any) -> bool:
     )
 
 
-def _content(item: Any, seen: set[int]) -> Iterator[bytes]:
+def _content(item: Any, seen: dict[int, Any]) -> Iterator[bytes]:
     """What decides the numbers of a part: code with the values that it uses, values to the last bit."""
     if isinstance(item, (bool, int, float, complex, str, bytes, type(None), type(...))):
         yield repr(item).encode()
@@ -99,9 +101,6 @@ def _content(item: Any, seen: set[int]) -> Iterator[bytes]:
     if isinstance(item, (np.ndarray, np.generic)) and item.dtype != object:
         yield f"{item.dtype} {item.shape}".encode() + item.tobytes()
         return
-    if id(item) in seen:
-        return
-    seen.add(id(item))
     item = getattr(item, "py_func", item)  # compiled by numba
     if isinstance(item, (tuple, list)):
         for one in item:
@@ -119,40 +118,44 @@ def _content(item: Any, seen: set[int]) -> Iterator[bytes]:
         yield from _content(item.co_consts, seen)
     elif isinstance(item, ModuleType):
         yield item.__name__.encode()
-    elif isinstance(item, (FunctionType, type)) and _is_library(item):
+    elif id(item) in seen:
+        yield f"@{list(seen).index(id(item))}".encode()
+    else:
+        seen[id(item)] = item  # and so its id stays its own
+        yield from _object(item, seen)
+
+
+def _object(item: Any, seen: dict[int, Any]) -> Iterator[bytes]:
+    """The content of a function, a class or an instance."""
+    if isinstance(item, (FunctionType, type)) and _is_library(item):
         yield f"{item.__module__}.{item.__qualname__}".encode()
     elif isinstance(item, FunctionType):
-        yield from _content(item.__code__, seen)
-        yield from _content((item.__defaults__, item.__kwdefaults__), seen)
-        yield from _content([cell.cell_contents for cell in item.__closure__ or ()], seen)
-        used = set(_names(item.__code__)) & set(item.__globals__)
-        yield from _content({name: item.__globals__[name] for name in sorted(used)}, seen)
+        cells = [cell.cell_contents for cell in item.__closure__ or ()]
+        used = sorted(set(_names(item.__code__)) & set(item.__globals__))
+        values = {name: item.__globals__[name] for name in used}
+        yield from _content(
+            (item.__code__, item.__defaults__, item.__kwdefaults__, cells, values), seen
+        )
     elif isinstance(item, MethodType):
         yield from _content((item.__func__, item.__self__), seen)
-    elif isinstance(item, type):
-        for base in item.__mro__[:-1]:
-            own = {} if _is_library(base) else vars(base)
-            parts = {
-                name: own[name] for name in own if not name.startswith("__") or callable(own[name])
-            }
-            yield base.__qualname__.encode()
-            yield from _content(parts, seen)
     elif isinstance(item, (staticmethod, classmethod)):
         yield from _content(item.__func__, seen)
     elif isinstance(item, property):
-        yield from _content((item.fget,), seen)
+        yield from _content(item.fget, seen)
+    elif isinstance(item, type):
+        for base in item.__mro__[:-1]:
+            own = {} if _is_library(base) else dict(vars(base))
+            parts = {key: one for key, one in own.items() if key[:2] != "__" or callable(one)}
+            yield from _content((base.__qualname__, parts), seen)
     else:
         yield from _content(type(item), seen)
         try:
             state = item.__reduce_ex__(2)
-        except Exception:  # holds something open: its class alone is known
+        except Exception:  # it holds something open: its class alone is known
             return
-        yield from _content(
-            state
-            if isinstance(state, str)
-            else [*state[1:3], *map(list, filter(None, state[3:5]))],
-            seen,
-        )
+        if isinstance(state, tuple):
+            state = [*state[1:3], *map(list, filter(None, state[3:5]))]
+        yield from _content(state, seen)
 
 
 def _names(code: CodeType) -> Iterator[str]:
@@ -165,40 +168,73 @@ def _names(code: CodeType) -> Iterator[str]:
             yield from _names(one)
 
 
-def compiled_number(
-    function: Any, counts: tuple[int, ...], label: str, arguments: str, tried: tuple[float, ...]
-) -> Any:
-    """A function of numbers that gives a number, compiled. Raises :class:`InputError` where its
-    arguments, what it gives at ``tried`` or numba refuses it.
+def argument_count(function: Any, allowed: tuple[int, ...], label: str, needs: str) -> int:
+    """The first of the ``allowed`` numbers of arguments with which a function can be called. Raises
+    :class:`InputError` where there is none.
     """
-    import numba
+    try:
+        signature = inspect.signature(getattr(function, "py_func", function))
+    except (TypeError, ValueError):  # compiled elsewhere
+        return allowed[0]
+    for count in allowed:
+        try:
+            signature.bind(*range(count))
+        except TypeError:
+            continue
+        return count
+    raise InputError(f"{label} takes {signature}; give a function of {needs}")
 
+
+def compiled_number(
+    function: Any, counts: tuple[int, ...], label: str, needs: str, tried: tuple[float, ...]
+) -> tuple[Any, int]:
+    """A function of numbers that gives a number, compiled, and how many it takes. Raises
+    :class:`InputError` where its arguments, what it gives at ``tried`` or numba refuses it.
+    """
     if not callable(function) or isinstance(function, type):
-        raise InputError(f"{label} is no function; give a function of the {arguments}")
+        raise InputError(f"{label} is no function; give a function of {needs}")
+    count = argument_count(function, counts, label, needs)
     try:
-        taken = inspect.signature(getattr(function, "py_func", function))
-    except ValueError:
-        taken = None
-    if taken is not None and len(taken.parameters) not in counts:
-        raise InputError(f"{label} takes {taken}; give a function of the {arguments}")
-    values = tried[: len(taken.parameters) if taken is not None else counts[-1]]
-    try:
-        found = function(*values)
+        found = function(*tried[:count])
         number = np.asarray(found, dtype=float)
     except Exception as error:
         raise InputError(f"{label} fails ({type(error).__name__}: {error}); correct it") from error
     if number.shape != () or not np.isfinite(number):
         what = f"an array of shape {number.shape}" if number.shape else f"{found}"
         raise InputError(f"{label} gives {what}; it should give one finite number")
-    compiled = function if hasattr(function, "py_func") else numba.njit(function)
     try:
-        compiled(*values)
+        compiled = for_numba(function)
+        compiled(*tried[:count])
     except Exception as error:
-        first = next(
-            filter(None, (line.strip() for line in str(error).splitlines()[1:])),
-            type(error).__name__,
-        )
+        lines = [line.strip() for line in str(error).splitlines() if line.strip()]
+        reason = next((line for line in lines if "Failed in" not in line), type(error).__name__)
         raise InputError(
-            f"{label} cannot be compiled by numba ({first[:120]}); write it with numbers, arrays of numpy and functions of math alone"
+            f"{label} cannot be compiled by numba ({reason[:120]}); write it with numbers, arrays of numpy and functions of math alone"
         ) from error
-    return compiled
+    return compiled, count
+
+
+def for_numba(function: Any) -> Any:
+    """A function compiled by numba when it is first called; of a method, ``self`` holds the numbers
+    and arrays of its instance.
+    """
+    import numba
+
+    if hasattr(function, "py_func"):
+        return function
+    if not isinstance(function, MethodType):
+        return numba.njit(function)
+    owner, values = function.__self__, {}
+    for name in dir(owner):
+        if not name.startswith("_"):
+            value = getattr(owner, name)
+            if isinstance(value, (Number, np.ndarray)) or (isinstance(value, tuple) and value):
+                values[name] = value
+    numbers: Any = namedtuple("numbers", values)(**values) if values else 0.0
+    method = numba.njit(function.__func__)
+
+    @numba.njit
+    def bound(*arguments: Any) -> Any:
+        return method(numbers, *arguments)
+
+    return bound

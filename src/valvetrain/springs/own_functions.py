@@ -6,23 +6,27 @@ from __future__ import annotations
 
 import inspect
 import math
-from collections import namedtuple
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cached_property
 from numbers import Number
-from types import MethodType
 from typing import Any
 
 import numpy as np
 
 from valvetrain.errors import InputError
+from valvetrain.parameters.own_parts import argument_count, for_numba
 from valvetrain.springs.contract import Array
 
 #: Compressions (m) at which a spring is tried before it runs.
 TRIED = (0.0, 1e-3, 5e-3)
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(24)
 Function = Callable[..., Any]
+#: What a function takes, by whether the spring has states.
+_FORMS = (
+    "the compression (m), or of it and the velocity (m/s)",
+    "state, compression (m) and velocity (m/s)",
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,6 +45,7 @@ class Behaviour:
 
     @property
     def count(self) -> int:
+        """Numbers of the state."""
         return len(self.guess)
 
     @cached_property
@@ -59,6 +64,7 @@ class Behaviour:
 
     @property
     def address(self) -> int:
+        """Address of the entry in this process."""
         from valvetrain.springs.own_kernels import address_of
 
         return address_of(self.entry)
@@ -140,9 +146,11 @@ def behaviour_of(part: Any, where: str = "spring_models") -> Behaviour:
     guess, mass = _guess(item, rates, name, where), getattr(item, "mass", 0.0)
     if isinstance(mass, bool) or not isinstance(mass, Number) or not 0 <= float(mass) < math.inf:  # type: ignore[arg-type]
         raise InputError(f"mass of {name} is {mass!r}; give zero or a positive number (kg)", where)
-    count = _arguments(force, (3,) if rates else (1, 2), f"force of {name}", where)
+    count = argument_count(
+        force, (3,) if rates else (1, 2), f"force of {name}", _FORMS[rates is not None]
+    )
     if rates is not None:
-        _arguments(rates, (3,), f"derivatives of {name}", where)
+        argument_count(rates, (3,), f"derivatives of {name}", _FORMS[True])
     both = np.ndim(_tried(force, (guess, 0.0, 0.0), count, f"force of {name}", where)) == 1
     made = Behaviour(
         _ends(force, count, both, lambda function: function),
@@ -175,23 +183,6 @@ def _guess(item: Any, rates: Any, name: str, where: str) -> Array:
             where,
         )
     return guess
-
-
-def _arguments(function: Any, allowed: tuple[int, ...], name: str, where: str) -> int:
-    """How many of the allowed arguments a function takes."""
-    forms = {1: "compression", 2: "compression, velocity", 3: "state, compression, velocity"}
-    try:
-        signature = inspect.signature(function)
-    except (TypeError, ValueError):  # compiled elsewhere
-        return allowed[0]
-    for count in allowed:
-        try:
-            signature.bind(*range(count))
-        except TypeError:
-            continue
-        return count
-    ways = " or ".join(f"({forms[count]})" for count in allowed)
-    raise InputError(f"{name} takes {signature}; it is called with {ways}", where)
 
 
 def _tried(function: Any, arguments: tuple[Any, ...], count: int, name: str, where: str) -> Any:
@@ -241,29 +232,3 @@ def _ends(force: Any, arguments: int, both: bool, wrap: Function) -> Any:
         return found[0], found[1]
 
     return wrap(pair if both else twice)
-
-
-def for_numba(function: Any) -> Any:
-    """A function compiled by numba when it is first called; of a method, ``self`` holds the numbers
-    and arrays of its instance.
-    """
-    import numba
-
-    if hasattr(function, "py_func"):
-        return function
-    if not isinstance(function, MethodType):
-        return numba.njit(function)
-    owner, values = function.__self__, {}
-    for name in dir(owner):
-        if not name.startswith("_"):
-            value = getattr(owner, name)
-            if isinstance(value, (Number, np.ndarray)) or (isinstance(value, tuple) and value):
-                values[name] = value
-    numbers: Any = namedtuple("numbers", values)(**values) if values else 0.0
-    method = numba.njit(function.__func__)
-
-    @numba.njit
-    def bound(*arguments: Any) -> Any:
-        return method(numbers, *arguments)
-
-    return bound

@@ -105,6 +105,7 @@ class OwnSpring:
 
     @property
     def behaviour(self) -> Behaviour:
+        """What its Python does."""
         return _behaviour(self.name, self.spring)
 
     @property
@@ -137,6 +138,7 @@ class OwnSpring:
 
     @property
     def circular_frequencies(self) -> Array:
+        """Frequencies (rad/s) at which the states oscillate, the retainer fixed."""
         found: Array = np.sort(self._rates.imag[self._rates.imag > 0])
         return found
 
