@@ -6,6 +6,7 @@ refused in one sentence, and a study in other processes has the numbers of this 
 from __future__ import annotations
 
 import math
+import pickle
 import threading
 from dataclasses import dataclass
 
@@ -191,6 +192,20 @@ def test_a_law_of_a_power_between_coils_has_its_closed_form():
     assert law.steepest == pytest.approx(1.4 * 3e12 * 1e-4**0.4 / 2e10, rel=0.01)
 
 
+def test_a_case_and_a_name_bring_their_parts_to_another_process(monkeypatch):
+    """What is pickled here is read where the registry knows none of it."""
+    stiffness = 6e7
+    case = card(True).set({"train.contacts.seat": lambda depth: stiffness * depth})
+    name = own_name(lambda compression: stiffness * compression)
+    content = pickle.dumps((case.parameters, name))
+    law = str(case.parameters.train.contact("seat").law)
+    monkeypatch.setattr(registry, "OWN", {})
+    parameters, arrived = pickle.loads(content)
+    assert parameters == case.parameters and arrived == name
+    assert registry.OWN[law](2.0) == registry.OWN[name](2.0) == 2 * stiffness
+
+
+@pytest.mark.long
 def test_a_study_in_fresh_processes_has_the_numbers_of_this_one():
     stay = threading.Event()
     thread = threading.Thread(target=stay.wait)

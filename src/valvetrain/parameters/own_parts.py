@@ -82,15 +82,19 @@ def _received(word: str, content: bytes) -> OwnName:
 
 
 def _is_library(item: Any) -> bool:
-    """Whether an object is code of an installed package, which its name identifies."""
-    module = getattr(item, "__module__", None) or ""
-    top = module.partition(".")[0]
-    file = getattr(sys.modules.get(module), "__file__", None) or ""
-    return (
-        top in sys.stdlib_module_names - {"__main__"}
-        or top == "valvetrain"
-        or "site-packages" in file
-    )
+    """Whether an object is code of an installed package, or an instance of such a class; its name
+    says what that computes.
+    """
+    kind: Any = item if isinstance(item, (FunctionType, type)) else type(item)
+    module: Any = sys.modules.get(kind.__module__ or "")
+    found = module
+    for name in kind.__qualname__.split("."):
+        found = getattr(found, name, None)
+    if found is not kind:
+        return False
+    top, file = kind.__module__.partition(".")[0], getattr(module, "__file__", None) or ""
+    standard = top in sys.stdlib_module_names and top != "__main__"
+    return standard or top == "valvetrain" or "site-packages" in file
 
 
 def _content(item: Any, seen: dict[int, Any]) -> Iterator[bytes]:
