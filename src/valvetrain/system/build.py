@@ -9,7 +9,6 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from valvetrain import registry
 from valvetrain.cam.build import build_lift_law
 from valvetrain.cam.contract import LiftLaw
 from valvetrain.cam.event import find_lift_event
@@ -21,6 +20,7 @@ from valvetrain.parameters.installed_spring import InstalledSpring, Rubbing, bin
 from valvetrain.parameters.loading import AnyCase, case_of, parse_case
 from valvetrain.parameters.toml_text import find_line
 from valvetrain.parameters.train import TrainParameters, TrainVariant
+from valvetrain.registry import plain_name
 from valvetrain.springs.nested import RadialRubbing
 from valvetrain.springs.own_spring import model_names
 from valvetrain.springs.spec import SpringModelSpec, spring_model
@@ -148,7 +148,7 @@ def _spring_members(
     rubbing = _rubbing(case.rubbing)
     members: list[Member] = []
     for spec in chosen:
-        label = _free_label(registry.plain_name(spec.word), [member.label for member in members])
+        label = _free_label(plain_name(spec.word), [member.label for member in members])
         members.append(Member(label, spec, case.springs, law, rubbing=rubbing, name=case.name))
     return tuple(members)
 
@@ -176,9 +176,9 @@ def _train_members(
     if specs or sets:
         variants: tuple[TrainVariant, ...] = tuple(
             TrainVariant(
-                f"{chosen}, {registry.plain_name(word)}"
+                f"{chosen}, {plain_name(word)}"
                 if len(sets) > 1
-                else registry.plain_name(word)
+                else plain_name(word)
                 if specs
                 else chosen,
                 chosen,
