@@ -329,6 +329,12 @@ def test_a_law_between_coils_takes_the_overlap_alone():
         case.run(model="multi-mass")
 
 
+def test_a_lift_function_is_taken_by_its_key_path_as_by_its_name():
+    lift = lambda angle: 9e-3 * max(0.0, 1 - (angle - np.pi) ** 2) ** 4
+    case = card(False)
+    assert case.set({"lift_law": lift}) == case.set(lift_law=lift) != case
+
+
 def test_a_function_where_no_law_is_due_is_refused():
     with pytest.raises(InputError, match="is no value of a case"):
         vt.Spring(preload=PRELOAD, rate=lambda x: RATE)

@@ -33,6 +33,8 @@ def as_table(value: Any, path: Sequence[str] = ()) -> Any:
     """
     if isinstance(value, (Spring, Train)):
         return copy.deepcopy(value.table)
+    if tuple(path) == ("lift_law",):
+        return lift_table(value)
     if hasattr(value, "to_base_units"):  # pint and what speaks as it does
         return _quantity_text(value)
     if isinstance(value, np.ndarray):
@@ -73,7 +75,7 @@ def lift_table(law: Lift) -> dict[str, Any]:
     through these stations and gives the derivatives.
     """
     if isinstance(law, Mapping):
-        return dict(as_table(law))
+        return {str(key): as_table(item, ("lift_law", str(key))) for key, item in law.items()}
     if callable(law):
         angles, lifts = _stations(law)
     else:

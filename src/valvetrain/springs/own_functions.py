@@ -22,6 +22,8 @@ from valvetrain.springs.contract import Array
 TRIED = (0.0, 1e-3, 5e-3)
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(24)
 Function = Callable[..., Any]
+#: Entries live as long as the process: loops hold nothing but their addresses.
+_ENTRIES: list[Any] = []
 #: What a function takes, by whether the spring has states.
 _FORMS = (
     "the compression (m), or of it and the velocity (m/s)",
@@ -58,9 +60,11 @@ class Behaviour:
             import numba
 
             ends = _ends(for_numba(force), arguments, both, numba.njit)
-            return compiled_entry(ends, for_numba(rates or _no_rates))
+            made = compiled_entry(ends, for_numba(rates or _no_rates))
         except Exception:  # whatever numba does not know: Python runs it
-            return plain_entry(self.forces, self.rates)
+            made = plain_entry(self.forces, self.rates)
+        _ENTRIES.append(made)
+        return made
 
     @property
     def address(self) -> int:
