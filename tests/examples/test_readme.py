@@ -22,7 +22,8 @@ BLOCK = re.compile(
     r"^```python\n(?P<code>.*?)^```\n(?:\n```text\n(?P<printed>.*?)^```)?", re.MULTILINE | re.DOTALL
 )
 PAGES = [
-    (ROOT / "docs" / page).read_text(encoding="utf-8") for page in ("public-names.md", "python.md")
+    (ROOT / "docs" / page).read_text(encoding="utf-8")
+    for page in ("public-names.md", "python.md", "extend/own-parts-in-a-script.md")
 ]
 EXAMPLES = [
     (match["code"], match["printed"]) for text in (README, *PAGES) for match in BLOCK.finditer(text)

@@ -131,7 +131,7 @@ class Case:
         from valvetrain.explore.case_paths import file_key
 
         made = {
-            file_key(path): REMOVED if value is None else as_table(value)
+            file_key(path): REMOVED if value is None else as_table(value, tuple(path.split(".")))
             for path, value in (changes or {}).items()
         }
         new = object.__new__(Case)
@@ -142,14 +142,15 @@ class Case:
 
     @renamed(spring_models="model")
     def run(
-        self, engine_speed: Any = None, model: str = "", *, spring_set: str = "", **options: Any
+        self, engine_speed: Any = None, model: Any = "", *, spring_set: str = "", **options: Any
     ) -> Solution:
         """One run: at one engine speed, by one spring model. Several: :meth:`compare`, :meth:`sweep`.
 
         Parameters
         ----------
         engine_speed : of the crank: "6000 rpm", rad/s or a pint quantity; the case's own where it has one
-        model : name of the spring model; the case's own where it has one
+        model : the spring model: its name, class or an instance, a function of the compression, or a
+            class of one's own (docs/extend/own-parts-in-a-script.md); the case's own by default
         spring_set : name of a spring set of a train
         options : as for :func:`valvetrain.simulate`, among them ``outputs``, names of quantities and
             channels: only these are computed
@@ -165,9 +166,7 @@ class Case:
         return one_run(self.parameters, engine_speed, model, spring_set, **options)
 
     @renamed(spring_models="models")
-    def compare(
-        self, engine_speeds: Any = None, models: Sequence[str] | str = (), **options: Any
-    ) -> Study:
+    def compare(self, engine_speeds: Any = None, models: Any = (), **options: Any) -> Study:
         """Spring models side by side, at rest and in motion; options as for
         :func:`valvetrain.compare`.
         """
@@ -179,7 +178,7 @@ class Case:
     def sweep(
         self,
         engine_speeds: Any = "1000:9000:100 rpm",
-        model: Sequence[str] | str = (),
+        model: Any = (),
         **options: Any,
     ) -> Study:
         """Numbers over engine speed and, of a train, its critical speeds; options as for
@@ -227,7 +226,7 @@ class Case:
         count: int = 64,
         seed: int = 1,
         engine_speeds: Any = None,
-        models: Sequence[str] | str = (),
+        models: Any = (),
         **options: Any,
     ) -> StudyTable:
         """Outputs at points of a space, and only these.
@@ -269,7 +268,7 @@ class Case:
         constraints: Mapping[str, Mapping[str, Any]] | None = None,
         *,
         engine_speeds: Any = None,
-        models: Sequence[str] | str = (),
+        models: Any = (),
         search: Mapping[str, Any] | None = None,
         **options: Any,
     ) -> Optimum:
@@ -305,7 +304,7 @@ class Case:
         measured: Mapping[str, tuple[Any, Any]],
         *,
         engine_speeds: Any = None,
-        models: Sequence[str] | str = (),
+        models: Any = (),
         **options: Any,
     ) -> Identified:
         """Unknowns that agree with measurements.

@@ -13,6 +13,7 @@ from valvetrain.parameters.case import Case
 from valvetrain.quantities.request import PointRequest
 from valvetrain.solution.definition import definition_of, is_defined, no_quantity
 from valvetrain.solution.status import COMPLETED, Status
+from valvetrain.springs.own_spring import model_names
 from valvetrain.units import parse_quantity, renamed, si_speeds
 
 #: (engine speed in rad/s or None, spring model, spring set) of a run.
@@ -118,13 +119,13 @@ class Outputs:
         quantities: Sequence[str] | str = (),
         *,
         engine_speeds: Any = None,
-        spring_models: Sequence[str] | str = (),
+        spring_models: Any = (),
         spring_set: Sequence[str] | str = (),
         rest_model: str = "",
         limit_speeds: Sequence[Mapping[str, Any] | LimitSearch] = (),
         function: Callable[..., Any] | None = None,
     ) -> None:
-        named = (quantities, spring_models, spring_set)
+        named = (quantities, model_names(spring_models), spring_set)
         names, models, sets = (
             tuple(dict.fromkeys([one] if isinstance(one, str) else one)) for one in named
         )

@@ -294,7 +294,8 @@ def _with_inner(
     if whole:
         energy = np.array([tuple(model.energy(state, x, v, step)) for state, x, v in motion])
         names = ("kinetic_energy", "elastic_energy", "contact_energy", "energy_dissipated")
-        values |= {name: energy[:, column] for column, name in enumerate(names)}
+        if not np.isnan(energy[0]).any():  # a model without energies
+            values |= {name: energy[:, column] for column, name in enumerate(names)}
     if whole and shown[0].coil_number.size:
         coil = shown[0].coil_number
         values["axial_displacement"] = np.array([one.axial_displacement for one in shown])

@@ -5,6 +5,7 @@ their arguments.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 
@@ -26,6 +27,7 @@ from valvetrain.runs.workers import Progress, worker_count
 from valvetrain.solution.critical import CriticalSpeeds
 from valvetrain.solution.static import StaticCurve
 from valvetrain.solution.study import Study
+from valvetrain.springs.own_spring import model_name, model_names
 from valvetrain.springs.spec import spring_model as spec_of_model
 from valvetrain.system.build import build
 from valvetrain.units import Given, as_names, renamed, si, si_speeds
@@ -33,13 +35,15 @@ from valvetrain.units import Given, as_names, renamed, si, si_speeds
 #: Engine speeds: ``"4200, 5600 rpm"``, ``"1000:9000:100 rpm"``, one or several numbers (rad/s of
 #: the crank), pint quantities.
 Speeds = Given | Sequence[Given]
+#: A spring model or several, by name, class or instance (:func:`valvetrain.springs.own_spring.model_name`).
+Models = Any
 
 
 @renamed(spring_sets="spring_set")
 def simulate(
     case: AnyCase,
     engine_speeds: Speeds | None = None,
-    spring_models: Sequence[str] | str = (),
+    spring_models: Models = (),
     *,
     spring_set: Sequence[str] | str = (),
     outputs: Sequence[str] | str = (),
@@ -55,7 +59,8 @@ def simulate(
     case : Case, name of a library case, or path of a case file
     engine_speeds : speeds of the crank, "4200 rpm", rad/s or pint quantities; the case's own by
         default
-    spring_models : a name of a spring model, such as "multi-mass", or several; the case's own or the default ones by default
+    spring_models : a spring model, or several: its name, such as "multi-mass", its class, an instance, a function of
+        the compression or a class of one's own (docs/extend/own-parts-in-a-script.md); the case's own or the default ones by default
     spring_set : name of a spring set of a train, or several
     outputs : names of quantities (docs/quantities.md) and channels; only these are computed and in
         the solutions. Without them all can be read; what belongs to the springs at rest and inside
@@ -84,7 +89,7 @@ def simulate(
     >>> dict(study.solutions[0].quantities)
     {'minimum_spring_force': 210.29213953413347}
     """
-    spring_models, sets = as_names(spring_models), as_names(spring_set)
+    spring_models, sets = model_names(spring_models), as_names(spring_set)
     case = case_of(case)
     requested = RequestedOutputs.of(outputs, case.train is not None) if outputs else None
     limits = _checked(
@@ -115,7 +120,7 @@ def simulate(
 def compare(
     case: AnyCase,
     engine_speeds: Speeds | None = None,
-    spring_models: Sequence[str] | str = (),
+    spring_models: Models = (),
     *,
     spring_set: Sequence[str] | str = (),
     workers: int | None = None,
@@ -127,7 +132,7 @@ def compare(
 
     Parameters
     ----------
-    spring_models : names of spring models; by default those that suit the case
+    spring_models : as for :func:`simulate`; by default those that suit the case
     case, engine_speeds, spring_set, workers, progress, limit, implausible : as for
         :func:`simulate`
 
@@ -147,7 +152,7 @@ def compare(
     >>> [round(one.curve.force_at(7e-3)) for one in study.rest]
     [215, 215]
     """
-    spring_models, sets = as_names(spring_models), as_names(spring_set)
+    spring_models, sets = model_names(spring_models), as_names(spring_set)
     limits = _checked(
         "compare",
         case := case_of(case),
@@ -173,7 +178,7 @@ def compare(
 def sweep(
     case: AnyCase,
     engine_speeds: Speeds = "1000:9000:100 rpm",
-    spring_models: Sequence[str] | str = (),
+    spring_models: Models = (),
     *,
     spring_set: Sequence[str] | str = (),
     outputs: Sequence[str] | str = (),
@@ -219,7 +224,7 @@ def sweep(
     >>> len(speeds), round(force[0])
     (3, 522)
     """
-    spring_models, sets = as_names(spring_models), as_names(spring_set)
+    spring_models, sets = model_names(spring_models), as_names(spring_set)
     speeds = _speeds(engine_speeds)
     assert speeds is not None
     case = case_of(case)
@@ -260,7 +265,7 @@ def sweep(
 def critical_speeds(
     case: AnyCase,
     engine_speeds: Speeds = "1000:9000:100 rpm",
-    spring_models: Sequence[str] | str = (),
+    spring_models: Models = (),
     *,
     spring_set: Sequence[str] | str = (),
     resolution: Given = "10 rpm",
@@ -326,7 +331,7 @@ def static_curve(
     spring: SpringDefinition | InstalledSpring | AnyCase,
     largest_compression: Given | None = None,
     *,
-    spring_model: str = "finite-element",
+    spring_model: Any = "finite-element",
     steps: int = STEPS,
     limit: str = "",
     implausible: bool = False,
@@ -340,7 +345,7 @@ def static_curve(
     largest_compression : end of the curve (m, "8 mm" or a pint quantity); by default a little
         beyond the largest lift of the case, or 80 %
         of the way to coil bind where there is no lift
-    spring_model : name of the spring model; one that knows the installed state only (a card) holds
+    spring_model : the spring model, as for :func:`simulate`; one that knows the installed state only (a card) holds
         from there on
     steps : even steps of the curve
     limit, implausible : as for :func:`simulate`
@@ -363,6 +368,7 @@ def static_curve(
     >>> round(curve.force_at("4 mm")), round(curve.force_at("8 mm"))
     (149, 312)
     """
+    spring_model = model_name(spring_model, "spring_model")
     installed, lift = (
         InstalledSpring(wire=spring) if isinstance(spring, SpringDefinition) else spring,
         0.0,

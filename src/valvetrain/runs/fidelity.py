@@ -26,6 +26,7 @@ from valvetrain.runs.train_runs import Finished
 from valvetrain.runs.workers import Progress, worker_count
 from valvetrain.solution.fidelity import FidelityMap, FidelityRow
 from valvetrain.solution.study import Study
+from valvetrain.springs.own_spring import model_names
 from valvetrain.springs.spec import spring_model
 from valvetrain.system.build import build
 from valvetrain.system.problem import Problem
@@ -97,7 +98,7 @@ def fidelity(
     if len(sets := as_names(spring_set)) > 1:
         raise InputError("models are compared on one spring set; name one of them", "spring_set")
     own = "".join(sets)
-    models = fidelity_models(chosen, as_names(spring_models), own, reference)
+    models = fidelity_models(chosen, model_names(spring_models), own, reference)
     cost = fidelity_cost(chosen, speeds, models, own, worker_count(workers))
     refuse_cost(cost, limits, "limit=")
     return fidelity_study(
@@ -164,11 +165,10 @@ def fidelity_models(
     springs = case.springs
     if case.train is not None:
         springs = case.train.spring_parts(*((spring_set,) if spring_set else _own_set(case)))
-    specs = {name: spring_model(name) for name in registered_names("springs")}
 
     def refusal(name: str) -> str:
-        reasons = (specs[name].why_not(spring) for spring in springs)
-        return specs[name].no_motion or next(filter(None, reasons), "")
+        reasons = (spring_model(name).why_not(spring) for spring in springs)
+        return spring_model(name).no_motion or next(filter(None, reasons), "")
 
     kind = "card" if any(spring.wire is None for spring in springs) else "wire"
     best = reference or REFERENCES[kind]
@@ -182,14 +182,15 @@ def fidelity_models(
     # The wire of a card is assumed, so its rod is not a default.
     assumed = REFERENCES["wire"] if kind == "card" else ""
     chosen = tuple(dict.fromkeys(spring_models)) or tuple(
-        name for name in specs if not refusal(name) and name != assumed
+        name for name in registered_names("springs") if not refusal(name) and name != assumed
     )
     for name in chosen:
         spring_model(name, "spring_models")
         if why := refusal(name):
             raise InputError(f"{why}; leave {name} out", "spring_models")
     judged = sorted(
-        (name for name in chosen if name != best), key=lambda name: specs[name].processor_time
+        (name for name in chosen if name != best),
+        key=lambda name: spring_model(name).processor_time,
     )
     if not judged:
         raise InputError("there is no model but the reference; name one more", "spring_models")

@@ -39,6 +39,7 @@ from valvetrain.solution.provenance import collect_provenance
 from valvetrain.solution.result import Solution
 from valvetrain.solution.status import Status
 from valvetrain.solution.study import Study
+from valvetrain.springs.own_spring import model_names
 from valvetrain.system.build import build
 from valvetrain.system.contract import TRAIN
 from valvetrain.system.problem import Problem
@@ -102,7 +103,7 @@ def run_up(
         si(first_engine_speed, "engine_speed", "first_engine_speed"), si(last_engine_speed, "engine_speed", "last_engine_speed"),
         si(duration, "time", "duration"),
     )  # fmt: skip
-    case, models, sets = case_of(case), as_names(spring_models), as_names(spring_set)
+    case, models, sets = case_of(case), model_names(spring_models), as_names(spring_set)
     request = RunRequest("run-up", case, None, models, sets, worker_count(workers))
     refuse_cost(run_up_cost(request, ramp), limits_of(limit), "limit=")
     return run_up_study(
