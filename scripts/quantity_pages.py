@@ -138,8 +138,8 @@ def plausible_page() -> str:
             lines.append(f"| {kind} | {one.label}{shown} | {low} | {high} | {one.reason} |")
     lines += [
         "",
-        "Engine speeds lie between 10 and 30 000 rpm, and numbers of a case within the ranges of its tables; those are mistakes or wrong",
-        "units, and no option accepts them.",
+        "Numbers of a case lie within the ranges of its tables; no option accepts others. An unusual value that has its unit (a rate of",
+        "1 N/m, an engine speed above 30 000 rpm) is taken as written, with a warning; a bare number of Python there is refused as a slip.",
         "",
     ]
     return "\n".join(lines)

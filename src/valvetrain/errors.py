@@ -36,6 +36,14 @@ class InputError(ValvetrainError):
         self.reason = message
 
 
+class UnusualValueWarning(UserWarning):
+    """A value that was given with its unit and is taken as written, though it is unusual.
+
+    >>> issubclass(UnusualValueWarning, UserWarning)
+    True
+    """
+
+
 class UnknownNameError(InputError, KeyError):
     """A name that a mapping of results does not have; the message names the nearest that it has.
 

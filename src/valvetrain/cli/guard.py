@@ -7,6 +7,7 @@ from __future__ import annotations
 import contextlib
 import os
 import sys
+import warnings
 from collections.abc import Sequence
 from typing import Any
 
@@ -20,9 +21,10 @@ from valvetrain.cli.outcome import (
     mend_streams,
     reader_left,
     set_manner,
+    tell,
     unread,
 )
-from valvetrain.errors import InputError, MissingExtraError, RunFailedError
+from valvetrain.errors import InputError, MissingExtraError, RunFailedError, UnusualValueWarning
 from valvetrain.runs.stopping import exit_code, listening, noted
 from valvetrain.solution.partial_failures import TRACEBACK_VARIABLE
 
@@ -54,7 +56,8 @@ class GuardedGroup(TyperGroup):
         mend_streams()
         set_manner(sys.argv[1:] if args is None else list(args))
         _reported.clear()
-        with listening(), giving_back():
+        with listening(), giving_back(), warnings.catch_warnings():
+            warnings.showwarning = _show_warning  # type: ignore[assignment]
             try:
                 result = super().main(
                     args, prog_name, complete_var, False, windows_expand_args, **extra
@@ -86,6 +89,14 @@ class GuardedGroup(TyperGroup):
                 sys.stdout.flush()
             os._exit(code)
         sys.exit(code)
+
+
+def _show_warning(message: Warning | str, category: type[Warning], *rest: Any) -> None:
+    """A warning of this package as one line on standard error; those of libraries as ever."""
+    if issubclass(category, UnusualValueWarning):
+        tell(f"warning: {message}")
+    else:
+        sys.stderr.write(warnings.formatwarning(message, category, *rest[:2]))
 
 
 def interrupted(sentence: str = INTERRUPTED_SENTENCE) -> int:

@@ -8,6 +8,8 @@ from valvetrain.units.inputs import (
     PLAUSIBLE,
     Given,
     Window,
+    believed,
+    doubt,
     keep_si,
     si,
     si_each,
@@ -27,7 +29,7 @@ from valvetrain.units.text import (
 )
 
 __all__ = [
-    "DIMENSIONS", "Dimension", "Given", "MAX_SPEEDS", "PLAUSIBLE", "PlainInteger", "PlainNumber", "Window", "dimension_of",
-    "dimension_powers", "format_quantity", "keep_si", "numbers_of", "parse_quantities", "parse_quantity", "si", "si_each", "si_speeds", "to_unit",
-    "unit_factor",
+    "DIMENSIONS", "Dimension", "Given", "MAX_SPEEDS", "PLAUSIBLE", "PlainInteger", "PlainNumber", "Window", "believed",
+    "dimension_of", "dimension_powers", "doubt", "format_quantity", "keep_si", "numbers_of", "parse_quantities",
+    "parse_quantity", "si", "si_each", "si_speeds", "to_unit", "unit_factor",
 ]  # fmt: skip
