@@ -399,7 +399,10 @@ def test_a_damper_that_does_not_calm_the_valve_is_said(wobble, told):
         turn = np.linspace(0.0, 2 * np.pi, len(run.channel("valve_lift")))
         rigid = run.channel("valve_lift")
         lifts = {"rigid_valve_lift": rigid, "valve_lift": rigid + size * np.sin(8 * turn)}
-        added = {key: Variable(("sample",), one, {"units": "m"}) for key, one in lifts.items()}
+        added = {
+            key: Variable(("sample",), one, {"units": "m", "long_name": key})
+            for key, one in lifts.items()
+        }
         runs.append(run.with_channels(added))
     told_of = [note for note in multibody4b17.notes(pushrod(*runs)) if "gives stability" in note]
     assert len(told_of) == told
