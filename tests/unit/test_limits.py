@@ -56,7 +56,7 @@ def test_terminal_json_page_and_workbench_say_it(study, tmp_path):
     page, _ = write_page(study_page(study), tmp_path, figures=False)
     # the workbench shows the sections of the page as they are
     shown = " ".join(str(section) for section in read_page(page))
-    assert "above 1070 MPa: the permitted shear" in shown and "\u00a0!" in shown
+    assert "above 1070 MPa: the permitted shear" in shown and " !'" in shown
 
 
 @pytest.mark.parametrize(
