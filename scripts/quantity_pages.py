@@ -70,7 +70,7 @@ object from the names above to such numbers.
 | `static_curve` | `status`; `compression`, `force`, `stiffness`, each with `values` and `unit` |
 | `modes` | `status`, `compression`, and per mode `mode`, `natural_frequency`, `axial_transmission_ratio`, `axial` (number among the axial modes, or null) |
 | `train_modes` | of `modes` of a train: per variant and `state` (`closed`, `full_lift`) `label`, `cam_angle`, `valve_lift`, `closed` and `open` contacts, and per mode `natural_frequency`, `shape` by body, `energy_share` by body and spring |
-| `runs` | per run `label`, `model`, `spring_set`, `engine_speed`, `status`, `quantities`, `clash_count`, `events`, `options`, `statistics`, and `gaps` where a number of it could not be found |
+| `runs` | per run `label`, `model`, `spring_set`, `engine_speed`, `status`, `quantities`, `clash_count`, `events`, `options`, `statistics`, `passed_limits` where a result passes one of [the limits](limits.md) (by quantity `value`, `unit`, `reason`), and `gaps` where a number of it could not be found |
 | `status` | `code` (`completed`, `not-converged`, `diverged`, `out-of-range`, `coil-bind`, `solid`, `buckled`, `refused`, `interrupted`, `worker-lost`); `message` where there is one; unless completed also `time`, `where`, `remedy` |
 | `events` | per event `kind`, `cam_angle`, `time`, `duration`, `size`, `where`, `details`; of a clash `lower_coil`, `upper_coil`, `impulse`, `energy`, `peak_cam_angle` |
 | `options`, `statistics` | of a run: options of its model, and step, counts, residuals; numbers as value and unit, unit `1` for counts and shares |
@@ -138,8 +138,8 @@ def plausible_page() -> str:
             lines.append(f"| {kind} | {one.label}{shown} | {low} | {high} | {one.reason} |")
     lines += [
         "",
-        "Engine speeds lie between 10 and 30 000 rpm, and numbers of a case within the ranges of its tables; those are mistakes or wrong",
-        "units, and no option accepts them.",
+        "Numbers of a case lie within the ranges of its tables; no option accepts others. An unusual value that has its unit (a rate of",
+        "1 N/m, an engine speed above 30 000 rpm) is taken as written, with a warning; a bare number of Python there is refused as a slip.",
         "",
     ]
     return "\n".join(lines)

@@ -20,6 +20,7 @@ from train_parts import LAW, direct, system
 from valvetrain.integrate.train_channels import Scatter
 from valvetrain.parameters.constructors import conical, cylindrical
 from valvetrain.parameters.installed_spring import InstalledSpring, SpringCard
+from valvetrain.parameters.material import material_by_name
 from valvetrain.parameters.spring import OPEN_END
 from valvetrain.quantities.cycle import Frame
 from valvetrain.quantities.evaluate import evaluate
@@ -154,6 +155,7 @@ def stress() -> Known:
     wire = cylindrical(
         4e-3, 24e-3, 7e-3, 6.0, closed_coils=0.0, lower_end=OPEN_END, upper_end=OPEN_END
     )
+    wire = replace(wire, material=material_by_name("EN 10270-2 VDSiCr"))
     spring = InstalledSpring(wire=wire, precompression=5e-3)
     extra = {
         name: (("wire_point",), "Pa", "made up")
@@ -188,6 +190,8 @@ def stress() -> Known:
         "largest_amplitude_coil_number": 3.5,
         "nominal_peak_shear_stress": 500 * per_force,
         "nominal_minimum_shear_stress": 275 * per_force,
+        "wire_tensile_strength": 1860e6,  # EN 10270-2, 4 mm
+        "permitted_shear_stress": 0.56 * 1860e6,
         "quasi_static_peak_shear_stress": top,
         "quasi_static_amplitude_shear_stress": 400e6 * 9 / 20 / 2,
         "dynamic_to_static_stress_ratio": 400e6 / top,

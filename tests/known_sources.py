@@ -196,14 +196,15 @@ def pushrod_study() -> Known:
     10 of the source by hand.
     """
     numbers = {
-        "stock, as printed": (283.0, 9.1e-3, 1.0, 0.0), "performance, as printed": (400.0, 8.9e-3, 6.7, 4.4e-3),
-        "performance, as printed, zeta 1": (412.0, 8.8e-3, 2.0, 0.0), "stock": (574.0, 9.0e-3, 3.0, 0.0),
+        "stock, as printed": (283.0, 9.1e-3, 1.0, 0.0, 284.0), "performance, as printed": (400.0, 8.9e-3, 6.7, 4.4e-3, 401.0),
+        "performance, as printed, zeta 1": (412.0, 8.8e-3, 2.0, 0.0, 830.0), "stock": (574.0, 9.0e-3, 3.0, 0.0, 575.0),
     }  # fmt: skip
     names = (
         "nose_cam_contact_force",
         "peak_valve_lift",
         "peak_lever_speed",
         "peak_lever_speed_valve_lift",
+        "peak_open_cam_contact_force",
     )
     runs = tuple(
         Solution(
@@ -222,6 +223,7 @@ def pushrod_study() -> Known:
         "stock_nose_cam_contact_force": 283.0,
         "performance_nose_cam_contact_force": 400.0,
         "performance_damped_nose_cam_contact_force": 412.0,
+        "performance_damped_peak_cam_contact_force": 830.0,
         "contact_force_rise_ratio": 400 / 283 - 1,
         "stock_peak_valve_lift": 9.1e-3,
         "performance_lift_difference_displacement": 0.2e-3,

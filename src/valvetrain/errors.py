@@ -36,6 +36,14 @@ class InputError(ValvetrainError):
         self.reason = message
 
 
+class UnusualValueWarning(UserWarning):
+    """A value that hardly any valvetrain has; it is taken as written, and likely its unit is another.
+
+    >>> issubclass(UnusualValueWarning, UserWarning)
+    True
+    """
+
+
 class UnknownNameError(InputError, KeyError):
     """A name that a mapping of results does not have; the message names the nearest that it has.
 
@@ -67,10 +75,6 @@ class NamedNumbers(dict[str, float]):
 
     def __missing__(self, name: str) -> float:
         raise UnknownNameError(name, self)
-
-
-class UnusualValueWarning(UserWarning):
-    """A value that hardly any valvetrain has: it is taken, and likely its unit is another."""
 
 
 class MissingExtraError(ValvetrainError):

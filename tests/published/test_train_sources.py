@@ -93,13 +93,12 @@ def test_printed_contact_forces_are_those_of_springs_without_seat_load(pushrod):
     """
     assert computed(pushrod, "stock_nose_cam_contact_force") == pytest.approx(283, rel=0.05)
     assert computed(pushrod, "performance_nose_cam_contact_force") == pytest.approx(400, rel=0.05)
-    # at the nose the valve stands still, so that its damper adds nothing to the 395 N: the print's
-    # 412 N are some 5 % more
-    assert computed(pushrod, "performance_damped_nose_cam_contact_force") == pytest.approx(
-        395, rel=0.02
-    )
-    assert computed(pushrod, "performance_damped_nose_cam_contact_force") == pytest.approx(
-        412, rel=0.06
+    # at the nose the valve stands still, so that its damper adds nothing to the 395 N
+    damped = pushrod.solution("performance, as printed, zeta 1").quantities
+    assert damped["nose_cam_contact_force"] == pytest.approx(395, rel=0.02)
+    # its peak, which the print's 412 N are stated as, is twice that: c v = 388 N at the valve, off the nose
+    assert computed(pushrod, "performance_damped_peak_cam_contact_force") == pytest.approx(
+        828, rel=0.02
     )
     assert computed(pushrod, "contact_force_rise_ratio") == pytest.approx(0.4, abs=0.05)
 
@@ -129,6 +128,8 @@ def test_contradictions_are_said(pushrod):
         "384 deg/s of rocker rotation, as printed, does not fit",
         "at 2000 rpm, it would need a valve arm of at least 79 mm",
         "50 Hz is the lumped mass",
+        "this damper cannot be the cause",
+        "zeta = 0.5 gives stability (section 6) is not reproduced",
     ):
         assert words in told
 

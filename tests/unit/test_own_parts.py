@@ -134,7 +134,7 @@ def test_classes_instances_and_entries_of_the_models_that_ship_are_taken():
     spring = vt.springs.MasslessSpring(RATE, PRELOAD, MASS)
     for model in (vt.springs.MasslessSpring, spring, SPEC):
         assert numbers(case.run("3000 rpm", model=model)) == pytest.approx(usual, rel=1e-12)
-    both = case.compare([spring, "massless", Linear()], "3000 rpm")
+    both = case.compare("3000 rpm", [spring, "massless", Linear()])
     assert both.labels == ("MasslessSpring", "massless", "Linear")
 
 
@@ -262,7 +262,8 @@ def test_a_run_and_a_page_of_a_model_in_python_are_those_of_any_model(tmp_path):
         Linear()
     )
     assert (
-        "Linear" in render(vt.report.study_page(study)) and "nan" not in str(vt.report.study_json(study)).lower()
+        "Linear" in render(vt.report.study_page(study))
+        and "nan" not in str(vt.report.study_json(study)).lower()
     )
     sweep = card(True).sweep("3000, 4000 rpm", Linear(), critical_speeds=False)
     assert np.all(sweep.series("Linear", "peak_cam_contact_force")[1] > 0)

@@ -87,7 +87,7 @@ class Case:
         if lift_law is not None:
             tree["lift_law"] = lift_table(lift_law)
         if engine_speeds is not None:
-            speeds = as_table(list(si_speeds(engine_speeds)))
+            speeds = [f"{speed!r} rad/s" for speed in si_speeds(engine_speeds)]
             others = {
                 key: item for key, item in tree.get("operation", {}).items() if key != "cam_speeds"
             }

@@ -19,6 +19,7 @@ from valvetrain.report.headlines import (
     headline_columns,
     headline_rows,
     largest_clash_rows,
+    limit_sentences,
 )
 from valvetrain.report.run_summary import critical_rows, reach_rows, reason_for, searched, share
 from valvetrain.report.text import rpm
@@ -48,6 +49,10 @@ def show_study(
         for table in _tables(study):
             console.print()
             console.print(table)
+        if passed := limit_sentences(study):
+            console.print()
+        for sentence in passed:
+            console.print(f"! {sentence}", soft_wrap=True)
         _show_published(console, study, published)
     finally:  # the folder is printed even where a table fails
         console.print(f"\nresults  {folder}", soft_wrap=True)
@@ -178,8 +183,10 @@ def _over_speeds(
             )
             still = name in names_for("case")
             cells = [
-                "–" if value is None else _at_speed(value, None if still else speed)
-                for value, speed in pairs
+                "–"
+                if value is None
+                else _at_speed(value, None if still else speed) + row.mark(first + place)
+                for place, (value, speed) in enumerate(pairs)
             ]
             table.add_row(row.label, unit_text(row.unit), *cells)
     speeds = [study.runs(column.label) for column in columns]
@@ -222,7 +229,8 @@ def _cells(columns: Sequence[HeadlineColumn], row: HeadlineRow, bars: ErrorBars)
     sweep.
     """
     if any(speed is not None for speed in row.engine_speeds):
-        return list(map(_at_speed, row.values, row.engine_speeds))
+        cells = map(_at_speed, row.values, row.engine_speeds)
+        return [cell + row.mark(place) for place, cell in enumerate(cells)]
     return bars.cells(row, columns)
 
 

@@ -21,6 +21,7 @@ from valvetrain.cli.outcome import (
     mend_streams,
     reader_left,
     set_manner,
+    tell,
     unread,
 )
 from valvetrain.errors import InputError, MissingExtraError, RunFailedError, UnusualValueWarning
@@ -40,22 +41,7 @@ OPTION_OF = {
 _reported: list[str] = []
 
 
-def warning_line(
-    message: Warning | str,
-    category: type[Warning],
-    filename: str,
-    lineno: int,
-    line: str | None = None,
-) -> str:
-    """An unusual value as a sentence, each once; others as Python shows them."""
-    if issubclass(category, UnusualValueWarning):
-        text = "" if str(message) in _warned else f"warning: {message}\n"
-        _warned.add(str(message))
-        return text
-    return _shown_by_python(message, category, filename, lineno, line)
-
-
-_shown_by_python = warnings.formatwarning
+#: Warnings of unusual values that were shown.
 _warned: set[str] = set()
 
 
@@ -77,10 +63,11 @@ class GuardedGroup(TyperGroup):
         standalone).
         """
         mend_streams()
-        warnings.formatwarning = warning_line
         set_manner(sys.argv[1:] if args is None else list(args))
         _reported.clear()
-        with listening(), giving_back():
+        _warned.clear()
+        with listening(), giving_back(), warnings.catch_warnings():
+            warnings.showwarning = _show_warning  # type: ignore[assignment]
             try:
                 result = super().main(
                     args, prog_name, complete_var, False, windows_expand_args, **extra
@@ -112,6 +99,16 @@ class GuardedGroup(TyperGroup):
                 sys.stdout.flush()
             os._exit(code)
         sys.exit(code)
+
+
+def _show_warning(message: Warning | str, category: type[Warning], *rest: Any) -> None:
+    """A warning of this package as one line on standard error; each once; those of libraries as ever."""
+    if issubclass(category, UnusualValueWarning):
+        if str(message) not in _warned:
+            _warned.add(str(message))
+            tell(f"warning: {message}")
+    else:
+        sys.stderr.write(warnings.formatwarning(message, category, *rest[:2]))
 
 
 def interrupted(sentence: str = INTERRUPTED_SENTENCE) -> int:

@@ -162,8 +162,8 @@ class ErrorBars:
     def cells(self, row: HeadlineRow, columns: Sequence[HeadlineColumn]) -> list[str]:
         """The values of a row, each with its bar: ``965 ± 2``."""
         return [
-            self._cell(value, row, column)
-            for value, column in zip(row.values, columns, strict=True)
+            self._cell(value, row, column) + row.mark(place)
+            for place, (value, column) in enumerate(zip(row.values, columns, strict=True))
         ]
 
     def _cell(self, value: float | None, row: HeadlineRow, column: HeadlineColumn) -> str:

@@ -24,6 +24,7 @@ from valvetrain.parameters.overrides import with_values
 from valvetrain.parameters.schema_case import CaseModel
 from valvetrain.parameters.schema_types import MAX_NAME_LENGTH, first_problem, problem
 from valvetrain.parameters.toml_text import find_line, resolved, toml_text
+from valvetrain.units import believed
 from valvetrain.units.text import clipped
 
 _FINITE_ELEMENT = "[spring.options.finite-element]"
@@ -199,7 +200,9 @@ def case_of_tree(
         for note_path, reason in bad.items():
             raise _located(text, tuple(note_path.split(".")), reason, where)
         refuse_moved(bare)
-        case = CaseModel.model_validate(bare).build(name, folder, notes, text, tuple(changes or ()))
+        with believed():  # the tables have doubted what was written
+            model = CaseModel.model_validate(bare)
+            case = model.build(name, folder, notes, text, tuple(changes or ()))
         # A lift law from a file is written out, so that the text alone gives the case again.
         from_file = case.lift_law is not None and "file" in bare["lift_law"]
         return (

@@ -88,3 +88,26 @@ def material_by_name(name: str) -> Material:
 
 def _key(name: str) -> str:
     return "".join(char for char in name.casefold() if char.isalnum())
+
+
+#: Wire -> (largest diameter in mm, least tensile strength in MPa), rising: EN 10270-2:2011 as in the data
+#: sheet of Penthor 864, and the maker's data sheet of OTEVA 91 SC (docs/limits.md).
+_STRENGTHS: dict[str, tuple[tuple[float, float], ...]] = {
+    "EN 10270-2 VDSiCr": ((1.3, 2080.0), (1.6, 2060.0), (2.0, 2010.0), (2.5, 1960.0), (3.5, 1910.0), (4.5, 1860.0), (5.6, 1810.0), (6.5, 1760.0)),
+    "OTEVA 91 SC": ((2.5, 2180.0), (3.2, 2130.0), (4.0, 2080.0), (5.0, 2030.0), (6.0, 1980.0), (7.0, 1910.0), (10.0, 1860.0)),
+}  # fmt: skip
+#: Permitted shear over tensile strength of cold coiled springs (EN 13906-1).
+PERMITTED_SHEAR = 0.56
+
+
+def tensile_strength(material: Material, wire_diameter: float) -> float | None:
+    """Least tensile strength (Pa) of a wire of the library by its diameter (m); None where unknown.
+
+    >>> tensile_strength(material_by_name("EN 10270-2 VDSiCr"), 4.0e-3)
+    1860000000.0
+    """
+    if MATERIALS.get(material.name) != material:
+        return None
+    rows = _STRENGTHS.get(material.name, ())
+    strength = next((one for most, one in rows if wire_diameter * 1e3 <= most * (1 + 1e-9)), None)
+    return None if strength is None else strength * 1e6

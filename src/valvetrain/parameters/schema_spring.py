@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import warnings
 from typing import Annotated, Any, Literal
 
 import numpy as np
 from pydantic import Field, PlainValidator
 
-from valvetrain.errors import InputError
+from valvetrain.errors import InputError, UnusualValueWarning
+from valvetrain.parameters.card_doubts import doubtful_turns
 from valvetrain.parameters.constructors import is_closed, pitch_with_closed_ends, wind
 from valvetrain.parameters.curves import Constant, Curve, add_curves
 from valvetrain.parameters.installed_spring import SpringCard
@@ -354,6 +356,10 @@ class SpringCardModel(StrictModel):
         material = self.material or DEFAULT_MATERIAL
         by_rate = material.shear_modulus * wire**4 / (8 * mean**3 * rate)
         coils = self.active_coils or by_rate
+        if self.active_coils is None and (
+            doubt := doubtful_turns(by_rate, wire, self.solid_height, None)
+        ):
+            warnings.warn(f"spring '{self.name}': {doubt}", UnusualValueWarning, stacklevel=2)
         if not 0.7 < coils / by_rate < 1.4:
             raise problem(
                 f"wire and coils make a rate of {rate * by_rate / coils / 1e3:.3g} N/mm, but the card has {rate / 1e3:.3g} N/mm, which "

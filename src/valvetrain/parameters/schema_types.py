@@ -15,13 +15,14 @@ from pydantic import (
     BeforeValidator,
     ConfigDict,
     ValidationError,
+    ValidationInfo,
     model_validator,
 )
 from pydantic_core import PydanticCustomError
 
 from valvetrain.errors import InputError
 from valvetrain.parameters.changes import nearest
-from valvetrain.units import parse_quantities, parse_quantity
+from valvetrain.units import PlainInteger, PlainNumber, doubt, parse_quantities, parse_quantity
 from valvetrain.units.text import clipped
 
 Model = TypeVar("Model", bound=BaseModel)
@@ -126,6 +127,24 @@ class Quantity(BeforeValidator):
     high: float | None = None
 
 
+#: Key of a case file -> the quantity whose plausible values it is held against.
+DOUBTED: dict[str, str] = {
+    "rate": "spring_rate", "wire_diameter": "wire_diameter", "mean_diameter": "mean_diameter", "outer_diameter": "mean_diameter",
+    "pitch": "pitch", "free_length": "spring_length", "installed_height": "spring_length", "preload_height": "spring_length",
+    "open_height": "spring_length", "solid_height": "spring_length", "precompression": "compression", "maximum_lift": "valve_lift",
+    "youngs_modulus": "modulus", "shear_modulus": "modulus", "density": "density", "engine_speeds": "engine_speed",
+    "cam_speeds": "cam_speed",
+}  # fmt: skip
+
+
+def _doubted(raw: Any, value: float, info: ValidationInfo) -> None:
+    """Refuse a plain number that can only be a slip of units; warn of an unusual one with a unit."""
+    if (name := DOUBTED.get(info.field_name or "")) is not None:
+        bare = isinstance(raw, (PlainNumber, PlainInteger))
+        shown = f"{raw:.6g} {raw.unit}" if bare else f"'{clipped(str(raw))}'"
+        guarded(doubt, value, name, shown, bare)
+
+
 def quantity(
     dimension: str | None,
     *,
@@ -137,8 +156,9 @@ def quantity(
     itself.
     """
 
-    def read(raw: Any) -> float:
+    def read(raw: Any, info: ValidationInfo) -> float:
         value = float(guarded(parse_quantity, raw, dimension))
+        _doubted(raw, value, info)
         if low is not None and (value < low or (open_low and value == low)):
             raise problem(
                 f"'{clipped(str(raw))}' is too small; give a value {'above' if open_low else 'of at least'} {low:g} (SI)"
@@ -155,8 +175,12 @@ def quantity(
 def quantities(dimension: str | None) -> BeforeValidator:
     """Reads a tuple of SI floats: a list of quantities or ``"0, 1, 2 mm"``."""
 
-    def read(raw: Any) -> tuple[float, ...]:
-        return tuple(guarded(parse_quantities, raw, dimension))
+    def read(raw: Any, info: ValidationInfo) -> tuple[float, ...]:
+        found = tuple(guarded(parse_quantities, raw, dimension))
+        items = raw if isinstance(raw, (list, tuple)) else [raw] * len(found)
+        for item, value in zip(items, found, strict=True):
+            _doubted(item, value, info)
+        return found
 
     return Quantity(read, dimension=dimension)
 

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from valvetrain.parameters.installed_spring import InstalledSpring
+from valvetrain.parameters.material import PERMITTED_SHEAR, tensile_strength
 from valvetrain.parameters.spring import SpringDefinition
 from valvetrain.quantities.cycle import Array, Cycle, Frame
 from valvetrain.quantities.forces import spring_extremes
@@ -69,6 +70,11 @@ def stress_quantities(cycle: Cycle, frame: Frame) -> dict[str, float]:
                 f"nominal_{word}_shear_stress": found[f"{worst}_nominal_{word}_shear_stress"]
                 for word in ("peak", "minimum")
             }
+            found |= {
+                name: found[f"{worst}_{name}"]
+                for name in ("wire_tensile_strength", "permitted_shear_stress")
+                if f"{worst}_{name}" in found
+            }
     return found
 
 
@@ -83,6 +89,18 @@ def _nominal(cycle: Cycle, name: str, spring: InstalledSpring) -> dict[str, floa
     return {
         "nominal_peak_shear_stress": factor * extremes[1],
         "nominal_minimum_shear_stress": factor * extremes[0],
+    } | _strength(spring.wire)
+
+
+def _strength(wire: SpringDefinition) -> dict[str, float]:
+    """Least tensile strength and permitted shear (Pa) of the thickest wire; empty where unknown."""
+    coils = np.linspace(0.0, wire.total_coils, 201)
+    strength = tensile_strength(wire.material, float(np.max(wire.wire_diameter.value(coils))))
+    if strength is None:
+        return {}
+    return {
+        "wire_tensile_strength": strength,
+        "permitted_shear_stress": PERMITTED_SHEAR * strength,
     }
 
 

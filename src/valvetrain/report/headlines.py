@@ -6,6 +6,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from valvetrain.quantities.limits import MARK, PassedLimit, passed_limits
 from valvetrain.report.run_summary import critical_rows, searched
 from valvetrain.report.text import number, quantity_label, speed_text
 from valvetrain.solution.definition import definition_of, names_for, shown, topics
@@ -42,7 +43,7 @@ class HeadlineRow:
 
     ``engine_speeds`` (rad/s): where a sweep has the worst value of each column, None where that
     does not apply. ``cells``: what is shown where a number alone does not tell it (a bracket,
-    "never up to 9000"), empty elsewhere.
+    "never up to 9000"), empty elsewhere. ``passed``: whether a value passes its limit.
     """
 
     topic: str
@@ -52,6 +53,11 @@ class HeadlineRow:
     values: tuple[float | None, ...]
     engine_speeds: tuple[float | None, ...]
     cells: tuple[str, ...] = ()
+    passed: tuple[bool, ...] = ()
+
+    def mark(self, place: int) -> str:
+        """The mark behind the value of a column that passes a limit, empty elsewhere."""
+        return MARK if self.passed and self.passed[place] else ""
 
 
 def headline_columns(study: Study) -> tuple[HeadlineColumn, ...]:
@@ -81,6 +87,7 @@ def headline_rows(study: Study) -> tuple[HeadlineRow, ...]:
     )
     cells = {row.name: row.cells for row in critical}
     rows = []
+    limits = [{one.quantity for one in _passed(_runs(study, column))} for column in columns]
     for topic, names in topics().items():
         for name in names:
             found = [_value(study, column, name) for column in columns]
@@ -91,10 +98,36 @@ def headline_rows(study: Study) -> tuple[HeadlineRow, ...]:
             if name in cells or any(value is not None for value, _ in found):
                 values, speeds = zip(*found, strict=True)
                 unit, own = definition_of(name).shown_unit, cells.get(name, ())
-                rows.append(
-                    HeadlineRow(topic, name, quantity_label(name), unit, values, speeds, own)
-                )
+                passed = tuple(name in some for some in limits)
+                label = quantity_label(name)
+                rows.append(HeadlineRow(topic, name, label, unit, values, speeds, own, passed))
     return tuple(rows)
+
+
+def _runs(study: Study, column: HeadlineColumn) -> list[Solution]:
+    return [
+        run for run in study.runs(column.label) if column.engine_speed in (None, run.engine_speed)
+    ]
+
+
+def _passed(runs: Sequence[Solution]) -> list[PassedLimit]:
+    return [one for run in runs for one in passed_limits(run.quantities).values()]
+
+
+def limit_sentences(study: Study) -> tuple[str, ...]:
+    """What the marks say: per quantity and label the worst value that passes its limit."""
+    found = []
+    for label in study.labels:
+        worst: dict[str, tuple[PassedLimit, Solution]] = {}
+        for run in study.runs(label):
+            for name, one in passed_limits(run.quantities).items():
+                if name not in worst or abs(one.value - one.limit) > abs(
+                    worst[name][0].value - worst[name][0].limit
+                ):
+                    worst[name] = one, run
+        for one, run in worst.values():
+            found.append(f"{label}, {speed_text(run.engine_speed)}: {one.sentence}.")
+    return tuple(found)
 
 
 def clashes_of(run: Solution) -> tuple[Event, ...]:
@@ -161,9 +194,7 @@ def _value(study: Study, column: HeadlineColumn, name: str) -> tuple[float | Non
     """A quantity of a column in its shown unit and, in a sweep, the engine speed of its worst
     value.
     """
-    runs = [
-        run for run in study.runs(column.label) if column.engine_speed in (None, run.engine_speed)
-    ]
+    runs = _runs(study, column)
     known = [
         (run.quantities[name], run.engine_speed)
         for run in runs

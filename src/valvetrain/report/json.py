@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from valvetrain.errors import InputError
+from valvetrain.quantities.limits import passed_limits
 from valvetrain.report.text import rpm
 from valvetrain.runs.stored_error_bars import fresh_uncertainty
 from valvetrain.solution.comparison import Comparison
@@ -201,6 +202,15 @@ def study_json(study: Study) -> dict[str, Any]:
     }
 
 
+def _passed(run: Solution) -> dict[str, Any]:
+    """The limits that a run passes, by quantity; nothing where it passes none."""
+    found = {
+        name: {**quantities_object({name: one.limit})[name], "reason": one.reason}
+        for name, one in passed_limits(run.quantities).items()
+    }
+    return {"passed_limits": found} if found else {}
+
+
 def _run_object(run: Solution) -> dict[str, Any]:
     return {
         "label": run.label,
@@ -209,6 +219,7 @@ def _run_object(run: Solution) -> dict[str, Any]:
         "engine_speed": engine_speed_object(run.engine_speed),
         "status": status_object(run.status),
         "quantities": quantities_object(run.quantities),
+        **_passed(run),
         "clash_count": measured(
             run.quantities.get("clash_count", sum(event.kind == "clash" for event in run.events)),
             "1",

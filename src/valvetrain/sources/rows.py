@@ -115,6 +115,8 @@ MULTIBODY4B17_QUANTITIES: tuple[QuantityRow, ...] = (
         "Cam contact force at the nose, performance spring.", systems=_TRAIN),
     row("performance_damped_nose_cam_contact_force", "cam contact force at the nose, performance spring, zeta 1",
         "Cam contact force at the nose, performance spring, with the valve damper of zeta = 1.", systems=_TRAIN),
+    row("performance_damped_peak_cam_contact_force", "peak cam contact force, performance spring, zeta 1",
+        "Largest cam contact force while the valve is open, performance spring, with the valve damper of zeta = 1.", systems=_TRAIN),
     row("contact_force_rise_ratio", "rise of the cam contact force",
         "Share by which the performance spring raises the cam contact force at the nose.", systems=_TRAIN),
     row("stock_peak_valve_lift", "peak valve lift, stock spring", "Largest valve lift with the stock spring.", systems=_TRAIN),

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from valvetrain.errors import InputError
+from valvetrain.parameters.card_doubts import doubtful_turns
 from valvetrain.parameters.constructors import RAMP, TEXTBOOK_TURNS, pitch_with_closed_turns
 from valvetrain.parameters.curves import Constant, Curve, PiecewiseLinear
 from valvetrain.parameters.material import Material, material_by_name
@@ -306,6 +307,29 @@ def ground_turns(card: CatalogueCard, total: float, inactive: float) -> float:
     return ground if POSSIBLE_GROUND[0] <= ground <= min(POSSIBLE_GROUND[1], inactive) else GROUND
 
 
+def ground_choices(card: CatalogueCard, winding: Winding) -> tuple[float, ...]:
+    """Ground turns to try: those of the winding, then more where the card leaves the solid height
+    open.
+    """
+    if card.solid_height is not None or card.total_coils is None:
+        return (winding.ground,)
+    more = (0.75, POSSIBLE_GROUND[1])
+    return (winding.ground, *(one for one in more if one <= winding.inactive))
+
+
+def doubt_of(card: CatalogueCard) -> str:
+    """Why the loads are hardly those of one spring with this wire; empty where nothing is odd."""
+    if card.top_outer_diameter is not None:
+        return ""
+    active = _active_turns(card, None)
+    return doubtful_turns(active, card.wire_diameter, card.solid_height, _whole_turns(card))
+
+
+def _whole_turns(card: CatalogueCard) -> float | None:
+    """All turns where they are given or weighed."""
+    return _given_turns(card) if card.total_coils is not None or card.mass is not None else None
+
+
 def ground_off(turns: float) -> float:
     """Turns of whole wire that are ground away at one end: closed wire rises by its diameter per
     turn over the plane of the wheel.
@@ -382,7 +406,8 @@ def changed(winding: Winding, card: CatalogueCard, stretch: float, length: float
             free_length=winding.free_length + length,
         )
     inactive = check_inactive(card, winding.total_coils, (winding.total_coils - active) / 2)
-    ground = ground_turns(card, winding.total_coils, inactive)
+    fitted = card.solid_height is not None
+    ground = ground_turns(card, winding.total_coils, inactive) if fitted else winding.ground
     return replace(
         winding, inactive=inactive, ground=ground, free_length=winding.free_length + length
     )

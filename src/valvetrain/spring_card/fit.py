@@ -4,12 +4,13 @@ left free.
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from valvetrain.errors import InputError
+from valvetrain.errors import InputError, UnusualValueWarning
 from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.parameters.spring import SpringDefinition
 from valvetrain.spring_card.card import (
@@ -18,7 +19,9 @@ from valvetrain.spring_card.card import (
     CatalogueCard,
     Winding,
     changed,
+    doubt_of,
     first_winding,
+    ground_choices,
     weight,
 )
 from valvetrain.springs.finite_element import FiniteElementRod
@@ -93,7 +96,35 @@ def spring_from_card(card: CatalogueCard) -> SpringFit:
     >>> vt.spring_card.spring_from_card(card)
     SpringFit 'spring': 6.383 turns, free length 54.65 mm; left free: 5
     """
-    winding = first_winding(card)
+    first = first_winding(card)
+    if doubt := doubt_of(card):
+        warnings.warn(f"spring '{card.name}': {doubt}", UnusualValueWarning, stacklevel=2)
+    refusal: InputError | None = None
+    for ground in ground_choices(card, first):
+        try:
+            return _met(card, replace(first, ground=ground))
+        except InputError as error:
+            refusal = refusal or error
+    assert refusal is not None
+    raise _closes_early(card, first) or refusal
+
+
+def _closes_early(card: CatalogueCard, winding: Winding) -> InputError | None:
+    """The refusal of turns that are nearly solid at the second load, where coils that close make it."""
+    solid = winding.wound(card).solid_height
+    left = card.open_load.height - solid
+    if left > (card.installed_load.height - card.open_load.height) / 4:
+        return None
+    remedy = "give the solid height, or " if card.solid_height is None else ""
+    return InputError(
+        f"{winding.total_coils:.3g} turns are solid at {solid * 1e3:.4g} mm, {left * 1e3:.2g} mm below the height of the second load: "
+        f"coils close before it, so that both loads cannot be met by {winding.total_coils - 2 * winding.inactive:.3g} active turns; "
+        f"{remedy}check turns, heights and wire"
+    )
+
+
+def _met(card: CatalogueCard, winding: Winding) -> SpringFit:
+    """The fit from a first winding. Raises :class:`InputError` where no winding meets both loads."""
     for _ in range(TRIALS):
         definition = winding.wound(card)
         low, high = forces_at(definition, (card.installed_load.height, card.open_load.height))
@@ -154,6 +185,8 @@ def _fit(
 def _left_free(card: CatalogueCard, winding: Winding) -> tuple[str, ...]:
     """One sentence for each choice that the card did not make."""
     free = []
+    if doubt := doubt_of(card):
+        free.append(doubt)
     if card.material is None:
         free.append(
             f"no material is given: moduli and density are those of {card.wire.name} (G = {card.wire.shear_modulus / 1e9:g} GPa); 1 % of G "
@@ -170,6 +203,9 @@ def _left_free(card: CatalogueCard, winding: Winding) -> tuple[str, ...]:
     elif card.solid_height is None:
         free.append(
             f"no solid height is given: {GROUND:g} turns are ground at either end as in textbooks"
+            if winding.ground == GROUND
+            else f"no solid height is given: {winding.ground:g} turns are taken as ground at either end, since with fewer the coils would "
+            "close before the second load"
         )
     elif winding.ground == GROUND:
         free.append(

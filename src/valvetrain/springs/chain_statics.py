@@ -85,7 +85,11 @@ def solve_static(layout: ChainLayout, compression: float, iterations: int = 200)
         residual = (elements @ nodes + push @ rows)[1:-1]
         if np.max(np.abs(residual)) < 1e-11 * scale * len(nodes):
             return nodes
-        matrix = elements + rows.T @ ((layout.contacts.stiffness * found.tangent)[:, None] * rows)
+        pressing = np.flatnonzero(
+            found.tangent
+        )  # few: the product over all contacts is most of the cost
+        tangent = (layout.contacts.stiffness * found.tangent)[pressing, None]
+        matrix = elements + rows[pressing].T @ (tangent * rows[pressing])
         move = np.zeros_like(nodes)
         move[1:-1] = np.linalg.solve(matrix[1:-1, 1:-1], -residual)
         nodes = nodes + _line_search(layout, nodes, move, float(residual @ move[1:-1])) * move

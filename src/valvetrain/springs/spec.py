@@ -16,6 +16,7 @@ from valvetrain.parameters.spring_options import SpringOptions
 from valvetrain.registry import find
 from valvetrain.solution.static import SpringAtRest
 from valvetrain.springs.contract import SpringModel
+from valvetrain.units import believed
 
 
 class NoOptions(SpringOptions):
@@ -70,7 +71,8 @@ class SpringModelSpec:
         reason = self.why_not(spring)
         if reason:
             raise InputError(reason)
-        return self.make(spring, self.read_options(spring.options_of(self.word)), rest)
+        with believed():  # the parts of the spring were doubted where they were given
+            return self.make(spring, self.read_options(spring.options_of(self.word)), rest)
 
     def read_options(self, values: Mapping[str, Any]) -> SpringOptions:
         """The model's options with defaults filled in; values are SI, as a case holds them. Raises

@@ -9,6 +9,8 @@ from valvetrain.units.inputs import (
     PLAUSIBLE,
     Given,
     Window,
+    believed,
+    doubt,
     keep_si,
     si,
     si_array,
@@ -30,7 +32,7 @@ from valvetrain.units.text import (
 )
 
 __all__ = [
-    "DIMENSIONS", "Dimension", "Given", "MAX_SPEEDS", "PLAUSIBLE", "PlainInteger", "PlainNumber", "Window", "as_names", "dimension_of",
-    "dimension_powers", "format_quantity", "keep_si", "numbers_of", "parse_quantities", "parse_quantity", "renamed", "si", "si_array", "si_each",
-    "si_speeds", "to_unit", "unit_factor", "warn_unusual",
+    "DIMENSIONS", "Dimension", "Given", "MAX_SPEEDS", "PLAUSIBLE", "PlainInteger", "PlainNumber", "Window", "as_names", "believed",
+    "dimension_of", "dimension_powers", "doubt", "format_quantity", "keep_si", "numbers_of", "parse_quantities", "parse_quantity",
+    "renamed", "si", "si_array", "si_each", "si_speeds", "to_unit", "unit_factor", "warn_unusual",
 ]  # fmt: skip

@@ -1,5 +1,5 @@
-"""What public functions take for a number: SI, text with a unit or a pint quantity; slips of units
-are refused with the likely meaning.
+"""What public functions take for a number: SI, text with a unit or a pint quantity. A bare number that can only be a slip of units is
+refused with the likely meaning; a unit that was written is believed, with a warning.
 """
 
 from __future__ import annotations
@@ -7,7 +7,9 @@ from __future__ import annotations
 import math
 import re
 import warnings
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
+from contextvars import ContextVar
 from dataclasses import dataclass
 from itertools import islice
 from typing import TYPE_CHECKING, Any, SupportsFloat
@@ -23,7 +25,6 @@ from valvetrain.units.text import (
     parse_quantity,
     split_quantity,
     to_si,
-    to_unit,
     unit_factor,
 )
 
@@ -54,7 +55,7 @@ class Window:
 
 _RPM = math.pi / 30
 #: Name of a quantity -> its window, wide enough for any valve spring and valvetrain; beyond it a
-#: value is a slip of units.
+#: bare number is a slip of units, and one with its unit unusual.
 PLAUSIBLE: dict[str, Window] = {
     "wire_diameter": Window("length", 0.2e-3, 20e-3, "mm"),
     "mean_diameter": Window("length", 3e-3, 200e-3, "mm"),
@@ -94,9 +95,9 @@ def si(value: Given, quantity: str, where: str = "") -> float:
     where : place of the value, which leads the message.
 
     Raises :class:`InputError` for what is no finite number of that dimension and, for a name in
-    :data:`PLAUSIBLE`, for a value that can
-    only be a slip of units. Zero and negative values pass: whether they make sense is for the
-    caller to say.
+    :data:`PLAUSIBLE`, for a number without a unit that can only be a slip of units; one with its
+    unit is believed, with an :class:`UnusualValueWarning`. Zero and negative values pass: whether
+    they make sense is for the caller to say.
 
     >>> si("3000 rpm", "engine_speed")
     314.1592653589793
@@ -113,8 +114,44 @@ def si(value: Given, quantity: str, where: str = "") -> float:
         number = found = _plain(value, dimension, where)
         unit, bare = DIMENSIONS[dimension].si_unit, True
     if window and found > 0:
-        _refuse_slip(quantity, window, found, f"{number:.6g} {unit}".strip(), number, bare, where)
+        _doubt(quantity, window, found, f"{number:.6g} {unit}".strip(), number, bare, where)
     return found
+
+
+_BELIEVED: ContextVar[bool] = ContextVar("believed", default=False)
+
+
+@contextmanager
+def believed() -> Iterator[None]:
+    """Numbers that were read before, with their units, are not doubted again while this is open."""
+    before = _BELIEVED.set(True)
+    try:
+        yield
+    finally:
+        _BELIEVED.reset(before)
+
+
+def doubt(value: float, quantity: str, shown: str, bare: bool, where: str = "") -> None:
+    """Doubt a ``value`` (SI) that was read elsewhere, as :func:`si` does.
+
+    Parameters
+    ----------
+    value : SI number
+    quantity : name from :data:`PLAUSIBLE`
+    shown : the value as it was written
+    bare : whether it was written without a unit
+    where : place of the value, which leads the message
+
+    Raises
+    ------
+    InputError : a number without a unit that can only be a slip
+
+    Examples
+    --------
+    >>> doubt(30e3, "spring_rate", "30 N/mm", False)
+    """
+    if value > 0:
+        _doubt(quantity, PLAUSIBLE[quantity], value, shown, value, bare, where, force=True)
 
 
 def si_each(values: str | Iterable[Given], quantity: str, where: str = "") -> tuple[float, ...]:
@@ -125,10 +162,12 @@ def si_each(values: str | Iterable[Given], quantity: str, where: str = "") -> tu
     True
     """
     if isinstance(values, str):
-        dimension = PLAUSIBLE[quantity].dimension if quantity in PLAUSIBLE else quantity
-        return tuple(
-            si(value, quantity, where) for value in parse_quantities(values, dimension, where)
-        )
+        known = quantity in PLAUSIBLE
+        dimension = PLAUSIBLE[quantity].dimension if known else quantity
+        found = parse_quantities(values, dimension, where)
+        for value in found if known else ():
+            doubt(value, quantity, f"'{clipped(values)}'", False, where)
+        return found
     try:
         return tuple(si(value, quantity, where) for value in values)
     except TypeError as error:
@@ -245,17 +284,9 @@ def _speeds_of_text(text: str, quantity: str, where: str) -> tuple[float, ...]:
         ]
     else:
         found = list(parse_quantities(text, "angular speed", where))
-    window = PLAUSIBLE[quantity]
-    for value in filter(lambda value: value > 0, found):
-        _refuse_slip(
-            quantity,
-            window,
-            value,
-            format_quantity(value, "rpm"),
-            to_unit(value, "rpm"),
-            False,
-            where,
-        )
+    positive = [value for value in found if value > 0]
+    for value in {min(positive), max(positive)} if positive else ():
+        doubt(value, quantity, format_quantity(value, "rpm"), False, where)
     return tuple(found)
 
 
@@ -287,14 +318,34 @@ def _base_magnitude(value: Any, where: str) -> tuple[float, str]:
     return float(base.magnitude), " ".join(unit.split())
 
 
-def _refuse_slip(
-    quantity: str, window: Window, found: float, shown: str, number: float, bare: bool, where: str
+def _doubt(
+    quantity: str,
+    window: Window,
+    found: float,
+    shown: str,
+    number: float,
+    bare: bool,
+    where: str,
+    force: bool = False,
 ) -> None:
-    if window.low <= found * (1 + 1e-12) and found <= min(
-        window.high, window.bare_high if bare else math.inf
-    ) * (1 + 1e-12):
+    """Refuse a bare number out of its window, warn of one with its unit; ``force``: within
+    :func:`believed` too.
+    """
+    high = min(window.high, window.bare_high if bare else math.inf)
+    if window.low <= found * (1 + 1e-12) and found <= high * (1 + 1e-12):
+        return
+    if _BELIEVED.get() and not force:
         return
     label, in_default_unit = quantity.replace("_", " "), format_quantity(found, window.default_unit)
+    low_text, high_text = (
+        format_quantity(end, window.default_unit) for end in (window.low, window.high)
+    )
+    if not bare:
+        sentence = f"{shown} of {label} is unusual ({low_text} to {high_text} is usual) and taken as written; check number and unit"
+        warnings.warn(
+            f"{where}: {sentence}" if where else sentence, UnusualValueWarning, stacklevel=2
+        )
+        return
     if window.low <= found <= window.high:
         remedy = (
             f"did you mean '{number:g} {window.default_unit}'? If not, write '{in_default_unit}'"
@@ -307,10 +358,10 @@ def _refuse_slip(
         ((unit, value) for unit, value in factors if window.low <= value <= window.high), None
     )
     if meant is None:
-        span = f"{format_quantity(window.low, window.default_unit)} to {format_quantity(window.high, window.default_unit)}"
         value_text = shown if shown == in_default_unit else f"{shown} ({in_default_unit})"
         raise InputError(
-            f"{value_text} of {label} lies outside {span}; check the number and its unit", where
+            f"{value_text} of {label} lies outside {low_text} to {high_text}; check the number and its unit",
+            where,
         )
     unit, value = meant
     raise InputError(

@@ -18,6 +18,7 @@ from valvetrain.report.headlines import (
     headline_columns,
     headline_rows,
     largest_clash_rows,
+    limit_sentences,
 )
 from valvetrain.report.page import Block, Card, Cards, Cell, Details, Grid, SectionSpec, Tabs, text
 from valvetrain.report.run_charts import line_styles
@@ -53,7 +54,8 @@ def answers_blocks(study: Study) -> tuple[Block, ...]:
         )
     else:
         cards = [_below(topic, across, found) for topic, found in by_topic.items() if found]
-    failed = tuple(text(sentence, "alert") for sentence in study.failures)
+    passed = (f"! {sentence}" for sentence in limit_sentences(study))
+    failed = tuple(text(sentence, "alert") for sentence in (*study.failures, *passed))
     own = (
         ()
         if study.comparisons or study.findings
@@ -101,9 +103,10 @@ def _name(label: str, unit: str) -> str:
 
 
 def _values(row: HeadlineRow) -> tuple[str, ...]:
+    pairs = zip(row.values, row.engine_speeds, strict=True)
     return row.cells or tuple(
-        number(value) if speed is None else f"{number(value)} at {rpm(speed):.6g} rpm"
-        for value, speed in zip(row.values, row.engine_speeds, strict=True)
+        number(value) + row.mark(place) + ("" if speed is None else f" at {rpm(speed):.6g} rpm")
+        for place, (value, speed) in enumerate(pairs)
     )
 
 

@@ -1,0 +1,43 @@
+"""Cards whose numbers are possible, but hardly those of one spring."""
+
+from __future__ import annotations
+
+#: Fewest active turns that EN 13906-1 computes, and most inactive turns at either closed end of a
+#: valve spring (one is common, a published single with 6.15 turns in all has 1.3).
+MIN_ACTIVE, MAX_INACTIVE = 2.0, 1.6
+
+
+def doubtful_turns(
+    active: float, wire_diameter: float, solid_height: float | None, total_coils: float | None
+) -> str:
+    """Why turns are hardly those of one spring, as a sentence; empty for common ones.
+
+    Parameters
+    ----------
+    active : active turns by rate, wire and coil diameter
+    wire_diameter : in m
+    solid_height : height of all coils closed (m), with ends ground over half a turn; None where unknown
+    total_coils : all turns; None where unknown
+
+    Examples
+    --------
+    >>> doubtful_turns(3.55, 4.75e-3, None, 6.15)
+    ''
+    >>> doubtful_turns(1.9, 4.5e-3, 29.2e-3, None)[:63]
+    'rate, wire and coil diameter make 1.9 active turns, but the sol'
+    """
+    total = total_coils
+    if total is None and solid_height is not None:
+        total = solid_height / wire_diameter
+    if active >= MIN_ACTIVE and (total is None or total - active <= 2 * MAX_INACTIVE):
+        return ""
+    found = f"rate, wire and coil diameter make {active:.2g} active turns"
+    if total is not None:
+        source = "the solid height makes" if total_coils is None else "there are"
+        found += f", but {source} {total:.3g} in all, of which some {max(total - 2, 0):.2g} should be active"
+    else:
+        found += f", fewer than the {MIN_ACTIVE:g} that a spring has"
+    return (
+        f"{found}: are these the loads of a dual spring with the wire of its outer one? Then enter outer and inner as two springs "
+        "of one set, each with its own wire, diameter and loads; else check loads, heights and diameters"
+    )

@@ -1,0 +1,67 @@
+"""Published: cards of catalogues that are in no library. Total loads entered with the outer wire of a
+dual spring are doubted; a single whose open load is near solid is met, or refused for that reason.
+"""
+
+from __future__ import annotations
+
+import warnings
+
+import pytest
+
+import valvetrain as vt
+from valvetrain.errors import InputError, UnusualValueWarning
+
+#: Total loads of a dual spring with the wire and diameter of its outer spring.
+DUAL = {"wire_diameter": "0.177 in", "outer_diameter": "1.43 in"}
+#: A published single spring.
+SINGLE = {
+    "wire_diameter": "0.187 in", "outer_diameter": "1.43 in", "installed_load": vt.spring_card.SpringLoad("1.80 in", "84 lbf"),
+    "open_load": vt.spring_card.SpringLoad("1.20 in", "239 lbf"), "total_coils": 6.15,
+}  # fmt: skip
+SAYS = r"1\.9 active turns, but the solid height makes 6\.5 in all.*dual spring.*enter outer and inner as two springs"
+
+
+def test_a_catalogue_card_of_a_dual_spring_is_doubted():
+    loads = {"installed_load": vt.spring_card.SpringLoad("1.80 in", "121 lbf"), "open_load": vt.spring_card.SpringLoad("1.20 in", "344 lbf")}  # fmt: skip
+    with pytest.warns(UnusualValueWarning, match=SAYS.replace(r"6\.5", r"5\.99")):
+        fit = vt.spring_card.spring_from_card(vt.spring_card.CatalogueCard(**DUAL, **loads, solid_height="1.06 in"))
+    assert "dual spring" in fit.free[0]  # on its page and in its JSON too
+
+
+@pytest.mark.parametrize(
+    ("solid", "says"),
+    [({"solid_height": "1.15 in"}, SAYS), ({}, "fewer than the 2 that a spring has: .* dual")],
+)
+def test_a_card_of_a_case_file_is_doubted(solid, says):
+    loads = {"preload": "121 lbf", "installed_height": "1.80 in", "open_load": "344 lbf", "open_height": "1.20 in"}  # fmt: skip
+    with pytest.warns(UnusualValueWarning, match=says):
+        vt.Case(name="own", spring=vt.Spring(**DUAL, **loads, **solid))
+
+
+def test_the_outer_spring_alone_is_not_doubted():
+    """Its share of the rate, G d^4 / (8 D^3 n) of 4.5 active turns, is 156 of 372 lbf/in."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        card = vt.Spring(**DUAL, preload="52 lbf", installed_height="1.80 in", rate="156 lbf/in", solid_height="1.15 in")  # fmt: skip
+        vt.Case(name="own", spring=card)
+
+
+def test_a_published_single_is_met_with_its_turns():
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        fit = vt.spring_card.spring_from_card(vt.spring_card.CatalogueCard(**SINGLE))
+    held = {one.quantity: one for one in fit.held}
+    for load, force in (("installed_load", 373.65), ("open_load", 1063.1)):
+        assert held[load].found == pytest.approx(force, rel=1e-3)
+    assert held["total_coils"].found == pytest.approx(6.15)
+    # by torsion, G d^4 / (8 D^3 k), there are 3.55
+    assert fit.definition.active_coils == pytest.approx(3.55, rel=0.02)
+    assert any("with fewer the coils would close" in sentence for sentence in fit.free)
+
+
+def test_where_coils_close_before_the_second_load_the_refusal_says_so():
+    with pytest.raises(
+        InputError, match=r"solid at 29\.\d+ mm, 1\.\d mm below .* coils close before it"
+    ) as refused:
+        vt.spring_card.spring_from_card(vt.spring_card.CatalogueCard(**SINGLE, solid_height="1.15 in"))
+    assert "6.18 active" not in str(refused.value)

@@ -1,0 +1,89 @@
+"""Contract: a result that passes a limit carries a mark and a sentence in terminal, JSON, page and
+workbench, from one table; published: strengths of wires. The engine is an own one.
+"""
+
+from __future__ import annotations
+
+import io
+import json
+
+import pytest
+from rich.console import Console
+
+import valvetrain as vt
+from valvetrain.cli.answers import show_study
+from valvetrain.parameters.material import material_by_name, tensile_strength
+from valvetrain.quantities.limits import passed_limits
+from valvetrain.report.json import study_json
+from valvetrain.report.read_page import read_page
+from valvetrain.report.study import study_page, write_page
+
+#: A thin wire pressed far: tau = 8 F D / (pi d^3) with the Bergstraesser factor, 1.2 GPa.
+CASE = vt.Case(
+    name="thin-wire",
+    spring={
+        "wire_diameter": "3 mm", "mean_diameter": "22 mm", "total_coils": 5, "ends": "open", "pitch": "14 mm",
+        "precompression": "18 mm", "material": "EN 10270-2 VDSiCr",
+    },
+    lift_law={
+        "kind": "polynomial", "exponents": "3-4-5", "maximum_lift": "14 mm", "opening_start": "100 deg", "opening_end": "180 deg",
+        "closing_start": "180 deg", "closing_end": "260 deg",
+    },
+    engine_speeds="1000 rpm",
+)  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def study():
+    return vt.simulate(CASE, spring_models="massless")
+
+
+def test_stress_is_held_against_the_named_wire(study):
+    (run,) = study.solutions
+    found = passed_limits(run.quantities)["nominal_peak_shear_stress"]
+    assert found.limit == pytest.approx(0.56 * 1910e6) and found.value > found.limit
+
+
+def test_terminal_json_page_and_workbench_say_it(study, tmp_path):
+    out = io.StringIO()
+    show_study(Console(file=out, width=120), study, tmp_path, None)
+    (row,) = [line for line in out.getvalue().splitlines() if line.startswith("Peak shear stress")]
+    assert row.rstrip().endswith("!")
+    assert "above 1070 MPa: the permitted shear stress of this wire" in out.getvalue()
+    limits = study_json(study)["runs"][0]["passed_limits"]["nominal_peak_shear_stress"]
+    assert limits["value"] == pytest.approx(0.56 * 1910e6) and limits["unit"] == "Pa"
+    json.dumps(limits)
+    page, _ = write_page(study_page(study), tmp_path, figures=False)
+    # the workbench shows the sections of the page as they are
+    shown = " ".join(str(section) for section in read_page(page))
+    assert "above 1070 MPa: the permitted shear" in shown and " !'" in shown
+
+
+@pytest.mark.parametrize(
+    ("values", "passed"),
+    [
+        ({"seating_velocity": 12.5}, {"seating_velocity"}),
+        ({"seating_velocity": 0.4}, set()),
+        ({"outer_coil_bind_clearance": -1e-4, "inner_coil_bind_clearance": 1e-3}, {"outer_coil_bind_clearance"}),
+        ({"peak_shear_stress": 2361e6, "permitted_shear_stress": 1040e6}, {"peak_shear_stress"}),
+        ({"peak_shear_stress": 2361e6}, set()),  # of a wire whose strength is unknown
+    ],
+)  # fmt: skip
+def test_what_passes_a_limit(values, passed):
+    assert set(passed_limits(values)) == passed
+
+
+@pytest.mark.parametrize(
+    ("wire", "diameter", "strength"),
+    [
+        ("EN 10270-2 VDSiCr", 1.0, 2080.0),
+        ("EN 10270-2 VDSiCr", 4.5, 1860.0),
+        ("EN 10270-2 VDSiCr", 4.6, 1810.0),
+        ("OTEVA 91 SC", 3.0, 2130.0),
+        ("OTEVA 91 SC", 12.0, None),
+        ("AISI 4340", 4.0, None),
+    ],
+)
+def test_strengths_of_wires(wire, diameter, strength):
+    found = tensile_strength(material_by_name(wire), diameter * 1e-3)
+    assert found == (None if strength is None else pytest.approx(strength * 1e6))
