@@ -13,6 +13,7 @@ import numpy as np
 from valvetrain.errors import InputError
 from valvetrain.runs.stopping import PointsStopped, Stopped
 from valvetrain.runs.workers import map_points
+from valvetrain.solution.display import Shown
 from valvetrain.solution.provenance import CaseRecord
 
 #: Factors on the coil contact stiffness (7e9 to 5e10 Pa for 2e10) and damping time (0 to 2 us for 1
@@ -60,7 +61,7 @@ class Uncertainty:
 
 
 @dataclass(frozen=True)
-class UncertaintyStudy:
+class UncertaintyStudy(Shown):
     """Error bars of a case, the meshes behind them (none: a train) and every number by variant,
     speed and quantity.
 
@@ -77,6 +78,11 @@ class UncertaintyStudy:
     damping_factors: Range = DAMPING_FACTORS
     runs: int = 0
     finished: int = 0
+
+    def __repr__(self) -> str:
+        failed = f", {len(self.failures)} failed" if self.failures else ""
+        ended = f"{self.finished} of {self.runs} runs{failed}"
+        return f"UncertaintyStudy of {self.record.name}: {len(self.rows)} numbers, {ended}"
 
 
 def grouped(rows: Iterable[Uncertainty]) -> dict[tuple[float | None, str], list[Uncertainty]]:

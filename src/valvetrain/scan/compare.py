@@ -18,6 +18,7 @@ from valvetrain.runs.statics import static_study
 from valvetrain.runs.workers import Progress
 from valvetrain.scan.definition import turned_over
 from valvetrain.scan.result import ScannedSpring
+from valvetrain.solution.display import Shown
 from valvetrain.solution.modes import ModalResult
 from valvetrain.solution.static import SpringAtRest
 from valvetrain.solution.study import Study
@@ -51,7 +52,7 @@ class ComparedNumber:
 
 
 @dataclass(frozen=True, eq=False)
-class ScanComparison:
+class ScanComparison(Shown):
     """A scanned spring compared with its design.
 
     ``scan``: standing as the design does; ``cases``, ``rest`` and ``runs``: design first, then
