@@ -41,6 +41,7 @@ from valvetrain.parameters.loading import AnyCase, case_of
 from valvetrain.quantities.signal import WINDOWS, window_bounds
 from valvetrain.quantities.traces import Active, trace_of
 from valvetrain.runs.api import simulate
+from valvetrain.runs.watch import shows_progress
 from valvetrain.runs.workers import Progress
 from valvetrain.solution.display import Shown, table_and_picture
 from valvetrain.solution.quantity import same_speed
@@ -120,6 +121,7 @@ class ModelAgainstTest(Shown):
         return table_and_picture(self, ("model", "F", "p"), rows)
 
 
+@shows_progress("compare with test")
 def compare_with_test(
     case: AnyCase,
     test: AnyTest,

@@ -17,6 +17,7 @@ from valvetrain.parameters.loading import AnyCase, case_of
 from valvetrain.runs.api import Speeds, simulate, sweep
 from valvetrain.runs.cost import Cost, limits_of, refuse_cost
 from valvetrain.runs.request_cost import RunRequest, request_cost
+from valvetrain.runs.watch import shows_progress
 from valvetrain.runs.workers import Progress, map_points, worker_count
 from valvetrain.solution.critical import KINDS
 from valvetrain.solution.study import Study
@@ -75,6 +76,7 @@ class LiftBandStudy:
         return fits[0]
 
 
+@shows_progress("laws of a lift")
 def lift_band_study(
     case: AnyCase,
     engine_speeds: Speeds | None = None,

@@ -14,26 +14,26 @@ from valvetrain.report.page import Block, Cell, Figure, Grid
 ANGLE = "cam angle (deg)"
 
 
-def measured_lift_blocks(lift: MeasuredLift) -> tuple[Block, ...]:
+def measured_lift_blocks(measured: MeasuredLift) -> tuple[Block, ...]:
     """What the stations mean and who said so, and the stations."""
     rows = tuple(
         ((Cell(one.question.replace("_", " ")), Cell(one.answer), Cell(one.by)), ())
-        for one in lift.answers
+        for one in measured.answers
     )
-    degrees, millimetres = np.degrees(lift.cam_angles), 1e3 * lift.lifts
+    degrees, millimetres = np.degrees(measured.cam_angles), 1e3 * measured.lifts
     marks = Marks(degrees, millimetres, "station", theme.SERIES[0], size=3.0, filled=True)
-    panel = Panel(ANGLE, f"{lift.lift_of} lift (mm)", (marks,))
-    chart = Chart("measured-lift", repr(lift), "", (panel,))
+    panel = Panel(ANGLE, f"{measured.lift_of} lift (mm)", (marks,))
+    chart = Chart("measured-lift", repr(measured), "", (panel,))
     return Grid(("question", "answer", "by"), rows), Figure(chart)
 
 
-def smoothed_lift_blocks(lift: SmoothedLift) -> tuple[Block, ...]:
+def smoothed_lift_blocks(law: SmoothedLift) -> tuple[Block, ...]:
     """Extremes of the law and its derivatives, and their curves with bands that hold 95 %."""
-    grid = np.linspace(*lift.event, 1501)
+    grid = np.linspace(*law.event, 1501)
     degrees, rows, panels = np.degrees(grid), [], []
     for derivative, (label, factor) in enumerate(AXES):
-        mean = lift.lift(grid, derivative) * factor
-        band = BAND * lift.spread(grid, derivative) * factor
+        mean = law.lift(grid, derivative) * factor
+        band = BAND * law.spread(grid, derivative) * factor
         ends = (mean.min(), mean.max(), band.max())
         rows.append(((Cell(label), *(Cell(f"{one:.5g}", "number") for one in ends)), ()))
         named = derivative == 0
@@ -45,5 +45,5 @@ def smoothed_lift_blocks(lift: SmoothedLift) -> tuple[Block, ...]:
         reach = (float(degrees[0]), float(degrees[-1]))
         panels.append(Panel(ANGLE, label, layers, x_range=reach))
     heads = ("", "smallest", "largest", "band, at most")
-    chart = Chart("smoothed-lift", repr(lift), "", tuple(panels), 1, 900)
+    chart = Chart("smoothed-lift", repr(law), "", tuple(panels), 1, 900)
     return Grid(heads, tuple(rows)), Figure(chart)

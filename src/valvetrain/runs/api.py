@@ -20,6 +20,7 @@ from valvetrain.runs.prepared import largest_lift
 from valvetrain.runs.request_cost import RunRequest, request_cost, spring_cost
 from valvetrain.runs.run import run_study, sweep_study
 from valvetrain.runs.statics import STEPS, curve_by_model
+from valvetrain.runs.watch import shows_progress
 from valvetrain.runs.workers import Progress, worker_count
 from valvetrain.solution.critical import CriticalSpeeds
 from valvetrain.solution.static import StaticCurve
@@ -95,6 +96,7 @@ def simulate(
     )
 
 
+@shows_progress("compare")
 def compare(
     case: AnyCase,
     spring_models: Sequence[str] | str = (),
@@ -152,6 +154,7 @@ def compare(
     )
 
 
+@shows_progress("sweep")
 def sweep(
     case: AnyCase,
     engine_speeds: Speeds = "1000:9000:100 rpm",
@@ -229,6 +232,7 @@ def sweep(
     )
 
 
+@shows_progress("critical speeds")
 def critical_speeds(
     case: AnyCase,
     engine_speeds: Speeds = "1000:9000:100 rpm",

@@ -15,6 +15,7 @@ from valvetrain.parameters.loading import AnyCase, case_of
 from valvetrain.parameters.spring import EndCoil, SpringDefinition
 from valvetrain.runs.api import Speeds, simulate
 from valvetrain.runs.statics import static_study
+from valvetrain.runs.watch import shows_progress
 from valvetrain.runs.workers import Progress
 from valvetrain.scan.definition import turned_over
 from valvetrain.scan.result import ScannedSpring
@@ -103,6 +104,7 @@ class ScanComparison(Shown):
         return f"ScanComparison of '{self.scan.source}' with '{self.cases[0].name}': {len(self.numbers)} quantities of both"
 
 
+@shows_progress("design and scan")
 def compare_scan(
     scan: ScannedSpring,
     design: AnyCase,
