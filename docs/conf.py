@@ -37,7 +37,11 @@ extensions = [
 root_doc = "index"
 exclude_patterns = [
     "_site/**",
-    *(f"{name}/{file}" for name in ("gallery", "notebooks") for file in ("*.py", "*.ipynb", "sg_execution_times.rst")),
+    *(
+        f"{name}/{file}"
+        for name in ("gallery", "notebooks")
+        for file in ("*.py", "*.ipynb", "sg_execution_times.rst")
+    ),
     "sg_execution_times.rst",
 ]
 suppress_warnings = [

@@ -83,7 +83,9 @@ def _cell_bar(title: str) -> Iterator[Report]:
         if now - drawn < 0.1:
             return
         drawn = now
-        line = ", ".join(filter(None, (f"{title}: {text}" if text else title, time_left(now, done))))
+        line = ", ".join(
+            filter(None, (f"{title}: {text}" if text else title, time_left(now, done)))
+        )
         bar = f'<progress max="1" value="{done:.4f}"></progress> {100 * done:.0f} % {escape(line)}'
         handle.update({"text/html": bar, "text/plain": f"{100 * done:.0f} % {line}"}, raw=True)
 

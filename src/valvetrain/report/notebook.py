@@ -24,20 +24,16 @@ _TITLE, _LEGEND = 64, 90
 
 
 def html_of(result: object) -> str:
-    """Text, first table and first figure of a result; a part that cannot be drawn is left out."""
-    with suppress(Exception):  # a display must never cost the result
-        blocks = list(_blocks(result))
-        grid = next((one for one in blocks if isinstance(one, Grid)), None)
-        rows = [[cell.text for cell in cells] for cells, _ in grid.rows] if grid else []
-        return table(repr(result), grid.headers if grid else (), rows) + _picture(blocks)
-    return table(repr(result), (), [])
+    """Text, first table and first figure of a result; a part that cannot be shown is left out."""
+    blocks = _shown(result)
+    grid = next((one for one in blocks if isinstance(one, Grid)), None)
+    rows = [[cell.text for cell in cells] for cells, _ in grid.rows] if grid else []
+    return table(repr(result), grid.headers if grid else (), rows) + _picture(blocks)
 
 
 def picture_of(result: object) -> str:
     """The first figure of a result as SVG; nothing where it has none."""
-    with suppress(Exception):  # as above
-        return _picture(list(_blocks(result)))
-    return ""
+    return _picture(_shown(result))
 
 
 def figure_of(result: object) -> go.Figure:
@@ -95,10 +91,20 @@ def _blocks(result: object) -> Iterator[Block]:
         yield from made
 
 
+def _shown(result: object) -> list[Block]:
+    """The same; none where they cannot be made, for a display must never cost the result."""
+    try:
+        return list(_blocks(result))
+    except Exception:
+        return []
+
+
 def _first_chart(blocks: list[Block]) -> Chart | None:
     return next((one.chart for one in blocks if isinstance(one, Figure)), None)
 
 
 def _picture(blocks: list[Block]) -> str:
     chart = _first_chart(blocks)
-    return "" if chart is None else f'<div style="max-width:60em">{svg(chart)}</div>'
+    with suppress(Exception):  # as in _shown
+        return "" if chart is None else f'<div style="max-width:60em">{svg(chart)}</div>'
+    return ""

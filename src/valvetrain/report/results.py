@@ -201,7 +201,7 @@ def uncertainty_blocks(study: UncertaintyStudy) -> Blocks:
         y_range=(-0.6, len(rows) - 0.4),
         y_tick_labels=tuple(names),
     )
-    return first, _figure(study, panel, height=120 + 22 * len(rows)), *others
+    return first, _figure(study, panel), *others
 
 
 def cycles_blocks(cycles: MeasuredCycles) -> Blocks:
@@ -253,9 +253,10 @@ def _panel(
     return replace(panel, x_range=visible_range(panel)[0])
 
 
-def _figure(result: object, *panels: Panel, height: int = 0) -> Figure:
-    title = repr(result).partition("\n")[0]
-    return Figure(Chart("result", title, "", panels, 1, height or 90 + 240 * len(panels)))
+def _figure(result: object, *panels: Panel) -> Figure:
+    title, named = repr(result).partition("\n")[0], len(panels[0].y_tick_labels)
+    height = max(240 * len(panels), 24 * named) + 90
+    return Figure(Chart("result", title, "", panels, 1, height))
 
 
 def _grid(heads: tuple[str, ...], rows: Sequence[Sequence[str]]) -> Grid:
