@@ -2,7 +2,8 @@
 Which tolerance matters
 =======================
 
-Sobol indices share the variance of a number among what is varied. The surge of this spring takes its spread from the wire.
+Sobol indices share the variance of a number among what is varied. The peak force of this spring takes
+its spread from the wire, not from the mean diameter.
 """
 
 import valvetrain as vt
