@@ -38,9 +38,11 @@ extensions = [
 root_doc = "index"
 exclude_patterns = [
     "_site/**",
-    "gallery/*.py",
-    "gallery/*.ipynb",
-    "gallery/sg_execution_times.rst",
+    *(
+        f"{name}/{file}"
+        for name in ("gallery", "notebooks")
+        for file in ("*.py", "*.ipynb", "sg_execution_times.rst")
+    ),
     "sg_execution_times.rst",
 ]
 suppress_warnings = [
@@ -93,15 +95,15 @@ copybutton_prompt_text = r">>> |\.\.\. |\$ "
 copybutton_prompt_is_regexp = True
 
 sphinx_gallery_conf = {
-    "examples_dirs": ["../examples/gallery"],
-    "gallery_dirs": ["gallery"],
+    "examples_dirs": ["../examples/gallery", "../examples/notebooks"],
+    "gallery_dirs": ["gallery", "notebooks"],
     "filename_pattern": r"\.py$",
     "within_subsection_order": FileNameSortKey,
     "image_scrapers": (scrape,),
     "backreferences_dir": "gallery/used",
     "doc_module": ("valvetrain",),
     "reset_modules": (),
-    "capture_repr": (),
+    "capture_repr": ("_repr_html_",),  # what the last line of a notebook's cell shows
     "download_all_examples": False,
     "remove_config_comments": True,
     "show_memory": False,

@@ -7,11 +7,13 @@ plotly.js that all pages share.
 from __future__ import annotations
 
 import json
+import re
 import shutil
 from pathlib import Path
 
 from figure_svg import svg_of
 
+from valvetrain.report.notebook import picture_of
 from valvetrain.report.page import plotly_script
 
 
@@ -19,7 +21,10 @@ def scrape(block, block_vars, gallery_conf) -> str:
     """What a block leaves on the page: nothing, or its figure once."""
     scope = block_vars["example_globals"]
     figure = scope.get("figure")
-    if figure is None or scope.get("_shown") is figure:
+    if figure is None:
+        keep_picture(scope.get("___"), block_vars)
+        return ""
+    if scope.get("_shown") is figure:
         return ""
     scope["_shown"] = figure
     path = Path(next(block_vars["image_path_iterator"])).with_suffix(".svg")
@@ -33,6 +38,14 @@ def scrape(block, block_vars, gallery_conf) -> str:
     ]
     indented = "\n".join(f"    {line}" for line in lines)
     return f".. raw:: html\n\n{indented}\n\n"
+
+
+def keep_picture(result, block_vars) -> None:
+    """The picture of what the last line of a notebook's cell shows, for the gallery; the page has it in the result's own table."""
+    found = re.search(r"<svg.*</svg>", picture_of(result), re.DOTALL)
+    if found:
+        path = Path(next(block_vars["image_path_iterator"])).with_suffix(".svg")
+        path.write_text(found[0], encoding="utf-8")
 
 
 def copy_script(app, error) -> None:

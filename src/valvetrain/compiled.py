@@ -20,6 +20,8 @@ import numba
 from numba import njit as compile_kernel
 from numba.core.caching import FunctionCache, IndexDataCacheFile
 
+from valvetrain.session import announce_compilation
+
 PACKAGE = Path(__file__).parent
 _IMPORT = re.compile(
     rb"^\s*from valvetrain\.([\w.]+) import|^\s*import valvetrain\.([\w.]+)", re.MULTILINE
@@ -101,9 +103,14 @@ class KernelCache(FunctionCache):
         return PACKAGE if PACKAGE in folder.parents else folder.parent
 
     def load_overload(self, sig: Any, target_context: Any) -> Any:
-        """Kept machine code for a signature, None where there is none that can be read."""
+        """Kept machine code for a signature, None where there is none that can be read and it is
+        compiled next.
+        """
         try:
-            return super().load_overload(sig, target_context)  # type: ignore[no-untyped-call]
+            found = super().load_overload(sig, target_context)  # type: ignore[no-untyped-call]
+            if found is None:
+                announce_compilation(self._py_func.__name__)
+            return found
         except Exception as reason:  # damaged bytes raise whatever they happen to spell
             _tell_once(
                 f"compiled kernels in {self._place} are damaged ({type(reason).__name__}); they are compiled anew"

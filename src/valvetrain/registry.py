@@ -26,7 +26,8 @@ KINDS: dict[str, tuple[str, str]] = {
     "sources": ("valvetrain.sources", "source study"),
     "quantities": ("valvetrain.quantities", "table of quantities"),
     "sections": ("valvetrain.sections", "section of the report"),
-    "figures": ("valvetrain.figures", "figure"),
+    "results": ("valvetrain.results", "kind of result"),
+    "displays": ("valvetrain.displays", "display"),
     "commands": ("valvetrain.commands", "command"),
     "lift_formats": ("valvetrain.lift_formats", "form of lift files"),
     "rig_formats": ("valvetrain.rig_formats", "form of recordings"),
@@ -71,12 +72,38 @@ BUILT_IN["springs"] = {
     "finite-element": "valvetrain.springs.finite_element:SPEC",
     "solid": "valvetrain.springs.solid.spec:SPEC",
 }
-#: Kind of result -> the figure that its ``plot()`` draws.
-BUILT_IN["figures"] = {
-    "solution": "valvetrain.report.run_charts:plot_solution",
-    "study": "valvetrain.report.run_charts:plot_study",
-    "static_curve": "valvetrain.report.run_charts:plot_static_curve",
-    "modes": "valvetrain.report.run_charts:plot_modes",
+#: Class of a result -> the page, or its blocks, whose first table and figure a notebook shows.
+BUILT_IN["results"] = {
+    "Solution": "valvetrain.report.results:solution_blocks",
+    "Study": "valvetrain.report.results:study_blocks",
+    "StaticCurve": "valvetrain.report.results:static_curve_blocks",
+    "ModalResult": "valvetrain.report.results:modes_blocks",
+    "TrainModes": "valvetrain.report.results:train_modes_blocks",
+    "CriticalSpeeds": "valvetrain.report.results:critical_speeds_blocks",
+    "Comparison": "valvetrain.report.results:comparison_blocks",
+    "FidelityMap": "valvetrain.report.results:fidelity_map_blocks",
+    "UncertaintyStudy": "valvetrain.report.results:uncertainty_blocks",
+    "MeasuredCycles": "valvetrain.report.results:cycles_blocks",
+    "MeasuredLift": "valvetrain.lift.notebook:measured_lift_blocks",
+    "SmoothedLift": "valvetrain.lift.notebook:smoothed_lift_blocks",
+    "StudyTable": "valvetrain.explore.study_page:points_page",
+    "Optimum": "valvetrain.explore.optimum_page:optimum_page",
+    "Identified": "valvetrain.explore.identification_page:identified_page",
+    "CoilMotion": "valvetrain.film.page:film_page",
+    "FilmedModel": "valvetrain.film.notebook:filmed_model_blocks",
+    "RigResult": "valvetrain.rig.notebook:rig_result_blocks",
+    "ScannedSpring": "valvetrain.scan.page:scan_page",
+    "ScanComparison": "valvetrain.scan.notebook:scan_comparison_blocks",
+    "SpringFit": "valvetrain.spring_card.page:card_page",
+    "TesterFit": "valvetrain.spring_card.page:tester_page",
+    "ModelAgainstTest": "valvetrain.compare_test.page:compare_test_page",
+}
+#: What shows results and the progress of a call, loaded on first use.
+BUILT_IN["displays"] = {
+    "html": "valvetrain.report.notebook:html_of",
+    "picture": "valvetrain.report.notebook:picture_of",
+    "figure": "valvetrain.report.notebook:figure_of",
+    "progress": "valvetrain.cli.progress:session_bar",
 }
 BUILT_IN["integrators"] = {
     "train-leapfrog": "valvetrain.integrate.train_leapfrog:SPEC",  # before those that a train never needs, so that they are not loaded

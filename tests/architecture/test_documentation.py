@@ -20,7 +20,7 @@ DOCS = ROOT / "docs"
 PAGES = sorted(path for path in DOCS.rglob("*.md") if "_site" not in path.parts)
 ALL = [*PAGES, *(ROOT / name for name in ("README.md", "CHANGELOG.md", "CONTRIBUTING.md"))]
 #: Pages that a build writes.
-BUILT = {"commands", "api/index", "gallery/index"}
+BUILT = {"commands", "api/index", "gallery/index", "notebooks/index"}
 FENCE = re.compile(r"^(?P<fence>```+|:::+)[^\n]*\n.*?^(?P=fence)[ ]*$", re.MULTILINE | re.DOTALL)
 CODE = re.compile(r"^```(?P<language>\w+)\n(?P<code>.*?)^```$", re.MULTILINE | re.DOTALL)
 LINK = re.compile(r"(?<!\\)\]\(([^()\s]+)\)")

@@ -10,21 +10,24 @@ import pytest
 
 import valvetrain as vt
 from valvetrain.errors import InputError, UnusualValueWarning
+from valvetrain.spring_card import SpringLoad
 
 #: Total loads of a dual spring with the wire and diameter of its outer spring.
 DUAL = {"wire_diameter": "0.177 in", "outer_diameter": "1.43 in"}
 #: A published single spring.
 SINGLE = {
-    "wire_diameter": "0.187 in", "outer_diameter": "1.43 in", "installed_load": vt.spring_card.SpringLoad("1.80 in", "84 lbf"),
-    "open_load": vt.spring_card.SpringLoad("1.20 in", "239 lbf"), "total_coils": 6.15,
+    "wire_diameter": "0.187 in", "outer_diameter": "1.43 in", "installed_load": SpringLoad("1.80 in", "84 lbf"),
+    "open_load": SpringLoad("1.20 in", "239 lbf"), "total_coils": 6.15,
 }  # fmt: skip
 SAYS = r"1\.9 active turns, but the solid height makes 6\.5 in all.*dual spring.*enter outer and inner as two springs"
 
 
 def test_a_catalogue_card_of_a_dual_spring_is_doubted():
-    loads = {"installed_load": vt.spring_card.SpringLoad("1.80 in", "121 lbf"), "open_load": vt.spring_card.SpringLoad("1.20 in", "344 lbf")}  # fmt: skip
+    loads = {"installed_load": SpringLoad("1.80 in", "121 lbf"), "open_load": SpringLoad("1.20 in", "344 lbf")}  # fmt: skip
     with pytest.warns(UnusualValueWarning, match=SAYS.replace(r"6\.5", r"5\.99")):
-        fit = vt.spring_card.spring_from_card(vt.spring_card.CatalogueCard(**DUAL, **loads, solid_height="1.06 in"))
+        fit = vt.spring_card.spring_from_card(
+            vt.spring_card.CatalogueCard(**DUAL, **loads, solid_height="1.06 in")
+        )
     assert "dual spring" in fit.free[0]  # on its page and in its JSON too
 
 
@@ -63,5 +66,7 @@ def test_where_coils_close_before_the_second_load_the_refusal_says_so():
     with pytest.raises(
         InputError, match=r"solid at 29\.\d+ mm, 1\.\d mm below .* coils close before it"
     ) as refused:
-        vt.spring_card.spring_from_card(vt.spring_card.CatalogueCard(**SINGLE, solid_height="1.15 in"))
+        vt.spring_card.spring_from_card(
+            vt.spring_card.CatalogueCard(**SINGLE, solid_height="1.15 in")
+        )
     assert "6.18 active" not in str(refused.value)

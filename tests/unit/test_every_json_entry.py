@@ -23,7 +23,6 @@ from synthetic_study import (
 )
 from unit.test_every_table import COMPARED
 from valvetrain.report.json import status_object, study_json
-from valvetrain.report.run_charts import plot_modes, plot_solution, plot_static_curve, plot_study
 from valvetrain.report.study import write_study
 from valvetrain.solution.netcdf import load_netcdf
 from valvetrain.solution.status import Event, Status
@@ -567,7 +566,7 @@ def traces(figure) -> dict[str, tuple[np.ndarray, np.ndarray, str]]:
 def axes(figure) -> dict[str, str | None]:
     layout = figure.layout
     return {
-        name: getattr(layout, name).title.text
+        name: getattr(layout, name).title.text or None
         for name in ("xaxis", "xaxis2", "yaxis", "yaxis2")
         if name in layout
     }
@@ -575,7 +574,7 @@ def axes(figure) -> dict[str, str | None]:
 
 def test_quick_plots_draw_what_their_axes_name():
     run, degrees = rod_run(), np.arange(1440) / 2
-    figure = plot_solution(run)
+    figure = run.plot()
     drawn = traces(figure)
     assert set(drawn) == {"seat force", "retainer force", "static retainer force", "valve lift"}
     for name, factor, axis in (
@@ -595,18 +594,18 @@ def test_quick_plots_draw_what_their_axes_name():
         "yaxis2": "valve lift (mm)",
     }
     bare = replace(run, channels=run.channels.drop_vars(["valve_lift"]))
-    assert axes(plot_solution(bare)) == {"xaxis": "cam angle (deg)", "yaxis": "force (N)"}
+    assert axes(bare.plot()) == {"xaxis": "cam angle (deg)", "yaxis": "force (N)"}
 
 
 def test_quick_plots_of_studies_at_one_speed_and_over_several():
-    one = plot_study(own_study((rod_run(), modal_run())))
+    one = own_study((rod_run(), modal_run())).plot()
     assert set(traces(one)) == {"finite-element", "modal-varied"} and axes(one) == {
         "xaxis": "cam angle (deg)",
         "yaxis": "seat force (N)",
     }
     np.testing.assert_array_equal(traces(one)["modal-varied"][1], modal_run().channel("seat_force"))
     study = STUDIES["sweep"]()
-    several = plot_study(study)
+    several = study.plot()
     assert axes(several) == {"xaxis": "engine speed (rpm)", "yaxis": "peak spring force (N)"}
     runs = sorted(
         (run for run in study.solutions if run.label == "stock"), key=lambda run: run.engine_speed
@@ -621,10 +620,10 @@ def test_quick_plots_of_studies_at_one_speed_and_over_several():
         )
         for run in study.solutions
     )
-    other = plot_study(replace(study, solutions=clash))
+    other = replace(study, solutions=clash).plot()
     assert axes(other)["yaxis"].startswith("peak clash force")
     energy = tuple(replace(run, quantities={"clash_energy": 2e-3}) for run in study.solutions)
-    drawn = plot_study(replace(study, solutions=energy))
+    drawn = replace(study, solutions=energy).plot()
     assert axes(drawn)["yaxis"] == "clash energy (mJ)" and traces(drawn)["stock"][1][
         3
     ] == pytest.approx(2.0)
@@ -632,7 +631,7 @@ def test_quick_plots_of_studies_at_one_speed_and_over_several():
 
 def test_quick_plots_of_springs_at_rest():
     rod, _ = at_rest()
-    figure, steps = plot_static_curve(rod.curve), np.linspace(0, 18, 40)
+    figure, steps = rod.curve.plot(), np.linspace(0, 18, 40)
     for name, y, axis in (("force", 41 * steps, "y"), ("stiffness", np.full(40, 41.0), "y2")):
         np.testing.assert_allclose(traces(figure)[name][0], steps)
         np.testing.assert_allclose(traces(figure)[name][1], y)
@@ -643,7 +642,7 @@ def test_quick_plots_of_springs_at_rest():
         "yaxis": "force (N)",
         "yaxis2": "stiffness (N/mm)",
     }
-    modes = plot_modes(rod.modes)
+    modes = rod.modes.plot()
     assert list(traces(modes)) == ["631 Hz", "1120 Hz", "1639 Hz"]
     np.testing.assert_array_equal(traces(modes)["1120 Hz"][1], rod.modes.shape[2, :, 2])
     np.testing.assert_array_equal(traces(modes)["1120 Hz"][0], np.arange(0, 7.25, 0.5))

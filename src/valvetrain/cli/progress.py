@@ -1,4 +1,6 @@
-"""Progress and remaining time on standard error, and as JSON lines for a calling program."""
+"""Progress and remaining time on standard error, below the cell of a notebook, and as JSON lines for a
+calling program.
+"""
 
 from __future__ import annotations
 
@@ -6,24 +8,23 @@ import json
 import os
 import sys
 import time
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, nullcontext, suppress
+from html import escape
 from importlib import import_module
 from typing import Any
 
 from valvetrain.cli.outcome import manner, tell
+from valvetrain.session import COMPILING, PROGRESS_VARIABLE
 
 Report = Callable[[float, str], None]
-#: Names the open file (its number) that receives the progress, ``{"share": 0.25, "text":
-#: "multi-mass, 4200 rpm"}`` a line.
-PROGRESS_VARIABLE = "VALVETRAIN_PROGRESS"
 #: What was announced to come before the first share of the work.
 _AHEAD: list[str] = []
 
 
 def tell_progress(share: float | None, text: str) -> None:
-    """One line to the file that :data:`PROGRESS_VARIABLE` names, where it does; ``share`` of the
-    work done, None while it is not known.
+    """One line, ``{"share": 0.25, "text": "multi-mass, 4200 rpm"}``, to the file that
+    :data:`PROGRESS_VARIABLE` names, where it does; ``share`` of the work done, None while unknown.
     """
     number = os.environ.get(PROGRESS_VARIABLE, "")
     if number.isdecimal():
@@ -41,21 +42,78 @@ def progress_bar(title: str) -> Iterator[Report]:
     if manner().quiet or not sys.stderr.isatty():
         yield tell_progress
         return
+    with _terminal_bar(title) as draw:
+
+        def report(done: float, text: str) -> None:
+            tell_progress(done, text)
+            draw(done, text)
+
+        yield report
+
+
+@contextmanager
+def session_bar(title: str, kernels: Sequence[str]) -> Iterator[Report | None]:
+    """A bar at a Python prompt or below the cell of a notebook while the block runs; None where
+    neither is there. ``kernels``: kinds of :data:`KERNELS` that workers may have to compile first.
+    """
+    from rich.console import Console
+
+    console = Console(stderr=True)
+    if not (console.is_jupyter or console.is_terminal):
+        yield None
+        return
+    seconds = seconds_to_compile(*kernels)
+    first = COMPILING.format(seconds) if seconds else ""
+    # Without a thread that draws: worker processes are forked only where no thread runs.
+    with _cell_bar(title) if console.is_jupyter else _terminal_bar(title, False) as draw:
+        draw(0.0, first)
+        yield draw
+
+
+@contextmanager
+def _cell_bar(title: str) -> Iterator[Report]:
+    """A bar below the cell, drawn ten times a second at most; nothing of it stays."""
+    display: Any = import_module("IPython.display").display
+    begun, drawn = time.monotonic(), -1.0
+    handle = display({"text/plain": title}, raw=True, display_id=True)
+
+    def report(done: float, text: str) -> None:
+        nonlocal drawn
+        now = time.monotonic() - begun
+        if now - drawn < 0.1:
+            return
+        drawn = now
+        line = ", ".join(
+            filter(None, (f"{title}: {text}" if text else title, time_left(now, done)))
+        )
+        bar = f'<progress max="1" value="{done:.4f}"></progress> {100 * done:.0f} % {escape(line)}'
+        handle.update({"text/html": bar, "text/plain": f"{100 * done:.0f} % {line}"}, raw=True)
+
+    try:
+        yield report
+    finally:
+        handle.update({"text/html": "", "text/plain": ""}, raw=True)
+
+
+@contextmanager
+def _terminal_bar(title: str, animated: bool = True) -> Iterator[Report]:
+    """A bar with the time left on standard error."""
     from rich.console import Console
     from rich.progress import BarColumn, Progress, SpinnerColumn, TaskProgressColumn, TextColumn
 
     label, left = TextColumn("{task.description}", markup=False), TextColumn("{task.fields[left]}")
     columns = SpinnerColumn(), label, BarColumn(24), TaskProgressColumn(), left
-    bar = Progress(*columns, console=Console(stderr=True), transient=True)
+    console = Console(stderr=True)
+    bar = Progress(*columns, console=console, transient=True, auto_refresh=animated)
     task = bar.add_task(title, total=1.0, left="")
     begun = time.monotonic()
 
     def report(done: float, text: str) -> None:
-        tell_progress(done, text)
         bar.update(
             task,
             completed=done,
-            description=f"{title}: {text}",
+            refresh=not animated,
+            description=f"{title}: {text}" if text else title,
             left=time_left(time.monotonic() - begun, done),
         )
 
@@ -90,7 +148,7 @@ def announce_compilation(*kinds: str) -> None:
 
     seconds = seconds_to_compile(*kinds)
     if seconds:
-        label = f"compiling kernels, once, about {seconds:.0f} s"
+        label = COMPILING.format(seconds)
         tell_progress(None, label)
         _AHEAD[:] = [label]
         tell(label)

@@ -41,8 +41,9 @@ from valvetrain.parameters.loading import AnyCase, case_of
 from valvetrain.quantities.signal import WINDOWS, window_bounds
 from valvetrain.quantities.traces import Active, trace_of
 from valvetrain.runs.api import simulate
+from valvetrain.runs.watch import shows_progress
 from valvetrain.runs.workers import Progress
-from valvetrain.solution.display import table
+from valvetrain.solution.display import Shown, table_and_picture
 from valvetrain.solution.quantity import same_speed
 from valvetrain.solution.result import Solution
 from valvetrain.solution.study import Study
@@ -52,7 +53,7 @@ from valvetrain.units import Given, renamed, si
 
 
 @dataclass(frozen=True, eq=False)
-class ModelAgainstTest:
+class ModelAgainstTest(Shown):
     """Result of the comparison of a model with a test.
 
     ``runs`` are sorted, the nearest to the test first; ``closer`` compares each with the nearest.
@@ -117,10 +118,11 @@ class ModelAgainstTest:
             (label, f"{test.ratio:.3g}", f"{test.p_value:.2g}") if test else (label, "", "")
             for label, test in ((one.label, one.adequacy) for one in self.runs)
         ]
-        return table(repr(self), ("model", "F", "p"), rows)
+        return table_and_picture(self, ("model", "F", "p"), rows)
 
 
 @renamed(spring_sets="spring_set")
+@shows_progress("compare with test")
 def compare_with_test(
     case: AnyCase,
     test: AnyTest,

@@ -94,6 +94,11 @@ def identification_page(title: str, found: Identified) -> Page:
     return Page(title, "Identification", lead, facts(found), tuple(sections))
 
 
+def identified_page(found: Identified) -> Page:
+    """The page of an identification without a title of its own."""
+    return identification_page("Identification", found)
+
+
 def _found(found: Identified) -> tuple[Block, ...]:
     blocks: list[Block] = []
     if not found.whole:

@@ -16,7 +16,7 @@ from valvetrain.errors import InputError, MissingExtraError
 from valvetrain.explore.draws import Information, even_draws
 from valvetrain.explore.least_squares import Profile
 from valvetrain.explore.posterior import Datum, Outcome, Posterior, Unknown
-from valvetrain.solution.display import table
+from valvetrain.solution.display import Shown, table_and_picture
 
 if TYPE_CHECKING:
     import xarray
@@ -231,7 +231,7 @@ class Prediction:
 
 
 @dataclass(frozen=True, eq=False)
-class Identified:
+class Identified(Shown):
     """The answer of :func:`valvetrain.identify`. SI throughout.
 
     ``branches``, the most probable first; ``values`` (draw, quantity) with ``weights`` (draw) and
@@ -357,8 +357,8 @@ class Identified:
             for number, branch in enumerate(self.branches, start=1)
             for name, one in branch.quantities.items()
         ]
-        return table(
-            repr(self), ("branch", "probability", "quantity", "best", "2.5 %", "97.5 %"), rows
+        return table_and_picture(
+            self, ("branch", "probability", "quantity", "best", "2.5 %", "97.5 %"), rows
         )
 
 

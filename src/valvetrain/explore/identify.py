@@ -31,6 +31,7 @@ from valvetrain.explore.study import seconds_of
 from valvetrain.parameters.changes import nearest
 from valvetrain.registry import find
 from valvetrain.runs.cost import Cost, Limits, limits_of, refuse_cost
+from valvetrain.runs.watch import shows_progress
 from valvetrain.runs.workers import LOST, LOST_REMEDY, StandingPool, available_cores
 
 Array = NDArray[np.float64]
@@ -45,6 +46,7 @@ ROUNDS = 3
 TellCost = Callable[[str, float], None]
 
 
+@shows_progress("identify")
 def identify(
     quantities: Mapping[str, Prior] | str | os.PathLike[str],
     measurements: Sequence[Datum] = (),
@@ -122,6 +124,7 @@ def identify(
     )
 
 
+@shows_progress("identify")
 def calibrate(
     experiment: Evaluation,
     measurements: tuple[Datum, ...],

@@ -27,6 +27,7 @@ from valvetrain.explore.study import seconds_of
 from valvetrain.explore.trial import CASE_SEED, Array, Trial, best_of
 from valvetrain.runs.cost import Cost, Limits, limits_of, refuse_cost
 from valvetrain.runs.stopping import Stopped
+from valvetrain.runs.watch import shows_progress
 from valvetrain.runs.workers import Progress, available_cores
 
 #: Trials of the first round or rounds, drawn evenly before the search learns; and for each varied
@@ -365,6 +366,7 @@ def _spared(plan: OptimumPlan) -> Stop:
     return stop
 
 
+@shows_progress("optimise")
 def optimise(
     file: str | os.PathLike[str],
     *,
@@ -422,6 +424,7 @@ def optimise(
     return search_plan(read_optimum(text), workers, dask, output, limit, progress)
 
 
+@shows_progress("optimise")
 def search_plan(
     plan: OptimumPlan,
     workers: int | None = None,

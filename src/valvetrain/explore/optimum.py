@@ -24,6 +24,7 @@ from valvetrain.explore.trial import CASE_SEED, Array, Trial, beats, best_of, fr
 from valvetrain.parameters.case import Case
 from valvetrain.parameters.toml_text import toml_text
 from valvetrain.solution.atomic import write_bytes
+from valvetrain.solution.display import Shown
 
 if TYPE_CHECKING:
     import xarray
@@ -71,7 +72,7 @@ class Design:
 
 
 @dataclass(frozen=True, eq=False)
-class Optimum:
+class Optimum(Shown):
     """``trials`` of all searches in order, the ``case`` itself first; chosen ``designs``, the best
     first.
 

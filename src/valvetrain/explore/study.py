@@ -34,6 +34,7 @@ from valvetrain.registry import find
 from valvetrain.runs.cost import Cost, Limits, limits_of, refuse_cost
 from valvetrain.runs.request_cost import REST, RunRequest, request_cost
 from valvetrain.runs.stopping import Stopped
+from valvetrain.runs.watch import shows_progress
 from valvetrain.runs.workers import Progress, available_cores
 from valvetrain.solution.definition import is_defined, no_quantity
 from valvetrain.solution.status import Status
@@ -69,6 +70,7 @@ class Estimate:
     seconds_each: float
 
 
+@shows_progress("study")
 def study(
     file: str | os.PathLike[str],
     *,
@@ -124,6 +126,7 @@ def study(
     return run_plan(read_plan(text), workers, dask, output, limits_of(limit), progress)
 
 
+@shows_progress("study")
 def run_experiment(
     experiment: Evaluation,
     sampler: SamplerSpec,

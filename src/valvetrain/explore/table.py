@@ -17,7 +17,7 @@ from valvetrain.explore.samplers import SamplerOptions, SamplerSpec
 from valvetrain.explore.space import Space
 from valvetrain.parameters.case import Case
 from valvetrain.solution.definition import definition_of, label_of, not_given
-from valvetrain.solution.display import frame
+from valvetrain.solution.display import Shown, frame
 from valvetrain.solution.status import Status
 
 if TYPE_CHECKING:
@@ -88,7 +88,7 @@ class StudyPlan:
 
 
 @dataclass(frozen=True, eq=False)
-class StudyTable:
+class StudyTable(Shown):
     """``inputs`` (n, d) and ``values`` (n, m), both SI, nan for what a point does not have;
     ``runs`` and ``statuses`` (n).
 

@@ -19,6 +19,7 @@ from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.parameters.loading import AnyCase, case_of
 from valvetrain.quantities.cycle import reported_cycle
 from valvetrain.runs.api import simulate
+from valvetrain.solution.display import Shown
 from valvetrain.solution.result import Solution
 from valvetrain.springs.equivalent import EquivalentSpring, installed_gaps
 
@@ -32,7 +33,7 @@ MULTIPLES = 5
 
 
 @dataclass(frozen=True, eq=False)
-class FilmedModel:
+class FilmedModel(Shown):
     """A run compared with a film; SI, displacements positive towards the seat from rest in the dwell.
 
     ``turns`` (coils,): coil numbers from the lower tip of the wire; ``quantities``: the names that
@@ -62,6 +63,10 @@ class FilmedModel:
     surge: SurgeFit | None
     surge_frequency: float
     notes: tuple[str, ...]
+
+    def __repr__(self) -> str:
+        peak = 1e3 * float(np.max(self.peaks, initial=0.0))
+        return f"FilmedModel of {self.case} by {self.model}: {len(self.turns)} coils, largest peak {peak:.3f} mm"
 
 
 def lift_of_case(case: AnyCase) -> Lift:

@@ -11,12 +11,13 @@ from valvetrain.film.cycles import SPOKEN_OF, TURN, CamPhase, CoilPeak
 from valvetrain.film.space_time import SpaceTime
 from valvetrain.film.surge import SurgeFit
 from valvetrain.measured.cycles import MeasuredCycles
+from valvetrain.solution.display import Shown
 
 Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
-class CoilMotion:
+class CoilMotion(Shown):
     """What a film tells of a spring. Coils are counted from the seat; displacements are positive
     towards it, from rest in the dwell.
 

@@ -17,6 +17,7 @@ from valvetrain.parameters.loading import AnyCase, case_of
 from valvetrain.runs.api import Speeds, simulate, sweep
 from valvetrain.runs.cost import Cost, limits_of, refuse_cost
 from valvetrain.runs.request_cost import RunRequest, request_cost
+from valvetrain.runs.watch import shows_progress
 from valvetrain.runs.workers import Progress, map_points, worker_count
 from valvetrain.solution.critical import KINDS
 from valvetrain.solution.study import Study
@@ -76,6 +77,7 @@ class LiftBandStudy:
 
 
 @renamed(spring_sets="spring_set")
+@shows_progress("laws of a lift")
 def lift_band_study(
     case: AnyCase,
     engine_speeds: Speeds | None = None,

@@ -20,6 +20,7 @@ from valvetrain.errors import InputError
 from valvetrain.measured.tables import read_content, text_of
 from valvetrain.solution.atomic import checked_content, closing_line, write_bytes, write_text
 from valvetrain.solution.channels import ChannelArrays, Variable
+from valvetrain.solution.display import Shown
 from valvetrain.solution.metadata import refuse_claims
 from valvetrain.solution.netcdf import write_arrays
 from valvetrain.solution.read_apart import tried_apart
@@ -29,7 +30,7 @@ Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
-class MeasuredCycles:
+class MeasuredCycles(Shown):
     """Repeats of one quantity on a common grid of cam angles.
 
     Parameters

@@ -16,6 +16,7 @@ from valvetrain import registry
 from valvetrain.errors import InputError
 from valvetrain.measured.lift_formats import COLUMN_NAMES, LiftColumns, LiftFormat
 from valvetrain.measured.tables import read_content
+from valvetrain.solution.display import Shown
 from valvetrain.units import dimension_of, unit_factor
 
 Array = NDArray[np.float64]
@@ -33,7 +34,7 @@ class Answer:
 
 
 @dataclass(frozen=True, eq=False)
-class MeasuredLift:
+class MeasuredLift(Shown):
     """Lifts (m) of one lobe at cam angles (rad), both (stations,), rising in angle, before any
     smoothing.
 

@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from valvetrain.errors import InputError
+from valvetrain.solution.display import Shown
 from valvetrain.units import si_array
 
 Array = NDArray[np.float64]
@@ -41,7 +42,7 @@ BAND = 1.959963984540054
 
 
 @dataclass(frozen=True, eq=False)
-class SmoothedLift:
+class SmoothedLift(Shown):
     """A lift with its uncertainty: splines of degree 5 on ``knots`` (rad) with ``coefficients``
     (m), the mean, and what spreads about it.
 
@@ -66,6 +67,11 @@ class SmoothedLift:
     cam_angles: Array
     residuals: Array
     widened: bool = False
+
+    def __repr__(self) -> str:
+        first, last = np.degrees(self.event)
+        peak = 1e3 * float(np.max(self.lift(np.linspace(*self.event, 721))))
+        return f"SmoothedLift: {first:.1f} to {last:.1f} cam deg, peak {peak:.4f} mm, noise {1e6 * self.noise:.2g} um"
 
     @property
     def event(self) -> tuple[float, float]:

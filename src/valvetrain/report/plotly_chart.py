@@ -209,7 +209,7 @@ def _add_axes(
     title = {
         "font": {"size": 12.5, "color": theme.MUTED},
         "standoff": 6,
-        "text": _plain(panel.x_label) if named else "",
+        "text": plain(panel.x_label) if named else "",
     }
     x_axis = {
         "domain": x_domain,
@@ -238,7 +238,7 @@ def _add_axes(
         y_axis |= {
             "tickmode": "array",
             "tickvals": list(places),
-            "ticktext": [_plain(one) for one in label],
+            "ticktext": [plain(one) for one in label],
             "showticklabels": not narrow,
         }
     layout[f"yaxis{suffix}"] = common | y_axis
@@ -278,7 +278,7 @@ def _add_furniture(
                     "x": (band.first + band.last) / 2,
                     "y": 1,
                     "yanchor": "bottom",
-                    "text": _plain(band.label),
+                    "text": plain(band.label),
                 }
             )
     for level, rule in zip(rule_levels(panel), panel.rules, strict=True):
@@ -305,7 +305,7 @@ def _add_furniture(
             )
             place = along | {"x": 1, "y": rule.value, "xanchor": "right", "yanchor": "bottom"}
         if rule.label:
-            notes.append(place | small | {"text": _plain(rule.label)})
+            notes.append(place | small | {"text": plain(rule.label)})
     for layer in panel.layers:
         if isinstance(layer, Line) and layer.direct and len(layer.x):
             place = {
@@ -314,7 +314,7 @@ def _add_furniture(
                 "x": float(layer.x[-1]),
                 "y": float(layer.y[-1]),
             }
-            sentence = {"text": _plain(layer.direct), "font": {"size": 12, "color": layer.colour}}
+            sentence = {"text": plain(layer.direct), "font": {"size": 12, "color": layer.colour}}
             notes.append(place | sentence | {"showarrow": False, "xanchor": "left", "xshift": 4})
     # What stands along y is said above the panel, level: a long word up the side of a low panel
     # would be cut off.
@@ -335,14 +335,14 @@ def _add_furniture(
     }
     parting = "<br>" if parted else "   "
     title = (
-        f'<b><span style="color:{theme.INK}">{_plain(panel.title)}</span></b>{parting}'
+        f'<b><span style="color:{theme.INK}">{plain(panel.title)}</span></b>{parting}'
         if panel.title
         else ""
     )
-    notes.append(corner | head | {"text": title + _plain(panel.y_label)})
+    notes.append(corner | head | {"text": title + plain(panel.y_label)})
 
 
-def _plain(label: str) -> str:
+def plain(label: str) -> str:
     """Text with Plotly's markup escaped."""
     return label.replace("&", "&amp;").replace("<", "&lt;").replace(">", "&gt;")
 
@@ -353,7 +353,7 @@ def _spaced(label: str, side: str) -> str:
 
 
 def _trace(layer: Layer) -> dict[str, Any]:
-    place = {"x": packed(layer.x), "y": packed(layer.y), "name": _plain(layer.name)}
+    place = {"x": packed(layer.x), "y": packed(layer.y), "name": plain(layer.name)}
     if isinstance(layer, Line):
         style = {"color": layer.colour, "width": layer.width, "dash": layer.dash, "simplify": False}
         # Lines stay in SVG: a page with many WebGL contexts loses the first ones.
@@ -374,13 +374,13 @@ def _trace(layer: Layer) -> dict[str, Any]:
         }
         text_options = {
             "mode": "markers+text",
-            "text": [_spaced(_plain(label), side) for label in layer.labels],
+            "text": [_spaced(plain(label), side) for label in layer.labels],
             "textposition": side,
         }
         text = text_options if any(layer.labels) else {"mode": "markers"}
         caption = {"textfont": {"size": 11.5, "color": layer.colour}, "cliponaxis": False}
         return place | {"type": "scatter", "marker": marker, **_hover(layer)} | text | caption
-    hover = f"%{{x:.1f}}, {_plain(layer.y_tick_labels)} %{{y:.4g}}: %{{z:.4g}} {layer.unit}"
+    hover = f"%{{x:.1f}}, {plain(layer.y_tick_labels)} %{{y:.4g}}: %{{z:.4g}} {layer.unit}"
     second = {} if layer.second is None else {"customdata": packed(layer.second)}
     more = f" (%{{customdata:.4g}} {layer.second_unit})" if second else ""
     return (
@@ -397,7 +397,7 @@ def _colour_axis(heat: HeatMap, narrow: bool) -> dict[str, Any]:
         for index, colour in enumerate(heat.colours)
     ]
     title = {
-        "text": _plain(f"{heat.name} ({heat.unit})"),
+        "text": plain(f"{heat.name} ({heat.unit})"),
         "side": "top" if narrow else "right",
         "font": {"size": 12},
     }
@@ -425,6 +425,6 @@ def _hover(marks: Marks) -> dict[str, Any]:
     if not marks.hints:
         return {"hovertemplate": "%{x:.2f}, %{y:.4g}"}
     return {
-        "customdata": [_plain(label) for label in marks.hints],
+        "customdata": [plain(label) for label in marks.hints],
         "hovertemplate": "%{customdata}",
     }

@@ -12,6 +12,7 @@ from valvetrain.rig.alignment import LiftAlignment
 from valvetrain.rig.channels import RigQuantity
 from valvetrain.rig.cutting import CycleGrid
 from valvetrain.rig.shaft import ShaftAngle
+from valvetrain.solution.display import Shown
 
 Array = NDArray[np.float64]
 #: 97.5 % point of Student's distribution for 1, 2, ... degrees of freedom; 1.96 beyond.
@@ -66,7 +67,7 @@ class RigChannelCycles:
 
 
 @dataclass(frozen=True, eq=False)
-class RigResult:
+class RigResult(Shown):
     """Cycles of a recording, as :func:`valvetrain.rig.rig_cycles` returns them.
 
     Parameters

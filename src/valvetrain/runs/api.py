@@ -23,6 +23,7 @@ from valvetrain.runs.prepared import largest_lift
 from valvetrain.runs.request_cost import RunRequest, request_cost, spring_cost
 from valvetrain.runs.run import run_study, sweep_study
 from valvetrain.runs.statics import STEPS, curve_by_model
+from valvetrain.runs.watch import shows_progress
 from valvetrain.runs.workers import Progress, worker_count
 from valvetrain.solution.critical import CriticalSpeeds
 from valvetrain.solution.static import StaticCurve
@@ -117,6 +118,7 @@ def simulate(
 
 
 @renamed(spring_sets="spring_set")
+@shows_progress("compare")
 def compare(
     case: AnyCase,
     engine_speeds: Speeds | None = None,
@@ -175,6 +177,7 @@ def compare(
 
 
 @renamed(spring_sets="spring_set")
+@shows_progress("sweep")
 def sweep(
     case: AnyCase,
     engine_speeds: Speeds = "1000:9000:100 rpm",
@@ -262,6 +265,7 @@ def sweep(
 
 
 @renamed(spring_sets="spring_set")
+@shows_progress("critical speeds")
 def critical_speeds(
     case: AnyCase,
     engine_speeds: Speeds = "1000:9000:100 rpm",

@@ -13,6 +13,7 @@ import numpy as np
 from valvetrain.errors import InputError
 from valvetrain.runs.stopping import PointsStopped, Stopped
 from valvetrain.runs.workers import map_points
+from valvetrain.solution.display import Shown
 from valvetrain.solution.provenance import CaseRecord
 from valvetrain.solution.uncertainty import MIN_ORDER, Range, Uncertainty
 
@@ -28,7 +29,7 @@ OWN = "mesh 1"
 
 
 @dataclass(frozen=True)
-class UncertaintyStudy:
+class UncertaintyStudy(Shown):
     """Error bars of a case, the meshes behind them (none: a train) and every number by variant,
     speed and quantity.
 
@@ -45,6 +46,11 @@ class UncertaintyStudy:
     damping_factors: Range = DAMPING_FACTORS
     runs: int = 0
     finished: int = 0
+
+    def __repr__(self) -> str:
+        failed = f", {len(self.failures)} failed" if self.failures else ""
+        ended = f"{self.finished} of {self.runs} runs{failed}"
+        return f"UncertaintyStudy of {self.record.name}: {len(self.rows)} numbers, {ended}"
 
 
 def grouped(rows: Iterable[Uncertainty]) -> dict[tuple[float | None, str], list[Uncertainty]]:

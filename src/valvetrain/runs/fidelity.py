@@ -23,6 +23,7 @@ from valvetrain.runs.request_cost import RunRequest, request_cost
 from valvetrain.runs.run import run_problem
 from valvetrain.runs.stopping import StudyStopped
 from valvetrain.runs.train_runs import Finished
+from valvetrain.runs.watch import shows_progress
 from valvetrain.runs.workers import Progress, worker_count
 from valvetrain.solution.fidelity import FidelityMap, FidelityRow
 from valvetrain.solution.study import Study
@@ -50,6 +51,7 @@ NONE_IS_ZERO = ("clash_energy", "bounce_height", "lift_loss_displacement")
 NOTHING = 1e-9
 
 
+@shows_progress("fidelity")
 def fidelity(
     case: AnyCase,
     engine_speeds: Given | Sequence[Given] = "1000:9000:500 rpm",

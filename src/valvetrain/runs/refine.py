@@ -41,6 +41,7 @@ from valvetrain.runs.prepared import (
 from valvetrain.runs.refine_trains import refine_trains
 from valvetrain.runs.request_cost import refine_cost
 from valvetrain.runs.statics import MODES
+from valvetrain.runs.watch import shows_progress
 from valvetrain.runs.workers import Progress, worker_count
 from valvetrain.solution.definition import pattern_of, tables
 from valvetrain.solution.partial_failures import reason
@@ -54,6 +55,7 @@ from valvetrain.system.problem import Problem
 from valvetrain.units import Given, si_speeds
 
 
+@shows_progress("refine")
 def refine(
     case: AnyCase,
     engine_speeds: Given | Sequence[Given] | None = None,

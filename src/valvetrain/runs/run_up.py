@@ -33,6 +33,7 @@ from valvetrain.runs.prepared import (
 from valvetrain.runs.request_cost import RunRequest, run_up_cost
 from valvetrain.runs.stopping import PointsStopped, StudyStopped
 from valvetrain.runs.train_runs import STOPPED, WORKER_LOST, member_statics
+from valvetrain.runs.watch import shows_progress
 from valvetrain.runs.workers import Progress, map_points, worker_count
 from valvetrain.solution.partial_failures import reason
 from valvetrain.solution.provenance import collect_provenance
@@ -53,6 +54,7 @@ MIN_REVOLUTIONS = 1
 
 
 @renamed(spring_sets="spring_set")
+@shows_progress("run-up")
 def run_up(
     case: AnyCase,
     first_engine_speed: Given,

@@ -29,6 +29,7 @@ from typing import Any, TypeVar
 
 from valvetrain.errors import InputError, RunFailedError
 from valvetrain.runs.stopping import POLL_INTERVAL, PointsStopped, check_stop
+from valvetrain.runs.watch import shows_progress
 
 Case = TypeVar("Case")
 Point = TypeVar("Point")
@@ -283,6 +284,7 @@ class StandingPool:
             self._start()
 
 
+@shows_progress("map", counted=True)
 def map_cases(
     function: Callable[[Case], Result],
     cases: Iterable[Case],

@@ -15,9 +15,11 @@ from valvetrain.parameters.loading import AnyCase, case_of
 from valvetrain.parameters.spring import EndCoil, SpringDefinition
 from valvetrain.runs.api import Speeds, simulate
 from valvetrain.runs.statics import static_study
+from valvetrain.runs.watch import shows_progress
 from valvetrain.runs.workers import Progress
 from valvetrain.scan.definition import turned_over
 from valvetrain.scan.result import ScannedSpring
+from valvetrain.solution.display import Shown
 from valvetrain.solution.modes import ModalResult
 from valvetrain.solution.static import SpringAtRest
 from valvetrain.solution.study import Study
@@ -51,7 +53,7 @@ class ComparedNumber:
 
 
 @dataclass(frozen=True, eq=False)
-class ScanComparison:
+class ScanComparison(Shown):
     """A scanned spring compared with its design.
 
     ``scan``: standing as the design does; ``cases``, ``rest`` and ``runs``: design first, then
@@ -102,6 +104,7 @@ class ScanComparison:
         return f"ScanComparison of '{self.scan.source}' with '{self.cases[0].name}': {len(self.numbers)} quantities of both"
 
 
+@shows_progress("design and scan")
 def compare_scan(
     scan: ScannedSpring,
     design: AnyCase,

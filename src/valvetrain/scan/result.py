@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from valvetrain.parameters.spring import SpringDefinition
+from valvetrain.solution.display import Shown
 
 Array = NDArray[np.float64]
 
@@ -70,7 +71,7 @@ class ScannedEnd:
 
 
 @dataclass(frozen=True, eq=False)
-class ScannedSpring:
+class ScannedSpring(Shown):
     """A spring out of a scan, made by :func:`spring_from_scan`; SI.
 
     ``definition``: the spring for a case; ``curves``, ``section``, ``lower_end`` and ``upper_end``:

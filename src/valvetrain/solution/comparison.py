@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from valvetrain.solution.display import Shown
+
 
 @dataclass(frozen=True, slots=True)
-class Comparison:
+class Comparison(Shown):
     """A row of the table computed / published / difference.
 
     ``engine_speed`` in rad/s of the crank (None where none applies); ``published``, ``computed``,
@@ -34,6 +36,11 @@ class Comparison:
     source: str = ""
     used_for: str = ""
     doubt: str = ""
+
+    def __repr__(self) -> str:
+        computed = "not computed" if self.computed is None else f"computed {self.computed:.5g}"
+        values = f"published {self.published:.5g}, {computed} {self.unit}".rstrip()
+        return f"Comparison of {self.quantity}, {self.model}: {values}; {self.verdict}"
 
     @property
     def relative_difference(self) -> float | None:

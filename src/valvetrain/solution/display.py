@@ -92,7 +92,27 @@ def frame(
     return made.set_index(index) if index else made
 
 
-def plotted(name: str, item: object) -> Figure:
-    """The figure of a result that is registered under ``name``, such as ``solution``."""
-    figure: Figure = registry.find("figures", name)(item)
-    return figure
+class Shown:
+    """A result that a notebook shows by the first table and figure of its page, which the registry
+    lists by the name of its class (kind ``results``).
+    """
+
+    __slots__ = ()
+
+    def _repr_html_(self) -> str:
+        html: str = registry.find("displays", "html")(self)
+        return html
+
+    def plot(self) -> Figure:
+        """The first figure of its page as a plotly figure.
+
+        Raises :class:`InputError` where the result holds nothing to draw.
+        """
+        figure: Figure = registry.find("displays", "figure")(self)
+        return figure
+
+
+def table_and_picture(result: object, head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
+    """A table under the text of a result, and below it the first figure of its page."""
+    picture: str = registry.find("displays", "picture")(result)
+    return table(repr(result), head, rows) + picture

@@ -9,6 +9,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from valvetrain.solution.display import Shown
+
 if TYPE_CHECKING:
     import pandas
 
@@ -101,7 +103,7 @@ setattr(ValidSpeedRange, "words", ValidSpeedRange.text)  # noqa: B010  the forme
 
 
 @dataclass(frozen=True, slots=True)
-class FidelityMap:
+class FidelityMap(Shown):
     """Rows of every quantity, model and speed, the reference's own left out.
 
     Parameters
@@ -126,6 +128,12 @@ class FidelityMap:
     rows: tuple[FidelityRow, ...] = ()
     costs: tuple[tuple[str, float], ...] = ()
     divided: tuple[str, ...] = ()
+
+    def __repr__(self) -> str:
+        models = ", ".join(self.models) or "no models"
+        return (
+            f"FidelityMap: {models} against {self.reference}, tolerance {100 * self.tolerance:g} %"
+        )
 
     def __iter__(self) -> Iterator[FidelityRow]:
         return iter(self.rows)

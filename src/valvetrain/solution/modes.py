@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from valvetrain.errors import InputError
-from valvetrain.solution.display import Figure, frame, plotted, table, value_text
+from valvetrain.solution.display import Shown, frame, table_and_picture, value_text
 from valvetrain.solution.status import COMPLETED, Status
 
 if TYPE_CHECKING:
@@ -31,7 +31,7 @@ def check_shapes(result: object, noun: str, shapes: Mapping[str, tuple[int, ...]
 
 
 @dataclass(frozen=True, eq=False)
-class ModalResult:
+class ModalResult(Shown):
     """All modes found about the state at ``compression`` (m).
 
     ``natural_frequency`` (mode) Hz, ascending; ``shape`` (mode, wire_point, 3), largest component
@@ -90,7 +90,9 @@ class ModalResult:
             (str(number), value_text(one, "Hz"), f"{share:.3g}", kind)
             for number, (one, share, kind) in enumerate(numbers, start=1)
         ]
-        return table(repr(self), ("mode", "natural frequency", "axial transmission", ""), rows)
+        return table_and_picture(
+            self, ("mode", "natural frequency", "axial transmission", ""), rows
+        )
 
     def to_pandas(self) -> pandas.DataFrame:
         """One row per mode: natural frequency (Hz), axial transmission, whether it is axial."""
@@ -101,13 +103,9 @@ class ModalResult:
         }  # fmt: skip
         return frame(columns, "mode", {"natural_frequency": "Hz", "axial_transmission": "1"})
 
-    def plot(self) -> Figure:
-        """Axial displacement of the axial modes over the coils as a plotly figure."""
-        return plotted("modes", self)
-
 
 @dataclass(frozen=True, eq=False)
-class TrainModes:
+class TrainModes(Shown):
     """Undamped modes of a train with its springs about equilibrium at ``cam_angle`` (rad) and
     ``valve_lift`` (m).
 
@@ -160,7 +158,7 @@ class TrainModes:
             (str(mode + 1), value_text(one, "Hz"), self.moving(mode))
             for mode, one in enumerate(self.natural_frequency)
         ]
-        return table(repr(self), ("mode", "natural frequency", "moving"), rows)
+        return table_and_picture(self, ("mode", "natural frequency", "moving"), rows)
 
     def to_pandas(self) -> pandas.DataFrame:
         """One row per mode: natural frequency (Hz), and the share of every part in the kinetic

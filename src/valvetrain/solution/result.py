@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from valvetrain.errors import InputError, NamedNumbers
 from valvetrain.solution.channels import ChannelArrays, DatasetField, Variable, empty_channels
-from valvetrain.solution.display import Figure, frame, plotted, span, table, value_text
+from valvetrain.solution.display import Shown, frame, span, table_and_picture, value_text
 from valvetrain.solution.later import LaterField, LaterMapping
 from valvetrain.solution.provenance import Provenance
 from valvetrain.solution.quantity import unit_of
@@ -29,7 +29,7 @@ Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
-class Solution:
+class Solution(Shown):
     """What one run computed; see docs/architecture.md for channel names.
 
     ``channels`` is an :class:`xarray.Dataset` whose variables all start with dimension ``sample``
@@ -223,7 +223,7 @@ class Solution:
 
     def _repr_html_(self) -> str:
         rows = [(name, value_text(value, unit_of(name))) for name, value in self.quantities.items()]
-        return table(repr(self), ("quantity", "value"), rows)
+        return table_and_picture(self, ("quantity", "value"), rows)
 
     def _head(self) -> str:
         speed = f", {value_text(self.engine_speed, 'rad/s')}" if self.engine_speed else ""
@@ -250,12 +250,6 @@ class Solution:
             columns |= dict(zip(names, values.T, strict=True))
             units |= dict.fromkeys(names, channel.attrs["units"])
         return frame(columns, "time", units)
-
-    def plot(self) -> Figure:
-        """Spring forces and valve lift over the cam angle as a plotly figure; :class:`InputError`
-        for a reduced solution.
-        """
-        return plotted("solution", self)
 
     def cite(self) -> tuple[str, ...]:
         """References behind this run, the papers to cite with it."""

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from valvetrain.errors import InputError
-from valvetrain.solution.display import Figure, frame, plotted, span, table, value_text
+from valvetrain.solution.display import Shown, frame, span, table_and_picture, value_text
 from valvetrain.solution.modes import ModalResult, check_shapes
 from valvetrain.solution.status import COMPLETED, Status
 from valvetrain.units import Given, si
@@ -88,7 +88,7 @@ class Leaning:
 
 
 @dataclass(frozen=True, eq=False)
-class StaticCurve:
+class StaticCurve(Shown):
     """Static curve from the free state; SI, dimensions after the names.
 
     ``compression`` (step) m, ``force`` (step) N, ``stiffness`` (step) N/m tangent; ``coil_gap``
@@ -150,7 +150,7 @@ class StaticCurve:
             (value_text(one, "m"), value_text(force, "N"), value_text(rate, "N/m"))
             for one, force, rate in numbers
         ]
-        return table(repr(self), ("compression", "force", "stiffness"), rows)
+        return table_and_picture(self, ("compression", "force", "stiffness"), rows)
 
     def to_pandas(self) -> pandas.DataFrame:
         """Force, stiffness, gaps and contact forces of the coils (SI) by compression (m);
@@ -170,10 +170,6 @@ class StaticCurve:
             columns |= dict(zip(names, np.asarray(values).T, strict=True))
             units |= dict.fromkeys(names, unit)
         return frame(columns, "compression", units)
-
-    def plot(self) -> Figure:
-        """Force and stiffness over compression as a plotly figure."""
-        return plotted("static_curve", self)
 
     def force_at(self, compression: Given) -> float:
         """Force (N) at a compression (m, "7.5 mm" or a pint quantity), a cubic of force and slope

@@ -15,7 +15,7 @@ from valvetrain.errors import InputError, UnknownNameError
 from valvetrain.solution.comparison import Comparison, Finding
 from valvetrain.solution.critical import CriticalSpeeds
 from valvetrain.solution.definition import is_defined
-from valvetrain.solution.display import Figure, plotted, table, value_text
+from valvetrain.solution.display import Shown, table_and_picture, value_text
 from valvetrain.solution.fidelity import FidelityMap
 from valvetrain.solution.later import LaterField
 from valvetrain.solution.provenance import CaseRecord, Provenance
@@ -49,7 +49,7 @@ class LiftEvent:
 
 
 @dataclass(frozen=True, eq=False)
-class Study:
+class Study(Shown):
     """Points times models -> solutions, with what follows from them.
 
     ``command``: ``run``, ``compare`` or ``sweep``. ``solutions``: one per run, reduced in a sweep.
@@ -135,8 +135,8 @@ class Study:
             )
             for run in self.solutions
         ]
-        return table(
-            repr(self),
+        return table_and_picture(
+            self,
             ("run", "engine speed", "status", *(name.replace("_", " ") for name in names)),
             rows,
         )
@@ -144,12 +144,6 @@ class Study:
     def to_pandas(self) -> pandas.DataFrame:
         """All named numbers (SI), one row each: quantity, label, engine_speed (rad/s), value, unit."""
         return self.quantities.to_pandas()
-
-    def plot(self) -> Figure:
-        """Seat force of every run over the cam angle, or in a sweep peak forces over engine speed,
-        as a plotly figure.
-        """
-        return plotted("study", self)
 
     @property
     def engine_speeds(self) -> tuple[float, ...]:

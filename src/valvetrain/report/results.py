@@ -1,0 +1,273 @@
+"""What a notebook shows first of a result of the core: its table and its figure."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from valvetrain.errors import InputError
+from valvetrain.measured.cycles import MeasuredCycles
+from valvetrain.parameters.summary import number, unit_text
+from valvetrain.report import theme
+from valvetrain.report.chart import (
+    Chart,
+    Layer,
+    Line,
+    Marks,
+    Panel,
+    Rule,
+    stems,
+    thin,
+    visible_range,
+)
+from valvetrain.report.page import Block, Cell, Figure, Grid
+from valvetrain.report.run_summary import reach_rows
+from valvetrain.report.sections.published import uncertainty_page
+from valvetrain.report.text import quantity_label
+from valvetrain.runs.error_bars import UncertaintyStudy
+from valvetrain.solution.comparison import Comparison
+from valvetrain.solution.critical import CriticalSpeeds
+from valvetrain.solution.cycle_view import angle_within, first_revolution
+from valvetrain.solution.display import SHOWN_UNITS, value_text
+from valvetrain.solution.fidelity import FidelityMap
+from valvetrain.solution.modes import ModalResult, TrainModes
+from valvetrain.solution.quantity import unit_of
+from valvetrain.solution.result import Solution
+from valvetrain.solution.static import StaticCurve
+from valvetrain.solution.study import Study
+
+Blocks = tuple[Block, ...]
+RPM = np.pi / 30
+ANGLE, COMPRESSION = "cam angle (deg)", "compression (mm)"
+#: Lines of one figure at most.
+MAX_LINES = 8
+
+
+def _from_its_revolution(run: Solution) -> NDArray[np.float64]:
+    """Cam angle (deg) of every sample from the start of the revolution in which they begin."""
+    return np.degrees(angle_within(run.cam_angle, first_revolution(run.cam_angle)))
+
+
+def solution_blocks(run: Solution) -> Blocks:
+    """Spring forces above the valve lift. Raises :class:`InputError` for a reduced solution."""
+    names = ("seat_force", "retainer_force", "static_retainer_force")
+    held = [name for name in names if run.has(name)]
+    if not held:
+        raise InputError(
+            f"this {run.label or 'unnamed'} run keeps no force channel to draw; run it whole, not reduced"
+        )
+    angle = _from_its_revolution(run)
+    lines = [(name.replace("_", " "), angle, run.channel(name)) for name in held]
+    panels = [_panel(ANGLE, "force (N)", lines)]
+    if run.has("valve_lift"):
+        lift = [("valve lift", angle, run.channel("valve_lift") * 1e3)]
+        panels.append(_panel(ANGLE, "valve lift (mm)", lift, theme.INK))
+    return (_figure(run, *panels),)
+
+
+def study_blocks(study: Study) -> Blocks:
+    """Seat forces at one speed, else peak forces over engine speed. Raises :class:`InputError` for a
+    study without runs.
+    """
+    if not study.solutions:
+        raise InputError(
+            f"the study of {study.record.name} holds no runs to draw; draw its springs at rest instead"
+        )
+    held = [run for run in study.solutions if run.has("seat_force")]
+    if len(study.engine_speeds) == 1 and held:
+        lines = [(run.label, _from_its_revolution(run), run.channel("seat_force")) for run in held]
+        return (_figure(study, _panel(ANGLE, "seat force (N)", lines)),)
+    name = _speaking_quantity(study)
+    unit, factor = SHOWN_UNITS.get(unit_of(name), (unit_of(name), 1.0))
+    found = [(label, *study.series(label, name)) for label in study.labels]
+    lines = [(label, speeds / RPM, values * factor) for label, speeds, values in found]
+    label = f"{name.replace('_', ' ')} ({unit})"
+    return (_figure(study, _panel("engine speed (rpm)", label, lines)),)
+
+
+def static_curve_blocks(curve: StaticCurve) -> Blocks:
+    """Force above tangent stiffness over compression."""
+    x = curve.compression * 1e3
+    force = _panel(COMPRESSION, "force (N)", [("force", x, curve.force)])
+    rate = [("stiffness", x, curve.stiffness * 1e-3)]
+    return (_figure(curve, force, _panel(COMPRESSION, "stiffness (N/mm)", rate)),)
+
+
+def modes_blocks(modes: ModalResult) -> Blocks:
+    """Axial displacement of up to eight axial modes over the coils."""
+    lines = [
+        (f"{modes.natural_frequency[n]:.5g} Hz", modes.coil_number, modes.shape[n, :, 2])
+        for n in modes.axial_modes
+    ]
+    return (_figure(modes, _panel("coil number", "axial displacement (1)", lines)),)
+
+
+def train_modes_blocks(modes: TrainModes) -> Blocks:
+    """Share of every part in the energy of each mode."""
+    numbers = np.arange(1.0, len(modes.natural_frequency) + 1)
+    count, layers = len(modes.parts), list[Layer]()
+    for place, part in enumerate(modes.parts):
+        x = numbers + 0.7 * ((place + 0.5) / count - 0.5)
+        bars = stems(x, 100 * modes.energy_share[:, place])
+        layers.append(Line(*bars, part, theme.SERIES[place % len(theme.SERIES)], 5.0))
+    label = "share of kinetic energy (%)"
+    reach = (0.5, len(numbers) + 0.5)
+    panel = Panel("mode (1)", label, tuple(layers), x_range=reach, y_range=(0.0, 100.0))
+    return (_figure(modes, panel),)
+
+
+def critical_speeds_blocks(found: CriticalSpeeds) -> Blocks:
+    """Where control is lost, in rpm, with the range that was searched."""
+    rows = [(one.label, one.kind, f"{one.text} rpm", one.place) for one in found]
+    grid = _grid(("run", "kind", "engine speed", "first at"), rows)
+    if not len(found):
+        return (grid,)
+    layers: list[Layer] = []
+    for height, one in enumerate(reversed(found.rows)):
+        ends = np.array([one.first_engine_speed, one.last_engine_speed]) / RPM
+        level = np.full(2, float(height))
+        layers.append(Line(ends, level, "searched", theme.RULE, 1.2, in_legend=height == 0))
+        if one.found:
+            at = np.array([one.engine_speed / RPM])
+            layers.append(Marks(at, level[:1], "lost from here", theme.SERIES[1], filled=True))
+    named = tuple(
+        (float(height), f"{one.label}, {one.kind}")
+        for height, one in enumerate(reversed(found.rows))
+    )
+    panel = Panel(
+        "engine speed (rpm)",
+        "critical speed (kind)",
+        tuple(layers),
+        y_range=(-0.6, len(found) - 0.4),
+        y_tick_labels=named,
+    )
+    return grid, _figure(found, panel)
+
+
+def comparison_blocks(row: Comparison) -> Blocks:
+    """The published value with its tolerance next to the computed one."""
+    speed = "" if row.engine_speed is None else value_text(row.engine_speed, "rad/s")
+    texts = [
+        "" if value is None else f"{value:.5g} {row.unit}".strip()
+        for value in (row.published, row.computed, row.difference)
+    ]
+    heads = ("quantity", "engine speed", "model", "published", "computed", "difference", "verdict")
+    cells = (quantity_label(row.quantity), speed, row.model, *texts, row.verdict)
+    one, layers = np.ones(1), list[Layer]()
+    if row.tolerance is not None:
+        ends = row.published + np.array([-row.tolerance, row.tolerance])
+        layers.append(Line(np.ones(2), ends, "tolerance", theme.MUTED, 4.0))
+    published = Marks(one, one * row.published, f"published ({row.origin})", theme.INK)
+    layers.append(published)
+    if row.computed is not None:
+        value = one * row.computed
+        layers.append(Marks(one, value, f"computed by {row.model}", theme.SERIES[0], "diamond"))
+    label = f"{quantity_label(row.quantity)} ({row.unit or '1'})"
+    panel = Panel("comparison (1)", label, tuple(layers), x_range=(0.5, 1.5), x_step=1.0)
+    return _grid(heads, [cells]), _figure(row, panel)
+
+
+def fidelity_map_blocks(found: FidelityMap) -> Blocks:
+    """Up to which speed each model is good enough; differences of the first quantity over speed."""
+    rows = [(one.label, *one.cells, one.cheapest) for one in reach_rows(found)]
+    grid = _grid(("good enough (rpm)", *found.models, "cheapest"), rows)
+    if not found.rows:
+        return (grid,)
+    name = found.quantities[0]
+    lines = []
+    for model in found.models:
+        of_model = found.of(name, model)
+        speeds = np.array([row.engine_speed for row in of_model]) / RPM
+        lines.append((model, speeds, np.array([100 * row.difference for row in of_model])))
+    rules = tuple(Rule("y", sign * 100 * found.tolerance) for sign in (-1, 1))
+    label = f"{quantity_label(name)}, model less {found.reference} (%)"
+    return grid, _figure(found, _panel("engine speed (rpm)", label, lines, rules=rules))
+
+
+def uncertainty_blocks(study: UncertaintyStudy) -> Blocks:
+    """The error bars of the page of ``refine``, and their sizes."""
+    first, *others = uncertainty_page(study).sections[0].blocks[1:]
+    rows = [row for row in study.rows if row.value]
+    if not rows:
+        return (first, *others)
+    sizes = np.array([abs(100 * row.numerical / row.value) for row in rows])
+    height = np.arange(len(rows), dtype=float)[::-1]
+    marks = Marks(sizes, height, "numerical error", theme.SERIES[0], filled=True)
+    names = []
+    for row, level in zip(rows, height, strict=True):
+        speed = "" if row.engine_speed is None else f", {value_text(row.engine_speed, 'rad/s')}"
+        names.append((float(level), f"{quantity_label(row.quantity)}{speed}"))
+    panel = Panel(
+        "numerical error, share of the value (%)",
+        "headline number (name)",
+        (marks,),
+        y_range=(-0.6, len(rows) - 0.4),
+        y_tick_labels=tuple(names),
+    )
+    return first, _figure(study, panel), *others
+
+
+def cycles_blocks(cycles: MeasuredCycles) -> Blocks:
+    """Single cycles and their mean, with the extremes of the mean."""
+    unit, factor = SHOWN_UNITS.get(cycles.unit, (cycles.unit, 1.0))
+    angle, label = np.degrees(cycles.cam_angle), cycles.quantity.replace("_", " ")
+    mean = cycles.mean * factor
+    rows = [
+        (name, number(float(mean[at]), 5), unit_text(unit), f"{angle[at]:.2f} deg")
+        for name, at in (("largest", np.nanargmax(mean)), ("smallest", np.nanargmin(mean)))
+    ]
+    layers: list[Layer] = [
+        Line(*thin(angle, one * factor), "single cycles", theme.RULE, 0.9, in_legend=not index)
+        for index, one in enumerate(cycles.values[:20])
+    ]
+    layers.append(Line(*thin(angle, mean), "mean", theme.SERIES[0]))
+    panel = Panel(ANGLE, f"{label} ({unit or '1'})", tuple(layers), x_range=(0.0, 360.0))
+    return _grid((label, "mean of the cycles", "", "cam angle"), rows), _figure(cycles, panel)
+
+
+def _speaking_quantity(study: Study) -> str:
+    """The first peak force of the runs, else their first quantity."""
+    names = list(dict.fromkeys(name for run in study.solutions for name in run.quantities))
+    peaks = [
+        name
+        for name in names
+        if unit_of(name) == "N" and name.startswith("peak") and "clash" not in name
+    ]
+    if not names:
+        raise InputError(
+            f"the runs of the study of {study.record.name} hold no quantities to draw; evaluate them first"
+        )
+    return (peaks or names)[0]
+
+
+def _panel(
+    x_label: str,
+    y_label: str,
+    lines: Sequence[tuple[str, ArrayLike, ArrayLike]],
+    colour: str = "",
+    rules: tuple[Rule, ...] = (),
+) -> Panel:
+    """Lines of (name, x, y) in the colours of a series."""
+    layers = tuple(
+        Line(_floats(x), _floats(y), name, colour or theme.SERIES[place % len(theme.SERIES)])
+        for place, (name, x, y) in enumerate(lines[:MAX_LINES])
+    )
+    panel = Panel(x_label, y_label, layers, rules=rules)
+    return replace(panel, x_range=visible_range(panel)[0])
+
+
+def _figure(result: object, *panels: Panel) -> Figure:
+    title, named = repr(result).partition("\n")[0], len(panels[0].y_tick_labels)
+    height = max(240 * len(panels), 24 * named) + 90
+    return Figure(Chart("result", title, "", panels, 1, height))
+
+
+def _grid(heads: tuple[str, ...], rows: Sequence[Sequence[str]]) -> Grid:
+    return Grid(heads, tuple((tuple(map(Cell, row)), ()) for row in rows))
+
+
+def _floats(values: ArrayLike) -> NDArray[np.float64]:
+    return np.asarray(values, dtype=np.float64)

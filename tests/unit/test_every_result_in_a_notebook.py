@@ -1,0 +1,189 @@
+"""Unit: every kind of result shows a table and a figure in a notebook and has a figure by plotly,
+with what its page shows first.
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import replace
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+import valvetrain as vt
+from synthetic_study import at_rest, critical_speeds, own_study, published_study, rod_run
+from unit import (
+    test_every_film_table,
+    test_every_identification_table,
+    test_every_notebook_table,
+    test_every_rig_table,
+    test_pages_of_measured_parts,
+    test_study_page,
+    test_told_beside_a_test,
+)
+from valvetrain import registry
+from valvetrain.compare_test import compare as compare_test
+from valvetrain.errors import InputError
+from valvetrain.film.model import FilmedModel
+from valvetrain.measured.cycles import MeasuredCycles
+from valvetrain.measured.value_table import ValueTable
+from valvetrain.runs.error_bars import Uncertainty, UncertaintyStudy
+from valvetrain.solution.display import Shown
+from valvetrain.solution.fidelity import FidelityMap, FidelityRow
+
+DEGREES = np.arange(360.0)
+LOBE = 9e-3 * np.clip(1 - ((DEGREES - 180) / 60) ** 2, 0, None) ** 3
+
+
+def stand_in(name: str, values: SimpleNamespace) -> Shown:
+    """What bears the name and the values of a result that takes long to compute."""
+    return type(name, (Shown,), vars(values))()
+
+
+def cycles(name: str = "valve_lift", unit: str = "m") -> MeasuredCycles:
+    return MeasuredCycles(name, unit, np.radians(DEGREES), np.stack([LOBE, 1.01 * LOBE]), 100.0)
+
+
+def lift(smoothed: bool = False):
+    angles = np.radians(DEGREES[90:271])
+    noisy = LOBE[90:271] + np.random.default_rng(1).normal(0, 3e-6, 181)
+    if smoothed:
+        return vt.measured.smooth_lift(angles, noisy)
+    return vt.measured.MeasuredLift("lift", angles, noisy, "valve", "columns")
+
+
+def film() -> Shown:
+    phase = SimpleNamespace(
+        cam_speed=100.0, spread=0.1, by="marker", cam_angle=np.linspace(0, 40.0, 600)
+    )
+    moved = np.column_stack([k * np.cos(phase.cam_angle) for k in (1e-3, 2e-3, 3e-3)])
+    told = test_every_film_table.film(
+        phase=phase, dwell=(5.0, 7.0), displacement=moved, cycles=(cycles(), cycles(), cycles())
+    )
+    return stand_in("CoilMotion", told)
+
+
+def filmed() -> FilmedModel:
+    three = np.array([1e-3, 2e-3, 3e-3])
+    moved = np.outer(np.sin(np.radians(DEGREES)), three)
+    return FilmedModel("own", "multi-mass", "inner", np.array([1.0, 2.0, 3.0]), ("a", "b", "c"), 0.0,
+                       np.radians(DEGREES), moved, three, 0.1 * three, None, 500.0, ())  # fmt: skip
+
+
+def fidelity_map() -> FidelityMap:
+    rows = [
+        FidelityRow("peak_spring_force", "massless", speed, force, 0.0, 500.0, 1.0, 500.0)
+        for speed, force in ((200.0, 505.0), (300.0, 580.0))
+    ]
+    return FidelityMap("wave-rod", 0.05, tuple(rows), (("massless", 1e-3), ("wave-rod", 1.0)))
+
+
+def error_bars() -> UncertaintyStudy:
+    row = Uncertainty("preload", None, 300.0, 1.5, 2.0, 299.0, 0.0, (299.0, 301.0), (300.0, 300.0))
+    return UncertaintyStudy(own_study().record, (8, 12, 16), (row,), {}, (), runs=6, finished=6)
+
+
+def against_test() -> object:
+    values = ValueTable(test_told_beside_a_test.TABLES["two values"])
+    speed = test_told_beside_a_test.SPEED
+    study = test_told_beside_a_test.study()
+    return compare_test._with_values(study, values, (speed,), 0, 0.05, (), {})
+
+
+def optimum():
+    return vt.optimise(
+        'case = "job-c"\nvary = [{ key = "spring.precompression", low = "5 mm", high = "9 mm" }]\n'
+        'objective = [{ quantity = "solid_force", direction = "minimise" }]\nsearch = { trials = 4, per_round = 2 }',
+        workers=1,
+    )
+
+
+def from_card():
+    low, high = vt.spring_card.SpringLoad("46 mm", "350 N"), vt.spring_card.SpringLoad("34 mm", "830 N")
+    card = vt.spring_card.CatalogueCard(wire_diameter="4.4 mm", outer_diameter="32 mm", installed_load=low, open_load=high)  # fmt: skip
+    return vt.spring_card.spring_from_card(card)
+
+
+def from_tester():
+    heights = np.linspace(50e-3, 38e-3, 13)
+    table = vt.measured.ForceHeight(heights, 40e3 * (55e-3 - heights))
+    card = vt.spring_card.card_from_table(table, wire_diameter="4.2 mm", outer_diameter="30.2 mm")
+    return vt.spring_card.spring_from_tester(table, card)
+
+
+def scan_compared() -> Shown:
+    parts = test_pages_of_measured_parts
+    told = parts.compared(parts.curve(40e3), parts.curve(41e3))
+    told.numbers = ()
+    return stand_in("ScanComparison", told)
+
+
+#: Class of a result -> one, a word of its table, and what the axes of its figure show.
+RESULTS = {
+    "Solution": (rod_run, "peak spring force", "force (N)"),
+    "Study": (own_study, "engine speed", "peak spring force (N)"),
+    "StaticCurve": (lambda: at_rest()[0].curve, "compression", "stiffness (N/mm)"),
+    "ModalResult": (lambda: at_rest()[0].modes, "natural frequency", "axial displacement (1)"),
+    "TrainModes": (test_every_notebook_table.train, "moving", "share of kinetic energy (%)"),
+    "CriticalSpeeds": (critical_speeds, "contact-loss", "engine speed (rpm)"),
+    "Comparison": (lambda: published_study().comparisons[0], "published", "(1)"),
+    "FidelityMap": (fidelity_map, "to 1909.86", "model less wave-rod (%)"),
+    "UncertaintyStudy": (error_bars, "Statics and modes", "share of the value (%)"),
+    "MeasuredCycles": (cycles, "largest", "valve lift (mm)"),
+    "MeasuredLift": (lift, "question", "valve lift (mm)"),
+    "SmoothedLift": (lambda: lift(smoothed=True), "lift (mm)", "jerk (mm/deg³)"),
+    "StudyTable": (test_study_page.made, "median", ""),
+    "Optimum": (optimum, "Force at solid", ""),
+    "Identified": (test_every_identification_table.identified, "probability", ""),
+    "CoilMotion": (film, "mean peak (mm)", "displacement towards the seat (mm)"),
+    "FilmedModel": (filmed, "peak (mm)", "displacement towards the seat (mm)"),
+    "RigResult": (
+        lambda: stand_in("RigResult", test_every_rig_table.result()), "95 %", "valve lift (mm)",
+    ),
+    "ScannedSpring": (test_pages_of_measured_parts.scanned, "free length", "(mm)"),
+    "ScanComparison": (scan_compared, "scan/design", "rate (N/mm)"),
+    "SpringFit": (from_card, "card", "force (N)"),
+    "TesterFit": (from_tester, "Active turns", "force (N)"),
+    "ModelAgainstTest": (against_test, "model", ""),
+}  # fmt: skip
+
+
+def titles(figure) -> list[str]:
+    layout = figure.layout
+    return [layout[name].title.text or "" for name in layout if name[1:5] == "axis"]
+
+
+@pytest.mark.parametrize("name", RESULTS)
+def test_a_result_shows_its_table_and_its_figure(name):
+    make, heading, axis = RESULTS[name]
+    result = make()
+    page = result._repr_html_()
+    assert type(result).__name__ == name
+    assert (page.startswith("<div>") and heading.replace(" ", "_") in page) or heading in page
+    assert len(re.findall("<svg", page)) == 1 and "</svg>" in page
+    figure = result.plot()
+    assert figure.layout.title.text and any(axis in title for title in titles(figure))
+    assert figure.data and all(len(trace.x) and len(trace.y) for trace in figure.data)
+
+
+def test_every_registered_result_is_tried_and_every_public_one_is_registered():
+    assert set(registry.names("results")) == set(RESULTS)
+    shown = [one for one in vt.__all__[1:] if hasattr(getattr(vt, one), "_repr_html_")]
+    assert set(shown) - {"Case", "Quantities"} <= set(RESULTS)
+
+
+def test_axes_of_a_map_and_doubled_names_keep_their_numbers():
+    """A legend names a line once, and numbers are not rounded to those of a page."""
+    law = lift(smoothed=True)
+    figure = law.plot()
+    assert sum(bool(trace.showlegend) for trace in figure.data) == 2
+    band = figure.data[2]
+    np.testing.assert_array_equal(band.y, 1e3 * law.lift(np.linspace(*law.event, 1501)))
+
+
+def test_what_has_nothing_to_draw_says_so_and_still_shows_its_table():
+    none = replace(fidelity_map(), rows=())
+    assert "<table>" in none._repr_html_() and "<svg" not in none._repr_html_()
+    with pytest.raises(InputError, match="this FidelityMap holds nothing to draw"):
+        none.plot()
