@@ -202,9 +202,13 @@ def integrate_from(
     plan: Plan,
     provenance: Provenance,
     start: Orbit | None = None,
+    *,
+    time_step: float | None = None,
+    tolerance: float | None = None,
 ) -> tuple[Solution, Orbit | None]:
     """As :func:`integrate_point`, of a train from the motion ``start`` of another speed, and the
-    final motion (None without one).
+    final motion (None without one). ``time_step`` (s) and ``tolerance`` of its periodic state:
+    other than the default ones.
     """
     if ready.system is None:
         remedy = "choose another model, or give more of the spring"
@@ -212,9 +216,11 @@ def integrate_from(
     prescribed = isinstance(ready.system, PrescribedSpring)
     if prescribed and (status := _too_many_steps(ready, engine_speed / 2, plan)) is not None:
         return without_channels(status, provenance), None
-    until = Cycles(plan.cycles) if prescribed else Periodic(plan.cycles_to_settle)
+    periodic = Periodic(plan.cycles_to_settle, tolerance=tolerance)
+    until = Cycles(plan.cycles) if prescribed else periodic
     options = RunOptions(
         plan.samples,
+        time_step=time_step,
         keep=plan.keep,
         rest=ready.rest,
         window=ready.window,

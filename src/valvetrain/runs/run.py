@@ -17,6 +17,7 @@ from valvetrain.parameters.case import Case
 from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.parameters.steel_contacts import default_contacts
 from valvetrain.quantities.statics import buckling_quantities, closing_quantities, rest_quantities
+from valvetrain.runs.between_speeds import between_notes, run_between
 from valvetrain.runs.cost import Limits
 from valvetrain.runs.critical_speeds import CriticalOptions, find_critical_speeds
 from valvetrain.runs.notes import (
@@ -208,6 +209,7 @@ def run_problem(
     )
     count = worker_count(workers)
     found, stopped = CriticalSpeeds(), False
+    between: tuple[Solution, ...] = ()
     if problem.kind == TRAIN:
         ready, rest = prepare_trains(problem, speeds, failures)
         part, tell = progress, None
@@ -215,11 +217,15 @@ def run_problem(
             part, tell = _shares(progress)
         solutions, stopped = run_trains(problem, ready, speeds, plan, count, part, finished)
         still = failures.part("numbers of rigid theory", {}, rigid_numbers, problem, ready, speeds)
+        if command == "sweep" and not stopped:
+            name = "runs between the swept speeds"
+            between = failures.part(name, (), run_between, problem, ready, plan, speeds, count)
         if critical is not None and not stopped:
             if tell is not None:
                 tell(0, 1)
+            runs = (*solutions, *between)
             try:
-                found = find_critical_speeds(problem, ready, plan, solutions, critical, count, tell)
+                found = find_critical_speeds(problem, ready, plan, runs, critical, count, tell)
             except PointsStopped as stop:
                 rows = tuple(row for rows in stop.results.values() for row in rows)
                 found, stopped = CriticalSpeeds(rows), True
@@ -242,7 +248,7 @@ def run_problem(
         solutions,
         rest,
         still,
-        notes=failures.part("notes", (), _notes, problem),
+        notes=failures.part("notes", (), _notes, problem) + between_notes(solutions, between),
         lift_event=problem.lift_event,
         provenance=provenance,
         wall_time=time.perf_counter() - begun,
