@@ -274,9 +274,9 @@ def critical_speeds(
     Examples
     --------
     >>> import valvetrain as vt
-    >>> vt.critical_speeds("tdi-pushrod", "6800:7600:200 rpm", spring_models=["massless"], spring_sets=["stock"], resolution="50 rpm")
+    >>> vt.critical_speeds("tdi-pushrod", "6800:7600:200 rpm", spring_models=["massless"], spring_sets=["stock"], ranges=False)
     critical engine speeds (rpm)
-      massless, contact-loss: 7100–7150 (cam)
+      massless, contact-loss: 7128 (nominal), at the cam
       massless, float: never up to 7600
       massless, bounce: never up to 7600
     """

@@ -70,34 +70,40 @@ def run_between(
 
 
 def between_notes(swept: Sequence[Solution], between: Sequence[Solution]) -> tuple[str, ...]:
-    """A sentence per label: what is worse between the speeds of a sweep than at them."""
+    """A sentence per label: where a quantity between two swept speeds is worse than at both."""
     notes = []
     for label in dict.fromkeys(run.label for run in between):
         mine = [run for run in between if run.label == label]
-        worse = []
-        for name, sign in WORSE.items():
-            own = [run.quantities[name] for run in swept if _has(run, label, name)]
-            others = [run for run in mine if _has(run, label, name)]
-            if not own or not others:
-                continue
-            known = max(own, key=lambda value, sign=sign: sign * value)
-            worst = max(others, key=lambda run, sign=sign, name=name: sign * run.quantities[name])
-            value = worst.quantities[name]
-            if sign * (value - known) > REPORTED * abs(known):
-                unit = shown(name, value)[1]
-                at = f"{worst.engine_speed / RPM:.0f} rpm"
-                swept_value = f"{float(shown(name, known)[0]):.4g} {unit} at the swept speeds"
-                worse.append(
-                    f"{label_of(name)} {float(shown(name, value)[0]):.4g} {unit} at {at} ({swept_value})"
-                )
+        own = sorted((run for run in swept if run.label == label), key=lambda run: run.engine_speed)
+        worse = [text for name, sign in WORSE.items() if (text := _worst(own, mine, name, sign))]
         speeds = ", ".join(f"{run.engine_speed / RPM:.0f}" for run in mine)
-        told = ", ".join(worse) or "nothing worse than at the swept speeds"
+        found = "; ".join(worse) or "nothing worse than at the swept speeds next to them"
         notes.append(
             f"{label}, between the speeds of the sweep, where a cam order meets the first surge frequency of the spring "
-            f"({speeds} rpm): {told}."
+            f"({speeds} rpm): {found}."
         )
     return tuple(notes)
 
 
-def _has(run: Solution, label: str, name: str) -> bool:
-    return run.label == label and run.status.completed and name in run.quantities
+def _worst(swept: Sequence[Solution], between: Sequence[Solution], name: str, sign: int) -> str:
+    """The value that is worse by most than at both swept speeds next to it; empty for none."""
+    apart, text = 0.0, ""
+    for run in between:
+        speed = run.engine_speed
+        sides = (
+            [one for one in swept if one.engine_speed < speed][-1:],
+            [one for one in swept if one.engine_speed > speed][:1],
+        )
+        next_to = [*sides[0], *sides[1]]
+        if not all(one.status.completed and name in one.quantities for one in (run, *next_to)):
+            continue
+        worst = max(next_to, key=lambda one: sign * one.quantities[name])
+        value, known = run.quantities[name], worst.quantities[name]
+        if sign * (value - known) > max(apart, REPORTED * abs(known)):
+            apart = sign * (value - known)
+            texts = [
+                f"{float(shown(name, one.quantities[name])[0]):.4g} {shown(name, value)[1]} at {one.engine_speed / RPM:.0f} rpm"
+                for one in (run, worst)
+            ]
+            text = f"{label_of(name)} {texts[0]} ({texts[1]})"
+    return text

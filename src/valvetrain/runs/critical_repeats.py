@@ -17,14 +17,9 @@ from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.runs.prepared import FAILURES, PreparedRun, prepare
 from valvetrain.runs.refine_trains import divided
 from valvetrain.runs.train_runs import member_statics
-from valvetrain.solution.critical import (
-    DAMPING_FACTORS,
-    RPM,
-    CriticalSpeed,
-    SpeedBracket,
-)
+from valvetrain.solution.critical import DAMPING_FACTORS, RPM, CriticalSpeed, SpeedBracket
 from valvetrain.springs.contract import LargeSpring
-from valvetrain.system.problem import Member, Problem
+from valvetrain.system.problem import Problem
 from valvetrain.system.train_system import TrainSystem
 
 if TYPE_CHECKING:
@@ -42,9 +37,10 @@ FIRST_STRIDE, LARGEST_STRIDE, SCATTER_STRIDE = 0.0025, 0.01, 0.005
 #: Steps, at most, through speeds whose motion does not repeat; dips of a margin that are looked at
 #: below the nominal speed, and above it.
 MAX_SCATTERED, MAX_DIPS = 10, 8
-#: An onset that moves by more than :data:`GRAZE` of the speed when the margin changes by
-#: :data:`SMALL` of its largest value, up and down, is a graze.
-SMALL, GRAZE = 0.05, 0.01
+#: An onset is a graze where the margin changed by :data:`SMALL` of its largest value moves it up or
+#: down by more than :data:`GRAZE` of the speed: half as far again as inertia, which grows with the
+#: square of speed, would.
+SMALL, GRAZE = 0.1, 0.075
 #: Sample of the train at an engine speed (rad/s).
 SampleAt = Callable[[float], "SpeedSample"]
 #: Continued margin (SI) at an engine speed (rad/s): control is kept where it is positive.
@@ -82,7 +78,8 @@ def variants_of(problem: Problem, one: PreparedRun) -> tuple[Variant, ...]:
         return ()
     member = one.member
     found = [Variant("numerical", one, STEP)]
-    changed = [("numerical", tuple(_finer(member, spring) for spring in member.springs))]
+    finer = tuple(divided(member, spring, DIVISION) for spring in member.springs)
+    changed = [("numerical", finer)]
     for factor in DAMPING_FACTORS:
         changed.append(("damping", tuple(_damped(spring, factor) for spring in member.springs)))
     for group, springs in changed:
@@ -96,11 +93,6 @@ def variants_of(problem: Problem, one: PreparedRun) -> tuple[Variant, ...]:
         if ready.system is not None:
             found.append(Variant(group, ready))
     return tuple(found)
-
-
-def _finer(member: Member, spring: InstalledSpring) -> InstalledSpring:
-    """The spring at 1.5 times its division, also where the model chooses that."""
-    return divided(member, spring, DIVISION)
 
 
 def _damped(spring: InstalledSpring, factor: float) -> InstalledSpring:
@@ -210,7 +202,9 @@ def repeated(
         bracket = row.begins.from_rest
         sides = bracket.lower_engine_speed, bracket.upper_engine_speed
         steady = all(search.known(one).repeats for one in sides)
-        inside = root(lambda one: precise(one).measure(kind), bracket, NOMINAL_WIDTH) if steady else None
+        inside = (
+            root(lambda one: precise(one).measure(kind), bracket, NOMINAL_WIDTH) if steady else None
+        )
         steady = inside is not None
         nominal = bracket.upper_engine_speed if inside is None else inside
     row = replace(row, nominal_engine_speed=nominal)
@@ -224,7 +218,7 @@ def repeated(
 
     small = SMALL * max((one.margins[kind] for one in search.samples.values()), default=0.0)
     moved = [onset_of(search.sample, more) for more in (-small, small)] if steady else []
-    graze = bool(moved) and max(moved) - min(moved) > GRAZE * begin
+    graze = any(abs(one - nominal) > GRAZE * begin for one in moved)
     if not steady:
         scatter = scattered(kind, begin, search.sample, ends)
         moved = [scatter.lower_engine_speed, scatter.upper_engine_speed]

@@ -36,8 +36,6 @@ from valvetrain.solution.critical import (
 )
 from valvetrain.solution.result import Solution
 from valvetrain.system.problem import Problem
-from valvetrain.system.train_forces import law_force
-from valvetrain.system.train_system import TrainSystem
 from valvetrain.units import Given, si
 
 #: The steepest slope within this share of the speed counts, times this factor.
@@ -264,6 +262,9 @@ class Search:
 RPM = math.pi / 30
 #: Contacts of the drive, from the cam to the valve.
 DRIVE = ("cam", "tappet", "rocker", "valve_tip")
+#: Stiffness (N/m) of a drive at the cam, typical: it continues a contact force below zero by the
+#: gap, to judge how deep control is lost; the speed of zero does not depend on it.
+DRIVE_STIFFNESS = 5e7
 
 
 @dataclass(frozen=True, slots=True)
@@ -346,25 +347,19 @@ def sample_of(
 
 
 def missing_force(ready: PreparedRun, solution: Solution) -> float:
-    """Largest force (N) that a contact of the drive would bear at a penetration as large as the gap
-    to which it opens while the valve is open; of a run with the events of its integrator.
+    """Force (N) that would about close the largest gap of the drive's contacts while the valve is
+    open, of a run with the events of its integrator; 0 where none opens.
     """
-    system, turn = ready.system, 2 * math.pi
-    if not isinstance(system, TrainSystem):
-        return 0.0
-    begin, end = ready.window or (0.0, turn)
+    begin, end = ready.window or (0.0, 2 * math.pi)
     drive = {name.replace("_", " ") for name in DRIVE}
-    return max(
-        (
-            law_force(system, system.mechanism.interaction_index(event.where), gap)
-            for event in solution.events
-            if event.kind == "touch"
-            and event.where in drive
-            and (float(event.details["release_cam_angle"]) - begin) % turn <= end - begin
-            and (gap := float(event.details["largest_gap"])) > 0
-        ),
-        default=0.0,
+    gaps = (
+        float(event.details["largest_gap"])
+        for event in solution.events
+        if event.kind == "touch"
+        and event.where in drive
+        and (float(event.details["release_cam_angle"]) - begin) % (2 * math.pi) <= end - begin
     )
+    return DRIVE_STIFFNESS * max(gaps, default=0.0)
 
 
 def find_critical_speeds(

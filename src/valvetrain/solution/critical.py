@@ -90,8 +90,10 @@ class CriticalSpeed:
     time step; ``damping``: with the damping of the springs times 0.6 and 1.5. Both hold the nominal
     speed, end at 0 where control is lost from ``first_engine_speed`` on and at infinity where it is
     kept up to ``last_engine_speed``, and are None where they were not computed. ``onset``: ``sharp``;
-    ``graze`` where these ranges are wider than 4 % of the speed, as where the closing force just
-    reaches zero; ``non-repeating`` where the motion does not repeat from cycle to cycle.
+    ``graze`` where a tenth of the largest margin more or less moves it by more than 7.5 % of
+    the speed, for a force that just reaches zero (``numerical`` then holds that range too);
+    ``non-repeating`` where the motion does not repeat from cycle to cycle (``numerical`` then
+    reaches from the motion below that repeats and keeps control to that above that loses it).
     """
 
     label: str
