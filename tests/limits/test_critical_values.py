@@ -77,9 +77,7 @@ def test_a_sweep_says_what_lies_between_its_speeds() -> None:
 
 
 @pytest.mark.long
-@pytest.mark.parametrize(
-    "spring_set", ["card", pytest.param("wire", marks=pytest.mark.long)]
-)
+@pytest.mark.parametrize("spring_set", ["card", "wire"])
 def test_other_grids_models_and_divisions_lie_inside_what_is_printed(spring_set: str) -> None:
     case = vt.Case(TEMPLATE)
     printed = case.critical_speeds("3000:9000:500 rpm", spring_sets=[spring_set], workers=1)
@@ -94,8 +92,8 @@ def test_other_grids_models_and_divisions_lie_inside_what_is_printed(spring_set:
             {"multi-mass": {"elements": 48}},
             {"modal-uniform": {"modes": 20}},
         ):
-            (model, table), = options.items()
-            (name, value), = table.items()
+            ((model, table),) = options.items()
+            ((name, value),) = table.items()
             changed = case.set({f"train.springs.card.0.options.{model}.{name}": value})
             others.append(
                 changed.critical_speeds(

@@ -162,7 +162,7 @@ class CriticalSpeed:
         ]
         if ranges:
             speed += f" ({', '.join(ranges)})"
-        elif self.begins is not None:
+        elif math.isfinite(self.nominal_engine_speed):
             speed += " (nominal)"
         place = f"at the {self.place}" if self.found and self.kind == "contact-loss" else ""
         return ", ".join(filter(None, (speed, self.onset, place)))
