@@ -418,7 +418,7 @@ def sweep_study(speeds: int = 12) -> Study:
 
 def critical_speeds() -> CriticalSpeeds:
     """Answers for ``stock`` alone: contact is lost and regained, and again; float with a
-    hysteresis; no bounce.
+    hysteresis and its ranges; no bounce.
     """
 
     def at(speed: float) -> SpeedBracket:
@@ -451,6 +451,10 @@ def critical_speeds() -> CriticalSpeeds:
                 None,
                 (),
                 23,
+                700.4,
+                SpeedBracket(700.1, 700.4),
+                SpeedBracket(680.0, 720.0),
+                "sharp",
             ),
             CriticalSpeed("stock", "bounce", 1e-4, *searched),
         )

@@ -327,7 +327,7 @@ def test_critical_speeds_in_words_and_as_a_frame():
     early = CriticalSpeed("stock", "bounce", 1e-4, 1000 * RPM, 9000 * RPM, 10 * RPM, True, "seat")
     never = CriticalSpeed("other", "float", 5e-5, 1000 * RPM, 9000 * RPM, 10 * RPM)
     assert (
-        lost.text == "7000–7010 (cam)"
+        lost.text == "7000–7010, at the cam"
         and early.text == "below 1000"
         and never.text == "never up to 9000"
     )
@@ -360,7 +360,9 @@ def test_critical_speeds_in_words_and_as_a_frame():
     assert told["falling_upper_engine_speed"][0] == pytest.approx(6810 * RPM) and np.isnan(
         told["rising_lower_engine_speed"][1]
     )
-    assert "ritical engine speeds (rpm)\n  stock, contact-loss: 7000–7010 (cam)" in repr(found)
+    assert "ritical engine speeds (rpm)\n  stock, contact-loss: 7000–7010, at the cam" in repr(
+        found
+    )
 
 
 def test_a_gap_says_why():

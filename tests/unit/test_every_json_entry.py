@@ -261,7 +261,9 @@ def test_critical_speeds_are_told_bracket_by_bracket():
         "searched": bracket(2000 * RPM, 8000 * RPM),
         "resolution": known(10, "rpm"),
     }
-    assert contact == each | {
+    unknown = {"numerical": None, "damping": None, "onset": ""}
+    assert contact == each | unknown | {
+        "text": "6207–6217, at the cam",
         "kind": "contact-loss",
         "place": "cam",
         "limit": known(0, "N"),
@@ -271,13 +273,16 @@ def test_critical_speeds_are_told_bracket_by_bracket():
         "again": [bracket(690, 8000 * RPM)],
         "runs_count": known(31, "1"),
     }
+    assert floats["engine_speed"] == known(700.4 * 30 / np.pi, "rpm")
+    assert floats["damping"] == bracket(680, 720) and floats["onset"] == "sharp"
     assert floats["begins"] == {
         "from_rest": bracket(700, 701),
         "rising": bracket(720, 721),
         "falling": bracket(690, 691),
     }
     assert (floats["limit"], floats["place"], floats["ends"]) == (known(5e-5, "m"), "valve", None)
-    assert bounce == each | {
+    assert bounce == each | unknown | {
+        "text": "never up to 8000",
         "kind": "bounce",
         "place": "",
         "limit": known(1e-4, "m"),

@@ -100,7 +100,10 @@ def optimum():
 
 
 def from_card():
-    low, high = vt.spring_card.SpringLoad("46 mm", "350 N"), vt.spring_card.SpringLoad("34 mm", "830 N")
+    low, high = (
+        vt.spring_card.SpringLoad("46 mm", "350 N"),
+        vt.spring_card.SpringLoad("34 mm", "830 N"),
+    )
     card = vt.spring_card.CatalogueCard(wire_diameter="4.4 mm", outer_diameter="32 mm", installed_load=low, open_load=high)  # fmt: skip
     return vt.spring_card.spring_from_card(card)
 

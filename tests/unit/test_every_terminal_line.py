@@ -149,10 +149,15 @@ def test_a_sweep_says_the_brackets_of_critical_speeds_and_what_was_not_searched(
     told = lines(study)
     first = next(place for place, line in enumerate(told) if line[0] == "Loss of contact from")
     assert told[first : first + 7] == [
-        ["Loss of contact from", "rpm", "6207–6217 (cam)", "not computed"],
+        ["Loss of contact from", "rpm", "6207–6217, at the cam", "not computed"],
         ["until", "rpm", "6494–6503"],
         ["again", "rpm", "6589–8000"],
-        ["Float from", "rpm", "6685–6694", "not computed"],
+        [
+            "Float from",
+            "rpm",
+            "6688 (6685–6689 numerical, 6493–6876 over damping ×0.6 to ×1.5), sharp",
+            "not computed",
+        ],
         ["until", "rpm", "8000 or more"],
         ["rising / falling speed", "rpm", "6875–6885 / 6589–6599"],
         ["Bounce from", "rpm", "never up to 8000", "not computed"],

@@ -196,7 +196,13 @@ def _study_of(shared: _Shared, draw: int) -> Study:
     if shared.search is None:
         return study
     critical = sweep(
-        case, shared.search, spring_models=models, spring_set=sets, workers=1, limit=WHOLE
+        case,
+        shared.search,
+        spring_models=models,
+        spring_set=sets,
+        workers=1,
+        ranges=False,  # of every drawn law the nominal speed alone
+        limit=WHOLE,
     )
     keep = {
         label: {**study.still.get(label, {}), **_critical(critical, label)}

@@ -256,6 +256,16 @@ def _critical_object(one: CriticalSpeed) -> dict[str, Any]:
             "upper": measured(rpm(found.upper_engine_speed), "rpm"),
         }
 
+    def reach(found: SpeedBracket | None) -> dict[str, Any] | None:
+        """A range; an end beyond the speeds searched is null."""
+        if found is None:
+            return None
+        ends = {"lower": found.lower_engine_speed, "upper": found.upper_engine_speed}
+        return {
+            name: measured(rpm(end), "rpm") if 0 < end < math.inf else None
+            for name, end in ends.items()
+        }
+
     def crossing(found: Crossing | None) -> dict[str, Any] | None:
         return (
             None
@@ -273,6 +283,10 @@ def _critical_object(one: CriticalSpeed) -> dict[str, Any]:
         "searched": bracket(SpeedBracket(one.first_engine_speed, one.last_engine_speed)),
         "resolution": engine_speed_object(one.resolution),
         "engine_speed": engine_speed_object(one.engine_speed) if one.found else None,
+        "numerical": reach(one.numerical),
+        "damping": reach(one.damping),
+        "onset": one.onset,
+        "text": one.text,
         "begins": crossing(one.begins),
         "ends": crossing(one.ends),
         "again": [bracket(each) for each in one.again],

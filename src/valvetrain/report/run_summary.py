@@ -18,6 +18,14 @@ from valvetrain.solution.study import Study
 from valvetrain.system.contract import TRAIN
 
 NOT_COMPUTED = "not computed"
+#: How the ranges of critical speeds came about and what the words for an onset mean.
+RANGES_NOTE = (
+    "Each speed is found inside its bracket to 0.01 rpm and again with 1.5 times the division of the springs, with half the time step "
+    "(numerical) and with the damping of the springs times 0.6 and 1.5, for nobody knows that better than to a factor of two. Sharp: it "
+    "stays where it is; graze: the margin just reaches zero, a tenth of it more or less moves the speed by more than 7.5 %, over the range "
+    "given as numerical; non-repeating: the motion there differs from revolution to revolution, the range reaches from where it keeps control "
+    "to where it loses it every time."
+)
 #: Ranges of further stretches that are named; of more only how many.
 MAX_AGAIN = 2
 
@@ -70,6 +78,7 @@ def critical_notes(study: Study) -> tuple[str, ...]:
         f"change with the motion of the neighbouring speed carried on, rising and falling; brackets of {rpm(one.resolution):.3g} rpm or "
         f"less. Float: valve more than {limits['float']} above its rigid lift, off the cam; bounce: higher than {limits['bounce']}. "
         "A very narrow speed range may be missed.",
+        *((RANGES_NOTE,) if any(row.onset for row in study.critical_speeds) else ()),
     )
 
 

@@ -7,10 +7,18 @@ from __future__ import annotations
 import math
 from bisect import bisect_left, insort
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
+from functools import cache, partial
 from typing import Any
 
 from valvetrain.errors import InputError
+from valvetrain.runs.critical_repeats import (
+    NOMINAL_TOLERANCE,
+    SampleAt,
+    Variant,
+    repeated,
+    variants_of,
+)
 from valvetrain.runs.prepared import (
     Plan,
     PreparedRun,
@@ -41,12 +49,19 @@ STRIDE, AWAY = 4.0, 3.0
 class SpeedSample:
     """The train at one engine speed: ``margins`` by kind (control is lost where not positive),
     ``locations`` of the loss, and the ``orbit`` on which the run ended (None where it cannot be
-    continued).
+    continued). ``measures``: the margin of a kind continued below zero, where it ends there;
+    ``repeats``: whether the motion repeats every cycle.
     """
 
     margins: Mapping[str, float]
     locations: Mapping[str, str]
     orbit: Any = None
+    measures: Mapping[str, float] = field(default_factory=dict)
+    repeats: bool = True
+
+    def measure(self, kind: str) -> float:
+        """What passes zero where control is lost, with a sign on either side."""
+        return self.measures.get(kind, self.margins[kind])
 
     def lost(self, kind: str) -> bool:
         """Whether control is lost."""
@@ -99,6 +114,11 @@ class Search:
                 insort(self._speeds, engine_speed)
             known = self._samples[engine_speed] = self._from(engine_speed, None)
         return known
+
+    @property
+    def samples(self) -> Mapping[float, SpeedSample]:
+        """All samples by engine speed (rad/s)."""
+        return self._samples
 
     def known(self, engine_speed: float) -> SpeedSample:
         """The sample of a speed that has one."""
@@ -242,6 +262,9 @@ class Search:
 RPM = math.pi / 30
 #: Contacts of the drive, from the cam to the valve.
 DRIVE = ("cam", "tappet", "rocker", "valve_tip")
+#: Stiffness (N/m) of a drive at the cam, typical: it continues a contact force below zero by the
+#: gap, to judge how deep control is lost; the speed of zero does not depend on it.
+DRIVE_STIFFNESS = 5e7
 
 
 @dataclass(frozen=True, slots=True)
@@ -250,11 +273,13 @@ class CriticalOptions:
 
     ``resolution``: width (rad/s of the crank) of a bracket. ``float_lift``: lift (m) above the
     rigid one beyond which a train floats. ``bounce_height``: lift (m) beyond which a bounce counts.
+    ``ranges``: repeat each speed with finer numerics and other damping, not the nominal one alone.
     """
 
     resolution: float = 10 * RPM
     float_lift: float = 50e-6
     bounce_height: float = 100e-6
+    ranges: bool = True
 
     def __post_init__(self) -> None:
         examples = {"resolution": "10 rpm", "float_lift": "0.05 mm", "bounce_height": "0.1 mm"}
@@ -280,7 +305,9 @@ class CriticalOptions:
         return {"float": self.float_lift, "bounce": self.bounce_height}.get(kind, 0.0)
 
 
-def read_options(resolution: Given, float_lift: Given, bounce_height: Given) -> CriticalOptions:
+def read_options(
+    resolution: Given, float_lift: Given, bounce_height: Given, ranges: bool = True
+) -> CriticalOptions:
     """Options from "10 rpm" or rad/s, "50 um" or m, or pint quantities.
 
     Raises :class:`InputError` for another unit or what is not positive.
@@ -289,13 +316,16 @@ def read_options(resolution: Given, float_lift: Given, bounce_height: Given) -> 
         si(resolution, "engine_speed", "resolution"),
         si(float_lift, "length", "float_lift"),
         si(bounce_height, "length", "bounce_height"),
+        ranges,
     )
 
 
-def sample_of(solution: Solution, options: CriticalOptions, orbit: Any = None) -> SpeedSample:
+def sample_of(
+    solution: Solution, options: CriticalOptions, orbit: Any = None, missing: float = 0.0
+) -> SpeedSample:
     """Margins of a run of a train: least contact force of the drive while open (N), and lift left
     to float and to bounce (m, at most the limit itself, at least its negative). A run without its
-    numbers has lost control.
+    numbers has lost control. ``missing``: :func:`missing_force` of the run.
     """
     forces = (
         float(solution.statistics.get(f"least_{name}_contact_force", math.nan)) for name in DRIVE
@@ -311,7 +341,25 @@ def sample_of(solution: Solution, options: CriticalOptions, orbit: Any = None) -
     ):
         margins[kind] = max(-limit, limit - float(solution.quantities[name])) if whole else math.nan
     locations = {contact: opened or "run failed", floats: "valve", bounces: "seat"}
-    return SpeedSample(margins, locations, orbit)
+    measures = {contact: margins[contact] or -missing}
+    repeats = solution.status.completed and solution.statistics.get("motion_period_count") == 1
+    return SpeedSample(margins, locations, orbit, measures, repeats)
+
+
+def missing_force(ready: PreparedRun, solution: Solution) -> float:
+    """Force (N) that would about close the largest gap of the drive's contacts while the valve is
+    open, of a run with the events of its integrator; 0 where none opens.
+    """
+    begin, end = ready.window or (0.0, 2 * math.pi)
+    drive = {name.replace("_", " ") for name in DRIVE}
+    gaps = (
+        float(event.details["largest_gap"])
+        for event in solution.events
+        if event.kind == "touch"
+        and event.where in drive
+        and (float(event.details["release_cam_angle"]) - begin) % (2 * math.pi) <= end - begin
+    )
+    return DRIVE_STIFFNESS * max(gaps, default=0.0)
 
 
 def find_critical_speeds(
@@ -348,16 +396,31 @@ def _search(
     index, samples = job
     one, reduced = ready[index], replace(plan, whole=False)
 
-    def run_at(engine_speed: float, orbit: Any) -> SpeedSample:
+    def run(
+        engine_speed: float,
+        orbit: Any = None,
+        variant: Variant = Variant("nominal", one),
+        tolerance: float | None = None,
+    ) -> SpeedSample:
         origin = provenance_of(problem, one.member, engine_speed, plan.created_at)
-        solution, ended = integrate_from(one, engine_speed, reduced, origin, orbit)
-        return sample_of(with_quantities(one, solution, reduced, {}), options, ended)
+        step = variant.time_step(engine_speed, plan.samples)
+        solution, ended = integrate_from(
+            variant.ready, engine_speed, reduced, origin, orbit, time_step=step, tolerance=tolerance
+        )
+        missing = missing_force(variant.ready, solution)
+        numbers = with_quantities(variant.ready, solution, reduced, {})
+        return sample_of(numbers, options, ended, missing)
 
-    search = Search(run_at, samples, options.limits, options.resolution)
-    return tuple(
-        critical_speed(search, kind, one.member.label, min(samples), max(samples), options)
-        for kind in KINDS
-    )
+    def sampler(variant: Variant) -> SampleAt:
+        return cache(partial(run, variant=variant))
+
+    search = Search(run, samples, options.limits, options.resolution)
+    precise = cache(partial(run, tolerance=NOMINAL_TOLERANCE))
+    variants = variants_of(problem, one) if options.ranges else ()
+    repeats = [(each.group, sampler(each)) for each in variants]
+    ends = min(samples), max(samples)
+    rows = [critical_speed(search, kind, one.member.label, *ends, options) for kind in KINDS]
+    return tuple(repeated(row, search, precise, repeats) for row in rows)
 
 
 def critical_speed(

@@ -206,9 +206,13 @@ def integrate_from(
     plan: Plan,
     provenance: Provenance,
     start: Orbit | None = None,
+    *,
+    time_step: float | None = None,
+    tolerance: float | None = None,
 ) -> tuple[Solution, Orbit | None]:
     """As :func:`integrate_point`, of a train from the motion ``start`` of another speed, and the
-    final motion (None without one).
+    final motion (None without one). ``time_step`` (s) and ``tolerance`` of its periodic state:
+    other than the default ones.
     """
     if ready.system is None:
         remedy = "choose another model, or give more of the spring"
@@ -216,11 +220,12 @@ def integrate_from(
     prescribed = isinstance(ready.system, PrescribedSpring)
     if prescribed and (status := _too_many_steps(ready, engine_speed / 2, plan)) is not None:
         return without_channels(status, provenance), None
-    until: Until = Periodic(None if prescribed else plan.cycles_to_settle)
+    until: Until = Periodic(None if prescribed else plan.cycles_to_settle, tolerance=tolerance)
     if prescribed and plan.cycles is not None:
         until = Cycles(plan.cycles)
     options = RunOptions(
         plan.samples,
+        time_step=time_step,
         keep=plan.keep,
         rest=ready.rest,
         window=ready.window,

@@ -24,8 +24,9 @@ CARD_CHAIN, CHAIN, MASSES = "multi-mass", 96.0, 5.0
 ROD = "finite-element"
 #: Points along the wire that a wave model outputs; coils of a wire for which a case gives none.
 POINTS, TYPICAL_COILS = 100.0, 8.0
-#: Runs of the search for the critical speeds of a member, besides its sweep (20 to 115 measured).
-SEARCH_RUNS = 60
+#: Runs of the search for the critical speeds of a member, besides its sweep (20 to 115 measured, as many
+#: again in its ranges).
+SEARCH_RUNS = 120
 #: Seconds of one core per simulated second that a train takes besides its springs.
 TRAIN_TIME = 0.06
 #: Seconds for the statics of a spring alone; typical step (s); bytes of a step during the run, and

@@ -19,6 +19,7 @@ from valvetrain.integrate.contract import Keep
 from valvetrain.parameters.case import Case
 from valvetrain.parameters.steel_contacts import default_contacts
 from valvetrain.runs.at_rest import AtRest, RestSolver, numbers_at_rest
+from valvetrain.runs.between_speeds import between_notes, run_between
 from valvetrain.runs.cost import Limits
 from valvetrain.runs.critical_speeds import CriticalOptions, find_critical_speeds
 from valvetrain.runs.notes import (
@@ -242,6 +243,7 @@ def run_problem(
     at_rest: Later[AtRest] | None = None
     still: dict[str, dict[str, float]] = {}
     ready: tuple[PreparedRun, ...] = ()
+    between: tuple[Solution, ...] = ()
     if problem.kind == TRAIN:
         ready, rest = prepare_trains(problem, speeds, failures)
         part, tell = progress, None
@@ -249,11 +251,15 @@ def run_problem(
             part, tell = _shares(progress)
         solutions, stopped = run_trains(problem, ready, speeds, plan, count, part, finished)
         still = failures.part("numbers of rigid theory", {}, rigid_numbers, problem, ready, speeds)
+        if command == "sweep" and not stopped:
+            name = "runs between the swept speeds"
+            between = failures.part(name, (), run_between, problem, ready, plan, speeds, count)
         if critical is not None and not stopped:
             if tell is not None:
                 tell(0, 1)
+            runs = (*solutions, *between)
             try:
-                found = find_critical_speeds(problem, ready, plan, solutions, critical, count, tell)
+                found = find_critical_speeds(problem, ready, plan, runs, critical, count, tell)
             except PointsStopped as stop:
                 rows = tuple(row for rows in stop.results.values() for row in rows)
                 found, stopped = CriticalSpeeds(rows), True
@@ -277,6 +283,7 @@ def run_problem(
         solutions,
         rest,
         still,
+        notes=between_notes(solutions, between),
         lift_event=problem.lift_event,
         provenance=provenance,
         wall_time=time.perf_counter() - begun,
@@ -314,7 +321,7 @@ def _rest_of_trains(ready: Sequence[PreparedRun]) -> AtRest:
 
 def _completed(study: Study, problem: Problem, failures: PartialFailures) -> Study:
     """The study with its notes, what is published, and a sentence per part that failed."""
-    study = replace(study, notes=failures.part("notes", (), _notes, problem))
+    study = replace(study, notes=failures.part("notes", (), _notes, problem) + study.notes)
     study = failures.part("published values", study, next_to_published, study, problem)
     return replace(study, gaps=failures.sentences)
 

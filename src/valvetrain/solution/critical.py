@@ -1,5 +1,5 @@
-"""Critical engine speeds, at which a train loses control of its valve, as brackets between two
-runs.
+"""Critical engine speeds, at which a train loses control of its valve: value, numerical error,
+range over damping and kind of onset, with the brackets between two runs.
 """
 
 from __future__ import annotations
@@ -21,6 +21,8 @@ KINDS = {
     "bounce": "bounce_engine_speed",
 }
 RPM = math.pi / 30
+#: Factors on the damping of the springs at which critical speeds are repeated.
+DAMPING_FACTORS = (0.6, 1.5)
 
 
 @dataclass(frozen=True, slots=True)
@@ -84,6 +86,16 @@ class CriticalSpeed:
     ``first_engine_speed``. ``ends``: end of that range of speeds, from rest, None where it lasts to
     ``last_engine_speed``. ``again``: further ranges above it, by their lowest and highest sampled
     speed. ``runs_count``: runs of the search besides those of the sweep.
+
+    ``nominal_engine_speed``: the onset itself, inside the bracket; infinite for never.
+    ``numerical``: range of the onset with 1.5 times the division of the springs and with half the
+    time step; ``damping``: with the damping of the springs times 0.6 and 1.5. Both hold the nominal
+    speed, end at 0 where control is lost from ``first_engine_speed`` on and at infinity where it is
+    kept up to ``last_engine_speed``, and are None where they were not computed. ``onset``: ``sharp``;
+    ``graze`` where a tenth of the largest margin more or less moves it by more than 7.5 % of
+    the speed, for a force that just reaches zero (``numerical`` then holds that range too);
+    ``non-repeating`` where the motion does not repeat from cycle to cycle (``numerical`` then
+    reaches from the motion below that repeats and keeps control to that above that loses it).
     """
 
     label: str
@@ -98,14 +110,20 @@ class CriticalSpeed:
     ends: Crossing | None = None
     again: tuple[SpeedBracket, ...] = ()
     runs_count: int = 0
+    nominal_engine_speed: float = math.nan
+    numerical: SpeedBracket | None = None
+    damping: SpeedBracket | None = None
+    onset: str = ""
 
     @property
     def engine_speed(self) -> float:
-        """Lowest speed (rad/s) seen to lose control, started at rest: the upper end of the bracket;
-        NaN where none does.
+        """Speed (rad/s) from which control is lost, started at rest: it moves smoothly with the
+        inputs where the motion repeats. Without it the upper end of the bracket; NaN for never.
         """
         if not self.found:
             return math.nan
+        if math.isfinite(self.nominal_engine_speed):
+            return self.nominal_engine_speed
         return (
             self.first_engine_speed
             if self.begins is None
@@ -113,18 +131,52 @@ class CriticalSpeed:
         )
 
     @property
+    def printed(self) -> SpeedBracket | None:
+        """The numerical error and the range over damping together; None where neither is known."""
+        parts = [one for one in (self.numerical, self.damping) if one is not None]
+        if not parts:
+            return None
+        return SpeedBracket(
+            min(one.lower_engine_speed for one in parts),
+            max(one.upper_engine_speed for one in parts),
+        )
+
+    @property
     def text(self) -> str:
-        """The result in rpm as tables print it: ``7806–7813 (cam)``, ``below 7000 (cam)``, ``never
-        up to 9000``.
+        """The result in rpm as terminal, page and Python print it: ``7302 (7301–7304 numerical,
+        7240–7371 over damping ×0.6 to ×1.5), sharp``, ``below 7000, at the cam``, ``never up to
+        9000``; ``(nominal)`` where nothing was repeated.
         """
         if not self.found:
-            return f"never up to {self.last_engine_speed / RPM:.6g}"
-        speeds = (
-            f"below {self.first_engine_speed / RPM:.6g}"
-            if self.begins is None
-            else str(self.begins.from_rest)
-        )
-        return f"{speeds} ({self.place})" if self.kind == "contact-loss" else speeds
+            speed = f"never up to {self.last_engine_speed / RPM:.6g}"
+        elif self.begins is None:
+            speed = f"below {self.first_engine_speed / RPM:.6g}"
+        elif math.isfinite(self.nominal_engine_speed):
+            speed = f"{self.nominal_engine_speed / RPM:.0f}"
+        else:
+            speed = str(self.begins.from_rest)
+        low, high = self.first_engine_speed, self.last_engine_speed
+        over = "over damping " + " to ".join(f"×{factor:g}" for factor in DAMPING_FACTORS)
+        ranges = [
+            f"{_range_text(one, low, high)} {name}"
+            for one, name in ((self.numerical, "numerical"), (self.damping, over))
+            if one is not None
+        ]
+        if ranges:
+            speed += f" ({', '.join(ranges)})"
+        elif math.isfinite(self.nominal_engine_speed):
+            speed += " (nominal)"
+        place = f"at the {self.place}" if self.found and self.kind == "contact-loss" else ""
+        return ", ".join(filter(None, (speed, self.onset, place)))
+
+
+def _range_text(one: SpeedBracket, first: float, last: float) -> str:
+    """A range in rpm, rounded outwards."""
+    low, high = one.lower_engine_speed, one.upper_engine_speed
+    if math.isinf(low):
+        return f"above {last / RPM:.6g}"
+    below = f"below {first / RPM:.6g}" if low <= 0 else f"{math.floor(round(low / RPM, 3))}"
+    return f"{below} or more" if math.isinf(high) else f"{below}–{math.ceil(round(high / RPM, 3))}"
 
 
 setattr(CriticalSpeed, "words", CriticalSpeed.text)  # noqa: B010  the former name
@@ -198,7 +250,16 @@ class CriticalSpeeds(Shown):
             "place",
             "limit",
             "engine_speed",
+            "onset",
             "first_engine_speed",
             "last_engine_speed",
         )
-        return frame({name: [getattr(one, name) for one in self.rows] for name in plain} | brackets)
+        ranges = {
+            f"{name}_{end}": [
+                float(getattr(getattr(one, name) or missing, end)) for one in self.rows
+            ]
+            for name in ("numerical", "damping")
+            for end in ("lower_engine_speed", "upper_engine_speed")
+        }
+        own = {name: [getattr(one, name) for one in self.rows] for name in plain}
+        return frame(own | ranges | brackets)

@@ -1,0 +1,235 @@
+"""Critical speeds as numbers: the speed inside its bracket, repeated with finer numerics and other
+damping.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+from scipy.optimize import brentq
+
+from valvetrain.integrate.train_leapfrog import SAMPLES
+from valvetrain.integrate.train_run import TrainOptions, runner
+from valvetrain.parameters.installed_spring import InstalledSpring
+from valvetrain.runs.prepared import FAILURES, PreparedRun, prepare
+from valvetrain.runs.refine_trains import divided
+from valvetrain.runs.train_runs import member_statics
+from valvetrain.solution.critical import DAMPING_FACTORS, RPM, CriticalSpeed, SpeedBracket
+from valvetrain.springs.contract import LargeSpring
+from valvetrain.system.problem import Problem
+from valvetrain.system.train_system import TrainSystem
+
+if TYPE_CHECKING:
+    from valvetrain.runs.critical_speeds import Search, SpeedSample
+
+#: Width (rad/s) to which the speed itself is found, and to which its repeats are.
+NOMINAL_WIDTH, REPEAT_WIDTH = 1e-4 * RPM, 0.5 * RPM
+#: Change per cycle at which the runs of the nominal speed repeat: what is left moves it less than
+#: :data:`NOMINAL_WIDTH`.
+NOMINAL_TOLERANCE = 1e-8
+DIVISION, STEP = 1.5, 0.5
+#: First and largest step from the nominal speed in a repeat, and step where motion does not
+#: repeat, over the speed.
+FIRST_STRIDE, LARGEST_STRIDE, SCATTER_STRIDE = 0.0025, 0.01, 0.005
+#: Steps, at most, through speeds whose motion does not repeat; dips of a margin that are looked at
+#: below the nominal speed, and above it.
+MAX_SCATTERED, MAX_DIPS = 10, 8
+#: An onset is a graze where the margin changed by :data:`SMALL` of its largest value moves it up or
+#: down by more than :data:`GRAZE` of the speed: half as far again as inertia, which grows with the
+#: square of speed, would.
+SMALL, GRAZE = 0.1, 0.075
+#: Sample of the train at an engine speed (rad/s).
+SampleAt = Callable[[float], "SpeedSample"]
+#: Continued margin (SI) at an engine speed (rad/s): control is kept where it is positive.
+Measure = Callable[[float], float]
+
+
+@dataclass(frozen=True, eq=False)
+class Variant:
+    """A train whose critical speeds are repeated: its ``group`` (``numerical`` or ``damping``) and
+    its time step over the default one.
+    """
+
+    group: str
+    ready: PreparedRun
+    step: float = 1.0
+
+    def time_step(self, engine_speed: float, samples: int | None) -> float | None:
+        """Its time step (s) at an engine speed (rad/s) with ``samples`` per cam revolution; None for
+        the default one.
+        """
+        if self.step == 1.0:
+            return None
+        assert isinstance(self.ready.system, TrainSystem)
+        chosen = TrainOptions(samples or SAMPLES)
+        own = runner(self.ready.system, engine_speed / 2, chosen, rest=self.ready.rest).time_step
+        return self.step * own * (1 + 1e-9)
+
+
+def variants_of(problem: Problem, one: PreparedRun) -> tuple[Variant, ...]:
+    """The trains of the repeats, without those that cannot run; none for springs whose runs take
+    minutes.
+    """
+    assert isinstance(one.system, TrainSystem)
+    if any(isinstance(spring, LargeSpring) for spring in one.system.springs):
+        return ()
+    member = one.member
+    found = [Variant("numerical", one, STEP)]
+    finer = tuple(divided(member, spring, DIVISION) for spring in member.springs)
+    changed = [("numerical", finer)]
+    for factor in DAMPING_FACTORS:
+        changed.append(("damping", tuple(_damped(spring, factor) for spring in member.springs)))
+    for group, springs in changed:
+        if springs == member.springs:
+            continue
+        other = replace(member, springs=springs)
+        try:
+            ready = prepare(problem, other, member_statics(problem, other), problem.record.study)
+        except FAILURES:
+            continue
+        if ready.system is not None:
+            found.append(Variant(group, ready))
+    return tuple(found)
+
+
+def _damped(spring: InstalledSpring, factor: float) -> InstalledSpring:
+    damping = spring.damping
+    mass, stiffness = factor * damping.mass_damping, factor * damping.stiffness_damping
+    changed = damping.replace(mass_damping=mass, stiffness_damping=stiffness)
+    return replace(spring, damping=changed)
+
+
+def root(measure: Measure, bracket: SpeedBracket, width: float) -> float | None:
+    """Engine speed (rad/s) in a bracket at which a measure passes zero, to ``width``; None where it
+    has one sign at both ends.
+    """
+    known: dict[float, float] = {}
+
+    def at(engine_speed: float) -> float:
+        if engine_speed not in known:
+            # zero and NaN count as lost, which brentq has to see as a sign
+            value = measure(engine_speed)
+            known[engine_speed] = value if value > 0 or value < 0 else -1e-12
+        return known[engine_speed]
+
+    low, high = bracket.lower_engine_speed, bracket.upper_engine_speed
+    if (at(low) > 0) == (at(high) > 0):
+        return None
+    return float(brentq(at, low, high, xtol=width, rtol=1e-14))
+
+
+def dips(kind: str, samples: Mapping[float, SpeedSample], nominal: float) -> tuple[float, ...]:
+    """Sampled speeds at which the measure of a kind is less than at both neighbours, rising: the
+    :data:`MAX_DIPS` least of them below the nominal speed and the :data:`MAX_DIPS` next above it.
+    """
+    speeds = sorted(samples)
+    values = {one: samples[one].measure(kind) for one in speeds}
+    low = [
+        here
+        for below, here, above in zip(speeds, speeds[1:], speeds[2:], strict=False)
+        if values[below] > values[here] < values[above]
+    ]
+    below = sorted((one for one in low if one < nominal), key=values.__getitem__)[:MAX_DIPS]
+    return (*sorted(below), *[one for one in low if one > nominal][:MAX_DIPS])
+
+
+def follow(
+    nominal: float, measure: Measure, ends: tuple[float, float], low: Sequence[float]
+) -> float:
+    """The onset of a changed train: from the nominal one in growing steps to a change, then to
+    :data:`REPEAT_WIDTH`; 0 where control is lost down to the first of ``ends``, infinite where it
+    is kept up to the last.
+
+    ``measure``: positive where control is kept; ``low``: speeds at which that of the unchanged
+    train dips; the lowest of them that the changed train loses comes first.
+    """
+    first, last = ends
+    here = next((one for one in low if one < nominal and not measure(one) > 0), nominal)
+    kept, step = measure(here) > 0, FIRST_STRIDE * nominal
+    while True:
+        if kept:
+            there = min(last, here + step, *(one for one in low if one > here))
+        else:
+            there = max(first, here - step)
+        if there == here:
+            return math.inf if kept else 0.0
+        if (measure(there) > 0) != kept:
+            break
+        here, step = there, min(2 * step, LARGEST_STRIDE * nominal)
+    bracket = SpeedBracket(min(here, there), max(here, there))
+    found = root(measure, bracket, REPEAT_WIDTH)
+    return bracket.upper_engine_speed if found is None else found
+
+
+def scattered(
+    kind: str, nominal: float, sample: SampleAt, ends: tuple[float, float]
+) -> SpeedBracket:
+    """From the next speed below whose motion repeats and keeps control to the next above whose
+    motion repeats and loses it: in between the last revolution decides.
+    """
+    found = []
+    for sign, lost, end in ((-1, False, ends[0]), (1, True, ends[1])):
+        here = nominal
+        for _ in range(MAX_SCATTERED):
+            here = here + sign * SCATTER_STRIDE * nominal
+            here = max(here, end) if sign < 0 else min(here, end)
+            one = sample(here)
+            if here == end or (one.repeats and one.lost(kind) == lost):
+                break
+        found.append(here)
+    return SpeedBracket(*found)
+
+
+def repeated(
+    row: CriticalSpeed,
+    search: Search,
+    precise: SampleAt,
+    repeats: Sequence[tuple[str, SampleAt]],
+) -> CriticalSpeed:
+    """The result of a search with its nominal speed, its numerical error, its range over damping
+    and what kind of onset it is.
+
+    ``precise``: runs to :data:`NOMINAL_TOLERANCE`; ``repeats``: group and runs of every variant.
+    """
+    if row.found and row.begins is None:
+        return row  # control is lost already at the first speed
+    ends, kind = (row.first_engine_speed, row.last_engine_speed), row.kind
+    nominal, steady = math.inf, True
+    if row.begins is not None:
+        bracket = row.begins.from_rest
+        sides = bracket.lower_engine_speed, bracket.upper_engine_speed
+        steady = all(search.known(one).repeats for one in sides)
+        inside = (
+            root(lambda one: precise(one).measure(kind), bracket, NOMINAL_WIDTH) if steady else None
+        )
+        steady = inside is not None
+        nominal = bracket.upper_engine_speed if inside is None else inside
+    row = replace(row, nominal_engine_speed=nominal)
+    if not repeats:
+        return row
+    begin = min(nominal, ends[1])
+    low = dips(kind, search.samples, begin)
+
+    def onset_of(sample: SampleAt, more: float = 0.0) -> float:
+        return follow(begin, lambda one: sample(one).measure(kind) + more, ends, low)
+
+    small = SMALL * max((one.margins[kind] for one in search.samples.values()), default=0.0)
+    moved = [onset_of(search.sample, more) for more in (-small, small)] if steady else []
+    graze = any(abs(one - nominal) > GRAZE * begin for one in moved)
+    if not steady:
+        scatter = scattered(kind, begin, search.sample, ends)
+        moved = [scatter.lower_engine_speed, scatter.upper_engine_speed]
+    values = {"numerical": [nominal, *(moved if graze or not steady else [])], "damping": [nominal]}
+    for group, sample in repeats:
+        # where motion does not repeat, finer numerics give another revolution, not a better one
+        if steady or group == "damping":
+            values[group].append(onset_of(sample))
+    ranges = {group: SpeedBracket(min(some), max(some)) for group, some in values.items()}
+    if all(one.lower_engine_speed == math.inf for one in ranges.values()):
+        return row  # never lost, by every repeat
+    damped = ranges["damping"] if len(values["damping"]) > len(DAMPING_FACTORS) else None
+    onset = "non-repeating" if not steady else "graze" if graze else "sharp"
+    return replace(row, numerical=ranges["numerical"], damping=damped, onset=onset)

@@ -1,0 +1,117 @@
+"""Critical speeds as numbers: smooth in the inputs (property), found again by an optimiser
+(property), independent of grid, model and division within what is printed (limit between models),
+and what a sweep says between its speeds (property). On the pushrod template, of no source.
+"""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scipy.optimize import brentq
+
+import valvetrain as vt
+from valvetrain.solution.critical import RPM
+
+TEMPLATE = Path(vt.__file__).parent / "templates" / "pushrod.toml"
+
+
+#: Speeds around the float of the template on massless springs.
+SPEEDS = "6400:7200:100 rpm"
+
+
+def float_speed(mass: float, speeds: str = SPEEDS, model: str = "massless") -> float:
+    """Float speed (rpm) of the template with a valve of ``mass`` (kg), the nominal value alone."""
+    case = vt.Case(TEMPLATE).set({"train.valve.mass": mass})
+    row = case.critical_speeds(
+        speeds, spring_models=[model], spring_sets=["card"], ranges=False, workers=1
+    ).of("float")
+    assert row is not None and row.begins is not None
+    return row.engine_speed / RPM
+
+
+def slopes(model: str, speeds: str) -> list[float]:
+    """Central differences of the float speed (rpm/kg) by steps of 0.01 and 0.1 %."""
+    mass = 0.145
+    found = []
+    for step in (1e-4 * mass, 1e-3 * mass):
+        high, low = (float_speed(mass + sign * step, speeds, model) for sign in (1, -1))
+        found.append((high - low) / (2 * step))
+    return found
+
+
+def test_the_float_speed_moves_smoothly_with_the_valve_mass() -> None:
+    """It was a staircase of 6.25 rpm: the difference by 0.01 % (0.2 rpm) was zero."""
+    fine, coarse = slopes("massless", SPEEDS)
+    assert fine < 0 and fine == pytest.approx(coarse, rel=0.05)
+
+
+@pytest.mark.long
+def test_the_float_speed_moves_smoothly_with_surge_as_well() -> None:
+    fine, coarse = slopes("modal-uniform", "7200:7400:100 rpm")
+    assert fine < 0 and fine == pytest.approx(coarse, rel=0.05)
+
+
+@pytest.mark.long
+def test_an_optimiser_finds_the_valve_mass_of_a_float_speed() -> None:
+    target = float_speed(0.1401, SPEEDS)
+    mass = brentq(lambda one: float_speed(one, SPEEDS) - target, 0.138, 0.147, xtol=1e-6)
+    assert float_speed(mass, SPEEDS) == pytest.approx(target, abs=1.0)
+    assert mass == pytest.approx(0.1401, abs=1e-5)
+
+
+def test_a_sweep_says_what_lies_between_its_speeds() -> None:
+    """Between 6000 and 6500 rpm order 7 of the surge unloads the spring altogether."""
+    study = vt.sweep(
+        str(TEMPLATE),
+        "6000:6500:500 rpm",
+        spring_sets=["card"],
+        critical_speeds=False,
+        workers=1,
+    )
+    note = next(note for note in study.notes if "between the speeds of the sweep" in note)
+    assert re.search(r"minimum spring force 0 N at 64\d\d rpm \(\d+\.\d+ N at 6500 rpm\)", note)
+    assert len(study.solutions) == 2  # files and pages hold the speeds that were requested
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("spring_set", ["card", "wire"])
+def test_other_grids_models_and_divisions_lie_inside_what_is_printed(spring_set: str) -> None:
+    case = vt.Case(TEMPLATE)
+    printed = case.critical_speeds("3000:9000:500 rpm", spring_sets=[spring_set], workers=1)
+    others = [
+        case.critical_speeds(
+            f"3000:9000:{step} rpm", spring_sets=[spring_set], ranges=False, workers=1
+        )
+        for step in (250, 100)
+    ]
+    if spring_set == "card":
+        for options in (
+            {"multi-mass": {"elements": 48}},
+            {"modal-uniform": {"modes": 20}},
+        ):
+            ((model, table),) = options.items()
+            ((name, value),) = table.items()
+            changed = case.set({f"train.springs.card.0.options.{model}.{name}": value})
+            others.append(
+                changed.critical_speeds(
+                    "3000:9000:500 rpm",
+                    spring_models=[model],
+                    spring_sets=[spring_set],
+                    ranges=False,
+                    workers=1,
+                )
+            )
+    missed = []
+    for row in printed:
+        inside = row.printed
+        assert inside is not None, row
+        for other in others:
+            one = other.of(row.kind)
+            assert one is not None
+            low, high = inside.lower_engine_speed - RPM, inside.upper_engine_speed + RPM
+            if not low <= (one.engine_speed if one.found else np.inf) <= high:
+                missed.append(f"{row.kind} {row.text}: {one.text}")
+    assert not missed
