@@ -26,6 +26,7 @@ KINDS: dict[str, tuple[str, str]] = {
     "quantities": ("valvetrain.quantities", "table of quantities"),
     "sections": ("valvetrain.sections", "section of the report"),
     "figures": ("valvetrain.figures", "figure"),
+    "reports": ("valvetrain.reports", "report of a result"),
     "commands": ("valvetrain.commands", "command"),
     "lift_formats": ("valvetrain.lift_formats", "form of lift files"),
     "rig_formats": ("valvetrain.rig_formats", "form of recordings"),
@@ -77,6 +78,8 @@ BUILT_IN["figures"] = {
     "static_curve": "valvetrain.report.run_charts:plot_static_curve",
     "modes": "valvetrain.report.run_charts:plot_modes",
 }
+#: Kind of result -> what writes the files of its ``report()``.
+BUILT_IN["reports"] = {"study": "valvetrain.report.study:write_study"}
 BUILT_IN["integrators"] = {
     "train-leapfrog": "valvetrain.integrate.train_leapfrog:SPEC",  # before those that a train never needs, so that they are not loaded
     "harmonic": "valvetrain.integrate.harmonic:SPEC",

@@ -24,9 +24,12 @@ from valvetrain.explore.trial import CASE_SEED, Array, Trial, beats, best_of, fr
 from valvetrain.parameters.case import Case
 from valvetrain.parameters.toml_text import toml_text
 from valvetrain.solution.atomic import write_bytes
+from valvetrain.solution.saveable import Saveable
 
 if TYPE_CHECKING:
     import xarray
+
+    from valvetrain.report.study import StudyFiles
 
 #: A varied quantity is at an end of its range, and a bound is active, within these shares of them.
 AT_END, ACTIVE = 0.01, 0.01
@@ -71,7 +74,7 @@ class Design:
 
 
 @dataclass(frozen=True, eq=False)
-class Optimum:
+class Optimum(Saveable):
     """``trials`` of all searches in order, the ``case`` itself first; chosen ``designs``, the best
     first.
 
@@ -102,6 +105,18 @@ class Optimum:
     seconds: float = 0.0
     finished: bool = True
     seeds: tuple[int, ...] = ()
+
+    def report(self, folder: str | Path) -> StudyFiles:
+        """Write its page and data files to ``folder``. Raises :class:`InputError` for a folder that
+        cannot be written.
+        """
+        from valvetrain.explore.optimum_page import write_optimum
+        from valvetrain.report.study import files_of
+        from valvetrain.solution.partial_failures import PartialFailures
+
+        failures = PartialFailures()
+        files, _ = write_optimum(self, Path(folder), failures)
+        return files_of(Path(folder), files, failures.sentences)
 
     @property
     def best(self) -> Design | None:

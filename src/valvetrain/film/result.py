@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,12 +13,16 @@ from valvetrain.film.cycles import SPOKEN_OF, TURN, CamPhase, CoilPeak
 from valvetrain.film.space_time import SpaceTime
 from valvetrain.film.surge import SurgeFit
 from valvetrain.measured.cycles import MeasuredCycles
+from valvetrain.solution.saveable import Saveable
+
+if TYPE_CHECKING:
+    from valvetrain.report.study import StudyFiles
 
 Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
-class CoilMotion:
+class CoilMotion(Saveable):
     """What a film tells of a spring. Coils are counted from the seat; displacements are positive
     towards it, from rest in the dwell.
 
@@ -57,6 +63,16 @@ class CoilMotion:
     scale_spread: float
     drift: Array
     notes: tuple[str, ...]
+
+    def report(self, folder: str | Path) -> StudyFiles:
+        """Write its page and data files to ``folder``. Raises :class:`InputError` for a folder that
+        cannot be written.
+        """
+        from valvetrain.film.page import film_page, write_film
+        from valvetrain.report.study import with_page
+
+        target = Path(folder)
+        return with_page(film_page(self, None), target, write_film(self, None, target))
 
     @property
     def time(self) -> Array:

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,6 +14,10 @@ from valvetrain.rig.alignment import LiftAlignment
 from valvetrain.rig.channels import RigQuantity
 from valvetrain.rig.cutting import CycleGrid
 from valvetrain.rig.shaft import ShaftAngle
+from valvetrain.solution.saveable import Saveable
+
+if TYPE_CHECKING:
+    from valvetrain.report.study import StudyFiles
 
 Array = NDArray[np.float64]
 #: 97.5 % point of Student's distribution for 1, 2, ... degrees of freedom; 1.96 beyond.
@@ -66,7 +72,7 @@ class RigChannelCycles:
 
 
 @dataclass(frozen=True, eq=False)
-class RigResult:
+class RigResult(Saveable):
     """Cycles of a recording, as :func:`valvetrain.rig_cycles` returns them.
 
     Parameters
@@ -99,6 +105,16 @@ class RigResult:
     alignment: LiftAlignment | None
     synthetic: bool
     notes: tuple[str, ...]
+
+    def report(self, folder: str | Path) -> StudyFiles:
+        """Write its page and data files to ``folder``. Raises :class:`InputError` for a folder that
+        cannot be written.
+        """
+        from valvetrain.report.study import with_page
+        from valvetrain.rig.page import rig_page, write_rig
+
+        target = Path(folder)
+        return with_page(rig_page(self.name, self), target, write_rig(self, target))
 
     @property
     def cycles(self) -> tuple[MeasuredCycles, ...]:

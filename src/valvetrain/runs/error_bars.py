@@ -14,6 +14,7 @@ from valvetrain.errors import InputError
 from valvetrain.runs.stopping import PointsStopped, Stopped
 from valvetrain.runs.workers import map_points
 from valvetrain.solution.provenance import CaseRecord
+from valvetrain.solution.saveable import Saveable
 
 #: Factors on the coil contact stiffness (7e9 to 5e10 Pa for 2e10) and damping time (0 to 2 us for 1
 #: us) of a spring.
@@ -60,7 +61,7 @@ class Uncertainty:
 
 
 @dataclass(frozen=True)
-class UncertaintyStudy:
+class UncertaintyStudy(Saveable):
     """Error bars of a case, the meshes behind them (none: a train) and every number by variant,
     speed and quantity.
 

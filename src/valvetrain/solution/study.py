@@ -6,12 +6,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from valvetrain.errors import InputError, UnknownNameError
+from valvetrain.registry import find
 from valvetrain.solution.comparison import Comparison, Finding
 from valvetrain.solution.critical import CriticalSpeeds
 from valvetrain.solution.definition import is_defined
@@ -28,6 +30,7 @@ from valvetrain.solution.quantity import (
     unit_of,
 )
 from valvetrain.solution.result import Solution
+from valvetrain.solution.saveable import Saveable
 from valvetrain.solution.static import SpringAtRest
 from valvetrain.units import Given
 
@@ -48,7 +51,7 @@ class LiftEvent:
 
 
 @dataclass(frozen=True, eq=False)
-class Study:
+class Study(Saveable):
     """Points times models -> solutions, with what follows from them.
 
     ``command``: ``run``, ``compare`` or ``sweep``. ``solutions``: one per run, reduced in a sweep.
@@ -81,6 +84,10 @@ class Study:
     critical_speeds: CriticalSpeeds = field(default_factory=CriticalSpeeds)
     gaps: LaterField[tuple[str, ...]] = LaterField(tuple)
     fidelity: FidelityMap = field(default_factory=FidelityMap)
+
+    def report(self, folder: str | Path, **options: Any) -> Any:
+        """Write its page and data files to ``folder``, as :func:`valvetrain.write_study`."""
+        return find("reports", "study")(self, folder, **options)
 
     def __repr__(self) -> str:
         found = self.quantities

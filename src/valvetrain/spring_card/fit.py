@@ -12,6 +12,7 @@ import numpy as np
 from valvetrain.errors import InputError
 from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.parameters.spring import SpringDefinition
+from valvetrain.solution.saveable import Saveable
 from valvetrain.spring_card.card import (
     GROUND,
     INACTIVE,
@@ -38,7 +39,7 @@ class CardDeviation:
 
 
 @dataclass(frozen=True)
-class SpringFit:
+class SpringFit(Saveable):
     """A spring that meets its card: the ``spring`` as installed, its numbers and the card's, and
     what the card left ``free``.
 
