@@ -26,7 +26,7 @@ KINDS: dict[str, tuple[str, str]] = {
     "quantities": ("valvetrain.quantities", "table of quantities"),
     "sections": ("valvetrain.sections", "section of the report"),
     "figures": ("valvetrain.figures", "figure"),
-    "reports": ("valvetrain.reports", "report of a result"),
+    "files": ("valvetrain.files", "writer of a result"),
     "commands": ("valvetrain.commands", "command"),
     "lift_formats": ("valvetrain.lift_formats", "form of lift files"),
     "rig_formats": ("valvetrain.rig_formats", "form of recordings"),
@@ -78,8 +78,18 @@ BUILT_IN["figures"] = {
     "static_curve": "valvetrain.report.run_charts:plot_static_curve",
     "modes": "valvetrain.report.run_charts:plot_modes",
 }
-#: Kind of result -> what writes the files of its ``report()``.
-BUILT_IN["reports"] = {"study": "valvetrain.report.study:write_study"}
+#: Kind of result -> what writes the files of its ``save()`` (any result) or ``report()``.
+BUILT_IN["files"] = {
+    "result": "valvetrain.solution.netcdf:save_result",
+    "study": "valvetrain.report.study:write_study",
+    "points": "valvetrain.explore.study_page:report_points",
+    "optimum": "valvetrain.explore.optimum_page:report_optimum",
+    "identification": "valvetrain.explore.identification_page:report_identification",
+    "film": "valvetrain.film.page:report_film",
+    "rig": "valvetrain.rig.page:report_rig",
+    "scan": "valvetrain.scan.page:report_scan",
+    "compare-test": "valvetrain.compare_test.page:report_compare_test",
+}
 BUILT_IN["integrators"] = {
     "train-leapfrog": "valvetrain.integrate.train_leapfrog:SPEC",  # before those that a train never needs, so that they are not loaded
     "harmonic": "valvetrain.integrate.harmonic:SPEC",

@@ -12,11 +12,12 @@ from valvetrain.errors import InputError
 from valvetrain.parameters.identity import function_text
 
 if TYPE_CHECKING:
-    from valvetrain.api.case import Case
     from valvetrain.explore.experiment import Experiment
     from valvetrain.solution.study import Study
 
 Output = str | Callable[..., float]
+#: A case with its verbs (:class:`valvetrain.Case`), whose module this one serves.
+CaseWithVerbs = Any
 
 
 def is_object(item: Any) -> bool:
@@ -40,7 +41,7 @@ class StudyPoint:
 
     def __init__(
         self,
-        case: Case,
+        case: CaseWithVerbs,
         outputs: Sequence[Output],
         objects: Mapping[str, Sequence[Any]],
         engine_speed: Any,
@@ -88,7 +89,7 @@ class StudyPoint:
             )
         return {name_of(one): self._number(one, found, case) for one in self.outputs}
 
-    def _number(self, output: Output, found: Study, case: Case) -> float:
+    def _number(self, output: Output, found: Study, case: CaseWithVerbs) -> float:
         (run,) = found.solutions
         if not run.status.completed:
             raise InputError(run.status.sentence())
@@ -101,7 +102,7 @@ class StudyPoint:
 
 
 def experiment_of_points(
-    case: Case,
+    case: CaseWithVerbs,
     varied: Mapping[str, Any],
     outputs: Sequence[Output],
     engine_speeds: Any,

@@ -7,8 +7,6 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -47,18 +45,15 @@ from valvetrain.runs.workers import Progress
 from valvetrain.solution.display import table
 from valvetrain.solution.quantity import same_speed
 from valvetrain.solution.result import Solution
-from valvetrain.solution.saveable import Saveable
+from valvetrain.solution.saveable import Reported
 from valvetrain.solution.study import Study
 from valvetrain.system.build import build
 from valvetrain.system.problem import Problem
 from valvetrain.units import Given, si
 
-if TYPE_CHECKING:
-    from valvetrain.report.study import StudyFiles
-
 
 @dataclass(frozen=True, eq=False)
-class ModelAgainstTest(Saveable):
+class ModelAgainstTest(Reported):
     """Result of the comparison of a model with a test.
 
     ``runs`` are sorted, the nearest to the test first; ``closer`` compares each with the nearest.
@@ -73,22 +68,14 @@ class ModelAgainstTest(Saveable):
     'One cycle shows no scatter, so there is no F-test; give two or more repeats.'
     """
 
+    report_word = "compare-test"
+
     study: Study
     test: MeasuredCycles | ValueTable
     runs: tuple[RunAgainstTest, ...]
     closer: tuple[CloserRow, ...] = ()
     notes: tuple[str, ...] = ()
     failures: tuple[str, ...] = ()
-
-    def report(self, folder: str | Path) -> StudyFiles:
-        """Write its page and data files to ``folder``. Raises :class:`InputError` for a folder that
-        cannot be written.
-        """
-        from valvetrain.compare_test.page import compare_test_page, write_compare_test
-        from valvetrain.report.study import with_page
-
-        target = Path(folder)
-        return with_page(compare_test_page(self), target, write_compare_test(self, target))
 
     @property
     def best(self) -> RunAgainstTest:

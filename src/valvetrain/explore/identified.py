@@ -7,7 +7,6 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from importlib import import_module
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -18,12 +17,11 @@ from valvetrain.explore.draws import Information, even_draws
 from valvetrain.explore.least_squares import Profile
 from valvetrain.explore.posterior import Datum, Outcome, Posterior, Unknown
 from valvetrain.solution.display import table
-from valvetrain.solution.saveable import Saveable
+from valvetrain.solution.saveable import Reported
 
 if TYPE_CHECKING:
     import xarray
 
-    from valvetrain.report.study import StudyFiles
 
 Array = NDArray[np.float64]
 #: Scatters within which a datum is met.
@@ -235,7 +233,7 @@ class Prediction:
 
 
 @dataclass(frozen=True, eq=False)
-class Identified(Saveable):
+class Identified(Reported):
     """The answer of :func:`valvetrain.identify`. SI throughout.
 
     ``branches``, the most probable first; ``values`` (draw, quantity) with ``weights`` (draw) and
@@ -258,6 +256,8 @@ class Identified(Saveable):
     50
     """
 
+    report_word = "identification"
+
     method: str
     unknowns: tuple[Unknown, ...]
     branches: tuple[Branch, ...]
@@ -278,17 +278,6 @@ class Identified(Saveable):
     wall_time: float = field(default=0.0, compare=False)
     name: str = ""
     conflicts: tuple[Conflict, ...] = ()
-
-    def report(self, folder: str | Path) -> StudyFiles:
-        """Write its page and data files to ``folder``. Raises :class:`InputError` for a folder that
-        cannot be written.
-        """
-        from valvetrain.explore.identification_page import write_identification
-        from valvetrain.report.study import files_of
-
-        return files_of(
-            Path(folder), write_identification(self, Path(folder), self.name or "identification")
-        )
 
     @property
     def names(self) -> tuple[str, ...]:

@@ -24,12 +24,11 @@ from valvetrain.explore.trial import CASE_SEED, Array, Trial, beats, best_of, fr
 from valvetrain.parameters.case import Case
 from valvetrain.parameters.toml_text import toml_text
 from valvetrain.solution.atomic import write_bytes
-from valvetrain.solution.saveable import Saveable
+from valvetrain.solution.saveable import Reported
 
 if TYPE_CHECKING:
     import xarray
 
-    from valvetrain.report.study import StudyFiles
 
 #: A varied quantity is at an end of its range, and a bound is active, within these shares of them.
 AT_END, ACTIVE = 0.01, 0.01
@@ -74,7 +73,7 @@ class Design:
 
 
 @dataclass(frozen=True, eq=False)
-class Optimum(Saveable):
+class Optimum(Reported):
     """``trials`` of all searches in order, the ``case`` itself first; chosen ``designs``, the best
     first.
 
@@ -96,6 +95,8 @@ class Optimum(Saveable):
     True
     """
 
+    report_word = "optimum"
+
     plan: OptimumPlan
     case: Trial
     trials: tuple[Trial, ...]
@@ -105,18 +106,6 @@ class Optimum(Saveable):
     seconds: float = 0.0
     finished: bool = True
     seeds: tuple[int, ...] = ()
-
-    def report(self, folder: str | Path) -> StudyFiles:
-        """Write its page and data files to ``folder``. Raises :class:`InputError` for a folder that
-        cannot be written.
-        """
-        from valvetrain.explore.optimum_page import write_optimum
-        from valvetrain.report.study import files_of
-        from valvetrain.solution.partial_failures import PartialFailures
-
-        failures = PartialFailures()
-        files, _ = write_optimum(self, Path(folder), failures)
-        return files_of(Path(folder), files, failures.sentences)
 
     @property
     def best(self) -> Design | None:

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -19,7 +18,7 @@ from valvetrain.explore.space import Space
 from valvetrain.parameters.case import Case
 from valvetrain.solution.definition import definition_of, label_of, not_given
 from valvetrain.solution.display import frame
-from valvetrain.solution.saveable import Saveable
+from valvetrain.solution.saveable import Reported
 from valvetrain.solution.status import Status
 
 if TYPE_CHECKING:
@@ -27,7 +26,6 @@ if TYPE_CHECKING:
     import xarray
 
     from valvetrain.explore.sensitivity import Sensitivity, Surrogate
-    from valvetrain.report.study import StudyFiles
 
 Array = NDArray[np.float64]
 
@@ -91,7 +89,7 @@ class StudyPlan:
 
 
 @dataclass(frozen=True, eq=False)
-class StudyTable(Saveable):
+class StudyTable(Reported):
     """``inputs`` (n, d) and ``values`` (n, m), both SI, nan for what a point does not have;
     ``runs`` and ``statuses`` (n).
 
@@ -112,6 +110,8 @@ class StudyTable(Saveable):
     (True, 3)
     """
 
+    report_word = "points"
+
     plan: StudyPlan
     inputs: Array
     runs: tuple[Run, ...]
@@ -123,18 +123,6 @@ class StudyTable(Saveable):
     seconds: float = 0.0
     limit_speeds: Mapping[str, Array] = field(default_factory=dict)
     converged: bool | None = None
-
-    def report(self, folder: str | Path) -> StudyFiles:
-        """Write its page and data files to ``folder``. Raises :class:`InputError` for a folder that
-        cannot be written.
-        """
-        from valvetrain.explore.study_page import write_points
-        from valvetrain.report.study import files_of
-        from valvetrain.solution.partial_failures import PartialFailures
-
-        failures = PartialFailures()
-        files, _ = write_points(self, Path(folder), failures)
-        return files_of(Path(folder), files, failures.sentences)
 
     def __len__(self) -> int:
         return len(self.inputs)

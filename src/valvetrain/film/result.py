@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,16 +11,13 @@ from valvetrain.film.cycles import SPOKEN_OF, TURN, CamPhase, CoilPeak
 from valvetrain.film.space_time import SpaceTime
 from valvetrain.film.surge import SurgeFit
 from valvetrain.measured.cycles import MeasuredCycles
-from valvetrain.solution.saveable import Saveable
-
-if TYPE_CHECKING:
-    from valvetrain.report.study import StudyFiles
+from valvetrain.solution.saveable import Reported
 
 Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
-class CoilMotion(Saveable):
+class CoilMotion(Reported):
     """What a film tells of a spring. Coils are counted from the seat; displacements are positive
     towards it, from rest in the dwell.
 
@@ -47,6 +42,8 @@ class CoilMotion(Saveable):
     ['displacement', 'cycles', 'peaks']
     """
 
+    report_word = "film"
+
     seen: SpaceTime
     places: Array
     spread: Array
@@ -63,16 +60,6 @@ class CoilMotion(Saveable):
     scale_spread: float
     drift: Array
     notes: tuple[str, ...]
-
-    def report(self, folder: str | Path) -> StudyFiles:
-        """Write its page and data files to ``folder``. Raises :class:`InputError` for a folder that
-        cannot be written.
-        """
-        from valvetrain.film.page import film_page, write_film
-        from valvetrain.report.study import with_page
-
-        target = Path(folder)
-        return with_page(film_page(self, None), target, write_film(self, None, target))
 
     @property
     def time(self) -> Array:

@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,10 +12,7 @@ from valvetrain.rig.alignment import LiftAlignment
 from valvetrain.rig.channels import RigQuantity
 from valvetrain.rig.cutting import CycleGrid
 from valvetrain.rig.shaft import ShaftAngle
-from valvetrain.solution.saveable import Saveable
-
-if TYPE_CHECKING:
-    from valvetrain.report.study import StudyFiles
+from valvetrain.solution.saveable import Reported
 
 Array = NDArray[np.float64]
 #: 97.5 % point of Student's distribution for 1, 2, ... degrees of freedom; 1.96 beyond.
@@ -72,7 +67,7 @@ class RigChannelCycles:
 
 
 @dataclass(frozen=True, eq=False)
-class RigResult(Saveable):
+class RigResult(Reported):
     """Cycles of a recording, as :func:`valvetrain.rig_cycles` returns them.
 
     Parameters
@@ -93,6 +88,8 @@ class RigResult(Saveable):
     ['channels', 'offset']
     """
 
+    report_word = "rig"
+
     name: str
     form: str
     channels: tuple[RigChannelCycles, ...]
@@ -105,16 +102,6 @@ class RigResult(Saveable):
     alignment: LiftAlignment | None
     synthetic: bool
     notes: tuple[str, ...]
-
-    def report(self, folder: str | Path) -> StudyFiles:
-        """Write its page and data files to ``folder``. Raises :class:`InputError` for a folder that
-        cannot be written.
-        """
-        from valvetrain.report.study import with_page
-        from valvetrain.rig.page import rig_page, write_rig
-
-        target = Path(folder)
-        return with_page(rig_page(self.name, self), target, write_rig(self, target))
 
     @property
     def cycles(self) -> tuple[MeasuredCycles, ...]:

@@ -5,17 +5,12 @@ the spring definition.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from valvetrain.parameters.spring import SpringDefinition
-from valvetrain.solution.saveable import Saveable
-
-if TYPE_CHECKING:
-    from valvetrain.report.study import StudyFiles
+from valvetrain.solution.saveable import Reported
 
 Array = NDArray[np.float64]
 
@@ -76,7 +71,7 @@ class ScannedEnd:
 
 
 @dataclass(frozen=True, eq=False)
-class ScannedSpring(Saveable):
+class ScannedSpring(Reported):
     """A spring out of a scan, made by :func:`spring_from_scan`; SI.
 
     ``definition``: the spring for a case; ``curves``, ``section``, ``lower_end`` and ``upper_end``:
@@ -91,6 +86,8 @@ class ScannedSpring(Saveable):
     >>> ScannedEnd("closed-ground", 900, 0.01, 0.002).kind
     'closed-ground'
     """
+
+    report_word = "scan"
 
     source: str
     form: str
@@ -111,16 +108,6 @@ class ScannedSpring(Saveable):
     points_on_wire: int
     shown: Array
     notes: tuple[str, ...]
-
-    def report(self, folder: str | Path) -> StudyFiles:
-        """Write its page and data files to ``folder``. Raises :class:`InputError` for a folder that
-        cannot be written.
-        """
-        from valvetrain.report.study import with_page
-        from valvetrain.scan.page import scan_page, scan_text, write_scan
-
-        target = Path(folder)
-        return with_page(scan_page(self), target, write_scan(self, target, scan_text(self)))
 
     @property
     def hand(self) -> str:

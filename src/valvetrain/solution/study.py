@@ -6,14 +6,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from valvetrain.errors import InputError, UnknownNameError
-from valvetrain.registry import find
 from valvetrain.solution.comparison import Comparison, Finding
 from valvetrain.solution.critical import CriticalSpeeds
 from valvetrain.solution.definition import is_defined
@@ -30,7 +28,7 @@ from valvetrain.solution.quantity import (
     unit_of,
 )
 from valvetrain.solution.result import Solution
-from valvetrain.solution.saveable import Saveable
+from valvetrain.solution.saveable import Reported
 from valvetrain.solution.static import SpringAtRest
 from valvetrain.units import Given
 
@@ -51,7 +49,7 @@ class LiftEvent:
 
 
 @dataclass(frozen=True, eq=False)
-class Study(Saveable):
+class Study(Reported):
     """Points times models -> solutions, with what follows from them.
 
     ``command``: ``run``, ``compare`` or ``sweep``. ``solutions``: one per run, reduced in a sweep.
@@ -70,6 +68,8 @@ class Study(Saveable):
       quantities (1): preload 301.5 N
     """
 
+    report_word = "study"
+
     record: CaseRecord
     command: str = "run"
     solutions: tuple[Solution, ...] = ()
@@ -84,10 +84,6 @@ class Study(Saveable):
     critical_speeds: CriticalSpeeds = field(default_factory=CriticalSpeeds)
     gaps: LaterField[tuple[str, ...]] = LaterField(tuple)
     fidelity: FidelityMap = field(default_factory=FidelityMap)
-
-    def report(self, folder: str | Path, **options: Any) -> Any:
-        """Write its page and data files to ``folder``, as :func:`valvetrain.write_study`."""
-        return find("reports", "study")(self, folder, **options)
 
     def __repr__(self) -> str:
         found = self.quantities
