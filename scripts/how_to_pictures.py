@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 import valvetrain as vt
+from valvetrain.cam import build_lift_law
 from valvetrain.parameters.case import Case
 from valvetrain.quantities.cycle import reported_cycle
 from valvetrain.report import theme
@@ -326,8 +327,8 @@ def tappet_force() -> tuple[str, tuple[Panel, ...]]:
 
 
 def smoothed_lobe() -> tuple[str, tuple[Panel, ...]]:
-    lobe = vt.read_lift(EXAMPLES / "lobe.csv")[0]
-    smooth = vt.smooth_lift(lobe.cam_angles, lobe.lifts)
+    lobe = vt.measured.read_lift(EXAMPLES / "lobe.csv")[0]
+    smooth = vt.measured.smooth_lift(lobe.cam_angles, lobe.lifts)
     angle = np.radians(np.arange(115.0, 245.01, 0.5))
     to_degrees = 1e6 * np.radians(1.0) ** 2
     mean, spread = smooth.lift(angle, 2) * to_degrees, 1.96 * smooth.spread(angle, 2) * to_degrees
@@ -347,7 +348,7 @@ def smoothed_lobe() -> tuple[str, tuple[Panel, ...]]:
 def reference_heights() -> tuple[str, tuple[Panel, ...]]:
     case = template("pushrod")
     run = vt.simulate(case, "3000 rpm").solutions[0]
-    law, angle = vt.build_lift_law(case.lift_law), np.radians(np.arange(0.0, 360.0, 0.5))
+    law, angle = build_lift_law(case.lift_law), np.radians(np.arange(0.0, 360.0, 0.5))
     cam = np.degrees(angle)
     lobe = line(cam, 1e3 * law.lift(angle), "lobe", BLUE)
     valve = line(*over_angle(run, "rigid_valve_lift", 1e3), "valve, rigid parts", ORANGE)

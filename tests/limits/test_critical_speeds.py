@@ -117,7 +117,7 @@ def oscillator() -> TrainSystem:
         direct(model="single-mass", lash=0.0, gravity=(0.0, 0.0)), law, "valve"
     )
     cam = mechanism.interactions[mechanism.interaction_index("cam")]
-    contact = vt.build_contact_law("linear", contact_stiffness=CONTACT, damping=DAMPING)
+    contact = vt.contact.build_contact_law("linear", contact_stiffness=CONTACT, damping=DAMPING)
     body = replace(mechanism.coordinates[0], mass=MASS, force=0.0, damping=0.0, friction=0.0)
     mechanism = replace(mechanism, coordinates=(body,), interactions=(replace(cam, law=contact),))
     return TrainSystem(mechanism, (MasslessSpring(RATE, PRELOAD, 0.0),), name="oscillator")

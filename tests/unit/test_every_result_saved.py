@@ -24,7 +24,9 @@ import sample_scan
 
 JOB = vt.Case("job-t")
 ANGLE = np.linspace(0.0, 2 * np.pi, 90, endpoint=False)
-LEVEL = vt.MeasuredCycles("valve_lift", "m", ANGLE, np.full((2, 90), 1e-3), cam_speed=150.0)
+LEVEL = vt.measured.MeasuredCycles(
+    "valve_lift", "m", ANGLE, np.full((2, 90), 1e-3), cam_speed=150.0
+)
 
 
 def content(item):
@@ -57,15 +59,18 @@ def optimum():
 
 def identified():
     return vt.identify(
-        {"rate": vt.Prior("uniform", 20e3, 60e3)}, [vt.Datum("force", 280.0, 2.0)],
+        {"rate": vt.explore.Prior("uniform", 20e3, 60e3)}, [vt.explore.Datum("force", 280.0, 2.0)],
         lambda points: [{"force": 7e-3 * rate} for (rate,) in points],
     )  # fmt: skip
 
 
 def fitted():
-    low, high = vt.SpringLoad("46 mm", "350 N"), vt.SpringLoad("34 mm", "830 N")
-    return vt.spring_from_card(
-        vt.CatalogueCard(
+    low, high = (
+        vt.spring_card.SpringLoad("46 mm", "350 N"),
+        vt.spring_card.SpringLoad("34 mm", "830 N"),
+    )
+    return vt.spring_card.spring_from_card(
+        vt.spring_card.CatalogueCard(
             wire_diameter="4.4 mm", outer_diameter="32 mm", installed_load=low, open_load=high
         )
     )
@@ -74,7 +79,9 @@ def fitted():
 def smoothed():
     angles = np.radians(np.arange(90.0, 271.0))
     lifts = 9e-3 * np.clip(1 - ((angles - np.pi) / np.radians(60)) ** 2, 0, None) ** 3
-    return vt.smooth_lift(angles, lifts + np.random.default_rng(1).normal(0, 3e-6, len(angles)))
+    return vt.measured.smooth_lift(
+        angles, lifts + np.random.default_rng(1).normal(0, 3e-6, len(angles))
+    )
 
 
 def recorded():
@@ -86,8 +93,8 @@ def recorded():
     )
     with TemporaryDirectory() as folder:
         sample_rig.WRITERS["rig.csv"](Path(folder) / "rig.csv", records)
-        answers = vt.RigAnswers(angle_of="crank", encoder="Crank angle")
-        return vt.rig_cycles(Path(folder) / "rig.csv", answers)
+        answers = vt.rig.RigAnswers(angle_of="crank", encoder="Crank angle")
+        return vt.rig.rig_cycles(Path(folder) / "rig.csv", answers)
 
 
 def scanned():
@@ -96,15 +103,15 @@ def scanned():
     )
     with TemporaryDirectory() as folder:
         (Path(folder) / "scan.ply").write_bytes(sample_scan.ply(points))
-        return vt.spring_from_scan(Path(folder) / "scan.ply")
+        return vt.scan.spring_from_scan(Path(folder) / "scan.ply")
 
 
 RESULTS = {
     "static curve": lambda: JOB.static(steps=8),
     "spring at rest": lambda: vt.simulate(JOB.parameters, "2000 rpm", spring_models="massless").rest,
-    "train modes": lambda: vt.train_modes("tdi-pushrod", ["massless"], spring_sets=["stock"]),
+    "train modes": lambda: vt.runs.train_modes("tdi-pushrod", ["massless"], spring_sets=["stock"]),
     "table": table, "optimum": optimum, "identified": identified, "fit to a card": fitted, "smoothed lift": smoothed,
-    "model against test": lambda: vt.compare_with_test("job-t", LEVEL, spring_models=["massless"]),
+    "model against test": lambda: vt.compare_test.compare_with_test("job-t", LEVEL, spring_models=["massless"]),
     "measured cycles": lambda: LEVEL, "film": turning_motion, "recording": recorded, "scan": scanned,
     "alignment": lambda: LiftAlignment(*np.arange(len(LiftAlignment.__dataclass_fields__)) * 0.1),
     "several": lambda: {"a": [1, 2.5, (None, np.nan)], ("b", 3): np.array([[1 + 2j], [np.inf]])},
@@ -195,7 +202,7 @@ def test_a_study_of_functions_is_saved_without_the_function(tmp_path):
 def test_every_result_with_a_page_writes_it(tmp_path):
     for name, made in {
         "table": table(), "optimum": optimum(),
-        "identified": identified(), "test": vt.compare_with_test("job-t", LEVEL, spring_models=["massless"]),
+        "identified": identified(), "test": vt.compare_test.compare_with_test("job-t", LEVEL, spring_models=["massless"]),
     }.items():  # fmt: skip
         files = made.report(tmp_path / name)
         assert files.page == tmp_path / name / "report.html" and files.page.is_file() and files.data

@@ -319,7 +319,7 @@ class Case:
         unknowns : key path -> (least, largest) or a distribution
         measured : quantity -> (value, standard deviation), SI or text with units
         engine_speeds, models : as for :meth:`study`
-        options : ``search`` (:class:`valvetrain.Search`) and those of :meth:`study`
+        options : ``search`` (:class:`valvetrain.explore.Search`) and those of :meth:`study`
 
         Raises
         ------

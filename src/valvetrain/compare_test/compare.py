@@ -63,7 +63,7 @@ class ModelAgainstTest(Reported):
     >>> import valvetrain as vt
     >>> angle = np.linspace(0.0, 2 * np.pi, 180, endpoint=False)
     >>> level = MeasuredCycles("valve_lift", "m", angle, np.full((1, 180), 1e-3), cam_speed=150.0)
-    >>> found = vt.compare_with_test("job-t", level, spring_models=["massless"])
+    >>> found = vt.compare_test.compare_with_test("job-t", level, spring_models=["massless"])
     >>> found.verdict
     'One cycle shows no scatter, so there is no F-test; give two or more repeats.'
     """
@@ -179,7 +179,7 @@ def compare_with_test(
     >>> last = np.interp(angle + 2 * np.pi, forces.cam_angle, forces.channel("seat_force"))
     >>> drawn = last + np.random.default_rng(1).normal(0.0, 5.0, (8, 360))
     >>> cycles = MeasuredCycles("spring_force", "N", angle, drawn, cam_speed=157.07963267948966, synthetic=True)
-    >>> vt.compare_with_test("job-t", cycles, spring_models=["multi-mass"]).best.adequacy.adequate
+    >>> vt.compare_test.compare_with_test("job-t", cycles, spring_models=["multi-mass"]).best.adequacy.adequate
     True
     """
     chosen = case_of(case)
@@ -215,7 +215,25 @@ def compare_study_with_test(
     """As :func:`compare_with_test`, with runs that are there already: those of ``study``, which
     were made from ``case``.
 
-    Raises :class:`InputError` likewise, and where no run is at the speed of the test.
+    Parameters
+    ----------
+    study : runs of the case, one of them at the speed of the test
+    case, test, quantity, channel, engine_speed : as for :func:`compare_with_test`
+
+    Raises
+    ------
+    InputError : as :func:`compare_with_test`, and where no run is at the speed of the test
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import valvetrain as vt
+    >>> study = vt.simulate("job-t", "3000 rpm", spring_models="multi-mass")
+    >>> angle = np.linspace(0.0, 2 * np.pi, 360, endpoint=False)
+    >>> force = 430.0 + np.random.default_rng(1).normal(0.0, 5.0, (8, 360))
+    >>> cycles = vt.measured.MeasuredCycles("spring_force", "N", angle, force, cam_speed=157.07963267948966)
+    >>> vt.compare_test.compare_study_with_test(study, "job-t", cycles).best.adequacy.adequate
+    False
     """
     chosen = case_of(case)
     request = _read_request(chosen, test, quantity, channel, engine_speed, None, 0, (), LEVEL)

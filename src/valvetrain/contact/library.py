@@ -44,7 +44,7 @@ def build_contact_law(
     Examples
     --------
     >>> import valvetrain as vt
-    >>> law = vt.build_contact_law("linear", contact_stiffness="60 kN/mm", damping="300 N s/m")
+    >>> law = vt.contact.build_contact_law("linear", contact_stiffness="60 kN/mm", damping="300 N s/m")
     >>> round(float(law.force(1e-6, 0.0)), 6)
     60.0
     """

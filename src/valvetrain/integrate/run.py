@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from valvetrain.errors import InputError
-from valvetrain.integrate.contract import Integrator, Periodic, RunOptions, Until
+from valvetrain.integrate.contract import Cycles, Integrator, Periodic, RunOptions, Until
 from valvetrain.registry import find
 from valvetrain.registry import names as registered_names
 from valvetrain.solution.provenance import Provenance
@@ -38,7 +38,16 @@ def run(
     _check(cam_speed)
     origin = provenance or _origin(system, cam_speed)
     if isinstance(system, PrescribedSpring) and len(system.springs) > 1:
-        parts = tuple(run(member, cam_speed, until, options, origin) for member in system.members())
+        members = system.members()
+        parts = tuple(run(member, cam_speed, until, options, origin) for member in members)
+        if isinstance(until, Periodic):  # of springs that settle at different times, the latest
+            longest = max(round(cam_speed * part.time[-1] / (2 * np.pi)) for part in parts)
+            parts = tuple(
+                part
+                if cam_speed * part.time[-1] > 2 * np.pi * (longest - 0.5)
+                else run(member, cam_speed, Cycles(longest), options, origin)
+                for part, member in zip(parts, members, strict=True)
+            )
         return joined(parts, system.spring_names, origin)
     return integrator_for(system, until, options.integrator).run(
         system, cam_speed, until, options, origin

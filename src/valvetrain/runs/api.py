@@ -25,7 +25,7 @@ from valvetrain.runs.workers import Progress, worker_count
 from valvetrain.solution.critical import CriticalSpeeds
 from valvetrain.solution.static import StaticCurve
 from valvetrain.solution.study import Study
-from valvetrain.system.build import build
+from valvetrain.system.build import build, names_given
 from valvetrain.units import Given, si, si_speeds
 
 #: Engine speeds: ``"4200, 5600 rpm"``, ``"1000:9000:100 rpm"``, one or several numbers (rad/s of
@@ -81,7 +81,7 @@ def simulate(
     >>> dict(study.solutions[0].quantities)
     {'minimum_spring_force': 210.29213953413347}
     """
-    spring_models, spring_sets = _names(spring_models), _names(spring_sets)
+    spring_models, spring_sets = names_given(spring_models), names_given(spring_sets)
     case = case_of(case)
     requested = RequestedOutputs.of(outputs, case.train is not None) if outputs else None
     limits = _checked(
@@ -143,7 +143,7 @@ def compare(
     >>> [round(one.curve.force_at(7e-3)) for one in study.rest]
     [215, 215]
     """
-    spring_models, spring_sets = _names(spring_models), _names(spring_sets)
+    spring_models, spring_sets = names_given(spring_models), names_given(spring_sets)
     limits = _checked(
         "compare",
         case := case_of(case),
@@ -214,7 +214,7 @@ def sweep(
     >>> len(speeds), round(force[0])
     (3, 522)
     """
-    spring_models, spring_sets = _names(spring_models), _names(spring_sets)
+    spring_models, spring_sets = names_given(spring_models), names_given(spring_sets)
     speeds = _speeds(engine_speeds)
     assert speeds is not None
     case = case_of(case)
@@ -353,7 +353,7 @@ def static_curve(
     Examples
     --------
     >>> import valvetrain as vt
-    >>> curve = vt.static_curve(vt.cylindrical("3.8 mm", "22 mm", "7 mm", total_coils=7), "8 mm", spring_model="multi-mass")
+    >>> curve = vt.static_curve(vt.parameters.cylindrical("3.8 mm", "22 mm", "7 mm", total_coils=7), "8 mm", spring_model="multi-mass")
     >>> round(curve.force_at("4 mm")), round(curve.force_at("8 mm"))
     (149, 312)
     """
@@ -398,11 +398,6 @@ def _checked(
     request = RunRequest(command, case, speeds, tuple(models), tuple(sets), worker_count(workers))
     refuse_cost(request_cost(request, whole, searches), limits, "limit=")
     return limits
-
-
-def _names(given: Sequence[str] | str) -> tuple[str, ...]:
-    """Names, of which a single one may stand for itself."""
-    return (given,) if isinstance(given, str) and given else tuple(given)
 
 
 def _speeds(engine_speeds: Speeds | None) -> tuple[float, ...] | None:

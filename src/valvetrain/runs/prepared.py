@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, cast
 import numpy as np
 
 from valvetrain.errors import InputError
-from valvetrain.integrate.contract import Cycles, Keep, Periodic, RunOptions
+from valvetrain.integrate.contract import Cycles, Keep, Periodic, RunOptions, Until
 from valvetrain.integrate.run import run_to_orbit
 from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.quantities.cycle import Frame
@@ -62,7 +62,7 @@ class Plan:
     keep: Keep = "all"
     samples: int | None = None
     whole: bool = True
-    cycles: int = 2
+    cycles: int | None = None
     cycles_to_settle: int | None = None
     created_at: str = ""
     max_bytes: float = Limits().bytes
@@ -115,7 +115,7 @@ def prepare(problem: Problem, member: Member, rest: Rest, source: str) -> Prepar
     frame = Frame(
         member.springs,
         tuple(rest[spring] for spring in member.springs if spring in rest),
-        () if member.gear is None else _statics_of(member, rest)[1],
+        () if member.gear is None else statics_of(member, rest)[1],
         problem.lift_event,
         problem.valve_lift.lift,
         source,
@@ -137,7 +137,7 @@ def prepare(problem: Problem, member: Member, rest: Rest, source: str) -> Prepar
         return PreparedRun(member, frame, refusal=reason(error))
 
 
-def _statics_of(member: Member, rest: Rest) -> tuple[tuple[SpringAtRest, ...], tuple[float, ...]]:
+def statics_of(member: Member, rest: Rest) -> tuple[tuple[SpringAtRest, ...], tuple[float, ...]]:
     """The springs of a member at rest, and the first surge frequencies (Hz) that are known."""
     found = tuple(rest[spring] for spring in member.springs if spring in rest)
     frequencies = (surge_frequency(spring, rest.get(spring)) for spring in member.springs)
@@ -175,7 +175,8 @@ def provenance_of(
             "stiffness_damping": first.damping.stiffness_damping,
         }
     if member.gear is None:
-        options |= {"cycles": problem.cycles, "output_step": problem.output_step}
+        options |= {} if problem.cycles is None else {"cycles": problem.cycles}
+        options |= {"output_step": problem.output_step}
     count = 1 if member.rubbing is not None and len(member.springs) == 2 else len(member.springs)
     return collect_provenance(
         problem.record.name,
@@ -215,7 +216,9 @@ def integrate_from(
     prescribed = isinstance(ready.system, PrescribedSpring)
     if prescribed and (status := _too_many_steps(ready, engine_speed / 2, plan)) is not None:
         return without_channels(status, provenance), None
-    until = Cycles(plan.cycles) if prescribed else Periodic(plan.cycles_to_settle)
+    until: Until = Periodic(None if prescribed else plan.cycles_to_settle)
+    if prescribed and plan.cycles is not None:
+        until = Cycles(plan.cycles)
     options = RunOptions(
         plan.samples,
         keep=plan.keep,
@@ -299,11 +302,12 @@ def with_quantities(ready: PreparedRun, solution: Solution, plan: Plan, rest: Re
     """The run with events and named quantities, without channels where the plan keeps none."""
     frame = ready.frame
     if rest:
-        found, frequencies = _statics_of(ready.member, rest)
+        found, frequencies = statics_of(ready.member, rest)
         frame = replace(frame, rest=found, surge_frequencies=frequencies)
     if ready.motion is not None:
         frame = replace(frame, rigid=ready.motion.table(solution.engine_speed / 2))
-    if len(solution.time):
+    # outside the range of its model the numbers of a run mean nothing, so it has none
+    if len(solution.time) and solution.status.code != "out-of-range":
         failures = PartialFailures()
         solution = failures.part("all numbers", solution, evaluate, solution, frame)
         solution = failures.part("coil bind", solution, bound, solution, ready.member.springs)

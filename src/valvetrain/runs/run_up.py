@@ -39,7 +39,7 @@ from valvetrain.solution.provenance import collect_provenance
 from valvetrain.solution.result import Solution
 from valvetrain.solution.status import Status
 from valvetrain.solution.study import Study
-from valvetrain.system.build import build
+from valvetrain.system.build import build, names_given
 from valvetrain.system.contract import TRAIN
 from valvetrain.system.problem import Problem
 from valvetrain.system.train_system import TrainSystem
@@ -57,8 +57,8 @@ def run_up(
     last_engine_speed: Given,
     duration: Given,
     *,
-    spring_models: Sequence[str] = (),
-    spring_sets: Sequence[str] = (),
+    spring_models: Sequence[str] | str = (),
+    spring_sets: Sequence[str] | str = (),
     workers: int | None = None,
     progress: Progress | None = None,
     limit: str = "",
@@ -101,14 +101,14 @@ def run_up(
         si(first_engine_speed, "engine_speed", "first_engine_speed"), si(last_engine_speed, "engine_speed", "last_engine_speed"),
         si(duration, "time", "duration"),
     )  # fmt: skip
-    case, models, sets = case_of(case), tuple(spring_models), tuple(spring_sets)
+    case, models, sets = case_of(case), names_given(spring_models), names_given(spring_sets)
     request = RunRequest("run-up", case, None, models, sets, worker_count(workers))
     refuse_cost(run_up_cost(request, ramp), limits_of(limit), "limit=")
     return run_up_study(
         case,
         ramp,
-        spring_models=spring_models,
-        spring_sets=spring_sets,
+        spring_models=models,
+        spring_sets=sets,
         workers=workers,
         progress=progress,
         implausible=implausible,
@@ -252,8 +252,9 @@ def _revolutions(one: PreparedRun, ramp: Ramp) -> list[tuple[CycleRecord, dict[s
         for record in turns_of_run_up(ready, last, start):
             values = turn_quantities(ready.system, record, window)
             values |= bind_clearance(record, ready.system, one.member.springs)
+            values = {} if record.status.code == "out-of-range" else values
             found.append((record, values, each * len(record.q)))
-        if found and found[-1][0].status.completed:
+        if found and found[-1][0].status.code != "diverged":
             break
         options = replace(options, step_fraction=options.step_fraction / 3)
     return found

@@ -11,10 +11,11 @@ from importlib import resources
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from valvetrain.parameters.loading import library_names
-from valvetrain.runs.error_bars import Uncertainty, grouped
+from valvetrain.runs.error_bars import grouped
 from valvetrain.solution.definition import shown
 from valvetrain.solution.provenance import CaseRecord, PublishedValue
 from valvetrain.solution.quantity import Quantity, same_speed, unit_of
+from valvetrain.solution.uncertainty import Uncertainty
 
 if TYPE_CHECKING:
     from valvetrain.runs.error_bars import UncertaintyStudy

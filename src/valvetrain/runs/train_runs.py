@@ -205,7 +205,7 @@ def train_modes(
     Examples
     --------
     >>> import valvetrain as vt
-    >>> closed, lifted = vt.train_modes("tdi-pushrod", ["massless"], spring_sets=["stock"])
+    >>> closed, lifted = vt.runs.train_modes("tdi-pushrod", ["massless"], spring_sets=["stock"])
     >>> closed.state, lifted.moving(0)
     ('closed', 'valve 53 %, pushrod 24 %, lever 23 %')
     """

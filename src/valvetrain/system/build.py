@@ -28,13 +28,16 @@ from valvetrain.system.problem import Gear, Member, Problem
 #: without a mass.
 WIRE_MODELS, CARD_MODELS, BARE_MODELS = (
     ("finite-element", "modal-varied"),
-    ("multi-mass", "modal-uniform"),
+    ("modal-uniform",),
     ("massless",),
 )
 
 
 def build(
-    case: AnyCase, *, spring_models: Sequence[str] = (), spring_sets: Sequence[str] = ()
+    case: AnyCase,
+    *,
+    spring_models: Sequence[str] | str = (),
+    spring_sets: Sequence[str] | str = (),
 ) -> Problem:
     """The problem of a case, every part built once: its variants, or one member per spring model
     (of each spring set) requested.
@@ -58,17 +61,22 @@ def build(
     Examples
     --------
     >>> import valvetrain as vt
-    >>> problem = vt.build("job-t", spring_models=["massless", "multi-mass"])
+    >>> problem = vt.system.build.build("job-t", spring_models=["massless", "multi-mass"])
     >>> [member.label for member in problem.members]
     ['massless', 'multi-mass']
     """
     case = case_of(case)
     try:
-        return _built(case, spring_models, spring_sets)
+        return _built(case, names_given(spring_models), names_given(spring_sets))
     except (ArithmeticError, ValueError) as error:  # numbers at which the parts' formulas end
         raise InputError(
             f"the parts of case '{case.name}' cannot be built ({error}); check its numbers and their units"
         ) from error
+
+
+def names_given(names: Sequence[str] | str) -> tuple[str, ...]:
+    """Names of spring models or sets, of which a single one may stand for itself."""
+    return (names,) if isinstance(names, str) and names else tuple(names)
 
 
 def lift_law_of(case: Case) -> LiftLaw:

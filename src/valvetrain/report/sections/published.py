@@ -28,8 +28,6 @@ from valvetrain.runs.error_bars import (
     CONTACT_FACTORS,
     DAMPING_FACTORS,
     STIFFNESS_FACTORS,
-    Range,
-    Uncertainty,
     UncertaintyStudy,
     grouped,
 )
@@ -39,6 +37,7 @@ from valvetrain.solution.definition import label_of
 from valvetrain.solution.display import SHOWN_UNITS
 from valvetrain.solution.quantity import Quantity, same_speed
 from valvetrain.solution.study import Study
+from valvetrain.solution.uncertainty import Range, Uncertainty
 
 #: Ends of the ratio axis; what lies beyond is drawn at the end as a triangle, its number on hover.
 AXIS = (0.5, 1.5)
