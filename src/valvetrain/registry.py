@@ -28,6 +28,7 @@ KINDS: dict[str, tuple[str, str]] = {
     "sections": ("valvetrain.sections", "section of the report"),
     "results": ("valvetrain.results", "kind of result"),
     "displays": ("valvetrain.displays", "display"),
+    "files": ("valvetrain.files", "writer of a result"),
     "commands": ("valvetrain.commands", "command"),
     "lift_formats": ("valvetrain.lift_formats", "form of lift files"),
     "rig_formats": ("valvetrain.rig_formats", "form of recordings"),
@@ -104,6 +105,18 @@ BUILT_IN["displays"] = {
     "picture": "valvetrain.report.notebook:picture_of",
     "figure": "valvetrain.report.notebook:figure_of",
     "progress": "valvetrain.cli.progress:session_bar",
+}
+#: Kind of result -> what writes the files of its ``save()`` (any result) or ``report()``.
+BUILT_IN["files"] = {
+    "result": "valvetrain.solution.netcdf:save_result",
+    "study": "valvetrain.report.study:write_study",
+    "points": "valvetrain.explore.study_page:report_points",
+    "optimum": "valvetrain.explore.optimum_page:report_optimum",
+    "identification": "valvetrain.explore.identification_page:report_identification",
+    "film": "valvetrain.film.page:report_film",
+    "rig": "valvetrain.rig.page:report_rig",
+    "scan": "valvetrain.scan.page:report_scan",
+    "compare-test": "valvetrain.compare_test.page:report_compare_test",
 }
 BUILT_IN["integrators"] = {
     "train-leapfrog": "valvetrain.integrate.train_leapfrog:SPEC",  # before those that a train never needs, so that they are not loaded

@@ -3,6 +3,7 @@ both ways.
 """
 
 import pickle
+from importlib import import_module
 
 import numpy as np
 import pytest
@@ -18,16 +19,16 @@ from valvetrain.springs.multi_mass import MultiMassSpring
 SPRING = vt.Spring(
     wire_diameter="3.6 mm",
     mean_diameter="27 mm",
-    total_coils=7,
+    total_coils=5,
     pitch="8.5 mm",
     material="EN 10270-2 VDSiCr",
-    installed_height="42 mm",
+    installed_height="25 mm",
     damping={"ratio": 0.02, "ratio_frequency": "400 Hz"},
 )
 CASE = vt.Case(
     spring=SPRING,
-    lift_law=lambda cam_angle: 8e-3 * max(0.0, 1 - ((cam_angle - np.pi) / 1.2) ** 2) ** 4,
-    engine_speeds="3000, 5500 rpm",
+    lift_law=lambda cam_angle: 5e-3 * max(0.0, 1 - ((cam_angle - np.pi) / 1.2) ** 2) ** 4,
+    engine_speeds="5500 rpm",
     name="textbook",
 )
 
@@ -35,6 +36,7 @@ CASE = vt.Case(
 @pytest.fixture
 def counted(monkeypatch):
     """How often springs were solved at rest, and their inner motion was made."""
+    import_module("valvetrain.explore.experiment")  # which holds the function by its name
     counts = {"rest": 0, "inner": 0}
 
     def watch(owner, name, key):
@@ -61,7 +63,7 @@ def test_springs_are_solved_at_rest_when_a_number_of_theirs_is_read(counted):
     assert run.gaps == () and len(run.quantities) > 50 and counted["rest"] == 1
 
 
-@pytest.mark.parametrize("model", ["multi-mass", "modal-uniform", "massless", "modal-varied"])
+@pytest.mark.parametrize("model", ["multi-mass", "massless"])
 def test_what_is_read_later_is_what_a_run_computes_at_once(model):
     case = CASE.parameters
     at_once = run_study(case, spring_models=(model,), workers=1)
@@ -99,7 +101,7 @@ def test_outputs_at_rest_and_inside_the_spring():
 
 
 def test_a_sweep_of_outputs_is_that_of_all(counted):
-    speeds = "2000:6000:1000 rpm"
+    speeds = "4000:6000:1000 rpm"
     few = CASE.sweep(speeds, "multi-mass", workers=1, outputs="peak_spring_force")
     assert counted == {"rest": 0, "inner": 0}
     every = CASE.sweep(speeds, "multi-mass", workers=1)

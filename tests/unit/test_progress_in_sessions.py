@@ -13,6 +13,7 @@ import pytest
 import valvetrain as vt
 from valvetrain import session
 from valvetrain.cli.progress import KERNELS
+from valvetrain.explore import Datum
 from valvetrain.runs.watch import shows_progress
 
 
@@ -59,7 +60,7 @@ def test_a_sweep_in_a_cell_shows_its_share_and_leaves_nothing(cell):
             {"spring.pitch": ["7 mm", "7.5 mm"]}, "solid_force", sampling="grid",
             engine_speeds="2000 rpm", models="massless", workers=1,
         ),
-        lambda: vt.identify({"x": vt.explore.Prior("uniform", 0.0, 1.0)}, [vt.explore.Datum("x", 0.5, 0.1)], lambda points: [{"x": p[0]} for p in points]),
+        lambda: vt.identify({"x": vt.explore.Prior("uniform", 0.0, 1.0)}, [Datum("x", 0.5, 0.1)], lambda points: [{"x": p[0]} for p in points]),
         lambda: vt.fidelity("job-t", "2000 rpm", spring_models=["massless"], reference="modal-uniform", workers=1),
     ],
     ids=["map", "study", "identify", "fidelity"],

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from valvetrain.api.parts import Lift, Spring, Train, as_table, lift_table, one_run
+from valvetrain.api.points import Output, experiment_of_points, is_object
 from valvetrain.errors import InputError
 from valvetrain.parameters.case import Case as Parameters
 from valvetrain.parameters.loading import case_of_tree, load_case, parse_toml
@@ -220,7 +221,7 @@ class Case:
     def study(
         self,
         varied: Mapping[str, Any],
-        outputs: Sequence[str] | str,
+        outputs: Sequence[Output] | Output,
         *,
         sampling: str = "latin-hypercube",
         count: int = 64,
@@ -233,8 +234,11 @@ class Case:
 
         Parameters
         ----------
-        varied : key path -> distribution (``vt.Uniform("7 mm", "8 mm")``) or list of values
-        outputs : names of quantities (docs/quantities.md)
+        varied : key path -> distribution (``vt.Uniform("7 mm", "8 mm")``) or list of values; a list
+            of functions, tables or arrays too (``"lift_law": [one, other]``), of which the result
+            holds the places
+        outputs : names of quantities (docs/quantities.md), and functions that take the run, or the
+            run and the case, and give a number; with functions one engine speed and one model
         sampling : name of a sampler (docs/studies.md), or ``"listed"``: lists of one length, row by row
         count, seed : points and random seed of the sampler; a grid and a list have neither
         engine_speeds, models : a run of each combination at every point
@@ -242,7 +246,8 @@ class Case:
 
         Returns
         -------
-        StudyTable; ``to_xarray()`` has the dimensions point, speed and model
+        StudyTable; ``to_xarray()`` has the dimensions point, speed and model, ``report(folder)``
+        writes its page, ``save("table.nc")`` its file
 
         Raises
         ------
@@ -250,7 +255,11 @@ class Case:
         """
         from valvetrain.explore.space import Values
 
-        experiment = self._experiment(varied, outputs, engine_speeds, models)
+        names = [outputs] if isinstance(outputs, str) or callable(outputs) else list(outputs)
+        if any(map(callable, names)) or any(map(is_object, varied.values())):
+            experiment = experiment_of_points(self, varied, names, engine_speeds, models)
+        else:
+            experiment = self._experiment(varied, names, engine_speeds, models)
         if sampling == "listed":
             lists = [one.distribution for one in experiment.space]
             lengths = {len(one.values) if isinstance(one, Values) else 0 for one in lists}

@@ -15,8 +15,8 @@ from valvetrain.solution.result import Solution
 Result = TypeVar("Result")
 
 
-def load(path: str | os.PathLike[str]) -> Case | Solution:
-    """A case (``.toml``) or a solution (``.nc``, ``.csv``) that was saved.
+def load(path: str | os.PathLike[str]) -> Any:
+    """What :func:`save` wrote: a case (``.toml``), a result (``.nc``) or a solution (``.csv``).
 
     Parameters
     ----------
@@ -24,7 +24,7 @@ def load(path: str | os.PathLike[str]) -> Case | Solution:
 
     Returns
     -------
-    Case or Solution
+    Case, or the result: equal to what was saved, arrays and numbers to the bit
 
     Raises
     ------
@@ -37,12 +37,12 @@ def load(path: str | os.PathLike[str]) -> Case | Solution:
     >>> vt.load(path) == vt.Case("job-t")
     True
     """
-    from valvetrain.solution.netcdf import load_netcdf
+    from valvetrain.solution.netcdf import load_result
     from valvetrain.solution.textfile import load_csv
 
-    readers: dict[str, Callable[[Any], Case | Solution]] = {
+    readers: dict[str, Callable[[Any], Any]] = {
         ".toml": Case,
-        ".nc": load_netcdf,
+        ".nc": load_result,
         ".csv": load_csv,
     }
     target = Path(path)
@@ -53,12 +53,17 @@ def load(path: str | os.PathLike[str]) -> Case | Solution:
     return readers[target.suffix](target)
 
 
-def save(item: Case | Solution, path: str | os.PathLike[str]) -> Path:
-    """Write a case (``.toml``) or a solution (``.nc``, whole; ``.csv``), whole or not at all.
+def save(item: Any, path: str | os.PathLike[str]) -> Path:
+    """Write a case (``.toml``) or any result (``.nc``; a solution ``.csv`` as well), whole or not at
+    all.
+
+    A result is one NetCDF file whatever it holds, a study with its failed runs, critical speeds and
+    static curves too, so that no part can be lost or be of another run; a tuple, list or dict of
+    results is one as well. The page and the tables of a study are written by its ``report``.
 
     Parameters
     ----------
-    item : Case or Solution
+    item : Case; Solution, Study, StudyTable, Optimum, Identified and every other result
     path : of the file
 
     Returns
@@ -67,27 +72,24 @@ def save(item: Case | Solution, path: str | os.PathLike[str]) -> Path:
 
     Raises
     ------
-    InputError : a file of another kind
+    InputError : a file of another kind; what no file holds, such as a function of your own
 
     Examples
     --------
     >>> import valvetrain as vt
-    >>> run = vt.Case("job-t").run("2000 rpm", model="massless")
-    >>> vt.load(vt.save(run, "run.nc")).identical(run)
+    >>> study = vt.Case("job-t").compare(["massless", "wave-rod"], "2000 rpm")
+    >>> again = vt.load(vt.save(study, "both.nc"))
+    >>> all(run.identical(other) for run, other in zip(again.solutions, study.solutions))
     True
     """
-    from valvetrain.solution.netcdf import save_netcdf
-    from valvetrain.solution.textfile import save_csv
+    from valvetrain.solution.netcdf import save_result
 
     target = Path(path)
-    if isinstance(item, Case) and target.suffix == ".toml":
+    if isinstance(item, Case):
+        if target.suffix != ".toml":
+            raise InputError("a case is saved to a file that ends in .toml")
         return item.save(target)
-    writers = {".nc": save_netcdf, ".csv": save_csv}
-    if not isinstance(item, Solution) or target.suffix not in writers:
-        raise InputError(
-            "a case is saved to a file that ends in .toml, a solution to one that ends in .nc or .csv"
-        )
-    return writers[target.suffix](item, target)
+    return save_result(item, target)
 
 
 def diff(first: Any, second: Any) -> dict[str, tuple[Any, Any]]:

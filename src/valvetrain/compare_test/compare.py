@@ -43,9 +43,10 @@ from valvetrain.quantities.traces import Active, trace_of
 from valvetrain.runs.api import simulate
 from valvetrain.runs.watch import shows_progress
 from valvetrain.runs.workers import Progress
-from valvetrain.solution.display import Shown, table_and_picture
+from valvetrain.solution.display import table_and_picture
 from valvetrain.solution.quantity import same_speed
 from valvetrain.solution.result import Solution
+from valvetrain.solution.saveable import Reported
 from valvetrain.solution.study import Study
 from valvetrain.system.build import build
 from valvetrain.system.problem import Problem
@@ -53,7 +54,7 @@ from valvetrain.units import Given, renamed, si
 
 
 @dataclass(frozen=True, eq=False)
-class ModelAgainstTest(Shown):
+class ModelAgainstTest(Reported):
     """Result of the comparison of a model with a test.
 
     ``runs`` are sorted, the nearest to the test first; ``closer`` compares each with the nearest.
@@ -67,6 +68,8 @@ class ModelAgainstTest(Shown):
     >>> found.verdict
     'One cycle shows no scatter, so there is no F-test; give two or more repeats.'
     """
+
+    report_word = "compare-test"
 
     study: Study
     test: MeasuredCycles | ValueTable

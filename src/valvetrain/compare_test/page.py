@@ -42,6 +42,7 @@ from valvetrain.report.chart import Band, Chart, Layer, Line, Marks, Panel, Rule
 from valvetrain.report.columns import RowColumn, csv_row, grid, json_row
 from valvetrain.report.page import Block, Figure, Page, Section, text
 from valvetrain.report.run_charts import ANGLE_LABEL, LineStyle, line_styles
+from valvetrain.report.study import StudyFiles, with_page
 from valvetrain.report.text import quantity_label, speed_text
 from valvetrain.solution.atomic import write_text
 
@@ -441,3 +442,8 @@ def _write(path: Path, headings: tuple[str, ...], rows: Iterable[tuple[Any, ...]
     writer.writerow(headings)
     writer.writerows([cell(value) for value in row] for row in rows)
     return write_text(path, memory.getvalue())
+
+
+def report_compare_test(found: ModelAgainstTest, folder: Path) -> StudyFiles:
+    """The page of a comparison and the files of :func:`write_compare_test`."""
+    return with_page(compare_test_page(found), folder, write_compare_test(found, folder))

@@ -66,7 +66,7 @@ class Evaluation:
                 "an experiment evaluates a case or a function; give one of the two", "case"
             )
         if case is not None:
-            space = _with_units(case, space)
+            space = with_case_units(case, space)
         speed_is_varied = any(one.key == ENGINE_SPEED for one in space)
         for name, value in (
             ("case", case),
@@ -131,7 +131,7 @@ class Evaluation:
         return f"{where}: {name}" if where else name
 
 
-def _with_units(case: Case, space: Space) -> Space:
+def with_case_units(case: Case, space: Space) -> Space:
     """The space with the units of the case for quantities that give none."""
 
     def unit_of(one: Varied) -> str:

@@ -48,6 +48,7 @@ from valvetrain.report.page import (
     render,
     text,
 )
+from valvetrain.report.study import StudyFiles, files_of
 from valvetrain.report.text import unit_text
 from valvetrain.solution.atomic import closing_line, write_bytes, write_text
 from valvetrain.solution.channels import ChannelArrays, Variable
@@ -384,3 +385,8 @@ def _label(name: str, taken: set[str]) -> str:
         for number in range(len(taken) + 2)
         if (label := plain if number == 0 else f"{plain}_{number}") not in taken
     )
+
+
+def report_identification(found: Identified, folder: Path) -> StudyFiles:
+    """As :func:`write_identification`, under the name of the identification."""
+    return files_of(folder, write_identification(found, folder, found.name or "identification"))

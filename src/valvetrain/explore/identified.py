@@ -16,10 +16,12 @@ from valvetrain.errors import InputError, MissingExtraError
 from valvetrain.explore.draws import Information, even_draws
 from valvetrain.explore.least_squares import Profile
 from valvetrain.explore.posterior import Datum, Outcome, Posterior, Unknown
-from valvetrain.solution.display import Shown, table_and_picture
+from valvetrain.solution.display import table_and_picture
+from valvetrain.solution.saveable import Reported
 
 if TYPE_CHECKING:
     import xarray
+
 
 Array = NDArray[np.float64]
 #: Scatters within which a datum is met.
@@ -231,7 +233,7 @@ class Prediction:
 
 
 @dataclass(frozen=True, eq=False)
-class Identified(Shown):
+class Identified(Reported):
     """The answer of :func:`valvetrain.identify`. SI throughout.
 
     ``branches``, the most probable first; ``values`` (draw, quantity) with ``weights`` (draw) and
@@ -253,6 +255,8 @@ class Identified(Shown):
     >>> round(found.percentile("force"))
     50
     """
+
+    report_word = "identification"
 
     method: str
     unknowns: tuple[Unknown, ...]

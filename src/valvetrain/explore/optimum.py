@@ -24,10 +24,11 @@ from valvetrain.explore.trial import CASE_SEED, Array, Trial, beats, best_of, fr
 from valvetrain.parameters.case import Case
 from valvetrain.parameters.toml_text import toml_text
 from valvetrain.solution.atomic import write_bytes
-from valvetrain.solution.display import Shown
+from valvetrain.solution.saveable import Reported
 
 if TYPE_CHECKING:
     import xarray
+
 
 #: A varied quantity is at an end of its range, and a bound is active, within these shares of them.
 AT_END, ACTIVE = 0.01, 0.01
@@ -72,7 +73,7 @@ class Design:
 
 
 @dataclass(frozen=True, eq=False)
-class Optimum(Shown):
+class Optimum(Reported):
     """``trials`` of all searches in order, the ``case`` itself first; chosen ``designs``, the best
     first.
 
@@ -93,6 +94,8 @@ class Optimum(Shown):
     >>> float(found.case_of(found.best).springs[0].precompression) == float(found.best.trial.values[0])
     True
     """
+
+    report_word = "optimum"
 
     plan: OptimumPlan
     case: Trial

@@ -26,6 +26,7 @@ from valvetrain.explore.optimum_summary import confirmed_text, sentences
 from valvetrain.explore.study_page import distribution_text
 from valvetrain.explore.trial import Trial
 from valvetrain.report.page import Block, Cell, Grid, Page, Section, figure_or_gap, render, text
+from valvetrain.report.study import StudyFiles, files_of
 from valvetrain.report.text import number, percent, unit_text
 from valvetrain.solution.atomic import write_text
 from valvetrain.solution.definition import definition_of, shown
@@ -465,3 +466,10 @@ def write_optimum(
         lambda: write_text(folder / "report.html", render(optimum_page(found), gaps)),
     )
     return [path for path in (*made, page) if path is not None], page
+
+
+def report_optimum(found: Optimum, folder: Path) -> StudyFiles:
+    """As :func:`write_optimum`. Raises :class:`RunFailedError` where a part could not be written."""
+    failures = PartialFailures()
+    files, _ = write_optimum(found, folder, failures)
+    return files_of(folder, files, failures.sentences)

@@ -25,6 +25,7 @@ from valvetrain.explore.study_charts import (
 )
 from valvetrain.explore.table import StudyTable, run_label
 from valvetrain.report.page import Block, Cell, Grid, Page, Section, figure_or_gap, render, text
+from valvetrain.report.study import StudyFiles, files_of
 from valvetrain.report.text import number, unit_text
 from valvetrain.solution.atomic import write_text
 from valvetrain.solution.definition import definition_of
@@ -331,3 +332,10 @@ def write_points(
         lambda: write_text(folder / "report.html", render(points_page(table), gaps)),
     )
     return [*files, *(path for path in (data, page) if path is not None)], page
+
+
+def report_points(table: StudyTable, folder: Path) -> StudyFiles:
+    """As :func:`write_points`. Raises :class:`RunFailedError` where a part could not be written."""
+    failures = PartialFailures()
+    files, _ = write_points(table, folder, failures)
+    return files_of(folder, files, failures.sentences)

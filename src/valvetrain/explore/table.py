@@ -17,7 +17,8 @@ from valvetrain.explore.samplers import SamplerOptions, SamplerSpec
 from valvetrain.explore.space import Space
 from valvetrain.parameters.case import Case
 from valvetrain.solution.definition import definition_of, label_of, not_given
-from valvetrain.solution.display import Shown, frame
+from valvetrain.solution.display import frame
+from valvetrain.solution.saveable import Reported
 from valvetrain.solution.status import Status
 
 if TYPE_CHECKING:
@@ -88,7 +89,7 @@ class StudyPlan:
 
 
 @dataclass(frozen=True, eq=False)
-class StudyTable(Shown):
+class StudyTable(Reported):
     """``inputs`` (n, d) and ``values`` (n, m), both SI, nan for what a point does not have;
     ``runs`` and ``statuses`` (n).
 
@@ -108,6 +109,8 @@ class StudyTable(Shown):
     >>> isinstance(table, StudyTable), len(table)
     (True, 3)
     """
+
+    report_word = "points"
 
     plan: StudyPlan
     inputs: Array

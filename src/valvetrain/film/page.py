@@ -28,6 +28,7 @@ from valvetrain.report import theme
 from valvetrain.report.chart import Band, Chart, HeatMap, Layer, Line, Marks, Panel, Rule, thin
 from valvetrain.report.columns import csv_row, grid, json_row
 from valvetrain.report.page import Block, Cell, Grid, Page, Section, figure_or_gap, text
+from valvetrain.report.study import StudyFiles, with_page
 from valvetrain.report.text import number
 from valvetrain.solution.atomic import write_text
 
@@ -497,3 +498,8 @@ def film_json(motion: CoilMotion, model: FilmedModel | None) -> dict[str, Any]:
                             for one in (() if model.surge is None else model.surge.lines)],
         }  # fmt: skip
     return data
+
+
+def report_film(motion: CoilMotion, folder: Path, model: FilmedModel | None = None) -> StudyFiles:
+    """The page of a film and the files of :func:`write_film`."""
+    return with_page(film_page(motion, model), folder, write_film(motion, model, folder))

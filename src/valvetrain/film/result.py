@@ -11,13 +11,13 @@ from valvetrain.film.cycles import SPOKEN_OF, TURN, CamPhase, CoilPeak
 from valvetrain.film.space_time import SpaceTime
 from valvetrain.film.surge import SurgeFit
 from valvetrain.measured.cycles import MeasuredCycles
-from valvetrain.solution.display import Shown
+from valvetrain.solution.saveable import Reported
 
 Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
-class CoilMotion(Shown):
+class CoilMotion(Reported):
     """What a film tells of a spring. Coils are counted from the seat; displacements are positive
     towards it, from rest in the dwell.
 
@@ -41,6 +41,8 @@ class CoilMotion(Shown):
     >>> [name for name in CoilMotion.__dataclass_fields__ if name in ("displacement", "cycles", "peaks")]
     ['displacement', 'cycles', 'peaks']
     """
+
+    report_word = "film"
 
     seen: SpaceTime
     places: Array

@@ -5,7 +5,7 @@ not at all.
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
@@ -210,14 +210,32 @@ class StudyFiles:
     gaps: tuple[str, ...] = ()
 
 
+def files_of(folder: Path, files: Sequence[Path], gaps: Sequence[str] = ()) -> StudyFiles:
+    """The ``files`` of a result, its page among them. Raises :class:`RunFailedError` where some could
+    not be written, with ``gaps``, a sentence for each.
+    """
+    if gaps:
+        raise RunFailedError(
+            f"not all of the result could be written to '{folder}', the rest is there: {'; '.join(gaps)}"
+        )
+    page = next((path for path in files if path.name == "report.html"), None)
+    return StudyFiles(folder, page, tuple(path for path in files if path != page))
+
+
+def with_page(page: Page, folder: Path, files: Sequence[Path]) -> StudyFiles:
+    """The ``files`` of a result, and its page written to ``folder``."""
+    return files_of(folder, [*files, write_page(page, folder, figures=False)[0]])
+
+
 def write_study(
-    study: Study, folder: str | os.PathLike[str], page: bool = True, figures: bool = False
+    study: Study | Any, folder: str | os.PathLike[str], page: bool = True, figures: bool = False
 ) -> StudyFiles:
     """Write the data files of a study and, on request, its page and pictures.
 
     Parameters
     ----------
-    study : what ``simulate``, ``compare`` or ``sweep`` gave
+    study : what ``simulate``, ``compare`` or ``sweep`` gave, or another result that has a
+        ``report``: of a study of points, an optimisation, an identification, a measurement
     folder : made if absent; files of an earlier study there that are unchanged are removed
     page : write report.html, one file that needs no network
     figures : write every chart of the page as an SVG picture too
@@ -239,6 +257,13 @@ def write_study(
     >>> sorted(file.name for file in written.data)[:3]
     ['massless-2000rpm.csv', 'massless-2000rpm.nc', 'modes-job-t-finite-element.csv']
     """
+    if not isinstance(study, Study):
+        if not hasattr(study, "report"):
+            raise InputError(
+                f"a {type(study).__name__} has no page; give a study or another result with a report"
+            )
+        found: StudyFiles = study.report(folder)
+        return found
     files = write_parts(study, Path(folder), page, figures)
     if files.gaps:
         raise RunFailedError(

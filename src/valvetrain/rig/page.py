@@ -14,6 +14,7 @@ from valvetrain.report import theme
 from valvetrain.report.chart import Band, Chart, Layer, Line, Panel, Rule, thin
 from valvetrain.report.columns import RowColumn, grid, json_row
 from valvetrain.report.page import Figure, Page, Section, text
+from valvetrain.report.study import StudyFiles, with_page
 from valvetrain.report.text import number, unit_text
 from valvetrain.rig.result import RigChannelCycles, RigResult, student
 from valvetrain.solution.atomic import write_text
@@ -448,3 +449,8 @@ def write_rig(result: RigResult, folder: Path) -> list[Path]:
     lines.append(",".join(heading for heading, _ in columns))
     lines += [",".join(f"{value:.9g}" for value in row) for row in rows]
     return [*files, write_text(folder / "means.csv", "\n".join(lines) + "\n")]
+
+
+def report_rig(result: RigResult, folder: Path) -> StudyFiles:
+    """The page of a recording and the files of :func:`write_rig`."""
+    return with_page(rig_page(result.name, result), folder, write_rig(result, folder))

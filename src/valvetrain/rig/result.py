@@ -12,7 +12,7 @@ from valvetrain.rig.alignment import LiftAlignment
 from valvetrain.rig.channels import RigQuantity
 from valvetrain.rig.cutting import CycleGrid
 from valvetrain.rig.shaft import ShaftAngle
-from valvetrain.solution.display import Shown
+from valvetrain.solution.saveable import Reported
 
 Array = NDArray[np.float64]
 #: 97.5 % point of Student's distribution for 1, 2, ... degrees of freedom; 1.96 beyond.
@@ -67,7 +67,7 @@ class RigChannelCycles:
 
 
 @dataclass(frozen=True, eq=False)
-class RigResult(Shown):
+class RigResult(Reported):
     """Cycles of a recording, as :func:`valvetrain.rig.rig_cycles` returns them.
 
     Parameters
@@ -87,6 +87,8 @@ class RigResult(Shown):
     >>> [name for name in RigResult.__dataclass_fields__ if name in ("channels", "offset")]
     ['channels', 'offset']
     """
+
+    report_word = "rig"
 
     name: str
     form: str

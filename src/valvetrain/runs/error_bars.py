@@ -13,8 +13,8 @@ import numpy as np
 from valvetrain.errors import InputError
 from valvetrain.runs.stopping import PointsStopped, Stopped
 from valvetrain.runs.workers import map_points
-from valvetrain.solution.display import Shown
 from valvetrain.solution.provenance import CaseRecord
+from valvetrain.solution.saveable import Saveable
 from valvetrain.solution.uncertainty import MIN_ORDER, Range, Uncertainty
 
 #: Factors on the coil contact stiffness (7e9 to 5e10 Pa for 2e10) and damping time (0 to 2 us for 1
@@ -29,7 +29,7 @@ OWN = "mesh 1"
 
 
 @dataclass(frozen=True)
-class UncertaintyStudy(Shown):
+class UncertaintyStudy(Saveable):
     """Error bars of a case, the meshes behind them (none: a train) and every number by variant,
     speed and quantity.
 

@@ -15,6 +15,7 @@ from valvetrain.report import theme
 from valvetrain.report.chart import Chart, Layer, Line, Marks, Panel, stems, thin
 from valvetrain.report.files import spring_text
 from valvetrain.report.page import Block, Cell, Figure, Grid, Page, Section, figure_or_gap, text
+from valvetrain.report.study import StudyFiles, with_page
 from valvetrain.report.text import number, percent, speed_text, unit_text
 from valvetrain.scan.compare import ComparedNumber, ScanComparison
 from valvetrain.scan.result import ScannedSpring
@@ -492,3 +493,11 @@ def write_scan(scan: ScannedSpring, folder: Path, text: str) -> list[Path]:
         write_text(folder / "spring.toml", text),
         write_text(folder / "curves.csv", "\n".join(lines) + "\n"),
     ]
+
+
+def report_scan(
+    scan: ScannedSpring, folder: Path, compared: ScanComparison | None = None
+) -> StudyFiles:
+    """The page of a scan and the files of :func:`write_scan`."""
+    files = write_scan(scan, folder, scan_text(scan))
+    return with_page(scan_page(scan, compared), folder, files)

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from valvetrain.parameters.spring import SpringDefinition
-from valvetrain.solution.display import Shown
+from valvetrain.solution.saveable import Reported
 
 Array = NDArray[np.float64]
 
@@ -71,7 +71,7 @@ class ScannedEnd:
 
 
 @dataclass(frozen=True, eq=False)
-class ScannedSpring(Shown):
+class ScannedSpring(Reported):
     """A spring out of a scan, made by :func:`spring_from_scan`; SI.
 
     ``definition``: the spring for a case; ``curves``, ``section``, ``lower_end`` and ``upper_end``:
@@ -86,6 +86,8 @@ class ScannedSpring(Shown):
     >>> ScannedEnd("closed-ground", 900, 0.01, 0.002).kind
     'closed-ground'
     """
+
+    report_word = "scan"
 
     source: str
     form: str

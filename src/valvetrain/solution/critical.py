@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from valvetrain.solution.display import Shown
+from valvetrain.solution.saveable import Saveable
 
 if TYPE_CHECKING:
     import pandas
@@ -183,7 +183,7 @@ setattr(CriticalSpeed, "words", CriticalSpeed.text)  # noqa: B010  the former na
 
 
 @dataclass(frozen=True, slots=True)
-class CriticalSpeeds(Shown):
+class CriticalSpeeds(Saveable):
     """Results of a search over engine speed, by label and kind.
 
     >>> never = CriticalSpeed("stock", "float", 5e-5, 700.0, 300 * math.pi, 1.0)

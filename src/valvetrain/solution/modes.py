@@ -10,7 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from valvetrain.errors import InputError
-from valvetrain.solution.display import Shown, frame, table_and_picture, value_text
+from valvetrain.solution.display import frame, table_and_picture, value_text
+from valvetrain.solution.saveable import Saveable
 from valvetrain.solution.status import COMPLETED, Status
 
 if TYPE_CHECKING:
@@ -31,7 +32,7 @@ def check_shapes(result: object, noun: str, shapes: Mapping[str, tuple[int, ...]
 
 
 @dataclass(frozen=True, eq=False)
-class ModalResult(Shown):
+class ModalResult(Saveable):
     """All modes found about the state at ``compression`` (m).
 
     ``natural_frequency`` (mode) Hz, ascending; ``shape`` (mode, wire_point, 3), largest component
@@ -105,7 +106,7 @@ class ModalResult(Shown):
 
 
 @dataclass(frozen=True, eq=False)
-class TrainModes(Shown):
+class TrainModes(Saveable):
     """Undamped modes of a train with its springs about equilibrium at ``cam_angle`` (rad) and
     ``valve_lift`` (m).
 

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import io
+import json
+import math
 import os
 import warnings
 from collections.abc import Mapping
@@ -21,6 +23,7 @@ from valvetrain.solution.provenance import Provenance
 from valvetrain.solution.read_apart import tried_apart
 from valvetrain.solution.result import Solution
 from valvetrain.solution.static import Buckling, Leaning, StaticCurve
+from valvetrain.solution.status import COMPLETED
 
 if TYPE_CHECKING:
     import xarray
@@ -262,7 +265,89 @@ def _write(arrays: ChannelArrays, text: str, path: _PathLike) -> Path:
     return write_bytes(path, image + closing_line(image))
 
 
-def _read(path: _PathLike, kind: str) -> tuple[xarray.Dataset, dict[str, Any]]:
+def save_result(item: Any, path: _PathLike) -> Path:
+    """Write any result of this package, or a tuple, list or dict of results, to one NetCDF file
+    (``.nc``), whole or not at all; a solution to a CSV file (``.csv``) as well.
+
+    Raises :class:`InputError` for what no file holds, such as a function, and a path that cannot be
+    written.
+    """
+    target = Path(path)
+    if isinstance(item, Solution) and target.suffix == ".csv":
+        from valvetrain.solution.textfile import save_csv
+
+        return save_csv(item, target)
+    if target.suffix != ".nc":
+        also = " or .csv" if isinstance(item, Solution) else ""
+        raise InputError(
+            f"a {type(item).__name__} is saved to a file that ends in .nc{also}; '{target.name[:60]}' does not"
+        )
+    if isinstance(item, Solution):
+        return save_netcdf(item, target)
+    from valvetrain.solution.tree import Trunk
+
+    trunk = Trunk()
+    tree = trunk.of(item)
+    rows: dict[str, list[np.ndarray[Any, Any]]] = {}
+    layout = []
+    for array in trunk.arrays:
+        # one row of bytes for each type of number, whatever the count of arrays
+        row = rows.setdefault(array.dtype.str, [])
+        start = sum(map(len, row))
+        row.append(np.ascontiguousarray(array).reshape(-1).view(np.uint8))
+        layout.append([array.dtype.str, start, list(array.shape)])
+    variables = {
+        f"array_{number}": Variable((f"byte_{number}",), np.concatenate(row), {"type": name})
+        for number, (name, row) in enumerate(rows.items())
+    }
+    text = metadata.pack("result", status=COMPLETED, tree=tree, layout=layout, types=list(rows))
+    return _write(ChannelArrays(variables, {}), text, target)
+
+
+def load_result(path: _PathLike) -> Any:
+    """Read what :func:`save_result` and the other functions here wrote; :class:`InputError` for any
+    other file.
+    """
+    kind = _kind_of(Path(path))
+    others = {
+        "solution": load_netcdf, "static-curve": load_static_curve, "modal-result": load_modal_result,
+    }  # fmt: skip
+    if kind in others:
+        return others[kind](path)
+    from valvetrain.solution.tree import grown
+
+    dataset, content = _read(path, "result")
+    try:
+        bytes_of = {
+            name: np.asarray(dataset[f"array_{number}"].values)
+            for number, name in enumerate(content["types"])
+        }
+        arrays = []
+        for name, start, shape in content["layout"]:
+            size = np.dtype(name).itemsize * math.prod(shape)
+            part = bytes_of[name][start : start + size]
+            arrays.append(np.frombuffer(part.tobytes(), dtype=name).reshape(shape).copy())
+        return grown(content["tree"], arrays)
+    except InputError as error:
+        raise InputError(error.reason, str(path)) from None
+    except (KeyError, TypeError, ValueError, IndexError, RecursionError) as error:
+        raise InputError(
+            f"{DAMAGED} its description cannot be read ({error}); write it again", str(path)
+        ) from error
+
+
+def _kind_of(path: Path) -> str:
+    """The kind of result that a file says it holds; ``result`` where it says none."""
+    text = _content(path)[1]
+    try:
+        found = json.loads(text or "")["format"]
+        return str(found).removeprefix("valvetrain ")
+    except (ValueError, KeyError, TypeError, RecursionError):
+        return "result"
+
+
+def _content(path: _PathLike) -> tuple[xarray.Dataset, str | None, bool]:
+    """Variables and description of a file, and whether its closing checksum is right."""
     where = str(path)
     _, closed = checked_content(Path(path))
     if not closed:
@@ -278,11 +363,16 @@ def _read(path: _PathLike, kind: str) -> tuple[xarray.Dataset, dict[str, Any]]:
         Exception
     ) as error:  # the libraries below raise many kinds for bytes that make no sense to them
         raise InputError(_UNREADABLE, where) from error
-    if not isinstance(text, str):
+    return dataset, text if isinstance(text, str) else None, closed
+
+
+def _read(path: _PathLike, kind: str) -> tuple[xarray.Dataset, dict[str, Any]]:
+    dataset, text, closed = _content(path)
+    if text is None:
         raise InputError(
-            f"is not a valvetrain {kind} file; give one that this package wrote", where
+            f"is not a valvetrain {kind} file; give one that this package wrote", str(path)
         )
-    return dataset, metadata.unpack(text, kind, where, closed)
+    return dataset, metadata.unpack(text, kind, str(path), closed)
 
 
 def dataset_of(path: Path) -> xarray.Dataset:

@@ -15,10 +15,11 @@ from numpy.typing import NDArray
 
 from valvetrain.errors import InputError, NamedNumbers
 from valvetrain.solution.channels import ChannelArrays, DatasetField, Variable, empty_channels
-from valvetrain.solution.display import Shown, frame, span, table_and_picture, value_text
+from valvetrain.solution.display import frame, span, table_and_picture, value_text
 from valvetrain.solution.later import LaterField, LaterMapping
 from valvetrain.solution.provenance import Provenance
 from valvetrain.solution.quantity import unit_of
+from valvetrain.solution.saveable import Saveable
 from valvetrain.solution.status import COMPLETED, Event, Status
 
 if TYPE_CHECKING:
@@ -29,7 +30,7 @@ Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
-class Solution(Shown):
+class Solution(Saveable):
     """What one run computed; see docs/architecture.md for channel names.
 
     ``channels`` is an :class:`xarray.Dataset` whose variables all start with dimension ``sample``

@@ -10,8 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from valvetrain.errors import InputError
-from valvetrain.solution.display import Shown, frame, span, table_and_picture, value_text
+from valvetrain.solution.display import frame, span, table_and_picture, value_text
 from valvetrain.solution.modes import ModalResult, check_shapes
+from valvetrain.solution.saveable import Saveable
 from valvetrain.solution.status import COMPLETED, Status
 from valvetrain.units import Given, si
 
@@ -88,7 +89,7 @@ class Leaning:
 
 
 @dataclass(frozen=True, eq=False)
-class StaticCurve(Shown):
+class StaticCurve(Saveable):
     """Static curve from the free state; SI, dimensions after the names.
 
     ``compression`` (step) m, ``force`` (step) N, ``stiffness`` (step) N/m tangent; ``coil_gap``

@@ -15,7 +15,7 @@ from valvetrain.errors import InputError, UnknownNameError
 from valvetrain.solution.comparison import Comparison, Finding
 from valvetrain.solution.critical import CriticalSpeeds
 from valvetrain.solution.definition import is_defined
-from valvetrain.solution.display import Shown, table_and_picture, value_text
+from valvetrain.solution.display import table_and_picture, value_text
 from valvetrain.solution.fidelity import FidelityMap
 from valvetrain.solution.later import LaterField
 from valvetrain.solution.provenance import CaseRecord, Provenance
@@ -28,6 +28,7 @@ from valvetrain.solution.quantity import (
     unit_of,
 )
 from valvetrain.solution.result import Solution
+from valvetrain.solution.saveable import Reported
 from valvetrain.solution.static import SpringAtRest
 from valvetrain.solution.uncertainty import ErrorBars
 from valvetrain.units import Given
@@ -49,7 +50,7 @@ class LiftEvent:
 
 
 @dataclass(frozen=True, eq=False)
-class Study(Shown):
+class Study(Reported):
     """Points times models -> solutions, with what follows from them.
 
     ``command``: ``run``, ``compare`` or ``sweep``. ``solutions``: one per run, reduced in a sweep.
@@ -68,6 +69,8 @@ class Study(Shown):
     Study of own-spring (run): no runs
       quantities (1): preload 301.5 N
     """
+
+    report_word = "study"
 
     record: CaseRecord
     command: str = "run"

@@ -13,7 +13,7 @@ import numpy as np
 from valvetrain.errors import InputError, UnusualValueWarning
 from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.parameters.spring import SpringDefinition
-from valvetrain.solution.display import Shown
+from valvetrain.solution.saveable import Saveable
 from valvetrain.spring_card.card import (
     GROUND,
     INACTIVE,
@@ -42,7 +42,7 @@ class CardDeviation:
 
 
 @dataclass(frozen=True)
-class SpringFit(Shown):
+class SpringFit(Saveable):
     """A spring that meets its card: the ``spring`` as installed, its numbers and the card's, and
     what the card left ``free``.
 

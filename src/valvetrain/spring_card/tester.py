@@ -18,7 +18,7 @@ from valvetrain.parameters.curves import Constant, PiecewiseLinear
 from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.parameters.spring import EndCoil, SpringDefinition
 from valvetrain.runs.statics import point_of
-from valvetrain.solution.display import Shown
+from valvetrain.solution.saveable import Saveable
 from valvetrain.spring_card.card import (
     POSSIBLE_INACTIVE,
     CatalogueCard,
@@ -233,7 +233,7 @@ class PitchStations:
 
 
 @dataclass(frozen=True, eq=False)
-class TesterFit(Shown):
+class TesterFit(Saveable):
     """A spring that meets a table of forces; SI.
 
     ``rate`` (N/m) and ``preload`` (N) at the installed height, with standard deviations;
