@@ -104,7 +104,7 @@ def test_where_motion_does_not_repeat_the_range_reaches_over_those_speeds() -> N
         loose = 6900 < speed < 7200
         return math.sin(speed) if loose else 7000 - speed
 
-    loose = lambda speed: not 6900 < speed < 7200  # noqa: E731
+    loose = lambda speed: not 6900 < speed < 7200
     one = found(margin, {"numerical": [falling(1.0)], "damping": []}, repeats=loose)
     assert one.onset == "non-repeating" and one.numerical is not None
     assert one.numerical.lower_engine_speed <= 6900 and one.numerical.upper_engine_speed >= 7200
