@@ -64,7 +64,7 @@ object from the names above to such numbers.
 | `changed` | key paths set from outside the file |
 | `completed`, `failures` | true when nothing failed; a sentence per part that did, numbers that could not be found and files that could not be written among them |
 | `quantities`, `quantities_by_label` | what belongs to no run; the same by label, such as what a sweep found |
-| `critical_speeds` | of a sweep of a train: a row per label and `kind` (`contact-loss`, `float`, `bounce`) with its `limit`, the speeds `searched`, `engine_speed` (null for never), the brackets `begins` and `ends` (`from_rest`, `rising`, `falling`), and further stretches `again` |
+| `critical_speeds` | of a sweep of a train: a row per label and `kind` (`contact-loss`, `float`, `bounce`) with its `limit`, the speeds `searched`, `engine_speed` (null for never) with its ranges `numerical` and `damping` (an end beyond the speeds searched is null), its kind `onset` (`sharp`, `graze`, `non-repeating`) and all of it as `text`, the brackets `begins` and `ends` (`from_rest`, `rising`, `falling`), and further stretches `again` |
 | `fidelity` | of `fidelity`: `reference`, `tolerance`, `cheapest` model by quantity, `reaches` (per quantity and model `everywhere`, `good_to`, `poor_from`, `largest_difference`, `doubt`) and `rows` (value and numerical error of model and reference per speed, `verdict`) |
 | `springs_at_rest` | per spring and model `spring`, `model`, `precompression`, and what was found of `static_curve` and `modes` |
 | `static_curve` | `status`; `compression`, `force`, `stiffness`, each with `values` and `unit` |

@@ -86,8 +86,8 @@ def between_notes(swept: Sequence[Solution], between: Sequence[Solution]) -> tup
 
 
 def _worst(swept: Sequence[Solution], between: Sequence[Solution], name: str, sign: int) -> str:
-    """The value that is worse by most than at both swept speeds next to it; empty for none."""
-    apart, text = 0.0, ""
+    """The worst of the values that are worse than at both swept speeds next to them; empty for none."""
+    most, text = -math.inf, ""
     for run in between:
         speed = run.engine_speed
         sides = (
@@ -99,8 +99,8 @@ def _worst(swept: Sequence[Solution], between: Sequence[Solution], name: str, si
             continue
         worst = max(next_to, key=lambda one: sign * one.quantities[name])
         value, known = run.quantities[name], worst.quantities[name]
-        if sign * (value - known) > max(apart, REPORTED * abs(known)):
-            apart = sign * (value - known)
+        if sign * (value - known) > REPORTED * abs(known) and sign * value > most:
+            most = sign * value
             texts = [
                 f"{float(shown(name, one.quantities[name])[0]):.4g} {shown(name, value)[1]} at {one.engine_speed / RPM:.0f} rpm"
                 for one in (run, worst)
