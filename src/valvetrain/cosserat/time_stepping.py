@@ -10,7 +10,7 @@ import numpy as np
 
 from valvetrain.coil_contact.kernels import LINEAR
 from valvetrain.compiled import njit
-from valvetrain.cosserat.end_coils import END, RATE, end_contacts, move_end_coils
+from valvetrain.cosserat.end_coil_kernels import END, RATE, end_contacts, move_end_coils
 from valvetrain.cosserat.layout import GROUP as _GROUP
 from valvetrain.cosserat.layout import ROW
 from valvetrain.cosserat.layout import STRIDE as _STRIDE
@@ -185,9 +185,7 @@ def forces_now(b, integers, numbers, places, stretches, count, displacement):
         guide_contact(b, first + ONE, last)
     section_forces(b, first + ONE, last + ONE)
     if integers[LIFTS] > 0:
-        push, hold = end_contacts(
-            b, first, last, displacement, numbers[CONTACT_TIME], numbers[DT], law, row
-        )
+        push, hold = end_contacts(b, first, last, displacement, numbers[CONTACT_TIME], law, row)
         return upper_up + push, lower_down + hold
     seat = lower_down - b[FZ + first + ONE]
     retainer = upper_up - b[FZ + last]
