@@ -58,10 +58,10 @@ def test_the_blow_of_an_end_coil_is_that_of_its_mass_on_its_contact():
     assert peak == pytest.approx(strike * np.sqrt(stiffness * mass), rel=0.1)
 
 
-def test_modes_say_that_they_hold_an_end_that_would_pull():
+def test_modes_say_that_they_cannot_lift_an_end_that_would_pull():
     study = case_of(None).compare(["modal-uniform"], SPEED)
     kinds = {event.kind for event in study.solutions[0].events}
-    assert "end-held" in kinds and "end-strike" not in kinds
+    assert "end-pull" in kinds and "end-strike" not in kinds
     assert "would pull: modal-uniform at 9000 rpm" in " ".join(study.notes)
     bonded = case_of("bonded").compare(["modal-uniform"], SPEED)
     assert not [note for note in bonded.notes if "would pull" in note]

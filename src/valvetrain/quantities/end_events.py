@@ -1,6 +1,6 @@
 """Ends of a spring that leave seat or retainer: when, for how long, and how fast they come down.
 
-A model whose ends are held whatever happens, such as one of surge modes, shows no force where they
+A model of linear modes, whose ends are fixed whatever happens, shows no force where they
 would pull; it cannot lift them, so its run has events of another kind.
 """
 
@@ -17,19 +17,19 @@ from valvetrain.solution.status import Event
 
 Array = NDArray[np.float64]
 
-LIFT_OFF, STRIKE, HELD = "end-lift-off", "end-strike", "end-held"
-END_KINDS = (LIFT_OFF, STRIKE, HELD)
+LIFT_OFF, STRIKE, PULL = "end-lift-off", "end-strike", "end-pull"
+END_KINDS = (LIFT_OFF, STRIKE, PULL)
 #: Forces (N) below this are none; bonded ends pass it in less than a step.
 NOTHING = 1e-9
 #: A contact that opens for less than this (s) vibrates; the spring has not left it.
 SHORTEST = 2e-5
-#: Models of linear modes, which belong to held ends.
-HELD_MODELS = ("modal-uniform", "modal-varied")
+#: Models of linear modes, which belong to fixed ends.
+FIXED_END_MODELS = ("modal-uniform", "modal-varied")
 
 
 def end_events(solution: Solution) -> tuple[Event, ...]:
     """Events of the ends of every spring of a run by start time: ``end-lift-off`` (size: time off
-    the seat, s) and ``end-strike`` (size: closing velocity, m/s); ``end-held`` where the end of a
+    the seat, s) and ``end-strike`` (size: closing velocity, m/s); ``end-pull`` where the end of a
     model that cannot lift would pull.
     """
     found: list[Event] = []
@@ -55,12 +55,12 @@ def _of_end(solution: Solution, spring: str, end: str, channel: str) -> list[Eve
         )
         if lasts < SHORTEST:
             continue
-        kind = HELD if solution.model in HELD_MODELS else LIFT_OFF
+        kind = PULL if solution.model in FIXED_END_MODELS else LIFT_OFF
         found.append(Event(kind, float(angle[begin]), float(time[begin]), lasts, lasts, "s", where))
         met = closed or last + 1 < len(time)
         velocity = (
             None
-            if kind == HELD or not met
+            if kind == PULL or not met
             else _closing(solution, spring, end, float(time[begin]), float(time[stop]))
         )
         if velocity is not None:

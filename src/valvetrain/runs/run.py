@@ -21,7 +21,7 @@ from valvetrain.runs.cost import Limits
 from valvetrain.runs.critical_speeds import CriticalOptions, find_critical_speeds
 from valvetrain.runs.notes import (
     buckling_notes,
-    held_end_notes,
+    pulling_end_notes,
     refuse_implausible,
     refuse_speeds,
     ringing_note,
@@ -244,7 +244,7 @@ def run_problem(
         rest,
         still,
         notes=failures.part("notes", (), _notes, problem)
-        + failures.part("notes", (), held_end_notes, solutions),
+        + failures.part("notes", (), pulling_end_notes, solutions),
         lift_event=problem.lift_event,
         provenance=provenance,
         wall_time=time.perf_counter() - begun,
