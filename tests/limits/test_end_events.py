@@ -4,6 +4,8 @@ can lifts them. Closed form: the blow of an end coil on its seat. Contract: what
 
 from __future__ import annotations
 
+from importlib import resources
+
 import numpy as np
 import pytest
 
@@ -74,3 +76,22 @@ def test_a_card_may_be_bonded_and_clamps_do_not_lift():
         case_of("lifting", seats="clamps")
     with pytest.raises(InputError, match="end_contact"):
         case_of("loose")
+
+
+def test_in_a_train_lifting_ends_move_the_valve_as_bonded_ones_until_they_lift():
+    """Limit: the inertia of the end coil is carried by its contact instead of the valve's mass."""
+    path = resources.files("valvetrain").joinpath("templates/pushrod.toml")
+    case = vt.Case(path.read_text(encoding="utf-8"))
+    spring = "train.springs.wire.0"
+    coarse = {f"{spring}.options.finite-element.elements_per_coil": 12}
+    runs = {
+        ends: case.set({f"{spring}.end_contact": ends} | coarse).run(
+            "4500 rpm", model="finite-element", spring_set="wire"
+        )
+        for ends in ("bonded", "lifting")
+    }
+    bonded, lifting = (run.quantities for run in runs.values())
+    assert not [event for event in runs["lifting"].events if event.kind.startswith("end-")]
+    for name in ("peak_cam_contact_force", "minimum_cam_contact_force", "seating_velocity"):
+        assert lifting[name] == pytest.approx(bonded[name], rel=2e-3), name
+    assert lifting["cycle_work_energy"] == pytest.approx(bonded["cycle_work_energy"], rel=0.02)

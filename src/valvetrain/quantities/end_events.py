@@ -48,11 +48,10 @@ def _of_end(solution: Solution, spring: str, end: str, channel: str) -> list[Eve
     found: list[Event] = []
     for first, last in runs(np.abs(force) < NOTHING, closed):
         begin, stop = first % len(time), (last + 1) % len(time)
-        lasts = (
-            float(time[stop] - time[begin]) % period
-            if closed
-            else float(time[min(last + 1, len(time) - 1)] - time[begin])
-        )
+        if closed:
+            lasts = float((time[stop] - time[begin]) % period)
+        else:
+            lasts = float(time[min(last + 1, len(time) - 1)] - time[begin])
         if lasts < SHORTEST:
             continue
         kind = PULL if solution.model in FIXED_END_MODELS else LIFT_OFF

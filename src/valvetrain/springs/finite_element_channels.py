@@ -131,7 +131,7 @@ def _channels(model: RodModel, run: RodTransient, cam_speed: float, whole: bool)
             "axial_acceleration": np.diff(axial_velocity, axis=0, prepend=axial_velocity[:1])
             / interval,
             "axial_position": height @ at.T - model.definition.lower_seat_height,
-            "kinetic_energy": _kinetic(model, run),
+            "kinetic_energy": _kinetic(mesh, run) + _kinetic_of_ends(model, run),
             "elastic_energy": elastic,
             "contact_energy": contact,
         }
@@ -238,16 +238,21 @@ def _energies(
     return strains["energy"], contact + stiffness * (seats @ mesh.node_length)
 
 
-def _kinetic(model: RodModel, run: RodTransient) -> Array:
-    mesh = model.mesh
+def _kinetic_of_ends(model: RodModel, run: RodTransient) -> Array:
+    """Kinetic energy (J) of end coils that lift; the bonded ones belong to seat and retainer."""
+    if model.dynamics.ends is None:
+        return np.zeros(len(run.time))
+    speed = run.velocity[:, [model.mesh.first, model.mesh.last], 2]
+    found: Array = 0.5 * speed**2 @ model.dynamics.ends.masses(model.mesh)
+    return found
+
+
+def _kinetic(mesh: RodMesh, run: RodTransient) -> Array:
     moving = slice(mesh.first + 1, mesh.last)
     turning = 0.5 * np.sum(mesh.edge_inertia * run.spin**2, axis=(1, 2))
     found: Array = (
         0.5 * np.sum(run.velocity[:, moving] ** 2, axis=2) @ mesh.node_mass[moving] + turning
     )
-    if model.dynamics.ends is not None:
-        ends = run.velocity[:, [mesh.first, mesh.last], 2]
-        found += 0.5 * ends**2 @ model.dynamics.ends.masses(mesh)
     return found
 
 
