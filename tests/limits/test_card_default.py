@@ -22,7 +22,7 @@ def lift(cam_angle: float) -> float:
 
 
 def exact_seat_force(
-    engine_speed: float, mass_damping: float, stiffness_damping: float
+    engine_speed: float, mass_damping: float, stiffness_damping: float, motion=lift
 ) -> np.ndarray:
     """Force on the fixed end (N) over one cycle of the cam, by harmonics of the lift.
 
@@ -32,7 +32,7 @@ def exact_seat_force(
     """
     count = 2**13
     angle = np.arange(count) * 2 * np.pi / count
-    harmonics = np.fft.rfft([lift(one) for one in angle])
+    harmonics = np.fft.rfft([motion(one) for one in angle])
     circular = np.arange(len(harmonics)) * engine_speed / 2
     stiff = 1 + 1j * circular * stiffness_damping
     kappa = np.sqrt((circular**2 - 1j * circular * mass_damping) / (RATE / MASS * stiff))

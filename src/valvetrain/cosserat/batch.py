@@ -64,7 +64,8 @@ def simulate_batch(
     """Integrate many variants of one rod from their equilibria under one motion, side by side.
 
     The variants share step, motion and mesh numbers; sections, geometry and gaps may differ. A mesh
-    too long for the lanes runs one by one.
+    too long for the lanes runs one by one, and so do
+    rods whose ends lift.
 
     Parameters
     ----------
@@ -106,7 +107,7 @@ def simulate_batch(
     sub = max(1, int(np.ceil(sample_interval / dense / limit * (1 - 1e-9))))
     step, steps = sample_interval / (dense * sub), samples * dense * sub
     displacement = np.ascontiguousarray(motion(step * np.arange(steps + 1.0)), dtype=float)
-    wide = (meshes[0].vertices + 2) * LANES <= MAXIMUM_VERTICES
+    wide = (meshes[0].vertices + 2) * LANES <= MAXIMUM_VERTICES and dynamics.ends is None
 
     def lanes(first: int) -> tuple[Array, NDArray[np.bool_]]:
         group = range(first, min(first + LANES, len(meshes)))

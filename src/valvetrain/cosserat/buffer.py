@@ -12,6 +12,7 @@ from scipy.sparse import diags
 from scipy.sparse.linalg import ArpackError, eigsh
 
 from valvetrain.coil_contact.law import LINEAR, CoilContactLaw, law_address, law_numbers
+from valvetrain.cosserat import end_coils
 from valvetrain.cosserat import quaternion as quat
 from valvetrain.cosserat.layout import empty_buffer, row
 from valvetrain.cosserat.mesh import RodMesh
@@ -30,7 +31,8 @@ class RodDynamics:
     Stiffness damping acts through a Maxwell branch of ``relaxation_time`` (s) on bending and
     torsion, since plain
     Kelvin-Voigt damping would cut the explicit step to a few per cent. ``contact_stiffness`` in N/m
-    per m of wire, of a contact by ``contact_law``.
+    per m of wire, of a contact by ``contact_law``. ``ends``: end coils that lift off their seats;
+    None where they are bonded.
     """
 
     mass_damping: float = 0.0
@@ -40,6 +42,7 @@ class RodDynamics:
     contact_damping_time: float = 1e-6
     step_safety: float = 0.94
     contact_law: CoilContactLaw = LINEAR
+    ends: end_coils.EndCoils | None = None
 
     @property
     def branch_stiffness(self) -> float:
@@ -88,6 +91,10 @@ def stable_time_step(mesh: RodMesh, dynamics: RodDynamics) -> float:
             contact,
             mesh.guide.stiffness * float(np.max((mesh.node_length / mesh.node_mass)[moving])),
         )
+    if dynamics.ends is not None:  # a seat stands still, as a wall does
+        seats = dynamics.ends.stiffnesses(mesh, dynamics.contact_stiffness)
+        steepest = max(dynamics.contact_law.steepest, 1.0)
+        contact = max(contact, steepest * float(np.max(seats / dynamics.ends.masses(mesh))))
     return float(dynamics.step_safety * 2.0 / np.sqrt(1.001 * top + contact))
 
 
@@ -152,6 +159,8 @@ def fill_buffer(mesh: RodMesh, state: RodState, dynamics: RodDynamics, time_step
             WALL=mesh.guide.stiffness * mesh.node_length,
         )
     _fill_contact(b, mesh, dynamics)
+    if dynamics.ends is not None:
+        _fill_ends(b, mesh, state, dynamics)
     _, vector = quat.relative_vector(state.frame[:-1], state.frame[1:])
     settled = (1 - branch_gains(dynamics, time_step)[2]) * (2 * vector - mesh.rest_bend)
     settled[:first], settled[last + 1 :] = 0.0, 0.0
@@ -162,6 +171,22 @@ def fill_buffer(mesh: RodMesh, state: RodState, dynamics: RodDynamics, time_step
 def _put(b: Array, **rows: Array) -> None:
     for name, values in rows.items():
         row(b, name, len(values))[:] = values
+
+
+def _fill_ends(b: Array, mesh: RodMesh, state: RodState, dynamics: RodDynamics) -> None:
+    """End coils on seats at which they press as the bonded ends of ``state``."""
+    assert dynamics.ends is not None
+    statics = RodStatics(mesh, dynamics.contact_stiffness, contact_law=dynamics.contact_law)
+    axial = statics.assemble(state, with_tangent=False)[1].reshape(-1, 6)[:, 2]
+    forces = np.sum(axial[: mesh.first + 1]), -np.sum(axial[mesh.last :])
+    stiffness = dynamics.ends.stiffnesses(mesh, dynamics.contact_stiffness)
+    depth = [
+        end_coils.overlap_of(dynamics.contact_law, float(force), float(each))
+        for force, each in zip(forces, stiffness, strict=True)
+    ]
+    height = state.position[[mesh.first, mesh.last], 2]
+    seats = height[0] + depth[0], height[1] + state.compression - depth[1]
+    _put(b, END=np.concatenate((dynamics.ends.masses(mesh), stiffness, seats)))
 
 
 def _fill_contact(b: Array, mesh: RodMesh, dynamics: RodDynamics) -> None:
@@ -205,6 +230,6 @@ def stepping_numbers(
     integers = np.array([
         mesh.first, mesh.last, mesh.contact.offset, mesh.contact.groups, mesh.vertices,
         low.max(initial=-1) + 1, high.min(initial=mesh.vertices), mesh.guide is not None,
-        law_address(dynamics.contact_law),
+        law_address(dynamics.contact_law), dynamics.ends is not None,
     ], dtype=np.int64)  # fmt: skip
     return integers, numbers, np.stack([mesh.contact.upper_place, mesh.contact.lower_place], axis=1)

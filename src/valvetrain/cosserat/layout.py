@@ -37,7 +37,9 @@ _NAMES = (
     # contact group 2 (coarse meshes)
     "D0b DHb KCb ISb PXb PYb PZb S0b S1b S2b IMPULSEb PEAKb LOSSb STOREDb "
     # walls of a guide: largest and smallest radius of the wire's axis, stiffness
-    "BORE ROD WALL"
+    "BORE ROD WALL "
+    # end coils that lift (end_coils)
+    "END"
 ).split()
 
 ROW = {name: np.uint64(PAD + number * STRIDE) for number, name in enumerate(_NAMES)}

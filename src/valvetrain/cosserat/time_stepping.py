@@ -10,6 +10,7 @@ import numpy as np
 
 from valvetrain.coil_contact.kernels import LINEAR
 from valvetrain.compiled import njit
+from valvetrain.cosserat.end_coil_kernels import END, RATE, end_contacts, move_end_coils
 from valvetrain.cosserat.layout import GROUP as _GROUP
 from valvetrain.cosserat.layout import ROW
 from valvetrain.cosserat.layout import STRIDE as _STRIDE
@@ -55,7 +56,7 @@ DT, KEEP, KICK, DECAY, GAIN_OLD, GAIN_NEW, VISCOUS, CONTACT_TIME, MASS_DAMPING, 
 )
 #: First of the numbers of the law of contact, the last of all ``numbers``.
 LAW_NUMBERS = RELAXATION + 1
-FIRST, LAST, OFFSET, GROUPS, VERTICES, LOWER_END, UPPER_START, GUIDED, LAW = range(9)
+FIRST, LAST, OFFSET, GROUPS, VERTICES, LOWER_END, UPPER_START, GUIDED, LAW, LIFTS = range(10)
 
 
 @njit(**OPTIONS)
@@ -183,6 +184,9 @@ def forces_now(b, integers, numbers, places, stretches, count, displacement):
     if integers[GUIDED] > 0:
         guide_contact(b, first + ONE, last)
     section_forces(b, first + ONE, last + ONE)
+    if integers[LIFTS] > 0:
+        push, hold = end_contacts(b, first, last, displacement, numbers[CONTACT_TIME], law, row)
+        return upper_up + push, lower_down + hold
     seat = lower_down - b[FZ + first + ONE]
     retainer = upper_up - b[FZ + last]
     for i in range(np.uint64(0), first + ONE):
@@ -204,7 +208,10 @@ def kick_and_drift(b, integers, numbers):
     )
     turn_edges(b, first + ONE, last + ONE, dt, keep, kick)
     motion = move_vertices(b, first + ONE, last, dt, keep, kick)
-    return dt * (
+    seats = 0.0
+    if integers[LIFTS] > 0:
+        seats = move_end_coils(b, first, last, np.uint64(integers[VERTICES]), dt)
+    return seats + dt * (
         numbers[VISCOUS] / numbers[RELAXATION] * branch + 0.25 * numbers[MASS_DAMPING] * motion
     )
 
@@ -212,8 +219,11 @@ def kick_and_drift(b, integers, numbers):
 @njit(**OPTIONS)
 def place_retainer(b, integers, travel, velocity):
     """Lower the vertices fixed to the retainer by ``travel`` (m) and give them its closing
-    velocity.
+    velocity; an end coil that lifts feels it by its contact.
     """
+    if integers[LIFTS] > 0:
+        b[END + RATE] = velocity
+        return
     for i in range(np.uint64(integers[LAST]), np.uint64(integers[VERTICES])):
         b[Z + i] -= travel
         b[VZ + i] = -velocity

@@ -240,8 +240,8 @@ class InstalledSpring:
     ``precompression`` (m): shortening from the free length with the valve closed (a wire's; a
     card's is preload / rate). ``seats``: ``planes`` where end coils may touch flat seats beyond
     their inactive turns, ``clamps`` where nothing but the inactive ends is touched. ``options``:
-    spring-model word -> keyword arguments of that model's options. ``tied``: a source's own spring
-    whose ends never leave seat and retainer, so that it also pulls. ``guide``: bore or rod that
+    spring-model word -> keyword arguments of that model's options. ``tied``: its ends are bonded
+    to seat and retainer, so that it also pulls; others lift where they would pull. ``guide``: bore or rod that
     keeps a wire straight; springs that only move along their axis need none and do not feel it.
     ``retainer_rotation``: whether the retainer may turn about the axis at rest, which a wire alone
     feels. Raises :class:`InputError` for a spring that would be stretched or solid as installed.
@@ -307,7 +307,7 @@ class InstalledSpring:
     @property
     def pulls(self) -> bool:
         """Whether the ends are held, so that the spring also pulls: between clamps, or ``tied``;
-        others press or are loose.
+        others press or lift.
         """
         return self.tied or (self.wire is not None and self.seats == "clamps")
 

@@ -46,6 +46,11 @@ _CARD_KEYS = (
 )
 _WIRE_KEYS = set(SpringModel.model_fields) - set(SpringCardModel.model_fields)
 
+EndContact = Literal["lifting", "bonded"]
+END_CONTACT = Field(
+    default=None,
+    description="whether the ends lift off seat and retainer, or are bonded and pull; without it they lift, but between clamps",
+)
 LineStiffness = Annotated[float, quantity("line stiffness", low=0.0)]
 PositiveLineStiffness = Annotated[float, quantity("line stiffness", low=0.0, open_low=True)]
 NormalForce = Annotated[float, quantity("force", low=0.0)]
@@ -175,6 +180,7 @@ class WireBlock(SpringModel):
     )
     damping: DampingModel = DampingModel()
     contact: CoilContactField = CoilContactModel()
+    end_contact: EndContact | None = END_CONTACT
     retainer_rotation: Literal["fixed", "free"] = Field(
         default="fixed", description="whether the retainer may turn about the axis at rest"
     )
@@ -206,6 +212,11 @@ class WireBlock(SpringModel):
                 f"the spring is solid before this compression; it has {room * 1e3:.4g} mm of room: compress it less",
                 (given,),
             )
+        if self.end_contact == "lifting" and self.seats == "clamps":
+            raise problem(
+                "ends between clamps cannot lift; give seats = 'planes', or bonded ends",
+                ("end_contact",),
+            )
         guide = None if self.guide is None else placed("guide", self.guide.build)
         if guide is not None:
             placed("guide", guarded, lambda: guide.check_fit(wire))
@@ -224,6 +235,7 @@ class CardBlock(SpringCardModel):
 
     damping: DampingModel = DampingModel()
     contact: CoilContactField = CoilContactModel()
+    end_contact: EndContact | None = END_CONTACT
     options: Options = Field(default_factory=dict)
 
     def installed(self, name: str) -> InstalledSpring:
@@ -242,7 +254,13 @@ def _assembled(block: WireBlock | CardBlock, **known: Any) -> InstalledSpring:
     damping = placed("damping", block.damping.build)
     contact = placed("contact", block.contact.build)
     built: InstalledSpring = guarded(
-        lambda: InstalledSpring(damping=damping, contact=contact, options=options, **known)
+        lambda: InstalledSpring(
+            damping=damping,
+            contact=contact,
+            options=options,
+            tied=block.end_contact == "bonded",
+            **known,
+        )
     )
     return built
 

@@ -12,6 +12,7 @@ from valvetrain.quantities.clash import (
     main_clash_quantities,
 )
 from valvetrain.quantities.cycle import Cycle, Frame, is_closed, reported_cycle
+from valvetrain.quantities.end_events import END_KINDS, end_events
 from valvetrain.quantities.forces import (
     energy_quantities,
     force_quantities,
@@ -93,10 +94,13 @@ def _events(
 ) -> tuple[Event, ...]:
     none: tuple[Event, ...] = ()
     clashes = gaps.part("clashes", none, clash_events, solution) if _meets(frame) else none
-    other = tuple(event for event in solution.events if event.kind not in (*LOGGED, "clash"))
+    other = tuple(
+        event for event in solution.events if event.kind not in (*LOGGED, *END_KINDS, "clash")
+    )
     if rigid is not None:
         other = gaps.part("events of the train", none, lambda: tuple(train_events(solution, rigid)))
-    return tuple(sorted((*other, *clashes), key=lambda event: event.cam_angle))
+    ends = gaps.part("ends of the springs", none, end_events, solution)
+    return tuple(sorted((*other, *clashes, *ends), key=lambda event: event.cam_angle))
 
 
 def _whole_cycle(

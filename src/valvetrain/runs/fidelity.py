@@ -14,6 +14,7 @@ from dataclasses import replace
 
 from valvetrain.errors import InputError
 from valvetrain.parameters.case import Case
+from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.parameters.loading import AnyCase, case_of
 from valvetrain.registry import names as registered_names
 from valvetrain.runs.cost import Cost, Limits, limits_of, refuse_cost
@@ -27,16 +28,21 @@ from valvetrain.runs.watch import shows_progress
 from valvetrain.runs.workers import Progress, worker_count
 from valvetrain.solution.fidelity import FidelityMap, FidelityRow
 from valvetrain.solution.study import Study
+from valvetrain.springs.modal_uniform import oscillating_modes
 from valvetrain.springs.own_spring import model_names
 from valvetrain.springs.spec import spring_model
 from valvetrain.system.build import build
-from valvetrain.system.problem import Problem
+from valvetrain.system.problem import Member, Problem
 from valvetrain.units import Given, as_names, si_speeds
 
+MODES_WORD = "modal-uniform"
 #: Elements, masses or modes of the second run of a model over those of its first.
 FINER = 1.5
-#: Reference model for springs with a wire, and for those with a card only.
-REFERENCES = {"wire": "finite-element", "card": "wave-rod"}
+#: Reference model for springs with a wire, for cards without and for cards with stiffness damping,
+#: which the wave equation of the rod does not have.
+REFERENCES = {"wire": "finite-element", "card": "wave-rod", "card, stiffness-damped": MODES_WORD}
+#: Modes of a reference by modes, fewer where damping is critical before.
+REFERENCE_MODES = 80
 #: Share of the reference's largest value up to which a model is good enough.
 TOLERANCE = 0.05
 #: Quantities by which models are judged, where the reference has them.
@@ -76,7 +82,7 @@ def fidelity(
     spring_models : a model that is judged, or several; all that can run by default
     spring_set : spring set of a train, its own by default
     reference : the model they are judged by; finite elements where the wire is known, else the
-        equivalent rod
+        equivalent rod, or 80 modes where the damping of the springs has a share by stiffness
     tolerance : share of the reference's largest value over the speeds up to which a model is good
         enough
 
@@ -173,6 +179,8 @@ def fidelity_models(
         return spring_model(name).no_motion or next(filter(None, reasons), "")
 
     kind = "card" if any(spring.wire is None for spring in springs) else "wire"
+    if kind == "card" and any(spring.damping.stiffness_damping > 0 for spring in springs):
+        kind = "card, stiffness-damped"
     best = reference or REFERENCES[kind]
     if not springs:
         raise InputError(
@@ -182,7 +190,7 @@ def fidelity_models(
     if why := refusal(best):
         raise InputError(f"the reference cannot run: {why}; name another", "reference")
     # The wire of a card is assumed, so its rod is not a default.
-    assumed = REFERENCES["wire"] if kind == "card" else ""
+    assumed = "" if kind == "wire" else REFERENCES["wire"]
     chosen = tuple(dict.fromkeys(spring_models)) or tuple(
         name for name in registered_names("springs") if not refusal(name) and name != assumed
     )
@@ -191,7 +199,7 @@ def fidelity_models(
         if why := refusal(name):
             raise InputError(f"{why}; leave {name} out", "spring_models")
     judged = sorted(
-        (name for name in chosen if name != best),
+        (name for name in chosen if name != best or name == MODES_WORD),
         key=lambda name: spring_model(name).processor_time,
     )
     if not judged:
@@ -223,7 +231,9 @@ def fidelity_study(
             "engine_speeds",
         )
     sets = (spring_set,) if spring_set else _own_set(case)
-    problem = build(case, spring_models=spring_models, spring_set=sets)
+    problem = _with_reference(
+        build(case, spring_models=spring_models, spring_set=sets), spring_models
+    )
 
     def study(of: Problem, tell: Finished | None, begin: float, end: float) -> Study:
         def part(done: float, text: str) -> None:
@@ -244,7 +254,7 @@ def fidelity_study(
         )
 
     finer = _finer(problem)
-    divided = tuple(member.model.word for one in finer for member in one.members)
+    divided = tuple(member.label for one in finer for member in one.members)
     step = 0.6 / max(1, len(finer))
     studies: list[Study] = []
     stopped = False
@@ -268,6 +278,31 @@ def _own_set(case: Case) -> tuple[str, ...]:
     return (case.train.spring_set or next(iter(case.train.springs)),)
 
 
+def _with_reference(problem: Problem, spring_models: Sequence[str]) -> Problem:
+    """The problem with the reference as its last member; modes are judged by many modes of their
+    own, of which 1.5 times as many still oscillate where that leaves any.
+    """
+    *judged, best = spring_models
+    if best != MODES_WORD:
+        return problem
+    own = next(member for member in problem.members if member.model.word == best)
+    counts = [_reference_modes(own, spring) for spring in own.springs]
+    springs = tuple(
+        spring.with_options(best, modes=count)
+        for spring, count in zip(own.springs, counts, strict=True)
+    )
+    reference = replace(own, label=f"{best}, {max(counts)} modes", springs=springs)
+    others = problem.only(lambda member: member.model.word in judged)
+    return replace(problem, members=(*others, reference), built={})
+
+
+def _reference_modes(member: Member, spring: InstalledSpring) -> int:
+    given = member.model.read_options(spring.options_of(MODES_WORD)).model_dump()["modes"]
+    return max(
+        1, int(oscillating_modes(spring, round(FINER * max(given, REFERENCE_MODES))) / FINER)
+    )
+
+
 def _finer(problem: Problem) -> list[Problem]:
     """A problem for each member whose springs can be divided more finely, with them so divided."""
     problems = []
@@ -282,16 +317,15 @@ def _finer(problem: Problem) -> list[Problem]:
 def _compared(
     problem: Problem, own: Study, fine: Sequence[Study], divided: tuple[str, ...], tolerance: float
 ) -> FidelityMap:
-    labels = {member.model.word: member.label for member in problem.members}
-    specs = {member.model.word: member.model for member in problem.members}
-    *judged, best = labels
+    specs = {member.label: member.model for member in problem.members}
+    *judged, best = specs
     rows = []
     for name in JUDGED:
         series = {}
-        for model, label in labels.items():
-            zero = name != "clash_energy" or "clash" in specs[model].shows
+        for model, spec in specs.items():
+            zero = name != "clash_energy" or "clash" in spec.shows
             series[model] = _series(
-                own, fine, label, name, model in divided, zero and name in NONE_IS_ZERO
+                own, fine, model, name, model in divided, zero and name in NONE_IS_ZERO
             )
         sizes = (abs(value) for value, _ in series[best].values() if math.isfinite(value))
         scale = max(sizes, default=0.0)
@@ -302,7 +336,7 @@ def _compared(
                 reference = series[best].get(speed, (math.nan, math.nan))
                 rows.append(FidelityRow(name, model, speed, value, error, *reference, scale))
     costs = sorted(
-        ((model, specs[model].processor_time) for model in labels), key=lambda pair: pair[1]
+        ((model, spec.processor_time) for model, spec in specs.items()), key=lambda pair: pair[1]
     )
     return FidelityMap(best, tolerance, tuple(rows), tuple(costs), divided)
 

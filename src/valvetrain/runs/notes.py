@@ -8,9 +8,11 @@ import numpy as np
 
 from valvetrain.errors import InputError
 from valvetrain.parameters.installed_spring import InstalledSpring
+from valvetrain.quantities.end_events import PULL
 from valvetrain.quantities.plausible import refuse_implausible_motion, refuse_implausible_parts
 from valvetrain.quantities.statics import formula_compression
 from valvetrain.runs.prepared import largest_lift, law_lift, prepare
+from valvetrain.solution.result import Solution
 from valvetrain.system.contract import TRAIN
 from valvetrain.system.problem import Member, Problem
 
@@ -76,6 +78,21 @@ def buckling_notes(problem: Problem) -> tuple[str, ...]:
                 "finds the place by finite elements."
             )
     return tuple(found)
+
+
+def pulling_end_notes(solutions: Iterable[Solution]) -> tuple[str, ...]:
+    """A sentence on the runs whose model cannot lift ends that would pull."""
+    runs = dict.fromkeys(
+        f"{run.label} at {run.engine_speed * 30 / np.pi:.6g} rpm"
+        for run in solutions
+        if any(event.kind == PULL for event in run.events)
+    )
+    if not runs:
+        return ()
+    return (
+        f"The ends of the spring would pull: {', '.join(runs)}. Its modes are those of fixed ends, so it shows no force there "
+        "but does not lift, and what follows is not right: take multi-mass, wave-rod or finite-element.",
+    )
 
 
 #: Parts of a train with friction.

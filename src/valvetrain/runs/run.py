@@ -24,6 +24,7 @@ from valvetrain.runs.cost import Limits
 from valvetrain.runs.critical_speeds import CriticalOptions, find_critical_speeds
 from valvetrain.runs.notes import (
     buckling_notes,
+    pulling_end_notes,
     refuse_implausible,
     refuse_speeds,
     ringing_note,
@@ -283,7 +284,8 @@ def run_problem(
         solutions,
         rest,
         still,
-        notes=between_notes(solutions, between),
+        notes=between_notes(solutions, between)
+        + failures.part("notes", (), pulling_end_notes, solutions),
         lift_event=problem.lift_event,
         provenance=provenance,
         wall_time=time.perf_counter() - begun,

@@ -204,7 +204,7 @@ def rod_motion(
     """
     angle, time, cam_speed = solid.cam_angle, solid.time, solid.engine_speed / 2
     interval = float(time[-1] / (len(time) - 1))
-    dynamics = replace(rod.dynamics, stiffness_damping=0.0)
+    dynamics = replace(rod.dynamics, stiffness_damping=0.0, ends=None)  # the solid's are bonded
 
     def compression(instant: Array) -> Array:
         return rod.precompression + np.asarray(lift_law.lift(angle[0] + cam_speed * instant))

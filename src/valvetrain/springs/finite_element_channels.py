@@ -104,7 +104,7 @@ def _channels(model: RodModel, run: RodTransient, cam_speed: float, whole: bool)
     values = {
         "valve_lift": run.displacement - model.precompression,
         "retainer_velocity": -speed[:, -1]
-        if mesh.vertices > mesh.last
+        if mesh.vertices > mesh.last and model.pulls
         else np.gradient(run.displacement, run.time),
         "seat_force": run.seat_force,
         "retainer_force": run.retainer_force,
@@ -131,7 +131,7 @@ def _channels(model: RodModel, run: RodTransient, cam_speed: float, whole: bool)
             "axial_acceleration": np.diff(axial_velocity, axis=0, prepend=axial_velocity[:1])
             / interval,
             "axial_position": height @ at.T - model.definition.lower_seat_height,
-            "kinetic_energy": _kinetic(mesh, run),
+            "kinetic_energy": _kinetic(mesh, run) + _kinetic_of_ends(model, run),
             "elastic_energy": elastic,
             "contact_energy": contact,
         }
@@ -236,6 +236,15 @@ def _energies(
         contact = contact + mesh.guide.energy(run.position, mesh.node_length)
     seats = contact_response(law, depth).energy
     return strains["energy"], contact + stiffness * (seats @ mesh.node_length)
+
+
+def _kinetic_of_ends(model: RodModel, run: RodTransient) -> Array:
+    """Kinetic energy (J) of end coils that lift; the bonded ones belong to seat and retainer."""
+    if model.dynamics.ends is None:
+        return np.zeros(len(run.time))
+    speed = run.velocity[:, [model.mesh.first, model.mesh.last], 2]
+    found: Array = 0.5 * speed**2 @ model.dynamics.ends.masses(model.mesh)
+    return found
 
 
 def _kinetic(mesh: RodMesh, run: RodTransient) -> Array:

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from valvetrain.coil_contact.law import contact_response, law_address
 from valvetrain.cosserat.buffer import RodDynamics, fill_buffer, stable_time_step, stepping_numbers
+from valvetrain.cosserat.end_coils import EndCoils
 from valvetrain.cosserat.guide import walls
 from valvetrain.cosserat.layout import ROW, STRIDE, row
 from valvetrain.cosserat.mesh import RodMesh, mesh_spring
@@ -45,8 +46,8 @@ class RodModel:
     """Rod model of ``definition`` installed at ``precompression`` (m from the free state).
 
     ``time_step`` (s) is set by :meth:`with_time_step`; None means the stable step. Where it does
-    not pull (``pulls``) its end forces in a
-    train stop at zero; its inactive coils stay on their seats. ``guide``: bore or rod that the wire
+    not pull (``pulls``) its end coils lift off seat and retainer and come down on them: each is a
+    rigid body on the axis. ``guide``: bore or rod that the wire
     may lean on.
     ``retainer_rotation``: ``fixed``, or ``free`` about the axis at rest; in motion the retainer
     keeps the angle at which it is installed.
@@ -70,6 +71,9 @@ class RodModel:
             raise InputError(
                 f"precompression of spring '{self.name}' is {self.precompression} m; give zero or a positive length"
             )
+        if not self.pulls and self.dynamics.ends is None:
+            ends = EndCoils(*zip(*map(self._inactive, (0, 1)), strict=True))
+            object.__setattr__(self, "dynamics", replace(self.dynamics, ends=ends))
         if self.seats not in ("planes", "clamps"):
             raise InputError(
                 f"seats '{self.seats}' of spring '{self.definition.name}' is unknown; use planes or clamps"
@@ -82,6 +86,13 @@ class RodModel:
             raise InputError(
                 f"retainer_rotation '{self.retainer_rotation}' of spring '{self.definition.name}' is unknown; use fixed or free"
             )
+
+    def _inactive(self, end: int) -> tuple[float, float]:
+        """Mass (kg) and length (m) of the inactive wire at the seat (0) or the retainer (1)."""
+        wire, free = self.definition, self.definition.free_coils
+        between = (0.0, free[0]) if end == 0 else (free[1], wire.total_coils)
+        volume = np.pi / 4 * wire.integrate_along_wire(wire.wire_diameter, 2, between)
+        return wire.material.density * volume, wire.integrate_along_wire(between=between)
 
     @cached_property
     def mesh(self) -> RodMesh:
@@ -131,6 +142,8 @@ class RodModel:
 
     def _equilibrium(self, retainer_displacement: float) -> Equilibrium:
         compression = self.precompression + retainer_displacement
+        if not self.pulls:  # above its free length it stands free
+            compression = max(compression, 0.0)
         if compression == 0.0:
             return self.statics.solve(RodState(self.mesh.position, self.mesh.frame), 0.0)
         # Every other state is reached from the installed one, so that the answer does not depend on
@@ -163,9 +176,7 @@ class RodModel:
     @cached_property
     def _numbers(self) -> tuple[Array, NDArray[np.int64]]:
         integers, numbers, places = stepping_numbers(self.mesh, self.dynamics, self._step)
-        return np.concatenate(
-            ([self.precompression, float(self.pulls)], numbers, places.ravel())
-        ), integers
+        return np.concatenate(([self.precompression], numbers, places.ravel())), integers
 
     def parameters(self) -> Array:
         return self._numbers[0].copy()
@@ -234,7 +245,8 @@ class RodModel:
         """
         count, compression = self.mesh.vertices, self.precompression + retainer_displacement
         position = np.stack([row(state, name, count) for name in "XYZ"], axis=1)
-        position[self.mesh.last :, 2] -= compression - state[stepping.TRAVEL]
+        if self.pulls:
+            position[self.mesh.last :, 2] -= compression - state[stepping.TRAVEL]
         frame = np.stack([row(state, f"Q{n}", count + 1) for n in range(4)], axis=1)
         return RodState(position, frame / np.linalg.norm(frame, axis=1)[:, None], compression)
 
@@ -262,6 +274,12 @@ class RodModel:
             self.mesh.edge_inertia,
         )
         kinetic = 0.0
+        if self.dynamics.ends is not None:
+            places = [self.mesh.first, self.mesh.last]
+            speeds = (
+                row(state, "VZ", self.mesh.vertices) + row(later, "VZ", self.mesh.vertices)
+            ) / 2
+            kinetic = 0.5 * float(self.dynamics.ends.masses(self.mesh) @ speeds[places] ** 2)
         for name in ("VX", "VY", "VZ"):
             mean = (row(state, name, self.mesh.last) + row(later, name, self.mesh.last)) / 2
             kinetic += 0.5 * float(masses @ mean[self.mesh.first + 1 :] ** 2)
@@ -293,6 +311,9 @@ class RodModel:
         )
 
     def tangent(self, state: Array, retainer_displacement: float) -> float:
+        if self.dynamics.ends is not None:
+            stiffness = self.dynamics.ends.stiffnesses(self.mesh, self.dynamics.contact_stiffness)
+            return float(stiffness[1]) if self.force(state, retainer_displacement)[0] > 0 else 0.0
         matrix = self.statics.tangent(self.rod_state(state, retainer_displacement))
         held = np.zeros(matrix.shape[0])
         held[6 * self.mesh.last + 2 :: 6] = 1.0
@@ -377,12 +398,12 @@ class RodModel:
         )
 
     def retainer_mass(self) -> float:
-        """Inactive wire on the retainer and half the last element (kg)."""
-        upper = self.definition.free_coils[1]
-        held = self.definition.integrate_along_wire(
-            self.definition.wire_diameter, 2, (upper, self.definition.total_coils)
-        )
-        return float(
-            np.pi / 4 * self.definition.material.density * held
-            + self.mesh.node_mass[self.mesh.last]
-        )
+        """Inactive wire on the retainer and half the last element (kg); none where they lift: then
+        the force on the retainer contains their inertia.
+        """
+        return self.end_mass if self.pulls else 0.0
+
+    @property
+    def end_mass(self) -> float:
+        """Inactive wire at the retainer and half the last element (kg)."""
+        return self._inactive(1)[0] + float(self.mesh.node_mass[self.mesh.last])

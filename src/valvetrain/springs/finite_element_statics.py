@@ -128,7 +128,7 @@ def modal_result(rod: RodModel, count: int = 24, attached_mass: float | None = N
     """Modes about the installed state, touching coils held together: both ends fixed, or with
     ``attached_mass`` (kg, 0 for none) on a
     retainer that moves along the axis."""
-    end_mass = None if attached_mass is None else attached_mass + rod.retainer_mass()
+    end_mass = None if attached_mass is None else attached_mass + rod.end_mass
     modes = natural_modes(rod.statics, rod.installed.state, count, end_mass)
     coil = wire_points(rod.definition.total_coils)
     shape = np.einsum("mvc,pv->mpc", modes.shape, interpolation(rod.mesh, coil))

@@ -252,15 +252,22 @@ class ModalUniformOptions(SpringOptions):
     )
 
 
+def oscillating_modes(spring: InstalledSpring, most: int) -> int:
+    """How many of the ``most`` lowest modes damping leaves below critical, at least one."""
+    first = 2 * np.pi * EquivalentSpring.from_installed(spring).surge_frequency
+    circular = first * np.arange(1, most + 1)
+    damping = spring.damping
+    ratios = 0.5 * (damping.mass_damping / circular + damping.stiffness_damping * circular)
+    return max(int(np.argmin(np.append(ratios < 0.95, False))), 1)
+
+
 def _make(
     spring: InstalledSpring, options: ModalUniformOptions, rest: SpringAtRest | None
 ) -> ModalUniform:
     damping, uniform = spring.damping, EquivalentSpring.from_installed(spring)
     modes = options.modes
     if "modes" not in options.model_fields_set:
-        circular = 2 * np.pi * uniform.surge_frequency * np.arange(1, MODES + 1)
-        ratios = 0.5 * (damping.mass_damping / circular + damping.stiffness_damping * circular)
-        modes = max(int(np.argmin(np.append(ratios < 0.95, False))), 1)
+        modes = oscillating_modes(spring, MODES)
     return ModalUniform(
         uniform,
         modes,
