@@ -10,6 +10,7 @@ DOCS = Path(__file__).resolve().parent
 sys.path.insert(0, str(DOCS / "_site"))
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
+from api_pages import PUBLIC  # noqa: E402
 from gallery_figures import scrape  # noqa: E402
 from sphinx_gallery.sorting import FileNameSortKey  # noqa: E402
 
@@ -58,9 +59,7 @@ autodoc_preserve_defaults = True
 numpydoc_show_class_members = False
 numpydoc_xref_param_type = True  # names of our classes among what an argument is
 numpydoc_xref_ignore = "all"
-numpydoc_xref_aliases = {
-    name: f"valvetrain.{name}" for name in valvetrain.__all__ if name[0].isupper()
-}
+numpydoc_xref_aliases = {name: path for name, path in PUBLIC.items() if name[0].isupper()}
 nitpicky = True
 
 html_theme = "pydata_sphinx_theme"

@@ -60,7 +60,7 @@ def damping(films: int = 12) -> None:
     truth lies in the 95 % interval.
     """
     rows = []
-    setup = vt.FilmSetup(
+    setup = vt.film.FilmSetup(
         frame_rate=2000,
         scale_points=((4, 0), (4, 120)),
         scale_length=0.02,
@@ -74,7 +74,7 @@ def damping(films: int = 12) -> None:
         film, _ = drawn.draw(
             replace(DEFAULT, seed=seed, camera_drift=1.2), drawn.turning, 300, marks
         )
-        surge = vt.coil_motion(film, setup).surge
+        surge = vt.film.coil_motion(film, setup).surge
         assert surge is not None
         line = max(surge.lines, key=lambda one: one.amplitude)
         off = line.natural_frequency - drawn.SURGE, line.damping_ratio / drawn.DAMPING - 1
@@ -110,14 +110,14 @@ def pictures(folder: Path) -> None:
         700,
         drawn.mark_of(700, 2000.0, cam_speed, 0.4, 1.0),
     )
-    setup = vt.FilmSetup(
+    setup = vt.film.FilmSetup(
         frame_rate=2000,
         scale_points=((11, 0), (11, 120)),
         scale_length=0.02,
         marker=(4, 4),
         marker_angle=1.0,
     )
-    motion = vt.coil_motion(film, setup, synthetic=True)
+    motion = vt.film.coil_motion(film, setup, synthetic=True)
     for name, chart in (
         ("space-time", film_charts.space_time_chart(motion)),
         ("displacement", film_charts.displacement_chart(motion)),

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 import valvetrain as vt
+from valvetrain.cam import build_lift_law
 from valvetrain.parameters.case import Case
 from valvetrain.quantities.cycle import reported_cycle
 from valvetrain.report import theme
@@ -82,7 +83,7 @@ def margin_over_speed() -> tuple[str, tuple[Panel, ...]]:
             case,
             "4000:8000:250 rpm",
             spring_models=["multi-mass"],
-            spring_sets=["stock"],
+            spring_set=["stock"],
             critical_speeds=False,
         )
         speeds, ratio = swept.series(swept.labels[0], "minimum_spring_margin_ratio")
@@ -106,7 +107,7 @@ def loss_and_float() -> tuple[str, tuple[Panel, ...]]:
         "tdi-pushrod",
         "6000:8000:50 rpm",
         spring_models=["multi-mass"],
-        spring_sets=["stock"],
+        spring_set=["stock"],
         critical_speeds=False,
     )
     label, panels = swept.labels[0], []
@@ -326,8 +327,8 @@ def tappet_force() -> tuple[str, tuple[Panel, ...]]:
 
 
 def smoothed_lobe() -> tuple[str, tuple[Panel, ...]]:
-    lobe = vt.read_lift(EXAMPLES / "lobe.csv")[0]
-    smooth = vt.smooth_lift(lobe.cam_angles, lobe.lifts)
+    lobe = vt.measured.read_lift(EXAMPLES / "lobe.csv")[0]
+    smooth = vt.measured.smooth_lift(lobe.cam_angles, lobe.lifts)
     angle = np.radians(np.arange(115.0, 245.01, 0.5))
     to_degrees = 1e6 * np.radians(1.0) ** 2
     mean, spread = smooth.lift(angle, 2) * to_degrees, 1.96 * smooth.spread(angle, 2) * to_degrees
@@ -347,7 +348,7 @@ def smoothed_lobe() -> tuple[str, tuple[Panel, ...]]:
 def reference_heights() -> tuple[str, tuple[Panel, ...]]:
     case = template("pushrod")
     run = vt.simulate(case, "3000 rpm").solutions[0]
-    law, angle = vt.build_lift_law(case.lift_law), np.radians(np.arange(0.0, 360.0, 0.5))
+    law, angle = build_lift_law(case.lift_law), np.radians(np.arange(0.0, 360.0, 0.5))
     cam = np.degrees(angle)
     lobe = line(cam, 1e3 * law.lift(angle), "lobe", BLUE)
     valve = line(*over_angle(run, "rigid_valve_lift", 1e3), "valve, rigid parts", ORANGE)
@@ -475,7 +476,7 @@ def stress_range() -> tuple[str, tuple[Panel, ...]]:
 def cam_torque() -> tuple[str, tuple[Panel, ...]]:
     case = vt.load_case("tdi-pushrod", {"train.contacts.cam.friction_coefficient": "0.06"})
     study = vt.simulate(
-        case, "4000 rpm", spring_models=["multi-mass"], spring_sets=["stock", "performance"]
+        case, "4000 rpm", spring_models=["multi-mass"], spring_set=["stock", "performance"]
     )
     pairs = zip(study.solutions, (BLUE, ORANGE), strict=True)
     layers = [line(*over_angle(run, "cam_torque"), run.spring_set, colour) for run, colour in pairs]

@@ -71,7 +71,7 @@ object from the names above to such numbers.
 | `modes` | `status`, `compression`, and per mode `mode`, `natural_frequency`, `axial_transmission_ratio`, `axial` (number among the axial modes, or null) |
 | `train_modes` | of `modes` of a train: per variant and `state` (`closed`, `full_lift`) `label`, `cam_angle`, `valve_lift`, `closed` and `open` contacts, and per mode `natural_frequency`, `shape` by body, `energy_share` by body and spring |
 | `runs` | per run `label`, `model`, `spring_set`, `engine_speed`, `status`, `quantities`, `clash_count`, `events`, `options`, `statistics`, and `gaps` where a number of it could not be found |
-| `status` | `code` (`completed`, `not-converged`, `diverged`, `coil-bind`, `solid`, `buckled`, `refused`, `interrupted`, `worker-lost`); `message` where there is one; unless completed also `time`, `where`, `remedy` |
+| `status` | `code` (`completed`, `not-converged`, `diverged`, `out-of-range`, `coil-bind`, `solid`, `buckled`, `refused`, `interrupted`, `worker-lost`); `message` where there is one; unless completed also `time`, `where`, `remedy` |
 | `events` | per event `kind`, `cam_angle`, `time`, `duration`, `size`, `where`, `details`; of a clash `lower_coil`, `upper_coil`, `impulse`, `energy`, `peak_cam_angle` |
 | `options`, `statistics` | of a run: options of its model, and step, counts, residuals; numbers as value and unit, unit `1` for counts and shares |
 | `comparisons` | per published value `quantity`, `engine_speed`, `model`, `published_by`, `role`, `used_for`, `doubt`, `published`, `computed`, `difference`, `tolerance`, `verdict`, `source` |

@@ -77,8 +77,8 @@ def coil_table(lash: str, seed: int) -> str:
     """
     case = load_case("vaz-ohc", {"train.lash": lash})
     models, sets = ("finite-element",), ("nested",)
-    run = simulate(case, spring_models=models, spring_sets=sets, workers=1).solutions[0]
-    active = active_wire(build(case, spring_models=models, spring_sets=sets))[run.label]
+    run = simulate(case, spring_models=models, spring_set=sets, workers=1).solutions[0]
+    active = active_wire(build(case, spring_models=models, spring_set=sets))[run.label]
     names = [f"outer_section_{place:g}_displacement" for place in SECTIONS]
     peaks = 1e3 * np.array([trace_of(run, name, active).values.max() for name in names])
     drawn = np.random.default_rng(seed)

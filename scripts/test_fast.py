@@ -76,15 +76,14 @@ def package_modules() -> dict[str, Path]:
 
 @cache
 def public_homes() -> dict[str, str]:
-    """Public name of the package -> module that holds it."""
-    for node in ast.walk(ast.parse((SOURCE / "__init__.py").read_text(encoding="utf-8"))):
-        if (
-            isinstance(node, ast.Assign)
-            and isinstance(node.value, ast.Dict)
-            and ast.unparse(node.targets[0]) == "_HOMES"
-        ):
-            return {key: f"valvetrain.{home}" for key, home in ast.literal_eval(node.value).items()}
-    return {}
+    """Public name of the package and its folders -> module that holds it."""
+    found: dict[str, str] = {}
+    for stub in SOURCE.rglob("__init__.pyi"):
+        for line in stub.read_text(encoding="utf-8").splitlines():
+            if line.startswith("from ") and not line.startswith("from valvetrain import"):
+                _, module, _, name, *_ = line.split()
+                found[name] = module
+    return found
 
 
 @cache
@@ -106,9 +105,9 @@ def names_in(path: Path) -> tuple[frozenset[str], frozenset[str]]:
     taken = {
         one.attr
         for one in ast.walk(tree)
-        if isinstance(one, ast.Attribute) and ast.unparse(one.value) in package
+        if isinstance(one, ast.Attribute) and ast.unparse(one.value).split(".")[0] in package
     }
-    taken |= {name.removeprefix("valvetrain.") for name in imported if name.count(".") == 1}
+    taken |= {name.rpartition(".")[2] for name in imported if name.startswith("valvetrain.")}
     return frozenset(imported), frozenset(taken)
 
 

@@ -310,7 +310,7 @@ def tutorial_pictures(folder: Path) -> dict[str, str]:
     loads = Marks(np.array([1.8, 1.2]) * 25.4, np.array([140.0, 375.0]) * 4.4482216, "card", RED)
     force = Panel("height (mm)", "force (N)", (Line(height, curve.force, "spring", BLUE), loads))
 
-    run = vt.load_netcdf(next((folder / "run").glob("*.nc")))
+    run = vt.solution.load_netcdf(next((folder / "run").glob("*.nc")))
     angle = np.degrees(run.cam_angle - run.cam_angle[0])
     lift, cam = (
         Panel(

@@ -61,4 +61,5 @@ def package_stays_whole() -> Iterator[None]:
     """
     before = callables()
     yield
-    assert not replaced(before), "left replaced by the tests of this file"
+    left = replaced(before)
+    assert not left, f"{left}: left replaced by the tests of this file"

@@ -10,6 +10,7 @@ from docutils import nodes
 from generated import heading, keep
 
 import valvetrain
+from valvetrain.lazy import names_of_stub
 
 #: Folder -> heading of its page, in the order of reading: what one begins with first.
 FOLDERS = {
@@ -36,38 +37,66 @@ FOLDERS = {
 }
 #: A name that more programs of the gallery use is not illustrated by them.
 MAX_SHOWN = 8
-INTRODUCTION = """All names of ``import valvetrain as vt``, a page per folder of the package. Arguments stand singly, with unit and shape.
+INTRODUCTION = """All public names, a page per folder of the package: those of ``import valvetrain as vt`` (:doc:`../python` has them on one page) and
+those that a folder has besides (``vt.springs.MultiMassSpring``). Arguments stand singly, with unit and shape.
 Numbers without a unit are SI: m, N, s, kg, rad, rad/s, Pa. Wherever a dimension is due, a text with a unit such as ``"3000 rpm"`` or a
 quantity of the package pint is as good. What cannot exist is refused by :class:`valvetrain.InputError`, one sentence with the remedy.
 
 """
 
 
-def names_by_folder() -> dict[str, list[str]]:
-    """Public names by folder of the package, those of its ``api`` first, else in the order of ``valvetrain.__all__``."""
-    found: dict[str, list[str]] = {}
-    for name in valvetrain.__all__[1:]:
-        folder, dot, _ = valvetrain._HOMES[name].partition(".")
-        found.setdefault(folder if dot else "", []).append(name)
-    return {
-        folder: sorted(names, key=lambda name: valvetrain._HOMES[name] != f"{folder}.api")
-        for folder, names in found.items()
+def public_homes() -> dict[str, str]:
+    """Public dotted name -> module that holds the object: top-level names, then those of each folder."""
+    package = Path(valvetrain.__file__)
+    found = {
+        f"valvetrain.{name}": home
+        for name, home in names_of_stub("valvetrain", str(package)).items()
+        if home != f"valvetrain.{name}"
     }
+    for stub in sorted(package.parent.glob("*/__init__.pyi")):
+        folder = f"valvetrain.{stub.parent.name}"
+        found |= {
+            f"{folder}.{name}": home for name, home in names_of_stub(folder, str(stub)).items()
+        }
+    return found
+
+
+HOMES = public_homes()
+#: Name without folder -> public dotted name.
+PUBLIC = {path.rpartition(".")[2]: path for path in HOMES}
+
+
+def names_by_folder() -> dict[str, list[str]]:
+    """Public dotted names by folder of the package, those of its ``api`` first, then top-level ones."""
+    found: dict[str, list[str]] = {}
+    for path, home in HOMES.items():
+        folder, dot, _ = home.removeprefix("valvetrain.").partition(".")
+        found.setdefault(folder if dot else "", []).append(path)
+    return {
+        folder: sorted(paths, key=lambda path: HOMES[path] != f"valvetrain.{folder}.api")
+        for folder, paths in found.items()
+    }
+
+
+def object_of(path: str) -> object:
+    """The object of a public dotted name."""
+    module, _, name = path.rpartition(".")
+    return getattr(importlib.import_module(module), name)
 
 
 def first_line(name: str) -> str:
     """What a name is, in one line."""
-    return " ".join(inspect.getdoc(getattr(valvetrain, name)).split("\n\n")[0].split())
+    return " ".join(inspect.getdoc(object_of(name)).split("\n\n")[0].split())
 
 
 def in_the_gallery(name: str, used: Path) -> str:
     """Pictures of the programs that use a name, where there are some and not most of them."""
-    file = used / f"valvetrain.{name}.examples"
+    file = used / f"{name}.examples"
     count = (
         file.read_text(encoding="utf-8").count("sphx-glr-thumbcontainer") if file.is_file() else 0
     )
     return (
-        f".. rubric:: In the gallery\n\n.. minigallery:: valvetrain.{name}\n\n"
+        f".. rubric:: In the gallery\n\n.. minigallery:: {name}\n\n"
         if 0 < count <= MAX_SHOWN
         else ""
     )
@@ -75,7 +104,7 @@ def in_the_gallery(name: str, used: Path) -> str:
 
 def entry(name: str, used: Path) -> str:
     """The full text of one name."""
-    thing = getattr(valvetrain, name)
+    thing = object_of(name)
     kind = (
         "autofunction"
         if inspect.isroutine(thing)
@@ -85,8 +114,8 @@ def entry(name: str, used: Path) -> str:
     )
     members = "" if kind == "autofunction" else "   :members:\n"
     return (
-        heading(name, "-")
-        + f".. {kind}:: valvetrain.{name}\n{members}\n"
+        heading(name.removeprefix("valvetrain."), "-")
+        + f".. {kind}:: {name}\n{members}\n"
         + in_the_gallery(name, used)
     )
 
@@ -99,9 +128,7 @@ def page(folder: str, names: list[str], used: Path) -> str:
         if folder
         else ""
     )
-    rows = "".join(
-        f"   * - :obj:`~valvetrain.{name}`\n     - {first_line(name)}\n" for name in names
-    )
+    rows = "".join(f"   * - :obj:`~{name}`\n     - {first_line(name)}\n" for name in names)
     listed = f".. list-table::\n   :widths: 25 75\n   :class: api-names\n\n{rows}\n"
     return (
         heading(FOLDERS[folder], "=") + told + listed + "".join(entry(name, used) for name in names)
@@ -153,17 +180,16 @@ def public_name(target: str) -> str | None:
     """``valvetrain.Name`` or ``valvetrain.Name.member`` of a dotted name of any module of the package; None where it has none."""
     parts = target.removeprefix("vt.").removeprefix("valvetrain.").split(".")
     for place, part in enumerate(parts):
-        if part in valvetrain._HOMES and (place == 0 or held(".".join(parts[:place]), part)):
-            return ".".join(["valvetrain", *parts[place:]])
+        if part in PUBLIC and (place == 0 or held(".".join(parts[:place]), part)):
+            return ".".join([PUBLIC[part], *parts[place + 1 :]])
     return None
 
 
 def held(module: str, name: str) -> bool:
     """Whether a module of the package has the object of a public name under that name."""
     try:
-        return getattr(importlib.import_module(f"valvetrain.{module}"), name, None) is getattr(
-            valvetrain, name
-        )
+        module_of_that_name = importlib.import_module(f"valvetrain.{module}")
+        return getattr(module_of_that_name, name, None) is object_of(PUBLIC[name])
     except ImportError:
         return False
 
@@ -171,10 +197,7 @@ def held(module: str, name: str) -> bool:
 def exists(target: str) -> bool:
     """Whether a dotted name of the package, public or not, is there."""
     if "." not in target:
-        return any(
-            hasattr(importlib.import_module(f"valvetrain.{home}"), target)
-            for home in set(valvetrain._HOMES.values())
-        )
+        return any(hasattr(importlib.import_module(home), target) for home in set(HOMES.values()))
     parts = target.split(".")
     for split in range(len(parts), 0, -1):
         try:

@@ -11,7 +11,7 @@ import math
 
 import valvetrain as vt
 
-spring = vt.cylindrical(
+spring = vt.parameters.cylindrical(
     wire_diameter="4 mm",
     mean_diameter="24 mm",
     pitch="7.5 mm",
@@ -19,7 +19,7 @@ spring = vt.cylindrical(
     ends="open",
     name="textbook spring",
 )
-rod = vt.FiniteElementRod(spring, "7 mm", elements_per_coil=12)
+rod = vt.springs.FiniteElementRod(spring, "7 mm", elements_per_coil=12)
 modes = rod.modes(12)
 
 wire = spring.material

@@ -34,7 +34,7 @@ def bounce(law):
 figure = go.Figure()
 for name in ("hertz-point", "lankarani-nikravesh", "flores"):
     loss = {} if name == "hertz-point" else {"restitution": 0.7}
-    law = vt.build_contact_law(name, contact_stiffness="2e9 N/m^1.5", **loss)
+    law = vt.contact.build_contact_law(name, contact_stiffness="2e9 N/m^1.5", **loss)
     penetration, force, kept = bounce(law)
     figure.add_scatter(x=1e6 * penetration, y=1e-3 * force, name=name)
     print(f"{name:20s} keeps {kept:.2f} of the approach velocity")

@@ -16,7 +16,7 @@ angle = np.radians(np.arange(90.0, 271.0))
 share = np.clip(1 - ((angle - np.pi) / np.radians(60)) ** 2, 0, None)
 measured = 9e-3 * share**3 + np.random.default_rng(1).normal(0, 3e-6, len(angle))
 
-lift = vt.smooth_lift(angle, measured)
+lift = vt.measured.smooth_lift(angle, measured)
 print(f"noise of a station {1e6 * lift.noise:.1f} um (3.0 um were drawn)")
 print(
     f"peak lift {1e3 * lift.lift(np.pi):.3f} mm, nose acceleration {1e3 * lift.lift(np.pi, 2):.1f} mm/rad2"

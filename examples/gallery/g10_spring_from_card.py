@@ -9,14 +9,14 @@ card leaves open is said.
 
 import valvetrain as vt
 
-card = vt.CatalogueCard(
+card = vt.spring_card.CatalogueCard(
     wire_diameter="4.4 mm",
     outer_diameter="32 mm",
-    installed_load=vt.SpringLoad("46 mm", "350 N"),
-    open_load=vt.SpringLoad("34 mm", "830 N"),
+    installed_load=vt.spring_card.SpringLoad("46 mm", "350 N"),
+    open_load=vt.spring_card.SpringLoad("34 mm", "830 N"),
     solid_height="29 mm",
 )
-found = vt.spring_from_card(card)
+found = vt.spring_card.spring_from_card(card)
 
 print(
     f"{found.definition.total_coils:.2f} turns, free length {1e3 * found.definition.free_length:.1f} mm"

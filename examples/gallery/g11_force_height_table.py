@@ -16,10 +16,10 @@ heights = np.linspace(50e-3, 40e-3, 9)
 forces = (
     40e3 * (55e-3 - heights) * (1 + 2e-3 * np.random.default_rng(1).standard_normal(len(heights)))
 )
-table = vt.ForceHeight(heights, forces)
+table = vt.measured.ForceHeight(heights, forces)
 card = vt.card_of_table(table, wire_diameter="4.2 mm", outer_diameter="30.2 mm")
 
-found = vt.spring_from_tester(table, card, installed_height=46e-3)
+found = vt.spring_card.spring_from_tester(table, card, installed_height=46e-3)
 (rate, rate_deviation), (preload, preload_deviation) = found.rate, found.preload
 print(
     f"rate {1e-3 * rate:.1f} N/mm, standard deviation {1e-3 * rate_deviation:.1f} N/mm (true: 40)"

@@ -28,7 +28,7 @@ with tempfile.TemporaryDirectory() as folder:
         for one, place, load in zip(time, turn, force, strict=True)
     ]
     file.write_text("\n".join(["time [s]; cam angle [deg]; spring force [N]", *rows]))
-    found = vt.rig_cycles(file, vt.RigAnswers(angle_of="cam", band="2 kHz"))
+    found = vt.rig.rig_cycles(file, vt.rig.RigAnswers(angle_of="cam", band="2 kHz"))
 
 cycles = found.cycles[0]
 scatter = cycles.values.std(axis=0, ddof=1)

@@ -15,7 +15,7 @@ import valvetrain as vt
 run = vt.simulate("gu2021-beehive", "8000 rpm", spring_models=["multi-mass"], workers=1).solution(
     "multi-mass"
 )
-(seen,) = vt.sensor_response(run, vt.Sensor(bandwidth="1 kHz"), ["seat_force"])
+(seen,) = vt.rig.sensor_response(run, vt.measured.Sensor(bandwidth="1 kHz"), ["seat_force"])
 
 turn = (seen.time - seen.time[0]) / (seen.time[-1] - seen.time[0]) * 360
 recorded = (seen.recorded.time - seen.time[0]) / (seen.time[-1] - seen.time[0]) * 360

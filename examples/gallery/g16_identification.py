@@ -20,10 +20,12 @@ def spring(points):
 
 
 priors = {
-    "rate": vt.Prior("uniform", 20e3, 60e3),
-    "mass": vt.Prior("normal", centre=0.05, spread=0.01),
+    "rate": vt.explore.Prior("uniform", 20e3, 60e3),
+    "mass": vt.explore.Prior("normal", centre=0.05, spread=0.01),
 }
-found = vt.identify(priors, [vt.Datum("load", 280.0, 4.0), vt.Datum("surge", 447.0, 5.0)], spring)
+found = vt.identify(
+    priors, [vt.explore.Datum("load", 280.0, 4.0), vt.explore.Datum("surge", 447.0, 5.0)], spring
+)
 
 print(f"rate {1e-3 * found.best['rate']:.1f} N/mm, mass {1e3 * found.best['mass']:.1f} g")
 

@@ -17,11 +17,13 @@ case = vt.load_case("job-t", {"spring.damping.stiffness_damping": "1.2e-5 s"})
 truth = vt.simulate(case, "3000 rpm", spring_models=["multi-mass"], workers=1).solutions[0]
 force = np.interp(angle + 2 * np.pi, truth.cam_angle, truth.channel("seat_force"))
 drawn = force + np.random.default_rng(1).normal(0.0, 5.0, (8, 360))
-test = vt.MeasuredCycles(
+test = vt.measured.MeasuredCycles(
     "spring_force", "N", angle, drawn, cam_speed=truth.engine_speed / 2, synthetic=True
 )
 
-found = vt.compare_with_test("job-t", test, spring_models=["multi-mass", "massless"], workers=1)
+found = vt.compare_test.compare_with_test(
+    "job-t", test, spring_models=["multi-mass", "massless"], workers=1
+)
 for run in found.runs:
     print(run.sentence)
 

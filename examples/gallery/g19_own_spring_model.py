@@ -96,7 +96,7 @@ class AirSpring:
 # command, add a line in a package of your own
 # (see "Add a spring model").
 
-lift = vt.build_lift_law(vt.load_case("job-t").lift_law)
+lift = vt.cam.build_lift_law(vt.load_case("job-t").lift_law)
 spring = AirSpring(preload=300.0, height=25e-3)
 result = run(PrescribedSpring((spring,), lift), cam_speed=8000 * np.pi / 30)
 force = result.channel("seat_force")

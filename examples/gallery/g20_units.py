@@ -13,7 +13,7 @@ from pint import UnitRegistry
 import valvetrain as vt
 
 units = UnitRegistry()
-spring = vt.cylindrical(
+spring = vt.parameters.cylindrical(
     wire_diameter=0.177 * units.inch,
     mean_diameter="1.2 inch",
     pitch=9e-3,
@@ -25,7 +25,9 @@ load = curve.force_at("0.4 in")
 print(f"{load:.0f} N = {load / 4.4482216:.0f} lbf at 0.4 in")
 
 try:
-    vt.cylindrical(wire_diameter=4.5, mean_diameter="30 mm", pitch="9 mm", total_coils=6.5)
+    vt.parameters.cylindrical(
+        wire_diameter=4.5, mean_diameter="30 mm", pitch="9 mm", total_coils=6.5
+    )
 except vt.InputError as error:
     print(error)
 

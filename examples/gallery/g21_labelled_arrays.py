@@ -18,8 +18,8 @@ import valvetrain as vt
 run = vt.simulate("job-t", "3000 rpm", spring_models=["multi-mass"], workers=1).solutions[0]
 
 with tempfile.TemporaryDirectory() as folder:
-    vt.save_netcdf(run, Path(folder, "run.nc"))
-    again = vt.load_netcdf(Path(folder, "run.nc"))
+    vt.solution.save_netcdf(run, Path(folder, "run.nc"))
+    again = vt.solution.load_netcdf(Path(folder, "run.nc"))
 print("read back equal:", run.identical(again))
 
 # %%

@@ -21,7 +21,9 @@ for words, coefficient in (
 ):
     share = np.array(
         [
-            vt.buckling_compression(0.022 * one, "22 mm", seating_coefficient=coefficient)
+            vt.quantities.buckling_compression(
+                0.022 * one, "22 mm", seating_coefficient=coefficient
+            )
             / (0.022 * one)
             for one in slenderness
         ]

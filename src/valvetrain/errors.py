@@ -69,6 +69,10 @@ class NamedNumbers(dict[str, float]):
         raise UnknownNameError(name, self)
 
 
+class UnusualValueWarning(UserWarning):
+    """A value that hardly any valvetrain has: it is taken, and likely its unit is another."""
+
+
 class MissingExtraError(ValvetrainError):
     """An optional part is not installed; the message holds the command that installs it."""
 

@@ -4,22 +4,88 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from importlib import import_module
+from pathlib import Path
 
 
-def lazy_names(package: str, homes: Mapping[str, str]) -> Callable[[str], object]:
-    """A module's ``__getattr__`` that imports ``homes[name]`` of ``package`` when a name is used.
+def names_of_stub(package: str, file: str) -> dict[str, str]:
+    """Public name -> module that defines it, of the lines ``from module import name as name`` in
+    the ``__init__.pyi`` beside ``file``, which type checkers read as well.
 
     Parameters
     ----------
     package : str
         Dotted name of the package, its ``__name__``.
-    homes : mapping
-        Public name -> module of the package that defines it.
+    file : str
+        Its ``__file__``.
     """
+    homes = {}
+    text = Path(file).with_name("__init__.pyi").read_text(encoding="utf-8")
+    for statement in text.replace("(", " ").replace(")", " ").split("from ")[1:]:
+        module, _, names = statement.partition(" import ")
+        for alias in names.partition("\n\n")[0].split(","):
+            if name := alias.split()[-1:]:
+                homes[name[0]] = f"{package}.{name[0]}" if module == package else module
+    return homes
+
+
+def public_names(
+    package: str, file: str
+) -> tuple[Callable[[str], object], Callable[[], list[str]], list[str]]:
+    """``__getattr__``, ``__dir__`` and ``__all__`` of a package whose stub lists its public names.
+
+    Parameters
+    ----------
+    package : str
+        Dotted name of the package, its ``__name__``.
+    file : str
+        Its ``__file__``.
+    """
+    homes = names_of_stub(package, file)
 
     def load(name: str) -> object:
         if name not in homes:
             raise AttributeError(f"module '{package}' has no name '{name}'")
-        return getattr(import_module(f"{package}.{homes[name]}"), name)
+        module = import_module(homes[name])
+        return module if homes[name] == f"{package}.{name}" else getattr(module, name)
 
-    return load
+    return load, lambda: sorted(homes), list(homes)
+
+
+def name_of_earlier_release(
+    package: str, name: str, file: str, renamed: Mapping[str, str]
+) -> object:
+    """What a package answers to a name that its stub does not list: a module of it, or, with a
+    warning, the object that an earlier release had under that name.
+
+    Parameters
+    ----------
+    package : dotted name of the package
+    name : the name that was not found
+    file : ``__file__`` of the package
+    renamed : earlier name -> its dotted path in the package now; names that only moved to a folder are found without
+
+    Raises
+    ------
+    AttributeError : an unknown name; the sentence has the nearest
+    """
+    inside = Path(file).parent
+    if (inside / f"{name}.py").is_file() or (inside / name / "__init__.py").is_file():
+        return import_module(f"{package}.{name}")
+    import difflib  # here: a plain import of the package does not pay for them
+    import warnings
+
+    folders = sorted(stub.parent.name for stub in inside.glob("*/__init__.pyi"))
+    paths = dict(renamed)
+    if not name.startswith("_"):
+        for folder in folders:
+            for one in getattr(import_module(f"{package}.{folder}"), "__all__", ()):
+                paths.setdefault(one, f"{folder}.{one}")
+    if name not in paths:
+        paths |= {one: one for one in names_of_stub(package, file)}
+        near = difflib.get_close_matches(name, paths, n=1, cutoff=0.6)
+        remedy = f"did you mean {paths[near[0]]}?" if near else f"dir({package}) lists the names"
+        raise AttributeError(f"module '{package}' has no name '{name}'; {remedy}")
+    path = paths[name]
+    warnings.warn(f"{package}.{name} is {package}.{path} now", DeprecationWarning, stacklevel=3)
+    module, _, attribute = path.rpartition(".")
+    return getattr(import_module(f"{package}.{module}"), attribute)

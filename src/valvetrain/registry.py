@@ -8,6 +8,7 @@ imported before it is asked for. A package adds, say, a spring model by the entr
 from __future__ import annotations
 
 import difflib
+import re
 from functools import cache
 from importlib import import_module, metadata
 from typing import Any
@@ -182,6 +183,28 @@ BUILT_IN["sections"] = {
     "references": "valvetrain.report.sections.inputs:REFERENCES_SPEC",
 }
 
+#: Kind -> what makes its object from a part given in Python (:mod:`valvetrain.parameters.own_parts`).
+MAKERS = {
+    "springs": "valvetrain.springs.own_spring:spec_of",
+    "contacts": "valvetrain.contact.function_law:spec_of",
+    "coil_contacts": "valvetrain.coil_contact.function_law:spec_of",
+}
+#: Name -> function, class or instance that this process was given.
+OWN: dict[str, Any] = {}
+#: Such a name: that of the part and eight digits of its content.
+OWN_NAME = re.compile(r"(.+)-[0-9a-f]{8}")
+
+
+def is_known(kind: str, word: str) -> bool:
+    """Whether ``word`` is listed under ``kind`` or names a part given in Python."""
+    return word in places(kind) or (word in OWN and kind in MAKERS)
+
+
+def plain_name(word: str) -> str:
+    """The name of a part given in Python without the digits of its content; any other as it is."""
+    found = OWN_NAME.fullmatch(word) if word in OWN else None
+    return found[1] if found else word
+
 
 @cache
 def places(kind: str) -> dict[str, str]:
@@ -215,11 +238,24 @@ def find(kind: str, word: str, where: str = "") -> Any:
         raise InputError(
             f"{noun} '{str(word)[:40]}' is no word; use one of {', '.join(known)}", where
         )
+    if word in OWN and kind in MAKERS:
+        return _made(kind, word)
     if word not in known:
+        if kind in MAKERS and OWN_NAME.fullmatch(word):
+            raise InputError(
+                f"{noun} '{word[:60]}' is a part given in Python, which no file holds; give the function or class again",
+                where,
+            )
         near = difflib.get_close_matches(word[:60], known, n=2, cutoff=0.5)
         hint = f"did you mean {' or '.join(near)}?" if near else f"use one of {', '.join(known)}"
         raise InputError(f"{noun} '{word[:40]}' is unknown; {hint}", where)
     return _load(kind, word, known[word])
+
+
+@cache
+def _made(kind: str, word: str) -> Any:
+    module, _, attribute = MAKERS[kind].partition(":")
+    return getattr(import_module(module), attribute)(word, OWN[word])
 
 
 @cache

@@ -26,8 +26,8 @@ from valvetrain.spring_card.card import CatalogueCard, SpringLoad
 from valvetrain.springs.solid.jobs import SolidSpring
 
 SOURCE = Path(vt.__file__).parent
-SPRING = vt.cylindrical("3.8 mm", "22 mm", "7 mm", total_coils=7)
-UNIFORM = vt.EquivalentSpring(40e3, 300.0, 0.05)
+SPRING = vt.parameters.cylindrical("3.8 mm", "22 mm", "7 mm", total_coils=7)
+UNIFORM = vt.springs.EquivalentSpring(40e3, 300.0, 0.05)
 RATE, MASS, FORCE, LENGTH, SECOND, PER_SECOND = "40 N/mm", "50 g", "300 N", "5 mm", "2 us", "25 1/s"
 IN_SI = {
     RATE: 40e3,
@@ -60,27 +60,27 @@ PARTS: dict[str, tuple[Callable[[], Any], dict[str, str]]] = {
     "CoilContact": (CoilContact, {"stiffness": "30 N/mm^2", "damping_time": SECOND}),
     "InstalledSpring": (lambda: InstalledSpring(wire=SPRING), {"precompression": LENGTH}),
     "Operation": (Operation, {"output_step": "2 deg"}),
-    "Guide": (lambda: vt.Guide(bore=0.03, rod=0.012), {"bore": LENGTH, "rod": "8 mm", "stiffness": "30 N/mm^2"}),
-    "Quantity": (lambda: vt.Quantity("peak_seat_force"), {"engine_speed": "2000 rpm"}),
+    "Guide": (lambda: vt.parameters.Guide(bore=0.03, rod=0.012), {"bore": LENGTH, "rod": "8 mm", "stiffness": "30 N/mm^2"}),
+    "Quantity": (lambda: vt.solution.Quantity("peak_seat_force"), {"engine_speed": "2000 rpm"}),
     "EquivalentSpring": (lambda: UNIFORM, {"rate": RATE, "preload": FORCE, "active_mass": MASS, "inactive_mass": MASS}),
-    "MasslessSpring": (lambda: vt.MasslessSpring(1e4, 10.0),
+    "MasslessSpring": (lambda: vt.springs.MasslessSpring(1e4, 10.0),
                        {"rate": RATE, "preload": FORCE, "active_mass": MASS, "inactive_mass": MASS}),
-    "MasslessTable": (lambda: vt.MasslessTable((0.0, 0.01), (0.0, 300.0)), {"active_mass": MASS, "inactive_mass": MASS}),
-    "ModalUniform": (lambda: vt.ModalUniform(UNIFORM, 2), {"mass_damping": PER_SECOND, "stiffness_damping": SECOND}),
-    "ModalVaried": (lambda: vt.ModalVaried((450.0,), 0.01, (0.0, 0.02), (0.0, 800.0), 6e-3),
+    "MasslessTable": (lambda: vt.springs.MasslessTable((0.0, 0.01), (0.0, 300.0)), {"active_mass": MASS, "inactive_mass": MASS}),
+    "ModalUniform": (lambda: vt.springs.ModalUniform(UNIFORM, 2), {"mass_damping": PER_SECOND, "stiffness_damping": SECOND}),
+    "ModalVaried": (lambda: vt.springs.ModalVaried((450.0,), 0.01, (0.0, 0.02), (0.0, 800.0), 6e-3),
                     {"precompression": LENGTH, "residual_mass": MASS}),
-    "MultiMassSpring": (lambda: vt.MultiMassSpring.from_definition(SPRING, 6e-3),
+    "MultiMassSpring": (lambda: vt.springs.MultiMassSpring.from_definition(SPRING, 6e-3),
                         {"precompression": LENGTH, "mass_damping": PER_SECOND, "stiffness_damping": SECOND,
                          "contact_damping_time": SECOND}),
-    "WaveRod": (lambda: vt.WaveRod(UNIFORM), {"friction": PER_SECOND}),
-    "WaveRodWithClash": (lambda: vt.WaveRodWithClash.from_definition(SPRING, 5e-3), {"friction": PER_SECOND}),
+    "WaveRod": (lambda: vt.springs.WaveRod(UNIFORM), {"friction": PER_SECOND}),
+    "WaveRodWithClash": (lambda: vt.springs.WaveRodWithClash.from_definition(SPRING, 5e-3), {"friction": PER_SECOND}),
     "SpringLoad": (lambda: LOADS[0], {"height": "46 mm", "force": FORCE}),
     "CatalogueCard": (lambda: CATALOGUE, {"wire_diameter": "4.2 mm", "outer_diameter": "32 mm", "top_outer_diameter": "30 mm",
                                           "solid_height": "29 mm", "mass": MASS, "free_length": "54.75 mm"}),
-    "FilmSetup": (lambda: vt.FilmSetup(scale_points=((0, 0), (0, 99)), scale_length=5e-3),
+    "FilmSetup": (lambda: vt.film.FilmSetup(scale_points=((0, 0), (0, 99)), scale_length=5e-3),
                   {"scale_length": "12 mm", "frame_rate": "2000 1/s", "marker_angle": "2 deg", "first_angle": "2 deg",
                    "cam_speed": "2000 rpm", "exposure": SECOND}),
-    "RodModel": (lambda: vt.FiniteElementRod(SPRING, 6e-3, 6), {"precompression": LENGTH, "time_step": SECOND}),
+    "RodModel": (lambda: vt.springs.FiniteElementRod(SPRING, 6e-3, 6), {"precompression": LENGTH, "time_step": SECOND}),
 }  # fmt: skip
 
 
@@ -129,8 +129,8 @@ CURVE = StaticCurve(
 )
 
 
-def rod() -> vt.FiniteElementRod:
-    return vt.FiniteElementRod(SPRING, 5e-3, 6)
+def rod() -> vt.springs.FiniteElementRod:
+    return vt.springs.FiniteElementRod(SPRING, 5e-3, 6)
 
 
 def batch(interval: Any = 2e-6, step: Any = 2e-7) -> Any:
@@ -161,15 +161,15 @@ ARGUMENTS: dict[str, tuple[Callable[[Any], Any], float, str]] = {
     "resolution": (lambda x: read_options(x, 5e-5, 1e-4).resolution, 20 * np.pi / 30, "20 rpm"),
     "float lift": (lambda x: read_options("20 rpm", x, 1e-4).float_lift, 0.005, LENGTH),
     "bounce height": (lambda x: read_options("20 rpm", 5e-5, x).bounce_height, 0.005, LENGTH),
-    "shear modulus": (lambda x: vt.Material("steel", 206e9, x, 7850.0).shear_modulus, 80e9, "80 GPa"),
-    "density": (lambda x: vt.Material("steel", 206e9, 80e9, x).density, 7800.0, "7.8 g/cm^3"),
+    "shear modulus": (lambda x: vt.parameters.Material("steel", 206e9, x, 7850.0).shear_modulus, 80e9, "80 GPa"),
+    "density": (lambda x: vt.parameters.Material("steel", 206e9, 80e9, x).density, 7800.0, "7.8 g/cm^3"),
     "sample interval": (lambda x: batch(interval=x).time[-1], 2e-6, SECOND),
     "time step": (lambda x: batch(step=x).time_step, 1e-7, "0.1 us"),
-    "pitch": (lambda x: vt.cylindrical(3.8e-3, 22e-3, x, 7, ends="open").pitch.value(3.0), 0.008, "8 mm"),
-    "free length": (lambda x: vt.cylindrical(3.8e-3, 22e-3, total_coils=7, free_length=x).free_length, 0.045, "45 mm"),
-    "clash rod from a wire": (lambda x: vt.WaveRodWithClash.from_definition(SPRING, x).spring.preload, 0.005, LENGTH),
-    "multi-mass mass": (lambda x: vt.MultiMassSpring.from_card(RATE, FORCE, x).layout.masses.sum(), 0.05, MASS),
-    "multi-mass preload": (lambda x: vt.MultiMassSpring.from_card(RATE, x, MASS).precompression, 300.0, FORCE),
+    "pitch": (lambda x: vt.parameters.cylindrical(3.8e-3, 22e-3, x, 7, ends="open").pitch.value(3.0), 0.008, "8 mm"),
+    "free length": (lambda x: vt.parameters.cylindrical(3.8e-3, 22e-3, total_coils=7, free_length=x).free_length, 0.045, "45 mm"),
+    "clash rod from a wire": (lambda x: vt.springs.WaveRodWithClash.from_definition(SPRING, x).spring.preload, 0.005, LENGTH),
+    "multi-mass mass": (lambda x: vt.springs.MultiMassSpring.from_card(RATE, FORCE, x).layout.masses.sum(), 0.05, MASS),
+    "multi-mass preload": (lambda x: vt.springs.MultiMassSpring.from_card(RATE, x, MASS).precompression, 300.0, FORCE),
 }  # fmt: skip
 
 

@@ -24,9 +24,9 @@ from valvetrain.explore.evaluate import Point, evaluate_case
 from valvetrain.explore.identification_file import parse_request
 from valvetrain.explore.identify import identify_request
 from valvetrain.explore.observe import Observed, numbers_at
-from valvetrain.explore.outputs import PointRequest
 from valvetrain.explore.store import FILE as STORED
 from valvetrain.explore.store import Store, key_of
+from valvetrain.quantities.request import PointRequest
 
 CARD = 'title = "card"\n[spring]\npreload = "250 N"\nrate = "32 N/mm"\nmass = "42 g"\n'
 FILE = """
@@ -67,7 +67,7 @@ def folder(tmp_path: Path) -> Path:
     return tmp_path
 
 
-def bits(found: vt.Identified) -> tuple[object, ...]:
+def bits(found: vt.explore.Identified) -> tuple[object, ...]:
     return (
         found.values.tobytes(),
         found.weights.tobytes(),
@@ -114,9 +114,9 @@ def surge(points):
     time.sleep({pause})
     return [{{"load": 7e-3 * rate, "surge": 0.5 * (rate / mass) ** 0.5}} for rate, mass in points]
 
-priors = {{"rate": vt.Prior("uniform", 20e3, 60e3), "mass": vt.Prior("normal", centre=0.05, spread=0.01)}}
-data = [vt.Datum("load", 280.0, 2.0), vt.Datum("surge", 447.0, 3.0)]
-found = vt.identify(priors, data, surge, search=vt.Search("nested", live_points=25, lanes=4), folder=sys.argv[1])
+priors = {{"rate": vt.explore.Prior("uniform", 20e3, 60e3), "mass": vt.explore.Prior("normal", centre=0.05, spread=0.01)}}
+data = [vt.explore.Datum("load", 280.0, 2.0), vt.explore.Datum("surge", 447.0, 3.0)]
+found = vt.identify(priors, data, surge, search=vt.explore.Search("nested", live_points=25, lanes=4), folder=sys.argv[1])
 print(found.values.tobytes().hex(), found.weights.tobytes().hex(), found.log_evidence, found.evaluations, found.kept)
 """
 

@@ -200,7 +200,7 @@ def test_a_command_of_which_everything_fails_keeps_its_run(tmp_path, monkeypatch
         monkeypatch.setattr(evaluate, name, broken)
     places = (
         "report.study.study_page", "report.study.quantity_table", "report.study.remove_earlier", "report.json.study_json",
-        "cli.answers._tables", "runs.run.next_to_published", "runs.run.closing_quantities", "runs.run._notes",
+        "cli.answers._tables", "runs.run.next_to_published", "runs.at_rest.closing_quantities", "runs.run._notes",
     )  # fmt: skip
     for place in places:
         monkeypatch.setattr(f"valvetrain.{place}", broken)
@@ -361,10 +361,10 @@ def test_a_spring_that_no_uniform_spring_stands_for_is_told_without_a_surge_freq
     """A wire of 4 micrometres passes ``check``, so the rate that no spring has must not end its
     run.
     """
-    whole = vt.SpringDefinition(
-        vt.Constant("4 mm"),
-        vt.Constant("24 mm"),
-        vt.Constant("8 mm"),
+    whole = vt.parameters.SpringDefinition(
+        vt.parameters.Constant("4 mm"),
+        vt.parameters.Constant("24 mm"),
+        vt.parameters.Constant("8 mm"),
         6.0,
         OTEVA_90_SC,
         OPEN_END,
@@ -376,7 +376,8 @@ def test_a_spring_that_no_uniform_spring_stands_for_is_told_without_a_surge_freq
     assert (
         surge_frequency(
             InstalledSpring(
-                wire=whole.replace(wire_diameter=vt.Constant("4 um")), precompression=7e-3
+                wire=whole.replace(wire_diameter=vt.parameters.Constant("4 um")),
+                precompression=7e-3,
             )
         )
         is None

@@ -228,7 +228,7 @@ def test_surge_orders_do_not_depend_on_the_samples_kept(case, word):
 
 def test_seating_of_a_train_does_not_depend_on_the_samples_kept():
     """The touch is found on every step; 360 to 1440 samples are all made of the same 2880 steps."""
-    study = build(load_case("tdi-pushrod"), spring_sets=("stock",))
+    study = build(load_case("tdi-pushrod"), spring_set=("stock",))
     system = study.members[0].system()
     found = []
     for samples in SAMPLES:

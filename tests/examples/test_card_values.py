@@ -60,7 +60,7 @@ def test_it_holds_the_cam_below_the_speed_of_rigid_theory_and_floats_above(engin
     """Float speed, rigid parts against the mass of this train at the nose by hand; the runs
     on both sides of it.
     """
-    law = vt.build_lift_law(engine.lift_law)
+    law = vt.cam.build_lift_law(engine.lift_law)
     nose = float(law.lift(math.pi + math.radians(54), 2))
     # At the nose, reduced to the tappet: tappet, pushrod and rocker, and valve with a third of the
     # spring times the ratio squared.

@@ -82,7 +82,7 @@ def least_force(cam_speed: float, mass: float, weight: float, contact_stiffness:
 def test_a_nearly_rigid_train_loses_contact_at_the_speed_of_newton(tmp_path: Path) -> None:
     """Against the closed form, 1 % of which is the compliance of the contact."""
     case = single_mass_case(tmp_path)
-    train = build(case, spring_sets=("stiff",)).members[0].system()
+    train = build(case, spring_set=("stiff",)).members[0].system()
     mass, weight = float(np.sum(train.masses)), train.mechanism.coordinates[0].force
     assert mass == pytest.approx(0.045 + 0.095 + 0.048 / 3)
     low, high = 300.0, 600.0
@@ -94,7 +94,7 @@ def test_a_nearly_rigid_train_loses_contact_at_the_speed_of_newton(tmp_path: Pat
         )
     exact = 2 * high
     one = vt.critical_speeds(
-        case, [0.9 * exact, exact * 0.97, 1.1 * exact], spring_sets=["stiff"], workers=1
+        case, [0.9 * exact, exact * 0.97, 1.1 * exact], spring_set=["stiff"], workers=1
     ).of("contact-loss")
     assert one is not None and one.begins is not None and one.place == "cam"
     for bracket in (one.begins.from_rest, one.begins.rising, one.begins.falling):
@@ -117,7 +117,7 @@ def oscillator() -> TrainSystem:
         direct(model="single-mass", lash=0.0, gravity=(0.0, 0.0)), law, "valve"
     )
     cam = mechanism.interactions[mechanism.interaction_index("cam")]
-    contact = vt.build_contact_law("linear", contact_stiffness=CONTACT, damping=DAMPING)
+    contact = vt.contact.build_contact_law("linear", contact_stiffness=CONTACT, damping=DAMPING)
     body = replace(mechanism.coordinates[0], mass=MASS, force=0.0, damping=0.0, friction=0.0)
     mechanism = replace(mechanism, coordinates=(body,), interactions=(replace(cam, law=contact),))
     return TrainSystem(mechanism, (MasslessSpring(RATE, PRELOAD, 0.0),), name="oscillator")
@@ -234,7 +234,7 @@ def test_the_verdict_on_the_performance_spring_does_not_follow_the_grid() -> Non
         one = vt.critical_speeds(
             "tdi-pushrod",
             f"7500:8400:{step} rpm",
-            spring_sets=["performance"],
+            spring_set=["performance"],
             resolution="40 rpm",
             workers=1,
         )
@@ -256,7 +256,7 @@ def test_critical_speeds_do_not_depend_on_workers_or_on_what_is_kept() -> None:
             "tdi-pushrod",
             "6900:7500:200 rpm",
             spring_models=["massless"],
-            spring_sets=sets,
+            spring_set=sets,
             workers=workers,
             whole=whole,
         )

@@ -27,8 +27,8 @@ def tracked(film, line=LINE, coils=None):
 def decay():
     heights = made.drawn.decaying(made.REST, 0.9 * made.SHARE, (1.1, 0.4), made.SURGE, made.DAMPING)
     film, truth = made.drawn.draw(made.SCENE, heights, 160)
-    return vt.coil_motion(
-        film, vt.FilmSetup(free_decay=True, seat="end", line=((4, 0), (4, 239)), **made.SCALE)
+    return vt.film.coil_motion(
+        film, vt.film.FilmSetup(free_decay=True, seat="end", line=((4, 0), (4, 239)), **made.SCALE)
     ), truth
 
 
@@ -82,8 +82,8 @@ def test_damping_in_the_dwell_of_a_turning_cam_is_within_five_per_cent():
 
 def test_the_lift_tells_the_phase_and_the_scale_without_a_marker():
     film, _ = made.turning_film()
-    setup = vt.FilmSetup(frame_rate=made.RATE, line=((6, 10), (6, 239)))
-    motion = vt.coil_motion(film, setup, valve_lift=made.lift)
+    setup = vt.film.FilmSetup(frame_rate=made.RATE, line=((6, 10), (6, 239)))
+    motion = vt.film.coil_motion(film, setup, valve_lift=made.lift)
     assert motion.phase.cam_speed == pytest.approx(made.CAM_SPEED, rel=1e-3)
     off = motion.phase.cam_angle - made.CAM_SPEED * motion.time - made.FIRST_ANGLE
     assert np.degrees(np.abs((off + np.pi) % (2 * np.pi) - np.pi)).max() < 0.5
@@ -124,14 +124,14 @@ def test_the_vaz_spring_filmed_at_2000_frames_a_second():
     """
     _, rest, angle, moved, cam_speed = made.drawn.coils_of_case("vaz-ohc", model="modal-uniform")
     film, truth = made.drawn.draw(made.SCENE, made.drawn.driven(rest, angle, moved, cam_speed), 260)
-    setup = vt.FilmSetup(
+    setup = vt.film.FilmSetup(
         cam_speed=cam_speed,
         first_angle=0.0,
         line=((4, 0), (4, 239)),
         dwell=np.radians((165.0, 355.0)),
         **made.SCALE,
     )
-    motion = vt.coil_motion(film, setup)
+    motion = vt.film.coil_motion(film, setup)
     off = made.errors(motion.places[:, ::-1], truth)
     assert np.sqrt(np.mean(off**2)) < 0.1
     first = motion.surge.lines[0]
@@ -139,11 +139,11 @@ def test_the_vaz_spring_filmed_at_2000_frames_a_second():
         abs(first.decay_rate - 25.0)
         < 1.96 * 2 * np.pi * first.natural_frequency * first.damping_spread + 0.05 * 25.0
     )
-    by_default = vt.film_over_model(
+    by_default = vt.film.film_over_model(
         motion, "vaz-ohc"
     )  # the first variant of the case is a spring without coils
     assert by_default.model == "finite-element" and by_default.apart.max() < 0.5e-3
-    model = vt.film_over_model(motion, "vaz-ohc", "modal-uniform")
+    model = vt.film.film_over_model(motion, "vaz-ohc", "modal-uniform")
     assert model.turns[0] == pytest.approx(0.6, abs=0.31) and model.turns[2] == pytest.approx(
         2.6, abs=0.05
     )

@@ -23,7 +23,7 @@ class Helix:
     """
 
     def __init__(self, wire, diameter, pitch, coils):
-        self.spring = vt.cylindrical(wire, diameter, pitch, coils, closed_coils=0)
+        self.spring = vt.parameters.cylindrical(wire, diameter, pitch, coils, closed_coils=0)
         material = self.spring.material
         self.bend = material.youngs_modulus * np.pi * wire**4 / 64
         self.twist = material.shear_modulus * np.pi * wire**4 / 32
@@ -144,7 +144,7 @@ def test_modes_with_a_mass_on_the_retainer(share):
     """x tan x = m_spring / mass of the uniform rod, first mode, within what the helix adds (0.2 %
     free, less with a mass).
     """
-    spring = vt.cylindrical("2 mm", "24 mm", "6 mm", 10, closed_coils=0)
+    spring = vt.parameters.cylindrical("2 mm", "24 mm", "6 mm", 10, closed_coils=0)
     rod = FiniteElementRod(spring, 1e-3, 24, seats="clamps")
     rate, mass = rod.static_point(1e-3).stiffness, spring.mass
     root = (
@@ -163,6 +163,8 @@ def test_modes_with_a_mass_on_the_retainer(share):
 
 
 def test_a_mass_below_zero_is_refused():
-    rod = FiniteElementRod(vt.cylindrical("2 mm", "24 mm", "6 mm", 4, closed_coils=0), 1e-3, 12)
+    rod = FiniteElementRod(
+        vt.parameters.cylindrical("2 mm", "24 mm", "6 mm", 4, closed_coils=0), 1e-3, 12
+    )
     with pytest.raises(vt.InputError, match="an attached mass is zero or more"):
         rod.modes(4, -0.01)

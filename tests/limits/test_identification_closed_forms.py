@@ -31,10 +31,10 @@ LOG_EVIDENCE = (
     -0.5 * MISS @ np.linalg.solve(OPEN, MISS) - 0.5 * np.linalg.slogdet(2 * np.pi * OPEN)[1]
 )
 PRIORS = {
-    name: vt.Prior("normal", centre=CENTRE[k], spread=SPREAD[k])
+    name: vt.explore.Prior("normal", centre=CENTRE[k], spread=SPREAD[k])
     for k, name in enumerate(("one", "two"))
 }
-DATA = [vt.Datum(f"number {k}", VALUES[k], SCATTER[k]) for k in range(3)]
+DATA = [vt.explore.Datum(f"number {k}", VALUES[k], SCATTER[k]) for k in range(3)]
 
 
 def linear(points: np.ndarray) -> list[dict[str, float]]:
@@ -44,11 +44,11 @@ def linear(points: np.ndarray) -> list[dict[str, float]]:
 
 
 @pytest.fixture(scope="module")
-def found() -> vt.Identified:
-    return vt.identify(PRIORS, DATA, linear, search=vt.Search(draws=2000))
+def found() -> vt.explore.Identified:
+    return vt.identify(PRIORS, DATA, linear, search=vt.explore.Search(draws=2000))
 
 
-def test_least_squares_meet_posterior_and_evidence(found: vt.Identified) -> None:
+def test_least_squares_meet_posterior_and_evidence(found: vt.explore.Identified) -> None:
     got = found.branches[0].quantities
     np.testing.assert_allclose([one.best for one in got.values()], MEAN, rtol=1e-6)
     np.testing.assert_allclose(
@@ -67,7 +67,9 @@ def test_least_squares_meet_posterior_and_evidence(found: vt.Identified) -> None
     assert found.notes == (), "its linearised posterior holds"
 
 
-def test_percentiles_of_measurements_are_those_of_their_prediction(found: vt.Identified) -> None:
+def test_percentiles_of_measurements_are_those_of_their_prediction(
+    found: vt.explore.Identified,
+) -> None:
     """What would be measured is normal about the computed mean, with the variance of computation
     and error together.
     """
@@ -83,7 +85,7 @@ def test_percentiles_of_measurements_are_those_of_their_prediction(found: vt.Ide
     )
 
 
-def test_information_is_that_of_the_linear_model(found: vt.Identified) -> None:
+def test_information_is_that_of_the_linear_model(found: vt.explore.Identified) -> None:
     """Variance without each datum, by the same closed form with two data; shares of the information
     without any prior.
     """
@@ -103,10 +105,13 @@ def test_information_is_that_of_the_linear_model(found: vt.Identified) -> None:
 
 @pytest.mark.parametrize(
     "search",
-    [vt.Search("nested", live_points=120, lanes=8), vt.Search("ensemble", steps=600, walkers=20)],
+    [
+        vt.explore.Search("nested", live_points=120, lanes=8),
+        vt.explore.Search("ensemble", steps=600, walkers=20),
+    ],
     ids=["nested", "ensemble"],
 )
-def test_samplers_meet_posterior_and_evidence(search: vt.Search) -> None:
+def test_samplers_meet_posterior_and_evidence(search: vt.explore.Search) -> None:
     got = vt.identify(PRIORS, DATA, linear, search=search)
     deviation = np.sqrt(np.diag(COVARIANCE))
     np.testing.assert_allclose(
@@ -138,8 +143,8 @@ def test_stated_intervals_hold_the_truth_as_often_as_they_say() -> None:
     and mass in 90 to 98 of 100.
     """
     priors = {
-        "rate": vt.Prior("normal", centre=40e3, spread=6e3),
-        "mass": vt.Prior("lognormal", centre=0.05, spread=0.2),
+        "rate": vt.explore.Prior("normal", centre=40e3, spread=6e3),
+        "mass": vt.explore.Prior("lognormal", centre=0.05, spread=0.2),
     }
     scatter = {"force": 3.0, "surge": 6.0, "energy": 0.02}
     random = np.random.default_rng(11)
@@ -151,9 +156,14 @@ def test_stated_intervals_hold_the_truth_as_often_as_they_say() -> None:
         }
         (computed,) = surge(np.array([[true["rate"], true["mass"]]]))
         data = [
-            vt.Datum(key, random.normal(computed[key], one), one) for key, one in scatter.items()
+            vt.explore.Datum(key, random.normal(computed[key], one), one)
+            for key, one in scatter.items()
         ]
-        got = vt.identify(priors, data, surge, search=vt.Search(draws=1)).branches[0].quantities
+        got = (
+            vt.identify(priors, data, surge, search=vt.explore.Search(draws=1))
+            .branches[0]
+            .quantities
+        )
         for name in inside:
             inside[name] += got[name].low <= true[name] <= got[name].high
     assert 360 <= inside["rate"] <= 392 and 360 <= inside["mass"] <= 392, inside
@@ -166,17 +176,20 @@ def square(points: np.ndarray) -> list[dict[str, float]]:
 
 @pytest.mark.parametrize(
     "search",
-    [vt.Search("nested", live_points=150, lanes=8), vt.Search(starts=20, keep=6)],
+    [vt.explore.Search("nested", live_points=150, lanes=8), vt.explore.Search(starts=20, keep=6)],
     ids=["nested", "starts"],
 )
-def test_both_branches_are_found_and_weighed(search: vt.Search) -> None:
+def test_both_branches_are_found_and_weighed(search: vt.explore.Search) -> None:
     """Shares by the densities of ``sum`` at either sign: normal of variance 1 + 0.3^2 about zero."""
     priors = {
-        "offset": vt.Prior("uniform", -2.0, 3.0),
-        "other": vt.Prior("normal", centre=0.0, spread=1.0),
+        "offset": vt.explore.Prior("uniform", -2.0, 3.0),
+        "other": vt.explore.Prior("normal", centre=0.0, spread=1.0),
     }
     got = vt.identify(
-        priors, [vt.Datum("square", 1.0, 0.1), vt.Datum("sum", 0.5, 0.3)], square, search=search
+        priors,
+        [vt.explore.Datum("square", 1.0, 0.1), vt.explore.Datum("sum", 0.5, 0.3)],
+        square,
+        search=search,
     )
     page = render(identification_page("two", got))
     assert [f"Branch {place}:" in page for place in range(4)] == [False, True, True, False]
@@ -196,7 +209,7 @@ def test_springs_in_parallel_cannot_be_told_apart_and_it_is_said() -> None:
     nothing, a frequency of one does.
     """
     priors = {
-        name: vt.Prior("normal", centre=centre, spread=5e3)
+        name: vt.explore.Prior("normal", centre=centre, spread=5e3)
         for name, centre in (("outer rate", 30e3), ("inner rate", 15e3))
     }
 
@@ -210,29 +223,32 @@ def test_springs_in_parallel_cannot_be_told_apart_and_it_is_said() -> None:
             for one, two in points
         ]
 
-    loads = [vt.Datum("seat", 320.0, 2.0), vt.Datum("open", 777.0, 4.0)]
+    loads = [vt.explore.Datum("seat", 320.0, 2.0), vt.explore.Datum("open", 777.0, 4.0)]
     (sentence,) = vt.identify(priors, loads, parallel).warnings
     assert (
         "cannot tell 'outer rate' and 'inner rate' apart" in sentence
         and "a kind of sum" in sentence
     )
-    assert vt.identify(priors, [*loads, vt.Datum("surge", 430.0, 2.0)], parallel).warnings == ()
+    assert (
+        vt.identify(priors, [*loads, vt.explore.Datum("surge", 430.0, 2.0)], parallel).warnings
+        == ()
+    )
 
 
 def test_a_quantity_that_no_datum_depends_on_is_named() -> None:
     priors = {
-        "rate": vt.Prior("uniform", 20e3, 60e3),
-        "mass": vt.Prior("normal", centre=0.05, spread=0.01),
+        "rate": vt.explore.Prior("uniform", 20e3, 60e3),
+        "mass": vt.explore.Prior("normal", centre=0.05, spread=0.01),
     }
-    (sentence,) = vt.identify(priors, [vt.Datum("force", 280.0, 2.0)], surge).warnings
+    (sentence,) = vt.identify(priors, [vt.explore.Datum("force", 280.0, 2.0)], surge).warnings
     assert "hardly tell 'mass'" in sentence and "0 %" in sentence
 
 
 def test_three_quantities_that_show_as_one_sum_are_named_together() -> None:
-    priors = {name: vt.Prior("normal", centre=1.0, spread=1.0) for name in "abc"}
+    priors = {name: vt.explore.Prior("normal", centre=1.0, spread=1.0) for name in "abc"}
     (sentence,) = vt.identify(
         priors,
-        [vt.Datum("sum", 3.0, 0.1)],
+        [vt.explore.Datum("sum", 3.0, 0.1)],
         lambda points: [{"sum": float(p.sum())} for p in points],
     ).warnings
     assert "'a', 'b' and 'c'" in sentence

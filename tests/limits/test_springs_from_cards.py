@@ -21,7 +21,7 @@ from valvetrain.springs.spec import spring_model
 sys.path.insert(0, str(Path(__file__).parents[2] / "scripts"))
 from sample_measurements import progressive_spring, stations_of_tester
 
-LOW, HIGH = vt.SpringLoad("46 mm", "350 N"), vt.SpringLoad("34 mm", "830 N")
+LOW, HIGH = vt.spring_card.SpringLoad("46 mm", "350 N"), vt.spring_card.SpringLoad("34 mm", "830 N")
 SIZES = {
     "wire_diameter": "4.4 mm",
     "outer_diameter": "32 mm",
@@ -38,7 +38,7 @@ def force_at(spring, height):
 
 @pytest.fixture(scope="module")
 def plain():
-    return vt.spring_from_card(vt.CatalogueCard(**SIZES))
+    return vt.spring_card.spring_from_card(vt.spring_card.CatalogueCard(**SIZES))
 
 
 def test_both_loads_are_met_by_the_rod_of_the_static_command(plain):
@@ -63,16 +63,16 @@ def test_the_spring_of_shigley_comes_back_from_two_loads_of_its_rate():
     The loads are told low on the curve: further down this slender spring leans, and the rod, which
     the formula is not, gives way.
     """
-    steel = vt.Material("music wire", "28.5 Mpsi", "11.85 Mpsi", "7850 kg/m^3")
-    card = vt.CatalogueCard(
+    steel = vt.parameters.Material("music wire", "28.5 Mpsi", "11.85 Mpsi", "7850 kg/m^3")
+    card = vt.spring_card.CatalogueCard(
         wire_diameter="0.037 in",
         outer_diameter="0.4375 in",
-        installed_load=vt.SpringLoad("1.55 in", f"{4.13 * 0.1} lbf"),
-        open_load=vt.SpringLoad("1.35 in", f"{4.13 * 0.3} lbf"),
+        installed_load=vt.spring_card.SpringLoad("1.55 in", f"{4.13 * 0.1} lbf"),
+        open_load=vt.spring_card.SpringLoad("1.35 in", f"{4.13 * 0.3} lbf"),
         total_coils=12.5,
         material=steel,
     )
-    fit = vt.spring_from_card(card)
+    fit = vt.spring_card.spring_from_card(card)
     assert 12.5 - 2 * fit.definition.lower_end.inactive_coils == pytest.approx(10.5, rel=0.015)
     assert fit.definition.free_length == pytest.approx(1.65 * 25.4e-3, rel=2e-3)
 
@@ -86,15 +86,15 @@ def test_turns_come_from_what_the_card_tells(plain, told):
         "total_coils": wire.total_coils,
         "solid_height": wire.solid_height,
     }[told]
-    fit = vt.spring_from_card(vt.CatalogueCard(**SIZES, **{told: value}))
+    fit = vt.spring_card.spring_from_card(vt.spring_card.CatalogueCard(**SIZES, **{told: value}))
     assert fit.definition.total_coils == pytest.approx(wire.total_coils, rel=2e-3)
     assert fit.definition.free_length == pytest.approx(wire.free_length, abs=2e-5)
     assert {one.quantity: one.found for one in fit.held}[told] == pytest.approx(value, rel=2e-3)
 
 
 def test_what_was_not_told_is_said_and_what_was_told_is_not(plain):
-    told = vt.spring_from_card(
-        vt.CatalogueCard(
+    told = vt.spring_card.spring_from_card(
+        vt.spring_card.CatalogueCard(
             **SIZES, mass=weight(plain.definition), solid_height=plain.definition.solid_height
         )
     )
@@ -107,8 +107,10 @@ def test_what_was_not_told_is_said_and_what_was_told_is_not(plain):
 
 def test_a_beehive_meets_its_card():
     known = beehive("4 mm", "26 mm", "21 mm", 4.0, total_coils=7.0, free_length="50 mm")
-    loads = [vt.SpringLoad(height, force_at(known, height)) for height in (42e-3, 33e-3)]
-    card = vt.CatalogueCard(
+    loads = [
+        vt.spring_card.SpringLoad(height, force_at(known, height)) for height in (42e-3, 33e-3)
+    ]
+    card = vt.spring_card.CatalogueCard(
         wire_diameter="4 mm",
         outer_diameter="30 mm",
         top_outer_diameter="25 mm",
@@ -118,7 +120,7 @@ def test_a_beehive_meets_its_card():
         total_coils=7.0,
         material=known.material,
     )
-    fit = vt.spring_from_card(card)
+    fit = vt.spring_card.spring_from_card(card)
     assert fit.definition.lower_end.inactive_coils == pytest.approx(1.0, abs=0.02)
     assert fit.definition.free_length == pytest.approx(50e-3, abs=5e-5)
 
@@ -157,19 +159,21 @@ def test_ground_off_wire_is_the_segment_of_the_circle():
 )
 def test_cards_that_no_spring_has_are_refused_with_the_place(changes, words):
     with pytest.raises(InputError, match=words):
-        vt.spring_from_card(vt.CatalogueCard(**{**SIZES, **changes}))
+        vt.spring_card.spring_from_card(vt.spring_card.CatalogueCard(**{**SIZES, **changes}))
 
 
 @pytest.fixture(scope="module")
 def table():
     rows = stations_of_tester(30)
-    return vt.ForceHeight(1e-3 * rows[:, 0], rows[:, 1])
+    return vt.measured.ForceHeight(1e-3 * rows[:, 0], rows[:, 1])
 
 
 @pytest.fixture(scope="module")
 def tested(table):
-    card = vt.card_from_table(table, wire_diameter=4e-3, outer_diameter=28e-3, total_coils=8.0)
-    return vt.spring_from_tester(table, card, installed_height=47e-3)
+    card = vt.spring_card.card_from_table(
+        table, wire_diameter=4e-3, outer_diameter=28e-3, total_coils=8.0
+    )
+    return vt.spring_card.spring_from_tester(table, card, installed_height=47e-3)
 
 
 @pytest.mark.long
@@ -203,9 +207,11 @@ def test_the_answer_depends_neither_on_the_stations_of_the_table_nor_on_the_poin
     """
     monkeypatch.setattr(closing_coils, "PLACES", closing_coils.PLACES // 2 + 1)
     monkeypatch.setattr(closing_coils, "FORCES", closing_coils.FORCES // 2)
-    half = vt.ForceHeight(table.heights[::2], table.forces[::2])
-    card = vt.card_from_table(half, wire_diameter=4e-3, outer_diameter=28e-3, total_coils=8.0)
-    fit = vt.spring_from_tester(half, card, installed_height=47e-3)
+    half = vt.measured.ForceHeight(table.heights[::2], table.forces[::2])
+    card = vt.spring_card.card_from_table(
+        half, wire_diameter=4e-3, outer_diameter=28e-3, total_coils=8.0
+    )
+    fit = vt.spring_card.spring_from_tester(half, card, installed_height=47e-3)
     for name in ("active_coils", "free_length", "rate", "preload"):
         (one, band), (other, wider) = getattr(tested, name), getattr(fit, name)
         assert abs(one - other) < 2 * np.hypot(band, wider), name
@@ -225,9 +231,9 @@ def test_loads_of_a_card_are_met_on_any_mesh(plain):
 def test_a_table_of_an_even_pitch_far_from_bind_tells_no_progression_and_little_of_the_gaps(plain):
     true = plain.definition
     heights = np.linspace(true.free_length - 2e-3, true.free_length - 10e-3, 12)
-    table = vt.ForceHeight(heights, np.array(forces_at(true, heights.tolist())))
-    fit = vt.spring_from_tester(
-        table, vt.card_from_table(table, wire_diameter=4.4e-3, outer_diameter=32e-3)
+    table = vt.measured.ForceHeight(heights, np.array(forces_at(true, heights.tolist())))
+    fit = vt.spring_card.spring_from_tester(
+        table, vt.spring_card.card_from_table(table, wire_diameter=4.4e-3, outer_diameter=32e-3)
     )
     assert fit.rate[0] == pytest.approx(40.4e3, rel=0.01) and fit.free_length[0] == pytest.approx(
         true.free_length, abs=0.1e-3
@@ -242,8 +248,10 @@ def test_a_table_of_an_even_pitch_far_from_bind_tells_no_progression_and_little_
 
 @pytest.mark.long
 def test_the_end_that_closes_first_is_a_choice_that_turns_the_spring_round(table, tested):
-    card = vt.card_from_table(table, wire_diameter=4e-3, outer_diameter=28e-3, total_coils=8.0)
-    other = vt.spring_from_tester(table, card, "upper", 47e-3)
+    card = vt.spring_card.card_from_table(
+        table, wire_diameter=4e-3, outer_diameter=28e-3, total_coils=8.0
+    )
+    other = vt.spring_card.spring_from_tester(table, card, "upper", 47e-3)
     assert other.stations.pitch[::-1] == pytest.approx(tested.stations.pitch, abs=0.03e-3)
     assert other.preload[0] == pytest.approx(tested.preload[0], rel=2e-3)
 
@@ -260,7 +268,9 @@ def test_each_number_of_a_card_stands_beside_the_same_number_of_the_spring(plain
         "solid_height": wire.solid_height,
         "mass": weight(wire),
     }
-    fit = vt.spring_from_card(vt.CatalogueCard(**SIZES, **{name: own[name] for name in told}))
+    fit = vt.spring_card.spring_from_card(
+        vt.spring_card.CatalogueCard(**SIZES, **{name: own[name] for name in told})
+    )
     rows = {one.quantity: one for one in fit.held}
     asked = {
         "installed_load": 350.0,

@@ -45,7 +45,7 @@ def found(tmp_path_factory):
     class Answers(dict):
         def __missing__(self, name):
             points, truth = cloud(KNOWN[name], POINTS, SEEN[name])
-            self[name] = vt.spring_from_scan(written(folder, points, f"{name}.ply")), truth
+            self[name] = vt.scan.spring_from_scan(written(folder, points, f"{name}.ply")), truth
             return self[name]
 
     return Answers()
@@ -121,7 +121,7 @@ def test_ovate_wire_is_an_ellipse_and_the_round_wire_for_it_twists_alike(tmp_pat
     of its stress function.
     """
     points, truth = cloud(KNOWN["cylindrical"], 5000, Scanner(seed=5), ovality=0.05)
-    scan = vt.spring_from_scan(written(tmp_path, points))
+    scan = vt.scan.spring_from_scan(written(tmp_path, points))
     a, b = 1.89e-3, 1.71e-3
     assert scan.section.ovate
     assert scan.section.long_axis[0] == pytest.approx(2 * a, abs=8e-6) and scan.section.short_axis[
@@ -139,15 +139,17 @@ def test_ovate_wire_is_an_ellipse_and_the_round_wire_for_it_twists_alike(tmp_pat
 @pytest.mark.long
 def test_order_position_and_unit_of_the_points_and_slices_a_turn_do_not_matter(tmp_path):
     points, _ = cloud(KNOWN["progressive"], 3000, SEEN["progressive"])
-    scan = vt.spring_from_scan(written(tmp_path, points))
-    shuffled = vt.spring_from_scan(written(tmp_path, np.random.default_rng(9).permutation(points)))
+    scan = vt.scan.spring_from_scan(written(tmp_path, points))
+    shuffled = vt.scan.spring_from_scan(
+        written(tmp_path, np.random.default_rng(9).permutation(points))
+    )
     assert np.array_equal(shuffled.curves.centre_line, scan.curves.centre_line)
     assert shuffled.free_length == scan.free_length
     inches = tmp_path / "scan.xyz"
     np.savetxt(inches, points / 25.4e-3, fmt="%.7f")
     for slices, stations, file in ((32, 12, written(tmp_path, points)), (128, 24, inches)):
         unit = "" if file.suffix == ".ply" else "inch"
-        other = vt.spring_from_scan(
+        other = vt.scan.spring_from_scan(
             file, unit=unit, slices_per_turn=slices, stations_per_turn=stations
         )
         assert abs(other.free_length[0] - scan.free_length[0]) < 0.2 * scan.free_length[1]
@@ -171,7 +173,7 @@ def test_the_design_and_its_scan_have_the_same_force_and_frequencies(found):
     design = vt.load_case("gu2021-beehive").replace(
         {"springs.0.options": {"finite-element": {"elements_per_coil": 8}}}
     )
-    compared = vt.compare_scan(scan, design)
+    compared = vt.scan.compare_scan(scan, design)
     assert compared.failures == ()
     assert compared.number("preload").scanned == pytest.approx(
         compared.number("preload").design, rel=0.02
@@ -192,4 +194,4 @@ def test_the_design_and_its_scan_have_the_same_force_and_frequencies(found):
 def test_a_design_that_is_too_high_for_the_scan_is_refused(found):
     case = vt.load_case("job-t").replace({"springs.0.precompression": "1 mm"})
     with pytest.raises(InputError, match=r"shorter than the .* between the seats"):
-        vt.compare_scan(found["conical"][0], case)
+        vt.scan.compare_scan(found["conical"][0], case)

@@ -83,7 +83,7 @@ def test_scatter_stands_in_table_page_and_json(rattling):
     assert value == pytest.approx(
         rattling.solutions[0].quantities["cycle_scatter_seating_velocity"]
     )
-    (told,) = vt.study_json(rattling)["runs"]
+    (told,) = vt.report.study_json(rattling)["runs"]
     assert (
         told["quantities"]["cycle_scatter_bounce_height"]["unit"] == "m"
         and "the valve repeats" in told["status"]["message"]

@@ -32,7 +32,7 @@ def test_shigley_example_10_1():
     assert wire * (turns + 1) == pytest.approx(0.500, abs=0.0006) and (
         free - 3 * wire
     ) / active == pytest.approx(0.186, abs=5e-4)
-    spring = vt.cylindrical(
+    spring = vt.parameters.cylindrical(
         "0.037 inch",
         "0.400 inch",
         total_coils=12.5,
@@ -66,7 +66,7 @@ INACTIVE = {"open": 0, "open-ground": 1, "closed": 2, "closed-ground": 2}
 def test_table_10_1(ends, wire, diameter, turns, pitch):
     """The free length of the table gives back its pitch, solid length and number of active turns."""
     solid, free = TABLE[ends]
-    spring = vt.cylindrical(
+    spring = vt.parameters.cylindrical(
         wire, diameter, total_coils=turns, free_length=free(pitch, wire, turns), ends=ends
     )
     assert float(np.max(spring.pitch.value(np.linspace(0, turns, 201)))) == pytest.approx(
@@ -83,7 +83,9 @@ def test_the_rate_is_that_of_the_active_turns(ends):
     """G d^4 / (8 D^3 n) of EN 13906-1, from free to two thirds of the way to solid: the rod within
     the 1.5 % that its curvature makes.
     """
-    spring = vt.cylindrical("4 mm", "28 mm", total_coils=9, free_length="66 mm", ends=ends)
+    spring = vt.parameters.cylindrical(
+        "4 mm", "28 mm", total_coils=9, free_length="66 mm", ends=ends
+    )
     rate = spring.material.shear_modulus * 4e-3**4 / (8 * 28e-3**3 * (9 - INACTIVE[ends]))
     curve = vt.static_curve(spring, 0.66 * (spring.free_length - spring.solid_height), steps=6)
     assert curve.stiffness == pytest.approx(rate, rel=0.015)
@@ -95,11 +97,11 @@ BLOCK = '[spring]\nwire_diameter = "4 mm"\nmean_diameter = "24 mm"\ntotal_coils 
 @pytest.mark.parametrize("ends", TABLE)
 def test_a_case_file_and_python_wind_the_same_spring(ends):
     (from_file,) = parse_case(f'{BLOCK}free_length = "52 mm"\nends = "{ends}"\n').springs
-    assert from_file.wire == vt.cylindrical(
+    assert from_file.wire == vt.parameters.cylindrical(
         "4 mm", "24 mm", total_coils=8.0, free_length="52 mm", ends=ends, name=from_file.wire.name
     )
     (pitched,) = parse_case(f'{BLOCK}pitch = "7 mm"\nends = "{ends}"\n').springs
-    assert pitched.wire == vt.cylindrical(
+    assert pitched.wire == vt.parameters.cylindrical(
         "4 mm", "24 mm", "7 mm", 8.0, ends=ends, name=pitched.wire.name
     )
 
@@ -109,7 +111,7 @@ def test_a_bare_pitch_is_that_between_closed_ends():
     constant pitch.
     """
     (bare,) = parse_case(f'{BLOCK}pitch = "7 mm"\n').springs
-    assert bare.wire == vt.cylindrical("4 mm", "24 mm", "7 mm", 8.0, name=bare.wire.name)
+    assert bare.wire == vt.parameters.cylindrical("4 mm", "24 mm", "7 mm", 8.0, name=bare.wire.name)
     assert bare.wire.pitch.value([0.0, 4.0, 8.0]) == pytest.approx([4e-3, 7e-3, 4e-3])
 
 
@@ -118,14 +120,14 @@ def test_every_shape_takes_a_free_length_and_keeps_it():
         conical("3 mm", "26 mm", "22 mm", total_coils=7, free_length="45 mm"),
         barrel("3 mm", "20 mm", "26 mm", total_coils=7, free_length="45 mm", ends="closed"),
         beehive("3 mm", "22 mm", "18 mm", 4, total_coils=7, free_length="45 mm"),
-        vt.cylindrical(
+        vt.parameters.cylindrical(
             "3 mm",
             "22 mm",
             total_coils=7,
             free_length="45 mm",
             lower_end=EndCoil("closed-ground", 0.75, 0.75),
         ),
-        vt.cylindrical(
+        vt.parameters.cylindrical(
             "3 mm", "22 mm", total_coils=7, free_length="45 mm", upper_end=EndCoil("open")
         ),
     )
@@ -155,10 +157,10 @@ def test_every_shape_takes_a_free_length_and_keeps_it():
 )
 def test_what_cannot_be_wound_is_refused_in_one_sentence(given, words):
     with pytest.raises(InputError, match=words) as caught:
-        vt.cylindrical("4 mm", "24 mm", total_coils=8, **given)
+        vt.parameters.cylindrical("4 mm", "24 mm", total_coils=8, **given)
     assert "\n" not in str(caught.value)
     with pytest.raises(InputError, match="total_coils is missing"):
-        vt.cylindrical("4 mm", "24 mm", "7 mm")
+        vt.parameters.cylindrical("4 mm", "24 mm", "7 mm")
 
 
 def test_grinding_that_takes_the_whole_tip_is_refused():
@@ -197,4 +199,4 @@ def test_a_case_file_that_contradicts_itself_is_refused_at_its_line(lines, words
 def test_ends_ground_over_all_turns_are_refused():
     ends = {"lower_end": EndCoil("open-ground", 1, 1), "upper_end": EndCoil("open-ground", 1, 1)}
     with pytest.raises(InputError, match="leave nothing of 2 turns"):
-        vt.cylindrical("4 mm", "24 mm", total_coils=2, free_length="52 mm", **ends)
+        vt.parameters.cylindrical("4 mm", "24 mm", total_coils=2, free_length="52 mm", **ends)

@@ -55,7 +55,7 @@ def test_a_finite_element_spring_runs_in_the_train_beside_the_cheap_ones():
         for part in train.spring_parts("nested")
     )
     case = case.replace(train=train.replace(springs={**train.springs, "nested": coarse}))
-    problem = build(case, spring_models=("wave-rod", "finite-element"), spring_sets=("nested",))
+    problem = build(case, spring_models=("wave-rod", "finite-element"), spring_set=("nested",))
     lifts = {}
     for member in problem.members:
         found = run(

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from valvetrain import LiftLaw, build_lift_law, load_case
+from valvetrain import load_case
+from valvetrain.cam import LiftLaw, build_lift_law
 from valvetrain.cam.cached import MAX_ANSWERS, RememberedLift
 
 

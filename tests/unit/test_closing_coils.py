@@ -12,8 +12,11 @@ WIRE = 4e-3
 
 
 def law(total: float | None = 9.0, closes: str = "lower", stations: int = 3) -> PitchLaw:
-    low, high = vt.SpringLoad("46 mm", "350 N"), vt.SpringLoad("34 mm", "830 N")
-    card = vt.CatalogueCard(
+    low, high = (
+        vt.spring_card.SpringLoad("46 mm", "350 N"),
+        vt.spring_card.SpringLoad("34 mm", "830 N"),
+    )
+    card = vt.spring_card.CatalogueCard(
         wire_diameter=WIRE, outer_diameter="32 mm", installed_load=low, open_load=high
     )
     return PitchLaw(card, total, 0.75, closes, stations)

@@ -69,7 +69,7 @@ def cycles(count=8, angles=360, bias=0.0, late=0.0, seed=1, size=4.0):
 
 
 def compared(test, **more):
-    return vt.compare_with_test("job-t", test, **{"spring_models": CHAIN, **more})
+    return vt.compare_test.compare_with_test("job-t", test, **{"spring_models": CHAIN, **more})
 
 
 def test_the_truth_is_not_refuted_and_a_bias_is():
@@ -99,7 +99,7 @@ def test_the_numbers_do_not_depend_on_the_grid_of_the_test():
 def test_the_numbers_do_not_depend_on_the_samples_of_the_model():
     found = [compared(cycles(bias=1.0), **more).best for more in ({}, {"spring_models": CHAIN})]
     steps = [
-        vt.compare_with_test(
+        vt.compare_test.compare_with_test(
             vt.load_case("job-t", {"operation.output_step": step}),
             cycles(bias=1.0),
             spring_models=CHAIN,
@@ -321,7 +321,7 @@ def test_the_speed_of_the_test_is_run_and_a_wrong_one_is_said():
     silent = compared(replace(cycles(), cam_speed=0.0))
     assert "does not state its speed" in silent.notes[0]
     with pytest.raises(InputError, match="give the engine speed"):
-        vt.compare_with_test("gu2021-beehive", replace(cycles(), cam_speed=0.0))
+        vt.compare_test.compare_with_test("gu2021-beehive", replace(cycles(), cam_speed=0.0))
 
 
 @pytest.mark.parametrize(

@@ -115,7 +115,7 @@ def test_every_law_runs_in_both_trains_by_one_word(name, springs):
     peaks = {}
     for law in LAWS:
         case = load_case(name, {f"train.contacts.{place}.law": law for place in places})
-        problem = build(case, spring_models=["massless"], spring_sets=[springs])
+        problem = build(case, spring_models=["massless"], spring_set=[springs])
         (member,) = problem.members
         system, cam_speed = member.system(), problem.engine_speeds[0] / 2
         made = run(system, cam_speed, Periodic(cycles=1), RunOptions(samples=720))

@@ -104,7 +104,9 @@ def test_a_request_at_its_bounds_passes():
 
 
 CARD = InstalledSpring(card=SpringCard(rate=30e3, preload=250.0, mass=0.04))
-WIRE = InstalledSpring(wire=vt.cylindrical("4 mm", "24 mm", "7 mm", 8), precompression=5e-3)
+WIRE = InstalledSpring(
+    wire=vt.parameters.cylindrical("4 mm", "24 mm", "7 mm", 8), precompression=5e-3
+)
 
 
 @pytest.mark.parametrize(

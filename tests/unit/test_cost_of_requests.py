@@ -176,14 +176,14 @@ def measured_job():
 def level_force():
     """Two cycles of a force, for a model to be compared with."""
     angles = np.linspace(0.0, 2 * np.pi, 36, endpoint=False)
-    return vt.MeasuredCycles(
+    return vt.measured.MeasuredCycles(
         "spring_force", "N", angles, np.array([np.full(36, 500.0), np.full(36, 501.0)]), 1500 * RPM
     )
 
 
 REQUESTS = {
     "simulate": lambda limit: vt.simulate("job-t", "2000 rpm", limit=limit),
-    "compare": lambda limit: vt.compare("job-t", ["massless", "wave-rod"], "2000 rpm", limit=limit),
+    "compare": lambda limit: vt.compare("job-t", "2000 rpm", ["massless", "wave-rod"], limit=limit),
     "sweep": lambda limit: vt.sweep("job-t", "1000:9000:1 rpm", limit=limit),
     "fidelity": lambda limit: vt.fidelity("job-t", "1000:9000:100 rpm", limit=limit),
     "critical_speeds": lambda limit: vt.critical_speeds(
@@ -192,8 +192,12 @@ REQUESTS = {
     "static_curve": lambda limit: vt.static_curve("job-t", limit=limit),
     "refine": lambda limit: vt.refine("job-t", "2000 rpm", limit=limit),
     "run_up": lambda limit: vt.run_up("tdi-pushrod", "1000 rpm", "6000 rpm", "20 s", limit=limit),
-    "compare_with_test": lambda limit: vt.compare_with_test("job-t", level_force(), limit=limit),
-    "lift_band_study": lambda limit: vt.lift_band_study(measured_job(), "2000 rpm", limit=limit),
+    "compare_with_test": lambda limit: vt.compare_test.compare_with_test(
+        "job-t", level_force(), limit=limit
+    ),
+    "lift_band_study": lambda limit: vt.lift.lift_band_study(
+        measured_job(), "2000 rpm", limit=limit
+    ),
 }
 
 
@@ -252,9 +256,10 @@ OF_FILES = {"study", "identify", "optimise"}
 def test_every_public_function_with_a_bound_is_tried_here():
     import inspect
 
-    functions = {
-        name: getattr(vt, name) for name in vt.__all__ if inspect.isfunction(getattr(vt, name))
-    }
+    from api_pages import HOMES, object_of
+
+    named = {path.rpartition(".")[2]: object_of(path) for path in HOMES}
+    functions = {name: one for name, one in named.items() if inspect.isfunction(one)}
     assert {
         name for name, one in functions.items() if "limit" in inspect.signature(one).parameters
     } == set(REQUESTS) | OF_FILES
@@ -278,7 +283,7 @@ def test_static_curves_of_no_step_and_of_countless_steps_are_refused():
         (lambda: vt.simulate("job-t", workers=1.5), "a whole number; it is 1.5"),
         (lambda: vt.sweep("job-t", workers="2"), "a whole number; it is 2"),
         (lambda: vt.refine("job-t", workers=0), "workers must be 1"),
-        (lambda: vt.map_cases(vt.load_case, ["job-t"], workers=2.0), "a whole number"),
+        (lambda: vt.runs.map_cases(vt.load_case, ["job-t"], workers=2.0), "a whole number"),
         (lambda: vt.static_curve(None), "'None' is no case"),
         (lambda: vt.simulate(7), "'7' is no case"),
         (lambda: vt.static_curve("job-t", steps=2.5), "a whole number of steps"),

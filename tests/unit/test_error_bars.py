@@ -8,7 +8,7 @@ import pytest
 
 from valvetrain.cli.published import NARROW, ErrorBars, fitting
 from valvetrain.report.headlines import HeadlineColumn, HeadlineRow
-from valvetrain.runs.error_bars import Uncertainty
+from valvetrain.solution.uncertainty import Uncertainty
 
 SPEED = 418.879
 STOCK, OTHER = HeadlineColumn("stock", SPEED), HeadlineColumn("other", SPEED)

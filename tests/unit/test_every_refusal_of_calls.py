@@ -27,9 +27,9 @@ from valvetrain.springs.spec import spring_model
 from valvetrain.springs.stress import shear_stress_factor
 from valvetrain.springs.wire_from_card import wire_from_card
 
-SPRING = vt.cylindrical("3.8 mm", "22 mm", "7 mm", total_coils=7)
+SPRING = vt.parameters.cylindrical("3.8 mm", "22 mm", "7 mm", total_coils=7)
 CARD = SpringCard(rate=30e3, preload=250.0)
-VARIED = vt.ModalVaried((450.0,), 0.01, (1e-3, 0.02), (40.0, 800.0), 5e-3)
+VARIED = vt.springs.ModalVaried((450.0,), 0.01, (1e-3, 0.02), (40.0, 800.0), 5e-3)
 LAW = SinePower(maximum_lift=9e-3, opening_start=1.0, closing_end=3.0)
 RUN = made.rod_run()
 CHAIN = {
@@ -82,7 +82,7 @@ def cut(run: vt.Solution, count: int):
 
 
 CALLS = {
-    "card without mass, bar": (lambda: vt.EquivalentSpring.from_card(CARD), "gives no mass"),
+    "card without mass, bar": (lambda: vt.springs.EquivalentSpring.from_card(CARD), "gives no mass"),
     "card without mass, wire": (lambda: wire_from_card(CARD, 0.01), "has no mass on its card"),
     "factor": (lambda: shear_stress_factor("wahle", 6.0), "is unknown"),
     "fibre": (lambda: shear_stress_factor("wahl", 6.0, "middle"), "use inner or outer"),
@@ -93,7 +93,7 @@ CALLS = {
     "one element": (lambda: ChainLayout(**CHAIN | {"stiffness": np.ones(1), "masses": np.zeros(0)}), "at least two elements"),
     "soft element": (lambda: ChainLayout(**CHAIN | {"stiffness": np.array([1.0, 0.0, 1.0])}), "must be positive"),
     "light mass": (lambda: ChainLayout(**CHAIN | {"masses": np.array([1.0, 0.0])}), "must be positive"),
-    "cells": (lambda: replace(vt.WaveRodWithClash.from_definition(SPRING, 5e-3), cells=2), "has 2 cells"),
+    "cells": (lambda: replace(vt.springs.WaveRodWithClash.from_definition(SPRING, 5e-3), cells=2), "has 2 cells"),
     "preload": (lambda: check_masses("one", -1.0, 0.1, 0.3, 0.1), "preload of spring 'one' is -1.0 N"),
     "active mass": (lambda: check_masses("one", 1.0, -0.1, 0.3, 0.1), "mass of spring 'one' is -0.1 kg"),
     "inactive mass": (lambda: check_masses("one", 1.0, 0.1, 0.3, -0.1), "fixed ends -0.1 kg"),
@@ -108,10 +108,10 @@ CALLS = {
     "no rest": (lambda: spring_model("modal-varied").build(InstalledSpring(wire=SPRING, precompression=5e-3)), "static curve and modes"),
     "no steps": (lambda: vt.static_curve(SPRING, spring_model="massless", largest_compression=5e-3, steps=0), "whole number of steps"),
     "two springs": (lambda: vt.static_curve("vaz-ohc", spring_model="massless", largest_compression=5e-3), "holds 4 springs .*outer"),
-    "rod, no steps": (lambda: vt.FiniteElementRod(SPRING, 5e-3, 6).static_curve(5e-3, 0), "one step or more"),
-    "rod, no way": (lambda: vt.FiniteElementRod(SPRING, 5e-3, 6).static_curve(0.0), "positive compression"),
-    "rod, no mode": (lambda: vt.FiniteElementRod(SPRING, 5e-3, 6).modes(0), "one mode or more"),
-    "rod, negative mass": (lambda: vt.FiniteElementRod(SPRING, 5e-3, 6).modes(1, -0.1), "zero or more"),
+    "rod, no steps": (lambda: vt.springs.FiniteElementRod(SPRING, 5e-3, 6).static_curve(5e-3, 0), "one step or more"),
+    "rod, no way": (lambda: vt.springs.FiniteElementRod(SPRING, 5e-3, 6).static_curve(0.0), "positive compression"),
+    "rod, no mode": (lambda: vt.springs.FiniteElementRod(SPRING, 5e-3, 6).modes(0), "one mode or more"),
+    "rod, negative mass": (lambda: vt.springs.FiniteElementRod(SPRING, 5e-3, 6).modes(1, -0.1), "zero or more"),
     "speed of a stretch": (lambda: check_motion(LAW, motion(engine_speed=0.0)), "needs one engine speed"),
     "stretch backwards": (lambda: check_motion(LAW, motion(last_cam_angle=0.5)), "beyond the first"),
     "stretch too long": (lambda: check_motion(LAW, motion(last_cam_angle=0.51 + 2 * math.pi)), "one revolution at most"),

@@ -34,6 +34,7 @@ from valvetrain.mechanism.parts import (
     Interaction,
     MaxwellLink,
 )
+from valvetrain.parameters import Constant, Material, PiecewiseLinear, SpringDefinition, cylindrical
 from valvetrain.parameters.installed_spring import CoilContact, DampingParameters, InstalledSpring
 from valvetrain.parameters.spring import EndCoil
 from valvetrain.parameters.train import FollowerParameters, GasLoad
@@ -47,7 +48,7 @@ from valvetrain.springs.solid.mesh import MeshOptions
 from valvetrain.springs.solid.transient import TransientJob
 
 NAN = math.nan
-SPRING = vt.cylindrical("3.8 mm", "22 mm", "7 mm", total_coils=7)
+SPRING = cylindrical("3.8 mm", "22 mm", "7 mm", total_coils=7)
 LOBE = {"base_radius": 0.015, "nose_radius": 0.006, "maximum_lift": 0.009, "nose": 2.0}
 TABLE = {"cam_angles": (0.5, 1.0, 1.5, 2.0, 2.5), "lifts": (0.0, 2e-3, 5e-3, 2e-3, 0.0)}
 MEAN_OF_LIFT = {"maximum_lift": 0.01, "ramp_lift": 2e-4, "ramp_start": 0.3, "event_start": 0.7}
@@ -55,7 +56,7 @@ BODY, SEAT = (
     Coordinate("valve", 0.1),
     Interaction("seat", 0, ("valve", "", "", ""), (0.0, 1.0), ElasticLink(1e6)),
 )
-UNIFORM = vt.EquivalentSpring(40e3, 300.0, 0.05)
+UNIFORM = vt.springs.EquivalentSpring(40e3, 300.0, 0.05)
 GIVEN: dict[str, tuple[Callable[..., Any], dict[str, Any]]] = {
     "three-arc": (ThreeArc, LOBE | {"opening_start": 0.8}),
     "tangent": (Tangent, LOBE | {"follower_radius": 0.012}),
@@ -90,26 +91,26 @@ GIVEN: dict[str, tuple[Callable[..., Any], dict[str, Any]]] = {
     "buckling": (buckling_compression, {"free_length": 0.08, "mean_diameter": 0.01}),
     "low pass": (low_pass, {"time": np.linspace(0, 1e-2, 101), "values": np.ones(101), "cutoff_frequency": 1000.0}),
     "chain": (uniform_chain, {"rate": 4e4, "mass": 0.05, "elements": 5}),
-    "massless": (vt.MasslessSpring, {"rate": 4e4, "preload": 300.0}),
-    "massless table": (vt.MasslessTable, {"displacements": (0.0, 0.01), "forces": (0.0, 300.0)}),
+    "massless": (vt.springs.MasslessSpring, {"rate": 4e4, "preload": 300.0}),
+    "massless table": (vt.springs.MasslessTable, {"displacements": (0.0, 0.01), "forces": (0.0, 300.0)}),
     "table of a wire": (massless_table, {"spring": SPRING, "precompression": 5e-3, "maximum_lift": 5e-3, "points": 5}),
-    "modal-varied": (vt.ModalVaried, {"natural_frequencies": (450.0, 900.0), "damping_ratio": 0.01, "compressions": (0.0, 0.02),
+    "modal-varied": (vt.springs.ModalVaried, {"natural_frequencies": (450.0, 900.0), "damping_ratio": 0.01, "compressions": (0.0, 0.02),
                                       "forces": (0.0, 800.0), "precompression": 5e-3}),
-    "modal-uniform": (vt.ModalUniform, {"spring": UNIFORM, "modes": 2, "natural_frequencies": (450.0, 900.0)}),
-    "wave rod": (vt.WaveRod, {"spring": UNIFORM}),
-    "rod": (partial(vt.FiniteElementRod, SPRING), {"precompression": 5e-3, "elements_per_coil": 6}),
-    "multi-mass": (partial(vt.MultiMassSpring.from_definition, SPRING), {"precompression": 5e-3}),
-    "card of masses": (vt.MultiMassSpring.from_card, {"rate": 4e4, "preload": 300.0, "mass": 0.05}),
+    "modal-uniform": (vt.springs.ModalUniform, {"spring": UNIFORM, "modes": 2, "natural_frequencies": (450.0, 900.0)}),
+    "wave rod": (vt.springs.WaveRod, {"spring": UNIFORM}),
+    "rod": (partial(vt.springs.FiniteElementRod, SPRING), {"precompression": 5e-3, "elements_per_coil": 6}),
+    "multi-mass": (partial(vt.springs.MultiMassSpring.from_definition, SPRING), {"precompression": 5e-3}),
+    "card of masses": (vt.springs.MultiMassSpring.from_card, {"rate": 4e4, "preload": 300.0, "mass": 0.05}),
     "rubbing": (RadialRubbing, {"coefficient": 0.1, "normal_force": 5.0}),
     "transient": (TransientJob, {"lift_law": None, "engine_speed": 100.0, "precompression": 5e-3, "first_angle": 0.0, "last_angle": 1.0}),
     "mesh": (MeshOptions, {}),
     "order": (observed_order, {"values": (1.0, 1.5, 1.6), "sizes": (4.0, 2.0, 1.0)}),
-    "prior": (vt.Prior, {"kind": "normal", "low": 1.0, "high": 3.0, "centre": 2.0, "spread": 0.5}),
-    "material": (vt.Material, {"name": "steel", "youngs_modulus": 206e9, "shear_modulus": 79e9, "density": 7850.0}),
-    "definition": (vt.SpringDefinition, {"wire_diameter": vt.Constant(3.8e-3), "mean_diameter": vt.Constant(22e-3), "pitch": SPRING.pitch,
+    "prior": (vt.explore.Prior, {"kind": "normal", "low": 1.0, "high": 3.0, "centre": 2.0, "spread": 0.5}),
+    "material": (Material, {"name": "steel", "youngs_modulus": 206e9, "shear_modulus": 79e9, "density": 7850.0}),
+    "definition": (SpringDefinition, {"wire_diameter": Constant(3.8e-3), "mean_diameter": Constant(22e-3), "pitch": SPRING.pitch,
                                          "total_coils": 7, "material": SPRING.material}),
-    "cylindrical": (vt.cylindrical, {"wire_diameter": 3.8e-3, "mean_diameter": 22e-3, "pitch": 7e-3, "total_coils": 7}),
-    "curve": (vt.PiecewiseLinear, {"coils": (0, 7), "values": (0.007, 0.008)}),
+    "cylindrical": (cylindrical, {"wire_diameter": 3.8e-3, "mean_diameter": 22e-3, "pitch": 7e-3, "total_coils": 7}),
+    "curve": (PiecewiseLinear, {"coils": (0, 7), "values": (0.007, 0.008)}),
 }  # fmt: skip
 #: Part, one change of it, words of the refusal.
 REFUSED: list[tuple[str, dict[str, Any], str]] = [

@@ -28,11 +28,12 @@ from valvetrain.report.sections.published import (
     uncertainty_table,
 )
 from valvetrain.report.study import study_page
-from valvetrain.runs.error_bars import Uncertainty, UncertaintyStudy
+from valvetrain.runs.error_bars import UncertaintyStudy
 from valvetrain.solution.comparison import Comparison
 from valvetrain.solution.provenance import CaseRecord
 from valvetrain.solution.status import Event, Status
 from valvetrain.solution.study import Study
+from valvetrain.solution.uncertainty import Uncertainty
 
 RPM = np.pi / 30
 NAMES = ("finite-element rod", "modal model with varied stiffness")

@@ -10,10 +10,10 @@ import pytest
 
 from valvetrain.quantities.compare import compare, verdict
 from valvetrain.report.table import tone
-from valvetrain.runs.error_bars import Uncertainty
 from valvetrain.runs.stored_error_bars import belongs
 from valvetrain.solution.comparison import Comparison
 from valvetrain.solution.quantity import Quantity, same_speed
+from valvetrain.solution.uncertainty import Uncertainty
 
 DEG = np.pi / 180
 

@@ -15,9 +15,9 @@ from valvetrain.explore.identification_file import parse_request
 from valvetrain.explore.study import PointsInterrupted, StudyText, read_plan
 
 RPM = math.pi / 30
-PRECOMPRESSION = vt.Space({"spring.precompression": vt.Prior("uniform", 6e-3, 8e-3)})
-ANGLE = vt.Prior("uniform", -math.pi, math.pi)
-UNIT_NORMAL = vt.Prior("normal", centre=0.0, spread=1.0)
+PRECOMPRESSION = vt.Space({"spring.precompression": vt.explore.Prior("uniform", 6e-3, 8e-3)})
+ANGLE = vt.explore.Prior("uniform", -math.pi, math.pi)
+UNIT_NORMAL = vt.explore.Prior("normal", centre=0.0, spread=1.0)
 
 
 def ishigami(x, y, z):
@@ -71,7 +71,7 @@ def test_a_function_is_evaluated_at_the_points_and_refusals_keep_their_sentence(
     def root(x):
         return math.sqrt(x)
 
-    experiment = function_of(root, ["root"], {"x": vt.Prior("uniform", -1.0, 4.0)})
+    experiment = function_of(root, ["root"], {"x": vt.explore.Prior("uniform", -1.0, 4.0)})
     table = experiment.table([[4.0], [-1.0]], workers=1)
     found = table.to_xarray()
     assert found.root.dims == ("point",) and found.x.values.tolist() == [4.0, -1.0]
@@ -110,7 +110,7 @@ def test_the_calibration_of_a_linear_model_is_its_closed_form_posterior(correlat
         {"intercept": UNIT_NORMAL, "slope": UNIT_NORMAL},
         correlation,
     )
-    data = [vt.Datum(f"at {x}", value, error) for x, value in enumerate(measured.tolist())]
+    data = [vt.explore.Datum(f"at {x}", value, error) for x, value in enumerate(measured.tolist())]
     found = experiment.calibrate(data, workers=1)
     design = np.array([[1.0, x] for x in range(3)])
     prior = np.eye(2) if correlation is None else np.array(correlation)
@@ -131,8 +131,8 @@ def test_a_calibration_of_a_case_finds_the_value_that_made_the_measurements():
     )
     experiment = vt.Experiment("job-t", PRECOMPRESSION, outputs)
     truth = float(experiment.run([[6.6e-3]], workers=1).peak_spring_force.squeeze())
-    search = vt.Search(draws=25)
-    measured = [vt.Datum("peak_spring_force", truth, 0.5)]
+    search = vt.explore.Search(draws=25)
+    measured = [vt.explore.Datum("peak_spring_force", truth, 0.5)]
     found = experiment.calibrate(measured, search, workers=1)
     assert found.best["spring.precompression"] == pytest.approx(6.6e-3, rel=1e-4)
     draws = found.to_xarray()
@@ -140,7 +140,7 @@ def test_a_calibration_of_a_case_finds_the_value_that_made_the_measurements():
     spread = experiment.propagate(found, 20, workers=1)
     assert float(spread.peak_spring_force.std()) == pytest.approx(0.5, rel=0.25)
     with pytest.raises(vt.InputError, match="did you mean peak_spring_force"):
-        experiment.calibrate([vt.Datum("peak_spring_forces", truth, 0.5)], workers=1)
+        experiment.calibrate([vt.explore.Datum("peak_spring_forces", truth, 0.5)], workers=1)
 
 
 def test_an_interrupted_sample_continues_without_computing_a_point_again(tmp_path):
@@ -153,7 +153,7 @@ def test_an_interrupted_sample_continues_without_computing_a_point_again(tmp_pat
             raise KeyboardInterrupt
         return x * x
 
-    experiment = function_of(square, ["square"], {"x": vt.Prior("uniform", 0.0, 1.0)})
+    experiment = function_of(square, ["square"], {"x": vt.explore.Prior("uniform", 0.0, 1.0)})
     options = {"count": 20, "seed": 3}
     with pytest.raises(PointsInterrupted) as stopped:
         experiment.sample(options=options, workers=1, output=tmp_path)
@@ -168,7 +168,7 @@ def test_an_interrupted_sample_continues_without_computing_a_point_again(tmp_pat
 
 def test_optimise_finds_the_minimum_of_a_function_within_a_constraint():
     """Of x + y at least 0.5 the nearest point to (0.3, -0.2) is (0.5, 0)."""
-    wide = vt.Prior("uniform", -1.0, 1.0)
+    wide = vt.explore.Prior("uniform", -1.0, 1.0)
     experiment = function_of(paraboloid, ["height", "sum"], {"x": wide, "y": wide})
     found = experiment.optimise(
         [{"quantity": "height", "direction": "minimise"}],
@@ -213,7 +213,7 @@ def test_converge_doubles_the_sample_until_its_statistics_settle():
     def same(x):
         return x
 
-    experiment = function_of(same, ["same"], {"x": vt.Prior("uniform", 0.0, 1.0)})
+    experiment = function_of(same, ["same"], {"x": vt.explore.Prior("uniform", 0.0, 1.0)})
     table = experiment.converge(0.02, workers=1)
     mean, low, middle, high, deviation = table.statistics()[0, 0]
     assert table.converged and table.to_xarray().attrs["converged"]
@@ -224,7 +224,7 @@ def test_converge_doubles_the_sample_until_its_statistics_settle():
 
 def test_a_surrogate_of_a_smooth_function_predicts_it():
     pytest.importorskip("sklearn")
-    wide = vt.Prior("uniform", -1.0, 1.0)
+    wide = vt.explore.Prior("uniform", -1.0, 1.0)
     experiment = function_of(paraboloid, ["height"], {"x": wide, "y": wide})
     (found,) = experiment.surrogate(60, workers=1)
     mean, _ = found.predict([[0.3, -0.2]])
@@ -317,12 +317,12 @@ def test_both_vocabularies_of_files_say_the_same_of_studies_and_identifications(
 def test_a_distribution_may_be_left_to_its_other_keys():
     normal = NEW.replace('distribution = "uniform"\nlow = "3.9 mm"\nhigh = "4.1 mm"', "{}")
     for words, prior in (
-        ('low = "3.9 mm"\nhigh = "4.1 mm"', vt.Prior("uniform", 3.9e-3, 4.1e-3)),
+        ('low = "3.9 mm"\nhigh = "4.1 mm"', vt.explore.Prior("uniform", 3.9e-3, 4.1e-3)),
         (
             'mean = "4 mm"\nstandard_deviation = "0.1 mm"',
-            vt.Prior("normal", centre=4e-3, spread=1e-4),
+            vt.explore.Prior("normal", centre=4e-3, spread=1e-4),
         ),
-        ('tolerance = "0.03 mm"', vt.Prior("normal", 3.97e-3, 4.03e-3, 4e-3, 1e-5)),
+        ('tolerance = "0.03 mm"', vt.explore.Prior("normal", 3.97e-3, 4.03e-3, 4e-3, 1e-5)),
     ):
         text = normal.format(words)
         study = read_plan(StudyText(STUDY.format(tables=text), "study", Path()))

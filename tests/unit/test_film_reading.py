@@ -23,7 +23,7 @@ from valvetrain.report.columns import text_table
 from valvetrain.report.page import gaps_of
 
 cv2 = pytest.importorskip("cv2")
-SETUP = vt.FilmSetup(
+SETUP = vt.film.FilmSetup(
     marker=(4, 4),
     marker_radius=2,
     marker_angle=made.MARK_ANGLE,
@@ -96,7 +96,7 @@ def test_the_line_averages_what_lies_across_it():
 @pytest.mark.parametrize(("width", "across"), [(4.0, 7), (2.5, 3), (9.0, 1)])
 def test_a_line_that_is_given_is_read_as_wide_and_as_finely_as_asked_for(width, across):
     """Nothing is said of a line that was not chosen."""
-    setup = vt.FilmSetup(
+    setup = vt.film.FilmSetup(
         frame_rate="1 kHz", line=((8.0, 5.0), (20.0, 41.0)), line_width=width, samples_across=across
     )
     line, said = _line(open_film(NOISE), setup)
@@ -186,7 +186,7 @@ def test_numbers_depend_neither_on_samples_across_the_line_nor_on_its_width_nor_
         {"line_width": 3.0},
         {"first_frame": 37},
     ):
-        motion = vt.coil_motion(film, replace(SETUP, **change))
+        motion = vt.film.coil_motion(film, replace(SETUP, **change))
         line = motion.surge.lines[0]
         assert abs(line.natural_frequency - surge.natural_frequency) < 1.96 * np.hypot(
             line.frequency_spread, surge.frequency_spread
@@ -202,7 +202,9 @@ def test_the_written_grid_changes_no_number_and_the_same_film_gives_the_same_bit
     film, _ = made.turning_film()
     first, coarse = (
         made.turning_motion(),
-        vt.coil_motion(film, replace(SETUP, dwell=made.turning_motion().dwell), curve_angles=72),
+        vt.film.coil_motion(
+            film, replace(SETUP, dwell=made.turning_motion().dwell), curve_angles=72
+        ),
     )
     assert (
         (coarse.places == first.places).all()
@@ -257,22 +259,22 @@ def test_a_spring_alone_is_laid_under_the_film_too():
     case.
     """
     motion = made.turning_motion()
-    model = vt.film_over_model(motion, "job-t", "multi-mass", first_turn=0.5)
+    model = vt.film.film_over_model(motion, "job-t", "multi-mass", first_turn=0.5)
     assert (
         model.spring == "spring"
         and (model.turns == np.arange(6) + 0.5).all()
         and model.displacement.shape == (360, 6)
     )
     with pytest.raises(vt.InputError, match="has no displacement of coils"):
-        vt.film_over_model(motion, "job-t", "massless")
+        vt.film.film_over_model(motion, "job-t", "massless")
     with pytest.raises(vt.InputError, match="spring 'inner' is unknown"):
-        vt.film_over_model(motion, "job-t", "multi-mass", "inner")
+        vt.film.film_over_model(motion, "job-t", "multi-mass", "inner")
 
 
 def test_a_single_turn_has_no_scatter_and_a_white_glare_is_spoken_of():
     film, _ = made.turning_film()
     bright = np.clip(film[:90].astype(int) * 4, 0, 255).astype(np.uint8)
-    motion = vt.coil_motion(bright, replace(SETUP, cam_speed=made.CAM_SPEED))
+    motion = vt.film.coil_motion(bright, replace(SETUP, cam_speed=made.CAM_SPEED))
     words = " ".join(motion.notes)
     assert "cam revolutions, so peaks have no scatter" in words and "the glare is as white" in words
     assert all(np.isnan(one.scatter) and one.spread > 0 for one in motion.peaks)

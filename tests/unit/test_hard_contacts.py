@@ -52,14 +52,14 @@ def test_contact_of_parts():
     """
     words = "would be 5e-28 mm deep at 500 N; check contact_stiffness and its unit"
     with pytest.raises(InputError, match=words):
-        vt.build_contact_law("linear", contact_stiffness="1e30 N/mm")
+        vt.contact.build_contact_law("linear", contact_stiffness="1e30 N/mm")
     key = "train.contacts.cam.contact_stiffness"
     with pytest.raises(InputError, match=words):
         vt.simulate(
             vt.load_case("tdi-pushrod", {key: "1e30 N/mm"}),
             "3000 rpm",
             spring_models=["massless"],
-            spring_sets=["stock"],
+            spring_set=["stock"],
         )
     assert words in sentence(call("run", "tdi-pushrod", "--set", f"{key}=1e30 N/mm"))
     assert words in sentence(call("check", "tdi-pushrod", "--set", f"{key}=1e30 N/mm"))

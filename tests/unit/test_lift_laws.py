@@ -12,13 +12,13 @@ import numpy as np
 import pytest
 
 from valvetrain import registry
-from valvetrain.cam import build_lift_law, tabulate
+from valvetrain.cam import build_lift_law
 from valvetrain.cam import spline as smoothing
 from valvetrain.cam.contract import TURN, LiftLaw
 from valvetrain.cam.event import event_of_table
 from valvetrain.cam.flanks import FlankModel
 from valvetrain.cam.kernels import evaluate_pieces
-from valvetrain.cam.pieces import PeriodicPieces
+from valvetrain.cam.pieces import PeriodicPieces, tabulate
 from valvetrain.cam.polydyne import Polydyne
 from valvetrain.cam.spline import Spline
 from valvetrain.errors import InputError

@@ -70,11 +70,11 @@ search = { trials = 20, per_round = 5, seeds = 2 }
 
 
 @cache
-def light() -> vt.Optimum:
+def light() -> vt.explore.Optimum:
     return vt.optimise(LIGHT, workers=1)
 
 
-def same(one: vt.Optimum, rows: list[dict]) -> None:
+def same(one: vt.explore.Optimum, rows: list[dict]) -> None:
     """The trials of an optimum and of the JSON of another, to the last bit."""
     assert len(one.trials) == len(rows)
     for trial, row in zip(one.trials, rows, strict=True):

@@ -62,7 +62,7 @@ def test_values_changed_from_outside_have_no_line(tmp_path):
         vt.InputError,
         match=r"^case 'own', lift_law: event_end and the ramp after it must follow the nose",
     ):
-        vt.build(case)
+        vt.system.build.build(case)
 
 
 @pytest.mark.parametrize("shape", ["[]", "[1, -1]", "[1, 1, -1, -1, 1]"])
@@ -101,4 +101,4 @@ def test_a_law_exchanged_in_a_program_has_no_line(tmp_path):
         case.lift_law, values=dict(case.lift_law.values) | {"flank_shape": (1.0, 1.0, -1.0)}
     )
     with pytest.raises(vt.InputError, match=rf"^case 'own', lift_law.flank_shape: {ROOM}"):
-        vt.build(replace(case, lift_law=law))
+        vt.system.build.build(replace(case, lift_law=law))

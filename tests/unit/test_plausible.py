@@ -148,7 +148,7 @@ def test_friction_that_holds_a_valve_is_refused():
         InputError,
         match=r"train.valve.friction: the friction in a guide is 1e\+09 N, above 10000 N",
     ):
-        vt.simulate(case, "3000 rpm", spring_models=["massless"], spring_sets=["stock"])
+        vt.simulate(case, "3000 rpm", spring_models=["massless"], spring_set=["stock"])
 
 
 @pytest.mark.parametrize(

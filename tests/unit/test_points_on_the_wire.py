@@ -98,7 +98,7 @@ def test_a_program_sets_a_number_that_the_lift_law_has_and_the_case_does_not_giv
         plain.replace({f"lift_law.{key}": value}),
     )
     angles = np.linspace(0, 2 * np.pi, 73)
-    lifts = [vt.build_lift_law(case.lift_law).lift(angles) for case in (plain, told, set_here)]
+    lifts = [vt.cam.build_lift_law(case.lift_law).lift(angles) for case in (plain, told, set_here)]
     np.testing.assert_array_equal(lifts[1], lifts[2])
     assert np.abs(lifts[0] - lifts[2]).max() > 1e-6 and set_here.changed == (f"lift_law.{key}",)
     with pytest.raises(vt.InputError, match=r"there is no value 'lift_law\.dwell'"):

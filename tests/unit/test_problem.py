@@ -58,7 +58,7 @@ def test_members_are_the_variants_of_a_train_or_each_set_by_each_model():
     asked = build(
         case,
         spring_models=["massless", "wave-rod", "massless"],
-        spring_sets=["stock", "performance"],
+        spring_set=["stock", "performance"],
     )
     assert [member.label for member in asked.members] == [
         f"{s}, {m}" for s in ("stock", "performance") for m in ("massless", "wave-rod")
@@ -74,7 +74,7 @@ def test_members_are_the_variants_of_a_train_or_each_set_by_each_model():
 
 def test_models_of_a_spring_of_ones_own_follow_what_is_known_of_it():
     words = lambda text: tuple(member.label for member in build(parse_case(text)).members)
-    assert words(CARD.format(mass='mass = "40 g"')) == ("multi-mass", "modal-uniform")
+    assert words(CARD.format(mass='mass = "40 g"')) == ("modal-uniform",)
     assert words(CARD.format(mass="")) == ("massless",)
     assert tuple(member.label for member in build(load_case("uniform-spring")).members) == (
         "finite-element",
@@ -86,7 +86,7 @@ def test_models_of_a_spring_of_ones_own_follow_what_is_known_of_it():
     ("make", "words"),
     [
         (lambda: build(parse_case('[lift_law]\nkind = "zero"')), "holds no spring and no train"),
-        (lambda: build(load_case("job-t"), spring_sets=["stock"]), "has no spring sets"),
+        (lambda: build(load_case("job-t"), spring_set=["stock"]), "has no spring sets"),
         (
             lambda: build(load_case("job-t"), spring_models=["modal-varid"]),
             "did you mean modal-varied",

@@ -324,7 +324,7 @@ def bump(cam_angle, centre, peak, half):
 def test_all_of_a_lift_function_is_in_the_law(lift):
     """Closed form: the law is the function at every angle, to a hundredth of a micrometre."""
     case = vt.Case(spring=vt.Spring(**WIRE), lift_law=lift)
-    law, angles = vt.build_lift_law(case.parameters.lift_law), np.linspace(0, 2 * np.pi, 1441)
+    law, angles = vt.cam.build_lift_law(case.parameters.lift_law), np.linspace(0, 2 * np.pi, 1441)
     assert law.lift(angles, 0) == pytest.approx([lift(one) for one in angles], abs=1e-8)
 
 

@@ -13,8 +13,8 @@ from synthetic_study import at_rest, own_study, published_study, rod_run
 from valvetrain.report.chart import Line, Marks
 from valvetrain.report.sections import coils as stress
 from valvetrain.report.sections import published
-from valvetrain.runs.error_bars import Uncertainty
 from valvetrain.solution.comparison import Comparison
+from valvetrain.solution.uncertainty import Uncertainty
 
 
 def lines(chart, panel):

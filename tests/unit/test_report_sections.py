@@ -32,11 +32,11 @@ from valvetrain.report.page import Details, Figure, Grid, Text, charts, render
 from valvetrain.report.sections import coils, published, sweep
 from valvetrain.report.sections.published import firmness, uncertainty_grid, uncertainty_table
 from valvetrain.report.study import study_page
-from valvetrain.runs.error_bars import Uncertainty
 from valvetrain.runs.stored_error_bars import load_uncertainty
 from valvetrain.solution.provenance import CaseRecord
 from valvetrain.solution.status import Status
 from valvetrain.solution.study import Study
+from valvetrain.solution.uncertainty import Uncertainty
 from valvetrain.springs.spec import spring_model
 
 DEGREES = np.arange(720) / 2

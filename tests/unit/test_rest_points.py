@@ -157,8 +157,8 @@ def test_a_retainer_that_may_turn_carries_no_torque(case):
 
 
 def test_a_rod_refuses_curves_and_modes_of_nothing():
-    rod = vt.FiniteElementRod(
-        vt.cylindrical("4 mm", "24 mm", total_coils=8, free_length="52 mm"),
+    rod = vt.springs.FiniteElementRod(
+        vt.parameters.cylindrical("4 mm", "24 mm", total_coils=8, free_length="52 mm"),
         7e-3,
         elements_per_coil=8,
     )

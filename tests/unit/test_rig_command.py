@@ -62,10 +62,10 @@ def test_the_command_tells_writes_and_keeps(folder, tmp_path):
     assert (
         data["synthetic"] and data["outliers"][0]["cycle"] == 4 and data["kept"] == [1, 2, 3, 5, 6]
     )
-    kept = {one.quantity: one for one in vt.read_cycles(tmp_path / "own.nc")}
-    direct = vt.rig_cycles(
+    kept = {one.quantity: one for one in vt.measured.read_cycles(tmp_path / "own.nc")}
+    direct = vt.rig.rig_cycles(
         folder / "rig.csv",
-        vt.RigAnswers(angle_of="crank", encoder="Crank angle", zero={"spring_force": "215 N"}),
+        vt.rig.RigAnswers(angle_of="crank", encoder="Crank angle", zero={"spring_force": "215 N"}),
     )
     for one in direct.cycles:
         np.testing.assert_array_equal(kept[one.quantity].values, one.values)
@@ -77,12 +77,14 @@ def test_the_command_tells_writes_and_keeps(folder, tmp_path):
     assert "Synthetic recording" in page and "left out" in page
     shown = call("rig", str(folder / "rig.csv"), *ANSWERS, "--output", str(tmp_path / "out2"))
     assert "Cycle 4" in shown.output and "synthetic" in shown.output
-    read_back = vt.read_cycles(tmp_path / "out" / "spring_force.csv")[0]
+    read_back = vt.measured.read_cycles(tmp_path / "out" / "spring_force.csv")[0]
     np.testing.assert_array_equal(read_back.values, kept["spring_force"].values)
 
 
 def test_an_outlier_may_stay(folder):
-    found = vt.rig_cycles(folder / "rig.tdms", vt.RigAnswers(angle_of="crank", keep_outliers=True))
+    found = vt.rig.rig_cycles(
+        folder / "rig.tdms", vt.rig.RigAnswers(angle_of="crank", keep_outliers=True)
+    )
     assert len(found.retained) == 6 and found.outliers[0][0] == 3
 
 
@@ -198,7 +200,8 @@ def test_what_a_gauge_sees_does_not_depend_on_the_output_samples():
         for step in ("1 deg", "0.25 deg")
     ]
     one, two = (
-        vt.sensor_response(run, vt.Sensor(bandwidth="1 kHz"), ["seat_force"])[0] for run in runs
+        vt.rig.sensor_response(run, vt.measured.Sensor(bandwidth="1 kHz"), ["seat_force"])[0]
+        for run in runs
     )
     assert len(runs[0].time) < len(runs[1].time)
     assert one.recorded.peak == pytest.approx(two.recorded.peak, rel=2e-4)
@@ -207,7 +210,7 @@ def test_what_a_gauge_sees_does_not_depend_on_the_output_samples():
 def test_a_channel_that_a_run_lacks_is_named():
     (run,) = vt.simulate("job-t", "3000 rpm", spring_models=["massless"]).solutions
     with pytest.raises(vt.InputError, match="the run has no channel 'lift'"):
-        vt.sensor_response(run, vt.Sensor(), ["lift"])
+        vt.rig.sensor_response(run, vt.measured.Sensor(), ["lift"])
 
 
 def test_kept_runs_differ_by_what_was_asked_and_found(folder, tmp_path, monkeypatch):

@@ -15,7 +15,7 @@ from valvetrain.system.train_forces import gap_state
 @pytest.fixture(scope="module")
 def parts():
     case = load_case("tdi-pushrod")
-    system = build(case, spring_models=["massless"], spring_sets=["stock"]).members[0].system()
+    system = build(case, spring_models=["massless"], spring_set=["stock"]).members[0].system()
     return case.train, system, rigid_motion(system, case.train, 360)
 
 

@@ -105,7 +105,7 @@ def test_each_colouring_of_a_spring_costs_its_bytes():
     study = vt.simulate("gu2021-beehive", "4200 rpm", spring_models=["multi-mass"], workers=1)
     run, member = (
         study.solutions[0],
-        vt.build("gu2021-beehive", spring_models=["multi-mass"]).members[0],
+        vt.system.build.build("gu2021-beehive", spring_models=["multi-mass"]).members[0],
     )
     names = [
         name

@@ -58,7 +58,7 @@ def test_a_slow_run_up_passes_through_the_steady_states():
     """A rise by 8 % in 22 turns of the template. The bands tell the two speeds apart: values of one
     are outside at the other.
     """
-    still = vt.sweep(ENGINE, "5100, 5300 rpm", spring_models=["massless"], spring_sets=["card"])
+    still = vt.sweep(ENGINE, "5100, 5300 rpm", spring_models=["massless"], spring_set=["card"])
     study = vt.run_up(ENGINE, "5000 rpm", "5400 rpm", "0.5 s", spring_models=["massless"])
     outside, crossed = {}, []
     for name, band in BANDS.items():
@@ -129,7 +129,7 @@ def test_workers_and_python_refusals():
             "3200 rpm",
             "0.05 s",
             spring_models=["massless"],
-            spring_sets=sets,
+            spring_set=sets,
             workers=count,
         )
         for count in (1, 2)
@@ -173,7 +173,7 @@ def test_a_model_that_cannot_run_floats_at_no_speed():
         "1100 rpm",
         "0.4 s",
         spring_models=models,
-        spring_sets=["stock"],
+        spring_set=["stock"],
         workers=1,
     )
     (refused,) = found.failures
@@ -191,7 +191,7 @@ def test_where_no_model_can_run_the_reason_of_the_first_is_the_refusal():
             "1100 rpm",
             "0.4 s",
             spring_models=["wave-rod-clash"],
-            spring_sets=["stock"],
+            spring_set=["stock"],
             workers=1,
         )
 
@@ -200,7 +200,7 @@ def test_where_no_model_can_run_the_reason_of_the_first_is_the_refusal():
 def test_a_run_up_of_less_than_a_few_turns_is_refused(first, last):
     with pytest.raises(InputError, match=r"0\.29 cam revolutions, .*take a longer time"):
         vt.run_up(
-            "tdi-pushrod", first, last, "0.01 s", spring_models=["massless"], spring_sets=["stock"]
+            "tdi-pushrod", first, last, "0.01 s", spring_models=["massless"], spring_set=["stock"]
         )
 
 

@@ -21,7 +21,7 @@ def searched(monkeypatch, **changes):
     case = vt.load_case(
         "vaz-ohc", {key.replace("__", "."): value for key, value in changes.items()}
     )
-    problem = build(case, spring_models=("massless",), spring_sets=("nested-cards",))
+    problem = build(case, spring_models=("massless",), spring_set=("nested-cards",))
     system, forces, asked = (
         problem.members[0].system({}, problem.built),
         train_rest.generalised_forces,
@@ -100,7 +100,7 @@ def test_contacts_too_hard_for_the_tangent_end_the_search(monkeypatch):
 def test_the_springs_press_what_they_press_at_rest(lift):
     """The force of the sum is that of its springs, each by its own curve."""
     case = vt.load_case("vaz-ohc")
-    problem = build(case, spring_models=("massless",), spring_sets=("nested-cards",))
+    problem = build(case, spring_models=("massless",), spring_set=("nested-cards",))
     system = problem.members[0].system({}, problem.built)
     cards = case.train.springs["nested-cards"]
     by_hand = sum(one.card.preload + one.card.rate * lift for one in cards)
@@ -112,7 +112,7 @@ def test_the_static_curve_goes_by_32_even_steps_to_a_little_above_the_largest_li
     """Level of judgement: four times the force at the largest lift. Between the points straight,
     beyond them on as at the ends.
     """
-    problem = build(vt.load_case("vaz-ohc"), spring_models=("massless",), spring_sets=(sets,))
+    problem = build(vt.load_case("vaz-ohc"), spring_models=("massless",), spring_set=(sets,))
     system = problem.members[0].system({}, problem.built)
     rest, top = train_rest.rest_of(system), system.mechanism.kinematics.maximum_lift
     assert 5e-3 < top < 15e-3 and rest.lifts == pytest.approx(
@@ -137,5 +137,7 @@ def test_a_train_that_comes_to_no_rest_has_no_modes():
     """Its modes were those of a place where 418 N pushed it on, told without a word."""
     key = "train.contacts.cam.contact_stiffness"
     with pytest.raises(vt.InputError, match=r"comes to no rest .* are left"):
-        vt.train_modes(vt.load_case("vaz-ohc", {key: "1e9 N/mm"}), spring_models=["massless"])
-    assert vt.train_modes(vt.load_case("vaz-ohc", {key: "1e7 N/mm"}), spring_models=["massless"])
+        vt.runs.train_modes(vt.load_case("vaz-ohc", {key: "1e9 N/mm"}), spring_models=["massless"])
+    assert vt.runs.train_modes(
+        vt.load_case("vaz-ohc", {key: "1e7 N/mm"}), spring_models=["massless"]
+    )

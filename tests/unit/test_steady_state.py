@@ -1,14 +1,24 @@
-"""Search for the periodic orbit on toy maps of known answer, then on a train."""
+"""Search for the periodic orbit on toy maps of known answer (closed form), then on trains (limit
+between methods: an extrapolation never leaves what plain revolutions bound).
+"""
 
 from __future__ import annotations
 
 import numpy as np
 import pytest
 
-from train_parts import direct, system
+from train_parts import contacts, direct, system
+from valvetrain.cam.closed_form import SinePower
 from valvetrain.integrate.steady import accelerate, repeat_cycles, residual_norm
 from valvetrain.integrate.train_run import TrainOptions, runner
 from valvetrain.integrate.train_steady import steady_train
+from valvetrain.parameters.train import (
+    CamParameters,
+    ContactParameters,
+    FollowerParameters,
+    ValveParameters,
+)
+from valvetrain.springs.massless import MasslessSpring
 from valvetrain.springs.multi_mass import MultiMassSpring
 
 ROTATION = (
@@ -69,6 +79,19 @@ def test_a_map_that_leaves_all_bounds_ends_the_search():
     assert not found.converged and found.cycles == 1
 
 
+def test_a_cycle_that_leaves_all_bounds_gives_its_start():
+    """So that a record of it shows how it ended."""
+    maps = (
+        lambda x: np.where(x < 3, x + 1, np.nan),
+        lambda x: np.where(x < 30, 1.1 * x**2 + 1, np.nan),
+    )
+    for search in (repeat_cycles, accelerate):
+        for cycle in maps:
+            found = search(cycle, np.ones(1), np.ones(1), 1e-9)
+            assert not found.converged and np.all(np.isfinite(found.state))
+            assert np.isnan(cycle(found.state))[0] and not np.isfinite(found.residuals[-1])
+
+
 def test_the_norm_is_the_largest_weighted_change():
     assert residual_norm(np.array([1.0, -4.0]), np.array([1.0, 0.5])) == 2.0
 
@@ -89,8 +112,6 @@ def test_both_methods_find_the_same_orbit_of_a_train_and_the_record_repeats():
 
 
 def test_a_train_that_needs_two_cycles_says_so():
-    from valvetrain.springs.massless import MasslessSpring
-
     periods = set()
     for cam_speed in np.linspace(330, 520, 12):
         ready = runner(
@@ -104,3 +125,27 @@ def test_a_train_that_needs_two_cycles_says_so():
             assert found.status.completed is found.scatter.repeats  # the valve decides
             assert ("every" in found.status.message) is (found.search.period > 1)
     assert periods - {1}, "every speed settled, so nothing was tested; raise the speeds"
+
+
+@pytest.mark.parametrize(("power", "engine_rpm"), [(4, 1440), (2, 2880)])
+def test_an_impacting_follower_stays_where_plain_revolutions_stay(power, engine_rpm):
+    """A weak spring throws a heavy follower off its cam on every lift; the motion is irregular, and
+    its extrapolation used to reach 18 and 36 000 km/s.
+    """
+    hard = ContactParameters("linear", {"contact_stiffness": 1e8, "damping": 2000.0})
+    law = SinePower(
+        maximum_lift=20e-3, opening_start=np.pi / 3, closing_end=5 * np.pi / 3, power=power
+    )
+    train = direct(
+        contacts=contacts(hard),
+        model="single-mass",
+        cam=CamParameters(0.06),
+        follower=FollowerParameters("flat", mass=0.1),
+        valve=ValveParameters(0.9),
+    )
+    built = system(train, law, spring=MasslessSpring(2e3, 60.0, 0.0))
+    ready = runner(built, engine_rpm * np.pi / 60, TrainOptions(samples=720))
+    plain, fast = (steady_train(ready, method, cycles=300) for method in ("repeat", "anderson"))
+    assert {plain.status.code, fast.status.code} <= {"completed", "not-converged"}
+    largest = np.abs(plain.record.v).max()
+    assert 1 < largest < 20 and np.abs(fast.record.v).max() < 3 * largest

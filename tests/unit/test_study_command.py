@@ -50,7 +50,7 @@ def file(tmp_path, monkeypatch):
 
 
 @cache
-def table_of(levels: int = 4, workers: int = 1) -> vt.StudyTable:
+def table_of(levels: int = 4, workers: int = 1) -> vt.explore.StudyTable:
     return vt.study(study_text(levels=levels), workers=workers)
 
 

@@ -12,9 +12,9 @@ from unit.cli_parts import SMALL
 from valvetrain import InputError, load_case, simulate
 from valvetrain.explore.case_paths import nominal, vary
 from valvetrain.explore.evaluate import Point, evaluate
-from valvetrain.explore.outputs import LIGHT, PointRequest
 from valvetrain.explore.space import ENGINE_SPEED, LogNormal, Normal, Uniform, Values, Varied
 from valvetrain.parameters.loading import parse_case
+from valvetrain.quantities.request import LIGHT, PointRequest
 
 RPM = math.pi / 30
 BEEHIVE = load_case("gu2021-beehive")
@@ -234,7 +234,7 @@ def test_a_point_has_the_bits_of_a_run_of_the_varied_case(model):
 @pytest.mark.parametrize("chosen", ["stock", "performance"])
 def test_a_point_of_a_train_has_the_bits_of_its_run(chosen):
     case, model = load_case("tdi-pushrod"), "massless"
-    (solution,) = simulate(case, 5000 * RPM, spring_models=[model], spring_sets=[chosen]).solutions
+    (solution,) = simulate(case, 5000 * RPM, spring_models=[model], spring_set=[chosen]).solutions
     found = evaluate(point(case, model, 5000 * RPM, spring_set=chosen))
     assert {name: found.values.get(name) for name in solution.quantities} == dict(
         solution.quantities

@@ -22,7 +22,7 @@ COARSE = {
 @pytest.mark.long
 def test_the_recorded_head_of_a_large_state_is_enough(monkeypatch):
     problem = build(
-        load_case("vaz-ohc", COARSE), spring_models=["finite-element"], spring_sets=["nested"]
+        load_case("vaz-ohc", COARSE), spring_models=["finite-element"], spring_set=["nested"]
     )
     built = problem.members[0].system()
     assert isinstance(built, TrainSystem) and {

@@ -43,7 +43,7 @@ def vaz_with_contact_stiffness(value: str):
     [
         (lambda: ValveParameters(0.0), "mass of the valve must be positive"),
         (lambda: ValveParameters(-0.1), "mass of the valve must be positive"),
-        (lambda: ValveParameters(float("nan")), "mass of the valve must be positive"),
+        (lambda: ValveParameters(float("nan")), "mass of the valve: nan is not a finite number"),
         (lambda: ValveParameters(0.1, friction=-1.0), "friction"),
         (lambda: ValveParameters(0.1, head_fraction=1.0), "head_fraction"),
         (lambda: PushrodParameters(-0.2, (0, 0)), "mass of the pushrod"),
@@ -260,7 +260,7 @@ def test_the_damping_of_a_trains_spring_is_felt(word):
         case = load_case(
             "tdi-pushrod", {"train.springs.stock.0.damping.mass_damping": f"{rate} 1/s"}
         )
-        built = build(case, spring_models=[word], spring_sets=["stock"]).members[0].system()
+        built = build(case, spring_models=[word], spring_set=["stock"]).members[0].system()
         ready = runner(built, 200.0, TrainOptions(samples=360))
         state = ready.initial_state()
         for _ in range(6):
@@ -279,8 +279,8 @@ def test_unknown_spring_words_name_the_nearest():
     with pytest.raises(InputError, match="did you mean massless"):
         build(load_case("tdi-pushrod", {"train.spring_model": "masless"}))
     with pytest.raises(InputError, match="stock, performance"):
-        build(case, spring_sets=["racing"])
-    (member,) = build(case, spring_models=["wave-rod-clash"], spring_sets=["stock"]).members
+        build(case, spring_set=["racing"])
+    (member,) = build(case, spring_models=["wave-rod-clash"], spring_set=["stock"]).members
     assert "needs the coil gaps of its wire" in member.refusal
     with pytest.raises(InputError, match="needs the coil gaps of its wire"):
         member.system()

@@ -14,7 +14,6 @@ from valvetrain.parameters.loading import load_case
 from valvetrain.runs import stored_error_bars
 from valvetrain.runs.error_bars import (
     DECLARED_ORDER,
-    Uncertainty,
     UncertaintyStudy,
     convergence,
     grid_convergence,
@@ -24,6 +23,7 @@ from valvetrain.runs.refine import refine_springs
 from valvetrain.runs.run import run_study
 from valvetrain.solution.definition import is_defined
 from valvetrain.solution.quantity import Quantity
+from valvetrain.solution.uncertainty import Uncertainty
 
 RPM, DEG = 2 * np.pi / 60, np.pi / 180
 

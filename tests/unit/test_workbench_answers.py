@@ -36,7 +36,7 @@ def study():
 @pytest.fixture(scope="module")
 def read(study):
     """The page of the study, and what is read back of it."""
-    page = vt.study_page(study)
+    page = vt.report.study_page(study)
     return page, sections_of(render(page))
 
 

@@ -91,7 +91,7 @@ def test_values_of_the_beehive_as_its_file_has_them():
     assert form["spring.pitch"].kind == "curve" and form["spring.pitch"].number is None
     assert form["spring.hand"].choices == ("right", "left")
     assert form["spring.options.multi-mass.masses_per_coil"].limits == (1.0, 2000.0)
-    assert form["operation.cycles"].default_text == "2"
+    assert form["operation.cycles"].default_text == ""
 
 
 def test_a_value_keeps_the_unit_it_is_written_in():

@@ -14,7 +14,7 @@ from valvetrain.errors import InputError
 from valvetrain.parameters.case import Case as Parameters
 from valvetrain.parameters.loading import case_of_tree, load_case, parse_toml
 from valvetrain.parameters.overrides import REMOVED, with_values
-from valvetrain.units import numbers_of, si_speeds
+from valvetrain.units import numbers_of, renamed, si_speeds
 from valvetrain.units.text import clipped
 
 if TYPE_CHECKING:
@@ -131,7 +131,7 @@ class Case:
         from valvetrain.explore.case_paths import file_key
 
         made = {
-            file_key(path): REMOVED if value is None else as_table(value)
+            file_key(path): REMOVED if value is None else as_table(value, tuple(path.split(".")))
             for path, value in (changes or {}).items()
         }
         new = object.__new__(Case)
@@ -140,17 +140,20 @@ class Case:
         new.parameters = case_of_tree(new.tree, self.name, self._folder, self.name)
         return Case(new, **tables) if tables else new
 
+    @renamed(spring_models="model")
     def run(
-        self, engine_speed: Any = None, model: str = "", *, spring_set: str = "", **options: Any
+        self, engine_speed: Any = None, model: Any = "", *, spring_set: str = "", **options: Any
     ) -> Solution:
         """One run: at one engine speed, by one spring model. Several: :meth:`compare`, :meth:`sweep`.
 
         Parameters
         ----------
         engine_speed : of the crank: "6000 rpm", rad/s or a pint quantity; the case's own where it has one
-        model : name of the spring model; the case's own where it has one
+        model : the spring model: its name, class or an instance, a function of the compression, or a
+            class of one's own (docs/extend/own-parts-in-a-script.md); the case's own by default
         spring_set : name of a spring set of a train
-        options : as for :func:`valvetrain.simulate`
+        options : as for :func:`valvetrain.simulate`, among them ``outputs``, names of quantities and
+            channels: only these are computed
 
         Returns
         -------
@@ -162,26 +165,28 @@ class Case:
         """
         return one_run(self.parameters, engine_speed, model, spring_set, **options)
 
-    def compare(
-        self, models: Sequence[str] | str = (), engine_speeds: Any = None, **options: Any
-    ) -> Study:
+    @renamed(spring_models="models")
+    def compare(self, engine_speeds: Any = None, models: Any = (), **options: Any) -> Study:
         """Spring models side by side, at rest and in motion; options as for
         :func:`valvetrain.compare`.
         """
         from valvetrain.runs.api import compare
 
-        return compare(self.parameters, models, engine_speeds, **options)
+        return compare(self.parameters, engine_speeds, models, **options)
 
+    @renamed(spring_models="model")
     def sweep(
-        self, engine_speeds: Any = "1000:9000:100 rpm", model: str = "", **options: Any
+        self,
+        engine_speeds: Any = "1000:9000:100 rpm",
+        model: Any = (),
+        **options: Any,
     ) -> Study:
         """Numbers over engine speed and, of a train, its critical speeds; options as for
-        :func:`valvetrain.sweep`.
+        :func:`valvetrain.sweep`, among them ``outputs``, names of what alone is computed.
         """
         from valvetrain.runs.api import sweep
 
-        models = (model,) if model else ()
-        return sweep(self.parameters, engine_speeds, spring_models=models, **options)
+        return sweep(self.parameters, engine_speeds, model, **options)
 
     def critical_speeds(
         self, engine_speeds: Any = "1000:9000:100 rpm", **options: Any
@@ -221,7 +226,7 @@ class Case:
         count: int = 64,
         seed: int = 1,
         engine_speeds: Any = None,
-        models: Sequence[str] | str = (),
+        models: Any = (),
         **options: Any,
     ) -> StudyTable:
         """Outputs at points of a space, and only these.
@@ -263,7 +268,7 @@ class Case:
         constraints: Mapping[str, Mapping[str, Any]] | None = None,
         *,
         engine_speeds: Any = None,
-        models: Sequence[str] | str = (),
+        models: Any = (),
         search: Mapping[str, Any] | None = None,
         **options: Any,
     ) -> Optimum:
@@ -299,7 +304,7 @@ class Case:
         measured: Mapping[str, tuple[Any, Any]],
         *,
         engine_speeds: Any = None,
-        models: Sequence[str] | str = (),
+        models: Any = (),
         **options: Any,
     ) -> Identified:
         """Unknowns that agree with measurements.
@@ -309,7 +314,7 @@ class Case:
         unknowns : key path -> (least, largest) or a distribution
         measured : quantity -> (value, standard deviation), SI or text with units
         engine_speeds, models : as for :meth:`study`
-        options : ``search`` (:class:`valvetrain.Search`) and those of :meth:`study`
+        options : ``search`` (:class:`valvetrain.explore.Search`) and those of :meth:`study`
 
         Raises
         ------

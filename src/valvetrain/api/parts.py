@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from valvetrain.errors import InputError
+from valvetrain.parameters.own_parts import own_name
 from valvetrain.units import Given, PlainInteger, PlainNumber
 from valvetrain.units.text import clipped
 
@@ -25,12 +26,15 @@ LIFT_STEP = math.radians(0.25)
 Lift = Callable[[float], float] | Mapping[str, Any] | Sequence[Any]
 
 
-def as_table(value: Any) -> Any:
+def as_table(value: Any, path: Sequence[str] = ()) -> Any:
     """A value of Python as the tree of a case file holds it: numbers are SI, quantities of a units
-    library become text, arrays lists, springs and trains their tables.
+    library become text, arrays lists, springs and trains their tables, contact laws their names.
+    ``path``: its keys.
     """
     if isinstance(value, (Spring, Train)):
         return copy.deepcopy(value.table)
+    if tuple(path) == ("lift_law",):
+        return lift_table(value)
     if hasattr(value, "to_base_units"):  # pint and what speaks as it does
         return _quantity_text(value)
     if isinstance(value, np.ndarray):
@@ -38,15 +42,19 @@ def as_table(value: Any) -> Any:
     elif isinstance(value, np.generic):
         value = value.item()
     if isinstance(value, Mapping):
-        return {str(key): as_table(item) for key, item in value.items()}
+        return {str(key): as_table(item, (*path, str(key))) for key, item in value.items()}
     if isinstance(value, (list, tuple)):
-        return [as_table(item) for item in value]
+        return [as_table(item, (*path, "")) for item in value]
     if isinstance(value, (bool, str)):
         return value
     if isinstance(value, int):
         return PlainInteger(value)
     if isinstance(value, float):
         return PlainNumber(value)
+    if path[-1:] == ("law",):
+        return own_name(value)
+    if path[-1:] == ("contact",) or path[-2:-1] == ("contacts",):
+        return {"law": own_name(value)}
     raise InputError(
         f"{clipped(repr(value))} is no value of a case; give text with a unit, an SI number, a list or a table"
     )
@@ -67,7 +75,7 @@ def lift_table(law: Lift) -> dict[str, Any]:
     through these stations and gives the derivatives.
     """
     if isinstance(law, Mapping):
-        return dict(as_table(law))
+        return {str(key): as_table(item, ("lift_law", str(key))) for key, item in law.items()}
     if callable(law):
         angles, lifts = _stations(law)
     else:
@@ -142,12 +150,12 @@ def _edge(lift: Callable[[float], float], closed: float, opened: float) -> float
 
 
 def one_run(
-    case: Parameters, engine_speed: Any, model: str, spring_set: str = "", **options: Any
+    case: Parameters, engine_speed: Any, model: Any, spring_set: str = "", **options: Any
 ) -> Solution:
     """The only run of a request. Raises :class:`InputError` where there are several."""
     from valvetrain.runs.api import simulate
 
-    found = simulate(case, engine_speed, spring_models=model, spring_sets=spring_set, **options)
+    found = simulate(case, engine_speed, spring_models=model, spring_set=spring_set, **options)
     if len(found.solutions) != 1:
         runs = ", ".join(found.labels)
         raise InputError(
@@ -155,7 +163,11 @@ def one_run(
             "compare or sweep",
             case.name,
         )
-    return found.solutions[0]
+    run = found.solutions[0]
+    if options.get("outputs"):  # those that belong to no run are read from it as well
+        still = {key: one for values in found.still.values() for key, one in values.items()}
+        run = run.with_found(run.events, {**still, **run.quantities})
+    return run
 
 
 class Spring:
@@ -200,13 +212,14 @@ class Spring:
 
         return static_curve(self.parameters, largest_compression, **options)
 
-    def frequencies(self, model: str = "finite-element", count: int = 12) -> np.ndarray:
+    def frequencies(self, model: Any = "finite-element", count: int = 12) -> np.ndarray:
         """Axial natural frequencies (Hz) as installed, both ends fixed, by a spring ``model``."""
         from valvetrain.runs.statics import axial_frequencies
         from valvetrain.springs.finite_element import FiniteElementRod
+        from valvetrain.springs.own_spring import model_name
         from valvetrain.springs.spec import spring_model
 
-        spec = spring_model(model, "model")
+        spec = spring_model(model_name(model, "model"), "model")
         if reason := spec.why_not(self.parameters):
             raise InputError(reason, "model")
         built = spec.build(self.parameters, None)
@@ -215,7 +228,7 @@ class Spring:
         return axial_frequencies(built, count)
 
     def run(
-        self, engine_speed: Any, lift_law: Lift, model: str = "finite-element", **options: Any
+        self, engine_speed: Any, lift_law: Lift, model: Any = "finite-element", **options: Any
     ) -> Solution:
         """The spring under a lift of its retainer, by one spring ``model``; ``lift_law`` and options as
         for :class:`valvetrain.Case` and its ``run``.

@@ -29,7 +29,7 @@ def build_lift_law(parameters: LiftLawParameters | None) -> LiftLaw:
     --------
     >>> import numpy as np
     >>> import valvetrain as vt
-    >>> law = vt.build_lift_law(vt.load_case("job-t").lift_law)
+    >>> law = vt.cam.build_lift_law(vt.load_case("job-t").lift_law)
     >>> round(1e3 * float(law.lift(np.linspace(0, 2 * np.pi, 721)).max()), 2)
     10.0
     """

@@ -28,7 +28,7 @@ class LiftLaw(Protocol):
     there and takes the value of the piece above.
 
     >>> import valvetrain as vt
-    >>> law = vt.build_lift_law(vt.load_case("job-t").lift_law)
+    >>> law = vt.cam.build_lift_law(vt.load_case("job-t").lift_law)
     >>> isinstance(law, LiftLaw), law.continuity
     (True, 3)
     """

@@ -149,7 +149,7 @@ def _computed(
     from valvetrain.runs.api import simulate
     from valvetrain.system.build import build
 
-    problem = build(case, spring_models=models, spring_sets=sets)
+    problem = build(case, spring_models=models, spring_set=sets)
     known = speeds or (max(problem.engine_speeds),) if speeds or problem.engine_speeds else ()
     if not known or not problem.moves:
         sentence = f"case '{case.name}' names no engine speed or has no lift law, so nothing moves; give --engine-speed"
@@ -160,7 +160,7 @@ def _computed(
             case,
             known,
             spring_models=models or (first.model.word,),
-            spring_sets=sets or ((first.spring_set,) if first.spring_set else ()),
+            spring_set=sets or ((first.spring_set,) if first.spring_set else ()),
             workers=1,
         )
 

@@ -319,11 +319,11 @@ def _show_published(console: Console, study: Study, whole: bool) -> None:
         console.print(f"\n{published_summary(study.comparisons)}")
     more = [
         f"{len(found)} {noun}{'s' if len(found) > 1 else ''}"
-        for found, noun in ((study.findings, "finding"), (study.notes, "note"))
+        for found, noun in ((study.findings, "finding"), (study.all_notes, "note"))
         if found
     ]
     if not study.comparisons and not study.findings:
-        for note in study.notes:
+        for note in study.all_notes:
             console.print(f"\nnote: {note}")
         return
     if not whole:
@@ -340,7 +340,7 @@ def _show_published(console: Console, study: Study, whole: bool) -> None:
             f"\n{item.place}: {item.statement}\n  computed: {item.computed}\n  verdict:  {item.verdict}",
             soft_wrap=True,
         )
-    for note in study.notes:
+    for note in study.all_notes:
         console.print(f"\n{note}", soft_wrap=True)
 
 

@@ -58,7 +58,8 @@ def case_facts(case: Case) -> list[tuple[str, str]]:
             )
         )
     if case.springs:
-        facts.append(("cam revolutions", f"{case.operation.cycles}, the last one reported"))
+        cycles = case.operation.cycles or "until the motion repeats"
+        facts.append(("cam revolutions", f"{cycles}, the last one reported"))
     if case.points:
         facts.append(
             (

@@ -153,7 +153,7 @@ def put_together(case: Case, models: tuple[str, ...], implausible: bool = False)
     if refused and (models or len(refused) == len(problem.members)):
         raise InputError(next(iter(refused.values())), "--spring" if models else "")
     sets = tuple(case.train.springs) if case.train is not None else ()
-    for member in build(case, spring_models=models, spring_sets=sets).members if sets else ():
+    for member in build(case, spring_models=models, spring_set=sets).members if sets else ():
         if not member.refusal and not member.model.needs_rest:
             member.system(built=problem.built)
     return problem

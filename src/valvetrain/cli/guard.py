@@ -7,6 +7,7 @@ from __future__ import annotations
 import contextlib
 import os
 import sys
+import warnings
 from collections.abc import Sequence
 from typing import Any
 
@@ -22,16 +23,40 @@ from valvetrain.cli.outcome import (
     set_manner,
     unread,
 )
-from valvetrain.errors import InputError, MissingExtraError, RunFailedError
+from valvetrain.errors import InputError, MissingExtraError, RunFailedError, UnusualValueWarning
 from valvetrain.runs.stopping import exit_code, listening, noted
 from valvetrain.solution.partial_failures import TRACEBACK_VARIABLE
 
 WRONG_INPUT, FAILED, INTERRUPTED = 2, 1, 130
 INTERRUPTED_SENTENCE = "interrupted: nothing more is written; start the command again to repeat it"
 #: Arguments of functions, which errors name, -> options of commands.
-OPTION_OF = {"spring_models": "--spring", "spring_sets": "--spring-set", "workers": "--workers"}
+OPTION_OF = {
+    "spring_models": "--spring", "spring_set": "--spring-set", "workers": "--workers", "engine_speeds": "--engine-speed",
+    "tolerance": "--tolerance", "reference": "--reference", "resolution": "--resolution", "float_lift": "--float-lift",
+    "bounce_height": "--bounce-height", "first_engine_speed": "--from", "duration": "--duration", "draws": "--draws",
+    "output": "--output", "dask": "--dask",
+}  # fmt: skip
 #: The sentence on what an interrupted command saved, once it is printed.
 _reported: list[str] = []
+
+
+def warning_line(
+    message: Warning | str,
+    category: type[Warning],
+    filename: str,
+    lineno: int,
+    line: str | None = None,
+) -> str:
+    """An unusual value as a sentence, each once; others as Python shows them."""
+    if issubclass(category, UnusualValueWarning):
+        text = "" if str(message) in _warned else f"warning: {message}\n"
+        _warned.add(str(message))
+        return text
+    return _shown_by_python(message, category, filename, lineno, line)
+
+
+_shown_by_python = warnings.formatwarning
+_warned: set[str] = set()
 
 
 class GuardedGroup(TyperGroup):
@@ -52,6 +77,7 @@ class GuardedGroup(TyperGroup):
         standalone).
         """
         mend_streams()
+        warnings.formatwarning = warning_line
         set_manner(sys.argv[1:] if args is None else list(args))
         _reported.clear()
         with listening(), giving_back():

@@ -153,7 +153,7 @@ def compute_modes(
             progress=report,
         )
         trains = (
-            train_modes(case, spring_models, spring_sets=spring_sets)
+            train_modes(case, spring_models, spring_set=spring_sets)
             if case.train is not None and compression is None
             else ()
         )

@@ -5,6 +5,7 @@ on.
 from __future__ import annotations
 
 import os
+import re
 import tomllib
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager
@@ -206,16 +207,17 @@ PublishedOption = Annotated[
 
 def read_engine_speeds(text: str | None, where: str = "--engine-speed") -> tuple[float, ...] | None:
     """Crank speeds (rad/s) from ``'4200, 5600 rpm'`` or a range with both ends, ``'1000:9000:500
-    rpm'``; None for None.
+    rpm'``, numbers alone in rpm; None for None.
 
-    Raises :class:`InputError` for a missing or wrong unit, speeds that are not positive and ranges
+    Raises :class:`InputError` for a wrong unit, speeds that are not positive and ranges
     that lead nowhere.
     """
     if text is None:
         return None
     from valvetrain.units import si_speeds
 
-    return si_speeds(text, "engine_speed", where)
+    bare = bool(text.strip()) and not re.search(r"[^\d.,:;+\-eE\s]", text)
+    return si_speeds(f"{text} rpm" if bare else text, "engine_speed", where)
 
 
 def read_length(text: str | None, where: str) -> float | None:

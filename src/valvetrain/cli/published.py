@@ -18,9 +18,9 @@ if TYPE_CHECKING:
     from rich.console import Console
     from rich.table import Table
 
-    from valvetrain.runs.error_bars import Uncertainty
     from valvetrain.solution.comparison import Comparison
     from valvetrain.solution.study import Study
+    from valvetrain.solution.uncertainty import Uncertainty
 
 
 ROLES = {

@@ -55,6 +55,7 @@ def run(request: StudyRequest) -> None:
             created_at=request.created_at.isoformat(),
             limits=request.limits,
             implausible=request.implausible,
+            error_bars=True,
         ),
     )
 
@@ -129,6 +130,7 @@ def sweep(
             critical=None if no_critical_speeds else critical,
             limits=request.limits,
             implausible=request.implausible,
+            error_bars=True,
         ),
     )
 
@@ -236,6 +238,7 @@ def compare(
             created_at=request.created_at.isoformat(),
             limits=request.limits,
             implausible=request.implausible,
+            error_bars=True,
         ),
     )
 

@@ -167,11 +167,13 @@ _ENTRIES: list[Any] = []
 @dataclass(frozen=True, slots=True)
 class CoilContactSpec:
     """``law``: dataclass of the law, whose fields are the values of its own. ``table``: its table in
-    a case file, a :class:`CoilContactModel` with these keys.
+    a case file, a :class:`CoilContactModel` with these keys. ``build``: makes a law that is more
+    than its values from the contact of a spring.
     """
 
     law: type[Any]
     table: type[CoilContactModel] = CoilContactModel
+    build: Callable[[CoilContact], CoilContactLaw] | None = None
 
 
 LINEAR_SPEC = CoilContactSpec(LinearCoilContact)
@@ -190,5 +192,7 @@ def law_of(contact: CoilContact) -> CoilContactLaw:
             raise InputError(
                 f"law '{contact.law}' of contact between coils has no value '{key}'; it takes {', '.join(own) or 'none'}"
             )
+    if spec.build is not None:
+        return spec.build(contact)
     law: CoilContactLaw = spec.law(**contact.values)
     return law

@@ -115,7 +115,7 @@ def compare_test(
             channel=channel,
             engine_speed=engine_speed,
             spring_models=read_models(spring),
-            spring_sets=read_names(spring_set),
+            spring_set=read_names(spring_set),
             sensor=gauge,
             fitted=fitted,
             shared=shared,

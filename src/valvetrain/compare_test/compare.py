@@ -48,7 +48,7 @@ from valvetrain.solution.result import Solution
 from valvetrain.solution.study import Study
 from valvetrain.system.build import build
 from valvetrain.system.problem import Problem
-from valvetrain.units import Given, si
+from valvetrain.units import Given, renamed, si
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,7 +62,7 @@ class ModelAgainstTest:
     >>> import valvetrain as vt
     >>> angle = np.linspace(0.0, 2 * np.pi, 180, endpoint=False)
     >>> level = MeasuredCycles("valve_lift", "m", angle, np.full((1, 180), 1e-3), cam_speed=150.0)
-    >>> found = vt.compare_with_test("job-t", level, spring_models=["massless"])
+    >>> found = vt.compare_test.compare_with_test("job-t", level, spring_models=["massless"])
     >>> found.verdict
     'One cycle shows no scatter, so there is no F-test; give two or more repeats.'
     """
@@ -120,6 +120,7 @@ class ModelAgainstTest:
         return table(repr(self), ("model", "F", "p"), rows)
 
 
+@renamed(spring_sets="spring_set")
 def compare_with_test(
     case: AnyCase,
     test: AnyTest,
@@ -127,8 +128,8 @@ def compare_with_test(
     quantity: str = "",
     channel: int = 0,
     engine_speed: Given | None = None,
-    spring_models: Sequence[str] = (),
-    spring_sets: Sequence[str] = (),
+    spring_models: Sequence[str] | str = (),
+    spring_set: Sequence[str] | str = (),
     sensor: Sensor | None = None,
     fitted: int = 0,
     shared: str | Sequence[str] = (),
@@ -150,8 +151,9 @@ def compare_with_test(
         that quantity
     engine_speed : speed of the crank where the test does not state it, "4200 rpm", rad/s or a pint
         quantity
-    spring_models : names of spring models, compared side by side; the case's own by default
-    spring_sets : names of spring sets of a train
+    spring_models : a name of a spring model, or several, compared side by side; the case's own by
+        default
+    spring_set : name of a spring set of a train, or several
     sensor : gauge of the test, through which the model is seen before it is compared
     fitted : parameters of the model that were found from this test
     shared : standard deviations of errors that all cycles share, "2 N, 0.5 %, 0.1 deg": of the
@@ -176,7 +178,7 @@ def compare_with_test(
     >>> last = np.interp(angle + 2 * np.pi, forces.cam_angle, forces.channel("seat_force"))
     >>> drawn = last + np.random.default_rng(1).normal(0.0, 5.0, (8, 360))
     >>> cycles = MeasuredCycles("spring_force", "N", angle, drawn, cam_speed=157.07963267948966, synthetic=True)
-    >>> vt.compare_with_test("job-t", cycles, spring_models=["multi-mass"]).best.adequacy.adequate
+    >>> vt.compare_test.compare_with_test("job-t", cycles, spring_models=["multi-mass"]).best.adequacy.adequate
     True
     """
     chosen = case_of(case)
@@ -187,7 +189,7 @@ def compare_with_test(
         chosen,
         tuple(f"{speed!r} rad/s" for speed in request.engine_speeds),
         spring_models=spring_models,
-        spring_sets=spring_sets,
+        spring_set=spring_set,
         workers=workers,
         progress=progress,
         limit=limit,
@@ -196,7 +198,7 @@ def compare_with_test(
     return _answer(
         study,
         request,
-        active_wire(build(chosen, spring_models=spring_models, spring_sets=spring_sets)),
+        active_wire(build(chosen, spring_models=spring_models, spring_set=spring_set)),
     )
 
 
@@ -212,7 +214,25 @@ def compare_study_with_test(
     """As :func:`compare_with_test`, with runs that are there already: those of ``study``, which
     were made from ``case``.
 
-    Raises :class:`InputError` likewise, and where no run is at the speed of the test.
+    Parameters
+    ----------
+    study : runs of the case, one of them at the speed of the test
+    case, test, quantity, channel, engine_speed : as for :func:`compare_with_test`
+
+    Raises
+    ------
+    InputError : as :func:`compare_with_test`, and where no run is at the speed of the test
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import valvetrain as vt
+    >>> study = vt.simulate("job-t", "3000 rpm", spring_models="multi-mass")
+    >>> angle = np.linspace(0.0, 2 * np.pi, 360, endpoint=False)
+    >>> force = 430.0 + np.random.default_rng(1).normal(0.0, 5.0, (8, 360))
+    >>> cycles = vt.measured.MeasuredCycles("spring_force", "N", angle, force, cam_speed=157.07963267948966)
+    >>> vt.compare_test.compare_study_with_test(study, "job-t", cycles).best.adequacy.adequate
+    False
     """
     chosen = case_of(case)
     request = _read_request(chosen, test, quantity, channel, engine_speed, None, 0, (), LEVEL)
@@ -232,7 +252,7 @@ def compare_study_with_test(
             [*dict.fromkeys(word for run in near if (word := getattr(run, name)))]
             for name in ("model", "spring_set")
         )
-        problem = build(chosen, spring_models=models, spring_sets=sets)
+        problem = build(chosen, spring_models=models, spring_set=sets)
     return _answer(replace(study, solutions=near), request, active_wire(problem))
 
 

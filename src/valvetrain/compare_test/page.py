@@ -58,7 +58,26 @@ MAX_DRAWN = 4
 
 
 def compare_test_page(found: ModelAgainstTest) -> Page:
-    """The whole page. Raises :class:`InputError` where no run completed."""
+    """The whole page of a comparison.
+
+    Parameters
+    ----------
+    found : result of :func:`compare_with_test`
+
+    Raises
+    ------
+    InputError : no run completed
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import valvetrain as vt
+    >>> angle = np.linspace(0.0, 2 * np.pi, 90, endpoint=False)
+    >>> cycles = vt.measured.MeasuredCycles("spring_force", "N", angle, np.full((1, 90), 430.0), cam_speed=209.44)
+    >>> found = vt.compare_test.compare_with_test("job-t", cycles, spring_models="massless")
+    >>> [section.title for section in vt.compare_test.compare_test_page(found).sections][0]
+    'Verdict'
+    """
     cycles = isinstance(found.test, MeasuredCycles)
     blocks: list[Block] = [text(SYNTHETIC, "alert")] if found.test.synthetic else []
     blocks += [text(one, "note") for one in verdict_sentences(found)]

@@ -1,1 +1,5 @@
 """Contact laws: penetration and its rate to force, tangent and dissipated power."""
+
+from valvetrain.lazy import public_names
+
+__getattr__, __dir__, __all__ = public_names(__name__, __file__)

@@ -28,7 +28,7 @@ class ContactLaw(Protocol):
     the restitution laws and ignored by all others.
 
     >>> import valvetrain as vt
-    >>> law = vt.build_contact_law("linear", contact_stiffness="60 kN/mm")
+    >>> law = vt.contact.build_contact_law("linear", contact_stiffness="60 kN/mm")
     >>> isinstance(law, ContactLaw), law.states
     (True, 0)
     """

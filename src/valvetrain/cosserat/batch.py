@@ -90,9 +90,9 @@ def simulate_batch(
     --------
     >>> import numpy as np
     >>> import valvetrain as vt
-    >>> rods = [vt.FiniteElementRod(vt.cylindrical(wire, "22 mm", "7 mm", 4), "2 mm", 12) for wire in ("3.8 mm", "3.9 mm")]
+    >>> rods = [vt.springs.FiniteElementRod(vt.parameters.cylindrical(wire, "22 mm", "7 mm", 4), "2 mm", 12) for wire in ("3.8 mm", "3.9 mm")]
     >>> meshes, starts = [rod.mesh for rod in rods], [rod.installed.state for rod in rods]
-    >>> batch = vt.simulate_batch(meshes, starts, lambda time: np.full_like(time, 2e-3), "20 us", 5, rods[0].dynamics)
+    >>> batch = vt.cosserat.simulate_batch(meshes, starts, lambda time: np.full_like(time, 2e-3), "20 us", 5, rods[0].dynamics)
     >>> batch.seat_force.shape, batch.completed.tolist()
     ((2, 6), [True, True])
     """

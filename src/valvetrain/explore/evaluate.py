@@ -11,11 +11,12 @@ from valvetrain.cam.build import build_lift_law
 from valvetrain.cam.cached import RememberedLift
 from valvetrain.errors import InputError
 from valvetrain.explore.case_paths import vary
-from valvetrain.explore.outputs import Outcome, PointRequest
+from valvetrain.explore.outputs import Outcome
 from valvetrain.explore.space import ENGINE_SPEED, Varied
 from valvetrain.parameters.case import Case
 from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.parameters.lift_law import LiftLawParameters
+from valvetrain.quantities.request import PointRequest
 from valvetrain.quantities.statics import (
     buckling_quantities,
     design_quantities,
@@ -95,7 +96,7 @@ def evaluate_case(case: Case, point: Point) -> Outcome:
     models, sets = (
         tuple(word for word in (text,) if word) for text in (point.spring_model, point.spring_set)
     )
-    problem = build(case, spring_models=models, spring_sets=sets)
+    problem = build(case, spring_models=models, spring_set=sets)
     if problem.kind != TRAIN and case.lift_law is not None:
         problem = _with_remembered_lift(problem, case.lift_law)
     member, engine_speed, request = problem.members[0], point.speed, point.request

@@ -96,7 +96,7 @@ class DaskExecutor:
             self._left.close()
             raise InputError(
                 f"no Dask scheduler answers at '{where[:80]}' ({type(error).__name__}); check the address",
-                "--dask",
+                "dask",
             ) from error
         self._client: Any = self._left.enter_context(client)
         self._sent: tuple[Any, Any] | None = None

@@ -39,7 +39,7 @@ class Experiment(Evaluation):
     depend on none of them.
 
     >>> import valvetrain as vt
-    >>> space = vt.Space({"spring.precompression": vt.Prior("uniform", 6e-3, 8e-3)})
+    >>> space = vt.Space({"spring.precompression": vt.explore.Prior("uniform", 6e-3, 8e-3)})
     >>> outputs = vt.Outputs(["peak_spring_force"], engine_speeds="4000 rpm", spring_models=["massless"])
     >>> found = vt.Experiment("job-c", space, outputs).run([[6e-3], [8e-3]], workers=1)
     >>> found.peak_spring_force.dims, found.status.values.ravel().tolist()

@@ -245,7 +245,7 @@ class Identified:
     it was cut short.
 
     >>> import valvetrain as vt
-    >>> found = vt.identify({"rate": vt.Prior("uniform", 20e3, 60e3)}, [vt.Datum("force", 280.0, 2.0)],
+    >>> found = vt.identify({"rate": vt.explore.Prior("uniform", 20e3, 60e3)}, [vt.explore.Datum("force", 280.0, 2.0)],
     ...                     lambda points: [{"force": 7e-3 * rate} for (rate,) in points])
     >>> found
     Identified by least-squares: 1 branch

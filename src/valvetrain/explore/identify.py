@@ -92,8 +92,8 @@ def identify(
     >>> import valvetrain as vt
     >>> def surge(points):
     ...     return [{"load": 7e-3 * rate, "surge": 0.5 * (rate / mass) ** 0.5} for rate, mass in points]
-    >>> priors = {"rate": vt.Prior("uniform", 20e3, 60e3), "mass": vt.Prior("normal", centre=0.05, spread=0.01)}
-    >>> found = vt.identify(priors, [vt.Datum("load", 280.0, 2.0), vt.Datum("surge", 447.0, 3.0)], surge)
+    >>> priors = {"rate": vt.explore.Prior("uniform", 20e3, 60e3), "mass": vt.explore.Prior("normal", centre=0.05, spread=0.01)}
+    >>> found = vt.identify(priors, [vt.explore.Datum("load", 280.0, 2.0), vt.explore.Datum("surge", 447.0, 3.0)], surge)
     >>> print(f"{found.best['rate']:.0f} N/m, {1e3 * found.best['mass']:.1f} g")
     40000 N/m, 50.0 g
     """

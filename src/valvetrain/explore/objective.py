@@ -27,9 +27,10 @@ from valvetrain.explore.optimum_file import (
     OptimumText,
     SearchModel,
 )
-from valvetrain.explore.outputs import Outputs, Run, is_at_rest, limit_search, share_of_case
+from valvetrain.explore.outputs import Outputs, Run, limit_search, share_of_case
 from valvetrain.explore.space import ENGINE_SPEED, Space
 from valvetrain.parameters.case import Case
+from valvetrain.quantities.request import is_at_rest
 from valvetrain.registry import find
 from valvetrain.solution.definition import definition_of, is_defined, no_quantity
 from valvetrain.units import parse_quantity, si_speeds

@@ -16,11 +16,11 @@ from valvetrain.errors import InputError, RunFailedError
 from valvetrain.explore.case_paths import vary
 from valvetrain.explore.evaluate import MODES, Point, evaluate_case
 from valvetrain.explore.measurements import Station, Target
-from valvetrain.explore.outputs import PointRequest
 from valvetrain.explore.posterior import Outcome
 from valvetrain.explore.space import Varied
 from valvetrain.parameters.case import Case
 from valvetrain.parameters.installed_spring import InstalledSpring
+from valvetrain.quantities.request import PointRequest
 from valvetrain.runs.prepared import FAILURES
 from valvetrain.runs.run import run_study
 from valvetrain.runs.statics import axial_frequencies, force_of
@@ -160,7 +160,7 @@ def numbers_at(case: Case, station: Station, targets: Sequence[Target]) -> Outco
         found |= {one.key: outcome.values.get(one.name, np.nan) for one in quantities}
     forces = [one for one in here if one.kind in ("force", "load")]
     if forces:
-        problem = build(case, spring_sets=tuple(filter(None, (station.spring_set,))))
+        problem = build(case, spring_set=tuple(filter(None, (station.spring_set,))))
         found |= {one.key: _force(problem, station, one) for one in forces}
     return found
 
@@ -179,7 +179,7 @@ def _quick(case: Case, station: Station, quantities: Sequence[Target]) -> dict[s
     all its numbers take.
     """
     spring = _spring(
-        problem := build(case, spring_sets=tuple(filter(None, (station.spring_set,)))), ""
+        problem := build(case, spring_set=tuple(filter(None, (station.spring_set,)))), ""
     )
     if reason := spring_model(station.spring_model).why_not(spring):
         raise InputError(reason, "spring_model")
@@ -228,7 +228,7 @@ def _in_run(run: Solution, one: Target) -> float:
             event.cam_angle % (2 * np.pi) for event in run.events if event.kind == one.name
         )
         return angles[round(one.at) - 1] if len(angles) >= one.at else np.nan
-    angle = np.asarray(run.channels["cam_angle"].values, dtype=float)
+    angle = run.cam_angle
     last = angle >= angle[-1] - 2 * np.pi
     turned, values = angle[last] % (2 * np.pi), np.asarray(run.channel(one.name), dtype=float)[last]
     if values.ndim != 1:

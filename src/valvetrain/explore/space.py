@@ -420,7 +420,7 @@ class Space(Sequence[Varied]):
 
     >>> import valvetrain as vt
     >>> space = vt.Space(
-    ...     {"rate": vt.Prior("uniform", 20e3, 60e3), "mass": vt.Prior("normal", centre=0.05, spread=0.01)}
+    ...     {"rate": vt.explore.Prior("uniform", 20e3, 60e3), "mass": vt.explore.Prior("normal", centre=0.05, spread=0.01)}
     ... )
     >>> space.names, space.points([[0.5, 0.5]]).tolist()
     (('rate', 'mass'), [[40000.0, 0.05]])

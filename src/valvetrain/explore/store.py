@@ -146,7 +146,7 @@ class Store:
 
     def _open(self, folder: Path, identity: str) -> None:
         path = folder / FILE
-        check_target(path, "--output")
+        check_target(path, "output")
         folder.mkdir(parents=True, exist_ok=True)
         remove_abandoned(folder)
         self._handle = os.open(path, os.O_RDWR | os.O_CREAT | os.O_APPEND, 0o666)

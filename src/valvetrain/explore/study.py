@@ -415,7 +415,7 @@ def read_plan(text: StudyText) -> StudyPlan:
                 model.outputs,
                 engine_speeds=None if speeds is None else si_speeds(speeds),
                 spring_models=model.spring_models,
-                spring_sets=model.spring_sets,
+                spring_set=model.spring_sets,
                 rest_model=model.rest_model,
             ),
         ),

@@ -177,7 +177,7 @@ def _run(case: Case, engine_speed: float, spring_model: str) -> Solution:
             if all(one.wire is not None for one in springs)
         ]
         models, sets = (("finite-element",), tuple(wires[:1])) if wires else (("multi-mass",), ())
-    run = simulate(case, [engine_speed], spring_models=models, spring_sets=sets).solutions[0]
+    run = simulate(case, [engine_speed], spring_models=models, spring_set=sets).solutions[0]
     if not run.status.completed:
         raise InputError(
             f"case '{case.name}' did not run at the speed of the film: {run.status.message}",

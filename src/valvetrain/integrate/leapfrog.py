@@ -5,7 +5,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,16 +12,14 @@ from numpy.typing import NDArray
 from valvetrain.integrate.clash import RECORDED, PairSeries, find_clashes, steps_between
 from valvetrain.integrate.contract import Cycles, Periodic, RunOptions, RunUp, Until
 from valvetrain.integrate.leapfrog_kernel import advance
-from valvetrain.solution.channels import FINE, spring_channels
+from valvetrain.solution.channels import FINE, ChannelArrays, spring_channels
+from valvetrain.solution.later import Later
 from valvetrain.solution.provenance import Provenance
 from valvetrain.solution.result import Solution
 from valvetrain.solution.status import COMPLETED, Event, Status
 from valvetrain.springs.contract import SpringModel, contact_watch_of
 from valvetrain.system.contract import System
 from valvetrain.system.prescribed import PrescribedSpring
-
-if TYPE_CHECKING:
-    from valvetrain.solution.channels import ChannelArrays
 
 Array = NDArray[np.float64]
 TURN = 2 * np.pi
@@ -163,7 +160,14 @@ class Leapfrog:
                 record_parts[-1][2][: whole // sub + 1],
             )
         channels = run_channels(
-            system, model, cam_speed, acceleration, record_parts, sub, options.keep == "all"
+            system,
+            model,
+            cam_speed,
+            acceleration,
+            record_parts,
+            sub,
+            options.keep == "all",
+            later=options.later,
         )
         events: tuple[Event, ...] = ()
         if impacts and watch is not None:
@@ -235,11 +239,13 @@ def run_channels(
     sub: int,
     whole: bool,
     half_behind: bool = True,
+    later: bool = False,
 ) -> ChannelArrays:
     """Channels over the recorded revolutions: end forces at every sample and step, inner motion where states
     were recorded, energies.
 
-    ``half_behind``: velocities of the states stand half a step before their places.
+    ``half_behind``: velocities of the states stand half a step before their places; ``later``:
+    inner motion and energies when one of them is read.
     """
     cuts = [
         slice(None) if n == len(record_parts) - 1 else slice(None, -1)
@@ -264,36 +270,40 @@ def run_channels(
     for name, series in (("retainer_force_fine", forces[:, 0]), ("seat_force_fine", forces[:, 1])):
         padded = np.concatenate([series, np.repeat(series[-1:], sub - 1)])
         values[name] = padded[: len(at) * sub].reshape(len(at), sub)
+    if not len(states):
+        return spring_channels(at, angle, values, extra=FINE)
+    step = float(time[1] - time[0]) if half_behind and len(time) > 1 else 0.0
+    every = Later(_with_inner, model, states, (at, angle, values), step, whole)
+    if not later:
+        return every.value
+    return ChannelArrays.later(spring_channels(at, angle, values, extra=FINE), every)
+
+
+def _with_inner(
+    model: SpringModel,
+    states: Array,
+    ends: tuple[Array, Array, dict[str, Array]],
+    step: float,
+    whole: bool,
+) -> ChannelArrays:
+    """The channels at the ``ends`` (time, cam angle, values by name) with those inside the spring."""
+    at, angle, values = ends[0], ends[1], dict(ends[2])
+    motion = list(zip(states, values["valve_lift"], values["retainer_velocity"], strict=True))
+    shown = [model.outputs(state, x, v) for state, x, v in motion]
     coil, pairs = None, None
-    if len(states):
-        step = float(time[1] - time[0]) if half_behind and len(time) > 1 else 0.0
-        shown = [
-            model.outputs(state, x, v) for state, x, v in zip(states, lift, velocity, strict=True)
-        ]
-        energy = (
-            np.zeros((0, 4))
-            if not whole
-            else np.array(
-                [
-                    tuple(model.energy(state, x, v, step))
-                    for state, x, v in zip(states, lift, velocity, strict=True)
-                ]
-            )
-        )
-        for column, name in enumerate(
-            ()
-            if not whole
-            else ("kinetic_energy", "elastic_energy", "contact_energy", "energy_dissipated")
-        ):
-            values[name] = energy[:, column]
-        if whole and shown[0].coil_number.size:
-            coil = shown[0].coil_number
-            values["axial_displacement"] = np.array([one.axial_displacement for one in shown])
-            values["axial_velocity"] = np.array([one.axial_velocity for one in shown])
-        if shown[0].upper_coil.size:
-            pairs = shown[0].upper_coil
-            values["coil_gap"] = np.array([one.coil_gap for one in shown])
-            values["coil_contact_force"] = np.array([one.coil_contact_force for one in shown])
+    if whole:
+        energy = np.array([tuple(model.energy(state, x, v, step)) for state, x, v in motion])
+        names = ("kinetic_energy", "elastic_energy", "contact_energy", "energy_dissipated")
+        if not np.isnan(energy[0]).any():  # a model without energies
+            values |= {name: energy[:, column] for column, name in enumerate(names)}
+    if whole and shown[0].coil_number.size:
+        coil = shown[0].coil_number
+        values["axial_displacement"] = np.array([one.axial_displacement for one in shown])
+        values["axial_velocity"] = np.array([one.axial_velocity for one in shown])
+    if shown[0].upper_coil.size:
+        pairs = shown[0].upper_coil
+        values["coil_gap"] = np.array([one.coil_gap for one in shown])
+        values["coil_contact_force"] = np.array([one.coil_contact_force for one in shown])
     return spring_channels(at, angle, values, coil_number=coil, upper_coil=pairs, extra=FINE)
 
 

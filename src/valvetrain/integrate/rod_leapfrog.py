@@ -15,15 +15,28 @@ from valvetrain.solution.channels import SPRING_CHANNELS, Variable
 from valvetrain.solution.provenance import Provenance
 from valvetrain.solution.result import Solution
 from valvetrain.solution.status import COMPLETED, Event, Status
+from valvetrain.springs.equivalent import EquivalentSpring
 from valvetrain.springs.finite_element import FiniteElementRod
 from valvetrain.springs.finite_element_channels import end_channels, rod_channels
 from valvetrain.system.contract import System
 from valvetrain.system.prescribed import PrescribedSpring
 
 TURN = 2 * np.pi
-#: Samples per cam revolution, and revolutions of a run that shall be periodic (the rod settles within a
-#: few; its state is too large to accelerate).
-SAMPLES, PERIODIC_CYCLES = 720, 4
+#: Samples per cam revolution; bounds of the revolutions of a run that shall be periodic, and what is
+#: left of the start's first surge mode after them.
+SAMPLES, PERIODIC_CYCLES, REST_OF_START = 720, (2, 8), 0.01
+
+
+def settling_revolutions(rod: FiniteElementRod, cam_speed: float) -> int:
+    """Cam revolutions after which the first surge mode has forgotten its start, by its damping; at a
+    ``cam_speed`` in rad/s. The state of a rod is too large to search its periodic motion.
+    """
+    frequency = EquivalentSpring.from_definition(rod.definition, rod.precompression).surge_frequency
+    decay = 0.5 * (
+        rod.dynamics.mass_damping + rod.dynamics.stiffness_damping * (TURN * frequency) ** 2
+    )
+    revolutions = -np.log(REST_OF_START) / max(decay, 1e-9) * cam_speed / TURN
+    return int(np.clip(np.ceil(revolutions), *PERIODIC_CYCLES))
 
 
 @dataclass(frozen=True)
@@ -57,11 +70,13 @@ class RodLeapfrog:
         assert isinstance(rod, FiniteElementRod)
         model: FiniteElementRod = rod
         upper_coil, pair_of = rod.coil_pairs
-        samples, cycles = options.samples or SAMPLES, PERIODIC_CYCLES
+        samples = options.samples or SAMPLES
         if isinstance(until, Cycles):
             cycles = until.count
         elif isinstance(until, Periodic) and until.cycles:
             cycles = until.cycles
+        else:
+            cycles = settling_revolutions(rod, cam_speed)
 
         def turn(step: float | None) -> RodTransient:
             return simulate(

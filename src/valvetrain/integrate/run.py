@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from valvetrain.errors import InputError
-from valvetrain.integrate.contract import Integrator, Periodic, RunOptions, Until
+from valvetrain.integrate.contract import Cycles, Integrator, Periodic, RunOptions, Until
 from valvetrain.registry import find
 from valvetrain.registry import names as registered_names
 from valvetrain.solution.provenance import Provenance
@@ -38,7 +38,16 @@ def run(
     _check(cam_speed)
     origin = provenance or _origin(system, cam_speed)
     if isinstance(system, PrescribedSpring) and len(system.springs) > 1:
-        parts = tuple(run(member, cam_speed, until, options, origin) for member in system.members())
+        members = system.members()
+        parts = tuple(run(member, cam_speed, until, options, origin) for member in members)
+        if isinstance(until, Periodic):  # of springs that settle at different times, the latest
+            longest = max(round(cam_speed * part.time[-1] / (2 * np.pi)) for part in parts)
+            parts = tuple(
+                part
+                if cam_speed * part.time[-1] > 2 * np.pi * (longest - 0.5)
+                else run(member, cam_speed, Cycles(longest), options, origin)
+                for part, member in zip(parts, members, strict=True)
+            )
         return joined(parts, system.spring_names, origin)
     return integrator_for(system, until, options.integrator).run(
         system, cam_speed, until, options, origin
@@ -118,7 +127,8 @@ def joined(parts: tuple[Solution, ...], names: tuple[str, ...], provenance: Prov
     """
     import xarray
 
-    first = parts[0].channels
+    labelled = [part.arrays.stored for part in parts]
+    first = labelled[0]
     count = min(len(part.time) for part in parts)
     if any(
         not np.allclose(part.time[:count], parts[0].time[:count], rtol=1e-9, atol=1e-12)
@@ -129,23 +139,23 @@ def joined(parts: tuple[Solution, ...], names: tuple[str, ...], provenance: Prov
         )
     data = {name: first[name][:count] for name in SHARED if name in first}
     for name in ADDED:
-        if all(name in part.channels for part in parts):
+        if all(name in one for one in labelled):
             total = first[name][:count].copy()
-            total.values = np.sum([part.channels[name].values[:count] for part in parts], axis=0)
+            total.values = np.sum([one[name].values[:count] for one in labelled], axis=0)
             data[name] = total
     coords = {name: first[name][:count] for name in ("time", "cam_angle")}
-    for part, spring in zip(parts, names, strict=True):
+    for one, spring in zip(labelled, names, strict=True):
         renamed: dict[str, str] = {
             dim: f"{spring}_{dim}"
             for dim in ("wire_point", "coil_pair", "mode", "subsample")
-            if dim in part.channels.dims
+            if dim in one.dims
         }
         renamed |= {
             str(name): f"{spring}_{name}"
-            for name in part.channels.coords
+            for name in one.coords
             if name not in ("time", "cam_angle")
         }
-        own = part.channels.isel(sample=slice(0, count)).rename(renamed)
+        own = one.isel(sample=slice(0, count)).rename(renamed)
         data |= {
             f"{spring}_{name}": own[name].drop_vars(["time", "cam_angle"])
             for name in own.data_vars

@@ -15,6 +15,10 @@ from numpy.typing import NDArray
 
 PROBE_CYCLES = 4
 """Plain cycles that test whether an orbit found by acceleration attracts."""
+BEYOND = 2.0
+"""How far an extrapolation may leave the range of the states seen, in scales of its unknown or in
+widths of that range.
+"""
 
 Array = NDArray[np.float64]
 CycleMap = Callable[[Array], Array]
@@ -55,7 +59,8 @@ def repeat_cycles(
     cycles: int = 60,
     longest_period: int = 8,
 ) -> SteadyState:
-    """Repeat until a cycle changes the state by less than ``tolerance`` (the classical method).
+    """Repeat until a cycle changes the state by less than ``tolerance`` (the classical method), or
+    until its image is not finite: the ``state`` is then the one that this cycle started from.
 
     When ``cycles`` are spent, the last states are compared over 2, 3, ... ``longest_period`` cycles
     (tolerance times ten, since the approach to a sub-harmonic is no faster than to a settled
@@ -68,7 +73,7 @@ def repeat_cycles(
         if residuals[-1] <= tolerance:
             return SteadyState(states[-1], tuple(residuals), 1, len(residuals), "repeat", tolerance)
         if not np.all(np.isfinite(states[-1])):
-            break
+            return SteadyState(states[-2], tuple(residuals), 0, len(residuals), "repeat", tolerance)
     return SteadyState(
         states[-1],
         tuple(residuals),
@@ -93,8 +98,9 @@ def accelerate(
     SIAM J. Numer. Anal. 49 (2011)).
 
     ``settle`` plain cycles first; then each new start is the combination of the last ``memory``
-    cycles with the least residual. A step that raises the residual tenfold clears the memory. An
-    orbit is accepted when plain cycles from a small disturbance come back to it, for acceleration
+    cycles with the least residual. A step that raises the residual tenfold clears the memory; one
+    that would leave the states seen by far (:data:`BEYOND`), or whose image is not finite, gives
+    way to the plain cycle. An orbit is accepted when plain cycles from a small disturbance come back to it, for acceleration
     finds unstable orbits too, which no train shows. Falls back to plain cycles, and looks for a
     sub-harmonic, when half of ``cycles`` are spent or the orbit found repels.
     """
@@ -102,19 +108,25 @@ def accelerate(
     inputs: list[Array] = []
     changes: list[Array] = []
     best, allowance = np.inf, max(cycles // 2, settle + 2)
+    plain, low, high = x, x, x
     for count in range(allowance):
         image = cycle(x)
         change = image - x
         residuals.append(residual_norm(change, weights))
         if residuals[-1] <= tolerance:
-            attracts, x = _attracts(cycle, image, weights, tolerance)
+            attracts, ended = _attracts(cycle, image, weights, tolerance)
+            x = ended if np.all(np.isfinite(ended)) else image
             if attracts:
                 return SteadyState(
                     image, tuple(residuals), 1, len(residuals) + PROBE_CYCLES, "anderson", tolerance
                 )
             break
-        if not np.isfinite(residuals[-1]):
-            break
+        if not np.all(np.isfinite(image)):
+            if x is plain:
+                break
+            inputs, changes, x = [], [], plain
+            continue
+        plain, low, high = image, np.minimum(low, image), np.maximum(high, image)
         if count < settle:
             x = image
             continue
@@ -124,6 +136,8 @@ def accelerate(
         best = min(best, residuals[-1])
         inputs, changes = [*inputs, x][-memory:], [*changes, change][-memory:]
         x = _mixed(inputs, changes, weights)
+        if _far(x, low, high, weights):
+            inputs, changes, x = [], [], image
     rest = repeat_cycles(
         cycle,
         x,
@@ -154,6 +168,12 @@ def _attracts(
         sizes[-1] > sizes[-2] > sizes[-3]
     )  # what decays fast hides what grows slowly in the first cycles
     return bool((sizes[-1] < sizes[0] and not grows) or sizes[-1] <= tolerance), x
+
+
+def _far(state: Array, low: Array, high: Array, weights: Array) -> bool:
+    """Whether a state lies beyond the range ``low`` to ``high`` by more than :data:`BEYOND`."""
+    outside = np.maximum(np.maximum(low - state, state - high), 0.0) * weights
+    return bool(np.any(outside > BEYOND * np.maximum((high - low) * weights, 1.0)))
 
 
 def _mixed(inputs: list[Array], changes: list[Array], weights: Array) -> Array:

@@ -290,12 +290,13 @@ PREFIX = "cycle_scatter_"
 class Scatter:
     """Over :data:`COMPARED` cycles: ``valve`` (m), largest spread of the valve lift at one cam
     angle; ``peak_valve_lift`` (m), the largest; ``numbers``: largest less least value of each
-    number (SI) by the name of its quantity.
+    number (SI) by the name of its quantity; ``on_cam``: whether the cam touches in one of them.
     """
 
     valve: float
     peak_valve_lift: float
     numbers: dict[str, float]
+    on_cam: bool = True
 
     @property
     def repeats(self) -> bool:
@@ -350,17 +351,21 @@ def scatter_of(runner: TrainRunner, start: TrainState) -> tuple[Scatter, TrainSt
         runner, options=replace(runner.options, record_springs=False, record_contacts=False)
     )
     valve = runner.system.mechanism.index(runner.system.mechanism.valve)
-    lifts, numbers, state, first = [], [], start, start
+    lifts, numbers, state, first, on_cam = [], [], start, start, False
     for _ in range(COMPARED):
         first = state
         end, record = bare.cycle(state, judged=False)
         state = replace(end, cam_angle=0.0)
         lifts.append(record.q[:, valve])
         numbers.append(cycle_numbers(runner.system, record))
+        on_cam = on_cam or record.touches(runner.system, "cam")
     spread = float(np.max(np.ptp(np.array(lifts), axis=0)))
     names = [name for name in numbers[0] if all(name in one for one in numbers)]
     return Scatter(
-        spread, float(np.max(lifts)), {name: _range(one[name] for one in numbers) for name in names}
+        spread,
+        float(np.max(lifts)),
+        {name: _range(one[name] for one in numbers) for name in names},
+        on_cam,
     ), first
 
 

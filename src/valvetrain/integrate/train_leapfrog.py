@@ -149,7 +149,7 @@ class TrainLeapfrog:
                 begun,
                 compared=not large,
             )
-            if found.record.status.completed or chosen.time_step is not None:
+            if found.record.status.code != "diverged" or chosen.time_step is not None:
                 break
             chosen = replace(chosen, step_fraction=chosen.step_fraction / 3)
         return found

@@ -47,6 +47,8 @@ SHORTEST_STEP = 2e-8
 """Step (s) below which contacts and bodies are refused: a mode beyond some 5 MHz is a slip of
 units, and a cycle would take minutes.
 """
+OFF_CAM = "run slower, or fit a spring that holds the train on its cam; the model has no stop for its parts"
+"""Remedy for a train that lost its cam for good."""
 
 
 IMPACT_STEPS = 16
@@ -158,6 +160,11 @@ class CycleRecord:
     loads: Array = field(default_factory=lambda: np.zeros((0, 4)))
     bodies: Array = field(default_factory=lambda: np.zeros((0, 5)))
 
+    def touches(self, system: TrainSystem, contact: str) -> bool:
+        """Whether a contact of the train closed in this cycle; True where it has none of the name."""
+        names = system.interaction_names
+        return contact not in names or bool(self.peak_forces[names.index(contact)] > 0)
+
 
 @dataclass(frozen=True)
 class TrainRunner:
@@ -206,6 +213,8 @@ class TrainRunner:
         status = self._status(
             done, state.cam_angle, extremes[:, PEAK_FORCE] if judged else np.zeros(0)
         )
+        if status.completed:
+            status = self.travel_status(np.vstack([written[:, :count], end.q]))
         record = CycleRecord(
             written[:, 3 * count],
             written[:, :count],
@@ -357,6 +366,29 @@ class TrainRunner:
                     self.steps * self.time_step,
                     "contact",
                     f"use a time step below {limit / 2:.1e} s",
+                )
+        return COMPLETED
+
+    def travel_status(self, q: Array) -> Status:
+        """Of positions (S, N) at the samples of a cycle: whether a body left the range in which its
+        geometry is defined.
+        """
+        mechanism, interval = (
+            self.system.mechanism,
+            self.time_step * self.steps / self.options.samples,
+        )
+        for name, (low, high) in mechanism.travel.items():
+            values = q[:, mechanism.index(name)]
+            outside = (values < low) | (values > high)
+            if np.any(outside):
+                worst = values[int(np.argmax(np.maximum(low - values, values - high)))]
+                return Status(
+                    "out-of-range",
+                    f"the {name} has turned to {np.degrees(worst):.1f} degrees from the closed valve, beyond its dead point "
+                    f"({np.degrees(low):.1f} to {np.degrees(high):.1f}), where it no longer carries the motion of cam and valve",
+                    int(np.argmax(outside)) * interval,
+                    name,
+                    OFF_CAM,
                 )
         return COMPLETED
 

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from valvetrain.integrate.steady import SteadyState, accelerate, repeat_cycles
 from valvetrain.integrate.train_channels import COMPARED, LONG_SEARCH, Scatter, scatter_of
-from valvetrain.integrate.train_run import CycleRecord, TrainRunner, TrainState
+from valvetrain.integrate.train_run import OFF_CAM, CycleRecord, TrainRunner, TrainState
 from valvetrain.solution.status import Status
 
 Array = NDArray[np.float64]
@@ -39,11 +39,19 @@ class SteadyTrain:
 
     @property
     def status(self) -> Status:
-        """Completed, also where parts that are loose rattle while the valve repeats; diverged; not
-        converged with the period found.
+        """Completed, also where parts that are loose rattle while the valve repeats; diverged; out
+        of range, also where nothing touches the cam any more; not converged with the period found.
         """
         if not self.record.status.completed:
             return self.record.status
+        if (lift := self._unread_lift) > 0:
+            return Status(
+                "out-of-range",
+                f"the cam touches nothing in a whole revolution, though its law opens the valve by {1e3 * lift:.4g} mm",
+                self.runner.steps * self.runner.time_step,
+                "cam",
+                OFF_CAM,
+            )
         if self.search.converged:
             return self.record.status
         spread = (
@@ -73,6 +81,17 @@ class SteadyTrain:
             f"set cycles in [train] above {cycles} (--set train.cycles=...), or lower the speed if the train floats or bounces there",
         )
 
+    @property
+    def _unread_lift(self) -> float:
+        """Lift (m) of the law where the cam touches nothing, neither in the last cycle nor, of
+        motion that does not settle, in those compared: such may fly for one; 0 where it touches.
+        """
+        system = self.runner.system
+        alone = self.search.converged or (self.scatter is not None and not self.scatter.on_cam)
+        if self.record.touches(system, "cam") or not alone or system.mechanism.kinematics is None:
+            return 0.0
+        return float(system.mechanism.kinematics.maximum_lift)
+
 
 def steady_train(
     runner: TrainRunner,
@@ -95,24 +114,24 @@ def steady_train(
         begun = time.perf_counter()
         end, status = runner.after(_unpack(vector, template[0], runner))
         times.append(time.perf_counter() - begun)
+        if not (status.completed and runner.travel_status(end.q[None]).completed):
+            return np.full_like(vector, np.nan)
         template[0] = replace(end, cam_angle=0.0)
-        return (
-            _pack(end, runner)
-            if status.completed or np.all(np.isfinite(end.q))
-            else np.full_like(vector, np.nan)
-        )
+        return _pack(end, runner)
 
     vector, weights = _pack(template[0], runner), _weights(template[0], runner)
     search = (accelerate if method == "anderson" else repeat_cycles)(
         cycle, vector, weights, tolerance, cycles
     )
-    # what is no part of the motion (histories, contact memories) is taken from the last cycle run
-    finite = bool(np.all(np.isfinite(search.state)))
-    first = (
-        _unpack(search.state, template[0], runner) if finite else (start or runner.initial_state())
-    )
+    if not np.isfinite(search.residuals[-1]) and method == "anderson":
+        # an extrapolation may have led there: only plain cycles show that the train itself does
+        template[0] = start or runner.initial_state()
+        search = repeat_cycles(cycle, vector, weights, tolerance, cycles)
+    # what is no part of the motion (histories, contact memories) is taken from the last cycle that
+    # was completed
+    first = _unpack(search.state, template[0], runner)
     scatter = None
-    if compared and finite and not search.converged:
+    if compared and np.isfinite(search.residuals[-1]) and not search.converged:
         scatter, first = scatter_of(runner, first)
     _, record = runner.cycle(first)
     return SteadyTrain(runner, search, first, record, float(np.median(times)), tolerance, scatter)

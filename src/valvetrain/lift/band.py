@@ -20,7 +20,7 @@ from valvetrain.runs.request_cost import RunRequest, request_cost
 from valvetrain.runs.workers import Progress, map_points, worker_count
 from valvetrain.solution.critical import KINDS
 from valvetrain.solution.study import Study
-from valvetrain.units import si_speeds
+from valvetrain.units import as_names, renamed, si_speeds
 
 #: Default number of draws: their standard deviation is known to 18 %.
 DRAWS = 16
@@ -75,14 +75,15 @@ class LiftBandStudy:
         return fits[0]
 
 
+@renamed(spring_sets="spring_set")
 def lift_band_study(
     case: AnyCase,
     engine_speeds: Speeds | None = None,
     *,
     draws: int = DRAWS,
     search: Speeds | None = None,
-    spring_models: Sequence[str] = (),
-    spring_sets: Sequence[str] = (),
+    spring_models: Sequence[str] | str = (),
+    spring_set: Sequence[str] | str = (),
     workers: int | None = None,
     progress: Progress | None = None,
     limit: str = "",
@@ -97,7 +98,7 @@ def lift_band_study(
     draws : number of laws drawn, 4 or more
     search : engine speeds between which a train's critical speeds are searched too, such as
         "3000:9000:500 rpm"
-    spring_models, spring_sets : as for :func:`valvetrain.simulate`
+    spring_models, spring_set : as for :func:`valvetrain.simulate`
     workers : draws at a time; results do not depend on it
     progress : called with the share done and what was done
     limit : largest estimated time and memory, such as "2 h, 8 GB"; 10 min and 2 GB by default
@@ -119,24 +120,22 @@ def lift_band_study(
     >>> values = {"cam_angles": tuple(angles), "lifts": tuple(stations), "noise": 3e-6, "band": 0.0, "draw": 0}
     >>> case = vt.load_case("job-t")
     >>> case = case.replace({"lift_law": type(case.lift_law)("measured", values)})
-    >>> found = lift_band_study(case, "2000 rpm", draws=4, spring_models=["massless"], workers=1)
+    >>> found = lift_band_study(case, "2000 rpm", draws=4, spring_models="massless", workers=1)
     >>> found.spread("peak_spring_force").draws
     4
     """
-    known = case_of(case)
+    known, models, sets = case_of(case), as_names(spring_models), as_names(spring_set)
     if known.lift_law is None or known.lift_law.kind != "measured":
         raise InputError(
             f"the lift of case '{known.name}' is not measured, so it has no band; give it a [lift_law] of kind 'measured'",
             "lift_law",
         )
     if not 4 <= draws <= MAX_DRAWS:
-        raise InputError(f"draws is a number from 4 to {MAX_DRAWS}; it is {draws}", "--draws")
+        raise InputError(f"draws is a number from 4 to {MAX_DRAWS}; it is {draws}", "draws")
     speeds, searched = (None if one is None else si_speeds(one) for one in (engine_speeds, search))
-    run_request = RunRequest(
-        "run", known, speeds, tuple(spring_models), tuple(spring_sets), worker_count(workers)
-    )
+    run_request = RunRequest("run", known, speeds, models, sets, worker_count(workers))
     refuse_cost(band_cost(run_request, draws, searched), limits_of(limit), "limit=", FEWER_LAWS)
-    shared = _Shared(known, engine_speeds, search, tuple(spring_models), tuple(spring_sets))
+    shared = _Shared(known, engine_speeds, search, models, sets)
 
     def tell(done: int, total: int) -> None:
         if progress is not None:
@@ -190,12 +189,12 @@ def _study_of(shared: _Shared, draw: int) -> Study:
     case = shared.case.replace({"lift_law": law.replace(draw=draw)}) if draw else shared.case
     models, sets = shared.spring_models, shared.spring_sets
     study = simulate(
-        case, shared.engine_speeds, spring_models=models, spring_sets=sets, workers=1, limit=WHOLE
+        case, shared.engine_speeds, spring_models=models, spring_set=sets, workers=1, limit=WHOLE
     )
     if shared.search is None:
         return study
     critical = sweep(
-        case, shared.search, spring_models=models, spring_sets=sets, workers=1, limit=WHOLE
+        case, shared.search, spring_models=models, spring_set=sets, workers=1, limit=WHOLE
     )
     keep = {
         label: {**study.still.get(label, {}), **_critical(critical, label)}

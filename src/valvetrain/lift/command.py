@@ -338,7 +338,7 @@ def _carried(request: _Request, lobe: LobeResult) -> LiftBandStudy | None:
             draws=request.draws,
             search=request.search,
             spring_models=request.spring_models,
-            spring_sets=request.spring_sets,
+            spring_set=request.spring_sets,
             workers=request.workers,
             progress=report,
             limit=request.limit,

@@ -62,7 +62,7 @@ def lift_figures(
     --------
     >>> import valvetrain as vt
     >>> angles = np.radians(np.arange(90.0, 271.0))
-    >>> lobe = vt.smooth_lift(angles, 9e-3 * np.clip(1 - ((angles - np.pi) / np.radians(60)) ** 2, 0, None) ** 3, noise=1e-7)
+    >>> lobe = vt.measured.smooth_lift(angles, 9e-3 * np.clip(1 - ((angles - np.pi) / np.radians(60)) ** 2, 0, None) ** 3, noise=1e-7)
     >>> {one.name: round(one.value * 1e3, 2) for one in lift_figures(lobe)}["peak_lift"]
     9.0
     """

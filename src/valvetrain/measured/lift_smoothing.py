@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from valvetrain.errors import InputError
+from valvetrain.units import si_array
 
 Array = NDArray[np.float64]
 DEGREE = 5
@@ -122,8 +123,8 @@ def smooth_lift(
 
     Parameters
     ----------
-    cam_angles, lifts : (stations,) cam rad, rising within one revolution, and m; the base circle on
-        both sides may be part of it
+    cam_angles, lifts : (stations,) cam rad, rising within one revolution, and m, or quantities with a
+        unit; the base circle on both sides may be part of it
     noise : standard deviation (m) of one station; None to find it
     band : (m) by which the mean may leave a station at most; None for no such bound
 
@@ -133,7 +134,7 @@ def smooth_lift(
 
     Raises
     ------
-    InputError : no lift above the base circle, an event cut off, too few stations, a noise that is
+    InputError : degrees or millimetres given as rad or m, no lift above the base circle, an event cut off, too few stations, a noise that is
         not positive
 
     Examples
@@ -144,7 +145,8 @@ def smooth_lift(
     >>> bool(2e-6 < smooth.noise < 4e-6)
     True
     """
-    angles, raw = np.asarray(cam_angles, dtype=float), np.asarray(lifts, dtype=float)
+    angles = si_array(cam_angles, "cam_angle", "cam_angles")
+    raw = si_array(lifts, "valve_lift", "lifts")
     for name, value in (("noise", noise), ("band", band)):
         if value is not None and not 0 < value < NOISE_BOUNDS[1]:
             raise InputError(

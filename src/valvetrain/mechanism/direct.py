@@ -36,7 +36,7 @@ def build_direct(
     else:
         reach = math.sqrt((cam.base_radius + follower.radius) ** 2 - follower.offset**2)
     origin = (ux * reach + sideways[0], uy * reach + sideways[1])
-    angle = sample_angles()
+    angle, jumps = sample_angles(law)
     lift = np.asarray(law.lift(angle, 0), dtype=float)
     centre = (origin[0] + ux * lift, origin[1] + uy * lift)
     contact, table = cam_contact(
@@ -49,6 +49,7 @@ def build_direct(
         np.zeros_like(angle),
         away + follower.tilt,
         cam.rotation,
+        jumps,
     )
     parts, links, valve, retainer = valve_parts(train, laws)
     weight = follower.mass * (train.gravity[0] * ux + train.gravity[1] * uy)

@@ -18,7 +18,7 @@ OPTIONS: dict[str, Any] = {"cache": True, "error_model": "numpy", "_nrt": False}
 @njit(forceinline=True, **OPTIONS)
 def table_value(tables, place_of_table, cam_angle):
     """Quintic Hermite value, first and second derivative of one of ``tables`` (m, nodes, 3) over
-    one turn, periodic.
+    one turn, periodic; with a jump of the second derivative inside a cell of (m, nodes, 5).
     """
     nodes, m = tables.shape[1], place_of_table
     spacing = 2.0 * math.pi / nodes
@@ -37,12 +37,24 @@ def table_value(tables, place_of_table, cam_angle):
     rise = tables[m, right, 0] - value - slope - 0.5 * bend
     slope_gap = tables[m, right, 1] * spacing - slope - bend
     bend_gap = tables[m, right, 2] * spacing * spacing - bend
+    jump, beyond = 0.0, 0.0
+    if tables.shape[2] > 3:
+        # what the jump adds up to the right node is left out of the quintic and added behind it
+        jump, rest = tables[m, left, 4] * spacing * spacing, 1.0 - tables[m, left, 3]
+        rise -= 0.5 * jump * rest * rest
+        slope_gap -= jump * rest
+        bend_gap -= jump
+        beyond = t - tables[m, left, 3]
     c3 = 10.0 * rise - 4.0 * slope_gap + 0.5 * bend_gap
     c4 = -15.0 * rise + 7.0 * slope_gap - bend_gap
     c5 = 6.0 * rise - 3.0 * slope_gap + 0.5 * bend_gap
     level = value + t * (slope + t * (0.5 * bend + t * (c3 + t * (c4 + t * c5))))
     first = slope + t * (bend + t * (3.0 * c3 + t * (4.0 * c4 + t * 5.0 * c5)))
     second = bend + t * (6.0 * c3 + t * (12.0 * c4 + t * 20.0 * c5))
+    if beyond > 0.0:
+        level += 0.5 * jump * beyond * beyond
+        first += jump * beyond
+        second += jump
     return level, first / spacing, second / (spacing * spacing)
 
 

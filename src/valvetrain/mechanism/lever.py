@@ -35,7 +35,7 @@ def build_lever(
     """
     lever = train.lever
     assert lever is not None
-    arm = drive_arm(train, lever)
+    arm, (px, py), flat = drive_arm(train, lever), lever.pivot, train.follower.shape == "flat"
     tip = tuple(lever.valve_arm * part for part in unit(lever.valve_angle))
     sign = opening_sign(train, tip)
     radial = (lever.pivot[0] + arm[0], lever.pivot[1] + arm[1])
@@ -49,7 +49,7 @@ def build_lever(
         law, "valve" if law_of == "valve" else "drive", ratio, lever.drive_arm, train.lash
     )
     check_lash(kinematics)
-    angle = sample_angles()
+    angle, jumps = sample_angles(law)
     turn = sign * kinematics.drive(angle)
     moved = rotate(arm, turn)
     centre = (lever.pivot[0] + moved[0], lever.pivot[1] + moved[1])
@@ -66,6 +66,7 @@ def build_lever(
         turn,
         face,
         train.cam.rotation,
+        jumps,
     )
     parts, links, valve, retainer = valve_parts(train, laws)
     tip_contact = valve_tip_contact(
@@ -79,6 +80,7 @@ def build_lever(
         valve,
         retainer,
         kinematics,
+        travel=lever_travel(train, bodies, [] if flat else [(math.atan2(py, px), arm)], tip, sign),
     )
 
 
@@ -130,6 +132,23 @@ def tip_ratio(
         np.argmax(np.diff(lift)[28:] <= 0) if np.any(np.diff(lift)[28:] <= 0) else len(drive) - 29
     )
     return RatioCurve(drive[: 29 + growing], lift[: 29 + growing])
+
+
+def lever_travel(
+    train: TrainParameters,
+    bodies: list[Coordinate],
+    driven: list[tuple[float, tuple[float, ...]]],
+    tip: tuple[float, ...],
+    sign: float,
+) -> dict[str, tuple[float, float]]:
+    """Angles (rad) of a lever's ``bodies`` between its dead points: where turning it still moves
+    the tip along the valve and every ``driven`` arm in its direction (rad).
+    """
+    low, high = -math.pi, math.pi
+    for direction, (x, y) in ((train.valve.opening_direction, tip), *driven):
+        dead = sign * (direction - math.atan2(y, x)) % (2 * math.pi)
+        low, high = max(low, dead - math.pi), min(high, dead)
+    return {body.name: (low, high) for body in bodies}
 
 
 def lever_bodies(

@@ -52,6 +52,8 @@ class _Scaled:
 
     def __init__(self, kinematics: RigidKinematics, scale: float) -> None:
         self.kinematics, self.scale = kinematics, scale
+        self.joints = getattr(kinematics.law, "joints", ())
+        self.continuity = getattr(kinematics.law, "continuity", 2)
 
     def lift(self, cam_angle: ArrayLike, derivative: int = 0) -> Array:
         """Drive travel (m) along the cam contact's normal at zero lift."""

@@ -203,7 +203,8 @@ class AssembledMechanism:
     ``tables``: name -> (nodes, 3) value and first two derivatives over the cam angle. ``retainer``:
     coordinate that carries the spring retainer, ``valve``: coordinate whose value is called valve
     lift. ``motion_ratio``: valve velocity over cam-side velocity near mid lift, for step and force
-    estimates. ``rigid``: callable of the rigid kinematics.
+    estimates. ``rigid``: callable of the rigid kinematics. ``travel``: lowest and highest value of
+    the coordinates (by name) whose geometry ends somewhere: a lever's dead points (rad).
     """
 
     name: str
@@ -214,6 +215,7 @@ class AssembledMechanism:
     retainer: str
     kinematics: Any = None
     notes: Mapping[str, str] = field(default_factory=dict)
+    travel: Mapping[str, tuple[float, float]] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         names = [coordinate.name for coordinate in self.coordinates]

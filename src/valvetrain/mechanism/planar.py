@@ -11,7 +11,14 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from valvetrain.contact.law import ContactLaw
-from valvetrain.mechanism.contour import NODES, check_flat, check_round, table_from_samples
+from valvetrain.mechanism.contour import (
+    NODES,
+    Lift,
+    check_flat,
+    check_round,
+    lift_jumps,
+    table_from_samples,
+)
 from valvetrain.mechanism.gap_kinds import ARC_RADIUS, CAM_FLAT, CAM_ROUND, LINEAR
 from valvetrain.mechanism.parts import Coordinate, ElasticLink, Interaction
 from valvetrain.parameters.train import CrankParameters, FollowerParameters, TrainParameters
@@ -52,35 +59,51 @@ def cam_contact(
     turn: Array,
     face_direction: float,
     rotation: int,
+    jumps: tuple[int, ...] = (),
 ) -> tuple[Interaction, Array]:
     """Cam contact and its contour table, ground so that the rigid follower passes through the given
     poses.
 
     ``centre``: path of the arc centre (or of a point of the flat face) over ``cam_angle``; ``turn``
     (rad): rotation of the body; ``face_direction``: polar angle of a flat face's normal at zero
-    lift. Raises :class:`InputError` for a cam with cusp or undercut.
+    lift; ``jumps``: indices of ``cam_angle`` at which the acceleration jumps. Raises
+    :class:`InputError` for a cam with cusp or undercut.
     """
     x, y = centre
     if follower.shape == "flat":
         direction = face_direction + turn
         height = x * np.cos(direction) + y * np.sin(direction)
         chi = cam_angle - rotation * (direction - face_direction)
-        table = table_from_samples(chi, height)
+        table = table_from_samples(chi, height, jumps=jumps)
         check_flat(table)
         row = [*base_row, face_direction, face_direction, float(rotation)]
         return Interaction("cam", CAM_FLAT, coordinates, tuple(row), law, "cam contour"), table
     polar = np.unwrap(np.arctan2(y, x))
     reference = float(polar[0])
-    table = table_from_samples(cam_angle - rotation * (polar - reference), np.hypot(x, y))
+    table = table_from_samples(
+        cam_angle - rotation * (polar - reference), np.hypot(x, y), jumps=jumps
+    )
     check_round(table, follower.radius)
     row = [*base_row, 0.0, reference, float(rotation), *[0.0] * (ARC_RADIUS - 11), follower.radius]
     return Interaction("cam", CAM_ROUND, coordinates, tuple(row), law, "cam contour"), table
 
 
-def sample_angles(per_node: int = 4) -> Array:
-    """Cam angles (rad) at which rigid poses are sampled for a contour."""
+def sample_angles(law: Lift, per_node: int = 4) -> tuple[Array, tuple[int, ...]]:
+    """Cam angles (rad) at which rigid poses are sampled for a contour, jumps of the law's second
+    derivative among them, and the indices of those.
+    """
     count = NODES * per_node
-    return np.arange(count) * 2 * np.pi / count
+    angle, step, (jumps, *_) = (
+        np.arange(count) * 2 * np.pi / count,
+        2 * np.pi / count,
+        lift_jumps(law),
+    )
+    if not len(jumps):
+        return angle, ()
+    jumps = np.sort(np.mod(jumps, 2 * np.pi))
+    off = np.mod(angle[:, None] - jumps + step / 2, 2 * np.pi) - step / 2
+    angle = np.sort(np.append(angle[np.all(np.abs(off) > step / 4, axis=1)], jumps))
+    return angle, tuple(np.searchsorted(angle, jumps).tolist())
 
 
 def valve_parts(

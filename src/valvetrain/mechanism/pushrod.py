@@ -13,7 +13,7 @@ from valvetrain.contact.law import ContactLaw
 from valvetrain.errors import InputError
 from valvetrain.mechanism.build import MechanismSpec
 from valvetrain.mechanism.gap_kinds import DISTANCE, LINEAR
-from valvetrain.mechanism.lever import lever_bodies, opening_sign, valve_tip_contact
+from valvetrain.mechanism.lever import lever_bodies, lever_travel, opening_sign, valve_tip_contact
 from valvetrain.mechanism.parts import AssembledMechanism, Coordinate, ElasticLink, Interaction
 from valvetrain.mechanism.planar import (
     cam_contact,
@@ -49,7 +49,7 @@ def build_pushrod(
         law, "valve" if law_of == "valve" else "drive", ratio, 1.0, train.lash
     )
     check_lash(kinematics)
-    angle = sample_angles()
+    angle, jumps = sample_angles(law)
     lift = kinematics.drive(angle)
     if follower.shape == "flat":
         reach = cam.base_radius / math.cos(follower.tilt) + follower.offset * math.tan(
@@ -70,11 +70,13 @@ def build_pushrod(
         np.zeros_like(angle),
         math.pi / 2 + follower.tilt,
         cam.rotation,
+        jumps,
     )
     support, support_links, direction, support_name = support_parts(train, lever.mass)
     bodies, bars, driven, driving = lever_bodies(train, lever)
     ball = (lever.pivot[0] + arm[0], lever.pivot[1] + arm[1])
     length = math.dist(ball, rod.lower_end)
+    along_rod = math.atan2(ball[1] - rod.lower_end[1], ball[0] - rod.lower_end[0])
     row = [
         *turning_row(lever.pivot, (arm[0], arm[1]), sign, direction),
         *rod.lower_end,
@@ -99,6 +101,7 @@ def build_pushrod(
         valve,
         retainer,
         kinematics,
+        travel=lever_travel(train, bodies, [(along_rod, arm)], tip, sign),
     )
 
 

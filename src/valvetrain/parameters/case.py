@@ -83,11 +83,12 @@ class Note:
 @dataclass(frozen=True, slots=True)
 class Operation:
     """What is run: ``engine_speeds`` (rad/s of the crank, twice the cam's), ``cycles`` (cam
-    revolutions, the last is reported) and ``output_step`` (cam rad) between stored values.
+    revolutions of a spring alone, the last is reported; None: until the motion repeats) and
+    ``output_step`` (cam rad) between stored values.
     """
 
     engine_speeds: tuple[float, ...] = ()
-    cycles: int = 2
+    cycles: int | None = None
     output_step: float = math.radians(0.5)
 
     def __post_init__(self) -> None:

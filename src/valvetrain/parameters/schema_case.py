@@ -183,8 +183,9 @@ class OperationModel(StrictModel):
 
     engine_speeds: AngularSpeeds | None = None
     cam_speeds: AngularSpeeds | None = None
-    cycles: int = Field(
-        default=_OPERATION.cycles, description="cam revolutions run; the last is reported"
+    cycles: int | None = Field(
+        default=None,
+        description="cam revolutions run, the last is reported: until the motion repeats, at most 40, with finite elements at most 8",
     )
     output_step: OutputStep = Field(
         default=_OPERATION.output_step, description="cam angle between stored values"
@@ -206,7 +207,7 @@ class OperationModel(StrictModel):
             raise problem("a speed must be positive; correct the list")
         for speed in speeds:
             guarded(si, f"{speed * 30 / math.pi:.12g} rpm", "engine_speed")
-        if not 1 <= self.cycles <= 10_000:
+        if self.cycles is not None and not 1 <= self.cycles <= 10_000:
             raise problem("cycles must be a whole number from 1 to 10000", ("cycles",))
         return Operation(speeds, self.cycles, self.output_step)
 

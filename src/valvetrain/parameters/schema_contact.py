@@ -12,6 +12,7 @@ from pydantic import Field, PlainValidator
 from valvetrain import registry
 from valvetrain.errors import InputError
 from valvetrain.parameters.changes import nearest
+from valvetrain.parameters.own_parts import carrying
 from valvetrain.parameters.schema_types import (
     Force,
     Length,
@@ -82,7 +83,10 @@ def _read_contact(raw: Any) -> ContactParameters:
     if not isinstance(raw, dict) or not isinstance(raw.get("law"), str):
         raise problem(f"a contact needs its law, such as law = 'impact', or the word '{STEEL}'")
     law = raw["law"]
-    if law not in registry.names("contacts"):
+    law = carrying(law)
+    if registry.OWN_NAME.fullmatch(law) and law not in registry.names("contacts"):
+        guarded(registry.find, "contacts", law, path=("law",))
+    elif law not in registry.names("contacts"):
         raise problem(
             f"contact law '{law[:40]}' is unknown; {nearest(law, registry.names('contacts'))}",
             ("law",),

@@ -20,6 +20,7 @@ from valvetrain.parameters.installed_spring import (
     InstalledSpring,
     Rubbing,
 )
+from valvetrain.parameters.own_parts import carrying
 from valvetrain.parameters.schema_spring import SpringCardModel, SpringModel
 from valvetrain.parameters.schema_types import (
     DampingRate,
@@ -96,6 +97,7 @@ class CoilContactModel(StrictModel):
     def build(self) -> CoilContact:
         """The contact; what the table of a law has beyond this one are the values of that law."""
         common = {name: getattr(self, name) for name in CoilContactModel.model_fields}
+        common["law"] = carrying(self.law)
         own = {name: value for name, value in self if name not in common}
         built: CoilContact = guarded(lambda: CoilContact(**common, values=own))
         return built

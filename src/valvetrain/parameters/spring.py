@@ -231,8 +231,8 @@ class SpringDefinition:
     :class:`InputError` with the reason for a spring that cannot exist.
 
     >>> import valvetrain as vt
-    >>> steel = vt.Material("steel", 206e9, 79.5e9, 7850.0)
-    >>> spring = vt.SpringDefinition(4e-3, 22e-3, 7e-3, 7.0, steel, vt.EndCoil("open"), vt.EndCoil("open"))
+    >>> steel = vt.parameters.Material("steel", 206e9, 79.5e9, 7850.0)
+    >>> spring = vt.parameters.SpringDefinition(4e-3, 22e-3, 7e-3, 7.0, steel, vt.parameters.EndCoil("open"), vt.parameters.EndCoil("open"))
     >>> round(spring.free_length * 1e3, 3)  # seven turns of 7 mm, and the wire
     53.0
     """

@@ -13,9 +13,12 @@ from valvetrain.errors import InputError
 from valvetrain.parameters.installed_spring import InstalledSpring, Rubbing
 from valvetrain.parameters.lift_law import FrozenMapping
 from valvetrain.registry import names as registered_names
+from valvetrain.units import keep_si, si_each, warn_unusual
 
 TrainModel = Literal["planar", "lumped", "single-mass"]
 FollowerShape = Literal["flat", "domed", "roller", "knife"]
+#: Least and largest value (SI) of what is common in engines, ships' among them, and its unit.
+_MASS, _LENGTH, _ARC = (1e-5, 20.0, "g"), (1e-4, 1.0, "mm"), (1e-4, 20.0, "mm")
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,7 +66,9 @@ class CamParameters:
     poisson_ratio: float = 0.3
 
     def __post_init__(self) -> None:
+        keep_si(self, "the cam", base_radius="length", width="length", youngs_modulus="pressure")
         _positive(self, "cam", "base_radius", "width", "youngs_modulus")
+        warn_unusual(self, "the cam", base_radius=_LENGTH, width=_LENGTH)
         if self.rotation not in (1, -1):
             raise InputError(f"rotation of the cam must be 1 or -1; it is {self.rotation}")
 
@@ -86,6 +91,9 @@ class FollowerParameters:
     friction: float = 0.0
 
     def __post_init__(self) -> None:
+        keep_si(
+            self, "the follower", radius="length", mass="moving_mass", offset="length", tilt="angle", damping="damping", friction="force"
+        )  # fmt: skip
         if self.shape not in ("flat", "domed", "roller", "knife"):
             raise InputError(
                 f"follower shape '{self.shape}' is unknown; use flat, domed, roller or knife"
@@ -99,6 +107,7 @@ class FollowerParameters:
         if not abs(self.tilt) < math.radians(30):
             raise InputError("the tilt of a flat follower must stay below 30 degrees")
         _not_negative(self, "follower", "mass", "damping", "friction")
+        warn_unusual(self, "the follower", radius=_ARC, mass=_MASS)
 
 
 @dataclass(frozen=True, slots=True)
@@ -129,10 +138,16 @@ class LeverParameters:
     tip_radius: float = 0.0
 
     def __post_init__(self) -> None:
+        keep_si(
+            self, "the lever", drive_arm="length", valve_arm="length", inertia="moment of inertia", valve_angle="angle", drive_angle="angle",
+            mass="moving_mass", stiffness="stiffness", damping="damping", holding_torque="moment", tip_radius="length",
+        )  # fmt: skip
+        object.__setattr__(self, "pivot", si_each(self.pivot, "length", "pivot of the lever"))
         _positive(self, "lever", "drive_arm", "valve_arm", "inertia")
         _not_negative(self, "lever", "mass", "damping", "holding_torque", "tip_radius")
         if self.stiffness is not None:
             _positive(self, "lever", "stiffness")
+        warn_unusual(self, "the lever", drive_arm=_LENGTH, valve_arm=_LENGTH, mass=_MASS)
 
 
 @dataclass(frozen=True, slots=True)
@@ -147,10 +162,14 @@ class PushrodParameters:
     damping: float = 0.0
 
     def __post_init__(self) -> None:
+        keep_si(self, "the pushrod", mass="moving_mass", stiffness="stiffness", damping="damping")
+        lower = si_each(self.lower_end, "length", "lower_end of the pushrod")
+        object.__setattr__(self, "lower_end", lower)
         _positive(self, "pushrod", "mass")
         _not_negative(self, "pushrod", "damping")
         if self.stiffness is not None:
             _positive(self, "pushrod", "stiffness")
+        warn_unusual(self, "the pushrod", mass=_MASS)
 
 
 @dataclass(frozen=True, slots=True)
@@ -165,6 +184,14 @@ class SupportParameters:
     direction: float = math.pi / 2
 
     def __post_init__(self) -> None:
+        keep_si(
+            self,
+            "the support",
+            stiffness="stiffness",
+            mass="moving_mass",
+            damping="damping",
+            direction="angle",
+        )
         _positive(self, "support", "stiffness", "mass")
         _not_negative(self, "support", "damping")
 
@@ -187,6 +214,10 @@ class ValveParameters:
     friction: float = 0.0
 
     def __post_init__(self) -> None:
+        keep_si(
+            self, "the valve", mass="moving_mass", opening_direction="angle", head_fraction="ratio", stem_stiffness="stiffness",
+            stem_damping="damping", damping="damping", friction="force",
+        )  # fmt: skip
         _positive(self, "valve", "mass")
         _not_negative(self, "valve", "stem_damping", "damping", "friction")
         if not 0 < self.head_fraction < 1:
@@ -195,6 +226,7 @@ class ValveParameters:
             )
         if self.stem_stiffness is not None:
             _positive(self, "valve", "stem_stiffness")
+        warn_unusual(self, "the valve", mass=_MASS)
 
 
 @dataclass(frozen=True, slots=True)
@@ -236,6 +268,10 @@ class CrankParameters:
     offset: float = 0.0
 
     def __post_init__(self) -> None:
+        keep_si(
+            self, "the crank", radius="length", rod_length="length", clearance="length", top_dead_centre="angle", valve_inclination="angle",
+            offset="length",
+        )  # fmt: skip
         _positive(self, "crank", "radius", "rod_length", "clearance")
         if self.rod_length <= self.radius + abs(self.offset):
             raise InputError(

@@ -1,0 +1,5 @@
+"""Numbers computed from the motion of a run."""
+
+from valvetrain.lazy import public_names
+
+__getattr__, __dir__, __all__ = public_names(__name__, __file__)

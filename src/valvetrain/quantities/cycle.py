@@ -11,12 +11,12 @@ from numpy.typing import NDArray
 from valvetrain.errors import InputError
 from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.quantities.kinematics import RigidTable
+from valvetrain.solution.cycle_view import angle_within, last_revolution
 from valvetrain.solution.result import Solution
 from valvetrain.solution.static import SpringAtRest
 from valvetrain.solution.study import LiftEvent
 
 Array = NDArray[np.float64]
-_TURN = 2 * np.pi
 
 
 @dataclass(frozen=True, eq=False)
@@ -95,18 +95,9 @@ def reported_cycle(solution: Solution) -> Cycle:
     angle = solution.cam_angle
     if len(angle) < 2:
         raise InputError("the run holds fewer than two samples, so it has no cycle; see its status")
-    step = float(np.median(np.diff(angle)))
-    first_turn = int(np.floor(angle[0] / _TURN + 1e-9))
-    last_turn = int(np.floor((angle[-1] + step) / _TURN + 1e-6)) - 1
-    starts_whole = angle[0] <= first_turn * _TURN + step / 2
-    whole = last_turn > first_turn or (last_turn == first_turn and starts_whole)
-    turn = last_turn if whole else int(np.floor(angle[-1] / _TURN + 1e-9))
-    first = int(np.searchsorted(angle, turn * _TURN - step * 1e-3))
-    last = int(np.searchsorted(angle, (turn + 1) * _TURN - step * 1e-3))
-    part = slice(first, last)
-    return Cycle(
-        solution, part, np.maximum(angle[part] - turn * _TURN, 0.0), solution.time[part], whole
-    )
+    part = last_revolution(angle)
+    within = angle_within(angle[part.samples], part.number)
+    return Cycle(solution, part.samples, within, solution.time[part.samples], part.whole)
 
 
 @dataclass(frozen=True, eq=False)

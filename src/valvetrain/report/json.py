@@ -24,7 +24,7 @@ from valvetrain.solution.status import Event, Status
 from valvetrain.solution.study import Study
 
 if TYPE_CHECKING:
-    from valvetrain.runs.error_bars import Uncertainty
+    from valvetrain.solution.uncertainty import Uncertainty
 
 #: Units of numbers whose names do not tell them; an event's details, options and statistics of a
 #: run, facts of a spring at rest.
@@ -164,7 +164,7 @@ def study_json(study: Study) -> dict[str, Any]:
     Examples
     --------
     >>> import valvetrain as vt
-    >>> found = vt.study_json(vt.simulate("job-t", "2000 rpm", spring_models=["massless"]))
+    >>> found = vt.report.study_json(vt.simulate("job-t", "2000 rpm", spring_models=["massless"]))
     >>> found["runs"][0]["quantities"]["peak_spring_force"]["unit"]
     'N'
     """
@@ -189,7 +189,7 @@ def study_json(study: Study) -> dict[str, Any]:
             for one in study.findings
         ],
         "uncertainties": [uncertainty_object(row) for row in fresh_uncertainty(study)],
-        "notes": list(study.notes),
+        "notes": list(study.all_notes),
         "cite": list(
             dict.fromkeys(
                 sum(

@@ -18,6 +18,7 @@ from valvetrain.report import theme
 from valvetrain.report.chart import Band, Chart, Layer, Line, Panel, thin
 from valvetrain.report.page import Block, Tabs
 from valvetrain.report.text import speed_text
+from valvetrain.solution.cycle_view import angle_within, first_revolution
 from valvetrain.solution.display import SHOWN_UNITS
 from valvetrain.solution.modes import ModalResult
 from valvetrain.solution.quantity import same_speed, unit_of
@@ -228,7 +229,7 @@ def plot_solution(solution: Solution) -> go.Figure:
             f"this {solution.label or 'unnamed'} run keeps no force channel to draw; run it whole, not reduced"
         )
     figure = _figure(str(solution).partition("\n")[0], rows=2 if solution.has("valve_lift") else 1)
-    cam_angle = np.degrees(solution.cam_angle)
+    cam_angle = _from_its_revolution(solution)
     for name in names:
         _line(figure, cam_angle, solution.channel(name), name.replace("_", " "))
     if solution.has("valve_lift"):
@@ -239,6 +240,12 @@ def plot_solution(solution: Solution) -> go.Figure:
         figure.update_xaxes(title_text="cam angle (deg)")
     figure.update_yaxes(title_text="force (N)", row=1, col=1)
     return figure
+
+
+def _from_its_revolution(solution: Solution) -> Array:
+    """Cam angle (deg) of every sample from the start of the revolution in which they begin."""
+    angle = solution.cam_angle
+    return np.degrees(angle_within(angle, first_revolution(angle)))
 
 
 def plot_study(study: Study) -> go.Figure:
@@ -255,7 +262,7 @@ def plot_study(study: Study) -> go.Figure:
     if len(study.engine_speeds) == 1 and any(run.has("seat_force") for run in study.solutions):
         figure = _figure(title)
         for run in (run for run in study.solutions if run.has("seat_force")):
-            _line(figure, np.degrees(run.cam_angle), run.channel("seat_force"), run.label)
+            _line(figure, _from_its_revolution(run), run.channel("seat_force"), run.label)
         figure.update_xaxes(title_text="cam angle (deg)")
         figure.update_yaxes(title_text="seat force (N)")
         return figure

@@ -78,7 +78,7 @@ def study_page(study: Study) -> Page:
     Examples
     --------
     >>> import valvetrain as vt
-    >>> page = vt.study_page(vt.simulate("job-t", "2000 rpm", spring_models=["massless"]))
+    >>> page = vt.report.study_page(vt.simulate("job-t", "2000 rpm", spring_models=["massless"]))
     >>> len(page.sections) > 3
     True
     """

@@ -55,7 +55,7 @@ def model_colour(model: str) -> str:
     """Colour of a spring model, its own; the same name always gives the same colour."""
     return (
         spring_model(model).colour
-        if model in registry.places("springs")
+        if registry.is_known("springs", model)
         else _SPARE[sum(map(ord, model)) % len(_SPARE)]
     )
 
@@ -64,7 +64,7 @@ def model_label(model: str) -> str:
     """A spring model's name as a reader knows it; any other label without its hyphens."""
     return (
         spring_model(model).label
-        if model in registry.places("springs")
+        if registry.is_known("springs", model)
         else model.replace("-", " ")
     )
 

@@ -67,7 +67,7 @@ class RigChannelCycles:
 
 @dataclass(frozen=True, eq=False)
 class RigResult:
-    """Cycles of a recording, as :func:`valvetrain.rig_cycles` returns them.
+    """Cycles of a recording, as :func:`valvetrain.rig.rig_cycles` returns them.
 
     Parameters
     ----------

@@ -5,6 +5,7 @@ their arguments.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 
@@ -13,9 +14,11 @@ from valvetrain.parameters.case import Case
 from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.parameters.loading import AnyCase, case_of
 from valvetrain.parameters.spring import SpringDefinition
+from valvetrain.registry import names as registered_names
 from valvetrain.runs.compare import compare_study
 from valvetrain.runs.cost import FEWER_AT_REST, Limits, limits_of, refuse_cost
 from valvetrain.runs.critical_speeds import read_options
+from valvetrain.runs.outputs import RequestedOutputs
 from valvetrain.runs.prepared import largest_lift
 from valvetrain.runs.request_cost import RunRequest, request_cost, spring_cost
 from valvetrain.runs.run import run_study, sweep_study
@@ -24,20 +27,26 @@ from valvetrain.runs.workers import Progress, worker_count
 from valvetrain.solution.critical import CriticalSpeeds
 from valvetrain.solution.static import StaticCurve
 from valvetrain.solution.study import Study
+from valvetrain.springs.own_spring import model_name, model_names
+from valvetrain.springs.spec import spring_model as spec_of_model
 from valvetrain.system.build import build
-from valvetrain.units import Given, si, si_speeds
+from valvetrain.units import Given, as_names, renamed, si, si_speeds
 
 #: Engine speeds: ``"4200, 5600 rpm"``, ``"1000:9000:100 rpm"``, one or several numbers (rad/s of
 #: the crank), pint quantities.
 Speeds = Given | Sequence[Given]
+#: A spring model or several, by name, class or instance (:func:`valvetrain.springs.own_spring.model_name`).
+Models = Any
 
 
+@renamed(spring_sets="spring_set")
 def simulate(
     case: AnyCase,
     engine_speeds: Speeds | None = None,
+    spring_models: Models = (),
     *,
-    spring_models: Sequence[str] | str = (),
-    spring_sets: Sequence[str] | str = (),
+    spring_set: Sequence[str] | str = (),
+    outputs: Sequence[str] | str = (),
     workers: int | None = None,
     progress: Progress | None = None,
     limit: str = "",
@@ -50,8 +59,12 @@ def simulate(
     case : Case, name of a library case, or path of a case file
     engine_speeds : speeds of the crank, "4200 rpm", rad/s or pint quantities; the case's own by
         default
-    spring_models : a name of a spring model, such as "multi-mass", or several; the case's own or the default ones by default
-    spring_sets : names of spring sets of a train
+    spring_models : a spring model, or several: its name, such as "multi-mass", its class, an instance, a function of
+        the compression or a class of one's own (docs/extend/own-parts-in-a-script.md); the case's own or the default ones by default
+    spring_set : name of a spring set of a train, or several
+    outputs : names of quantities (docs/quantities.md) and channels; only these are computed and in
+        the solutions. Without them all can be read; what belongs to the springs at rest and inside
+        springs under prescribed motion is computed when it is first read
     workers : runs at a time; results do not depend on it
     progress : called with the share done and a text
     limit : largest estimated time and memory, such as "2 h, 8 GB"; 10 min and 2 GB by default
@@ -64,7 +77,7 @@ def simulate(
     Raises
     ------
     InputError : one sentence on what cannot be built or run, is too large or implausible, and the
-        remedy
+        remedy; a name that no output has, with the nearest
 
     Examples
     --------
@@ -72,35 +85,44 @@ def simulate(
     >>> study = vt.simulate("job-t", "2000 rpm", spring_models=["massless"])
     >>> round(study.solution("massless").quantities["peak_spring_force"])
     522
+    >>> study = vt.simulate("job-t", "2000 rpm", spring_models="multi-mass", outputs="minimum_spring_force")
+    >>> dict(study.solutions[0].quantities)
+    {'minimum_spring_force': 210.29213953413347}
     """
-    spring_models, spring_sets = _names(spring_models), _names(spring_sets)
+    spring_models, sets = model_names(spring_models), as_names(spring_set)
+    case = case_of(case)
+    requested = RequestedOutputs.of(outputs, case.train is not None) if outputs else None
     limits = _checked(
         "run",
-        case := case_of(case),
+        case,
         speeds := _speeds(engine_speeds),
         spring_models,
-        spring_sets,
+        sets,
         workers,
         limit,
     )
-    return run_study(
+    study = run_study(
         case,
         engine_speeds=speeds,
         spring_models=spring_models,
-        spring_sets=spring_sets,
+        spring_sets=sets,
         workers=workers,
         progress=progress,
         limits=limits,
         implausible=implausible,
+        later=True,
+        ends_alone=requested is not None and requested.ends_alone,
     )
+    return study if requested is None else requested.of_study(study)
 
 
+@renamed(spring_sets="spring_set")
 def compare(
     case: AnyCase,
-    spring_models: Sequence[str] | str = (),
     engine_speeds: Speeds | None = None,
+    spring_models: Models = (),
     *,
-    spring_sets: Sequence[str] | str = (),
+    spring_set: Sequence[str] | str = (),
     workers: int | None = None,
     progress: Progress | None = None,
     limit: str = "",
@@ -110,8 +132,8 @@ def compare(
 
     Parameters
     ----------
-    spring_models : names of spring models; by default those that suit the case
-    case, engine_speeds, spring_sets, workers, progress, limit, implausible : as for
+    spring_models : as for :func:`simulate`; by default those that suit the case
+    case, engine_speeds, spring_set, workers, progress, limit, implausible : as for
         :func:`simulate`
 
     Returns
@@ -121,22 +143,22 @@ def compare(
 
     Raises
     ------
-    InputError : as :func:`simulate`; MissingExtraError for solid finite elements without their solver
+    InputError : as :func:`simulate`, and for models where speeds belong; MissingExtraError for solid finite elements without their solver
 
     Examples
     --------
     >>> import valvetrain as vt
-    >>> study = vt.compare("job-t", ["massless", "wave-rod"], "2000 rpm")
+    >>> study = vt.compare("job-t", "2000 rpm", ["massless", "wave-rod"])
     >>> [round(one.curve.force_at(7e-3)) for one in study.rest]
     [215, 215]
     """
-    spring_models, spring_sets = _names(spring_models), _names(spring_sets)
+    spring_models, sets = model_names(spring_models), as_names(spring_set)
     limits = _checked(
         "compare",
         case := case_of(case),
         speeds := _speeds(engine_speeds),
         spring_models,
-        spring_sets,
+        sets,
         workers,
         limit,
     )
@@ -144,7 +166,7 @@ def compare(
         case,
         engine_speeds=speeds,
         spring_models=spring_models,
-        spring_sets=spring_sets,
+        spring_sets=sets,
         workers=workers,
         progress=progress,
         limits=limits,
@@ -152,12 +174,14 @@ def compare(
     )
 
 
+@renamed(spring_sets="spring_set")
 def sweep(
     case: AnyCase,
     engine_speeds: Speeds = "1000:9000:100 rpm",
+    spring_models: Models = (),
     *,
-    spring_models: Sequence[str] | str = (),
-    spring_sets: Sequence[str] | str = (),
+    spring_set: Sequence[str] | str = (),
+    outputs: Sequence[str] | str = (),
     whole: bool = False,
     workers: int | None = None,
     progress: Progress | None = None,
@@ -173,14 +197,14 @@ def sweep(
 
     Parameters
     ----------
-    case, spring_models, spring_sets, workers, progress, limit, implausible : as for
+    case, spring_models, spring_set, outputs, workers, progress, limit, implausible : as for
         :func:`simulate`
     engine_speeds : speeds of the crank, "1000:9000:100 rpm" (first:last:step), rad/s or pint
         quantities
     whole : keep the channels of every solution (megabytes each); without it solutions hold their
         events and named quantities only
     critical_speeds : search a train's critical speeds between the lowest and the highest speed, as
-        :func:`critical_speeds` does
+        :func:`critical_speeds` does; with ``outputs`` only where one of them is among these
     resolution, float_lift, bounce_height : as for :func:`critical_speeds`
 
     Returns
@@ -200,41 +224,50 @@ def sweep(
     >>> len(speeds), round(force[0])
     (3, 522)
     """
-    spring_models, spring_sets = _names(spring_models), _names(spring_sets)
+    spring_models, sets = model_names(spring_models), as_names(spring_set)
     speeds = _speeds(engine_speeds)
     assert speeds is not None
+    case = case_of(case)
+    requested = RequestedOutputs.of(outputs, case.train is not None) if outputs else None
+    if requested is not None:
+        critical_speeds = critical_speeds and requested.searches
+        whole = whole or bool(requested.channels)
     critical = read_options(resolution, float_lift, bounce_height) if critical_speeds else None
     limits = _checked(
         "sweep",
-        case := case_of(case),
+        case,
         speeds,
         spring_models,
-        spring_sets,
+        sets,
         workers,
         limit,
         whole,
         critical is not None,
     )
-    return sweep_study(
+    study = sweep_study(
         case,
         speeds,
         spring_models=spring_models,
-        spring_sets=spring_sets,
+        spring_sets=sets,
         whole=whole,
         workers=workers,
         progress=progress,
         critical=critical,
         limits=limits,
         implausible=implausible,
+        later=requested is not None,
+        ends_alone=requested is not None and requested.ends_alone,
     )
+    return study if requested is None else requested.of_study(study)
 
 
+@renamed(spring_sets="spring_set")
 def critical_speeds(
     case: AnyCase,
     engine_speeds: Speeds = "1000:9000:100 rpm",
+    spring_models: Models = (),
     *,
-    spring_models: Sequence[str] | str = (),
-    spring_sets: Sequence[str] | str = (),
+    spring_set: Sequence[str] | str = (),
     resolution: Given = "10 rpm",
     float_lift: Given = "50 um",
     bounce_height: Given = "100 um",
@@ -248,7 +281,7 @@ def critical_speeds(
 
     Parameters
     ----------
-    case, spring_models, spring_sets, workers, progress, limit, implausible : as for
+    case, spring_models, spring_set, workers, progress, limit, implausible : as for
         :func:`simulate`
     engine_speeds : speeds of the crank at which the search begins; it continues between them where control may be lost
     resolution : width of a bracket, "10 rpm", rad/s or a pint quantity
@@ -268,7 +301,7 @@ def critical_speeds(
     Examples
     --------
     >>> import valvetrain as vt
-    >>> vt.critical_speeds("tdi-pushrod", "6800:7600:200 rpm", spring_models=["massless"], spring_sets=["stock"], resolution="50 rpm")
+    >>> vt.critical_speeds("tdi-pushrod", "6800:7600:200 rpm", spring_models="massless", spring_set="stock", resolution="50 rpm")
     critical engine speeds (rpm)
       massless, contact-loss: 7100–7150 (cam)
       massless, float: never up to 7600
@@ -278,7 +311,7 @@ def critical_speeds(
         case,
         engine_speeds,
         spring_models=spring_models,
-        spring_sets=spring_sets,
+        spring_set=spring_set,
         workers=workers,
         progress=progress,
         resolution=resolution,
@@ -298,7 +331,7 @@ def static_curve(
     spring: SpringDefinition | InstalledSpring | AnyCase,
     largest_compression: Given | None = None,
     *,
-    spring_model: str = "finite-element",
+    spring_model: Any = "finite-element",
     steps: int = STEPS,
     limit: str = "",
     implausible: bool = False,
@@ -312,7 +345,7 @@ def static_curve(
     largest_compression : end of the curve (m, "8 mm" or a pint quantity); by default a little
         beyond the largest lift of the case, or 80 %
         of the way to coil bind where there is no lift
-    spring_model : name of the spring model; one that knows the installed state only (a card) holds
+    spring_model : the spring model, as for :func:`simulate`; one that knows the installed state only (a card) holds
         from there on
     steps : even steps of the curve
     limit, implausible : as for :func:`simulate`
@@ -331,10 +364,11 @@ def static_curve(
     Examples
     --------
     >>> import valvetrain as vt
-    >>> curve = vt.static_curve(vt.cylindrical("3.8 mm", "22 mm", "7 mm", total_coils=7), "8 mm", spring_model="multi-mass")
+    >>> curve = vt.static_curve(vt.parameters.cylindrical("3.8 mm", "22 mm", "7 mm", total_coils=7), "8 mm", spring_model="multi-mass")
     >>> round(curve.force_at("4 mm")), round(curve.force_at("8 mm"))
     (149, 312)
     """
+    spring_model = model_name(spring_model, "spring_model")
     installed, lift = (
         InstalledSpring(wire=spring) if isinstance(spring, SpringDefinition) else spring,
         0.0,
@@ -347,6 +381,7 @@ def static_curve(
                 f"case '{problem.record.name}' holds {len(problem.springs)} springs ({names}); give one, such as case.springs[0]"
             )
         installed, lift = problem.springs[0], largest_lift(problem)
+    spec_of_model(spring_model, "spring_model")
     if not (isinstance(steps, (int, np.integer)) and steps >= 1):
         raise InputError(
             f"a static curve needs a whole number of steps, one or more; it is '{str(steps)[:40]}'",
@@ -378,10 +413,16 @@ def _checked(
     return limits
 
 
-def _names(given: Sequence[str] | str) -> tuple[str, ...]:
-    """Names, of which a single one may stand for itself."""
-    return (given,) if isinstance(given, str) and given else tuple(given)
-
-
 def _speeds(engine_speeds: Speeds | None) -> tuple[float, ...] | None:
-    return None if engine_speeds is None else si_speeds(engine_speeds)
+    if engine_speeds is None:
+        return None
+    given = (engine_speeds,) if isinstance(engine_speeds, str) else engine_speeds
+    texts = [one for one in given if isinstance(one, str)] if isinstance(given, Sequence) else []
+    models = set(",".join(texts).replace(" ", "").split(",")) & set(registered_names("springs"))
+    if models:
+        raise InputError(
+            f"'{min(models)}' is a spring model, and engine speeds come first: (case, engine_speeds, spring_models), such as "
+            "compare('job-t', '3000 rpm', ['massless', 'multi-mass'])",
+            "engine_speeds",
+        )
+    return si_speeds(engine_speeds)

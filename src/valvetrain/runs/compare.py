@@ -67,6 +67,7 @@ def compare_study(
     limits: Limits = Limits(),
     implausible: bool = False,
     finished: Finished | None = None,
+    error_bars: bool = False,
 ) -> Study:
     """The case by each of ``spring_models`` (:data:`SPRING_MODELS` or :data:`TRAIN_MODELS` by
     default): its runs, and every spring at rest by each model.
@@ -79,7 +80,7 @@ def compare_study(
         case.springs, case.train is not None
     )
     moving = tuple(word for word in chosen if not spring_model(word, "spring_models").no_motion)
-    problem = build(case, spring_models=moving or ("finite-element",), spring_sets=spring_sets)
+    problem = build(case, spring_models=moving or ("finite-element",), spring_set=spring_sets)
     if problem.kind == TRAIN and len(moving) < len(chosen):
         raise InputError(
             f"solid finite elements serve a spring alone, and case '{case.name}' is a train; leave solid out",
@@ -101,6 +102,7 @@ def compare_study(
         limits=limits,
         implausible=implausible,
         finished=finished,
+        error_bars=error_bars,
     )
     if problem.kind == TRAIN:
         return study

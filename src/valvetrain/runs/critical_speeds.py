@@ -286,9 +286,9 @@ def read_options(resolution: Given, float_lift: Given, bounce_height: Given) -> 
     Raises :class:`InputError` for another unit or what is not positive.
     """
     return CriticalOptions(
-        si(resolution, "engine_speed", "--resolution"),
-        si(float_lift, "length", "--float-lift"),
-        si(bounce_height, "length", "--bounce-height"),
+        si(resolution, "engine_speed", "resolution"),
+        si(float_lift, "length", "float_lift"),
+        si(bounce_height, "length", "bounce_height"),
     )
 
 

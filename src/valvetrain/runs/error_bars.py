@@ -14,6 +14,7 @@ from valvetrain.errors import InputError
 from valvetrain.runs.stopping import PointsStopped, Stopped
 from valvetrain.runs.workers import map_points
 from valvetrain.solution.provenance import CaseRecord
+from valvetrain.solution.uncertainty import MIN_ORDER, Range, Uncertainty
 
 #: Factors on the coil contact stiffness (7e9 to 5e10 Pa for 2e10) and damping time (0 to 2 us for 1
 #: us) of a spring.
@@ -21,42 +22,9 @@ STIFFNESS_FACTORS, DAMPING_FACTORS = (0.35, 2.5), (0.0, 2.0)
 #: Factors on contact stiffness and damping of a train: contacts of engine parts are known to a
 #: factor of two.
 CONTACT_FACTORS = (0.5, 2.0)
-Range = tuple[float, float]
 Numbers = Mapping[str, float]
 #: The variant with the mesh and step of the case.
 OWN = "mesh 1"
-
-
-@dataclass(frozen=True, slots=True)
-class Uncertainty:
-    """One headline number (SI) on the case's own mesh, at ``engine_speed`` (rad/s of the crank;
-    None: statics, modes).
-
-    ``numerical``: uncertainty from meshes and step. ``observed_order``: None where the series is
-    not monotonic. ``extrapolated``: Richardson value, or the finest one. ``step_part``:
-    contribution of the step. ``contact_stiffness``, ``contact_damping``: least and largest value
-    over the range of each constant. ``label``: variant of a train.
-    """
-
-    quantity: str
-    engine_speed: float | None
-    value: float
-    numerical: float
-    observed_order: float | None
-    extrapolated: float
-    step_part: float
-    contact_stiffness: Range
-    contact_damping: Range
-    label: str = ""
-
-    @property
-    def trusted_order(self) -> float | None:
-        """The observed order where it is trusted, else None."""
-        return (
-            None
-            if self.observed_order is None or self.observed_order < MIN_ORDER
-            else self.observed_order
-        )
 
 
 @dataclass(frozen=True)
@@ -89,9 +57,9 @@ def grouped(rows: Iterable[Uncertainty]) -> dict[tuple[float | None, str], list[
 
 #: Safety factors of a series with a trusted order and of one without.
 TRUSTED, DOUBTFUL = 1.25, 3.0
-#: Order of the rod and its integrator, taken where a series seems to converge faster; least order
-#: that is trusted; bound of the search.
-DECLARED_ORDER, MIN_ORDER, MAX_ORDER = 2.0, 0.5, 20.0
+#: Order of the rod and its integrator, taken where a series seems to converge faster; bound of
+#: the search.
+DECLARED_ORDER, MAX_ORDER = 2.0, 20.0
 
 
 @dataclass(frozen=True, slots=True)

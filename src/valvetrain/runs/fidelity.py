@@ -28,10 +28,11 @@ from valvetrain.runs.workers import Progress, worker_count
 from valvetrain.solution.fidelity import FidelityMap, FidelityRow
 from valvetrain.solution.study import Study
 from valvetrain.springs.modal_uniform import oscillating_modes
+from valvetrain.springs.own_spring import model_names
 from valvetrain.springs.spec import spring_model
 from valvetrain.system.build import build
 from valvetrain.system.problem import Member, Problem
-from valvetrain.units import Given, si_speeds
+from valvetrain.units import Given, as_names, si_speeds
 
 MODES_WORD = "modal-uniform"
 #: Elements, masses or modes of the second run of a model over those of its first.
@@ -58,9 +59,9 @@ NOTHING = 1e-9
 def fidelity(
     case: AnyCase,
     engine_speeds: Given | Sequence[Given] = "1000:9000:500 rpm",
+    spring_models: Sequence[str] | str = (),
     *,
-    spring_models: Sequence[str] = (),
-    spring_set: str = "",
+    spring_set: Sequence[str] | str = "",
     reference: str = "",
     tolerance: float = TOLERANCE,
     workers: int | None = None,
@@ -76,7 +77,7 @@ def fidelity(
     case, workers, progress, limit, implausible : as for :func:`simulate`
     engine_speeds : speeds of the crank, "1000:9000:500 rpm" (first:last:step), rad/s or pint
         quantities
-    spring_models : models that are judged; all that can run by default
+    spring_models : a model that is judged, or several; all that can run by default
     spring_set : spring set of a train, its own by default
     reference : the model they are judged by; finite elements where the wire is known, else the
         equivalent rod, or 80 modes where the damping of the springs has a share by stiffness
@@ -100,14 +101,17 @@ def fidelity(
     """
     chosen, speeds, limits = case_of(case), si_speeds(engine_speeds), limits_of(limit)
     refuse_tolerance(tolerance)
-    models = fidelity_models(chosen, spring_models, spring_set, reference)
-    cost = fidelity_cost(chosen, speeds, models, spring_set, worker_count(workers))
+    if len(sets := as_names(spring_set)) > 1:
+        raise InputError("models are compared on one spring set; name one of them", "spring_set")
+    own = "".join(sets)
+    models = fidelity_models(chosen, model_names(spring_models), own, reference)
+    cost = fidelity_cost(chosen, speeds, models, own, worker_count(workers))
     refuse_cost(cost, limits, "limit=")
     return fidelity_study(
         chosen,
         speeds,
         spring_models=models,
-        spring_set=spring_set,
+        spring_set=own,
         tolerance=tolerance,
         workers=workers,
         progress=progress,
@@ -122,7 +126,7 @@ def refuse_tolerance(tolerance: float) -> None:
         meant = f"write '{tolerance:g} %'" if 1 <= tolerance < 100 else "write it such as '5 %'"
         raise InputError(
             f"a tolerance is a share between 0 and 1, and {tolerance:g} is none; {meant}",
-            "--tolerance",
+            "tolerance",
         )
 
 
@@ -157,21 +161,20 @@ def fidelity_models(
     if case.train is None and spring_set:
         raise InputError(
             f"case '{case.name}' is a spring alone and has no spring sets; leave them out",
-            "spring_sets",
+            "spring_set",
         )
     if case.train is not None and spring_set and spring_set not in case.train.springs:
         raise InputError(
             f"there is no spring set '{spring_set[:40]}'; use one of {', '.join(case.train.springs)}",
-            "spring_sets",
+            "spring_set",
         )
     springs = case.springs
     if case.train is not None:
         springs = case.train.spring_parts(*((spring_set,) if spring_set else _own_set(case)))
-    specs = {name: spring_model(name) for name in registered_names("springs")}
 
     def refusal(name: str) -> str:
-        reasons = (specs[name].why_not(spring) for spring in springs)
-        return specs[name].no_motion or next(filter(None, reasons), "")
+        reasons = (spring_model(name).why_not(spring) for spring in springs)
+        return spring_model(name).no_motion or next(filter(None, reasons), "")
 
     kind = "card" if any(spring.wire is None for spring in springs) else "wire"
     if kind == "card" and any(spring.damping.stiffness_damping > 0 for spring in springs):
@@ -181,13 +184,13 @@ def fidelity_models(
         raise InputError(
             f"case '{case.name}' has no spring whose models could be compared; add one", "spring"
         )
-    spring_model(best, "--reference")
+    spring_model(best, "reference")
     if why := refusal(best):
-        raise InputError(f"the reference cannot run: {why}; name another", "--reference")
+        raise InputError(f"the reference cannot run: {why}; name another", "reference")
     # The wire of a card is assumed, so its rod is not a default.
     assumed = "" if kind == "wire" else REFERENCES["wire"]
     chosen = tuple(dict.fromkeys(spring_models)) or tuple(
-        name for name in specs if not refusal(name) and name != assumed
+        name for name in registered_names("springs") if not refusal(name) and name != assumed
     )
     for name in chosen:
         spring_model(name, "spring_models")
@@ -195,7 +198,7 @@ def fidelity_models(
             raise InputError(f"{why}; leave {name} out", "spring_models")
     judged = sorted(
         (name for name in chosen if name != best or name == MODES_WORD),
-        key=lambda name: specs[name].processor_time,
+        key=lambda name: spring_model(name).processor_time,
     )
     if not judged:
         raise InputError("there is no model but the reference; name one more", "spring_models")
@@ -223,11 +226,11 @@ def fidelity_study(
     if not speeds:
         raise InputError(
             "a comparison over speed needs at least one engine speed; write such as '1000:9000:500 rpm'",
-            "--engine-speed",
+            "engine_speeds",
         )
     sets = (spring_set,) if spring_set else _own_set(case)
     problem = _with_reference(
-        build(case, spring_models=spring_models, spring_sets=sets), spring_models
+        build(case, spring_models=spring_models, spring_set=sets), spring_models
     )
 
     def study(of: Problem, tell: Finished | None, begin: float, end: float) -> Study:

@@ -120,13 +120,13 @@ def refuse_speeds(problem: Problem, engine_speeds: Sequence[float]) -> None:
     """
     if any(not (np.isfinite(speed) and speed > 0) for speed in engine_speeds):
         raise InputError(
-            "every engine speed must be positive; give it as '4200 rpm'", "--engine-speed"
+            "every engine speed must be positive; give it as '4200 rpm'", "engine_speeds"
         )
     if engine_speeds and not problem.moves:
         remedy = "add a [lift_law] table, or leave the engine speed out for its statics and modes"
         raise InputError(
             f"case '{problem.record.name}' holds no lift law, so its spring does not move; {remedy}",
-            "--engine-speed",
+            "engine_speeds",
         )
 
 

@@ -6,23 +6,27 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from functools import cached_property
-from typing import TYPE_CHECKING
+from functools import cached_property, partial
+from operator import attrgetter
+from typing import TYPE_CHECKING, cast
 
 import numpy as np
 
 from valvetrain.errors import InputError
-from valvetrain.integrate.contract import Cycles, Keep, Periodic, RunOptions
+from valvetrain.integrate.contract import Cycles, Keep, Periodic, RunOptions, Until
 from valvetrain.integrate.run import run_to_orbit
 from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.quantities.cycle import Frame
+from valvetrain.quantities.end_events import LIFT_OFF
 from valvetrain.quantities.evaluate import evaluate
 from valvetrain.quantities.kinematics import RigidMotion, rigid_motion
 from valvetrain.quantities.plausible import REMEDY, implausible
+from valvetrain.quantities.request import LIGHT
 from valvetrain.quantities.signal import ring_top
 from valvetrain.quantities.valve_events import open_window
 from valvetrain.runs.cost import Limits, memory_text
 from valvetrain.solution.channels import empty_channels
+from valvetrain.solution.later import Later, LaterMapping
 from valvetrain.solution.partial_failures import PartialFailures, reason
 from valvetrain.solution.provenance import Option, Provenance, collect_provenance
 from valvetrain.solution.result import Solution
@@ -53,17 +57,18 @@ class Plan:
     ``keep`` of its channels (``contacts`` for a sweep), ``samples`` per cam revolution (None: the
     default), ``whole``: the solution has channels at all, ``cycles`` of prescribed motion, most
     ``cycles_to_settle`` of a train, ``created_at`` (ISO 8601), ``max_bytes`` of memory of one run;
-    ``implausible`` results pass.
+    ``implausible`` results pass; ``later``: as in :class:`RunOptions`.
     """
 
     keep: Keep = "all"
     samples: int | None = None
     whole: bool = True
-    cycles: int = 2
+    cycles: int | None = None
     cycles_to_settle: int | None = None
     created_at: str = ""
     max_bytes: float = Limits().bytes
     implausible: bool = False
+    later: bool = False
 
 
 @dataclass(frozen=True, eq=False)
@@ -108,11 +113,10 @@ def law_lift(problem: Problem) -> float:
 def prepare(problem: Problem, member: Member, rest: Rest, source: str) -> PreparedRun:
     """The member assembled with its springs at ``rest``; what its parts refuse is its ``refusal``."""
     # Under prescribed motion the statics of the springs are computed during the first runs: with_quantities() adds their frequencies.
-    found, frequencies = _statics_of(member, rest)
     frame = Frame(
         member.springs,
-        found,
-        () if member.gear is None else frequencies,
+        tuple(rest[spring] for spring in member.springs if spring in rest),
+        () if member.gear is None else statics_of(member, rest)[1],
         problem.lift_event,
         problem.valve_lift.lift,
         source,
@@ -134,7 +138,7 @@ def prepare(problem: Problem, member: Member, rest: Rest, source: str) -> Prepar
         return PreparedRun(member, frame, refusal=reason(error))
 
 
-def _statics_of(member: Member, rest: Rest) -> tuple[tuple[SpringAtRest, ...], tuple[float, ...]]:
+def statics_of(member: Member, rest: Rest) -> tuple[tuple[SpringAtRest, ...], tuple[float, ...]]:
     """The springs of a member at rest, and the first surge frequencies (Hz) that are known."""
     found = tuple(rest[spring] for spring in member.springs if spring in rest)
     frequencies = (surge_frequency(spring, rest.get(spring)) for spring in member.springs)
@@ -172,7 +176,8 @@ def provenance_of(
             "stiffness_damping": first.damping.stiffness_damping,
         }
     if member.gear is None:
-        options |= {"cycles": problem.cycles, "output_step": problem.output_step}
+        options |= {} if problem.cycles is None else {"cycles": problem.cycles}
+        options |= {"output_step": problem.output_step}
     count = 1 if member.rubbing is not None and len(member.springs) == 2 else len(member.springs)
     return collect_provenance(
         problem.record.name,
@@ -212,7 +217,9 @@ def integrate_from(
     prescribed = isinstance(ready.system, PrescribedSpring)
     if prescribed and (status := _too_many_steps(ready, engine_speed / 2, plan)) is not None:
         return without_channels(status, provenance), None
-    until = Cycles(plan.cycles) if prescribed else Periodic(plan.cycles_to_settle)
+    until: Until = Periodic(None if prescribed else plan.cycles_to_settle)
+    if prescribed and plan.cycles is not None:
+        until = Cycles(plan.cycles)
     options = RunOptions(
         plan.samples,
         keep=plan.keep,
@@ -220,6 +227,7 @@ def integrate_from(
         window=ready.window,
         nose=ready.nose,
         start=start,
+        later=plan.later,
     )
     try:
         return run_to_orbit(ready.system, engine_speed / 2, until, options, provenance)
@@ -295,11 +303,12 @@ def with_quantities(ready: PreparedRun, solution: Solution, plan: Plan, rest: Re
     """The run with events and named quantities, without channels where the plan keeps none."""
     frame = ready.frame
     if rest:
-        found, frequencies = _statics_of(ready.member, rest)
+        found, frequencies = statics_of(ready.member, rest)
         frame = replace(frame, rest=found, surge_frequencies=frequencies)
     if ready.motion is not None:
         frame = replace(frame, rigid=ready.motion.table(solution.engine_speed / 2))
-    if len(solution.time):
+    # outside the range of its model the numbers of a run mean nothing, so it has none
+    if len(solution.time) and solution.status.code != "out-of-range":
         failures = PartialFailures()
         solution = failures.part("all numbers", solution, evaluate, solution, frame)
         solution = failures.part("coil bind", solution, bound, solution, ready.member.springs)
@@ -308,6 +317,45 @@ def with_quantities(ready: PreparedRun, solution: Solution, plan: Plan, rest: Re
         if failures.sentences:
             solution = replace(solution, gaps=(*solution.gaps, *failures.sentences))
     return solution if plan.whole else solution.reduced()
+
+
+def with_later_quantities(
+    ready: PreparedRun, solution: Solution, plan: Plan, rest: Later[Rest]
+) -> Solution:
+    """The same of prescribed motion, all that needs the inner motion or springs at ``rest`` when it
+    is read.
+    """
+    member, frame, given = ready.member, ready.frame, solution.arrays
+    alone = PreparedRun(member, replace(frame, rest=(), surge_frequencies=(), source=""))
+    inner = isinstance(given.variables, LaterMapping)
+    first = replace(solution, channels=given.known) if inner else solution
+    found = with_quantities(alone, first, plan, {})
+    if not len(solution.time):
+        return found
+    events = found.events
+    every = rest.then(partial(with_quantities, PreparedRun(member, frame), solution, plan))
+    known, status, between = (
+        dict(found.quantities),
+        cast(Status | Later[Status], found.status),
+        None,
+    )
+    if inner:
+        moved = Later(with_quantities, alone, solution, plan, {})
+        if any(
+            event.kind == LIFT_OFF for event in events
+        ):  # how fast it comes down is inner motion
+            events = moved.value.events
+        known = {name: one for name, one in known.items() if name in LIGHT}
+        status, between = moved.then(attrgetter("status")), moved.then(attrgetter("quantities"))
+    return Solution(
+        given if inner else found.arrays,
+        events,
+        status,
+        found.statistics,
+        found.provenance,
+        LaterMapping(known, every.then(attrgetter("quantities")), between),
+        every.then(attrgetter("gaps")),
+    )
 
 
 def unfinished(

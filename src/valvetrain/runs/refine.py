@@ -24,7 +24,6 @@ from valvetrain.runs.error_bars import (
     TRUSTED,
     Numbers,
     Stages,
-    Uncertainty,
     UncertaintyStudy,
     contact_ranges,
     convergence,
@@ -46,6 +45,7 @@ from valvetrain.runs.workers import Progress, worker_count
 from valvetrain.solution.definition import pattern_of, tables
 from valvetrain.solution.partial_failures import reason
 from valvetrain.solution.result import Solution
+from valvetrain.solution.uncertainty import Uncertainty
 from valvetrain.springs.finite_element import FiniteElementRod
 from valvetrain.springs.finite_element_statics import modal_result
 from valvetrain.system.build import build

@@ -19,7 +19,6 @@ from valvetrain.runs.error_bars import (
     OWN,
     Numbers,
     Stages,
-    Uncertainty,
     UncertaintyStudy,
     contact_ranges,
     convergence,
@@ -37,6 +36,7 @@ from valvetrain.runs.train_runs import member_statics
 from valvetrain.runs.workers import LOST, LOST_REMEDY, Progress
 from valvetrain.solution.partial_failures import reason
 from valvetrain.solution.result import Solution
+from valvetrain.solution.uncertainty import Uncertainty
 from valvetrain.springs.contract import LargeSpring
 from valvetrain.system.build import build
 from valvetrain.system.problem import Member, Problem

@@ -42,7 +42,7 @@ SOLID, SOLID_UNKNOWNS, SOLID_BYTES, SOLID_RUNS = "solid", 15.0, 1e4, 2
 MAX_RUNS, MAX_COUNTED = 1_000_000, 10**12
 #: Cycles until a train is periodic, where a case gives no fewer; output step (rad) where it gives
 #: none.
-TYPICAL_CYCLES, TYPICAL_STEP = 20, math.radians(0.5)
+TYPICAL_CYCLES, SETTLING_CYCLES, TYPICAL_STEP = 20, 6, math.radians(0.5)
 #: Solutions that the search for a load takes.
 SEARCH = 12
 #: Seconds per point and finite element where coils are apart, and where they close one by one;
@@ -150,7 +150,7 @@ def request_cost(request: Request, whole: bool = True, searches: bool = False) -
     if not engine_speeds or case.lift_law is None:
         return total
     if train is None:
-        cycles = case.operation.cycles
+        cycles = case.operation.cycles or SETTLING_CYCLES
         total += Cost(REST * max(1, len(case.springs)))
     else:
         cycles = train.cycles if train.cycles is not None else TYPICAL_CYCLES

@@ -8,15 +8,17 @@ import time
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import Executor, Future
 from dataclasses import replace
+from functools import partial
+from operator import attrgetter
+from typing import Any
 
 import numpy as np
 
 from valvetrain.errors import InputError, RunFailedError
 from valvetrain.integrate.contract import Keep
 from valvetrain.parameters.case import Case
-from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.parameters.steel_contacts import default_contacts
-from valvetrain.quantities.statics import buckling_quantities, closing_quantities, rest_quantities
+from valvetrain.runs.at_rest import AtRest, RestSolver, numbers_at_rest
 from valvetrain.runs.cost import Limits
 from valvetrain.runs.critical_speeds import CriticalOptions, find_critical_speeds
 from valvetrain.runs.notes import (
@@ -27,19 +29,23 @@ from valvetrain.runs.notes import (
     ringing_note,
     undamped_notes,
 )
+from valvetrain.runs.own_error_bars import own_error_bars
 from valvetrain.runs.prepared import (
-    FAILURES,
     Plan,
     PreparedRun,
     integrate_point,
-    law_lift,
     prepare,
     provenance_of,
     unfinished,
+    with_later_quantities,
     with_quantities,
 )
 from valvetrain.runs.stopping import PointsStopped, StudyStopped
-from valvetrain.runs.stored_error_bars import spread_sentences, uncertainty_sentences
+from valvetrain.runs.stored_error_bars import (
+    load_uncertainty,
+    spread_sentences,
+    uncertainty_sentences,
+)
 from valvetrain.runs.train_runs import (
     STOPPED,
     Finished,
@@ -47,14 +53,15 @@ from valvetrain.runs.train_runs import (
     rigid_numbers,
     run_trains,
 )
-from valvetrain.runs.workers import Progress, as_they_come, result_of, threads, worker_count
+from valvetrain.runs.workers import Progress, as_they_come, threads, worker_count
 from valvetrain.solution.critical import CriticalSpeeds
+from valvetrain.solution.later import Later
 from valvetrain.solution.partial_failures import PartialFailures, reason
 from valvetrain.solution.provenance import collect_provenance
 from valvetrain.solution.quantity import same_speed
 from valvetrain.solution.result import Solution
-from valvetrain.solution.static import SpringAtRest
 from valvetrain.solution.study import Study
+from valvetrain.solution.uncertainty import ErrorBars
 from valvetrain.sources.contract import against_source
 from valvetrain.system.build import build
 from valvetrain.system.contract import TRAIN
@@ -83,15 +90,19 @@ def run_study(
     limits: Limits = Limits(),
     implausible: bool = False,
     finished: Finished | None = None,
+    later: bool = False,
+    ends_alone: bool = False,
+    error_bars: bool = False,
 ) -> Study:
     """A case at ``engine_speeds`` (rad/s of the crank; None: its own) by its variants, or by given
     models and spring sets.
 
-    ``whole``: solutions keep their channels. Results do not depend on ``workers`` (None: all
+    ``whole``: solutions keep their channels; ``later``, ``ends_alone``: see :func:`run_problem`.
+    Results do not depend on ``workers`` (None: all
     cores). Raises :class:`InputError` for what cannot be built, for a speed that is not positive
     and when no model can run; a run that fails is a status.
     """
-    problem = build(case, spring_models=spring_models, spring_sets=spring_sets)
+    problem = build(case, spring_models=spring_models, spring_set=spring_sets)
     speeds = problem.engine_speeds if engine_speeds is None else tuple(engine_speeds)
     return run_problem(
         problem,
@@ -104,6 +115,9 @@ def run_study(
         finished=finished,
         limits=limits,
         implausible=implausible,
+        later=later,
+        ends_alone=ends_alone,
+        error_bars=error_bars,
     )
 
 
@@ -121,10 +135,13 @@ def sweep_study(
     finished: Finished | None = None,
     limits: Limits = Limits(),
     implausible: bool = False,
+    later: bool = False,
+    ends_alone: bool = False,
+    error_bars: bool = False,
 ) -> Study:
     """A case over ``engine_speeds`` (rad/s of the crank): solutions, reduced unless ``whole``, and
     the critical speeds of a train between the lowest and the highest of them (``critical`` None:
-    not searched).
+    not searched); ``later``, ``ends_alone``: see :func:`run_problem`.
 
     By default every spring set of a train by its own model, a spring alone by its default models.
     Raises :class:`InputError` for no speed at all and for what cannot be built.
@@ -133,10 +150,10 @@ def sweep_study(
     if not speeds:
         raise InputError(
             "a sweep needs at least one engine speed; write such as '1000:9000:100 rpm'",
-            "--engine-speed",
+            "engine_speeds",
         )
     sets = tuple(spring_sets) or (tuple(case.train.springs) if case.train is not None else ())
-    problem = build(case, spring_models=spring_models, spring_sets=sets)
+    problem = build(case, spring_models=spring_models, spring_set=sets)
     try:
         return _with_critical(
             run_problem(
@@ -151,6 +168,9 @@ def sweep_study(
                 finished=finished,
                 limits=limits,
                 implausible=implausible,
+                later=later,
+                ends_alone=ends_alone,
+                error_bars=error_bars,
             )
         )
     except StudyStopped as stop:
@@ -159,6 +179,8 @@ def sweep_study(
 
 def _with_critical(study: Study) -> Study:
     """The study with its critical speeds among the numbers of no single run."""
+    if not study.critical_speeds.labels:
+        return study
     still = {**study.still}
     for label in study.critical_speeds.labels:
         still[label] = {**still.get(label, {}), **study.critical_speeds.quantities(label)}
@@ -178,13 +200,19 @@ def run_problem(
     finished: Finished | None = None,
     limits: Limits = Limits(),
     implausible: bool = False,
+    later: bool = False,
+    ends_alone: bool = False,
+    error_bars: bool = False,
 ) -> Study:
     """The study of a problem at ``engine_speeds`` (rad/s of the crank); see :func:`run_study`.
 
     ``critical``: search a train's critical speeds between the lowest and the highest of them;
     ``finished``: called with index and solution of each run as it arrives; ``limits`` of one run;
-    ``implausible``: do not apply the limits of :mod:`valvetrain.quantities.plausible`. Raises
-    :class:`StudyStopped`, a KeyboardInterrupt, with what is finished when it is stopped.
+    ``implausible``: do not apply the limits of :mod:`valvetrain.quantities.plausible`; ``later``:
+    what springs under prescribed motion have inside and at rest is computed when it is first read;
+    ``ends_alone``: of them the motion inside is not recorded; ``error_bars`` are computed at once and
+    not when they are first read. Raises :class:`StudyStopped`, a
+    KeyboardInterrupt, with what is finished when it is stopped.
     """
     begun, failures = time.perf_counter(), PartialFailures()
     speeds = tuple(float(speed) for speed in engine_speeds)
@@ -197,6 +225,8 @@ def run_problem(
     else:
         samples = round(2 * np.pi / problem.output_step)
     keep: Keep = "all" if whole else "ends" if problem.kind == TRAIN else "contacts"
+    if ends_alone and problem.kind != TRAIN:
+        keep = "ends"
     plan = Plan(
         keep,
         samples,
@@ -206,9 +236,13 @@ def run_problem(
         created_at,
         limits.bytes,
         implausible,
+        later,
     )
     count = worker_count(workers)
     found, stopped = CriticalSpeeds(), False
+    at_rest: Later[AtRest] | None = None
+    still: dict[str, dict[str, float]] = {}
+    ready: tuple[PreparedRun, ...] = ()
     if problem.kind == TRAIN:
         ready, rest = prepare_trains(problem, speeds, failures)
         part, tell = progress, None
@@ -227,9 +261,10 @@ def run_problem(
             except RunFailedError as error:
                 failures.add(f"critical speeds: {reason(error)}")
     else:
-        solutions, rest, still, stopped = _run_springs(
-            problem, speeds, plan, count, progress, finished, failures
+        solutions, at_rest, stopped = _run_springs(
+            problem, speeds, plan, count, progress, finished, later
         )
+        rest = ()
     provenance = collect_provenance(
         problem.record.name,
         ", ".join(dict.fromkeys(member.model.word for member in problem.members)),
@@ -243,18 +278,65 @@ def run_problem(
         solutions,
         rest,
         still,
-        notes=failures.part("notes", (), _notes, problem)
-        + failures.part("notes", (), pulling_end_notes, solutions),
         lift_event=problem.lift_event,
         provenance=provenance,
         wall_time=time.perf_counter() - begun,
         critical_speeds=found,
     )
-    study = failures.part("published values", study, next_to_published, study, problem)
-    study = replace(study, gaps=failures.sentences)
+    if at_rest is None:
+        study = _completed(study, problem, failures)
+    else:
+        whole_study = at_rest.then(partial(_with_rest, study, problem))
+        parts = ("rest", "still", "comparisons", "findings", "notes", "gaps")
+        named: dict[str, Any] = {one: whole_study.then(attrgetter(one)) for one in parts}
+        study = replace(study, **named) if later and not stopped else whole_study.value
     if stopped:
         raise StudyStopped(study)
+    if load_uncertainty(problem.record):
+        return study
+    known = at_rest or Later(_rest_of_trains, ready)
+    bars = Later(own_error_bars, problem, solutions, plan, known, count)
+    study = replace(study, error_bars=bars)
+    if error_bars and progress is not None:
+        progress(0.99, "error bars")
+    if error_bars:
+        try:
+            return replace(study, error_bars=study.error_bars)
+        except PointsStopped:
+            raise StudyStopped(replace(study, error_bars=ErrorBars())) from None
     return study
+
+
+def _rest_of_trains(ready: Sequence[PreparedRun]) -> AtRest:
+    """The springs at rest that the models of trains needed."""
+    pairs = (zip(one.member.springs, one.frame.rest, strict=False) for one in ready)
+    return AtRest({spring: rest for pair in pairs for spring, rest in pair})
+
+
+def _completed(study: Study, problem: Problem, failures: PartialFailures) -> Study:
+    """The study with its notes, what is published, and a sentence per part that failed."""
+    study = replace(study, notes=failures.part("notes", (), _notes, problem, study.solutions))
+    study = failures.part("published values", study, next_to_published, study, problem)
+    return replace(study, gaps=failures.sentences)
+
+
+def _with_rest(study: Study, problem: Problem, at_rest: AtRest) -> Study:
+    """The study of springs under prescribed motion with what belongs to them at rest."""
+    failures, found = PartialFailures(at_rest.gaps), at_rest.springs
+    names = ("",) if len(problem.springs) == 1 else ("outer", "inner")
+    still: dict[str, dict[str, float]] = {
+        name: failures.part(
+            f"numbers of spring '{spring.name}'",
+            {},
+            numbers_at_rest,
+            problem,
+            spring,
+            found[spring],
+        )
+        for name, spring in zip(names, problem.springs, strict=True)
+        if spring in found
+    }
+    return _completed(replace(study, rest=tuple(found.values()), still=still), problem, failures)
 
 
 def _shares(progress: Progress) -> tuple[Progress, Callable[[int, int], None]]:
@@ -266,7 +348,7 @@ def _shares(progress: Progress) -> tuple[Progress, Callable[[int, int], None]]:
     return lambda done, text: progress(GRID_SHARE * done, text), tell
 
 
-def _notes(problem: Problem) -> tuple[str, ...]:
+def _notes(problem: Problem, solutions: Sequence[Solution]) -> tuple[str, ...]:
     members = problem.members
     assumed_wire = any(
         m.model.word == "finite-element" and any(s.card for s in m.springs) for m in members
@@ -277,7 +359,8 @@ def _notes(problem: Problem) -> tuple[str, ...]:
         *dict.fromkeys(contacts),
         ringing_note(members),
     )
-    return (*filter(None, notes), *undamped_notes(members), *buckling_notes(problem))
+    ends = pulling_end_notes(solutions)
+    return (*filter(None, notes), *undamped_notes(members), *buckling_notes(problem), *ends)
 
 
 def next_to_published(study: Study, problem: Problem) -> Study:
@@ -316,18 +399,17 @@ def _run_springs(
     workers: int,
     progress: Progress | None,
     finished: Finished | None,
-    failures: PartialFailures,
-) -> tuple[tuple[Solution, ...], tuple[SpringAtRest, ...], dict[str, dict[str, float]], bool]:
-    """Prescribed motion, over threads; the statics of the springs are computed during the first
-    runs. Last: whether stopped.
+    later: bool,
+) -> tuple[tuple[Solution, ...], Later[AtRest], bool]:
+    """Prescribed motion, over threads; the springs at rest during the first runs, or ``later`` those
+    that no model needs. Last: whether stopped.
     """
-    from valvetrain.runs.statics import spring_statics  # which a train does not need
-
-    source, lift = problem.record.study, law_lift(problem)
+    source = problem.record.study
     points = [(member, speed) for member in problem.members for speed in speeds]
     done: dict[int, Solution] = {}
-    rest: dict[InstalledSpring, SpringAtRest] = {}
-    refused: list[InputError] = []
+    refused: set[int] = set()
+    solver = RestSolver(problem)
+    needed = problem.only(lambda member: member.model.needs_rest) if later else problem.members
 
     def tell(text: str) -> None:
         if progress is not None:
@@ -347,22 +429,14 @@ def _run_springs(
     ready: dict[Member, PreparedRun] = {
         m: prepare(problem, m, {}, source) for m in problem.members if not m.model.needs_rest
     }
+    at_rest: Later[AtRest] = Later(solver.all)
     try:
         with threads(workers) as pool:
             jobs = start(pool, ready)
-            statics = {
-                spring: pool.submit(spring_statics, problem, spring, lift)
-                for spring in problem.springs
-            }
-            for spring, job in statics.items():
-                try:
-                    rest[spring] = result_of(job)
-                except FAILURES as error:
-                    refused += [error] if isinstance(error, InputError) else []
-                    failures.add(f"spring '{spring.name}' at rest: {reason(error)}")
+            solver.solve(dict.fromkeys(one for m in needed for one in m.springs), pool)
             tell("springs at rest")
             late = {
-                member: prepare(problem, member, rest, source)
+                member: prepare(problem, member, solver.found, source)
                 for member in problem.members
                 if member not in ready
             }
@@ -372,39 +446,31 @@ def _run_springs(
             del jobs
             for index, solution in results:
                 member, speed = points[index]
-                done[index] = with_quantities(ready[member], solution, plan, rest)
+                if solution.status.code == "refused":
+                    refused.add(index)
+                done[index] = (
+                    with_later_quantities(
+                        ready[member], solution, plan, at_rest.then(attrgetter("springs"))
+                    )
+                    if later
+                    else with_quantities(ready[member], solution, plan, solver.found)
+                )
                 if finished is not None:
                     finished(index, done[index])
                 tell(f"{member.label} at {speed * 30 / np.pi:.6g} rpm")
         stopped = False
     except KeyboardInterrupt:
         stopped = True
-        if not done and not rest:
+        if not done and not solver.found:
             raise
-    if refused and not rest and not any(one.status.code != "refused" for one in done.values()):
-        raise refused[0]  # nothing came out at all: the case cannot be run
-    names = ("",) if len(problem.springs) == 1 else ("outer", "inner")
-    still: dict[str, dict[str, float]] = {
-        name: failures.part(
-            f"numbers of spring '{spring.name}'", {}, _still, problem, spring, rest[spring], lift
-        )
-        for name, spring in zip(names, problem.springs, strict=True)
-        if spring in rest
-    }
+    if stopped:
+        at_rest = Later(solver.known)
+    if refused == done.keys():
+        found = at_rest.value
+        if found.refused and not found.springs:
+            raise found.refused[0]  # nothing came out at all: the case cannot be run
     solutions = (
         done.get(index) or unfinished(problem, *point, plan, STOPPED)
         for index, point in enumerate(points)
     )
-    return tuple(solutions), tuple(rest.values()), still, stopped
-
-
-def _still(
-    problem: Problem, spring: InstalledSpring, rest: SpringAtRest, lift: float
-) -> dict[str, float]:
-    """Numbers of one spring that belong to no run."""
-    names = [value.quantity for value in problem.record.published]
-    return (
-        closing_quantities(spring)
-        | rest_quantities(rest, names)
-        | buckling_quantities(spring, rest, lift)
-    )
+    return tuple(solutions), at_rest, stopped

@@ -39,11 +39,12 @@ from valvetrain.solution.provenance import collect_provenance
 from valvetrain.solution.result import Solution
 from valvetrain.solution.status import Status
 from valvetrain.solution.study import Study
+from valvetrain.springs.own_spring import model_names
 from valvetrain.system.build import build
 from valvetrain.system.contract import TRAIN
 from valvetrain.system.problem import Problem
 from valvetrain.system.train_system import TrainSystem
-from valvetrain.units import Given, si
+from valvetrain.units import Given, as_names, renamed, si
 
 #: Speeds of the crank (rad/s), first and last, and time (s) between them.
 Ramp = tuple[float, float, float]
@@ -51,14 +52,15 @@ Ramp = tuple[float, float, float]
 MIN_REVOLUTIONS = 1
 
 
+@renamed(spring_sets="spring_set")
 def run_up(
     case: AnyCase,
     first_engine_speed: Given,
     last_engine_speed: Given,
     duration: Given,
     *,
-    spring_models: Sequence[str] = (),
-    spring_sets: Sequence[str] = (),
+    spring_models: Sequence[str] | str = (),
+    spring_set: Sequence[str] | str = (),
     workers: int | None = None,
     progress: Progress | None = None,
     limit: str = "",
@@ -73,8 +75,8 @@ def run_up(
     first_engine_speed, last_engine_speed : of the crank, "1000 rpm", rad/s or a pint quantity; a
         last one below the first runs down
     duration : time between them, "2 s", s or a pint quantity
-    spring_models : words of spring models, such as "multi-mass"; the case's own by default
-    spring_sets : names of spring sets of the train
+    spring_models : a name of a spring model, such as "multi-mass", or several; the case's own by default
+    spring_set : name of a spring set of the train, or several
     workers : variants at a time; results do not depend on it
     progress : called with the share done and a text
     limit : largest estimated time and memory, such as "2 h, 8 GB"; 10 min and 2 GB by default
@@ -92,7 +94,7 @@ def run_up(
     Examples
     --------
     >>> import valvetrain as vt
-    >>> study = vt.run_up("tdi-pushrod", "2000 rpm", "2400 rpm", "0.2 s", spring_models=["massless"], spring_sets=["stock"])
+    >>> study = vt.run_up("tdi-pushrod", "2000 rpm", "2400 rpm", "0.2 s", spring_models="massless", spring_set="stock")
     >>> speeds, force = study.series("massless", "peak_cam_contact_force")
     >>> len(speeds), [round(float(speed) * 30 / 3.14159) for speed in speeds[:2]]
     (4, [2058, 2172])
@@ -101,14 +103,14 @@ def run_up(
         si(first_engine_speed, "engine_speed", "first_engine_speed"), si(last_engine_speed, "engine_speed", "last_engine_speed"),
         si(duration, "time", "duration"),
     )  # fmt: skip
-    case, models, sets = case_of(case), tuple(spring_models), tuple(spring_sets)
+    case, models, sets = case_of(case), model_names(spring_models), as_names(spring_set)
     request = RunRequest("run-up", case, None, models, sets, worker_count(workers))
     refuse_cost(run_up_cost(request, ramp), limits_of(limit), "limit=")
     return run_up_study(
         case,
         ramp,
-        spring_models=spring_models,
-        spring_sets=spring_sets,
+        spring_models=models,
+        spring_sets=sets,
         workers=workers,
         progress=progress,
         implausible=implausible,
@@ -132,14 +134,14 @@ def run_up_study(
     if not (min(first, last, duration) > 0 and first != last and np.isfinite(sum(ramp))):
         raise InputError(
             "a run-up goes from one positive engine speed to another in a positive time; correct them",
-            "--from",
+            "first_engine_speed",
         )
     if (revolutions := (first + last) / 2 * duration / (4 * np.pi)) < MIN_REVOLUTIONS:
         raise InputError(
             f"this run-up holds {revolutions:.2g} cam revolutions, and its values are of whole ones; take a longer time",
-            "--duration",
+            "duration",
         )
-    problem = build(case, spring_models=spring_models, spring_sets=spring_sets)
+    problem = build(case, spring_models=spring_models, spring_set=spring_sets)
     if problem.kind != TRAIN:
         raise InputError(
             f"case '{problem.record.name}' holds no train, and a run-up is of a train; sweep a spring instead"
@@ -252,8 +254,9 @@ def _revolutions(one: PreparedRun, ramp: Ramp) -> list[tuple[CycleRecord, dict[s
         for record in turns_of_run_up(ready, last, start):
             values = turn_quantities(ready.system, record, window)
             values |= bind_clearance(record, ready.system, one.member.springs)
+            values = {} if record.status.code == "out-of-range" else values
             found.append((record, values, each * len(record.q)))
-        if found and found[-1][0].status.completed:
+        if found and found[-1][0].status.code != "diverged":
             break
         options = replace(options, step_fraction=options.step_fraction / 3)
     return found

@@ -93,7 +93,7 @@ def static_study(
     represent a spring and a lift that no cam gives.
     """
     begun = time.perf_counter()
-    problem = build(case, spring_sets=spring_sets)
+    problem = build(case, spring_set=spring_sets)
     if problem.moves and not implausible:
         refuse_implausible_motion(problem.valve_lift, ())
     lift = largest_lift(problem)

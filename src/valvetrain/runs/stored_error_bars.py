@@ -11,10 +11,11 @@ from importlib import resources
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from valvetrain.parameters.loading import library_names
-from valvetrain.runs.error_bars import Uncertainty, grouped
+from valvetrain.runs.error_bars import grouped
 from valvetrain.solution.definition import shown
 from valvetrain.solution.provenance import CaseRecord, PublishedValue
 from valvetrain.solution.quantity import Quantity, same_speed, unit_of
+from valvetrain.solution.uncertainty import Uncertainty
 
 if TYPE_CHECKING:
     from valvetrain.runs.error_bars import UncertaintyStudy
@@ -116,11 +117,13 @@ def belongs(row: Uncertainty, quantities: Mapping[Quantity, float]) -> bool:
 
 
 def fresh_uncertainty(study: Study) -> tuple[Uncertainty, ...]:
-    """Stored rows whose numbers the study computed; none of a study over speeds, nor where only the
+    """Error bars of the runs, or stored rows whose numbers the study computed; none of a study over speeds, nor where only the
     statics of its runs agree.
     """
     if study.over_speed:
         return ()
+    if study.error_bars.rows:
+        return study.error_bars.rows
     rows = load_uncertainty(study.record)
     found = study.quantities if rows else {}
     fresh = tuple(row for row in rows if belongs(row, found))

@@ -36,6 +36,7 @@ from valvetrain.system.build import build
 from valvetrain.system.problem import Member, Problem, Rest
 from valvetrain.system.train_modes import modes_of_train
 from valvetrain.system.train_system import TrainSystem
+from valvetrain.units import renamed
 
 #: Called with the index among the runs of a study, and the solution, as each is finished.
 Finished = Callable[[int, Solution], None]
@@ -177,8 +178,12 @@ def rigid_numbers(
     return still
 
 
+@renamed(spring_sets="spring_set")
 def train_modes(
-    case: AnyCase, spring_models: Sequence[str] = (), *, spring_sets: Sequence[str] = ()
+    case: AnyCase,
+    spring_models: Sequence[str] | str = (),
+    *,
+    spring_set: Sequence[str] | str = (),
 ) -> tuple[TrainModes, ...]:
     """Undamped natural frequencies and modes of a train with its springs, about equilibrium, valve
     closed and at full lift.
@@ -190,8 +195,8 @@ def train_modes(
     Parameters
     ----------
     case : Case, name of a library case, or path of a case file; it holds a train
-    spring_models : words of spring models, such as "multi-mass"; the case's own by default
-    spring_sets : names of spring sets; the one in use by default
+    spring_models : a name of a spring model, such as "multi-mass", or several; the case's own by default
+    spring_set : name of a spring set, or several; the one in use by default
 
     Returns
     -------
@@ -205,11 +210,11 @@ def train_modes(
     Examples
     --------
     >>> import valvetrain as vt
-    >>> closed, lifted = vt.train_modes("tdi-pushrod", ["massless"], spring_sets=["stock"])
+    >>> closed, lifted = vt.runs.train_modes("tdi-pushrod", "massless", spring_set="stock")
     >>> closed.state, lifted.moving(0)
     ('closed', 'valve 53 %, pushrod 24 %, lever 23 %')
     """
-    problem = build(case, spring_models=spring_models, spring_sets=spring_sets)
+    problem = build(case, spring_models=spring_models, spring_set=spring_set)
     return problem_modes(problem)
 
 

@@ -311,7 +311,7 @@ def map_cases(
     Examples
     --------
     >>> import valvetrain as vt
-    >>> [case.name for case in vt.map_cases(vt.load_case, ["job-t", "gu2021-beehive"], workers=1)]
+    >>> [case.name for case in vt.runs.map_cases(vt.load_case, ["job-t", "gu2021-beehive"], workers=1)]
     ['job-t', 'gu2021-beehive']
     """
     items: Sequence[Case] = tuple(cases)

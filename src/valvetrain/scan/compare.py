@@ -150,7 +150,7 @@ def compare_scan(
     >>> file = pathlib.Path(tempfile.mkdtemp(), "scan.xyz")
     >>> np.savetxt(file, spring + draw.normal(0, 0.03, spring.shape), fmt="%.4f")
     >>> coarse = {"springs.0.options": {"finite-element": {"elements_per_coil": 8}}}
-    >>> found = compare_scan(vt.spring_from_scan(file, unit="mm"), vt.load_case("job-t").replace(coarse))
+    >>> found = compare_scan(vt.scan.spring_from_scan(file, unit="mm"), vt.load_case("job-t").replace(coarse))
     >>> one = found.number("preload")
     >>> bool(abs(one.scanned / one.design - 1) < 0.02)
     True

@@ -1,0 +1,5 @@
+"""Results: motion, forces, events, numbers and their files."""
+
+from valvetrain.lazy import public_names
+
+__getattr__, __dir__, __all__ = public_names(__name__, __file__)

@@ -2,18 +2,30 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
+from operator import attrgetter
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from valvetrain.errors import InputError
+from valvetrain.solution.cycle_view import (
+    TURN,
+    angle_within,
+    cycle_dataset,
+    first_revolution,
+    revolution_coordinate,
+)
+from valvetrain.solution.later import Later, LaterMapping
 
 if TYPE_CHECKING:
     import xarray
+
+#: Label of the stored cam angle, which counts on over the revolutions of a run.
+CAM_ANGLE_LABEL = "cam angle, unwrapped"
 
 
 class Variable(NamedTuple):
@@ -37,7 +49,7 @@ class ChannelArrays:
     attributes: Mapping[str, Any] = field(default_factory=dict)
 
     @cached_property
-    def dataset(self) -> xarray.Dataset:
+    def stored(self) -> xarray.Dataset:
         """The same, labelled; the arrays are shared, not copied."""
         import xarray
 
@@ -45,8 +57,62 @@ class ChannelArrays:
             dict(self.variables), coords=dict(self.coords), attrs=dict(self.attributes)
         )
 
+    @cached_property
+    def dataset(self) -> xarray.Dataset:
+        """As :attr:`stored`, with ``cam_angle`` counted from the start of the revolution in which
+        the samples begin, which is the scalar coordinate ``revolution``.
+        """
+        if "cam_angle" not in self.coords:
+            return self.stored
+        angle = self.coords["cam_angle"]
+        number = first_revolution(angle.values)
+        if number:
+            values = angle_within(angle.values, number)
+            attrs = {**angle.attrs, "long_name": "cam angle from the start of the revolution"}
+            counted = self.stored.assign_coords(cam_angle=(angle.dims, values, attrs))
+        else:
+            counted = self.stored
+        return counted.assign_coords(revolution=revolution_coordinate(number))
+
+    @cached_property
+    def cycle(self) -> xarray.Dataset:
+        """The last cam revolution by cam angle and coil number."""
+        return cycle_dataset(self.variables, self.coords, self.attributes)
+
     def __reduce__(self) -> tuple[object, ...]:
-        return ChannelArrays, (dict(self.variables), dict(self.coords), dict(self.attributes))
+        parts = (
+            one if isinstance(one, LaterMapping) else dict(one)
+            for one in (self.variables, self.coords)
+        )
+        return ChannelArrays, (*parts, dict(self.attributes))
+
+    @classmethod
+    def later(cls, known: ChannelArrays, every: Later[ChannelArrays]) -> ChannelArrays:
+        """Channels of which those ``known`` are there, and the others when one of them is read."""
+        return cls(
+            LaterMapping(known.variables, every.then(attrgetter("variables"))),
+            LaterMapping(known.coords, every.then(attrgetter("coords"))),
+            known.attributes,
+        )
+
+    @property
+    def known(self) -> ChannelArrays:
+        """Those that are there without a computation."""
+        variables, coords = (
+            one.known if isinstance(one, LaterMapping) else one
+            for one in (self.variables, self.coords)
+        )
+        return ChannelArrays(variables, coords, self.attributes)
+
+    def only(self, names: Iterable[str]) -> ChannelArrays:
+        """The channels ``names`` with the coordinates along them."""
+        variables = {name: self.variables[name] for name in names}
+        known = self.known.coords
+        dims = {dim for one in variables.values() for dim in one.dims} | {"sample"}
+        there = {dim for one in known.values() for dim in one.dims}
+        coords = known if dims <= there else self.coords
+        chosen = {name: one for name, one in coords.items() if set(one.dims) <= dims}
+        return ChannelArrays(variables, chosen, self.attributes)
 
     def __getitem__(self, name: str) -> Variable:
         return self.variables[name]
@@ -81,7 +147,7 @@ class ChannelArrays:
 
 
 def arrays_of(channels: xarray.Dataset | ChannelArrays) -> ChannelArrays:
-    """Plain arrays of a labelled dataset, which stays their dataset."""
+    """Plain arrays of a labelled dataset, which stays their dataset where it has ``revolution``."""
     if isinstance(channels, ChannelArrays):
         return channels
     named = {
@@ -89,8 +155,14 @@ def arrays_of(channels: xarray.Dataset | ChannelArrays) -> ChannelArrays:
         for name, one in channels.variables.items()
     }
     coords = {str(name): named.pop(str(name)) for name in channels.coords}
+    if (revolution := coords.pop("revolution", None)) is not None and "cam_angle" in coords:
+        angle = coords["cam_angle"]
+        if number := int(revolution.values):
+            attrs = {**angle.attrs, "long_name": CAM_ANGLE_LABEL}
+            coords["cam_angle"] = Variable(angle.dims, angle.values + number * TURN, attrs)
     made = ChannelArrays(named, coords, channels.attrs)
-    made.__dict__["dataset"] = channels
+    if revolution is not None:
+        made.__dict__["dataset"] = channels
     return made
 
 
@@ -114,7 +186,7 @@ class DatasetField:
 
     def __set__(self, owner: Any, channels: xarray.Dataset | ChannelArrays) -> None:
         arrays = arrays_of(channels)
-        _check(arrays)
+        _check(arrays.known)
         owner.__dict__["_arrays"] = arrays
 
 
@@ -243,7 +315,7 @@ def spring_channels(
         )
     axes = (
         ("time", "sample", time, "s", "time"),
-        ("cam_angle", "sample", cam_angle, "rad", "cam angle, unwrapped"),
+        ("cam_angle", "sample", cam_angle, "rad", CAM_ANGLE_LABEL),
         ("coil_number", "wire_point", coil_number, "1", "turns from the lower wire tip"),
         ("upper_coil", "coil_pair", upper_coil, "1", "coil number of the upper partner"),
     )

@@ -119,7 +119,7 @@ class TrainModes:
     which have no stiffness.
 
     >>> import valvetrain as vt
-    >>> found = vt.train_modes("tdi-pushrod", spring_models=["massless"], spring_sets=["stock"])[0]
+    >>> found = vt.runs.train_modes("tdi-pushrod", "massless", spring_set="stock")[0]
     >>> isinstance(found, TrainModes), bool(found.natural_frequency[-1] > 1000)
     (True, True)
     """

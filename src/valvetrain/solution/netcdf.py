@@ -104,8 +104,8 @@ def save_netcdf(solution: Solution, path: _PathLike) -> Path:
     --------
     >>> import valvetrain as vt
     >>> (run,) = vt.simulate("job-t", "2000 rpm", spring_models=["massless"]).solutions
-    >>> path = vt.save_netcdf(run, "run.nc")
-    >>> vt.load_netcdf(path).quantities["peak_spring_force"] == run.quantities["peak_spring_force"]
+    >>> path = vt.solution.save_netcdf(run, "run.nc")
+    >>> vt.solution.load_netcdf(path).quantities["peak_spring_force"] == run.quantities["peak_spring_force"]
     True
     """
     text = metadata.pack(
@@ -139,7 +139,7 @@ def load_netcdf(path: _PathLike) -> Solution:
     --------
     >>> import valvetrain as vt
     >>> (run,) = vt.simulate("job-t", "2000 rpm", spring_models=["massless"]).solutions
-    >>> vt.load_netcdf(vt.save_netcdf(run, "run.nc")).label
+    >>> vt.solution.load_netcdf(vt.solution.save_netcdf(run, "run.nc")).label
     'massless'
     """
     dataset, content = _read(path, "solution")

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from valvetrain.errors import InputError, NamedNumbers
 from valvetrain.solution.channels import ChannelArrays, DatasetField, Variable, empty_channels
 from valvetrain.solution.display import Figure, frame, plotted, span, table, value_text
+from valvetrain.solution.later import LaterField, LaterMapping
 from valvetrain.solution.provenance import Provenance
 from valvetrain.solution.quantity import unit_of
 from valvetrain.solution.status import COMPLETED, Event, Status
@@ -32,10 +33,12 @@ class Solution:
     """What one run computed; see docs/architecture.md for channel names.
 
     ``channels`` is an :class:`xarray.Dataset` whose variables all start with dimension ``sample``
-    and have ``units`` and ``long_name``, with coordinates ``time`` (s) and ``cam_angle`` (rad,
-    unwrapped) along it; a reduced solution has none. ``quantities``: named numbers (SI) by
+    and have ``units`` and ``long_name``, with coordinates ``time`` (s) and ``cam_angle`` (rad, from
+    the start of the revolution in which the samples begin, whose number is ``revolution``) along
+    it; a reduced solution has none. ``cycle``: the last whole revolution alone, by cam angle. ``quantities``: named numbers (SI) by
     :func:`valvetrain.quantities.evaluate.evaluate`; ``gaps``: a sentence per part of them that
-    failed. Raises :class:`InputError` when a channel breaks that rule.
+    failed. What needs the springs at rest or motion inside a spring may be computed when it is first
+    read. Raises :class:`InputError` when a channel breaks that rule.
 
     >>> from valvetrain.solution.channels import spring_channels
     >>> channels = spring_channels(time=[0.0, 0.01], cam_angle=[0.0, 2.0], values={"seat_force": [310.0, 620.0]})
@@ -48,27 +51,30 @@ class Solution:
 
     channels: DatasetField = DatasetField()
     events: tuple[Event, ...] = ()
-    status: Status = COMPLETED
+    status: LaterField[Status] = LaterField(lambda: COMPLETED)
     statistics: Mapping[str, float | int | str | bool] = field(default_factory=dict)
     provenance: Provenance = field(default_factory=lambda: Provenance("", ""))
     quantities: Mapping[str, float] = field(default_factory=dict)
-    gaps: tuple[str, ...] = ()
+    gaps: LaterField[tuple[str, ...]] = LaterField(tuple)
 
     def __post_init__(self) -> None:
+        numbers = self.quantities
+        if not isinstance(numbers, LaterMapping):
+            numbers = NamedNumbers(numbers)
         object.__setattr__(self, "events", tuple(self.events))
-        object.__setattr__(self, "gaps", tuple(self.gaps))
-        object.__setattr__(self, "quantities", MappingProxyType(NamedNumbers(self.quantities)))
+        object.__setattr__(self, "_numbers", numbers)
+        object.__setattr__(self, "quantities", MappingProxyType(numbers))
         object.__setattr__(self, "statistics", MappingProxyType(dict(self.statistics)))
 
     def __reduce__(self) -> tuple[object, ...]:
         return Solution, (
             self.arrays,
             self.events,
-            self.status,
+            self.__dict__["_status"],
             dict(self.statistics),
             self.provenance,
-            dict(self.quantities),
-            self.gaps,
+            self.__dict__["_numbers"],
+            self.__dict__["_gaps"],
         )
 
     @property
@@ -131,19 +137,33 @@ class Solution:
         if name not in self.arrays.variables:
             known = ", ".join(self.arrays.variables)
             raise InputError(
-                f"this {self.model or 'unnamed'} run has no channel '{name}'; it has {known}"
+                f"this {self.model or 'unnamed'} run has no channel '{name}'; "
+                f"{f'it has {known}' if known else 'it is reduced to its numbers, so run it whole'}"
             )
         return np.asarray(self.arrays.variables[name].values)
 
+    @property
+    def cycle(self) -> xarray.Dataset:
+        """All channels over the last whole cam revolution, or the unfinished one where none is
+        whole.
+
+        Dimension ``cam_angle`` (rad, from 0 to less than 2 pi), then ``coil_number`` or
+        ``upper_coil``, ascending, each with unit and label; ``time`` (s) along the first, and
+        ``revolution``, which one it is.
+        """
+        return self.arrays.cycle
+
     def __getitem__(self, name: str) -> xarray.DataArray:
-        """A channel with its coordinates and units: ``run["seat_force"].plot()``; ``name`` as for
+        """A channel of :attr:`cycle`: ``run["seat_force"].plot()``,
+        ``run["valve_lift"].sel(cam_angle=np.pi, method="nearest")``; ``name`` as for
         :meth:`channel`.
         """
         self.channel(name)
-        return self.channels[name]
+        return self.arrays.only([name]).cycle[name]
 
     def unit(self, name: str) -> str:
-        """Unit (SI) of one channel."""
+        """Unit (SI) of one channel; ``name`` as for :meth:`channel`."""
+        self.channel(name)
         return str(self.arrays.variables[name].attrs["units"])
 
     def identical(self, other: Solution) -> bool:

@@ -11,6 +11,7 @@ STATUS_CODES = (
     "completed",
     "not-converged",
     "diverged",
+    "out-of-range",
     "coil-bind",
     "solid",
     "buckled",

@@ -17,6 +17,7 @@ from valvetrain.solution.critical import CriticalSpeeds
 from valvetrain.solution.definition import is_defined
 from valvetrain.solution.display import Figure, plotted, table, value_text
 from valvetrain.solution.fidelity import FidelityMap
+from valvetrain.solution.later import LaterField
 from valvetrain.solution.provenance import CaseRecord, Provenance
 from valvetrain.solution.quantity import (
     Quantities,
@@ -28,6 +29,7 @@ from valvetrain.solution.quantity import (
 )
 from valvetrain.solution.result import Solution
 from valvetrain.solution.static import SpringAtRest
+from valvetrain.solution.uncertainty import ErrorBars
 from valvetrain.units import Given
 
 if TYPE_CHECKING:
@@ -55,7 +57,9 @@ class Study:
     case). ``comparisons`` and ``findings``: those with published numbers, empty for a case of one's
     own. ``critical_speeds``: those of a sweep of a train. ``lift_event``: None without lift or
     where it spans the cam's zero. ``gaps``: a sentence per part, of no single run, that failed.
-    ``fidelity``: models against a reference, where they were compared.
+    ``fidelity``: models against a reference, where they were compared. ``error_bars``: of the numbers
+    of its runs, each run once more when they are first read; those of a published study are stored. What needs the springs at rest
+    may be computed when it is first read.
 
     >>> study = Study(CaseRecord("own-spring"), still={"": {"preload": 301.5}})
     >>> study.quantities["preload"]
@@ -68,17 +72,23 @@ class Study:
     record: CaseRecord
     command: str = "run"
     solutions: tuple[Solution, ...] = ()
-    rest: tuple[SpringAtRest, ...] = ()
-    still: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
-    comparisons: tuple[Comparison, ...] = ()
-    findings: tuple[Finding, ...] = ()
-    notes: tuple[str, ...] = ()
+    rest: LaterField[tuple[SpringAtRest, ...]] = LaterField(tuple)
+    still: LaterField[Mapping[str, Mapping[str, float]]] = LaterField(dict)
+    comparisons: LaterField[tuple[Comparison, ...]] = LaterField(tuple)
+    findings: LaterField[tuple[Finding, ...]] = LaterField(tuple)
+    notes: LaterField[tuple[str, ...]] = LaterField(tuple)
     lift_event: LiftEvent | None = None
     provenance: Provenance = field(default_factory=lambda: Provenance("", ""))
     wall_time: float = field(default=0.0, compare=False)
     critical_speeds: CriticalSpeeds = field(default_factory=CriticalSpeeds)
-    gaps: tuple[str, ...] = ()
+    gaps: LaterField[tuple[str, ...]] = LaterField(tuple)
     fidelity: FidelityMap = field(default_factory=FidelityMap)
+    error_bars: LaterField[ErrorBars] = LaterField(ErrorBars)
+
+    @property
+    def all_notes(self) -> tuple[str, ...]:
+        """The notes, and what is said of the error bars."""
+        return (*self.notes, *self.error_bars.sentences)
 
     def __repr__(self) -> str:
         found = self.quantities

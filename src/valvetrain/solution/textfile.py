@@ -47,7 +47,7 @@ def save_csv(solution: Solution, path: str | os.PathLike[str]) -> Path:
     --------
     >>> import valvetrain as vt
     >>> (run,) = vt.simulate("job-t", "2000 rpm", spring_models=["massless"]).solutions
-    >>> path = vt.save_csv(run, "run.csv")
+    >>> path = vt.solution.save_csv(run, "run.csv")
     >>> path.read_text().splitlines()[2].split(",")[0]
     'time [s]'
     """
@@ -113,7 +113,7 @@ def load_csv(path: str | os.PathLike[str]) -> Solution:
     --------
     >>> import valvetrain as vt
     >>> (run,) = vt.simulate("job-t", "2000 rpm", spring_models=["massless"]).solutions
-    >>> vt.load_csv(vt.save_csv(run, "run.csv")).channels.equals(run.channels)
+    >>> vt.solution.load_csv(vt.solution.save_csv(run, "run.csv")).channels.equals(run.channels)
     True
     """
     where = str(path)

@@ -88,9 +88,9 @@ def spring_from_card(card: CatalogueCard) -> SpringFit:
     Examples
     --------
     >>> import valvetrain as vt
-    >>> low, high = vt.SpringLoad("46 mm", "350 N"), vt.SpringLoad("34 mm", "830 N")
-    >>> card = vt.CatalogueCard(wire_diameter="4.4 mm", outer_diameter="32 mm", installed_load=low, open_load=high)
-    >>> vt.spring_from_card(card)
+    >>> low, high = vt.spring_card.SpringLoad("46 mm", "350 N"), vt.spring_card.SpringLoad("34 mm", "830 N")
+    >>> card = vt.spring_card.CatalogueCard(wire_diameter="4.4 mm", outer_diameter="32 mm", installed_load=low, open_load=high)
+    >>> vt.spring_card.spring_from_card(card)
     SpringFit 'spring': 6.383 turns, free length 54.65 mm; left free: 5
     """
     winding = first_winding(card)

@@ -1,1 +1,5 @@
 """Spring models of every fidelity behind one contract (`contract.SpringModel`)."""
+
+from valvetrain.lazy import public_names
+
+__getattr__, __dir__, __all__ = public_names(__name__, __file__)

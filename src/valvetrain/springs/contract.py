@@ -167,7 +167,7 @@ class SpringModel(Protocol):
     """One fidelity of a spring. All quantities SI; see the module text for the stepping rules.
 
     >>> import valvetrain as vt
-    >>> isinstance(vt.MasslessSpring(30e3, 250.0), SpringModel)
+    >>> isinstance(vt.springs.MasslessSpring(30e3, 250.0), SpringModel)
     True
     """
 

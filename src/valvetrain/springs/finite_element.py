@@ -36,7 +36,7 @@ class FiniteElementRod(RodModel):
     fields are those of :class:`RodModel`.
 
     >>> import valvetrain as vt
-    >>> rod = vt.FiniteElementRod(vt.cylindrical("4 mm", "24 mm", total_coils=8, free_length="52 mm"), 7e-3, elements_per_coil=12)
+    >>> rod = vt.springs.FiniteElementRod(vt.parameters.cylindrical("4 mm", "24 mm", total_coils=8, free_length="52 mm"), 7e-3, elements_per_coil=12)
     >>> round(rod.static_point("12 mm").force), round(float(rod.modes(4, attached_mass="50 g").axial_frequencies[0]))
     (370, 103)
     """

@@ -44,7 +44,7 @@ class ModalUniform:
     coils move with the retainer.
 
     >>> import valvetrain as vt
-    >>> model = ModalUniform(vt.EquivalentSpring(30e3, 250.0, 0.04), modes=3)
+    >>> model = ModalUniform(vt.springs.EquivalentSpring(30e3, 250.0, 0.04), modes=3)
     >>> [round(float(value) / 6.283185) for value in model.circular_frequencies]
     [433, 866, 1299]
     """

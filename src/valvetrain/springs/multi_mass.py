@@ -54,7 +54,7 @@ class MultiMassSpring:
     coils move with the retainer.
 
     >>> import valvetrain as vt
-    >>> problem = vt.build("job-t")
+    >>> problem = vt.system.build.build("job-t")
     >>> chain = problem.model_of("multi-mass", problem.springs[0])
     >>> isinstance(chain, MultiMassSpring)
     True

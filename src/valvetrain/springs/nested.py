@@ -62,7 +62,7 @@ class NestedSprings:
     otherwise.
 
     >>> import valvetrain as vt
-    >>> pair = NestedSprings(vt.MasslessSpring(30e3, 250.0), vt.MasslessSpring(10e3, 80.0))
+    >>> pair = NestedSprings(vt.springs.MasslessSpring(30e3, 250.0), vt.springs.MasslessSpring(10e3, 80.0))
     >>> round(pair.force(pair.initial_state(10e-3), 10e-3, 0.0).retainer)
     730
     """

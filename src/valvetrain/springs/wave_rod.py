@@ -46,7 +46,7 @@ class WaveRod:
     with the retainer.
 
     >>> import valvetrain as vt
-    >>> spring = WaveRod(vt.EquivalentSpring(30e3, 250.0, 0.04))
+    >>> spring = WaveRod(vt.springs.EquivalentSpring(30e3, 250.0, 0.04))
     >>> round(spring.force(spring.initial_state(10e-3), 10e-3, 0.0).retainer)
     550
     """

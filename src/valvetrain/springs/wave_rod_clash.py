@@ -46,7 +46,7 @@ class WaveRodWithClash:
     state at ``preload / rate``.
 
     >>> import valvetrain as vt
-    >>> problem = vt.build("uniform-spring")
+    >>> problem = vt.system.build.build("uniform-spring")
     >>> rod = problem.model_of("wave-rod-clash", problem.springs[0])
     >>> isinstance(rod, WaveRodWithClash)
     True

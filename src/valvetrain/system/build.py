@@ -20,21 +20,28 @@ from valvetrain.parameters.installed_spring import InstalledSpring, Rubbing, bin
 from valvetrain.parameters.loading import AnyCase, case_of, parse_case
 from valvetrain.parameters.toml_text import find_line
 from valvetrain.parameters.train import TrainParameters, TrainVariant
+from valvetrain.registry import plain_name
 from valvetrain.springs.nested import RadialRubbing
+from valvetrain.springs.own_spring import model_names
 from valvetrain.springs.spec import SpringModelSpec, spring_model
 from valvetrain.system.problem import Gear, Member, Problem
+from valvetrain.units import as_names, renamed
 
 #: Spring models of a case of one's own that names none: those of a known wire, of a card with and
 #: without a mass.
 WIRE_MODELS, CARD_MODELS, BARE_MODELS = (
     ("finite-element", "modal-varied"),
-    ("multi-mass", "modal-uniform"),
+    ("modal-uniform",),
     ("massless",),
 )
 
 
+@renamed(spring_sets="spring_set")
 def build(
-    case: AnyCase, *, spring_models: Sequence[str] = (), spring_sets: Sequence[str] = ()
+    case: AnyCase,
+    *,
+    spring_models: Sequence[str] | str = (),
+    spring_set: Sequence[str] | str = (),
 ) -> Problem:
     """The problem of a case, every part built once: its variants, or one member per spring model
     (of each spring set) requested.
@@ -42,9 +49,9 @@ def build(
     Parameters
     ----------
     case : Case, name of a library case, or path of a case file
-    spring_models : names of spring models, such as "multi-mass"; the case's own or the default ones
-        by default
-    spring_sets : names of spring sets of a train
+    spring_models : a spring model or several, by name, such as "multi-mass", class or instance; the
+        case's own or the default ones by default
+    spring_set : name of a spring set of a train, or several
 
     Returns
     -------
@@ -58,13 +65,13 @@ def build(
     Examples
     --------
     >>> import valvetrain as vt
-    >>> problem = vt.build("job-t", spring_models=["massless", "multi-mass"])
+    >>> problem = vt.system.build.build("job-t", spring_models=["massless", "multi-mass"])
     >>> [member.label for member in problem.members]
     ['massless', 'multi-mass']
     """
     case = case_of(case)
     try:
-        return _built(case, spring_models, spring_sets)
+        return _built(case, spring_models, as_names(spring_set))
     except (ArithmeticError, ValueError) as error:  # numbers at which the parts' formulas end
         raise InputError(
             f"the parts of case '{case.name}' cannot be built ({error}); check its numbers and their units"
@@ -99,13 +106,15 @@ def _is_text_of(text: str, case: Case) -> bool:
 
 def _built(case: Case, spring_models: Sequence[str], spring_sets: Sequence[str]) -> Problem:
     law = lift_law_of(case)
-    specs = tuple(spring_model(word, "spring_models") for word in dict.fromkeys(spring_models))
+    specs = tuple(
+        spring_model(word, "spring_models") for word in dict.fromkeys(model_names(spring_models))
+    )
     if case.train is not None:
         members = _train_members(case, case.train, law, specs, tuple(dict.fromkeys(spring_sets)))
     elif spring_sets:
         raise InputError(
             f"case '{case.name}' is a spring alone and has no spring sets; leave them out",
-            "spring_sets",
+            "spring_set",
         )
     else:
         members = _spring_members(case, law, specs)
@@ -142,10 +151,11 @@ def _spring_members(
         raise InputError(f"case '{case.name}': {sentence}")
     chosen = specs or tuple(spring_model(word) for word in default_models(case.springs))
     rubbing = _rubbing(case.rubbing)
-    return tuple(
-        Member(spec.word, spec, case.springs, law, rubbing=rubbing, name=case.name)
-        for spec in chosen
-    )
+    members: list[Member] = []
+    for spec in chosen:
+        label = _free_label(plain_name(spec.word), [member.label for member in members])
+        members.append(Member(label, spec, case.springs, law, rubbing=rubbing, name=case.name))
+    return tuple(members)
 
 
 def default_models(springs: tuple[InstalledSpring, ...]) -> tuple[str, ...]:
@@ -171,7 +181,13 @@ def _train_members(
     if specs or sets:
         variants: tuple[TrainVariant, ...] = tuple(
             TrainVariant(
-                f"{chosen}, {word}" if len(sets) > 1 else word if specs else chosen, chosen, word
+                f"{chosen}, {plain_name(word)}"
+                if len(sets) > 1
+                else plain_name(word)
+                if specs
+                else chosen,
+                chosen,
+                word,
             )
             for chosen in sets or (train.spring_set,)
             for word in [spec.word for spec in specs] or [train.model_of(chosen)]

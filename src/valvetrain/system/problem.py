@@ -97,7 +97,7 @@ class Problem:
     a lift law; ``built``: the spring models built so far, shared by members and states at rest.
 
     >>> import valvetrain as vt
-    >>> problem = vt.build("job-t", spring_models=["massless", "multi-mass"])
+    >>> problem = vt.system.build.build("job-t", spring_models=["massless", "multi-mass"])
     >>> [member.label for member in problem.members]
     ['massless', 'multi-mass']
     """
@@ -107,7 +107,7 @@ class Problem:
     valve_lift: LiftLaw
     lift_event: LiftEvent | None
     engine_speeds: tuple[float, ...]
-    cycles: int
+    cycles: int | None
     output_step: float
     cycles_to_settle: int | None = None
     moves: bool = True

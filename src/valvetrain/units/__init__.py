@@ -2,6 +2,7 @@
 back; inside all is SI.
 """
 
+from valvetrain.units.arguments import as_names, renamed
 from valvetrain.units.dimensions import DIMENSIONS, Dimension
 from valvetrain.units.inputs import (
     MAX_SPEEDS,
@@ -10,8 +11,10 @@ from valvetrain.units.inputs import (
     Window,
     keep_si,
     si,
+    si_array,
     si_each,
     si_speeds,
+    warn_unusual,
 )
 from valvetrain.units.text import (
     PlainInteger,
@@ -27,7 +30,7 @@ from valvetrain.units.text import (
 )
 
 __all__ = [
-    "DIMENSIONS", "Dimension", "Given", "MAX_SPEEDS", "PLAUSIBLE", "PlainInteger", "PlainNumber", "Window", "dimension_of",
-    "dimension_powers", "format_quantity", "keep_si", "numbers_of", "parse_quantities", "parse_quantity", "si", "si_each", "si_speeds", "to_unit",
-    "unit_factor",
+    "DIMENSIONS", "Dimension", "Given", "MAX_SPEEDS", "PLAUSIBLE", "PlainInteger", "PlainNumber", "Window", "as_names", "dimension_of",
+    "dimension_powers", "format_quantity", "keep_si", "numbers_of", "parse_quantities", "parse_quantity", "renamed", "si", "si_array", "si_each",
+    "si_speeds", "to_unit", "unit_factor", "warn_unusual",
 ]  # fmt: skip

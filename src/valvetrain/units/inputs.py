@@ -6,15 +6,17 @@ from __future__ import annotations
 
 import math
 import re
+import warnings
 from collections.abc import Iterable
 from dataclasses import dataclass
 from itertools import islice
-from typing import Any, SupportsFloat
+from typing import TYPE_CHECKING, Any, SupportsFloat
 
-from valvetrain.errors import InputError
+from valvetrain.errors import InputError, UnusualValueWarning
 from valvetrain.units.dimensions import DIMENSIONS
 from valvetrain.units.text import (
     clipped,
+    dimension_of,
     finite,
     format_quantity,
     parse_quantities,
@@ -24,6 +26,10 @@ from valvetrain.units.text import (
     to_unit,
     unit_factor,
 )
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
 
 #: What a public function takes for a number with a dimension: an SI number (of Python or numpy),
 #: text with a unit, a pint quantity.
@@ -63,6 +69,7 @@ PLAUSIBLE: dict[str, Window] = {
     "modulus": Window("modulus", 1e8, 2e12, "GPa"),
     "density": Window("density", 100, 100_000, "kg/m^3"),
     "mass": Window("mass", 1e-6, 20.0, "g"),
+    "moving_mass": Window("mass", 1e-12, 1e12, "g"),  # warn_unusual speaks of it
 }
 #: Dimension -> units in which a number out of its window may have been meant, the likeliest first.
 _MEANT = {
@@ -131,6 +138,25 @@ def si_each(values: str | Iterable[Given], quantity: str, where: str = "") -> tu
         ) from error
 
 
+def si_array(values: Any, quantity: str, where: str = "") -> NDArray[np.float64]:
+    """SI values of a row of numbers, or of quantities with a unit (a row of them, or a pint array).
+
+    Errors as :func:`si`, which sees the largest plain number, so that degrees are not taken for
+    radians.
+    """
+    import numpy as np
+
+    if hasattr(values, "to_base_units") or any(
+        isinstance(one, str) or hasattr(one, "to_base_units") for one in values
+    ):
+        dimension = PLAUSIBLE[quantity].dimension
+        return np.array(si_each(values, dimension, where))
+    found = np.asarray(values, dtype=float)
+    if found.size and np.isfinite(found).all():
+        si(float(np.max(found)), quantity, where)
+    return found
+
+
 def keep_si(part: object, owner: str, /, **quantities: str) -> None:
     """Fields of a frozen dataclass made SI floats as it is made (``__post_init__``): field ->
     quantity as for :func:`si`, None stays None.
@@ -140,6 +166,24 @@ def keep_si(part: object, owner: str, /, **quantities: str) -> None:
     for field, quantity in quantities.items():
         if (value := getattr(part, field)) is not None:
             object.__setattr__(part, field, si(value, quantity, f"{field} of {owner}"))
+
+
+def warn_unusual(part: object, owner: str, /, **typical: tuple[float, float, str]) -> None:
+    """Warn (:class:`UnusualValueWarning`) of fields of a part above zero and outside of ``typical``:
+    field -> least and largest value (SI) and the unit they are shown in; ``owner`` as for
+    :func:`keep_si`.
+    """
+    for field, (low, high, unit) in typical.items():
+        value = getattr(part, field)
+        if value is not None and value > 0 and not low <= value <= high:
+            shown, least, most = (format_quantity(one, unit) for one in (value, low, high))
+            si_unit = DIMENSIONS[dimension_of(unit) or "ratio"].si_unit
+            warnings.warn(
+                f"{field} of {owner} is {shown}, beyond {least} to {most} of valvetrains; check the number and its unit (a plain number "
+                f"is in {si_unit})",
+                UnusualValueWarning,
+                stacklevel=4,
+            )
 
 
 def si_speeds(

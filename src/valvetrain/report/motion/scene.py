@@ -195,7 +195,7 @@ def _worth(run: Solution) -> tuple[int, float]:
 
 @lru_cache(maxsize=4)
 def _problem(record: CaseRecord, models: tuple[str, ...], sets: tuple[str, ...]) -> Problem:
-    return build(parse_case(record.text, record.name), spring_models=models, spring_sets=sets)
+    return build(parse_case(record.text, record.name), spring_models=models, spring_set=sets)
 
 
 def member_of(record: CaseRecord, run: Solution) -> Member | None:

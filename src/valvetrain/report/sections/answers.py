@@ -57,7 +57,7 @@ def answers_blocks(study: Study) -> tuple[Block, ...]:
     own = (
         ()
         if study.comparisons or study.findings
-        else tuple(text(sentence, "note") for sentence in study.notes)
+        else tuple(text(sentence, "note") for sentence in study.all_notes)
     )
     return (*failed, *((Cards(tuple(cards)),) if cards else ()), *own, *_clashes(study))
 

@@ -28,8 +28,6 @@ from valvetrain.runs.error_bars import (
     CONTACT_FACTORS,
     DAMPING_FACTORS,
     STIFFNESS_FACTORS,
-    Range,
-    Uncertainty,
     UncertaintyStudy,
     grouped,
 )
@@ -39,6 +37,7 @@ from valvetrain.solution.definition import label_of
 from valvetrain.solution.display import SHOWN_UNITS
 from valvetrain.solution.quantity import Quantity, same_speed
 from valvetrain.solution.study import Study
+from valvetrain.solution.uncertainty import Range, Uncertainty
 
 #: Ends of the ratio axis; what lies beyond is drawn at the end as a triangle, its number on hover.
 AXIS = (0.5, 1.5)
@@ -66,7 +65,7 @@ def published_blocks(study: Study) -> tuple[Block, ...]:
         found.append(
             Grid(("place in the source", "finding of the source", "computed here", "verdict"), rows)
         )
-    return (*found, *prose(study.notes, "Notes on these values")) if found else ()
+    return (*found, *prose(study.all_notes, "Notes on these values")) if found else ()
 
 
 def ratios(rows: tuple[Comparison, ...]) -> list[tuple[Comparison, float]]:
@@ -240,7 +239,13 @@ def uncertainty_blocks(study: Study) -> tuple[Block, ...]:
     grid: Block = uncertainty_grid(fresh)
     if len(fresh) > ONE_SCREEN:
         grid = Details(f"All {len(fresh)} numbers with their error bars", (grid,))
-    return (text(firmness(fresh)), grid, text(lead(meshes_of(study.record)), "quiet"), *notes)
+    own = study.error_bars.sentences
+    return (
+        text(firmness(fresh)),
+        grid,
+        text(own[0] if own else lead(meshes_of(study.record)), "quiet"),
+        *notes,
+    )
 
 
 UNCERTAINTY_SPEC = SectionSpec("uncertainty", "Numbers with error bars", uncertainty_blocks)

@@ -1,0 +1,13 @@
+from valvetrain.measured.cycles import MeasuredCycles as MeasuredCycles
+from valvetrain.measured.cycles import read_cycles as read_cycles
+from valvetrain.measured.cycles import write_cycles as write_cycles
+from valvetrain.measured.force_height import ForceHeight as ForceHeight
+from valvetrain.measured.force_height import read_force_height as read_force_height
+from valvetrain.measured.lift_file import LiftAnswers as LiftAnswers
+from valvetrain.measured.lift_file import MeasuredLift as MeasuredLift
+from valvetrain.measured.lift_file import read_lift as read_lift
+from valvetrain.measured.lift_smoothing import SmoothedLift as SmoothedLift
+from valvetrain.measured.lift_smoothing import smooth_lift as smooth_lift
+from valvetrain.measured.sensor import Sensor as Sensor
+from valvetrain.measured.value_table import ValueTable as ValueTable
+from valvetrain.measured.value_table import read_value_table as read_value_table

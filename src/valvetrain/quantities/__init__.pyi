@@ -1,0 +1,1 @@
+from valvetrain.quantities.statics import buckling_compression as buckling_compression

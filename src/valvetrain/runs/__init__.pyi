@@ -1,0 +1,2 @@
+from valvetrain.runs.train_runs import train_modes as train_modes
+from valvetrain.runs.workers import map_cases as map_cases

@@ -1,0 +1,14 @@
+from valvetrain.solution.comparison import Comparison as Comparison
+from valvetrain.solution.critical import CriticalSpeeds as CriticalSpeeds
+from valvetrain.solution.fidelity import FidelityMap as FidelityMap
+from valvetrain.solution.modes import ModalResult as ModalResult
+from valvetrain.solution.modes import TrainModes as TrainModes
+from valvetrain.solution.netcdf import load_netcdf as load_netcdf
+from valvetrain.solution.netcdf import save_netcdf as save_netcdf
+from valvetrain.solution.quantity import Quantities as Quantities
+from valvetrain.solution.quantity import Quantity as Quantity
+from valvetrain.solution.static import StaticCurve as StaticCurve
+from valvetrain.solution.status import Event as Event
+from valvetrain.solution.status import Status as Status
+from valvetrain.solution.textfile import load_csv as load_csv
+from valvetrain.solution.textfile import save_csv as save_csv

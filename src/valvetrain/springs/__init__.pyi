@@ -1,0 +1,12 @@
+from valvetrain.springs.contract import SpringModel as SpringModel
+from valvetrain.springs.equivalent import EquivalentSpring as EquivalentSpring
+from valvetrain.springs.finite_element import FiniteElementRod as FiniteElementRod
+from valvetrain.springs.massless import MasslessSpring as MasslessSpring
+from valvetrain.springs.massless import MasslessTable as MasslessTable
+from valvetrain.springs.modal_uniform import ModalUniform as ModalUniform
+from valvetrain.springs.modal_varied import ModalVaried as ModalVaried
+from valvetrain.springs.multi_mass import MultiMassSpring as MultiMassSpring
+from valvetrain.springs.nested import NestedSprings as NestedSprings
+from valvetrain.springs.solid.jobs import SolidSpring as SolidSpring
+from valvetrain.springs.wave_rod import WaveRod as WaveRod
+from valvetrain.springs.wave_rod_clash import WaveRodWithClash as WaveRodWithClash

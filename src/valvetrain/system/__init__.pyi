@@ -1,0 +1,1 @@
+from valvetrain.system.problem import Problem as Problem

@@ -1,0 +1,137 @@
+"""A run computes what is read of it, and with ``outputs=`` these alone: properties, and limits between
+both ways.
+"""
+
+import pickle
+
+import numpy as np
+import pytest
+
+import valvetrain as vt
+from valvetrain.errors import InputError
+from valvetrain.explore import evaluate  # noqa: F401  imported before its parts are counted
+from valvetrain.runs import statics
+from valvetrain.runs.run import run_study
+from valvetrain.springs.multi_mass import MultiMassSpring
+
+#: A spring of textbook size in no library case, and its lift.
+SPRING = vt.Spring(
+    wire_diameter="3.6 mm",
+    mean_diameter="27 mm",
+    total_coils=7,
+    pitch="8.5 mm",
+    material="EN 10270-2 VDSiCr",
+    installed_height="42 mm",
+    damping={"ratio": 0.02, "ratio_frequency": "400 Hz"},
+)
+CASE = vt.Case(
+    spring=SPRING,
+    lift_law=lambda cam_angle: 8e-3 * max(0.0, 1 - ((cam_angle - np.pi) / 1.2) ** 2) ** 4,
+    engine_speeds="3000, 5500 rpm",
+    name="textbook",
+)
+
+
+@pytest.fixture
+def counted(monkeypatch):
+    """How often springs were solved at rest, and their inner motion was made."""
+    counts = {"rest": 0, "inner": 0}
+
+    def watch(owner, name, key):
+        whole = getattr(owner, name)
+
+        def counting(*given, **options):
+            counts[key] += 1
+            return whole(*given, **options)
+
+        monkeypatch.setattr(owner, name, counting)
+
+    watch(statics, "spring_statics", "rest")
+    watch(MultiMassSpring, "outputs", "inner")
+    return counts
+
+
+def test_springs_are_solved_at_rest_when_a_number_of_theirs_is_read(counted):
+    run = CASE.run("3000 rpm", "multi-mass", workers=1)
+    assert run.quantities["peak_spring_force"] > 0 and float(run["seat_force"].max()) > 0
+    assert counted == {"rest": 0, "inner": 0}
+    assert run.status.completed and run["axial_velocity"].dims == ("cam_angle", "coil_number")
+    assert counted["rest"] == 0 < counted["inner"]
+    assert run.quantities["surge_frequency"] > 0 and counted["rest"] == 1
+    assert run.gaps == () and len(run.quantities) > 50 and counted["rest"] == 1
+
+
+@pytest.mark.parametrize("model", ["multi-mass", "modal-uniform", "massless", "modal-varied"])
+def test_what_is_read_later_is_what_a_run_computes_at_once(model):
+    case = CASE.parameters
+    at_once = run_study(case, spring_models=(model,), workers=1)
+    later = vt.simulate(case, spring_models=model, workers=1)
+    first = [run.quantities["peak_spring_force"] for run in later.solutions]
+    sent = pickle.loads(pickle.dumps(later))
+    for found in (later, sent):
+        for run, other in zip(found.solutions, at_once.solutions, strict=True):
+            assert run.identical(other) and list(run.quantities) == list(other.quantities)
+        assert found.quantities == at_once.quantities and found.notes == at_once.notes
+        assert found.gaps == at_once.gaps and found.comparisons == at_once.comparisons
+        assert np.array_equal(found.rest[0].curve.force, at_once.rest[0].curve.force)
+    assert first == [run.quantities["peak_spring_force"] for run in at_once.solutions]
+
+
+def test_outputs_are_computed_alone(counted):
+    whole = CASE.run("5500 rpm", "multi-mass", workers=1)
+    expected = whole.quantities["peak_spring_force"]
+    run = CASE.run("5500 rpm", "multi-mass", workers=1, outputs=["peak_spring_force", "seat_force"])
+    assert dict(run.quantities) == {"peak_spring_force": expected}
+    assert list(run.channels) == ["seat_force"] and run["seat_force"].equals(whole["seat_force"])
+    assert run.status.completed and counted == {"rest": 0, "inner": 0}
+    table = CASE.study(
+        {"spring.wire_diameter": ["3.6 mm"]}, ["peak_spring_force"], sampling="listed",
+        engine_speeds="5500 rpm", models="multi-mass", workers=1,
+    )  # fmt: skip
+    assert table.values.item() == expected
+
+
+def test_outputs_at_rest_and_inside_the_spring():
+    run = CASE.run("5500 rpm", "multi-mass", workers=1, outputs=["preload", "coil_gap"])
+    whole = vt.simulate(CASE.parameters, "5500 rpm", spring_models="multi-mass", workers=1)
+    assert dict(run.quantities) == {"preload": whole.quantities["preload"]}
+    assert run["coil_gap"].equals(whole.solutions[0]["coil_gap"])
+
+
+def test_a_sweep_of_outputs_is_that_of_all(counted):
+    speeds = "2000:6000:1000 rpm"
+    few = CASE.sweep(speeds, "multi-mass", workers=1, outputs="peak_spring_force")
+    assert counted == {"rest": 0, "inner": 0}
+    every = CASE.sweep(speeds, "multi-mass", workers=1)
+    for one, other in zip(
+        few.series("multi-mass", "peak_spring_force"),
+        every.series("multi-mass", "peak_spring_force"),
+        strict=True,
+    ):
+        assert np.array_equal(one, other)
+    assert {name for run in few.solutions for name in run.quantities} == {"peak_spring_force"}
+
+
+def test_a_train_searches_critical_speeds_where_one_is_requested():
+    case, options = vt.Case("tdi-pushrod"), {"spring_set": "stock", "workers": 1}
+    few = case.sweep("6000:6400:400 rpm", "massless", outputs="peak_valve_lift", **options)
+    assert not len(few.critical_speeds) and set(few.solutions[0].quantities) == {"peak_valve_lift"}
+    speeds = "7000:7400:200 rpm"
+    found = case.sweep(speeds, "massless", outputs="contact_loss_engine_speed", **options)
+    assert len(found.critical_speeds) and found.quantities["contact_loss_engine_speed"] > 0
+
+
+@pytest.mark.parametrize(
+    ("name", "near"),
+    [("seat_forse", "seat_force"), ("prelaod", "preload"), ("peak_spring_forze", "peak_spring_force")],
+)  # fmt: skip
+def test_a_wrong_output_is_answered_with_the_nearest(name, near):
+    with pytest.raises(InputError, match=f"'{name}' is no quantity and no channel.*{near}"):
+        CASE.run("3000 rpm", "multi-mass", outputs=name)
+    with pytest.raises(InputError, match=f"did you mean .*{near}"):
+        CASE.sweep("3000 rpm", "multi-mass", outputs=[name])
+
+
+def test_a_channel_that_a_run_lacks_is_said():
+    with pytest.raises(InputError, match="this massless run has no channel 'torsional_moment'"):
+        CASE.run("3000 rpm", "massless", outputs="torsional_moment")
