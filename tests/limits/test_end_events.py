@@ -61,11 +61,11 @@ def test_the_blow_of_an_end_coil_is_that_of_its_mass_on_its_contact():
 
 
 def test_modes_say_that_they_cannot_lift_an_end_that_would_pull():
-    study = case_of(None).compare(["modal-uniform"], SPEED)
+    study = case_of(None).compare(SPEED, ["modal-uniform"])
     kinds = {event.kind for event in study.solutions[0].events}
     assert "end-pull" in kinds and "end-strike" not in kinds
     assert "would pull: modal-uniform at 9000 rpm" in " ".join(study.notes)
-    bonded = case_of("bonded").compare(["modal-uniform"], SPEED)
+    bonded = case_of("bonded").compare(SPEED, ["modal-uniform"])
     assert not [note for note in bonded.notes if "would pull" in note]
 
 

@@ -17,6 +17,7 @@ from valvetrain.integrate.contract import Cycles, Keep, Periodic, RunOptions, Un
 from valvetrain.integrate.run import run_to_orbit
 from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.quantities.cycle import Frame
+from valvetrain.quantities.end_events import LIFT_OFF
 from valvetrain.quantities.evaluate import evaluate
 from valvetrain.quantities.kinematics import RigidMotion, rigid_motion
 from valvetrain.quantities.plausible import REMEDY, implausible
@@ -336,6 +337,7 @@ def with_later_quantities(
     found = with_quantities(alone, first, plan, {})
     if not len(solution.time):
         return found
+    events = found.events
     every = rest.then(partial(with_quantities, PreparedRun(member, frame), solution, plan))
     known, status, between = (
         dict(found.quantities),
@@ -344,11 +346,15 @@ def with_later_quantities(
     )
     if inner:
         moved = Later(with_quantities, alone, solution, plan, {})
+        if any(
+            event.kind == LIFT_OFF for event in events
+        ):  # how fast it comes down is inner motion
+            events = moved.value.events
         known = {name: one for name, one in known.items() if name in LIGHT}
         status, between = moved.then(attrgetter("status")), moved.then(attrgetter("quantities"))
     return Solution(
         given if inner else found.arrays,
-        found.events,
+        events,
         status,
         found.statistics,
         found.provenance,
