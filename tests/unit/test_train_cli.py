@@ -127,7 +127,9 @@ def test_sweep_tells_where_contact_is_lost(folder):
     assert all(run["quantities"]["seating_velocity"]["unit"] == "m/s" for run in data["runs"])
     assert (target / "run.json").is_file() and (target / "report.html").is_file()
     printed = call(*words, "--output", str(target), "--no-report", "--workers", "1").stdout
-    assert re.search(r"Loss of contact from +rpm +7\d\d\d–7\d\d\d \(cam\)", printed)
+    assert re.search(
+        r"Loss of contact from +rpm +7\d\d\d \(7\d\d\d–7\d\d\d numerical, 7\d\d\d", printed
+    )
 
 
 def test_run_prints_a_table_for_people(folder):
