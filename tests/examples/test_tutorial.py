@@ -49,13 +49,11 @@ def test_every_command_of_the_page_is_a_step():
 
 
 def test_the_gain_that_the_page_tells_is_that_of_its_tables():
-    """20 lbf more: the speeds of float and of the first loss of contact, by the lower ends of the
-    brackets.
-    """
+    """20 lbf more: the nominal speeds of float and of the first loss of contact."""
     gain = {}
     for row in ("Float from", "Loss of contact from"):
         before, after = (
-            float(value) for value in re.findall(rf"^{row} +rpm +(\d+)–", PAGE, re.MULTILINE)
+            float(value) for value in re.findall(rf"^{row} +rpm +(\d+) \(", PAGE, re.MULTILINE)
         )
         gain[row] = round((after - before) / 10) * 10
     told = re.search(

@@ -21,7 +21,7 @@ from valvetrain.integrate.train_run import TrainOptions, runner
 from valvetrain.integrate.train_steady import steady_train
 from valvetrain.mechanism.build import build_mechanism
 from valvetrain.parameters.loading import load_case
-from valvetrain.runs.critical_speeds import Limit, Search, SpeedSample
+from valvetrain.runs.critical_search import Limit, Search, SpeedSample
 from valvetrain.solution.critical import Crossing, SpeedBracket
 from valvetrain.springs.massless import MasslessSpring
 from valvetrain.system.build import build

@@ -11,16 +11,9 @@ import pytest
 
 from valvetrain.errors import InputError
 from valvetrain.parameters.loading import load_case
-from valvetrain.runs import critical_speeds as critical_search
-from valvetrain.runs.critical_speeds import (
-    CriticalOptions,
-    Limit,
-    Search,
-    SpeedSample,
-    critical_speed,
-    read_options,
-    sample_of,
-)
+from valvetrain.runs import critical_search
+from valvetrain.runs.critical_search import Limit, Search, SpeedSample
+from valvetrain.runs.critical_speeds import CriticalOptions, critical_speed, read_options, sample_of
 from valvetrain.solution.critical import SpeedBracket
 from valvetrain.solution.result import Solution, empty_channels
 

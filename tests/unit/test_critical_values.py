@@ -11,13 +11,8 @@ import pytest
 
 from valvetrain.report.json import _critical_object
 from valvetrain.runs.critical_repeats import repeated, scattered
-from valvetrain.runs.critical_speeds import (
-    CriticalOptions,
-    Limit,
-    Search,
-    SpeedSample,
-    critical_speed,
-)
+from valvetrain.runs.critical_search import Limit, Search, SpeedSample
+from valvetrain.runs.critical_speeds import CriticalOptions, critical_speed
 from valvetrain.solution.critical import RPM, CriticalSpeed, Crossing, SpeedBracket
 
 KIND = "contact-loss"

@@ -7,13 +7,13 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
 
 from scipy.optimize import brentq
 
 from valvetrain.integrate.train_leapfrog import SAMPLES
 from valvetrain.integrate.train_run import TrainOptions, runner
 from valvetrain.parameters.installed_spring import InstalledSpring
+from valvetrain.runs.critical_search import Search, SpeedSample
 from valvetrain.runs.prepared import FAILURES, PreparedRun, prepare
 from valvetrain.runs.refine_trains import divided
 from valvetrain.runs.train_runs import member_statics
@@ -21,9 +21,6 @@ from valvetrain.solution.critical import DAMPING_FACTORS, RPM, CriticalSpeed, Sp
 from valvetrain.springs.contract import LargeSpring
 from valvetrain.system.problem import Problem
 from valvetrain.system.train_system import TrainSystem
-
-if TYPE_CHECKING:
-    from valvetrain.runs.critical_speeds import Search, SpeedSample
 
 #: Width (rad/s) to which the speed itself is found, and to which its repeats are.
 NOMINAL_WIDTH, REPEAT_WIDTH = 1e-4 * RPM, 0.5 * RPM
@@ -33,7 +30,7 @@ NOMINAL_TOLERANCE = 1e-8
 DIVISION, STEP = 1.5, 0.5
 #: First and largest step from the nominal speed in a repeat, and step where motion does not
 #: repeat, over the speed.
-FIRST_STRIDE, LARGEST_STRIDE, SCATTER_STRIDE = 0.0025, 0.01, 0.005
+FIRST_STRIDE, MAX_STRIDE, SCATTER_STRIDE = 0.0025, 0.01, 0.005
 #: Steps, at most, through speeds whose motion does not repeat; dips of a margin that are looked at
 #: below the nominal speed, and above it.
 MAX_SCATTERED, MAX_DIPS = 10, 8
@@ -42,7 +39,7 @@ MAX_SCATTERED, MAX_DIPS = 10, 8
 #: square of speed, would.
 SMALL, GRAZE = 0.1, 0.075
 #: Sample of the train at an engine speed (rad/s).
-SampleAt = Callable[[float], "SpeedSample"]
+SampleAt = Callable[[float], SpeedSample]
 #: Continued margin (SI) at an engine speed (rad/s): control is kept where it is positive.
 Measure = Callable[[float], float]
 
@@ -148,17 +145,17 @@ def follow(
     """
     first, last = ends
     here = next((one for one in low if one < nominal and not measure(one) > 0), nominal)
-    kept, step = measure(here) > 0, FIRST_STRIDE * nominal
+    controlled, step = measure(here) > 0, FIRST_STRIDE * nominal
     while True:
-        if kept:
+        if controlled:
             there = min(last, here + step, *(one for one in low if one > here))
         else:
             there = max(first, here - step)
         if there == here:
-            return math.inf if kept else 0.0
-        if (measure(there) > 0) != kept:
+            return math.inf if controlled else 0.0
+        if (measure(there) > 0) != controlled:
             break
-        here, step = there, min(2 * step, LARGEST_STRIDE * nominal)
+        here, step = there, min(2 * step, MAX_STRIDE * nominal)
     bracket = SpeedBracket(min(here, there), max(here, there))
     found = root(measure, bracket, REPEAT_WIDTH)
     return bracket.upper_engine_speed if found is None else found

@@ -1,0 +1,233 @@
+"""The search for a change between sampled engine speeds: brackets from rest, with rising and with
+falling speed. It knows no trains.
+"""
+
+from __future__ import annotations
+
+import math
+from bisect import bisect_left, insort
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+from valvetrain.solution.critical import Crossing, SpeedBracket
+
+#: The steepest slope within this share of the speed counts, times this factor.
+NEAR, FACTOR = 0.1, 2.0
+#: Largest step between speeds with continued motion, and distance from a bracket at which
+#: continuation starts, in resolutions.
+STRIDE, AWAY = 4.0, 3.0
+
+
+@dataclass(frozen=True, eq=False)
+class SpeedSample:
+    """The train at one engine speed: ``margins`` by kind (control is lost where not positive),
+    ``locations`` of the loss, and the ``orbit`` on which the run ended (None where it cannot be
+    continued). ``measures``: the margin of a kind continued below zero, where it ends there;
+    ``repeats``: whether the motion repeats every cycle.
+    """
+
+    margins: Mapping[str, float]
+    locations: Mapping[str, str]
+    orbit: Any = None
+    measures: Mapping[str, float] = field(default_factory=dict)
+    repeats: bool = True
+
+    def measure(self, kind: str) -> float:
+        """What passes zero where control is lost, with a sign on either side."""
+        return self.measures.get(kind, self.margins[kind])
+
+    def lost(self, kind: str) -> bool:
+        """Whether control is lost."""
+        return not self.margins[kind] > 0
+
+
+@dataclass(frozen=True, slots=True)
+class Limit:
+    """How one kind is searched.
+
+    ``size``: margin of a train far from its limit (None: the largest sampled). ``width``: narrowest
+    range, in resolutions, that the search finds where it sampled nothing steeper. ``sign``: the
+    kind that precedes this one, empty for none; where neither end of an interval shows it and both
+    have the whole margin, no range is searched between them, unless ``within``: this kind occurs
+    only where the other does (a train floats only where it has lost contact).
+    """
+
+    kind: str
+    size: float | None
+    width: float
+    sign: str = ""
+    within: bool = False
+
+
+#: Runs at an engine speed (rad/s), from a given orbit or from rest.
+RunAt = Callable[[float, Any], SpeedSample]
+
+
+class Search:
+    """Samples of speeds from rest and the brackets between them; ``resolution`` in rad/s."""
+
+    def __init__(
+        self,
+        run_at: RunAt,
+        samples: Mapping[float, SpeedSample],
+        limits: tuple[Limit, ...],
+        resolution: float,
+    ) -> None:
+        self._run_at, self._samples = run_at, dict(samples)
+        self._speeds = sorted(samples)
+        self._limits = {limit.kind: limit for limit in limits}
+        self._resolution = resolution * (1 + 1e-9)
+        self.runs_count = 0
+
+    def sample(self, engine_speed: float) -> SpeedSample:
+        """The sample of a speed from rest, with its orbit."""
+        known = self._samples.get(engine_speed)
+        if known is None or known.orbit is None:
+            if known is None:
+                insort(self._speeds, engine_speed)
+            known = self._samples[engine_speed] = self._from(engine_speed, None)
+        return known
+
+    @property
+    def samples(self) -> Mapping[float, SpeedSample]:
+        """All samples by engine speed (rad/s)."""
+        return self._samples
+
+    def known(self, engine_speed: float) -> SpeedSample:
+        """The sample of a speed that has one."""
+        return self._samples[engine_speed]
+
+    def _from(self, engine_speed: float, orbit: Any) -> SpeedSample:
+        self.runs_count += 1
+        return self._run_at(engine_speed, orbit)
+
+    def _lost(self, kind: str, engine_speed: float) -> bool:
+        return self._samples[engine_speed].lost(kind)
+
+    def onset(self, kind: str) -> SpeedBracket | float | None:
+        """Bracket of the lowest onset; the first speed where control is lost there already; None
+        for never.
+        """
+        while (middle := self._next(kind)) is not None:
+            self.sample(middle)
+        first = next((n for n, one in enumerate(self._speeds) if self._lost(kind, one)), None)
+        if not first:
+            return None if first is None else self._speeds[0]
+        return SpeedBracket(self._speeds[first - 1], self._speeds[first])
+
+    def end(self, kind: str, engine_speed: float) -> SpeedBracket | None:
+        """Bracket of the end of the range that begins at ``engine_speed``; None where it lasts to
+        the last speed.
+        """
+        while True:
+            above = self._speeds[bisect_left(self._speeds, engine_speed) :]
+            first = next((n for n, one in enumerate(above) if not self._lost(kind, one)), None)
+            if first is None:
+                return None
+            low, high = above[first - 1], above[first]
+            if high - low <= self._resolution:
+                return SpeedBracket(low, high)
+            self.sample((low + high) / 2)
+
+    def stretches(self, kind: str) -> list[SpeedBracket]:
+        """All ranges of speeds that lose control, by their lowest and highest sampled speed."""
+        found: list[SpeedBracket] = []
+        before = False
+        for one in self._speeds:
+            now = self._lost(kind, one)
+            if now and before:
+                found[-1] = replace(found[-1], upper_engine_speed=one)
+            elif now:
+                found.append(SpeedBracket(one, one))
+            before = now
+        return found
+
+    def crossing(self, kind: str, bracket: SpeedBracket) -> Crossing:
+        """The bracket from rest with those of rising and of falling speed."""
+        low, high = bracket.lower_engine_speed, bracket.upper_engine_speed
+        return Crossing(
+            bracket,
+            self._carried(kind, self._away(kind, low, -1), high),
+            self._carried(kind, self._away(kind, high, 1), low),
+        )
+
+    def _away(self, kind: str, engine_speed: float, sign: int) -> float:
+        """The nearest sampled speed :data:`AWAY` from the end of a bracket on the same side of the
+        change, or that end: just beyond a change the motion from rest may not have jumped yet.
+        """
+        index, side = bisect_left(self._speeds, engine_speed), self._lost(kind, engine_speed)
+        while 0 <= index < len(self._speeds) and self._lost(kind, self._speeds[index]) == side:
+            if abs(self._speeds[index] - engine_speed) >= AWAY * self._resolution:
+                return self._speeds[index]
+            index += sign
+        return engine_speed
+
+    def _carried(self, kind: str, begin: float, towards: float) -> SpeedBracket | None:
+        """Bracket of the change when each speed continues the motion of the one before, from
+        ``begin``.
+
+        Steps grow, and shrink to one resolution before a change counts: a long step may leave a
+        motion that still exists.
+        """
+        last = self._speeds[-1 if towards > begin else 0]
+        sign, most, step = (
+            math.copysign(1.0, towards - begin),
+            STRIDE * self._resolution,
+            self._resolution / (1 + 1e-9),
+        )
+        first, here = self.sample(begin), begin
+        side, orbit = first.lost(kind), first.orbit
+        while orbit is not None:
+            there = min(here + step, last) if sign > 0 else max(here - step, last)
+            found = self._from(there, orbit)
+            if found.lost(kind) == side:
+                if there == last:
+                    return None
+                here, orbit, step = there, found.orbit, min(2 * step, most)
+            elif abs(there - here) > self._resolution:
+                most = step = self._resolution / (1 + 1e-9)
+            else:
+                return SpeedBracket(min(here, there), max(here, there))
+        return None
+
+    def _next(self, kind: str) -> float | None:
+        """The lowest speed to sample before the lowest onset is certain; None where it is."""
+        for low, high in zip(self._speeds, self._speeds[1:], strict=False):
+            if self._lost(kind, low):
+                return None
+            if high - low > self._resolution and (
+                self._lost(kind, high) or self._may_hide(kind, low, high)
+            ):
+                return (low + high) / 2
+        return None
+
+    def _may_hide(self, kind: str, low: float, high: float) -> bool:
+        """Whether control may be lost between two speeds that maintain it, by the slopes nearby."""
+        limit, ends = self._limits[kind], (self._samples[low], self._samples[high])
+        margins = [one.margins[kind] for one in ends]
+        size = limit.size
+        if size is None:
+            size = max(one.margins[kind] for one in self._samples.values() if not one.lost(kind))
+        if limit.sign and min(margins) >= size and not any(one.lost(limit.sign) for one in ends):
+            return limit.within and self._may_hide(limit.sign, low, high)
+        steepness = max(
+            FACTOR * self._steepest(kind, (low + high) / 2),
+            2 * size / (limit.width * self._resolution),
+        )
+        return sum(margins) < steepness * (high - low)
+
+    def _steepest(self, kind: str, engine_speed: float) -> float:
+        """Largest change of the margin per rad/s between neighbours near ``engine_speed``."""
+        near = self._speeds[
+            max(0, bisect_left(self._speeds, (1 - NEAR) * engine_speed) - 1) : bisect_left(
+                self._speeds, (1 + NEAR) * engine_speed
+            )
+            + 1
+        ]
+        values = [self._samples[one].margins[kind] for one in near]
+        slopes = [
+            abs(b - a) / (y - x)
+            for a, b, x, y in zip(values, values[1:], near, near[1:], strict=False)
+        ]
+        return max((slope for slope in slopes if slope == slope), default=0.0)
