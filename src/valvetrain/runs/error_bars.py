@@ -24,6 +24,12 @@ STIFFNESS_FACTORS, DAMPING_FACTORS = (0.35, 2.5), (0.0, 2.0)
 #: factor of two.
 CONTACT_FACTORS = (0.5, 2.0)
 Numbers = Mapping[str, float]
+#: Headline numbers of a spring under prescribed motion, those it has; the forces in the table of a source study follow them.
+SPRING_HEADLINES = (
+    "peak_spring_force", "minimum_spring_force", "below_20_khz_peak_spring_force", "below_10_khz_peak_spring_force",
+    "main_clash_peak_force", "main_clash_below_20_khz_peak_force", "main_clash_below_10_khz_peak_force", "main_clash_cam_angle",
+    "main_clash_impulse", "peak_shear_stress", "outer_peak_shear_stress", "inner_peak_shear_stress",
+)  # fmt: skip
 #: The variant with the mesh and step of the case.
 OWN = "mesh 1"
 

@@ -10,7 +10,7 @@ from dataclasses import replace
 from typing import NamedTuple
 
 from valvetrain.runs.at_rest import AtRest
-from valvetrain.runs.error_bars import two_grids
+from valvetrain.runs.error_bars import SPRING_HEADLINES, two_grids
 from valvetrain.runs.prepared import (
     FAILURES,
     Plan,
@@ -21,7 +21,6 @@ from valvetrain.runs.prepared import (
     statics_of,
     with_quantities,
 )
-from valvetrain.runs.refine import HEADLINES as SPRING_HEADLINES
 from valvetrain.runs.refine_trains import HEADLINES as TRAIN_HEADLINES
 from valvetrain.runs.refine_trains import ROUNDING, divided
 from valvetrain.runs.workers import map_points

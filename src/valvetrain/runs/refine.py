@@ -20,6 +20,7 @@ from valvetrain.runs.cost import FEWER_REFINED, Limits, limits_of, refuse_cost
 from valvetrain.runs.error_bars import (
     DAMPING_FACTORS,
     OWN,
+    SPRING_HEADLINES,
     STIFFNESS_FACTORS,
     TRUSTED,
     Numbers,
@@ -141,12 +142,6 @@ def refined(
 
 #: Elements per coil over those of the case.
 REFINEMENTS = (1.0, 1.5, 2.25)
-#: Headline numbers of a run, those it has; the forces in the table of a source study follow them.
-HEADLINES = (
-    "peak_spring_force", "minimum_spring_force", "below_20_khz_peak_spring_force", "below_10_khz_peak_spring_force",
-    "main_clash_peak_force", "main_clash_below_20_khz_peak_force", "main_clash_below_10_khz_peak_force", "main_clash_cam_angle",
-    "main_clash_impulse", "peak_shear_stress", "outer_peak_shear_stress", "inner_peak_shear_stress",
-)  # fmt: skip
 
 
 def refine_springs(
@@ -360,7 +355,7 @@ def _moving(solution: Solution, window: ClashWindow | None, study: str) -> dict[
         pattern_of(row.name) for row in tables().get(study, ()) if row.name.endswith("_force")
     ]
     sourced = (name for name in found if any(pattern.fullmatch(name) for pattern in patterns))
-    names = dict.fromkeys((*HEADLINES, *sourced))
+    names = dict.fromkeys((*SPRING_HEADLINES, *sourced))
     return {name: float(found[name]) for name in names if name in found}
 
 
