@@ -25,12 +25,12 @@ for words, (changes, springs) in variants.items():
         "6000:12000:1000 rpm",
         spring_models=["massless"],
         spring_sets=[springs],
-        resolution="50 rpm",
+        ranges=False,
         workers=1,
     )
     row = found.of("contact-loss")
     speeds[words] = row.engine_speed / RPM
-    print(f"{words}: {row.text} rpm")
+    print(f"{words}: {speeds[words]:.0f} rpm")
 
 # %%
 # Engine speed at which contact is lost first.
